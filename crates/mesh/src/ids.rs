@@ -1,0 +1,174 @@
+//! Ids: one `u32` newtype per kind of element, printed with its letter, null as all ones.
+
+use bytemuck::{Pod, Zeroable};
+use std::fmt;
+
+macro_rules! id {
+    ($(#[$doc:meta])* $name:ident, $letter:literal) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Pod, Zeroable)]
+        #[repr(transparent)]
+        pub struct $name(pub u32);
+
+        impl $name {
+            /// No element. Never an index.
+            pub const NULL: Self = Self(u32::MAX);
+
+            /// The id of the element at `index` of its array.
+            ///
+            /// # Panics
+            /// When `index` is not below `u32::MAX`: no array of this crate grows that long.
+            #[must_use]
+            pub fn from_index(index: usize) -> Self {
+                match u32::try_from(index) {
+                    Ok(id) if id != u32::MAX => Self(id),
+                    _ => panic!("more than 2^32 - 1 elements"),
+                }
+            }
+
+            /// Where the element's data stands in an array of its kind.
+            #[must_use]
+            pub const fn index(self) -> usize {
+                self.0 as usize
+            }
+
+            /// Whether this is no element.
+            #[must_use]
+            pub const fn is_null(self) -> bool {
+                self.0 == u32::MAX
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                if self.is_null() {
+                    write!(f, concat!($letter, "-"))
+                } else {
+                    write!(f, concat!($letter, "{}"), self.0)
+                }
+            }
+        }
+
+        impl fmt::Debug for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                fmt::Display::fmt(self, f)
+            }
+        }
+    };
+}
+
+id!(
+    /// A vertex of the surface, and the particle of the same number.
+    VertexId,
+    "v"
+);
+id!(
+    /// A triangle of the surface.
+    TriangleId,
+    "t"
+);
+id!(
+    /// A directed edge of a triangle, and the corner at its origin: half-edge `3t + i` runs from
+    /// corner `i` of triangle `t` to the next corner.
+    HalfEdge,
+    "h"
+);
+
+impl TriangleId {
+    /// The triangle's half-edges, in order.
+    #[must_use]
+    pub const fn half_edges(self) -> [HalfEdge; 3] {
+        [
+            HalfEdge(3 * self.0),
+            HalfEdge(3 * self.0 + 1),
+            HalfEdge(3 * self.0 + 2),
+        ]
+    }
+}
+
+impl HalfEdge {
+    /// The triangle that this half-edge bounds.
+    #[must_use]
+    pub const fn triangle(self) -> TriangleId {
+        TriangleId(self.0 / 3)
+    }
+
+    /// The next half-edge around the triangle, counterclockwise.
+    #[must_use]
+    pub const fn next(self) -> Self {
+        if self.0 % 3 == 2 {
+            Self(self.0 - 2)
+        } else {
+            Self(self.0 + 1)
+        }
+    }
+
+    /// The previous half-edge around the triangle.
+    #[must_use]
+    pub const fn prev(self) -> Self {
+        if self.0.is_multiple_of(3) {
+            Self(self.0 + 2)
+        } else {
+            Self(self.0 - 1)
+        }
+    }
+}
+
+/// An undirected edge as its two vertices, the smaller first. One number, so that it sorts and hashes.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct EdgeKey(u64);
+
+impl EdgeKey {
+    /// The key of the edge between `a` and `b`, in either order.
+    #[must_use]
+    pub const fn new(a: VertexId, b: VertexId) -> Self {
+        let (low, high) = if a.0 < b.0 { (a.0, b.0) } else { (b.0, a.0) };
+        Self(((low as u64) << 32) | high as u64)
+    }
+
+    /// The edge's vertices, the smaller first.
+    #[must_use]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the two halves are 32 bits each by construction"
+    )]
+    pub const fn vertices(self) -> [VertexId; 2] {
+        [VertexId((self.0 >> 32) as u32), VertexId(self.0 as u32)]
+    }
+}
+
+impl fmt::Debug for EdgeKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [a, b] = self.vertices();
+        write!(f, "{a}-{b}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_steps_around_a_triangle_come_home() {
+        for h in (0..9).map(HalfEdge) {
+            assert_eq!(h.next().next().next(), h);
+            assert_eq!(h.next().prev(), h);
+            assert_eq!(h.next().triangle(), h.triangle());
+        }
+    }
+
+    #[test]
+    fn an_edge_key_forgets_direction_and_keeps_vertices() {
+        let (a, b) = (VertexId(7), VertexId(3));
+        assert_eq!(EdgeKey::new(a, b), EdgeKey::new(b, a));
+        assert_eq!(EdgeKey::new(a, b).vertices(), [b, a]);
+    }
+
+    #[test]
+    fn ids_print_with_their_letter() {
+        assert_eq!(
+            format!("{} {:?} {}", VertexId(12), HalfEdge(7), TriangleId::NULL),
+            "v12 h7 t-"
+        );
+    }
+}

@@ -1,0 +1,31 @@
+//! Triangle surfaces for cutting.
+//!
+//! - [`Topology`]: who is whose neighbor, as a corner table with local edits.
+//! - [`Surface`]: a topology with positions, rest positions, corner attributes and piece numbers,
+//!   each in an array of its own.
+//! - [`TopologyDelta`]: an edit as data, which solvers, search trees and renderers follow.
+//!
+//! ```
+//! use incise_mesh::Surface;
+//!
+//! let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+//! let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+//! let tetrahedron = Surface::from_triangles(&corners, &faces)?;
+//! assert!(tetrahedron.topology().is_closed());
+//! assert_eq!(tetrahedron.volume(), 1.0 / 6.0);
+//! # Ok::<(), incise_mesh::TopologyError>(())
+//! ```
+
+mod components;
+mod delta;
+pub mod geometry;
+mod ids;
+mod measure;
+mod surface;
+mod topology;
+
+pub use delta::{AddedVertex, Origin, TopologyDelta};
+pub use geometry::{Aabb, Vec3};
+pub use ids::{EdgeKey, HalfEdge, TriangleId, VertexId};
+pub use surface::{CornerAttributes, Surface};
+pub use topology::{InvalidTopology, Topology, TopologyError};

@@ -1,0 +1,249 @@
+//! A surface: connectivity and the arrays that go with it.
+
+use crate::geometry::{Aabb, Vec3, widen};
+use crate::ids::{HalfEdge, TriangleId, VertexId};
+use crate::topology::{Topology, TopologyError};
+
+/// What corners carry beside their vertex. A seam is where the corners of one vertex differ; it
+/// never splits the vertex. Each array is empty or has three entries a triangle slot.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CornerAttributes {
+    /// Texture coordinates, shape [3 x triangle slots].
+    pub uv: Vec<[f32; 2]>,
+    /// Shading normals, shape [3 x triangle slots].
+    pub normal: Vec<[f32; 3]>,
+}
+
+/// A triangle surface as a structure of arrays, one array an attribute. One surface holds any
+/// number of pieces (bodies after a cut): every triangle has the number of its piece.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Surface {
+    topology: Topology,
+    /// Position [m] and inverse mass [1/kg], 0 = pinned, shape [vertex slots].
+    pub positions: Vec<[f32; 4]>,
+    /// Rest position [m], shape [vertex slots].
+    pub rest: Vec<[f32; 3]>,
+    /// Attributes of corners.
+    pub corners: CornerAttributes,
+    piece: Vec<u32>,
+}
+
+impl Surface {
+    /// A surface at rest: rest positions are `positions`, inverse masses 1, one piece a connected
+    /// component, numbered in order of their first triangle.
+    ///
+    /// # Errors
+    /// [`TopologyError`] when the triangles do not make an oriented manifold (boundaries are allowed).
+    pub fn from_triangles(
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+    ) -> Result<Self, TopologyError> {
+        let topology = Topology::from_triangles(positions.len(), triangles)?;
+        let piece = topology.component_labels();
+        Ok(Self {
+            topology,
+            positions: positions.iter().map(|&[x, y, z]| [x, y, z, 1.0]).collect(),
+            rest: positions.to_vec(),
+            corners: CornerAttributes::default(),
+            piece,
+        })
+    }
+
+    /// The connectivity.
+    #[must_use]
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// Where `v` is [m].
+    #[must_use]
+    pub fn position(&self, v: VertexId) -> Vec3 {
+        let [x, y, z, _] = self.positions[v.index()];
+        widen([x, y, z])
+    }
+
+    /// Where `v` is at rest [m].
+    #[must_use]
+    pub fn rest_position(&self, v: VertexId) -> Vec3 {
+        widen(self.rest[v.index()])
+    }
+
+    /// Where the corners of `t` are [m].
+    #[must_use]
+    pub fn triangle_positions(&self, t: TriangleId) -> [Vec3; 3] {
+        self.topology.triangle(t).map(|v| self.position(v))
+    }
+
+    /// The piece that `t` belongs to.
+    #[must_use]
+    pub fn piece(&self, t: TriangleId) -> u32 {
+        self.piece[t.index()]
+    }
+
+    /// One more than the largest piece number in use.
+    #[must_use]
+    pub fn piece_bound(&self) -> u32 {
+        self.topology
+            .triangles()
+            .map(|t| self.piece(t) + 1)
+            .max()
+            .unwrap_or(0)
+    }
+
+    /// The box around the vertices that triangles use.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        Aabb::around(self.topology.vertices().map(|v| {
+            let [x, y, z, _] = self.positions[v.index()];
+            [x, y, z]
+        }))
+    }
+
+    /// Vertices as a renderer counts them: one for each distinct set of corner attributes of a
+    /// vertex that triangles use. This is the paper's "Number of Vertices".
+    #[must_use]
+    pub fn seam_split_vertices(&self) -> usize {
+        let mut corners: Vec<_> = self
+            .topology
+            .triangles()
+            .flat_map(TriangleId::half_edges)
+            .map(|h| {
+                let uv = self.corners.uv.get(h.index()).copied().unwrap_or_default();
+                let normal = self
+                    .corners
+                    .normal
+                    .get(h.index())
+                    .copied()
+                    .unwrap_or_default();
+                (
+                    self.topology.origin(h),
+                    uv.map(f32::to_bits),
+                    normal.map(f32::to_bits),
+                )
+            })
+            .collect();
+        corners.sort_unstable();
+        corners.dedup();
+        corners.len()
+    }
+
+    /// Makes a vertex that no triangle uses yet.
+    pub fn add_vertex(&mut self, position: [f32; 4], rest: [f32; 3]) -> VertexId {
+        let v = self.topology.add_vertex();
+        if v.index() == self.positions.len() {
+            self.positions.push(position);
+            self.rest.push(rest);
+        } else {
+            self.positions[v.index()] = position;
+            self.rest[v.index()] = rest;
+        }
+        v
+    }
+
+    /// Makes a triangle of `piece` without neighbors; corner attributes are zero.
+    ///
+    /// # Errors
+    /// [`TopologyError`] when the vertices repeat or do not exist.
+    pub fn add_triangle(
+        &mut self,
+        corners: [VertexId; 3],
+        piece: u32,
+    ) -> Result<TriangleId, TopologyError> {
+        let t = self.topology.add_triangle(corners)?;
+        if t.index() == self.piece.len() {
+            self.piece.push(piece);
+            if !self.corners.uv.is_empty() {
+                self.corners.uv.extend([[0.0; 2]; 3]);
+            }
+            if !self.corners.normal.is_empty() {
+                self.corners.normal.extend([[0.0; 3]; 3]);
+            }
+        } else {
+            self.piece[t.index()] = piece;
+            for h in t.half_edges() {
+                if let Some(uv) = self.corners.uv.get_mut(h.index()) {
+                    *uv = [0.0; 2];
+                }
+                if let Some(normal) = self.corners.normal.get_mut(h.index()) {
+                    *normal = [0.0; 3];
+                }
+            }
+        }
+        Ok(t)
+    }
+
+    /// Joins boundary half-edges, see [`Topology::stitch`].
+    ///
+    /// # Errors
+    /// [`TopologyError`]; nothing is joined then.
+    pub fn stitch(&mut self, half_edges: &[HalfEdge]) -> Result<(), TopologyError> {
+        self.topology.stitch(half_edges)
+    }
+
+    /// Frees triangles, see [`Topology::remove_triangles`].
+    pub fn remove_triangles(&mut self, triangles: &[TriangleId]) -> Vec<VertexId> {
+        self.topology.remove_triangles(triangles)
+    }
+
+    /// Frees unused vertices, see [`Topology::remove_vertices`]; their data stays readable.
+    ///
+    /// # Panics
+    /// When a triangle still uses one.
+    pub fn remove_vertices(&mut self, vertices: &[VertexId]) {
+        self.topology.remove_vertices(vertices);
+    }
+
+    /// Moves a triangle to another piece.
+    pub fn set_piece(&mut self, t: TriangleId, piece: u32) {
+        self.piece[t.index()] = piece;
+    }
+
+    /// One piece as a surface of its own, without free slots, in slot order.
+    #[must_use]
+    pub fn extract_piece(&self, piece: u32) -> Self {
+        self.gather(|t| self.piece(t) == piece).0
+    }
+
+    /// Renumbers vertices and triangles so that no slot is free and keeps the order. Returns, for
+    /// every old vertex and triangle slot, its new id or null.
+    pub fn compact(&mut self) -> (Vec<VertexId>, Vec<TriangleId>) {
+        let (surface, vertices, triangles) = self.gather(|_| true);
+        *self = surface;
+        (vertices, triangles)
+    }
+
+    fn gather(&self, keep: impl Fn(TriangleId) -> bool) -> (Self, Vec<VertexId>, Vec<TriangleId>) {
+        let topology = &self.topology;
+        let mut used = vec![false; topology.vertex_slots()];
+        let kept: Vec<TriangleId> = topology.triangles().filter(|&t| keep(t)).collect();
+        for v in kept.iter().flat_map(|&t| topology.triangle(t)) {
+            used[v.index()] = true;
+        }
+        let mut out = Self::default();
+        let mut vertex_map = vec![VertexId::NULL; used.len()];
+        for v in (0..used.len()).filter(|&v| used[v]) {
+            vertex_map[v] = out.add_vertex(self.positions[v], self.rest[v]);
+        }
+        let mut triangle_map = vec![TriangleId::NULL; topology.triangle_slots()];
+        for &t in &kept {
+            let corners = topology.triangle(t).map(|v| vertex_map[v.index()]);
+            triangle_map[t.index()] = out
+                .add_triangle(corners, self.piece(t))
+                .expect("the corners of a triangle are distinct vertices");
+            for h in t.half_edges() {
+                out.corners.uv.extend(self.corners.uv.get(h.index()));
+                out.corners
+                    .normal
+                    .extend(self.corners.normal.get(h.index()));
+            }
+        }
+        let half_edges: Vec<HalfEdge> = out
+            .topology
+            .triangles()
+            .flat_map(TriangleId::half_edges)
+            .collect();
+        out.stitch(&half_edges)
+            .expect("a part of an oriented manifold is one");
+        (out, vertex_map, triangle_map)
+    }
+}

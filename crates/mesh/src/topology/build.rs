@@ -1,0 +1,137 @@
+//! A corner table from a list of triangles.
+
+use super::{Topology, TopologyError};
+use crate::ids::{EdgeKey, HalfEdge, TriangleId, VertexId};
+
+impl Topology {
+    /// The connectivity of `triangles` over `vertex_count` vertices. Boundaries are allowed;
+    /// vertices that no triangle uses stay, unused.
+    ///
+    /// # Errors
+    /// [`TopologyError`] with the first offending element in index order.
+    pub fn from_triangles(
+        vertex_count: usize,
+        triangles: &[[u32; 3]],
+    ) -> Result<Self, TopologyError> {
+        for (i, corners) in triangles.iter().enumerate() {
+            let triangle = TriangleId::from_index(i);
+            let [a, b, c] = corners.map(VertexId);
+            for vertex in [a, b, c] {
+                if vertex.index() >= vertex_count {
+                    return Err(TopologyError::VertexOutOfRange {
+                        triangle,
+                        vertex,
+                        vertices: vertex_count,
+                    });
+                }
+            }
+            if a == b || b == c || c == a {
+                let vertex = if b == c { b } else { a };
+                return Err(TopologyError::RepeatedVertex { triangle, vertex });
+            }
+        }
+        let origin: Vec<VertexId> = triangles.iter().flatten().map(|&v| VertexId(v)).collect();
+        let mut topology = Self {
+            twin: vec![HalfEdge::NULL; origin.len()],
+            outgoing: vec![HalfEdge::NULL; vertex_count],
+            origin,
+            ..Self::default()
+        };
+        for h in (0..topology.origin.len()).map(HalfEdge::from_index) {
+            let v = topology.origin(h);
+            if topology.outgoing(v).is_null() {
+                topology.outgoing[v.index()] = h;
+            }
+        }
+        let all: Vec<HalfEdge> = (0..topology.origin.len())
+            .map(HalfEdge::from_index)
+            .collect();
+        topology.stitch(&all)?;
+        Ok(topology)
+    }
+
+    /// Pairs those of `half_edges` that lie on the same edge in opposite directions. Half-edges
+    /// without a partner stay boundaries. O(k log k) for k half-edges.
+    ///
+    /// # Errors
+    /// [`TopologyError::NonManifoldEdge`] or [`TopologyError::InconsistentWinding`]; nothing is
+    /// paired then.
+    pub fn stitch(&mut self, half_edges: &[HalfEdge]) -> Result<(), TopologyError> {
+        let mut keyed: Vec<(EdgeKey, HalfEdge)> = half_edges
+            .iter()
+            .map(|&h| (EdgeKey::new(self.origin(h), self.target(h)), h))
+            .collect();
+        keyed.sort_unstable();
+        for group in keyed.chunk_by(|x, y| x.0 == y.0) {
+            let [a, b] = group[0].0.vertices();
+            match *group {
+                [_] => {}
+                [(_, h), (_, g)] if self.origin(h) == self.origin(g) => {
+                    return Err(TopologyError::InconsistentWinding {
+                        first: h.triangle(),
+                        second: g.triangle(),
+                    });
+                }
+                [_, _] => {}
+                _ => return Err(TopologyError::NonManifoldEdge { a, b }),
+            }
+        }
+        for group in keyed.chunk_by(|x, y| x.0 == y.0) {
+            if let [(_, h), (_, g)] = *group {
+                self.twin[h.index()] = g;
+                self.twin[g.index()] = h;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bad_triangles_are_named() {
+        let out = Topology::from_triangles(3, &[[0, 1, 2], [0, 1, 3]]);
+        assert_eq!(
+            out,
+            Err(TopologyError::VertexOutOfRange {
+                triangle: TriangleId(1),
+                vertex: VertexId(3),
+                vertices: 3
+            })
+        );
+        let out = Topology::from_triangles(3, &[[0, 2, 2]]);
+        assert_eq!(
+            out,
+            Err(TopologyError::RepeatedVertex {
+                triangle: TriangleId(0),
+                vertex: VertexId(2)
+            })
+        );
+        let out = Topology::from_triangles(4, &[[0, 1, 2], [0, 1, 3]]);
+        assert_eq!(
+            out,
+            Err(TopologyError::InconsistentWinding {
+                first: TriangleId(0),
+                second: TriangleId(1)
+            })
+        );
+        let out = Topology::from_triangles(5, &[[0, 1, 2], [1, 0, 3], [0, 1, 4]]);
+        assert_eq!(
+            out,
+            Err(TopologyError::NonManifoldEdge {
+                a: VertexId(0),
+                b: VertexId(1)
+            })
+        );
+    }
+
+    #[test]
+    fn a_tetrahedron_is_closed() {
+        let t = Topology::from_triangles(4, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).unwrap();
+        t.validate().unwrap();
+        assert_eq!(t.edges().count(), 6);
+        assert!(t.is_closed());
+    }
+}
