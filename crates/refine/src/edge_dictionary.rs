@@ -1,0 +1,83 @@
+//! The paper's `edgeDictionary`: interior edges of a patch and the two triangles on each.
+
+use rustc_hash::FxHashMap;
+
+/// Interior edges, in the order in which they were added, found by their vertices.
+#[derive(Debug, Default)]
+pub(crate) struct EdgeDictionary {
+    slots: FxHashMap<[u32; 2], u32>,
+    edges: Vec<PatchEdge>,
+}
+
+/// An interior edge: its vertices, the smaller first, and its triangles.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PatchEdge {
+    pub(crate) vertices: [u32; 2],
+    pub(crate) triangles: [u32; 2],
+}
+
+fn key(a: u32, b: u32) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+impl EdgeDictionary {
+    /// The edges that two of `triangles` share.
+    pub(crate) fn of(triangles: &[[u32; 3]]) -> Self {
+        let mut sides: Vec<([u32; 2], u32)> = (0u32..)
+            .zip(triangles)
+            .flat_map(|(t, &[a, b, c])| [(key(a, b), t), (key(b, c), t), (key(c, a), t)])
+            .collect();
+        sides.sort_unstable();
+        let mut dictionary = Self::default();
+        for pair in sides.chunk_by(|x, y| x.0 == y.0) {
+            if let [(vertices, t1), (_, t2)] = *pair {
+                dictionary.add(vertices, [t1, t2]);
+            }
+        }
+        dictionary
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.edges.len()
+    }
+
+    pub(crate) fn edge(&self, i: usize) -> PatchEdge {
+        self.edges[i]
+    }
+
+    pub(crate) fn contains(&self, a: u32, b: u32) -> bool {
+        self.slots.contains_key(&key(a, b))
+    }
+
+    pub(crate) fn add(&mut self, [a, b]: [u32; 2], triangles: [u32; 2]) {
+        let slot = u32::try_from(self.edges.len()).expect("a patch has fewer than 2^32 edges");
+        self.slots.insert(key(a, b), slot);
+        self.edges.push(PatchEdge {
+            vertices: key(a, b),
+            triangles,
+        });
+    }
+
+    /// Puts triangle `new` in the place of `old` on the edge, if it is an interior one.
+    pub(crate) fn substitute(&mut self, a: u32, b: u32, old: u32, new: u32) {
+        if let Some(&slot) = self.slots.get(&key(a, b)) {
+            let triangles = &mut self.edges[slot as usize].triangles;
+            if triangles[0] == old {
+                triangles[0] = new;
+            } else if triangles[1] == old {
+                triangles[1] = new;
+            }
+        }
+    }
+
+    /// Gives edge `i` new vertices and keeps its triangles and its place in the order.
+    pub(crate) fn rename(&mut self, i: usize, [a, b]: [u32; 2]) {
+        let edge = &mut self.edges[i];
+        let slot = self
+            .slots
+            .remove(&edge.vertices)
+            .expect("an edge in the list is in the index");
+        edge.vertices = key(a, b);
+        self.slots.insert(edge.vertices, slot);
+    }
+}

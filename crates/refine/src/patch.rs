@@ -1,0 +1,123 @@
+//! The result and the way to it.
+
+use crate::level::RefinementLevel;
+use crate::refine::{mean_rim_length, refine};
+use crate::triangulate::triangulate;
+use incise_mesh::Vec3;
+
+/// How to refine a patch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RefineParams {
+    /// How long edges get, relative to the rim's.
+    pub level: RefinementLevel,
+    /// The most rounds of subdividing and swapping (n of Algorithm 4). A round divides the length
+    /// of edges by about the root of 3; refinement ends by itself when no triangle is too large.
+    pub max_rounds: u32,
+    /// The most triangles that a patch may get, so that a tiny z ends with an error and not with
+    /// all memory gone.
+    pub max_triangles: usize,
+}
+
+impl Default for RefineParams {
+    fn default() -> Self {
+        Self {
+            level: RefinementLevel::Original,
+            max_rounds: 24,
+            max_triangles: 4_000_000,
+        }
+    }
+}
+
+/// Why a rim cannot be filled.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RefineError {
+    /// The rim is not a polygon.
+    #[error("a rim needs at least 3 vertices, this one has {vertices}")]
+    RimTooShort {
+        /// How many it has.
+        vertices: usize,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("vertex {vertex} of the rim is not finite")]
+    NonFinite {
+        /// Its index in the rim.
+        vertex: usize,
+    },
+    /// z is not a positive number.
+    #[error("z must be a positive number, not {z}")]
+    NonPositiveLevel {
+        /// The z.
+        z: f64,
+    },
+    /// The patch would be larger than allowed.
+    #[error(
+        "the patch needs more than {limit} triangles; choose a coarser level or a larger limit"
+    )]
+    TooManyTriangles {
+        /// The limit that was passed.
+        limit: usize,
+    },
+}
+
+/// What the refinement did.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RefineReport {
+    /// Rounds of subdividing and swapping that changed something.
+    pub rounds: u32,
+    /// Edges swapped.
+    pub swaps: usize,
+    /// Whether no triangle's mean edge exceeds the threshold.
+    pub converged: bool,
+}
+
+/// A filled hole. Vertices `0..rim` are the rim's, in its order; the rest lie inside.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Patch {
+    /// How many vertices the rim has.
+    pub rim: usize,
+    /// Positions [m], rim first.
+    pub points: Vec<Vec3>,
+    /// The three vertices whose mean is vertex `rim + i`; parents come before children.
+    pub inner: Vec<[u32; 3]>,
+    /// Triangles, wound like the rim: rim edge i runs from vertex i to vertex i + 1.
+    pub triangles: Vec<[u32; 3]>,
+    /// What the refinement did.
+    pub report: RefineReport,
+}
+
+/// Fills the hole inside `rim`, a loop of points [m] that runs counterclockwise seen against
+/// `normal`. `joined(i, j)` says whether the surface outside already has an edge between two rim
+/// vertices: the patch then makes no second one.
+///
+/// A rim that is a simple polygon when projected along `normal` gives a patch that covers it once.
+/// Any other rim (flat, self-crossing) still gives a patch whose triangles meet edge to edge and
+/// whose boundary is the rim.
+///
+/// # Errors
+/// [`RefineError`] on a rim of fewer than 3 vertices, a coordinate that is not finite, a z that is
+/// not positive or a patch over the size limit.
+pub fn fill(
+    rim: &[Vec3],
+    normal: Vec3,
+    params: &RefineParams,
+    joined: impl Fn(u32, u32) -> bool,
+) -> Result<Patch, RefineError> {
+    if rim.len() < 3 {
+        return Err(RefineError::RimTooShort {
+            vertices: rim.len(),
+        });
+    }
+    if let Some(vertex) = rim.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+        return Err(RefineError::NonFinite { vertex });
+    }
+    let z = params.level.z();
+    if !(z > 0.0 && z.is_finite()) {
+        return Err(RefineError::NonPositiveLevel { z });
+    }
+    let mut patch = triangulate(rim, normal, &joined);
+    // Formula 2, on the mean length of Formula 1.
+    let alpha = mean_rim_length(rim) * z;
+    refine(&mut patch, normal, alpha, params, &joined)?;
+    Ok(patch)
+}
