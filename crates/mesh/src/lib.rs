@@ -21,11 +21,13 @@ mod delta;
 pub mod geometry;
 mod ids;
 mod measure;
+mod shapes;
 mod surface;
 mod topology;
 
 pub use delta::{AddedVertex, Origin, TopologyDelta};
 pub use geometry::{Aabb, Vec3};
 pub use ids::{EdgeKey, HalfEdge, TriangleId, VertexId};
+pub use shapes::{Model, build_model, cube_sphere, icosphere, torus};
 pub use surface::{CornerAttributes, Surface};
 pub use topology::{InvalidTopology, Topology, TopologyError};

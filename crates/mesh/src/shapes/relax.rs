@@ -1,0 +1,89 @@
+//! Better triangles on the same surface: edge flips and smoothing along the surface.
+
+use super::implicit::Body;
+use super::shell::{Shell, shape_quality};
+use crate::geometry::{Vec3, area_vector};
+use crate::ids::{HalfEdge, VertexId};
+
+const ROUNDS: usize = 6;
+/// Flip passes a round; a pass without flips ends them.
+const FLIP_PASSES: usize = 4;
+/// How far a vertex goes of the way to the middle of its neighborhood.
+const STEP: f64 = 0.6;
+/// A move may worsen the worst triangle around a vertex as long as it stays above this quality.
+const FAIR_QUALITY: f64 = 0.7;
+/// Only edges whose triangles' normals have at least this cosine between them flip.
+const FLAT_COSINE: f64 = 0.8;
+
+/// Flips and smooths in turn. Counts and connectivity's kind stay; every vertex ends on the surface of
+/// `body` unless that would spoil a triangle.
+pub(super) fn relax(shell: &mut Shell, body: &Body) {
+    let vertices: Vec<VertexId> = shell.vertices().collect();
+    for _ in 0..ROUNDS {
+        for _ in 0..FLIP_PASSES {
+            if !flip_pass(shell) {
+                break;
+            }
+        }
+        for &v in &vertices {
+            smooth(shell, body, v);
+        }
+    }
+}
+
+fn flip_pass(shell: &mut Shell) -> bool {
+    let edges: Vec<HalfEdge> = shell.edges().collect();
+    let mut changed = false;
+    for h in edges {
+        if improves_by_flip(shell, h) && shell.can_flip(h) {
+            shell.flip(h);
+            changed = true;
+        }
+    }
+    changed
+}
+
+/// Whether the worse one of the edge's triangles gets better by a flip. On a flat surface that is
+/// where the Delaunay rule flips, or nearly.
+fn improves_by_flip(shell: &Shell, h: HalfEdge) -> bool {
+    let g = shell.twin(h);
+    let [a, b, c] = shell.corners(h).map(|v| shell.point(v));
+    let d = shell.point(shell.origin(g.prev()));
+    let (n, m) = (area_vector([a, b, c]), area_vector([b, a, d]));
+    if n.dot(&m) < FLAT_COSINE * n.norm() * m.norm() {
+        return false;
+    }
+    let normal = n + m;
+    let worst = |s, t| shape_quality(s, normal).min(shape_quality(t, normal));
+    worst([d, c, a], [c, d, b]) > worst([a, b, c], [b, a, d]) + f64::EPSILON
+}
+
+/// Moves `v` toward the area-weighted middle of its triangles, along the surface.
+fn smooth(shell: &mut Shell, body: &Body, v: VertexId) {
+    let p = shell.point(v);
+    let (mut middle, mut total, mut before) = (Vec3::zeros(), 0.0, f64::INFINITY);
+    for h in shell.fan(v) {
+        let corners = shell.corners(h).map(|c| shell.point(c));
+        let vector = area_vector(corners);
+        let area = vector.norm();
+        middle += corners.iter().sum::<Vec3>() * (area / 3.0);
+        total += area;
+        before = before.min(shape_quality(corners, vector));
+    }
+    let reach = total.sqrt();
+    for step in [STEP, 0.0] {
+        let goal = p + (middle / total - p) * step;
+        let (goal, normal) = body.project(goal, reach);
+        let after = shell
+            .fan(v)
+            .map(|h| {
+                let [_, b, c] = shell.corners(h).map(|c| shell.point(c));
+                shape_quality([goal, b, c], normal)
+            })
+            .fold(f64::INFINITY, f64::min);
+        if after >= before.min(FAIR_QUALITY) {
+            shell.points[v.index()] = goal;
+            return;
+        }
+    }
+}
