@@ -1,0 +1,241 @@
+//! The edit: hit triangles out, walls and caps in, everything checked before anything counts.
+
+use super::points::PointSet;
+use super::{ClosedLip, Corner};
+use crate::error::CutError;
+use crate::strip::Strip;
+use incise_mesh::geometry::round;
+use incise_mesh::{AddedVertex, HalfEdge, Origin, Surface, TopologyDelta, TriangleId, VertexId};
+
+/// An edited copy of a surface.
+pub(super) struct Edit {
+    pub(super) surface: Surface,
+    pub(super) delta: TopologyDelta,
+    pub(super) cap: Vec<TriangleId>,
+}
+
+/// Makes the edit on a copy of `before`.
+///
+/// # Errors
+/// [`CutError::Topology`] or [`CutError::NotManifold`] when the result would not be a closed manifold.
+pub(super) fn apply(
+    before: &Surface,
+    strips: &[Strip],
+    points: &PointSet,
+    lips: &[ClosedLip],
+) -> Result<Edit, CutError> {
+    let mut edit = Edit {
+        surface: before.clone(),
+        delta: TopologyDelta::default(),
+        cap: Vec::new(),
+    };
+    let hits: Vec<TriangleId> = strips
+        .iter()
+        .flat_map(|s| s.hits.iter().map(|h| h.triangle))
+        .collect();
+    edit.delta.triangles_removed = hits
+        .iter()
+        .map(|&t| (t, before.topology().triangle(t)))
+        .collect();
+    let mut open: Vec<HalfEdge> = hits
+        .iter()
+        .flat_map(|t| t.half_edges())
+        .map(|h| before.topology().twin(h))
+        .collect();
+    let orphans = edit.surface.remove_triangles(&hits);
+    open.retain(|&h| edit.surface.topology().is_triangle(h.triangle()));
+    for lip in lips {
+        add_lip(before, points, lip, &mut edit)?;
+    }
+    open.extend(
+        edit.delta
+            .triangles_added
+            .iter()
+            .flat_map(|t| t.half_edges()),
+    );
+    edit.surface.stitch(&open)?;
+    check_closed(&edit.surface, &open)?;
+    check_fans(before, &hits, &edit)?;
+    let unused: Vec<VertexId> = orphans
+        .into_iter()
+        .filter(|&v| edit.surface.topology().outgoing(v).is_null())
+        .collect();
+    edit.surface.remove_vertices(&unused);
+    edit.delta.vertices_removed = unused;
+    Ok(edit)
+}
+
+fn add_lip(
+    before: &Surface,
+    points: &PointSet,
+    lip: &ClosedLip,
+    edit: &mut Edit,
+) -> Result<(), CutError> {
+    let mut ids: Vec<(Corner, VertexId)> = Vec::new();
+    for &corner in lip.walls.iter().flatten().chain(&lip.rim) {
+        if matches!(corner, Corner::Point(_)) {
+            ids.push((corner, VertexId::NULL));
+        }
+    }
+    ids.sort_unstable();
+    ids.dedup_by_key(|entry| entry.0);
+    for (corner, id) in &mut ids {
+        if let Corner::Point(p) = *corner {
+            let point = &points.points[p as usize];
+            let [a, b] = point.ends;
+            let origin = Origin::OnEdge { a, b, t: point.t };
+            *id = edit.add_vertex(round(point.position), origin, lip.piece);
+        }
+    }
+    let vertex = |corner: Corner| match corner {
+        Corner::Old(v) => v,
+        Corner::Point(_) => {
+            let at = ids
+                .binary_search_by_key(&corner, |entry| entry.0)
+                .expect("every point of the lip has a vertex");
+            ids[at].1
+        }
+    };
+    for wall in &lip.walls {
+        let t = edit.add_triangle(wall.map(vertex), lip.piece)?;
+        interpolate_corners(before, points, wall, t, &mut edit.surface);
+    }
+    let Some(cap) = &lip.cap else { return Ok(()) };
+    let mut vertices: Vec<VertexId> = lip.rim.iter().map(|&c| vertex(c)).collect();
+    for (parents, &position) in cap.inner.iter().zip(&cap.points[cap.rim..]) {
+        let origin = Origin::OnCap {
+            parents: parents.map(|i| vertices[i as usize]),
+        };
+        vertices.push(edit.add_vertex(round(position), origin, lip.piece));
+    }
+    for triangle in &cap.triangles {
+        let t = edit.add_triangle(triangle.map(|i| vertices[i as usize]), lip.piece)?;
+        edit.cap.push(t);
+    }
+    Ok(())
+}
+
+impl Edit {
+    fn add_vertex(&mut self, [x, y, z]: [f32; 3], origin: Origin, piece: u32) -> VertexId {
+        let surface = &self.surface;
+        let rest = origin.interpolate(|v| surface.rest[v.index()]);
+        let [w] = origin.interpolate(|v| [surface.positions[v.index()][3]]);
+        let w = round([w, 0.0, 0.0].into())[0];
+        let vertex = self.surface.add_vertex([x, y, z, w], round(rest.into()));
+        self.delta.vertices_added.push(AddedVertex {
+            vertex,
+            origin,
+            piece,
+        });
+        vertex
+    }
+
+    fn add_triangle(&mut self, corners: [VertexId; 3], piece: u32) -> Result<TriangleId, CutError> {
+        let t = self.surface.add_triangle(corners, piece)?;
+        self.delta.triangles_added.push(t);
+        Ok(t)
+    }
+}
+
+/// Gives the corners of a wall the attributes that the hit triangles had there. A vertex of the old
+/// boundary takes those of the hit triangle through which a point of the same wall was found, if it
+/// has the vertex, and else of any triangle around it.
+fn interpolate_corners(
+    before: &Surface,
+    points: &PointSet,
+    wall: &[Corner; 3],
+    t: TriangleId,
+    surface: &mut Surface,
+) {
+    let attributes = &before.corners;
+    if attributes.uv.is_empty() && attributes.normal.is_empty() {
+        return;
+    }
+    let entries = wall.iter().filter_map(|c| match c {
+        Corner::Point(p) => Some(points.points[*p as usize].entry.triangle()),
+        Corner::Old(_) => None,
+    });
+    let near: Vec<TriangleId> = entries.collect();
+    for (h, &corner) in t.half_edges().into_iter().zip(wall) {
+        let parents = match corner {
+            Corner::Old(v) => {
+                let own = near
+                    .iter()
+                    .flat_map(|t| t.half_edges())
+                    .find(|&g| before.topology().origin(g) == v)
+                    .unwrap_or_else(|| before.topology().outgoing(v));
+                [(own, 1.0), (own, 0.0)]
+            }
+            Corner::Point(p) => {
+                let point = &points.points[p as usize];
+                let (low, high) = if before.topology().origin(point.entry) == point.ends[0] {
+                    (point.entry, point.entry.next())
+                } else {
+                    (point.entry.next(), point.entry)
+                };
+                [(low, 1.0 - point.t), (high, point.t)]
+            }
+        };
+        if let Some(uv) = surface.corners.uv.get_mut(h.index()) {
+            *uv = blend(&attributes.uv, parents);
+        }
+        if let Some(normal) = surface.corners.normal.get_mut(h.index()) {
+            *normal = blend(&attributes.normal, parents);
+        }
+    }
+}
+
+fn blend<const N: usize>(values: &[[f32; N]], parents: [(HalfEdge, f32); 2]) -> [f32; N] {
+    let [(a, s), (b, t)] = parents;
+    std::array::from_fn(|k| s * values[a.index()][k] + t * values[b.index()][k])
+}
+
+fn check_closed(surface: &Surface, half_edges: &[HalfEdge]) -> Result<(), CutError> {
+    let topology = surface.topology();
+    match half_edges.iter().find(|&&h| topology.twin(h).is_null()) {
+        Some(&h) => Err(CutError::NotManifold {
+            vertex: topology.origin(h),
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Around every vertex of the new triangles: all its triangles in one fan, at least three, and no
+/// neighbor twice.
+fn check_fans(before: &Surface, hits: &[TriangleId], edit: &Edit) -> Result<(), CutError> {
+    let topology = edit.surface.topology();
+    let mut corners: Vec<VertexId> = edit
+        .delta
+        .triangles_added
+        .iter()
+        .flat_map(|&t| topology.triangle(t))
+        .collect();
+    corners.sort_unstable();
+    let mut lost: Vec<VertexId> = hits
+        .iter()
+        .flat_map(|&t| before.topology().triangle(t))
+        .collect();
+    lost.sort_unstable();
+    let mut neighbors: Vec<VertexId> = Vec::new();
+    for run in corners.chunk_by(|a, b| a == b) {
+        let vertex = run[0];
+        let old = if vertex.index() < before.topology().vertex_slots()
+            && !before.topology().outgoing(vertex).is_null()
+        {
+            let gone =
+                lost.partition_point(|&v| v <= vertex) - lost.partition_point(|&v| v < vertex);
+            before.topology().outgoing_fan(vertex).count() - gone
+        } else {
+            0
+        };
+        neighbors.clear();
+        neighbors.extend(topology.outgoing_fan(vertex).map(|h| topology.target(h)));
+        let fan = neighbors.len();
+        neighbors.sort_unstable();
+        neighbors.dedup();
+        if fan != old + run.len() || neighbors.len() != fan || fan < 3 {
+            return Err(CutError::NotManifold { vertex });
+        }
+    }
+    Ok(())
+}

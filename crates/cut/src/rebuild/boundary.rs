@@ -1,0 +1,229 @@
+//! The paper's Algorithm 3: a new, even boundary between the old one and the intersection points.
+//!
+//! What the listing leaves open or has wrong, and what was decided:
+//!
+//! - Line 6 computes half the difference of the ends; the center is half their sum.
+//! - Lines 10 to 13 take the nearest of all intersection points, `minDist` never reset. Nearest in
+//!   space may be across a thin limb or out of order, which folds the surface. The nearest is taken
+//!   among the points of the same loop between the one before edge's and the one where the next
+//!   edge's triangle ends: the order along the loop holds, and a few points are looked at for each edge.
+//! - Lines 20 to 22 remove an edge and its opposite. Edges stand in order from the start here, so
+//!   the two follow each other; lines 23 to 27, the sorting, need no search.
+//! - Line 30 measures a signed angle without saying about what: about the outward normal of the hit
+//!   triangles at the common vertex.
+//! - Line 31 may close an ear at an intersection point too. Such an ear lies in the cap, so only old
+//!   vertices are closed.
+//! - Lines 32 to 33 take both edges away but go on with the second; the listing goes on behind it here.
+//! - An old vertex that the boundary of this side passes twice must not stay on the rim, where the
+//!   cap would meet itself: its edges are always connected to points and its ear is always closed.
+
+use super::Corner;
+use super::lip::Lip;
+use super::points::PointSet;
+use crate::params::CutParams;
+use crate::sweep::Sweep;
+use incise_mesh::geometry::angle_between;
+use incise_mesh::{Surface, Vec3, VertexId};
+
+/// The triangles that make the new boundary, and the boundary: the loop along which the cap runs.
+#[derive(Debug, Default)]
+pub(super) struct Boundary {
+    pub(super) walls: Vec<[Corner; 3]>,
+    pub(super) rim: Vec<Corner>,
+}
+
+/// Every hit triangle cut along the sweep: all points in their order are the rim.
+pub(super) fn strict(lip: &Lip) -> Boundary {
+    let count = lip.points.len();
+    let point = |rank: u32| Corner::Point(lip.points[rank as usize % count]);
+    let mut out = Boundary::default();
+    for step in &lip.steps {
+        let (from, to) = (point(step.from), point(step.to));
+        if let Some(end) = step.end {
+            out.walls
+                .push([Corner::Old(step.start), Corner::Old(end), to]);
+        }
+        if from != to {
+            out.walls.push([from, Corner::Old(step.start), to]);
+        }
+    }
+    out.rim = lip.points.iter().map(|&p| Corner::Point(p)).collect();
+    out
+}
+
+/// Algorithm 3.
+pub(super) fn new_boundary(
+    surface: &Surface,
+    points: &PointSet,
+    lip: &Lip,
+    sweep: &Sweep,
+    params: &CutParams,
+    scale: f64,
+) -> Boundary {
+    let mut walls = Vec::new();
+    let ring = connect(surface, points, lip, sweep, params.beta * scale, &mut walls);
+    let ring = remove_doubles(ring);
+    let rim = close_ears(surface, points, lip, ring, params.ear_angle, &mut walls);
+    Boundary { walls, rim }
+}
+
+/// A corner of the boundary, with the outward normal of the hit triangles there.
+#[derive(Debug, Clone, Copy)]
+struct RingCorner {
+    corner: Corner,
+    wall: Vec3,
+}
+
+/// Lines 5 to 19: edges far from the plane are connected to their nearest point.
+fn connect(
+    surface: &Surface,
+    points: &PointSet,
+    lip: &Lip,
+    sweep: &Sweep,
+    beta: f64,
+    walls: &mut Vec<[Corner; 3]>,
+) -> Vec<RingCorner> {
+    let (origin, normal) = sweep.plane();
+    let distance = |v: VertexId| normal.dot(&(surface.position(v) - origin)).abs();
+    let count = u32::try_from(lip.points.len()).expect("ranks are 32 bits");
+    let point = |rank: u32| Corner::Point(lip.points[(rank % count) as usize]);
+    let edges: Vec<(usize, VertexId, VertexId)> = lip
+        .steps
+        .iter()
+        .enumerate()
+        .filter_map(|(j, s)| s.end.map(|end| (j, s.start, end)))
+        .collect();
+    let mut ring = Vec::with_capacity(2 * edges.len());
+    let mut first = None;
+    let mut previous = lip.steps[edges[0].0].from;
+    for (i, &(j, start, end)) in edges.iter().enumerate() {
+        ring.push(RingCorner {
+            corner: Corner::Old(start),
+            wall: wall_before(lip, &edges, i),
+        });
+        let is_pinched = |v: VertexId| lip.pinched.binary_search(&v).is_ok();
+        let far = distance(start) > beta && distance(end) > beta;
+        if !far && !is_pinched(start) && !is_pinched(end) {
+            continue;
+        }
+        let last = match edges.get(i + 1) {
+            Some(&(next, ..)) => lip.steps[next].to,
+            None => first.map_or(count, |f: u32| f + count),
+        };
+        let center = (surface.position(start) + surface.position(end)) / 2.0;
+        let gap = |rank: u32| (points.position(surface, point(rank)) - center).norm_squared();
+        let own = lip.steps[j].to.max(previous);
+        let nearest =
+            (previous..=last.max(own)).fold(
+                own,
+                |best, rank| {
+                    if gap(rank) < gap(best) { rank } else { best }
+                },
+            );
+        first.get_or_insert(nearest);
+        previous = nearest;
+        let p = point(nearest);
+        walls.push([Corner::Old(start), Corner::Old(end), p]);
+        ring.push(RingCorner {
+            corner: p,
+            wall: Vec3::zeros(),
+        });
+    }
+    ring
+}
+
+/// The sum of the normals of the hit triangles at the start of edge `i`: its own, that of the edge
+/// before, and those between that only touch the vertex.
+fn wall_before(lip: &Lip, edges: &[(usize, VertexId, VertexId)], i: usize) -> Vec3 {
+    let n = lip.steps.len();
+    let to = edges[i].0;
+    let mut at = edges[(i + edges.len() - 1) % edges.len()].0;
+    let mut sum = lip.steps[at].wall;
+    while at != to {
+        at = (at + 1) % n;
+        sum += lip.steps[at].wall;
+    }
+    sum
+}
+
+/// Lines 20 to 22: where the ring goes out and straight back, both edges go.
+fn remove_doubles(ring: Vec<RingCorner>) -> Vec<RingCorner> {
+    let mut out: Vec<RingCorner> = Vec::with_capacity(ring.len());
+    for item in ring {
+        out.push(item);
+        let n = out.len();
+        if n >= 3 && out[n - 1].corner == out[n - 3].corner {
+            out.truncate(n - 2);
+        }
+    }
+    while out.len() >= 3 {
+        let n = out.len();
+        if out[n - 2].corner == out[0].corner {
+            out.truncate(n - 2);
+        } else if out[n - 1].corner == out[1].corner {
+            out.pop();
+            out.remove(0);
+        } else {
+            break;
+        }
+    }
+    out
+}
+
+/// Lines 28 to 35: ears below `ear_angle` [degrees] at old vertices are closed.
+fn close_ears(
+    surface: &Surface,
+    points: &PointSet,
+    lip: &Lip,
+    ring: Vec<RingCorner>,
+    ear_angle: f64,
+    walls: &mut Vec<[Corner; 3]>,
+) -> Vec<Corner> {
+    let mut ring = ring;
+    for forced in [false, true] {
+        let n = ring.len();
+        let mut keep = vec![true; n];
+        let mut left = n;
+        let mut i = 0;
+        // The ear at position i has the corners before and behind it. Position i - 1 was kept:
+        // after an ear the walk goes on two positions further.
+        while i < n && left > 3 {
+            let before = ring[(i + n - 1) % n].corner;
+            let RingCorner { corner, wall } = ring[i];
+            let behind = ring[(i + 1) % n].corner;
+            let Corner::Old(v) = corner else {
+                i += 1;
+                continue;
+            };
+            let [p, x, q] = [before, corner, behind].map(|c| points.position(surface, c));
+            let signed_area = (x - p).cross(&(q - p)).dot(&wall);
+            let close = if forced {
+                lip.pinched.binary_search(&v).is_ok()
+            } else {
+                signed_area > 0.0
+                    && angle_between(p - x, q - x) < ear_angle.to_radians()
+                    && !joined(surface, before, behind)
+            };
+            // The first corner is behind the last one: its ear must not take the same edge twice.
+            let wraps = i + 1 == n && !keep[0];
+            if close && before != behind && !wraps {
+                walls.push([before, corner, behind]);
+                keep[i] = false;
+                left -= 1;
+                i += 1;
+            }
+            i += 1;
+        }
+        let mut kept = keep.into_iter();
+        ring.retain(|_| kept.next() == Some(true));
+    }
+    ring.into_iter().map(|r| r.corner).collect()
+}
+
+/// Whether the surface has an edge between two corners.
+fn joined(surface: &Surface, a: Corner, b: Corner) -> bool {
+    match (a, b) {
+        (Corner::Old(a), Corner::Old(b)) => surface.topology().are_adjacent(a, b),
+        _ => false,
+    }
+}

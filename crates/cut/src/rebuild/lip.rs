@@ -1,0 +1,124 @@
+//! The two sides of a strip, seen alike (Algorithm 2, lines 17 to 19 and 31).
+//!
+//! A lip lists what the strip leaves of each hit triangle on its side, in the direction in which
+//! the triangles that fill the hole run: either an edge, or a single vertex.
+
+use super::points::PointSet;
+use crate::strip::Strip;
+use incise_mesh::geometry::area_vector;
+use incise_mesh::{Surface, Vec3, VertexId};
+
+/// What is left of one hit triangle on one side.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LipStep {
+    /// Rank of the intersection point before (as in [`super::points::Loop::rank`], but counted along
+    /// the lip) and after.
+    pub(super) from: u32,
+    pub(super) to: u32,
+    /// The vertex on this side; the first one if there are two.
+    pub(super) start: VertexId,
+    /// The second one: then start to end is an edge of the old boundary.
+    pub(super) end: Option<VertexId>,
+    /// Along the hit triangle's normal, twice its area long.
+    pub(super) wall: Vec3,
+}
+
+/// One side of one strip.
+#[derive(Debug, Clone)]
+pub(super) struct Lip {
+    pub(super) steps: Vec<LipStep>,
+    /// The strip's representatives in the order of the lip.
+    pub(super) points: Vec<u32>,
+    /// Old vertices that the boundaries of this side pass more than once, ascending.
+    pub(super) pinched: Vec<VertexId>,
+    pub(super) piece: u32,
+}
+
+impl Lip {
+    pub(super) fn is_single_vertex(&self) -> bool {
+        self.steps.iter().all(|s| s.end.is_none())
+    }
+}
+
+/// Both lips of every strip.
+pub(super) fn lips(surface: &Surface, strips: &[Strip], points: &PointSet) -> Vec<Lip> {
+    let mut lips: Vec<Lip> = Vec::with_capacity(2 * strips.len());
+    for positive in [true, false] {
+        let first = lips.len();
+        for (strip, l) in strips.iter().zip(&points.loops) {
+            let n = l.representatives.len();
+            let count = u32::try_from(n).expect("a range of u32");
+            let mut steps = steps(surface, strip, &l.rank, count, positive);
+            let mut order: Vec<u32> = l.representatives.clone().collect();
+            if !positive {
+                // Against the strip, ranks count down: count them up from the last.
+                steps.reverse();
+                order.reverse();
+                order.rotate_right(1);
+                for step in &mut steps {
+                    (step.from, step.to) = (count - step.to, count - step.from);
+                }
+            }
+            lips.push(Lip {
+                steps,
+                points: order,
+                pinched: Vec::new(),
+                piece: surface.piece(strip.hits[0].triangle),
+            });
+        }
+        let mut visits: Vec<VertexId> = lips[first..].iter().flat_map(visits).collect();
+        visits.sort_unstable();
+        let pinched: Vec<VertexId> = visits
+            .chunk_by(|a, b| a == b)
+            .filter(|run| run.len() > 1)
+            .map(|run| run[0])
+            .collect();
+        for lip in &mut lips[first..] {
+            lip.pinched.clone_from(&pinched);
+        }
+    }
+    lips
+}
+
+fn steps(
+    surface: &Surface,
+    strip: &Strip,
+    rank: &[u32],
+    count: u32,
+    positive: bool,
+) -> Vec<LipStep> {
+    let topology = surface.topology();
+    let mut steps = Vec::with_capacity(strip.hits.len());
+    for (j, hit) in strip.hits.iter().enumerate() {
+        // The triangle is (a, b, c) with a below and b above; c is where the exit tells.
+        let [a, b] = [hit.entry, hit.entry.next()].map(|h| topology.origin(h));
+        let c = topology.origin(hit.entry.prev());
+        let c_above = hit.exit == hit.entry.prev();
+        let (start, end) = match (positive, c_above) {
+            (true, true) => (b, Some(c)),
+            (true, false) => (b, None),
+            (false, true) => (a, None),
+            (false, false) => (c, Some(a)),
+        };
+        steps.push(LipStep {
+            from: rank[j],
+            to: rank.get(j + 1).copied().unwrap_or(count),
+            start,
+            end,
+            wall: area_vector(surface.triangle_positions(hit.triangle)),
+        });
+    }
+    steps
+}
+
+/// The old vertices that a lip passes, one entry a passage.
+fn visits(lip: &Lip) -> Vec<VertexId> {
+    if lip.is_single_vertex() {
+        return vec![lip.steps[0].start];
+    }
+    lip.steps
+        .iter()
+        .filter(|s| s.end.is_some())
+        .map(|s| s.start)
+        .collect()
+}

@@ -1,0 +1,192 @@
+//! Intersection points: where the sweep crosses edges, those too close to each other merged
+//! (Algorithm 2, lines 9 and 20 to 25).
+//!
+//! The listing compares all points with all, which also merges points of different loops, or of
+//! opposite sides of a thin limb. Points merge only along their own loop here, each run into its
+//! first point, and a loop keeps at least three: the order along the loop survives.
+
+use super::{Corner, newell};
+use crate::crossing::{Signs, point_between, round_t};
+use crate::error::CutError;
+use crate::strip::Strip;
+use crate::sweep::Sweep;
+use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3, VertexId};
+use std::ops::Range;
+
+/// How close to an end of its edge a point may lie in the strict form, relative to the edge, so
+/// that no two vertices coincide when the sweep passes through a vertex.
+const MARGIN: f64 = 0.02;
+
+/// A point where an edge crosses the sweep.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct IntersectionPoint {
+    /// The edge's ends, the smaller id first.
+    pub(super) ends: [VertexId; 2],
+    /// Where between them.
+    pub(super) t: f32,
+    /// Where in space [m].
+    pub(super) position: Vec3,
+    /// The half-edge through which its strip is entered: corner attributes come from its triangle.
+    pub(super) entry: HalfEdge,
+}
+
+/// The points of one strip.
+#[derive(Debug, Clone)]
+pub(super) struct Loop {
+    /// The representatives, by their number in [`PointSet::points`].
+    pub(super) representatives: Range<u32>,
+    /// For every hit of the strip, which representative its entry point merged into, counted from
+    /// the first and never decreasing; the count of representatives stands for the first again.
+    pub(super) rank: Vec<u32>,
+    /// A triangle of the strip, to name it in an error.
+    triangle: TriangleId,
+}
+
+/// All points of a cut that are left after merging.
+#[derive(Debug, Clone, Default)]
+pub(super) struct PointSet {
+    pub(super) points: Vec<IntersectionPoint>,
+    pub(super) loops: Vec<Loop>,
+}
+
+/// The points of every strip, merged where closer than `min_distance` [m].
+pub(super) fn intersection_points(
+    surface: &Surface,
+    strips: &[Strip],
+    signs: &Signs,
+    min_distance: f64,
+    strict: bool,
+) -> PointSet {
+    let mut set = PointSet::default();
+    for strip in strips {
+        // A tip's points must not coincide with it either.
+        let margin = if strict || strip.cuts_off_one_vertex() {
+            MARGIN
+        } else {
+            0.0
+        };
+        let all: Vec<IntersectionPoint> = strip
+            .hits
+            .iter()
+            .map(|hit| intersection(surface, signs, hit.entry, margin))
+            .collect();
+        let (kept, rank) = merge(&all, min_distance);
+        let first = id(set.points.len());
+        set.points.extend(kept.iter().map(|&j| all[j]));
+        set.loops.push(Loop {
+            representatives: first..id(set.points.len()),
+            rank,
+            triangle: strip.hits[0].triangle,
+        });
+    }
+    set
+}
+
+fn intersection(
+    surface: &Surface,
+    signs: &Signs,
+    entry: HalfEdge,
+    margin: f64,
+) -> IntersectionPoint {
+    let topology = surface.topology();
+    let (a, b) = (topology.origin(entry), topology.target(entry));
+    let ends = if a < b { [a, b] } else { [b, a] };
+    let crossing = signs
+        .crossing(surface, entry)
+        .expect("a strip is entered through crossed edges");
+    let t = round_t(crossing.t.clamp(margin, 1.0 - margin));
+    let [p, q] = ends.map(|v| surface.position(v));
+    IntersectionPoint {
+        ends,
+        t,
+        position: point_between(p, q, t),
+        entry,
+    }
+}
+
+/// Which points stay, and the rank of each.
+fn merge(points: &[IntersectionPoint], min_distance: f64) -> (Vec<usize>, Vec<u32>) {
+    let mut distance = min_distance;
+    loop {
+        let close = |i: usize, j: usize| {
+            distance > 0.0 && (points[i].position - points[j].position).norm() < distance
+        };
+        let mut kept = vec![0];
+        let mut rank = vec![0; points.len()];
+        for j in 1..points.len() {
+            if !close(j, kept[kept.len() - 1]) {
+                kept.push(j);
+            }
+            rank[j] = id(kept.len() - 1);
+        }
+        // The last run may lie at the loop's beginning: its points then stand for the first again.
+        if kept.len() > 3 && close(kept[kept.len() - 1], 0) {
+            kept.pop();
+        }
+        if kept.len() >= 3 || distance == 0.0 {
+            return (kept, rank);
+        }
+        distance = if distance < min_distance / 16.0 {
+            0.0
+        } else {
+            distance / 2.0
+        };
+    }
+}
+
+impl PointSet {
+    /// Where a corner is [m].
+    pub(super) fn position(&self, surface: &Surface, corner: Corner) -> Vec3 {
+        match corner {
+            Corner::Old(v) => surface.position(v),
+            Corner::Point(p) => self.points[p as usize].position,
+        }
+    }
+
+    /// Refuses a cross-section in which a loop lies inside another and runs against it: its cap
+    /// would have a hole, and capping both loops would cover the hole twice.
+    pub(super) fn refuse_nested_loops(&self, sweep: &Sweep) -> Result<(), CutError> {
+        if self.loops.len() < 2 {
+            return Ok(());
+        }
+        let (_, normal) = sweep.plane();
+        let side = Vec3::ith(normal.iamin(), 1.0);
+        let u = normal.cross(&side).normalize();
+        let v = normal.cross(&u);
+        let outlines: Vec<Vec<Vec3>> = self
+            .loops
+            .iter()
+            .map(|l| self.points_of(l).map(|p| p.position).collect())
+            .collect();
+        // Entered from below to above, the strip of an outer loop runs clockwise about the normal.
+        let is_hole: Vec<bool> = outlines
+            .iter()
+            .map(|o| newell(o).dot(&normal) > 0.0)
+            .collect();
+        for (inner, outline) in outlines.iter().enumerate().filter(|&(i, _)| is_hole[i]) {
+            let p = outline[0];
+            let inside = |other: &Vec<Vec3>| {
+                let crossings = (0..other.len()).filter(|&i| {
+                    let [a, b] = [other[i], other[(i + 1) % other.len()]].map(|x| x - p);
+                    let ((ax, ay), (bx, by)) = ((a.dot(&u), a.dot(&v)), (b.dot(&u), b.dot(&v)));
+                    (ay > 0.0) != (by > 0.0) && ax - ay * (bx - ax) / (by - ay) > 0.0
+                });
+                crossings.count() % 2 == 1
+            };
+            if (0..outlines.len()).any(|o| !is_hole[o] && inside(&outlines[o])) {
+                return Err(CutError::NestedSection {
+                    triangle: self.loops[inner].triangle,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn points_of(&self, l: &Loop) -> impl Iterator<Item = &IntersectionPoint> {
+        self.points[l.representatives.start as usize..l.representatives.end as usize].iter()
+    }
+}
+
+pub(super) fn id(i: usize) -> u32 {
+    u32::try_from(i).expect("a surface has fewer than 2^32 edges")
+}

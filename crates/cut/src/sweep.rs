@@ -1,0 +1,129 @@
+//! The surface that a blade's edge sweeps between two frames (the paper's Figure 1).
+
+use crate::error::CutError;
+use incise_mesh::geometry::{round, widen};
+use incise_mesh::{Aabb, Vec3};
+
+/// Two triangles spanned by a blade's edge in the previous and the current frame: previous start,
+/// previous end, current end and previous start, current end, current start. They share the
+/// diagonal and need not lie in one plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sweep {
+    corners: [[f32; 3]; 4],
+}
+
+impl Sweep {
+    /// The sweep of a blade's edge (start, end) [m] from `previous` to `current`.
+    ///
+    /// # Errors
+    /// [`CutError::SweepNotFinite`], and [`CutError::BladeDegenerate`] when it has no area.
+    pub fn new(previous: [[f32; 3]; 2], current: [[f32; 3]; 2]) -> Result<Self, CutError> {
+        let corners = [previous[0], previous[1], current[1], current[0]];
+        if let Some(corner) = corners
+            .iter()
+            .position(|p| p.iter().any(|x| !x.is_finite()))
+        {
+            return Err(CutError::SweepNotFinite { corner });
+        }
+        let sweep = Self { corners };
+        if sweep.area_vector().norm() == 0.0 {
+            return Err(CutError::BladeDegenerate);
+        }
+        Ok(sweep)
+    }
+
+    /// A flat sweep along the plane `normal . x = d` that cuts everything in `bounds`.
+    ///
+    /// # Errors
+    /// [`CutError::BladeDegenerate`] for a normal without a direction, [`CutError::SweepNotFinite`]
+    /// for numbers that are not finite or boxes at the end of the range of `f32`.
+    pub fn across_box(normal: [f64; 3], d: f64, bounds: &Aabb) -> Result<Self, CutError> {
+        let normal = Vec3::from(normal);
+        // Scaled first, so that neither tiny nor huge normals under- or overflow.
+        let largest = normal.amax();
+        if largest == 0.0 {
+            return Err(CutError::BladeDegenerate);
+        }
+        if !largest.is_finite() || !d.is_finite() {
+            return Err(CutError::SweepNotFinite { corner: 0 });
+        }
+        let scaled = normal / largest;
+        let length = scaled.norm();
+        let n = scaled / length;
+        let d = d / largest / length;
+        let center = bounds.center();
+        let on_plane = center + n * (d - n.dot(&center));
+        let side = Vec3::ith(n.iamin(), 1.0);
+        let u = n.cross(&side).normalize();
+        let v = n.cross(&u);
+        // The box lies within half a diagonal of its middle, and so does its shadow on the plane.
+        let reach = bounds.diagonal().max(f64::from(f32::MIN_POSITIVE));
+        let corner = |s: f64, t: f64| round(on_plane + (u * s + v * t) * reach);
+        Self::new(
+            [corner(-1.0, -1.0), corner(1.0, -1.0)],
+            [corner(-1.0, 1.0), corner(1.0, 1.0)],
+        )
+    }
+
+    /// The four corners [m]: previous start, previous end, current end, current start.
+    #[must_use]
+    pub const fn corners(&self) -> [[f32; 3]; 4] {
+        self.corners
+    }
+
+    /// The two triangles [m]. The shared diagonal runs from the first to the third corner.
+    #[must_use]
+    pub fn triangles(&self) -> [[Vec3; 3]; 2] {
+        let [a, b, c, d] = self.corners.map(widen);
+        [[a, b, c], [a, c, d]]
+    }
+
+    /// The box around the sweep.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        Aabb::around(self.corners)
+    }
+
+    /// The cutting plane of Algorithm 2, lines 15 and 16: a point on it and its unit normal. For a
+    /// bent sweep, the mean of the two triangles weighted by area.
+    #[must_use]
+    pub fn plane(&self) -> (Vec3, Vec3) {
+        let [a, b, c, d] = self.corners.map(widen);
+        ((a + b + c + d) / 4.0, self.area_vector().normalize())
+    }
+
+    fn area_vector(&self) -> Vec3 {
+        let [[a, b, c], [_, _, d]] = self.triangles();
+        (c - a).cross(&(d - b))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plane_across_a_box_covers_it_at_any_scale() {
+        for scale in [1e-15f32, 1.0, 1e9] {
+            let bounds = Aabb::around([[-scale; 3], [2.0 * scale, scale, scale]]);
+            let n = [0.3, -2.0, 0.5];
+            let sweep = Sweep::across_box(n, 0.1 * f64::from(scale), &bounds).unwrap();
+            let (p, unit) = sweep.plane();
+            assert!((unit - Vec3::from(n).normalize()).norm() < 1e-6);
+            assert!(
+                (Vec3::from(n).dot(&p) - 0.1 * f64::from(scale)).abs() < 1e-6 * f64::from(scale)
+            );
+        }
+    }
+
+    #[test]
+    fn a_sweep_without_area_is_refused() {
+        let bounds = Aabb::around([[0.0; 3], [1.0; 3]]);
+        let none = Sweep::across_box([0.0; 3], 1.0, &bounds);
+        assert_eq!(none, Err(CutError::BladeDegenerate));
+        let edge = [[0.0; 3], [1.0, 0.0, 0.0]];
+        assert_eq!(Sweep::new(edge, edge), Err(CutError::BladeDegenerate));
+        let nan = Sweep::new(edge, [[0.0, 1.0, 0.0], [f32::NAN, 1.0, 0.0]]);
+        assert_eq!(nan, Err(CutError::SweepNotFinite { corner: 2 }));
+    }
+}
