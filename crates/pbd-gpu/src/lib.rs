@@ -1,1 +1,51 @@
-//! Placeholder.
+//! Position based dynamics of triangle surfaces.
+//!
+//! A [`Solver`] moves one [`Surface`](incise_mesh::Surface): it keeps edges at their lengths and angles
+//! between triangles at theirs, in Gauss-Seidel order by color, and follows edits through their
+//! [`TopologyDelta`](incise_mesh::TopologyDelta). A [`StepPlan`] is the step as a list; a [`Backend`]
+//! executes it.
+//!
+//! Units are SI and the y axis points up. The result has the same bits on any number of threads.
+//!
+//! ```
+//! use incise_mesh::Surface;
+//! use incise_pbd_gpu::{Material, Solver, SolverParams};
+//!
+//! let corners = [[0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 2.0, 0.0], [0.0, 1.0, 1.0]];
+//! let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+//! let mut body = Surface::from_triangles(&corners, &faces)?;
+//! let mut solver = Solver::new(&mut body, &Material::default())?;
+//! let params = SolverParams { ground: Some(0.0), ..SolverParams::default() };
+//! for _ in 0..120 {
+//!     solver.step(&mut body, 1.0 / 60.0, &params)?;
+//! }
+//! assert!(body.bounds().min[1].abs() < 1e-3, "it lies on the ground");
+//! assert!(solver.stretch_error(&body) < 0.01, "it has kept its shape");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod backend;
+mod coloring;
+mod constraints;
+mod delta;
+mod edges;
+mod error;
+mod inherit;
+mod kernels;
+mod mass;
+mod material;
+mod params;
+mod plan;
+mod rest;
+mod solver;
+mod state;
+mod validate;
+
+pub use backend::{Backend, CpuBackend};
+pub use coloring::MAX_COLORS;
+pub use constraints::{Batch, BendingSet, ConstraintSet, StretchSet};
+pub use error::{ConstraintError, InvalidConstraints, StepError};
+pub use material::{Density, Material, Projection, Stiffness};
+pub use params::{SolverParams, StepStats};
+pub use plan::{Body, Pass, Pin, StepConstants, StepPlan};
+pub use solver::Solver;

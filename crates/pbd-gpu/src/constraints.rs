@@ -1,0 +1,198 @@
+//! Constraints of one kind, in batches of one color.
+
+use crate::coloring::{MAX_COLORS, VertexColors};
+use incise_mesh::{EdgeKey, VertexId};
+
+/// Stretch constraints: the two ends of an edge, the smaller id first, and its rest length [m].
+pub type StretchSet = ConstraintSet<2>;
+
+/// Bending constraints: the two ends of an edge, the smaller id first, then the vertex across it in the
+/// triangle that runs from the first to the second, then the vertex on the other side; and the rest
+/// angle [rad].
+pub type BendingSet = ConstraintSet<4>;
+
+/// Constraints that are projected together, as a structure of arrays.
+#[derive(Debug, Clone)]
+pub struct Batch<const N: usize> {
+    pub(crate) vertices: Vec<[VertexId; N]>,
+    pub(crate) rest: Vec<f32>,
+    /// Multipliers of the substep, shape [constraints]; empty while nothing needs them.
+    pub(crate) lambda: Vec<f32>,
+}
+
+impl<const N: usize> Default for Batch<N> {
+    fn default() -> Self {
+        Self {
+            vertices: Vec::new(),
+            rest: Vec::new(),
+            lambda: Vec::new(),
+        }
+    }
+}
+
+impl<const N: usize> Batch<N> {
+    /// The vertices of every constraint, shape [constraints].
+    #[must_use]
+    pub fn vertices(&self) -> &[[VertexId; N]] {
+        &self.vertices
+    }
+
+    /// The rest value of every constraint, shape [constraints].
+    #[must_use]
+    pub fn rest(&self) -> &[f32] {
+        &self.rest
+    }
+
+    /// How many constraints there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// Whether there is no constraint.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.vertices.is_empty()
+    }
+
+    /// Sets all multipliers to zero; allocates only after the batch has grown.
+    pub(crate) fn reset_multipliers(&mut self) {
+        self.lambda.clear();
+        self.lambda.resize(self.vertices.len(), 0.0);
+    }
+
+    fn push(&mut self, vertices: [VertexId; N], rest: f32) -> usize {
+        self.vertices.push(vertices);
+        self.rest.push(rest);
+        self.vertices.len() - 1
+    }
+
+    fn capacity(&self) -> usize {
+        self.vertices.capacity() + self.rest.capacity() + self.lambda.capacity()
+    }
+}
+
+/// Where a constraint stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Slot {
+    /// The batch; [`MAX_COLORS`] is the overflow.
+    pub(crate) color: usize,
+    /// The place in the batch.
+    pub(crate) index: usize,
+}
+
+/// All constraints of one kind over `N` vertices each.
+#[derive(Debug, Clone)]
+pub struct ConstraintSet<const N: usize> {
+    pub(crate) batches: Vec<Batch<N>>,
+    pub(crate) overflow: Batch<N>,
+    colors: VertexColors,
+}
+
+impl<const N: usize> ConstraintSet<N> {
+    pub(crate) fn new(vertex_slots: usize) -> Self {
+        let mut set = Self {
+            batches: Vec::new(),
+            overflow: Batch::default(),
+            colors: VertexColors::default(),
+        };
+        set.resize_vertices(vertex_slots);
+        set
+    }
+
+    /// The batches, one a color; some may be empty. Constraints of one batch share no vertex.
+    #[must_use]
+    pub fn batches(&self) -> &[Batch<N>] {
+        &self.batches
+    }
+
+    /// The constraints that found no free color, to be projected one by one after the others.
+    #[must_use]
+    pub fn overflow(&self) -> &Batch<N> {
+        &self.overflow
+    }
+
+    /// How many constraints there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.all().map(Batch::len).sum()
+    }
+
+    /// Whether there is no constraint.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// All batches, the overflow last.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Batch<N>> {
+        self.batches.iter().chain([&self.overflow])
+    }
+
+    /// All batches with their numbers, the overflow last.
+    pub(crate) fn numbered(&self) -> impl Iterator<Item = (usize, &Batch<N>)> {
+        let overflow = (MAX_COLORS, &self.overflow);
+        self.batches.iter().enumerate().chain([overflow])
+    }
+
+    pub(crate) fn all_mut(&mut self) -> impl Iterator<Item = &mut Batch<N>> {
+        self.batches.iter_mut().chain([&mut self.overflow])
+    }
+
+    pub(crate) fn capacity(&self) -> usize {
+        self.all().map(Batch::capacity).sum()
+    }
+
+    pub(crate) fn color_masks(&self) -> &[u64] {
+        self.colors.masks()
+    }
+
+    pub(crate) fn resize_vertices(&mut self, vertex_slots: usize) {
+        self.colors.resize(vertex_slots);
+    }
+
+    pub(crate) fn at(&self, slot: Slot) -> ([VertexId; N], f32) {
+        let batch = self.batch(slot.color);
+        (batch.vertices[slot.index], batch.rest[slot.index])
+    }
+
+    pub(crate) fn insert(&mut self, vertices: [VertexId; N], rest: f32) -> Slot {
+        let color = self.colors.claim(&vertices).unwrap_or(MAX_COLORS);
+        if color < MAX_COLORS && self.batches.len() <= color {
+            self.batches.resize_with(color + 1, Batch::default);
+        }
+        let index = self.batch_mut(color).push(vertices, rest);
+        Slot { color, index }
+    }
+
+    /// Removes a constraint. Returns the edge of the one that now stands in its place, if any does.
+    pub(crate) fn remove(&mut self, slot: Slot) -> Option<EdgeKey> {
+        let batch = self.batch_mut(slot.color);
+        let vertices = batch.vertices.swap_remove(slot.index);
+        batch.rest.swap_remove(slot.index);
+        let moved = batch
+            .vertices
+            .get(slot.index)
+            .map(|v| EdgeKey::new(v[0], v[1]));
+        if slot.color < MAX_COLORS {
+            self.colors.release(&vertices, slot.color);
+        }
+        moved
+    }
+
+    fn batch(&self, color: usize) -> &Batch<N> {
+        if color < MAX_COLORS {
+            &self.batches[color]
+        } else {
+            &self.overflow
+        }
+    }
+
+    fn batch_mut(&mut self, color: usize) -> &mut Batch<N> {
+        if color < MAX_COLORS {
+            &mut self.batches[color]
+        } else {
+            &mut self.overflow
+        }
+    }
+}

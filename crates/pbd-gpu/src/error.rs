@@ -1,0 +1,151 @@
+//! What can be wrong with a body, a frame or a set of constraints.
+
+use incise_mesh::{EdgeKey, TriangleId, VertexId};
+
+/// Why constraints cannot be made of a surface and a material, or follow its change.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ConstraintError {
+    /// A position or rest position is not a number.
+    #[error(
+        "{vertex} has a position or rest position that is not finite; repair the surface first"
+    )]
+    NonFinitePosition {
+        /// The vertex.
+        vertex: VertexId,
+    },
+    /// The ends of an edge have the same rest position.
+    #[error("the edge {a}-{b} has no length at rest; merge its ends")]
+    ZeroRestLength {
+        /// One end.
+        a: VertexId,
+        /// The other end.
+        b: VertexId,
+    },
+    /// A compliance below zero or not a number.
+    #[error("compliance {value} is not a finite number of at least 0")]
+    NegativeCompliance {
+        /// What was asked for.
+        value: f32,
+    },
+    /// A stiffness outside of 0 to 1.
+    #[error("stiffness {value} is not between 0 and 1")]
+    StiffnessOutOfRange {
+        /// What was asked for.
+        value: f32,
+    },
+    /// A density that gives no mass.
+    #[error("density {value} is not a finite number above 0")]
+    BadDensity {
+        /// What was asked for.
+        value: f32,
+    },
+    /// A volume density for a surface that encloses nothing.
+    #[error(
+        "the surface encloses {volume} m^3 at rest; give an area density or turn it inside out"
+    )]
+    NoVolume {
+        /// The rest volume [m^3].
+        volume: f64,
+    },
+    /// No triangle of the surface has an area, so there is nothing to hang mass on.
+    #[error("the surface has no area at rest")]
+    NoArea,
+    /// A damping or friction below zero or not a number.
+    #[error("{name} {value} is not a finite number of at least 0")]
+    NegativeCoefficient {
+        /// Which one.
+        name: &'static str,
+        /// What was asked for.
+        value: f32,
+    },
+    /// A vertex that no triangle uses, or that does not exist.
+    #[error("{vertex} is not a vertex of the body")]
+    UnknownVertex {
+        /// The vertex.
+        vertex: VertexId,
+    },
+    /// A target or velocity that is not a number.
+    #[error("the value for {vertex} is not finite")]
+    NonFiniteValue {
+        /// The vertex.
+        vertex: VertexId,
+    },
+    /// A target for a vertex that is not pinned.
+    #[error("{vertex} is not pinned; pin it before giving it a target")]
+    NotPinned {
+        /// The vertex.
+        vertex: VertexId,
+    },
+    /// A delta removes a triangle that the solver does not know, so it has missed an earlier delta.
+    #[error(
+        "the delta removes {triangle}, which the solver does not know; apply every delta once, in order"
+    )]
+    DeltaMismatch {
+        /// The triangle.
+        triangle: TriangleId,
+    },
+    /// A delta adds a triangle that the surface does not have.
+    #[error(
+        "the delta adds {triangle}, which the surface does not have; apply a delta to the surface it was made from"
+    )]
+    DeltaUnknownTriangle {
+        /// The triangle.
+        triangle: TriangleId,
+    },
+}
+
+/// Why a frame could not be stepped.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepError {
+    /// A time step that is not a positive number.
+    #[error("time step {value} s is not a finite number above 0")]
+    BadTimeStep {
+        /// What was asked for [s].
+        value: f32,
+    },
+    /// No iterations or no substeps.
+    #[error("a step needs at least one {name}")]
+    NoneOf {
+        /// Of what there must be one.
+        name: &'static str,
+    },
+    /// Gravity or the height of the ground is not a number.
+    #[error("{name} is not finite")]
+    NonFiniteParameter {
+        /// Which one.
+        name: &'static str,
+    },
+    /// The surface was edited and the solver has not been told.
+    #[error(
+        "the surface has {surface} vertex slots, the solver {solver}; apply the delta of the edit first"
+    )]
+    SurfaceMismatch {
+        /// Vertex slots of the surface.
+        surface: usize,
+        /// Vertex slots of the solver.
+        solver: usize,
+    },
+    /// A position stopped being a number. The body must be set up again.
+    #[error(
+        "{vertex} left the numbers in substep {substep}; use smaller steps or check its velocity"
+    )]
+    NonFinitePosition {
+        /// The first such vertex.
+        vertex: VertexId,
+        /// In which substep of the frame.
+        substep: u32,
+    },
+}
+
+/// How the constraints differ from those that the surface would get if built from scratch, found by
+/// [`Solver::validate`](crate::Solver::validate).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("{rule} does not hold at {edge:?}")]
+pub struct InvalidConstraints {
+    /// The broken rule.
+    pub rule: &'static str,
+    /// The edge of the constraint, if one is to blame.
+    pub edge: Option<EdgeKey>,
+}

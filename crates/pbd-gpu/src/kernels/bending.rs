@@ -1,0 +1,194 @@
+//! Bending: two triangles keep the angle between them.
+//!
+//! `C = theta - rest`, theta the signed angle between the normals at the edge `p0 p1`, the vertices
+//! across being `p2` and `p3`. With `e = p1 - p0`, `n2 = e x (p2 - p0)` and `n3 = (p3 - p0) x e`:
+//!
+//! - `theta = atan2(-|e| (p2 - p0) . n3, n2 . n3)`, which keeps its digits when flat and when folded;
+//! - `g2 = -|e| n2 / |n2|^2` and `g3 = -|e| n3 / |n3|^2` (Bridson et al. 2003);
+//! - `g0 = -(1 - s) g2 - (1 - t) g3` and `g1 = -s g2 - t g3`, s and t being where the feet of `p2` and
+//!   `p3` stand on the edge, from 0 at `p0` to 1 at `p1`. So the sum of gradients is zero.
+
+use super::arctangent::arctangent2;
+use super::block::{BLOCK, Lanes, difference};
+use crate::constraints::Batch;
+use crate::material::Projection;
+use incise_mesh::VertexId;
+use std::f32::consts::{PI, TAU};
+
+/// A triangle takes no part when its doubled area is below this share of its squared edges: its normal
+/// is rounding then. Usually such triangles are slivers of a height of 1e-5 of their length.
+const FLAT: f32 = 1e-5;
+
+/// The largest change of angle that one projection asks for [rad]. A gradient is a tangent: following
+/// it for a large angle pushes vertices outwards and pumps energy into crumpled bodies.
+const MAX_TURN: f32 = 0.5;
+
+struct Block<const B: usize> {
+    /// From the first vertex to each of the others.
+    to: [[Lanes<B>; 3]; 3],
+    inv_mass: [Lanes<B>; 4],
+    rest: Lanes<B>,
+    lambda: Lanes<B>,
+    /// The change of displacement of every vertex.
+    change: [[Lanes<B>; 3]; 4],
+}
+
+/// Projects the constraints of one color.
+#[inline(always)]
+pub(crate) fn bending(
+    x: &[[f32; 4]],
+    d: &mut [[f32; 4]],
+    batch: &mut Batch<4>,
+    projection: Projection,
+) {
+    run::<BLOCK>(x, d, batch, projection);
+}
+
+/// Projects constraints that may share vertices, one after the other.
+pub(crate) fn bending_serial(
+    x: &[[f32; 4]],
+    d: &mut [[f32; 4]],
+    batch: &mut Batch<4>,
+    projection: Projection,
+) {
+    run::<1>(x, d, batch, projection);
+}
+
+#[inline(always)]
+fn run<const B: usize>(
+    x: &[[f32; 4]],
+    d: &mut [[f32; 4]],
+    batch: &mut Batch<4>,
+    projection: Projection,
+) {
+    let d = &mut d[..x.len()];
+    let zero = [0.0; B];
+    let mut block = Block {
+        to: [[zero; 3]; 3],
+        inv_mass: [zero; 4],
+        rest: zero,
+        lambda: zero,
+        change: [[zero; 3]; 4],
+    };
+    let stored: &mut [f32] = if projection.keeps {
+        &mut batch.lambda
+    } else {
+        &mut []
+    };
+    let mut kept = stored.chunks_mut(B);
+    for (vertices, rest) in batch.vertices.chunks(B).zip(batch.rest.chunks(B)) {
+        block.rest[..rest.len()].copy_from_slice(rest);
+        let kept = kept.next();
+        match &kept {
+            Some(kept) => block.lambda[..kept.len()].copy_from_slice(kept),
+            None => block.lambda = zero,
+        }
+        gather(&mut block, x, d, vertices);
+        project(&mut block, projection);
+        scatter(&block, d, vertices);
+        if let Some(kept) = kept {
+            kept.copy_from_slice(&block.lambda[..kept.len()]);
+        }
+    }
+}
+
+#[inline(always)]
+fn gather<const B: usize>(
+    block: &mut Block<B>,
+    x: &[[f32; 4]],
+    d: &[[f32; 4]],
+    vertices: &[[VertexId; 4]],
+) {
+    for (lane, v) in vertices.iter().enumerate().take(B) {
+        let first = v[0].index();
+        let (x0, d0) = (x[first], d[first]);
+        block.inv_mass[0][lane] = x0[3];
+        for j in 0..3 {
+            let other = v[j + 1].index();
+            let (xj, dj) = (x[other], d[other]);
+            let to = difference(x0, d0, xj, dj);
+            for (lanes, c) in block.to[j].iter_mut().zip(to) {
+                lanes[lane] = c;
+            }
+            block.inv_mass[j + 1][lane] = xj[3];
+        }
+    }
+}
+
+#[inline(always)]
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn project<const B: usize>(block: &mut Block<B>, projection: Projection) {
+    let Projection { factor, alpha, .. } = projection;
+    for i in 0..B {
+        let [e, a, b] = [0, 1, 2].map(|j: usize| {
+            let [x, y, z] = &block.to[j];
+            [x[i], y[i], z[i]]
+        });
+        let [w0, w1, w2, w3] = [0, 1, 2, 3].map(|j: usize| block.inv_mass[j][i]);
+        let (n2, n3) = (cross(e, a), cross(b, e));
+        let (ee, q2, q3) = (dot(e, e), dot(n2, n2), dot(n3, n3));
+        let (cos, length) = (dot(n2, n3), ee.sqrt());
+        let theta = arctangent2(-(length * dot(a, n3)), cos);
+        let mut turn = theta - block.rest[i];
+        turn = if turn > PI { turn - TAU } else { turn };
+        turn = if turn <= -PI { turn + TAU } else { turn };
+
+        let (big2, big3) = (ee + dot(a, a), ee + dot(b, b));
+        let solid = (q2 > FLAT * FLAT * (big2 * big2)) & (q3 > FLAT * FLAT * (big3 * big3));
+        let (f2, f3) = (length / q2, length / q3);
+        let (g22, g33, g23) = (f2 * length, f3 * length, f2 * f3 * cos);
+        let (s, t) = (dot(a, e) / ee, dot(b, e) / ee);
+        let (s0, t0) = (1.0 - s, 1.0 - t);
+        let g00 = s0 * s0 * g22 + t0 * t0 * g33 + 2.0 * (s0 * t0 * g23);
+        let g11 = s * s * g22 + t * t * g33 + 2.0 * (s * t * g23);
+        let weight = (w0 * g00 + w1 * g11) + (w2 * g22 + w3 * g33);
+
+        let mut wish = factor * (turn + alpha * block.lambda[i]);
+        wish = if wish > MAX_TURN { MAX_TURN } else { wish };
+        wish = if wish < -MAX_TURN { -MAX_TURN } else { wish };
+        let movable = solid & (weight > 0.0);
+        let step = if movable {
+            wish / (weight + alpha)
+        } else {
+            0.0
+        };
+        block.lambda[i] -= step;
+        // delta = w lambda g, and lambda = -step, g2 = -f2 n2.
+        let c2 = if movable { step * f2 } else { 0.0 };
+        let c3 = if movable { step * f3 } else { 0.0 };
+        let (s, s0) = if movable { (s, s0) } else { (0.0, 0.0) };
+        let (t, t0) = if movable { (t, t0) } else { (0.0, 0.0) };
+        for k in 0..3 {
+            let (u2, u3) = (c2 * n2[k], c3 * n3[k]);
+            block.change[0][k][i] = -w0 * (s0 * u2 + t0 * u3);
+            block.change[1][k][i] = -w1 * (s * u2 + t * u3);
+            block.change[2][k][i] = w2 * u2;
+            block.change[3][k][i] = w3 * u3;
+        }
+    }
+}
+
+#[inline(always)]
+fn scatter<const B: usize>(block: &Block<B>, d: &mut [[f32; 4]], vertices: &[[VertexId; 4]]) {
+    for (lane, v) in vertices.iter().enumerate().take(B) {
+        for j in 0..4 {
+            let dj = &mut d[v[j].index()];
+            for (c, lanes) in dj.iter_mut().zip(&block.change[j]) {
+                *c += lanes[lane];
+            }
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! New velocities and positions: Algorithm 1, lines 10 to 13.
+
+use crate::plan::StepConstants;
+use incise_mesh::VertexId;
+
+/// Sets `v = d / h` and adds `d` to `x`. What constraints dragged below the ground after its last pass,
+/// or while it was skipped, is put on it. Returns whether all positions are finite.
+#[inline(always)]
+pub(crate) fn integrate(
+    x: &mut [[f32; 4]],
+    d: &[[f32; 4]],
+    v: &mut [[f32; 4]],
+    constants: &StepConstants,
+) -> bool {
+    let (h, ground) = (constants.h, constants.ground);
+    // Zero times a number is zero; times infinity or no number it is no number, which stays in the sum.
+    let mut alarm = 0.0;
+    for ((x, d), v) in x.iter_mut().zip(d).zip(v) {
+        let floor = if x[3] > 0.0 {
+            ground
+        } else {
+            f32::NEG_INFINITY
+        };
+        let y = x[1] + d[1];
+        *v = [d[0] / h, d[1] / h, d[2] / h, 0.0];
+        x[0] += d[0];
+        x[1] = if y < floor { floor } else { y };
+        x[2] += d[2];
+        alarm += (x[0] * 0.0 + x[1] * 0.0) + x[2] * 0.0;
+    }
+    alarm == 0.0
+}
+
+/// The first vertex whose position is not finite; null if all are.
+pub(crate) fn first_non_finite(x: &[[f32; 4]]) -> VertexId {
+    x.iter()
+        .position(|p| !p[..3].iter().all(|c| c.is_finite()))
+        .map_or(VertexId::NULL, VertexId::from_index)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::Projection;
+
+    #[test]
+    fn a_number_that_is_none_is_found() {
+        let constants = StepConstants {
+            h: 0.01,
+            substeps: 1,
+            gravity_step: [0.0; 3],
+            kept_velocity: 1.0,
+            stretch: Projection {
+                factor: 1.0,
+                alpha: 0.0,
+                keeps: false,
+            },
+            bending: Projection {
+                factor: 1.0,
+                alpha: 0.0,
+                keeps: false,
+            },
+            ground: f32::NEG_INFINITY,
+            friction: 0.0,
+        };
+        for bad in [f32::NAN, f32::INFINITY] {
+            for k in 0..3 {
+                let mut x = [[1.0; 4]; 3];
+                let mut d = [[0.5, -0.5, 0.0, 0.0]; 3];
+                let mut v = [[0.0; 4]; 3];
+                assert!(integrate(&mut x, &d, &mut v, &constants), "all is well");
+                assert_eq!(v[0], [50.0, -50.0, 0.0, 0.0]);
+                d[1][k] = bad;
+                assert!(!integrate(&mut x, &d, &mut v, &constants), "{bad} at {k}");
+                assert_eq!(first_non_finite(&x), VertexId(1));
+            }
+        }
+    }
+}

@@ -1,0 +1,17 @@
+//! One file a kernel, each plain enough to have a twin in WGSL.
+//!
+//! A substep works on the displacement `d` since its start; positions `x` stay as they are until
+//! `integrate` adds it. Constraints evaluate `(x_a - x_b) + (d_a - d_b)`: differences of neighbors
+//! are exact or nearly so, and gravity's share of a small step, which is lost when added to `x`, is kept.
+//!
+//! A product and a sum are always rounded apart, never fused, so that every instruction set gives the
+//! same bits.
+
+pub(crate) mod arctangent;
+pub(crate) mod bending;
+pub(crate) mod block;
+pub(crate) mod ground;
+pub(crate) mod integrate;
+pub(crate) mod pins;
+pub(crate) mod predict;
+pub(crate) mod stretch;

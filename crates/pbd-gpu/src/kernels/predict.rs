@@ -1,0 +1,35 @@
+//! Prediction: Algorithm 1, lines 5 to 8, with `d = p - x`.
+
+use crate::plan::StepConstants;
+
+/// Gives every vertex its predicted displacement. Returns the lowest predicted height of a vertex that
+/// can move [m], infinity if none can.
+#[inline(always)]
+pub(crate) fn predict(
+    x: &[[f32; 4]],
+    d: &mut [[f32; 4]],
+    v: &mut [[f32; 4]],
+    constants: &StepConstants,
+) -> f32 {
+    let [gx, gy, gz] = constants.gravity_step;
+    let (h, kept) = (constants.h, constants.kept_velocity);
+    let mut lowest = f32::INFINITY;
+    for ((x, d), v) in x.iter().zip(d).zip(v) {
+        let free = if x[3] > 0.0 { 1.0 } else { 0.0 };
+        let kept = kept * free;
+        *v = [
+            (v[0] + gx) * kept,
+            (v[1] + gy) * kept,
+            (v[2] + gz) * kept,
+            0.0,
+        ];
+        *d = [v[0] * h, v[1] * h, v[2] * h, 0.0];
+        let height = if x[3] > 0.0 {
+            x[1] + d[1]
+        } else {
+            f32::INFINITY
+        };
+        lowest = if height < lowest { height } else { lowest };
+    }
+    lowest
+}

@@ -1,0 +1,137 @@
+//! Stretch: an edge keeps its length (Mueller et al. 2007, section 3.3; multipliers as in XPBD).
+//!
+//! `C = |p_b - p_a| - rest`. The gradients have length 1 and opposite directions.
+
+use super::block::{BLOCK, Lanes, difference};
+use crate::constraints::Batch;
+use crate::material::Projection;
+use incise_mesh::VertexId;
+
+struct Block<const B: usize> {
+    edge: [Lanes<B>; 3],
+    inv_mass: [Lanes<B>; 2],
+    rest: Lanes<B>,
+    lambda: Lanes<B>,
+    /// What the edge vector is scaled by to give the impulse on its first vertex.
+    scale: Lanes<B>,
+}
+
+/// Projects the constraints of one color.
+#[inline(always)]
+pub(crate) fn stretch(
+    x: &[[f32; 4]],
+    d: &mut [[f32; 4]],
+    batch: &mut Batch<2>,
+    projection: Projection,
+) {
+    run::<BLOCK>(x, d, batch, projection);
+}
+
+/// Projects constraints that may share vertices, one after the other.
+pub(crate) fn stretch_serial(
+    x: &[[f32; 4]],
+    d: &mut [[f32; 4]],
+    batch: &mut Batch<2>,
+    projection: Projection,
+) {
+    run::<1>(x, d, batch, projection);
+}
+
+#[inline(always)]
+fn run<const B: usize>(
+    x: &[[f32; 4]],
+    d: &mut [[f32; 4]],
+    batch: &mut Batch<2>,
+    projection: Projection,
+) {
+    let d = &mut d[..x.len()];
+    let zero = [0.0; B];
+    let mut block = Block {
+        edge: [zero; 3],
+        inv_mass: [zero; 2],
+        rest: zero,
+        lambda: zero,
+        scale: zero,
+    };
+    let stored: &mut [f32] = if projection.keeps {
+        &mut batch.lambda
+    } else {
+        &mut []
+    };
+    let mut kept = stored.chunks_mut(B);
+    for (vertices, rest) in batch.vertices.chunks(B).zip(batch.rest.chunks(B)) {
+        block.rest[..rest.len()].copy_from_slice(rest);
+        let kept = kept.next();
+        match &kept {
+            Some(kept) => block.lambda[..kept.len()].copy_from_slice(kept),
+            None => block.lambda = zero,
+        }
+        gather(&mut block, x, d, vertices);
+        project(&mut block, projection);
+        scatter(&block, d, vertices);
+        if let Some(kept) = kept {
+            kept.copy_from_slice(&block.lambda[..kept.len()]);
+        }
+    }
+}
+
+#[inline(always)]
+fn gather<const B: usize>(
+    block: &mut Block<B>,
+    x: &[[f32; 4]],
+    d: &[[f32; 4]],
+    vertices: &[[VertexId; 2]],
+) {
+    for (lane, &[a, b]) in vertices.iter().enumerate().take(B) {
+        let (a, b) = (a.index(), b.index());
+        let (xa, xb) = (x[a], x[b]);
+        let edge = difference(xa, d[a], xb, d[b]);
+        for (lanes, c) in block.edge.iter_mut().zip(edge) {
+            lanes[lane] = c;
+        }
+        block.inv_mass[0][lane] = xa[3];
+        block.inv_mass[1][lane] = xb[3];
+    }
+}
+
+#[inline(always)]
+fn project<const B: usize>(block: &mut Block<B>, projection: Projection) {
+    let Projection { factor, alpha, .. } = projection;
+    let [ex, ey, ez] = &block.edge;
+    let [wa, wb] = &block.inv_mass;
+    for i in 0..B {
+        let length = (ex[i] * ex[i] + ey[i] * ey[i] + ez[i] * ez[i]).sqrt();
+        let error = (length - block.rest[i]) + alpha * block.lambda[i];
+        let weight = (wa[i] + wb[i]) + alpha;
+        // A length of zero has no direction; two pinned ends do not move.
+        let under = length * weight;
+        let scale = if under > 0.0 {
+            factor * error / under
+        } else {
+            0.0
+        };
+        block.lambda[i] -= scale * length;
+        block.scale[i] = scale;
+    }
+}
+
+#[inline(always)]
+fn scatter<const B: usize>(block: &Block<B>, d: &mut [[f32; 4]], vertices: &[[VertexId; 2]]) {
+    for (lane, &[a, b]) in vertices.iter().enumerate().take(B) {
+        let towards_b = block.scale[lane] * block.inv_mass[0][lane];
+        let towards_a = block.scale[lane] * block.inv_mass[1][lane];
+        let edge = [
+            block.edge[0][lane],
+            block.edge[1][lane],
+            block.edge[2][lane],
+        ];
+        let da = &mut d[a.index()];
+        for k in 0..3 {
+            da[k] += towards_b * edge[k];
+        }
+        let db = &mut d[b.index()];
+        for k in 0..3 {
+            db[k] -= towards_a * edge[k];
+        }
+    }
+}

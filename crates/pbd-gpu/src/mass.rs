@@ -1,0 +1,87 @@
+//! Mass, shared out by rest area.
+
+use crate::error::ConstraintError;
+use crate::material::{Density, Material};
+use incise_mesh::geometry::area_vector;
+use incise_mesh::{Surface, VertexId};
+
+/// The least share of mass that a vertex gets, against the mean one. A vertex between triangles
+/// without area would else weigh nothing and fly.
+const LEAST_SHARE: f64 = 1e-4;
+
+/// Turns areas into shares that sum to 1, none below [`LEAST_SHARE`] of the mean.
+pub(crate) fn shares_of(areas: &mut [f64]) {
+    let mean = areas.iter().sum::<f64>() / areas.len() as f64;
+    let least = if mean > 0.0 { mean * LEAST_SHARE } else { 1.0 };
+    for area in &mut *areas {
+        *area = area.max(least);
+    }
+    let sum: f64 = areas.iter().sum();
+    for area in areas {
+        *area /= sum;
+    }
+}
+
+/// A third of the rest area of the triangles around `v` [m^2].
+pub(crate) fn lumped_area(surface: &Surface, v: VertexId) -> f64 {
+    let topology = surface.topology();
+    topology
+        .outgoing_fan(v)
+        .map(|h| {
+            let corners = topology.triangle(h.triangle());
+            area_vector(corners.map(|c| surface.rest_position(c))).norm() / 6.0
+        })
+        .sum()
+}
+
+/// The rest volume [m^3].
+fn rest_volume(surface: &Surface) -> f64 {
+    let topology = surface.topology();
+    let Some(first) = topology.vertices().next() else {
+        return 0.0;
+    };
+    let apex = surface.rest_position(first);
+    topology
+        .triangles()
+        .map(|t| {
+            let [a, b, c] = topology
+                .triangle(t)
+                .map(|v| surface.rest_position(v) - apex);
+            a.dot(&b.cross(&c)) / 6.0
+        })
+        .sum()
+}
+
+/// The mass of every vertex [kg], shape [vertex slots]; 0 where no triangle is.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "a computed mass is rounded once to storage"
+)]
+pub(crate) fn masses(surface: &Surface, material: &Material) -> Result<Vec<f32>, ConstraintError> {
+    let areas = surface.lumped_rest_areas();
+    let total_area: f64 = areas.iter().sum();
+    let used: Vec<VertexId> = surface.topology().vertices().collect();
+    let mut mass = vec![0.0; areas.len()];
+    if used.is_empty() {
+        return Ok(mass);
+    }
+    if total_area <= 0.0 {
+        return Err(ConstraintError::NoArea);
+    }
+    let total = match material.density {
+        Density::Area(density) => f64::from(density) * total_area,
+        Density::Volume(density) => {
+            let volume = rest_volume(surface);
+            if volume <= 0.0 {
+                return Err(ConstraintError::NoVolume { volume });
+            }
+            f64::from(density) * volume
+        }
+    };
+    let mut shares: Vec<f64> = used.iter().map(|v| areas[v.index()]).collect();
+    shares_of(&mut shares);
+    for (v, share) in used.iter().zip(shares) {
+        mass[v.index()] = (total * share) as f32;
+    }
+    Ok(mass)
+}

@@ -1,0 +1,169 @@
+//! What a body is made of.
+
+use crate::error::ConstraintError;
+
+/// How a body's mass follows from its shape at rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Density {
+    /// A shell [kg/m^2].
+    Area(f32),
+    /// A closed body [kg/m^3]. Its mass sits in the surface, shared out by rest area.
+    Volume(f32),
+}
+
+/// How hard a constraint pulls.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stiffness {
+    /// The stiffness `k` of position based dynamics, 0 to 1: the part of the error that all iterations of
+    /// a substep remove together. One projection removes `1 - (1 - k)^(1/n)` of it, n = iterations
+    /// (Mueller et al. 2007, section 3.3).
+    Pbd(f32),
+    /// The inverse stiffness of XPBD, independent of time step and iterations (Macklin et al. 2016):
+    /// [m/N] for stretch, [rad/(N m)] for bending. 0 is rigid.
+    Compliance(f32),
+}
+
+impl Stiffness {
+    fn check(self) -> Result<(), ConstraintError> {
+        match self {
+            Self::Pbd(value) if !(0.0..=1.0).contains(&value) => {
+                Err(ConstraintError::StiffnessOutOfRange { value })
+            }
+            Self::Compliance(value) if !(value.is_finite() && value >= 0.0) => {
+                Err(ConstraintError::NegativeCompliance { value })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// What one projection uses, for `iterations` of a substep of `h` [s].
+    pub(crate) fn projection(self, iterations: u32, h: f32) -> Projection {
+        match self {
+            Self::Pbd(k) => Projection {
+                factor: projected_share(k, iterations),
+                alpha: 0.0,
+                keeps: false,
+            },
+            Self::Compliance(compliance) => Projection {
+                factor: 1.0,
+                alpha: compliance / (h * h),
+                keeps: compliance > 0.0 && iterations > 1,
+            },
+        }
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "a number between 0 and 1 is rounded to storage"
+)]
+fn projected_share(k: f32, iterations: u32) -> f32 {
+    (1.0 - (1.0 - f64::from(k)).powf(1.0 / f64::from(iterations))) as f32
+}
+
+/// A stiffness as the kernels use it: `delta_lambda = -factor (C + alpha lambda) / (sum w |grad C|^2 + alpha)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Projection {
+    /// The part of the error that one projection removes.
+    pub factor: f32,
+    /// `alpha_tilde = compliance / h^2`.
+    pub alpha: f32,
+    /// Whether multipliers are remembered from one iteration to the next. A single iteration or a
+    /// rigid constraint needs none.
+    pub keeps: bool,
+}
+
+/// What a body is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Mass.
+    pub density: Density,
+    /// How edges resist a change of length.
+    pub stretch: Stiffness,
+    /// How interior edges resist a change of angle. `None` costs nothing: no arrays, no passes.
+    pub bending: Option<Stiffness>,
+    /// The rate at which velocities decay [1/s].
+    pub damping: f32,
+    /// Coulomb's coefficient against the ground.
+    pub friction: f32,
+}
+
+impl Default for Material {
+    /// A limp shell of 1 kg/m^2 that does not stretch.
+    fn default() -> Self {
+        Self {
+            density: Density::Area(1.0),
+            stretch: Stiffness::Pbd(1.0),
+            bending: Some(Stiffness::Pbd(0.2)),
+            damping: 0.0,
+            friction: 0.5,
+        }
+    }
+}
+
+impl Material {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// The first one out of its range.
+    pub fn check(&self) -> Result<(), ConstraintError> {
+        let (Density::Area(value) | Density::Volume(value)) = self.density;
+        if !(value.is_finite() && value > 0.0) {
+            return Err(ConstraintError::BadDensity { value });
+        }
+        self.stretch.check()?;
+        if let Some(bending) = self.bending {
+            bending.check()?;
+        }
+        for (name, value) in [("damping", self.damping), ("friction", self.friction)] {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(ConstraintError::NegativeCoefficient { name, value });
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn n_projections_remove_what_the_stiffness_says() {
+        for (k, n) in [(0.2, 1), (0.2, 10), (0.9, 7), (1.0, 10), (0.0, 3)] {
+            let share = f64::from(Stiffness::Pbd(k).projection(n, 0.01).factor);
+            let left = (1.0 - share).powi(n.cast_signed());
+            assert!((left - (1.0 - f64::from(k))).abs() < 1e-6, "k {k}, n {n}");
+        }
+    }
+
+    #[test]
+    fn bad_numbers_are_named() {
+        let bad = |change: fn(&mut Material)| {
+            let mut material = Material::default();
+            change(&mut material);
+            material.check().unwrap_err()
+        };
+        let value = -1.0;
+        assert_eq!(
+            bad(|m| m.density = Density::Volume(-1.0)),
+            ConstraintError::BadDensity { value }
+        );
+        assert_eq!(
+            bad(|m| m.stretch = Stiffness::Compliance(-1.0)),
+            ConstraintError::NegativeCompliance { value }
+        );
+        assert_eq!(
+            bad(|m| m.bending = Some(Stiffness::Pbd(-1.0))),
+            ConstraintError::StiffnessOutOfRange { value }
+        );
+        assert_eq!(
+            bad(|m| m.friction = -1.0),
+            ConstraintError::NegativeCoefficient {
+                name: "friction",
+                value
+            }
+        );
+        assert!(Material::default().check().is_ok());
+    }
+}

@@ -1,0 +1,214 @@
+//! A body in motion.
+
+use crate::backend::{Backend, CpuBackend};
+use crate::constraints::{BendingSet, StretchSet};
+use crate::edges::EdgeTable;
+use crate::error::{ConstraintError, StepError};
+use crate::mass::masses;
+use crate::material::{Material, Projection};
+use crate::params::{SolverParams, StepStats};
+use crate::plan::{Body, Pin, PlanKey, StepConstants, StepPlan};
+use incise_mesh::{EdgeKey, Surface, VertexId};
+
+/// Moves one surface by position based dynamics: the paper's Algorithm 1, and XPBD where a material
+/// has compliance. Particle i is vertex i; positions and inverse masses live in
+/// [`Surface::positions`], everything else lives here.
+#[derive(Debug, Clone)]
+pub struct Solver {
+    pub(crate) material: Material,
+    pub(crate) mass: Vec<f32>,
+    pub(crate) velocities: Vec<[f32; 4]>,
+    pub(crate) displacements: Vec<[f32; 4]>,
+    pub(crate) stretch: StretchSet,
+    pub(crate) bending: Option<BendingSet>,
+    pub(crate) edges: EdgeTable,
+    pub(crate) pins: Vec<Pin>,
+    pub(crate) plan: StepPlan,
+    stats: StepStats,
+    cpu: CpuBackend,
+}
+
+impl Solver {
+    /// Makes the constraints of a surface and sets the inverse masses in its positions. Nothing is
+    /// pinned and nothing moves.
+    ///
+    /// # Errors
+    /// [`ConstraintError`] when the material has a number out of range, a position is not finite, an
+    /// edge has no length at rest, or there is no area or volume to take the mass from. The surface is
+    /// as it was then.
+    pub fn new(surface: &mut Surface, material: &Material) -> Result<Self, ConstraintError> {
+        material.check()?;
+        for v in surface.topology().vertices() {
+            let p = surface.positions[v.index()];
+            let finite = |c: &f32| c.is_finite();
+            if !(p[..3].iter().all(finite) && surface.rest[v.index()].iter().all(finite)) {
+                return Err(ConstraintError::NonFinitePosition { vertex: v });
+            }
+        }
+        let slots = surface.topology().vertex_slots();
+        let mut stretch = StretchSet::new(slots);
+        let mut bending = material.bending.map(|_| BendingSet::new(slots));
+        let mut edges = EdgeTable::default();
+        let mut touched = Vec::new();
+        for t in surface.topology().triangles() {
+            edges.add_triangle(surface.topology().triangle(t), &mut touched);
+        }
+        for h in surface.topology().edges() {
+            let topology = surface.topology();
+            let key = EdgeKey::new(topology.origin(h), topology.target(h));
+            edges.add_missing(key, surface, &mut stretch, bending.as_mut());
+        }
+        for batch in stretch.all() {
+            if let Some(i) = batch.rest().iter().position(|&length| length <= 0.0) {
+                let [a, b] = batch.vertices()[i];
+                return Err(ConstraintError::ZeroRestLength { a, b });
+            }
+        }
+        let mass = masses(surface, material)?;
+        for (position, &mass) in surface.positions.iter_mut().zip(&mass) {
+            position[3] = inverse(mass);
+        }
+        Ok(Self {
+            material: *material,
+            velocities: vec![[0.0; 4]; slots],
+            displacements: vec![[0.0; 4]; slots],
+            mass,
+            stretch,
+            bending,
+            edges,
+            pins: Vec::new(),
+            plan: StepPlan::default(),
+            stats: StepStats::default(),
+            cpu: CpuBackend,
+        })
+    }
+
+    /// Steps by one frame of `dt` [s] on the CPU. Allocates nothing once warm.
+    ///
+    /// # Errors
+    /// [`StepError`]. After [`StepError::NonFinitePosition`] the body has to be set up again; after any
+    /// other it is as it was.
+    pub fn step(
+        &mut self,
+        surface: &mut Surface,
+        dt: f32,
+        params: &SolverParams,
+    ) -> Result<&StepStats, StepError> {
+        let mut cpu = self.cpu;
+        self.step_on(&mut cpu, surface, dt, params)
+    }
+
+    /// Steps by one frame of `dt` [s] on a backend.
+    ///
+    /// # Errors
+    /// As [`Solver::step`].
+    pub fn step_on(
+        &mut self,
+        backend: &mut impl Backend,
+        surface: &mut Surface,
+        dt: f32,
+        params: &SolverParams,
+    ) -> Result<&StepStats, StepError> {
+        params.check(dt)?;
+        let slots = surface.positions.len();
+        if slots != self.mass.len() {
+            return Err(StepError::SurfaceMismatch {
+                surface: slots,
+                solver: self.mass.len(),
+            });
+        }
+        let constants = self.constants(dt, params);
+        let key = PlanKey {
+            iterations: params.iterations,
+            pins: !self.pins.is_empty(),
+            ground: params.ground.is_some(),
+            multipliers: constants.stretch.keeps || constants.bending.keeps,
+        };
+        self.plan.update(key, &self.stretch, self.bending.as_ref());
+        let mut body = Body {
+            positions: &mut surface.positions,
+            displacements: &mut self.displacements,
+            velocities: &mut self.velocities,
+            stretch: &mut self.stretch,
+            bending: self.bending.as_mut(),
+            pins: &self.pins,
+        };
+        self.stats = backend.execute(&self.plan, &constants, &mut body)?;
+        Ok(&self.stats)
+    }
+
+    fn constants(&self, dt: f32, params: &SolverParams) -> StepConstants {
+        let h = dt / params.substeps as f32;
+        let rigid = Projection {
+            factor: 0.0,
+            alpha: 0.0,
+            keeps: false,
+        };
+        StepConstants {
+            h,
+            substeps: params.substeps,
+            gravity_step: params.gravity.map(|g| g * h),
+            kept_velocity: 1.0 / (1.0 + self.material.damping * h),
+            stretch: self.material.stretch.projection(params.iterations, h),
+            bending: self
+                .material
+                .bending
+                .map_or(rigid, |b| b.projection(params.iterations, h)),
+            ground: params.ground.unwrap_or(f32::NEG_INFINITY),
+            friction: self.material.friction,
+        }
+    }
+
+    /// What the body is made of.
+    #[must_use]
+    pub fn material(&self) -> &Material {
+        &self.material
+    }
+
+    /// The stretch constraints.
+    #[must_use]
+    pub fn stretch(&self) -> &StretchSet {
+        &self.stretch
+    }
+
+    /// The bending constraints, if the material has bending.
+    #[must_use]
+    pub fn bending(&self) -> Option<&BendingSet> {
+        self.bending.as_ref()
+    }
+
+    /// The passes of the last step's substeps.
+    #[must_use]
+    pub fn plan(&self) -> &StepPlan {
+        &self.plan
+    }
+
+    /// What the last frame did.
+    #[must_use]
+    pub fn stats(&self) -> &StepStats {
+        &self.stats
+    }
+
+    /// Room that the solver has taken, counted in elements of its arrays. Constant while nothing is
+    /// edited: a step does not allocate.
+    #[must_use]
+    pub fn capacity(&self) -> usize {
+        self.mass.capacity()
+            + self.velocities.capacity()
+            + self.displacements.capacity()
+            + self.stretch.capacity()
+            + self.bending.as_ref().map_or(0, BendingSet::capacity)
+            + self.pins.capacity()
+            + self.plan.capacity()
+    }
+
+    /// Whether a triangle uses the vertex.
+    pub(crate) fn is_vertex(&self, v: VertexId) -> bool {
+        self.mass.get(v.index()).is_some_and(|&m| m > 0.0)
+    }
+}
+
+/// The inverse of a mass; 0, which does not move, for none.
+pub(crate) fn inverse(mass: f32) -> f32 {
+    if mass > 0.0 { 1.0 / mass } else { 0.0 }
+}

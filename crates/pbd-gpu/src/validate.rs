@@ -1,0 +1,111 @@
+//! Constraints against the ones that the surface would get if built from scratch.
+
+use crate::constraints::ConstraintSet;
+use crate::error::InvalidConstraints;
+use crate::rest;
+use crate::solver::Solver;
+use incise_mesh::{EdgeKey, Surface, VertexId};
+
+impl Solver {
+    /// Checks that there is one stretch constraint an edge and one bending constraint an interior edge
+    /// and no other, with rest values equal to the bit, that no two constraints of a color share a vertex
+    /// and that the color masks say so. O(n log n); tests call it after every edit.
+    ///
+    /// # Errors
+    /// The first broken rule and the edge.
+    pub fn validate(&self, surface: &Surface) -> Result<(), InvalidConstraints> {
+        let topology = surface.topology();
+        let (mut stretch, mut bending) = (Vec::new(), Vec::new());
+        for h in topology.edges() {
+            let twin = topology.twin(h);
+            let forward = topology.origin(h) < topology.target(h);
+            let (h, twin) = if forward || twin.is_null() {
+                (h, twin)
+            } else {
+                (twin, h)
+            };
+            let key = EdgeKey::new(topology.origin(h), topology.target(h));
+            let [low, high] = key.vertices();
+            stretch.push(([low, high], rest::length(surface, key).to_bits()));
+            if !twin.is_null() {
+                let across = topology.origin(h.prev());
+                let beyond = topology.origin(twin.prev());
+                let vertices = [low, high, across, beyond];
+                bending.push((vertices, rest::angle(surface, vertices).to_bits()));
+            }
+        }
+        let edges = stretch.len();
+        check_set(&self.stretch, stretch)?;
+        if let Some(set) = &self.bending {
+            check_set(set, bending)?;
+        }
+        if self.edges.len() != edges {
+            return broken("one record an edge", None);
+        }
+        self.check_slots()
+    }
+
+    fn check_slots(&self) -> Result<(), InvalidConstraints> {
+        for (color, batch) in self.stretch.numbered() {
+            for (index, &[a, b]) in batch.vertices().iter().enumerate() {
+                let key = EdgeKey::new(a, b);
+                let slot = self.edges.get(key).and_then(|record| record.stretch);
+                if slot.is_none_or(|slot| (slot.color, slot.index) != (color, index)) {
+                    return broken("records know their stretch constraints", Some(key));
+                }
+            }
+        }
+        let bending = self.bending.iter().flat_map(ConstraintSet::numbered);
+        for (color, batch) in bending {
+            for (index, &[a, b, ..]) in batch.vertices().iter().enumerate() {
+                let key = EdgeKey::new(a, b);
+                let slot = self.edges.get(key).and_then(|record| record.bending);
+                if slot.is_none_or(|slot| (slot.color, slot.index) != (color, index)) {
+                    return broken("records know their bending constraints", Some(key));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn broken<T>(rule: &'static str, edge: Option<EdgeKey>) -> Result<T, InvalidConstraints> {
+    Err(InvalidConstraints { rule, edge })
+}
+
+fn check_set<const N: usize>(
+    set: &ConstraintSet<N>,
+    mut wanted: Vec<([VertexId; N], u32)>,
+) -> Result<(), InvalidConstraints> {
+    let mut found = Vec::new();
+    for batch in set.all() {
+        if batch.rest().len() != batch.len() {
+            return broken("one rest value a constraint", None);
+        }
+        let rest = batch.rest().iter().map(|r| r.to_bits());
+        found.extend(batch.vertices().iter().copied().zip(rest));
+    }
+    found.sort_unstable();
+    wanted.sort_unstable();
+    if found != wanted {
+        let differing = found.iter().zip(&wanted).find(|(a, b)| a != b);
+        let edge = differing.map(|((v, _), _)| EdgeKey::new(v[0], v[1]));
+        return broken("constraints are those of the surface", edge);
+    }
+    let mut masks = vec![0_u64; set.color_masks().len()];
+    for (color, batch) in set.batches().iter().enumerate() {
+        for vertices in batch.vertices() {
+            for v in vertices {
+                if masks[v.index()] & (1 << color) != 0 {
+                    let edge = EdgeKey::new(vertices[0], vertices[1]);
+                    return broken("constraints of a color share no vertex", Some(edge));
+                }
+                masks[v.index()] |= 1 << color;
+            }
+        }
+    }
+    if masks != set.color_masks() {
+        return broken("masks hold the colors in use", None);
+    }
+    Ok(())
+}
