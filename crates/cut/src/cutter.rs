@@ -20,9 +20,9 @@ pub struct CutReport {
     pub hits: usize,
     /// Closed loops of the cross-section.
     pub loops: usize,
-    /// Whether the strict form of the boundary was needed: every intersection point kept, none
-    /// moved, because the paper's form would not have been a manifold.
-    pub strict: bool,
+    /// Sides of loops for which the paper's boundary would not have been a manifold, so that hit
+    /// triangles were cut along the sweep instead.
+    pub strict_lips: usize,
     /// Whether every cap reached its edge length.
     pub refined: bool,
     /// Time of the search and of the intersection.

@@ -20,8 +20,8 @@
 //!   They are two numbers here, [`CutParams::min_distance`] and alpha.
 //! - The listing has one hole. Every closed strip of hit triangles has two lips with a hole each.
 //! - Nothing in the listing keeps the result a manifold. It is checked, and where the paper's form
-//!   fails the cut is made again in a strict form: all intersection points, in their order, each
-//!   hit triangle cut along the sweep. That is a manifold whenever the input was.
+//!   fails, that lip is made again in a plainer form: the intersection points in their order, each
+//!   hit triangle cut along the sweep. With all points that is a manifold whenever the input was.
 
 mod apply;
 mod boundary;
@@ -34,13 +34,14 @@ use crate::error::CutError;
 use crate::params::CutParams;
 use crate::strip::Strip;
 use crate::sweep::Sweep;
+use apply::apply;
 use boundary::Boundary;
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Surface, Vec3, VertexId};
 use incise_refine::{Patch, fill};
 use lip::{Lip, lips};
 use points::{PointSet, intersection_points};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// A corner of a new triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -51,13 +52,35 @@ enum Corner {
     Point(u32),
 }
 
+/// How the boundary of a lip is made, the paper's way first. Each form is tried where the one
+/// before did not give a manifold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Form {
+    /// Algorithm 3.
+    Even,
+    /// Every hit triangle cut along the merged intersection points.
+    Merged,
+    /// Every hit triangle cut along all intersection points, none closer to a vertex than a margin.
+    Strict,
+}
+
 /// One side of one strip, closed: triangles between the old boundary and the rim, and the cap.
-struct ClosedLip {
+struct ClosedLip<'a> {
+    points: &'a PointSet,
     walls: Vec<[Corner; 3]>,
     rim: Vec<Corner>,
     /// None when the walls close the lip by themselves.
     cap: Option<Patch>,
     piece: u32,
+}
+
+/// The surface before the cut and how to cut it.
+struct Job<'a> {
+    surface: &'a Surface,
+    sweep: &'a Sweep,
+    params: &'a CutParams,
+    /// The mean edge of the hit triangles [m].
+    scale: f64,
 }
 
 /// Cuts `surface` along `strips`. See the module.
@@ -69,83 +92,97 @@ pub(crate) fn rebuild(
     params: &CutParams,
     outcome: &mut CutOutcome,
 ) -> Result<(), CutError> {
-    let scale = mean_hit_edge(surface, strips);
-    for strict in [false, true] {
-        let points = intersection_points(
-            surface,
-            strips,
-            signs,
-            if strict {
-                0.0
-            } else {
-                params.min_distance * scale
-            },
-            strict,
-        );
-        points.refuse_nested_loops(sweep)?;
-        let mut closed = Vec::new();
-        for lip in lips(surface, strips, &points) {
-            closed.push(close_lip(
-                surface, &points, &lip, sweep, params, scale, strict, outcome,
-            )?);
+    let job = Job {
+        surface,
+        sweep,
+        params,
+        scale: mean_hit_edge(surface, strips),
+    };
+    let merged = intersection_points(surface, strips, signs, params.min_distance * job.scale);
+    merged.refuse_nested_loops(sweep)?;
+    let strict = intersection_points(surface, strips, signs, 0.0);
+    let [merged_lips, strict_lips] = [&merged, &strict].map(|set| lips(surface, strips, set));
+    let mut forms = vec![Form::Even; merged_lips.len()];
+    let close = |i: usize, form: Form, time: &mut Duration| match form {
+        Form::Strict => job.close(&strict, &strict_lips[i], form, time),
+        _ => job.close(&merged, &merged_lips[i], form, time),
+    };
+    let time = &mut outcome.report.refinement;
+    let mut closed = (0..forms.len())
+        .map(|i| close(i, Form::Even, time))
+        .collect::<Result<Vec<_>, _>>()?;
+    let edit = loop {
+        let failure = match apply(surface, strips, &closed) {
+            Ok(edit) => break edit,
+            Err(failure) => failure,
+        };
+        let mut changed = false;
+        for i in failure.lips {
+            forms[i] = match forms[i] {
+                Form::Even => Form::Merged,
+                Form::Merged => Form::Strict,
+                Form::Strict => continue,
+            };
+            closed[i] = close(i, forms[i], time)?;
+            changed = true;
         }
-        match apply::apply(surface, strips, &points, &closed) {
-            Ok(edit) => {
-                *surface = edit.surface;
-                outcome.delta = edit.delta;
-                outcome.cap = edit.cap;
-                outcome.report.strict = strict;
-                outcome.report.refined = closed
-                    .iter()
-                    .all(|lip| lip.cap.as_ref().is_none_or(|cap| cap.report.converged));
-                return Ok(());
-            }
-            Err(error) if strict => return Err(error),
-            Err(_) => {}
+        if !changed {
+            return Err(failure.error);
         }
-    }
+    };
+    outcome.delta = edit.delta;
+    outcome.cap = edit.cap;
+    outcome.report.strict_lips = forms.iter().filter(|&&f| f != Form::Even).count();
+    outcome.report.refined = closed
+        .iter()
+        .all(|lip| lip.cap.as_ref().is_none_or(|cap| cap.report.converged));
+    *surface = edit.surface;
     Ok(())
 }
 
-#[expect(
-    clippy::too_many_arguments,
-    reason = "one step of the algorithm above, apart only to be readable"
-)]
-fn close_lip(
-    surface: &Surface,
-    points: &PointSet,
-    lip: &Lip,
-    sweep: &Sweep,
-    params: &CutParams,
-    scale: f64,
-    strict: bool,
-    outcome: &mut CutOutcome,
-) -> Result<ClosedLip, CutError> {
-    // A lip without edges is a single vertex cut off, of which the paper's method would leave nothing.
-    let Boundary { walls, rim } = if strict || lip.is_single_vertex() {
-        boundary::strict(lip)
-    } else {
-        boundary::new_boundary(surface, points, lip, sweep, params, scale)
-    };
-    let begin = Instant::now();
-    let cap = if rim.len() < 3 {
-        None
-    } else {
-        let positions: Vec<Vec3> = rim.iter().map(|&c| points.position(surface, c)).collect();
-        let joined = |i: u32, j: u32| match (rim[i as usize], rim[j as usize]) {
-            (Corner::Old(a), Corner::Old(b)) => surface.topology().are_adjacent(a, b),
-            _ => false,
+impl Job<'_> {
+    fn close<'p>(
+        &self,
+        points: &'p PointSet,
+        lip: &Lip,
+        form: Form,
+        time: &mut Duration,
+    ) -> Result<ClosedLip<'p>, CutError> {
+        // Algorithm 3 starts from edges; of a lip that is a single vertex it would leave nothing.
+        let Boundary { walls, rim } = if form == Form::Even && !lip.is_single_vertex() {
+            boundary::new_boundary(self, points, lip)
+        } else {
+            boundary::along_points(lip)
         };
-        let normal = newell(&positions);
-        Some(fill(&positions, normal, &params.refine, joined)?)
-    };
-    outcome.report.refinement += begin.elapsed();
-    Ok(ClosedLip {
-        walls,
-        rim,
-        cap,
-        piece: lip.piece,
-    })
+        let begin = Instant::now();
+        let cap = if rim.len() < 3 {
+            None
+        } else {
+            let positions: Vec<Vec3> = rim
+                .iter()
+                .map(|&c| points.position(self.surface, c))
+                .collect();
+            let joined = |i: u32, j: u32| self.joined(rim[i as usize], rim[j as usize]);
+            let normal = newell(&positions);
+            Some(fill(&positions, normal, &self.params.refine, joined)?)
+        };
+        *time += begin.elapsed();
+        Ok(ClosedLip {
+            points,
+            walls,
+            rim,
+            cap,
+            piece: lip.piece,
+        })
+    }
+
+    /// Whether the surface has an edge between two corners.
+    fn joined(&self, a: Corner, b: Corner) -> bool {
+        match (a, b) {
+            (Corner::Old(a), Corner::Old(b)) => self.surface.topology().are_adjacent(a, b),
+            _ => false,
+        }
+    }
 }
 
 /// The mean edge of the hit triangles [m], to which the distances in [`CutParams`] refer.

@@ -69,7 +69,7 @@ pub(crate) fn swap(
 }
 
 /// Whether patch vertices `a` and `b` follow each other on the rim.
-pub(crate) fn is_rim_edge(rim: usize, a: u32, b: u32) -> bool {
+fn is_rim_edge(rim: usize, a: u32, b: u32) -> bool {
     let (a, b) = (a as usize, b as usize);
     a < rim && b < rim && ((a + 1) % rim == b || (b + 1) % rim == a)
 }

@@ -5,7 +5,9 @@ use super::{ClosedLip, Corner};
 use crate::error::CutError;
 use crate::strip::Strip;
 use incise_mesh::geometry::round;
-use incise_mesh::{AddedVertex, HalfEdge, Origin, Surface, TopologyDelta, TriangleId, VertexId};
+use incise_mesh::{
+    AddedVertex, HalfEdge, Origin, Surface, TopologyDelta, TopologyError, TriangleId, VertexId,
+};
 
 /// An edited copy of a surface.
 pub(super) struct Edit {
@@ -14,108 +16,152 @@ pub(super) struct Edit {
     pub(super) cap: Vec<TriangleId>,
 }
 
+/// Why the result would not be a closed manifold, and which lips take part in it.
+pub(super) struct Failure {
+    pub(super) error: CutError,
+    pub(super) lips: Vec<usize>,
+}
+
 /// Makes the edit on a copy of `before`.
 ///
 /// # Errors
-/// [`CutError::Topology`] or [`CutError::NotManifold`] when the result would not be a closed manifold.
+/// [`Failure`] when the result would not be a closed manifold.
 pub(super) fn apply(
     before: &Surface,
     strips: &[Strip],
-    points: &PointSet,
-    lips: &[ClosedLip],
-) -> Result<Edit, CutError> {
+    lips: &[ClosedLip<'_>],
+) -> Result<Edit, Failure> {
     let mut edit = Edit {
         surface: before.clone(),
         delta: TopologyDelta::default(),
         cap: Vec::new(),
     };
-    let hits: Vec<TriangleId> = strips
-        .iter()
-        .flat_map(|s| s.hits.iter().map(|h| h.triangle))
-        .collect();
-    edit.delta.triangles_removed = hits
-        .iter()
-        .map(|&t| (t, before.topology().triangle(t)))
-        .collect();
-    let mut open: Vec<HalfEdge> = hits
-        .iter()
-        .flat_map(|t| t.half_edges())
-        .map(|h| before.topology().twin(h))
-        .collect();
-    let orphans = edit.surface.remove_triangles(&hits);
-    open.retain(|&h| edit.surface.topology().is_triangle(h.triangle()));
-    for lip in lips {
-        add_lip(before, points, lip, &mut edit)?;
+    // How many vertices there were before each lip: a failure is traced back to its lips by them.
+    let mut bounds = Vec::with_capacity(lips.len() + 1);
+    match edit.make(before, strips, lips, &mut bounds) {
+        Ok(()) => Ok(edit),
+        Err(error) => {
+            let vertices = edit.where_is(&error);
+            let concerned = lips.iter().enumerate().filter(|&(i, lip)| {
+                let first = bounds.get(i).copied().unwrap_or(usize::MAX);
+                let last = bounds.get(i + 1).copied().unwrap_or(usize::MAX);
+                let added = &edit.delta.vertices_added;
+                let own = added.iter().take(last).skip(first);
+                own.clone().any(|a| vertices.contains(&a.vertex))
+                    || lip
+                        .corners()
+                        .any(|c| matches!(c, Corner::Old(v) if vertices.contains(&v)))
+            });
+            let lips = concerned.map(|(i, _)| i).collect();
+            Err(Failure { error, lips })
+        }
     }
-    open.extend(
-        edit.delta
-            .triangles_added
-            .iter()
-            .flat_map(|t| t.half_edges()),
-    );
-    edit.surface.stitch(&open)?;
-    check_closed(&edit.surface, &open)?;
-    check_fans(before, &hits, &edit)?;
-    let unused: Vec<VertexId> = orphans
-        .into_iter()
-        .filter(|&v| edit.surface.topology().outgoing(v).is_null())
-        .collect();
-    edit.surface.remove_vertices(&unused);
-    edit.delta.vertices_removed = unused;
-    Ok(edit)
 }
 
-fn add_lip(
-    before: &Surface,
-    points: &PointSet,
-    lip: &ClosedLip,
-    edit: &mut Edit,
-) -> Result<(), CutError> {
-    let mut ids: Vec<(Corner, VertexId)> = Vec::new();
-    for &corner in lip.walls.iter().flatten().chain(&lip.rim) {
-        if matches!(corner, Corner::Point(_)) {
-            ids.push((corner, VertexId::NULL));
-        }
+impl ClosedLip<'_> {
+    fn corners(&self) -> impl Iterator<Item = Corner> {
+        self.walls.iter().flatten().chain(&self.rim).copied()
     }
-    ids.sort_unstable();
-    ids.dedup_by_key(|entry| entry.0);
-    for (corner, id) in &mut ids {
-        if let Corner::Point(p) = *corner {
-            let point = &points.points[p as usize];
-            let [a, b] = point.ends;
-            let origin = Origin::OnEdge { a, b, t: point.t };
-            *id = edit.add_vertex(round(point.position), origin, lip.piece);
-        }
-    }
-    let vertex = |corner: Corner| match corner {
-        Corner::Old(v) => v,
-        Corner::Point(_) => {
-            let at = ids
-                .binary_search_by_key(&corner, |entry| entry.0)
-                .expect("every point of the lip has a vertex");
-            ids[at].1
-        }
-    };
-    for wall in &lip.walls {
-        let t = edit.add_triangle(wall.map(vertex), lip.piece)?;
-        interpolate_corners(before, points, wall, t, &mut edit.surface);
-    }
-    let Some(cap) = &lip.cap else { return Ok(()) };
-    let mut vertices: Vec<VertexId> = lip.rim.iter().map(|&c| vertex(c)).collect();
-    for (parents, &position) in cap.inner.iter().zip(&cap.points[cap.rim..]) {
-        let origin = Origin::OnCap {
-            parents: parents.map(|i| vertices[i as usize]),
-        };
-        vertices.push(edit.add_vertex(round(position), origin, lip.piece));
-    }
-    for triangle in &cap.triangles {
-        let t = edit.add_triangle(triangle.map(|i| vertices[i as usize]), lip.piece)?;
-        edit.cap.push(t);
-    }
-    Ok(())
 }
 
 impl Edit {
+    fn make(
+        &mut self,
+        before: &Surface,
+        strips: &[Strip],
+        lips: &[ClosedLip<'_>],
+        bounds: &mut Vec<usize>,
+    ) -> Result<(), CutError> {
+        let hits: Vec<TriangleId> = strips
+            .iter()
+            .flat_map(|s| s.hits.iter().map(|h| h.triangle))
+            .collect();
+        self.delta.triangles_removed = hits
+            .iter()
+            .map(|&t| (t, before.topology().triangle(t)))
+            .collect();
+        let mut open: Vec<HalfEdge> = hits
+            .iter()
+            .flat_map(|t| t.half_edges())
+            .map(|h| before.topology().twin(h))
+            .collect();
+        let orphans = self.surface.remove_triangles(&hits);
+        open.retain(|&h| self.surface.topology().is_triangle(h.triangle()));
+        for lip in lips {
+            bounds.push(self.delta.vertices_added.len());
+            self.add_lip(before, lip)?;
+        }
+        bounds.push(self.delta.vertices_added.len());
+        let added = &self.delta.triangles_added;
+        open.extend(added.iter().flat_map(|t| t.half_edges()));
+        self.surface.stitch(&open)?;
+        check_closed(&self.surface, &open)?;
+        check_fans(before, &hits, self)?;
+        let unused: Vec<VertexId> = orphans
+            .into_iter()
+            .filter(|&v| self.surface.topology().outgoing(v).is_null())
+            .collect();
+        self.surface.remove_vertices(&unused);
+        self.delta.vertices_removed = unused;
+        Ok(())
+    }
+
+    /// The vertices of the edited surface at which `error` was found.
+    fn where_is(&self, error: &CutError) -> Vec<VertexId> {
+        match *error {
+            CutError::NotManifold { vertex }
+            | CutError::Topology(TopologyError::RepeatedVertex { vertex, .. }) => vec![vertex],
+            CutError::Topology(TopologyError::NonManifoldEdge { a, b }) => vec![a, b],
+            CutError::Topology(TopologyError::InconsistentWinding { first, .. }) => {
+                self.surface.topology().triangle(first).to_vec()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    fn add_lip(&mut self, before: &Surface, lip: &ClosedLip<'_>) -> Result<(), CutError> {
+        let points = lip.points;
+        let mut ids: Vec<(Corner, VertexId)> = Vec::new();
+        let is_point = |c: &Corner| matches!(c, Corner::Point(_));
+        ids.extend(lip.corners().filter(is_point).map(|c| (c, VertexId::NULL)));
+        ids.sort_unstable();
+        ids.dedup_by_key(|entry| entry.0);
+        for (corner, id) in &mut ids {
+            if let Corner::Point(p) = *corner {
+                let point = &points.points[p as usize];
+                let [a, b] = point.ends;
+                let origin = Origin::OnEdge { a, b, t: point.t };
+                *id = self.add_vertex(round(point.position), origin, lip.piece);
+            }
+        }
+        let vertex = |corner: Corner| match corner {
+            Corner::Old(v) => v,
+            Corner::Point(_) => {
+                let at = ids
+                    .binary_search_by_key(&corner, |entry| entry.0)
+                    .expect("every point of the lip has a vertex");
+                ids[at].1
+            }
+        };
+        for wall in &lip.walls {
+            let t = self.add_triangle(wall.map(vertex), lip.piece)?;
+            interpolate_corners(before, points, wall, t, &mut self.surface);
+        }
+        let Some(cap) = &lip.cap else { return Ok(()) };
+        let mut vertices: Vec<VertexId> = lip.rim.iter().map(|&c| vertex(c)).collect();
+        for (parents, &position) in cap.inner.iter().zip(&cap.points[cap.rim..]) {
+            let origin = Origin::OnCap {
+                parents: parents.map(|i| vertices[i as usize]),
+            };
+            vertices.push(self.add_vertex(round(position), origin, lip.piece));
+        }
+        for triangle in &cap.triangles {
+            let t = self.add_triangle(triangle.map(|i| vertices[i as usize]), lip.piece)?;
+            self.cap.push(t);
+        }
+        Ok(())
+    }
+
     fn add_vertex(&mut self, [x, y, z]: [f32; 3], origin: Origin, piece: u32) -> VertexId {
         let surface = &self.surface;
         let rest = origin.interpolate(|v| surface.rest[v.index()]);

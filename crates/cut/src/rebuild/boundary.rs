@@ -16,14 +16,13 @@
 //! - Lines 32 to 33 take both edges away but go on with the second; the listing goes on behind it here.
 //! - An old vertex that the boundary of this side passes twice must not stay on the rim, where the
 //!   cap would meet itself: its edges are always connected to points and its ear is always closed.
+//!   An edge whose triangles are both hit is always connected too: nothing else would hold it.
 
-use super::Corner;
 use super::lip::Lip;
 use super::points::PointSet;
-use crate::params::CutParams;
-use crate::sweep::Sweep;
+use super::{Corner, Job};
 use incise_mesh::geometry::angle_between;
-use incise_mesh::{Surface, Vec3, VertexId};
+use incise_mesh::{Vec3, VertexId};
 
 /// The triangles that make the new boundary, and the boundary: the loop along which the cap runs.
 #[derive(Debug, Default)]
@@ -32,8 +31,8 @@ pub(super) struct Boundary {
     pub(super) rim: Vec<Corner>,
 }
 
-/// Every hit triangle cut along the sweep: all points in their order are the rim.
-pub(super) fn strict(lip: &Lip) -> Boundary {
+/// Every hit triangle cut along the sweep: the points in their order are the rim.
+pub(super) fn along_points(lip: &Lip) -> Boundary {
     let count = lip.points.len();
     let point = |rank: u32| Corner::Point(lip.points[rank as usize % count]);
     let mut out = Boundary::default();
@@ -52,18 +51,11 @@ pub(super) fn strict(lip: &Lip) -> Boundary {
 }
 
 /// Algorithm 3.
-pub(super) fn new_boundary(
-    surface: &Surface,
-    points: &PointSet,
-    lip: &Lip,
-    sweep: &Sweep,
-    params: &CutParams,
-    scale: f64,
-) -> Boundary {
+pub(super) fn new_boundary(job: &Job<'_>, points: &PointSet, lip: &Lip) -> Boundary {
     let mut walls = Vec::new();
-    let ring = connect(surface, points, lip, sweep, params.beta * scale, &mut walls);
+    let ring = connect(job, points, lip, &mut walls);
     let ring = remove_doubles(ring);
-    let rim = close_ears(surface, points, lip, ring, params.ear_angle, &mut walls);
+    let rim = close_ears(job, points, lip, ring, &mut walls);
     Boundary { walls, rim }
 }
 
@@ -76,14 +68,14 @@ struct RingCorner {
 
 /// Lines 5 to 19: edges far from the plane are connected to their nearest point.
 fn connect(
-    surface: &Surface,
+    job: &Job<'_>,
     points: &PointSet,
     lip: &Lip,
-    sweep: &Sweep,
-    beta: f64,
     walls: &mut Vec<[Corner; 3]>,
 ) -> Vec<RingCorner> {
-    let (origin, normal) = sweep.plane();
+    let surface = job.surface;
+    let beta = job.params.beta * job.scale;
+    let (origin, normal) = job.sweep.plane();
     let distance = |v: VertexId| normal.dot(&(surface.position(v) - origin)).abs();
     let count = u32::try_from(lip.points.len()).expect("ranks are 32 bits");
     let point = |rank: u32| Corner::Point(lip.points[(rank % count) as usize]);
@@ -103,7 +95,7 @@ fn connect(
         });
         let is_pinched = |v: VertexId| lip.pinched.binary_search(&v).is_ok();
         let far = distance(start) > beta && distance(end) > beta;
-        if !far && !is_pinched(start) && !is_pinched(end) {
+        if !far && !is_pinched(start) && !is_pinched(end) && !lip.steps[j].is_loose {
             continue;
         }
         let last = match edges.get(i + 1) {
@@ -112,6 +104,10 @@ fn connect(
         };
         let center = (surface.position(start) + surface.position(end)) / 2.0;
         let gap = |rank: u32| (points.position(surface, point(rank)) - center).norm_squared();
+        // Out along a loose edge and back: the vertex at its end needs two points.
+        if lip.steps[j].is_loose && i > 0 && lip.steps[edges[i - 1].0].is_loose {
+            previous += 1;
+        }
         let own = lip.steps[j].to.max(previous);
         let nearest =
             (previous..=last.max(own)).fold(
@@ -170,16 +166,15 @@ fn remove_doubles(ring: Vec<RingCorner>) -> Vec<RingCorner> {
     out
 }
 
-/// Lines 28 to 35: ears below `ear_angle` [degrees] at old vertices are closed.
+/// Lines 28 to 35: sharp ears at old vertices are closed.
 fn close_ears(
-    surface: &Surface,
+    job: &Job<'_>,
     points: &PointSet,
     lip: &Lip,
-    ring: Vec<RingCorner>,
-    ear_angle: f64,
+    mut ring: Vec<RingCorner>,
     walls: &mut Vec<[Corner; 3]>,
 ) -> Vec<Corner> {
-    let mut ring = ring;
+    let ear_angle = job.params.ear_angle.to_radians();
     for forced in [false, true] {
         let n = ring.len();
         let mut keep = vec![true; n];
@@ -195,14 +190,14 @@ fn close_ears(
                 i += 1;
                 continue;
             };
-            let [p, x, q] = [before, corner, behind].map(|c| points.position(surface, c));
+            let [p, x, q] = [before, corner, behind].map(|c| points.position(job.surface, c));
             let signed_area = (x - p).cross(&(q - p)).dot(&wall);
             let close = if forced {
                 lip.pinched.binary_search(&v).is_ok()
             } else {
                 signed_area > 0.0
-                    && angle_between(p - x, q - x) < ear_angle.to_radians()
-                    && !joined(surface, before, behind)
+                    && angle_between(p - x, q - x) < ear_angle
+                    && !job.joined(before, behind)
             };
             // The first corner is behind the last one: its ear must not take the same edge twice.
             let wraps = i + 1 == n && !keep[0];
@@ -218,12 +213,4 @@ fn close_ears(
         ring.retain(|_| kept.next() == Some(true));
     }
     ring.into_iter().map(|r| r.corner).collect()
-}
-
-/// Whether the surface has an edge between two corners.
-fn joined(surface: &Surface, a: Corner, b: Corner) -> bool {
-    match (a, b) {
-        (Corner::Old(a), Corner::Old(b)) => surface.topology().are_adjacent(a, b),
-        _ => false,
-    }
 }

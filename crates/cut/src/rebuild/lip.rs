@@ -6,7 +6,7 @@
 use super::points::PointSet;
 use crate::strip::Strip;
 use incise_mesh::geometry::area_vector;
-use incise_mesh::{Surface, Vec3, VertexId};
+use incise_mesh::{Surface, TriangleId, Vec3, VertexId};
 
 /// What is left of one hit triangle on one side.
 #[derive(Debug, Clone, Copy)]
@@ -19,6 +19,8 @@ pub(super) struct LipStep {
     pub(super) start: VertexId,
     /// The second one: then start to end is an edge of the old boundary.
     pub(super) end: Option<VertexId>,
+    /// Whether the triangle behind that edge is hit too: nothing else of the surface holds the edge.
+    pub(super) is_loose: bool,
     /// Along the hit triangle's normal, twice its area long.
     pub(super) wall: Vec3,
 }
@@ -43,12 +45,17 @@ impl Lip {
 /// Both lips of every strip.
 pub(super) fn lips(surface: &Surface, strips: &[Strip], points: &PointSet) -> Vec<Lip> {
     let mut lips: Vec<Lip> = Vec::with_capacity(2 * strips.len());
+    let mut hit_triangles: Vec<TriangleId> = strips
+        .iter()
+        .flat_map(|s| s.hits.iter().map(|h| h.triangle))
+        .collect();
+    hit_triangles.sort_unstable();
     for positive in [true, false] {
         let first = lips.len();
         for (strip, l) in strips.iter().zip(&points.loops) {
             let n = l.representatives.len();
             let count = u32::try_from(n).expect("a range of u32");
-            let mut steps = steps(surface, strip, &l.rank, count, positive);
+            let mut steps = steps(surface, strip, &l.rank, count, positive, &hit_triangles);
             let mut order: Vec<u32> = l.representatives.clone().collect();
             if !positive {
                 // Against the strip, ranks count down: count them up from the last.
@@ -86,6 +93,7 @@ fn steps(
     rank: &[u32],
     count: u32,
     positive: bool,
+    hit_triangles: &[TriangleId],
 ) -> Vec<LipStep> {
     let topology = surface.topology();
     let mut steps = Vec::with_capacity(strip.hits.len());
@@ -94,17 +102,23 @@ fn steps(
         let [a, b] = [hit.entry, hit.entry.next()].map(|h| topology.origin(h));
         let c = topology.origin(hit.entry.prev());
         let c_above = hit.exit == hit.entry.prev();
-        let (start, end) = match (positive, c_above) {
-            (true, true) => (b, Some(c)),
+        let (start, edge) = match (positive, c_above) {
+            (true, true) => (b, Some(hit.entry.next())),
             (true, false) => (b, None),
             (false, true) => (a, None),
-            (false, false) => (c, Some(a)),
+            (false, false) => (c, Some(hit.entry.prev())),
         };
+        let is_loose = edge.is_some_and(|h| {
+            hit_triangles
+                .binary_search(&topology.twin(h).triangle())
+                .is_ok()
+        });
         steps.push(LipStep {
             from: rank[j],
             to: rank.get(j + 1).copied().unwrap_or(count),
             start,
-            end,
+            end: edge.map(|h| topology.target(h)),
+            is_loose,
             wall: area_vector(surface.triangle_positions(hit.triangle)),
         });
     }

@@ -13,8 +13,8 @@ use crate::sweep::Sweep;
 use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3, VertexId};
 use std::ops::Range;
 
-/// How close to an end of its edge a point may lie in the strict form, relative to the edge, so
-/// that no two vertices coincide when the sweep passes through a vertex.
+/// How close to an end of its edge a point may lie where points do not merge, relative to the edge,
+/// so that no two vertices coincide when the sweep passes through a vertex.
 const MARGIN: f64 = 0.02;
 
 /// A point where an edge crosses the sweep.
@@ -49,18 +49,17 @@ pub(super) struct PointSet {
     pub(super) loops: Vec<Loop>,
 }
 
-/// The points of every strip, merged where closer than `min_distance` [m].
+/// The points of every strip, merged where closer than `min_distance` [m]; 0 keeps all.
 pub(super) fn intersection_points(
     surface: &Surface,
     strips: &[Strip],
     signs: &Signs,
     min_distance: f64,
-    strict: bool,
 ) -> PointSet {
     let mut set = PointSet::default();
     for strip in strips {
         // A tip's points must not coincide with it either.
-        let margin = if strict || strip.cuts_off_one_vertex() {
+        let margin = if min_distance == 0.0 || strip.cuts_off_one_vertex() {
             MARGIN
         } else {
             0.0
