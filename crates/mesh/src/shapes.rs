@@ -13,6 +13,7 @@ mod seams;
 mod shell;
 mod sphere;
 mod torus;
+mod tube;
 
 pub use sphere::{cube_sphere, icosphere};
 pub use torus::torus;

@@ -1,28 +1,36 @@
 //! The four bodies of the table that are no spheres: y up, facing z.
 
-use super::implicit::{Body, ellipsoid, ridged_tube, tilted_ellipsoid, tube};
+use super::implicit::{Body, Primitive, ellipsoid, tilted_ellipsoid, tube};
+use super::tube::Tube;
 use crate::geometry::Vec3;
 
 /// The grid's spacing for each body: fine enough for its thinnest part.
-pub(super) const BUNNY_CELL: f64 = 0.05;
-pub(super) const OCTOPUS_CELL: f64 = 0.035;
-pub(super) const BANANA_CELL: f64 = 0.022;
-pub(super) const ARMADILLO_CELL: f64 = 0.0175;
+pub(super) const BUNNY_CELL: f64 = 0.045;
+pub(super) const OCTOPUS_CELL: f64 = 0.042;
+pub(super) const BANANA_CELL: f64 = 0.03;
+pub(super) const ARMADILLO_CELL: f64 = 0.0195;
+
+/// How far the bumps of the armadillo's shell stand out.
+const BUMP_HEIGHT: f64 = 0.028;
 
 pub(super) fn bunny() -> Body {
     Body::new()
         .with(ellipsoid([0.0, 0.62, -0.15], [0.50, 0.56, 0.70]), 0.1)
         .with(ellipsoid([0.0, 0.66, 0.36], [0.35, 0.44, 0.34]), 0.2)
-        .with_pair(ellipsoid([0.36, 0.40, -0.38], [0.24, 0.38, 0.40]), 0.10)
+        .with_pair(ellipsoid([0.39, 0.38, -0.36], [0.22, 0.36, 0.38]), 0.05)
         .with(ellipsoid([0.0, 1.30, 0.60], [0.30, 0.31, 0.37]), 0.16)
-        .with(ellipsoid([0.0, 1.20, 0.88], [0.18, 0.16, 0.17]), 0.10)
-        .with_pair(ellipsoid([0.15, 1.20, 0.76], [0.15, 0.14, 0.16]), 0.08)
+        .with(ellipsoid([0.0, 1.20, 0.94], [0.15, 0.13, 0.16]), 0.08)
+        .with_pair(ellipsoid([0.17, 1.18, 0.70], [0.15, 0.14, 0.16]), 0.08)
         .with_pair(
-            tilted_ellipsoid([0.24, 1.90, 0.38], [0.13, 0.48, 0.085], [0.25, 1.0, -0.35]),
+            tilted_ellipsoid([0.24, 1.88, 0.38], [0.145, 0.50, 0.11], [0.25, 1.0, -0.35]),
             0.08,
         )
         .without_pair(
-            tilted_ellipsoid([0.245, 1.93, 0.465], [0.06, 0.34, 0.055], [0.25, 1.0, -0.35]),
+            tilted_ellipsoid(
+                [0.245, 1.95, 0.50],
+                [0.075, 0.36, 0.075],
+                [0.25, 1.0, -0.35],
+            ),
             0.05,
         )
         .with_pair(ellipsoid([0.36, 0.10, 0.06], [0.15, 0.11, 0.36]), 0.06)
@@ -69,7 +77,7 @@ pub(super) fn octopus() -> Body {
                 at(0.90, -0.06, 0.13, 0.13),
                 at(0.55 * reach + 0.30, 0.02, 0.11, 0.10),
                 at(0.85 * reach, 0.45 * curl, 0.10 + 0.3 * (tip - 0.09), 0.075),
-                at(reach, curl, tip, 0.045),
+                at(reach, curl, tip, 0.058),
             ]),
             0.10,
         );
@@ -79,8 +87,8 @@ pub(super) fn octopus() -> Body {
 
 pub(super) fn banana() -> Body {
     Body::new().with(
-        ridged_tube(
-            &[
+        Primitive::Tube(
+            Tube::new(&[
                 [-1.36, 0.98, 0.0, 0.085],
                 [-1.30, 0.80, 0.0, 0.075],
                 [-1.18, 0.52, 0.0, 0.095],
@@ -92,8 +100,8 @@ pub(super) fn banana() -> Body {
                 [1.02, 0.30, 0.0, 0.18],
                 [1.17, 0.50, 0.0, 0.09],
                 [1.21, 0.60, 0.0, 0.065],
-            ],
-            0.045,
+            ])
+            .with_ridges(0.045),
         ),
         0.1,
     )
@@ -104,7 +112,10 @@ pub(super) fn armadillo() -> Body {
         .with(ellipsoid([0.0, 1.30, 0.02], [0.40, 0.58, 0.33]), 0.1)
         .with(ellipsoid([0.0, 1.12, 0.12], [0.33, 0.42, 0.29]), 0.10)
         .with(ellipsoid([0.0, 1.36, -0.14], [0.48, 0.62, 0.34]), 0.08)
-        .with(tube(&[[0.0, 1.75, 0.0, 0.24], [0.0, 2.05, 0.16, 0.17]]), 0.12)
+        .with(
+            tube(&[[0.0, 1.75, 0.0, 0.24], [0.0, 2.05, 0.16, 0.17]]),
+            0.12,
+        )
         .with(ellipsoid([0.0, 2.12, 0.22], [0.20, 0.20, 0.26]), 0.08)
         .with(
             tube(&[
@@ -132,8 +143,8 @@ pub(super) fn armadillo() -> Body {
         .with_pair(
             tube(&[
                 [0.24, 0.98, 0.02, 0.25],
-                [0.40, 0.66, 0.12, 0.20],
-                [0.42, 0.34, -0.02, 0.135],
+                [0.38, 0.66, 0.07, 0.20],
+                [0.42, 0.34, 0.0, 0.14],
                 [0.43, 0.13, 0.0, 0.13],
             ]),
             0.10,
@@ -148,7 +159,7 @@ pub(super) fn armadillo() -> Body {
             ]),
             0.10,
         )
-        .with_relief(shell_bumps);
+        .with_relief(shell_bumps, BUMP_HEIGHT);
     for (base, tip) in [
         ([0.89, 2.29, 0.40, 0.045], [0.80, 2.44, 0.46, 0.024]),
         ([0.96, 2.32, 0.40, 0.045], [0.94, 2.50, 0.46, 0.024]),
@@ -159,7 +170,10 @@ pub(super) fn armadillo() -> Body {
     }
     for x in [0.34, 0.44, 0.54] {
         body = body.with_pair(
-            tube(&[[x, 0.08, 0.34, 0.055], [x * 1.06 - 0.024, 0.05, 0.50, 0.028]]),
+            tube(&[
+                [x, 0.08, 0.34, 0.055],
+                [x * 1.06 - 0.024, 0.05, 0.50, 0.028],
+            ]),
             0.04,
         );
     }
@@ -168,7 +182,6 @@ pub(super) fn armadillo() -> Body {
 
 /// Rows of bumps on the back, between two smooth edges.
 fn shell_bumps(p: Vec3) -> f64 {
-    const HEIGHT: f64 = 0.028;
     const PITCH: f64 = 0.115;
     let mask = smooth_step((-0.06 - p.z) / 0.12)
         * smooth_step((p.y - 0.86) / 0.1)
@@ -180,7 +193,7 @@ fn shell_bumps(p: Vec3) -> f64 {
     let row = p.y / PITCH;
     // Every other row is shifted by half a bump, as scales are.
     let shift = if row.floor() % 2.0 == 0.0 { 0.0 } else { 0.5 };
-    -HEIGHT * mask * bump(row) * bump(p.x / PITCH + shift)
+    -BUMP_HEIGHT * mask * bump(row) * bump(p.x / PITCH + shift)
 }
 
 /// A wave of period 1 from 0 at whole numbers to 1 between them.

@@ -9,7 +9,7 @@ use std::collections::BinaryHeap;
 
 /// Weight of the edge length^4 beside the squared distance times area: where the surface is flat, short
 /// edges go first and triangles stay alike in size.
-const LENGTH_WEIGHT: f64 = 1e-3;
+const LENGTH_WEIGHT: f64 = 3e-4;
 /// How strongly a new point is drawn to the middle of its edge, against the quadric's largest slope:
 /// enough to settle directions in which the quadric is flat.
 const CENTERING: f64 = 1e-3;
@@ -25,7 +25,7 @@ pub(super) fn decimate(shell: &mut Shell, target: usize) {
         let Some(Reverse(candidate)) = state.queue.pop() else {
             return;
         };
-        state.try_collapse(candidate);
+        state.try_collapse(&candidate);
     }
 }
 
@@ -93,7 +93,6 @@ struct Candidate {
     cost: f64,
     edge: HalfEdge,
     changes: [u32; 2],
-    point: Vec3,
 }
 
 impl Ord for Candidate {
@@ -153,34 +152,46 @@ impl<'a> Decimation<'a> {
     }
 
     fn candidate(&self, edge: HalfEdge) -> Candidate {
-        let ends = [self.shell.origin(edge), self.shell.target(edge)];
+        let ends = self.ends(edge);
         let [p, q] = ends.map(|v| self.shell.point(v));
-        let mut quadric = self.quadrics[ends[0].index()];
-        quadric.add(&self.quadrics[ends[1].index()]);
-        let point = quadric.best_point((p + q) / 2.0);
+        let (quadric, point) = self.merged(ends);
         let squared_length = (q - p).norm_squared();
         Candidate {
             cost: quadric.error(point) + LENGTH_WEIGHT * squared_length * squared_length,
             edge,
             changes: ends.map(|v| self.changes[v.index()]),
-            point,
         }
     }
 
-    fn try_collapse(&mut self, candidate: Candidate) {
+    fn ends(&self, edge: HalfEdge) -> [VertexId; 2] {
+        [self.shell.origin(edge), self.shell.target(edge)]
+    }
+
+    /// The quadric of both ends, and where their collapse would go.
+    fn merged(&self, ends: [VertexId; 2]) -> (Quadric, Vec3) {
+        let mut quadric = self.quadrics[ends[0].index()];
+        quadric.add(&self.quadrics[ends[1].index()]);
+        let [p, q] = ends.map(|v| self.shell.point(v));
+        (quadric, quadric.best_point((p + q) / 2.0))
+    }
+
+    fn try_collapse(&mut self, candidate: &Candidate) {
         let h = candidate.edge;
-        let ends = [self.shell.origin(h), self.shell.target(h)];
-        if ends[0].is_null()
-            || ends.map(|v| self.changes[v.index()]) != candidate.changes
-            || !self.shell.can_collapse(h)
-            || !self.keeps_shape(ends, candidate.point)
+        if self.shell.origin(h).is_null() {
+            return;
+        }
+        let ends = self.ends(h);
+        if ends.map(|v| self.changes[v.index()]) != candidate.changes || !self.shell.can_collapse(h)
         {
             return;
         }
+        let (quadric, point) = self.merged(ends);
+        if !self.keeps_shape(ends, point) {
+            return;
+        }
+        self.shell.collapse(h, point);
         let [kept, gone] = ends;
-        self.shell.collapse(h, candidate.point);
-        let absorbed = self.quadrics[gone.index()];
-        self.quadrics[kept.index()].add(&absorbed);
+        self.quadrics[kept.index()] = quadric;
         self.changes[kept.index()] += 1;
         self.changes[gone.index()] += 1;
         let around: Vec<HalfEdge> = self.shell.fan(kept).collect();
@@ -226,7 +237,11 @@ mod tests {
     fn the_best_point_of_three_planes_is_where_they_meet() {
         let corner = Vec3::new(1.0, -2.0, 0.5);
         let mut quadric = Quadric::ZERO;
-        for (u, v) in [(Vec3::x(), Vec3::y()), (Vec3::y(), Vec3::z()), (Vec3::z(), Vec3::x())] {
+        for (u, v) in [
+            (Vec3::x(), Vec3::y()),
+            (Vec3::y(), Vec3::z()),
+            (Vec3::z(), Vec3::x()),
+        ] {
             quadric.add(&Quadric::of_triangle([corner, corner + u, corner + v]));
         }
         assert!(quadric.error(corner) < 1e-15);

@@ -3,11 +3,19 @@
 //! Ellipsoids and tubes are joined by a polynomial smooth minimum, which is exact away from the joint.
 //! Everything is sums, products, quotients and square roots, so values are the same on every machine.
 
+use super::tube::Tube;
 use crate::geometry::Vec3;
 use nalgebra::Matrix3;
 
-/// Half the length of the step for the gradient's differences.
-const GRADIENT_STEP: f64 = 1e-5;
+/// How fast the value may change with the distance, the relief apart: 1, and more in ellipsoids.
+const STEEPEST: f64 = 1.3;
+
+/// A value of an implicit function with its gradient.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample {
+    pub(super) value: f64,
+    pub(super) gradient: Vec3,
+}
 
 /// A body: parts joined in order, and a fine relief on top.
 #[derive(Debug)]
@@ -15,6 +23,17 @@ pub(super) struct Body {
     parts: Vec<Part>,
     /// Added to the distance: negative values swell the surface.
     relief: fn(Vec3) -> f64,
+    /// The relief's largest absolute value.
+    relief_height: f64,
+}
+
+/// What of a body matters inside a ball.
+#[derive(Debug)]
+pub(super) struct Neighborhood<'a> {
+    /// None when the surface does not come near.
+    parts: Vec<&'a Part>,
+    relief: fn(Vec3) -> f64,
+    middle: f64,
 }
 
 #[derive(Debug)]
@@ -31,35 +50,18 @@ struct Part {
 /// What bodies are made of.
 #[derive(Debug)]
 pub(super) enum Primitive {
-    /// An ellipsoid with radii along the rows of `frame`.
-    Ellipsoid {
-        /// The middle.
-        center: Vec3,
-        /// Half the length of each axis.
-        radii: Vec3,
-        /// Unit axes as rows.
-        frame: Matrix3<f64>,
-    },
-    /// A tube of varying radius along a curve.
-    Tube {
-        /// Points of the curve with the radius there.
-        knots: Vec<Knot>,
-        /// Relative height of five ridges along it.
-        ridges: f64,
-        /// The middle of a ball around it.
-        center: Vec3,
-        /// The radius of that ball.
-        reach: f64,
-    },
+    /// An ellipsoid.
+    Ellipsoid(Ellipsoid),
+    /// A tube along a curve.
+    Tube(Tube),
 }
 
-/// A point of a tube's curve.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Knot {
-    point: Vec3,
-    radius: f64,
-    /// Unit vector in the plane z = const across the curve, from which ridges count.
-    side: Vec3,
+/// An ellipsoid with `radii` along the rows of `frame`.
+#[derive(Debug)]
+pub(super) struct Ellipsoid {
+    center: Vec3,
+    radii: Vec3,
+    frame: Matrix3<f64>,
 }
 
 impl Body {
@@ -67,6 +69,7 @@ impl Body {
         Self {
             parts: Vec::new(),
             relief: |_| 0.0,
+            relief_height: 0.0,
         }
     }
 
@@ -82,8 +85,9 @@ impl Body {
         self.with_part(primitive, blend, true, true)
     }
 
-    pub(super) fn with_relief(mut self, relief: fn(Vec3) -> f64) -> Self {
+    pub(super) fn with_relief(mut self, relief: fn(Vec3) -> f64, height: f64) -> Self {
         self.relief = relief;
+        self.relief_height = height;
         self
     }
 
@@ -97,57 +101,62 @@ impl Body {
         self
     }
 
-    /// The value at `p`.
-    pub(super) fn value(&self, p: Vec3) -> f64 {
-        let mirrored = Vec3::new(p.x.abs(), p.y, p.z);
-        let mut value = f64::INFINITY;
+    /// What matters within `radius` of `middle`, for many values there.
+    pub(super) fn near(&self, middle: Vec3, radius: f64) -> Neighborhood<'_> {
+        let slack = STEEPEST * radius;
+        let mut out = Sample {
+            value: f64::INFINITY,
+            gradient: Vec3::zeros(),
+        };
+        let mut parts = Vec::new();
         for part in &self.parts {
-            let p = if part.mirrored { mirrored } else { p };
-            // What is too far to blend changes nothing; tubes are costly enough to ask first.
-            if !part.carved && part.primitive.lower_bound(p) > value + part.blend {
+            if part.lower_bound(middle) > out.value + part.blend + 2.0 * slack {
                 continue;
             }
-            let own = part.primitive.value(p);
-            value = if part.carved {
-                -smooth_min(-value, own, part.blend)
-            } else {
-                smooth_min(value, own, part.blend)
-            };
+            let own = part.sample(middle);
+            let ahead = if part.carved { -out.value } else { out.value };
+            if own.value <= ahead + part.blend + 2.0 * slack {
+                parts.push(part);
+            }
+            out = part.join(out, own);
         }
-        value + (self.relief)(p)
+        if out.value.abs() > slack + self.relief_height {
+            parts.clear();
+        }
+        Neighborhood {
+            parts,
+            relief: self.relief,
+            middle: out.value,
+        }
     }
 
-    /// The gradient at `p`, from differences along the diagonals of a cube.
-    pub(super) fn gradient(&self, p: Vec3) -> Vec3 {
-        let mut sum = Vec3::zeros();
-        for d in [
-            Vec3::new(1.0, -1.0, -1.0),
-            Vec3::new(-1.0, -1.0, 1.0),
-            Vec3::new(-1.0, 1.0, -1.0),
-            Vec3::new(1.0, 1.0, 1.0),
-        ] {
-            sum += d * self.value(p + d * GRADIENT_STEP);
-        }
-        sum / (4.0 * GRADIENT_STEP)
+    pub(super) fn sample(&self, p: Vec3) -> Sample {
+        /// Step of the difference that gives the relief's gradient.
+        const STEP: f64 = 1e-5;
+        let mut out = joined(&self.parts, p);
+        let relief = (self.relief)(p);
+        out.value += relief;
+        let forward = Vec3::from_fn(|k, _| {
+            let mut q = p;
+            q[k] += STEP;
+            (self.relief)(q)
+        });
+        out.gradient += forward.add_scalar(-relief) / STEP;
+        out
     }
 
-    /// Moves `p` to the surface along the gradient, at most `limit` a step, and returns the outward
-    /// unit normal there too.
-    pub(super) fn project(&self, mut p: Vec3, limit: f64) -> (Vec3, Vec3) {
-        const STEPS: usize = 3;
-        const CLOSE_ENOUGH: f64 = 1e-6;
+    /// Moves `p` toward the surface, `steps` times along the gradient and at most `limit` each time,
+    /// and returns the outward unit normal too.
+    pub(super) fn project(&self, mut p: Vec3, steps: usize, limit: f64) -> (Vec3, Vec3) {
         let mut normal = Vec3::zeros();
-        for _ in 0..STEPS {
-            let (value, gradient) = (self.value(p), self.gradient(p));
+        for _ in 0..steps {
+            let Sample { value, gradient } = self.sample(p);
             let slope = gradient.norm();
             if slope == 0.0 {
                 break;
             }
             normal = gradient / slope;
             p -= normal * (value / slope).clamp(-limit, limit);
-            if value.abs() < CLOSE_ENOUGH {
-                break;
-            }
         }
         (p, normal)
     }
@@ -169,6 +178,63 @@ impl Body {
     }
 }
 
+impl Neighborhood<'_> {
+    /// The body's value at `p`, or one of the same sign when the surface is not near.
+    pub(super) fn value(&self, p: Vec3) -> f64 {
+        if self.parts.is_empty() {
+            self.middle
+        } else {
+            joined(self.parts.iter().copied(), p).value + (self.relief)(p)
+        }
+    }
+}
+
+fn joined<'a>(parts: impl IntoIterator<Item = &'a Part>, p: Vec3) -> Sample {
+    let mut out = Sample {
+        value: f64::INFINITY,
+        gradient: Vec3::zeros(),
+    };
+    for part in parts {
+        // What is too far to blend changes nothing; tubes are costly enough to ask first.
+        if part.lower_bound(p) <= out.value + part.blend {
+            out = part.join(out, part.sample(p));
+        }
+    }
+    out
+}
+
+impl Part {
+    fn sample(&self, mut p: Vec3) -> Sample {
+        if !self.mirrored || p.x >= 0.0 {
+            return self.primitive.sample(p);
+        }
+        p.x = -p.x;
+        let mut out = self.primitive.sample(p);
+        out.gradient.x = -out.gradient.x;
+        out
+    }
+
+    /// Not more than the value; minus infinity when that is as costly.
+    fn lower_bound(&self, p: Vec3) -> f64 {
+        match &self.primitive {
+            Primitive::Tube(tube) if !self.carved => {
+                let x = if self.mirrored { p.x.abs() } else { p.x };
+                tube.lower_bound(Vec3::new(x, p.y, p.z))
+            }
+            _ => f64::NEG_INFINITY,
+        }
+    }
+
+    /// `before`, the parts so far, with this one, whose sample is `own`.
+    fn join(&self, before: Sample, own: Sample) -> Sample {
+        if self.carved {
+            before.negated().smooth_min(own, self.blend).negated()
+        } else {
+            before.smooth_min(own, self.blend)
+        }
+    }
+}
+
 /// An ellipsoid along the axes.
 pub(super) fn ellipsoid(center: [f64; 3], radii: [f64; 3]) -> Primitive {
     tilted_ellipsoid(center, radii, [0.0, 1.0, 0.0])
@@ -179,136 +245,85 @@ pub(super) fn tilted_ellipsoid(center: [f64; 3], radii: [f64; 3], up: [f64; 3]) 
     let up = Vec3::from(up).normalize();
     let right = up.cross(&Vec3::z()).normalize();
     let front = right.cross(&up);
-    Primitive::Ellipsoid {
+    Primitive::Ellipsoid(Ellipsoid {
         center: center.into(),
         radii: radii.into(),
         frame: Matrix3::from_rows(&[right.transpose(), up.transpose(), front.transpose()]),
-    }
+    })
 }
 
-/// A round tube along a smooth curve through `stations`, each x, y, z and the radius there.
+/// A round tube, see [`Tube::new`].
 pub(super) fn tube(stations: &[[f64; 4]]) -> Primitive {
-    ridged_tube(stations, 0.0)
-}
-
-/// A tube with five ridges of relative height `ridges`; its curve lies in a plane z = const.
-pub(super) fn ridged_tube(stations: &[[f64; 4]], ridges: f64) -> Primitive {
-    const STEPS: u32 = 6;
-    let at = |i: usize| nalgebra::Vector4::from(stations[i.min(stations.len() - 1)]);
-    let mut knots: Vec<Knot> = Vec::new();
-    for i in 0..stations.len() - 1 {
-        let [p0, p1, p2, p3] = [at(i.saturating_sub(1)), at(i), at(i + 1), at(i + 2)];
-        let steps = if i + 2 == stations.len() {
-            STEPS + 1
-        } else {
-            STEPS
-        };
-        for t in (0..steps).map(|k| f64::from(k) / f64::from(STEPS)) {
-            // Catmull-Rom: through every station, its tangent along the line between its neighbors.
-            let (a, b) = (p2 - p0, (p0 * 2.0 - p1 * 5.0 + p2 * 4.0 - p3) * t);
-            let c = (p1 * 3.0 - p0 - p2 * 3.0 + p3) * (t * t);
-            let q = p1 + (a + b + c) * (t / 2.0);
-            let d = a + b * 2.0 + c * 3.0;
-            let across = Vec3::new(-d.y, d.x, 0.0);
-            knots.push(Knot {
-                point: q.xyz(),
-                radius: q.w,
-                side: across / across.norm().max(f64::MIN_POSITIVE),
-            });
-        }
-    }
-    let center = knots.iter().map(|k| k.point).sum::<Vec3>() / knots.len() as f64;
-    let reach = knots
-        .iter()
-        .map(|k| (k.point - center).norm() + k.radius * (1.0 + ridges))
-        .fold(0.0, f64::max);
-    Primitive::Tube {
-        knots,
-        ridges,
-        center,
-        reach,
-    }
+    Primitive::Tube(Tube::new(stations))
 }
 
 impl Primitive {
-    fn value(&self, p: Vec3) -> f64 {
+    fn sample(&self, p: Vec3) -> Sample {
         match self {
-            Self::Ellipsoid {
-                center,
-                radii,
-                frame,
-            } => {
-                // Exact to first order at the surface, after I. Quilez.
-                let q = (frame * (p - center)).component_div(radii);
-                let (level, slope) = (q.norm(), q.component_div(radii).norm());
-                if slope == 0.0 {
-                    -radii.min()
-                } else {
-                    level * (level - 1.0) / slope
-                }
-            }
-            Self::Tube { knots, ridges, .. } => knots
-                .windows(2)
-                .map(|pair| tube_piece(pair[0], pair[1], *ridges, p))
-                .fold(f64::INFINITY, f64::min),
-        }
-    }
-
-    /// Not more than the value; cheap.
-    fn lower_bound(&self, p: Vec3) -> f64 {
-        match self {
-            Self::Ellipsoid { .. } => f64::NEG_INFINITY,
-            Self::Tube { center, reach, .. } => (p - center).norm() - reach,
+            Self::Ellipsoid(ellipsoid) => ellipsoid.sample(p),
+            Self::Tube(tube) => tube.sample(p),
         }
     }
 
     fn bounds(&self) -> (Vec3, Vec3) {
         match self {
-            Self::Ellipsoid {
-                center,
-                radii,
-                frame,
-            } => {
-                let half = Vec3::from_fn(|i, _| frame.column(i).component_mul(radii).norm());
-                (center - half, center + half)
-            }
-            Self::Tube { knots, ridges, .. } => {
-                let mut low = Vec3::repeat(f64::INFINITY);
-                let mut high = -low;
-                for k in knots {
-                    let r = Vec3::repeat(k.radius * (1.0 + ridges));
-                    low = low.inf(&(k.point - r));
-                    high = high.sup(&(k.point + r));
-                }
-                (low, high)
-            }
+            Self::Ellipsoid(ellipsoid) => ellipsoid.bounds(),
+            Self::Tube(tube) => tube.bounds(),
         }
     }
 }
 
-fn tube_piece(a: Knot, b: Knot, ridges: f64, p: Vec3) -> f64 {
-    let along = b.point - a.point;
-    let t = ((p - a.point).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-    let out = p - (a.point + along * t);
-    let mut radius = a.radius + (b.radius - a.radius) * t;
-    if ridges > 0.0 {
-        let c = out.dot(&(a.side + (b.side - a.side) * t));
-        let s = out.z;
-        let length = (c * c + s * s).sqrt();
-        if length > 0.0 {
-            // The cosine of five times the angle, as a polynomial.
-            let (c, s) = (c / length, s / length);
-            let (c2, s2) = (c * c, s * s);
-            radius *= 1.0 + ridges * c * (c2 * c2 - 10.0 * c2 * s2 + 5.0 * s2 * s2);
+impl Ellipsoid {
+    /// With q the point in units of the radii: |q| (|q| - 1) / |q / radii|, exact to first order at the
+    /// surface (after I. Quilez).
+    fn sample(&self, p: Vec3) -> Sample {
+        let q = (self.frame * (p - self.center)).component_div(&self.radii);
+        let q1 = q.component_div(&self.radii);
+        let q2 = q1.component_div(&self.radii);
+        let (level, slope) = (q.norm(), q1.norm());
+        if slope == 0.0 {
+            return Sample {
+                value: -self.radii.min(),
+                gradient: Vec3::zeros(),
+            };
+        }
+        let value = level * (level - 1.0) / slope;
+        let local = q1 * ((2.0 * level - 1.0) / (level * slope))
+            - q2.component_div(&self.radii) * (value / (slope * slope));
+        Sample {
+            value,
+            gradient: self.frame.tr_mul(&local),
         }
     }
-    out.norm() - radius
+
+    fn bounds(&self) -> (Vec3, Vec3) {
+        let half = Vec3::from_fn(|i, _| self.frame.column(i).component_mul(&self.radii).norm());
+        (self.center - half, self.center + half)
+    }
 }
 
-/// The smaller value, rounded off over the distance `blend` where both are alike.
-fn smooth_min(a: f64, b: f64, blend: f64) -> f64 {
-    let near = (blend - (a - b).abs()).max(0.0);
-    a.min(b) - near * near / (4.0 * blend)
+impl Sample {
+    fn negated(self) -> Self {
+        Self {
+            value: -self.value,
+            gradient: -self.gradient,
+        }
+    }
+
+    /// The smaller one, rounded off over the distance `blend` where both are alike.
+    fn smooth_min(self, other: Self, blend: f64) -> Self {
+        let (low, high) = if self.value < other.value {
+            (self, other)
+        } else {
+            (other, self)
+        };
+        let near = (blend - (high.value - low.value)).max(0.0);
+        let share = near / (2.0 * blend);
+        Self {
+            value: low.value - near * share / 2.0,
+            gradient: low.gradient * (1.0 - share) + high.gradient * share,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -317,19 +332,21 @@ mod tests {
 
     #[test]
     fn a_tilted_ellipsoid_has_its_axis_where_it_should() {
-        let e = tilted_ellipsoid([1.0, 0.0, 0.0], [0.5, 2.0, 0.25], [3.0, 4.0, 0.0]);
-        for (p, expected) in [([2.2, 1.6, 0.0], 0.0), ([1.0, 0.0, 0.25], 0.0)] {
-            assert!((e.value(p.into()) - expected).abs() < 1e-12);
+        let body = Body::new().with(
+            tilted_ellipsoid([1.0, 0.0, 0.0], [0.5, 2.0, 0.25], [3.0, 4.0, 0.0]),
+            0.1,
+        );
+        for (p, expected) in [
+            ([2.2, 1.6, 0.0], 0.0),
+            ([1.0, 0.0, 0.25], 0.0),
+            ([2.8, 2.4, 0.0], 1.0),
+            ([1.0, 0.0, 0.0], -0.25),
+        ] {
+            assert!(
+                (body.sample(p.into()).value - expected).abs() < 1e-12,
+                "{p:?}"
+            );
         }
-        assert!((e.value([1.0 + 1.8, 2.4, 0.0].into()) - 1.0).abs() < 1e-12);
-        assert_eq!(e.value([1.0, 0.0, 0.0].into()), -0.25);
-    }
-
-    #[test]
-    fn a_tube_passes_through_its_stations() {
-        let t = tube(&[[0.0, 0.0, 0.0, 0.2], [1.0, 0.5, 0.0, 0.1], [2.0, 0.0, 0.5, 0.3]]);
-        assert!((t.value([1.0, 0.5, 0.0].into()) + 0.1).abs() < 1e-12);
-        assert!((t.value([2.0, 0.0, 0.5].into()) + 0.3).abs() < 1e-12);
     }
 
     #[test]
@@ -340,15 +357,69 @@ mod tests {
             .with(ball(), 0.1)
             .with_pair(tube(&[[3.0, 0.0, 0.0, 0.1], [4.0, 0.0, 0.0, 0.1]]), 0.1);
         let p = Vec3::new(0.4, 0.8, 0.1);
-        assert_eq!(alone.value(p), joined.value(p));
-        assert!((joined.value(Vec3::new(-3.5, 0.3, 0.0)) - 0.2).abs() < 1e-12);
+        assert_eq!(alone.sample(p).value, joined.sample(p).value);
+        assert!((joined.sample(Vec3::new(-3.5, 0.3, 0.0)).value - 0.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_the_value() {
+        let body = Body::new()
+            .with(ellipsoid([0.0; 3], [1.0, 0.6, 0.8]), 0.1)
+            .with_pair(
+                tilted_ellipsoid([0.7, 0.5, 0.0], [0.2, 0.6, 0.3], [1.0, 1.0, 0.2]),
+                0.3,
+            )
+            .without_pair(ellipsoid([0.5, 0.3, 0.7], [0.3; 3]), 0.2)
+            .with_relief(|p| 0.1 * p.x * p.y, 1.0);
+        for p in [
+            [0.5, 0.4, 0.1],
+            [-0.6, 0.3, 0.5],
+            [-0.9, 0.9, -0.2],
+            [0.3, -0.6, 0.2],
+        ] {
+            let (p, h) = (Vec3::from(p), 1e-5);
+            let gradient = body.sample(p).gradient;
+            for k in 0..3 {
+                let step = Vec3::from_fn(|i, _| if i == k { h } else { 0.0 });
+                let slope = (body.sample(p + step).value - body.sample(p - step).value) / (2.0 * h);
+                assert!((slope - gradient[k]).abs() < 1e-4, "{slope} {gradient}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_neighborhood_has_the_same_values() {
+        let body = Body::new()
+            .with(ellipsoid([0.0; 3], [1.0, 0.6, 0.8]), 0.1)
+            .with_pair(tube(&[[0.9, 0.0, 0.0, 0.2], [1.5, 0.5, 0.0, 0.1]]), 0.2)
+            .without_pair(ellipsoid([0.5, 0.3, 0.7], [0.3; 3]), 0.2)
+            .with_relief(|p| 0.05 * bounded(p.y), 0.05);
+        let (mut near, mut far) = (0, 0);
+        for i in 0..1000 {
+            let middle =
+                Vec3::from([i / 100, i / 10 % 10, i % 10].map(|c| f64::from(c) * 0.4 - 1.8));
+            let here = body.near(middle, 0.2);
+            let p = middle + Vec3::new(0.1, -0.15, 0.05);
+            if here.parts.is_empty() {
+                far += 1;
+                assert_eq!(here.value(p) < 0.0, body.sample(p).value < 0.0, "{p}");
+            } else {
+                near += 1;
+                assert_eq!(here.value(p), body.sample(p).value, "{p}");
+            }
+        }
+        assert!(near > 50 && far > 500, "{near} {far}");
+    }
+
+    fn bounded(t: f64) -> f64 {
+        2.0 * t / (1.0 + t * t)
     }
 
     #[test]
     fn projection_lands_on_the_surface() {
         let body = Body::new().with(ellipsoid([0.0; 3], [1.0, 0.5, 0.7]), 0.1);
-        let (p, normal) = body.project(Vec3::new(0.8, 0.4, -0.2), 0.5);
-        assert!(body.value(p).abs() < 1e-6);
+        let (p, normal) = body.project(Vec3::new(0.8, 0.4, -0.2), 4, 0.5);
+        assert!(body.sample(p).value.abs() < 1e-6);
         assert!((normal.norm() - 1.0).abs() < 1e-12);
         assert!(normal.dot(&p) > 0.0);
     }

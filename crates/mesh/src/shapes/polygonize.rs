@@ -6,21 +6,19 @@ use crate::ids::VertexId;
 
 /// Samples along an edge of the blocks that are skipped as a whole.
 const BLOCK: usize = 4;
-/// How fast a value may change with the distance: relief and ellipsoids are steeper than 1 in places.
-const STEEPEST: f64 = 1.6;
 /// Cells that the grid extends beyond the body's box, for the swelling of joints and relief.
 const MARGIN: f64 = 6.0;
 /// The corners of a cell: bit 0 is x, bit 1 is y, bit 2 is z.
 const CORNERS: usize = 8;
 
 /// A closed manifold around the inside of `body`, normals outward, from samples `cell` apart; every
-/// vertex is projected onto the surface.
+/// vertex moves one step toward the surface.
 pub(super) fn polygonize(body: &Body, cell: f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let mut grid = Grid::sample(body, cell);
     grid.make_well_composed();
     let (mut points, cell_vertex) = grid.cell_vertices();
     for p in &mut points {
-        *p = body.project(*p, cell).0;
+        *p = body.project(*p, 1, cell).0;
     }
     let mut faces = Vec::new();
     grid.for_each_quad(&cell_vertex, |quad| {
@@ -56,18 +54,15 @@ impl Grid {
             values: vec![0.0; size.iter().product()],
         };
         let half = (BLOCK as f64 - 1.0) / 2.0;
-        let reach = STEEPEST * (half + 1.0) * cell * 3.0_f64.sqrt();
+        // From the middle of a block to the farthest neighbor of its samples.
+        let beyond = half + 1.0;
+        let reach = cell * (beyond * beyond + 2.0 * half * half).sqrt();
         for k in (0..size[2]).step_by(BLOCK) {
             for j in (0..size[1]).step_by(BLOCK) {
                 for i in (0..size[0]).step_by(BLOCK) {
-                    let middle = body.value(grid.point(i, j, k) + Vec3::repeat(half * cell));
-                    grid.fill_block([i, j, k], |p| {
-                        if middle.abs() > reach {
-                            middle
-                        } else {
-                            body.value(p)
-                        }
-                    });
+                    let middle = grid.point(i, j, k) + Vec3::repeat(half * cell);
+                    let near = body.near(middle, reach);
+                    grid.fill_block([i, j, k], |p| near.value(p));
                 }
             }
         }
@@ -246,7 +241,10 @@ mod tests {
         let body = Body::new().with(ellipsoid([0.3, 0.1, -0.2], [1.0; 3]), 0.1);
         let surface = net(&body, 0.05);
         let t = surface.topology();
-        assert_eq!(t.vertices().count() + t.triangle_count() - t.edges().count(), 2);
+        assert_eq!(
+            t.vertices().count() + t.triangle_count() - t.edges().count(),
+            2
+        );
         let exact = 4.0 / 3.0 * std::f64::consts::PI;
         assert!((surface.volume() / exact - 1.0).abs() < 2e-3);
     }
@@ -259,7 +257,10 @@ mod tests {
             let body = Body::new()
                 .with(ellipsoid([0.0; 3], [0.5; 3]), 0.001)
                 .with(ellipsoid([0.7, 0.71 + gap, 0.03], [0.5; 3]), 0.001)
-                .with(tube(&[[-0.6, 0.0, 0.62 + gap, 0.1], [0.6, 0.1, 0.6, 0.1]]), 0.001);
+                .with(
+                    tube(&[[-0.6, 0.0, 0.62 + gap, 0.1], [0.6, 0.1, 0.6, 0.1]]),
+                    0.001,
+                );
             net(&body, 0.083);
         }
     }

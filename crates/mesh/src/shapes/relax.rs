@@ -73,7 +73,7 @@ fn smooth(shell: &mut Shell, body: &Body, v: VertexId) {
     let reach = total.sqrt();
     for step in [STEP, 0.0] {
         let goal = p + (middle / total - p) * step;
-        let (goal, normal) = body.project(goal, reach);
+        let (goal, normal) = body.project(goal, 2, reach);
         let after = shell
             .fan(v)
             .map(|h| {

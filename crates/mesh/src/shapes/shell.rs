@@ -135,10 +135,7 @@ impl Shell {
         let c = self.origin(h.prev());
         let d = self.origin(self.twin(h).prev());
         let keeps_three = |v| self.fan(v).nth(3).is_some();
-        c != d
-            && !self.is_edge(c, d)
-            && keeps_three(self.origin(h))
-            && keeps_three(self.target(h))
+        c != d && !self.is_edge(c, d) && keeps_three(self.origin(h)) && keeps_three(self.target(h))
     }
 
     /// Turns an edge that [`Self::can_flip`]: `h` runs from the vertex opposite to its twin to the one
@@ -219,14 +216,19 @@ mod tests {
         let t = surface.topology();
         t.validate().unwrap();
         assert!(t.is_closed());
-        assert_eq!(t.vertices().count() + t.triangle_count() - t.edges().count(), 2);
+        assert_eq!(
+            t.vertices().count() + t.triangle_count() - t.edges().count(),
+            2
+        );
         surface
     }
 
     #[test]
     fn collapsing_as_long_as_possible_ends_at_a_tetrahedron() {
         let mut shell = sphere();
-        while let Some(h) = shell.edges().find(|&h| shell.can_collapse(h)) {
+        loop {
+            let next = shell.edges().find(|&h| shell.can_collapse(h));
+            let Some(h) = next else { break };
             let p = shell.point(shell.origin(h));
             shell.collapse(h, p);
         }

@@ -48,9 +48,9 @@ pub fn cube_sphere(quads_per_edge: u32, radius: f64) -> Surface {
                 lattice[(axis + 1) % 3] = i + di;
                 lattice[(axis + 2) % 3] = j + dj;
                 *ids.entry(lattice).or_insert_with(|| {
-                    points.push(on_unit_sphere(lattice.map(|c| {
-                        2.0 * f64::from(c) / f64::from(n) - 1.0
-                    })));
+                    points.push(on_unit_sphere(
+                        lattice.map(|c| 2.0 * f64::from(c) / f64::from(n) - 1.0),
+                    ));
                     VertexId::from_index(points.len() - 1).0
                 })
             });
