@@ -16,18 +16,28 @@
 //! # Ok::<(), incise_mesh::TopologyError>(())
 //! ```
 
+mod check;
 mod components;
 mod delta;
 pub mod geometry;
 mod ids;
+mod io;
 mod measure;
+mod partition;
+mod quality;
 mod shapes;
 mod surface;
 mod topology;
 
+pub use check::{Defect, MeshReport, NotFit, check};
 pub use delta::{AddedVertex, Origin, TopologyDelta};
 pub use geometry::{Aabb, Vec3};
 pub use ids::{EdgeKey, HalfEdge, TriangleId, VertexId};
+pub use io::{
+    MeshData, ParseError, Place, ReadError, Warning, WriteError, read_gltf, read_mesh, read_obj,
+    read_ply, read_stl, write_obj, write_ply,
+};
 pub use shapes::{Model, build_model, cube_sphere, icosphere, torus};
+pub use quality::{AngleStats, EdgeStats};
 pub use surface::{CornerAttributes, Surface};
 pub use topology::{InvalidTopology, Topology, TopologyError};

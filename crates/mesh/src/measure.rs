@@ -70,6 +70,7 @@ impl Surface {
     }
 }
 
-fn cone_volume([a, b, c]: [Vec3; 3], apex: Vec3) -> f64 {
+/// The signed volume of the cone from `apex` over a triangle [m^3].
+pub(crate) fn cone_volume([a, b, c]: [Vec3; 3], apex: Vec3) -> f64 {
     (a - apex).dot(&(b - apex).cross(&(c - apex))) / 6.0
 }

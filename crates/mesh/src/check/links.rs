@@ -1,0 +1,144 @@
+//! Which triangles meet where, for triangles that need not make a surface.
+
+use crate::ids::{EdgeKey, HalfEdge, VertexId};
+use crate::partition::Partition;
+
+/// The half-edges of triangles, grouped by the edge that they lie on.
+pub(super) struct Links {
+    keyed: Vec<(EdgeKey, HalfEdge)>,
+}
+
+/// How many edges of what kind.
+pub(super) struct EdgeCounts {
+    pub(super) all: usize,
+    /// With one triangle.
+    pub(super) open: usize,
+    /// With more than two.
+    pub(super) nonmanifold: usize,
+    /// Directions in which more than one triangle runs along an edge.
+    pub(super) conflicts: usize,
+}
+
+impl Links {
+    /// The links of `triangles`, whose corners differ.
+    pub(super) fn new(triangles: &[[u32; 3]]) -> Self {
+        let mut keyed: Vec<(EdgeKey, HalfEdge)> = (0..3 * triangles.len())
+            .map(HalfEdge::from_index)
+            .map(|h| {
+                let key = EdgeKey::new(origin(triangles, h), origin(triangles, h.next()));
+                (key, h)
+            })
+            .collect();
+        keyed.sort_unstable();
+        Self { keyed }
+    }
+
+    /// The half-edges on every edge, in the order of the edges' keys.
+    pub(super) fn edges(&self) -> impl Iterator<Item = &[(EdgeKey, HalfEdge)]> {
+        self.keyed.chunk_by(|x, y| x.0 == y.0)
+    }
+
+    pub(super) fn edge_counts(&self, triangles: &[[u32; 3]]) -> EdgeCounts {
+        let mut counts = EdgeCounts {
+            all: 0,
+            open: 0,
+            nonmanifold: 0,
+            conflicts: 0,
+        };
+        for edge in self.edges() {
+            counts.all += 1;
+            counts.open += usize::from(edge.len() == 1);
+            counts.nonmanifold += usize::from(edge.len() > 2);
+            let low = edge[0].0.vertices()[0];
+            let up = edge
+                .iter()
+                .filter(|&&(_, h)| origin(triangles, h) == low)
+                .count();
+            counts.conflicts += usize::from(up > 1) + usize::from(edge.len() - up > 1);
+        }
+        counts
+    }
+
+    /// The fans of triangles around vertices: corners of one vertex are in one fan when a chain of
+    /// triangles with common edges at that vertex joins them.
+    pub(super) fn fans(&self, triangles: &[[u32; 3]]) -> Fans {
+        let mut corners = Partition::new(3 * triangles.len());
+        for edge in self.edges() {
+            let (key, first) = edge[0];
+            for &(_, other) in &edge[1..] {
+                for v in key.vertices() {
+                    corners.join(
+                        corner_at(triangles, first, v).0,
+                        corner_at(triangles, other, v).0,
+                    );
+                }
+            }
+        }
+        Fans { corners }
+    }
+}
+
+/// The fans of triangles around vertices, as sets of corners.
+pub(super) struct Fans {
+    corners: Partition,
+}
+
+impl Fans {
+    /// The vertices with more than one fan, ascending.
+    pub(super) fn split_vertices(&mut self, triangles: &[[u32; 3]]) -> Vec<VertexId> {
+        let mut heads: Vec<u32> = self.heads(triangles).map(|(_, v)| v).collect();
+        heads.sort_unstable();
+        let mut out: Vec<VertexId> = heads
+            .chunk_by(|a, b| a == b)
+            .filter(|fans| fans.len() > 1)
+            .map(|fans| VertexId(fans[0]))
+            .collect();
+        out.dedup();
+        out
+    }
+
+    /// Gives every fan but the first of a vertex a vertex of its own, numbered from `next`. Returns
+    /// the vertices that the new ones copy.
+    pub(super) fn split(&mut self, triangles: &mut [[u32; 3]], next: usize) -> Vec<u32> {
+        let mut seen = vec![false; next];
+        let mut copies = Vec::new();
+        let mut vertex_of_head = vec![u32::MAX; 3 * triangles.len()];
+        let heads: Vec<(u32, u32)> = self.heads(triangles).collect();
+        for (head, v) in heads {
+            vertex_of_head[head as usize] = if std::mem::replace(&mut seen[v as usize], true) {
+                copies.push(v);
+                VertexId::from_index(next + copies.len() - 1).0
+            } else {
+                v
+            };
+        }
+        for h in (0..3 * triangles.len()).map(HalfEdge::from_index) {
+            let head = self.corners.find(h.0);
+            triangles[h.index() / 3][h.index() % 3] = vertex_of_head[head as usize];
+        }
+        copies
+    }
+
+    /// Every fan's first corner and its vertex.
+    fn heads(&mut self, triangles: &[[u32; 3]]) -> impl Iterator<Item = (u32, u32)> {
+        let corners = &mut self.corners;
+        (0..)
+            .zip(triangles.as_flattened())
+            .filter(|&(h, _)| corners.find(h) == h)
+            .map(|(h, &v)| (h, v))
+    }
+}
+
+/// The vertex that `h` leaves.
+pub(super) fn origin(triangles: &[[u32; 3]], h: HalfEdge) -> VertexId {
+    VertexId(triangles[h.index() / 3][h.index() % 3])
+}
+
+/// The corner at `v`, an end of `h`, of `h`'s triangle.
+fn corner_at(triangles: &[[u32; 3]], h: HalfEdge, v: VertexId) -> HalfEdge {
+    if origin(triangles, h) == v {
+        h
+    } else {
+        h.next()
+    }
+}

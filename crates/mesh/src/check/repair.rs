@@ -1,0 +1,375 @@
+//! From mesh data to a body that can be cut.
+
+use super::links::{Links, origin};
+use super::{Defect, NotFit};
+use crate::geometry::{Aabb, area_vector, widen};
+use crate::ids::{HalfEdge, TriangleId, VertexId};
+use crate::io::{MeshData, Warning};
+use crate::measure::cone_volume;
+use crate::partition::Partition;
+use crate::surface::{CornerAttributes, Surface};
+
+/// A closed component encloses nothing when its volume is below this part of its area times its
+/// box's diagonal. Sums in 64 bits leave about 1e-15 of a flat one; a sheet as thin as 32-bit
+/// coordinates can tell apart has 1e-8.
+const FLAT: f64 = 1e-12;
+
+/// What repairing made of mesh data.
+pub(super) struct Repaired {
+    /// The data's vertex of every vertex.
+    vertices: Vec<u32>,
+    triangles: Vec<[u32; 3]>,
+    /// The data's triangle of every triangle.
+    sources: Vec<u32>,
+    /// Whether the triangle runs the other way than in the data.
+    flipped: Vec<bool>,
+    pub(super) warnings: Vec<Warning>,
+    /// Empty when the mesh is fit; only then everything above is a surface.
+    pub(super) defects: Vec<Defect>,
+}
+
+impl MeshData {
+    /// The mesh as a surface at rest that can be cut, with all warnings: repaired where there is
+    /// only one repair (duplicate or collapsed triangles, windings, parts that touch in a point or
+    /// that the file keeps apart), and with the corners' attributes.
+    ///
+    /// # Errors
+    /// [`NotFit`] when the mesh has boundaries, edges of more than two triangles, components with
+    /// one side or components without volume.
+    pub fn into_surface(self) -> Result<(Surface, Vec<Warning>), NotFit> {
+        let repaired = repair(&self);
+        if !repaired.defects.is_empty() {
+            return Err(NotFit {
+                defects: repaired.defects,
+            });
+        }
+        let positions: Vec<[f32; 3]> = repaired
+            .vertices
+            .iter()
+            .map(|&v| self.positions[v as usize])
+            .collect();
+        let mut surface = Surface::from_triangles(&positions, &repaired.triangles)
+            .expect("a mesh without defects is an oriented manifold");
+        surface.corners = CornerAttributes {
+            uv: repaired.gather(&self.corners.uv),
+            normal: repaired.gather(&self.corners.normal),
+        };
+        let mut warnings = self.warnings;
+        warnings.extend(repaired.warnings);
+        Ok((surface, warnings))
+    }
+}
+
+/// Whether two corners are the same vertex.
+pub(super) fn is_collapsed(t: &[u32; 3]) -> bool {
+    t[0] == t[1] || t[1] == t[2] || t[2] == t[0]
+}
+
+/// Repairs what has only one repair and finds what is wrong beside it.
+pub(super) fn repair(data: &MeshData) -> Repaired {
+    let vertices = (0..).take(data.positions.len()).collect();
+    let welded = Repaired::attempt(data, vertices, &data.triangles);
+    let in_contact = welded
+        .defects
+        .iter()
+        .any(|d| matches!(d, Defect::NonManifoldEdge { .. }));
+    if in_contact {
+        let (vertices, triangles) = weld_within_components(data);
+        let mut apart = Repaired::attempt(data, vertices, &triangles);
+        if apart.defects.is_empty() {
+            let mut bodies = data.file_components.clone();
+            bodies.sort_unstable();
+            bodies.dedup();
+            apart.warnings.push(Warning::BodiesKeptApart {
+                count: bodies.len(),
+            });
+            return apart;
+        }
+    }
+    welded
+}
+
+/// The mesh as if equal positions were one vertex only where the file's indices connect them: the
+/// data's vertex of every vertex, and the triangles.
+fn weld_within_components(data: &MeshData) -> (Vec<u32>, Vec<[u32; 3]>) {
+    let corners = data.triangles.iter().zip(&data.file_components);
+    let mut keys: Vec<(u32, u32)> = corners
+        .clone()
+        .flat_map(|(t, &component)| t.map(|v| (component, v)))
+        .collect();
+    keys.sort_unstable();
+    keys.dedup();
+    let triangles = corners
+        .map(|(t, &component)| {
+            t.map(|v| {
+                let i = keys
+                    .binary_search(&(component, v))
+                    .expect("every corner's key is there");
+                VertexId::from_index(i).0
+            })
+        })
+        .collect();
+    (keys.iter().map(|&(_, v)| v).collect(), triangles)
+}
+
+impl Repaired {
+    fn attempt(data: &MeshData, vertices: Vec<u32>, triangles: &[[u32; 3]]) -> Self {
+        let mut out = Self {
+            vertices,
+            triangles: Vec::new(),
+            sources: Vec::new(),
+            flipped: Vec::new(),
+            warnings: Vec::new(),
+            defects: Vec::new(),
+        };
+        out.keep_distinct(triangles);
+        if out.triangles.is_empty() {
+            out.defects.push(Defect::Empty);
+            return out;
+        }
+        let links = Links::new(&out.triangles);
+        out.find_bad_edges(data, &links);
+        let manifold = !out
+            .defects
+            .iter()
+            .any(|d| matches!(d, Defect::NonManifoldEdge { .. }));
+        if manifold {
+            out.orient(&links);
+        }
+        if out.defects.is_empty() {
+            out.split_vertices();
+            out.remove_unused_vertices();
+            out.check_volumes(data);
+        }
+        out
+    }
+
+    /// Takes the triangles that have three corners and do not repeat an earlier one.
+    fn keep_distinct(&mut self, triangles: &[[u32; 3]]) {
+        let (mut collapsed, mut duplicates) = (Tally::default(), Tally::default());
+        let mut keyed: Vec<([u32; 3], u32)> = (0..)
+            .zip(triangles)
+            .filter(|&(i, t)| !collapsed.note(is_collapsed(t), i))
+            .map(|(i, &[a, b, c])| ([a, b, c].min([b, c, a]).min([c, a, b]), i))
+            .collect();
+        keyed.sort_unstable();
+        let mut repeats = vec![false; triangles.len()];
+        for pair in keyed.windows(2) {
+            repeats[pair[1].1 as usize] = pair[0].0 == pair[1].0;
+        }
+        for (i, &t) in (0..).zip(triangles) {
+            if !is_collapsed(&t) && !duplicates.note(repeats[i as usize], i) {
+                self.triangles.push(t);
+                self.sources.push(i);
+            }
+        }
+        self.flipped = vec![false; self.triangles.len()];
+        if let Some((triangle, count)) = collapsed.found() {
+            self.warnings.push(Warning::Collapsed { triangle, count });
+        }
+        if let Some((triangle, count)) = duplicates.found() {
+            self.warnings
+                .push(Warning::DuplicatesRemoved { triangle, count });
+        }
+    }
+
+    fn find_bad_edges(&mut self, data: &MeshData, links: &Links) {
+        let counts = links.edge_counts(&self.triangles);
+        let first = |bad: fn(usize) -> bool| {
+            let (key, _) = links.edges().find(|edge| bad(edge.len()))?[0];
+            let [a, b] = key.vertices().map(|v| self.vertices[v.index()]);
+            Some((VertexId(a), VertexId(b), data.positions[a as usize]))
+        };
+        let nonmanifold = first(|n| n > 2).map(|(a, b, at)| Defect::NonManifoldEdge {
+            a,
+            b,
+            at,
+            count: counts.nonmanifold,
+        });
+        let open = first(|n| n == 1).map(|(a, b, at)| Defect::OpenEdge {
+            a,
+            b,
+            at,
+            count: counts.open,
+        });
+        self.defects.extend(nonmanifold);
+        self.defects.extend(open);
+    }
+
+    /// Winds each component as most of its triangles are.
+    fn orient(&mut self, links: &Links) {
+        let mut twin = vec![HalfEdge::NULL; 3 * self.triangles.len()];
+        for edge in links.edges() {
+            if let [(_, h), (_, g)] = *edge {
+                twin[h.index()] = g;
+                twin[g.index()] = h;
+            }
+        }
+        let (mut reoriented, mut one_sided) = (Tally::default(), Tally::default());
+        let mut seen = vec![false; self.triangles.len()];
+        for seed in 0..self.triangles.len() {
+            if seen[seed] {
+                continue;
+            }
+            seen[seed] = true;
+            let mut component = vec![TriangleId::from_index(seed)];
+            let mut conflict = None;
+            let mut at = 0;
+            while let Some(&t) = component.get(at) {
+                at += 1;
+                for h in t.half_edges() {
+                    let other = twin[h.index()];
+                    if other.is_null() {
+                        continue;
+                    }
+                    let same_way = origin(&self.triangles, h) == origin(&self.triangles, other);
+                    let wanted = self.flipped[t.index()] != same_way;
+                    let neighbor = other.triangle();
+                    if std::mem::replace(&mut seen[neighbor.index()], true) {
+                        if self.flipped[neighbor.index()] != wanted {
+                            conflict = Some(neighbor);
+                        }
+                    } else {
+                        self.flipped[neighbor.index()] = wanted;
+                        component.push(neighbor);
+                    }
+                }
+            }
+            let flips = component.iter().filter(|t| self.flipped[t.index()]).count();
+            let majority = 2 * flips > component.len();
+            for t in &component {
+                self.flipped[t.index()] ^= majority;
+            }
+            one_sided.note(
+                conflict.is_some(),
+                conflict.map_or(0, |t| self.sources[t.index()]),
+            );
+        }
+        for (i, t) in self.triangles.iter_mut().enumerate() {
+            if reoriented.note(self.flipped[i], self.sources[i]) {
+                t.swap(1, 2);
+            }
+        }
+        if let Some((triangle, count)) = one_sided.found() {
+            self.defects.push(Defect::NonOrientable { triangle, count });
+        } else if let Some((triangle, count)) = reoriented.found() {
+            self.warnings.push(Warning::Reoriented { triangle, count });
+        }
+    }
+
+    /// Gives each fan of triangles around a vertex a vertex of its own.
+    fn split_vertices(&mut self) {
+        let copies = Links::new(&self.triangles)
+            .fans(&self.triangles)
+            .split(&mut self.triangles, self.vertices.len());
+        let vertices = copies.iter().map(|&v| self.vertices[v as usize]);
+        let mut originals: Vec<u32> = vertices.collect();
+        self.vertices.extend_from_slice(&originals);
+        originals.sort_unstable();
+        originals.dedup();
+        if let Some(&first) = originals.first() {
+            self.warnings.push(Warning::VerticesSplit {
+                vertex: VertexId(first),
+                count: originals.len(),
+            });
+        }
+    }
+
+    fn remove_unused_vertices(&mut self) {
+        let mut new = vec![u32::MAX; self.vertices.len()];
+        for &v in self.triangles.iter().flatten() {
+            new[v as usize] = 0;
+        }
+        for (new, next) in new.iter_mut().filter(|new| **new == 0).zip(0..) {
+            *new = next;
+        }
+        for v in self.triangles.iter_mut().flatten() {
+            *v = new[*v as usize];
+        }
+        let mut new = new.iter();
+        self.vertices
+            .retain(|_| new.next().is_some_and(|&new| new != u32::MAX));
+    }
+
+    /// Finds components that enclose nothing, and turns everything when the whole is inside out.
+    fn check_volumes(&mut self, data: &MeshData) {
+        #[derive(Clone, Copy, Default)]
+        struct Component {
+            volume: f64,
+            area: f64,
+            bounds: Aabb,
+        }
+        let mut parts = Partition::new(self.vertices.len());
+        for &[a, b, c] in &self.triangles {
+            parts.join(a, b);
+            parts.join(a, c);
+        }
+        let position = |v: u32| data.positions[self.vertices[v as usize] as usize];
+        let mut components = vec![Component::default(); self.vertices.len()];
+        for t in &self.triangles {
+            let root = parts.find(t[0]);
+            let component = &mut components[root as usize];
+            let corners = t.map(|v| widen(position(v)));
+            component.volume += cone_volume(corners, widen(position(root)));
+            component.area += area_vector(corners).norm() / 2.0;
+            t.iter().for_each(|&v| component.bounds.grow(position(v)));
+        }
+        let is_flat = |c: &Component| c.volume.abs() <= FLAT * c.area * c.bounds.diagonal();
+        let mut flat = Tally::default();
+        let mut told = vec![false; components.len()];
+        for (t, &source) in self.triangles.iter().zip(&self.sources) {
+            let root = parts.find(t[0]) as usize;
+            if !std::mem::replace(&mut told[root], true) {
+                flat.note(is_flat(&components[root]), source);
+            }
+        }
+        if let Some((triangle, count)) = flat.found() {
+            self.defects.push(Defect::ZeroVolume { triangle, count });
+        }
+        if components.iter().map(|c| c.volume).sum::<f64>() < 0.0 {
+            for (t, flipped) in self.triangles.iter_mut().zip(&mut self.flipped) {
+                t.swap(1, 2);
+                *flipped = !*flipped;
+            }
+            self.warnings.push(Warning::Inverted);
+        }
+    }
+
+    /// What the corners of the repaired triangles carry.
+    fn gather<T: Copy>(&self, values: &[T]) -> Vec<T> {
+        let triangles = values.as_chunks::<3>().0;
+        if triangles.is_empty() {
+            return Vec::new();
+        }
+        self.sources
+            .iter()
+            .zip(&self.flipped)
+            .flat_map(|(&t, &flipped)| {
+                let [a, b, c] = triangles[t as usize];
+                if flipped { [a, c, b] } else { [a, b, c] }
+            })
+            .collect()
+    }
+}
+
+/// The first triangle with a flaw, and how many have it.
+#[derive(Default)]
+struct Tally {
+    first: u32,
+    count: usize,
+}
+
+impl Tally {
+    /// Counts triangle `t` when it has the flaw; returns whether it has.
+    fn note(&mut self, flaw: bool, t: u32) -> bool {
+        if flaw && self.count == 0 {
+            self.first = t;
+        }
+        self.count += usize::from(flaw);
+        flaw
+    }
+
+    fn found(&self) -> Option<(TriangleId, usize)> {
+        (self.count > 0).then_some((TriangleId(self.first), self.count))
+    }
+}

@@ -1,0 +1,256 @@
+//! From a reader's vertices and faces to welded mesh data.
+
+use crate::io::data::{MeshData, Warning};
+use crate::io::error::{ParseError, Place};
+use crate::io::polygon::triangulate;
+use crate::partition::Partition;
+use crate::surface::CornerAttributes;
+
+/// No texture coordinate or normal.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// The most triangles whose half-edges have 32-bit ids.
+const MAX_TRIANGLES: usize = (u32::MAX / 3 - 1) as usize;
+
+/// A face's corner as a file has it: indices from 0, texture and normal possibly [`NONE`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Corner {
+    pub(super) position: u32,
+    pub(super) uv: u32,
+    pub(super) normal: u32,
+}
+
+impl Corner {
+    /// A corner without attributes.
+    pub(super) fn position(position: u32) -> Self {
+        Self {
+            position,
+            uv: NONE,
+            normal: NONE,
+        }
+    }
+}
+
+/// Collects what a reader finds, in any order; references are checked at the end.
+#[derive(Debug, Default)]
+pub(super) struct Builder {
+    /// 1 where the file counts its indices from 1.
+    pub(super) index_base: i64,
+    pub(super) warnings: Vec<Warning>,
+    positions: Vec<[f32; 3]>,
+    uv: Vec<[f32; 2]>,
+    normals: Vec<[f32; 3]>,
+    corners: Vec<Corner>,
+    faces: Vec<(usize, Place)>,
+    sorted: Vec<u32>,
+}
+
+impl Builder {
+    pub(super) fn position_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    pub(super) fn uv_count(&self) -> usize {
+        self.uv.len()
+    }
+
+    pub(super) fn normal_count(&self) -> usize {
+        self.normals.len()
+    }
+
+    pub(super) fn position(&mut self, p: [f32; 3], at: Place) -> Result<(), ParseError> {
+        if !p.iter().all(|x| x.is_finite()) {
+            return Err(ParseError::NotFinite { at });
+        }
+        self.positions.push(p);
+        Ok(())
+    }
+
+    pub(super) fn uv(&mut self, uv: [f32; 2]) {
+        self.uv.push(uv);
+    }
+
+    pub(super) fn normal(&mut self, normal: [f32; 3]) {
+        self.normals.push(normal);
+    }
+
+    /// Adds a face of any number of corners. What they name may come later.
+    pub(super) fn face(&mut self, corners: &[Corner], at: Place) -> Result<(), ParseError> {
+        if corners.len() < 3 {
+            return Err(ParseError::TooFewCorners {
+                at,
+                corners: corners.len(),
+            });
+        }
+        // A triangle that names a vertex twice is as harmless as one whose corners coincide.
+        if corners.len() > 3 {
+            self.sorted.clear();
+            self.sorted.extend(corners.iter().map(|c| c.position));
+            self.sorted.sort_unstable();
+            if self.sorted.windows(2).any(|pair| pair[0] == pair[1]) {
+                return Err(ParseError::RepeatedVertex { at });
+            }
+        }
+        self.corners.extend_from_slice(corners);
+        self.faces.push((self.corners.len(), at));
+        Ok(())
+    }
+
+    pub(super) fn finish(mut self) -> Result<MeshData, ParseError> {
+        if self.faces.is_empty() {
+            return Err(ParseError::NoFaces);
+        }
+        self.check_references()?;
+        let corners = self.triangle_corners();
+        if corners.len() / 3 > MAX_TRIANGLES || self.positions.len() > MAX_TRIANGLES {
+            return Err(ParseError::TooLarge);
+        }
+        let (positions, welded) = self.weld(&corners);
+        let triangles: Vec<[u32; 3]> = corners
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .map(|t| t.map(|c| welded[c.position as usize]))
+            .collect();
+        let file_components = self.file_components(&corners);
+        let attributes = self.attributes(&corners);
+        let mut tuples = corners;
+        tuples.sort_unstable();
+        tuples.dedup();
+        Ok(MeshData {
+            positions,
+            triangles,
+            corners: attributes,
+            file_vertices: tuples.len(),
+            warnings: self.warnings,
+            file_components,
+        })
+    }
+
+    fn check_references(&self) -> Result<(), ParseError> {
+        let mut first = 0;
+        for &(end, at) in &self.faces {
+            for c in &self.corners[first..end] {
+                for (index, count, optional) in [
+                    (c.position, self.positions.len(), false),
+                    (c.uv, self.uv.len(), true),
+                    (c.normal, self.normals.len(), true),
+                ] {
+                    if index as usize >= count && !(optional && index == NONE) {
+                        return Err(ParseError::IndexOutOfRange {
+                            at,
+                            index: i64::from(index) + self.index_base,
+                            count,
+                        });
+                    }
+                }
+            }
+            first = end;
+        }
+        Ok(())
+    }
+
+    /// The corners of the triangles that the faces make, three each.
+    fn triangle_corners(&mut self) -> Vec<Corner> {
+        if self.corners.len() == 3 * self.faces.len() {
+            return std::mem::take(&mut self.corners);
+        }
+        let mut out = Vec::with_capacity(self.corners.len());
+        let (mut points, mut triangles) = (Vec::new(), Vec::new());
+        let mut first = 0;
+        for &(end, _) in &self.faces {
+            let face = &self.corners[first..end];
+            points.clear();
+            points.extend(face.iter().map(|c| self.positions[c.position as usize]));
+            triangulate(&points, &mut triangles);
+            out.extend(triangles.iter().flatten().map(|&i| face[i]));
+            first = end;
+        }
+        out
+    }
+
+    /// The used positions, equal ones once, and the new number of every position.
+    fn weld(&mut self, corners: &[Corner]) -> (Vec<[f32; 3]>, Vec<u32>) {
+        let mut used = vec![false; self.positions.len()];
+        for c in corners {
+            used[c.position as usize] = true;
+        }
+        // Adding 0 turns -0 into 0.
+        let key = |i: u32| self.positions[i as usize].map(|x| (x + 0.0).to_bits());
+        let mut order: Vec<u32> = (0..)
+            .zip(&used)
+            .filter(|&(_, &used)| used)
+            .map(|(i, _)| i)
+            .collect();
+        let unused = used.len() - order.len();
+        order.sort_unstable_by_key(|&i| (key(i), i));
+        let mut first_equal = vec![NONE; used.len()];
+        for group in order.chunk_by(|&a, &b| key(a) == key(b)) {
+            for &i in group {
+                first_equal[i as usize] = group[0];
+            }
+        }
+        let mut positions = Vec::new();
+        let mut welded = vec![NONE; used.len()];
+        for i in (0..used.len()).filter(|&i| used[i]) {
+            let first = first_equal[i] as usize;
+            if first == i {
+                welded[i] = u32::try_from(positions.len()).expect("there are fewer than 2^32");
+                positions.push(self.positions[i]);
+            } else {
+                welded[i] = welded[first];
+            }
+        }
+        if unused > 0 {
+            self.warnings
+                .push(Warning::UnusedVertices { count: unused });
+        }
+        (positions, welded)
+    }
+
+    fn file_components(&self, corners: &[Corner]) -> Vec<u32> {
+        let mut partition = Partition::new(self.positions.len());
+        for t in corners.as_chunks::<3>().0 {
+            partition.join(t[0].position, t[1].position);
+            partition.join(t[0].position, t[2].position);
+        }
+        corners
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .map(|t| partition.find(t[0].position))
+            .collect()
+    }
+
+    fn attributes(&mut self, corners: &[Corner]) -> CornerAttributes {
+        let mut zeros = 0;
+        let mut out = CornerAttributes::default();
+        if corners.iter().any(|c| c.uv != NONE) {
+            out.uv = gather(&self.uv, corners.iter().map(|c| c.uv), &mut zeros);
+        }
+        if corners.iter().any(|c| c.normal != NONE) {
+            out.normal = gather(&self.normals, corners.iter().map(|c| c.normal), &mut zeros);
+        }
+        if zeros > 0 {
+            self.warnings
+                .push(Warning::PartialAttributes { corners: zeros });
+        }
+        out
+    }
+}
+
+fn gather<const N: usize>(
+    values: &[[f32; N]],
+    indices: impl Iterator<Item = u32>,
+    zeros: &mut usize,
+) -> Vec<[f32; N]> {
+    indices
+        .map(|i| match values.get(i as usize) {
+            Some(value) if value.iter().all(|x| x.is_finite()) => *value,
+            _ => {
+                *zeros += 1;
+                [0.0; N]
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,237 @@
+//! glTF 2.0, text and binary: the triangles of a scene, with the transforms of its nodes applied.
+//!
+//! Read are positions, `TEXCOORD_0` and normals of triangle lists, strips and fans; points and
+//! lines are passed over. Skins and morph targets are not applied.
+
+mod accessor;
+mod buffer;
+mod document;
+
+use crate::geometry::{Vec3, round};
+use crate::io::build::{Builder, Corner, NONE};
+use crate::io::data::{MeshData, Warning};
+use crate::io::error::{ParseError, Place};
+use accessor::Accessors;
+use document::{Document, Node, Primitive};
+use nalgebra::{Matrix3, Matrix4, Quaternion};
+use std::path::Path;
+
+/// Extensions that change what the numbers of a file mean.
+const COMPRESSED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
+
+/// Reads a glTF file, `.gltf` or `.glb` by its first bytes. `folder` is where files that it refers
+/// to lie; without one it must hold everything itself.
+///
+/// # Errors
+/// [`ParseError`] with the primitive, accessor, buffer or node.
+pub fn read_gltf(bytes: &[u8], folder: Option<&Path>) -> Result<MeshData, ParseError> {
+    let (json, binary) = buffer::split(bytes)?;
+    let document: Document = serde_json::from_slice(json)?;
+    if document
+        .extensions_required
+        .iter()
+        .any(|e| COMPRESSED.contains(&e.as_str()))
+    {
+        return Err(ParseError::Unsupported {
+            what: "compressed glTF",
+        });
+    }
+    let buffers = buffer::load(&document, binary, folder)?;
+    let accessors = Accessors {
+        document: &document,
+        buffers: &buffers,
+    };
+    let mut builder = Builder::default();
+    let mut skipped = 0;
+    for (mesh, transform) in placed_meshes(&document)? {
+        let primitives = &document
+            .meshes
+            .get(mesh)
+            .ok_or(ParseError::Syntax {
+                at: Place::Primitive(mesh, 0),
+                expected: "a mesh with this number",
+            })?
+            .primitives;
+        for (i, primitive) in primitives.iter().enumerate() {
+            let at = Place::Primitive(mesh, i);
+            if !add_primitive(primitive, &transform, &accessors, at, &mut builder)? {
+                skipped += 1;
+            }
+        }
+    }
+    if skipped > 0 {
+        builder.warnings.push(Warning::Skipped { count: skipped });
+    }
+    builder.finish()
+}
+
+/// The meshes of the scene and how each is placed, parents before children.
+fn placed_meshes(document: &Document) -> Result<Vec<(usize, Matrix4<f64>)>, ParseError> {
+    if document.nodes.is_empty() {
+        return Ok((0..document.meshes.len())
+            .map(|mesh| (mesh, Matrix4::identity()))
+            .collect());
+    }
+    let roots = match document.scenes.get(document.scene.unwrap_or(0)) {
+        Some(scene) => scene.nodes.clone(),
+        None => roots(document),
+    };
+    let mut out = Vec::new();
+    let mut seen = vec![false; document.nodes.len()];
+    let mut stack: Vec<_> = roots
+        .into_iter()
+        .rev()
+        .map(|node| (node, Matrix4::identity()))
+        .collect();
+    while let Some((i, parent)) = stack.pop() {
+        let at = Place::Node(i);
+        let node = document.nodes.get(i).ok_or(ParseError::Syntax {
+            at,
+            expected: "a node with this number",
+        })?;
+        if std::mem::replace(&mut seen[i], true) {
+            return Err(ParseError::Syntax {
+                at,
+                expected: "one parent a node",
+            });
+        }
+        let transform = parent * local_transform(node);
+        if let Some(mesh) = node.mesh {
+            out.push((mesh, transform));
+        }
+        stack.extend(node.children.iter().rev().map(|&child| (child, transform)));
+    }
+    Ok(out)
+}
+
+/// The nodes that are nobody's child.
+fn roots(document: &Document) -> Vec<usize> {
+    let mut is_child = vec![false; document.nodes.len()];
+    for &child in document.nodes.iter().flat_map(|node| &node.children) {
+        if let Some(is_child) = is_child.get_mut(child) {
+            *is_child = true;
+        }
+    }
+    (0..is_child.len()).filter(|&i| !is_child[i]).collect()
+}
+
+fn local_transform(node: &Node) -> Matrix4<f64> {
+    if let Some(columns) = node.matrix {
+        return Matrix4::from_column_slice(&columns);
+    }
+    let [x, y, z, w] = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    let rotation = nalgebra::UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+    let scale = Vec3::from(node.scale.unwrap_or([1.0; 3]));
+    Matrix4::new_translation(&Vec3::from(node.translation.unwrap_or_default()))
+        * rotation.to_homogeneous()
+        * Matrix4::new_nonuniform_scaling(&scale)
+}
+
+/// Adds a primitive's triangles, or returns that it has none.
+fn add_primitive(
+    primitive: &Primitive,
+    transform: &Matrix4<f64>,
+    accessors: &Accessors<'_>,
+    at: Place,
+    builder: &mut Builder,
+) -> Result<bool, ParseError> {
+    const TRIANGLES: u32 = 4;
+    const TRIANGLE_STRIP: u32 = 5;
+    const TRIANGLE_FAN: u32 = 6;
+    let mode = primitive.mode.unwrap_or(TRIANGLES);
+    let Some(position) = primitive.attributes.position else {
+        return Ok(false);
+    };
+    if !(TRIANGLES..=TRIANGLE_FAN).contains(&mode) {
+        return Ok(false);
+    }
+
+    let linear: Matrix3<f64> = transform.fixed_view::<3, 3>(0, 0).into_owned();
+    let translation: Vec3 = transform.fixed_view::<3, 1>(0, 3).into_owned();
+    let first = builder.position_count();
+    let positions = accessors.vectors::<3>(position)?;
+    let count = positions.len();
+    for p in positions {
+        builder.position(round(linear * Vec3::from(p) + translation), at)?;
+    }
+    let first_uv = builder.uv_count();
+    if let Some(uv) = primitive.attributes.texcoord {
+        for [u, v] in accessors.vectors::<2>(uv)? {
+            let uv = round(Vec3::new(u, v, 0.0));
+            builder.uv([uv[0], uv[1]]);
+        }
+    }
+    let has_uv = builder.uv_count() - first_uv == count;
+    let first_normal = builder.normal_count();
+    if let Some(normal) = primitive.attributes.normal {
+        let [a, b, c] = [0, 1, 2].map(|k| Vec3::from(linear.column(k)));
+        let cofactors = Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)]);
+        for n in accessors.vectors::<3>(normal)? {
+            let n = cofactors * Vec3::from(n);
+            builder.normal(round(n.try_normalize(0.0).unwrap_or_default()));
+        }
+    }
+    let has_normal = builder.normal_count() - first_normal == count;
+
+    let indices = match primitive.indices {
+        Some(indices) => accessors.indices(indices)?,
+        None => (0..u32::try_from(count).map_err(|_| ParseError::TooLarge)?).collect(),
+    };
+    if let Some(&index) = indices.iter().find(|&&i| i as usize >= count) {
+        return Err(ParseError::IndexOutOfRange {
+            at,
+            index: i64::from(index),
+            count,
+        });
+    }
+    let mirrored = linear.determinant() < 0.0;
+    let mut add = |triangle: [u32; 3]| {
+        let [a, b, c] = triangle;
+        let corner = |i: u32| -> Result<Corner, ParseError> {
+            let index =
+                |first: usize| u32::try_from(first + i as usize).map_err(|_| ParseError::TooLarge);
+            Ok(Corner {
+                position: index(first)?,
+                uv: if has_uv { index(first_uv)? } else { NONE },
+                normal: if has_normal {
+                    index(first_normal)?
+                } else {
+                    NONE
+                },
+            })
+        };
+        let (b, c) = if mirrored { (c, b) } else { (b, c) };
+        builder.face(&[corner(a)?, corner(b)?, corner(c)?], at)
+    };
+    match mode {
+        TRIANGLES => {
+            let (triangles, rest) = indices.as_chunks::<3>();
+            if !rest.is_empty() {
+                return Err(ParseError::Syntax {
+                    at,
+                    expected: "three indices a triangle",
+                });
+            }
+            triangles.iter().try_for_each(|&t| add(t))?;
+        }
+        TRIANGLE_STRIP => {
+            for (i, t) in indices.windows(3).enumerate() {
+                let even = i % 2 == 0;
+                add(if even {
+                    [t[0], t[1], t[2]]
+                } else {
+                    [t[0], t[2], t[1]]
+                })?;
+            }
+        }
+        _ => {
+            for pair in indices.get(1..).unwrap_or_default().windows(2) {
+                add([indices[0], pair[0], pair[1]])?;
+            }
+        }
+    }
+    Ok(true)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,168 @@
+//! The bytes of a glTF file: its container and the buffers that it names.
+
+use super::document::Document;
+use crate::io::error::{ParseError, Place};
+use std::borrow::Cow;
+use std::path::Path;
+
+/// The JSON text and the binary chunk, if there is one.
+pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), ParseError> {
+    let Some(rest) = bytes.strip_prefix(b"glTF") else {
+        return Ok((bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), None));
+    };
+    let truncated = ParseError::Truncated { at: Place::Header };
+    let (version, rest) = split_word(rest).ok_or(truncated)?;
+    if version != 2 {
+        return Err(ParseError::Unsupported {
+            what: "glTF of another version than 2",
+        });
+    }
+    let mut chunks = split_word(rest)
+        .ok_or(ParseError::Truncated { at: Place::Header })?
+        .1;
+    let (mut json, mut binary) = (None, None);
+    while let Some((kind, chunk, rest)) = split_chunk(chunks)? {
+        match &kind.to_le_bytes() {
+            b"JSON" if json.is_none() => json = Some(chunk),
+            b"BIN\0" if binary.is_none() => binary = Some(chunk),
+            _ => {}
+        }
+        chunks = rest;
+    }
+    let json = json.ok_or(ParseError::Truncated { at: Place::Header })?;
+    Ok((json, binary))
+}
+
+fn split_word(bytes: &[u8]) -> Option<(u32, &[u8])> {
+    let (word, rest) = bytes.split_first_chunk()?;
+    Some((u32::from_le_bytes(*word), rest))
+}
+
+type Chunk<'a> = (u32, &'a [u8], &'a [u8]);
+
+/// The next chunk's kind and bytes, and what follows it.
+fn split_chunk(bytes: &[u8]) -> Result<Option<Chunk<'_>>, ParseError> {
+    let Some((length, rest)) = split_word(bytes) else {
+        return Ok(None);
+    };
+    split_word(rest)
+        .zip(usize::try_from(length).ok())
+        .and_then(|((kind, rest), length)| {
+            let (chunk, rest) = rest.split_at_checked(length)?;
+            Some(Some((kind, chunk, rest)))
+        })
+        .ok_or(ParseError::Truncated { at: Place::Header })
+}
+
+/// Every buffer's bytes.
+pub(super) fn load(
+    document: &Document,
+    binary: Option<&[u8]>,
+    folder: Option<&Path>,
+) -> Result<Vec<Vec<u8>>, ParseError> {
+    let mut out = Vec::with_capacity(document.buffers.len());
+    for (i, buffer) in document.buffers.iter().enumerate() {
+        let at = Place::Buffer(i);
+        let syntax = |expected| ParseError::Syntax { at, expected };
+        let bytes = match &buffer.uri {
+            None => Cow::Borrowed(
+                binary
+                    .filter(|_| i == 0)
+                    .ok_or_else(|| syntax("a uri or a binary chunk"))?,
+            ),
+            Some(uri) if uri.starts_with("data:") => {
+                let (_, text) = uri
+                    .split_once(";base64,")
+                    .ok_or_else(|| syntax("a base64 data uri"))?;
+                Cow::Owned(base64(text).ok_or_else(|| syntax("base64 text"))?)
+            }
+            Some(uri) => {
+                let relative = unescape(uri).ok_or_else(|| syntax("a relative file name"))?;
+                if relative.contains("://") {
+                    return Err(syntax("a relative file name"));
+                }
+                let path = folder
+                    .ok_or_else(|| syntax("a buffer inside the file"))?
+                    .join(relative);
+                match std::fs::read(&path) {
+                    Ok(bytes) => Cow::Owned(bytes),
+                    Err(source) => return Err(ParseError::Buffer { path, source }),
+                }
+            }
+        };
+        if bytes.len() < buffer.byte_length {
+            return Err(ParseError::Truncated { at });
+        }
+        out.push(bytes.into_owned());
+    }
+    Ok(out)
+}
+
+/// Base64 of RFC 4648, section 4.
+fn base64(text: &str) -> Option<Vec<u8>> {
+    let text = text.trim_end_matches('=').as_bytes();
+    let mut out = Vec::with_capacity(text.len() / 4 * 3 + 2);
+    for group in text.chunks(4) {
+        let mut bits = 0;
+        for &symbol in group {
+            let value = match symbol {
+                b'A'..=b'Z' => symbol - b'A',
+                b'a'..=b'z' => symbol - b'a' + 26,
+                b'0'..=b'9' => symbol - b'0' + 52,
+                b'+' => 62,
+                b'/' => 63,
+                _ => return None,
+            };
+            bits = (bits << 6) | u32::from(value);
+        }
+        let missing = 4 - group.len();
+        let [_, bytes @ ..] = (bits << (6 * missing)).to_be_bytes();
+        out.extend_from_slice(bytes.get(..3 - missing).filter(|_| missing < 3)?);
+    }
+    Some(out)
+}
+
+/// A uri with its `%xx` resolved.
+fn unescape(uri: &str) -> Option<String> {
+    let mut out = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let Some((&byte, after)) = rest.split_first() {
+        rest = after;
+        if byte == b'%' {
+            let digits = std::str::from_utf8(rest.get(..2)?).ok()?;
+            out.push(u8::from_str_radix(digits, 16).ok()?);
+            rest = &rest[2..];
+        } else {
+            out.push(byte);
+        }
+    }
+    String::from_utf8(out).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_matches_the_vectors_of_its_rfc() {
+        for (text, bytes) in [
+            ("", ""),
+            ("Zg==", "f"),
+            ("Zm8=", "fo"),
+            ("Zm9v", "foo"),
+            ("Zm9vYg==", "foob"),
+            ("Zm9vYmE=", "fooba"),
+            ("Zm9vYmFy", "foobar"),
+        ] {
+            assert_eq!(base64(text).as_deref(), Some(bytes.as_bytes()));
+        }
+        assert_eq!(base64("Zm9*"), None);
+        assert_eq!(base64("Zm9vY"), None);
+    }
+
+    #[test]
+    fn escapes_are_resolved() {
+        assert_eq!(unescape("a%20b.bin").as_deref(), Some("a b.bin"));
+        assert_eq!(unescape("a%2"), None);
+    }
+}

@@ -1,0 +1,90 @@
+use super::*;
+
+/// A triangle as a document with its positions in a binary chunk.
+fn glb(nodes: &str, primitive: &str) -> Vec<u8> {
+    let mut json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":{nodes},
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}{primitive}}}]}}],
+        "bufferViews":[{{"buffer":0,"byteLength":48}},{{"buffer":0,"byteOffset":48,"byteLength":4}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"}},
+        {{"bufferView":1,"componentType":5121,"count":4,"type":"SCALAR"}},
+        {{"bufferView":1,"componentType":5121,"count":3,"type":"SCALAR"}}],
+        "buffers":[{{"byteLength":52}}]}}"#
+    );
+    while !json.len().is_multiple_of(4) {
+        json.push(' ');
+    }
+    let points = [
+        0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0,
+    ];
+    let mut binary: Vec<u8> = points.iter().flat_map(|x| x.to_le_bytes()).collect();
+    binary.extend([0, 1, 2, 3]);
+    let mut out = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
+    for (kind, chunk) in [(b"JSON", json.as_bytes()), (b"BIN\0", &binary)] {
+        out.extend(u32::try_from(chunk.len()).unwrap().to_le_bytes());
+        out.extend(kind);
+        out.extend(chunk);
+    }
+    out
+}
+
+fn read(nodes: &str, primitive: &str) -> Result<MeshData, ParseError> {
+    read_gltf(&glb(nodes, primitive), None)
+}
+
+#[test]
+fn lists_strips_and_fans_are_read() {
+    let node = r#"[{"mesh":0}]"#;
+    let triangles = |primitive| read(node, primitive).unwrap().triangles;
+    assert_eq!(triangles(r#","indices":2"#), [[0, 1, 2]]);
+    assert_eq!(
+        triangles(r#","indices":1,"mode":5"#),
+        [[0, 1, 2], [1, 3, 2]]
+    );
+    assert_eq!(triangles(r#","mode":6"#), [[0, 1, 2], [0, 2, 3]]);
+    assert!(matches!(
+        read(node, r#","mode":0"#).unwrap_err(),
+        ParseError::NoFaces
+    ));
+    assert!(matches!(
+        read(node, r#","indices":1"#).unwrap_err(),
+        ParseError::Syntax {
+            at: Place::Primitive(0, 0),
+            ..
+        }
+    ));
+}
+
+#[test]
+fn transforms_chain_and_mirrors_flip() {
+    let nodes = r#"[{"translation":[10,0,0],"children":[1]},{"scale":[-2,1,1],"mesh":0}]"#;
+    let data = read(nodes, r#","indices":2"#).unwrap();
+    assert_eq!(
+        data.positions,
+        [[10.0, 0.0, 0.0], [8.0, 0.0, 0.0], [10.0, 1.0, 0.0]]
+    );
+    assert_eq!(data.triangles, [[0, 2, 1]]);
+}
+
+#[test]
+fn a_node_that_is_its_own_ancestor_is_refused() {
+    let nodes = r#"[{"children":[1]},{"children":[0]}]"#;
+    assert!(matches!(
+        read(nodes, "").unwrap_err(),
+        ParseError::Syntax {
+            at: Place::Node(0),
+            ..
+        }
+    ));
+}
+
+#[test]
+fn a_file_cut_short_is_refused() {
+    let whole = glb(r#"[{"mesh":0}]"#, r#","indices":2"#);
+    for end in 4..whole.len() {
+        assert!(
+            read_gltf(&whole[..end], None).is_err(),
+            "cut after {end} bytes"
+        );
+    }
+}

@@ -1,0 +1,287 @@
+//! PLY, text and binary of either byte order.
+//!
+//! Read are the vertices' `x y z`, texture coordinates (`s t`, `u v` or `texture_u texture_v`) and
+//! normals (`nx ny nz`), and the faces' `vertex_indices` (or `vertex_index`) and `texcoord`, which
+//! has two numbers a corner. All else is passed over.
+
+mod header;
+mod values;
+
+use crate::io::build::{Builder, Corner, NONE};
+use crate::io::data::{MeshData, Warning};
+use crate::io::error::{ParseError, Place};
+use header::{Element, Header, read_header};
+use rustc_hash::FxHashMap;
+use values::Values;
+
+/// Reads a PLY file.
+///
+/// # Errors
+/// [`ParseError`] with the line, vertex or face.
+pub fn read_ply(bytes: &[u8]) -> Result<MeshData, ParseError> {
+    let Header {
+        encoding,
+        elements,
+        body,
+        lines,
+    } = read_header(bytes)?;
+    let mut values = Values::new(encoding, &bytes[body..], lines);
+    let mut builder = Builder::default();
+    for (number, element) in elements.iter().enumerate() {
+        match element.name {
+            b"vertex" => read_vertices(element, &mut values, &mut builder)?,
+            b"face" => read_faces(element, &mut values, &mut builder)?,
+            _ => skip(element, number, &mut values)?,
+        }
+    }
+    let count = values.trailing();
+    if count > 0 {
+        builder.warnings.push(Warning::TrailingBytes { count });
+    }
+    builder.finish()
+}
+
+fn read_vertices(
+    element: &Element<'_>,
+    values: &mut Values<'_>,
+    builder: &mut Builder,
+) -> Result<(), ParseError> {
+    let column = |names: &[&[u8]]| {
+        element
+            .properties
+            .iter()
+            .position(|p| p.count.is_none() && names.contains(&p.name))
+    };
+    let [Some(x), Some(y), Some(z)] = [&b"x"[..], b"y", b"z"].map(|name| column(&[name])) else {
+        return Err(ParseError::Syntax {
+            at: Place::Header,
+            expected: "the vertex properties x, y and z",
+        });
+    };
+    let uv = column(&[b"s", b"u", b"texture_u"]).zip(column(&[b"t", b"v", b"texture_v"]));
+    let normal = column(&[b"nx"]).zip(column(&[b"ny"])).zip(column(&[b"nz"]));
+    let mut row = vec![0.0; element.properties.len()];
+    for i in 0..element.count {
+        let at = Place::Vertex(i);
+        for (value, property) in row.iter_mut().zip(&element.properties) {
+            match property.count {
+                None => *value = values.next(property.kind, at)?,
+                Some(count) => {
+                    values.list(count, property.kind, at, |_| {})?;
+                }
+            }
+        }
+        builder.position([x, y, z].map(|k| narrow(row[k])), at)?;
+        if let Some((u, v)) = uv {
+            builder.uv([u, v].map(|k| narrow(row[k])));
+        }
+        if let Some(((x, y), z)) = normal {
+            builder.normal([x, y, z].map(|k| narrow(row[k])));
+        }
+    }
+    Ok(())
+}
+
+fn read_faces(
+    element: &Element<'_>,
+    values: &mut Values<'_>,
+    builder: &mut Builder,
+) -> Result<(), ParseError> {
+    let list = |names: [&[u8]; 2]| {
+        element
+            .properties
+            .iter()
+            .position(|p| p.count.is_some() && names.contains(&p.name))
+    };
+    let indices_column = list([b"vertex_indices", b"vertex_index"]);
+    let texcoord_column = list([b"texcoord", b"texcoords"]);
+    if indices_column.is_none() && element.count > 0 {
+        return Err(ParseError::Syntax {
+            at: Place::Header,
+            expected: "the face property vertex_indices",
+        });
+    }
+    let (mut indices, mut texcoord) = (Vec::new(), Vec::new());
+    let mut known_uv = FxHashMap::default();
+    let mut corners = Vec::new();
+    for i in 0..element.count {
+        let at = Place::Face(i);
+        indices.clear();
+        texcoord.clear();
+        for (k, property) in element.properties.iter().enumerate() {
+            let Some(count) = property.count else {
+                values.next(property.kind, at)?;
+                continue;
+            };
+            values.list(count, property.kind, at, |value| {
+                if Some(k) == indices_column {
+                    indices.push(value);
+                } else if Some(k) == texcoord_column {
+                    texcoord.push(narrow(value));
+                }
+            })?;
+        }
+        corners.clear();
+        for &index in &indices {
+            corners.push(Corner::position(vertex_index(index, builder, at)?));
+        }
+        let (with_uv, with_normal) = (builder.uv_count() > 0, builder.normal_count() > 0);
+        for corner in &mut corners {
+            if with_uv && texcoord_column.is_none() {
+                corner.uv = corner.position;
+            }
+            if with_normal {
+                corner.normal = corner.position;
+            }
+        }
+        if texcoord.len() == 2 * corners.len() {
+            for (corner, uv) in corners.iter_mut().zip(texcoord.as_chunks::<2>().0) {
+                corner.uv = *known_uv.entry(uv.map(f32::to_bits)).or_insert_with(|| {
+                    builder.uv(*uv);
+                    u32::try_from(builder.uv_count() - 1).unwrap_or(NONE)
+                });
+            }
+        }
+        builder.face(&corners, at)?;
+    }
+    Ok(())
+}
+
+fn skip(element: &Element<'_>, number: usize, values: &mut Values<'_>) -> Result<(), ParseError> {
+    // An item without properties takes no bytes, so that any count of them is already read.
+    if element.properties.is_empty() {
+        return Ok(());
+    }
+    for i in 0..element.count {
+        let at = Place::Item(number, i);
+        for property in &element.properties {
+            match property.count {
+                None => {
+                    values.next(property.kind, at)?;
+                }
+                Some(count) => values.list(count, property.kind, at, |_| {})?,
+            }
+        }
+    }
+    Ok(())
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "an index that does not fit is no index, and the integral check refuses it"
+)]
+fn vertex_index(value: f64, builder: &Builder, at: Place) -> Result<u32, ParseError> {
+    let index = value as i64;
+    u32::try_from(index)
+        .ok()
+        .filter(|&i| i != NONE && f64::from(i) == value)
+        .ok_or(ParseError::IndexOutOfRange {
+            at,
+            index,
+            count: builder.position_count(),
+        })
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "a file's double is rounded once to storage; what overflows is refused as not finite"
+)]
+fn narrow(value: f64) -> f32 {
+    value as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEADER: &str = "ply\nformat ascii 1.0\ncomment c\nelement vertex 4\nproperty double x\n\
+        property float y\nproperty int z\nproperty list uchar int tags\nelement nothing 99999999999\n\
+        element face 1\nproperty list uchar uint vertex_index\nproperty list uchar float texcoord\n\
+        property uchar flag\nend_header\n";
+
+    #[test]
+    fn text_with_every_kind_of_property_is_read() {
+        let body = "0 0 0 0\n1 0 0 2 5 6\n1 1 0 0\n0 1 0 0\n4 0 1 2 3 8 0 0 1 0 1 1 0 0 7\n";
+        let data = read_ply(format!("{HEADER}{body}").as_bytes()).unwrap();
+        assert_eq!(data.positions.len(), 4);
+        assert_eq!(data.triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(data.corners.uv[2], [1.0, 1.0]);
+        assert_eq!(data.file_vertices, 4);
+    }
+
+    #[test]
+    fn errors_name_their_element() {
+        let error = |body: &str| read_ply(format!("{HEADER}{body}").as_bytes()).unwrap_err();
+        let vertices = "0 0 0 0\n1 0 0 0\n1 1 0 0\n0 1 0 0\n";
+        assert!(matches!(
+            error("0 0 0 0\n1e39 0 0 0\n"),
+            ParseError::NotFinite {
+                at: Place::Vertex(1)
+            }
+        ));
+        assert!(matches!(
+            error(&format!("{vertices}3 0 1 9 0 7\n")),
+            ParseError::IndexOutOfRange {
+                at: Place::Face(0),
+                index: 9,
+                count: 4
+            }
+        ));
+        assert!(matches!(
+            error(&format!("{vertices}3 0 1\n")),
+            ParseError::Truncated { at: Place::Face(0) }
+        ));
+        assert!(matches!(
+            error("0 0 0 0\nx 0 0 0\n"),
+            ParseError::Syntax {
+                at: Place::Line(16),
+                ..
+            }
+        ));
+        assert!(matches!(
+            read_ply(b"ply\nformat ascii 1.0\nelement vertex\n").unwrap_err(),
+            ParseError::Syntax {
+                at: Place::Line(3),
+                ..
+            }
+        ));
+        assert!(matches!(
+            read_ply(b"ply\nformat ascii 1.0\n").unwrap_err(),
+            ParseError::Truncated { at: Place::Header }
+        ));
+    }
+
+    #[test]
+    fn byte_orders_agree() {
+        let file = |big: bool| {
+            let order = if big { "big" } else { "little" };
+            let mut out = format!(
+                "ply\r\nformat binary_{order}_endian 1.0\r\nelement vertex 3\r\nproperty float x\r\n\
+                 property float y\r\nproperty float z\r\nelement face 1\r\n\
+                 property list uchar int vertex_indices\r\nend_header\r\n"
+            )
+            .into_bytes();
+            let words = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.5, 0.0, 1.0, 0.0].map(f32::to_bits);
+            let word = |w: u32| {
+                if big {
+                    w.to_be_bytes()
+                } else {
+                    w.to_le_bytes()
+                }
+            };
+            out.extend(words.iter().flat_map(|&w| word(w)));
+            out.push(3);
+            out.extend([0u32, 1, 2].iter().flat_map(|&w| word(w)));
+            out
+        };
+        let little = read_ply(&file(false)).unwrap();
+        assert_eq!(little, read_ply(&file(true)).unwrap());
+        assert_eq!(little.positions[1], [1.0, 0.0, 0.5]);
+        let mut short = file(true);
+        short.pop();
+        assert!(matches!(
+            read_ply(&short).unwrap_err(),
+            ParseError::Truncated { at: Place::Face(0) }
+        ));
+    }
+}
