@@ -1,1 +1,35 @@
-//! Placeholder.
+//! Bodies, blades and the frame loop.
+//!
+//! A [`Scene`] holds soft [`Body`]s and [`Blade`]s and steps them frame by frame: sweeps are made
+//! from blade poses, bodies near a sweep are cut, constraints follow, the solver moves everything.
+//! What a frame does not need it does not do, and [`FrameStats`] counts what was left out.
+//!
+//! ```
+//! use incise_mesh::{Model, build_model};
+//! use incise_pbd_gpu::Material;
+//! use incise_scene::{Scene, SceneParams};
+//!
+//! let mut scene = Scene::new(SceneParams::default());
+//! let body = scene.add_body(build_model(Model::Sphere80), &Material::default())?;
+//! let blade = scene.add_blade([[-2.0, 0.1, -2.0], [-2.0, 0.1, 2.0]]);
+//! scene.step()?;
+//! scene.move_blade(blade, [[2.0, 0.1, -2.0], [2.0, 0.1, 2.0]]);
+//! assert_eq!(scene.step()?.cuts, 1);
+//! assert_eq!(scene.body(body).pieces().len(), 2);
+//! # Ok::<(), incise_scene::SceneError>(())
+//! ```
+
+mod blade;
+mod body;
+mod error;
+mod frame;
+mod params;
+mod scene;
+mod stats;
+
+pub use blade::{Blade, BladeId};
+pub use body::{Body, BodyId};
+pub use error::SceneError;
+pub use params::SceneParams;
+pub use scene::{Refusal, Scene};
+pub use stats::FrameStats;

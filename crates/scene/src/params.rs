@@ -1,0 +1,29 @@
+//! What a scene's user chooses.
+
+use incise_cut::CutParams;
+use incise_pbd_gpu::SolverParams;
+
+/// How a scene is stepped.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SceneParams {
+    /// Time of a frame [s].
+    pub dt: f32,
+    /// How bodies move.
+    pub solver: SolverParams,
+    /// How bodies are cut.
+    pub cut: CutParams,
+    /// Whether a body is left alone by a sweep whose box misses the body's. Off, every moving
+    /// blade's sweep is tested against every body's triangles, as the paper's protocol does.
+    pub skip_far_sweeps: bool,
+}
+
+impl Default for SceneParams {
+    fn default() -> Self {
+        Self {
+            dt: 1.0 / 60.0,
+            solver: SolverParams::default(),
+            cut: CutParams::default(),
+            skip_far_sweeps: true,
+        }
+    }
+}

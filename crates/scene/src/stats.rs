@@ -1,0 +1,52 @@
+//! What a frame did and what it left out.
+
+use std::time::Duration;
+
+/// What a frame did, left out and cost.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FrameStats {
+    /// Blades that moved.
+    pub sweeps: u32,
+    /// Blades at rest, which asked nothing.
+    pub sweeps_skipped: u32,
+    /// Bodies whose triangles were tested against a sweep.
+    pub detections: u32,
+    /// Bodies that a sweep's box missed.
+    pub detections_skipped: u32,
+    /// Search trees fitted to moved triangles.
+    pub refits: u32,
+    /// Search trees that nobody asked, left as they were.
+    pub refits_skipped: u32,
+    /// Triangles that search trees offered.
+    pub candidates: usize,
+    /// Triangles that sweeps crossed.
+    pub hits: usize,
+    /// Cuts done.
+    pub cuts: u32,
+    /// Cuts refused, see [`crate::Scene::refusals`].
+    pub refused: u32,
+    /// Time of refits, searches and intersections.
+    pub detection: Duration,
+    /// Time of mesh edits.
+    pub topology: Duration,
+    /// Time of caps.
+    pub refinement: Duration,
+    /// Time of constraints following cuts.
+    pub constraints: Duration,
+    /// Time of the solver.
+    pub solver: Duration,
+}
+
+impl FrameStats {
+    /// Time of everything that a cut needs: detection, topology, refinement, constraint update.
+    #[must_use]
+    pub fn cutting(&self) -> Duration {
+        self.detection + self.topology + self.refinement + self.constraints
+    }
+
+    /// Time of the whole frame's work.
+    #[must_use]
+    pub fn total(&self) -> Duration {
+        self.cutting() + self.solver
+    }
+}
