@@ -1,2 +1,44 @@
-//! x
-fn main() {}
+//! The program: checks meshes.
+//!
+//! Exit codes: 0 done, 1 the input cannot be used, 2 the command line is wrong.
+
+mod check;
+mod failure;
+
+use clap::{Parser, Subcommand};
+use failure::Failure;
+use std::io::{self, BufWriter, Write};
+use std::process::ExitCode;
+
+/// Cuts soft bodies: closed triangle surfaces.
+#[derive(Parser)]
+#[command(version)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Check(check::CheckArguments),
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let mut out = BufWriter::new(io::stdout().lock());
+    let done = match &arguments.command {
+        Command::Check(arguments) => check::run(arguments, &mut out),
+    };
+    // What was printed comes before the reason why it ended.
+    let flushed = out.flush().map_err(Failure::Output);
+    match done.and(flushed) {
+        Ok(()) => ExitCode::SUCCESS,
+        // Who reads the output has seen enough.
+        Err(Failure::Output(e)) if e.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(failure) => {
+            // Without an error output the exit code has to do.
+            let _ = writeln!(io::stderr(), "incise: {failure}");
+            ExitCode::FAILURE
+        }
+    }
+}

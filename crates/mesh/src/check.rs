@@ -22,10 +22,12 @@ use crate::partition::Partition;
 use crate::quality::{AngleStats, EdgeStats};
 use links::Links;
 use robust::{Coord, orient2d};
+use serde::Serialize;
 use std::fmt;
 
 /// Why a mesh cannot be cut. Vertices and triangles are those of the [`MeshData`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Defect {
     /// No triangle is left when those with coincident corners are out.
@@ -118,7 +120,7 @@ impl std::error::Error for NotFit {}
 
 /// What a mesh is, measured as it was read and welded. Triangles that name a vertex twice count as
 /// triangles and have no part in edges, components and what follows from them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct MeshReport {
     /// Welded vertices that faces use.

@@ -45,7 +45,7 @@ pub fn corner_angles([a, b, c]: [Vec3; 3]) -> [f64; 3] {
 }
 
 /// An axis-aligned box. The default is empty: it holds nothing and leaves any box as it is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Aabb {
     /// The smallest coordinates.
     pub min: [f32; 3],

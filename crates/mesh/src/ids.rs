@@ -1,12 +1,13 @@
 //! Ids: one `u32` newtype per kind of element, printed with its letter, null as all ones.
 
 use bytemuck::{Pod, Zeroable};
+use serde::Serialize;
 use std::fmt;
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident, $letter:literal) => {
         $(#[$doc])*
-        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Pod, Zeroable)]
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Pod, Zeroable, Serialize)]
         #[repr(transparent)]
         pub struct $name(pub u32);
 

@@ -1,9 +1,10 @@
 //! How good triangles are: statistics of angles and edge lengths.
 
 use crate::geometry::{Vec3, corner_angles};
+use serde::Serialize;
 
 /// Angles at the corners of triangles \[degrees\].
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct AngleStats {
     /// The smallest.
     pub min: f64,
@@ -42,7 +43,7 @@ impl AngleStats {
 
 /// Lengths of the sides of triangles \[m\]. An edge between two triangles counts twice, a boundary
 /// edge once.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct EdgeStats {
     /// The shortest.
     pub min: f64,

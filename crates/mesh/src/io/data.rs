@@ -5,6 +5,7 @@ use crate::io::ParseError;
 use crate::io::build::{Builder, Corner};
 use crate::io::error::Place;
 use crate::surface::CornerAttributes;
+use serde::Serialize;
 use std::fmt;
 
 /// A mesh as a file has it, welded, before anything is required of it.
@@ -49,7 +50,8 @@ impl MeshData {
 }
 
 /// Something that was passed over or repaired, and does not stand in the way.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Warning {
     /// The file has vertices that no face uses.

@@ -1,0 +1,128 @@
+//! `incise check`: what a mesh is, and whether it can be cut.
+
+use crate::failure::Failure;
+use incise_mesh::{MeshReport, NotFit, check, read_mesh};
+use serde::Serialize;
+use std::fmt::Display;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// Says what a mesh is and whether it can be cut; exits with 1 when not.
+#[derive(clap::Args)]
+pub(crate) struct CheckArguments {
+    /// The mesh: obj, ply, stl, glb or gltf.
+    file: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// The report as JSON.
+#[derive(Serialize)]
+struct JsonReport<'a> {
+    file: &'a Path,
+    fit: bool,
+    #[serde(flatten)]
+    report: &'a MeshReport,
+}
+
+/// Prints the report of a file.
+pub(crate) fn run(arguments: &CheckArguments, out: &mut impl Write) -> Result<(), Failure> {
+    let path = &arguments.file;
+    let report = check(&read_mesh(path)?);
+    if arguments.json {
+        let fit = report.fit_to_cut().is_ok();
+        let file = path;
+        let json = JsonReport {
+            file,
+            fit,
+            report: &report,
+        };
+        serde_json::to_writer_pretty(&mut *out, &json).map_err(io::Error::from)?;
+        writeln!(out)?;
+    } else {
+        print(path, &report, out)?;
+    }
+    report.fit_to_cut().map_err(|defects| Failure::NotFit {
+        path: path.clone(),
+        source: NotFit {
+            defects: defects.to_vec(),
+        },
+    })
+}
+
+fn print(path: &Path, report: &MeshReport, out: &mut impl Write) -> io::Result<()> {
+    writeln!(out, "{}", path.display())?;
+    let mut line = |name: &str, value: &dyn Display| writeln!(out, "  {name:<22}{value}");
+    let yes_no = |yes| if yes { "yes" } else { "no" };
+    line("vertices", &report.vertices)?;
+    line("vertices in the file", &report.file_vertices)?;
+    line("triangles", &report.triangles)?;
+    line("edges", &report.edges)?;
+    line("components", &report.components)?;
+    line("Euler characteristic", &report.euler_characteristic)?;
+    match report.genus {
+        Some(genus) => line("genus", &genus)?,
+        None => line("genus", &"none: not closed, manifold and oriented")?,
+    }
+    line("closed", &yes_no(report.closed))?;
+    line("manifold", &yes_no(report.manifold))?;
+    line("oriented", &yes_no(report.oriented))?;
+    line("open edges", &report.open_edges)?;
+    line("non-manifold edges", &report.nonmanifold_edges)?;
+    line("non-manifold vertices", &report.nonmanifold_vertices)?;
+    line("winding conflicts", &report.winding_conflicts)?;
+    line("degenerate triangles", &report.degenerate_triangles)?;
+    line("area", &significant(report.area))?;
+    line("volume", &significant(report.volume))?;
+    let (low, high) = (report.bounds.min, report.bounds.max);
+    line("box", &format!("{low:?} to {high:?}"))?;
+    let a = &report.angles;
+    line(
+        "angles",
+        &format!(
+            "{:.3} smallest, {:.3} at 5%, {:.3} median, {:.3} largest [degrees]",
+            a.min, a.percentile_5, a.median, a.max
+        ),
+    )?;
+    let [min, mean, max] = [
+        report.edge_lengths.min,
+        report.edge_lengths.mean,
+        report.edge_lengths.max,
+    ]
+    .map(significant);
+    line(
+        "edge lengths",
+        &format!("{min} shortest, {mean} mean, {max} longest"),
+    )?;
+    for warning in &report.warnings {
+        line("warning", warning)?;
+    }
+    for defect in &report.defects {
+        line("defect", defect)?;
+    }
+    line("fit to cut", &yes_no(report.fit_to_cut().is_ok()))
+}
+
+/// Seven significant digits, which is what 32-bit coordinates have.
+fn significant(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e7).contains(&value.abs()) {
+        let digits = format!("{value:.6e}");
+        let rounded: f64 = digits.parse().unwrap_or(value);
+        format!("{rounded}")
+    } else {
+        format!("{value:.6e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_seven_digits() {
+        assert_eq!(significant(0.0), "0");
+        assert_eq!(significant(0.123_456_789), "0.1234568");
+        assert_eq!(significant(-1.0 / 3e20), "-3.333333e-21");
+    }
+}

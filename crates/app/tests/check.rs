@@ -1,0 +1,155 @@
+//! `incise check`, run as a user runs it.
+
+use serde_json::Value;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+const TETRAHEDRON: &str =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+fn incise(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_incise"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn file(text: &str) -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mesh.obj");
+    std::fs::write(&path, text).unwrap();
+    (folder, path)
+}
+
+fn check(text: &str, options: &[&str]) -> (Option<i32>, String, String) {
+    let (_folder, path) = file(text);
+    let mut arguments = vec!["check", path.to_str().unwrap()];
+    arguments.extend(options);
+    let output = incise(&arguments);
+    (
+        output.status.code(),
+        String::from_utf8(output.stdout).unwrap(),
+        String::from_utf8(output.stderr).unwrap(),
+    )
+}
+
+/// The tetrahedron without its last face.
+fn open() -> &'static str {
+    TETRAHEDRON.trim_end().rsplit_once('\n').unwrap().0
+}
+
+#[test]
+fn a_fit_mesh_is_described() {
+    let (code, out, err) = check(TETRAHEDRON, &[]);
+    assert_eq!((code, err.as_str()), (Some(0), ""));
+    for (name, value) in [
+        ("vertices", "4"),
+        ("triangles", "4"),
+        ("edges", "6"),
+        ("genus", "0"),
+        ("closed", "yes"),
+        ("volume", "0.1666667"),
+        ("fit to cut", "yes"),
+    ] {
+        assert!(
+            out.lines().any(|line| line
+                .trim()
+                .strip_prefix(name)
+                .is_some_and(|rest| rest.trim() == value)),
+            "{name} {value} in\n{out}"
+        );
+    }
+}
+
+#[test]
+fn an_open_mesh_says_what_is_wrong() {
+    let (code, out, err) = check(open(), &[]);
+    assert_eq!(code, Some(1));
+    assert!(err.contains("3 open edges"), "{err}");
+    assert!(out.contains("fit to cut            no"), "{out}");
+}
+
+#[test]
+fn json_has_every_field_under_its_name() {
+    let (code, out, _) = check(TETRAHEDRON, &["--json"]);
+    assert_eq!(code, Some(0));
+    let json: Value = serde_json::from_str(&out).unwrap();
+    let names: Vec<&str> = json
+        .as_object()
+        .unwrap()
+        .keys()
+        .map(String::as_str)
+        .collect();
+    let mut expected = [
+        "file",
+        "fit",
+        "vertices",
+        "file_vertices",
+        "triangles",
+        "edges",
+        "components",
+        "euler_characteristic",
+        "genus",
+        "closed",
+        "manifold",
+        "oriented",
+        "open_edges",
+        "nonmanifold_edges",
+        "nonmanifold_vertices",
+        "winding_conflicts",
+        "degenerate_triangles",
+        "area",
+        "volume",
+        "bounds",
+        "angles",
+        "edge_lengths",
+        "warnings",
+        "defects",
+    ];
+    expected.sort_unstable();
+    let mut names = names;
+    names.sort_unstable();
+    assert_eq!(names, expected);
+    assert_eq!(json["fit"], true);
+    assert_eq!(json["bounds"]["max"], serde_json::json!([1.0, 1.0, 1.0]));
+    assert_eq!(json["edge_lengths"]["min"], 1.0);
+
+    let (code, out, err) = check(open(), &["--json"]);
+    assert_eq!(code, Some(1));
+    assert!(err.contains("open edges"), "{err}");
+    let json: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(json["fit"], false);
+    assert_eq!(json["genus"], Value::Null);
+    assert_eq!(json["defects"][0]["kind"], "open_edge");
+    assert_eq!(json["defects"][0]["count"], 3);
+}
+
+#[test]
+fn a_broken_file_names_the_line() {
+    let (code, out, err) = check("v 0 0 0\nf 1 2 3\n", &[]);
+    assert_eq!((code, out.as_str()), (Some(1), ""));
+    assert!(
+        err.contains("mesh.obj: line 2: index 2 is out of range"),
+        "{err}"
+    );
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let output = incise(&["check", "not_there.ply"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        String::from_utf8(output.stderr)
+            .unwrap()
+            .contains("not_there.ply")
+    );
+}
+
+#[test]
+fn a_wrong_command_line_is_2() {
+    assert_eq!(incise(&[]).status.code(), Some(2));
+    assert_eq!(incise(&["check"]).status.code(), Some(2));
+    assert_eq!(incise(&["peel", "mesh.obj"]).status.code(), Some(2));
+    assert_eq!(incise(&["--version"]).status.code(), Some(0));
+}
