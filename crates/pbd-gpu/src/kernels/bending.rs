@@ -20,8 +20,9 @@ use std::f32::consts::{PI, TAU};
 const FLAT: f32 = 1e-5;
 
 /// The largest change of angle that one projection asks for [rad]. A gradient is a tangent: following
-/// it for a large angle pushes vertices outwards and pumps energy into crumpled bodies.
-const MAX_TURN: f32 = 0.5;
+/// it for a large angle pushes vertices outwards and pumps energy into crumpled bodies. Measured on a
+/// crumpled ball of stiffness 1: 0.06 J go on and on with 0.5 rad, 4e-6 J with 0.1 rad.
+const MAX_TURN: f32 = 0.1;
 
 struct Block<const B: usize> {
     /// From the first vertex to each of the others.
@@ -45,6 +46,7 @@ pub(crate) fn bending(
 }
 
 /// Projects constraints that may share vertices, one after the other.
+#[inline(always)]
 pub(crate) fn bending_serial(
     x: &[[f32; 4]],
     d: &mut [[f32; 4]],
@@ -190,5 +192,162 @@ fn scatter<const B: usize>(block: &Block<B>, d: &mut [[f32; 4]], vertices: &[[Ve
                 *c += lanes[lane];
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::Stiffness;
+    use incise_mesh::Vec3;
+    use incise_mesh::geometry::widen;
+
+    /// The angle another way: between the normals, positive where the fourth point is behind the first
+    /// triangle.
+    fn angle(p: [Vec3; 4]) -> f64 {
+        let e = p[1] - p[0];
+        let (n2, n3) = (e.cross(&(p[2] - p[0])), (p[3] - p[0]).cross(&e));
+        let unsigned = n2.cross(&n3).norm().atan2(n2.dot(&n3));
+        if n2.dot(&(p[3] - p[0])) > 0.0 {
+            -unsigned
+        } else {
+            unsigned
+        }
+    }
+
+    /// A skew hinge with opening angle `theta`, edges of about `scale`.
+    fn hinge(theta: f64, scale: f64) -> [[f32; 4]; 4] {
+        let wing = |along: f64, out: f64, turn: f64| {
+            let (sin, cos) = turn.sin_cos();
+            Vec3::new(along, out * cos, out * sin)
+        };
+        let points = [
+            Vec3::zeros(),
+            Vec3::new(1.1, 0.0, 0.0),
+            wing(0.3, 0.9, 0.0),
+            wing(0.7, -1.2, theta),
+        ];
+        let tilt = nalgebra::Rotation3::from_euler_angles(0.4, 1.1, -0.3);
+        points.map(|p| {
+            let [x, y, z] = incise_mesh::geometry::round(tilt * p * scale);
+            [x, y, z, 1.0]
+        })
+    }
+
+    fn batch(rest: f32) -> Batch<4> {
+        Batch {
+            vertices: vec![[0, 1, 2, 3].map(VertexId)],
+            rest: vec![rest],
+            lambda: Vec::new(),
+        }
+    }
+
+    fn points(x: &[[f32; 4]; 4]) -> [Vec3; 4] {
+        x.map(|[x, y, z, _]| widen([x, y, z]))
+    }
+
+    const FOLDED: f64 = std::f64::consts::PI - 2e-3;
+    const RIGID: Stiffness = Stiffness::Pbd(1.0);
+
+    #[test]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the rest angle is stored in f32"
+    )]
+    fn corrections_run_along_the_gradients() {
+        for scale in [1.0, 0.05, 1e-3] {
+            for theta in [0.0, 1e-3, -1e-3, 0.7, -1.5, 2.5, FOLDED, -FOLDED] {
+                let x = hinge(theta, scale);
+                let p = points(&x);
+                let asked = 0.08;
+                let mut d = [[0.0; 4]; 4];
+                let mut constraint = batch((angle(p) - asked) as f32);
+                bending(&x, &mut d, &mut constraint, RIGID.projection(1, 0.01));
+                // d_i = -C g_i / sum |g|^2, so g_i = -C d_i / sum |d|^2.
+                let square: f64 = d.iter().flatten().map(|&c| f64::from(c).powi(2)).sum();
+                let mut largest = 0.0_f64;
+                let mut worst = 0.0_f64;
+                for (i, d) in d.iter().enumerate() {
+                    for k in 0..3 {
+                        let step = 1e-5 * scale;
+                        let moved = |by: f64| {
+                            let mut p = p;
+                            p[i][k] += by;
+                            angle(p)
+                        };
+                        let mut change = moved(step) - moved(-step);
+                        change -= std::f64::consts::TAU * (change / std::f64::consts::TAU).round();
+                        let difference = change / (2.0 * step);
+                        let gradient = -asked * f64::from(d[k]) / square;
+                        largest = largest.max(difference.abs());
+                        worst = worst.max((gradient - difference).abs());
+                    }
+                }
+                assert!(
+                    worst < 1e-3 * largest,
+                    "off by {worst} of {largest} at angle {theta}, scale {scale}"
+                );
+                for k in 0..3 {
+                    let sum: f32 = d.iter().map(|d| d[k]).sum();
+                    let most = d.iter().map(|d| d[k].abs()).fold(0.0, f32::max);
+                    assert!(sum.abs() <= 1e-5 * most, "momentum {sum} of {most}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn projections_end_at_the_rest_angle() {
+        for (start, rest) in [(0.3, 1.2), (2.0, -1.0), (-2.9, 2.9), (0.0, 3.0)] {
+            let x = hinge(start, 0.1);
+            let mut d = [[0.0; 4]; 4];
+            let mut constraint = batch(rest);
+            for _ in 0..60 {
+                bending(&x, &mut d, &mut constraint, RIGID.projection(1, 0.01));
+            }
+            let mut moved = x;
+            for (x, d) in moved.iter_mut().zip(d) {
+                for k in 0..3 {
+                    x[k] += d[k];
+                }
+            }
+            let end = angle(points(&moved));
+            assert!(
+                (end - f64::from(rest)).abs() < 1e-4,
+                "{start} went to {end}, not {rest}"
+            );
+        }
+    }
+
+    #[test]
+    fn degenerate_triangles_take_no_part() {
+        let o = [0.0, 0.0, 0.0, 1.0];
+        let [a, b, c] = [
+            [1.0, 0.0, 0.0, 1.0],
+            [0.0, 1.0, 0.0, 1.0],
+            [2.0, 0.0, 0.0, 1.0],
+        ];
+        let sliver = [0.5, 1e-7, 0.0, 1.0];
+        for x in [
+            [o; 4],
+            [o, a, c, b],
+            [o, a, b, c],
+            [o, o, a, b],
+            [o, a, b, sliver],
+        ] {
+            let mut d = [[0.0; 4]; 4];
+            bending(&x, &mut d, &mut batch(1.0), RIGID.projection(1, 0.01));
+            assert_eq!(d, [[0.0; 4]; 4], "{x:?}");
+        }
+    }
+
+    #[test]
+    fn serial_and_blocks_have_the_same_bits() {
+        let x = hinge(0.8, 0.3);
+        let projection = Stiffness::Compliance(1e-3).projection(1, 0.01);
+        let (mut one, mut other) = ([[0.0; 4]; 4], [[0.0; 4]; 4]);
+        bending(&x, &mut one, &mut batch(0.1), projection);
+        bending_serial(&x, &mut other, &mut batch(0.1), projection);
+        assert_eq!(one, other);
     }
 }

@@ -2,6 +2,7 @@
 
 /// Lifts what is below `ground` [m] and takes back its sideways displacement, by no more than
 /// `friction` times the lift.
+#[inline(always)]
 pub(crate) fn ground(x: &[[f32; 4]], d: &mut [[f32; 4]], ground: f32, friction: f32) {
     for (x, d) in x.iter().zip(d) {
         let depth = ground - (x[1] + d[1]);

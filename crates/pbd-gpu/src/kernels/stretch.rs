@@ -28,6 +28,7 @@ pub(crate) fn stretch(
 }
 
 /// Projects constraints that may share vertices, one after the other.
+#[inline(always)]
 pub(crate) fn stretch_serial(
     x: &[[f32; 4]],
     d: &mut [[f32; 4]],
@@ -132,6 +133,88 @@ fn scatter<const B: usize>(block: &Block<B>, d: &mut [[f32; 4]], vertices: &[[Ve
         let db = &mut d[b.index()];
         for k in 0..3 {
             db[k] -= towards_a * edge[k];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::Stiffness;
+
+    const REST: f32 = 1.0;
+
+    fn spring() -> (Vec<[f32; 4]>, Batch<2>) {
+        let x = vec![[5.0, 1.0, 2.0, 0.5], [5.3, 1.4, 3.2, 2.0]];
+        let batch = Batch {
+            vertices: vec![[VertexId(0), VertexId(1)]],
+            rest: vec![REST],
+            lambda: vec![0.0],
+        };
+        (x, batch)
+    }
+
+    fn error(x: &[[f32; 4]], d: &[[f32; 4]]) -> f32 {
+        let edge = difference(x[0], d[0], x[1], d[1]);
+        edge.iter().map(|c| c * c).sum::<f32>().sqrt() - REST
+    }
+
+    #[test]
+    fn one_projection_leaves_what_the_compliance_says() {
+        for (compliance, h) in [(0.0, 0.01), (1e-4, 0.01), (1e-3, 0.02)] {
+            let projection = Stiffness::Compliance(compliance).projection(1, h);
+            let (x, mut batch) = spring();
+            let mut d = vec![[0.0; 4]; 2];
+            let before = error(&x, &d);
+            stretch(&x, &mut d, &mut batch, projection);
+            let expected = before * projection.alpha / (2.5 + projection.alpha);
+            assert!(
+                (error(&x, &d) - expected).abs() < 1e-6,
+                "compliance {compliance}"
+            );
+            let momentum = d[0][0] / 0.5 + d[1][0] / 2.0;
+            assert!(momentum.abs() < 1e-7, "both ends get the same impulse");
+        }
+    }
+
+    #[test]
+    fn kept_multipliers_make_it_a_fixed_point() {
+        let projection = Stiffness::Compliance(1e-3).projection(7, 0.02);
+        let (x, mut batch) = spring();
+        let mut d = vec![[0.0; 4]; 2];
+        stretch(&x, &mut d, &mut batch, projection);
+        let (once, lambda) = (d.clone(), batch.lambda[0]);
+        let residual = error(&x, &d) + projection.alpha * lambda;
+        assert!(residual.abs() < 1e-6, "C + alpha lambda = {residual}");
+        for _ in 0..6 {
+            stretch(&x, &mut d, &mut batch, projection);
+        }
+        for (now, then) in d.iter().flatten().zip(once.iter().flatten()) {
+            assert!((now - then).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn serial_and_blocks_have_the_same_bits() {
+        let projection = Stiffness::Pbd(0.7).projection(3, 0.02);
+        let (x, mut batch) = spring();
+        let (mut one, mut other) = (vec![[0.0; 4]; 2], vec![[0.0; 4]; 2]);
+        stretch(&x, &mut one, &mut batch, projection);
+        stretch_serial(&x, &mut other, &mut batch, projection);
+        assert_eq!(one, other);
+    }
+
+    #[test]
+    fn coincident_and_pinned_ends_stay() {
+        let projection = Stiffness::Pbd(1.0).projection(1, 0.02);
+        for (x, reason) in [
+            (vec![[1.0; 4]; 2], "no direction"),
+            (vec![[0.0; 4], [3.0, 0.0, 0.0, 0.0]], "no mobility"),
+        ] {
+            let (_, mut batch) = spring();
+            let mut d = vec![[0.0; 4]; 2];
+            stretch(&x, &mut d, &mut batch, projection);
+            assert_eq!(d, vec![[0.0; 4]; 2], "{reason}");
         }
     }
 }

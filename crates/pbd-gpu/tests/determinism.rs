@@ -1,0 +1,56 @@
+//! Same bits on any number of threads, and no growth while stepping.
+
+mod common;
+
+use common::sphere;
+use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness};
+
+fn run(threads: usize) -> Vec<[u32; 4]> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .unwrap();
+    pool.install(|| {
+        let mut surface = sphere(6, [0.0, 1.01, 0.0]);
+        let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
+        let params = SolverParams {
+            ground: Some(0.0),
+            ..SolverParams::default()
+        };
+        for _ in 0..10 {
+            solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+        }
+        let bits = |p: &[f32; 4]| p.map(f32::to_bits);
+        surface.positions.iter().map(bits).collect()
+    })
+}
+
+#[test]
+fn one_thread_and_two_give_the_same_bits() {
+    let one = run(1);
+    assert!(one == run(2), "two threads differ from one");
+    assert!(one == run(3), "three threads differ from one");
+}
+
+#[test]
+fn a_step_does_not_grow_anything() {
+    for stiffness in [Stiffness::Pbd(1.0), Stiffness::Compliance(1e-6)] {
+        let mut surface = sphere(3, [0.0, 1.2, 0.0]);
+        let material = Material {
+            stretch: stiffness,
+            bending: Some(stiffness),
+            ..Material::default()
+        };
+        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        let params = SolverParams {
+            ground: Some(0.0),
+            ..SolverParams::default()
+        };
+        solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+        let room = solver.capacity();
+        for _ in 0..100 {
+            solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+            assert_eq!(solver.capacity(), room);
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! Laws of motion that hold whatever the constraints do.
+
+mod common;
+
+use common::{sphere, two_spheres};
+use incise_mesh::{Surface, VertexId};
+use incise_pbd_gpu::{
+    ConstraintError, Density, Material, Solver, SolverParams, StepError, Stiffness,
+};
+
+const G: f64 = 9.81;
+
+#[test]
+fn free_fall_follows_its_discrete_law() {
+    // 6000 substeps a second: what is lost when positions are differenced in f32.
+    for place in [1.0_f32, 10.0] {
+        let mut surface = sphere(1, [place, place, place]);
+        let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
+        let params = SolverParams {
+            substeps: 100,
+            iterations: 1,
+            ..SolverParams::default()
+        };
+        let v0 = 0.3;
+        for v in surface.topology().vertices() {
+            solver.set_velocity(v, [0.0, v0, 0.0]).unwrap();
+        }
+        let start = surface.positions.clone();
+        let frames = 6;
+        for _ in 0..frames {
+            solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+        }
+        let n = f64::from(frames * 100);
+        let h = 1.0 / 6000.0;
+        let fallen = n * h * f64::from(v0) - G * h * h * n * (n + 1.0) / 2.0;
+        for (now, then) in surface.positions.iter().zip(&start) {
+            let moved = f64::from(now[1]) - f64::from(then[1]);
+            assert!(
+                (moved - fallen).abs() < 1e-4,
+                "moved {moved} m, not {fallen} m, at {place} m"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_free_body_keeps_its_momentum() {
+    let mut surface = two_spheres(2);
+    let material = Material {
+        bending: Some(Stiffness::Pbd(0.5)),
+        ..Material::default()
+    };
+    let mut solver = Solver::new(&mut surface, &material).unwrap();
+    for v in surface.topology().vertices() {
+        let [x, y, z, _] = surface.positions[v.index()];
+        solver
+            .set_velocity(v, [3.0 * y - z, 1.0 + x * z, 2.0 * z])
+            .unwrap();
+    }
+    let before = solver.momentum();
+    let params = SolverParams {
+        gravity: [0.0; 3],
+        ..SolverParams::default()
+    };
+    for _ in 0..200 {
+        solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+    }
+    let scale = before.iter().map(|c| c.abs()).fold(0.0, f64::max);
+    for (now, then) in solver.momentum().iter().zip(before) {
+        assert!(
+            (now - then).abs() < 1e-4 * scale,
+            "{before:?} became {:?}",
+            solver.momentum()
+        );
+    }
+}
+
+#[test]
+fn pins_hold_and_follow_their_targets() {
+    let mut surface = sphere(2, [0.0; 3]);
+    let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
+    let v = VertexId(1);
+    solver.pin(&mut surface, v).unwrap();
+    let place = surface.positions[v.index()];
+    let params = SolverParams {
+        substeps: 3,
+        ..SolverParams::default()
+    };
+    for _ in 0..60 {
+        solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+    }
+    assert_eq!(surface.positions[v.index()], place, "it did not move a bit");
+    let target = [0.25, 1.5, -0.5];
+    solver.set_pin_target(v, target).unwrap();
+    solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+    for (now, wanted) in surface.positions[v.index()].iter().zip(target) {
+        assert!((now - wanted).abs() < 1e-6);
+    }
+    solver.unpin(&mut surface, v).unwrap();
+    assert!((surface.positions[v.index()][3] * solver.masses()[v.index()] - 1.0).abs() < 1e-6);
+    assert_eq!(
+        solver.set_pin_target(v, target),
+        Err(ConstraintError::NotPinned { vertex: v })
+    );
+}
+
+/// A flat tetrahedron on the ground slides with 1 m/s; its speed after `frames` of 1/60 s [m/s].
+fn slide(friction: f32, frames: u32) -> f64 {
+    let points = [
+        [-1.0, 0.0, -1.0],
+        [1.0, 0.0, -1.0],
+        [0.0, 0.0, 1.0],
+        [0.0, 0.5, -0.2],
+    ];
+    let faces = [[0, 1, 2], [1, 0, 3], [2, 1, 3], [0, 2, 3]];
+    let mut surface = Surface::from_triangles(&points, &faces).unwrap();
+    let material = Material {
+        friction,
+        ..Material::default()
+    };
+    let mut solver = Solver::new(&mut surface, &material).unwrap();
+    for v in surface.topology().vertices() {
+        solver.set_velocity(v, [1.0, 0.0, 0.0]).unwrap();
+    }
+    let params = SolverParams {
+        ground: Some(0.0),
+        ..SolverParams::default()
+    };
+    for _ in 0..frames {
+        solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+        let lowest = surface.bounds().min[1];
+        assert!(lowest >= 0.0, "{lowest} m is below the ground");
+    }
+    solver.momentum()[0] / solver.total_mass()
+}
+
+#[test]
+fn nothing_sinks_into_the_ground_and_friction_stops_a_slide() {
+    assert!((slide(0.0, 60) - 1.0).abs() < 1e-3, "nothing holds it back");
+    assert!(slide(0.5, 60).abs() < 1e-4, "friction brings it to rest");
+    let expected = 1.0 - 0.2 * G * 15.0 / 60.0;
+    let speed = slide(0.2, 15);
+    assert!(
+        (speed - expected).abs() < 0.05,
+        "{speed} m/s, not {expected} m/s"
+    );
+}
+
+#[test]
+fn a_ground_out_of_reach_costs_nothing() {
+    let mut surface = sphere(1, [0.0, 5.0, 0.0]);
+    let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
+    let params = SolverParams {
+        ground: Some(0.0),
+        ..SolverParams::default()
+    };
+    let stats = *solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+    assert_eq!((stats.ground_passes, stats.ground_passes_skipped), (0, 10));
+    assert_eq!(stats.stretch_projections, 10 * 48);
+    assert_eq!(stats.bending_projections, 10 * 48);
+}
+
+#[test]
+fn damping_follows_its_discrete_law() {
+    let mut surface = sphere(1, [0.0; 3]);
+    let material = Material {
+        damping: 2.0,
+        ..Material::default()
+    };
+    let mut solver = Solver::new(&mut surface, &material).unwrap();
+    for v in surface.topology().vertices() {
+        solver.set_velocity(v, [1.0, 0.0, 0.0]).unwrap();
+    }
+    let params = SolverParams {
+        gravity: [0.0; 3],
+        ..SolverParams::default()
+    };
+    for _ in 0..60 {
+        solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+    }
+    let expected = (1.0_f64 + 2.0 / 60.0).powi(-60);
+    let speed = solver.momentum()[0] / solver.total_mass();
+    assert!((speed - expected).abs() < 1e-4, "{speed}, not {expected}");
+}
+
+#[test]
+fn mass_is_what_the_density_says() {
+    let mut surface = sphere(3, [1.0, 2.0, 3.0]);
+    let shell = Material {
+        density: Density::Area(2.5),
+        ..Material::default()
+    };
+    let solver = Solver::new(&mut surface, &shell).unwrap();
+    assert!((solver.total_mass() - 2.5 * surface.area()).abs() < 1e-4);
+    let filled = Material {
+        density: Density::Volume(1000.0),
+        ..Material::default()
+    };
+    let solver = Solver::new(&mut surface, &filled).unwrap();
+    let expected = 1000.0 * surface.volume();
+    assert!((solver.total_mass() / expected - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn bad_bodies_and_frames_are_refused() {
+    let points = [[0.0; 3], [0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let mut flat = Surface::from_triangles(&points, &faces).unwrap();
+    let (a, b) = (VertexId(0), VertexId(1));
+    assert_eq!(
+        Solver::new(&mut flat, &Material::default()).err(),
+        Some(ConstraintError::ZeroRestLength { a, b })
+    );
+    let mut surface = sphere(1, [0.0; 3]);
+    surface.positions[4][2] = f32::NAN;
+    assert_eq!(
+        Solver::new(&mut surface, &Material::default()).err(),
+        Some(ConstraintError::NonFinitePosition {
+            vertex: VertexId(4)
+        })
+    );
+    let mut surface = sphere(1, [0.0; 3]);
+    let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
+    let params = SolverParams::default();
+    for value in [0.0, -1.0, f32::INFINITY] {
+        let refused = solver.step(&mut surface, value, &params).map(|_| ());
+        assert_eq!(refused, Err(StepError::BadTimeStep { value }));
+    }
+    let none = SolverParams {
+        iterations: 0,
+        ..params
+    };
+    let refused = solver.step(&mut surface, 0.01, &none).map(|_| ());
+    assert_eq!(refused, Err(StepError::NoneOf { name: "iteration" }));
+    solver
+        .set_velocity(VertexId(3), [f32::MAX, 0.0, 0.0])
+        .unwrap();
+    let broken = (0..9).find_map(|_| solver.step(&mut surface, 1e3, &params).map(|_| ()).err());
+    assert!(
+        matches!(broken, Some(StepError::NonFinitePosition { .. })),
+        "{broken:?}"
+    );
+}
+
+#[test]
+fn a_body_without_bending_has_none() {
+    let mut surface = sphere(2, [0.0; 3]);
+    let material = Material {
+        bending: None,
+        ..Material::default()
+    };
+    let mut solver = Solver::new(&mut surface, &material).unwrap();
+    assert!(solver.bending().is_none());
+    let stats = solver
+        .step(&mut surface, 0.01, &SolverParams::default())
+        .unwrap();
+    assert_eq!(stats.bending_projections, 0);
+}

@@ -1,0 +1,108 @@
+//! Bodies that are dropped, crushed and torn at stay finite and calm down.
+
+mod common;
+
+use common::{edge_keys, sphere};
+use incise_mesh::Surface;
+use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness};
+
+const GROUND: SolverParams = SolverParams {
+    iterations: 10,
+    substeps: 1,
+    gravity: [0.0, -9.81, 0.0],
+    ground: Some(0.0),
+};
+
+fn drop_it(surface: &mut Surface, material: &Material, frames: u32) -> Solver {
+    let mut solver = Solver::new(surface, material).unwrap();
+    let limit = {
+        let (mass, height) = (solver.total_mass(), f64::from(surface.bounds().max[1]));
+        mass * 9.81 * height
+    };
+    for frame in 0..frames {
+        solver.step(surface, 1.0 / 60.0, &GROUND).unwrap();
+        let energy = solver.kinetic_energy();
+        assert!(
+            energy < 1.01 * limit,
+            "{energy} J in frame {frame}, there were {limit} J"
+        );
+    }
+    solver
+}
+
+#[test]
+fn a_hollow_ball_crumples_and_comes_to_rest() {
+    for bending in [None, Some(0.0), Some(0.2), Some(1.0)] {
+        let material = Material {
+            bending: bending.map(Stiffness::Pbd),
+            ..Material::default()
+        };
+        let mut surface = sphere(4, [0.0, 1.5, 0.0]);
+        let solver = drop_it(&mut surface, &material, 600);
+        let error = solver.stretch_error(&surface);
+        assert!(error < 0.1, "edges are off by {error}, bending {bending:?}");
+        let energy = solver.kinetic_energy();
+        assert!(energy < 1e-3, "{energy} J are left, bending {bending:?}");
+    }
+}
+
+#[test]
+fn degenerate_shapes_stay_finite() {
+    let squash: [fn(&mut [f32; 4]); 4] = [
+        |p| *p = [0.0, 1.0, 0.0, p[3]],
+        |p| *p = [p[0], 1.0, 0.0, p[3]],
+        |p| *p = [p[0], 1.0, p[2], p[3]],
+        |p| *p = [-p[0], 2.0 - p[1], -p[2], p[3]],
+    ];
+    for (case, squash) in squash.iter().enumerate() {
+        let mut surface = sphere(3, [0.0, 1.0, 0.0]);
+        let material = Material {
+            bending: Some(Stiffness::Pbd(1.0)),
+            ..Material::default()
+        };
+        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        surface.positions.iter_mut().for_each(squash);
+        for _ in 0..300 {
+            solver.step(&mut surface, 1.0 / 60.0, &GROUND).unwrap();
+        }
+        let speed = (2.0 * solver.kinetic_energy() / solver.total_mass()).sqrt();
+        assert!(speed < 20.0, "{speed} m/s in case {case}");
+    }
+}
+
+#[test]
+fn compliance_does_not_depend_on_iterations() {
+    // A hanging ball of soft rubber sags by the same length, whatever the number of iterations.
+    let sag = |iterations: u32| {
+        let material = Material {
+            stretch: Stiffness::Compliance(0.02),
+            bending: None,
+            damping: 2.0,
+            ..Material::default()
+        };
+        let mut surface = sphere(1, [0.0; 3]);
+        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        solver.pin(&mut surface, incise_mesh::VertexId(1)).unwrap();
+        let params = SolverParams {
+            iterations,
+            ..SolverParams::default()
+        };
+        for _ in 0..1200 {
+            solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+        }
+        f64::from(surface.bounds().min[1])
+    };
+    let (few, many) = (sag(20), sag(80));
+    assert!(
+        (few - many).abs() < 0.01 * many.abs(),
+        "{few} m against {many} m"
+    );
+}
+
+#[test]
+fn a_mesh_has_each_edge_once() {
+    let mut surface = sphere(3, [0.0; 3]);
+    let solver = Solver::new(&mut surface, &Material::default()).unwrap();
+    assert_eq!(solver.stretch().len(), edge_keys(&surface).len());
+    solver.validate(&surface).unwrap();
+}
