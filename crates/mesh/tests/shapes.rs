@@ -1,7 +1,7 @@
 //! The built-in models against the paper's table, and the shapes against what is known of them.
 
 use incise_mesh::geometry::corner_angles;
-use incise_mesh::{Model, Surface, build_model, cube_sphere, icosphere, torus};
+use incise_mesh::{EdgeKey, Model, Surface, Vec3, build_model, cube_sphere, icosphere, torus};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
@@ -85,7 +85,7 @@ fn no_two_triangles_and_no_two_edges_have_the_same_vertices() {
         assert_eq!(triangles.len(), model.triangles(), "{}", model.name());
         let mut edges: Vec<_> = t
             .edges()
-            .map(|h| incise_mesh::EdgeKey::new(t.origin(h), t.target(h)))
+            .map(|h| EdgeKey::new(t.origin(h), t.target(h)))
             .collect();
         edges.sort_unstable();
         edges.dedup();
@@ -131,6 +131,96 @@ fn a_second_build_has_the_same_bits() {
         assert_eq!(bits(surface), bits(&again), "{}", model.name());
         assert_eq!(*surface, again, "{}", model.name());
     }
+}
+
+#[test]
+fn bits_are_the_same_on_every_machine() {
+    // Checksums of the positions; a change of a shape is a change here.
+    let known = [
+        0xbb04_ee0a_85db_e8a5,
+        0x06af_e0e9_0322_1775,
+        0x6508_2b03_cd0a_d23d,
+        0x890d_4220_4668_5f94,
+        0xf448_6662_ecdb_1565,
+        0xc3d0_939a_0e71_2692,
+        0xb726_2093_5b08_5d53,
+    ];
+    for ((model, surface), known) in MODELS.iter().zip(known) {
+        assert_eq!(checksum(surface), known, "{}", model.name());
+    }
+}
+
+/// FNV-1a over the bits of all positions.
+fn checksum(surface: &Surface) -> u64 {
+    surface
+        .positions
+        .iter()
+        .flatten()
+        .fold(0xcbf2_9ce4_8422_2325, |hash, c| {
+            (hash ^ u64::from(c.to_bits())).wrapping_mul(0x0100_0000_01b3)
+        })
+}
+
+#[test]
+fn models_do_not_pass_through_themselves() {
+    for (model, surface) in MODELS.iter() {
+        assert_eq!(self_intersections(surface), 0, "{}", model.name());
+    }
+}
+
+/// Pairs of an edge and a triangle without a common vertex that meet, by exact signs; pairs are found
+/// in a grid of cells and counted once for each cell they share.
+fn self_intersections(surface: &Surface) -> usize {
+    let t = surface.topology();
+    let cell = 2.0 * surface.mean_edge_length();
+    let mut entries: Vec<([i64; 3], usize)> = Vec::new();
+    let triangles: Vec<_> = t
+        .triangles()
+        .map(|f| (t.triangle(f), surface.triangle_positions(f)))
+        .collect();
+    for (i, (_, [a, b, c])) in triangles.iter().enumerate() {
+        let low = (a.inf(b).inf(c) / cell).map(|x| x.floor() as i64);
+        let high = (a.sup(b).sup(c) / cell).map(|x| x.floor() as i64);
+        for x in low.x..=high.x {
+            for y in low.y..=high.y {
+                for z in low.z..=high.z {
+                    entries.push(([x, y, z], i));
+                }
+            }
+        }
+    }
+    entries.sort_unstable();
+    let mut count = 0;
+    for group in entries.chunk_by(|a, b| a.0 == b.0) {
+        for (_, i) in group {
+            for (_, j) in group {
+                let ((v, p), (w, q)) = (&triangles[*i], &triangles[*j]);
+                count += (0..3)
+                    .map(|k| (k, (k + 1) % 3))
+                    .filter(|&(k, l)| !w.contains(&v[k]) && !w.contains(&v[l]))
+                    .filter(|&(k, l)| meets(p[k], p[l], *q))
+                    .count();
+            }
+        }
+    }
+    count
+}
+
+/// Whether the segment from `p` to `q` meets the triangle.
+fn meets(p: Vec3, q: Vec3, [a, b, c]: [Vec3; 3]) -> bool {
+    let side = |a: Vec3, b: Vec3, c: Vec3, d: Vec3| {
+        let coord = |p: Vec3| robust::Coord3D {
+            x: p.x,
+            y: p.y,
+            z: p.z,
+        };
+        robust::orient3d(coord(a), coord(b), coord(c), coord(d))
+    };
+    if side(a, b, c, p) * side(a, b, c, q) > 0.0 {
+        return false;
+    }
+    let around = [side(p, q, a, b), side(p, q, b, c), side(p, q, c, a)];
+    around.iter().all(|&s| s >= 0.0) || around.iter().all(|&s| s <= 0.0)
 }
 
 #[test]

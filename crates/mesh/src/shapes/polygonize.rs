@@ -10,18 +10,20 @@ const BLOCK: usize = 4;
 const MARGIN: f64 = 6.0;
 /// The corners of a cell: bit 0 is x, bit 1 is y, bit 2 is z.
 const CORNERS: usize = 8;
+/// One bit for every corner.
+const ALL_INSIDE: usize = (1 << CORNERS) - 1;
 
 /// A closed manifold around the inside of `body`, normals outward, from samples `cell` apart; every
 /// vertex moves one step toward the surface.
 pub(super) fn polygonize(body: &Body, cell: f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let mut grid = Grid::sample(body, cell);
-    grid.make_well_composed();
-    let (mut points, cell_vertex) = grid.cell_vertices();
+    let active = grid.make_well_composed();
+    let (mut points, cell_vertex) = grid.cell_vertices(&active);
     for p in &mut points {
         *p = body.project(*p, 1, cell).0;
     }
     let mut faces = Vec::new();
-    grid.for_each_quad(&cell_vertex, |quad| {
+    grid.for_each_quad(&active, &cell_vertex, |quad| {
         let [a, b, c, d] = quad;
         let [pa, pb, pc, pd] = quad.map(|v| points[v as usize]);
         if (pc - pa).norm_squared() <= (pd - pb).norm_squared() {
@@ -113,19 +115,24 @@ impl Grid {
             .sum()
     }
 
-    /// Moves inside samples outside until in every cell the inside corners hang together along edges,
-    /// and the outside ones too. Then every cell has one sheet and the net is a manifold. It ends
-    /// because the inside only shrinks.
-    fn make_well_composed(&mut self) {
+    /// The cells with corners on both sides. Before, moves inside samples outside until in every cell
+    /// the inside corners hang together along edges, and the outside ones too. Then every cell has one
+    /// sheet and the net is a manifold. It ends because the inside only shrinks.
+    fn make_well_composed(&mut self) -> Vec<[usize; 3]> {
         let offsets = self.corner_offsets();
-        let simple: Vec<bool> = (0..1 << CORNERS)
-            .map(|mask| hangs_together(mask) && hangs_together(!mask & 0xff))
+        let simple: Vec<bool> = (0..=ALL_INSIDE)
+            .map(|mask| hangs_together(mask) && hangs_together(!mask & ALL_INSIDE))
             .collect();
         loop {
+            let mut active = Vec::new();
             let mut changed = false;
             for [i, j, k] in self.cells() {
                 let first = self.index(i, j, k);
                 let mask = self.inside_mask(first, &offsets);
+                if mask == 0 || mask == ALL_INSIDE {
+                    continue;
+                }
+                active.push([i, j, k]);
                 if !simple[mask] {
                     for c in (0..CORNERS).filter(|c| mask >> c & 1 == 1) {
                         self.values[first + offsets[c]] = self.cell;
@@ -134,23 +141,20 @@ impl Grid {
                 }
             }
             if !changed {
-                return;
+                return active;
             }
         }
     }
 
-    /// One point for every cell with corners on both sides, the mean of its edges' crossings, and
-    /// for every cell (by its first corner) that point's number.
-    fn cell_vertices(&self) -> (Vec<Vec3>, Vec<u32>) {
+    /// One point for every active cell, the mean of its edges' crossings, and for every cell (by its
+    /// first corner) that point's number.
+    fn cell_vertices(&self, active: &[[usize; 3]]) -> (Vec<Vec3>, Vec<u32>) {
         let offsets = self.corner_offsets();
         let mut points = Vec::new();
         let mut cell_vertex = vec![u32::MAX; self.values.len()];
-        for [i, j, k] in self.cells() {
+        for &[i, j, k] in active {
             let first = self.index(i, j, k);
             let mask = self.inside_mask(first, &offsets);
-            if mask == 0 || mask == 0xff {
-                continue;
-            }
             let (mut sum, mut crossings) = (Vec3::zeros(), 0.0);
             for (c, axis) in (0..CORNERS).flat_map(|c| (0..3).map(move |axis| (c, axis))) {
                 let d = c | 1 << axis;
@@ -174,8 +178,13 @@ impl Grid {
 
     /// Calls `emit` with the four cells' vertices around every grid edge that crosses the surface,
     /// counterclockwise seen from outside.
-    fn for_each_quad(&self, cell_vertex: &[u32], mut emit: impl FnMut([u32; 4])) {
-        for [i, j, k] in self.cells() {
+    fn for_each_quad(
+        &self,
+        active: &[[usize; 3]],
+        cell_vertex: &[u32],
+        mut emit: impl FnMut([u32; 4]),
+    ) {
+        for &[i, j, k] in active {
             let at = self.index(i, j, k);
             for axis in 0..3 {
                 let lower_inside = self.values[at] < 0.0;

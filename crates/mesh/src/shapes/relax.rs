@@ -87,3 +87,37 @@ fn smooth(shell: &mut Shell, body: &Body, v: VertexId) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::decimate::decimate;
+    use super::super::implicit::{ellipsoid, tube};
+    use super::super::polygonize::polygonize;
+    use super::*;
+
+    fn worst_quality(shell: &Shell) -> f64 {
+        shell
+            .edges()
+            .flat_map(|h| [h, shell.twin(h)])
+            .map(|h| shell.corners(h).map(|v| shell.point(v)))
+            .map(|corners| shape_quality(corners, area_vector(corners)))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn triangles_get_better_and_vertices_end_on_the_surface() {
+        let body = Body::new()
+            .with(ellipsoid([0.0; 3], [1.0, 0.6, 0.7]), 0.1)
+            .with(tube(&[[0.6, 0.3, 0.0, 0.2], [1.3, 0.9, 0.1, 0.12]]), 0.1);
+        let (points, faces) = polygonize(&body, 0.08);
+        let mut shell = Shell::new(points, &faces);
+        decimate(&mut shell, 800);
+        let before = worst_quality(&shell);
+        relax(&mut shell, &body);
+        assert_eq!(shell.live_triangles(), 800);
+        assert!(worst_quality(&shell) > before.max(0.5), "{before}");
+        for v in shell.vertices() {
+            assert!(body.sample(shell.point(v)).value.abs() < 1e-4, "{v}");
+        }
+    }
+}
