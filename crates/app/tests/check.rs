@@ -66,7 +66,7 @@ fn a_fit_mesh_is_described() {
 fn an_open_mesh_says_what_is_wrong() {
     let (code, out, err) = check(open(), &[]);
     assert_eq!(code, Some(1));
-    assert!(err.contains("3 open edges"), "{err}");
+    assert!(err.contains("open edges: 3"), "{err}");
     assert!(out.contains("fit to cut            no"), "{out}");
 }
 

@@ -76,20 +76,20 @@ impl fmt::Display for Defect {
             Self::Empty => write!(f, "no triangle has three different corners"),
             Self::OpenEdge { a, b, at, count } => write!(
                 f,
-                "{count} open edges, first {a}-{b} at {at:?}; close the holes"
+                "open edges: {count}, first {a}-{b} at {at:?}; close the holes"
             ),
             Self::NonManifoldEdge { a, b, at, count } => write!(
                 f,
-                "{count} edges with more than two triangles, first {a}-{b} at {at:?}; \
+                "edges with more than two triangles: {count}, first {a}-{b} at {at:?}; \
                  separate the parts that meet there"
             ),
             Self::NonOrientable { triangle, count } => write!(
                 f,
-                "{count} components with only one side, seen at {triangle}; remodel them"
+                "components with only one side: {count}, seen at {triangle}; remodel them"
             ),
             Self::ZeroVolume { triangle, count } => write!(
                 f,
-                "{count} components without volume, first with {triangle}; remove them"
+                "components without volume: {count}, first with {triangle}; remove them"
             ),
         }
     }

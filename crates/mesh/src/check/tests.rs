@@ -73,7 +73,7 @@ fn an_open_mesh_is_refused() {
     ));
     let refusal = cube_of(&CUBE[..11]).into_surface().unwrap_err();
     assert_eq!(refusal.defects, report.defects);
-    assert!(refusal.to_string().contains("3 open edges"), "{refusal}");
+    assert!(refusal.to_string().contains("open edges: 3"), "{refusal}");
 }
 
 #[test]

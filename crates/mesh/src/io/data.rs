@@ -115,38 +115,35 @@ pub enum Warning {
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::UnusedVertices { count } => write!(f, "{count} vertices are used by no face"),
-            Self::TrailingBytes { count } => write!(f, "{count} bytes after the end were ignored"),
+            Self::UnusedVertices { count } => write!(f, "vertices that no face uses: {count}"),
+            Self::TrailingBytes { count } => write!(f, "bytes after the end, ignored: {count}"),
             Self::PartialAttributes { corners } => {
-                write!(f, "{corners} corners without usable attributes got zeros")
-            }
-            Self::Skipped { count } => {
                 write!(
                     f,
-                    "{count} points, lines or unknown statements were passed over"
+                    "corners without usable attributes, set to zero: {corners}"
                 )
+            }
+            Self::Skipped { count } => {
+                write!(f, "points, lines or unknown statements, ignored: {count}")
             }
             Self::Collapsed { triangle, count } => write!(
                 f,
-                "{count} triangles with coincident corners were removed, first {triangle}"
+                "triangles with coincident corners, removed: {count}, first {triangle}"
             ),
             Self::DuplicatesRemoved { triangle, count } => {
-                write!(
-                    f,
-                    "{count} duplicate triangles were removed, first {triangle}"
-                )
+                write!(f, "duplicate triangles, removed: {count}, first {triangle}")
             }
             Self::Reoriented { triangle, count } => write!(
                 f,
-                "{count} triangles wound against their neighbors were flipped, first {triangle}"
+                "triangles wound against their neighbors, flipped: {count}, first {triangle}"
             ),
             Self::Inverted => write!(f, "the mesh was inside out and was flipped"),
             Self::VerticesSplit { vertex, count } => write!(
                 f,
-                "{count} vertices where parts touch in a point were split, first {vertex}"
+                "vertices where parts touch in a point, split: {count}, first {vertex}"
             ),
             Self::BodiesKeptApart { count } => {
-                write!(f, "{count} bodies that touch were kept apart")
+                write!(f, "bodies that touch, kept apart: {count}")
             }
         }
     }
