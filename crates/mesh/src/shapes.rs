@@ -6,6 +6,7 @@
 
 mod bodies;
 mod decimate;
+mod ellipsoid;
 mod implicit;
 mod polygonize;
 mod relax;
@@ -23,7 +24,7 @@ use crate::surface::Surface;
 use implicit::Body;
 use shell::Shell;
 
-/// Radius of the sphere models [m].
+/// Radius of the sphere models \[m\].
 const SPHERE_RADIUS: f64 = 0.5;
 
 /// The models of the paper's Table 1.
@@ -109,7 +110,7 @@ impl Model {
 
 /// Builds a model: closed, one piece, without handles, normals outward, y up, with the table's
 /// number of triangles and seam-split vertices. Spheres have radius 0.5 around the origin; the box of
-/// the others is centered there and has a diagonal of 1 [m]. The same bits every time: everything
+/// the others is centered there and has a diagonal of 1 \[m\]. The same bits every time: everything
 /// is made of IEEE sums, products, quotients and square roots.
 #[must_use]
 pub fn build_model(model: Model) -> Surface {

@@ -122,6 +122,39 @@ fn models_have_their_size_and_place() {
 }
 
 #[test]
+fn models_have_their_limbs() {
+    let limbs = |model: Model, beyond: fn(Vec3) -> bool| {
+        let (_, surface) = MODELS.iter().find(|(m, _)| *m == model).unwrap();
+        let mut surface = surface.clone();
+        let near: Vec<_> = surface
+            .topology()
+            .triangles()
+            .filter(|&t| !surface.triangle_positions(t).into_iter().all(beyond))
+            .collect();
+        surface.remove_triangles(&near);
+        let mut labels = surface.topology().component_labels();
+        labels.retain(|&l| l != u32::MAX);
+        labels.into_iter().max().map_or(0, |l| l + 1)
+    };
+    let arms = limbs(Model::Octopus, |p| p.x.hypot(p.z) > 0.27);
+    assert_eq!(arms, 8, "arms of the octopus");
+    assert_eq!(limbs(Model::Bunny, |p| p.y > 0.2), 2, "ears of the bunny");
+    assert_eq!(limbs(Model::Bunny, |p| p.y < -0.32), 4, "paws of the bunny");
+    let above = limbs(Model::Armadillo, |p| p.y > 0.26);
+    assert_eq!(
+        above, 8,
+        "ears and fingers of the armadillo, without thumbs"
+    );
+    let below = limbs(Model::Armadillo, |p| p.y < -0.25);
+    assert_eq!(below, 3, "feet and tail of the armadillo");
+    assert_eq!(
+        limbs(Model::Banana, |p| p.y > 0.05),
+        2,
+        "ends of the banana"
+    );
+}
+
+#[test]
 fn a_second_build_has_the_same_bits() {
     for (model, surface) in MODELS.iter() {
         let again = build_model(*model);
@@ -179,11 +212,11 @@ fn self_intersections(surface: &Surface) -> usize {
         .map(|f| (t.triangle(f), surface.triangle_positions(f)))
         .collect();
     for (i, (_, [a, b, c])) in triangles.iter().enumerate() {
-        let low = (a.inf(b).inf(c) / cell).map(|x| x.floor() as i64);
-        let high = (a.sup(b).sup(c) / cell).map(|x| x.floor() as i64);
-        for x in low.x..=high.x {
-            for y in low.y..=high.y {
-                for z in low.z..=high.z {
+        let low = grid_cell(a.inf(b).inf(c) / cell);
+        let high = grid_cell(a.sup(b).sup(c) / cell);
+        for x in low[0]..=high[0] {
+            for y in low[1]..=high[1] {
+                for z in low[2]..=high[2] {
                     entries.push(([x, y, z], i));
                 }
             }
@@ -204,6 +237,14 @@ fn self_intersections(surface: &Surface) -> usize {
         }
     }
     count
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "models are a few hundred cells wide"
+)]
+fn grid_cell(p: Vec3) -> [i64; 3] {
+    [p.x, p.y, p.z].map(|c| c.floor() as i64)
 }
 
 /// Whether the segment from `p` to `q` meets the triangle.

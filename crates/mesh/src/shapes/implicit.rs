@@ -3,11 +3,12 @@
 //! Ellipsoids and tubes are joined by a polynomial smooth minimum, which is exact away from the joint.
 //! Everything is sums, products, quotients and square roots, so values are the same on every machine.
 
+use super::ellipsoid::Ellipsoid;
 use super::tube::Tube;
 use crate::geometry::Vec3;
-use nalgebra::Matrix3;
 
-/// How fast the value may change with the distance, the relief apart: 1, and more in ellipsoids.
+/// How fast the value may change with the distance, the relief apart: 1, and more in ellipsoids. Too
+/// small a number would miss surface; a larger one costs samples and leaves the models as they are.
 const STEEPEST: f64 = 1.3;
 
 /// A value of an implicit function with its gradient.
@@ -54,14 +55,6 @@ pub(super) enum Primitive {
     Ellipsoid(Ellipsoid),
     /// A tube along a curve.
     Tube(Tube),
-}
-
-/// An ellipsoid with `radii` along the rows of `frame`.
-#[derive(Debug)]
-pub(super) struct Ellipsoid {
-    center: Vec3,
-    radii: Vec3,
-    frame: Matrix3<f64>,
 }
 
 impl Body {
@@ -240,16 +233,9 @@ pub(super) fn ellipsoid(center: [f64; 3], radii: [f64; 3]) -> Primitive {
     tilted_ellipsoid(center, radii, [0.0, 1.0, 0.0])
 }
 
-/// An ellipsoid whose second axis points along `up`; its third stays as close to z as it can.
+/// A tilted ellipsoid, see [`Ellipsoid::new`].
 pub(super) fn tilted_ellipsoid(center: [f64; 3], radii: [f64; 3], up: [f64; 3]) -> Primitive {
-    let up = Vec3::from(up).normalize();
-    let right = up.cross(&Vec3::z()).normalize();
-    let front = right.cross(&up);
-    Primitive::Ellipsoid(Ellipsoid {
-        center: center.into(),
-        radii: radii.into(),
-        frame: Matrix3::from_rows(&[right.transpose(), up.transpose(), front.transpose()]),
-    })
+    Primitive::Ellipsoid(Ellipsoid::new(center.into(), radii.into(), up.into()))
 }
 
 /// A round tube, see [`Tube::new`].
@@ -270,35 +256,6 @@ impl Primitive {
             Self::Ellipsoid(ellipsoid) => ellipsoid.bounds(),
             Self::Tube(tube) => tube.bounds(),
         }
-    }
-}
-
-impl Ellipsoid {
-    /// With q the point in units of the radii: |q| (|q| - 1) / |q / radii|, exact to first order at the
-    /// surface (after I. Quilez).
-    fn sample(&self, p: Vec3) -> Sample {
-        let q = (self.frame * (p - self.center)).component_div(&self.radii);
-        let q1 = q.component_div(&self.radii);
-        let q2 = q1.component_div(&self.radii);
-        let (level, slope) = (q.norm(), q1.norm());
-        if slope == 0.0 {
-            return Sample {
-                value: -self.radii.min(),
-                gradient: Vec3::zeros(),
-            };
-        }
-        let value = level * (level - 1.0) / slope;
-        let local = q1 * ((2.0 * level - 1.0) / (level * slope))
-            - q2.component_div(&self.radii) * (value / (slope * slope));
-        Sample {
-            value,
-            gradient: self.frame.tr_mul(&local),
-        }
-    }
-
-    fn bounds(&self) -> (Vec3, Vec3) {
-        let half = Vec3::from_fn(|i, _| self.frame.column(i).component_mul(&self.radii).norm());
-        (self.center - half, self.center + half)
     }
 }
 
@@ -329,25 +286,6 @@ impl Sample {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_tilted_ellipsoid_has_its_axis_where_it_should() {
-        let body = Body::new().with(
-            tilted_ellipsoid([1.0, 0.0, 0.0], [0.5, 2.0, 0.25], [3.0, 4.0, 0.0]),
-            0.1,
-        );
-        for (p, expected) in [
-            ([2.2, 1.6, 0.0], 0.0),
-            ([1.0, 0.0, 0.25], 0.0),
-            ([2.8, 2.4, 0.0], 1.0),
-            ([1.0, 0.0, 0.0], -0.25),
-        ] {
-            assert!(
-                (body.sample(p.into()).value - expected).abs() < 1e-12,
-                "{p:?}"
-            );
-        }
-    }
 
     #[test]
     fn a_far_part_changes_nothing() {

@@ -5,7 +5,7 @@ use crate::ids::{EdgeKey, VertexId};
 use crate::surface::Surface;
 use rustc_hash::FxHashMap;
 
-/// A sphere of `radius` [m] around the origin: an icosahedron with every triangle split in four,
+/// A sphere of `radius` \[m\] around the origin: an icosahedron with every triangle split in four,
 /// `subdivisions` times, all vertices on the sphere. 20 x 4^n triangles. Flat shaded: the normal of a
 /// corner is its triangle's, so a renderer counts three vertices a triangle.
 ///
@@ -27,7 +27,7 @@ pub fn icosphere(subdivisions: u32, radius: f64) -> Surface {
     surface
 }
 
-/// A sphere of `radius` [m] around the origin: a cube with `quads_per_edge` (at least 1) squares along
+/// A sphere of `radius` \[m\] around the origin: a cube with `quads_per_edge` (at least 1) squares along
 /// an edge, two triangles each, spread evenly over the sphere. 12 n^2 triangles, no corner attributes.
 ///
 /// # Panics

@@ -4,7 +4,7 @@ use crate::geometry::{Vec3, round};
 use crate::surface::Surface;
 use std::f64::consts::TAU;
 
-/// A torus around the y axis: circles of `minor_radius` [m] along a circle of `major_radius` [m], with
+/// A torus around the y axis: circles of `minor_radius` \[m\] along a circle of `major_radius` \[m\], with
 /// `major_segments` and `minor_segments` (at least 3 each) steps around them. Two triangles for each
 /// pair of steps. Its sines come from the platform, so the last bits may differ between machines.
 ///
