@@ -1,10 +1,15 @@
 //! Who executes a plan. The CPU runs one function a kernel.
 
+use crate::constraints::Batch;
 use crate::error::StepError;
-use crate::kernels::{bending, ground, integrate, pins, predict, stretch};
+use crate::kernels::bending::{Bending, bending_serial};
+use crate::kernels::displacements::{Cell, Exclusive};
+use crate::kernels::stretch::{Stretch, stretch_serial};
+use crate::kernels::{ground, integrate, pins, predict};
 use crate::params::StepStats;
 use crate::plan::{Body, Pass, StepConstants, StepPlan};
-use pulp::NullaryFnOnce;
+use crate::sweep::{is_spread, sweep};
+use pulp::{Arch, NullaryFnOnce};
 
 /// Executes the passes of a plan, in order, once a substep.
 pub trait Backend {
@@ -21,8 +26,25 @@ pub trait Backend {
 }
 
 /// The backend that needs nothing. Same bits on every machine and any number of threads.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct CpuBackend;
+#[derive(Debug, Default)]
+pub struct CpuBackend {
+    /// Displacements of the substep, shape [vertex slots].
+    displacements: Vec<Cell>,
+}
+
+impl Clone for CpuBackend {
+    /// Scratch memory is not worth copying.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl CpuBackend {
+    /// Room that the backend has taken, in vertices.
+    pub(crate) fn capacity(&self) -> usize {
+        self.displacements.capacity()
+    }
+}
 
 impl Backend for CpuBackend {
     fn execute(
@@ -31,13 +53,27 @@ impl Backend for CpuBackend {
         constants: &StepConstants,
         body: &mut Body<'_>,
     ) -> Result<StepStats, StepError> {
-        pulp::Arch::new().dispatch(Frame {
+        let slots = body.positions.len();
+        self.displacements.resize_with(slots, Cell::default);
+        let arch = Arch::new();
+        let stretch = body.stretch.all().map(Batch::len);
+        let bending = body.bending.iter().flat_map(|set| set.all());
+        let spread = stretch.chain(bending.map(Batch::len)).any(is_spread);
+        let frame = Frame {
             plan,
             constants,
             body,
+            displacements: &mut self.displacements,
+            arch,
             stats: StepStats::default(),
             lowest: f32::INFINITY,
-        })
+        };
+        if spread {
+            // One way into the thread pool a frame instead of one a pass.
+            rayon::scope(|_| arch.dispatch(frame))
+        } else {
+            arch.dispatch(frame)
+        }
     }
 }
 
@@ -47,8 +83,10 @@ struct Frame<'a, 'b> {
     plan: &'a StepPlan,
     constants: &'a StepConstants,
     body: &'a mut Body<'b>,
+    displacements: &'a mut [Cell],
+    arch: Arch,
     stats: StepStats,
-    /// The lowest predicted height of the substep [m].
+    /// The lowest predicted height of the substep \[m\].
     lowest: f32,
 }
 
@@ -78,50 +116,47 @@ impl Frame<'_, '_> {
         let Self {
             constants,
             body,
+            arch,
             stats,
             ..
         } = self;
-        let (x, d) = (&mut *body.positions, &mut *body.displacements);
+        let (x, v) = (&mut *body.positions, &mut *body.velocities);
+        let d = &mut Exclusive(self.displacements);
         match pass {
-            Pass::Predict => {
-                self.lowest = predict::predict(x, d, body.velocities, constants);
-            }
+            Pass::Predict => self.lowest = predict::predict(x, d, v, constants),
             Pass::Pins => pins::pins(x, d, body.pins, constants.substeps - substep),
             Pass::ResetMultipliers => {
                 if constants.stretch.keeps {
-                    for batch in body.stretch.all_mut() {
-                        batch.reset_multipliers();
-                    }
+                    body.stretch.all_mut().for_each(Batch::reset_multipliers);
                 }
-                if let Some(set) = &mut body.bending
-                    && constants.bending.keeps
-                {
-                    for batch in set.all_mut() {
-                        batch.reset_multipliers();
-                    }
+                if constants.bending.keeps {
+                    let sets = body.bending.iter_mut();
+                    sets.flat_map(|set| set.all_mut())
+                        .for_each(Batch::reset_multipliers);
                 }
             }
             Pass::Stretch { color } => {
-                let batch = &mut body.stretch.batches[color];
-                stats.stretch_projections += batch.len() as u64;
-                stretch::stretch(x, d, batch, constants.stretch);
+                let part = body.stretch.batches[color].part(constants.stretch.keeps);
+                stats.stretch_projections += part.vertices.len() as u64;
+                sweep::<Stretch, 2>(*arch, x, d.0, part, constants.stretch);
             }
             Pass::StretchOverflow => {
-                let batch = &mut body.stretch.overflow;
-                stats.stretch_projections += batch.len() as u64;
-                stretch::stretch_serial(x, d, batch, constants.stretch);
+                let part = body.stretch.overflow.part(constants.stretch.keeps);
+                stats.stretch_projections += part.vertices.len() as u64;
+                stretch_serial(x, d, part, constants.stretch);
             }
             Pass::Bending { color } => {
                 if let Some(set) = &mut body.bending {
-                    let batch = &mut set.batches[color];
-                    stats.bending_projections += batch.len() as u64;
-                    bending::bending(x, d, batch, constants.bending);
+                    let part = set.batches[color].part(constants.bending.keeps);
+                    stats.bending_projections += part.vertices.len() as u64;
+                    sweep::<Bending, 4>(*arch, x, d.0, part, constants.bending);
                 }
             }
             Pass::BendingOverflow => {
                 if let Some(set) = &mut body.bending {
-                    stats.bending_projections += set.overflow.len() as u64;
-                    bending::bending_serial(x, d, &mut set.overflow, constants.bending);
+                    let part = set.overflow.part(constants.bending.keeps);
+                    stats.bending_projections += part.vertices.len() as u64;
+                    bending_serial(x, d, part, constants.bending);
                 }
             }
             Pass::Ground => {
@@ -129,12 +164,9 @@ impl Frame<'_, '_> {
                 ground::ground(x, d, constants.ground, constants.friction);
             }
             Pass::Integrate => {
-                let finite = integrate::integrate(x, d, body.velocities, constants);
-                if !finite {
-                    return Err(StepError::NonFinitePosition {
-                        vertex: integrate::first_non_finite(x),
-                        substep,
-                    });
+                if !integrate::integrate(x, d, v, constants) {
+                    let vertex = integrate::first_non_finite(x);
+                    return Err(StepError::NonFinitePosition { vertex, substep });
                 }
             }
         }
@@ -154,7 +186,8 @@ mod tests {
     fn a_spring_is_backward_euler_to_the_step() {
         let (compliance, mass, h) = (1e-3_f32, 2.0_f32, 0.01_f32);
         let mut positions = [[0.0; 4], [1.25, 0.0, 0.0, 1.0 / mass]];
-        let (mut displacements, mut velocities) = ([[0.0; 4]; 2], [[0.0; 4]; 2]);
+        let mut velocities = [[0.0; 4]; 2];
+        let mut cpu = CpuBackend::default();
         let mut stretch = StretchSet::new(2);
         stretch.insert([VertexId(0), VertexId(1)], 1.0);
         for iterations in [1, 5] {
@@ -186,13 +219,12 @@ mod tests {
             for step in 0..200 {
                 let mut body = Body {
                     positions: &mut positions,
-                    displacements: &mut displacements,
                     velocities: &mut velocities,
                     stretch: &mut stretch,
                     bending: None,
                     pins: &[],
                 };
-                CpuBackend.execute(&plan, &constants, &mut body).unwrap();
+                cpu.execute(&plan, &constants, &mut body).unwrap();
                 (before, expected) = (expected, (2.0 * expected - before) / stiff);
                 let found = f64::from(positions[1][0]) - 1.0;
                 assert!(

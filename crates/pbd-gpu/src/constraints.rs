@@ -3,12 +3,12 @@
 use crate::coloring::{MAX_COLORS, VertexColors};
 use incise_mesh::{EdgeKey, VertexId};
 
-/// Stretch constraints: the two ends of an edge, the smaller id first, and its rest length [m].
+/// Stretch constraints: the two ends of an edge, the smaller id first, and its rest length \[m\].
 pub type StretchSet = ConstraintSet<2>;
 
 /// Bending constraints: the two ends of an edge, the smaller id first, then the vertex across it in the
 /// triangle that runs from the first to the second, then the vertex on the other side; and the rest
-/// angle [rad].
+/// angle \[rad\].
 pub type BendingSet = ConstraintSet<4>;
 
 /// Constraints that are projected together, as a structure of arrays.
@@ -16,7 +16,7 @@ pub type BendingSet = ConstraintSet<4>;
 pub struct Batch<const N: usize> {
     pub(crate) vertices: Vec<[VertexId; N]>,
     pub(crate) rest: Vec<f32>,
-    /// Multipliers of the substep, shape [constraints]; empty while nothing needs them.
+    /// Multipliers of the substep, shape \[constraints\]; empty while nothing needs them.
     pub(crate) lambda: Vec<f32>,
 }
 
@@ -31,13 +31,13 @@ impl<const N: usize> Default for Batch<N> {
 }
 
 impl<const N: usize> Batch<N> {
-    /// The vertices of every constraint, shape [constraints].
+    /// The vertices of every constraint, shape \[constraints\].
     #[must_use]
     pub fn vertices(&self) -> &[[VertexId; N]] {
         &self.vertices
     }
 
-    /// The rest value of every constraint, shape [constraints].
+    /// The rest value of every constraint, shape \[constraints\].
     #[must_use]
     pub fn rest(&self) -> &[f32] {
         &self.rest
@@ -61,6 +61,19 @@ impl<const N: usize> Batch<N> {
         self.lambda.resize(self.vertices.len(), 0.0);
     }
 
+    /// The whole batch.
+    pub(crate) fn part(&mut self, keeps_multipliers: bool) -> Part<'_, N> {
+        Part {
+            vertices: &self.vertices,
+            rest: &self.rest,
+            lambda: if keeps_multipliers {
+                &mut self.lambda
+            } else {
+                &mut []
+            },
+        }
+    }
+
     fn push(&mut self, vertices: [VertexId; N], rest: f32) -> usize {
         self.vertices.push(vertices);
         self.rest.push(rest);
@@ -69,6 +82,34 @@ impl<const N: usize> Batch<N> {
 
     fn capacity(&self) -> usize {
         self.vertices.capacity() + self.rest.capacity() + self.lambda.capacity()
+    }
+}
+
+/// A run of constraints of one batch.
+#[derive(Debug)]
+pub(crate) struct Part<'a, const N: usize> {
+    pub(crate) vertices: &'a [[VertexId; N]],
+    pub(crate) rest: &'a [f32],
+    /// Multipliers, empty if they are not kept.
+    pub(crate) lambda: &'a mut [f32],
+}
+
+impl<'a, const N: usize> Part<'a, N> {
+    pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
+        let (vertices, more_vertices) = self.vertices.split_at(middle);
+        let (rest, more_rest) = self.rest.split_at(middle);
+        let (lambda, more_lambda) = self.lambda.split_at_mut(middle.min(self.lambda.len()));
+        let left = Self {
+            vertices,
+            rest,
+            lambda,
+        };
+        let right = Self {
+            vertices: more_vertices,
+            rest: more_rest,
+            lambda: more_lambda,
+        };
+        (left, right)
     }
 }
 

@@ -26,7 +26,6 @@ impl Solver {
         let slots = surface.topology().vertex_slots();
         self.mass.resize(slots, 0.0);
         self.velocities.resize(slots, [0.0; 4]);
-        self.displacements.resize(slots, [0.0; 4]);
         self.stretch.resize_vertices(slots);
         if let Some(bending) = &mut self.bending {
             bending.resize_vertices(slots);

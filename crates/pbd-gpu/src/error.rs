@@ -102,7 +102,7 @@ pub enum StepError {
     /// A time step that is not a positive number.
     #[error("time step {value} s is not a finite number above 0")]
     BadTimeStep {
-        /// What was asked for [s].
+        /// What was asked for \[s\].
         value: f32,
     },
     /// No iterations or no substeps.

@@ -22,7 +22,7 @@ struct Gone {
     piece: Option<u32>,
 }
 
-/// Mass [kg] and momentum [kg m/s].
+/// Mass \[kg\] and momentum [kg m/s].
 #[derive(Debug, Clone, Copy, Default)]
 struct Estate {
     mass: f64,
@@ -170,7 +170,6 @@ impl Inheritance {
             let i = gone.vertex.index();
             solver.mass[i] = 0.0;
             solver.velocities[i] = [0.0; 4];
-            solver.displacements[i] = [0.0; 4];
             surface.positions[i][3] = 0.0;
         }
     }

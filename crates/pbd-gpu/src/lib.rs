@@ -39,6 +39,7 @@ mod plan;
 mod rest;
 mod solver;
 mod state;
+mod sweep;
 mod validate;
 
 pub use backend::{Backend, CpuBackend};

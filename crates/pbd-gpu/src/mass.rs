@@ -52,7 +52,7 @@ fn rest_volume(surface: &Surface) -> f64 {
         .sum()
 }
 
-/// The mass of every vertex [kg], shape [vertex slots]; 0 where no triangle is.
+/// The mass of every vertex \[kg\], shape [vertex slots]; 0 where no triangle is.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "a computed mass is rounded once to storage"

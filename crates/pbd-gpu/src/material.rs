@@ -36,7 +36,7 @@ impl Stiffness {
         }
     }
 
-    /// What one projection uses, for `iterations` of a substep of `h` [s].
+    /// What one projection uses, for `iterations` of a substep of `h` \[s\].
     pub(crate) fn projection(self, iterations: u32, h: f32) -> Projection {
         match self {
             Self::Pbd(k) => Projection {

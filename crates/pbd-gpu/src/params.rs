@@ -12,7 +12,7 @@ pub struct SolverParams {
     pub substeps: u32,
     /// Acceleration of everything [m/s^2].
     pub gravity: [f32; 3],
-    /// Height of a ground plane that nothing sinks below [m].
+    /// Height of a ground plane that nothing sinks below \[m\].
     pub ground: Option<f32>,
 }
 
@@ -29,7 +29,7 @@ impl Default for SolverParams {
 }
 
 impl SolverParams {
-    /// Checks every number and the time step `dt` [s].
+    /// Checks every number and the time step `dt` \[s\].
     ///
     /// # Errors
     /// The first one out of its range.

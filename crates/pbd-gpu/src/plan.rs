@@ -116,14 +116,14 @@ impl StepPlan {
 pub struct Pin {
     /// The vertex.
     pub vertex: VertexId,
-    /// Where it is to be at the end of the frame [m].
+    /// Where it is to be at the end of the frame \[m\].
     pub target: [f32; 3],
 }
 
 /// The numbers of a frame that kernels read.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepConstants {
-    /// Time step of a substep [s].
+    /// Time step of a substep \[s\].
     pub h: f32,
     /// Substeps of the frame.
     pub substeps: u32,
@@ -135,7 +135,7 @@ pub struct StepConstants {
     pub stretch: Projection,
     /// How bending constraints are projected.
     pub bending: Projection,
-    /// Height of the ground [m], negative infinity without one.
+    /// Height of the ground \[m\], negative infinity without one.
     pub ground: f32,
     /// Coulomb's coefficient.
     pub friction: f32,
@@ -144,10 +144,8 @@ pub struct StepConstants {
 /// The arrays of a body that kernels read and write.
 #[derive(Debug)]
 pub struct Body<'a> {
-    /// Position at the start of the substep [m] and inverse mass [1/kg], shape [vertex slots].
+    /// Position at the start of the substep \[m\] and inverse mass [1/kg], shape [vertex slots].
     pub positions: &'a mut [[f32; 4]],
-    /// Displacement since the start of the substep [m], shape [vertex slots], last entry 0.
-    pub displacements: &'a mut [[f32; 4]],
     /// Velocity [m/s], shape [vertex slots], last entry 0.
     pub velocities: &'a mut [[f32; 4]],
     /// Stretch constraints.

@@ -4,7 +4,7 @@
 use incise_mesh::geometry::{Vec3, area_vector};
 use incise_mesh::{EdgeKey, Surface, VertexId};
 
-/// The rest length of an edge [m].
+/// The rest length of an edge \[m\].
 #[expect(
     clippy::cast_possible_truncation,
     reason = "a computed length is rounded once to storage"
@@ -14,7 +14,7 @@ pub(crate) fn length(surface: &Surface, edge: EdgeKey) -> f32 {
     (b - a).norm() as f32
 }
 
-/// The signed angle between the normals at an edge [rad], vertices as in
+/// The signed angle between the normals at an edge \[rad\], vertices as in
 /// [`BendingSet`](crate::BendingSet): 0 is flat, positive is convex.
 #[expect(
     clippy::cast_possible_truncation,
@@ -24,7 +24,7 @@ pub(crate) fn angle(surface: &Surface, vertices: [VertexId; 4]) -> f32 {
     dihedral(vertices.map(|v| surface.rest_position(v))) as f32
 }
 
-/// The signed angle at the edge from the first to the second point [rad].
+/// The signed angle at the edge from the first to the second point \[rad\].
 pub(crate) fn dihedral([p0, p1, p2, p3]: [Vec3; 4]) -> f64 {
     let e = p1 - p0;
     let first = area_vector([p0, p1, p2]);

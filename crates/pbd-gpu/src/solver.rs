@@ -18,7 +18,6 @@ pub struct Solver {
     pub(crate) material: Material,
     pub(crate) mass: Vec<f32>,
     pub(crate) velocities: Vec<[f32; 4]>,
-    pub(crate) displacements: Vec<[f32; 4]>,
     pub(crate) stretch: StretchSet,
     pub(crate) bending: Option<BendingSet>,
     pub(crate) edges: EdgeTable,
@@ -71,7 +70,6 @@ impl Solver {
         Ok(Self {
             material: *material,
             velocities: vec![[0.0; 4]; slots],
-            displacements: vec![[0.0; 4]; slots],
             mass,
             stretch,
             bending,
@@ -79,11 +77,11 @@ impl Solver {
             pins: Vec::new(),
             plan: StepPlan::default(),
             stats: StepStats::default(),
-            cpu: CpuBackend,
+            cpu: CpuBackend::default(),
         })
     }
 
-    /// Steps by one frame of `dt` [s] on the CPU. Allocates nothing once warm.
+    /// Steps by one frame of `dt` \[s\] on the CPU. Allocates nothing once warm.
     ///
     /// # Errors
     /// [`StepError`]. After [`StepError::NonFinitePosition`] the body has to be set up again; after any
@@ -94,11 +92,13 @@ impl Solver {
         dt: f32,
         params: &SolverParams,
     ) -> Result<&StepStats, StepError> {
-        let mut cpu = self.cpu;
-        self.step_on(&mut cpu, surface, dt, params)
+        let mut cpu = std::mem::take(&mut self.cpu);
+        let done = self.step_on(&mut cpu, surface, dt, params).map(|_| ());
+        self.cpu = cpu;
+        done.map(|()| &self.stats)
     }
 
-    /// Steps by one frame of `dt` [s] on a backend.
+    /// Steps by one frame of `dt` \[s\] on a backend.
     ///
     /// # Errors
     /// As [`Solver::step`].
@@ -127,7 +127,6 @@ impl Solver {
         self.plan.update(key, &self.stretch, self.bending.as_ref());
         let mut body = Body {
             positions: &mut surface.positions,
-            displacements: &mut self.displacements,
             velocities: &mut self.velocities,
             stretch: &mut self.stretch,
             bending: self.bending.as_mut(),
@@ -195,7 +194,7 @@ impl Solver {
     pub fn capacity(&self) -> usize {
         self.mass.capacity()
             + self.velocities.capacity()
-            + self.displacements.capacity()
+            + self.cpu.capacity()
             + self.stretch.capacity()
             + self.bending.as_ref().map_or(0, BendingSet::capacity)
             + self.pins.capacity()

@@ -22,7 +22,7 @@ impl Solver {
         &self.velocities
     }
 
-    /// The mass of every vertex [kg], shape [vertex slots]. Pinned vertices keep theirs.
+    /// The mass of every vertex \[kg\], shape [vertex slots]. Pinned vertices keep theirs.
     #[must_use]
     pub fn masses(&self) -> &[f32] {
         &self.mass
@@ -67,7 +67,7 @@ impl Solver {
         Ok(())
     }
 
-    /// Where a pinned vertex is to be at the end of the next frame [m]; it gets there in equal parts
+    /// Where a pinned vertex is to be at the end of the next frame \[m\]; it gets there in equal parts
     /// over the substeps.
     ///
     /// # Errors
@@ -85,7 +85,7 @@ impl Solver {
         &self.pins
     }
 
-    /// The mass of the body [kg], pinned vertices included.
+    /// The mass of the body \[kg\], pinned vertices included.
     #[must_use]
     pub fn total_mass(&self) -> f64 {
         self.mass.iter().map(|&m| f64::from(m)).sum()
@@ -103,7 +103,7 @@ impl Solver {
         sum
     }
 
-    /// The body's kinetic energy [J].
+    /// The body's kinetic energy \[J\].
     #[must_use]
     pub fn kinetic_energy(&self) -> f64 {
         self.mass

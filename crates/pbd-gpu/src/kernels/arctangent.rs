@@ -14,7 +14,7 @@ const COEFFICIENTS: [f32; 8] = [
     -0.004_054_567_5,
 ];
 
-/// The angle of the point `(x, y)` [rad], -pi to pi; 0 at the origin. Within 1e-6 of the exact one.
+/// The angle of the point `(x, y)` \[rad\], -pi to pi; 0 at the origin. Within 1e-6 of the exact one.
 #[inline(always)]
 pub(crate) fn arctangent2(y: f32, x: f32) -> f32 {
     let (ax, ay) = (x.abs(), y.abs());

@@ -10,8 +10,10 @@
 
 use super::arctangent::arctangent2;
 use super::block::{BLOCK, Lanes, difference};
-use crate::constraints::Batch;
+use super::displacements::Displacements;
+use crate::constraints::Part;
 use crate::material::Projection;
+use crate::sweep::Kernel;
 use incise_mesh::VertexId;
 use std::f32::consts::{PI, TAU};
 
@@ -19,7 +21,7 @@ use std::f32::consts::{PI, TAU};
 /// is rounding then. Usually such triangles are slivers of a height of 1e-5 of their length.
 const FLAT: f32 = 1e-5;
 
-/// The largest change of angle that one projection asks for [rad]. A gradient is a tangent: following
+/// The largest change of angle that one projection asks for \[rad\]. A gradient is a tangent: following
 /// it for a large angle pushes vertices outwards and pumps energy into crumpled bodies. Measured on a
 /// crumpled ball of stiffness 1: 0.06 J go on and on with 0.5 rad, 4e-6 J with 0.1 rad.
 const MAX_TURN: f32 = 0.1;
@@ -34,36 +36,40 @@ struct Block<const B: usize> {
     change: [[Lanes<B>; 3]; 4],
 }
 
-/// Projects the constraints of one color.
-#[inline(always)]
-pub(crate) fn bending(
-    x: &[[f32; 4]],
-    d: &mut [[f32; 4]],
-    batch: &mut Batch<4>,
-    projection: Projection,
-) {
-    run::<BLOCK>(x, d, batch, projection);
+/// The kernel, as sweeps call it.
+#[derive(Debug)]
+pub(crate) struct Bending;
+
+impl Kernel<4> for Bending {
+    #[inline(always)]
+    fn project(
+        x: &[[f32; 4]],
+        d: &mut impl Displacements,
+        part: Part<'_, 4>,
+        projection: Projection,
+    ) {
+        run::<BLOCK>(x, d, part, projection);
+    }
 }
 
 /// Projects constraints that may share vertices, one after the other.
 #[inline(always)]
 pub(crate) fn bending_serial(
     x: &[[f32; 4]],
-    d: &mut [[f32; 4]],
-    batch: &mut Batch<4>,
+    d: &mut impl Displacements,
+    part: Part<'_, 4>,
     projection: Projection,
 ) {
-    run::<1>(x, d, batch, projection);
+    run::<1>(x, d, part, projection);
 }
 
 #[inline(always)]
 fn run<const B: usize>(
     x: &[[f32; 4]],
-    d: &mut [[f32; 4]],
-    batch: &mut Batch<4>,
+    d: &mut impl Displacements,
+    part: Part<'_, 4>,
     projection: Projection,
 ) {
-    let d = &mut d[..x.len()];
     let zero = [0.0; B];
     let mut block = Block {
         to: [[zero; 3]; 3],
@@ -72,13 +78,8 @@ fn run<const B: usize>(
         lambda: zero,
         change: [[zero; 3]; 4],
     };
-    let stored: &mut [f32] = if projection.keeps {
-        &mut batch.lambda
-    } else {
-        &mut []
-    };
-    let mut kept = stored.chunks_mut(B);
-    for (vertices, rest) in batch.vertices.chunks(B).zip(batch.rest.chunks(B)) {
+    let mut kept = part.lambda.chunks_mut(B);
+    for (vertices, rest) in part.vertices.chunks(B).zip(part.rest.chunks(B)) {
         block.rest[..rest.len()].copy_from_slice(rest);
         let kept = kept.next();
         match &kept {
@@ -98,16 +99,16 @@ fn run<const B: usize>(
 fn gather<const B: usize>(
     block: &mut Block<B>,
     x: &[[f32; 4]],
-    d: &[[f32; 4]],
+    d: &mut impl Displacements,
     vertices: &[[VertexId; 4]],
 ) {
     for (lane, v) in vertices.iter().enumerate().take(B) {
         let first = v[0].index();
-        let (x0, d0) = (x[first], d[first]);
+        let (x0, d0) = (x[first], d.get(first));
         block.inv_mass[0][lane] = x0[3];
         for j in 0..3 {
             let other = v[j + 1].index();
-            let (xj, dj) = (x[other], d[other]);
+            let (xj, dj) = (x[other], d.get(other));
             let to = difference(x0, d0, xj, dj);
             for (lanes, c) in block.to[j].iter_mut().zip(to) {
                 lanes[lane] = c;
@@ -184,13 +185,18 @@ fn project<const B: usize>(block: &mut Block<B>, projection: Projection) {
 }
 
 #[inline(always)]
-fn scatter<const B: usize>(block: &Block<B>, d: &mut [[f32; 4]], vertices: &[[VertexId; 4]]) {
+fn scatter<const B: usize>(
+    block: &Block<B>,
+    d: &mut impl Displacements,
+    vertices: &[[VertexId; 4]],
+) {
     for (lane, v) in vertices.iter().enumerate().take(B) {
-        for j in 0..4 {
-            let dj = &mut d[v[j].index()];
-            for (c, lanes) in dj.iter_mut().zip(&block.change[j]) {
+        for (v, change) in v.iter().zip(&block.change) {
+            let mut dv = d.get(v.index());
+            for (c, lanes) in dv.iter_mut().zip(change) {
                 *c += lanes[lane];
             }
+            d.set(v.index(), dv);
         }
     }
 }
@@ -198,6 +204,7 @@ fn scatter<const B: usize>(block: &Block<B>, d: &mut [[f32; 4]], vertices: &[[Ve
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constraints::Batch;
     use crate::material::Stiffness;
     use incise_mesh::Vec3;
     use incise_mesh::geometry::widen;
@@ -262,7 +269,12 @@ mod tests {
                 let asked = 0.08;
                 let mut d = [[0.0; 4]; 4];
                 let mut constraint = batch((angle(p) - asked) as f32);
-                bending(&x, &mut d, &mut constraint, RIGID.projection(1, 0.01));
+                Bending::project(
+                    &x,
+                    &mut d,
+                    constraint.part(RIGID.projection(1, 0.01).keeps),
+                    RIGID.projection(1, 0.01),
+                );
                 // d_i = -C g_i / sum |g|^2, so g_i = -C d_i / sum |d|^2.
                 let square: f64 = d.iter().flatten().map(|&c| f64::from(c).powi(2)).sum();
                 let mut largest = 0.0_f64;
@@ -303,7 +315,12 @@ mod tests {
             let mut d = [[0.0; 4]; 4];
             let mut constraint = batch(rest);
             for _ in 0..60 {
-                bending(&x, &mut d, &mut constraint, RIGID.projection(1, 0.01));
+                Bending::project(
+                    &x,
+                    &mut d,
+                    constraint.part(RIGID.projection(1, 0.01).keeps),
+                    RIGID.projection(1, 0.01),
+                );
             }
             let mut moved = x;
             for (x, d) in moved.iter_mut().zip(d) {
@@ -336,7 +353,12 @@ mod tests {
             [o, a, b, sliver],
         ] {
             let mut d = [[0.0; 4]; 4];
-            bending(&x, &mut d, &mut batch(1.0), RIGID.projection(1, 0.01));
+            Bending::project(
+                &x,
+                &mut d,
+                batch(1.0).part(RIGID.projection(1, 0.01).keeps),
+                RIGID.projection(1, 0.01),
+            );
             assert_eq!(d, [[0.0; 4]; 4], "{x:?}");
         }
     }
@@ -346,8 +368,13 @@ mod tests {
         let x = hinge(0.8, 0.3);
         let projection = Stiffness::Compliance(1e-3).projection(1, 0.01);
         let (mut one, mut other) = ([[0.0; 4]; 4], [[0.0; 4]; 4]);
-        bending(&x, &mut one, &mut batch(0.1), projection);
-        bending_serial(&x, &mut other, &mut batch(0.1), projection);
+        Bending::project(&x, &mut one, batch(0.1).part(projection.keeps), projection);
+        bending_serial(
+            &x,
+            &mut other,
+            batch(0.1).part(projection.keeps),
+            projection,
+        );
         assert_eq!(one, other);
     }
 }

@@ -7,9 +7,9 @@ pub(crate) const BLOCK: usize = 32;
 /// One number a lane.
 pub(crate) type Lanes<const B: usize> = [f32; B];
 
-/// Where `b` is as seen from `a`: `(x_b - x_a) + (d_b - d_a)` [m].
+/// Where `b` is as seen from `a`: `(x_b - x_a) + (d_b - d_a)` \[m\].
 #[inline(always)]
-pub(crate) fn difference(xa: [f32; 4], da: [f32; 4], xb: [f32; 4], db: [f32; 4]) -> [f32; 3] {
+pub(crate) fn difference(xa: [f32; 4], da: [f32; 3], xb: [f32; 4], db: [f32; 3]) -> [f32; 3] {
     [
         (xb[0] - xa[0]) + (db[0] - da[0]),
         (xb[1] - xa[1]) + (db[1] - da[1]),

@@ -1,22 +1,26 @@
 //! The ground plane with Coulomb's friction.
 
-/// Lifts what is below `ground` [m] and takes back its sideways displacement, by no more than
+use super::displacements::Displacements;
+
+/// Lifts what is below `ground` \[m\] and takes back its sideways displacement, by no more than
 /// `friction` times the lift.
 #[inline(always)]
-pub(crate) fn ground(x: &[[f32; 4]], d: &mut [[f32; 4]], ground: f32, friction: f32) {
-    for (x, d) in x.iter().zip(d) {
-        let depth = ground - (x[1] + d[1]);
+pub(crate) fn ground(x: &[[f32; 4]], d: &mut impl Displacements, ground: f32, friction: f32) {
+    for (i, x) in x.iter().enumerate() {
+        let mut di = d.get(i);
+        let depth = ground - (x[1] + di[1]);
         if depth > 0.0 && x[3] > 0.0 {
-            d[1] += depth;
-            let sideways = (d[0] * d[0] + d[2] * d[2]).sqrt();
+            di[1] += depth;
+            let sideways = (di[0] * di[0] + di[2] * di[2]).sqrt();
             let limit = friction * depth;
             let kept = if sideways > limit {
                 1.0 - limit / sideways
             } else {
                 0.0
             };
-            d[0] *= kept;
-            d[2] *= kept;
+            di[0] *= kept;
+            di[2] *= kept;
+            d.set(i, di);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! New velocities and positions: Algorithm 1, lines 10 to 13.
 
+use super::displacements::Displacements;
 use crate::plan::StepConstants;
 use incise_mesh::VertexId;
 
@@ -8,14 +9,15 @@ use incise_mesh::VertexId;
 #[inline(always)]
 pub(crate) fn integrate(
     x: &mut [[f32; 4]],
-    d: &[[f32; 4]],
+    d: &mut impl Displacements,
     v: &mut [[f32; 4]],
     constants: &StepConstants,
 ) -> bool {
     let (h, ground) = (constants.h, constants.ground);
     // Zero times a number is zero; times infinity or no number it is no number, which stays in the sum.
     let mut alarm = 0.0;
-    for ((x, d), v) in x.iter_mut().zip(d).zip(v) {
+    for (i, (x, v)) in x.iter_mut().zip(v).enumerate() {
+        let d = d.get(i);
         let floor = if x[3] > 0.0 {
             ground
         } else {
@@ -68,10 +70,13 @@ mod tests {
                 let mut x = [[1.0; 4]; 3];
                 let mut d = [[0.5, -0.5, 0.0, 0.0]; 3];
                 let mut v = [[0.0; 4]; 3];
-                assert!(integrate(&mut x, &d, &mut v, &constants), "all is well");
+                assert!(integrate(&mut x, &mut d, &mut v, &constants), "all is well");
                 assert_eq!(v[0], [50.0, -50.0, 0.0, 0.0]);
                 d[1][k] = bad;
-                assert!(!integrate(&mut x, &d, &mut v, &constants), "{bad} at {k}");
+                assert!(
+                    !integrate(&mut x, &mut d, &mut v, &constants),
+                    "{bad} at {k}"
+                );
                 assert_eq!(first_non_finite(&x), VertexId(1));
             }
         }

@@ -10,6 +10,7 @@
 pub(crate) mod arctangent;
 pub(crate) mod bending;
 pub(crate) mod block;
+pub(crate) mod displacements;
 pub(crate) mod ground;
 pub(crate) mod integrate;
 pub(crate) mod pins;

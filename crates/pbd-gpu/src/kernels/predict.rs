@@ -1,20 +1,21 @@
 //! Prediction: Algorithm 1, lines 5 to 8, with `d = p - x`.
 
+use super::displacements::Displacements;
 use crate::plan::StepConstants;
 
 /// Gives every vertex its predicted displacement. Returns the lowest predicted height of a vertex that
-/// can move [m], infinity if none can.
+/// can move \[m\], infinity if none can.
 #[inline(always)]
 pub(crate) fn predict(
     x: &[[f32; 4]],
-    d: &mut [[f32; 4]],
+    d: &mut impl Displacements,
     v: &mut [[f32; 4]],
     constants: &StepConstants,
 ) -> f32 {
     let [gx, gy, gz] = constants.gravity_step;
     let (h, kept) = (constants.h, constants.kept_velocity);
     let mut lowest = f32::INFINITY;
-    for ((x, d), v) in x.iter().zip(d).zip(v) {
+    for (i, (x, v)) in x.iter().zip(v).enumerate() {
         let free = if x[3] > 0.0 { 1.0 } else { 0.0 };
         let kept = kept * free;
         *v = [
@@ -23,9 +24,10 @@ pub(crate) fn predict(
             (v[2] + gz) * kept,
             0.0,
         ];
-        *d = [v[0] * h, v[1] * h, v[2] * h, 0.0];
+        let di = [v[0] * h, v[1] * h, v[2] * h];
+        d.set(i, di);
         let height = if x[3] > 0.0 {
-            x[1] + d[1]
+            x[1] + di[1]
         } else {
             f32::INFINITY
         };

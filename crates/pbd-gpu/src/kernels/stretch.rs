@@ -3,8 +3,10 @@
 //! `C = |p_b - p_a| - rest`. The gradients have length 1 and opposite directions.
 
 use super::block::{BLOCK, Lanes, difference};
-use crate::constraints::Batch;
+use super::displacements::Displacements;
+use crate::constraints::Part;
 use crate::material::Projection;
+use crate::sweep::Kernel;
 use incise_mesh::VertexId;
 
 struct Block<const B: usize> {
@@ -16,36 +18,40 @@ struct Block<const B: usize> {
     scale: Lanes<B>,
 }
 
-/// Projects the constraints of one color.
-#[inline(always)]
-pub(crate) fn stretch(
-    x: &[[f32; 4]],
-    d: &mut [[f32; 4]],
-    batch: &mut Batch<2>,
-    projection: Projection,
-) {
-    run::<BLOCK>(x, d, batch, projection);
+/// The kernel, as sweeps call it.
+#[derive(Debug)]
+pub(crate) struct Stretch;
+
+impl Kernel<2> for Stretch {
+    #[inline(always)]
+    fn project(
+        x: &[[f32; 4]],
+        d: &mut impl Displacements,
+        part: Part<'_, 2>,
+        projection: Projection,
+    ) {
+        run::<BLOCK>(x, d, part, projection);
+    }
 }
 
 /// Projects constraints that may share vertices, one after the other.
 #[inline(always)]
 pub(crate) fn stretch_serial(
     x: &[[f32; 4]],
-    d: &mut [[f32; 4]],
-    batch: &mut Batch<2>,
+    d: &mut impl Displacements,
+    part: Part<'_, 2>,
     projection: Projection,
 ) {
-    run::<1>(x, d, batch, projection);
+    run::<1>(x, d, part, projection);
 }
 
 #[inline(always)]
 fn run<const B: usize>(
     x: &[[f32; 4]],
-    d: &mut [[f32; 4]],
-    batch: &mut Batch<2>,
+    d: &mut impl Displacements,
+    part: Part<'_, 2>,
     projection: Projection,
 ) {
-    let d = &mut d[..x.len()];
     let zero = [0.0; B];
     let mut block = Block {
         edge: [zero; 3],
@@ -54,13 +60,8 @@ fn run<const B: usize>(
         lambda: zero,
         scale: zero,
     };
-    let stored: &mut [f32] = if projection.keeps {
-        &mut batch.lambda
-    } else {
-        &mut []
-    };
-    let mut kept = stored.chunks_mut(B);
-    for (vertices, rest) in batch.vertices.chunks(B).zip(batch.rest.chunks(B)) {
+    let mut kept = part.lambda.chunks_mut(B);
+    for (vertices, rest) in part.vertices.chunks(B).zip(part.rest.chunks(B)) {
         block.rest[..rest.len()].copy_from_slice(rest);
         let kept = kept.next();
         match &kept {
@@ -80,13 +81,13 @@ fn run<const B: usize>(
 fn gather<const B: usize>(
     block: &mut Block<B>,
     x: &[[f32; 4]],
-    d: &[[f32; 4]],
+    d: &mut impl Displacements,
     vertices: &[[VertexId; 2]],
 ) {
     for (lane, &[a, b]) in vertices.iter().enumerate().take(B) {
         let (a, b) = (a.index(), b.index());
         let (xa, xb) = (x[a], x[b]);
-        let edge = difference(xa, d[a], xb, d[b]);
+        let edge = difference(xa, d.get(a), xb, d.get(b));
         for (lanes, c) in block.edge.iter_mut().zip(edge) {
             lanes[lane] = c;
         }
@@ -117,7 +118,11 @@ fn project<const B: usize>(block: &mut Block<B>, projection: Projection) {
 }
 
 #[inline(always)]
-fn scatter<const B: usize>(block: &Block<B>, d: &mut [[f32; 4]], vertices: &[[VertexId; 2]]) {
+fn scatter<const B: usize>(
+    block: &Block<B>,
+    d: &mut impl Displacements,
+    vertices: &[[VertexId; 2]],
+) {
     for (lane, &[a, b]) in vertices.iter().enumerate().take(B) {
         let towards_b = block.scale[lane] * block.inv_mass[0][lane];
         let towards_a = block.scale[lane] * block.inv_mass[1][lane];
@@ -126,20 +131,23 @@ fn scatter<const B: usize>(block: &Block<B>, d: &mut [[f32; 4]], vertices: &[[Ve
             block.edge[1][lane],
             block.edge[2][lane],
         ];
-        let da = &mut d[a.index()];
-        for k in 0..3 {
-            da[k] += towards_b * edge[k];
+        let mut da = d.get(a.index());
+        for (c, e) in da.iter_mut().zip(edge) {
+            *c += towards_b * e;
         }
-        let db = &mut d[b.index()];
-        for k in 0..3 {
-            db[k] -= towards_a * edge[k];
+        d.set(a.index(), da);
+        let mut db = d.get(b.index());
+        for (c, e) in db.iter_mut().zip(edge) {
+            *c -= towards_a * e;
         }
+        d.set(b.index(), db);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constraints::Batch;
     use crate::material::Stiffness;
 
     const REST: f32 = 1.0;
@@ -155,7 +163,8 @@ mod tests {
     }
 
     fn error(x: &[[f32; 4]], d: &[[f32; 4]]) -> f32 {
-        let edge = difference(x[0], d[0], x[1], d[1]);
+        let [da, db] = [d[0], d[1]].map(|[x, y, z, _]| [x, y, z]);
+        let edge = difference(x[0], da, x[1], db);
         edge.iter().map(|c| c * c).sum::<f32>().sqrt() - REST
     }
 
@@ -166,7 +175,7 @@ mod tests {
             let (x, mut batch) = spring();
             let mut d = vec![[0.0; 4]; 2];
             let before = error(&x, &d);
-            stretch(&x, &mut d, &mut batch, projection);
+            Stretch::project(&x, &mut d, batch.part(projection.keeps), projection);
             let expected = before * projection.alpha / (2.5 + projection.alpha);
             assert!(
                 (error(&x, &d) - expected).abs() < 1e-6,
@@ -182,12 +191,12 @@ mod tests {
         let projection = Stiffness::Compliance(1e-3).projection(7, 0.02);
         let (x, mut batch) = spring();
         let mut d = vec![[0.0; 4]; 2];
-        stretch(&x, &mut d, &mut batch, projection);
+        Stretch::project(&x, &mut d, batch.part(projection.keeps), projection);
         let (once, lambda) = (d.clone(), batch.lambda[0]);
         let residual = error(&x, &d) + projection.alpha * lambda;
         assert!(residual.abs() < 1e-6, "C + alpha lambda = {residual}");
         for _ in 0..6 {
-            stretch(&x, &mut d, &mut batch, projection);
+            Stretch::project(&x, &mut d, batch.part(projection.keeps), projection);
         }
         for (now, then) in d.iter().flatten().zip(once.iter().flatten()) {
             assert!((now - then).abs() < 1e-6);
@@ -199,8 +208,8 @@ mod tests {
         let projection = Stiffness::Pbd(0.7).projection(3, 0.02);
         let (x, mut batch) = spring();
         let (mut one, mut other) = (vec![[0.0; 4]; 2], vec![[0.0; 4]; 2]);
-        stretch(&x, &mut one, &mut batch, projection);
-        stretch_serial(&x, &mut other, &mut batch, projection);
+        Stretch::project(&x, &mut one, batch.part(projection.keeps), projection);
+        stretch_serial(&x, &mut other, batch.part(projection.keeps), projection);
         assert_eq!(one, other);
     }
 
@@ -213,7 +222,7 @@ mod tests {
         ] {
             let (_, mut batch) = spring();
             let mut d = vec![[0.0; 4]; 2];
-            stretch(&x, &mut d, &mut batch, projection);
+            Stretch::project(&x, &mut d, batch.part(projection.keeps), projection);
             assert_eq!(d, vec![[0.0; 4]; 2], "{reason}");
         }
     }
