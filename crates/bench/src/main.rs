@@ -1,2 +1,149 @@
-//! x
-fn main() {}
+//! The benchmark: the paper's seven-model table, and the solver's own speed.
+
+mod allocations;
+mod machine;
+mod models;
+mod paper;
+mod protocol;
+mod report;
+mod solver;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use incise_refine::RefinementLevel;
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Benchmarks of incise. Without a subcommand it prints the table.
+#[derive(Parser)]
+#[command(version, args_conflicts_with_subcommands = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    table: TableArguments,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// The paper's Table 1: frame rates with and without cutting, and the time of a cut.
+    Table(TableArguments),
+    /// Projections a second of the solver alone, on one thread and on all.
+    Solver(SolverArguments),
+}
+
+/// What the table is made of.
+#[derive(Args, Clone)]
+struct TableArguments {
+    /// A folder with real models (bunny*.obj, armadillo*.ply, ...) to use instead of built-in ones.
+    #[arg(long, value_name = "DIR")]
+    models: Option<PathBuf>,
+    /// What executes the solver.
+    #[arg(long, value_enum, default_value_t = BackendChoice::Cpu)]
+    backend: BackendChoice,
+    /// Simulated time of each run [s].
+    #[arg(long, default_value_t = 15.0, value_parser = positive)]
+    seconds: f64,
+    /// Time of a frame [s], as a number or a fraction.
+    #[arg(long, default_value = "1/60", value_parser = positive)]
+    dt: f64,
+    /// Iterations of the solver a frame.
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]
+    iterations: u32,
+    /// Refinement level of the caps: one of the five names, or z.
+    #[arg(long, default_value = "1")]
+    level: RefinementLevel,
+    /// Models to run, separated by commas.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    only: Vec<String>,
+    /// Where the directions of the slices start.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Also write the table as JSON, one object a row.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// Which model the solver is measured on.
+#[derive(Args, Clone)]
+struct SolverArguments {
+    /// A folder with real models to use instead of built-in ones.
+    #[arg(long, value_name = "DIR")]
+    models: Option<PathBuf>,
+    /// Models to run, separated by commas.
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "Armadillo"
+    )]
+    only: Vec<String>,
+    /// Frames of each measurement; the fastest counts.
+    #[arg(long, default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..))]
+    frames: u32,
+}
+
+/// What executes the solver.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum BackendChoice {
+    /// The processor.
+    Cpu,
+}
+
+impl BackendChoice {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+        }
+    }
+}
+
+/// A positive number, or a fraction of two.
+fn positive(text: &str) -> Result<f64, String> {
+    let number = |s: &str| s.trim().parse::<f64>().ok();
+    let value = match text.split_once('/') {
+        Some((above, below)) => number(above).zip(number(below)).map(|(a, b)| a / b),
+        None => number(text),
+    };
+    value
+        .filter(|v| v.is_finite() && *v > 0.0)
+        .ok_or_else(|| format!("'{text}' is not a positive number or fraction"))
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let mut out = io::stdout().lock();
+    let done = match arguments.command {
+        Some(Command::Solver(solver)) => solver::run(&solver, &mut out),
+        Some(Command::Table(table)) => report::run(&table, &mut out),
+        None => report::run(&arguments.table, &mut out),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // Without an error output the exit code has to do.
+            let _ = writeln!(io::stderr(), "incise-bench: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn a_time_step_is_a_number_or_a_fraction() {
+        assert_eq!(positive("1/60"), Ok(1.0 / 60.0));
+        assert_eq!(positive("0.5"), Ok(0.5));
+        for bad in ["0", "-1", "1/0", "a", "1/2/3", "nan"] {
+            assert!(positive(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -110,13 +110,13 @@ fn merge(points: &[IntersectionPoint], min_distance: f64) -> (Vec<usize>, Vec<u3
         let close = |i: usize, j: usize| {
             distance > 0.0 && (points[i].position - points[j].position).norm() < distance
         };
-        let mut kept = vec![0];
-        let mut rank = vec![0; points.len()];
-        for j in 1..points.len() {
-            if !close(j, kept[kept.len() - 1]) {
+        let mut kept: Vec<usize> = Vec::new();
+        let mut rank = Vec::with_capacity(points.len());
+        for j in 0..points.len() {
+            if kept.last().is_none_or(|&last| !close(j, last)) {
                 kept.push(j);
             }
-            rank[j] = id(kept.len() - 1);
+            rank.push(id(kept.len() - 1));
         }
         // The last run may lie at the loop's beginning: its points then stand for the first again.
         if kept.len() > 3 && close(kept[kept.len() - 1], 0) {

@@ -1,0 +1,140 @@
+//! Where a model comes from: built in, or a file of the user's folder.
+
+use incise_mesh::{MeshData, Model, Surface, build_model, read_mesh};
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+/// A model ready to run.
+pub(crate) struct Loaded {
+    pub(crate) model: Model,
+    /// `built-in`, or the file's name.
+    pub(crate) source: String,
+    /// As a renderer counts them.
+    pub(crate) vertices: usize,
+    pub(crate) surface: Surface,
+}
+
+/// The models that `only` names (all when empty), from `folder` where it has a file for one.
+pub(crate) fn load(folder: Option<&Path>, only: &[String]) -> Result<Vec<Loaded>, Box<dyn Error>> {
+    let mut wanted = Vec::new();
+    for name in only {
+        let known = Model::ALL
+            .into_iter()
+            .find(|m| m.name().eq_ignore_ascii_case(name.trim()));
+        let names: Vec<&str> = Model::ALL.iter().map(|m| m.name()).collect();
+        wanted
+            .push(known.ok_or_else(|| {
+                format!("'{name}' is not one of the models {}", names.join(", "))
+            })?);
+    }
+    Model::ALL
+        .into_iter()
+        .filter(|m| wanted.is_empty() || wanted.contains(m))
+        .map(|model| match folder {
+            Some(folder) => from_folder(folder, model),
+            None => Ok(built_in(model)),
+        })
+        .collect()
+}
+
+fn built_in(model: Model) -> Loaded {
+    let surface = build_model(model);
+    Loaded {
+        model,
+        source: "built-in".to_owned(),
+        vertices: surface.seam_split_vertices(),
+        surface,
+    }
+}
+
+/// The file of `folder` whose name begins with the model's, closest to the paper's triangle count,
+/// then to its vertex count, then first by name. Without one the built-in model.
+fn from_folder(folder: &Path, model: Model) -> Result<Loaded, Box<dyn Error>> {
+    let mut candidates = Vec::new();
+    for path in files(folder)? {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        if !plain(&stem).starts_with(&plain(model.name())) {
+            continue;
+        }
+        let data = read_mesh(&path)?;
+        let off = |have: usize, want: usize| have.abs_diff(want);
+        candidates.push((
+            off(data.triangles.len(), model.triangles()),
+            off(data.file_vertices, model.vertices()),
+            path,
+            data,
+        ));
+    }
+    candidates.sort_by(|x, y| (x.0, x.1, &x.2).cmp(&(y.0, y.1, &y.2)));
+    match candidates.into_iter().next() {
+        Some((_, _, path, data)) => from_data(model, &path, data),
+        None => Ok(built_in(model)),
+    }
+}
+
+fn from_data(model: Model, path: &Path, data: MeshData) -> Result<Loaded, Box<dyn Error>> {
+    let vertices = data.file_vertices;
+    let (surface, _) = data
+        .into_surface()
+        .map_err(|error| format!("{}: {error}", path.display()))?;
+    Ok(Loaded {
+        model,
+        source: path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned(),
+        vertices,
+        surface,
+    })
+}
+
+fn files(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+    let entries =
+        std::fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut paths = Vec::new();
+    for entry in entries {
+        let path = entry?.path();
+        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+        if ["obj", "ply", "stl", "glb", "gltf"]
+            .iter()
+            .any(|e| extension == *e)
+        {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    Ok(paths)
+}
+
+/// A name without case and punctuation: `sphere_20.obj` is Sphere20's, `sphere_20k.obj` too, which
+/// the triangle count then tells apart.
+fn plain(name: &str) -> String {
+    name.chars()
+        .filter(char::is_ascii_alphanumeric)
+        .map(|c| c.to_ascii_lowercase())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use incise_mesh::write_obj;
+
+    #[test]
+    fn the_file_with_the_right_count_is_taken() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, model| {
+            write_obj(&folder.path().join(name), &build_model(model)).unwrap();
+        };
+        write("sphere_20.obj", Model::Sphere20);
+        write("sphere_20_fine.obj", Model::Sphere80);
+        write("other.obj", Model::Sphere80);
+        let names = ["sphere20".to_owned(), "Sphere80".to_owned()];
+        let loaded = load(Some(folder.path()), &names).unwrap();
+        assert_eq!(loaded[0].source, "sphere_20.obj");
+        assert_eq!(loaded[0].surface.topology().triangle_count(), 20);
+        assert_eq!(loaded[1].source, "built-in", "no file is named sphere80");
+        assert!(load(None, &["cow".to_owned()]).is_err());
+    }
+}
