@@ -1,6 +1,7 @@
 //! Why the program stops.
 
-use incise_mesh::{NotFit, ReadError};
+use incise_cut::CutError;
+use incise_mesh::{NotFit, ReadError, WriteError};
 use std::path::PathBuf;
 
 /// Why a command could not be done.
@@ -17,6 +18,28 @@ pub(crate) enum Failure {
         /// Why.
         source: NotFit,
     },
+    /// The plane or the blade is none: the command line is wrong.
+    #[error("the cut: {0}")]
+    Sweep(CutError),
+    /// The input cannot be cut there.
+    #[error("{}: {source}", path.display())]
+    Cut {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: CutError,
+    },
+    /// The output folder cannot be made.
+    #[error("{}: {source}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A piece cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
     /// The standard output cannot be written to.
     #[error("standard output: {0}")]
     Output(#[from] std::io::Error),

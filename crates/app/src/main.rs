@@ -1,8 +1,9 @@
-//! The program: checks meshes.
+//! The program: cuts and checks meshes.
 //!
 //! Exit codes: 0 done, 1 the input cannot be used, 2 the command line is wrong.
 
 mod check;
+mod cut;
 mod failure;
 
 use clap::{Parser, Subcommand};
@@ -21,6 +22,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Check(check::CheckArguments),
+    Cut(cut::CutArguments),
 }
 
 fn main() -> ExitCode {
@@ -28,6 +30,7 @@ fn main() -> ExitCode {
     let mut out = BufWriter::new(io::stdout().lock());
     let done = match &arguments.command {
         Command::Check(arguments) => check::run(arguments, &mut out),
+        Command::Cut(arguments) => cut::run(arguments, &mut out),
     };
     // What was printed comes before the reason why it ended.
     let flushed = out.flush().map_err(Failure::Output);
@@ -38,7 +41,10 @@ fn main() -> ExitCode {
         Err(failure) => {
             // Without an error output the exit code has to do.
             let _ = writeln!(io::stderr(), "incise: {failure}");
-            ExitCode::FAILURE
+            match failure {
+                Failure::Sweep(_) => ExitCode::from(2),
+                _ => ExitCode::FAILURE,
+            }
         }
     }
 }

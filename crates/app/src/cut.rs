@@ -1,0 +1,249 @@
+//! `incise cut`: a mesh along a plane or a blade's sweep, one file a piece.
+
+use crate::failure::Failure;
+use clap::ValueEnum;
+use incise_cut::{CutError, CutMethod, CutParams, Cutter, Sweep};
+use incise_mesh::{AngleStats, Surface, read_mesh, write_obj};
+use incise_refine::{RefineParams, RefinementLevel};
+use serde::Serialize;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Cuts a mesh and writes its pieces to `DIR/piece_000.obj` and on, one closed component a file.
+#[derive(clap::Args)]
+#[command(group = clap::ArgGroup::new("cutter").required(true).args(["plane", "blade"]))]
+pub(crate) struct CutArguments {
+    /// The mesh: obj, ply, stl, glb or gltf.
+    input: PathBuf,
+    /// Cut along the plane `nx x + ny y + nz z = d`.
+    #[arg(long, value_name = "NX,NY,NZ,D", value_parser = numbers::<4>, allow_hyphen_values = true)]
+    plane: Option<Numbers<4>>,
+    /// Cut along the sweep of a blade's edge: from here, start and end ...
+    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = numbers::<6>, allow_hyphen_values = true, requires = "to")]
+    blade: Option<Numbers<6>>,
+    /// ... to here.
+    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = numbers::<6>, allow_hyphen_values = true, requires = "blade")]
+    to: Option<Numbers<6>>,
+    /// How fine caps get: 2x-coarser, 1.5x-coarser, original, 1.5x-finer, 2x-finer, or z.
+    #[arg(long, default_value = "original")]
+    level: RefinementLevel,
+    /// How the mesh is opened.
+    #[arg(long, value_enum, default_value_t = Method::Rebuild)]
+    method: Method,
+    /// Where the pieces go.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Method {
+    /// The paper's: delete the hit triangles, rebuild the rim, patch and refine the hole.
+    Rebuild,
+}
+
+/// N numbers of a command line.
+#[derive(Clone, Copy)]
+struct Numbers<const N: usize>([f64; N]);
+
+fn numbers<const N: usize>(text: &str) -> Result<Numbers<N>, String> {
+    let values: Option<Vec<f64>> = text
+        .split(',')
+        .map(|s| s.trim().parse().ok().filter(|x: &f64| x.is_finite()))
+        .collect();
+    values
+        .and_then(|v| v.try_into().ok())
+        .map(Numbers)
+        .ok_or_else(|| format!("expected {N} numbers, separated by commas"))
+}
+
+/// The report as JSON.
+#[derive(Serialize)]
+struct Report {
+    input: PathBuf,
+    method: &'static str,
+    level: f64,
+    triangles: usize,
+    volume: f64,
+    triangles_hit: usize,
+    loops: usize,
+    cap_triangles: usize,
+    cap_min_angle_deg: f64,
+    cap_median_angle_deg: f64,
+    pieces: Vec<Piece>,
+    milliseconds: Times,
+}
+
+/// A piece as it was written.
+#[derive(Serialize)]
+struct Piece {
+    file: PathBuf,
+    vertices: usize,
+    triangles: usize,
+    area: f64,
+    volume: f64,
+}
+
+/// Time of each stage \[ms\].
+#[derive(Serialize)]
+struct Times {
+    read: f64,
+    search_tree: f64,
+    detection: f64,
+    topology: f64,
+    refinement: f64,
+    write: f64,
+}
+
+/// Cuts and writes.
+pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), Failure> {
+    let path = &arguments.input;
+    let (read, surface) = timed(|| {
+        let data = read_mesh(path)?;
+        data.into_surface().map_err(|source| Failure::NotFit {
+            path: path.clone(),
+            source,
+        })
+    });
+    let (mut surface, _) = surface?;
+    let (triangles, volume) = (surface.topology().triangle_count(), surface.volume());
+    let sweep = arguments.sweep(&surface).map_err(Failure::Sweep)?;
+    let params = CutParams {
+        method: match arguments.method {
+            Method::Rebuild => CutMethod::Rebuild,
+        },
+        refine: RefineParams {
+            level: arguments.level,
+            ..RefineParams::default()
+        },
+        ..CutParams::default()
+    };
+    let (search_tree, mut cutter) = timed(|| Cutter::new(&surface));
+    let outcome = cutter
+        .cut(&mut surface, &sweep, &params)
+        .map_err(|source| Failure::Cut {
+            path: path.clone(),
+            source,
+        })?;
+    let cap = AngleStats::of(outcome.cap.iter().map(|&t| surface.triangle_positions(t)));
+    let (write, pieces) = timed(|| write_pieces(&surface, &arguments.output));
+    let report = Report {
+        input: path.clone(),
+        method: "rebuild",
+        level: arguments.level.z(),
+        triangles,
+        volume,
+        triangles_hit: outcome.report.hits,
+        loops: outcome.report.loops,
+        cap_triangles: outcome.cap.len(),
+        cap_min_angle_deg: cap.min,
+        cap_median_angle_deg: cap.median,
+        pieces: pieces?,
+        milliseconds: Times {
+            read: milliseconds(read),
+            search_tree: milliseconds(search_tree),
+            detection: milliseconds(outcome.report.detection),
+            topology: milliseconds(outcome.report.topology),
+            refinement: milliseconds(outcome.report.refinement),
+            write: milliseconds(write),
+        },
+    };
+    if arguments.json {
+        serde_json::to_writer_pretty(&mut *out, &report).map_err(io::Error::from)?;
+        writeln!(out)?;
+    } else {
+        print(&report, out)?;
+    }
+    Ok(())
+}
+
+impl CutArguments {
+    fn sweep(&self, surface: &Surface) -> Result<Sweep, CutError> {
+        if let Some(Numbers([x, y, z, d])) = self.plane {
+            return Sweep::across_box([x, y, z], d, &surface.bounds());
+        }
+        let edge = |numbers: Option<Numbers<6>>| {
+            let Numbers([a, b, c, d, e, f]) = numbers.unwrap_or(Numbers([0.0; 6]));
+            [[a, b, c], [d, e, f]].map(|p| incise_mesh::geometry::round(p.into()))
+        };
+        Sweep::new(edge(self.blade), edge(self.to))
+    }
+}
+
+fn write_pieces(surface: &Surface, folder: &Path) -> Result<Vec<Piece>, Failure> {
+    std::fs::create_dir_all(folder).map_err(|source| Failure::Folder {
+        path: folder.to_owned(),
+        source,
+    })?;
+    let volumes = surface.piece_volumes();
+    let mut pieces = Vec::new();
+    for piece in 0..surface.piece_bound() {
+        let part = surface.extract_piece(piece);
+        if part.topology().triangle_count() == 0 {
+            continue;
+        }
+        let file = folder.join(format!("piece_{:03}.obj", pieces.len()));
+        write_obj(&file, &part)?;
+        pieces.push(Piece {
+            file,
+            vertices: part.topology().vertex_count(),
+            triangles: part.topology().triangle_count(),
+            area: part.area(),
+            volume: volumes[piece as usize],
+        });
+    }
+    Ok(pieces)
+}
+
+fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
+    writeln!(
+        out,
+        "{}: {} triangles, volume {:.6e}",
+        report.input.display(),
+        report.triangles,
+        report.volume
+    )?;
+    if report.triangles_hit == 0 {
+        writeln!(out, "  the cut misses the mesh")?;
+    } else {
+        writeln!(
+            out,
+            "  {} triangles hit in {} loops; {} cap triangles, smallest angle {:.1}, median {:.1} degrees",
+            report.triangles_hit,
+            report.loops,
+            report.cap_triangles,
+            report.cap_min_angle_deg,
+            report.cap_median_angle_deg
+        )?;
+    }
+    for piece in &report.pieces {
+        writeln!(
+            out,
+            "  {}: {} vertices, {} triangles, area {:.6e}, volume {:.6e}",
+            piece.file.display(),
+            piece.vertices,
+            piece.triangles,
+            piece.area,
+            piece.volume
+        )?;
+    }
+    let t = &report.milliseconds;
+    writeln!(
+        out,
+        "  ms: read {:.2}, search tree {:.2}, detection {:.2}, topology {:.2}, refinement {:.2}, write {:.2}",
+        t.read, t.search_tree, t.detection, t.topology, t.refinement, t.write
+    )
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> (Duration, T) {
+    let begin = Instant::now();
+    let out = work();
+    (begin.elapsed(), out)
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}
