@@ -86,3 +86,63 @@ impl<K: Kernel<N>, const N: usize> NullaryFnOnce for Piece<'_, K, N> {
 pub(crate) fn is_spread(constraints: usize) -> bool {
     constraints >= PARALLEL_FROM
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::constraints::Batch;
+    use crate::kernels::bending::Bending;
+    use crate::kernels::stretch::Stretch;
+    use crate::material::Stiffness;
+    use incise_mesh::VertexId;
+
+    /// Constraints over vertices of their own, in a shape without pattern.
+    fn scattered<const N: usize>(count: u32) -> (Vec<[f32; 4]>, Batch<N>) {
+        let mut seed = 1_u32;
+        let mut random = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 8) as f32 / (1 << 24) as f32
+        };
+        let mut batch = Batch::default();
+        let mut x = Vec::new();
+        for _ in 0..count {
+            batch.vertices.push(std::array::from_fn(|_| {
+                x.push([random(), random(), random(), random()]);
+                VertexId::from_index(x.len() - 1)
+            }));
+            batch.rest.push(random());
+        }
+        batch.reset_multipliers();
+        (x, batch)
+    }
+
+    fn bits(cells: &mut [Cell]) -> Vec<[u32; 4]> {
+        let bits = |cell: &mut Cell| cell.each_mut().map(|c| *c.get_mut());
+        cells.iter_mut().map(bits).collect()
+    }
+
+    fn compare<K: Kernel<N>, const N: usize>() {
+        let projection = Stiffness::Compliance(1e-3).projection(2, 0.05);
+        let count = u32::try_from(PARALLEL_FROM).unwrap() + 77;
+        let run = |how: fn(&[[f32; 4]], &mut [Cell], Part<'_, N>, Projection)| {
+            let (x, mut batch) = scattered::<N>(count);
+            let mut cells: Vec<Cell> = Vec::new();
+            cells.resize_with(x.len(), Cell::default);
+            for _ in 0..2 {
+                how(&x, &mut cells, batch.part(true), projection);
+            }
+            let lambda: Vec<u32> = batch.lambda.iter().map(|l| l.to_bits()).collect();
+            (bits(&mut cells), lambda)
+        };
+        let plain = run(|x, d, part, p| K::project(x, &mut Exclusive(d), part, p));
+        let spread = run(|x, d, part, p| sweep::<K, N>(Arch::new(), x, d, part, p));
+        assert!(plain == spread, "threads and wide vectors change nothing");
+        assert!(plain.0.iter().flatten().any(|&b| b != 0), "something moved");
+    }
+
+    #[test]
+    fn any_instruction_set_and_any_number_of_threads_give_the_same_bits() {
+        compare::<Stretch, 2>();
+        compare::<Bending, 4>();
+    }
+}

@@ -11,13 +11,13 @@ fn run(threads: usize) -> Vec<[u32; 4]> {
         .build()
         .unwrap();
     pool.install(|| {
-        let mut surface = sphere(6, [0.0, 1.01, 0.0]);
+        let mut surface = sphere(7, [0.0, 1.01, 0.0]);
         let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
         let params = SolverParams {
             ground: Some(0.0),
             ..SolverParams::default()
         };
-        for _ in 0..10 {
+        for _ in 0..4 {
             solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
         }
         let bits = |p: &[f32; 4]| p.map(f32::to_bits);

@@ -153,7 +153,8 @@ fn project<const B: usize>(block: &mut Block<B>, projection: Projection) {
         let solid = (q2 > FLAT * FLAT * (big2 * big2)) & (q3 > FLAT * FLAT * (big3 * big3));
         let (f2, f3) = (length / q2, length / q3);
         let (g22, g33, g23) = (f2 * length, f3 * length, f2 * f3 * cos);
-        let (s, t) = (dot(a, e) / ee, dot(b, e) / ee);
+        let per_square = 1.0 / ee;
+        let (s, t) = (dot(a, e) * per_square, dot(b, e) * per_square);
         let (s0, t0) = (1.0 - s, 1.0 - t);
         let g00 = s0 * s0 * g22 + t0 * t0 * g33 + 2.0 * (s0 * t0 * g23);
         let g11 = s * s * g22 + t * t * g33 + 2.0 * (s * t * g23);

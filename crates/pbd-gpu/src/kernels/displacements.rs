@@ -11,8 +11,8 @@ pub(crate) type Cell = [AtomicU32; 4];
 
 /// Displacements by vertex number \[m\].
 pub(crate) trait Displacements {
-    fn get(&mut self, i: usize) -> [f32; 3];
-    fn set(&mut self, i: usize, to: [f32; 3]);
+    fn get(&mut self, i: usize) -> [f32; 4];
+    fn set(&mut self, i: usize, to: [f32; 4]);
 }
 
 /// Displacements held by one thread.
@@ -21,13 +21,12 @@ pub(crate) struct Exclusive<'a>(pub(crate) &'a mut [Cell]);
 
 impl Displacements for Exclusive<'_> {
     #[inline(always)]
-    fn get(&mut self, i: usize) -> [f32; 3] {
-        let [x, y, z, _] = &mut self.0[i];
-        [x, y, z].map(|c| f32::from_bits(*c.get_mut()))
+    fn get(&mut self, i: usize) -> [f32; 4] {
+        self.0[i].each_mut().map(|c| f32::from_bits(*c.get_mut()))
     }
 
     #[inline(always)]
-    fn set(&mut self, i: usize, to: [f32; 3]) {
+    fn set(&mut self, i: usize, to: [f32; 4]) {
         for (c, to) in self.0[i].iter_mut().zip(to) {
             *c.get_mut() = to.to_bits();
         }
@@ -40,13 +39,14 @@ pub(crate) struct Shared<'a>(pub(crate) &'a [Cell]);
 
 impl Displacements for Shared<'_> {
     #[inline(always)]
-    fn get(&mut self, i: usize) -> [f32; 3] {
-        let [x, y, z, _] = &self.0[i];
-        [x, y, z].map(|c| f32::from_bits(c.load(Ordering::Relaxed)))
+    fn get(&mut self, i: usize) -> [f32; 4] {
+        self.0[i]
+            .each_ref()
+            .map(|c| f32::from_bits(c.load(Ordering::Relaxed)))
     }
 
     #[inline(always)]
-    fn set(&mut self, i: usize, to: [f32; 3]) {
+    fn set(&mut self, i: usize, to: [f32; 4]) {
         for (c, to) in self.0[i].iter().zip(to) {
             c.store(to.to_bits(), Ordering::Relaxed);
         }
@@ -56,12 +56,11 @@ impl Displacements for Shared<'_> {
 /// Plain arrays, for tests of single kernels.
 #[cfg(test)]
 impl<T: AsMut<[[f32; 4]]>> Displacements for T {
-    fn get(&mut self, i: usize) -> [f32; 3] {
-        let [x, y, z, _] = self.as_mut()[i];
-        [x, y, z]
+    fn get(&mut self, i: usize) -> [f32; 4] {
+        self.as_mut()[i]
     }
 
-    fn set(&mut self, i: usize, [x, y, z]: [f32; 3]) {
-        self.as_mut()[i] = [x, y, z, 0.0];
+    fn set(&mut self, i: usize, to: [f32; 4]) {
+        self.as_mut()[i] = to;
     }
 }

@@ -9,6 +9,7 @@ pub(crate) fn pins(x: &[[f32; 4]], d: &mut impl Displacements, pins: &[Pin], sub
     let share = 1.0 / substeps_left as f32;
     for pin in pins {
         let i = pin.vertex.index();
-        d.set(i, [0, 1, 2].map(|k| (pin.target[k] - x[i][k]) * share));
+        let way = |k: usize| (pin.target[k] - x[i][k]) * share;
+        d.set(i, [way(0), way(1), way(2), 0.0]);
     }
 }

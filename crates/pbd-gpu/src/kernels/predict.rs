@@ -24,7 +24,7 @@ pub(crate) fn predict(
             (v[2] + gz) * kept,
             0.0,
         ];
-        let di = [v[0] * h, v[1] * h, v[2] * h];
+        let di = [v[0] * h, v[1] * h, v[2] * h, 0.0];
         d.set(i, di);
         let height = if x[3] > 0.0 {
             x[1] + di[1]

@@ -10,7 +10,7 @@ use crate::sweep::Kernel;
 use incise_mesh::VertexId;
 
 struct Block<const B: usize> {
-    edge: [Lanes<B>; 3],
+    edge: [[f32; 4]; B],
     inv_mass: [Lanes<B>; 2],
     rest: Lanes<B>,
     lambda: Lanes<B>,
@@ -54,7 +54,7 @@ fn run<const B: usize>(
 ) {
     let zero = [0.0; B];
     let mut block = Block {
-        edge: [zero; 3],
+        edge: [[0.0; 4]; B],
         inv_mass: [zero; 2],
         rest: zero,
         lambda: zero,
@@ -88,9 +88,7 @@ fn gather<const B: usize>(
         let (a, b) = (a.index(), b.index());
         let (xa, xb) = (x[a], x[b]);
         let edge = difference(xa, d.get(a), xb, d.get(b));
-        for (lanes, c) in block.edge.iter_mut().zip(edge) {
-            lanes[lane] = c;
-        }
+        block.edge[lane] = edge;
         block.inv_mass[0][lane] = xa[3];
         block.inv_mass[1][lane] = xb[3];
     }
@@ -99,10 +97,10 @@ fn gather<const B: usize>(
 #[inline(always)]
 fn project<const B: usize>(block: &mut Block<B>, projection: Projection) {
     let Projection { factor, alpha, .. } = projection;
-    let [ex, ey, ez] = &block.edge;
     let [wa, wb] = &block.inv_mass;
     for i in 0..B {
-        let length = (ex[i] * ex[i] + ey[i] * ey[i] + ez[i] * ez[i]).sqrt();
+        let [x, y, z, _] = block.edge[i];
+        let length = (x * x + y * y + z * z).sqrt();
         let error = (length - block.rest[i]) + alpha * block.lambda[i];
         let weight = (wa[i] + wb[i]) + alpha;
         // A length of zero has no direction; two pinned ends do not move.
@@ -126,11 +124,7 @@ fn scatter<const B: usize>(
     for (lane, &[a, b]) in vertices.iter().enumerate().take(B) {
         let towards_b = block.scale[lane] * block.inv_mass[0][lane];
         let towards_a = block.scale[lane] * block.inv_mass[1][lane];
-        let edge = [
-            block.edge[0][lane],
-            block.edge[1][lane],
-            block.edge[2][lane],
-        ];
+        let edge = block.edge[lane];
         let mut da = d.get(a.index());
         for (c, e) in da.iter_mut().zip(edge) {
             *c += towards_b * e;
@@ -163,9 +157,8 @@ mod tests {
     }
 
     fn error(x: &[[f32; 4]], d: &[[f32; 4]]) -> f32 {
-        let [da, db] = [d[0], d[1]].map(|[x, y, z, _]| [x, y, z]);
-        let edge = difference(x[0], da, x[1], db);
-        edge.iter().map(|c| c * c).sum::<f32>().sqrt() - REST
+        let edge = difference(x[0], d[0], x[1], d[1]);
+        edge[..3].iter().map(|c| c * c).sum::<f32>().sqrt() - REST
     }
 
     #[test]
