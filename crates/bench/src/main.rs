@@ -41,10 +41,10 @@ struct TableArguments {
     /// What executes the solver.
     #[arg(long, value_enum, default_value_t = BackendChoice::Cpu)]
     backend: BackendChoice,
-    /// Simulated time of each run [s].
+    /// Simulated seconds of each run.
     #[arg(long, default_value_t = 15.0, value_parser = positive)]
     seconds: f64,
-    /// Time of a frame [s], as a number or a fraction.
+    /// Seconds of a frame, as a number or a fraction.
     #[arg(long, default_value = "1/60", value_parser = positive)]
     dt: f64,
     /// Iterations of the solver a frame.

@@ -18,9 +18,9 @@ use serde::Serialize;
 use std::error::Error;
 use std::time::{Duration, Instant};
 
-/// Angular velocity of the body at the start, about its vertical axis [1/s].
+/// Angular velocity of the body at the start, about its vertical axis \[1/s\].
 const SPIN: f64 = 1.0;
-/// Rate at which the body is squeezed along its vertical axis at the start [1/s].
+/// Rate at which the body is squeezed along its vertical axis at the start \[1/s\].
 const SQUEEZE: f64 = 1.0;
 /// How far from the body the blade hovers, in diagonals of its box.
 const HOVER: f64 = 10.0;
@@ -41,7 +41,7 @@ pub(crate) struct Row {
     pub(crate) cut_ms_mean: f64,
     pub(crate) cut_ms_p99: f64,
     pub(crate) cuts: usize,
-    pub(crate) cuts_refused: u32,
+    pub(crate) cuts_refused: Vec<String>,
     pub(crate) stretch_error_percent: f64,
     pub(crate) volume_error_percent: f64,
     pub(crate) cap_min_angle_deg: f64,
@@ -63,7 +63,7 @@ struct Run {
     frames: u32,
     work: Duration,
     cut_ms: Vec<f64>,
-    refused: u32,
+    refused: Vec<String>,
     stretch_error: f64,
     volume_error: f64,
     cap_min_angle: f64,
@@ -251,7 +251,8 @@ fn middle(surface: &Surface) -> Vec3 {
 
 fn after_slice(scene: &Scene, body: BodyId, before: f64, volume: f64, run: &mut Run) {
     let stats = scene.stats();
-    run.refused += stats.refused;
+    let refusals = scene.refusals().iter();
+    run.refused.extend(refusals.map(|r| r.error.to_string()));
     let surface = scene.body(body).surface();
     for (_, outcome) in scene.outcomes() {
         run.cut_ms.push(stats.cutting().as_secs_f64() * 1e3);
@@ -277,7 +278,7 @@ fn rest_triangle(surface: &Surface, t: TriangleId) -> [Vec3; 3] {
         .map(|v| surface.rest_position(v))
 }
 
-/// The volume that the body encloses at rest [m^3]: free of what the motion does to it.
+/// The volume that the body encloses at rest \[m^3\]: free of what the motion does to it.
 fn rest_volume(surface: &Surface) -> f64 {
     surface
         .topology()

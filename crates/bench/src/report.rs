@@ -35,9 +35,13 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
     let allocations: usize = rows.iter().map(|(_, row)| row.allocations).sum();
     writeln!(
         out,
-        "Heap allocations in all frames without a cut: {allocations}. Cuts refused: {}.",
-        rows.iter().map(|(_, row)| row.cuts_refused).sum::<u32>()
+        "Heap allocations in all frames without a cut: {allocations}."
     )?;
+    for (_, row) in &rows {
+        for reason in &row.cuts_refused {
+            writeln!(out, "Refused cut of {}: {reason}.", row.model)?;
+        }
+    }
     if let Some(path) = &arguments.json {
         let rows: Vec<&Row> = rows.iter().map(|(_, row)| row).collect();
         let mut text = serde_json::to_string_pretty(&rows)?;

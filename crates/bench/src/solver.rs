@@ -59,7 +59,7 @@ enum MeasureError {
     Step(#[from] StepError),
 }
 
-/// The fastest frame's time [s] and its projections.
+/// The fastest frame's time \[s\] and its projections.
 fn measure(
     surface: &Surface,
     material: &Material,

@@ -3,8 +3,9 @@
 //! An edge crosses the sweep when it passes through one of its two triangles (not both: then its
 //! ends are on the same side of a bent sweep). Each edge is always tested from its smaller to its
 //! larger vertex, so its two triangles agree. A vertex exactly on a sweep triangle's plane counts
-//! as above it, and an edge exactly through the diagonal counts for the first triangle, so no
-//! crossing is lost or counted twice.
+//! as above it. Where an edge passes exactly through the diagonal, or ends on it, neither triangle
+//! alone can tell: there the two planes are seen together as a roof or a valley, and the edge
+//! crosses when its ends are on different sides of that. So no crossing is lost or counted twice.
 
 use crate::error::CutError;
 use crate::sweep::Sweep;
@@ -29,6 +30,8 @@ pub(crate) struct Signs {
     normals: [Vec3; 2],
     /// Whether each of the two triangles has an area.
     exists: [bool; 2],
+    /// Whether the second triangle rises above the first one's plane.
+    is_valley: bool,
 }
 
 /// How an edge crosses, from its smaller to its larger vertex.
@@ -44,12 +47,15 @@ impl Signs {
     pub(crate) fn new(sweep: &Sweep) -> Self {
         let triangles = sweep.triangles();
         let normals = triangles.map(|[a, b, c]| (b - a).cross(&(c - a)));
+        let corners = sweep.corners().map(|[x, y, z]| Coord3D {
+            x: f64::from(x),
+            y: f64::from(y),
+            z: f64::from(z),
+        });
+        let [s0, s1, s2, s3] = corners;
         Self {
-            corners: sweep.corners().map(|[x, y, z]| Coord3D {
-                x: f64::from(x),
-                y: f64::from(y),
-                z: f64::from(z),
-            }),
+            corners,
+            is_valley: orient3d(s0, s1, s2, s3) < 0.0,
             exists: normals.map(|n| n.norm() > 0.0),
             normals,
             triangles,
@@ -112,13 +118,7 @@ impl Signs {
         let (a, b) = (surface.topology().origin(h), surface.topology().target(h));
         let (low, high) = if a < b { (a, b) } else { (b, a) };
         let (p, q) = (surface.position(low), surface.position(high));
-        let [first, second] = [0, 1].map(|i| self.through(p, q, i));
-        // Through both, the edge is on the same side again.
-        let (rises, i) = match (first, second) {
-            (Some(rises), None) => (rises, 0),
-            (None, Some(rises)) => (rises, 1),
-            _ => return None,
-        };
+        let (rises, i) = self.passes(coord(p), coord(q))?;
         let height = |x: Vec3| self.normals[i].dot(&(x - self.triangles[i][0]));
         let (from, to) = (height(p), height(q));
         let t = from / (from - to);
@@ -130,33 +130,45 @@ impl Signs {
         Some(Crossing { rises, t })
     }
 
-    /// Whether the segment from `p` to `q` passes sweep triangle `i`, and if so whether it rises.
-    fn through(&self, p: Vec3, q: Vec3, i: usize) -> Option<bool> {
-        if !self.exists[i] {
-            return None;
-        }
-        let (p, q) = (coord(p), coord(q));
+    /// Whether the segment from `p` to `q` passes the sweep, and if so whether it rises and through
+    /// which triangle's plane.
+    fn passes(&self, p: Coord3D<f64>, q: Coord3D<f64>) -> Option<(bool, usize)> {
         let [s0, s1, s2, s3] = self.corners;
-        let (a, b, c) = if i == 0 { (s0, s1, s2) } else { (s0, s2, s3) };
+        let planes = [[s0, s1, s2], [s0, s2, s3]];
         // `orient3d` is negative for a point on the side to which the triangle's normal points.
-        let above = |x| orient3d(a, b, c, x) <= 0.0;
-        let rises = above(q);
-        if above(p) == rises {
+        let above = |i: usize, x| {
+            let [a, b, c] = planes[i];
+            orient3d(a, b, c, x) <= 0.0
+        };
+        let [from, to] = [p, q].map(|x| [0, 1].map(|i| self.exists[i] && above(i, x)));
+        let [first, second] = [0, 1].map(|i| from[i] != to[i]);
+        if !first && !second {
             return None;
         }
         // Positive where the segment passes on the inner side of the sweep's edge from `x` to `y`.
-        let side = |x, y| {
+        let side = |rises: bool, x, y| {
             let sign = orient3d(p, q, x, y);
             if rises { -sign } else { sign }
         };
-        // The diagonal is measured in one direction for both triangles, so that a tie is a tie for both.
-        let diagonal = side(s0, s2);
-        let inside = if i == 0 {
-            side(s0, s1) >= 0.0 && side(s1, s2) >= 0.0 && -diagonal >= 0.0
-        } else {
-            diagonal > 0.0 && side(s2, s3) >= 0.0 && side(s3, s0) >= 0.0
-        };
-        inside.then_some(rises)
+        let in_first = |rises| side(rises, s0, s1) >= 0.0 && side(rises, s1, s2) >= 0.0;
+        let in_second = |rises| side(rises, s2, s3) >= 0.0 && side(rises, s3, s0) >= 0.0;
+        let diagonal = orient3d(p, q, s0, s2);
+        if diagonal == 0.0 && self.exists == [true; 2] {
+            let is_above = |[a, b]: [bool; 2]| if self.is_valley { a && b } else { a || b };
+            let rises = is_above(to);
+            let crosses = is_above(from) != rises && (in_first(rises) || in_second(rises));
+            return crosses.then_some((rises, usize::from(!first)));
+        }
+        // The diagonal is measured once for both triangles, so that they agree.
+        let beyond = |rises: bool| if rises { -diagonal } else { diagonal };
+        let through_first = first && beyond(to[0]) <= 0.0 && in_first(to[0]);
+        let through_second = second && beyond(to[1]) >= 0.0 && in_second(to[1]);
+        // Through both, the edge is on the same side again.
+        match (through_first, through_second) {
+            (true, false) => Some((to[0], 0)),
+            (false, true) => Some((to[1], 1)),
+            _ => None,
+        }
     }
 }
 

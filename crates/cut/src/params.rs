@@ -20,13 +20,13 @@ pub struct CutParams {
     pub method: CutMethod,
     /// How caps are refined.
     pub refine: RefineParams,
-    /// Intersection points closer than this merge (the alpha of Algorithm 2, line 24) [mean edges].
+    /// Intersection points closer than this merge (the alpha of Algorithm 2, line 24) \[mean edges\].
     /// Larger values make rims more even and move more volume; the paper gives no number.
     pub min_distance: f64,
     /// A rim edge with an end closer to the plane than this stays (the beta of Algorithm 3) [mean
     /// edges]; the paper gives no number.
     pub beta: f64,
-    /// An ear of the new boundary is closed below this angle (Algorithm 3, line 31) [degrees]. The
+    /// An ear of the new boundary is closed below this angle (Algorithm 3, line 31) \[degrees\]. The
     /// paper's is 120.
     pub ear_angle: f64,
     /// Cut only this piece of the surface; the sweep passes through the others.

@@ -79,7 +79,7 @@ struct Job<'a> {
     surface: &'a Surface,
     sweep: &'a Sweep,
     params: &'a CutParams,
-    /// The mean edge of the hit triangles [m].
+    /// The mean edge of the hit triangles \[m\].
     scale: f64,
 }
 
@@ -99,7 +99,7 @@ pub(crate) fn rebuild(
         scale: mean_hit_edge(surface, strips),
     };
     let merged = intersection_points(surface, strips, signs, params.min_distance * job.scale);
-    merged.refuse_nested_loops(sweep)?;
+    merged.refuse_nested_loops(sweep, job.scale * job.scale)?;
     let strict = intersection_points(surface, strips, signs, 0.0);
     let [merged_lips, strict_lips] = [&merged, &strict].map(|set| lips(surface, strips, set));
     let mut forms = vec![Form::Even; merged_lips.len()];
@@ -185,7 +185,7 @@ impl Job<'_> {
     }
 }
 
-/// The mean edge of the hit triangles [m], to which the distances in [`CutParams`] refer.
+/// The mean edge of the hit triangles \[m\], to which the distances in [`CutParams`] refer.
 #[expect(
     clippy::cast_precision_loss,
     reason = "far fewer than 2^53 triangles are hit"

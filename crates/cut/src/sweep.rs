@@ -13,7 +13,7 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// The sweep of a blade's edge (start, end) [m] from `previous` to `current`.
+    /// The sweep of a blade's edge (start, end) \[m\] from `previous` to `current`.
     ///
     /// # Errors
     /// [`CutError::SweepNotFinite`], and [`CutError::BladeDegenerate`] when it has no area.
@@ -65,13 +65,13 @@ impl Sweep {
         )
     }
 
-    /// The four corners [m]: previous start, previous end, current end, current start.
+    /// The four corners \[m\]: previous start, previous end, current end, current start.
     #[must_use]
     pub const fn corners(&self) -> [[f32; 3]; 4] {
         self.corners
     }
 
-    /// The two triangles [m]. The shared diagonal runs from the first to the third corner.
+    /// The two triangles \[m\]. The shared diagonal runs from the first to the third corner.
     #[must_use]
     pub fn triangles(&self) -> [[Vec3; 3]; 2] {
         let [a, b, c, d] = self.corners.map(widen);

@@ -153,9 +153,9 @@ pub struct MeshReport {
     pub winding_conflicts: usize,
     /// Triangles without area, by an exact test.
     pub degenerate_triangles: usize,
-    /// Area [m^2].
+    /// Area \[m^2\].
     pub area: f64,
-    /// Volume [m^3]; meaningless unless the mesh is closed and oriented.
+    /// Volume \[m^3\]; meaningless unless the mesh is closed and oriented.
     pub volume: f64,
     /// The box around the vertices that faces use \[m\].
     pub bounds: Aabb,

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-/// A point or direction in f64 [m].
+/// A point or direction in f64 \[m\].
 pub type Vec3 = Vector3<f64>;
 
 /// A stored point, widened.
@@ -21,20 +21,20 @@ pub fn round(p: Vec3) -> [f32; 3] {
     [p.x as f32, p.y as f32, p.z as f32]
 }
 
-/// The vector along a triangle's outward normal, as long as twice its area [m^2].
+/// The vector along a triangle's outward normal, as long as twice its area \[m^2\].
 #[must_use]
 pub fn area_vector([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).cross(&(c - a))
 }
 
-/// The angle between two vectors [rad], 0 when either has no length. The arctangent form keeps its
+/// The angle between two vectors \[rad\], 0 when either has no length. The arctangent form keeps its
 /// digits near 0 and pi, where the arccosine loses half of them.
 #[must_use]
 pub fn angle_between(u: Vec3, v: Vec3) -> f64 {
     u.cross(&v).norm().atan2(u.dot(&v))
 }
 
-/// The angles at a triangle's corners [rad]. A corner beside an edge of no length gets 0.
+/// The angles at a triangle's corners \[rad\]. A corner beside an edge of no length gets 0.
 #[must_use]
 pub fn corner_angles([a, b, c]: [Vec3; 3]) -> [f64; 3] {
     [
@@ -95,13 +95,13 @@ impl Aabb {
         (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
     }
 
-    /// The middle of the box [m].
+    /// The middle of the box \[m\].
     #[must_use]
     pub fn center(&self) -> Vec3 {
         (widen(self.min) + widen(self.max)) / 2.0
     }
 
-    /// The length of the diagonal [m]; 0 for an empty box.
+    /// The length of the diagonal \[m\]; 0 for an empty box.
     #[must_use]
     pub fn diagonal(&self) -> f64 {
         if self.min[0] > self.max[0] {

@@ -5,7 +5,7 @@ use crate::ids::TriangleId;
 use crate::surface::Surface;
 
 impl Surface {
-    /// The area of the whole surface [m^2].
+    /// The area of the whole surface \[m^2\].
     #[must_use]
     pub fn area(&self) -> f64 {
         self.topology()
@@ -14,14 +14,14 @@ impl Surface {
             .sum()
     }
 
-    /// The volume that the whole surface encloses [m^3], positive when normals point outward.
+    /// The volume that the whole surface encloses \[m^3\], positive when normals point outward.
     /// Cavities count negative. Meaningless for a surface with boundaries.
     #[must_use]
     pub fn volume(&self) -> f64 {
         self.volume_of(self.topology().triangles())
     }
 
-    /// The volume of every piece [m^3], indexed by piece number; 0 for numbers not in use.
+    /// The volume of every piece \[m^3\], indexed by piece number; 0 for numbers not in use.
     #[must_use]
     pub fn piece_volumes(&self) -> Vec<f64> {
         let mut volumes = vec![0.0; self.piece_bound() as usize];
@@ -32,7 +32,7 @@ impl Surface {
         volumes
     }
 
-    /// The volume under `triangles` [m^3]: their cones from the middle of the surface's box, which
+    /// The volume under `triangles` \[m^3\]: their cones from the middle of the surface's box, which
     /// keeps the sum's terms as small as the surface however far from the origin it is.
     #[must_use]
     pub fn volume_of(&self, triangles: impl Iterator<Item = TriangleId>) -> f64 {
@@ -42,7 +42,7 @@ impl Surface {
             .sum()
     }
 
-    /// A third of the rest area of every triangle, at each of its corners [m^2], shape [vertex slots].
+    /// A third of the rest area of every triangle, at each of its corners \[m^2\], shape \[vertex slots\].
     #[must_use]
     pub fn lumped_rest_areas(&self) -> Vec<f64> {
         let mut areas = vec![0.0; self.topology().vertex_slots()];
@@ -56,7 +56,7 @@ impl Surface {
         areas
     }
 
-    /// The mean length of all edges [m]; 0 without edges.
+    /// The mean length of all edges \[m\]; 0 without edges.
     #[must_use]
     pub fn mean_edge_length(&self) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
@@ -70,7 +70,7 @@ impl Surface {
     }
 }
 
-/// The signed volume of the cone from `apex` over a triangle [m^3].
+/// The signed volume of the cone from `apex` over a triangle \[m^3\].
 pub(crate) fn cone_volume([a, b, c]: [Vec3; 3], apex: Vec3) -> f64 {
     (a - apex).dot(&(b - apex).cross(&(c - apex))) / 6.0
 }

@@ -8,9 +8,9 @@ use crate::topology::{Topology, TopologyError};
 /// never splits the vertex. Each array is empty or has three entries a triangle slot.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct CornerAttributes {
-    /// Texture coordinates, shape [3 x triangle slots].
+    /// Texture coordinates, shape \[3 x triangle slots\].
     pub uv: Vec<[f32; 2]>,
-    /// Shading normals, shape [3 x triangle slots].
+    /// Shading normals, shape \[3 x triangle slots\].
     pub normal: Vec<[f32; 3]>,
 }
 
@@ -19,9 +19,9 @@ pub struct CornerAttributes {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Surface {
     topology: Topology,
-    /// Position [m] and inverse mass [1/kg], 0 = pinned, shape [vertex slots].
+    /// Position \[m\] and inverse mass \[1/kg\], 0 = pinned, shape \[vertex slots\].
     pub positions: Vec<[f32; 4]>,
-    /// Rest position [m], shape [vertex slots].
+    /// Rest position \[m\], shape \[vertex slots\].
     pub rest: Vec<[f32; 3]>,
     /// Attributes of corners.
     pub corners: CornerAttributes,
@@ -55,20 +55,20 @@ impl Surface {
         &self.topology
     }
 
-    /// Where `v` is [m].
+    /// Where `v` is \[m\].
     #[must_use]
     pub fn position(&self, v: VertexId) -> Vec3 {
         let [x, y, z, _] = self.positions[v.index()];
         widen([x, y, z])
     }
 
-    /// Where `v` is at rest [m].
+    /// Where `v` is at rest \[m\].
     #[must_use]
     pub fn rest_position(&self, v: VertexId) -> Vec3 {
         widen(self.rest[v.index()])
     }
 
-    /// Where the corners of `t` are [m].
+    /// Where the corners of `t` are \[m\].
     #[must_use]
     pub fn triangle_positions(&self, t: TriangleId) -> [Vec3; 3] {
         self.topology.triangle(t).map(|v| self.position(v))

@@ -76,7 +76,7 @@ pub struct RefineReport {
 pub struct Patch {
     /// How many vertices the rim has.
     pub rim: usize,
-    /// Positions [m], rim first.
+    /// Positions \[m\], rim first.
     pub points: Vec<Vec3>,
     /// The three vertices whose mean is vertex `rim + i`; parents come before children.
     pub inner: Vec<[u32; 3]>,
@@ -86,7 +86,7 @@ pub struct Patch {
     pub report: RefineReport,
 }
 
-/// Fills the hole inside `rim`, a loop of points [m] that runs counterclockwise seen against
+/// Fills the hole inside `rim`, a loop of points \[m\] that runs counterclockwise seen against
 /// `normal`. `joined(i, j)` says whether the surface outside already has an edge between two rim
 /// vertices: the patch then makes no second one.
 ///

@@ -22,7 +22,7 @@ use incise_mesh::Vec3;
 /// of mean edge alpha has 0.87.
 const FLAT: f64 = 0.65;
 
-/// Formula 1: the mean length of the rim's edges, t [m].
+/// Formula 1: the mean length of the rim's edges, t \[m\].
 #[must_use]
 #[expect(
     clippy::cast_precision_loss,
@@ -35,7 +35,7 @@ pub fn mean_rim_length(rim: &[Vec3]) -> f64 {
     sum / rim.len().max(1) as f64
 }
 
-/// Subdivides every triangle whose mean edge exceeds `alpha` [m] and swaps edges, in rounds. The
+/// Subdivides every triangle whose mean edge exceeds `alpha` \[m\] and swaps edges, in rounds. The
 /// rim stays as it is. `normal` and `joined` as in [`crate::fill`].
 ///
 /// # Errors

@@ -150,7 +150,7 @@ impl Polygon {
         orient2d(a, b, c)
     }
 
-    /// The interior angle at `v` [rad], 0 to 2 pi.
+    /// The interior angle at `v` \[rad\], 0 to 2 pi.
     fn angle(&self, v: usize) -> f64 {
         let [a, b, c] = self.corners(v).map(|i| self.points[i]);
         let (ux, uy) = (c.x - b.x, c.y - b.y);

@@ -24,7 +24,7 @@ impl Blade {
         }
     }
 
-    /// Where the edge is: start and end [m].
+    /// Where the edge is: start and end \[m\].
     #[must_use]
     pub const fn edge(&self) -> [[f32; 3]; 2] {
         self.edge

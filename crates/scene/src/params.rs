@@ -6,7 +6,7 @@ use incise_pbd_gpu::SolverParams;
 /// How a scene is stepped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SceneParams {
-    /// Time of a frame [s].
+    /// Time of a frame \[s\].
     pub dt: f32,
     /// How bodies move.
     pub solver: SolverParams,

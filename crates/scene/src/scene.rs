@@ -53,7 +53,7 @@ impl Scene {
         Ok(BodyId(self.bodies.len() - 1))
     }
 
-    /// Adds a blade with its edge from start to end [m].
+    /// Adds a blade with its edge from start to end \[m\].
     pub fn add_blade(&mut self, edge: [[f32; 3]; 2]) -> BladeId {
         self.blades.push(Blade::new(edge));
         BladeId(self.blades.len() - 1)

@@ -24,7 +24,7 @@ pub(super) struct IntersectionPoint {
     pub(super) ends: [VertexId; 2],
     /// Where between them.
     pub(super) t: f32,
-    /// Where in space [m].
+    /// Where in space \[m\].
     pub(super) position: Vec3,
     /// The half-edge through which its strip is entered: corner attributes come from its triangle.
     pub(super) entry: HalfEdge,
@@ -49,7 +49,7 @@ pub(super) struct PointSet {
     pub(super) loops: Vec<Loop>,
 }
 
-/// The points of every strip, merged where closer than `min_distance` [m]; 0 keeps all.
+/// The points of every strip, merged where closer than `min_distance` \[m\]; 0 keeps all.
 pub(super) fn intersection_points(
     surface: &Surface,
     strips: &[Strip],
@@ -134,7 +134,7 @@ fn merge(points: &[IntersectionPoint], min_distance: f64) -> (Vec<usize>, Vec<u3
 }
 
 impl PointSet {
-    /// Where a corner is [m].
+    /// Where a corner is \[m\].
     pub(super) fn position(&self, surface: &Surface, corner: Corner) -> Vec3 {
         match corner {
             Corner::Old(v) => surface.position(v),
@@ -143,8 +143,9 @@ impl PointSet {
     }
 
     /// Refuses a cross-section in which a loop lies inside another and runs against it: its cap
-    /// would have a hole, and capping both loops would cover the hole twice.
-    pub(super) fn refuse_nested_loops(&self, sweep: &Sweep) -> Result<(), CutError> {
+    /// would have a hole, and capping both loops would cover the hole twice. A loop around less
+    /// than `smallest` \[m^2\] is a fold of the surface, not a cavity, and does not count.
+    pub(super) fn refuse_nested_loops(&self, sweep: &Sweep, smallest: f64) -> Result<(), CutError> {
         if self.loops.len() < 2 {
             return Ok(());
         }
@@ -160,7 +161,7 @@ impl PointSet {
         // Entered from below to above, the strip of an outer loop runs clockwise about the normal.
         let is_hole: Vec<bool> = outlines
             .iter()
-            .map(|o| newell(o).dot(&normal) > 0.0)
+            .map(|o| newell(o).dot(&normal) > 2.0 * smallest)
             .collect();
         for (inner, outline) in outlines.iter().enumerate().filter(|&(i, _)| is_hole[i]) {
             let p = outline[0];

@@ -7,7 +7,7 @@ use crate::topology::Topology;
 /// A closed oriented surface. Dead triangles and vertices keep their slots, marked by null.
 #[derive(Debug)]
 pub(super) struct Shell {
-    /// Where vertices are, shape [vertex slots].
+    /// Where vertices are, shape \[vertex slots\].
     pub(super) points: Vec<Vec3>,
     origin: Vec<VertexId>,
     twin: Vec<HalfEdge>,
