@@ -71,6 +71,41 @@ fn degenerate_shapes_stay_finite() {
 }
 
 #[test]
+fn any_time_step_and_stiffness_stay_bounded() {
+    for frames_per_second in [15.0, 60.0, 600.0, 6000.0] {
+        for compliance in [0.0, 1e-12, 1e-6, 1e-3, 1.0, 1e3] {
+            for (iterations, substeps) in [(1, 1), (1, 8), (10, 1)] {
+                let stiffness = Stiffness::Compliance(compliance);
+                let material = Material {
+                    stretch: stiffness,
+                    bending: Some(stiffness),
+                    ..Material::default()
+                };
+                let mut surface = sphere(2, [0.0, 1.1, 0.0]);
+                let mut solver = Solver::new(&mut surface, &material).unwrap();
+                let params = SolverParams {
+                    iterations,
+                    substeps,
+                    ..GROUND
+                };
+                let limit = solver.total_mass() * 9.81 * 2.1;
+                for _ in 0..200 {
+                    solver
+                        .step(&mut surface, 1.0 / frames_per_second, &params)
+                        .unwrap();
+                    let energy = solver.kinetic_energy();
+                    assert!(
+                        energy < 1.01 * limit,
+                        "{energy} J of {limit} J at {frames_per_second} Hz, {compliance} m/N, \
+                         {iterations} iterations, {substeps} substeps"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn compliance_does_not_depend_on_iterations() {
     // A hanging ball of soft rubber sags by the same length, whatever the number of iterations.
     let sag = |iterations: u32| {
