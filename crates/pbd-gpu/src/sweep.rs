@@ -5,8 +5,9 @@ use crate::kernels::displacements::{Cell, Displacements, Exclusive, Shared};
 use crate::material::Projection;
 use pulp::{Arch, NullaryFnOnce};
 
-/// A color with fewer constraints is swept by one thread: waking another takes longer than its work.
-/// Only the number of constraints decides, never the number of threads.
+/// A color with fewer constraints is swept by one thread. So many take one core about 50 us (stretch) to
+/// 120 us (bending), against some 10 us to hand work to a sleeping thread. Only the number of
+/// constraints decides, never the number of threads.
 const PARALLEL_FROM: usize = 8192;
 
 /// The least that a thread is given, a multiple of the lanes of a block.
