@@ -236,5 +236,23 @@ mod tests {
             prop_assert!(crossing(x, y, -1.0, 1.0).is_some());
             prop_assert!(crossing(x, y, 1.0, -1.0).is_some());
         }
+
+        /// Flat, bent up and bent down; corners on the planes, edges through the diagonal and along
+        /// it. On one side or the other of every vertex: a triangle has no crossing or two that turn.
+        #[test]
+        fn ties_with_a_bent_sweep_agree_around_a_triangle(
+            heights in prop::array::uniform4(-2i8..=2),
+            corners in prop::array::uniform3(prop::array::uniform3(-3i8..=3)),
+        ) {
+            let [h0, h1, h2, h3] = heights.map(f32::from);
+            let sweep = Sweep::new(
+                [[-8.0, -8.0, h0], [8.0, -8.0, h1]],
+                [[-8.0, 8.0, h3], [8.0, 8.0, h2]],
+            )
+            .unwrap();
+            let corners = corners.map(|p| p.map(f32::from));
+            let surface = Surface::from_triangles(&corners, &[[0, 1, 2]]).unwrap();
+            prop_assert!(Signs::new(&sweep).hit(&surface, TriangleId(0)).is_ok());
+        }
     }
 }

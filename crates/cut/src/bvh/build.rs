@@ -16,6 +16,7 @@ impl Bvh {
     pub fn rebuild(&mut self, surface: &Surface) {
         self.nodes.clear();
         self.order.clear();
+        self.corners.clear();
         self.order.extend(surface.topology().triangles());
         if self.order.is_empty() {
             return;
@@ -26,8 +27,9 @@ impl Bvh {
             .map(|&t| (t, middle(surface, t)))
             .collect();
         self.split(&mut items, 0);
-        for (slot, (t, _)) in self.order.iter_mut().zip(&items) {
-            *slot = *t;
+        for (slot, &(t, _)) in self.order.iter_mut().zip(&items) {
+            *slot = t;
+            self.corners.push(surface.topology().triangle(t));
         }
         self.refit(surface);
     }

@@ -1,6 +1,6 @@
 //! Which triangles may a sweep touch?
 
-use super::Bvh;
+use super::{Bvh, triangle_bounds};
 use crate::sweep::Sweep;
 use incise_mesh::geometry::widen;
 use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
@@ -20,15 +20,12 @@ impl Bvh {
             let node = &self.nodes[at];
             let hit = slabs.iter().any(|s| s.may_touch(&node.bounds));
             if hit && node.count > 0 {
-                let first = node.index as usize;
-                out.extend(
-                    self.order[first..first + node.count as usize]
-                        .iter()
-                        .filter(|&&t| {
-                            let bounds = super::refit::triangle_bounds(surface, t);
-                            slabs.iter().any(|s| s.may_touch(&bounds))
-                        }),
-                );
+                for i in node.index as usize..node.index as usize + node.count as usize {
+                    let bounds = triangle_bounds(surface, self.corners[i]);
+                    if slabs.iter().any(|s| s.may_touch(&bounds)) {
+                        out.push(self.order[i]);
+                    }
+                }
             }
             if hit && node.count == 0 {
                 rights[depth] = node.index;

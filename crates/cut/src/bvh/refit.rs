@@ -1,7 +1,7 @@
 //! New boxes for moved triangles in the old tree.
 
-use super::Bvh;
-use incise_mesh::{Aabb, Surface, TriangleId};
+use super::{Bvh, triangle_bounds};
+use incise_mesh::{Aabb, Surface};
 
 impl Bvh {
     /// Fits all boxes to where the vertices are now. O(n). The triangles must be those that the
@@ -12,10 +12,10 @@ impl Bvh {
             let node = self.nodes[i];
             self.nodes[i].bounds = if node.count > 0 {
                 let first = node.index as usize;
-                self.order[first..first + node.count as usize]
+                self.corners[first..first + node.count as usize]
                     .iter()
-                    .fold(Aabb::default(), |b, &t| {
-                        b.union(triangle_bounds(surface, t))
+                    .fold(Aabb::default(), |b, &c| {
+                        b.union(triangle_bounds(surface, c))
                     })
             } else {
                 self.nodes[i + 1]
@@ -30,12 +30,4 @@ impl Bvh {
     pub fn bounds(&self) -> Aabb {
         self.nodes.first().map_or_else(Aabb::default, |n| n.bounds)
     }
-}
-
-/// The box around a triangle.
-pub(super) fn triangle_bounds(surface: &Surface, t: TriangleId) -> Aabb {
-    Aabb::around(surface.topology().triangle(t).map(|v| {
-        let [x, y, z, _] = surface.positions[v.index()];
-        [x, y, z]
-    }))
 }

@@ -1,6 +1,6 @@
 //! The tree's invariants, checked in full.
 
-use super::{Bvh, Node, refit::triangle_bounds};
+use super::{Bvh, Node, triangle_bounds};
 use incise_mesh::{Aabb, Surface};
 
 /// A broken invariant of a [`Bvh`].
@@ -38,17 +38,23 @@ impl Bvh {
                         return broken("leaves follow each other in order", i);
                     }
                     covered += count as usize;
-                    let Some(triangles) = self.order.get(index as usize..covered) else {
+                    let Some(corners) = self.corners.get(index as usize..covered) else {
                         return broken("leaves lie within the order", i);
                     };
-                    triangles.iter().fold(Aabb::default(), |b, &t| {
-                        b.union(triangle_bounds(surface, t))
+                    corners.iter().fold(Aabb::default(), |b, &c| {
+                        b.union(triangle_bounds(surface, c))
                     })
                 }
             };
             if node.bounds != expected {
                 return broken("a box fits what it holds", i);
             }
+        }
+        let known = |(&t, &corners)| surface.topology().triangle(t) == corners;
+        if self.corners.len() != self.order.len()
+            || !self.order.iter().zip(&self.corners).all(known)
+        {
+            return broken("corners are those of the triangles in order", 0);
         }
         let mut order = self.order.clone();
         order.sort_unstable();
