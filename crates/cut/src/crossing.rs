@@ -228,6 +228,21 @@ mod tests {
         assert!(crossing(0.5, 0.5, -1.0, 0.0).is_some());
     }
 
+    #[test]
+    fn a_vertex_on_the_diagonal_of_a_roof_is_above_it_for_all_its_edges() {
+        // z = 0 on one side of the diagonal, falling on the other.
+        let roof = Sweep::new(
+            [[-8.0, -8.0, 0.0], [8.0, -8.0, 0.0]],
+            [[-8.0, 8.0, -8.0], [8.0, 8.0, 0.0]],
+        )
+        .unwrap();
+        // On the diagonal, over the falling side but below z = 0, and above everything.
+        let corners = [[0.0, 0.0, 0.0], [-2.0, 2.0, -1.0], [0.0, 0.0, 5.0]];
+        let surface = Surface::from_triangles(&corners, &[[0, 1, 2]]).unwrap();
+        let hit = Signs::new(&roof).hit(&surface, TriangleId(0));
+        assert_eq!(hit, Ok(None), "all three are above the roof");
+    }
+
     proptest! {
         /// On a grid many edges run exactly through the diagonal and the corners' lines.
         #[test]
