@@ -13,9 +13,8 @@ fn brute_force(surface: &Surface, n: Vec3, d: f64) -> (Vec<TriangleId>, Vec<Tria
         if heights.iter().any(|&h| h > 1e-6) && heights.iter().any(|&h| h < -1e-6) {
             straddles.push(t);
         }
-        let [low, high] = [f64::min, f64::max].map(|pick| {
-            Vec3::from_fn(|k, _| corners.iter().map(|p| p[k]).reduce(pick).unwrap())
-        });
+        let [low, high] = [f64::min, f64::max]
+            .map(|pick| Vec3::from_fn(|k, _| corners.iter().map(|p| p[k]).reduce(pick).unwrap()));
         let reach = n.abs().dot(&((high - low) / 2.0));
         if (n.dot(&((high + low) / 2.0)) - d).abs() <= reach + 1e-6 {
             reaches.push(t);

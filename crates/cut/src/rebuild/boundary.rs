@@ -7,6 +7,8 @@
 //!   space may be across a thin limb or out of order, which folds the surface. The nearest is taken
 //!   among the points of the same loop between the one before edge's and the one where the next
 //!   edge's triangle ends: the order along the loop holds, and a few points are looked at for each edge.
+//! - A point may lie next to an old vertex that stays, which makes a sliver of the cap. The vertex
+//!   takes its place, as one of two close points takes the other's in Algorithm 2.
 //! - Lines 20 to 22 remove an edge and its opposite. Edges stand in order from the start here, so
 //!   the two follow each other; lines 23 to 27, the sorting, need no search.
 //! - Line 30 measures a signed angle without saying about what: about the outward normal of the hit
@@ -78,7 +80,21 @@ fn connect(
     let (origin, normal) = job.sweep.plane();
     let distance = |v: VertexId| normal.dot(&(surface.position(v) - origin)).abs();
     let count = u32::try_from(lip.points.len()).expect("ranks are 32 bits");
-    let point = |rank: u32| Corner::Point(lip.points[(rank % count) as usize]);
+    let point = |rank: u32| {
+        let id = lip.points[(rank % count) as usize];
+        let point = &points.points[id as usize];
+        let v = match lip.positive {
+            true => surface.topology().target(point.entry),
+            false => surface.topology().origin(point.entry),
+        };
+        let gap = (surface.position(v) - point.position).norm();
+        let stays = distance(v) <= beta && !lip.is_pinched(v);
+        if stays && gap < job.params.min_distance * job.scale {
+            Corner::Old(v)
+        } else {
+            Corner::Point(id)
+        }
+    };
     let edges: Vec<(usize, VertexId, VertexId)> = lip
         .steps
         .iter()
@@ -93,9 +109,8 @@ fn connect(
             corner: Corner::Old(start),
             wall: wall_before(lip, &edges, i),
         });
-        let is_pinched = |v: VertexId| lip.pinched.binary_search(&v).is_ok();
         let far = distance(start) > beta && distance(end) > beta;
-        if !far && !is_pinched(start) && !is_pinched(end) && !lip.steps[j].is_loose {
+        if !far && !lip.is_pinched(start) && !lip.is_pinched(end) && !lip.steps[j].is_loose {
             continue;
         }
         let last = match edges.get(i + 1) {
@@ -119,6 +134,9 @@ fn connect(
         first.get_or_insert(nearest);
         previous = nearest;
         let p = point(nearest);
+        if p == Corner::Old(start) || p == Corner::Old(end) {
+            continue;
+        }
         walls.push([Corner::Old(start), Corner::Old(end), p]);
         ring.push(RingCorner {
             corner: p,
@@ -193,7 +211,7 @@ fn close_ears(
             let [p, x, q] = [before, corner, behind].map(|c| points.position(job.surface, c));
             let signed_area = (x - p).cross(&(q - p)).dot(&wall);
             let close = if forced {
-                lip.pinched.binary_search(&v).is_ok()
+                lip.is_pinched(v)
             } else {
                 signed_area > 0.0
                     && angle_between(p - x, q - x) < ear_angle

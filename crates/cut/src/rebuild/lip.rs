@@ -33,10 +33,16 @@ pub(super) struct Lip {
     pub(super) points: Vec<u32>,
     /// Old vertices that the boundaries of this side pass more than once, ascending.
     pub(super) pinched: Vec<VertexId>,
+    /// Whether this is the side to which the sweep's normal points.
+    pub(super) positive: bool,
     pub(super) piece: u32,
 }
 
 impl Lip {
+    pub(super) fn is_pinched(&self, v: VertexId) -> bool {
+        self.pinched.binary_search(&v).is_ok()
+    }
+
     pub(super) fn is_single_vertex(&self) -> bool {
         self.steps.iter().all(|s| s.end.is_none())
     }
@@ -70,6 +76,7 @@ pub(super) fn lips(surface: &Surface, strips: &[Strip], points: &PointSet) -> Ve
                 steps,
                 points: order,
                 pinched: Vec::new(),
+                positive,
                 piece: surface.piece(strip.hits[0].triangle),
             });
         }

@@ -144,8 +144,14 @@ impl PointSet {
 
     /// Refuses a cross-section in which a loop lies inside another and runs against it: its cap
     /// would have a hole, and capping both loops would cover the hole twice. A loop around less
-    /// than `smallest` \[m^2\] is a fold of the surface, not a cavity, and does not count.
-    pub(super) fn refuse_nested_loops(&self, sweep: &Sweep, smallest: f64) -> Result<(), CutError> {
+    /// than `smallest` \[m^2\] is a fold of the surface and does not count, unless its piece has no
+    /// outer loop: that is the tip of a cavity.
+    pub(super) fn refuse_nested_loops(
+        &self,
+        surface: &Surface,
+        sweep: &Sweep,
+        smallest: f64,
+    ) -> Result<(), CutError> {
         if self.loops.len() < 2 {
             return Ok(());
         }
@@ -159,9 +165,14 @@ impl PointSet {
             .map(|l| self.points_of(l).map(|p| p.position).collect())
             .collect();
         // Entered from below to above, the strip of an outer loop runs clockwise about the normal.
-        let is_hole: Vec<bool> = outlines
+        let areas: Vec<f64> = outlines
             .iter()
-            .map(|o| newell(o).dot(&normal) > 2.0 * smallest)
+            .map(|o| newell(o).dot(&normal) / 2.0)
+            .collect();
+        let piece = |l: usize| surface.piece(self.loops[l].triangle);
+        let has_outer = |p: u32| (0..areas.len()).any(|l| areas[l] <= 0.0 && piece(l) == p);
+        let is_hole: Vec<bool> = (0..areas.len())
+            .map(|l| areas[l] > smallest || (areas[l] > 0.0 && !has_outer(piece(l))))
             .collect();
         for (inner, outline) in outlines.iter().enumerate().filter(|&(i, _)| is_hole[i]) {
             let p = outline[0];
