@@ -99,7 +99,7 @@ pub(crate) fn rebuild(
         scale: mean_hit_edge(surface, strips),
     };
     let merged = intersection_points(surface, strips, signs, params.min_distance * job.scale);
-    merged.refuse_nested_loops(surface, sweep, job.scale * job.scale)?;
+    merged.refuse_nested_loops(surface, sweep)?;
     let strict = intersection_points(surface, strips, signs, 0.0);
     let [merged_lips, strict_lips] = [&merged, &strict].map(|set| lips(surface, strips, set));
     let mut forms = vec![Form::Even; merged_lips.len()];

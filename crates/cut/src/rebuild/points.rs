@@ -6,7 +6,7 @@
 //! first point, and a loop keeps at least three: the order along the loop survives.
 
 use super::{Corner, newell};
-use crate::crossing::{Signs, point_between, round_t};
+use crate::crossing::{Hit, Signs, point_between, round_t};
 use crate::error::CutError;
 use crate::strip::Strip;
 use crate::sweep::Sweep;
@@ -40,6 +40,8 @@ pub(super) struct Loop {
     pub(super) rank: Vec<u32>,
     /// A triangle of the strip, to name it in an error.
     triangle: TriangleId,
+    /// The shortest edge of the strip's triangles \[m\].
+    shortest: f64,
 }
 
 /// All points of a cut that are left after merging.
@@ -76,9 +78,20 @@ pub(super) fn intersection_points(
             representatives: first..id(set.points.len()),
             rank,
             triangle: strip.hits[0].triangle,
+            shortest: shortest_edge(surface, strip),
         });
     }
     set
+}
+
+fn shortest_edge(surface: &Surface, strip: &Strip) -> f64 {
+    let corners = |hit: &Hit| surface.triangle_positions(hit.triangle);
+    let edges = strip
+        .hits
+        .iter()
+        .map(corners)
+        .flat_map(|[a, b, c]| [b - a, c - b, a - c]);
+    edges.map(|edge| edge.norm()).fold(f64::INFINITY, f64::min)
 }
 
 fn intersection(
@@ -143,14 +156,13 @@ impl PointSet {
     }
 
     /// Refuses a cross-section in which a loop lies inside another and runs against it: its cap
-    /// would have a hole, and capping both loops would cover the hole twice. A loop around less
-    /// than `smallest` \[m^2\] is a fold of the surface and does not count, unless its piece has no
-    /// outer loop: that is the tip of a cavity.
+    /// would have a hole, and capping both loops would cover the hole twice. A loop that encloses
+    /// less than any of its triangles is wide is a fold of the surface and does not count (a tunnel
+    /// encloses more), unless its piece has no outer loop: that is the tip of a cavity.
     pub(super) fn refuse_nested_loops(
         &self,
         surface: &Surface,
         sweep: &Sweep,
-        smallest: f64,
     ) -> Result<(), CutError> {
         if self.loops.len() < 2 {
             return Ok(());
@@ -172,7 +184,10 @@ impl PointSet {
         let piece = |l: usize| surface.piece(self.loops[l].triangle);
         let has_outer = |p: u32| (0..areas.len()).any(|l| areas[l] <= 0.0 && piece(l) == p);
         let is_hole: Vec<bool> = (0..areas.len())
-            .map(|l| areas[l] > smallest || (areas[l] > 0.0 && !has_outer(piece(l))))
+            .map(|l| {
+                let fold = self.loops[l].shortest.powi(2) / 4.0;
+                areas[l] > fold || (areas[l] > 0.0 && !has_outer(piece(l)))
+            })
             .collect();
         for (inner, outline) in outlines.iter().enumerate().filter(|&(i, _)| is_hole[i]) {
             let p = outline[0];
