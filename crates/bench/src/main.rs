@@ -112,13 +112,7 @@ fn positive(text: &str) -> Result<f64, String> {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let mut out = io::stdout().lock();
-    let done = match arguments.command {
-        Some(Command::Solver(solver)) => solver::run(&solver, &mut out),
-        Some(Command::Table(table)) => report::run(&table, &mut out),
-        None => report::run(&arguments.table, &mut out),
-    };
-    match done {
+    match run(arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             // Without an error output the exit code has to do.
@@ -126,6 +120,20 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+fn run(arguments: Arguments) -> Result<(), String> {
+    // Inside the pool: work that comes from outside is queued in memory that grows now and then,
+    // and frames are shown to allocate nothing.
+    rayon::scope(|_| {
+        let mut out = io::stdout().lock();
+        let done = match arguments.command {
+            Some(Command::Solver(solver)) => solver::run(&solver, &mut out),
+            Some(Command::Table(table)) => report::run(&table, &mut out),
+            None => report::run(&arguments.table, &mut out),
+        };
+        done.map_err(|error| error.to_string())
+    })
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use crate::models::Loaded;
 use crate::{BackendChoice, TableArguments};
 use incise_cut::{CutParams, Sweep};
 use incise_mesh::geometry::{area_vector, round};
-use incise_mesh::{AngleStats, Surface, TriangleId, Vec3, VertexId};
+use incise_mesh::{AngleStats, Surface, Vec3, VertexId};
 use incise_pbd_gpu::{Material, SolverParams, Stiffness};
 use incise_refine::RefineParams;
 use incise_scene::{BladeId, BodyId, Scene, SceneParams};
@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 /// Angular velocity of the body at the start, about its vertical axis \[1/s\].
 const SPIN: f64 = 1.0;
 /// Rate at which the body is squeezed along its vertical axis at the start \[1/s\].
-const SQUEEZE: f64 = 1.0;
+const SQUEEZE: f64 = 0.25;
 /// How far from the body the blade hovers, in diagonals of its box.
 const HOVER: f64 = 10.0;
 
@@ -145,7 +145,6 @@ fn run_scene(
     for frame in 1..=frames {
         let slices = frame % a_second == 0;
         let before = allocations::count();
-        let mut at = Duration::ZERO;
         if let Some(blade) = blade {
             if slices {
                 let sweep = aim(&mut scene, body, blade, &mut directions)?;
@@ -162,14 +161,19 @@ fn run_scene(
             0.0
         };
         let begin = Instant::now();
-        scene.step()?;
-        at += begin.elapsed();
-        run.work += at;
-        if blade.is_some() && slices {
+        scene.cut()?;
+        let mut work = begin.elapsed();
+        // A cap is judged as it was made, before it moves.
+        if slices {
+            judge_caps(&scene, body, &mut run);
+        }
+        let begin = Instant::now();
+        scene.advance()?;
+        work += begin.elapsed();
+        run.work += work;
+        if let Some(blade) = blade.filter(|_| slices) {
             after_slice(&scene, body, volume_before / volume, volume, &mut run);
-            if let Some(blade) = blade {
-                scene.jump_blade(blade, hover(diagonal, frame));
-            }
+            scene.jump_blade(blade, hover(diagonal, frame));
         } else if frame > 1 {
             run.allocations += allocations::count() - before;
         }
@@ -249,17 +253,23 @@ fn middle(surface: &Surface) -> Vec3 {
     sum / area
 }
 
+fn judge_caps(scene: &Scene, body: BodyId, run: &mut Run) {
+    let surface = scene.body(body).surface();
+    for (_, outcome) in scene.outcomes() {
+        let cap = outcome.cap.iter().map(|&t| surface.triangle_positions(t));
+        run.cap_min_angle = run.cap_min_angle.min(AngleStats::of(cap).min);
+    }
+}
+
 fn after_slice(scene: &Scene, body: BodyId, before: f64, volume: f64, run: &mut Run) {
     let stats = scene.stats();
     let refusals = scene.refusals().iter();
     run.refused.extend(refusals.map(|r| r.error.to_string()));
-    let surface = scene.body(body).surface();
-    for (_, outcome) in scene.outcomes() {
+    for _ in scene.outcomes() {
         run.cut_ms.push(stats.cutting().as_secs_f64() * 1e3);
-        let cap = outcome.cap.iter().map(|&t| rest_triangle(surface, t));
-        run.cap_min_angle = run.cap_min_angle.min(AngleStats::of(cap).min);
     }
-    run.volume_error += (rest_volume(surface) / volume - before).abs();
+    let after = rest_volume(scene.body(body).surface()) / volume;
+    run.volume_error += (after - before).abs();
 }
 
 /// The blade above the body, a little further on its way every frame.
@@ -271,20 +281,14 @@ fn hover(diagonal: f64, frame: u32) -> [[f32; 3]; 2] {
     [round(out - along), round(out + along)]
 }
 
-fn rest_triangle(surface: &Surface, t: TriangleId) -> [Vec3; 3] {
-    surface
-        .topology()
-        .triangle(t)
-        .map(|v| surface.rest_position(v))
-}
-
 /// The volume that the body encloses at rest \[m^3\]: free of what the motion does to it.
 fn rest_volume(surface: &Surface) -> f64 {
     surface
         .topology()
         .triangles()
         .map(|t| {
-            let [a, b, c] = rest_triangle(surface, t);
+            let corners = surface.topology().triangle(t);
+            let [a, b, c] = corners.map(|v| surface.rest_position(v));
             a.dot(&b.cross(&c)) / 6.0
         })
         .sum()

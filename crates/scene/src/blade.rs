@@ -52,7 +52,7 @@ impl Blade {
         }
     }
 
-    pub(crate) fn end_frame(&mut self) {
+    pub(crate) fn end_sweep(&mut self) {
         self.previous = self.edge;
     }
 }

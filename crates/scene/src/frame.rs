@@ -9,24 +9,40 @@ use incise_cut::CutParams;
 use std::time::Instant;
 
 impl Scene {
-    /// Steps by one frame: cuts along the blades' sweeps, then moves the bodies. Allocates nothing
-    /// in a frame without a cut, once warm. A cut that cannot be done is no error, see
-    /// [`Scene::refusals`].
+    /// Steps by one frame: [`Scene::cut`], then [`Scene::advance`]. Allocates nothing in a frame
+    /// without a cut, once warm.
     ///
     /// # Errors
     /// [`SceneError`] when a body cannot be stepped.
     pub fn step(&mut self) -> Result<&FrameStats, SceneError> {
+        self.cut()?;
+        self.advance()
+    }
+
+    /// The first half of a frame: cuts along the blades' sweeps. A cut that cannot be done is no
+    /// error, see [`Scene::refusals`].
+    ///
+    /// # Errors
+    /// [`SceneError::Constraint`] when a body's constraints cannot follow its cut.
+    pub fn cut(&mut self) -> Result<&FrameStats, SceneError> {
         self.stats = FrameStats::default();
         self.refusals.clear();
         self.outcomes.clear();
         for i in 0..self.blades.len() {
             let blade = self.blades[i];
             self.cut_with(&blade)?;
-            self.blades[i].end_frame();
+            self.blades[i].end_sweep();
         }
-        let asked = self.stats.refits;
         let bodies = u32::try_from(self.bodies.len()).unwrap_or(u32::MAX);
-        self.stats.refits_skipped = bodies.saturating_sub(asked);
+        self.stats.refits_skipped = bodies.saturating_sub(self.stats.refits);
+        Ok(&self.stats)
+    }
+
+    /// The second half of a frame: moves the bodies.
+    ///
+    /// # Errors
+    /// [`SceneError::Step`] when a body cannot be stepped.
+    pub fn advance(&mut self) -> Result<&FrameStats, SceneError> {
         let begin = Instant::now();
         for (i, body) in self.bodies.iter_mut().enumerate() {
             body.step(self.params.dt, &self.params.solver)
