@@ -100,17 +100,16 @@ impl Cutter {
         outcome.report.loops = strips.len();
         outcome.report.hits = strips.iter().map(|s| s.hits.len()).sum();
         let begin = Instant::now();
-        match params.method {
-            CutMethod::Rebuild => rebuild(surface, &strips, &signs, sweep, params, &mut outcome)?,
-        }
-        let mut pieces: Vec<u32> = outcome
-            .delta
-            .triangles_added
+        // Asked before the edit: a piece of which nothing is left must be told, too.
+        let mut pieces: Vec<u32> = strips
             .iter()
-            .map(|&t| surface.piece(t))
+            .map(|strip| surface.piece(strip.hits[0].triangle))
             .collect();
         pieces.sort_unstable();
         pieces.dedup();
+        match params.method {
+            CutMethod::Rebuild => rebuild(surface, &strips, &signs, sweep, params, &mut outcome)?,
+        }
         separate(surface, &pieces, &mut outcome.delta);
         self.bvh.rebuild(surface);
         outcome.report.topology = begin.elapsed() - outcome.report.refinement;

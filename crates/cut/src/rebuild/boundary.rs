@@ -80,8 +80,9 @@ fn connect(
     let (origin, normal) = job.sweep.plane();
     let distance = |v: VertexId| normal.dot(&(surface.position(v) - origin)).abs();
     let count = u32::try_from(lip.points.len()).expect("ranks are 32 bits");
+    let id = |rank: u32| lip.points[(rank % count) as usize];
     let point = |rank: u32| {
-        let id = lip.points[(rank % count) as usize];
+        let id = id(rank);
         let point = &points.points[id as usize];
         let v = match lip.positive {
             true => surface.topology().target(point.entry),
@@ -133,7 +134,12 @@ fn connect(
             );
         first.get_or_insert(nearest);
         previous = nearest;
-        let p = point(nearest);
+        // A lip of loose edges alone would vanish if an old vertex stood for the point.
+        let p = if lip.steps[j].is_loose {
+            Corner::Point(id(nearest))
+        } else {
+            point(nearest)
+        };
         if p == Corner::Old(start) || p == Corner::Old(end) {
             continue;
         }
