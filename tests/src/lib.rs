@@ -1,1 +1,28 @@
-//! Shared helpers.
+//! What the workspace's tests share: bodies and cuts at random, and the laws that every cut obeys.
+
+mod blades;
+mod bodies;
+mod laws;
+
+pub use blades::{Blade, any_blade, any_level, flat_blade};
+pub use bodies::{Body, Deformation, Shape, any_body, large_body, small_body, wild_body};
+pub use laws::{assert_same_bits, assert_sound, cut_and_check, euler_characteristics};
+
+use proptest::test_runner::{Config, RngSeed};
+
+/// A property's configuration: the same cases in every run, so that a failure is there again
+/// tomorrow. `PROPTEST_CASES` and `PROPTEST_RNG_SEED` look further.
+#[must_use]
+pub fn cases(count: u32) -> Config {
+    let mut config = Config {
+        failure_persistence: None,
+        ..Config::default()
+    };
+    if std::env::var_os("PROPTEST_CASES").is_none() {
+        config.cases = count;
+    }
+    if config.rng_seed == RngSeed::Random {
+        config.rng_seed = RngSeed::Fixed(1);
+    }
+    config
+}

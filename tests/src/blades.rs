@@ -1,0 +1,151 @@
+//! Sweeps at random, with everything that can go wrong about them.
+
+use incise_cut::{CutError, Sweep};
+use incise_mesh::geometry::{Vec3, area_vector, round, widen};
+use incise_mesh::{Surface, TriangleId, VertexId};
+use incise_refine::RefinementLevel;
+use proptest::prelude::*;
+
+/// A way to sweep through a surface. Vertices and triangles are named by any number, which is taken
+/// modulo how many the surface has.
+#[derive(Debug, Clone, Copy)]
+pub enum Blade {
+    /// A plane along any direction, at this part of the body's half extent from its middle.
+    Plane([f64; 3], f64),
+    /// A plane across an axis, exactly through a vertex.
+    AxisThroughVertex(usize, u32),
+    /// The plane through three vertices; exact where coordinates lie on a lattice.
+    ThroughVertices([u32; 3]),
+    /// A plane in this direction through the edge at a triangle's corner.
+    ThroughEdge(u32, usize, [f64; 3]),
+    /// The plane of a triangle.
+    InFace(u32),
+    /// A plane along any direction that touches the body's outermost vertex.
+    Grazing([f64; 3]),
+    /// A plane of which one corner is bent out by this part of the body.
+    Bent([f64; 3], f64, f64),
+    /// A part of a plane; it may end inside the body.
+    Short([f64; 3], f64, f64),
+}
+
+impl Blade {
+    /// The sweep through `surface`.
+    ///
+    /// # Errors
+    /// [`CutError`] when what was chosen spans no plane.
+    pub fn sweep(&self, surface: &Surface) -> Result<Sweep, CutError> {
+        let bounds = surface.bounds();
+        let topology = surface.topology();
+        let vertices: Vec<VertexId> = topology.vertices().collect();
+        let triangles: Vec<TriangleId> = topology.triangles().collect();
+        let at = |i: u32| surface.position(vertices[i as usize % vertices.len()]);
+        let triangle = |i: u32| surface.triangle_positions(triangles[i as usize % triangles.len()]);
+        let plane = |n: Vec3, p: Vec3| Sweep::across_box(n.into(), n.dot(&p), &bounds);
+        let middle = |n: Vec3, part: f64| {
+            let size = widen(bounds.max) - widen(bounds.min);
+            let extent = n.abs().dot(&size) / 2.0;
+            Sweep::across_box(n.into(), n.dot(&bounds.center()) + part * extent, &bounds)
+        };
+        match *self {
+            Self::Plane(n, part) => middle(n.into(), part),
+            Self::AxisThroughVertex(axis, v) => plane(Vec3::ith(axis % 3, 1.0), at(v)),
+            Self::ThroughVertices(vs) => span(surface, vs.map(at)),
+            Self::ThroughEdge(t, corner, n) => {
+                let corners = triangle(t);
+                let (a, b) = (corners[corner % 3], corners[(corner + 1) % 3]);
+                span(surface, [a, b, a + Vec3::from(n)])
+            }
+            Self::InFace(t) => span(surface, triangle(t)),
+            Self::Grazing(n) => {
+                let n = Vec3::from(n);
+                let height = |v: &VertexId| n.dot(&surface.position(*v));
+                let top = (vertices.iter())
+                    .max_by(|a, b| height(a).total_cmp(&height(b)))
+                    .expect("a body has vertices");
+                plane(n, surface.position(*top))
+            }
+            Self::Bent(n, part, bend) => {
+                let flat = middle(n.into(), part)?;
+                let [a, b, c, d] = flat.corners();
+                let out = flat.plane().1 * (bend * bounds.diagonal());
+                Sweep::new([a, b], [round(widen(d) + out), c])
+            }
+            Self::Short(n, part, length) => {
+                let [a, b, c, d] = middle(n.into(), part)?.corners().map(widen);
+                let (c, d) = (b + (c - b) * length, a + (d - a) * length);
+                Sweep::new([round(a), round(b)], [round(d), round(c)])
+            }
+        }
+    }
+
+    /// Whether it cuts all the way along one plane, so that nothing but a hole in the cross-section
+    /// may keep it from cutting.
+    #[must_use]
+    pub fn is_full_plane(&self) -> bool {
+        !matches!(self, Self::Bent(..) | Self::Short(..))
+    }
+}
+
+/// How often the sides of a triangle are doubled at most to make a sweep of them.
+const MOST_DOUBLINGS: f64 = 14.0;
+
+/// A sweep in the plane of three points, far over the body on all sides. The corners are sums of
+/// whole multiples of the sides, so lattice points give a plane exactly through all three.
+fn span(surface: &Surface, points: [Vec3; 3]) -> Result<Sweep, CutError> {
+    let [a, b, c] = points;
+    let (u, v) = (b - a, c - a);
+    let height = area_vector(points).norm() / u.norm().max(v.norm()).max(f64::MIN_POSITIVE);
+    let reach = 2.0 * surface.bounds().diagonal();
+    // Points in a line span no plane; nearly in a line, its far corners would be mostly rounding.
+    let exponent = (reach / height).log2().ceil();
+    if exponent.is_nan() || exponent > MOST_DOUBLINGS {
+        return Err(CutError::BladeDegenerate);
+    }
+    let k = exponent.max(1.0).exp2();
+    let corner = |s: f64, t: f64| round(a + u * (s * k) + v * (t * k));
+    Sweep::new(
+        [corner(-1.0, -1.0), corner(1.0, -1.0)],
+        [corner(-1.0, 1.0), corner(1.0, 1.0)],
+    )
+}
+
+fn direction() -> impl Strategy<Value = [f64; 3]> {
+    let axis = (0..3_usize).prop_map(|k| Vec3::ith(k, 1.0).into());
+    let any = prop::array::uniform3(-1.0..1.0_f64)
+        .prop_filter("a direction has a length", |n| Vec3::from(*n).norm() > 0.1);
+    prop_oneof![1 => axis, 4 => any]
+}
+
+/// Full planes, many of them through vertices, edges or triangles.
+pub fn flat_blade() -> impl Strategy<Value = Blade> {
+    let index = || 0..100_000_u32;
+    prop_oneof![
+        4 => (direction(), -0.95..0.95_f64).prop_map(|(n, part)| Blade::Plane(n, part)),
+        2 => (0..3_usize, index()).prop_map(|(axis, v)| Blade::AxisThroughVertex(axis, v)),
+        1 => prop::array::uniform3(index()).prop_map(Blade::ThroughVertices),
+        1 => (index(), 0..3_usize, direction())
+            .prop_map(|(t, corner, n)| Blade::ThroughEdge(t, corner, n)),
+        1 => index().prop_map(Blade::InFace),
+        1 => direction().prop_map(Blade::Grazing),
+    ]
+}
+
+/// Full planes, bent sweeps and sweeps that end too early.
+pub fn any_blade() -> impl Strategy<Value = Blade> {
+    let part = -0.9..0.9_f64;
+    prop_oneof![
+        4 => flat_blade(),
+        1 => (direction(), part.clone(), -0.6..0.6_f64)
+            .prop_map(|(n, part, bend)| Blade::Bent(n, part, bend)),
+        1 => (direction(), part, 0.1..0.9_f64)
+            .prop_map(|(n, part, length)| Blade::Short(n, part, length)),
+    ]
+}
+
+/// The five levels of the paper and any between.
+pub fn any_level() -> impl Strategy<Value = RefinementLevel> {
+    prop_oneof![
+        prop::sample::select(RefinementLevel::FIVE.to_vec()),
+        (0.4..3.0_f64).prop_map(RefinementLevel::Z),
+    ]
+}

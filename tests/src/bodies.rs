@@ -1,0 +1,248 @@
+//! Closed bodies at random.
+
+use incise_mesh::geometry::{Vec3, round, widen};
+use incise_mesh::{Model, Surface, build_model, cube_sphere, icosphere, torus};
+use proptest::prelude::*;
+use std::sync::OnceLock;
+
+/// What a body is made from, at a size of about 1.
+#[derive(Debug, Clone, Copy)]
+pub enum Shape {
+    /// 20 x 4^n triangles.
+    Icosphere(u32),
+    /// 12 n^2 triangles, valence 3 at eight vertices.
+    CubeSphere(u32),
+    /// 2 m n triangles and one handle.
+    Torus(u32, u32),
+    /// One of the models of the table.
+    Model(Model),
+}
+
+/// How a body is made irregular.
+#[derive(Debug, Clone, Copy)]
+pub enum Deformation {
+    /// Not at all: many vertices, edges and triangles lie exactly in common planes.
+    None,
+    /// Stretched along the axes, then bent by waves that move points less apart than they are:
+    /// nothing meets itself that did not.
+    Waves {
+        /// Factors along the axes.
+        stretch: [f64; 3],
+        /// Phases of the waves.
+        phase: [f64; 3],
+    },
+    /// Every vertex moved at random by at most this part of its shortest edge.
+    Noise(f64),
+    /// Every vertex moved at random by at most this: the surface passes through itself.
+    Wild(f64),
+}
+
+/// A closed body, named so that a failing one can be read and built again.
+#[derive(Debug, Clone, Copy)]
+pub struct Body {
+    /// From what.
+    pub shape: Shape,
+    /// Made irregular how.
+    pub deformation: Deformation,
+    /// Coordinates are rounded to multiples of 2^-n: planes through vertices are then exact, and
+    /// vertices may coincide.
+    pub lattice: Option<u32>,
+    /// Seeds the noise, the order of vertices and of triangles, and where triangles begin.
+    pub seed: u64,
+}
+
+/// A small generator (`SplitMix64`), so that a body depends on its seed alone.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// From -1 to 1.
+    fn signed(&mut self) -> f64 {
+        f64::from((self.next() >> 40) as i32) / f64::from(1 << 23) - 1.0
+    }
+
+    fn shuffle<T>(&mut self, items: &mut [T]) {
+        for i in (1..items.len()).rev() {
+            let j = usize::try_from(self.next() % (i as u64 + 1)).expect("it is at most i");
+            items.swap(i, j);
+        }
+    }
+}
+
+impl Shape {
+    fn build(self) -> Surface {
+        static MODELS: [OnceLock<Surface>; 7] = [const { OnceLock::new() }; 7];
+        match self {
+            Self::Icosphere(n) => icosphere(n, 0.5),
+            Self::CubeSphere(n) => cube_sphere(n, 0.5),
+            Self::Torus(m, n) => torus(0.4, 0.15, m, n),
+            Self::Model(model) => MODELS[model as usize]
+                .get_or_init(|| build_model(model))
+                .clone(),
+        }
+    }
+}
+
+impl Body {
+    /// The body as a surface at rest. Corner attributes are made up, so that their way through a cut
+    /// is tested too.
+    #[must_use]
+    pub fn build(&self) -> Surface {
+        let base = self.shape.build();
+        let topology = base.topology();
+        let mut random = Random(self.seed);
+        let mut points: Vec<Vec3> = (base.rest.iter().map(|&p| widen(p))).collect();
+        match self.deformation {
+            Deformation::None => {}
+            Deformation::Waves { stretch, phase } => {
+                for p in &mut points {
+                    *p = p.component_mul(&Vec3::from(stretch));
+                    // Lipschitz constant below 0.12 x 5 = 0.6.
+                    let wave = |k: usize| 0.12 * (5.0 * p[(k + 1) % 3] + phase[k]).sin();
+                    *p += Vec3::new(wave(0), wave(1), wave(2));
+                }
+            }
+            Deformation::Noise(part) => {
+                let reach: Vec<f64> = (topology.vertices())
+                    .map(|v| {
+                        let edges = topology.outgoing_fan(v).map(|h| topology.target(h));
+                        let lengths = edges.map(|w| (points[w.index()] - points[v.index()]).norm());
+                        part * lengths.fold(f64::INFINITY, f64::min)
+                    })
+                    .collect();
+                for (p, reach) in points.iter_mut().zip(reach) {
+                    *p += random_vector(&mut random) * reach;
+                }
+            }
+            Deformation::Wild(reach) => {
+                for p in &mut points {
+                    *p += random_vector(&mut random) * reach;
+                }
+            }
+        }
+        if let Some(bits) = self.lattice {
+            let cells = f64::from(1 << bits);
+            for p in &mut points {
+                *p = p.map(|x| (x * cells).round() / cells);
+            }
+        }
+        let mut order: Vec<usize> = (0..points.len()).collect();
+        let mut faces: Vec<[u32; 3]> = (topology.triangles())
+            .map(|t| topology.triangle(t).map(|v| v.0))
+            .collect();
+        if self.seed != 0 {
+            random.shuffle(&mut order);
+            random.shuffle(&mut faces);
+            for face in &mut faces {
+                face.rotate_left(usize::from(random.next().is_multiple_of(2)));
+            }
+        }
+        let mut number = vec![0; points.len()];
+        for (new, &old) in (0..).zip(&order) {
+            number[old] = new;
+        }
+        let positions: Vec<[f32; 3]> = order.iter().map(|&old| round(points[old])).collect();
+        let faces: Vec<[u32; 3]> = (faces.iter())
+            .map(|face| face.map(|v| number[v as usize]))
+            .collect();
+        let mut surface =
+            Surface::from_triangles(&positions, &faces).expect("its shape is a manifold");
+        surface.corners.uv = (surface.topology().corners().iter())
+            .map(|v| {
+                let [x, y, z] = positions[v.index()];
+                [x + 0.5 * z, y]
+            })
+            .collect();
+        surface
+    }
+
+    /// Whether its triangles are small against it, so that cutting whole triangles moves little volume.
+    #[must_use]
+    pub fn is_fine(&self) -> bool {
+        match self.shape {
+            Shape::Icosphere(n) => n >= 3,
+            Shape::CubeSphere(n) => n >= 8,
+            Shape::Torus(m, n) => m >= 24 && n >= 12,
+            Shape::Model(model) => model.triangles() >= 700,
+        }
+    }
+}
+
+fn random_vector(random: &mut Random) -> Vec3 {
+    loop {
+        let v = Vec3::new(random.signed(), random.signed(), random.signed());
+        if v.norm_squared() <= 1.0 {
+            return v;
+        }
+    }
+}
+
+fn small_shape() -> impl Strategy<Value = Shape> {
+    prop_oneof![
+        (0..=3_u32).prop_map(Shape::Icosphere),
+        (1..=8_u32).prop_map(Shape::CubeSphere),
+        (3..=24_u32, 3..=12_u32).prop_map(|(m, n)| Shape::Torus(m, n)),
+    ]
+}
+
+fn large_shape() -> impl Strategy<Value = Shape> {
+    prop_oneof![
+        Just(Shape::Icosphere(4)),
+        (9..=14_u32).prop_map(Shape::CubeSphere),
+        (24..=48_u32, 12..=24_u32).prop_map(|(m, n)| Shape::Torus(m, n)),
+        Just(Shape::Model(Model::Bunny)),
+        Just(Shape::Model(Model::Octopus)),
+    ]
+}
+
+fn tame() -> impl Strategy<Value = Deformation> {
+    let stretch = prop::array::uniform3(0.6..1.6_f64);
+    let phase = prop::array::uniform3(0.0..6.3_f64);
+    prop_oneof![
+        1 => Just(Deformation::None),
+        2 => (stretch, phase).prop_map(|(stretch, phase)| Deformation::Waves { stretch, phase }),
+        2 => (0.0..0.3_f64).prop_map(Deformation::Noise),
+    ]
+}
+
+fn body(
+    shape: impl Strategy<Value = Shape>,
+    deformation: impl Strategy<Value = Deformation>,
+) -> impl Strategy<Value = Body> {
+    let lattice = prop_oneof![3 => Just(None), 1 => (4..=12_u32).prop_map(Some)];
+    let seed = prop_oneof![Just(0), 1..10_000_u64];
+    (shape, deformation, lattice, seed).prop_map(|(shape, deformation, lattice, seed)| Body {
+        shape,
+        deformation,
+        lattice,
+        seed,
+    })
+}
+
+/// Bodies of 6 to 1,300 triangles that do not pass through themselves (but for a coarse lattice).
+pub fn small_body() -> impl Strategy<Value = Body> {
+    body(small_shape(), tame())
+}
+
+/// Bodies of 1,000 to 5,120 triangles that do not pass through themselves.
+pub fn large_body() -> impl Strategy<Value = Body> {
+    body(large_shape(), tame())
+}
+
+/// Small bodies mostly, some large.
+pub fn any_body() -> impl Strategy<Value = Body> {
+    prop_oneof![4 => small_body().boxed(), 1 => large_body().boxed()]
+}
+
+/// Bodies that pass through themselves everywhere.
+pub fn wild_body() -> impl Strategy<Value = Body> {
+    let reach = prop_oneof![0.02..0.2_f64, 0.2..1.5_f64];
+    body(small_shape(), reach.prop_map(Deformation::Wild))
+}

@@ -1,0 +1,144 @@
+//! 231 plane cuts against volumes and components that an independent boolean library computed. The
+//! table lies in a folder beside the workspace; without it one ignored test says so.
+
+use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
+use incise_mesh::geometry::{Vec3, area_vector};
+use incise_mesh::{Surface, read_mesh};
+use incise_refine::{RefineParams, RefinementLevel};
+use incise_tests::cut_and_check;
+use libtest_mimic::{Arguments, Failed, Trial};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// A row of the table: the plane `normal . x = d`, then the positive and the negative side.
+#[derive(Debug, Clone, Copy)]
+struct Reference {
+    plane: usize,
+    normal: [f64; 3],
+    d: f64,
+    volume: [f64; 2],
+    section_area: f64,
+    components: [usize; 2],
+}
+
+/// Whether the cross-section has a hole, which the rebuild method refuses: every plane that passes
+/// the cavity, and the one that passes all around a tunnel of the plate.
+fn has_hole(mesh: &str, plane: usize) -> bool {
+    mesh == "torture/ok_hollow_sphere.obj" || (mesh, plane) == ("torture/ok_plate_genus16.obj", 9)
+}
+
+fn main() -> ExitCode {
+    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
+    let table = std::fs::read_to_string(shared.join("reference/cuts.csv"));
+    let mut trials = Vec::new();
+    if let Ok(text) = table {
+        for (mesh, rows) in rows(&text) {
+            let path = shared.join(&mesh);
+            trials.push(Trial::test(mesh.clone(), move || test(&path, &mesh, &rows)));
+        }
+    } else {
+        trials.push(Trial::test("cuts.csv is absent", || Ok(())).with_ignored_flag(true));
+    }
+    libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
+}
+
+fn rows(text: &str) -> BTreeMap<String, Vec<Reference>> {
+    let mut out: BTreeMap<String, Vec<Reference>> = BTreeMap::new();
+    for line in text.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let number = |i: usize| -> f64 { cells[i].parse().expect("a number") };
+        let count = |i: usize| -> usize { cells[i].parse().expect("a count") };
+        out.entry(cells[0].to_owned()).or_default().push(Reference {
+            plane: count(1),
+            normal: [number(2), number(3), number(4)],
+            d: number(5),
+            volume: [number(6), number(7)],
+            section_area: number(8),
+            components: [count(9), count(10)],
+        });
+    }
+    out
+}
+
+fn test(path: &Path, mesh: &str, rows: &[Reference]) -> Result<(), Failed> {
+    let data = read_mesh(path).map_err(|e| e.to_string())?;
+    let (surface, _) = data.into_surface().map_err(|e| e.to_string())?;
+    for row in rows {
+        for level in RefinementLevel::FIVE {
+            cut(&surface, mesh, row, level)
+                .map_err(|error| format!("plane {}, level {level}: {error}", row.plane))?;
+        }
+    }
+    Ok(())
+}
+
+fn cut(whole: &Surface, mesh: &str, row: &Reference, level: RefinementLevel) -> Result<(), String> {
+    let mut surface = whole.clone();
+    let sweep = Sweep::across_box(row.normal, row.d, &surface.bounds()).expect("a plane");
+    let params = CutParams {
+        refine: RefineParams {
+            level,
+            ..RefineParams::default()
+        },
+        ..CutParams::default()
+    };
+    let result = cut_and_check(&mut surface, &mut Cutter::new(whole), &sweep, &params);
+    let outcome = match (result, has_hole(mesh, row.plane)) {
+        (Err(CutError::NestedSection { .. }), true) => return Ok(()),
+        (Err(error), _) => return Err(error.to_string()),
+        (Ok(_), true) => return Err("a section with a hole was cut".to_owned()),
+        (Ok(outcome), false) => outcome,
+    };
+    let volumes = surface.piece_volumes();
+    let mut found = [0.0; 2];
+    let mut components = 0;
+    for (piece, center) in centers_of_volume(&surface) {
+        let is_negative = Vec3::from(row.normal).dot(&center) < row.d;
+        found[usize::from(is_negative)] += volumes[piece as usize];
+        components += 1;
+    }
+    let expected: usize = row.components.iter().sum();
+    if components != expected {
+        return Err(format!("{components} components, expected {expected}"));
+    }
+    let bound = error_bound(whole, row, &outcome);
+    for (found, expected) in found.into_iter().zip(row.volume) {
+        let error = (found - expected).abs();
+        if error > bound {
+            return Err(format!("volume {found}, expected {expected} to {bound}"));
+        }
+    }
+    Ok(())
+}
+
+/// How much volume the method may move: whole hit triangles go, so a side may end up to an edge from
+/// the plane, over the section and over the strip of hit triangles.
+fn error_bound(whole: &Surface, row: &Reference, outcome: &CutOutcome) -> f64 {
+    let removed = &outcome.delta.triangles_removed;
+    let (mut perimeters, mut strip) = (0.0, 0.0);
+    for (_, corners) in removed {
+        let [a, b, c] = corners.map(|v| whole.position(v));
+        perimeters += (b - a).norm() + (c - b).norm() + (a - c).norm();
+        strip += area_vector([a, b, c]).norm() / 2.0;
+    }
+    let mean_edge = perimeters / (3 * removed.len()) as f64;
+    mean_edge * (row.section_area + strip)
+}
+
+/// The center of the volume of every piece.
+fn centers_of_volume(surface: &Surface) -> BTreeMap<u32, Vec3> {
+    let mut moments: BTreeMap<u32, (f64, Vec3)> = BTreeMap::new();
+    let apex = surface.bounds().center();
+    for t in surface.topology().triangles() {
+        let [a, b, c] = surface.triangle_positions(t).map(|p| p - apex);
+        let volume = a.dot(&b.cross(&c)) / 6.0;
+        let moment = moments.entry(surface.piece(t)).or_default();
+        moment.0 += volume;
+        moment.1 += (a + b + c) * (volume / 4.0);
+    }
+    moments
+        .into_iter()
+        .map(|(piece, (volume, moment))| (piece, apex + moment / volume))
+        .collect()
+}
