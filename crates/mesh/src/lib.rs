@@ -37,7 +37,7 @@ pub use io::{
     MeshData, ParseError, Place, ReadError, Warning, WriteError, read_gltf, read_mesh, read_obj,
     read_ply, read_stl, write_obj, write_ply,
 };
-pub use shapes::{Model, build_model, cube_sphere, icosphere, torus};
 pub use quality::{AngleStats, EdgeStats};
+pub use shapes::{Model, build_model, cube_sphere, icosphere, torus};
 pub use surface::{CornerAttributes, Surface};
 pub use topology::{InvalidTopology, Topology, TopologyError};

@@ -50,6 +50,10 @@ impl Builder {
         self.positions.len()
     }
 
+    pub(super) fn corner_count(&self) -> usize {
+        self.corners.len()
+    }
+
     pub(super) fn uv_count(&self) -> usize {
         self.uv.len()
     }

@@ -100,8 +100,8 @@ pub enum ParseError {
     /// No triangle anywhere.
     #[error("there are no faces")]
     NoFaces,
-    /// More elements than 32-bit ids can name.
-    #[error("more triangles or vertices than 32-bit ids can name")]
+    /// More elements than can be read.
+    #[error("more triangles or vertices than can be read; split the file")]
     TooLarge,
     /// A legal feature that this reader does not know.
     #[error("{what} cannot be read; convert the file")]

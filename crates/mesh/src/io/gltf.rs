@@ -19,6 +19,11 @@ use std::path::Path;
 /// Extensions that change what the numbers of a file mean.
 const COMPRESSED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
 
+/// Nodes and primitives may share data, so that a small file could ask for any amount of memory.
+/// A file may unfold to this many positions or corners, and to this many more for every byte.
+const FREE_CORNERS: usize = 1 << 20;
+const CORNERS_A_BYTE: usize = 16;
+
 /// Reads a glTF file, `.gltf` or `.glb` by its first bytes. `folder` is where files that it refers
 /// to lie; without one it must hold everything itself.
 ///
@@ -41,6 +46,10 @@ pub fn read_gltf(bytes: &[u8], folder: Option<&Path>) -> Result<MeshData, ParseE
         document: &document,
         buffers: &buffers,
     };
+    let size = bytes.len() + buffers.iter().map(|b| b.len()).sum::<usize>();
+    let most = size
+        .saturating_mul(CORNERS_A_BYTE)
+        .saturating_add(FREE_CORNERS);
     let mut builder = Builder::default();
     let mut skipped = 0;
     for (mesh, transform) in placed_meshes(&document)? {
@@ -56,6 +65,9 @@ pub fn read_gltf(bytes: &[u8], folder: Option<&Path>) -> Result<MeshData, ParseE
             let at = Place::Primitive(mesh, i);
             if !add_primitive(primitive, &transform, &accessors, at, &mut builder)? {
                 skipped += 1;
+            }
+            if builder.position_count().max(builder.corner_count()) > most {
+                return Err(ParseError::TooLarge);
             }
         }
     }

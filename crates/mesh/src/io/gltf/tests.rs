@@ -88,3 +88,25 @@ fn a_file_cut_short_is_refused() {
         );
     }
 }
+
+#[test]
+fn a_small_file_does_not_unfold_to_all_memory() {
+    // Nodes share one mesh whose primitives share one accessor: 16 million positions of 999.
+    let points = 999;
+    let primitives = vec![r#"{"attributes":{"POSITION":0}}"#; 160].join(",");
+    let nodes = vec![r#"{"mesh":0}"#; 100].join(",");
+    let roots: Vec<String> = (0..100).map(|i| i.to_string()).collect();
+    let base64 = "A".repeat(points * 16);
+    let text = format!(
+        r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[{}]}}],"nodes":[{nodes}],
+        "meshes":[{{"primitives":[{primitives}]}}],
+        "bufferViews":[{{"buffer":0,"byteLength":{}}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":{points},"type":"VEC3"}}],
+        "buffers":[{{"byteLength":{},"uri":"data:application/octet-stream;base64,{base64}"}}]}}"#,
+        roots.join(","),
+        points * 12,
+        points * 12
+    );
+    let error = read_gltf(text.as_bytes(), None).unwrap_err();
+    assert!(matches!(error, ParseError::TooLarge), "{error}");
+}
