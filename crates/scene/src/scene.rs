@@ -60,33 +60,51 @@ impl Scene {
     }
 
     /// A body.
+    ///
+    /// # Panics
+    /// When the id is another scene's.
     #[must_use]
     pub fn body(&self, id: BodyId) -> &Body {
         &self.bodies[id.0]
     }
 
     /// A body, to pin vertices and set velocities.
+    ///
+    /// # Panics
+    /// When the id is another scene's.
     pub fn body_mut(&mut self, id: BodyId) -> &mut Body {
         &mut self.bodies[id.0]
     }
 
     /// A blade.
+    ///
+    /// # Panics
+    /// When the id is another scene's.
     #[must_use]
     pub fn blade(&self, id: BladeId) -> &Blade {
         &self.blades[id.0]
     }
 
     /// Restricts a blade to one piece of the bodies, or frees it.
+    ///
+    /// # Panics
+    /// When the id is another scene's.
     pub fn set_blade_piece(&mut self, id: BladeId, only_piece: Option<u32>) {
         self.blades[id.0].only_piece = only_piece;
     }
 
     /// Moves a blade: the next frame cuts along the way.
+    ///
+    /// # Panics
+    /// When the id is another scene's.
     pub fn move_blade(&mut self, id: BladeId, edge: [[f32; 3]; 2]) {
         self.blades[id.0].move_to(edge);
     }
 
     /// Puts a blade elsewhere without cutting.
+    ///
+    /// # Panics
+    /// When the id is another scene's.
     pub fn jump_blade(&mut self, id: BladeId, edge: [[f32; 3]; 2]) {
         self.blades[id.0].jump_to(edge);
     }
