@@ -1,0 +1,72 @@
+//! Counterexamples that random cuts and the reference cuts found, by what went wrong.
+
+use incise_cut::{CutError, CutParams, Cutter, Sweep};
+use incise_mesh::{Surface, icosphere};
+use incise_refine::{RefineParams, RefinementLevel};
+use incise_tests::{Blade, Body, Deformation, Shape, cut_and_check};
+
+/// An old vertex stood for the point of a loose edge: walls and cap cancelled, and the piece beyond
+/// the plane was gone. The Euler characteristic knows.
+#[test]
+fn a_tip_of_loose_edges_does_not_vanish() {
+    let body = Body {
+        shape: Shape::Torus(3, 6),
+        deformation: Deformation::None,
+        lattice: None,
+        seed: 0,
+    };
+    let normal = [
+        -0.373_882_029_838_111_1,
+        0.452_775_582_158_547_1,
+        0.979_388_913_557_901,
+    ];
+    let blade = Blade::Plane(normal, 0.883_901_180_654_020_9);
+    let params = CutParams {
+        refine: RefineParams {
+            level: RefinementLevel::Coarser2,
+            ..RefineParams::default()
+        },
+        ..CutParams::default()
+    };
+    let mut surface = body.build();
+    let sweep = blade.sweep(&surface).expect("a plane");
+    let mut cutter = Cutter::new(&surface);
+    let outcome = cut_and_check(&mut surface, &mut cutter, &sweep, &params).expect("a full slice");
+    assert_eq!(outcome.delta.pieces_added, [(1, 0)], "a tip comes off");
+}
+
+/// The tip of a cavity was taken for a fold of the surface because its section is small.
+#[test]
+fn the_tip_of_a_cavity_is_a_hole_of_the_section() {
+    let (outer, inner) = (icosphere(2, 0.5), icosphere(2, 0.4));
+    let count = u32::try_from(outer.rest.len()).expect("few vertices");
+    let triangles = |s: &Surface| -> Vec<[u32; 3]> {
+        let t = s.topology();
+        t.triangles()
+            .map(|id| t.triangle(id).map(|v| v.0))
+            .collect()
+    };
+    let mut positions = outer.rest.clone();
+    positions.extend(&inner.rest);
+    let mut faces = triangles(&outer);
+    faces.extend(
+        triangles(&inner)
+            .iter()
+            .map(|&[a, b, c]| [a, c, b].map(|v| v + count)),
+    );
+    let hollow = Surface::from_triangles(&positions, &faces).expect("two spheres");
+    // Along a direction in which the cavity has a vertex, just before it.
+    let [x, y, z] = inner.rest[0].map(f64::from);
+    for part in [0.0, 0.5, 0.9, 0.98] {
+        let mut surface = hollow.clone();
+        let d = part * (x * x + y * y + z * z);
+        let sweep = Sweep::across_box([x, y, z], d, &surface.bounds()).expect("a plane");
+        let mut cutter = Cutter::new(&surface);
+        let result = cut_and_check(&mut surface, &mut cutter, &sweep, &CutParams::default());
+        assert!(
+            matches!(result, Err(CutError::NestedSection { .. })),
+            "{part} of the way to the tip: {:?}",
+            result.map(|outcome| outcome.report)
+        );
+    }
+}
