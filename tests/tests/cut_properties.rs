@@ -96,7 +96,7 @@ fn is_allowed(error: CutError, blade: &Blade) -> bool {
 }
 
 proptest! {
-    #![proptest_config(cases(400))]
+    #![proptest_config(cases(1000))]
 
     #[test]
     fn one_plane(body in any_body(), blade in flat_blade(), level in any_level()) {
@@ -105,7 +105,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(cases(200))]
+    #![proptest_config(cases(500))]
 
     #[test]
     fn sweeps_in_turn(

@@ -108,7 +108,7 @@ fn follow(body: &Body, material: &Material, blades: &[(Blade, RefinementLevel)],
 }
 
 proptest! {
-    #![proptest_config(cases(150))]
+    #![proptest_config(cases(400))]
 
     #[test]
     fn constraints_mass_and_momentum_follow_cuts(
