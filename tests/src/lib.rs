@@ -26,3 +26,8 @@ pub fn cases(count: u32) -> Config {
     }
     config
 }
+
+/// The README's code, compiled and run as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;
