@@ -70,3 +70,41 @@ fn the_tip_of_a_cavity_is_a_hole_of_the_section() {
         );
     }
 }
+
+/// A plane that leaves only one corner's width of a cube: chords between far points left a flat
+/// sheet of that side, of no volume.
+#[test]
+fn a_cube_cut_near_a_face_keeps_both_sides() {
+    let corners: Vec<[f32; 3]> = (0..8u8)
+        .map(|i| [i & 1, i >> 1 & 1, i >> 2 & 1].map(f32::from))
+        .collect();
+    let faces = [
+        [0, 2, 1],
+        [1, 2, 3],
+        [4, 5, 6],
+        [5, 7, 6],
+        [0, 1, 4],
+        [1, 5, 4],
+        [2, 6, 3],
+        [3, 6, 7],
+        [0, 4, 2],
+        [2, 4, 6],
+        [1, 3, 5],
+        [3, 7, 5],
+    ];
+    let cube = Surface::from_triangles(&corners, &faces).unwrap();
+    assert_eq!(cube.volume(), 1.0);
+    let normal = [
+        -0.999_087_967_067_1,
+        -0.042_444_454_601_9,
+        -0.004_658_575_981_6,
+    ];
+    let exact = 0.124;
+    let mut body = cube.clone();
+    let sweep = Sweep::across_box(normal, -0.898_312_815_462_6, &body.bounds()).unwrap();
+    Cutter::new(&body)
+        .cut(&mut body, &sweep, &CutParams::default())
+        .unwrap();
+    let smaller = body.piece_volumes().into_iter().fold(1.0, f64::min);
+    assert!((smaller - exact).abs() < exact / 2.0, "{smaller}");
+}

@@ -23,7 +23,7 @@ const SPIN: f64 = 1.0;
 /// Rate at which the body is squeezed along its vertical axis at the start \[1/s\].
 const SQUEEZE: f64 = 0.25;
 /// How far from the body the blade hovers, in diagonals of its box.
-const HOVER: f64 = 10.0;
+const HOVER: f64 = 100.0;
 
 /// A row of the table.
 #[derive(Debug, Clone, Serialize)]
@@ -283,15 +283,7 @@ fn hover(diagonal: f64, frame: u32) -> [[f32; 3]; 2] {
 
 /// The volume that the body encloses at rest \[m^3\]: free of what the motion does to it.
 fn rest_volume(surface: &Surface) -> f64 {
-    surface
-        .topology()
-        .triangles()
-        .map(|t| {
-            let corners = surface.topology().triangle(t);
-            let [a, b, c] = corners.map(|v| surface.rest_position(v));
-            a.dot(&b.cross(&c)) / 6.0
-        })
-        .sum()
+    surface.rest_volume_of(surface.topology().triangles())
 }
 
 /// Seeded directions (splitmix64, Steele et al. 2014).

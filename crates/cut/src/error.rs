@@ -8,7 +8,9 @@ use incise_refine::RefineError;
 #[non_exhaustive]
 pub enum CutError {
     /// The sweep has no area.
-    #[error("the sweep has no area: the blade has no length or did not move across it")]
+    #[error(
+        "the sweep has no area: the blade has no length or did not move across it, or the plane has no normal"
+    )]
     BladeDegenerate,
     /// A coordinate of the sweep is NaN or infinite.
     #[error("corner {corner} of the sweep is not finite")]

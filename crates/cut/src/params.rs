@@ -21,7 +21,8 @@ pub struct CutParams {
     /// How caps are refined.
     pub refine: RefineParams,
     /// Intersection points closer than this merge (the alpha of Algorithm 2, line 24) \[mean edges\].
-    /// Larger values make rims more even and move more volume; the paper gives no number.
+    /// Larger values make rims more even and move more volume. The paper gives no number; at the
+    /// default 0.5 a rim's mean edge is about that of the surface.
     pub min_distance: f64,
     /// A rim edge with an end closer to the plane than this stays (the beta of Algorithm 3) [mean
     /// edges]; the paper gives no number.
@@ -38,7 +39,7 @@ impl Default for CutParams {
         Self {
             method: CutMethod::default(),
             refine: RefineParams::default(),
-            min_distance: 0.3,
+            min_distance: 0.5,
             beta: 0.15,
             ear_angle: 120.0,
             only_piece: None,

@@ -22,6 +22,7 @@
 //! - Nothing in the listing keeps the result a manifold. It is checked, and where the paper's form
 //!   fails, that lip is made again in a plainer form: the intersection points in their order, each
 //!   hit triangle cut along the sweep. With all points that is a manifold whenever the input was.
+//!   A lip whose piece would be flat is made again likewise.
 
 mod apply;
 mod boundary;
@@ -51,6 +52,10 @@ enum Corner {
     /// An intersection point, by its number in the [`PointSet`].
     Point(u32),
 }
+
+/// A piece below this volume, in cubes of the mean hit edge, is made in a plainer form: chords
+/// across a body of few triangles may leave nothing between them.
+const FLAT: f64 = 1e-3;
 
 /// How the boundary of a lip is made, the paper's way first. Each form is tried where the one
 /// before did not give a manifold.
@@ -111,13 +116,17 @@ pub(crate) fn rebuild(
     let mut closed = (0..forms.len())
         .map(|i| close(i, Form::Even, time))
         .collect::<Result<Vec<_>, _>>()?;
+    let flat = FLAT * job.scale.powi(3);
     let edit = loop {
-        let failure = match apply(surface, strips, &closed) {
-            Ok(edit) => break edit,
-            Err(failure) => failure,
+        let (edit, lips) = match apply(surface, strips, &closed) {
+            Ok(edit) => {
+                let lips = edit.flat_lips(flat);
+                (Ok(edit), lips)
+            }
+            Err(failure) => (Err(failure.error), failure.lips),
         };
         let mut changed = false;
-        for i in failure.lips {
+        for i in lips {
             forms[i] = match forms[i] {
                 Form::Even => Form::Merged,
                 Form::Merged => Form::Strict,
@@ -127,7 +136,7 @@ pub(crate) fn rebuild(
             changed = true;
         }
         if !changed {
-            return Err(failure.error);
+            break edit?;
         }
     };
     outcome.delta = edit.delta;

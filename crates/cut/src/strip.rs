@@ -11,14 +11,6 @@ pub(crate) struct Strip {
     pub(crate) hits: Vec<Hit>,
 }
 
-impl Strip {
-    /// Whether the strip runs around a single vertex, on either side.
-    pub(crate) fn cuts_off_one_vertex(&self) -> bool {
-        let third_is_above = |hit: &Hit| hit.exit == hit.entry.prev();
-        self.hits.iter().all(third_is_above) || !self.hits.iter().any(third_is_above)
-    }
-}
-
 /// All closed strips among `candidates`, in order of their first triangle.
 ///
 /// # Errors

@@ -52,12 +52,15 @@ impl Sweep {
         let n = scaled / length;
         let d = d / largest / length;
         let center = bounds.center();
-        let on_plane = center + n * (d - n.dot(&center));
+        let reach = bounds.diagonal().max(f64::from(f32::MIN_POSITIVE));
+        // A plane that misses the box by far would leave the range of coordinates: any that misses
+        // it cuts the same.
+        let distance = (d - n.dot(&center)).clamp(-2.0 * reach, 2.0 * reach);
+        let on_plane = center + n * distance;
         let side = Vec3::ith(n.iamin(), 1.0);
         let u = n.cross(&side).normalize();
         let v = n.cross(&u);
         // The box lies within half a diagonal of its middle, and so does its shadow on the plane.
-        let reach = bounds.diagonal().max(f64::from(f32::MIN_POSITIVE));
         let corner = |s: f64, t: f64| round(on_plane + (u * s + v * t) * reach);
         Self::new(
             [corner(-1.0, -1.0), corner(1.0, -1.0)],
@@ -113,6 +116,17 @@ mod tests {
             assert!(
                 (Vec3::from(n).dot(&p) - 0.1 * f64::from(scale)).abs() < 1e-6 * f64::from(scale)
             );
+        }
+    }
+
+    #[test]
+    fn a_plane_far_away_misses_and_is_no_error() {
+        for scale in [1e-20f32, 1.0] {
+            let bounds = Aabb::around([[-scale; 3], [scale; 3]]);
+            for d in [-1e300, -1e9, 0.01, 1e39] {
+                let sweep = Sweep::across_box([0.3, 1.0, 0.2], d, &bounds).unwrap();
+                assert_eq!(sweep.bounds().overlaps(&bounds), d == 0.01 && scale == 1.0);
+            }
         }
     }
 

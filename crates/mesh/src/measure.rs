@@ -42,6 +42,19 @@ impl Surface {
             .sum()
     }
 
+    /// The volume under `triangles` at rest \[m^3\], see [`Surface::volume_of`]. Closed surfaces only.
+    #[must_use]
+    pub fn rest_volume_of(&self, triangles: impl Iterator<Item = TriangleId>) -> f64 {
+        let corner = |t: TriangleId| self.topology().triangle(t).map(|v| self.rest_position(v));
+        let mut apex = None;
+        triangles
+            .map(|t| {
+                let corners = corner(t);
+                cone_volume(corners, *apex.get_or_insert(corners[0]))
+            })
+            .sum()
+    }
+
     /// A third of the rest area of every triangle, at each of its corners \[m^2\], shape \[vertex slots\].
     #[must_use]
     pub fn lumped_rest_areas(&self) -> Vec<f64> {

@@ -15,7 +15,7 @@ pub struct FrameStats {
     pub detections_skipped: u32,
     /// Search trees fitted to moved triangles.
     pub refits: u32,
-    /// Search trees that nobody asked, left as they were.
+    /// Search trees left as they were: nobody asked, or nothing had moved.
     pub refits_skipped: u32,
     /// Triangles that search trees offered.
     pub candidates: usize,

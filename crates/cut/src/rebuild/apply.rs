@@ -14,7 +14,12 @@ pub(super) struct Edit {
     pub(super) surface: Surface,
     pub(super) delta: TopologyDelta,
     pub(super) cap: Vec<TriangleId>,
+    /// One triangle of every lip; none of a lip that needs none.
+    lip_triangles: Vec<Option<TriangleId>>,
 }
+
+/// The most triangles that a flat component is looked for in: one of more is no tip or sliver.
+const LARGEST_FLAT: usize = 256;
 
 /// Why the result would not be a closed manifold, and which lips take part in it.
 pub(super) struct Failure {
@@ -35,6 +40,7 @@ pub(super) fn apply(
         surface: before.clone(),
         delta: TopologyDelta::default(),
         cap: Vec::new(),
+        lip_triangles: Vec::with_capacity(lips.len()),
     };
     // How many vertices there were before each lip: a failure is traced back to its lips by them.
     let mut bounds = Vec::with_capacity(lips.len() + 1);
@@ -89,7 +95,10 @@ impl Edit {
         open.retain(|&h| self.surface.topology().is_triangle(h.triangle()));
         for lip in lips {
             bounds.push(self.delta.vertices_added.len());
+            let first = self.delta.triangles_added.len();
             self.add_lip(before, lip)?;
+            let own = self.delta.triangles_added.get(first).copied();
+            self.lip_triangles.push(own);
         }
         bounds.push(self.delta.vertices_added.len());
         let added = &self.delta.triangles_added;
@@ -104,6 +113,29 @@ impl Edit {
         self.surface.remove_vertices(&unused);
         self.delta.vertices_removed = unused;
         Ok(())
+    }
+
+    /// The lips of components that enclose less than `smallest` \[m^3\] at rest: flat, or inside out.
+    pub(super) fn flat_lips(&self, smallest: f64) -> Vec<usize> {
+        let labels = self.surface.topology().component_labels();
+        let mut sizes: Vec<usize> = Vec::new();
+        for &label in labels.iter().filter(|&&label| label != u32::MAX) {
+            let label = label as usize;
+            sizes.resize(sizes.len().max(label + 1), 0);
+            sizes[label] += 1;
+        }
+        let is_flat = |&t: &TriangleId| {
+            let label = labels[t.index()];
+            sizes[label as usize] <= LARGEST_FLAT && {
+                let triangles = self.surface.topology().triangles();
+                let own = triangles.filter(|t| labels[t.index()] == label);
+                self.surface.rest_volume_of(own) < smallest
+            }
+        };
+        let lips = self.lip_triangles.iter().enumerate();
+        lips.filter(|(_, t)| t.as_ref().is_some_and(is_flat))
+            .map(|(i, _)| i)
+            .collect()
     }
 
     /// The vertices of the edited surface at which `error` was found.

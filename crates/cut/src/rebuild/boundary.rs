@@ -7,6 +7,8 @@
 //!   space may be across a thin limb or out of order, which folds the surface. The nearest is taken
 //!   among the points of the same loop between the one before edge's and the one where the next
 //!   edge's triangle ends: the order along the loop holds, and a few points are looked at for each edge.
+//! - Points that are nearest to no edge would be left out, and the rim would cut the corner there:
+//!   they are connected to the old vertex between the edges whose points come before and behind.
 //! - A point may lie next to an old vertex that stays, which makes a sliver of the cap. The vertex
 //!   takes its place, as one of two close points takes the other's in Algorithm 2.
 //! - Lines 20 to 22 remove an edge and its opposite. Edges stand in order from the start here, so
@@ -102,16 +104,14 @@ fn connect(
         .enumerate()
         .filter_map(|(j, s)| s.end.map(|end| (j, s.start, end)))
         .collect();
-    let mut ring = Vec::with_capacity(2 * edges.len());
+    // For every edge the rank of its point and what stands there, if it is connected.
+    let mut connected: Vec<Option<(u32, Corner)>> = Vec::with_capacity(edges.len());
     let mut first = None;
     let mut previous = lip.steps[edges[0].0].from;
     for (i, &(j, start, end)) in edges.iter().enumerate() {
-        ring.push(RingCorner {
-            corner: Corner::Old(start),
-            wall: wall_before(lip, &edges, i),
-        });
         let far = distance(start) > beta && distance(end) > beta;
         if !far && !lip.is_pinched(start) && !lip.is_pinched(end) && !lip.steps[j].is_loose {
+            connected.push(None);
             continue;
         }
         let last = match edges.get(i + 1) {
@@ -125,13 +125,8 @@ fn connect(
             previous += 1;
         }
         let own = lip.steps[j].to.max(previous);
-        let nearest =
-            (previous..=last.max(own)).fold(
-                own,
-                |best, rank| {
-                    if gap(rank) < gap(best) { rank } else { best }
-                },
-            );
+        let nearer = |best, rank| if gap(rank) < gap(best) { rank } else { best };
+        let nearest = (previous..=last.max(own)).fold(own, nearer);
         first.get_or_insert(nearest);
         previous = nearest;
         // A lip of loose edges alone would vanish if an old vertex stood for the point.
@@ -140,14 +135,39 @@ fn connect(
         } else {
             point(nearest)
         };
-        if p == Corner::Old(start) || p == Corner::Old(end) {
-            continue;
+        let own_end = p == Corner::Old(start) || p == Corner::Old(end);
+        connected.push((!own_end).then_some((nearest, p)));
+    }
+    let mut ring = Vec::with_capacity(2 * edges.len());
+    for (i, &(_, start, end)) in edges.iter().enumerate() {
+        let v = Corner::Old(start);
+        let before = connected[(i + edges.len() - 1) % edges.len()];
+        let between = match (before, connected[i]) {
+            (Some((r0, _)), Some((r1, _))) => r0 + 1..if i == 0 { r1 + count } else { r1 },
+            _ => 0..0,
+        };
+        let fan: Vec<Corner> = before
+            .into_iter()
+            .map(|(_, p)| p)
+            .chain(between.clone().map(point))
+            .chain(connected[i].map(|(_, p)| p))
+            .collect();
+        let is_fan = !between.is_empty()
+            && !fan.contains(&v)
+            && (1..fan.len()).all(|k| !fan[..k].contains(&fan[k]));
+        let wall = wall_before(lip, &edges, i);
+        if is_fan {
+            walls.extend(fan.windows(2).map(|pair| [pair[0], v, pair[1]]));
+            let corner = |&corner: &Corner| RingCorner { corner, wall };
+            ring.extend(fan[1..fan.len() - 1].iter().map(corner));
+        } else {
+            ring.push(RingCorner { corner: v, wall });
         }
-        walls.push([Corner::Old(start), Corner::Old(end), p]);
-        ring.push(RingCorner {
-            corner: p,
-            wall: Vec3::zeros(),
-        });
+        if let Some((_, p)) = connected[i] {
+            walls.push([v, Corner::Old(end), p]);
+            let wall = Vec3::zeros();
+            ring.push(RingCorner { corner: p, wall });
+        }
     }
     ring
 }

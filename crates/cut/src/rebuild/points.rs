@@ -13,8 +13,8 @@ use crate::sweep::Sweep;
 use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3, VertexId};
 use std::ops::Range;
 
-/// How close to an end of its edge a point may lie where points do not merge, relative to the edge,
-/// so that no two vertices coincide when the sweep passes through a vertex.
+/// How close to an end of its edge a point may lie, relative to the edge, so that no two vertices
+/// coincide when the sweep passes through a vertex.
 const MARGIN: f64 = 0.02;
 
 /// A point where an edge crosses the sweep.
@@ -60,16 +60,10 @@ pub(super) fn intersection_points(
 ) -> PointSet {
     let mut set = PointSet::default();
     for strip in strips {
-        // A tip's points must not coincide with it either.
-        let margin = if min_distance == 0.0 || strip.cuts_off_one_vertex() {
-            MARGIN
-        } else {
-            0.0
-        };
         let all: Vec<IntersectionPoint> = strip
             .hits
             .iter()
-            .map(|hit| intersection(surface, signs, hit.entry, margin))
+            .map(|hit| intersection(surface, signs, hit.entry))
             .collect();
         let (kept, rank) = merge(&all, min_distance);
         let first = id(set.points.len());
@@ -94,19 +88,14 @@ fn shortest_edge(surface: &Surface, strip: &Strip) -> f64 {
     edges.map(|edge| edge.norm()).fold(f64::INFINITY, f64::min)
 }
 
-fn intersection(
-    surface: &Surface,
-    signs: &Signs,
-    entry: HalfEdge,
-    margin: f64,
-) -> IntersectionPoint {
+fn intersection(surface: &Surface, signs: &Signs, entry: HalfEdge) -> IntersectionPoint {
     let topology = surface.topology();
     let (a, b) = (topology.origin(entry), topology.target(entry));
     let ends = if a < b { [a, b] } else { [b, a] };
     let crossing = signs
         .crossing(surface, entry)
         .expect("a strip is entered through crossed edges");
-    let t = round_t(crossing.t.clamp(margin, 1.0 - margin));
+    let t = round_t(crossing.t.clamp(MARGIN, 1.0 - MARGIN));
     let [p, q] = ends.map(|v| surface.position(v));
     IntersectionPoint {
         ends,
@@ -156,17 +145,14 @@ impl PointSet {
     }
 
     /// Refuses a cross-section in which a loop lies inside another and runs against it: its cap
-    /// would have a hole, and capping both loops would cover the hole twice. A loop that encloses
-    /// less than any of its triangles is wide is a fold of the surface and does not count (a tunnel
-    /// encloses more), unless its piece has no outer loop: that is the tip of a cavity.
+    /// would have a hole, and capping both loops would cover the hole twice. The two must belong to
+    /// one piece, or the inner one to a cavity. A loop that encloses less than any of its triangles
+    /// is wide is a fold of the surface (a tunnel encloses more) and does not count.
     pub(super) fn refuse_nested_loops(
         &self,
         surface: &Surface,
         sweep: &Sweep,
     ) -> Result<(), CutError> {
-        if self.loops.len() < 2 {
-            return Ok(());
-        }
         let (_, normal) = sweep.plane();
         let side = Vec3::ith(normal.iamin(), 1.0);
         let u = normal.cross(&side).normalize();
@@ -182,15 +168,13 @@ impl PointSet {
             .map(|o| newell(o).dot(&normal) / 2.0)
             .collect();
         let piece = |l: usize| surface.piece(self.loops[l].triangle);
-        let has_outer = |p: u32| (0..areas.len()).any(|l| areas[l] <= 0.0 && piece(l) == p);
-        let is_hole: Vec<bool> = (0..areas.len())
-            .map(|l| {
-                let fold = self.loops[l].shortest.powi(2) / 4.0;
-                areas[l] > fold || (areas[l] > 0.0 && !has_outer(piece(l)))
-            })
-            .collect();
-        for (inner, outline) in outlines.iter().enumerate().filter(|&(i, _)| is_hole[i]) {
-            let p = outline[0];
+        for inner in (0..areas.len()).filter(|&l| areas[l] > 0.0) {
+            let own = &self.loops[inner];
+            let cavity = is_cavity(surface, piece(inner), own.shortest);
+            if !cavity && areas[inner] < own.shortest.powi(2) / 4.0 {
+                continue;
+            }
+            let p = outlines[inner][0];
             let inside = |other: &Vec<Vec3>| {
                 let crossings = (0..other.len()).filter(|&i| {
                     let [a, b] = [other[i], other[(i + 1) % other.len()]].map(|x| x - p);
@@ -199,9 +183,12 @@ impl PointSet {
                 });
                 crossings.count() % 2 == 1
             };
-            if (0..outlines.len()).any(|o| !is_hole[o] && inside(&outlines[o])) {
+            let encloses = |&o: &usize| {
+                areas[o] <= 0.0 && (cavity || piece(o) == piece(inner)) && inside(&outlines[o])
+            };
+            if (0..areas.len()).any(|o| encloses(&o)) {
                 return Err(CutError::NestedSection {
-                    triangle: self.loops[inner].triangle,
+                    triangle: own.triangle,
                 });
             }
         }
@@ -211,6 +198,14 @@ impl PointSet {
     fn points_of(&self, l: &Loop) -> impl Iterator<Item = &IntersectionPoint> {
         self.points[l.representatives.start as usize..l.representatives.end as usize].iter()
     }
+}
+
+/// Whether a piece is the wall of a cavity: inside out at rest, by more than a sliver with edges of
+/// `length` \[m\] can be.
+fn is_cavity(surface: &Surface, piece: u32, length: f64) -> bool {
+    let triangles = surface.topology().triangles();
+    let own = triangles.filter(|&t| surface.piece(t) == piece);
+    surface.rest_volume_of(own) < -length.powi(3) / 12.0
 }
 
 pub(super) fn id(i: usize) -> u32 {
