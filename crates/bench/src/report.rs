@@ -9,6 +9,9 @@ use std::io::Write;
 
 /// Runs the table and prints it.
 pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    if frames(arguments) == 0 {
+        return Err("the simulated time is shorter than half a frame: raise --seconds".into());
+    }
     let loaded = models::load(arguments.models.as_deref(), &arguments.only)?;
     let (machine, commit) = (machine::machine(), machine::commit());
     // Hidden by itself when the error output is no terminal.
@@ -133,12 +136,21 @@ fn line(model: Model, row: &Row) -> [String; 21] {
         format!("{:.1}", row.fps_difference_percent),
         paper.difference_percent.to_string(),
         times(paper.difference_percent / row.fps_difference_percent),
-        format!("{:.3}", row.cut_ms_mean),
+        measured(row.cut_ms_mean, 3),
         paper.cut_ms.to_string(),
         times(paper.cut_ms / row.cut_ms_mean),
-        format!("{:.3}", row.cut_ms_p99),
+        measured(row.cut_ms_p99, 3),
         format!("{:.3}", row.stretch_error_percent),
         format!("{:.2}", row.volume_error_percent),
-        format!("{:.1}", row.cap_min_angle_deg),
+        measured(row.cap_min_angle_deg, 1),
     ]
+}
+
+/// A number, or a dash for what a run without a cut cannot tell.
+fn measured(x: f64, digits: usize) -> String {
+    if x.is_finite() {
+        format!("{x:.digits$}")
+    } else {
+        "-".to_owned()
+    }
 }

@@ -6,7 +6,7 @@
 //! first point, and a loop keeps at least three: the order along the loop survives.
 
 use super::{Corner, newell};
-use crate::crossing::{Hit, Signs, point_between, round_t};
+use crate::crossing::{Signs, point_between, round_t};
 use crate::error::CutError;
 use crate::strip::Strip;
 use crate::sweep::Sweep;
@@ -40,8 +40,9 @@ pub(super) struct Loop {
     pub(super) rank: Vec<u32>,
     /// A triangle of the strip, to name it in an error.
     triangle: TriangleId,
-    /// The shortest edge of the strip's triangles \[m\].
+    /// The shortest and the longest edge of the strip's triangles \[m\].
     shortest: f64,
+    longest: f64,
 }
 
 /// All points of a cut that are left after merging.
@@ -67,25 +68,29 @@ pub(super) fn intersection_points(
             .collect();
         let (kept, rank) = merge(&all, min_distance);
         let first = id(set.points.len());
+        let (shortest, longest) = edge_range(surface, strip);
         set.points.extend(kept.iter().map(|&j| all[j]));
         set.loops.push(Loop {
             representatives: first..id(set.points.len()),
             rank,
             triangle: strip.hits[0].triangle,
-            shortest: shortest_edge(surface, strip),
+            shortest,
+            longest,
         });
     }
     set
 }
 
-fn shortest_edge(surface: &Surface, strip: &Strip) -> f64 {
-    let corners = |hit: &Hit| surface.triangle_positions(hit.triangle);
-    let edges = strip
+fn edge_range(surface: &Surface, strip: &Strip) -> (f64, f64) {
+    let corners = strip
         .hits
         .iter()
-        .map(corners)
-        .flat_map(|[a, b, c]| [b - a, c - b, a - c]);
-    edges.map(|edge| edge.norm()).fold(f64::INFINITY, f64::min)
+        .map(|hit| surface.triangle_positions(hit.triangle));
+    let edges = corners.flat_map(|[a, b, c]| [b - a, c - b, a - c]);
+    edges.map(|edge| edge.norm()).fold(
+        (f64::INFINITY, 0.0),
+        |(shortest, longest): (f64, f64), length| (shortest.min(length), longest.max(length)),
+    )
 }
 
 fn intersection(surface: &Surface, signs: &Signs, entry: HalfEdge) -> IntersectionPoint {
@@ -170,7 +175,7 @@ impl PointSet {
         let piece = |l: usize| surface.piece(self.loops[l].triangle);
         for inner in (0..areas.len()).filter(|&l| areas[l] > 0.0) {
             let own = &self.loops[inner];
-            let cavity = is_cavity(surface, piece(inner), own.shortest);
+            let cavity = is_cavity(surface, piece(inner), own.longest);
             if !cavity && areas[inner] < own.shortest.powi(2) / 4.0 {
                 continue;
             }
