@@ -116,18 +116,20 @@ impl Solver {
             .sum()
     }
 
-    /// How far edges are from their rest lengths: the mean of `|l - l0| / l0`, 0 without edges.
+    /// How far edges are from their rest lengths, weighted by length: the sum of `|l - l0|` over the
+    /// sum of `l0`. An edge that is next to nothing at rest counts for as little. 0 without edges or
+    /// when all rest lengths are 0.
     #[must_use]
     pub fn stretch_error(&self, surface: &Surface) -> f64 {
-        let mut sum = 0.0;
+        let (mut off, mut total) = (0.0, 0.0);
         for batch in self.stretch.all() {
             for (&[a, b], &rest) in batch.vertices().iter().zip(batch.rest()) {
                 let length = (surface.position(a) - surface.position(b)).norm();
-                let rest = f64::from(rest).max(f64::from(f32::MIN_POSITIVE));
-                sum += (length - rest).abs() / rest;
+                off += (length - f64::from(rest)).abs();
+                total += f64::from(rest);
             }
         }
-        sum / self.stretch.len().max(1) as f64
+        if total > 0.0 { off / total } else { 0.0 }
     }
 
     fn check_vertex(&self, vertex: VertexId) -> Result<(), ConstraintError> {

@@ -256,3 +256,43 @@ fn a_body_without_bending_has_none() {
         .unwrap();
     assert_eq!(stats.bending_projections, 0);
 }
+
+#[test]
+fn stretch_error_weighs_edges_by_length() {
+    // Two vertices all but coincide at rest: what becomes of their edge must not drown the others.
+    let whole = sphere(2, [0.0; 3]);
+    let topology = whole.topology();
+    let a = VertexId(0);
+    let near = topology.target(topology.outgoing(a));
+    let mut points: Vec<[f32; 3]> = whole
+        .positions
+        .iter()
+        .map(|&[x, y, z, _]| [x, y, z])
+        .collect();
+    points[a.index()] = points[near.index()];
+    points[a.index()][0] += 1e-6;
+    let faces: Vec<[u32; 3]> = topology
+        .triangles()
+        .map(|t| topology.triangle(t).map(|v| v.0))
+        .collect();
+    let mut surface = Surface::from_triangles(&points, &faces).unwrap();
+    let solver = Solver::new(&mut surface, &Material::default()).unwrap();
+    let error = solver.stretch_error(&surface);
+    assert!(error < 1e-7, "{error} at rest");
+    let rest = surface.positions.clone();
+    for p in &mut surface.positions {
+        *p = [1.25 * p[0], 1.25 * p[1], 1.25 * p[2], p[3]];
+    }
+    let error = solver.stretch_error(&surface);
+    assert!(
+        (error - 0.25).abs() < 1e-6,
+        "{error} at 1.25 times the size"
+    );
+    surface.positions = rest;
+    surface.positions[a.index()][1] += 0.01;
+    let error = solver.stretch_error(&surface);
+    assert!(
+        error > 0.0 && error < 0.01,
+        "{error} after one short edge grew"
+    );
+}
