@@ -142,8 +142,11 @@ fn run_scene(
         cap_min_angle: f64::INFINITY,
         ..Run::default()
     };
+    // A refused slice is tried again in the next frame, in the next direction.
+    let mut due = false;
     for frame in 1..=frames {
-        let slices = frame % a_second == 0;
+        due |= cutting && frame % a_second == 0;
+        let slices = due;
         let before = allocations::count();
         if let Some(blade) = blade {
             if slices {
@@ -173,6 +176,7 @@ fn run_scene(
         run.work += work;
         if let Some(blade) = blade.filter(|_| slices) {
             after_slice(&scene, body, volume_before / volume, volume, &mut run);
+            due = scene.outcomes().is_empty();
             scene.jump_blade(blade, hover(diagonal, frame));
         } else if frame > 1 {
             run.allocations += allocations::count() - before;

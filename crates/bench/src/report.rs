@@ -57,7 +57,7 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
 const LEGEND: &str = "\
 Frames a second of the solver alone (PBD) and with a moving blade that slices the largest piece once a
 second (PBD + CS); time of a cut is detection, topology, refinement and constraint update. Each is followed
-by the paper's number and by how many times better this one is. Stretch error: mean over edges and frames.
+by the paper's number and by how many times better this one is. Stretch error: mean over frames, edges weighted by length.
 Volume lost: by all cuts together, of the body at rest. Cap angle: the smallest of all cap triangles.";
 
 const HEADER: [&str; 21] = [
