@@ -3,7 +3,7 @@
 //! A reader makes [`MeshData`], which is what the file says and requires nothing of it;
 //! [`MeshData::into_surface`] then requires a body that can be cut. The readers are small enough to
 //! be our own, so that every error names its line or element and no file, however broken, makes one
-//! panic or allocate more than it holds.
+//! panic, allocate out of proportion to what it holds, or read a file outside its own folder.
 
 mod build;
 mod data;

@@ -25,7 +25,8 @@ const FREE_CORNERS: usize = 1 << 20;
 const CORNERS_A_BYTE: usize = 16;
 
 /// Reads a glTF file, `.gltf` or `.glb` by its first bytes. `folder` is where files that it refers
-/// to lie; without one it must hold everything itself.
+/// to lie, there or below; without one it must hold everything itself. Of such a file no more is
+/// read than the buffer's length.
 ///
 /// # Errors
 /// [`ParseError`] with the primitive, accessor, buffer or node.

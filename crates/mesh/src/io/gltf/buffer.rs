@@ -3,7 +3,9 @@
 use super::document::Document;
 use crate::io::error::{ParseError, Place};
 use std::borrow::Cow;
-use std::path::Path;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Component, Path, PathBuf};
 
 /// The JSON text and the binary chunk, if there is one.
 pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), ParseError> {
@@ -77,14 +79,12 @@ pub(super) fn load(
                 Cow::Owned(base64(text).ok_or_else(|| syntax("base64 text"))?)
             }
             Some(uri) => {
-                let relative = unescape(uri).ok_or_else(|| syntax("a relative file name"))?;
-                if relative.contains("://") {
-                    return Err(syntax("a relative file name"));
-                }
-                let path = folder
-                    .ok_or_else(|| syntax("a buffer inside the file"))?
-                    .join(relative);
-                match std::fs::read(&path) {
+                let folder = folder.ok_or_else(|| syntax("a buffer inside the file"))?;
+                let name = file_name(uri).ok_or_else(|| {
+                    syntax("the relative name of a file in the glTF's folder or below it")
+                })?;
+                let path = folder.join(name);
+                match read_file(&path, buffer.byte_length) {
                     Ok(bytes) => Cow::Owned(bytes),
                     Err(source) => return Err(ParseError::Buffer { path, source }),
                 }
@@ -96,6 +96,33 @@ pub(super) fn load(
         out.push(bytes.into_owned());
     }
     Ok(out)
+}
+
+/// The file that a uri names, if it leads nowhere but down: no scheme, no root, no `..`.
+fn file_name(uri: &str) -> Option<PathBuf> {
+    let name = unescape(uri)?;
+    // A backslash and a drive's colon mean something on one system only; a file is good for all.
+    let down = !name.contains([':', '\\', '\0'])
+        && Path::new(&name)
+            .components()
+            .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    (down && !name.is_empty()).then(|| name.into())
+}
+
+/// The first `length` bytes of a regular file, fewer if it is shorter.
+fn read_file(path: &Path, length: usize) -> io::Result<Vec<u8>> {
+    // Asked before it is opened: opening a pipe would wait for whoever writes to it.
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "not a regular file",
+        ));
+    }
+    let mut bytes = Vec::new();
+    File::open(path)?
+        .take(u64::try_from(length).unwrap_or(u64::MAX))
+        .read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// Base64 of RFC 4648, section 4.
@@ -158,6 +185,44 @@ mod tests {
         }
         assert_eq!(base64("Zm9*"), None);
         assert_eq!(base64("Zm9vY"), None);
+    }
+
+    #[test]
+    fn names_lead_down_or_nowhere() {
+        for (uri, name) in [
+            ("mesh.bin", "mesh.bin"),
+            ("a%20b.bin", "a b.bin"),
+            ("parts/./mesh.bin", "parts/./mesh.bin"),
+            ("..bin", "..bin"),
+        ] {
+            assert_eq!(file_name(uri), Some(name.into()), "{uri}");
+        }
+        for uri in [
+            "",
+            "/etc/passwd",
+            "//host/mesh.bin",
+            "%2Fetc/passwd",
+            "../mesh.bin",
+            "parts/../../mesh.bin",
+            "parts/%2E%2e/mesh.bin",
+            "..\\mesh.bin",
+            "C:mesh.bin",
+            "file:///etc/passwd",
+            "mesh%00.bin",
+            "mesh%2",
+        ] {
+            assert_eq!(file_name(uri), None, "{uri}");
+        }
+    }
+
+    #[test]
+    fn no_more_is_read_than_asked_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mesh.bin");
+        std::fs::write(&path, b"12345").unwrap();
+        assert_eq!(read_file(&path, 3).unwrap(), b"123");
+        assert_eq!(read_file(&path, usize::MAX).unwrap(), b"12345");
+        assert!(read_file(folder.path(), 3).is_err(), "a folder");
     }
 
     #[test]

@@ -110,3 +110,55 @@ fn a_small_file_does_not_unfold_to_all_memory() {
     let error = read_gltf(text.as_bytes(), None).unwrap_err();
     assert!(matches!(error, ParseError::TooLarge), "{error}");
 }
+
+/// A document whose triangle lies in another file.
+fn beside(uri: &str) -> Vec<u8> {
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+        "bufferViews":[{{"buffer":0,"byteLength":36}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}}],
+        "buffers":[{{"byteLength":36,"uri":"{uri}"}}]}}"#
+    )
+    .into_bytes()
+}
+
+#[test]
+fn a_buffer_lies_in_the_folder_or_below() {
+    let folder = tempfile::tempdir().unwrap();
+    let inner = folder.path().join("inner");
+    std::fs::create_dir(&inner).unwrap();
+    let points = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let bytes: Vec<u8> = points.iter().flat_map(|x| x.to_le_bytes()).collect();
+    for path in [folder.path().join("mesh.bin"), inner.join("mesh.bin")] {
+        std::fs::write(path, &bytes).unwrap();
+    }
+    let outside = folder.path().join("mesh.bin");
+    let outside = outside.to_str().unwrap().replace('\\', "/");
+    assert!(read_gltf(&beside("mesh.bin"), Some(&inner)).is_ok());
+    assert!(read_gltf(&beside("inner/mesh.bin"), Some(folder.path())).is_ok());
+    for uri in ["../mesh.bin", &outside, "/dev/zero"] {
+        let error = read_gltf(&beside(uri), Some(&inner)).unwrap_err();
+        assert!(
+            matches!(
+                error,
+                ParseError::Syntax {
+                    at: Place::Buffer(0),
+                    ..
+                }
+            ),
+            "{uri}: {error}"
+        );
+    }
+    let error = read_gltf(&beside("missing.bin"), Some(&inner)).unwrap_err();
+    assert!(matches!(error, ParseError::Buffer { .. }), "{error}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_buffer_without_end_is_not_read() {
+    let folder = tempfile::tempdir().unwrap();
+    std::os::unix::fs::symlink("/dev/zero", folder.path().join("mesh.bin")).unwrap();
+    let error = read_gltf(&beside("mesh.bin"), Some(folder.path())).unwrap_err();
+    assert!(matches!(error, ParseError::Buffer { .. }), "{error}");
+}
