@@ -1,6 +1,7 @@
 //! `incise check`: what a mesh is, and whether it can be cut.
 
 use crate::failure::Failure;
+use crate::json::lossy;
 use incise_mesh::{MeshReport, NotFit, check, read_mesh};
 use serde::Serialize;
 use std::fmt::Display;
@@ -20,6 +21,7 @@ pub(crate) struct CheckArguments {
 /// The report as JSON.
 #[derive(Serialize)]
 struct JsonReport<'a> {
+    #[serde(serialize_with = "lossy")]
     file: &'a Path,
     fit: bool,
     #[serde(flatten)]

@@ -1,6 +1,7 @@
 //! `incise cut`: a mesh along a plane or a blade's sweep, one file a piece.
 
 use crate::failure::Failure;
+use crate::json::lossy;
 use clap::ValueEnum;
 use incise_cut::{CutError, CutMethod, CutParams, Cutter, Sweep};
 use incise_mesh::{AngleStats, Surface, read_mesh, write_obj};
@@ -23,7 +24,7 @@ pub(crate) struct CutArguments {
     #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = numbers::<6>, allow_hyphen_values = true, requires = "to")]
     blade: Option<Numbers<6>>,
     /// ... to here.
-    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = numbers::<6>, allow_hyphen_values = true, requires = "blade")]
+    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = numbers::<6>, allow_hyphen_values = true, requires = "blade", conflicts_with = "plane")]
     to: Option<Numbers<6>>,
     /// How fine caps get: 2x-coarser, 1.5x-coarser, original, 1.5x-finer, 2x-finer, or z.
     #[arg(long, default_value = "original")]
@@ -63,6 +64,7 @@ fn numbers<const N: usize>(text: &str) -> Result<Numbers<N>, String> {
 /// The report as JSON.
 #[derive(Serialize)]
 struct Report {
+    #[serde(serialize_with = "lossy")]
     input: PathBuf,
     method: &'static str,
     level: f64,
@@ -80,11 +82,15 @@ struct Report {
 /// A piece as it was written.
 #[derive(Serialize)]
 struct Piece {
+    #[serde(serialize_with = "lossy")]
     file: PathBuf,
     vertices: usize,
     triangles: usize,
     area: f64,
+    /// Negative when the piece is a cavity.
     volume: f64,
+    /// Whether it bounds a hole inside another piece: its normals point inward.
+    cavity: bool,
 }
 
 /// Time of each stage \[ms\].
@@ -129,7 +135,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
             source,
         })?;
     let cap = AngleStats::of(outcome.cap.iter().map(|&t| surface.triangle_positions(t)));
-    let (write, pieces) = timed(|| write_pieces(&surface, &arguments.output));
+    let (write, pieces) = timed(|| write_pieces(&surface, path, &arguments.output));
     let report = Report {
         input: path.clone(),
         method: "rebuild",
@@ -173,29 +179,52 @@ impl CutArguments {
     }
 }
 
-fn write_pieces(surface: &Surface, folder: &Path) -> Result<Vec<Piece>, Failure> {
+/// Writes every piece, after looking whether all of them can be: a refusal leaves nothing behind.
+fn write_pieces(surface: &Surface, input: &Path, folder: &Path) -> Result<Vec<Piece>, Failure> {
+    let parts: Vec<(u32, Surface)> = (0..surface.piece_bound())
+        .map(|piece| (piece, surface.extract_piece(piece)))
+        .filter(|(_, part)| part.topology().triangle_count() > 0)
+        .collect();
+    let file = |i: usize| folder.join(format!("piece_{i:03}.obj"));
+    let check = || (0..parts.len()).try_for_each(|i| check_target(&file(i), input));
+    check()?;
     std::fs::create_dir_all(folder).map_err(|source| Failure::Folder {
         path: folder.to_owned(),
         source,
     })?;
+    // A path like `new/..` leads nowhere until `new` is there.
+    check()?;
     let volumes = surface.piece_volumes();
-    let mut pieces = Vec::new();
-    for piece in 0..surface.piece_bound() {
-        let part = surface.extract_piece(piece);
-        if part.topology().triangle_count() == 0 {
-            continue;
-        }
-        let file = folder.join(format!("piece_{:03}.obj", pieces.len()));
-        write_obj(&file, &part)?;
+    let mut pieces = Vec::with_capacity(parts.len());
+    for (i, (piece, part)) in parts.iter().enumerate() {
+        write_obj(&file(i), part)?;
+        let volume = volumes[*piece as usize];
         pieces.push(Piece {
-            file,
+            file: file(i),
             vertices: part.topology().vertex_count(),
             triangles: part.topology().triangle_count(),
             area: part.area(),
-            volume: volumes[piece as usize],
+            volume,
+            cavity: volume < 0.0,
         });
     }
     Ok(pieces)
+}
+
+/// Refuses a folder and the input, whatever way leads there.
+fn check_target(path: &Path, input: &Path) -> Result<(), Failure> {
+    let path = path.to_owned();
+    // What is not there yet, or cannot be looked at, is left to the writer.
+    let Ok(target) = path.canonicalize() else {
+        return Ok(());
+    };
+    if target.is_dir() {
+        return Err(Failure::TargetIsFolder { path });
+    }
+    if input.canonicalize().is_ok_and(|input| input == target) {
+        return Err(Failure::TargetIsInput { path });
+    }
+    Ok(())
 }
 
 fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
@@ -222,12 +251,13 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
     for piece in &report.pieces {
         writeln!(
             out,
-            "  {}: {} vertices, {} triangles, area {:.6e}, volume {:.6e}",
+            "  {}: {} vertices, {} triangles, area {:.6e}, volume {:.6e}{}",
             piece.file.display(),
             piece.vertices,
             piece.triangles,
             piece.area,
-            piece.volume
+            piece.volume,
+            if piece.cavity { ", a cavity" } else { "" }
         )?;
     }
     let t = &report.milliseconds;

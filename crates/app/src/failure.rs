@@ -37,6 +37,18 @@ pub(crate) enum Failure {
         /// Why.
         source: std::io::Error,
     },
+    /// A piece would take the input's place.
+    #[error("{}: a piece would overwrite the input; choose another folder", path.display())]
+    TargetIsInput {
+        /// The piece's file.
+        path: PathBuf,
+    },
+    /// Where a piece is to go there is a folder.
+    #[error("{}: a piece is to go here, and it is a folder; choose another output", path.display())]
+    TargetIsFolder {
+        /// The piece's file.
+        path: PathBuf,
+    },
     /// A piece cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),

@@ -5,6 +5,7 @@
 mod check;
 mod cut;
 mod failure;
+mod json;
 
 use clap::{Parser, Subcommand};
 use failure::Failure;

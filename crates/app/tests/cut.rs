@@ -1,6 +1,6 @@
 //! The binary's `cut`, as a user runs it.
 
-use incise_mesh::{Model, build_model, write_obj};
+use incise_mesh::{Model, Surface, build_model, write_obj};
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -99,6 +99,10 @@ fn a_wrong_command_line_exits_with_2_and_a_wrong_input_with_1() {
     assert_eq!(code(&["--plane", "1,0,0,nan"]), Some(2), "not finite");
     assert_eq!(code(&["--blade", "0,0,0,1,1,1"]), Some(2), "to nowhere");
     assert_eq!(code(&["--plane", "1,0,0,0", "--level", "0"]), Some(2));
+    assert_eq!(
+        code(&["--plane", "1,0,0,0", "--to", "0,0,0,1,1,1"]),
+        Some(2)
+    );
     assert!(!output.exists(), "nothing is written");
     let missing = folder.path().join("missing.obj");
     let status = incise(&[
@@ -111,4 +115,137 @@ fn a_wrong_command_line_exits_with_2_and_a_wrong_input_with_1() {
     ]);
     assert_eq!(status.status.code(), Some(1));
     assert_eq!(code(&["--plane", "1,0,0,9"]), Some(0), "a miss is no error");
+}
+
+// Other systems' file systems may take Unicode only.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_path_that_is_not_unicode_still_gives_whole_json() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join(OsStr::from_bytes(b"sph\xffre.obj"));
+    write_obj(&input, &build_model(Model::Sphere80)).unwrap();
+    let output = folder.path().join(OsStr::from_bytes(b"o\xfft"));
+    let json = |command: &mut Command| -> serde_json::Value {
+        let output = command.arg(&input).arg("--json").output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let binary = || Command::new(env!("CARGO_BIN_EXE_incise"));
+    let check = json(binary().arg("check"));
+    assert!(
+        check["file"]
+            .as_str()
+            .unwrap()
+            .ends_with("sph\u{fffd}re.obj")
+    );
+    let cut = json(
+        binary()
+            .args(["cut", "--plane", "1,0,0,0.05", "-o"])
+            .arg(&output),
+    );
+    assert!(
+        cut["input"]
+            .as_str()
+            .unwrap()
+            .ends_with("sph\u{fffd}re.obj")
+    );
+    let file = cut["pieces"][1]["file"].as_str().unwrap();
+    assert!(file.ends_with("o\u{fffd}t/piece_001.obj"), "{file}");
+    assert!(output.join("piece_001.obj").exists());
+}
+
+#[test]
+fn neither_the_input_nor_a_folder_is_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("piece_001.obj");
+    write_obj(&input, &build_model(Model::Sphere80)).unwrap();
+    let before = std::fs::read(&input).unwrap();
+    let cut = |output: &Path| {
+        let arguments = [
+            "cut",
+            text(&input),
+            "--plane",
+            "1,0,0,0.05",
+            "-o",
+            text(output),
+        ];
+        let output = incise(&arguments);
+        let error = String::from_utf8(output.stderr).unwrap();
+        (output.status.code(), error)
+    };
+    // The input's own folder, by another way.
+    let out = folder.path().join("out");
+    std::fs::create_dir(&out).unwrap();
+    for target in [folder.path(), &out.join(".."), &out.join("new/../..")] {
+        let (code, error) = cut(target);
+        assert_eq!(code, Some(1), "{error}");
+        assert!(error.contains("overwrite the input"), "{error}");
+        assert_eq!(std::fs::read(&input).unwrap(), before);
+        assert!(!folder.path().join("piece_000.obj").exists());
+    }
+    std::fs::create_dir(out.join("piece_001.obj")).unwrap();
+    let (code, error) = cut(&out);
+    assert_eq!(code, Some(1), "{error}");
+    assert!(error.contains("is a folder"), "{error}");
+    assert!(!out.join("piece_000.obj").exists(), "nothing is written");
+}
+
+/// A sphere of 80 triangles and, inside it, one a fifth as large and inside out.
+fn hollow_sphere() -> Surface {
+    let sphere = build_model(Model::Sphere80);
+    let topology = sphere.topology();
+    let mut points: Vec<[f32; 3]> = sphere
+        .positions
+        .iter()
+        .map(|&[x, y, z, _]| [x, y, z])
+        .collect();
+    let mut faces: Vec<[u32; 3]> = topology
+        .triangles()
+        .map(|t| topology.triangle(t).map(|v| v.0))
+        .collect();
+    let offset = u32::try_from(points.len()).unwrap();
+    points.extend(points.clone().iter().map(|p| p.map(|c| c / 5.0)));
+    faces.extend(
+        faces
+            .clone()
+            .iter()
+            .map(|&[a, b, c]| [a, c, b].map(|v| v + offset)),
+    );
+    Surface::from_triangles(&points, &faces).unwrap()
+}
+
+#[test]
+fn a_cavity_is_called_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("hollow.obj");
+    write_obj(&input, &hollow_sphere()).unwrap();
+    let output = folder.path().join("out");
+    let arguments = [
+        "cut",
+        text(&input),
+        "--plane",
+        "1,0,0,0.25",
+        "-o",
+        text(&output),
+    ];
+    let cut = |more: &[&str]| {
+        let output = incise(&[&arguments, more].concat());
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let report: serde_json::Value = serde_json::from_str(&cut(&["--json"])).unwrap();
+    let pieces = report["pieces"].as_array().unwrap();
+    assert_eq!(pieces.len(), 3);
+    for piece in pieces {
+        let cavity = piece["volume"].as_f64().unwrap() < 0.0;
+        assert_eq!(piece["cavity"].as_bool(), Some(cavity));
+    }
+    let cavities = pieces.iter().filter(|p| p["cavity"] == true).count();
+    assert_eq!(cavities, 1, "the cut misses it");
+    let lines = cut(&[]);
+    let lines: Vec<&str> = lines.lines().filter(|l| l.contains("cavity")).collect();
+    assert_eq!(lines.len(), 1, "{lines:?}");
+    assert!(lines[0].contains("volume -"), "{lines:?}");
 }
