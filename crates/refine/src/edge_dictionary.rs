@@ -1,4 +1,7 @@
 //! The paper's `edgeDictionary`: interior edges of a patch and the two triangles on each.
+//!
+//! Algorithm A2 fills it on the way, in lines 15 and 16, but only in the `else` branch and with one
+//! triangle an edge. Here it is made from the triangles once they are all there.
 
 use rustc_hash::FxHashMap;
 

@@ -2,6 +2,8 @@
 //!
 //! What the listing leaves open, and what was decided:
 //!
+//! - Formula 1 sums n + 1 terms and divides by n; here it is n and n.
+//! - Line 9 calls the triangle's edges its vertices; line 10 means their lengths.
 //! - Line 8 runs to the number of triangles less 2, which would skip two triangles and, if the
 //!   number grows on the way, subdivide new ones before any swap. Each round looks once at every
 //!   triangle that there was when it began.

@@ -8,6 +8,9 @@
 //!   of all is taken, as the listing does.
 //! - `minAngle` is never reset and `index` never initialized in the listing; both start anew for
 //!   every ear here.
+//! - Lines 10 and 14 name the clipped edge's own ends as the new edge; it joins the ear's two outer
+//!   ends, the start of the edge before and the end of the edge at `index`.
+//! - Line 18 names the start of the last edge twice; the last triangle has the three vertices left.
 //! - The listing looks at all edges for every triangle, O(n^2). A heap gives the same order in
 //!   O(n log n), plus the test of each ear against the reflex vertices.
 //! - A diagonal that the surface outside has as an edge already would make a third triangle on it,
