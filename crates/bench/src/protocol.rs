@@ -33,6 +33,8 @@ pub(crate) struct Row {
     pub(crate) vertices: usize,
     pub(crate) particles: usize,
     pub(crate) triangles: usize,
+    /// Triangles after the last cut of PBD + CS.
+    pub(crate) triangles_after: usize,
     pub(crate) backend: &'static str,
     pub(crate) device: String,
     pub(crate) pbd_fps: f64,
@@ -68,6 +70,7 @@ struct Run {
     volume_error: f64,
     cap_min_angle: f64,
     allocations: usize,
+    triangles_after: usize,
 }
 
 impl Run {
@@ -95,6 +98,7 @@ pub(crate) fn run(
         vertices: loaded.vertices,
         particles: loaded.surface.topology().vertex_count(),
         triangles: loaded.surface.topology().triangle_count(),
+        triangles_after: cs.triangles_after,
         backend: arguments.backend.name(),
         device: machine.to_owned(),
         pbd_fps: pbd.fps(),
@@ -185,6 +189,8 @@ fn run_scene(
         run.stretch_error += now.solver().stretch_error(now.surface()) / f64::from(frames);
         tick();
     }
+    let surface = scene.body(body).surface();
+    run.triangles_after = surface.topology().triangle_count();
     Ok(run)
 }
 
