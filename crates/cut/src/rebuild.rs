@@ -39,7 +39,7 @@ use apply::apply;
 use boundary::Boundary;
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Surface, Vec3, VertexId};
-use incise_refine::{Patch, fill};
+use incise_refine::{Patch, RefineParams, fill, mean_rim_length};
 use lip::{Lip, lips};
 use points::{PointSet, intersection_points};
 use std::time::{Duration, Instant};
@@ -108,9 +108,15 @@ pub(crate) fn rebuild(
     let strict = intersection_points(surface, strips, signs, 0.0);
     let [merged_lips, strict_lips] = [&merged, &strict].map(|set| lips(surface, strips, set));
     let mut forms = vec![Form::Even; merged_lips.len()];
-    let close = |i: usize, form: Form, time: &mut Duration| match form {
-        Form::Strict => job.close(&strict, &strict_lips[i], form, time),
-        _ => job.close(&merged, &merged_lips[i], form, time),
+    let close = |i: usize, form: Form, time: &mut Duration| {
+        let mut refine = params.refine;
+        if form != Form::Strict {
+            return job.close(&merged, &merged_lips[i], form, &refine, time);
+        }
+        // All points make a rim of tiny edges, which is no reason for a cap of tiny triangles.
+        let length = mean_rim_length(&merged.outline(&merged_lips[i].points));
+        refine.rim_length = refine.rim_length.or((length > 0.0).then_some(length));
+        job.close(&strict, &strict_lips[i], form, &refine, time)
     };
     let time = &mut outcome.report.refinement;
     let mut closed = (0..forms.len())
@@ -155,6 +161,7 @@ impl Job<'_> {
         points: &'p PointSet,
         lip: &Lip,
         form: Form,
+        refine: &RefineParams,
         time: &mut Duration,
     ) -> Result<ClosedLip<'p>, CutError> {
         // Algorithm 3 starts from edges; of a lip that is a single vertex it would leave nothing.
@@ -173,7 +180,7 @@ impl Job<'_> {
                 .collect();
             let joined = |i: u32, j: u32| self.joined(rim[i as usize], rim[j as usize]);
             let normal = newell(&positions);
-            Some(fill(&positions, normal, &self.params.refine, joined)?)
+            Some(fill(&positions, normal, refine, joined)?)
         };
         *time += begin.elapsed();
         Ok(ClosedLip {

@@ -10,6 +10,8 @@ use incise_mesh::Vec3;
 pub struct RefineParams {
     /// How long edges get, relative to the rim's.
     pub level: RefinementLevel,
+    /// The t of Formula 2 \[m\], where it is not to be the mean length of the rim's edges.
+    pub rim_length: Option<f64>,
     /// The most rounds of subdividing and swapping (n of Algorithm 4). A round divides the length
     /// of edges by about the root of 3; refinement ends by itself when no triangle is too large.
     pub max_rounds: u32,
@@ -22,6 +24,7 @@ impl Default for RefineParams {
     fn default() -> Self {
         Self {
             level: RefinementLevel::Original,
+            rim_length: None,
             max_rounds: 24,
             max_triangles: 4_000_000,
         }
@@ -49,6 +52,12 @@ pub enum RefineError {
     NonPositiveLevel {
         /// The z.
         z: f64,
+    },
+    /// The length to refine to is not a positive number.
+    #[error("the length of a rim's edges must be a positive number, not {length}")]
+    NonPositiveLength {
+        /// The length \[m\].
+        length: f64,
     },
     /// The patch would be larger than allowed.
     #[error(
@@ -115,9 +124,14 @@ pub fn fill(
     if !(z > 0.0 && z.is_finite()) {
         return Err(RefineError::NonPositiveLevel { z });
     }
+    if let Some(length) = params.rim_length
+        && !(length > 0.0 && length.is_finite())
+    {
+        return Err(RefineError::NonPositiveLength { length });
+    }
     let mut patch = triangulate(rim, normal, &joined);
     // Formula 2, on the mean length of Formula 1.
-    let alpha = mean_rim_length(rim) * z;
+    let alpha = params.rim_length.unwrap_or_else(|| mean_rim_length(rim)) * z;
     refine(&mut patch, normal, alpha, params, &joined)?;
     Ok(patch)
 }

@@ -194,6 +194,12 @@ mod tests {
             ..RefineParams::default()
         };
         let rim = circle(8);
+        let none = RefineParams {
+            rim_length: Some(0.0),
+            ..params(1.0)
+        };
+        let out = fill(&rim, Vec3::z(), &none, |_, _| false);
+        assert_eq!(out, Err(RefineError::NonPositiveLength { length: 0.0 }));
         for z in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             let out = fill(&rim, Vec3::z(), &params(z), |_, _| false);
             assert!(matches!(out, Err(RefineError::NonPositiveLevel { .. })));

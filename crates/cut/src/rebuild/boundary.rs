@@ -152,8 +152,10 @@ fn connect(
             .chain(between.clone().map(point))
             .chain(connected[i].map(|(_, p)| p))
             .collect();
+        // An old vertex in a point's place has a place on the ring already.
+        let is_point = |c: &Corner| matches!(c, Corner::Point(_));
         let is_fan = !between.is_empty()
-            && !fan.contains(&v)
+            && fan.iter().all(is_point)
             && (1..fan.len()).all(|k| !fan[..k].contains(&fan[k]));
         let wall = wall_before(lip, &edges, i);
         if is_fan {

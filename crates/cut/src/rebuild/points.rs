@@ -200,6 +200,12 @@ impl PointSet {
         Ok(())
     }
 
+    /// Where the points of a loop are \[m\], by their numbers.
+    pub(super) fn outline(&self, numbers: &[u32]) -> Vec<Vec3> {
+        let position = |&p: &u32| self.points[p as usize].position;
+        numbers.iter().map(position).collect()
+    }
+
     fn points_of(&self, l: &Loop) -> impl Iterator<Item = &IntersectionPoint> {
         self.points[l.representatives.start as usize..l.representatives.end as usize].iter()
     }
