@@ -21,10 +21,11 @@ macro_rules! id {
             /// When `index` is not below `u32::MAX`: no array of this crate grows that long.
             #[must_use]
             pub fn from_index(index: usize) -> Self {
-                match u32::try_from(index) {
-                    Ok(id) if id != u32::MAX => Self(id),
-                    _ => panic!("more than 2^32 - 1 elements"),
-                }
+                u32::try_from(index)
+                    .ok()
+                    .filter(|&id| id != u32::MAX)
+                    .map(Self)
+                    .expect("arrays have fewer than 2^32 - 1 elements")
             }
 
             /// Where the element's data stands in an array of its kind.
