@@ -97,7 +97,8 @@ impl NullaryFnOnce for Frame<'_, '_> {
     fn call(mut self) -> Self::Output {
         self.stats.substeps = self.constants.substeps;
         for substep in 0..self.constants.substeps {
-            for &pass in self.plan.passes() {
+            let plan = self.plan;
+            for pass in plan.passes() {
                 if pass == Pass::Ground && self.lowest > self.constants.ground {
                     self.stats.ground_passes_skipped += 1;
                 } else {

@@ -1,12 +1,13 @@
 //! The step as a list: what runs in which order. Backends only execute it, so they cannot differ in
 //! order.
 
-use crate::constraints::{BendingSet, StretchSet};
+use crate::constraints::{BendingSet, ConstraintSet, StretchSet};
 use crate::material::Projection;
 use incise_mesh::VertexId;
 
-/// One pass over vertices or over the constraints of one batch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// One pass over vertices or over the constraints of one batch. Passes are ordered as they run in a
+/// substep, so the lists of several bodies can be merged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Pass {
     /// Velocities take up gravity and damping, displacements follow; the lowest vertex is noted
     /// (Algorithm 1, lines 5 to 8).
@@ -45,69 +46,117 @@ pub(crate) struct PlanKey {
     pub(crate) multipliers: bool,
 }
 
-/// The passes of one substep, in order. Built once a topology and set of parameters.
+/// The passes of one substep: a prologue, the passes of an iteration so many times, an epilogue. Each
+/// list is ascending. Built once a topology and set of parameters.
 #[derive(Debug, Clone, Default)]
 pub struct StepPlan {
-    passes: Vec<Pass>,
-    key: Option<PlanKey>,
+    prologue: Vec<Pass>,
+    iteration: Vec<Pass>,
+    epilogue: Vec<Pass>,
+    key: PlanKey,
+    is_current: bool,
+    generation: u64,
 }
 
 impl StepPlan {
-    /// The passes of one substep.
+    /// The passes before the iterations, ascending.
     #[must_use]
-    pub fn passes(&self) -> &[Pass] {
-        &self.passes
+    pub fn prologue(&self) -> &[Pass] {
+        &self.prologue
+    }
+
+    /// The passes of one iteration, ascending.
+    #[must_use]
+    pub fn iteration(&self) -> &[Pass] {
+        &self.iteration
+    }
+
+    /// How many iterations a substep has.
+    #[must_use]
+    pub fn iterations(&self) -> u32 {
+        self.key.iterations
+    }
+
+    /// The passes after the iterations, ascending.
+    #[must_use]
+    pub fn epilogue(&self) -> &[Pass] {
+        &self.epilogue
+    }
+
+    /// All passes of one substep, in the order in which they run.
+    pub fn passes(&self) -> impl Iterator<Item = Pass> {
+        let iterations = (0..self.key.iterations).flat_map(|_| &self.iteration);
+        let passes = self.prologue.iter().chain(iterations);
+        passes.chain(&self.epilogue).copied()
+    }
+
+    /// How often the lists were built. A backend that made something of them has to do so again when
+    /// this has changed.
+    #[must_use]
+    pub fn generation(&self) -> u64 {
+        self.generation
     }
 
     pub(crate) fn capacity(&self) -> usize {
-        self.passes.capacity()
+        self.prologue.capacity() + self.iteration.capacity() + self.epilogue.capacity()
     }
 
     /// Makes the next [`StepPlan::update`] build anew: constraints came or went.
     pub(crate) fn invalidate(&mut self) {
-        self.key = None;
+        self.is_current = false;
     }
 
-    /// Builds the list again if anything that it depends on has changed.
+    /// Builds the lists again if anything that they depend on has changed.
     pub(crate) fn update(
         &mut self,
         key: PlanKey,
         stretch: &StretchSet,
         bending: Option<&BendingSet>,
     ) {
-        if self.key == Some(key) {
+        if self.is_current && self.key == key {
             return;
         }
-        self.key = Some(key);
-        self.passes.clear();
-        self.passes.push(Pass::Predict);
+        self.key = key;
+        self.is_current = true;
+        self.generation += 1;
+        self.prologue.clear();
+        self.prologue.push(Pass::Predict);
         if key.pins {
-            self.passes.push(Pass::Pins);
+            self.prologue.push(Pass::Pins);
         }
         if key.multipliers {
-            self.passes.push(Pass::ResetMultipliers);
+            self.prologue.push(Pass::ResetMultipliers);
         }
-        for _ in 0..key.iterations {
-            let full = |(color, empty): (usize, bool)| (!empty).then_some(color);
-            let colors = stretch.batches().iter().map(|b| b.is_empty()).enumerate();
-            let passes = colors.filter_map(full).map(|color| Pass::Stretch { color });
-            self.passes.extend(passes);
-            if !stretch.overflow().is_empty() {
-                self.passes.push(Pass::StretchOverflow);
-            }
-            if let Some(bending) = bending {
-                let colors = bending.batches().iter().map(|b| b.is_empty()).enumerate();
-                let passes = colors.filter_map(full).map(|color| Pass::Bending { color });
-                self.passes.extend(passes);
-                if !bending.overflow().is_empty() {
-                    self.passes.push(Pass::BendingOverflow);
-                }
-            }
-            if key.ground {
-                self.passes.push(Pass::Ground);
-            }
+        self.iteration.clear();
+        let color = |color| Pass::Stretch { color };
+        add_batches(&mut self.iteration, stretch, color, Pass::StretchOverflow);
+        if let Some(bending) = bending {
+            let color = |color| Pass::Bending { color };
+            add_batches(&mut self.iteration, bending, color, Pass::BendingOverflow);
         }
-        self.passes.push(Pass::Integrate);
+        if key.ground {
+            self.iteration.push(Pass::Ground);
+        }
+        self.epilogue.clear();
+        self.epilogue.push(Pass::Integrate);
+    }
+}
+
+/// Adds a pass for every batch of a set that has constraints.
+fn add_batches<const N: usize>(
+    passes: &mut Vec<Pass>,
+    set: &ConstraintSet<N>,
+    pass: impl Fn(usize) -> Pass,
+    overflow: Pass,
+) {
+    let full = set
+        .batches()
+        .iter()
+        .enumerate()
+        .filter(|(_, b)| !b.is_empty());
+    passes.extend(full.map(|(color, _)| pass(color)));
+    if !set.overflow().is_empty() {
+        passes.push(overflow);
     }
 }
 
@@ -154,4 +203,59 @@ pub struct Body<'a> {
     pub bending: Option<&'a mut BendingSet>,
     /// Pinned vertices, ascending.
     pub pins: &'a [Pin],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// More constraints at one vertex than there are colors, so that every kind of pass comes.
+    fn sets() -> (StretchSet, BendingSet) {
+        let (mut stretch, mut bending) = (StretchSet::new(100), BendingSet::new(100));
+        for i in 1..70 {
+            stretch.insert([VertexId(0), VertexId(i)], 1.0);
+            bending.insert([0, i, i + 10, i + 20].map(VertexId), 0.0);
+        }
+        (stretch, bending)
+    }
+
+    #[test]
+    fn the_lists_are_ascending_and_together_make_the_substep() {
+        let (stretch, bending) = sets();
+        let mut plan = StepPlan::default();
+        let key = PlanKey {
+            iterations: 3,
+            pins: true,
+            ground: true,
+            multipliers: true,
+        };
+        plan.update(key, &stretch, Some(&bending));
+        let [prologue, iteration, epilogue] = [plan.prologue(), plan.iteration(), plan.epilogue()];
+        let once: Vec<Pass> = [prologue, iteration, epilogue].concat();
+        assert!(once.is_sorted_by(|a, b| a < b), "{once:?}");
+        assert_eq!(iteration.len(), 64 + 1 + 64 + 1 + 1);
+        let all: Vec<Pass> = plan.passes().collect();
+        let expected = [prologue, iteration, iteration, iteration, epilogue].concat();
+        assert_eq!(all, expected);
+    }
+
+    #[test]
+    fn a_new_generation_means_new_lists() {
+        let (stretch, bending) = sets();
+        let mut plan = StepPlan::default();
+        let key = PlanKey {
+            iterations: 2,
+            ..PlanKey::default()
+        };
+        plan.update(key, &stretch, Some(&bending));
+        let first = plan.generation();
+        plan.update(key, &stretch, Some(&bending));
+        assert_eq!(plan.generation(), first, "nothing has changed");
+        plan.invalidate();
+        plan.update(key, &stretch, None);
+        assert!(plan.generation() > first, "constraints went");
+        let second = plan.generation();
+        plan.update(PlanKey { pins: true, ..key }, &stretch, None);
+        assert!(plan.generation() > second, "pins came");
+    }
 }
