@@ -30,6 +30,8 @@ mod constraints;
 mod delta;
 mod edges;
 mod error;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod inherit;
 mod kernels;
 mod mass;

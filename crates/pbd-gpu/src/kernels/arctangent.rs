@@ -3,7 +3,7 @@
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Minimax coefficients of `atan(t) / t` in `t^2` on 0 to 1; the error is 4e-8 rad before rounding.
-const COEFFICIENTS: [f32; 8] = [
+pub(crate) const COEFFICIENTS: [f32; 8] = [
     0.999_999_34,
     -0.333_298_6,
     0.199_465_66,

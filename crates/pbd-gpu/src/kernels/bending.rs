@@ -19,12 +19,12 @@ use std::f32::consts::{PI, TAU};
 
 /// A triangle takes no part when its doubled area is below this share of its squared edges: its normal
 /// is rounding then. Usually such triangles are slivers of a height of 1e-5 of their length.
-const FLAT: f32 = 1e-5;
+pub(crate) const FLAT: f32 = 1e-5;
 
 /// The largest change of angle that one projection asks for \[rad\]. A gradient is a tangent: following
 /// it for a large angle pushes vertices outwards and pumps energy into crumpled bodies. Measured on a
 /// crumpled ball of stiffness 1: 0.06 J go on and on with 0.5 rad, 4e-6 J with 0.1 rad.
-const MAX_TURN: f32 = 0.1;
+pub(crate) const MAX_TURN: f32 = 0.1;
 
 struct Block<const B: usize> {
     /// From the first vertex to each of the others.

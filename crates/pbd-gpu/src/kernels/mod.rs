@@ -10,6 +10,8 @@
 pub(crate) mod arctangent;
 pub(crate) mod bending;
 pub(crate) mod block;
+#[cfg(test)]
+pub(crate) mod bounds;
 pub(crate) mod displacements;
 pub(crate) mod ground;
 pub(crate) mod integrate;

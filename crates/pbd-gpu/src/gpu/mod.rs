@@ -1,0 +1,4 @@
+//! Stepping on any device that wgpu reaches.
+
+mod layout;
+mod shaders;

@@ -1,0 +1,137 @@
+//! The sources of the shader modules, composed of one file a kernel and one a schedule.
+
+use super::layout::{
+    BENDING, BENDING_ENTRIES, KEEPS_BENDING, KEEPS_STRETCH, PIN_ENTRIES, RUN_COLORS, STRETCH,
+    STRETCH_ENTRIES,
+};
+use crate::coloring::MAX_COLORS;
+
+/// Lanes of a workgroup where nothing speaks for another number.
+pub(crate) const WORKGROUP_SIZE: u32 = 64;
+
+/// The most vertices of a body whose displacements fit the 16 KiB of workgroup memory that every device
+/// has, in whole workgroups of [`WORKGROUP_SIZE`].
+pub(crate) const CAPACITY: u32 = 1344;
+
+/// The entry point of the module for whole bodies.
+pub(crate) const WHOLE_BODY: &str = "whole_body";
+
+/// The entry points of the module that has one dispatch a pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum EntryPoint {
+    /// A lane a vertex.
+    Predict,
+    /// A lane a pin.
+    Pins,
+    /// A lane a constraint of the longest run of the pass's colors and, if asked for, the overflow.
+    ResetMultipliers,
+    /// A lane a constraint of the pass's color.
+    Stretch,
+    /// A lane a constraint of the pass's color.
+    Bending,
+    /// A workgroup a body: the pass's colors of its kind in order, then the overflow if asked for.
+    Tail,
+    /// A lane a vertex.
+    Ground,
+    /// A lane a vertex.
+    Integrate,
+    /// A lane a link.
+    ResetBounds,
+    /// A lane a vertex, after [`EntryPoint::ResetBounds`].
+    Bounds,
+}
+
+impl EntryPoint {
+    /// All of them, each at the place of its number.
+    pub(crate) const ALL: [Self; 10] = [
+        Self::Predict,
+        Self::Pins,
+        Self::ResetMultipliers,
+        Self::Stretch,
+        Self::Bending,
+        Self::Tail,
+        Self::Ground,
+        Self::Integrate,
+        Self::ResetBounds,
+        Self::Bounds,
+    ];
+
+    /// The name of the function.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Predict => "predict",
+            Self::Pins => "pins",
+            Self::ResetMultipliers => "reset_multipliers",
+            Self::Stretch => "stretch",
+            Self::Bending => "bending",
+            Self::Tail => "tail",
+            Self::Ground => "ground",
+            Self::Integrate => "integrate",
+            Self::ResetBounds => "reset_bounds",
+            Self::Bounds => "bounds",
+        }
+    }
+}
+
+const SHARED: [&str; 11] = [
+    include_str!("shaders/types.wgsl"),
+    include_str!("shaders/bits.wgsl"),
+    include_str!("shaders/links.wgsl"),
+    include_str!("../kernels/predict.wgsl"),
+    include_str!("../kernels/pins.wgsl"),
+    include_str!("../kernels/stretch.wgsl"),
+    include_str!("../kernels/arctangent.wgsl"),
+    include_str!("../kernels/bending.wgsl"),
+    include_str!("../kernels/ground.wgsl"),
+    include_str!("../kernels/integrate.wgsl"),
+    include_str!("shaders/sweep.wgsl"),
+];
+
+/// The module that has one dispatch a pass; its entry points are those of [`EntryPoint`].
+pub(crate) fn colors(workgroup_size: u32) -> String {
+    let parts = [
+        include_str!("shaders/storage.wgsl"),
+        include_str!("../kernels/bounds.wgsl"),
+        include_str!("shaders/colors.wgsl"),
+    ];
+    compose(&[("WORKGROUP_SIZE", workgroup_size)], &parts)
+}
+
+/// The module in which one workgroup steps a body of up to `capacity` vertices through a frame; its
+/// entry point is [`WHOLE_BODY`].
+pub(crate) fn whole_body(workgroup_size: u32, capacity: u32) -> String {
+    let constants = [("WORKGROUP_SIZE", workgroup_size), ("CAPACITY", capacity)];
+    let parts = [
+        include_str!("shaders/workgroup.wgsl"),
+        include_str!("shaders/whole_body.wgsl"),
+    ];
+    compose(&constants, &parts)
+}
+
+fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "small constants of this crate"
+    )]
+    let layout = [
+        ("RUN_COLORS", RUN_COLORS as u32),
+        ("OVERFLOW", MAX_COLORS as u32),
+        ("STRETCH", STRETCH),
+        ("BENDING", BENDING),
+        ("STRETCH_ENTRIES", STRETCH_ENTRIES as u32),
+        ("BENDING_ENTRIES", BENDING_ENTRIES as u32),
+        ("PIN_ENTRIES", PIN_ENTRIES as u32),
+        ("KEEPS_STRETCH", KEEPS_STRETCH),
+        ("KEEPS_BENDING", KEEPS_BENDING),
+    ];
+    let constants = constants
+        .iter()
+        .chain(&layout)
+        .map(|(name, value)| format!("const {name}: u32 = {value}u;\n"));
+    constants
+        .chain(SHARED.iter().chain(parts).map(|&part| part.to_owned()))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests;

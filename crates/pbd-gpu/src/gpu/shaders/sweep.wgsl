@@ -1,0 +1,23 @@
+// The constraints of a run with the numbers first, first + stride, first + 2 stride and so on.
+
+fn sweep(kind: u32, body: Body, run: Run, first: u32, stride: u32) {
+    if (kind == STRETCH) {
+        let by = stretch_projection(body);
+        for (var k = first; k < run.len; k += stride) {
+            project_stretch(run.first + STRETCH_ENTRIES * k, by);
+        }
+    } else {
+        let by = bending_projection(body);
+        for (var k = first; k < run.len; k += stride) {
+            project_bending(run.first + BENDING_ENTRIES * k, by);
+        }
+    }
+}
+
+// The multiplier of a constraint of a run becomes zero, if the run has so many.
+fn reset_constraint(kind: u32, run: Run, k: u32) {
+    if (k < run.len) {
+        let entries = select(BENDING_ENTRIES, STRETCH_ENTRIES, kind == STRETCH);
+        constraints[run.first + entries * k + entries - 1u].y = 0u;
+    }
+}

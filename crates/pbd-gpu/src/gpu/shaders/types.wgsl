@@ -1,0 +1,111 @@
+// What every kernel sees: the arenas that all bodies share, and the numbers of a frame and of a pass.
+// The structs have twins in layout.rs; names in capital letters come from there too and are written in
+// front of this file by shaders.rs.
+
+struct Frame {
+    gravity_step: vec3f,
+    h: f32,
+    ground: f32,
+    has_ground: u32,
+    substeps: u32,
+    iterations: u32,
+}
+
+struct Pass {
+    first_link: u32,
+    links: u32,
+    kind: u32,
+    color: u32,
+    colors: u32,
+    with_overflow: u32,
+    substep: u32,
+    pad: u32,
+}
+
+struct Body {
+    first_vertex: u32,
+    vertices: u32,
+    first_pin: u32,
+    pins: u32,
+    stretch_factor: f32,
+    stretch_alpha: f32,
+    bending_factor: f32,
+    bending_alpha: f32,
+    kept_velocity: f32,
+    friction: f32,
+    flags: u32,
+    first_run: u32,
+    stretch_colors: u32,
+    bending_colors: u32,
+    pad_0: u32,
+    pad_1: u32,
+}
+
+struct Run {
+    first: u32,
+    len: u32,
+}
+
+struct Link {
+    first_group: u32,
+    body: u32,
+}
+
+struct Report {
+    lowest: array<atomic<u32>, 2>,
+    box_min: array<atomic<u32>, 3>,
+    box_max: array<atomic<u32>, 3>,
+    bad_vertex: atomic<u32>,
+    bad_substep: atomic<u32>,
+    pad_0: u32,
+    pad_1: u32,
+}
+
+// A stiffness as the kernels use it.
+struct Projection {
+    factor: f32,
+    alpha: f32,
+    keeps: bool,
+}
+
+// Position [m], inverse mass [1/kg]: 0 does not move, -1 is a slot that no triangle uses.
+@group(0) @binding(0) var<storage, read_write> positions: array<vec4f>;
+@group(0) @binding(1) var<storage, read_write> velocities: array<vec4f>;
+// A stretch constraint is 2 entries: (a, b), (rest, multiplier). A bending constraint is 3:
+// (v0, v1), (v2, v3), (rest, multiplier). A pin is 2: (vertex, x), (y, z). Vertices count from the
+// body's first one; numbers are stored as their bits.
+@group(0) @binding(3) var<storage, read_write> constraints: array<vec2u>;
+@group(0) @binding(4) var<storage, read> bodies: array<Body>;
+@group(0) @binding(5) var<storage, read> runs: array<Run>;
+@group(0) @binding(6) var<storage, read> links: array<Link>;
+@group(0) @binding(7) var<storage, read_write> reports: array<Report>;
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<uniform> current: Pass;
+
+// Where the vertices of the body at hand begin; an entry point sets it before it calls a kernel.
+var<private> first_vertex: u32;
+
+fn load_x(i: u32) -> vec4f {
+    return positions[first_vertex + i];
+}
+
+// Where b is as seen from a [m]: the twin of block.rs.
+fn difference(xa: vec4f, da: vec3f, xb: vec4f, db: vec3f) -> vec3f {
+    return (xb.xyz - xa.xyz) + (db - da);
+}
+
+fn stretch_projection(body: Body) -> Projection {
+    let keeps = (body.flags & KEEPS_STRETCH) != 0u;
+    return Projection(body.stretch_factor, body.stretch_alpha, keeps);
+}
+
+fn bending_projection(body: Body) -> Projection {
+    let keeps = (body.flags & KEEPS_BENDING) != 0u;
+    return Projection(body.bending_factor, body.bending_alpha, keeps);
+}
+
+// The run of a color, or of OVERFLOW.
+fn run_of(body: Body, kind: u32, color: u32) -> Run {
+    return runs[body.first_run + kind * RUN_COLORS + color];
+}

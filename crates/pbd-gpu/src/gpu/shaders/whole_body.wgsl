@@ -1,0 +1,107 @@
+// One dispatch a frame: a workgroup steps its body through all substeps.
+//
+// A vertex, and a constraint of one color, are always worked on by the same lane, so barriers are
+// needed only where lanes meet: around pins and between colors. Loops that hold barriers end at
+// numbers from read-only memory, which all lanes see alike.
+
+// The lowest predicted height of the substep, as ordered bits.
+var<workgroup> lowest: atomic<u32>;
+
+fn reset_kind(body: Body, kind: u32, colors: u32, lane: u32) {
+    for (var color = 0u; color < colors; color++) {
+        let run = run_of(body, kind, color);
+        for (var k = lane; k < run.len; k += WORKGROUP_SIZE) {
+            reset_constraint(kind, run, k);
+        }
+    }
+    if (lane == 0u) {
+        let run = run_of(body, kind, OVERFLOW);
+        for (var k = 0u; k < run.len; k++) {
+            reset_constraint(kind, run, k);
+        }
+    }
+}
+
+// All colors of a kind in order, then the overflow one by one.
+fn project_kind(body: Body, kind: u32, colors: u32, lane: u32) {
+    for (var color = 0u; color < colors; color++) {
+        let run = run_of(body, kind, color);
+        if (run.len != 0u) {
+            sweep(kind, body, run, lane, WORKGROUP_SIZE);
+            workgroupBarrier();
+        }
+    }
+    let overflow = run_of(body, kind, OVERFLOW);
+    if (overflow.len != 0u) {
+        if (lane == 0u) {
+            sweep(kind, body, overflow, 0u, 1u);
+        }
+        workgroupBarrier();
+    }
+}
+
+fn predict_body(body: Body, lane: u32) {
+    var height = ORDERED_INFINITY;
+    for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
+        height = min(height, predict_vertex(i, body.kept_velocity));
+    }
+    if (frame.has_ground != 0u) {
+        atomicMin(&lowest, height);
+    }
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn whole_body(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let work = find_work(group_number(group, groups));
+    if (work.first_lane != 0u) {
+        return;
+    }
+    let body = bodies[work.body];
+    first_vertex = body.first_vertex;
+    if (lane == 0u) {
+        atomicStore(&lowest, ORDERED_INFINITY);
+    }
+    workgroupBarrier();
+    for (var substep = 0u; substep < frame.substeps; substep++) {
+        predict_body(body, lane);
+        workgroupBarrier();
+        if (body.pins != 0u) {
+            for (var k = lane; k < body.pins; k += WORKGROUP_SIZE) {
+                move_pin(body.first_pin + PIN_ENTRIES * k, frame.substeps - substep);
+            }
+            workgroupBarrier();
+        }
+        if ((body.flags & KEEPS_STRETCH) != 0u) {
+            reset_kind(body, STRETCH, body.stretch_colors, lane);
+        }
+        if ((body.flags & KEEPS_BENDING) != 0u) {
+            reset_kind(body, BENDING, body.bending_colors, lane);
+        }
+        for (var iteration = 0u; iteration < frame.iterations; iteration++) {
+            project_kind(body, STRETCH, body.stretch_colors, lane);
+            project_kind(body, BENDING, body.bending_colors, lane);
+            if (frame.has_ground != 0u) {
+                if (!is_above_ground(atomicLoad(&lowest))) {
+                    for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
+                        lift_vertex(i, body.friction);
+                    }
+                }
+                workgroupBarrier();
+            }
+        }
+        for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
+            if (!integrate_vertex(i)) {
+                note_non_finite(work.body, i, substep);
+            }
+        }
+        if (lane == 0u) {
+            atomicStore(&lowest, ORDERED_INFINITY);
+        }
+        workgroupBarrier();
+        storageBarrier();
+    }
+}

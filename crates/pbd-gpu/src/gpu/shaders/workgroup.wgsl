@@ -1,0 +1,15 @@
+// Displacements of the substep [m] in workgroup memory: a body has at most CAPACITY vertices.
+
+var<workgroup> displacements: array<f32, 3u * CAPACITY>;
+
+fn load_d(i: u32) -> vec3f {
+    let at = 3u * i;
+    return vec3f(displacements[at], displacements[at + 1u], displacements[at + 2u]);
+}
+
+fn store_d(i: u32, d: vec3f) {
+    let at = 3u * i;
+    displacements[at] = d.x;
+    displacements[at + 1u] = d.y;
+    displacements[at + 2u] = d.z;
+}

@@ -1,0 +1,82 @@
+// Twin of bending.rs, which tells where the formulas come from.
+
+const FLAT: f32 = 1e-5;
+const MAX_TURN: f32 = 0.1;
+
+// The built-in ones may round in another order.
+fn cross_product(a: vec3f, b: vec3f) -> vec3f {
+    return vec3f(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+
+fn dot_product(a: vec3f, b: vec3f) -> f32 {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// Projects the constraint at an entry of the constraints.
+fn project_bending(at: u32, by: Projection) {
+    let hinge = constraints[at];
+    let wings = constraints[at + 1u];
+    let numbers = bitcast<vec2f>(constraints[at + 2u]);
+    let rest = numbers.x;
+    let lambda = select(0.0, numbers.y, by.keeps);
+    let x0 = load_x(hinge.x);
+    let x1 = load_x(hinge.y);
+    let x2 = load_x(wings.x);
+    let x3 = load_x(wings.y);
+    let d0 = load_d(hinge.x);
+    let d1 = load_d(hinge.y);
+    let d2 = load_d(wings.x);
+    let d3 = load_d(wings.y);
+
+    let e = difference(x0, d0, x1, d1);
+    let a = difference(x0, d0, x2, d2);
+    let b = difference(x0, d0, x3, d3);
+    let n2 = cross_product(e, a);
+    let n3 = cross_product(b, e);
+    let ee = dot_product(e, e);
+    let q2 = dot_product(n2, n2);
+    let q3 = dot_product(n3, n3);
+    let cosine = dot_product(n2, n3);
+    let length = sqrt(ee);
+    let theta = arctangent2(-(length * dot_product(a, n3)), cosine);
+    var turn = theta - rest;
+    turn = select(turn, turn - TAU, turn > PI);
+    turn = select(turn, turn + TAU, turn <= -PI);
+
+    let big2 = ee + dot_product(a, a);
+    let big3 = ee + dot_product(b, b);
+    let solid = q2 > FLAT * FLAT * (big2 * big2) && q3 > FLAT * FLAT * (big3 * big3);
+    let f2 = length / q2;
+    let f3 = length / q3;
+    let g22 = f2 * length;
+    let g33 = f3 * length;
+    let g23 = f2 * f3 * cosine;
+    let per_square = 1.0 / ee;
+    let s = dot_product(a, e) * per_square;
+    let t = dot_product(b, e) * per_square;
+    let s0 = 1.0 - s;
+    let t0 = 1.0 - t;
+    let g00 = s0 * s0 * g22 + t0 * t0 * g33 + 2.0 * (s0 * t0 * g23);
+    let g11 = s * s * g22 + t * t * g33 + 2.0 * (s * t * g23);
+    let weight = (x0.w * g00 + x1.w * g11) + (x2.w * g22 + x3.w * g33);
+
+    var wish = by.factor * (turn + by.alpha * lambda);
+    wish = select(wish, MAX_TURN, wish > MAX_TURN);
+    wish = select(wish, -MAX_TURN, wish < -MAX_TURN);
+    let movable = solid && weight > 0.0;
+    let step = select(0.0, wish / (weight + by.alpha), movable);
+    let u2 = select(0.0, step * f2, movable) * n2;
+    let u3 = select(0.0, step * f3, movable) * n3;
+    let ms = select(0.0, s, movable);
+    let mt = select(0.0, t, movable);
+    let ms0 = select(0.0, s0, movable);
+    let mt0 = select(0.0, t0, movable);
+
+    store_d(hinge.x, d0 + (-x0.w) * (ms0 * u2 + mt0 * u3));
+    store_d(hinge.y, d1 + (-x1.w) * (ms * u2 + mt * u3));
+    store_d(wings.x, d2 + x2.w * u2);
+    store_d(wings.y, d3 + x3.w * u3);
+    if (by.keeps) {
+        constraints[at + 2u].y = bitcast<u32>(lambda - step);
+    }
+}

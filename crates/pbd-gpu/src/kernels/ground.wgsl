@@ -1,0 +1,17 @@
+// Twin of ground.rs.
+
+// Lifts a vertex onto the ground and takes back its sideways displacement.
+fn lift_vertex(i: u32, friction: f32) {
+    let x = load_x(i);
+    var d = load_d(i);
+    let depth = frame.ground - (x.y + d.y);
+    if (depth > 0.0 && x.w > 0.0) {
+        d.y += depth;
+        let sideways = sqrt(d.x * d.x + d.z * d.z);
+        let limit = friction * depth;
+        let kept = select(0.0, 1.0 - limit / sideways, sideways > limit);
+        d.x *= kept;
+        d.z *= kept;
+        store_d(i, d);
+    }
+}
