@@ -1,5 +1,6 @@
 //! Constraints of one kind, in batches of one color.
 
+use crate::changes::Log;
 use crate::coloring::{MAX_COLORS, VertexColors};
 use incise_mesh::{EdgeKey, VertexId};
 
@@ -114,7 +115,7 @@ impl<'a, const N: usize> Part<'a, N> {
 }
 
 /// Where a constraint stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Slot {
     /// The batch; [`MAX_COLORS`] is the overflow.
     pub(crate) color: usize,
@@ -128,6 +129,8 @@ pub struct ConstraintSet<const N: usize> {
     pub(crate) batches: Vec<Batch<N>>,
     pub(crate) overflow: Batch<N>,
     colors: VertexColors,
+    /// Places where constraints came, went or moved to.
+    pub(crate) log: Log<Slot>,
 }
 
 impl<const N: usize> ConstraintSet<N> {
@@ -136,6 +139,7 @@ impl<const N: usize> ConstraintSet<N> {
             batches: Vec::new(),
             overflow: Batch::default(),
             colors: VertexColors::default(),
+            log: Log::default(),
         };
         set.resize_vertices(vertex_slots);
         set
@@ -203,11 +207,14 @@ impl<const N: usize> ConstraintSet<N> {
             self.batches.resize_with(color + 1, Batch::default);
         }
         let index = self.batch_mut(color).push(vertices, rest);
-        Slot { color, index }
+        let slot = Slot { color, index };
+        self.log.note(slot);
+        slot
     }
 
     /// Removes a constraint. Returns the edge of the one that now stands in its place, if any does.
     pub(crate) fn remove(&mut self, slot: Slot) -> Option<EdgeKey> {
+        self.log.note(slot);
         let batch = self.batch_mut(slot.color);
         let vertices = batch.vertices.swap_remove(slot.index);
         batch.rest.swap_remove(slot.index);
@@ -221,7 +228,7 @@ impl<const N: usize> ConstraintSet<N> {
         moved
     }
 
-    fn batch(&self, color: usize) -> &Batch<N> {
+    pub(crate) fn batch(&self, color: usize) -> &Batch<N> {
         if color < MAX_COLORS {
             &self.batches[color]
         } else {

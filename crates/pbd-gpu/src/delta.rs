@@ -33,8 +33,13 @@ impl Solver {
         self.update_constraints(surface, delta);
         self.interpolate_velocities(delta);
         Inheritance::new(surface, delta).settle(self, surface);
+        let pins = self.pins.len();
         self.pins
             .retain(|pin| !surface.topology().outgoing(pin.vertex).is_null());
+        if self.pins.len() < pins {
+            self.changes.pins();
+        }
+        self.note_vertices(surface, delta);
         self.plan.invalidate();
         Ok(())
     }
@@ -60,6 +65,19 @@ impl Solver {
             }
         }
         Ok(())
+    }
+
+    /// Notes whose mass, velocity or position the edit may have set: the corners of all triangles that
+    /// came or went, and the vertices that did.
+    fn note_vertices(&mut self, surface: &Surface, delta: &TopologyDelta) {
+        let topology = surface.topology();
+        let removed = delta.triangles_removed.iter().map(|&(_, corners)| corners);
+        let added = delta.triangles_added.iter().map(|&t| topology.triangle(t));
+        let came = delta.vertices_added.iter().map(|added| added.vertex);
+        let gone = delta.vertices_removed.iter().copied();
+        for v in removed.chain(added).flatten().chain(came).chain(gone) {
+            self.changes.vertex(v);
+        }
     }
 
     fn update_constraints(&mut self, surface: &Surface, delta: &TopologyDelta) {

@@ -25,7 +25,11 @@
 //! ```
 
 mod backend;
+mod changes;
 mod coloring;
+#[cfg(test)]
+#[path = "../tests/common/mod.rs"]
+mod common;
 mod constraints;
 mod delta;
 mod edges;

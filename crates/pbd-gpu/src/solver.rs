@@ -1,6 +1,7 @@
 //! A body in motion.
 
 use crate::backend::{Backend, CpuBackend};
+use crate::changes::VertexLogs;
 use crate::constraints::{BendingSet, StretchSet};
 use crate::edges::EdgeTable;
 use crate::error::{ConstraintError, StepError};
@@ -23,6 +24,7 @@ pub struct Solver {
     pub(crate) edges: EdgeTable,
     pub(crate) pins: Vec<Pin>,
     pub(crate) plan: StepPlan,
+    pub(crate) changes: VertexLogs,
     stats: StepStats,
     cpu: CpuBackend,
 }
@@ -76,6 +78,7 @@ impl Solver {
             edges,
             pins: Vec::new(),
             plan: StepPlan::default(),
+            changes: VertexLogs::default(),
             stats: StepStats::default(),
             cpu: CpuBackend::default(),
         })
@@ -95,6 +98,7 @@ impl Solver {
         let mut cpu = std::mem::take(&mut self.cpu);
         let done = self.step_on(&mut cpu, surface, dt, params).map(|_| ());
         self.cpu = cpu;
+        self.mark_all_changed();
         done.map(|()| &self.stats)
     }
 

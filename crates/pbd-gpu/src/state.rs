@@ -36,6 +36,7 @@ impl Solver {
         self.check_vertex(v)?;
         check_value(v, to)?;
         self.velocities[v.index()] = [to[0], to[1], to[2], 0.0];
+        self.changes.velocity(v);
         Ok(())
     }
 
@@ -49,6 +50,9 @@ impl Solver {
         position[3] = 0.0;
         let target = [position[0], position[1], position[2]];
         self.velocities[v.index()] = [0.0; 4];
+        self.changes.mass(v);
+        self.changes.velocity(v);
+        self.changes.pins();
         match self.pins.binary_search_by_key(&v, |pin| pin.vertex) {
             Ok(i) => self.pins[i].target = target,
             Err(i) => self.pins.insert(i, Pin { vertex: v, target }),
@@ -63,6 +67,8 @@ impl Solver {
     pub fn unpin(&mut self, surface: &mut Surface, v: VertexId) -> Result<(), ConstraintError> {
         let i = self.pin_of(v)?;
         self.pins.remove(i);
+        self.changes.mass(v);
+        self.changes.pins();
         surface.positions[v.index()][3] = inverse(self.mass[v.index()]);
         Ok(())
     }
@@ -76,6 +82,7 @@ impl Solver {
         check_value(v, to)?;
         let i = self.pin_of(v)?;
         self.pins[i].target = to;
+        self.changes.pins();
         Ok(())
     }
 
