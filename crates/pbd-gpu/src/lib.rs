@@ -52,7 +52,13 @@ pub use backend::{Backend, CpuBackend};
 pub use coloring::MAX_COLORS;
 pub use constraints::{Batch, BendingSet, ConstraintSet, StretchSet};
 pub use error::{ConstraintError, InvalidConstraints, StepError};
+#[cfg(feature = "gpu")]
+pub use gpu::{
+    AdapterKind, AdapterLimits, AdapterRequest, AdapterSummary, Context, GpuError, adapters,
+};
 pub use material::{Density, Material, Projection, Stiffness};
 pub use params::{SolverParams, StepStats};
 pub use plan::{Body, Pass, Pin, StepConstants, StepPlan};
 pub use solver::Solver;
+#[cfg(feature = "gpu")]
+pub use wgpu;
