@@ -1,0 +1,421 @@
+//! Devices that are found, that are not, and that fail: everything is a typed error.
+
+#[path = "common/gpu.rs"]
+mod gpu;
+
+use gpu::{Needs, run, trial};
+use incise_pbd_gpu::wgpu::{self, BufferUsages};
+use incise_pbd_gpu::{AdapterKind, AdapterRequest, Context, GpuError, adapters};
+use libtest_mimic::Trial;
+use std::process::{Command, ExitCode, Stdio};
+
+/// Tells a child process of this file which part it plays.
+const ROLE: &str = "INCISE_TEST_ROLE";
+
+fn main() -> ExitCode {
+    match std::env::var(ROLE).as_deref() {
+        Ok("no driver") => return without_drivers(),
+        Ok("little memory") => return exhaust(),
+        _ => {}
+    }
+    let any = Needs::AnyDevice;
+    run(vec![
+        Trial::test("a_machine_without_drivers_has_no_adapter", || {
+            no_drivers();
+            Ok(())
+        }),
+        Trial::test("an_unknown_name_lists_what_there_is", || {
+            unknown_name();
+            Ok(())
+        }),
+        trial("the_order_of_adapters_is_fixed", any, |_| order()),
+        trial("an_adapter_is_opened_by_a_part_of_its_name", any, by_name),
+        trial("software_is_not_taken_unasked", any, |_| unasked()),
+        trial("a_strict_device_is_software", Needs::Strict, |context| {
+            let kind = context.adapter().kind;
+            assert_eq!(kind, AdapterKind::Software, "{:?}", context.adapter());
+        }),
+        trial("a_binding_no_adapter_has_is_refused", any, |_| {
+            too_large_a_need()
+        }),
+        trial("portable_limits_are_kept", any, |_| portable()),
+        trial("a_buffer_too_large_is_refused", any, |c| {
+            too_large_a_buffer(&c)
+        }),
+        trial("a_buffer_is_never_empty", any, |c| empty_buffer(&c)),
+        trial("a_broken_shader_is_an_error", any, |c| broken_shader(&c)),
+        trial("a_wrong_call_is_an_error", any, |c| wrong_call(&c)),
+        trial("an_error_out_of_scope_is_kept", any, |c| out_of_scope(&c)),
+        trial("a_lost_device_stays_lost", any, |c| lost(&c)),
+        trial("a_lost_shared_device_is_heard_of", any, |c| shared(&c)),
+        trial("work_is_waited_for", any, |c| waits(&c)),
+        trial("out_of_memory_is_an_error", any, |_| out_of_memory()),
+    ])
+}
+
+/// Runs this file again in a part, under `shell` where the part needs a limit set.
+fn play(role: &str, environment: &[(&str, &str)], shell: Option<&str>) -> (bool, String) {
+    let program = std::env::current_exe().expect("it runs");
+    let mut command = match shell {
+        None => Command::new(&program),
+        Some(first) => {
+            let mut command = Command::new("sh");
+            command.args(["-c", &format!("{first} && exec \"$0\"")]);
+            command.arg(&program);
+            command
+        }
+    };
+    let output = command
+        .env(ROLE, role)
+        .envs(environment.iter().copied())
+        .stdin(Stdio::null())
+        .output()
+        .expect("a child process starts");
+    let text = [output.stdout, output.stderr].concat();
+    (
+        output.status.success(),
+        String::from_utf8_lossy(&text).into_owned(),
+    )
+}
+
+fn no_drivers() {
+    let nowhere = "/nonexistent/driver.json";
+    let environment = [("VK_DRIVER_FILES", nowhere), ("VK_ICD_FILENAMES", nowhere)];
+    // Other platforms have their drivers elsewhere.
+    if cfg!(target_os = "linux") {
+        let (ok, text) = play("no driver", &environment, None);
+        assert!(ok, "{text}");
+    }
+}
+
+/// The child's part: exits with success if the machine shows no adapter and says what to install.
+fn without_drivers() -> ExitCode {
+    assert_eq!(adapters(), Vec::new(), "the loader finds no driver");
+    for name in [None, Some("llvmpipe".to_owned())] {
+        let request = AdapterRequest {
+            name: name.clone(),
+            allow_software: true,
+            ..AdapterRequest::default()
+        };
+        let error = Context::open(&request).expect_err("there is nothing to open");
+        let text = error.to_string();
+        assert!(text.contains("mesa-vulkan-drivers"), "{text}");
+        let found = Vec::new();
+        assert_eq!(error, GpuError::NoAdapter { asked: name, found });
+    }
+    ExitCode::SUCCESS
+}
+
+fn unknown_name() {
+    let asked = Some("no such device".to_owned());
+    let request = AdapterRequest {
+        name: asked.clone(),
+        ..AdapterRequest::default()
+    };
+    let error = Context::open(&request).expect_err("none is named so");
+    let found: Vec<String> = adapters().into_iter().map(|a| a.name).collect();
+    let text = error.to_string();
+    assert!(
+        found.iter().all(|name| text.contains(name)),
+        "{text} names {found:?}"
+    );
+    assert_eq!(error, GpuError::NoAdapter { asked, found });
+}
+
+fn order() {
+    let found = adapters();
+    assert_eq!(found, adapters(), "the second time too");
+    assert!(
+        found.is_sorted_by_key(|adapter| adapter.kind),
+        "software comes last: {found:?}"
+    );
+}
+
+fn by_name(first: Context) {
+    drop(first);
+    for adapter in adapters().into_iter().filter(|a| a.refusal.is_none()) {
+        let part = adapter.name[..adapter.name.len().min(8)].to_uppercase();
+        let request = AdapterRequest {
+            name: Some(part.clone()),
+            ..AdapterRequest::default()
+        };
+        let context = Context::open(&request).expect("it was listed as usable");
+        let opened = context.adapter();
+        assert!(
+            opened.name.to_uppercase().contains(&part),
+            "{part} gave {opened:?}"
+        );
+    }
+}
+
+fn unasked() {
+    let found = adapters();
+    let real = found.iter().find(|a| a.kind != AdapterKind::Software);
+    match (Context::open(&AdapterRequest::default()), real) {
+        (Ok(context), Some(real)) => assert_eq!(context.adapter(), real),
+        (Err(error), None) => {
+            let found = found.into_iter().map(|a| a.name).collect();
+            assert_eq!(error, GpuError::NoAdapter { asked: None, found });
+        }
+        (opened, real) => panic!("there is {real:?}, opened {opened:?}"),
+    }
+}
+
+fn too_large_a_need() {
+    let need = 1 << 60;
+    let request = AdapterRequest {
+        storage_binding: need,
+        ..Needs::AnyDevice.request()
+    };
+    let error = Context::open(&request).expect_err("an exabyte");
+    let largest = adapters()[0].limits.storage_binding;
+    assert_eq!(
+        error,
+        GpuError::LimitTooSmall {
+            adapter: adapters()[0].name.clone(),
+            name: "max_storage_buffer_binding_size",
+            need,
+            have: largest
+        }
+    );
+}
+
+fn portable_request() -> AdapterRequest {
+    AdapterRequest {
+        portable_limits: true,
+        ..Needs::AnyDevice.request()
+    }
+}
+
+fn portable() {
+    let context = Context::open(&portable_request()).expect("every adapter has these limits");
+    assert_eq!(context.device().limits(), wgpu::Limits::default());
+    let request = AdapterRequest {
+        storage_binding: (128 << 20) + 4,
+        ..portable_request()
+    };
+    // An adapter that has more is opened with less, so the device is what is too small.
+    let error = Context::open(&request).expect_err("a portable binding is smaller");
+    assert!(
+        matches!(error, GpuError::LimitTooSmall { need, .. } if need == request.storage_binding),
+        "{error:?}"
+    );
+}
+
+fn too_large_a_buffer(context: &Context) {
+    let limits = context.device().limits();
+    let binding = limits.max_storage_buffer_binding_size;
+    let storage = binding.min(limits.max_buffer_size);
+    for (usage, limit) in [
+        (BufferUsages::STORAGE, storage),
+        (BufferUsages::MAP_READ, limits.max_buffer_size),
+    ] {
+        for bytes in [limit + 1, u64::MAX] {
+            let usage = usage | BufferUsages::COPY_DST;
+            let error = context.buffer("positions", bytes, usage);
+            let what = "positions".to_owned();
+            let expected = GpuError::BufferTooLarge { what, bytes, limit };
+            assert_eq!(error.expect_err("too large"), expected);
+        }
+    }
+    assert_eq!(context.check(), Ok(()), "the device was not even asked");
+    let portable = Context::open(&portable_request()).expect("an adapter is there");
+    let bytes = (128 << 20) + 4;
+    let error = portable.buffer("positions", bytes, BufferUsages::STORAGE);
+    assert!(
+        matches!(error, Err(GpuError::BufferTooLarge { limit, .. }) if limit == 128 << 20),
+        "{error:?}"
+    );
+}
+
+fn empty_buffer(context: &Context) {
+    for (bytes, size) in [(0, 4), (3, 4), (4, 4), (5, 8)] {
+        let buffer = context.buffer("pins", bytes, BufferUsages::STORAGE);
+        assert_eq!(
+            buffer.expect("a small buffer").size(),
+            size,
+            "{bytes} bytes"
+        );
+    }
+}
+
+fn shader(context: &Context, text: &str) -> Result<wgpu::ShaderModule, GpuError> {
+    let source = wgpu::ShaderSource::Wgsl(text.to_owned().into());
+    context.scoped("the test's shader", || {
+        let label = None;
+        let descriptor = wgpu::ShaderModuleDescriptor { label, source };
+        context.device().create_shader_module(descriptor)
+    })
+}
+
+fn broken_shader(context: &Context) {
+    for text in [
+        "fn main( {",
+        "@compute @workgroup_size(1) fn main() { let a: u32 = 1.5; }",
+    ] {
+        let error = shader(context, text).expect_err("it does not parse");
+        assert!(
+            matches!(&error, GpuError::Validation { what, message }
+                if what == "the test's shader" && message.contains("wgsl")),
+            "{error:?}"
+        );
+    }
+    shader(context, "@compute @workgroup_size(1) fn main() {}").expect("the device is as before");
+}
+
+fn wrong_call(context: &Context) {
+    let buffer = context.buffer("target", 16, BufferUsages::COPY_DST);
+    let buffer = buffer.expect("a small buffer");
+    let error = context.scoped("a write past the end", || {
+        context.queue().write_buffer(&buffer, 12, &[0; 8]);
+    });
+    let error = error.expect_err("8 bytes at 12 of 16");
+    assert!(
+        matches!(&error, GpuError::Validation { what, .. } if what == "a write past the end"),
+        "{error:?}"
+    );
+    assert_eq!(context.check(), Ok(()), "it was returned once");
+    let in_time = context.scoped("a write", || {
+        context.queue().write_buffer(&buffer, 8, &[0; 8]);
+    });
+    assert_eq!(in_time, Ok(()));
+}
+
+fn out_of_scope(context: &Context) {
+    let buffer = context.buffer("target", 16, BufferUsages::COPY_DST);
+    let buffer = buffer.expect("a small buffer");
+    for at in [12, 16] {
+        context.queue().write_buffer(&buffer, at, &[0; 8]);
+    }
+    let error = context.check().expect_err("two calls were refused");
+    assert!(
+        matches!(&error, GpuError::Validation { message, .. } if message.contains("at offset 12 ")),
+        "the first of them: {error:?}"
+    );
+    assert_eq!(context.check(), Ok(()), "it was returned once");
+}
+
+fn lost(context: &Context) {
+    let buffer = context.buffer("target", 16, BufferUsages::COPY_DST);
+    let buffer = buffer.expect("a small buffer");
+    let submission = context.queue().submit([]);
+    context.destroy();
+    for _ in 0..2 {
+        let results = [
+            context.check(),
+            context.scoped("a write", || {
+                context.queue().write_buffer(&buffer, 0, &[0; 8]);
+            }),
+            context
+                .buffer("other", 16, BufferUsages::COPY_DST)
+                .map(drop),
+            context.wait(submission.clone()),
+            context.poll_once(),
+        ];
+        for result in results {
+            let lost = matches!(&result, Err(GpuError::DeviceLost { .. }));
+            assert!(lost, "{result:?}");
+        }
+    }
+    context.destroy();
+    drop(buffer);
+    let again = Context::open(&Needs::AnyDevice.request()).expect("a new device");
+    assert_eq!(again.check(), Ok(()));
+}
+
+/// The owner of a shared device gives it up; the context hears of it once it listens.
+fn shared(context: &Context) {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.flags = wgpu::InstanceFlags::empty();
+    let found = wgpu::Instance::new(descriptor).enumerate_adapters(wgpu::Backends::all());
+    let adapter = pollster::block_on(found)
+        .into_iter()
+        .find(|adapter| adapter.get_info().name == context.adapter().name)
+        .expect("it is open already");
+    let open = |limits| {
+        let mut descriptor = wgpu::DeviceDescriptor::default();
+        descriptor.required_limits = limits;
+        pollster::block_on(adapter.request_device(&descriptor)).expect("it opens twice")
+    };
+    let (device, queue) = open(wgpu::Limits::downlevel_defaults());
+    let small = Context::from_device(&adapter, device, queue);
+    assert!(
+        matches!(
+            small,
+            Err(GpuError::LimitTooSmall {
+                need: 8,
+                have: 4,
+                ..
+            })
+        ),
+        "{small:?}"
+    );
+    let (device, queue) = open(wgpu::Limits::default());
+    let shared = Context::from_device(&adapter, device.clone(), queue).expect("enough");
+    assert_eq!(shared.adapter(), context.adapter());
+    shared.listen();
+    assert_eq!(shared.poll_once(), Ok(()));
+    device.destroy();
+    let polled = shared.poll_once();
+    assert!(
+        matches!(polled, Err(GpuError::DeviceLost { .. })),
+        "{polled:?}"
+    );
+}
+
+fn waits(context: &Context) {
+    let source = context.buffer(
+        "source",
+        16,
+        BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+    );
+    let source = source.expect("a small buffer");
+    let target = context.buffer(
+        "target",
+        16,
+        BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+    );
+    let target = target.expect("a small buffer");
+    let submission = context.scoped("a copy", || {
+        context.queue().write_buffer(&source, 0, &[7; 16]);
+        let mut encoder = context.device().create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(&source, 0, &target, 0, 16);
+        let submission = context.queue().submit([encoder.finish()]);
+        target.map_async(wgpu::MapMode::Read, .., |mapped| mapped.expect("it maps"));
+        submission
+    });
+    let submission = submission.expect("a copy");
+    context.wait(submission).expect("a device that works");
+    let bytes = target.get_mapped_range(..).expect("it is mapped");
+    assert_eq!(&bytes[..], &[7; 16]);
+}
+
+fn out_of_memory() {
+    if cfg!(target_os = "linux") && adapters()[0].kind == AdapterKind::Software {
+        // Buffers of a software device lie in the process, whose memory can be limited.
+        let (ok, text) = play("little memory", &[], Some("ulimit -v 4000000"));
+        assert!(ok, "{text}");
+    }
+}
+
+/// The child's part: takes more memory than it may have.
+fn exhaust() -> ExitCode {
+    let context = Context::open(&portable_request()).expect("this much memory is there");
+    let mut buffers = Vec::new();
+    let error = loop {
+        match context.buffer("ballast", 128 << 20, BufferUsages::STORAGE) {
+            Ok(buffer) => buffers.push(buffer),
+            Err(error) => break error,
+        }
+        assert!(buffers.len() < 64, "8 GiB fit into 4");
+    };
+    assert!(
+        matches!(&error, GpuError::OutOfMemory { what } if what == "ballast"),
+        "{error:?}"
+    );
+    drop(buffers);
+    context
+        .buffer("pins", 16, BufferUsages::STORAGE)
+        .expect("the device is as before");
+    ExitCode::SUCCESS
+}
