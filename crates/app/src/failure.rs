@@ -52,6 +52,10 @@ pub(crate) enum Failure {
     /// A piece cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// The program was built without the feature `gpu`.
+    #[cfg(not(feature = "gpu"))]
+    #[error("this build has no GPU support; build it with the feature gpu")]
+    NoGpuSupport,
     /// The standard output cannot be written to.
     #[error("standard output: {0}")]
     Output(#[from] std::io::Error),

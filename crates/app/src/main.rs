@@ -1,9 +1,10 @@
-//! The program: cuts and checks meshes.
+//! The program: cuts and checks meshes, and lists devices.
 //!
 //! Exit codes: 0 done, 1 the input cannot be used, 2 the command line is wrong.
 
 mod check;
 mod cut;
+mod devices;
 mod failure;
 mod json;
 
@@ -24,6 +25,7 @@ struct Arguments {
 enum Command {
     Check(check::CheckArguments),
     Cut(cut::CutArguments),
+    Devices(devices::DevicesArguments),
 }
 
 fn main() -> ExitCode {
@@ -32,6 +34,7 @@ fn main() -> ExitCode {
     let done = match &arguments.command {
         Command::Check(arguments) => check::run(arguments, &mut out),
         Command::Cut(arguments) => cut::run(arguments, &mut out),
+        Command::Devices(arguments) => devices::run(arguments, &mut out),
     };
     // What was printed comes before the reason why it ended.
     let flushed = out.flush().map_err(Failure::Output);

@@ -1,0 +1,141 @@
+//! `incise devices`: which GPUs there are, and whether bodies can be stepped on them.
+
+use crate::failure::Failure;
+use std::io::Write;
+
+/// Lists the GPU devices of this machine, real ones first, and says whether incise can use them.
+#[derive(clap::Args)]
+pub(crate) struct DevicesArguments {
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Prints the devices.
+pub(crate) fn run(arguments: &DevicesArguments, out: &mut impl Write) -> Result<(), Failure> {
+    list::run(arguments.json, out)
+}
+
+#[cfg(not(feature = "gpu"))]
+mod list {
+    use crate::failure::Failure;
+    use std::io::Write;
+
+    pub(super) fn run(_json: bool, _out: &mut impl Write) -> Result<(), Failure> {
+        Err(Failure::NoGpuSupport)
+    }
+}
+
+#[cfg(feature = "gpu")]
+mod list {
+    use crate::failure::Failure;
+    use incise_pbd_gpu::{AdapterSummary, adapters};
+    use serde::Serialize;
+    use std::fmt::Display;
+    use std::io::{self, Write};
+
+    /// A device as JSON; sizes are bytes.
+    #[derive(Serialize)]
+    struct JsonDevice<'a> {
+        name: &'a str,
+        kind: String,
+        driver: &'a str,
+        backend: &'a str,
+        storage_binding: u64,
+        buffer: u64,
+        storage_buffers: u32,
+        bind_groups: u32,
+        workgroup_lanes: u32,
+        workgroup_memory: u32,
+        timestamps: bool,
+        usable: bool,
+        refusal: Option<String>,
+    }
+
+    pub(super) fn run(json: bool, out: &mut impl Write) -> Result<(), Failure> {
+        let devices = adapters();
+        if json {
+            let devices: Vec<JsonDevice<'_>> = devices.iter().map(as_json).collect();
+            serde_json::to_writer_pretty(&mut *out, &devices).map_err(io::Error::from)?;
+            writeln!(out)?;
+            return Ok(());
+        }
+        if devices.is_empty() {
+            writeln!(
+                out,
+                "no GPU device; bodies are stepped on the CPU. A driver adds one, on Debian the packages mesa-vulkan-drivers and libvulkan1"
+            )?;
+        }
+        for device in &devices {
+            print(device, out)?;
+        }
+        Ok(())
+    }
+
+    fn as_json(device: &AdapterSummary) -> JsonDevice<'_> {
+        let limits = &device.limits;
+        JsonDevice {
+            name: &device.name,
+            kind: device.kind.to_string(),
+            driver: &device.driver,
+            backend: device.backend,
+            storage_binding: limits.storage_binding,
+            buffer: limits.buffer,
+            storage_buffers: limits.storage_buffers,
+            bind_groups: limits.bind_groups,
+            workgroup_lanes: limits.workgroup_lanes,
+            workgroup_memory: limits.workgroup_memory,
+            timestamps: device.timestamps,
+            usable: device.refusal.is_none(),
+            refusal: device.refusal.as_ref().map(ToString::to_string),
+        }
+    }
+
+    fn print(device: &AdapterSummary, out: &mut impl Write) -> io::Result<()> {
+        writeln!(out, "{}", device.name)?;
+        let mut line = |name: &str, value: &dyn Display| writeln!(out, "  {name:<22}{value}");
+        let limits = &device.limits;
+        line("kind", &device.kind.to_string())?;
+        line("driver", &device.driver)?;
+        line("backend", &device.backend)?;
+        line("storage binding", &size(limits.storage_binding))?;
+        line("buffer", &size(limits.buffer))?;
+        line("storage buffers", &limits.storage_buffers)?;
+        line("bind groups", &limits.bind_groups)?;
+        line("workgroup lanes", &limits.workgroup_lanes)?;
+        line(
+            "workgroup memory",
+            &size(u64::from(limits.workgroup_memory)),
+        )?;
+        let timestamps = if device.timestamps { "yes" } else { "no" };
+        line("timestamps", &timestamps)?;
+        match &device.refusal {
+            None => line("usable", &"yes"),
+            Some(reason) => line("usable", &format!("no: {reason}")),
+        }
+    }
+
+    /// Bytes in the largest unit of which there are at least two.
+    fn size(bytes: u64) -> String {
+        let units = [("GiB", 30), ("MiB", 20), ("KiB", 10)];
+        let unit = units.iter().find(|(_, shift)| bytes >> shift >= 2);
+        match unit {
+            Some((unit, shift)) => format!("{} {unit}", bytes >> shift),
+            None => format!("{bytes} bytes"),
+        }
+    }
+
+    #[cfg(test)]
+    mod tests {
+        use super::size;
+
+        #[test]
+        fn sizes_have_a_unit() {
+            assert_eq!(size(128 << 20), "128 MiB");
+            assert_eq!(size(1 << 30), "1024 MiB");
+            assert_eq!(size((2 << 30) - 1), "2047 MiB");
+            assert_eq!(size(32 << 10), "32 KiB");
+            assert_eq!(size(17), "17 bytes");
+        }
+    }
+}
