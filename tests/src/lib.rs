@@ -2,6 +2,10 @@
 
 mod blades;
 mod bodies;
+/// Tests that need a device: one file for this package and for `incise-pbd-gpu`, which is below it.
+#[cfg(feature = "gpu")]
+#[path = "../../crates/pbd-gpu/tests/common/gpu.rs"]
+pub mod gpu;
 mod laws;
 
 pub use blades::{Blade, any_blade, any_level, flat_blade};

@@ -100,6 +100,37 @@ fn arrows_run_one_way() {
     assert_eq!(broken(&metadata), Vec::<String>::new());
 }
 
+/// The names of all packages that a build of the workspace takes, tests included.
+fn packages_built(options: &[&str]) -> BTreeSet<String> {
+    let output = Command::new(env!("CARGO"))
+        .args(["tree", "--workspace", "--offline"])
+        .args(["--prefix", "none", "--format", "{p}"])
+        .args(options)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("cargo runs where its tests run");
+    assert!(
+        output.status.success(),
+        "cargo tree: {}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    String::from_utf8_lossy(&output.stdout)
+        .lines()
+        .filter_map(|line| line.split(' ').next())
+        .map(str::to_owned)
+        .collect()
+}
+
+#[test]
+fn without_the_feature_nothing_takes_wgpu() {
+    let with = packages_built(&[]);
+    assert!(with.contains("wgpu"), "the feature gpu is on by default");
+    let without = packages_built(&["--no-default-features"]);
+    assert!(without.contains("incise-pbd-gpu"), "{without:?}");
+    let wgpu: Vec<&String> = without.iter().filter(|p| p.starts_with("wgpu")).collect();
+    assert!(wgpu.is_empty(), "{wgpu:?}");
+}
+
 #[test]
 fn the_list_itself_has_no_circle() {
     let mut done: BTreeSet<&str> = BTreeSet::new();

@@ -1,4 +1,8 @@
 //! Devices that are found, that are not, and that fail: everything is a typed error.
+#![expect(
+    clippy::missing_assert_message,
+    reason = "these are tests, which the lint knows by an attribute only"
+)]
 
 #[path = "common/gpu.rs"]
 mod gpu;
@@ -12,6 +16,9 @@ use std::process::{Command, ExitCode, Stdio};
 /// Tells a child process of this file which part it plays.
 const ROLE: &str = "INCISE_TEST_ROLE";
 
+/// A driver that is not there, so that the loader finds none.
+const NOWHERE: &str = "/nonexistent/driver.json";
+
 fn main() -> ExitCode {
     match std::env::var(ROLE).as_deref() {
         Ok("no driver") => return without_drivers(),
@@ -22,6 +29,10 @@ fn main() -> ExitCode {
     run(vec![
         Trial::test("a_machine_without_drivers_has_no_adapter", || {
             no_drivers();
+            Ok(())
+        }),
+        Trial::test("without_a_device_a_test_is_ignored_unless_required", || {
+            ignored_or_failed();
             Ok(())
         }),
         Trial::test("an_unknown_name_lists_what_there_is", || {
@@ -79,8 +90,7 @@ fn play(role: &str, environment: &[(&str, &str)], shell: Option<&str>) -> (bool,
 }
 
 fn no_drivers() {
-    let nowhere = "/nonexistent/driver.json";
-    let environment = [("VK_DRIVER_FILES", nowhere), ("VK_ICD_FILENAMES", nowhere)];
+    let environment = [("VK_DRIVER_FILES", NOWHERE), ("VK_ICD_FILENAMES", NOWHERE)];
     // Other platforms have their drivers elsewhere.
     if cfg!(target_os = "linux") {
         let (ok, text) = play("no driver", &environment, None);
@@ -104,6 +114,29 @@ fn without_drivers() -> ExitCode {
         assert_eq!(error, GpuError::NoAdapter { asked: name, found });
     }
     ExitCode::SUCCESS
+}
+
+/// Runs one test of this file where there is no driver, as a machine without one would.
+fn ignored_or_failed() {
+    if !cfg!(target_os = "linux") {
+        return;
+    }
+    for (required, ok, word) in [
+        ("", true, "1 ignored"),
+        ("0", true, "1 ignored"),
+        ("1", false, "INCISE_REQUIRE_GPU is set"),
+    ] {
+        let output = Command::new(std::env::current_exe().expect("it runs"))
+            .args(["--exact", "work_is_waited_for"])
+            .env("VK_DRIVER_FILES", NOWHERE)
+            .env("VK_ICD_FILENAMES", NOWHERE)
+            .env("INCISE_REQUIRE_GPU", required)
+            .output()
+            .expect("a child process starts");
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert_eq!(output.status.success(), ok, "{text}");
+        assert!(text.contains(word), "{text}");
+    }
 }
 
 fn unknown_name() {
@@ -333,8 +366,10 @@ fn shared(context: &Context) {
         .find(|adapter| adapter.get_info().name == context.adapter().name)
         .expect("it is open already");
     let open = |limits| {
-        let mut descriptor = wgpu::DeviceDescriptor::default();
-        descriptor.required_limits = limits;
+        let descriptor = wgpu::DeviceDescriptor {
+            required_limits: limits,
+            ..wgpu::DeviceDescriptor::default()
+        };
         pollster::block_on(adapter.request_device(&descriptor)).expect("it opens twice")
     };
     let (device, queue) = open(wgpu::Limits::downlevel_defaults());

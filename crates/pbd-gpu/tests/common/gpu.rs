@@ -14,7 +14,7 @@ pub enum Needs {
     /// Any at all: the first of the machine, so a real one where there is one.
     AnyDevice,
     /// One that rounds every operation by itself, as the CPU does, so that results can be equal to the
-    /// bit. Drivers are free to contract and reorder; SwiftShader does not.
+    /// bit. Drivers are free to contract and reorder; `SwiftShader` does not.
     Strict,
 }
 
