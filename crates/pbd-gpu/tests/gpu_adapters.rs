@@ -12,6 +12,7 @@ use incise_pbd_gpu::wgpu::{self, BufferUsages};
 use incise_pbd_gpu::{AdapterKind, AdapterRequest, Context, GpuError, adapters};
 use libtest_mimic::Trial;
 use std::process::{Command, ExitCode, Stdio};
+use std::time::Duration;
 
 /// Tells a child process of this file which part it plays.
 const ROLE: &str = "INCISE_TEST_ROLE";
@@ -60,6 +61,8 @@ fn main() -> ExitCode {
         trial("a_lost_device_stays_lost", any, |c| lost(&c)),
         trial("a_lost_shared_device_is_heard_of", any, |c| shared(&c)),
         trial("work_is_waited_for", any, |c| waits(&c)),
+        trial("too_short_a_wait_is_an_error", any, |c| too_short(&c)),
+        trial("a_wait_for_nothing_is_an_error", any, |c| for_nothing(&c)),
         trial("out_of_memory_is_an_error", any, |_| out_of_memory()),
     ])
 }
@@ -423,6 +426,62 @@ fn waits(context: &Context) {
     context.wait(submission).expect("a device that works");
     let bytes = target.get_mapped_range(..).expect("it is mapped");
     assert_eq!(&bytes[..], &[7; 16]);
+}
+
+/// Work that takes long, by a loop whose rounds follow from each other, is not done at once.
+fn too_short(context: &Context) {
+    let text = "@group(0) @binding(0) var<storage, read_write> state: array<u32>;
+        @compute @workgroup_size(1) fn main() {
+            var x = state[0];
+            for (var i = 0u; i < 1u << 24u; i++) { x = x * 1664525u + 1013904223u; }
+            state[0] = x;
+        }";
+    let module = shader(context, text).expect("it is correct");
+    let state = context.buffer("state", 4, BufferUsages::STORAGE);
+    let state = state.expect("a small buffer");
+    let submission = context.scoped("a long dispatch", || {
+        let device = context.device();
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: None,
+            layout: None,
+            module: &module,
+            entry_point: None,
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: state.as_entire_binding(),
+            }],
+        });
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(1, 1, 1);
+        drop(pass);
+        context.queue().submit([encoder.finish()])
+    });
+    let submission = submission.expect("a long dispatch");
+    let early = context.wait_for(submission.clone(), Duration::ZERO);
+    assert_eq!(early, Err(GpuError::Timeout { seconds: 0.0 }));
+    assert_eq!(context.wait(submission), Ok(()), "it has gone on");
+}
+
+/// A submission of another device, which this one has not made.
+fn for_nothing(context: &Context) {
+    let other = Context::open(&Needs::AnyDevice.request()).expect("it opens twice");
+    let mut submission = other.queue().submit([]);
+    for _ in 0..100 {
+        submission = other.queue().submit([]);
+    }
+    let error = context
+        .wait(submission)
+        .expect_err("it was never submitted");
+    assert!(matches!(error, GpuError::Validation { .. }), "{error:?}");
 }
 
 fn out_of_memory() {

@@ -220,9 +220,23 @@ impl Context {
     /// [`GpuError::Timeout`] if it does not end within two minutes, and what [`Context::check`]
     /// finds.
     pub fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<(), GpuError> {
+        self.wait_for(submission, WAIT)
+    }
+
+    /// Blocks like [`Context::wait`], but not longer than `timeout`. What was submitted goes on and can
+    /// be waited for again.
+    ///
+    /// # Errors
+    ///
+    /// As of [`Context::wait`].
+    pub fn wait_for(
+        &self,
+        submission: wgpu::SubmissionIndex,
+        timeout: Duration,
+    ) -> Result<(), GpuError> {
         self.poll(PollType::Wait {
             submission_index: Some(submission),
-            timeout: Some(WAIT),
+            timeout: Some(timeout),
         })
     }
 
@@ -236,28 +250,29 @@ impl Context {
     }
 
     fn poll(&self, until: PollType) -> Result<(), GpuError> {
+        let timeout = match &until {
+            PollType::Wait { timeout, .. } => timeout.unwrap_or_default(),
+            PollType::Poll => Duration::ZERO,
+        };
         // A device that is lost while it is waited for makes wgpu panic.
         let polled = catch_unwind(AssertUnwindSafe(|| self.device.poll(until)));
+        if let Err(panic) = &polled {
+            let reason = panic.downcast_ref::<String>().cloned();
+            self.faults
+                .lose(reason.unwrap_or_else(|| "the driver failed while waiting".to_owned()));
+        }
+        self.check()?;
         match polled {
-            Ok(Ok(_)) => self.check(),
-            Ok(Err(error)) => {
-                self.check()?;
-                Err(match error {
-                    wgpu::PollError::Timeout => GpuError::Timeout {
-                        seconds: WAIT.as_secs_f64(),
-                    },
-                    wgpu::PollError::WrongSubmissionIndex(..) => GpuError::Validation {
-                        what: "waiting for the device".to_owned(),
-                        message: error.to_string(),
-                    },
+            Ok(Err(wgpu::PollError::Timeout)) => Err(GpuError::Timeout {
+                seconds: timeout.as_secs_f64(),
+            }),
+            Ok(Err(error @ wgpu::PollError::WrongSubmissionIndex(..))) => {
+                Err(GpuError::Validation {
+                    what: "waiting for the device".to_owned(),
+                    message: error.to_string(),
                 })
             }
-            Err(panic) => {
-                let reason = panic.downcast_ref::<String>().cloned();
-                self.faults
-                    .lose(reason.unwrap_or_else(|| "the driver failed while waiting".to_owned()));
-                self.check()
-            }
+            Ok(Ok(_)) | Err(_) => Ok(()),
         }
     }
 
