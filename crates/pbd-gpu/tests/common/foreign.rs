@@ -1,0 +1,22 @@
+//! Devices that somebody else has opened.
+
+use incise_pbd_gpu::{Context, wgpu};
+
+/// The adapter of a context, as its owner would have found it.
+pub(crate) fn same_adapter(context: &Context) -> wgpu::Adapter {
+    let descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    let instance = wgpu::Instance::new(descriptor);
+    let mut found =
+        pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all())).into_iter();
+    let same = found.find(|adapter| adapter.get_info().name == context.adapter().name);
+    same.expect("it is open already")
+}
+
+/// A device opened without a context.
+pub(crate) fn open(adapter: &wgpu::Adapter, limits: wgpu::Limits) -> (wgpu::Device, wgpu::Queue) {
+    let descriptor = wgpu::DeviceDescriptor {
+        required_limits: limits,
+        ..wgpu::DeviceDescriptor::default()
+    };
+    pollster::block_on(adapter.request_device(&descriptor)).expect("the adapter has these limits")
+}
