@@ -1,9 +1,11 @@
 //! A solver that follows cuts by their deltas: its constraints are those that it would get from
 //! scratch, its colors are proper, mass and momentum are what they were.
 
-use incise_cut::{CutParams, Cutter};
-use incise_mesh::Surface;
-use incise_pbd_gpu::{Density, Material, Solver, SolverParams, Stiffness};
+use incise_cut::{CutParams, Cutter, Sweep};
+use incise_mesh::{Model, Surface, build_model};
+use incise_pbd_gpu::{
+    ConstraintSet, Density, MAX_COLORS, Material, PatchParams, Solver, SolverParams, Stiffness,
+};
 use incise_refine::{RefineParams, RefinementLevel};
 use incise_tests::{Blade, Body, any_blade, any_body, any_level, cases, cut_and_check};
 use proptest::prelude::*;
@@ -45,10 +47,26 @@ fn momentum_scale(solver: &Solver) -> f64 {
     solver.total_mass() * fastest
 }
 
-fn follow(body: &Body, material: &Material, blades: &[(Blade, RefinementLevel)], steps: usize) {
+/// Patches of any size, and none at all.
+fn patches() -> impl Strategy<Value = Option<PatchParams>> {
+    let sizes = (8..=256_u32).prop_flat_map(|vertices| (Just(vertices), 0..vertices));
+    prop::option::of(sizes.prop_map(|(vertices, room)| PatchParams { vertices, room }))
+}
+
+fn follow(
+    body: &Body,
+    material: &Material,
+    patches: Option<&PatchParams>,
+    blades: &[(Blade, RefinementLevel)],
+    steps: usize,
+) {
     let mut surface = body.build();
+    let made = match patches {
+        Some(params) => Solver::with_patches(&mut surface, material, params),
+        None => Solver::new(&mut surface, material),
+    };
     // A coarse lattice may make vertices coincide: edges without length have no constraint.
-    let Ok(mut solver) = Solver::new(&mut surface, material) else {
+    let Ok(mut solver) = made else {
         return;
     };
     let mut cutter = Cutter::new(&surface);
@@ -114,9 +132,55 @@ proptest! {
     fn constraints_mass_and_momentum_follow_cuts(
         body in any_body(),
         material in materials(),
+        patches in patches(),
         blades in prop::collection::vec((any_blade(), any_level()), 1..=6),
         steps in 0..4_usize,
     ) {
-        follow(&body, &material, &blades, steps);
+        follow(&body, &material, patches.as_ref(), &blades, steps);
+    }
+}
+
+/// The share of constraints that no patch holds.
+fn left_over<const N: usize>(set: &ConstraintSet<N>) -> f64 {
+    let colors = set.batches().iter().take(MAX_COLORS);
+    let left: usize = colors.chain([set.overflow()]).map(|b| b.len()).sum();
+    left as f64 / set.len() as f64
+}
+
+#[test]
+fn cuts_leave_next_to_nothing_outside_of_patches() {
+    let mut surface = build_model(Model::Banana);
+    let params = PatchParams::default();
+    let mut solver = Solver::with_patches(&mut surface, &Material::default(), &params)
+        .expect("a model has lengths");
+    let mut cutter = Cutter::new(&surface);
+    let normals = [
+        [1.0, 0.1, 0.2],
+        [0.1, 1.0, 0.3],
+        [0.3, 0.2, 1.0],
+        [1.0, -1.0, 0.5],
+    ];
+    for normal in normals {
+        let bounds = surface.bounds();
+        let center = bounds.center();
+        let d = normal
+            .iter()
+            .zip(center.iter())
+            .map(|(n, c)| n * c)
+            .sum::<f64>();
+        let sweep = Sweep::across_box(normal, d, &bounds).expect("a plane");
+        cutter.refit(&surface);
+        let cut = cut_and_check(&mut surface, &mut cutter, &sweep, &CutParams::default());
+        let outcome = cut.expect("a plane through the middle cuts");
+        solver
+            .apply_delta(&mut surface, &outcome.delta)
+            .expect("the delta of a cut fits");
+        assert_eq!(solver.validate(&surface), Ok(()));
+        let bending = solver.bending().expect("the material bends");
+        let left = [left_over(solver.stretch()), left_over(bending)];
+        assert!(
+            left[0] < 0.01 && left[1] < 0.03,
+            "{left:?} of stretch and bending constraints are in no patch"
+        );
     }
 }

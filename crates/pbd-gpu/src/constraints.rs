@@ -1,7 +1,7 @@
 //! Constraints of one kind, in batches of one color.
 
 use crate::changes::Log;
-use crate::coloring::{MAX_COLORS, VertexColors};
+use crate::coloring::{LAYERS, MAX_COLORS, VertexColors};
 use incise_mesh::{EdgeKey, VertexId};
 
 /// Stretch constraints: the two ends of an edge, the smaller id first, and its rest length \[m\].
@@ -114,13 +114,27 @@ impl<'a, const N: usize> Part<'a, N> {
     }
 }
 
+/// The number of the overflow among the colors.
+pub(crate) const OVERFLOW: usize = LAYERS * MAX_COLORS;
+
 /// Where a constraint stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Slot {
-    /// The batch; [`MAX_COLORS`] is the overflow.
+    /// The batch; [`OVERFLOW`] is the overflow.
     pub(crate) color: usize,
     /// The place in the batch.
     pub(crate) index: usize,
+}
+
+impl Slot {
+    /// The layer of the constraint; the overflow is part of layer 0.
+    pub(crate) fn layer(self) -> usize {
+        if self.color == OVERFLOW {
+            0
+        } else {
+            self.color / MAX_COLORS
+        }
+    }
 }
 
 /// All constraints of one kind over `N` vertices each.
@@ -134,24 +148,31 @@ pub struct ConstraintSet<const N: usize> {
 }
 
 impl<const N: usize> ConstraintSet<N> {
+    /// A set with one layer.
+    #[cfg(test)]
     pub(crate) fn new(vertex_slots: usize) -> Self {
+        Self::with_layers(vertex_slots, 1)
+    }
+
+    pub(crate) fn with_layers(vertex_slots: usize, layers: usize) -> Self {
         let mut set = Self {
             batches: Vec::new(),
             overflow: Batch::default(),
-            colors: VertexColors::default(),
+            colors: VertexColors::new(layers),
             log: Log::default(),
         };
         set.resize_vertices(vertex_slots);
         set
     }
 
-    /// The batches, one a color; some may be empty. Constraints of one batch share no vertex.
+    /// The batches, one a color; some may be empty. Constraints of one batch share no vertex. Layers
+    /// follow one another, with [`MAX_COLORS`] batches each but the last.
     #[must_use]
     pub fn batches(&self) -> &[Batch<N>] {
         &self.batches
     }
 
-    /// The constraints that found no free color, to be projected one by one after the others.
+    /// The constraints that found no free color, to be projected one by one after the others of layer 0.
     #[must_use]
     pub fn overflow(&self) -> &Batch<N> {
         &self.overflow
@@ -176,7 +197,7 @@ impl<const N: usize> ConstraintSet<N> {
 
     /// All batches with their numbers, the overflow last.
     pub(crate) fn numbered(&self) -> impl Iterator<Item = (usize, &Batch<N>)> {
-        let overflow = (MAX_COLORS, &self.overflow);
+        let overflow = (OVERFLOW, &self.overflow);
         self.batches.iter().enumerate().chain([overflow])
     }
 
@@ -188,7 +209,8 @@ impl<const N: usize> ConstraintSet<N> {
         self.all().map(Batch::capacity).sum()
     }
 
-    pub(crate) fn color_masks(&self) -> &[u64] {
+    /// The colors in use around every vertex, shape [layers, vertex slots].
+    pub(crate) fn color_masks(&self) -> &[Vec<u64>] {
         self.colors.masks()
     }
 
@@ -201,9 +223,21 @@ impl<const N: usize> ConstraintSet<N> {
         (batch.vertices[slot.index], batch.rest[slot.index])
     }
 
+    /// Inserts a constraint into layer 0.
+    #[cfg(test)]
     pub(crate) fn insert(&mut self, vertices: [VertexId; N], rest: f32) -> Slot {
-        let color = self.colors.claim(&vertices).unwrap_or(MAX_COLORS);
-        if color < MAX_COLORS && self.batches.len() <= color {
+        self.insert_in(0, vertices, rest)
+    }
+
+    /// Inserts a constraint into a layer, or into layer 0 if that has no color left for it.
+    pub(crate) fn insert_in(&mut self, layer: usize, vertices: [VertexId; N], rest: f32) -> Slot {
+        let mut claim = |layer| self.colors.claim(layer, &vertices);
+        let color = match claim(layer) {
+            None if layer > 0 => claim(0),
+            color => color,
+        };
+        let color = color.unwrap_or(OVERFLOW);
+        if color != OVERFLOW && self.batches.len() <= color {
             self.batches.resize_with(color + 1, Batch::default);
         }
         let index = self.batch_mut(color).push(vertices, rest);
@@ -222,14 +256,14 @@ impl<const N: usize> ConstraintSet<N> {
             .vertices
             .get(slot.index)
             .map(|v| EdgeKey::new(v[0], v[1]));
-        if slot.color < MAX_COLORS {
+        if slot.color != OVERFLOW {
             self.colors.release(&vertices, slot.color);
         }
         moved
     }
 
     pub(crate) fn batch(&self, color: usize) -> &Batch<N> {
-        if color < MAX_COLORS {
+        if color != OVERFLOW {
             &self.batches[color]
         } else {
             &self.overflow
@@ -237,7 +271,7 @@ impl<const N: usize> ConstraintSet<N> {
     }
 
     fn batch_mut(&mut self, color: usize) -> &mut Batch<N> {
-        if color < MAX_COLORS {
+        if color != OVERFLOW {
             &mut self.batches[color]
         } else {
             &mut self.overflow

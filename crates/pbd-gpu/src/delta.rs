@@ -1,5 +1,6 @@
 //! Constraints follow an edit: the paper's Algorithm A1 by edge key, and its counterpart for what came.
 
+use crate::edges::Sets;
 use crate::error::ConstraintError;
 use crate::inherit::Inheritance;
 use crate::solver::Solver;
@@ -91,17 +92,21 @@ impl Solver {
         }
         touched.sort_unstable();
         touched.dedup();
-        let Self {
-            edges,
-            stretch,
-            bending,
-            ..
-        } = self;
+        let mut sets = Sets {
+            stretch: &mut self.stretch,
+            bending: self.bending.as_mut(),
+            patches: self.patches.as_mut(),
+        };
         for &key in &touched {
-            edges.drop_stale(key, surface, stretch, bending.as_mut());
+            self.edges.drop_stale(key, surface, &mut sets);
+        }
+        let bends = sets.bending.is_some();
+        if let Some(patches) = &mut sets.patches {
+            patches.leave(surface, delta);
+            patches.join(surface, delta, &touched, &self.edges, bends);
         }
         for &key in &touched {
-            edges.add_missing(key, surface, stretch, bending.as_mut());
+            self.edges.add_missing(key, surface, &mut sets);
         }
     }
 

@@ -1,6 +1,7 @@
 //! Which constraints an edge has, by edge key: what the paper's Algorithm A1 finds by scanning.
 
 use crate::constraints::{BendingSet, ConstraintSet, Slot, StretchSet};
+use crate::patches::Patches;
 use crate::rest;
 use incise_mesh::{EdgeKey, Surface, VertexId};
 use rustc_hash::FxHashMap;
@@ -13,6 +14,14 @@ pub(crate) struct EdgeRecord {
     pub(crate) opposite: [VertexId; 2],
     pub(crate) stretch: Option<Slot>,
     pub(crate) bending: Option<Slot>,
+}
+
+/// The constraints of a body and what decides on their layers.
+#[derive(Debug)]
+pub(crate) struct Sets<'a> {
+    pub(crate) stretch: &'a mut StretchSet,
+    pub(crate) bending: Option<&'a mut BendingSet>,
+    pub(crate) patches: Option<&'a mut Patches>,
 }
 
 /// One record an edge. Never iterated, so the order of hashing shows nowhere.
@@ -38,6 +47,19 @@ impl EdgeTable {
 
     pub(crate) fn get(&self, key: EdgeKey) -> Option<&EdgeRecord> {
         self.records.get(&key)
+    }
+
+    /// The vertices that the constraints of an edge tie together: its ends, and those across it if it
+    /// bends.
+    pub(crate) fn tie(&self, key: EdgeKey, bends: bool) -> Option<[VertexId; 4]> {
+        let record = self.get(key).filter(|record| record.has_triangle())?;
+        let ([low, high], [left, right]) = (key.vertices(), record.opposite);
+        let bends = bends && record.is_interior();
+        Some(if bends {
+            [low, high, left, right]
+        } else {
+            [low, high, high, high]
+        })
     }
 
     /// Whether the triangle is known.
@@ -75,25 +97,20 @@ impl EdgeTable {
 
     /// Removes constraints of an edge that its triangles and rest positions do not ask for, and the
     /// record of an edge without triangles.
-    pub(crate) fn drop_stale(
-        &mut self,
-        key: EdgeKey,
-        surface: &Surface,
-        stretch: &mut StretchSet,
-        bending: Option<&mut BendingSet>,
-    ) {
+    pub(crate) fn drop_stale(&mut self, key: EdgeKey, surface: &Surface, sets: &mut Sets<'_>) {
+        let patches = &mut sets.patches;
         let Some(&record) = self.records.get(&key) else {
             return;
         };
         if let Some(slot) = record.stretch
-            && record.stretch_wanted(key, surface) != Some(stretch.at(slot))
+            && record.stretch_wanted(key, surface) != Some(sets.stretch.at(slot))
         {
-            self.forget(key, slot, stretch, |r| &mut r.stretch);
+            self.forget(key, slot, sets.stretch, patches, |r| &mut r.stretch);
         }
-        if let (Some(bending), Some(slot)) = (bending, record.bending)
+        if let (Some(bending), Some(slot)) = (&mut sets.bending, record.bending)
             && record.bending_wanted(key, surface) != Some(bending.at(slot))
         {
-            self.forget(key, slot, bending, |r| &mut r.bending);
+            self.forget(key, slot, bending, patches, |r| &mut r.bending);
         }
         if !record.has_triangle() {
             self.records.remove(&key);
@@ -101,25 +118,20 @@ impl EdgeTable {
     }
 
     /// Adds the constraints that an edge should have and has not.
-    pub(crate) fn add_missing(
-        &mut self,
-        key: EdgeKey,
-        surface: &Surface,
-        stretch: &mut StretchSet,
-        bending: Option<&mut BendingSet>,
-    ) {
+    pub(crate) fn add_missing(&mut self, key: EdgeKey, surface: &Surface, sets: &mut Sets<'_>) {
+        let patches = &mut sets.patches;
         let Some(record) = self.records.get_mut(&key) else {
             return;
         };
         if record.stretch.is_none() {
             let wanted = record.stretch_wanted(key, surface);
-            record.stretch = wanted.map(|(vertices, rest)| stretch.insert(vertices, rest));
+            record.stretch = wanted.map(|wanted| insert(sets.stretch, patches, wanted));
         }
-        if let Some(bending) = bending
+        if let Some(bending) = &mut sets.bending
             && record.bending.is_none()
         {
             let wanted = record.bending_wanted(key, surface);
-            record.bending = wanted.map(|(vertices, rest)| bending.insert(vertices, rest));
+            record.bending = wanted.map(|wanted| insert(bending, patches, wanted));
         }
     }
 
@@ -128,10 +140,14 @@ impl EdgeTable {
         key: EdgeKey,
         slot: Slot,
         set: &mut ConstraintSet<N>,
+        patches: &mut Option<&mut Patches>,
         field: impl Fn(&mut EdgeRecord) -> &mut Option<Slot>,
     ) {
         if let Some(record) = self.records.get_mut(&key) {
             *field(record) = None;
+        }
+        if let Some(patches) = patches {
+            patches.touch(slot.layer(), &set.at(slot).0);
         }
         if let Some(moved) = set.remove(slot)
             && let Some(record) = self.records.get_mut(&moved)
@@ -141,9 +157,27 @@ impl EdgeTable {
     }
 }
 
+/// Inserts a constraint into the layer of its vertices.
+fn insert<const N: usize>(
+    set: &mut ConstraintSet<N>,
+    patches: &mut Option<&mut Patches>,
+    (vertices, rest): ([VertexId; N], f32),
+) -> Slot {
+    let layer = patches.as_ref().map_or(0, |p| p.layer_of(&vertices));
+    let slot = set.insert_in(layer, vertices, rest);
+    if let Some(patches) = patches {
+        patches.touch(slot.layer(), &vertices);
+    }
+    slot
+}
+
 impl EdgeRecord {
     fn has_triangle(&self) -> bool {
         self.opposite.iter().any(|v| !v.is_null())
+    }
+
+    fn is_interior(&self) -> bool {
+        self.opposite.iter().all(|v| !v.is_null())
     }
 
     fn stretch_wanted(&self, key: EdgeKey, surface: &Surface) -> Option<([VertexId; 2], f32)> {
@@ -154,7 +188,7 @@ impl EdgeRecord {
     fn bending_wanted(&self, key: EdgeKey, surface: &Surface) -> Option<([VertexId; 4], f32)> {
         let ([low, high], [left, right]) = (key.vertices(), self.opposite);
         let vertices = [low, high, left, right];
-        let interior = !left.is_null() && !right.is_null();
-        interior.then(|| (vertices, rest::angle(surface, vertices)))
+        self.is_interior()
+            .then(|| (vertices, rest::angle(surface, vertices)))
     }
 }

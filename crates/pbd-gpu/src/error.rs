@@ -59,6 +59,17 @@ pub enum ConstraintError {
         /// What was asked for.
         value: f32,
     },
+    /// Patches too small, too large or without a place for what is there.
+    #[error(
+        "patches of {vertices} vertices with room for {room} more; give 8 to {most} and less room than that",
+        most = crate::PATCH_VERTICES
+    )]
+    BadPatches {
+        /// The most vertices asked for.
+        vertices: u32,
+        /// The free places asked for.
+        room: u32,
+    },
     /// A vertex that no triangle uses, or that does not exist.
     #[error("{vertex} is not a vertex of the body")]
     UnknownVertex {

@@ -41,6 +41,7 @@ mod kernels;
 mod mass;
 mod material;
 mod params;
+mod patches;
 mod plan;
 mod rest;
 mod solver;
@@ -49,7 +50,7 @@ mod sweep;
 mod validate;
 
 pub use backend::{Backend, CpuBackend};
-pub use coloring::MAX_COLORS;
+pub use coloring::{LAYERS, MAX_COLORS};
 pub use constraints::{Batch, BendingSet, ConstraintSet, StretchSet};
 pub use error::{ConstraintError, InvalidConstraints, StepError};
 #[cfg(feature = "gpu")]
@@ -58,6 +59,7 @@ pub use gpu::{
 };
 pub use material::{Density, Material, Projection, Stiffness};
 pub use params::{SolverParams, StepStats};
+pub use patches::{PATCH_VERTICES, PatchParams};
 pub use plan::{Body, Pass, Pin, StepConstants, StepPlan};
 pub use solver::Solver;
 #[cfg(feature = "gpu")]

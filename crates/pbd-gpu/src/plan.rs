@@ -1,13 +1,16 @@
 //! The step as a list: what runs in which order. Backends only execute it, so they cannot differ in
 //! order.
 
+use crate::coloring::{LAYERS, MAX_COLORS};
 use crate::constraints::{BendingSet, ConstraintSet, StretchSet};
 use crate::material::Projection;
 use incise_mesh::VertexId;
+use std::cmp::Ordering;
 
 /// One pass over vertices or over the constraints of one batch. Passes are ordered as they run in a
-/// substep, so the lists of several bodies can be merged.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+/// substep, so the lists of several bodies can be merged: the iteration goes through the layers of
+/// colors, in each first stretch, then bending, and ends on the ground.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Pass {
     /// Velocities take up gravity and damping, displacements follow; the lowest vertex is noted
     /// (Algorithm 1, lines 5 to 8).
@@ -35,6 +38,35 @@ pub enum Pass {
     Ground,
     /// Velocities and positions follow from displacements (Algorithm 1, lines 10 to 13).
     Integrate,
+}
+
+impl Pass {
+    /// The stage of the substep, the kind in it and the color.
+    fn rank(self) -> (usize, usize, usize) {
+        match self {
+            Self::Predict => (0, 0, 0),
+            Self::Pins => (0, 1, 0),
+            Self::ResetMultipliers => (0, 2, 0),
+            Self::Stretch { color } => (1 + color / MAX_COLORS, 0, color),
+            Self::StretchOverflow => (1, 0, MAX_COLORS),
+            Self::Bending { color } => (1 + color / MAX_COLORS, 1, color),
+            Self::BendingOverflow => (1, 1, MAX_COLORS),
+            Self::Ground => (1 + LAYERS, 0, 0),
+            Self::Integrate => (1 + LAYERS, 1, 0),
+        }
+    }
+}
+
+impl Ord for Pass {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.rank().cmp(&other.rank())
+    }
+}
+
+impl PartialOrd for Pass {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
 }
 
 /// What the order of passes depends on beside the constraints.
@@ -134,6 +166,7 @@ impl StepPlan {
             let color = |color| Pass::Bending { color };
             add_batches(&mut self.iteration, bending, color, Pass::BendingOverflow);
         }
+        self.iteration.sort_unstable();
         if key.ground {
             self.iteration.push(Pass::Ground);
         }

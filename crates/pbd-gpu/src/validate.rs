@@ -1,7 +1,9 @@
 //! Constraints against the ones that the surface would get if built from scratch.
 
+use crate::coloring::MAX_COLORS;
 use crate::constraints::ConstraintSet;
 use crate::error::InvalidConstraints;
+use crate::patches::Patches;
 use crate::rest;
 use crate::solver::Solver;
 use incise_mesh::{EdgeKey, Surface, VertexId};
@@ -9,7 +11,8 @@ use incise_mesh::{EdgeKey, Surface, VertexId};
 impl Solver {
     /// Checks that there is one stretch constraint an edge and one bending constraint an interior edge
     /// and no other, with rest values equal to the bit, that no two constraints of a color share a vertex
-    /// and that the color masks say so. O(n log n); tests call it after every edit.
+    /// and that the color masks say so, that every layer keeps to its patches, and that patches keep to
+    /// their size and together to the vertices in use. O(n log n); tests call it after every edit.
     ///
     /// # Errors
     /// The first broken rule and the edge.
@@ -36,8 +39,15 @@ impl Solver {
         }
         let edges = stretch.len();
         check_set(&self.stretch, stretch)?;
+        check_layers(&self.stretch, self.patches.as_ref())?;
         if let Some(set) = &self.bending {
             check_set(set, bending)?;
+            check_layers(set, self.patches.as_ref())?;
+        }
+        if let Some(patches) = &self.patches
+            && let Err(rule) = patches.check(surface)
+        {
+            return broken(rule, None);
         }
         if self.edges.len() != edges {
             return broken("one record an edge", None);
@@ -92,20 +102,40 @@ fn check_set<const N: usize>(
         let edge = differing.map(|((v, _), _)| EdgeKey::new(v[0], v[1]));
         return broken("constraints are those of the surface", edge);
     }
-    let mut masks = vec![0_u64; set.color_masks().len()];
+    let mut masks: Vec<Vec<u64>> = set.color_masks().to_vec();
+    masks.iter_mut().for_each(|layer| layer.fill(0));
     for (color, batch) in set.batches().iter().enumerate() {
+        let (layer, bit) = (color / MAX_COLORS, 1 << (color % MAX_COLORS));
         for vertices in batch.vertices() {
             for v in vertices {
-                if masks[v.index()] & (1 << color) != 0 {
+                let mask = &mut masks[layer][v.index()];
+                if *mask & bit != 0 {
                     let edge = EdgeKey::new(vertices[0], vertices[1]);
                     return broken("constraints of a color share no vertex", Some(edge));
                 }
-                masks[v.index()] |= 1 << color;
+                *mask |= bit;
             }
         }
     }
     if masks != set.color_masks() {
         return broken("masks hold the colors in use", None);
+    }
+    Ok(())
+}
+
+/// The constraints of a layer are those of its patches.
+fn check_layers<const N: usize>(
+    set: &ConstraintSet<N>,
+    patches: Option<&Patches>,
+) -> Result<(), InvalidConstraints> {
+    for (color, batch) in set.batches().iter().enumerate().skip(MAX_COLORS) {
+        let patching = patches.and_then(|patches| patches.of_layer(color / MAX_COLORS));
+        for vertices in batch.vertices() {
+            if patching.is_none_or(|p| p.shared(vertices).is_none()) {
+                let edge = EdgeKey::new(vertices[0], vertices[1]);
+                return broken("constraints of a layer lie within its patches", Some(edge));
+            }
+        }
     }
     Ok(())
 }
