@@ -24,6 +24,9 @@ pub(crate) struct Patching {
     sizes: Vec<u32>,
     /// Shape [vertex slots].
     places: Vec<Place>,
+    /// Patches that became empty; some may have got vertices since.
+    emptied: Vec<u32>,
+    newest: Option<u32>,
     /// Patches that got or lost a vertex or a constraint.
     pub(crate) log: Log<u32>,
 }
@@ -36,6 +39,8 @@ impl Patching {
             members: Vec::new(),
             sizes: Vec::new(),
             places: Vec::new(),
+            emptied: Vec::new(),
+            newest: None,
             log: Log::default(),
         }
     }
@@ -92,16 +97,20 @@ impl Patching {
 
     /// The patch that was made last, to which strays are added.
     pub(crate) fn newest(&self) -> Option<u32> {
-        let last = self.sizes.len().checked_sub(1)?;
-        Some(VertexId::from_index(last).0)
+        self.newest
     }
 
-    /// Makes an empty patch.
+    /// Makes an empty patch or finds one that became empty.
     pub(crate) fn add_patch(&mut self) -> u32 {
-        let patch = VertexId::from_index(self.sizes.len()).0;
-        self.sizes.push(0);
-        let end = self.members.len() + self.capacity as usize;
-        self.members.resize(end, VertexId::NULL);
+        let sizes = &self.sizes;
+        self.emptied.retain(|&patch| sizes[patch as usize] == 0);
+        let patch = self.emptied.pop().unwrap_or_else(|| {
+            let end = self.members.len() + self.capacity as usize;
+            self.members.resize(end, VertexId::NULL);
+            self.sizes.push(0);
+            VertexId::from_index(self.sizes.len() - 1).0
+        });
+        self.newest = Some(patch);
         self.log.note(patch);
         patch
     }
@@ -133,6 +142,9 @@ impl Patching {
         self.places[moved.index()].local = local;
         self.places[v.index()].local = NOWHERE;
         self.log.note(patch);
+        if self.sizes[patch as usize] == 0 {
+            self.emptied.push(patch);
+        }
     }
 
     /// Says which rule is broken: every place is that of its vertex and no patch is too large.
@@ -184,5 +196,30 @@ mod tests {
         assert_eq!(patching.vertices(patch), [a, d]);
         assert_eq!(patching.shared(&[a, d]), Some(patch));
         assert_eq!(patching.shared(&[a, b]), None);
+    }
+
+    #[test]
+    fn emptied_patches_are_used_again_and_full_ones_are_not() {
+        let mut patching = Patching::new(4);
+        patching.resize_vertices(9);
+        let patches = [0, 1, 2].map(|i| {
+            let patch = patching.add_patch();
+            patching.join(VertexId(i), patch);
+            patch
+        });
+        // The second becomes empty twice and is full again in between, the first stays empty.
+        patching.leave(VertexId(1));
+        patching.join(VertexId(1), patches[1]);
+        patching.leave(VertexId(1));
+        patching.leave(VertexId(0));
+        let mut found = [0, 1].map(|i| {
+            let patch = patching.add_patch();
+            patching.join(VertexId(3 + i), patch);
+            patch
+        });
+        found.sort_unstable();
+        assert_eq!(found, [patches[0], patches[1]]);
+        assert_eq!(patching.add_patch(), 3, "no patch is empty any more");
+        patching.check().unwrap();
     }
 }
