@@ -16,7 +16,7 @@ use incise_mesh::VertexId;
 /// Edits since they were last taken. Lists are ascending and name everything once.
 #[derive(Debug, Default)]
 #[cfg_attr(
-    not(test),
+    not(any(test, feature = "gpu")),
     allow(dead_code, reason = "read by backends that keep a copy of the body")
 )]
 pub(crate) struct Changes {
@@ -155,7 +155,7 @@ impl Solver {
 
     /// Notes edits from now on.
     #[cfg_attr(
-        not(test),
+        not(any(test, feature = "gpu")),
         allow(
             dead_code,
             reason = "asked for by backends that keep a copy of the body"
@@ -185,7 +185,7 @@ impl Solver {
 
     /// Whether edits are noted. Not so in a new solver and in a copy of another.
     #[cfg_attr(
-        not(test),
+        not(any(test, feature = "gpu")),
         allow(
             dead_code,
             reason = "asked for by backends that keep a copy of the body"
@@ -195,10 +195,28 @@ impl Solver {
         self.changes.is_on
     }
 
+    /// Whether nothing was edited since it was last asked for.
+    pub(crate) fn is_unchanged(&self) -> bool {
+        let logs = &self.changes;
+        let small = logs.masses.entries.is_empty() && logs.velocities.entries.is_empty();
+        small && !logs.pins && !self.changes_concern_surface()
+    }
+
+    /// Whether positions or constraints were edited since it was last asked for.
+    pub(crate) fn changes_concern_surface(&self) -> bool {
+        let logs = &self.changes;
+        let constraints = !self.stretch.log.entries.is_empty()
+            || self
+                .bending
+                .as_ref()
+                .is_some_and(|set| !set.log.entries.is_empty());
+        !logs.is_on || logs.everything || !logs.moved.entries.is_empty() || constraints
+    }
+
     /// Hands over what was edited since it was last asked for and whose memory `into` had. The first
     /// time everything has, and tracking starts.
     #[cfg_attr(
-        not(test),
+        not(any(test, feature = "gpu")),
         allow(
             dead_code,
             reason = "asked for by backends that keep a copy of the body"

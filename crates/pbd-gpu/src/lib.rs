@@ -55,7 +55,8 @@ pub use constraints::{Batch, BendingSet, ConstraintSet, StretchSet};
 pub use error::{ConstraintError, InvalidConstraints, StepError};
 #[cfg(feature = "gpu")]
 pub use gpu::{
-    AdapterKind, AdapterLimits, AdapterRequest, AdapterSummary, Context, GpuError, adapters,
+    AdapterKind, AdapterLimits, AdapterRequest, AdapterSummary, Context, GpuBackend, GpuBody,
+    GpuError, GpuStats, Schedule, adapters,
 };
 pub use material::{Density, Material, Projection, Stiffness};
 pub use params::{SolverParams, StepStats};

@@ -157,14 +157,7 @@ impl Solver {
                 solver: self.mass.len(),
             });
         }
-        let constants = self.constants(dt, params);
-        let key = PlanKey {
-            iterations: params.iterations,
-            pins: !self.pins.is_empty(),
-            ground: params.ground.is_some(),
-            multipliers: constants.stretch.keeps || constants.bending.keeps,
-        };
-        self.plan.update(key, &self.stretch, self.bending.as_ref());
+        let constants = self.prepare(dt, params);
         let mut body = Body {
             positions: &mut surface.positions,
             velocities: &mut self.velocities,
@@ -174,6 +167,19 @@ impl Solver {
         };
         self.stats = backend.execute(&self.plan, &constants, &mut body)?;
         Ok(&self.stats)
+    }
+
+    /// Brings the plan up to date and finds the numbers of a frame.
+    pub(crate) fn prepare(&mut self, dt: f32, params: &SolverParams) -> StepConstants {
+        let constants = self.constants(dt, params);
+        let key = PlanKey {
+            iterations: params.iterations,
+            pins: !self.pins.is_empty(),
+            ground: params.ground.is_some(),
+            multipliers: constants.stretch.keeps || constants.bending.keeps,
+        };
+        self.plan.update(key, &self.stretch, self.bending.as_ref());
+        constants
     }
 
     fn constants(&self, dt: f32, params: &SolverParams) -> StepConstants {

@@ -84,6 +84,12 @@ pub enum GpuError {
         /// How long was waited \[s\].
         seconds: f64,
     },
+    /// A body that the backend does not have, or has no more.
+    #[error("the body is not on this device; add it first")]
+    UnknownBody,
+    /// Surface or solver were edited and the device has not been told.
+    #[error("the body was edited on the host; update the device's copy first")]
+    StaleBody,
     /// The frame itself is wrong, or a body has left the numbers.
     #[error(transparent)]
     Step(#[from] StepError),

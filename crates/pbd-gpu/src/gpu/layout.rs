@@ -153,6 +153,16 @@ impl Report {
             pad: [0; 2],
         }
     }
+
+    /// The box, least corner first \[m\].
+    pub(crate) fn bounds(&self) -> [[f32; 3]; 2] {
+        [self.box_min, self.box_max].map(|corner| corner.map(from_ordered))
+    }
+
+    /// The first vertex that left the numbers and the substep in which it did.
+    pub(crate) fn non_finite(&self) -> Option<(u32, u32)> {
+        (self.bad_vertex != u32::MAX).then_some((self.bad_vertex, self.bad_substep))
+    }
 }
 
 /// Bits that compare as the numbers do, so that a device can take the least of them with integer

@@ -6,6 +6,15 @@ use super::layout::{
 };
 use crate::coloring::MAX_COLORS;
 
+/// Writes single words.
+pub(crate) const SCATTER: &str = include_str!("shaders/scatter.wgsl");
+
+/// The most vertices of a body whose displacements fit so many bytes of workgroup memory.
+pub(crate) fn capacity(bytes: u32) -> u32 {
+    // 256 bytes are for what else a workgroup shares.
+    (bytes - 256) / 12 / 64 * 64
+}
+
 /// Lanes of a workgroup where nothing speaks for another number.
 pub(crate) const WORKGROUP_SIZE: u32 = 64;
 

@@ -1,0 +1,559 @@
+//! Bodies that live on a device.
+
+use super::adapter::{AdapterRequest, AdapterSummary};
+use super::arena::Arena;
+use super::body::{Arenas, DeviceBody, POSITIONS, REPORTS, VELOCITIES};
+use super::context::Context;
+use super::error::GpuError;
+use super::layout::{BodyRecord, RUNS_PER_BODY, Report, Run};
+use super::pipelines::Pipelines;
+use super::program::Program;
+use super::readback::{Part, Readback};
+use super::stats::{GpuStats, Schedule};
+use super::uniforms::Uniforms;
+use super::upload::Uploads;
+use crate::changes::Changes;
+use crate::error::StepError;
+use crate::plan::StepPlan;
+use crate::solver::Solver;
+use incise_mesh::{Aabb, Surface, VertexId};
+use std::ops::Range;
+
+/// A body of a [`GpuBackend`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct GpuBody {
+    slot: u32,
+    /// Tells bodies apart that had the same slot one after the other.
+    generation: u32,
+}
+
+/// A body and what the host expects of it.
+#[derive(Debug)]
+pub(super) struct Resident {
+    pub(super) body: DeviceBody,
+    /// The frame that stepped or edited it last.
+    pub(super) frame: u64,
+    /// The plan in the program.
+    pub(super) plan: StepPlan,
+    /// Positions, velocities and report.
+    pub(super) state: Readback,
+    pub(super) wants_state: bool,
+    /// The report alone.
+    pub(super) report: Readback,
+    pub(super) wants_report: bool,
+}
+
+/// Steps bodies on a device: the passes of their [`StepPlan`](crate::StepPlan)s in the same order as
+/// [`CpuBackend`](crate::CpuBackend) has them, so that both differ by the device's rounding alone.
+///
+/// Bodies stay on the device. The host's surface is behind until [`GpuBackend::read`] is called; what
+/// the host edits is sent by [`GpuBackend::update`], as little as was touched.
+///
+/// After an error the bodies on the host are as they were when they were last read. After
+/// [`GpuError::DeviceLost`] the backend is of no more use.
+///
+/// ```no_run
+/// use incise_mesh::{Model, build_model};
+/// use incise_pbd_gpu::{AdapterRequest, GpuBackend, Material, Solver, SolverParams};
+///
+/// let mut surface = build_model(Model::Armadillo);
+/// let mut solver = Solver::new(&mut surface, &Material::default())?;
+/// let mut gpu = GpuBackend::new(&AdapterRequest::default())?;
+/// let body = gpu.add(&surface, &mut solver)?;
+/// for _ in 0..60 {
+///     gpu.step([(body, &mut solver)], 1.0 / 60.0, &SolverParams::default())?;
+/// }
+/// gpu.read(body, &mut surface, &mut solver)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct GpuBackend {
+    pub(super) context: Context,
+    pub(super) pipelines: Pipelines,
+    pub(super) arenas: Arenas,
+    pub(super) uploads: Uploads,
+    pub(super) uniforms: Uniforms,
+    pub(super) program: Program,
+    /// The slots that the program steps, and those of the step at hand.
+    pub(super) program_of: Vec<u32>,
+    pub(super) stepped: Vec<u32>,
+    pub(super) program_is_stale: bool,
+    pub(super) stats: GpuStats,
+    pub(super) bytes_read: u64,
+    /// Frames and edits so far.
+    pub(super) frame: u64,
+    /// By slot.
+    pub(super) residents: Vec<Option<Resident>>,
+    pub(super) generations: Vec<u32>,
+    schedule: Option<Schedule>,
+    /// What a solver hands over; its content matters to nobody between calls.
+    changes: Changes,
+}
+
+impl GpuBody {
+    pub(super) const fn slot(self) -> u32 {
+        self.slot
+    }
+}
+
+impl GpuBackend {
+    /// Opens an adapter.
+    ///
+    /// # Errors
+    /// As [`Context::open`].
+    pub fn new(request: &AdapterRequest) -> Result<Self, GpuError> {
+        Self::on(Context::open(request)?)
+    }
+
+    /// Works on an open device, a renderer's say.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the device refuses the first buffers.
+    pub fn on(context: Context) -> Result<Self, GpuError> {
+        let vertices = [
+            ("positions", 16, true),
+            ("velocities", 16, true),
+            ("displacements", 16, false),
+        ];
+        let bodies = [
+            ("bodies", size_of::<BodyRecord>() as u64, true),
+            ("runs", (RUNS_PER_BODY * size_of::<Run>()) as u64, true),
+            ("reports", size_of::<Report>() as u64, true),
+        ];
+        Ok(Self {
+            pipelines: Pipelines::new(&context)?,
+            arenas: Arenas {
+                vertices: Arena::new(&context, &vertices, 1 << 12)?,
+                entries: Arena::new(&context, &[("constraints", 8, true)], 1 << 16)?,
+                bodies: Arena::new(&context, &bodies, 4)?,
+            },
+            uploads: Uploads::new(),
+            uniforms: Uniforms::new(&context)?,
+            program: Program::default(),
+            program_of: Vec::new(),
+            stepped: Vec::new(),
+            program_is_stale: true,
+            stats: GpuStats::default(),
+            bytes_read: 0,
+            frame: 0,
+            residents: Vec::new(),
+            generations: Vec::new(),
+            schedule: None,
+            changes: Changes::default(),
+            context,
+        })
+    }
+
+    /// The adapter that the bodies live on.
+    #[must_use]
+    pub fn adapter(&self) -> &AdapterSummary {
+        self.context.adapter()
+    }
+
+    /// The device and its queue, for a renderer.
+    #[must_use]
+    pub fn context(&self) -> &Context {
+        &self.context
+    }
+
+    /// What the last step did.
+    #[must_use]
+    pub fn stats(&self) -> &GpuStats {
+        &self.stats
+    }
+
+    /// How a body is stepped.
+    ///
+    /// # Errors
+    /// [`GpuError::UnknownBody`].
+    pub fn schedule(&self, body: GpuBody) -> Result<Schedule, GpuError> {
+        Ok(self.resident(body)?.body.schedule)
+    }
+
+    /// Asks for one schedule for all bodies instead of the one that is fastest for each. A body that a
+    /// workgroup cannot hold goes by colors all the same.
+    pub fn force_schedule(&mut self, schedule: Option<Schedule>) {
+        self.schedule = schedule;
+        self.program_is_stale = true;
+        let capacity = self.pipelines.capacity;
+        for resident in self.residents.iter_mut().flatten() {
+            resident.body.schedule = choose(schedule, resident.body.vertex_count, capacity);
+        }
+    }
+
+    /// Takes a body in. Surface and solver belong together.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the device has no room for it; nothing is changed then.
+    pub fn add(&mut self, surface: &Surface, solver: &mut Solver) -> Result<GpuBody, GpuError> {
+        let (slots, _) = self.arenas.bodies.allocate(&self.context, 1)?;
+        let slot = slots.start;
+        let i = slot as usize;
+        if self.residents.len() <= i {
+            self.residents.resize_with(i + 1, || None);
+            self.generations.resize(i + 1, 0);
+        }
+        self.residents[i] = Some(Resident {
+            body: DeviceBody::new(slot),
+            frame: 0,
+            plan: StepPlan::default(),
+            state: Readback::default(),
+            wants_state: false,
+            report: Readback::default(),
+            wants_report: false,
+        });
+        let body = GpuBody {
+            slot,
+            generation: self.generations[i],
+        };
+        solver.mark_all_changed();
+        if let Err(error) = self.update(body, surface, solver) {
+            self.remove(body);
+            return Err(error);
+        }
+        Ok(body)
+    }
+
+    /// Gives a body's room back. The host's copy stays as it was when it was last read. Unknown bodies
+    /// are passed over.
+    pub fn remove(&mut self, body: GpuBody) {
+        if self.resident(body).is_err() {
+            return;
+        }
+        let i = body.slot as usize;
+        if let Some(mut resident) = self.residents[i].take() {
+            resident.body.free(&mut self.arenas);
+            self.arenas.bodies.free(body.slot..body.slot + 1);
+            self.generations[i] = self.generations[i].wrapping_add(1);
+            self.program_is_stale = true;
+        }
+    }
+
+    /// Sends what was edited on the host since the last call: a cut's vertices and constraints, pins,
+    /// velocities. What was not touched is not sent. The host must have been up to date when it was
+    /// edited, see [`GpuBackend::read`].
+    ///
+    /// # Errors
+    /// [`GpuError`] when the device has no room for it. The host's copy is right then; the next call
+    /// sends everything.
+    pub fn update(
+        &mut self,
+        body: GpuBody,
+        surface: &Surface,
+        solver: &mut Solver,
+    ) -> Result<(), GpuError> {
+        check_slots(surface, solver)?;
+        let mut changes = std::mem::take(&mut self.changes);
+        solver.take_changes(&mut changes);
+        let done = self.send_changes(body, surface, solver, &changes);
+        self.changes = changes;
+        if done.is_err() {
+            self.uploads.clear();
+            solver.mark_all_changed();
+        }
+        done
+    }
+
+    fn send_changes(
+        &mut self,
+        body: GpuBody,
+        surface: &Surface,
+        solver: &Solver,
+        changes: &Changes,
+    ) -> Result<(), GpuError> {
+        self.context.check()?;
+        self.frame += 1;
+        let (frame, schedule) = (self.frame, self.schedule);
+        let capacity = self.pipelines.capacity;
+        let Self {
+            context,
+            arenas,
+            uploads,
+            residents,
+            generations,
+            ..
+        } = self;
+        let resident = find_mut(residents, generations, body)?;
+        let host = (surface, solver);
+        if changes.everything {
+            let (buffer, offset, _) = report_part(arenas, body.slot);
+            let report = Report::new();
+            uploads.send(context, buffer, offset, bytemuck::bytes_of(&report));
+        }
+        let mut moved = resident
+            .body
+            .update(context, arenas, uploads, host, changes)?;
+        if changes.pins || changes.everything {
+            let pins = solver.pins();
+            moved |= resident.body.update_pins(context, arenas, uploads, pins)?;
+        }
+        resident.body.schedule = choose(schedule, resident.body.vertex_count, capacity);
+        resident.frame = frame;
+        self.program_is_stale |= moved;
+        self.flush()
+    }
+
+    /// Writes the noted edits.
+    pub(super) fn flush(&mut self) -> Result<(), GpuError> {
+        let targets = [
+            self.arenas.vertices.buffer(POSITIONS),
+            self.arenas.vertices.buffer(VELOCITIES),
+            self.arenas.entries.buffer(0),
+        ];
+        self.uploads.flush(&self.context, targets)
+    }
+
+    /// Has the next step copy the body's state to the host behind its work, so that a
+    /// [`GpuBackend::read`] after it finds it there instead of waiting for a copy of its own.
+    ///
+    /// # Errors
+    /// [`GpuError::UnknownBody`].
+    pub fn prefetch(&mut self, body: GpuBody) -> Result<(), GpuError> {
+        self.resident_mut(body)?.wants_state = true;
+        Ok(())
+    }
+
+    /// Has the next step find the body's box, for a [`GpuBackend::bounds`] after it.
+    ///
+    /// # Errors
+    /// [`GpuError::UnknownBody`].
+    pub fn prefetch_bounds(&mut self, body: GpuBody) -> Result<(), GpuError> {
+        self.resident_mut(body)?.wants_report = true;
+        Ok(())
+    }
+
+    /// Brings positions and velocities to the host: waits until the device is done with them.
+    ///
+    /// # Errors
+    /// [`StepError::NonFinitePosition`] in [`GpuError::Step`] when a position stopped being a number;
+    /// [`GpuError::StaleBody`] when surface and solver were edited and the device has not been told.
+    /// The host's copy is as it was then.
+    pub fn read(
+        &mut self,
+        body: GpuBody,
+        surface: &mut Surface,
+        solver: &mut Solver,
+    ) -> Result<(), GpuError> {
+        self.send_small_changes(body, solver)?;
+        self.flush()?;
+        let i = body.slot as usize;
+        let resident = self.resident(body)?;
+        if surface.positions.len() != resident.body.vertex_count as usize {
+            return Err(GpuError::StaleBody);
+        }
+        check_slots(surface, solver)?;
+        if !resident.state.shows(resident.frame) {
+            let mut encoder = super::encoder(&self.context, "read");
+            self.request_state(i, &mut encoder)?;
+            let submission = self.context.queue().submit([encoder.finish()]);
+            self.context.check()?;
+            if let Some(resident) = &mut self.residents[i] {
+                resident.state.submitted(&submission);
+            }
+        }
+        let Some(resident) = &mut self.residents[i] else {
+            return Err(GpuError::UnknownBody);
+        };
+        let bytes = &mut self.bytes_read;
+        let shown = resident.state.fetch(&self.context, |data| {
+            *bytes += data.len() as u64;
+            let (vectors, report) = data.split_at(data.len() - size_of::<Report>());
+            let report = bytemuck::pod_read_unaligned::<Report>(report);
+            finite(&report)?;
+            let (positions, velocities) = vectors.split_at(vectors.len() / 2);
+            let vector = |bytes: &[u8]| bytemuck::pod_read_unaligned::<[f32; 4]>(bytes);
+            for (to, from) in surface.positions.iter_mut().zip(positions.chunks_exact(16)) {
+                let [x, y, z, _] = vector(from);
+                *to = [x, y, z, to[3]];
+            }
+            for (to, from) in (solver.velocities.iter_mut()).zip(velocities.chunks_exact(16)) {
+                *to = vector(from);
+            }
+            Ok(())
+        })?;
+        shown.unwrap_or(Err(GpuError::UnknownBody))
+    }
+
+    /// The box of the body's vertices, found on the device: waits until it is done.
+    ///
+    /// # Errors
+    /// As [`GpuBackend::read`].
+    pub fn bounds(&mut self, body: GpuBody) -> Result<Aabb, GpuError> {
+        let i = body.slot as usize;
+        let resident = self.resident(body)?;
+        if !resident.report.shows(resident.frame) {
+            self.reduce_bounds(body.slot)?;
+        }
+        let Some(resident) = &mut self.residents[i] else {
+            return Err(GpuError::UnknownBody);
+        };
+        let bytes = &mut self.bytes_read;
+        let shown = resident.report.fetch(&self.context, |data| {
+            *bytes += data.len() as u64;
+            let report = bytemuck::pod_read_unaligned::<Report>(data);
+            finite(&report)?;
+            let [min, max] = report.bounds();
+            Ok(Aabb { min, max })
+        })?;
+        shown.unwrap_or(Err(GpuError::UnknownBody))
+    }
+
+    /// Waits until the device has done everything that it was asked for.
+    ///
+    /// # Errors
+    /// [`GpuError`] of what went wrong since the last call.
+    pub fn wait(&self) -> Result<(), GpuError> {
+        let nothing: [wgpu::CommandBuffer; 0] = [];
+        let last = self.context.queue().submit(nothing);
+        self.context.wait(last)
+    }
+
+    /// Where a body's positions lie, for a renderer: the buffer and the part of it \[bytes\], xyz and
+    /// inverse mass a vertex slot. Valid until the next [`GpuBackend::add`] or [`GpuBackend::update`].
+    ///
+    /// # Errors
+    /// [`GpuError::UnknownBody`].
+    pub fn positions(&self, body: GpuBody) -> Result<(&wgpu::Buffer, Range<u64>), GpuError> {
+        let body = &self.resident(body)?.body;
+        let start = u64::from(body.first_vertex()) * 16;
+        let end = start + u64::from(body.vertex_count) * 16;
+        Ok((self.arenas.vertices.buffer(POSITIONS), start..end))
+    }
+
+    /// Sends what can be sent without the surface: pins, masses and velocities.
+    pub(super) fn send_small_changes(
+        &mut self,
+        body: GpuBody,
+        solver: &mut Solver,
+    ) -> Result<(), GpuError> {
+        if solver.is_unchanged() {
+            return Ok(());
+        }
+        if solver.changes_concern_surface() {
+            return Err(GpuError::StaleBody);
+        }
+        let Self {
+            context,
+            arenas,
+            uploads,
+            residents,
+            generations,
+            changes,
+            ..
+        } = self;
+        let resident = find_mut(residents, generations, body)?;
+        let on_device = &mut resident.body;
+        solver.take_changes(changes);
+        on_device.edit_masses(uploads, solver, &changes.masses);
+        on_device.edit_velocities(uploads, solver, &changes.velocities);
+        if changes.pins {
+            self.program_is_stale |=
+                on_device.update_pins(context, arenas, uploads, solver.pins())?;
+        }
+        Ok(())
+    }
+
+    /// Has the state of a body copied.
+    pub(super) fn request_state(
+        &mut self,
+        slot: usize,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Result<(), GpuError> {
+        if let Some(resident) = &mut self.residents[slot] {
+            let body = &resident.body;
+            let start = u64::from(body.first_vertex()) * 16;
+            let bytes = u64::from(body.vertex_count) * 16;
+            let parts = [
+                (self.arenas.vertices.buffer(POSITIONS), start, bytes),
+                (self.arenas.vertices.buffer(VELOCITIES), start, bytes),
+                report_part(&self.arenas, body.slot),
+            ];
+            let frame = resident.frame;
+            resident
+                .state
+                .request(&self.context, encoder, &parts, frame)?;
+        }
+        Ok(())
+    }
+
+    /// Has the report of a body copied.
+    pub(super) fn request_report(
+        &mut self,
+        slot: usize,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Result<(), GpuError> {
+        if let Some(resident) = &mut self.residents[slot] {
+            let part = [report_part(&self.arenas, resident.body.slot)];
+            let frame = resident.frame;
+            resident
+                .report
+                .request(&self.context, encoder, &part, frame)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn resident(&self, body: GpuBody) -> Result<&Resident, GpuError> {
+        let i = body.slot as usize;
+        match (self.residents.get(i), self.generations.get(i)) {
+            (Some(Some(resident)), Some(&now)) if now == body.generation => Ok(resident),
+            _ => Err(GpuError::UnknownBody),
+        }
+    }
+
+    pub(super) fn resident_mut(&mut self, body: GpuBody) -> Result<&mut Resident, GpuError> {
+        find_mut(&mut self.residents, &self.generations, body)
+    }
+
+    pub(super) fn resident_at(&mut self, slot: u32) -> Option<&mut Resident> {
+        self.residents.get_mut(slot as usize)?.as_mut()
+    }
+}
+
+pub(super) fn find_mut<'a>(
+    residents: &'a mut [Option<Resident>],
+    generations: &[u32],
+    body: GpuBody,
+) -> Result<&'a mut Resident, GpuError> {
+    let i = body.slot as usize;
+    match (residents.get_mut(i), generations.get(i)) {
+        (Some(Some(resident)), Some(&now)) if now == body.generation => Ok(resident),
+        _ => Err(GpuError::UnknownBody),
+    }
+}
+
+fn report_part(arenas: &Arenas, slot: u32) -> Part<'_> {
+    let bytes = size_of::<Report>() as u64;
+    (
+        arenas.bodies.buffer(REPORTS),
+        u64::from(slot) * bytes,
+        bytes,
+    )
+}
+
+fn choose(forced: Option<Schedule>, vertices: u32, capacity: u32) -> Schedule {
+    match forced {
+        Some(Schedule::Colors) => Schedule::Colors,
+        _ if vertices <= capacity => Schedule::WholeBody,
+        _ => Schedule::Colors,
+    }
+}
+
+fn check_slots(surface: &Surface, solver: &Solver) -> Result<(), GpuError> {
+    if surface.positions.len() == solver.mass.len() {
+        return Ok(());
+    }
+    Err(GpuError::Step(StepError::SurfaceMismatch {
+        surface: surface.positions.len(),
+        solver: solver.mass.len(),
+    }))
+}
+
+fn finite(report: &Report) -> Result<(), GpuError> {
+    match report.non_finite() {
+        None => Ok(()),
+        Some((vertex, substep)) => Err(GpuError::Step(StepError::NonFinitePosition {
+            vertex: VertexId(vertex),
+            substep,
+        })),
+    }
+}

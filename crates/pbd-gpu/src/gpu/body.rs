@@ -1,0 +1,278 @@
+//! One body's share of the arenas, and how it follows the host.
+
+use super::arena::{Arena, with_slack};
+use super::context::Context;
+use super::error::GpuError;
+use super::layout::{BodyRecord, RUN_COLORS, RUNS_PER_BODY, Run, STRETCH};
+use super::records::{Places, body_record, inverse_mass, position, push_pin};
+use super::runs::Runs;
+use super::stats::Schedule;
+use super::upload::{Target, Uploads};
+use crate::changes::Changes;
+use crate::plan::{Pin, StepConstants};
+use crate::solver::Solver;
+use bytemuck::Zeroable;
+use incise_mesh::Surface;
+use std::ops::Range;
+
+/// The buffers that all bodies share.
+#[derive(Debug)]
+pub(super) struct Arenas {
+    /// Positions, velocities, displacements.
+    pub(super) vertices: Arena,
+    /// Constraints and pins, in entries of 8 bytes.
+    pub(super) entries: Arena,
+    /// Body records, run tables, reports.
+    pub(super) bodies: Arena,
+}
+
+pub(super) const POSITIONS: usize = 0;
+pub(super) const VELOCITIES: usize = 1;
+pub(super) const DISPLACEMENTS: usize = 2;
+pub(super) const RECORDS: usize = 0;
+pub(super) const RUN_TABLES: usize = 1;
+pub(super) const REPORTS: usize = 2;
+
+/// A body on the device.
+#[derive(Debug)]
+pub(super) struct DeviceBody {
+    /// Its place among the bodies.
+    pub(super) slot: u32,
+    /// Rented vertices, slack included.
+    vertices: Range<u32>,
+    pub(super) vertex_count: u32,
+    stretch: Runs,
+    bending: Runs,
+    /// Rented entries, slack included.
+    pins: Range<u32>,
+    pub(super) pin_count: u32,
+    /// What the device was told last.
+    record: BodyRecord,
+    pub(super) schedule: Schedule,
+}
+
+impl DeviceBody {
+    /// A body without anything at a place of its own.
+    pub(super) fn new(slot: u32) -> Self {
+        Self {
+            slot,
+            vertices: 0..0,
+            vertex_count: 0,
+            stretch: Runs::default(),
+            bending: Runs::default(),
+            pins: 0..0,
+            pin_count: 0,
+            record: BodyRecord::zeroed(),
+            schedule: Schedule::Colors,
+        }
+    }
+
+    /// The first of its vertices in the arena.
+    pub(super) fn first_vertex(&self) -> u32 {
+        self.vertices.start
+    }
+
+    /// Constraints of a color.
+    pub(super) fn run_len(&self, kind: u32, color: usize) -> u32 {
+        self.runs(kind).len(color)
+    }
+
+    /// Constraints without a color.
+    pub(super) fn overflow_len(&self, kind: u32) -> u32 {
+        self.runs(kind).overflow_len()
+    }
+
+    /// Colors of one kind.
+    pub(super) fn colors(&self, kind: u32) -> u32 {
+        self.runs(kind).colors()
+    }
+
+    /// Constraints of the largest color or overflow of one kind.
+    pub(super) fn largest_run(&self, kind: u32) -> u32 {
+        let runs = self.runs(kind);
+        let colors = (0..runs.colors() as usize).map(|color| runs.len(color));
+        colors.max().unwrap_or(0).max(runs.overflow_len())
+    }
+
+    fn runs(&self, kind: u32) -> &Runs {
+        match kind {
+            STRETCH => &self.stretch,
+            _ => &self.bending,
+        }
+    }
+
+    /// Gives all rented ranges back.
+    pub(super) fn free(&mut self, arenas: &mut Arenas) {
+        self.stretch.free(&mut arenas.entries);
+        self.bending.free(&mut arenas.entries);
+        arenas.vertices.free(std::mem::take(&mut self.vertices));
+        arenas.entries.free(std::mem::take(&mut self.pins));
+    }
+
+    /// Follows an edit of surface and solver.
+    pub(super) fn update(
+        &mut self,
+        context: &Context,
+        arenas: &mut Arenas,
+        uploads: &mut Uploads,
+        (surface, solver): (&Surface, &Solver),
+        changes: &Changes,
+    ) -> Result<bool, GpuError> {
+        let everything = changes.everything;
+        if everything {
+            self.free(arenas);
+        }
+        let before = self.vertices.start;
+        self.make_room(context, arenas, surface.positions.len(), !everything)?;
+        let mut moved = everything || self.vertices.start != before;
+        if everything {
+            self.upload_vertices(context, arenas, uploads, surface, solver);
+        } else {
+            for &v in &changes.moved {
+                let value = position(surface, solver, v);
+                uploads.edit_vector(Target::Positions, self.vertices.start + v, value);
+            }
+            self.edit_masses(uploads, solver, &changes.masses);
+            self.edit_velocities(uploads, solver, &changes.velocities);
+        }
+        let entries = &mut arenas.entries;
+        moved |= self.stretch.update(
+            context,
+            entries,
+            uploads,
+            solver.stretch(),
+            &changes.stretch,
+        )?;
+        if let Some(bending) = solver.bending() {
+            moved |= self
+                .bending
+                .update(context, entries, uploads, bending, &changes.bending)?;
+        }
+        if moved {
+            let mut table = vec![Run::default(); RUNS_PER_BODY];
+            let (stretch, bending) = table.split_at_mut(RUN_COLORS);
+            self.stretch.write_table(stretch);
+            self.bending.write_table(bending);
+            let offset = u64::from(self.slot) * size_of_val(table.as_slice()) as u64;
+            let tables = arenas.bodies.buffer(RUN_TABLES);
+            uploads.send(context, tables, offset, bytemuck::cast_slice(&table));
+        }
+        Ok(moved)
+    }
+
+    /// Sends velocities that were set on the host.
+    pub(super) fn edit_velocities(&self, uploads: &mut Uploads, solver: &Solver, of: &[u32]) {
+        for &v in of {
+            let value = solver.velocities[v as usize];
+            uploads.edit_vector(Target::Velocities, self.vertices.start + v, value);
+        }
+    }
+
+    /// Sends inverse masses that were set on the host.
+    pub(super) fn edit_masses(&self, uploads: &mut Uploads, solver: &Solver, of: &[u32]) {
+        for &v in of {
+            uploads.edit_mass(self.vertices.start + v, inverse_mass(solver, v));
+        }
+    }
+
+    /// Sends the pins; tells whether there are more or fewer of them now.
+    pub(super) fn update_pins(
+        &mut self,
+        context: &Context,
+        arenas: &mut Arenas,
+        uploads: &mut Uploads,
+        pins: &[Pin],
+    ) -> Result<bool, GpuError> {
+        let room = (self.pins.end - self.pins.start) as usize / 2;
+        if pins.len() > room {
+            let (entries, _) = arenas
+                .entries
+                .allocate(context, 2 * with_slack(pins.len()))?;
+            let before = std::mem::replace(&mut self.pins, entries);
+            arenas.entries.free(before);
+        }
+        uploads.entries.clear();
+        for pin in pins {
+            push_pin(&mut uploads.entries, pin);
+        }
+        let offset = u64::from(self.pins.start) * 8;
+        uploads.write(context, arenas.entries.buffer(0), offset);
+        let count = u32::try_from(pins.len()).unwrap_or(u32::MAX);
+        Ok(std::mem::replace(&mut self.pin_count, count) != count)
+    }
+
+    /// Sends the body's numbers if they differ from those that the device has.
+    pub(super) fn update_record(
+        &mut self,
+        context: &Context,
+        arenas: &Arenas,
+        uploads: &mut Uploads,
+        constants: &StepConstants,
+    ) {
+        let places = Places {
+            first_vertex: self.vertices.start,
+            vertices: self.vertex_count,
+            first_pin: self.pins.start,
+            pins: self.pin_count,
+            first_run: self.slot * RUNS_PER_BODY as u32,
+            stretch_colors: self.stretch.colors(),
+            bending_colors: self.bending.colors(),
+        };
+        let record = body_record(places, constants);
+        let (old, new) = (
+            bytemuck::bytes_of(&self.record),
+            bytemuck::bytes_of(&record),
+        );
+        if old != new {
+            let offset = u64::from(self.slot) * new.len() as u64;
+            uploads.send(context, arenas.bodies.buffer(RECORDS), offset, new);
+            self.record = record;
+        }
+    }
+
+    /// Makes room for so many vertices; what the device holds of them moves along if it is to be kept.
+    fn make_room(
+        &mut self,
+        context: &Context,
+        arenas: &mut Arenas,
+        vertices: usize,
+        keep: bool,
+    ) -> Result<(), GpuError> {
+        let room = self.vertices.end - self.vertices.start;
+        let count = u32::try_from(vertices).unwrap_or(u32::MAX);
+        if count > room {
+            let (range, _) = arenas.vertices.allocate(context, with_slack(vertices))?;
+            let before = std::mem::replace(&mut self.vertices, range.clone());
+            if keep && !before.is_empty() {
+                let mut encoder = super::encoder(context, "move a body");
+                let used = before.start..before.start + self.vertex_count;
+                arenas
+                    .vertices
+                    .move_range(context, &mut encoder, used, range)?;
+                context.queue().submit([encoder.finish()]);
+            }
+            arenas.vertices.free(before);
+        }
+        self.vertex_count = count;
+        Ok(())
+    }
+
+    fn upload_vertices(
+        &self,
+        context: &Context,
+        arenas: &Arenas,
+        uploads: &mut Uploads,
+        surface: &Surface,
+        solver: &Solver,
+    ) {
+        let offset = u64::from(self.vertices.start) * 16;
+        let positions: Vec<[f32; 4]> = (0..self.vertex_count)
+            .map(|v| position(surface, solver, v))
+            .collect();
+        let buffer = arenas.vertices.buffer(POSITIONS);
+        uploads.send(context, buffer, offset, bytemuck::cast_slice(&positions));
+        let buffer = arenas.vertices.buffer(VELOCITIES);
+        let velocities = bytemuck::cast_slice(&solver.velocities);
+        uploads.send(context, buffer, offset, velocities);
+    }
+}

@@ -1,0 +1,167 @@
+//! The kernels as the device has them, each made when a program first needs it.
+
+use super::adapter::AdapterKind;
+use super::context::Context;
+use super::error::GpuError;
+use super::shaders::{self, EntryPoint};
+use wgpu::{BindGroupLayout, ComputePipeline, PipelineLayout, ShaderModule};
+
+/// What a dispatch runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kernel {
+    Pass(EntryPoint),
+    WholeBody,
+}
+
+impl Kernel {
+    const COUNT: usize = EntryPoint::ALL.len() + 1;
+
+    const fn index(self) -> usize {
+        match self {
+            Self::Pass(entry_point) => entry_point as usize,
+            Self::WholeBody => EntryPoint::ALL.len(),
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Pass(entry_point) => entry_point.name(),
+            Self::WholeBody => shaders::WHOLE_BODY,
+        }
+    }
+}
+
+/// Pipelines by kernel.
+#[derive(Debug)]
+pub(super) struct Pipelines {
+    /// Storage buffers, then uniforms.
+    pub(super) layouts: [BindGroupLayout; 2],
+    layout: PipelineLayout,
+    /// Lanes of a workgroup.
+    pub(super) workgroup: u32,
+    /// Vertices that a workgroup's memory holds.
+    pub(super) capacity: u32,
+    modules: [Option<ShaderModule>; 2],
+    made: [Option<ComputePipeline>; Kernel::COUNT],
+}
+
+impl Pipelines {
+    pub(super) fn new(context: &Context) -> Result<Self, GpuError> {
+        let limits = context.device().limits();
+        let device = context.device();
+        let (layouts, layout) = context.scoped("bind groups", || layouts(device))?;
+        Ok(Self {
+            layouts,
+            layout,
+            workgroup: workgroup_size(context),
+            capacity: shaders::capacity(limits.max_compute_workgroup_storage_size),
+            modules: [None, None],
+            made: [const { None }; Kernel::COUNT],
+        })
+    }
+
+    /// The kernel's pipeline, made now if it has not been.
+    pub(super) fn make(&mut self, context: &Context, kernel: Kernel) -> Result<(), GpuError> {
+        if self.made[kernel.index()].is_some() {
+            return Ok(());
+        }
+        let whole = kernel == Kernel::WholeBody;
+        let module = match &self.modules[usize::from(whole)] {
+            Some(module) => module.clone(),
+            None => {
+                let source = if whole {
+                    shaders::whole_body(self.workgroup, self.capacity)
+                } else {
+                    shaders::colors(self.workgroup)
+                };
+                context.scoped("shader", || {
+                    context
+                        .device()
+                        .create_shader_module(wgpu::ShaderModuleDescriptor {
+                            label: Some(if whole { "whole body" } else { "colors" }),
+                            source: wgpu::ShaderSource::Wgsl(source.into()),
+                        })
+                })?
+            }
+        };
+        self.modules[usize::from(whole)] = Some(module.clone());
+        let pipeline = context.scoped(kernel.name(), || {
+            let descriptor = wgpu::ComputePipelineDescriptor {
+                label: Some(kernel.name()),
+                layout: Some(&self.layout),
+                module: &module,
+                entry_point: Some(kernel.name()),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    zero_initialize_workgroup_memory: false,
+                    ..wgpu::PipelineCompilationOptions::default()
+                },
+                cache: None,
+            };
+            context.device().create_compute_pipeline(&descriptor)
+        })?;
+        self.made[kernel.index()] = Some(pipeline);
+        Ok(())
+    }
+
+    /// The kernel's pipeline, if it was made.
+    pub(super) fn get(&self, kernel: Kernel) -> Option<&ComputePipeline> {
+        self.made[kernel.index()].as_ref()
+    }
+}
+
+/// Workgroups in two dimensions: a device takes 65,535 in each.
+pub(super) fn workgroups(groups: u32) -> [u32; 2] {
+    const MOST: u32 = 65_535;
+    let rows = groups.div_ceil(MOST).max(1);
+    [groups.div_ceil(rows), rows]
+}
+
+/// Few lanes for a software device, which runs them one after the other, many for a real one.
+fn workgroup_size(context: &Context) -> u32 {
+    let wanted = match context.adapter().kind {
+        AdapterKind::Software => 64,
+        _ => 256,
+    };
+    wanted.min(
+        context
+            .device()
+            .limits()
+            .max_compute_invocations_per_workgroup,
+    )
+}
+
+fn layouts(device: &wgpu::Device) -> ([BindGroupLayout; 2], PipelineLayout) {
+    let entry = |binding: usize, ty, has_dynamic_offset| wgpu::BindGroupLayoutEntry {
+        binding: u32::try_from(binding).unwrap_or(u32::MAX),
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset,
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    // Positions, velocities, displacements, entries and reports are written.
+    let written = [true, true, true, true, false, false, false, true];
+    let storage: Vec<_> = (written.iter().enumerate())
+        .map(|(i, written)| {
+            let read_only = !written;
+            entry(i, wgpu::BufferBindingType::Storage { read_only }, false)
+        })
+        .collect();
+    let uniform = wgpu::BufferBindingType::Uniform;
+    let uniforms = [entry(0, uniform, false), entry(1, uniform, true)];
+    let group = |entries: &[wgpu::BindGroupLayoutEntry]| {
+        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: None,
+            entries,
+        })
+    };
+    let layouts = [group(&storage), group(&uniforms)];
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: None,
+        bind_group_layouts: &[Some(&layouts[0]), Some(&layouts[1])],
+        immediate_size: 0,
+    });
+    (layouts, layout)
+}

@@ -1,0 +1,335 @@
+//! The plans of all bodies as one list of dispatches.
+//!
+//! Bodies share dispatches: a device finishes one before it starts the next that writes the same
+//! arrays, so a dispatch a body would leave it idle most of the time.
+
+use super::body::DeviceBody;
+use super::layout::{BENDING, Link, PassUniform, STRETCH};
+use super::pipelines::Kernel;
+use super::shaders::EntryPoint;
+use super::stats::Schedule;
+use crate::coloring::MAX_COLORS;
+use crate::plan::{Pass, StepPlan};
+
+/// A color of at most so many constraints in every body is small: looping over it costs a workgroup
+/// less than a dispatch of its own.
+const SMALL_COLOR: u32 = 256;
+
+/// A pass over whatever its links say.
+const NOTHING: PassUniform = PassUniform {
+    first_link: 0,
+    links: 0,
+    kind: STRETCH,
+    color: 0,
+    colors: 0,
+    with_overflow: 0,
+    substep: 0,
+    pad: 0,
+};
+
+/// One dispatch.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Dispatch {
+    pub(super) kernel: Kernel,
+    /// Which pass record it reads, in the first substep.
+    pub(super) pass: u32,
+    /// Whether every substep has a record of its own.
+    pub(super) by_substep: bool,
+    pub(super) groups: u32,
+}
+
+/// A body that is stepped.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stepped<'a> {
+    /// The body's place on the device.
+    pub(super) slot: u32,
+    pub(super) body: &'a DeviceBody,
+    pub(super) plan: &'a StepPlan,
+}
+
+/// All dispatches of a frame.
+#[derive(Debug, Default)]
+pub(super) struct Program {
+    /// Bodies that a workgroup steps alone.
+    pub(super) whole: Option<Dispatch>,
+    /// Once a substep, then `iterations` times, then once.
+    pub(super) prologue: Vec<Dispatch>,
+    pub(super) iteration: Vec<Dispatch>,
+    pub(super) epilogue: Vec<Dispatch>,
+    /// After the last substep, if somebody asks for boxes.
+    pub(super) bounds: [Option<Dispatch>; 2],
+    pub(super) iterations: u32,
+    pub(super) substeps: u32,
+    pub(super) passes: Vec<PassUniform>,
+    pub(super) links: Vec<Link>,
+}
+
+/// Makes programs.
+struct Compiler<'a> {
+    bodies: &'a [Stepped<'a>],
+    workgroup: u32,
+    program: Program,
+}
+
+impl Program {
+    /// Makes the program of some bodies for workgroups of `workgroup` lanes.
+    pub(super) fn compile(bodies: &[Stepped<'_>], substeps: u32, workgroup: u32) -> Self {
+        let mut compiler = Compiler {
+            bodies,
+            workgroup,
+            program: Self {
+                substeps,
+                iterations: bodies.first().map_or(0, |b| b.plan.iterations()),
+                ..Self::default()
+            },
+        };
+        compiler.whole_bodies();
+        let prologue = compiler.merged(StepPlan::prologue);
+        compiler.program.prologue = compiler.dispatches(&prologue);
+        let iteration = compiler.merged(StepPlan::iteration);
+        compiler.program.iteration = compiler.dispatches(&iteration);
+        let epilogue = compiler.merged(StepPlan::epilogue);
+        compiler.program.epilogue = compiler.dispatches(&epilogue);
+        compiler.bounds();
+        compiler.program
+    }
+
+    /// A program that finds the box of one body of so many vertices and does nothing else.
+    pub(super) fn bounds_of(slot: u32, vertices: u32, workgroup: u32) -> Self {
+        let mut compiler = Compiler {
+            bodies: &[],
+            workgroup,
+            program: Self::default(),
+        };
+        compiler.bounds_of(&[(slot, vertices)]);
+        compiler.program
+    }
+
+    /// How many dispatches a frame has.
+    pub(super) fn dispatches(&self, with_bounds: bool) -> u32 {
+        let count = |list: &[Dispatch]| u32::try_from(list.len()).unwrap_or(u32::MAX);
+        let substep = count(&self.prologue)
+            + self.iterations * count(&self.iteration)
+            + count(&self.epilogue);
+        let bounds = self.bounds.iter().flatten().count() * usize::from(with_bounds);
+        u32::from(self.whole.is_some())
+            + self.substeps * substep
+            + u32::try_from(bounds).unwrap_or(0)
+    }
+
+    /// The kernels that the program needs.
+    pub(super) fn kernels(&self) -> impl Iterator<Item = Kernel> {
+        let lists = [&self.prologue, &self.iteration, &self.epilogue];
+        let single = [self.whole, self.bounds[0], self.bounds[1]];
+        let of_lists = lists.into_iter().flatten().map(|d| d.kernel);
+        of_lists.chain(single.into_iter().flatten().map(|d| d.kernel))
+    }
+}
+
+impl Compiler<'_> {
+    fn by_colors(&self) -> impl Iterator<Item = &Stepped<'_>> {
+        (self.bodies.iter()).filter(|b| b.body.schedule == Schedule::Colors)
+    }
+
+    /// The passes of all bodies that go color by color, in the order that all of them have.
+    fn merged(&self, part: impl Fn(&StepPlan) -> &[Pass]) -> Vec<Pass> {
+        let all = self.by_colors().flat_map(|b| part(b.plan));
+        let mut passes: Vec<Pass> = all.copied().collect();
+        passes.sort_unstable();
+        passes.dedup();
+        passes
+    }
+
+    fn whole_bodies(&mut self) {
+        let whole = |b: &&Stepped<'_>| b.body.schedule == Schedule::WholeBody;
+        let lanes: Vec<(u32, u32)> = (self.bodies.iter().filter(whole))
+            .map(|b| (b.slot, self.workgroup))
+            .collect();
+        self.program.whole = self.dispatch(Kernel::WholeBody, NOTHING, false, &lanes);
+    }
+
+    fn bounds(&mut self) {
+        let lanes: Vec<(u32, u32)> = (self.bodies.iter())
+            .map(|b| (b.slot, b.body.vertex_count))
+            .collect();
+        self.bounds_of(&lanes);
+    }
+
+    fn bounds_of(&mut self, lanes: &[(u32, u32)]) {
+        let reset = Kernel::Pass(EntryPoint::ResetBounds);
+        let reset = self
+            .dispatch(reset, NOTHING, false, lanes)
+            .map(|d| Dispatch {
+                // A lane a link.
+                groups: self.program.passes[d.pass as usize]
+                    .links
+                    .div_ceil(self.workgroup),
+                ..d
+            });
+        let bounds = Kernel::Pass(EntryPoint::Bounds);
+        self.program.bounds = [reset, self.dispatch(bounds, NOTHING, false, lanes)];
+    }
+
+    fn dispatches(&mut self, passes: &[Pass]) -> Vec<Dispatch> {
+        let mut out = Vec::new();
+        let together = |a: &Pass, b: &Pass| family(*a).is_some() && family(*a) == family(*b);
+        for run in passes.chunk_by(together) {
+            match family(run[0]) {
+                Some(family) => self.colors(family.kind, run, &mut out),
+                None if run[0] == Pass::ResetMultipliers => self.resets(&mut out),
+                None => out.extend(self.vertices(run[0])),
+            }
+        }
+        out
+    }
+
+    /// A pass over vertices or pins.
+    fn vertices(&mut self, pass: Pass) -> Option<Dispatch> {
+        let (kernel, by_substep) = match pass {
+            Pass::Predict => (EntryPoint::Predict, true),
+            Pass::Pins => (EntryPoint::Pins, true),
+            Pass::Ground => (EntryPoint::Ground, true),
+            _ => (EntryPoint::Integrate, true),
+        };
+        let lanes_of = |b: &Stepped<'_>| match pass {
+            Pass::Pins => b.body.pin_count,
+            _ => b.body.vertex_count,
+        };
+        let lanes: Vec<(u32, u32)> = (self.by_colors()).map(|b| (b.slot, lanes_of(b))).collect();
+        self.dispatch(Kernel::Pass(kernel), NOTHING, by_substep, &lanes)
+    }
+
+    /// All multipliers of one kind at once.
+    fn resets(&mut self, out: &mut Vec<Dispatch>) {
+        for kind in [STRETCH, BENDING] {
+            let lanes: Vec<(u32, u32)> = (self.by_colors())
+                .map(|b| (b.slot, b.body.largest_run(kind)))
+                .collect();
+            let pass = PassUniform {
+                kind,
+                colors: self
+                    .by_colors()
+                    .map(|b| b.body.colors(kind))
+                    .max()
+                    .unwrap_or(0),
+                with_overflow: 1,
+                ..NOTHING
+            };
+            let kernel = Kernel::Pass(EntryPoint::ResetMultipliers);
+            out.extend(self.dispatch(kernel, pass, false, &lanes));
+        }
+    }
+
+    /// Passes over the colors of one kind and layer: large ones get a dispatch each, what follows the
+    /// last large one shares one.
+    fn colors(&mut self, kind: u32, run: &[Pass], out: &mut Vec<Dispatch>) {
+        let is_large = |pass: &Pass| match color_of(*pass) {
+            Some(color) => (self.by_colors()).any(|b| b.body.run_len(kind, color) > SMALL_COLOR),
+            None => false,
+        };
+        let large = run.iter().rposition(is_large).map_or(0, |last| last + 1);
+        let (large, small) = run.split_at(large);
+        for color in large.iter().filter_map(|&pass| color_of(pass)) {
+            let lanes: Vec<(u32, u32)> = (self.by_colors())
+                .map(|b| (b.slot, b.body.run_len(kind, color)))
+                .collect();
+            let kernel = match kind {
+                STRETCH => EntryPoint::Stretch,
+                _ => EntryPoint::Bending,
+            };
+            let pass = PassUniform {
+                kind,
+                color: narrow(color),
+                ..NOTHING
+            };
+            out.extend(self.dispatch(Kernel::Pass(kernel), pass, false, &lanes));
+        }
+        let colors: Vec<usize> = small.iter().filter_map(|&pass| color_of(pass)).collect();
+        let with_overflow = small.iter().any(|&pass| color_of(pass).is_none());
+        let first = colors.first().copied().unwrap_or(0);
+        let end = colors.last().map_or(0, |&last| last + 1);
+        let holds = |b: &Stepped<'_>| {
+            let any = (first..end).any(|color| b.body.run_len(kind, color) > 0);
+            any || with_overflow && b.body.overflow_len(kind) > 0
+        };
+        let lanes: Vec<(u32, u32)> = (self.by_colors())
+            .map(|b| (b.slot, if holds(b) { self.workgroup } else { 0 }))
+            .collect();
+        let pass = PassUniform {
+            kind,
+            color: narrow(first),
+            colors: narrow(end - first),
+            with_overflow: u32::from(with_overflow),
+            ..NOTHING
+        };
+        out.extend(self.dispatch(Kernel::Pass(EntryPoint::Tail), pass, false, &lanes));
+    }
+
+    /// A dispatch over bodies with so many lanes each; none if there is nothing to do.
+    fn dispatch(
+        &mut self,
+        kernel: Kernel,
+        pass: PassUniform,
+        by_substep: bool,
+        lanes: &[(u32, u32)],
+    ) -> Option<Dispatch> {
+        let first_link = narrow(self.program.links.len());
+        let mut groups = 0;
+        for &(body, lanes) in lanes.iter().filter(|(_, lanes)| *lanes > 0) {
+            self.program.links.push(Link {
+                first_group: groups,
+                body,
+            });
+            groups += lanes.div_ceil(self.workgroup);
+        }
+        let links = narrow(self.program.links.len()) - first_link;
+        if links == 0 {
+            return None;
+        }
+        let dispatch = Dispatch {
+            kernel,
+            pass: narrow(self.program.passes.len()),
+            by_substep,
+            groups,
+        };
+        for substep in 0..if by_substep { self.program.substeps } else { 1 } {
+            self.program.passes.push(PassUniform {
+                first_link,
+                links,
+                substep,
+                ..pass
+            });
+        }
+        Some(dispatch)
+    }
+}
+
+/// Passes of one family have the same kind and layer and may share a dispatch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Family {
+    kind: u32,
+    layer: usize,
+}
+
+fn family(pass: Pass) -> Option<Family> {
+    let (kind, layer) = match pass {
+        Pass::Stretch { color } => (STRETCH, color / MAX_COLORS),
+        Pass::StretchOverflow => (STRETCH, 0),
+        Pass::Bending { color } => (BENDING, color / MAX_COLORS),
+        Pass::BendingOverflow => (BENDING, 0),
+        _ => return None,
+    };
+    Some(Family { kind, layer })
+}
+
+/// The color of a pass; none for an overflow.
+fn color_of(pass: Pass) -> Option<usize> {
+    match pass {
+        Pass::Stretch { color } | Pass::Bending { color } => Some(color),
+        _ => None,
+    }
+}
+
+fn narrow(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
+}

@@ -1,0 +1,134 @@
+//! The constraints of one kind of a body on the device: a run of the constraint arena for every color.
+
+use super::arena::{Arena, with_slack};
+use super::context::Context;
+use super::error::GpuError;
+use super::layout::Run;
+use super::records::{entries_of, push_constraint};
+use super::upload::Uploads;
+use crate::constraints::{Batch, ConstraintSet, Slot};
+use std::ops::Range;
+
+/// A rented run.
+#[derive(Debug, Clone, Default)]
+struct Rented {
+    /// Entries of the constraint arena, slack included.
+    entries: Range<u32>,
+    /// Constraints.
+    len: u32,
+}
+
+/// The runs of one kind, by color, the overflow last.
+#[derive(Debug, Default)]
+pub(super) struct Runs {
+    rented: Vec<Rented>,
+    overflow: Rented,
+}
+
+impl Runs {
+    /// Constraints of a color.
+    pub(super) fn len(&self, color: usize) -> u32 {
+        self.rented.get(color).map_or(0, |run| run.len)
+    }
+
+    /// Constraints without a color.
+    pub(super) fn overflow_len(&self) -> u32 {
+        self.overflow.len
+    }
+
+    /// How many colors there are; some may be empty.
+    pub(super) fn colors(&self) -> u32 {
+        u32::try_from(self.rented.len()).unwrap_or(u32::MAX)
+    }
+
+    /// The runs as the device reads them, in the body's table of `stride` runs.
+    pub(super) fn write_table(&self, table: &mut [Run]) {
+        let run = |rented: &Rented| Run {
+            first: rented.entries.start,
+            len: rented.len,
+        };
+        for (run_of, rented) in table.iter_mut().zip(&self.rented) {
+            *run_of = run(rented);
+        }
+        if let Some(last) = table.last_mut() {
+            *last = run(&self.overflow);
+        }
+    }
+
+    /// Gives everything back.
+    pub(super) fn free(&mut self, arena: &mut Arena) {
+        let overflow = std::mem::take(&mut self.overflow);
+        for rented in self.rented.drain(..).chain([overflow]) {
+            arena.free(rented.entries);
+        }
+    }
+
+    /// Follows a set of which `changed` places were written, ascending; everything else is on the
+    /// device. Returns whether a run moved or changed its length.
+    pub(super) fn update<const N: usize>(
+        &mut self,
+        context: &Context,
+        arena: &mut Arena,
+        uploads: &mut Uploads,
+        set: &ConstraintSet<N>,
+        changed: &[Slot],
+    ) -> Result<bool, GpuError> {
+        self.rented.resize(set.batches().len(), Rented::default());
+        let mut moved = false;
+        for (color, batch) in set.numbered() {
+            let rented = self.rented.get_mut(color).unwrap_or(&mut self.overflow);
+            moved |= rented.len as usize != batch.len();
+            rented.len = u32::try_from(batch.len()).unwrap_or(u32::MAX);
+            let room = (rented.entries.end - rented.entries.start) / entries_of::<N>();
+            if rented.len > room {
+                rent::<N>(context, arena, rented, batch)?;
+                upload(arena, uploads, rented, batch, context);
+                moved = true;
+                continue;
+            }
+            let start = changed.partition_point(|slot| slot.color < color);
+            let of_color = changed[start..].iter().take_while(|s| s.color == color);
+            for slot in of_color.filter(|slot| slot.index < batch.len()) {
+                let index = u32::try_from(slot.index).unwrap_or(u32::MAX);
+                uploads.constraint(
+                    rented.entries.start + index * entries_of::<N>(),
+                    batch,
+                    slot.index,
+                );
+            }
+        }
+        Ok(moved)
+    }
+}
+
+/// Rents room for a batch with slack, in place of the room it had.
+fn rent<const N: usize>(
+    context: &Context,
+    arena: &mut Arena,
+    rented: &mut Rented,
+    batch: &Batch<N>,
+) -> Result<(), GpuError> {
+    let (entries, _) = arena.allocate(context, with_slack(batch.len()) * entries_of::<N>())?;
+    let before = std::mem::replace(&mut rented.entries, entries);
+    arena.free(before);
+    Ok(())
+}
+
+/// Sends a whole batch.
+fn upload<const N: usize>(
+    arena: &Arena,
+    uploads: &mut Uploads,
+    rented: &Rented,
+    batch: &Batch<N>,
+    context: &Context,
+) {
+    uploads.entries.clear();
+    for i in 0..batch.len() {
+        push_constraint(&mut uploads.entries, batch, i);
+    }
+    uploads.write(
+        context,
+        arena.buffer(0),
+        u64::from(rented.entries.start) * 8,
+    );
+}

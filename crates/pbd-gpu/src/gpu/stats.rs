@@ -1,0 +1,45 @@
+//! What the device was asked to do.
+
+/// How a body's step is cut into dispatches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Schedule {
+    /// One workgroup runs all substeps of a frame, with the displacements in its own memory. All such
+    /// bodies share one dispatch.
+    WholeBody,
+    /// One dispatch a color, over all such bodies; small colors and the overflow share one.
+    Colors,
+}
+
+impl Schedule {
+    /// A name for tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::WholeBody => "whole-body",
+            Self::Colors => "colors",
+        }
+    }
+}
+
+/// What the device was asked to do by the last step, and since the one before it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct GpuStats {
+    /// Bodies stepped under [`Schedule::WholeBody`].
+    pub whole_bodies: u32,
+    /// Bodies stepped under [`Schedule::Colors`].
+    pub color_bodies: u32,
+    /// Dispatches of the step.
+    pub dispatches: u32,
+    /// Stretch constraints projected by the step.
+    pub stretch_projections: u64,
+    /// Bending constraints projected by the step.
+    pub bending_projections: u64,
+    /// Bytes sent to the device for edits and parameters since the last step, those of this step
+    /// included.
+    pub bytes_uploaded: u64,
+    /// Bytes brought back from the device since the last step.
+    pub bytes_read: u64,
+    /// Whether the list of dispatches was made anew: topology, parameters or the choice of bodies
+    /// changed.
+    pub program_built: bool,
+}

@@ -1,0 +1,269 @@
+//! One frame of all bodies: one pass, one submission.
+
+use super::backend::{GpuBackend, GpuBody, find_mut};
+use super::error::GpuError;
+use super::layout::FrameUniform;
+use super::pipelines::{Kernel, Pipelines, workgroups};
+use super::program::{Dispatch, Program, Stepped};
+use super::stats::{GpuStats, Schedule};
+use super::uniforms::PASS_STRIDE;
+use crate::params::SolverParams;
+use crate::plan::StepConstants;
+use crate::solver::Solver;
+use bytemuck::Zeroable;
+use wgpu::{BindGroup, ComputePass, ComputePassDescriptor};
+
+impl GpuBackend {
+    /// Steps bodies by one frame of `dt` \[s\], all in one submission, and returns while the device works.
+    /// Each body is stepped as if it were alone.
+    ///
+    /// # Errors
+    /// [`GpuError`] when a parameter is out of its range, a body is unknown or was edited without
+    /// [`GpuBackend::update`], or the device fails. That a position stopped being a number is found by
+    /// [`GpuBackend::read`].
+    pub fn step<'a>(
+        &mut self,
+        bodies: impl IntoIterator<Item = (GpuBody, &'a mut Solver)>,
+        dt: f32,
+        params: &SolverParams,
+    ) -> Result<&GpuStats, GpuError> {
+        params.check(dt)?;
+        self.context.check()?;
+        let mut stats = GpuStats::default();
+        let mut frame = FrameUniform::zeroed();
+        self.stepped.clear();
+        for (body, solver) in bodies {
+            self.send_small_changes(body, solver)?;
+            let constants = solver.prepare(dt, params);
+            frame = frame_record(&constants, params);
+            self.tell(body, solver, &constants, &mut stats)?;
+            self.stepped.push(body.slot());
+        }
+        self.flush()?;
+        self.program_is_stale |=
+            self.program.substeps != params.substeps || self.program_of != self.stepped;
+        stats.program_built = self.program_is_stale;
+        self.update_program(params.substeps)?;
+        self.uniforms
+            .send_frame(&self.context, &mut self.uploads, frame);
+        self.frame += 1;
+        let wants_bounds = self.note_frame();
+        stats.dispatches = self.program.dispatches(wants_bounds);
+        self.submit(wants_bounds)?;
+        stats.bytes_uploaded = self.uploads.take_bytes();
+        stats.bytes_read = std::mem::take(&mut self.bytes_read);
+        self.stats = stats;
+        Ok(&self.stats)
+    }
+
+    /// Finds the box of a body that has no report of it on its way.
+    pub(super) fn reduce_bounds(&mut self, slot: u32) -> Result<(), GpuError> {
+        let Some(resident) = self.resident_at(slot) else {
+            return Err(GpuError::UnknownBody);
+        };
+        resident.wants_report = true;
+        // The program's other dispatches are left out by having no substeps.
+        let workgroup = self.pipelines.workgroup;
+        let count = self.resident_at(slot).map_or(0, |r| r.body.vertex_count);
+        self.program = Program::bounds_of(slot, count, workgroup);
+        self.program_of.clear();
+        self.program_of.push(slot);
+        self.program_is_stale = true;
+        self.make_program()?;
+        self.submit(true)
+    }
+
+    /// Tells the device the body's numbers; counts what will be done.
+    fn tell(
+        &mut self,
+        body: GpuBody,
+        solver: &Solver,
+        constants: &StepConstants,
+        stats: &mut GpuStats,
+    ) -> Result<(), GpuError> {
+        let resident = self.resident_mut(body)?;
+        let stale = resident.plan.generation() != solver.plan().generation();
+        if stale {
+            resident.plan.clone_from(solver.plan());
+        }
+        match resident.body.schedule {
+            Schedule::WholeBody => stats.whole_bodies += 1,
+            Schedule::Colors => stats.color_bodies += 1,
+        }
+        let times = u64::from(constants.substeps) * u64::from(solver.plan().iterations());
+        stats.stretch_projections += times * solver.stretch().len() as u64;
+        stats.bending_projections += times * solver.bending().map_or(0, |set| set.len() as u64);
+        self.program_is_stale |= stale;
+        let Self {
+            context,
+            arenas,
+            uploads,
+            ..
+        } = self;
+        let resident = find_mut(&mut self.residents, &self.generations, body)?;
+        resident
+            .body
+            .update_record(context, arenas, uploads, constants);
+        Ok(())
+    }
+
+    /// Makes the program anew if it does not fit any more.
+    fn update_program(&mut self, substeps: u32) -> Result<(), GpuError> {
+        if !self.program_is_stale {
+            return Ok(());
+        }
+        let residents = &self.residents;
+        let stepped: Vec<Stepped<'_>> = (self.stepped.iter())
+            .filter_map(|&slot| {
+                let resident = residents[slot as usize].as_ref()?;
+                Some(Stepped {
+                    slot,
+                    body: &resident.body,
+                    plan: &resident.plan,
+                })
+            })
+            .collect();
+        self.program = Program::compile(&stepped, substeps, self.pipelines.workgroup);
+        self.program_of.clone_from(&self.stepped);
+        self.make_program()?;
+        self.program_is_stale = false;
+        Ok(())
+    }
+
+    /// Sends the program's parameters and makes the pipelines that it needs.
+    fn make_program(&mut self) -> Result<(), GpuError> {
+        // Should this fail, the next step tries again.
+        self.program_is_stale = true;
+        for kernel in self.program.kernels() {
+            self.pipelines.make(&self.context, kernel)?;
+        }
+        self.uniforms
+            .send_program(&self.context, &mut self.uploads, &self.program)
+    }
+
+    /// Notes in the bodies that this frame steps them; whether somebody wants a box.
+    fn note_frame(&mut self) -> bool {
+        let frame = self.frame;
+        let slots = std::mem::take(&mut self.program_of);
+        let mut wants_bounds = false;
+        for &slot in &slots {
+            if let Some(resident) = self.resident_at(slot) {
+                resident.frame = frame;
+                wants_bounds |= resident.wants_report;
+            }
+        }
+        self.program_of = slots;
+        wants_bounds
+    }
+
+    /// Encodes the program and the copies that somebody wants, and hands them over.
+    fn submit(&mut self, wants_bounds: bool) -> Result<(), GpuError> {
+        let mut encoder = super::encoder(&self.context, "step");
+        let groups = self
+            .uniforms
+            .groups(&self.context, &self.pipelines, &self.arenas)?;
+        {
+            let descriptor = ComputePassDescriptor {
+                label: Some("step"),
+                timestamp_writes: None,
+            };
+            let mut encoding = Encoding {
+                pass: encoder.begin_compute_pass(&descriptor),
+                pipelines: &self.pipelines,
+                uniforms: &groups[1],
+                last: None,
+            };
+            encoding.pass.set_bind_group(0, &groups[0], &[]);
+            encoding.program(&self.program, wants_bounds);
+        }
+        let slots = std::mem::take(&mut self.program_of);
+        let done = self.request_copies(&slots, &mut encoder);
+        self.program_of = slots;
+        done?;
+        let submission = self.context.queue().submit([encoder.finish()]);
+        self.context.check()?;
+        for i in 0..self.program_of.len() {
+            let slot = self.program_of[i];
+            if let Some(resident) = self.resident_at(slot) {
+                resident.state.submitted(&submission);
+                resident.report.submitted(&submission);
+            }
+        }
+        Ok(())
+    }
+
+    fn request_copies(
+        &mut self,
+        slots: &[u32],
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Result<(), GpuError> {
+        for &slot in slots {
+            let Some(resident) = self.resident_at(slot) else {
+                continue;
+            };
+            let state = std::mem::take(&mut resident.wants_state);
+            let report = std::mem::take(&mut resident.wants_report);
+            if state {
+                self.request_state(slot as usize, encoder)?;
+            }
+            if report {
+                self.request_report(slot as usize, encoder)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A pass that dispatches are written to.
+struct Encoding<'a> {
+    pass: ComputePass<'a>,
+    pipelines: &'a Pipelines,
+    uniforms: &'a BindGroup,
+    /// The kernel that is set.
+    last: Option<Kernel>,
+}
+
+impl Encoding<'_> {
+    fn program(&mut self, program: &Program, wants_bounds: bool) {
+        self.dispatches(program.whole.iter(), 0);
+        for substep in 0..program.substeps {
+            self.dispatches(program.prologue.iter(), substep);
+            for _ in 0..program.iterations {
+                self.dispatches(program.iteration.iter(), substep);
+            }
+            self.dispatches(program.epilogue.iter(), substep);
+        }
+        if wants_bounds {
+            self.dispatches(program.bounds.iter().flatten(), 0);
+        }
+    }
+
+    fn dispatches<'d>(&mut self, list: impl Iterator<Item = &'d Dispatch>, substep: u32) {
+        for dispatch in list {
+            let Some(pipeline) = self.pipelines.get(dispatch.kernel) else {
+                continue;
+            };
+            if self.last != Some(dispatch.kernel) {
+                self.pass.set_pipeline(pipeline);
+                self.last = Some(dispatch.kernel);
+            }
+            let record = dispatch.pass + if dispatch.by_substep { substep } else { 0 };
+            // Pass records are few: they are counted in u32 from the start.
+            let offset = record * PASS_STRIDE as u32;
+            self.pass.set_bind_group(1, self.uniforms, &[offset]);
+            let [x, y] = workgroups(dispatch.groups);
+            self.pass.dispatch_workgroups(x, y, 1);
+        }
+    }
+}
+
+fn frame_record(constants: &StepConstants, params: &SolverParams) -> FrameUniform {
+    FrameUniform {
+        gravity_step: constants.gravity_step,
+        h: constants.h,
+        ground: constants.ground.max(f32::MIN),
+        has_ground: u32::from(params.ground.is_some()),
+        substeps: constants.substeps,
+        iterations: params.iterations,
+    }
+}

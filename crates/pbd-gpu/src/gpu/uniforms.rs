@@ -1,0 +1,146 @@
+//! The parameters of dispatches and the bind groups that hold everything together.
+
+use super::body::{Arenas, DISPLACEMENTS, POSITIONS, RECORDS, REPORTS, RUN_TABLES, VELOCITIES};
+use super::context::Context;
+use super::error::GpuError;
+use super::layout::{FrameUniform, PassUniform};
+use super::pipelines::Pipelines;
+use super::program::Program;
+use super::upload::Uploads;
+use bytemuck::Zeroable;
+use wgpu::{BindGroup, BindGroupEntry, BindingResource, Buffer, BufferBinding, BufferUsages};
+
+/// Bytes from one pass record to the next: what every device can step by.
+pub(super) const PASS_STRIDE: u64 = 256;
+
+/// Buffers that parameters lie in, and the bind groups.
+#[derive(Debug)]
+pub(super) struct Uniforms {
+    frame: Buffer,
+    /// What the device was told last.
+    told: FrameUniform,
+    passes: Buffer,
+    links: Buffer,
+    groups: Option<[BindGroup; 2]>,
+    /// The buffers that the groups were made of.
+    bound: Vec<Buffer>,
+    /// Room to spread pass records; its content matters to nobody between calls.
+    bytes: Vec<u8>,
+}
+
+impl Uniforms {
+    pub(super) fn new(context: &Context) -> Result<Self, GpuError> {
+        let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+        Ok(Self {
+            frame: context.buffer("frame", size_of::<FrameUniform>() as u64, uniform)?,
+            told: FrameUniform::zeroed(),
+            passes: context.buffer("passes", 64 * PASS_STRIDE, uniform)?,
+            links: context.buffer("links", 1024, storage)?,
+            groups: None,
+            bound: Vec::new(),
+            bytes: Vec::new(),
+        })
+    }
+
+    /// Sends the numbers of a frame if they differ from the last one's.
+    pub(super) fn send_frame(
+        &mut self,
+        context: &Context,
+        uploads: &mut Uploads,
+        frame: FrameUniform,
+    ) {
+        if bytemuck::bytes_of(&frame) != bytemuck::bytes_of(&self.told) {
+            uploads.send(context, &self.frame, 0, bytemuck::bytes_of(&frame));
+            self.told = frame;
+        }
+    }
+
+    /// Sends the parameters of a program's dispatches.
+    pub(super) fn send_program(
+        &mut self,
+        context: &Context,
+        uploads: &mut Uploads,
+        program: &Program,
+    ) -> Result<(), GpuError> {
+        self.bytes.clear();
+        for pass in &program.passes {
+            let end = self.bytes.len() + PASS_STRIDE as usize;
+            self.bytes.extend(bytemuck::bytes_of(pass));
+            self.bytes.resize(end, 0);
+        }
+        let links: &[u8] = bytemuck::cast_slice(&program.links);
+        for (buffer, data) in [
+            (&mut self.passes, self.bytes.as_slice()),
+            (&mut self.links, links),
+        ] {
+            let bytes = data.len() as u64;
+            if buffer.size() < bytes {
+                *buffer = context.buffer("program", bytes.next_power_of_two(), buffer.usage())?;
+            }
+            uploads.send(context, buffer, 0, data);
+        }
+        Ok(())
+    }
+
+    /// The bind groups, made anew if a buffer was replaced.
+    pub(super) fn groups(
+        &mut self,
+        context: &Context,
+        pipelines: &Pipelines,
+        arenas: &Arenas,
+    ) -> Result<&[BindGroup; 2], GpuError> {
+        let storage = [
+            arenas.vertices.buffer(POSITIONS),
+            arenas.vertices.buffer(VELOCITIES),
+            arenas.vertices.buffer(DISPLACEMENTS),
+            arenas.entries.buffer(0),
+            arenas.bodies.buffer(RECORDS),
+            arenas.bodies.buffer(RUN_TABLES),
+            &self.links,
+            arenas.bodies.buffer(REPORTS),
+        ];
+        let now = || storage.into_iter().chain([&self.frame, &self.passes]);
+        let groups = match self.groups.take() {
+            Some(groups) if now().eq(&self.bound) => groups,
+            _ => {
+                self.bound.clear();
+                self.bound.extend(now().cloned());
+                context.scoped("bind groups", || {
+                    let uniforms = [
+                        BindingResource::Buffer(self.frame.as_entire_buffer_binding()),
+                        BindingResource::Buffer(BufferBinding {
+                            buffer: &self.passes,
+                            offset: 0,
+                            size: wgpu::BufferSize::new(size_of::<PassUniform>() as u64),
+                        }),
+                    ];
+                    let storage = storage.map(Buffer::as_entire_binding);
+                    [
+                        bind(context, &pipelines.layouts[0], storage),
+                        bind(context, &pipelines.layouts[1], uniforms),
+                    ]
+                })?
+            }
+        };
+        Ok(self.groups.insert(groups))
+    }
+}
+
+fn bind<const N: usize>(
+    context: &Context,
+    layout: &wgpu::BindGroupLayout,
+    resources: [BindingResource<'_>; N],
+) -> BindGroup {
+    let entries: Vec<_> = (0..)
+        .zip(resources)
+        .map(|(binding, resource)| BindGroupEntry { binding, resource })
+        .collect();
+    context
+        .device()
+        .create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout,
+            entries: &entries,
+        })
+}

@@ -1,0 +1,188 @@
+//! What is sent to the device: whole ranges as they are, single words by a kernel that scatters them.
+
+use super::context::Context;
+use super::error::GpuError;
+use super::pipelines::workgroups;
+use super::records::push_constraint;
+use crate::constraints::Batch;
+use wgpu::{Buffer, BufferUsages, ComputePassDescriptor, ComputePipeline};
+
+/// Which array an edit goes to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Target {
+    Positions,
+    Velocities,
+    Constraints,
+}
+
+/// Gathers edits, sends them, counts bytes.
+#[derive(Debug)]
+pub(super) struct Uploads {
+    /// Room to put entries together; its content matters to nobody between calls.
+    pub(super) entries: Vec<[u32; 2]>,
+    /// A count, then a place and a value an edit, one list a target.
+    edits: [Vec<u32>; 3],
+    buffers: [Option<Buffer>; 3],
+    scatter: Option<ComputePipeline>,
+    /// Bytes sent since they were last asked for.
+    bytes: u64,
+}
+
+impl Uploads {
+    pub(super) fn new() -> Self {
+        Self {
+            entries: Vec::new(),
+            edits: [const { Vec::new() }; 3].map(with_count),
+            buffers: [const { None }; 3],
+            scatter: None,
+            bytes: 0,
+        }
+    }
+
+    /// Bytes sent since the last call.
+    pub(super) fn take_bytes(&mut self) -> u64 {
+        std::mem::take(&mut self.bytes)
+    }
+
+    /// Notes the words of a vector of which `element` is the number.
+    pub(super) fn edit_vector(&mut self, target: Target, element: u32, value: [f32; 4]) {
+        for (word, c) in (4 * element..).zip(value) {
+            self.edits[target as usize].extend([word, c.to_bits()]);
+        }
+    }
+
+    /// Notes the inverse mass of a vertex.
+    pub(super) fn edit_mass(&mut self, vertex: u32, inverse_mass: f32) {
+        let edit = [4 * vertex + 3, inverse_mass.to_bits()];
+        self.edits[Target::Positions as usize].extend(edit);
+    }
+
+    /// Notes a batch's constraint for the entries from `entry` on.
+    pub(super) fn constraint<const N: usize>(&mut self, entry: u32, batch: &Batch<N>, i: usize) {
+        let mut entries = std::mem::take(&mut self.entries);
+        entries.clear();
+        push_constraint(&mut entries, batch, i);
+        for (word, &value) in (2 * entry..).zip(entries.as_flattened()) {
+            self.edits[Target::Constraints as usize].extend([word, value]);
+        }
+        self.entries = entries;
+    }
+
+    /// Sends the gathered entries to `offset` of a buffer \[bytes\].
+    pub(super) fn write(&mut self, context: &Context, buffer: &Buffer, offset: u64) {
+        let entries = std::mem::take(&mut self.entries);
+        self.send(context, buffer, offset, bytemuck::cast_slice(&entries));
+        self.entries = entries;
+    }
+
+    /// Sends bytes.
+    pub(super) fn send(&mut self, context: &Context, buffer: &Buffer, offset: u64, data: &[u8]) {
+        if !data.is_empty() {
+            context.queue().write_buffer(buffer, offset, data);
+            self.bytes += data.len() as u64;
+        }
+    }
+
+    /// Forgets noted edits: their places are not valid any more.
+    pub(super) fn clear(&mut self) {
+        self.edits.iter_mut().for_each(|words| words.truncate(1));
+    }
+
+    /// Sends the noted edits and has them written to the buffers of the three targets.
+    pub(super) fn flush(
+        &mut self,
+        context: &Context,
+        targets: [&Buffer; 3],
+    ) -> Result<(), GpuError> {
+        if self.edits.iter().all(|words| words.len() == 1) {
+            return Ok(());
+        }
+        let pipeline = match self.scatter.take() {
+            Some(pipeline) => pipeline,
+            None => scatter_pipeline(context)?,
+        };
+        let pipeline = self.scatter.insert(pipeline).clone();
+        let mut encoder = super::encoder(context, "edits");
+        let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
+        pass.set_pipeline(&pipeline);
+        for (i, target) in targets.into_iter().enumerate() {
+            let mut words = std::mem::take(&mut self.edits[i]);
+            let count = u32::try_from(words.len() / 2).unwrap_or(u32::MAX);
+            if count > 0 {
+                words[0] = count;
+                let bytes = (words.len() * 4) as u64;
+                let buffer = match self.buffers[i].take() {
+                    Some(buffer) if buffer.size() >= bytes => buffer,
+                    _ => context.buffer(
+                        "edits",
+                        bytes.next_power_of_two(),
+                        BufferUsages::STORAGE | BufferUsages::COPY_DST,
+                    )?,
+                };
+                self.send(context, &buffer, 0, bytemuck::cast_slice(&words));
+                let group = bind(context, &pipeline, &buffer, target);
+                self.buffers[i] = Some(buffer);
+                pass.set_bind_group(0, &group, &[]);
+                let [x, y] = workgroups(count.div_ceil(64));
+                pass.dispatch_workgroups(x, y, 1);
+                words.truncate(1);
+            }
+            self.edits[i] = words;
+        }
+        drop(pass);
+        context.queue().submit([encoder.finish()]);
+        context.check()
+    }
+}
+
+/// An empty list of edits: room for its count.
+fn with_count(mut words: Vec<u32>) -> Vec<u32> {
+    words.push(0);
+    words
+}
+
+fn scatter_pipeline(context: &Context) -> Result<ComputePipeline, GpuError> {
+    context.scoped("scatter.wgsl", || {
+        let module = context
+            .device()
+            .create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some("scatter"),
+                source: wgpu::ShaderSource::Wgsl(super::shaders::SCATTER.into()),
+            });
+        context
+            .device()
+            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some("scatter"),
+                layout: None,
+                module: &module,
+                entry_point: Some("scatter"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            })
+    })
+}
+
+fn bind(
+    context: &Context,
+    pipeline: &ComputePipeline,
+    edits: &Buffer,
+    words: &Buffer,
+) -> wgpu::BindGroup {
+    let layout = pipeline.get_bind_group_layout(0);
+    context
+        .device()
+        .create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("scatter"),
+            layout: &layout,
+            entries: &[
+                wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: edits.as_entire_binding(),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: words.as_entire_binding(),
+                },
+            ],
+        })
+}

@@ -1,0 +1,92 @@
+//! The device steps as the CPU does: to the bit on a strict device, in every schedule.
+
+mod common;
+#[path = "common/gpu.rs"]
+mod gpu;
+
+use gpu::{Needs, trial};
+use incise_mesh::{Model, Surface, VertexId, build_model};
+use incise_pbd_gpu::{Context, GpuBackend, Material, Schedule, Solver, SolverParams, Stiffness};
+use std::process::ExitCode;
+
+const DT: f32 = 1.0 / 60.0;
+
+/// Everything that a solver does, at once: compliance with multipliers, bending, pins, friction.
+fn busy() -> (Material, SolverParams) {
+    let material = Material {
+        stretch: Stiffness::Compliance(1e-6),
+        bending: Some(Stiffness::Compliance(1e-3)),
+        damping: 0.1,
+        ..Material::default()
+    };
+    let params = SolverParams {
+        iterations: 3,
+        substeps: 3,
+        ground: Some(-1.2),
+        ..SolverParams::default()
+    };
+    (material, params)
+}
+
+/// A body and its solver with a few pins on the move.
+fn set_up(model: Model, material: &Material) -> (Surface, Solver) {
+    let mut surface = build_model(model);
+    let mut solver = Solver::new(&mut surface, material).expect("a model is sound");
+    for v in [0, 5].map(VertexId) {
+        solver.pin(&mut surface, v).expect("a model's vertex");
+    }
+    (surface, solver)
+}
+
+fn bits(surface: &Surface) -> Vec<[u32; 3]> {
+    let bits = |p: &[f32; 4]| [p[0], p[1], p[2]].map(f32::to_bits);
+    surface.positions.iter().map(bits).collect()
+}
+
+fn equal(context: Context, model: Model, schedule: Schedule, frames: u32) {
+    let (material, params) = busy();
+    let (mut on_cpu, mut cpu) = set_up(model, &material);
+    let (mut on_gpu, mut solver) = set_up(model, &material);
+    let mut gpu = GpuBackend::on(context).expect("a device");
+    gpu.force_schedule(Some(schedule));
+    let body = gpu.add(&on_gpu, &mut solver).expect("room");
+    assert_eq!(gpu.schedule(body), Ok(schedule));
+    for frame in 0..frames {
+        let target = [0.1, 0.01 * frame as f32, 0.0];
+        for solver in [&mut cpu, &mut solver] {
+            solver.set_pin_target(VertexId(5), target).expect("pinned");
+        }
+        cpu.step(&mut on_cpu, DT, &params).expect("a step");
+        gpu.step([(body, &mut solver)], DT, &params)
+            .expect("a step");
+        if frame % 10 == 0 || frame + 1 == frames {
+            gpu.read(body, &mut on_gpu, &mut solver).expect("a state");
+            assert!(
+                bits(&on_cpu) == bits(&on_gpu),
+                "positions differ in frame {frame}"
+            );
+            assert!(
+                cpu.velocities() == solver.velocities(),
+                "velocities differ in frame {frame}"
+            );
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let mut trials = Vec::new();
+    for (model, frames) in [
+        (Model::Sphere20, 120),
+        (Model::Sphere80, 60),
+        (Model::Sphere768, 20),
+        (Model::Octopus, 3),
+    ] {
+        for schedule in [Schedule::WholeBody, Schedule::Colors] {
+            let name = format!("{} by {}", model.name(), schedule.name());
+            trials.push(trial(&name, Needs::Strict, move |context| {
+                equal(context, model, schedule, frames);
+            }));
+        }
+    }
+    gpu::run(trials)
+}
