@@ -1,6 +1,10 @@
 //! The device steps as the CPU does: to the bit on a strict device, in every schedule.
 
-mod common;
+#![expect(
+    clippy::missing_assert_message,
+    reason = "these are tests, which the lint knows by an attribute only"
+)]
+
 #[path = "common/gpu.rs"]
 mod gpu;
 

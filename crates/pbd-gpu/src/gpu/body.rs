@@ -149,15 +149,24 @@ impl DeviceBody {
                 .update(context, entries, uploads, bending, &changes.bending)?;
         }
         if moved {
-            let mut table = vec![Run::default(); RUNS_PER_BODY];
-            let (stretch, bending) = table.split_at_mut(RUN_COLORS);
-            self.stretch.write_table(stretch);
-            self.bending.write_table(bending);
-            let offset = u64::from(self.slot) * size_of_val(table.as_slice()) as u64;
-            let tables = arenas.bodies.buffer(RUN_TABLES);
-            uploads.send(context, tables, offset, bytemuck::cast_slice(&table));
+            self.send_tables(context, arenas, uploads);
         }
         Ok(moved)
+    }
+
+    /// Sends where the runs lie: of each kind those of its colors, and the overflow's at the end.
+    fn send_tables(&self, context: &Context, arenas: &Arenas, uploads: &mut Uploads) {
+        let buffer = arenas.bodies.buffer(RUN_TABLES);
+        let run = size_of::<Run>() as u64;
+        let mut start = u64::from(self.slot) * RUNS_PER_BODY as u64 * run;
+        for runs in [&self.stretch, &self.bending] {
+            let mut table = Vec::new();
+            runs.push_table(&mut table);
+            uploads.send(context, buffer, start, bytemuck::cast_slice(&table));
+            start += RUN_COLORS as u64 * run;
+            let overflow = runs.overflow_run();
+            uploads.send(context, buffer, start - run, bytemuck::bytes_of(&overflow));
+        }
     }
 
     /// Sends velocities that were set on the host.

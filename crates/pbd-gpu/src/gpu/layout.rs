@@ -1,10 +1,10 @@
 //! What is in the device's buffers: the twins of the structs in `shaders/types.wgsl`.
 
-use crate::coloring::MAX_COLORS;
+use crate::constraints::OVERFLOW;
 use bytemuck::{Pod, Zeroable};
 
 /// Runs of one kind of constraint that a body has: one a color, the overflow last.
-pub(crate) const RUN_COLORS: usize = MAX_COLORS + 1;
+pub(crate) const RUN_COLORS: usize = OVERFLOW + 1;
 
 /// Runs that a body has: [`STRETCH`] first, then [`BENDING`].
 pub(crate) const RUNS_PER_BODY: usize = 2 * RUN_COLORS;

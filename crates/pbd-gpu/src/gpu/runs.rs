@@ -18,6 +18,15 @@ struct Rented {
     len: u32,
 }
 
+impl Rented {
+    fn run(&self) -> Run {
+        Run {
+            first: self.entries.start,
+            len: self.len,
+        }
+    }
+}
+
 /// The runs of one kind, by color, the overflow last.
 #[derive(Debug, Default)]
 pub(super) struct Runs {
@@ -41,18 +50,14 @@ impl Runs {
         u32::try_from(self.rented.len()).unwrap_or(u32::MAX)
     }
 
-    /// The runs as the device reads them, in the body's table of `stride` runs.
-    pub(super) fn write_table(&self, table: &mut [Run]) {
-        let run = |rented: &Rented| Run {
-            first: rented.entries.start,
-            len: rented.len,
-        };
-        for (run_of, rented) in table.iter_mut().zip(&self.rented) {
-            *run_of = run(rented);
-        }
-        if let Some(last) = table.last_mut() {
-            *last = run(&self.overflow);
-        }
+    /// Appends the runs of the colors to a part of the body's table.
+    pub(super) fn push_table(&self, table: &mut Vec<Run>) {
+        table.extend(self.rented.iter().map(Rented::run));
+    }
+
+    /// The run of the overflow.
+    pub(super) fn overflow_run(&self) -> Run {
+        self.overflow.run()
     }
 
     /// Gives everything back.

@@ -4,7 +4,7 @@ use super::layout::{
     BENDING, BENDING_ENTRIES, KEEPS_BENDING, KEEPS_STRETCH, PIN_ENTRIES, RUN_COLORS, STRETCH,
     STRETCH_ENTRIES,
 };
-use crate::coloring::MAX_COLORS;
+use crate::constraints::OVERFLOW;
 
 /// Writes single words.
 pub(crate) const SCATTER: &str = include_str!("shaders/scatter.wgsl");
@@ -16,10 +16,12 @@ pub(crate) fn capacity(bytes: u32) -> u32 {
 }
 
 /// Lanes of a workgroup where nothing speaks for another number.
+#[cfg(test)]
 pub(crate) const WORKGROUP_SIZE: u32 = 64;
 
 /// The most vertices of a body whose displacements fit the 16 KiB of workgroup memory that every device
 /// has, in whole workgroups of [`WORKGROUP_SIZE`].
+#[cfg(test)]
 pub(crate) const CAPACITY: u32 = 1344;
 
 /// The entry point of the module for whole bodies.
@@ -124,7 +126,7 @@ fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
     )]
     let layout = [
         ("RUN_COLORS", RUN_COLORS as u32),
-        ("OVERFLOW", MAX_COLORS as u32),
+        ("OVERFLOW", OVERFLOW as u32),
         ("STRETCH", STRETCH),
         ("BENDING", BENDING),
         ("STRETCH_ENTRIES", STRETCH_ENTRIES as u32),
