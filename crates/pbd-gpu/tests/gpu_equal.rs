@@ -10,7 +10,9 @@ mod gpu;
 
 use gpu::{Needs, trial};
 use incise_mesh::{Model, Surface, VertexId, build_model};
-use incise_pbd_gpu::{Context, GpuBackend, Material, Schedule, Solver, SolverParams, Stiffness};
+use incise_pbd_gpu::{
+    Context, GpuBackend, Material, PatchParams, Schedule, Solver, SolverParams, Stiffness,
+};
 use std::process::ExitCode;
 
 const DT: f32 = 1.0 / 60.0;
@@ -33,9 +35,18 @@ fn busy() -> (Material, SolverParams) {
 }
 
 /// A body and its solver with a few pins on the move.
-fn set_up(model: Model, material: &Material) -> (Surface, Solver) {
+fn set_up(model: Model, schedule: Schedule, material: &Material) -> (Surface, Solver) {
     let mut surface = build_model(model);
-    let mut solver = Solver::new(&mut surface, material).expect("a model is sound");
+    let solver = if schedule == Schedule::Patches {
+        let patches = PatchParams {
+            vertices: 40,
+            room: 8,
+        };
+        Solver::with_patches(&mut surface, material, &patches)
+    } else {
+        Solver::new(&mut surface, material)
+    };
+    let mut solver = solver.expect("a model is sound");
     for v in [0, 5].map(VertexId) {
         solver.pin(&mut surface, v).expect("a model's vertex");
     }
@@ -49,8 +60,8 @@ fn bits(surface: &Surface) -> Vec<[u32; 3]> {
 
 fn equal(context: Context, model: Model, schedule: Schedule, frames: u32) {
     let (material, params) = busy();
-    let (mut on_cpu, mut cpu) = set_up(model, &material);
-    let (mut on_gpu, mut solver) = set_up(model, &material);
+    let (mut on_cpu, mut cpu) = set_up(model, schedule, &material);
+    let (mut on_gpu, mut solver) = set_up(model, schedule, &material);
     let mut gpu = GpuBackend::on(context).expect("a device");
     gpu.force_schedule(Some(schedule));
     let body = gpu.add(&on_gpu, &mut solver).expect("room");
@@ -85,7 +96,7 @@ fn main() -> ExitCode {
         (Model::Sphere768, 20),
         (Model::Octopus, 3),
     ] {
-        for schedule in [Schedule::WholeBody, Schedule::Colors] {
+        for schedule in [Schedule::WholeBody, Schedule::Colors, Schedule::Patches] {
             let name = format!("{} by {}", model.name(), schedule.name());
             trials.push(trial(&name, Needs::Strict, move |context| {
                 equal(context, model, schedule, frames);

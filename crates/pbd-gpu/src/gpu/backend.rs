@@ -2,7 +2,7 @@
 
 use super::adapter::{AdapterRequest, AdapterSummary};
 use super::arena::Arena;
-use super::body::{Arenas, DeviceBody, POSITIONS, REPORTS, VELOCITIES};
+use super::body::{Arenas, DeviceBody, Host, POSITIONS, REPORTS, VELOCITIES};
 use super::context::Context;
 use super::error::GpuError;
 use super::layout::{BodyRecord, RUNS_PER_BODY, Report, Run};
@@ -170,15 +170,10 @@ impl GpuBackend {
         Ok(self.resident(body)?.body.schedule)
     }
 
-    /// Asks for one schedule for all bodies instead of the one that is fastest for each. A body that a
-    /// workgroup cannot hold goes by colors all the same.
+    /// Asks for one schedule instead of the one that is fastest, for bodies that are added from now on.
+    /// A body that cannot have it gets the one that it would have had.
     pub fn force_schedule(&mut self, schedule: Option<Schedule>) {
         self.schedule = schedule;
-        self.program_is_stale = true;
-        let capacity = self.pipelines.capacity;
-        for resident in self.residents.iter_mut().flatten() {
-            resident.body.schedule = choose(schedule, resident.body.vertex_count, capacity);
-        }
     }
 
     /// Takes a body in. Surface and solver belong together.
@@ -274,7 +269,12 @@ impl GpuBackend {
             ..
         } = self;
         let resident = find_mut(residents, generations, body)?;
-        let host = (surface, solver);
+        let host = Host { surface, solver };
+        if changes.everything {
+            let has_patches = solver.patches.is_some();
+            let vertices = surface.positions.len();
+            resident.body.schedule = choose(schedule, has_patches, vertices, capacity);
+        }
         if changes.everything {
             let (buffer, offset, _) = report_part(arenas, body.slot);
             let report = Report::new();
@@ -287,7 +287,6 @@ impl GpuBackend {
             let pins = solver.pins();
             moved |= resident.body.update_pins(context, arenas, uploads, pins)?;
         }
-        resident.body.schedule = choose(schedule, resident.body.vertex_count, capacity);
         resident.frame = frame;
         self.program_is_stale |= moved;
         self.flush()
@@ -530,10 +529,14 @@ fn report_part(arenas: &Arenas, slot: u32) -> Part<'_> {
     )
 }
 
-fn choose(forced: Option<Schedule>, vertices: u32, capacity: u32) -> Schedule {
+/// The schedule of a body: a workgroup steps what it can hold, unless it has patches, whose layers it
+/// does not know.
+fn choose(forced: Option<Schedule>, has_patches: bool, vertices: usize, capacity: u32) -> Schedule {
+    let fits = !has_patches && vertices <= capacity as usize;
     match forced {
         Some(Schedule::Colors) => Schedule::Colors,
-        _ if vertices <= capacity => Schedule::WholeBody,
+        _ if has_patches => Schedule::Patches,
+        _ if fits => Schedule::WholeBody,
         _ => Schedule::Colors,
     }
 }

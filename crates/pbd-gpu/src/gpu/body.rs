@@ -1,14 +1,17 @@
 //! One body's share of the arenas, and how it follows the host.
 
 use super::arena::{Arena, with_slack};
+use super::blocks::Blocks;
 use super::context::Context;
 use super::error::GpuError;
-use super::layout::{BodyRecord, RUN_COLORS, RUNS_PER_BODY, Run, STRETCH};
+use super::layout::{BodyRecord, PATCH_LAYERS, RUN_COLORS, RUNS_PER_BODY, Run, STRETCH};
 use super::records::{Places, body_record, inverse_mass, position, push_pin};
 use super::runs::Runs;
 use super::stats::Schedule;
 use super::upload::{Target, Uploads};
 use crate::changes::Changes;
+use crate::coloring::MAX_COLORS;
+use crate::constraints::OVERFLOW;
 use crate::plan::{Pin, StepConstants};
 use crate::solver::Solver;
 use bytemuck::Zeroable;
@@ -33,6 +36,13 @@ pub(super) const RECORDS: usize = 0;
 pub(super) const RUN_TABLES: usize = 1;
 pub(super) const REPORTS: usize = 2;
 
+/// A body on the host.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Host<'a> {
+    pub(super) surface: &'a Surface,
+    pub(super) solver: &'a Solver,
+}
+
 /// A body on the device.
 #[derive(Debug)]
 pub(super) struct DeviceBody {
@@ -43,6 +53,8 @@ pub(super) struct DeviceBody {
     pub(super) vertex_count: u32,
     stretch: Runs,
     bending: Runs,
+    /// By layer; empty unless the body goes by patches.
+    patches: [Blocks; PATCH_LAYERS],
     /// Rented entries, slack included.
     pins: Range<u32>,
     pub(super) pin_count: u32,
@@ -60,6 +72,7 @@ impl DeviceBody {
             vertex_count: 0,
             stretch: Runs::default(),
             bending: Runs::default(),
+            patches: std::array::from_fn(|_| Blocks::default()),
             pins: 0..0,
             pin_count: 0,
             record: BodyRecord::zeroed(),
@@ -101,10 +114,18 @@ impl DeviceBody {
         }
     }
 
+    /// Patches of a layer, the first one being 0.
+    pub(super) fn patches(&self, layer: usize) -> u32 {
+        self.patches.get(layer).map_or(0, Blocks::len)
+    }
+
     /// Gives all rented ranges back.
     pub(super) fn free(&mut self, arenas: &mut Arenas) {
         self.stretch.free(&mut arenas.entries);
         self.bending.free(&mut arenas.entries);
+        for blocks in &mut self.patches {
+            blocks.free(&mut arenas.entries);
+        }
         arenas.vertices.free(std::mem::take(&mut self.vertices));
         arenas.entries.free(std::mem::take(&mut self.pins));
     }
@@ -115,9 +136,10 @@ impl DeviceBody {
         context: &Context,
         arenas: &mut Arenas,
         uploads: &mut Uploads,
-        (surface, solver): (&Surface, &Solver),
+        host: Host<'_>,
         changes: &Changes,
     ) -> Result<bool, GpuError> {
+        let Host { surface, solver } = host;
         let everything = changes.everything;
         if everything {
             self.free(arenas);
@@ -136,17 +158,27 @@ impl DeviceBody {
             self.edit_velocities(uploads, solver, &changes.velocities);
         }
         let entries = &mut arenas.entries;
-        moved |= self.stretch.update(
-            context,
-            entries,
-            uploads,
-            solver.stretch(),
-            &changes.stretch,
-        )?;
+        // What patches hold does not lie in runs as well.
+        let colors = match self.schedule {
+            Schedule::Patches => MAX_COLORS,
+            _ => OVERFLOW,
+        };
+        let set = (solver.stretch(), colors);
+        moved |= (self.stretch).update(context, entries, uploads, set, &changes.stretch)?;
         if let Some(bending) = solver.bending() {
-            moved |= self
-                .bending
-                .update(context, entries, uploads, bending, &changes.bending)?;
+            let set = (bending, colors);
+            moved |= (self.bending).update(context, entries, uploads, set, &changes.bending)?;
+        }
+        if let Some(patches) = &solver.patches
+            && self.schedule == Schedule::Patches
+        {
+            for (i, blocks) in self.patches.iter_mut().enumerate() {
+                if let Some(patching) = patches.of_layer(i + 1) {
+                    let layer = (i + 1, patching);
+                    let changed = &changes.patches[i];
+                    moved |= blocks.update(context, entries, uploads, host, layer, changed)?;
+                }
+            }
         }
         if moved {
             self.send_tables(context, arenas, uploads);
@@ -226,6 +258,8 @@ impl DeviceBody {
             first_run: self.slot * RUNS_PER_BODY as u32,
             stretch_colors: self.stretch.colors(),
             bending_colors: self.bending.colors(),
+            patch_tables: self.patches.each_ref().map(Blocks::table),
+            patches: self.patches.each_ref().map(Blocks::len),
         };
         let record = body_record(places, constants);
         let (old, new) = (

@@ -1,5 +1,6 @@
 //! What is in the device's buffers: the twins of the structs in `shaders/types.wgsl`.
 
+use crate::coloring::LAYERS;
 use crate::constraints::OVERFLOW;
 use bytemuck::{Pod, Zeroable};
 
@@ -8,6 +9,9 @@ pub(crate) const RUN_COLORS: usize = OVERFLOW + 1;
 
 /// Runs that a body has: [`STRETCH`] first, then [`BENDING`].
 pub(crate) const RUNS_PER_BODY: usize = 2 * RUN_COLORS;
+
+/// Layers of colors that patches hold.
+pub(crate) const PATCH_LAYERS: usize = LAYERS - 1;
 
 /// The kind of a pass over stretch constraints.
 pub(crate) const STRETCH: u32 = 0;
@@ -99,7 +103,11 @@ pub(crate) struct BodyRecord {
     pub(crate) stretch_colors: u32,
     /// Colors of bending constraints, from color 0 on; 0 without bending.
     pub(crate) bending_colors: u32,
-    pub(crate) pad: [u32; 2],
+    /// Of each layer of patches, the entry where their table begins. It has an entry a patch: where its
+    /// block begins, and 0.
+    pub(crate) patch_tables: [u32; PATCH_LAYERS],
+    /// How many patches each layer has.
+    pub(crate) patches: [u32; PATCH_LAYERS],
 }
 
 /// The constraints of one color of one body.

@@ -3,6 +3,7 @@
 mod adapter;
 mod arena;
 mod backend;
+mod blocks;
 mod body;
 mod context;
 mod error;

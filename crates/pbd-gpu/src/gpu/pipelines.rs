@@ -11,15 +11,19 @@ use wgpu::{BindGroupLayout, ComputePipeline, PipelineLayout, ShaderModule};
 pub(super) enum Kernel {
     Pass(EntryPoint),
     WholeBody,
+    Patches,
+    ResetPatches,
 }
 
 impl Kernel {
-    const COUNT: usize = EntryPoint::ALL.len() + 1;
+    const COUNT: usize = EntryPoint::ALL.len() + 3;
 
     const fn index(self) -> usize {
         match self {
             Self::Pass(entry_point) => entry_point as usize,
             Self::WholeBody => EntryPoint::ALL.len(),
+            Self::Patches => EntryPoint::ALL.len() + 1,
+            Self::ResetPatches => EntryPoint::ALL.len() + 2,
         }
     }
 
@@ -27,9 +31,14 @@ impl Kernel {
         match self {
             Self::Pass(entry_point) => entry_point.name(),
             Self::WholeBody => shaders::WHOLE_BODY,
+            Self::Patches => shaders::PATCHES,
+            Self::ResetPatches => shaders::RESET_PATCHES,
         }
     }
 }
+
+/// Lanes of a patch's workgroup: about as many constraints has a color of a patch.
+const PATCH_LANES: u32 = 64;
 
 /// Pipelines by kernel.
 #[derive(Debug)]
@@ -41,7 +50,7 @@ pub(super) struct Pipelines {
     pub(super) workgroup: u32,
     /// Vertices that a workgroup's memory holds.
     pub(super) capacity: u32,
-    modules: [Option<ShaderModule>; 2],
+    modules: [Option<ShaderModule>; 3],
     made: [Option<ComputePipeline>; Kernel::COUNT],
 }
 
@@ -55,7 +64,7 @@ impl Pipelines {
             layout,
             workgroup: workgroup_size(context),
             capacity: shaders::capacity(limits.max_compute_workgroup_storage_size),
-            modules: [None, None],
+            modules: [const { None }; 3],
             made: [const { None }; Kernel::COUNT],
         })
     }
@@ -65,26 +74,27 @@ impl Pipelines {
         if self.made[kernel.index()].is_some() {
             return Ok(());
         }
-        let whole = kernel == Kernel::WholeBody;
-        let module = match &self.modules[usize::from(whole)] {
+        let (i, label) = match kernel {
+            Kernel::Pass(_) => (0, "colors"),
+            Kernel::WholeBody => (1, "whole body"),
+            Kernel::Patches | Kernel::ResetPatches => (2, "patches"),
+        };
+        let module = match &self.modules[i] {
             Some(module) => module.clone(),
             None => {
-                let source = if whole {
-                    shaders::whole_body(self.workgroup, self.capacity)
-                } else {
-                    shaders::colors(self.workgroup)
+                let source = match i {
+                    0 => shaders::colors(self.workgroup),
+                    1 => shaders::whole_body(self.workgroup, self.capacity),
+                    _ => shaders::patches(PATCH_LANES),
                 };
-                context.scoped("shader", || {
-                    context
-                        .device()
-                        .create_shader_module(wgpu::ShaderModuleDescriptor {
-                            label: Some(if whole { "whole body" } else { "colors" }),
-                            source: wgpu::ShaderSource::Wgsl(source.into()),
-                        })
-                })?
+                let descriptor = wgpu::ShaderModuleDescriptor {
+                    label: Some(label),
+                    source: wgpu::ShaderSource::Wgsl(source.into()),
+                };
+                context.scoped(label, || context.device().create_shader_module(descriptor))?
             }
         };
-        self.modules[usize::from(whole)] = Some(module.clone());
+        self.modules[i] = Some(module.clone());
         let pipeline = context.scoped(kernel.name(), || {
             let descriptor = wgpu::ComputePipelineDescriptor {
                 label: Some(kernel.name()),

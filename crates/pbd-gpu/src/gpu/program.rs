@@ -8,7 +8,7 @@ use super::layout::{BENDING, Link, PassUniform, STRETCH};
 use super::pipelines::Kernel;
 use super::shaders::EntryPoint;
 use super::stats::Schedule;
-use crate::coloring::MAX_COLORS;
+use crate::coloring::{LAYERS, MAX_COLORS};
 use crate::plan::{Pass, StepPlan};
 
 /// A color of at most so many constraints in every body is small: looping over it costs a workgroup
@@ -127,13 +127,14 @@ impl Program {
 }
 
 impl Compiler<'_> {
-    fn by_colors(&self) -> impl Iterator<Item = &Stepped<'_>> {
-        (self.bodies.iter()).filter(|b| b.body.schedule == Schedule::Colors)
+    /// Those that go pass by pass, by patches too.
+    fn by_passes(&self) -> impl Iterator<Item = &Stepped<'_>> {
+        (self.bodies.iter()).filter(|b| b.body.schedule != Schedule::WholeBody)
     }
 
-    /// The passes of all bodies that go color by color, in the order that all of them have.
+    /// The passes of all bodies that go pass by pass, in the order that all of them have.
     fn merged(&self, part: impl Fn(&StepPlan) -> &[Pass]) -> Vec<Pass> {
-        let all = self.by_colors().flat_map(|b| part(b.plan));
+        let all = self.by_passes().flat_map(|b| part(b.plan));
         let mut passes: Vec<Pass> = all.copied().collect();
         passes.sort_unstable();
         passes.dedup();
@@ -173,9 +174,16 @@ impl Compiler<'_> {
     fn dispatches(&mut self, passes: &[Pass]) -> Vec<Dispatch> {
         let mut out = Vec::new();
         let together = |a: &Pass, b: &Pass| family(*a).is_some() && family(*a) == family(*b);
+        let mut layer = 0;
         for run in passes.chunk_by(together) {
             match family(run[0]) {
-                Some(family) => self.colors(family.kind, run, &mut out),
+                Some(family) => {
+                    if family.layer != layer {
+                        layer = family.layer;
+                        out.extend(self.patches(Kernel::Patches, layer));
+                    }
+                    self.colors(family.kind, run, &mut out);
+                }
                 None if run[0] == Pass::ResetMultipliers => self.resets(&mut out),
                 None => out.extend(self.vertices(run[0])),
             }
@@ -195,20 +203,20 @@ impl Compiler<'_> {
             Pass::Pins => b.body.pin_count,
             _ => b.body.vertex_count,
         };
-        let lanes: Vec<(u32, u32)> = (self.by_colors()).map(|b| (b.slot, lanes_of(b))).collect();
+        let lanes: Vec<(u32, u32)> = (self.by_passes()).map(|b| (b.slot, lanes_of(b))).collect();
         self.dispatch(Kernel::Pass(kernel), NOTHING, by_substep, &lanes)
     }
 
     /// All multipliers of one kind at once.
     fn resets(&mut self, out: &mut Vec<Dispatch>) {
         for kind in [STRETCH, BENDING] {
-            let lanes: Vec<(u32, u32)> = (self.by_colors())
+            let lanes: Vec<(u32, u32)> = (self.by_passes())
                 .map(|b| (b.slot, b.body.largest_run(kind)))
                 .collect();
             let pass = PassUniform {
                 kind,
                 colors: self
-                    .by_colors()
+                    .by_passes()
                     .map(|b| b.body.colors(kind))
                     .max()
                     .unwrap_or(0),
@@ -218,19 +226,34 @@ impl Compiler<'_> {
             let kernel = Kernel::Pass(EntryPoint::ResetMultipliers);
             out.extend(self.dispatch(kernel, pass, false, &lanes));
         }
+        for layer in 1..LAYERS {
+            out.extend(self.patches(Kernel::ResetPatches, layer));
+        }
+    }
+
+    /// A workgroup a patch of a layer.
+    fn patches(&mut self, kernel: Kernel, layer: usize) -> Option<Dispatch> {
+        let lanes: Vec<(u32, u32)> = (self.by_passes())
+            .map(|b| (b.slot, b.body.patches(layer - 1) * self.workgroup))
+            .collect();
+        let pass = PassUniform {
+            color: narrow(layer - 1),
+            ..NOTHING
+        };
+        self.dispatch(kernel, pass, false, &lanes)
     }
 
     /// Passes over the colors of one kind and layer: large ones get a dispatch each, what follows the
     /// last large one shares one.
     fn colors(&mut self, kind: u32, run: &[Pass], out: &mut Vec<Dispatch>) {
         let is_large = |pass: &Pass| match color_of(*pass) {
-            Some(color) => (self.by_colors()).any(|b| b.body.run_len(kind, color) > SMALL_COLOR),
+            Some(color) => (self.by_passes()).any(|b| b.body.run_len(kind, color) > SMALL_COLOR),
             None => false,
         };
         let large = run.iter().rposition(is_large).map_or(0, |last| last + 1);
         let (large, small) = run.split_at(large);
         for color in large.iter().filter_map(|&pass| color_of(pass)) {
-            let lanes: Vec<(u32, u32)> = (self.by_colors())
+            let lanes: Vec<(u32, u32)> = (self.by_passes())
                 .map(|b| (b.slot, b.body.run_len(kind, color)))
                 .collect();
             let kernel = match kind {
@@ -252,7 +275,7 @@ impl Compiler<'_> {
             let any = (first..end).any(|color| b.body.run_len(kind, color) > 0);
             any || with_overflow && b.body.overflow_len(kind) > 0
         };
-        let lanes: Vec<(u32, u32)> = (self.by_colors())
+        let lanes: Vec<(u32, u32)> = (self.by_passes())
             .map(|b| (b.slot, if holds(b) { self.workgroup } else { 0 }))
             .collect();
         let pass = PassUniform {

@@ -1,6 +1,6 @@
 //! What a body looks like on the device.
 
-use super::layout::{BodyRecord, Entry, KEEPS_BENDING, KEEPS_STRETCH, UNUSED};
+use super::layout::{BodyRecord, Entry, KEEPS_BENDING, KEEPS_STRETCH, PATCH_LAYERS, UNUSED};
 use crate::constraints::Batch;
 use crate::plan::{Pin, StepConstants};
 use crate::solver::{Solver, inverse};
@@ -14,9 +14,13 @@ pub(super) const fn entries_of<const N: usize>() -> u32 {
 
 /// Appends the entries of a batch's constraint; its multiplier is 0.
 pub(super) fn push_constraint<const N: usize>(out: &mut Vec<Entry>, batch: &Batch<N>, i: usize) {
-    let vertices = batch.vertices()[i];
-    out.extend(vertices.chunks(2).map(|pair| [pair[0].0, pair[1].0]));
-    out.push([batch.rest()[i].to_bits(), 0]);
+    push_vertices(out, batch.vertices()[i].map(|v| v.0), batch.rest()[i]);
+}
+
+/// Appends the entries of a constraint over vertices as the device names them.
+pub(super) fn push_vertices<const N: usize>(out: &mut Vec<Entry>, vertices: [u32; N], rest: f32) {
+    out.extend(vertices.chunks(2).map(|pair| [pair[0], pair[1]]));
+    out.push([rest.to_bits(), 0]);
 }
 
 /// Appends the two entries of a pin.
@@ -58,6 +62,8 @@ pub(super) struct Places {
     pub(super) first_run: u32,
     pub(super) stretch_colors: u32,
     pub(super) bending_colors: u32,
+    pub(super) patch_tables: [u32; PATCH_LAYERS],
+    pub(super) patches: [u32; PATCH_LAYERS],
 }
 
 /// The numbers of a body that kernels read.
@@ -79,6 +85,7 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
         first_run: places.first_run,
         stretch_colors: places.stretch_colors,
         bending_colors: places.bending_colors,
-        pad: [0; 2],
+        patch_tables: places.patch_tables,
+        patches: places.patches,
     }
 }

@@ -6,7 +6,7 @@ use super::error::GpuError;
 use super::layout::Run;
 use super::records::{entries_of, push_constraint};
 use super::upload::Uploads;
-use crate::constraints::{Batch, ConstraintSet, Slot};
+use crate::constraints::{Batch, ConstraintSet, OVERFLOW, Slot};
 use std::ops::Range;
 
 /// A rented run.
@@ -68,19 +68,21 @@ impl Runs {
         }
     }
 
-    /// Follows a set of which `changed` places were written, ascending; everything else is on the
+    /// Follows the first `colors` colors and the overflow of a set of which `changed` places were written, ascending; everything else is on the
     /// device. Returns whether a run moved or changed its length.
     pub(super) fn update<const N: usize>(
         &mut self,
         context: &Context,
         arena: &mut Arena,
         uploads: &mut Uploads,
-        set: &ConstraintSet<N>,
+        (set, colors): (&ConstraintSet<N>, usize),
         changed: &[Slot],
     ) -> Result<bool, GpuError> {
-        self.rented.resize(set.batches().len(), Rented::default());
+        let count = set.batches().len().min(colors);
+        self.rented.resize(count, Rented::default());
         let mut moved = false;
-        for (color, batch) in set.numbered() {
+        let here = |color: usize| color < colors || color == OVERFLOW;
+        for (color, batch) in set.numbered().filter(|(color, _)| here(*color)) {
             let rented = self.rented.get_mut(color).unwrap_or(&mut self.overflow);
             moved |= rented.len as usize != batch.len();
             rented.len = u32::try_from(batch.len()).unwrap_or(u32::MAX);

@@ -5,6 +5,7 @@ use super::layout::{
     STRETCH_ENTRIES,
 };
 use crate::constraints::OVERFLOW;
+use crate::patches::PATCH_VERTICES;
 
 /// Writes single words.
 pub(crate) const SCATTER: &str = include_str!("shaders/scatter.wgsl");
@@ -26,6 +27,11 @@ pub(crate) const CAPACITY: u32 = 1344;
 
 /// The entry point of the module for whole bodies.
 pub(crate) const WHOLE_BODY: &str = "whole_body";
+
+/// The entry points of the module for patches: all constraints of the layer whose number less 1 is the
+/// pass's color, a workgroup a patch; and their multipliers set to zero.
+pub(crate) const PATCHES: &str = "patches";
+pub(crate) const RESET_PATCHES: &str = "reset_patches";
 
 /// The entry points of the module that has one dispatch a pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -117,6 +123,16 @@ pub(crate) fn whole_body(workgroup_size: u32, capacity: u32) -> String {
         include_str!("shaders/whole_body.wgsl"),
     ];
     compose(&constants, &parts)
+}
+
+/// The module in which one workgroup works on a patch; its entry points are [`PATCHES`] and
+/// [`RESET_PATCHES`].
+pub(crate) fn patches(workgroup_size: u32) -> String {
+    let constants = [
+        ("WORKGROUP_SIZE", workgroup_size),
+        ("PATCH_VERTICES", PATCH_VERTICES),
+    ];
+    compose(&constants, &[include_str!("shaders/patches.wgsl")])
 }
 
 fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {

@@ -8,6 +8,10 @@ pub enum Schedule {
     WholeBody,
     /// One dispatch a color, over all such bodies; small colors and the overflow share one.
     Colors,
+    /// As [`Schedule::Colors`] for constraints between patches; those within the patches of a layer
+    /// take one dispatch, with a patch's vertices in a workgroup's memory. For bodies made by
+    /// [`Solver::with_patches`](crate::Solver::with_patches).
+    Patches,
 }
 
 impl Schedule {
@@ -17,6 +21,7 @@ impl Schedule {
         match self {
             Self::WholeBody => "whole-body",
             Self::Colors => "colors",
+            Self::Patches => "patches",
         }
     }
 }
@@ -28,6 +33,8 @@ pub struct GpuStats {
     pub whole_bodies: u32,
     /// Bodies stepped under [`Schedule::Colors`].
     pub color_bodies: u32,
+    /// Bodies stepped under [`Schedule::Patches`].
+    pub patch_bodies: u32,
     /// Dispatches of the step.
     pub dispatches: u32,
     /// Stretch constraints projected by the step.

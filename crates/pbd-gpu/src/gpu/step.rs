@@ -89,6 +89,7 @@ impl GpuBackend {
         match resident.body.schedule {
             Schedule::WholeBody => stats.whole_bodies += 1,
             Schedule::Colors => stats.color_bodies += 1,
+            Schedule::Patches => stats.patch_bodies += 1,
         }
         let times = u64::from(constants.substeps) * u64::from(solver.plan().iterations());
         stats.stretch_projections += times * solver.stretch().len() as u64;

@@ -2,6 +2,10 @@
 
 @group(0) @binding(2) var<storage, read_write> displacements: array<vec4f>;
 
+fn load_x(i: u32) -> vec4f {
+    return positions[first_vertex + i];
+}
+
 fn load_d(i: u32) -> vec3f {
     return displacements[first_vertex + i].xyz;
 }

@@ -12,8 +12,13 @@ use std::mem::{offset_of, size_of};
 const STORAGE_BUFFERS: usize = 8;
 const WORKGROUP_MEMORY: u32 = 16 * 1024;
 
-fn modules() -> [Module; 2] {
-    [colors(WORKGROUP_SIZE), whole_body(WORKGROUP_SIZE, CAPACITY)].map(|source| {
+fn modules() -> [Module; 3] {
+    let sources = [
+        colors(WORKGROUP_SIZE),
+        whole_body(WORKGROUP_SIZE, CAPACITY),
+        patches(WORKGROUP_SIZE),
+    ];
+    sources.map(|source| {
         naga::front::wgsl::parse_str(&source)
             .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)))
     })
@@ -50,17 +55,18 @@ fn entry_points_are_those_that_the_rust_side_knows() {
         let points = module.entry_points.iter();
         points.map(|point| point.name.clone()).collect()
     };
-    let [colors, whole] = modules();
+    let [colors, whole, patches] = modules();
     let mut found = names(&colors);
     let mut wanted = EntryPoint::ALL.map(EntryPoint::name);
     found.sort();
     wanted.sort_unstable();
     assert_eq!(found, wanted);
     assert_eq!(names(&whole), [WHOLE_BODY]);
+    assert_eq!(names(&patches), [PATCHES, RESET_PATCHES]);
     for (i, point) in EntryPoint::ALL.into_iter().enumerate() {
         assert_eq!(point as usize, i, "numbers are places");
     }
-    for point in colors.entry_points.iter().chain(&whole.entry_points) {
+    for point in modules().iter().flat_map(|module| &module.entry_points) {
         assert_eq!(point.workgroup_size, [WORKGROUP_SIZE, 1, 1]);
     }
 }
@@ -108,7 +114,7 @@ fn structs_lie_in_memory_as_in_rust() {
             size_of::<BodyRecord>(),
             &members!(BodyRecord: first_vertex vertices first_pin pins stretch_factor stretch_alpha
                 bending_factor bending_alpha kept_velocity friction flags first_run stretch_colors
-                bending_colors),
+                bending_colors patch_tables patches),
         );
         check("Run", size_of::<Run>(), &members!(Run: first len));
         check("Link", size_of::<Link>(), &members!(Link: first_group body));

@@ -37,8 +37,8 @@ struct Body {
     first_run: u32,
     stretch_colors: u32,
     bending_colors: u32,
-    pad_0: u32,
-    pad_1: u32,
+    patch_tables: array<u32, 3>,
+    patches: array<u32, 3>,
 }
 
 struct Run {
@@ -85,10 +85,6 @@ struct Projection {
 
 // Where the vertices of the body at hand begin; an entry point sets it before it calls a kernel.
 var<private> first_vertex: u32;
-
-fn load_x(i: u32) -> vec4f {
-    return positions[first_vertex + i];
-}
 
 // Where b is as seen from a [m]: the twin of block.rs.
 fn difference(xa: vec4f, da: vec3f, xb: vec4f, db: vec3f) -> vec3f {

@@ -2,6 +2,10 @@
 
 var<workgroup> displacements: array<f32, 3u * CAPACITY>;
 
+fn load_x(i: u32) -> vec4f {
+    return positions[first_vertex + i];
+}
+
 fn load_d(i: u32) -> vec3f {
     let at = 3u * i;
     return vec3f(displacements[at], displacements[at + 1u], displacements[at + 2u]);
