@@ -4,6 +4,7 @@ use super::layout::{
     BENDING, BENDING_ENTRIES, KEEPS_BENDING, KEEPS_STRETCH, PIN_ENTRIES, RUN_COLORS, STRETCH,
     STRETCH_ENTRIES,
 };
+use crate::coloring::MAX_COLORS;
 use crate::constraints::OVERFLOW;
 use crate::patches::PATCH_VERTICES;
 
@@ -143,6 +144,7 @@ fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
     let layout = [
         ("RUN_COLORS", RUN_COLORS as u32),
         ("OVERFLOW", OVERFLOW as u32),
+        ("MAX_COLORS", MAX_COLORS as u32),
         ("STRETCH", STRETCH),
         ("BENDING", BENDING),
         ("STRETCH_ENTRIES", STRETCH_ENTRIES as u32),

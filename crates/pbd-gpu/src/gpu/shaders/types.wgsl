@@ -101,7 +101,12 @@ fn bending_projection(body: Body) -> Projection {
     return Projection(body.bending_factor, body.bending_alpha, keeps);
 }
 
-// The run of a color, or of OVERFLOW.
+// The run of a color, or of OVERFLOW. A pass may go on to colors that only other bodies have; what the
+// body's table holds there is not the body's.
 fn run_of(body: Body, kind: u32, color: u32) -> Run {
+    let colors = select(body.bending_colors, body.stretch_colors, kind == STRETCH);
+    if (color >= colors && color != OVERFLOW) {
+        return Run(0u, 0u);
+    }
     return runs[body.first_run + kind * RUN_COLORS + color];
 }

@@ -22,9 +22,10 @@ fn reset_kind(body: Body, kind: u32, colors: u32, lane: u32) {
     }
 }
 
-// All colors of a kind in order, then the overflow one by one.
-fn project_kind(body: Body, kind: u32, colors: u32, lane: u32) {
-    for (var color = 0u; color < colors; color++) {
+// All colors of a kind in one layer in order; in layer 0 the overflow follows, one by one.
+fn project_kind(body: Body, kind: u32, colors: u32, layer: u32, lane: u32) {
+    let end = min(colors, (layer + 1u) * MAX_COLORS);
+    for (var color = layer * MAX_COLORS; color < end; color++) {
         let run = run_of(body, kind, color);
         if (run.len != 0u) {
             sweep(kind, body, run, lane, WORKGROUP_SIZE);
@@ -32,7 +33,7 @@ fn project_kind(body: Body, kind: u32, colors: u32, lane: u32) {
         }
     }
     let overflow = run_of(body, kind, OVERFLOW);
-    if (overflow.len != 0u) {
+    if (layer == 0u && overflow.len != 0u) {
         if (lane == 0u) {
             sweep(kind, body, overflow, 0u, 1u);
         }
@@ -62,6 +63,9 @@ fn whole_body(
     }
     let body = bodies[work.body];
     first_vertex = body.first_vertex;
+    // Layer 0 may have an overflow and no color.
+    let colors = max(1u, max(body.stretch_colors, body.bending_colors));
+    let layers = (colors + MAX_COLORS - 1u) / MAX_COLORS;
     if (lane == 0u) {
         atomicStore(&lowest, ORDERED_INFINITY);
     }
@@ -82,8 +86,10 @@ fn whole_body(
             reset_kind(body, BENDING, body.bending_colors, lane);
         }
         for (var iteration = 0u; iteration < frame.iterations; iteration++) {
-            project_kind(body, STRETCH, body.stretch_colors, lane);
-            project_kind(body, BENDING, body.bending_colors, lane);
+            for (var layer = 0u; layer < layers; layer++) {
+                project_kind(body, STRETCH, body.stretch_colors, layer, lane);
+                project_kind(body, BENDING, body.bending_colors, layer, lane);
+            }
             if (frame.has_ground != 0u) {
                 if (!is_above_ground(atomicLoad(&lowest))) {
                     for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
