@@ -196,6 +196,13 @@ impl Solver {
     }
 
     /// Whether nothing was edited since it was last asked for.
+    #[cfg_attr(
+        not(any(test, feature = "gpu")),
+        allow(
+            dead_code,
+            reason = "asked for by backends that keep a copy of the body"
+        )
+    )]
     pub(crate) fn is_unchanged(&self) -> bool {
         let logs = &self.changes;
         let small = logs.masses.entries.is_empty() && logs.velocities.entries.is_empty();
@@ -203,6 +210,13 @@ impl Solver {
     }
 
     /// Whether positions or constraints were edited since it was last asked for.
+    #[cfg_attr(
+        not(any(test, feature = "gpu")),
+        allow(
+            dead_code,
+            reason = "asked for by backends that keep a copy of the body"
+        )
+    )]
     pub(crate) fn changes_concern_surface(&self) -> bool {
         let logs = &self.changes;
         let constraints = !self.stretch.log.entries.is_empty()

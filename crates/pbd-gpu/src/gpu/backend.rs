@@ -19,6 +19,10 @@ use crate::solver::Solver;
 use incise_mesh::{Aabb, Surface, VertexId};
 use std::ops::Range;
 
+/// How many frames the host may be ahead of the device. Without an end to it frames that are still to be
+/// done would fill the memory.
+pub(super) const FRAMES_IN_FLIGHT: usize = 3;
+
 /// A body of a [`GpuBackend`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct GpuBody {
@@ -33,6 +37,8 @@ pub(super) struct Resident {
     pub(super) body: DeviceBody,
     /// The frame that stepped or edited it last.
     pub(super) frame: u64,
+    /// The frame that the host's copy is of.
+    pub(super) host: u64,
     /// The plan in the program.
     pub(super) plan: StepPlan,
     /// Positions, velocities and report.
@@ -82,6 +88,8 @@ pub struct GpuBackend {
     pub(super) bytes_read: u64,
     /// Frames and edits so far.
     pub(super) frame: u64,
+    /// The last frames that were handed over, the oldest first.
+    pub(super) in_flight: [Option<wgpu::SubmissionIndex>; FRAMES_IN_FLIGHT],
     /// By slot.
     pub(super) residents: Vec<Option<Resident>>,
     pub(super) generations: Vec<u32>,
@@ -136,6 +144,7 @@ impl GpuBackend {
             stats: GpuStats::default(),
             bytes_read: 0,
             frame: 0,
+            in_flight: [const { None }; FRAMES_IN_FLIGHT],
             residents: Vec::new(),
             generations: Vec::new(),
             schedule: None,
@@ -191,6 +200,7 @@ impl GpuBackend {
         self.residents[i] = Some(Resident {
             body: DeviceBody::new(slot),
             frame: 0,
+            host: 0,
             plan: StepPlan::default(),
             state: Readback::default(),
             wants_state: false,
@@ -288,6 +298,7 @@ impl GpuBackend {
             moved |= resident.body.update_pins(context, arenas, uploads, pins)?;
         }
         resident.frame = frame;
+        resident.host = frame;
         self.program_is_stale |= moved;
         self.flush()
     }
@@ -350,9 +361,19 @@ impl GpuBackend {
                 resident.state.submitted(&submission);
             }
         }
-        let Some(resident) = &mut self.residents[i] else {
-            return Err(GpuError::UnknownBody);
-        };
+        self.take_state(body, surface, solver)
+    }
+
+    /// Takes over the state that is on its way.
+    pub(super) fn take_state(
+        &mut self,
+        body: GpuBody,
+        surface: &mut Surface,
+        solver: &mut Solver,
+    ) -> Result<(), GpuError> {
+        check_slots(surface, solver)?;
+        let resident = find_mut(&mut self.residents, &self.generations, body)?;
+        let frame = resident.state.frame();
         let bytes = &mut self.bytes_read;
         let shown = resident.state.fetch(&self.context, |data| {
             *bytes += data.len() as u64;
@@ -370,7 +391,9 @@ impl GpuBackend {
             }
             Ok(())
         })?;
-        shown.unwrap_or(Err(GpuError::UnknownBody))
+        shown.unwrap_or(Err(GpuError::UnknownBody))?;
+        resident.host = frame.unwrap_or(resident.host);
+        Ok(())
     }
 
     /// The box of the body's vertices, found on the device: waits until it is done.
@@ -445,6 +468,11 @@ impl GpuBackend {
         solver.take_changes(changes);
         on_device.edit_masses(uploads, solver, &changes.masses);
         on_device.edit_velocities(uploads, solver, &changes.velocities);
+        if !changes.velocities.is_empty() {
+            // A state that is on its way does not have them.
+            self.frame += 1;
+            resident.frame = self.frame;
+        }
         if changes.pins {
             self.program_is_stale |=
                 on_device.update_pins(context, arenas, uploads, solver.pins())?;

@@ -5,6 +5,8 @@ mod arena;
 mod backend;
 mod blocks;
 mod body;
+mod calibrate;
+mod checkpoint;
 mod context;
 mod error;
 mod layout;

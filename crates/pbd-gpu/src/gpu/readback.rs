@@ -37,6 +37,17 @@ impl Readback {
         self.flight.as_ref().is_some_and(|f| f.frame == frame)
     }
 
+    /// The frame whose end the copy on its way shows.
+    pub(super) fn frame(&self) -> Option<u64> {
+        self.flight.as_ref().map(|flight| flight.frame)
+    }
+
+    /// Whether the copy on its way is there, or will never be.
+    pub(super) fn has_arrived(&self) -> bool {
+        let state = |flight: &Flight| flight.state.load(Ordering::Acquire);
+        self.flight.as_ref().is_some_and(|f| state(f) != PENDING)
+    }
+
     /// Has the parts copied, one behind the other, when the commands are submitted. Forgets a copy
     /// that nobody has fetched.
     pub(super) fn request(
@@ -121,7 +132,7 @@ impl Readback {
     }
 
     /// Gives up a copy that nobody has fetched.
-    fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         if self.flight.take().is_some()
             && let Some(buffer) = &self.buffer
         {

@@ -1,6 +1,6 @@
 //! One frame of all bodies: one pass, one submission.
 
-use super::backend::{GpuBackend, GpuBody, find_mut};
+use super::backend::{FRAMES_IN_FLIGHT, GpuBackend, GpuBody, find_mut};
 use super::error::GpuError;
 use super::layout::FrameUniform;
 use super::pipelines::{Kernel, Pipelines, workgroups};
@@ -14,7 +14,8 @@ use bytemuck::Zeroable;
 use wgpu::{BindGroup, ComputePass, ComputePassDescriptor};
 
 impl GpuBackend {
-    /// Steps bodies by one frame of `dt` \[s\], all in one submission, and returns while the device works.
+    /// Steps bodies by one frame of `dt` \[s\], all in one submission, and returns while the device works:
+    /// at most three frames behind, so that what is still to be done never fills the memory.
     /// Each body is stepped as if it were alone.
     ///
     /// # Errors
@@ -50,6 +51,7 @@ impl GpuBackend {
         let wants_bounds = self.note_frame();
         stats.dispatches = self.program.dispatches(wants_bounds);
         self.submit(wants_bounds)?;
+        self.follow_up()?;
         stats.bytes_uploaded = self.uploads.take_bytes();
         stats.bytes_read = std::mem::take(&mut self.bytes_read);
         self.stats = stats;
@@ -182,6 +184,8 @@ impl GpuBackend {
         self.program_of = slots;
         done?;
         let submission = self.context.queue().submit([encoder.finish()]);
+        self.in_flight.rotate_left(1);
+        self.in_flight[FRAMES_IN_FLIGHT - 1] = Some(submission.clone());
         self.context.check()?;
         for i in 0..self.program_of.len() {
             let slot = self.program_of[i];
@@ -191,6 +195,14 @@ impl GpuBackend {
             }
         }
         Ok(())
+    }
+
+    /// Waits until the device is no more than a few frames behind.
+    fn follow_up(&mut self) -> Result<(), GpuError> {
+        match self.in_flight[0].take() {
+            Some(oldest) => self.context.wait(oldest),
+            None => Ok(()),
+        }
     }
 
     fn request_copies(

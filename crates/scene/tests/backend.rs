@@ -1,0 +1,71 @@
+//! Backends that cannot be had. Holds with and without the feature `gpu`, with and without a device.
+
+use incise_mesh::{Model, build_model};
+use incise_pbd_gpu::Material;
+use incise_scene::{BackendChoice, BackendRequest, Scene, SceneError, SceneParams};
+
+fn request(choice: BackendChoice) -> BackendRequest {
+    BackendRequest {
+        choice,
+        adapter: Some("no such device".to_owned()),
+        ..BackendRequest::default()
+    }
+}
+
+#[test]
+fn a_device_that_is_not_there_is_a_typed_error() {
+    let error = Scene::with_backend(SceneParams::default(), &request(BackendChoice::Gpu));
+    let error = error.expect_err("there is none");
+    #[cfg(feature = "gpu")]
+    assert!(
+        matches!(
+            error,
+            SceneError::Gpu(incise_pbd_gpu::GpuError::NoAdapter { .. })
+        ),
+        "{error}"
+    );
+    #[cfg(not(feature = "gpu"))]
+    assert_eq!(error, SceneError::NoGpuBackend);
+    assert!(error.to_string().len() > 20, "it says what to do: {error}");
+}
+
+#[test]
+fn auto_without_a_device_is_the_cpu_and_says_so_once() -> Result<(), SceneError> {
+    let params = SceneParams::default();
+    let mut auto = Scene::with_backend(params, &request(BackendChoice::Auto))?;
+    let mut cpu = Scene::new(params);
+    let [a, b] = [&mut auto, &mut cpu]
+        .map(|scene| scene.add_body(build_model(Model::Sphere80), &Material::default()));
+    let (a, b) = (a?, b?);
+    let told = auto.step()?.fell_back;
+    assert!(told, "the first frame tells");
+    for _ in 0..9 {
+        assert!(!auto.step()?.fell_back, "once");
+    }
+    for _ in 0..10 {
+        assert!(!cpu.step()?.fell_back, "nothing was asked for");
+    }
+    assert_eq!(auto.body(a).surface(), cpu.body(b).surface());
+    let report = auto.backend_report();
+    assert_eq!((report.device, report.on_device), (None, Vec::new()));
+    let why = report.fallback.expect("a reason");
+    #[cfg(feature = "gpu")]
+    assert!(why.contains("no such device"), "{why}");
+    #[cfg(not(feature = "gpu"))]
+    assert!(why.contains("feature gpu"), "{why}");
+    Ok(())
+}
+
+#[test]
+fn a_removed_body_leaves_its_place_empty() -> Result<(), SceneError> {
+    let mut scene = Scene::new(SceneParams::default());
+    let mut add = || scene.add_body(build_model(Model::Sphere20), &Material::default());
+    let (first, second) = (add()?, add()?);
+    let body = scene.remove_body(first)?.expect("it was there");
+    assert_eq!(body.surface(), scene.body(second).surface());
+    assert!(scene.remove_body(first)?.is_none(), "it is gone");
+    let third = scene.add_body(build_model(Model::Sphere20), &Material::default())?;
+    assert!(third != first && third != second, "ids are not used again");
+    scene.step()?;
+    Ok(())
+}
