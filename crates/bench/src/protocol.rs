@@ -211,6 +211,7 @@ fn set_up(loaded: &Loaded, arguments: &TableArguments) -> Result<(Scene, BodyId)
         },
         // The paper tests every triangle in every frame; its table is no place to skip that.
         skip_far_sweeps: false,
+        ..SceneParams::default()
     });
     let material = Material {
         bending: Some(Stiffness::Pbd(0.5)),
@@ -218,7 +219,7 @@ fn set_up(loaded: &Loaded, arguments: &TableArguments) -> Result<(Scene, BodyId)
     };
     let body = scene.add_body(loaded.surface.clone(), &material)?;
     let center = loaded.surface.bounds().center();
-    let (solver, surface) = scene.body_mut(body).solver_mut();
+    let (solver, surface) = scene.edit(body)?.solver_mut();
     let vertices: Vec<VertexId> = surface.topology().vertices().collect();
     for v in vertices {
         let r = surface.position(v) - center;

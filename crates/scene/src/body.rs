@@ -3,7 +3,7 @@
 use crate::error::SceneError;
 use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::Surface;
-use incise_pbd_gpu::{ConstraintError, Material, Solver};
+use incise_pbd_gpu::{ConstraintError, Material, PatchParams, Solver};
 use std::time::{Duration, Instant};
 
 /// A body of a scene.
@@ -27,8 +27,15 @@ pub(crate) struct SweepResult {
 }
 
 impl Body {
-    pub(crate) fn new(mut surface: Surface, material: &Material) -> Result<Self, ConstraintError> {
-        let solver = Solver::new(&mut surface, material)?;
+    pub(crate) fn new(
+        mut surface: Surface,
+        material: &Material,
+        patches: Option<&PatchParams>,
+    ) -> Result<Self, ConstraintError> {
+        let solver = match patches {
+            Some(patches) => Solver::with_patches(&mut surface, material, patches)?,
+            None => Solver::new(&mut surface, material)?,
+        };
         let cutter = Cutter::new(&surface);
         Ok(Self {
             surface,
@@ -38,23 +45,42 @@ impl Body {
         })
     }
 
-    /// Where everything is.
+    /// Where everything is; of a body on a device, where it was when it was last read, see
+    /// [`crate::Scene::read`].
     #[must_use]
     pub fn surface(&self) -> &Surface {
         &self.surface
     }
 
-    /// Masses, velocities and constraints.
+    /// Masses, velocities and constraints. Velocities are as old as the surface's positions.
     #[must_use]
     pub fn solver(&self) -> &Solver {
         &self.solver
     }
 
-    /// The solver and the surface together: to pin vertices and set velocities.
+    /// The solver and the surface together: to pin vertices, set velocities, put vertices elsewhere.
     pub fn solver_mut(&mut self) -> (&mut Solver, &mut Surface) {
-        // A pin moves vertices, so the search tree may no longer fit.
+        // Whatever is done, the search tree may no longer fit.
         self.stale = true;
         (&mut self.solver, &mut self.surface)
+    }
+
+    /// Stretch and bending constraints together.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn constraints(&self) -> usize {
+        self.solver.stretch().len() + self.solver.bending().map_or(0, |set| set.len())
+    }
+
+    /// The surface and the solver, for who moves no vertex.
+    pub(crate) fn parts(&mut self) -> (&mut Surface, &mut Solver) {
+        (&mut self.surface, &mut self.solver)
+    }
+
+    /// The surface and the solver, for who moves vertices.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn moved_parts(&mut self) -> (&mut Surface, &mut Solver) {
+        self.stale = true;
+        self.parts()
     }
 
     /// The numbers of the body's pieces, ascending.

@@ -4,7 +4,7 @@ use crate::body::BodyId;
 use incise_pbd_gpu::{ConstraintError, StepError};
 
 /// Why a scene cannot go on.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
     /// The body cannot be simulated, or its constraints cannot follow a cut.
@@ -18,4 +18,37 @@ pub enum SceneError {
         /// Why.
         error: StepError,
     },
+    /// The device cannot be had, or has failed. Bodies are where they were when they were last read;
+    /// [`crate::Scene::fall_back`] goes on with them on the processor.
+    #[cfg(feature = "gpu")]
+    #[error("the scene's device: {0}")]
+    Gpu(#[from] incise_pbd_gpu::GpuError),
+    /// A device was asked for, and this build cannot use any.
+    #[error(
+        "this build has no backend for devices; build with the feature gpu, or choose the backend cpu or auto"
+    )]
+    NoGpuBackend,
+}
+
+impl SceneError {
+    /// Whether the device is to blame, not a body.
+    pub(crate) fn is_of_device(&self) -> bool {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(_) => true,
+            _ => false,
+        }
+    }
+
+    /// Whether the device has no room for a body, and is well otherwise.
+    pub(crate) fn is_no_room(&self) -> bool {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(
+                incise_pbd_gpu::GpuError::BufferTooLarge { .. }
+                | incise_pbd_gpu::GpuError::OutOfMemory { .. },
+            ) => true,
+            _ => false,
+        }
+    }
 }

@@ -5,7 +5,8 @@ use crate::body::BodyId;
 use crate::error::SceneError;
 use crate::scene::{Refusal, Scene};
 use crate::stats::FrameStats;
-use incise_cut::CutParams;
+use incise_cut::{CutParams, Sweep};
+use incise_mesh::Aabb;
 use std::time::Instant;
 
 impl Scene {
@@ -13,7 +14,7 @@ impl Scene {
     /// without a cut, once warm.
     ///
     /// # Errors
-    /// [`SceneError`] when a body cannot be stepped.
+    /// [`SceneError`] when a body cannot be stepped or the device fails.
     pub fn step(&mut self) -> Result<&FrameStats, SceneError> {
         self.cut()?;
         self.advance()
@@ -23,7 +24,9 @@ impl Scene {
     /// error, see [`Scene::refusals`].
     ///
     /// # Errors
-    /// [`SceneError::Constraint`] when a body's constraints cannot follow its cut.
+    /// [`SceneError::Constraint`] when a body's constraints cannot follow its cut. What went wrong with
+    /// the device or with a body on it, before the blade at hand has cut anything: called again, this
+    /// goes on with that blade.
     pub fn cut(&mut self) -> Result<&FrameStats, SceneError> {
         self.stats = FrameStats::default();
         self.refusals.clear();
@@ -33,26 +36,63 @@ impl Scene {
             self.cut_with(&blade)?;
             self.blades[i].end_sweep();
         }
-        let bodies = u32::try_from(self.bodies.len()).unwrap_or(u32::MAX);
+        let bodies = count(self.bodies.iter().flatten());
         self.stats.refits_skipped = bodies.saturating_sub(self.stats.refits);
+        if let Some(device) = &self.device {
+            let on_device = count((0..self.bodies.len()).filter(|&i| device.holds(i)));
+            self.stats.readbacks_skipped = on_device.saturating_sub(self.stats.readbacks);
+        }
         Ok(&self.stats)
     }
 
-    /// The second half of a frame: moves the bodies.
+    /// The second half of a frame: moves the bodies. Those on a device go on moving when this returns.
     ///
     /// # Errors
-    /// [`SceneError::Step`] when a body cannot be stepped.
+    /// [`SceneError::Step`] when a body cannot be stepped, [`SceneError::Gpu`] when the device fails.
     pub fn advance(&mut self) -> Result<&FrameStats, SceneError> {
         let begin = Instant::now();
+        self.step_device()?;
         for (i, body) in self.bodies.iter_mut().enumerate() {
+            let on_device = self.device.as_ref().is_some_and(|d| d.holds(i));
+            let Some(body) = body.as_mut().filter(|_| !on_device) else {
+                continue;
+            };
             body.step(self.params.dt, &self.params.solver)
                 .map_err(|error| SceneError::Step {
                     body: BodyId(i),
                     error,
                 })?;
         }
+        self.stats.fell_back = self.backend.take_news();
         self.stats.solver = begin.elapsed();
         Ok(&self.stats)
+    }
+
+    /// Has the device begin with its bodies' frame.
+    fn step_device(&mut self) -> Result<(), SceneError> {
+        if self.device.is_none() {
+            return Ok(());
+        }
+        // What is wrong with the frame itself is no fault of the device.
+        let frame = self.params.solver.check(self.params.dt);
+        let first = self.bodies.iter().position(Option::is_some);
+        if let (Err(error), Some(first)) = (frame, first) {
+            let body = BodyId(first);
+            return Err(SceneError::Step { body, error });
+        }
+        for i in 0..self.bodies.len() {
+            if let (Some(device), Some(body)) = (&mut self.device, &mut self.bodies[i])
+                && let Err(error) = device.send_edits(i, body)
+            {
+                self.recover(Some(i), error)?;
+            }
+        }
+        if let Some(device) = &mut self.device
+            && let Err(error) = device.step(&mut self.bodies, &self.params, &mut self.stats)
+        {
+            self.recover(None, error)?;
+        }
+        Ok(())
     }
 
     /// Tests one blade's sweep against every body, cuts where it passes.
@@ -70,45 +110,89 @@ impl Scene {
             }
             Err(error) => {
                 for i in 0..self.bodies.len() {
-                    self.refuse(BodyId(i), error);
+                    if self.bodies[i].is_some() {
+                        self.refuse(BodyId(i), error);
+                    }
                 }
                 return Ok(());
             }
         };
         self.stats.sweeps += 1;
+        while let Err(error) = self.approach(&sweep) {
+            // Without the device the bodies may be elsewhere: all are looked at again.
+            self.recover(None, error)?;
+        }
+        self.stats.detections_skipped +=
+            count(self.bodies.iter().flatten()) - count(self.near.iter());
         self.stats.detection += begin.elapsed();
+        for n in 0..self.near.len() {
+            self.cut_body(self.near[n], &sweep, &params)?;
+        }
+        Ok(())
+    }
+
+    /// Finds the bodies that a sweep comes to, and brings them up to date.
+    fn approach(&mut self, sweep: &Sweep) -> Result<(), SceneError> {
         let reach = sweep.bounds();
-        for i in 0..self.bodies.len() {
-            let body = &mut self.bodies[i];
-            let begin = Instant::now();
-            if self.params.skip_far_sweeps && !body.surface().bounds().overlaps(&reach) {
-                self.stats.detections_skipped += 1;
-                self.stats.detection += begin.elapsed();
-                continue;
+        self.near.clear();
+        for (i, body) in self.bodies.iter_mut().enumerate() {
+            let Some(body) = body else { continue };
+            if self.params.skip_far_sweeps {
+                let on_device = match &mut self.device {
+                    Some(device) => device.bounds(i)?,
+                    None => None,
+                };
+                let bounds = on_device.unwrap_or_else(|| body.surface().bounds());
+                if let Some(device) = &mut self.device
+                    && inflated(bounds).overlaps(&reach)
+                {
+                    device.want(i);
+                }
+                if !bounds.overlaps(&reach) {
+                    continue;
+                }
             }
-            self.stats.refits += u32::from(body.refit());
-            self.stats.detections += 1;
-            self.stats.detection += begin.elapsed();
-            let begin = Instant::now();
-            let result = body.cut(&sweep, &params)?;
-            self.stats.constraints += result.constraints;
-            match result.cut {
-                Ok(outcome) => {
-                    let report = outcome.report;
-                    self.stats.candidates += report.candidates;
-                    self.stats.hits += report.hits;
-                    self.stats.detection += report.detection;
-                    self.stats.topology += report.topology;
-                    self.stats.refinement += report.refinement;
-                    if !outcome.delta.is_empty() {
-                        self.stats.cuts += 1;
-                        self.outcomes.push((BodyId(i), outcome));
+            if let Some(device) = &mut self.device {
+                self.stats.readbacks += u32::from(device.read(i, body)?);
+            }
+            self.near.push(i);
+        }
+        Ok(())
+    }
+
+    /// Cuts a body that is up to date, if the sweep passes through it.
+    fn cut_body(&mut self, i: usize, sweep: &Sweep, params: &CutParams) -> Result<(), SceneError> {
+        let Some(body) = &mut self.bodies[i] else {
+            return Ok(());
+        };
+        let begin = Instant::now();
+        self.stats.refits += u32::from(body.refit());
+        self.stats.detections += 1;
+        self.stats.detection += begin.elapsed();
+        let begin = Instant::now();
+        let result = body.cut(sweep, params)?;
+        self.stats.constraints += result.constraints;
+        match result.cut {
+            Ok(outcome) => {
+                let report = outcome.report;
+                self.stats.candidates += report.candidates;
+                self.stats.hits += report.hits;
+                self.stats.detection += report.detection;
+                self.stats.topology += report.topology;
+                self.stats.refinement += report.refinement;
+                if !outcome.delta.is_empty() {
+                    self.stats.cuts += 1;
+                    self.outcomes.push((BodyId(i), outcome));
+                    if let Some(device) = &mut self.device {
+                        device.note_cut(i);
                     }
+                    // Caps may have made it large enough for the device.
+                    self.settle(i)?;
                 }
-                Err(error) => {
-                    self.stats.detection += begin.elapsed();
-                    self.refuse(BodyId(i), error);
-                }
+            }
+            Err(error) => {
+                self.stats.detection += begin.elapsed();
+                self.refuse(BodyId(i), error);
             }
         }
         Ok(())
@@ -118,4 +202,19 @@ impl Scene {
         self.stats.refused += 1;
         self.refusals.push(Refusal { body, error });
     }
+}
+
+/// A box and half of itself around: a blade in there may reach the body in the next frame.
+fn inflated(bounds: Aabb) -> Aabb {
+    let mut out = bounds;
+    for k in 0..3 {
+        let half = (bounds.max[k] - bounds.min[k]) / 2.0;
+        out.min[k] -= half;
+        out.max[k] += half;
+    }
+    out
+}
+
+fn count<T>(items: impl Iterator<Item = T>) -> u32 {
+    u32::try_from(items.count()).unwrap_or(u32::MAX)
 }

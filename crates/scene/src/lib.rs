@@ -4,6 +4,9 @@
 //! from blade poses, bodies near a sweep are cut, constraints follow, the solver moves everything.
 //! What a frame does not need it does not do, and [`FrameStats`] counts what was left out.
 //!
+//! [`Scene::new`] steps on the processor, [`Scene::with_backend`] on a device or on whichever is faster.
+//! A body on a device stays there: [`Scene::read`] brings the host's copy of it up to date.
+//!
 //! ```
 //! use incise_mesh::{Model, build_model};
 //! use incise_pbd_gpu::Material;
@@ -15,18 +18,26 @@
 //! scene.step()?;
 //! scene.move_blade(blade, [[2.0, 0.1, -2.0], [2.0, 0.1, 2.0]]);
 //! assert_eq!(scene.step()?.cuts, 1);
+//! scene.read(body)?; // nothing to do on the processor
 //! assert_eq!(scene.body(body).pieces().len(), 2);
 //! # Ok::<(), incise_scene::SceneError>(())
 //! ```
 
+mod backend;
 mod blade;
 mod body;
+#[cfg(feature = "gpu")]
+mod device;
+#[cfg(not(feature = "gpu"))]
+#[path = "no_device.rs"]
+mod device;
 mod error;
 mod frame;
 mod params;
 mod scene;
 mod stats;
 
+pub use backend::{BackendChoice, BackendReport, BackendRequest};
 pub use blade::{Blade, BladeId};
 pub use body::{Body, BodyId};
 pub use error::SceneError;

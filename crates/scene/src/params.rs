@@ -15,6 +15,9 @@ pub struct SceneParams {
     /// Whether a body is left alone by a sweep whose box misses the body's. Off, every moving
     /// blade's sweep is tested against every body's triangles, as the paper's protocol does.
     pub skip_far_sweeps: bool,
+    /// Every how many frames bodies on a device are copied to the host, while the device goes on: what
+    /// the scene goes on with should the device fail. 0 = never.
+    pub checkpoint: u32,
 }
 
 impl Default for SceneParams {
@@ -24,6 +27,7 @@ impl Default for SceneParams {
             solver: SolverParams::default(),
             cut: CutParams::default(),
             skip_far_sweeps: true,
+            checkpoint: 60,
         }
     }
 }

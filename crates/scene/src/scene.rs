@@ -1,13 +1,15 @@
 //! The scene: what it holds and how it is set up.
 
+use crate::backend::BackendState;
 use crate::blade::{Blade, BladeId};
 use crate::body::{Body, BodyId};
+use crate::device::Device;
 use crate::error::SceneError;
 use crate::params::SceneParams;
 use crate::stats::FrameStats;
 use incise_cut::{CutError, CutOutcome};
-use incise_mesh::Surface;
-use incise_pbd_gpu::Material;
+use incise_mesh::{Surface, VertexId};
+use incise_pbd_gpu::{Material, PatchParams};
 
 /// A cut that could not be done. The body is as it was.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,20 +20,28 @@ pub struct Refusal {
     pub error: CutError,
 }
 
+/// The bodies of a scene by their ids. None where one was removed: ids are not given out again.
+pub(crate) type Bodies = [Option<Box<Body>>];
+
 /// Bodies, blades and how they are stepped.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub struct Scene {
     /// How frames are stepped; may change between frames.
     pub params: SceneParams,
-    pub(crate) bodies: Vec<Body>,
+    pub(crate) bodies: Vec<Option<Box<Body>>>,
     pub(crate) blades: Vec<Blade>,
     pub(crate) stats: FrameStats,
     pub(crate) refusals: Vec<Refusal>,
     pub(crate) outcomes: Vec<(BodyId, CutOutcome)>,
+    /// Bodies that the sweep at hand comes to. Its content matters to nobody between sweeps.
+    pub(crate) near: Vec<usize>,
+    /// The device that bodies live on, if any do.
+    pub(crate) device: Option<Device>,
+    pub(crate) backend: BackendState,
 }
 
 impl Scene {
-    /// An empty scene.
+    /// An empty scene that the processor steps; [`Scene::with_backend`] has the others.
     #[must_use]
     pub fn new(params: SceneParams) -> Self {
         Self {
@@ -43,14 +53,65 @@ impl Scene {
     /// Adds a body at rest.
     ///
     /// # Errors
-    /// [`SceneError::Constraint`] when the surface or the material cannot be simulated.
+    /// [`SceneError::Constraint`] when the surface or the material cannot be simulated, and what the
+    /// device says when it has no room; the scene is as it was then.
     pub fn add_body(
         &mut self,
         surface: Surface,
         material: &Material,
     ) -> Result<BodyId, SceneError> {
-        self.bodies.push(Body::new(surface, material)?);
-        Ok(BodyId(self.bodies.len() - 1))
+        self.place(Body::new(surface, material, None)?)
+    }
+
+    /// As [`Scene::add_body`], with the body divided into patches, see [`incise_pbd_gpu::Solver::with_patches`]: worth it
+    /// for large bodies on a device.
+    ///
+    /// # Errors
+    /// As [`Scene::add_body`]; [`SceneError::Constraint`] also when the parameters are out of range.
+    pub fn add_body_with_patches(
+        &mut self,
+        surface: Surface,
+        material: &Material,
+        patches: &PatchParams,
+    ) -> Result<BodyId, SceneError> {
+        self.place(Body::new(surface, material, Some(patches))?)
+    }
+
+    fn place(&mut self, body: Body) -> Result<BodyId, SceneError> {
+        let i = self.bodies.len();
+        self.bodies.push(Some(Box::new(body)));
+        if let Err(error) = self.settle(i) {
+            self.bodies.pop();
+            return Err(error);
+        }
+        Ok(BodyId(i))
+    }
+
+    /// Gives a body to the device if it is to live there.
+    pub(crate) fn settle(&mut self, i: usize) -> Result<(), SceneError> {
+        if let (Some(device), Some(body)) = (&mut self.device, &mut self.bodies[i])
+            && let Err(error) = device.add(i, body)
+        {
+            self.recover(Some(i), error)?;
+        }
+        Ok(())
+    }
+
+    /// Takes a body out of the scene, up to date. Its id is not used again. None if it was removed before.
+    ///
+    /// # Errors
+    /// As [`Scene::read`]; the body stays then.
+    ///
+    /// # Panics
+    /// When the id is another scene's.
+    pub fn remove_body(&mut self, id: BodyId) -> Result<Option<Body>, SceneError> {
+        if self.bodies[id.0].is_some() {
+            self.read(id)?;
+        }
+        if let Some(device) = &mut self.device {
+            device.remove(id.0);
+        }
+        Ok(self.bodies[id.0].take().map(|body| *body))
     }
 
     /// Adds a blade with its edge from start to end \[m\].
@@ -59,21 +120,83 @@ impl Scene {
         BladeId(self.blades.len() - 1)
     }
 
-    /// A body.
+    /// A body: the host's copy, which of a body on a device is as old as the last [`Scene::read`].
     ///
     /// # Panics
-    /// When the id is another scene's.
+    /// When the id is another scene's, or the body was removed.
     #[must_use]
     pub fn body(&self, id: BodyId) -> &Body {
-        &self.bodies[id.0]
+        match &self.bodies[id.0] {
+            Some(body) => body,
+            None => panic!("body {} was removed", id.0),
+        }
     }
 
-    /// A body, to pin vertices and set velocities.
+    /// Whether the host's copy of a body is where the body is. Always so for one that the processor
+    /// steps.
+    #[must_use]
+    pub fn is_fresh(&self, id: BodyId) -> bool {
+        (self.device.as_ref()).is_none_or(|device| device.is_fresh(id.0))
+    }
+
+    /// Brings the host's copy of a body up to date. Does nothing if it is; else waits for the device.
+    ///
+    /// # Errors
+    /// [`SceneError::Step`] when the body has left the numbers; [`SceneError::Gpu`] when the device
+    /// fails. The copy is as it was then. With [`crate::BackendChoice::Auto`] a device that fails is no
+    /// error: the scene goes on from the copy.
     ///
     /// # Panics
-    /// When the id is another scene's.
-    pub fn body_mut(&mut self, id: BodyId) -> &mut Body {
-        &mut self.bodies[id.0]
+    /// When the id is another scene's, or the body was removed.
+    pub fn read(&mut self, id: BodyId) -> Result<(), SceneError> {
+        let _exists = self.body(id);
+        if let (Some(device), Some(body)) = (&mut self.device, &mut self.bodies[id.0])
+            && let Err(error) = device.read(id.0, body)
+        {
+            self.recover(None, error)?;
+        }
+        Ok(())
+    }
+
+    /// A body, up to date, to pin vertices, set velocities or put vertices elsewhere. The next frame
+    /// begins with what was edited.
+    ///
+    /// # Errors
+    /// As [`Scene::read`].
+    ///
+    /// # Panics
+    /// When the id is another scene's, or the body was removed.
+    pub fn edit(&mut self, id: BodyId) -> Result<&mut Body, SceneError> {
+        self.read(id)?;
+        match &mut self.bodies[id.0] {
+            Some(body) => {
+                if let Some(device) = &mut self.device {
+                    device.hand_out(id.0, body.surface());
+                }
+                Ok(body)
+            }
+            None => panic!("body {} was removed", id.0),
+        }
+    }
+
+    /// Where a pinned vertex is to be at the end of the next frame \[m\]. Unlike [`Scene::edit`] this
+    /// needs nothing from the device, so a pin may be dragged in every frame.
+    ///
+    /// # Errors
+    /// [`SceneError::Constraint`] when the vertex is not pinned or the target is not finite.
+    ///
+    /// # Panics
+    /// When the id is another scene's, or the body was removed.
+    pub fn set_pin_target(
+        &mut self,
+        id: BodyId,
+        v: VertexId,
+        to: [f32; 3],
+    ) -> Result<(), SceneError> {
+        match &mut self.bodies[id.0] {
+            Some(body) => Ok(body.parts().1.set_pin_target(v, to)?),
+            None => panic!("body {} was removed", id.0),
+        }
     }
 
     /// A blade.
@@ -107,6 +230,20 @@ impl Scene {
     /// When the id is another scene's.
     pub fn jump_blade(&mut self, id: BladeId, edge: [[f32; 3]; 2]) {
         self.blades[id.0].jump_to(edge);
+    }
+
+    /// Waits until the device has done everything that it was asked for: [`Scene::advance`] returns
+    /// before. For who measures time.
+    ///
+    /// # Errors
+    /// [`SceneError::Gpu`] when the device fails.
+    pub fn wait(&mut self) -> Result<(), SceneError> {
+        if let Some(device) = &self.device
+            && let Err(error) = device.wait()
+        {
+            self.recover(None, error)?;
+        }
+        Ok(())
     }
 
     /// What the last frame did.

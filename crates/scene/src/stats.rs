@@ -25,6 +25,27 @@ pub struct FrameStats {
     pub cuts: u32,
     /// Cuts refused, see [`crate::Scene::refusals`].
     pub refused: u32,
+    /// Bodies that a device steps.
+    pub bodies_on_device: u32,
+    /// Bodies on a device of which one workgroup does a whole frame.
+    pub whole_bodies: u32,
+    /// Bodies on a device that go color by color.
+    pub color_bodies: u32,
+    /// Bodies on a device that go patch by patch.
+    pub patch_bodies: u32,
+    /// Dispatches of the frame.
+    pub dispatches: u32,
+    /// Bodies whose state was brought from the device because a sweep came to them.
+    pub readbacks: u32,
+    /// Bodies whose state stayed on the device: no sweep came to them.
+    pub readbacks_skipped: u32,
+    /// Bytes sent to the device since the frame before: edits, parameters.
+    pub bytes_uploaded: u64,
+    /// Bytes brought from the device since the frame before: states, boxes, checkpoints.
+    pub bytes_read: u64,
+    /// Whether the scene, or one of its bodies, has left the device for the processor since the frame
+    /// before, or never came to one; [`crate::Scene::backend_report`] says why. Told once.
+    pub fell_back: bool,
     /// Time of refits, searches and intersections.
     pub detection: Duration,
     /// Time of mesh edits.
@@ -33,7 +54,7 @@ pub struct FrameStats {
     pub refinement: Duration,
     /// Time of constraints following cuts.
     pub constraints: Duration,
-    /// Time of the solver.
+    /// Time of the solver on the processor, and of handing work to the device.
     pub solver: Duration,
 }
 
