@@ -106,13 +106,14 @@ const SHARED: [&str; 11] = [
 ];
 
 /// The module that has one dispatch a pass; its entry points are those of [`EntryPoint`].
-pub(crate) fn colors(workgroup_size: u32) -> String {
+pub(crate) fn colors(workgroup_size: u32, tail_size: u32) -> String {
     let parts = [
         include_str!("shaders/storage.wgsl"),
         include_str!("../kernels/bounds.wgsl"),
         include_str!("shaders/colors.wgsl"),
     ];
-    compose(&[("WORKGROUP_SIZE", workgroup_size)], &parts)
+    let constants = [("WORKGROUP_SIZE", workgroup_size), ("TAIL_SIZE", tail_size)];
+    compose(&constants, &parts)
 }
 
 /// The module in which one workgroup steps a body of up to `capacity` vertices through a frame; its

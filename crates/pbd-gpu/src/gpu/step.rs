@@ -65,7 +65,7 @@ impl GpuBackend {
         };
         resident.wants_report = true;
         // The program's other dispatches are left out by having no substeps.
-        let workgroup = self.pipelines.workgroup;
+        let workgroup = self.pipelines.lanes.pass;
         let count = self.resident_at(slot).map_or(0, |r| r.body.vertex_count);
         self.program = Program::bounds_of(slot, count, workgroup);
         self.program_of.clear();
@@ -126,7 +126,7 @@ impl GpuBackend {
                 })
             })
             .collect();
-        self.program = Program::compile(&stepped, substeps, self.pipelines.workgroup);
+        self.program = Program::compile(&stepped, substeps, self.pipelines.lanes.pass);
         self.program_of.clone_from(&self.stepped);
         self.make_program()?;
         self.program_is_stale = false;

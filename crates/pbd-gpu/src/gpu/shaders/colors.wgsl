@@ -95,7 +95,7 @@ fn bending(
 
 // Colors that are too small to be worth a dispatch, in order, and then the overflow one by one. A body
 // has one workgroup.
-@compute @workgroup_size(WORKGROUP_SIZE)
+@compute @workgroup_size(TAIL_SIZE)
 fn tail(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
@@ -110,7 +110,7 @@ fn tail(
     for (var color = current.color; color < current.color + current.colors; color++) {
         let run = run_of(body, current.kind, color);
         if (run.len != 0u) {
-            sweep(current.kind, body, run, lane, WORKGROUP_SIZE);
+            sweep(current.kind, body, run, lane, TAIL_SIZE);
             storageBarrier();
         }
     }

@@ -14,7 +14,7 @@ const WORKGROUP_MEMORY: u32 = 16 * 1024;
 
 fn modules() -> [Module; 3] {
     let sources = [
-        colors(WORKGROUP_SIZE),
+        colors(WORKGROUP_SIZE, WORKGROUP_SIZE),
         whole_body(WORKGROUP_SIZE, CAPACITY),
         patches(WORKGROUP_SIZE),
     ];
