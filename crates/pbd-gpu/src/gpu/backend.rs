@@ -280,17 +280,22 @@ impl GpuBackend {
         } = self;
         let resident = find_mut(residents, generations, body)?;
         let host = Host { surface, solver };
+        let vertices = surface.positions.len();
+        let mut moved = false;
         if changes.everything {
             let has_patches = solver.patches.is_some();
-            let vertices = surface.positions.len();
             resident.body.schedule = choose(schedule, has_patches, vertices, capacity);
-        }
-        if changes.everything {
+            // The solver may be another one, whose plans have generations of their own.
+            resident.plan = StepPlan::default();
             let (buffer, offset, _) = report_part(arenas, body.slot);
             let report = Report::new();
             uploads.send(context, buffer, offset, bytemuck::bytes_of(&report));
+        } else if resident.body.schedule == Schedule::WholeBody && vertices > capacity as usize {
+            // Its runs lie as passes by color expect them; the program is made anew for the longer ones.
+            resident.body.schedule = Schedule::Colors;
+            moved = true;
         }
-        let mut moved = resident
+        moved |= resident
             .body
             .update(context, arenas, uploads, host, changes)?;
         if changes.pins || changes.everything {
