@@ -349,8 +349,9 @@ impl GpuBackend {
         surface: &mut Surface,
         solver: &mut Solver,
     ) -> Result<(), GpuError> {
-        self.send_small_changes(body, solver)?;
+        let told = self.send_small_changes(body, solver);
         self.flush()?;
+        told?;
         let i = body.slot as usize;
         let resident = self.resident(body)?;
         if surface.positions.len() != resident.body.vertex_count as usize {
@@ -459,6 +460,9 @@ impl GpuBackend {
         if solver.changes_concern_surface() {
             return Err(GpuError::StaleBody);
         }
+        // A copy of the body that is on its way does not show these edits.
+        self.frame += 1;
+        let frame = self.frame;
         let Self {
             context,
             arenas,
@@ -469,6 +473,7 @@ impl GpuBackend {
             ..
         } = self;
         let resident = find_mut(residents, generations, body)?;
+        resident.frame = frame;
         let on_device = &mut resident.body;
         solver.take_changes(changes);
         on_device.edit_masses(uploads, solver, &changes.masses);
@@ -479,8 +484,12 @@ impl GpuBackend {
             resident.frame = self.frame;
         }
         if changes.pins {
-            self.program_is_stale |=
-                on_device.update_pins(context, arenas, uploads, solver.pins())?;
+            let moved = on_device.update_pins(context, arenas, uploads, solver.pins());
+            if moved.is_err() {
+                // The notes are taken, so all of the body has to come anew.
+                solver.mark_all_changed();
+            }
+            self.program_is_stale |= moved?;
         }
         Ok(())
     }

@@ -33,14 +33,21 @@ impl GpuBackend {
         let mut stats = GpuStats::default();
         let mut frame = FrameUniform::zeroed();
         self.stepped.clear();
+        let mut told = Ok(());
         for (body, solver) in bodies {
-            self.send_small_changes(body, solver)?;
+            told = self.send_small_changes(body, solver);
+            if told.is_err() {
+                break;
+            }
             let constants = solver.prepare(dt, params);
             frame = frame_record(&constants, params);
             self.tell(body, solver, &constants, &mut stats)?;
             self.stepped.push(body.slot());
         }
+        // Before an error ends the step: those of the bodies that were right are noted for places that
+        // may be somebody else's by the next one.
         self.flush()?;
+        told?;
         self.program_is_stale |=
             self.program.substeps != params.substeps || self.program_of != self.stepped;
         stats.program_built = self.program_is_stale;
