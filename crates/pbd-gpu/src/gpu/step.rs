@@ -71,6 +71,8 @@ impl GpuBackend {
             return Err(GpuError::UnknownBody);
         };
         resident.wants_report = true;
+        // That is for the end of the next step.
+        let wants_state = std::mem::take(&mut resident.wants_state);
         // The program's other dispatches are left out by having no substeps.
         let workgroup = self.pipelines.lanes.pass;
         let count = self.resident_at(slot).map_or(0, |r| r.body.vertex_count);
@@ -78,8 +80,11 @@ impl GpuBackend {
         self.program_of.clear();
         self.program_of.push(slot);
         self.program_is_stale = true;
-        self.make_program()?;
-        self.submit(true)
+        let done = self.make_program().and_then(|()| self.submit(true));
+        if let Some(resident) = self.resident_at(slot) {
+            resident.wants_state = wants_state;
+        }
+        done
     }
 
     /// Tells the device the body's numbers; counts what will be done.
