@@ -103,6 +103,8 @@ impl<T: Ord + Copy> Log<T> {
 #[derive(Debug, Default)]
 pub(crate) struct VertexLogs {
     is_on: bool,
+    /// Who takes the notes; 0 is nobody.
+    follower: u64,
     everything: bool,
     pins: bool,
     moved: Log<u32>,
@@ -164,6 +166,7 @@ impl Solver {
     pub(crate) fn start_tracking(&mut self) {
         let VertexLogs {
             is_on,
+            follower: _,
             everything,
             pins,
             moved,
@@ -193,6 +196,31 @@ impl Solver {
     )]
     pub(crate) fn is_tracking(&self) -> bool {
         self.changes.is_on
+    }
+
+    /// Whether the notes are for `follower`. A copy of a solver has none.
+    #[cfg_attr(
+        not(any(test, feature = "gpu")),
+        allow(
+            dead_code,
+            reason = "asked for by backends that keep a copy of the body"
+        )
+    )]
+    pub(crate) fn is_followed_by(&self, follower: u64) -> bool {
+        self.changes.follower == follower
+    }
+
+    /// Has `follower`, who is not 0, get the notes from now on, everything to begin with.
+    #[cfg_attr(
+        not(any(test, feature = "gpu")),
+        allow(
+            dead_code,
+            reason = "asked for by backends that keep a copy of the body"
+        )
+    )]
+    pub(crate) fn follow(&mut self, follower: u64) {
+        self.changes.follower = follower;
+        self.mark_all_changed();
     }
 
     /// Whether nothing was edited since it was last asked for.

@@ -18,6 +18,10 @@ use crate::plan::StepPlan;
 use crate::solver::Solver;
 use incise_mesh::{Aabb, Surface, VertexId};
 use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The number of the next follower of a solver, in whichever backend.
+static FOLLOWERS: AtomicU64 = AtomicU64::new(1);
 
 /// How many frames the host may be ahead of the device. Without an end to it frames that are still to be
 /// done would fill the memory.
@@ -35,6 +39,8 @@ pub struct GpuBody {
 #[derive(Debug)]
 pub(super) struct Resident {
     pub(super) body: DeviceBody,
+    /// Under which number its solver knows it; 0 before the first upload.
+    follower: u64,
     /// The frame that stepped or edited it last.
     pub(super) frame: u64,
     /// The frame that the host's copy is of.
@@ -199,6 +205,7 @@ impl GpuBackend {
         }
         self.residents[i] = Some(Resident {
             body: DeviceBody::new(slot),
+            follower: 0,
             frame: 0,
             host: 0,
             plan: StepPlan::default(),
@@ -236,11 +243,12 @@ impl GpuBackend {
 
     /// Sends what was edited on the host since the last call: a cut's vertices and constraints, pins,
     /// velocities. What was not touched is not sent. The host must have been up to date when it was
-    /// edited, see [`GpuBackend::read`].
+    /// edited, see [`GpuBackend::read`]. Another solver than the one before, a copy say, is taken over
+    /// whole; the body follows that one from then on.
     ///
     /// # Errors
-    /// [`GpuError`] when the device has no room for it. The host's copy is right then; the next call
-    /// sends everything.
+    /// [`GpuError::UnknownBody`]; [`GpuError`] when the device has no room for it. The host's copy is
+    /// right then; the next call sends everything.
     pub fn update(
         &mut self,
         body: GpuBody,
@@ -248,6 +256,11 @@ impl GpuBackend {
         solver: &mut Solver,
     ) -> Result<(), GpuError> {
         check_slots(surface, solver)?;
+        let resident = self.resident_mut(body)?;
+        if resident.follower == 0 || !solver.is_followed_by(resident.follower) {
+            resident.follower = FOLLOWERS.fetch_add(1, Ordering::Relaxed);
+            solver.follow(resident.follower);
+        }
         let mut changes = std::mem::take(&mut self.changes);
         solver.take_changes(&mut changes);
         let done = self.send_changes(body, surface, solver, &changes);
@@ -341,8 +354,9 @@ impl GpuBackend {
     ///
     /// # Errors
     /// [`StepError::NonFinitePosition`] in [`GpuError::Step`] when a position stopped being a number;
-    /// [`GpuError::StaleBody`] when surface and solver were edited and the device has not been told.
-    /// The host's copy is as it was then.
+    /// [`GpuError::StaleBody`] when surface and solver were edited and the device has not been told;
+    /// [`GpuError::ForeignSolver`] when the body follows another solver. The host's copy is as it was
+    /// then.
     pub fn read(
         &mut self,
         body: GpuBody,
@@ -454,6 +468,10 @@ impl GpuBackend {
         body: GpuBody,
         solver: &mut Solver,
     ) -> Result<(), GpuError> {
+        let follower = self.resident(body)?.follower;
+        if !solver.is_followed_by(follower) {
+            return Err(GpuError::ForeignSolver);
+        }
         if solver.is_unchanged() {
             return Ok(());
         }

@@ -90,6 +90,9 @@ pub enum GpuError {
     /// Surface or solver were edited and the device has not been told.
     #[error("the body was edited on the host; update the device's copy first")]
     StaleBody,
+    /// A solver that is not the one that the body follows: another body's, or a copy.
+    #[error("the solver is not the one that the body follows; update the body with it first")]
+    ForeignSolver,
     /// The frame itself is wrong, or a body has left the numbers.
     #[error(transparent)]
     Step(#[from] StepError),

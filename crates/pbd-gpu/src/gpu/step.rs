@@ -19,8 +19,8 @@ impl GpuBackend {
     /// Each body is stepped as if it were alone.
     ///
     /// # Errors
-    /// [`GpuError`] when a parameter is out of its range, a body is unknown or was edited without
-    /// [`GpuBackend::update`], or the device fails. That a position stopped being a number is found by
+    /// [`GpuError`] when a parameter is out of its range, a body is unknown, follows another solver or was
+    /// edited without [`GpuBackend::update`], or the device fails; no body is stepped then. That a position stopped being a number is found by
     /// [`GpuBackend::read`].
     pub fn step<'a>(
         &mut self,
