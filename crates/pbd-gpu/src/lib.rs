@@ -56,7 +56,7 @@ pub use error::{ConstraintError, InvalidConstraints, StepError};
 #[cfg(feature = "gpu")]
 pub use gpu::{
     AdapterKind, AdapterLimits, AdapterRequest, AdapterSummary, Context, GpuBackend, GpuBody,
-    GpuError, GpuStats, Schedule, adapters,
+    GpuError, GpuMemory, GpuStats, Schedule, adapters,
 };
 pub use material::{Density, Material, Projection, Stiffness};
 pub use params::{SolverParams, StepStats};

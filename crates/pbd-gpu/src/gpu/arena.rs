@@ -2,6 +2,7 @@
 
 use super::context::Context;
 use super::error::GpuError;
+use super::stats::GpuMemory;
 use super::{encoder, largest_binding};
 use range_alloc::RangeAllocator;
 use std::ops::Range;
@@ -66,6 +67,9 @@ impl Arena {
         context: &Context,
         len: u32,
     ) -> Result<(Range<u32>, bool), GpuError> {
+        if len > u32::MAX / 2 {
+            return Err(self.too_large(context, u64::from(len)));
+        }
         if let Ok(range) = self.ranges.allocate_range(len) {
             return Ok((range, false));
         }
@@ -80,6 +84,17 @@ impl Arena {
     pub(super) fn free(&mut self, range: Range<u32>) {
         if range.start < range.end {
             self.ranges.free_range(range);
+        }
+    }
+
+    /// What all arrays together take.
+    pub(super) fn memory(&self) -> GpuMemory {
+        let stride: u64 = self.columns.iter().map(|column| column.stride).sum();
+        let all = self.ranges.initial_range().end;
+        let rented = all - self.ranges.total_available();
+        GpuMemory {
+            reserved: stride * u64::from(all),
+            rented: stride * u64::from(rented),
         }
     }
 

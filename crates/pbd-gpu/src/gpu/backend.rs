@@ -9,7 +9,7 @@ use super::layout::{BodyRecord, RUNS_PER_BODY, Report, Run};
 use super::pipelines::Pipelines;
 use super::program::Program;
 use super::readback::{Part, Readback};
-use super::stats::{GpuStats, Schedule};
+use super::stats::{GpuMemory, GpuStats, Schedule};
 use super::uniforms::Uniforms;
 use super::upload::Uploads;
 use crate::changes::Changes;
@@ -175,6 +175,23 @@ impl GpuBackend {
     #[must_use]
     pub fn stats(&self) -> &GpuStats {
         &self.stats
+    }
+
+    /// What the bodies take on the device, without parameters of dispatches and copies on their way.
+    #[must_use]
+    pub fn memory(&self) -> GpuMemory {
+        let arenas = [
+            &self.arenas.vertices,
+            &self.arenas.entries,
+            &self.arenas.bodies,
+        ];
+        arenas.iter().map(|arena| arena.memory()).fold(
+            GpuMemory::default(),
+            |sum, GpuMemory { reserved, rented }| GpuMemory {
+                reserved: sum.reserved + reserved,
+                rented: sum.rented + rented,
+            },
+        )
     }
 
     /// How a body is stepped.

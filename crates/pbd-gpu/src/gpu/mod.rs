@@ -25,7 +25,7 @@ pub use adapter::{AdapterKind, AdapterLimits, AdapterRequest, AdapterSummary, ad
 pub use backend::{GpuBackend, GpuBody};
 pub use context::Context;
 pub use error::GpuError;
-pub use stats::{GpuStats, Schedule};
+pub use stats::{GpuMemory, GpuStats, Schedule};
 
 /// An empty list of commands.
 fn encoder(context: &Context, label: &str) -> wgpu::CommandEncoder {

@@ -26,6 +26,17 @@ impl Schedule {
     }
 }
 
+/// Device memory of all bodies. Room is made geometrically and kept: that of a removed body goes to the
+/// next ones.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct GpuMemory {
+    /// Bytes of the buffers that bodies lie in.
+    pub reserved: u64,
+    /// Bytes of these that bodies have, room for edits included: a quarter of what they hold, and 32
+    /// elements a vertex range, color and patch.
+    pub rented: u64,
+}
+
 /// What the device was asked to do by the last step, and since the one before it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct GpuStats {
