@@ -229,3 +229,36 @@ pub(crate) fn edge_keys(surface: &Surface) -> Vec<EdgeKey> {
         .map(|h| EdgeKey::new(topology.origin(h), topology.target(h)))
         .collect()
 }
+
+/// Takes `v` and its triangles away and closes the hole with triangles around one of its neighbors, if
+/// that leaves a surface.
+pub(crate) fn close(surface: &mut Surface, v: VertexId) -> Option<TopologyDelta> {
+    let topology = surface.topology();
+    let fan: Vec<HalfEdge> = topology.outgoing_fan(v).collect();
+    if fan.iter().any(|&h| topology.twin(h).is_null()) {
+        return None;
+    }
+    let next = |at: VertexId| {
+        let h = fan.iter().find(|&&h| topology.target(h) == at)?;
+        Some(topology.origin(h.prev()))
+    };
+    let hub = topology.target(fan[0]);
+    let (mut a, mut triangles) = (next(hub)?, Vec::new());
+    while let Some(b) = next(a).filter(|&b| b != hub) {
+        if triangles.len() + 3 < fan.len() && topology.are_adjacent(hub, b) {
+            return None;
+        }
+        triangles.push([hub, a, b]);
+        a = b;
+    }
+    if fan.len() == 3 && surface.topology().triangles().count() < 6 {
+        return None;
+    }
+    let addition = Addition {
+        triangles,
+        piece: surface.piece(fan[0].triangle()),
+        ..Addition::default()
+    };
+    let remove: Vec<TriangleId> = fan.iter().map(|h| h.triangle()).collect();
+    Some(replace(surface, &remove, &addition))
+}

@@ -1,0 +1,297 @@
+//! Edits reach the device: what followed them equals what was uploaded from scratch, and they cost what
+//! they touched.
+
+#![expect(
+    clippy::missing_assert_message,
+    reason = "these are tests, which the lint knows by an attribute only"
+)]
+
+mod common;
+#[path = "common/gpu.rs"]
+mod gpu;
+#[path = "common/twin.rs"]
+mod twin;
+
+use common::{close, flip, renew, sphere, split};
+use gpu::{Needs, trial};
+use incise_mesh::{HalfEdge, Surface, TopologyDelta, TriangleId, VertexId, icosphere, torus};
+use incise_pbd_gpu::{Context, GpuBackend, Material, PatchParams, Schedule, Solver, SolverParams};
+use std::process::ExitCode;
+use twin::{DT, Dice, SCHEDULES, Twin, assert_same, busy};
+
+fn main() -> ExitCode {
+    let mut trials = Vec::new();
+    for schedule in SCHEDULES {
+        let name = |law: &str| format!("{law} by {}", schedule.name());
+        let strict = Needs::Strict;
+        trials.push(trial(&name("edited_equals_uploaded"), strict, move |c| {
+            edited_equals_uploaded(c, schedule);
+        }));
+        trials.push(trial(&name("ten_thousand_deltas"), strict, move |c| {
+            ten_thousand_deltas(c, schedule);
+        }));
+        if schedule != Schedule::WholeBody {
+            let name = name("an_edit_sends_what_it_touched");
+            trials.push(trial(&name, Needs::AnyDevice, move |c| {
+                an_edit_sends_what_it_touched(c, schedule);
+            }));
+        }
+    }
+    let name = "a_body_may_outgrow_its_workgroup";
+    trials.push(trial(name, Needs::Strict, outgrown));
+    gpu::run(trials)
+}
+
+/// What a random edit is made of.
+#[derive(Debug, Clone, Copy)]
+struct Throw {
+    kind: usize,
+    at: usize,
+    t: f32,
+}
+
+impl Throw {
+    fn new(dice: &mut Dice) -> Self {
+        Self {
+            kind: dice.below(10),
+            at: dice.below(1 << 30),
+            t: dice.part(),
+        }
+    }
+}
+
+/// Changes the topology, if the edit that was thrown is possible there. Bodies keep between 80 and 240
+/// triangles.
+fn cut(surface: &mut Surface, throw: Throw) -> Option<TopologyDelta> {
+    let Throw { kind, at, t } = throw;
+    let topology = surface.topology();
+    let half_edges: Vec<HalfEdge> = (topology.triangles())
+        .flat_map(TriangleId::half_edges)
+        .collect();
+    let h = half_edges[at % half_edges.len()];
+    let v = topology.origin(h);
+    let triangles = half_edges.len() / 3;
+    match kind {
+        0..=2 => flip(surface, h),
+        3..=5 if triangles < 240 => split(surface, h, t),
+        6 | 7 if triangles > 80 => close(surface, v),
+        _ => renew(surface, v),
+    }
+}
+
+/// Cuts both bodies; says whether that was possible.
+fn cut_both(twin: &mut Twin, throw: Throw) -> bool {
+    twin.edit(|surface, solver| {
+        let delta = cut(surface, throw);
+        if let Some(delta) = &delta {
+            solver.apply_delta(surface, delta).expect("it fits");
+        }
+        delta.is_some()
+    })
+}
+
+/// Edits both bodies in one of all ways.
+fn edit_both(twin: &mut Twin, dice: &mut Dice) {
+    let throw = Throw::new(dice);
+    let vertices: Vec<VertexId> = twin.on_cpu.topology().vertices().collect();
+    let v = vertices[dice.below(vertices.len())];
+    let to = [dice.part(), -dice.part(), dice.part()];
+    match dice.below(8) {
+        0 => twin.edit(|surface, solver| solver.pin(surface, v).expect("a vertex")),
+        1 => twin.edit(|_, solver| solver.set_velocity(v, to).expect("a vertex")),
+        2 | 3 => twin.edit(|surface, solver| {
+            let pinned = solver.pins().first().map(|pin| pin.vertex);
+            if let Some(v) = pinned {
+                solver.unpin(surface, v).expect("it is pinned");
+            }
+        }),
+        4 => twin.edit(|surface, solver| {
+            let p = &mut surface.positions[v.index()];
+            *p = [p[0] + 0.1 * to[0], p[1] + 0.1, p[2], p[3]];
+            solver.mark_all_changed();
+        }),
+        _ => {
+            cut_both(twin, throw);
+        }
+    }
+}
+
+fn edited_equals_uploaded(context: Context, schedule: Schedule) {
+    let (material, params) = busy();
+    let mut gpu = GpuBackend::on(context).expect("a device");
+    let mut dice = Dice::new(1);
+    let mut twin = Twin::add(&mut gpu, sphere(2, [0.0; 3]), &material, schedule);
+    for round in 0..120 {
+        for _ in 0..=dice.below(4) {
+            edit_both(&mut twin, &mut dice);
+        }
+        // A part of the edits is told along with those that follow.
+        if dice.below(3) == 0 {
+            twin.update(&mut gpu);
+            edit_both(&mut twin, &mut dice);
+        }
+        twin.update(&mut gpu);
+        let mut others: Vec<_> = [schedule, Schedule::Colors]
+            .into_iter()
+            .map(|schedule| {
+                let (surface, mut solver) = (twin.on_gpu.clone(), twin.solver.clone());
+                gpu.force_schedule(Some(schedule));
+                let body = gpu.add(&surface, &mut solver).expect("room");
+                assert_eq!(gpu.schedule(body), Ok(schedule));
+                (body, surface, solver)
+            })
+            .collect();
+        gpu.force_schedule(Some(schedule));
+        twin.cpu
+            .step(&mut twin.on_cpu, DT, &params)
+            .expect("a step");
+        let all = (others.iter_mut())
+            .map(|(body, _, solver)| (*body, solver))
+            .chain([(twin.body, &mut twin.solver)]);
+        gpu.step(all, DT, &params).expect("a step");
+        let when = format!("in round {round}");
+        twin.assert_equal(&mut gpu, &when);
+        for (body, surface, solver) in &mut others {
+            gpu.read(*body, surface, solver).expect("a state");
+            assert_same((surface, solver), (&twin.on_gpu, &twin.solver), &when);
+            gpu.remove(*body);
+        }
+    }
+    assert_eq!(gpu.schedule(twin.body), Ok(schedule));
+}
+
+fn ten_thousand_deltas(context: Context, schedule: Schedule) {
+    const DELTAS: usize = 10_000;
+    let (material, params) = busy();
+    let mut gpu = GpuBackend::on(context).expect("a device");
+    let mut dice = Dice::new(2);
+    let mut twin = Twin::add(&mut gpu, sphere(2, [0.0; 3]), &material, schedule);
+    let at_first = gpu.memory();
+    let mut done = 0;
+    while done < DELTAS {
+        if !cut_both(&mut twin, Throw::new(&mut dice)) {
+            continue;
+        }
+        twin.update(&mut gpu);
+        done += 1;
+        if done % 50 == 0 {
+            twin.step(&mut gpu, &params);
+            twin.assert_equal(&mut gpu, &format!("after {done} deltas"));
+        }
+    }
+    twin.solver.validate(&twin.on_gpu).expect("sound");
+    let edited = gpu.memory();
+    gpu.remove(twin.body);
+    assert_eq!(gpu.memory().rented, 0, "what edits rent they give back");
+    twin.solver.mark_all_changed();
+    gpu.add(&twin.on_gpu, &mut twin.solver).expect("room");
+    let fresh = gpu.memory();
+    assert!(edited.rented <= 2 * fresh.rented, "{edited:?} {fresh:?}");
+    assert_eq!(edited.reserved, at_first.reserved, "the first buffers do");
+}
+
+/// Bytes that were sent, with those of the program that the step after an edit sends anew.
+#[derive(Debug)]
+struct Sent {
+    /// By taking the body in.
+    added: u64,
+    /// By a split.
+    split: u64,
+    /// By a hundred splits one after the other.
+    hundred: u64,
+}
+
+fn sent(gpu: &mut GpuBackend, mut surface: Surface, schedule: Schedule) -> Sent {
+    let params = SolverParams {
+        iterations: 1,
+        ..SolverParams::default()
+    };
+    let material = Material::default();
+    let mut solver = if schedule == Schedule::Patches {
+        Solver::with_patches(&mut surface, &material, &PatchParams::default())
+    } else {
+        Solver::new(&mut surface, &material)
+    }
+    .expect("a sphere is sound");
+    gpu.force_schedule(Some(schedule));
+    let body = gpu.add(&surface, &mut solver).expect("room");
+    let mut dice = Dice::new(3);
+    let mut sent = |gpu: &mut GpuBackend, splits: usize| {
+        gpu.read(body, &mut surface, &mut solver).expect("a state");
+        for _ in 0..splits {
+            let count = surface.topology().triangle_slots();
+            let [h, ..] = TriangleId::from_index(dice.below(count)).half_edges();
+            let delta = split(&mut surface, h, 0.5).expect("it is closed");
+            solver.apply_delta(&mut surface, &delta).expect("it fits");
+            gpu.update(body, &surface, &mut solver).expect("room");
+        }
+        let stats = gpu
+            .step([(body, &mut solver)], DT, &params)
+            .expect("a step");
+        stats.bytes_uploaded
+    };
+    let added = sent(gpu, 0);
+    assert_eq!(sent(gpu, 0), 0, "nothing was edited");
+    let sent = Sent {
+        added,
+        split: sent(gpu, 1),
+        hundred: sent(gpu, 100),
+    };
+    gpu.remove(body);
+    sent
+}
+
+/// A split changes the slots of some constraints and the length of some runs, so that the lists of
+/// dispatches are sent anew, which are as long for all bodies. By patches it takes the blocks of those
+/// that lost or got a constraint, mostly one or two; a patch of 256 vertices has one of about 30 KB.
+fn an_edit_sends_what_it_touched(context: Context, schedule: Schedule) {
+    let most = match schedule {
+        Schedule::Patches => 60_000,
+        _ => 16_000,
+    };
+    let mut gpu = GpuBackend::on(context).expect("a device");
+    let small = sent(&mut gpu, icosphere(4, 0.5), schedule);
+    let large = sent(&mut gpu, icosphere(6, 0.5), schedule);
+    for (sent, triangles) in [(&small, 5120), (&large, 81_920)] {
+        // 1.5 edges a triangle, 16 bytes of stretch and 24 of bending each, and half a vertex of 32.
+        assert!(sent.added > triangles * 76, "{sent:?}");
+        assert!(sent.split < most, "{sent:?}");
+        assert!(sent.hundred < 100 * most, "{sent:?}");
+    }
+    let sum = |sent: &Sent| sent.split + sent.hundred;
+    assert!(
+        4 * sum(&large) < 5 * sum(&small),
+        "16 times the body, as much of it touched: {small:?} {large:?}"
+    );
+}
+
+/// A workgroup's memory bounds the bodies that it can step alone. One that grows beyond goes on by
+/// color.
+fn outgrown(context: Context) {
+    let (material, params) = busy();
+    let mut gpu = GpuBackend::on(context).expect("a device");
+    let ring = |segments| torus(1.0, 0.3, segments, 8);
+    let mut largest = 3;
+    for segments in 4.. {
+        let mut surface = ring(segments);
+        let mut solver = Solver::new(&mut surface, &material).expect("a torus is sound");
+        let body = gpu.add(&surface, &mut solver).expect("room");
+        let schedule = gpu.schedule(body).expect("it was added");
+        gpu.remove(body);
+        if schedule == Schedule::Colors {
+            break;
+        }
+        largest = segments;
+    }
+    let mut twin = Twin::add(&mut gpu, ring(largest), &material, Schedule::WholeBody);
+    for i in 0..10 {
+        twin.edit(|surface, solver| {
+            let delta = split(surface, HalfEdge(60 * i), 0.5).expect("it is closed");
+            solver.apply_delta(surface, &delta).expect("it fits");
+        });
+        twin.update(&mut gpu);
+        twin.step(&mut gpu, &params);
+        twin.assert_equal(&mut gpu, &format!("after {i} splits"));
+    }
+    assert_eq!(gpu.schedule(twin.body), Ok(Schedule::Colors));
+}

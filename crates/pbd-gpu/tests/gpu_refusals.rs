@@ -1,0 +1,199 @@
+//! What a backend refuses: solvers that it does not know, edits that it was not told of, bodies that it
+//! has no room for. All other bodies go on.
+
+#![expect(
+    clippy::missing_assert_message,
+    reason = "these are tests, which the lint knows by an attribute only"
+)]
+
+mod common;
+#[path = "common/gpu.rs"]
+mod gpu;
+#[path = "common/twin.rs"]
+mod twin;
+
+use common::{flip, sphere, split};
+use gpu::{Needs, trial};
+use incise_mesh::{HalfEdge, Surface, VertexId, icosphere};
+use incise_pbd_gpu::{AdapterRequest, Context, GpuBackend, GpuError, Schedule, Solver, StepError};
+use std::process::ExitCode;
+use twin::{DT, SCHEDULES, Twin, assert_same, busy};
+
+fn main() -> ExitCode {
+    let strict = Needs::Strict;
+    gpu::run(vec![
+        trial("an_edit_that_was_not_told_is_an_error", strict, not_told),
+        trial("a_body_follows_one_solver", strict, one_solver),
+        trial("a_step_that_fails_loses_nothing", strict, failed_step),
+        trial("a_body_too_many_leaves_the_others", strict, too_many),
+    ])
+}
+
+fn not_told(context: Context) {
+    let (material, params) = busy();
+    let mut gpu = GpuBackend::on(context).expect("a device");
+    for schedule in SCHEDULES {
+        let mut twin = Twin::add(&mut gpu, sphere(2, [0.0; 3]), &material, schedule);
+        twin.step(&mut gpu, &params);
+        twin.assert_equal(&mut gpu, "before");
+        // A flip leaves the number of vertices; a split does not.
+        for edit in [flip, |s: &mut Surface, h| split(s, h, 0.5)] {
+            twin.edit(|surface, solver| {
+                let delta = edit(surface, HalfEdge(5)).expect("it is closed");
+                solver.apply_delta(surface, &delta).expect("it fits");
+            });
+            let here = (twin.on_gpu.clone(), twin.solver.clone());
+            for _ in 0..2 {
+                let stepped = gpu.step([(twin.body, &mut twin.solver)], DT, &params);
+                assert_eq!(stepped.err(), Some(GpuError::StaleBody));
+                let read = gpu.read(twin.body, &mut twin.on_gpu, &mut twin.solver);
+                assert_eq!(read, Err(GpuError::StaleBody));
+            }
+            assert_same(
+                (&here.0, &here.1),
+                (&twin.on_gpu, &twin.solver),
+                "after errors",
+            );
+            twin.update(&mut gpu);
+            twin.assert_equal(&mut gpu, "after the edit");
+            twin.step(&mut gpu, &params);
+            twin.assert_equal(&mut gpu, "after a step");
+        }
+        let mut small = sphere(1, [0.0; 3]);
+        let mismatch = GpuError::Step(StepError::SurfaceMismatch {
+            surface: small.positions.len(),
+            solver: twin.on_gpu.positions.len(),
+        });
+        let updated = gpu.update(twin.body, &small, &mut twin.solver);
+        assert_eq!(updated, Err(mismatch.clone()));
+        assert_eq!(gpu.add(&small, &mut twin.solver), Err(mismatch.clone()));
+        let read = gpu.read(twin.body, &mut small, &mut twin.solver);
+        assert!(read.is_err(), "{read:?}");
+        twin.update(&mut gpu);
+        twin.step(&mut gpu, &params);
+        twin.assert_equal(&mut gpu, "after sizes that do not fit");
+        gpu.remove(twin.body);
+    }
+}
+
+/// A solver's notes of its edits are for one body. Another solver, a copy say, has to be told first.
+fn one_solver(context: Context) {
+    let (material, params) = busy();
+    let mut gpu = GpuBackend::on(context).expect("a device");
+    let surface = || sphere(2, [0.0; 3]);
+    let mut a = Twin::add(&mut gpu, surface(), &material, Schedule::Colors);
+    let mut b = Twin::add(&mut gpu, surface(), &material, Schedule::WholeBody);
+    let foreign = || Some(GpuError::ForeignSolver);
+    let swapped = gpu.step([(a.body, &mut b.solver)], DT, &params);
+    assert_eq!(swapped.err(), foreign());
+    let read = gpu.read(a.body, &mut b.on_gpu, &mut b.solver);
+    assert_eq!(read.err(), foreign());
+    // So a body cannot be stepped twice at once.
+    let mut copy = a.solver.clone();
+    let twice = [(a.body, &mut a.solver), (a.body, &mut copy)];
+    assert_eq!(gpu.step(twice, DT, &params).err(), foreign());
+    a.step(&mut gpu, &params);
+    b.step(&mut gpu, &params);
+    a.assert_equal(&mut gpu, "after solvers that do not belong to it");
+    b.assert_equal(&mut gpu, "after having been taken for another");
+    // A copy takes over, and the body is as the copy was.
+    let (mut old_surface, mut old) = (a.on_gpu.clone(), a.solver.clone());
+    a.step(&mut gpu, &params);
+    gpu.update(a.body, &old_surface, &mut old).expect("room");
+    assert_eq!(
+        gpu.step([(a.body, &mut a.solver)], DT, &params).err(),
+        foreign()
+    );
+    gpu.step([(a.body, &mut old)], DT, &params).expect("a step");
+    gpu.read(a.body, &mut old_surface, &mut old)
+        .expect("a state");
+    assert_same(
+        (&old_surface, &old),
+        (&a.on_cpu, &a.cpu),
+        "of a copy that was stepped again",
+    );
+}
+
+/// What was noted for one body when another one's error ended the step comes to it all the same, and to
+/// nobody else.
+fn failed_step(context: Context) {
+    let (material, params) = busy();
+    let mut gpu = GpuBackend::on(context).expect("a device");
+    let surface = || sphere(2, [0.0; 3]);
+    let mut a = Twin::add(&mut gpu, surface(), &material, Schedule::Colors);
+    let mut b = Twin::add(&mut gpu, surface(), &material, Schedule::Colors);
+    let push = |solver: &mut Solver| {
+        let v = VertexId(3);
+        solver.set_velocity(v, [0.5, 1.0, 2.0]).expect("a vertex");
+    };
+    a.edit(|_, solver| push(solver));
+    b.solver.mark_all_changed();
+    let both = [(a.body, &mut a.solver), (b.body, &mut b.solver)];
+    assert_eq!(gpu.step(both, DT, &params).err(), Some(GpuError::StaleBody));
+    b.update(&mut gpu);
+    a.step(&mut gpu, &params);
+    a.assert_equal(&mut gpu, "after another body's error");
+    // The first body goes, and the next one has its place.
+    a.edit(|_, solver| push(solver));
+    b.solver.mark_all_changed();
+    let both = [(a.body, &mut a.solver), (b.body, &mut b.solver)];
+    assert_eq!(gpu.step(both, DT, &params).err(), Some(GpuError::StaleBody));
+    gpu.remove(a.body);
+    let mut c = Twin::add(&mut gpu, surface(), &material, Schedule::Colors);
+    b.update(&mut gpu);
+    for twin in [&mut b, &mut c] {
+        twin.step(&mut gpu, &params);
+        twin.assert_equal(&mut gpu, "after a body's end");
+    }
+}
+
+/// On a device that holds no more than every device does, bodies are added until there is no room.
+fn too_many(context: Context) {
+    drop(context);
+    let request = AdapterRequest {
+        portable_limits: true,
+        ..Needs::Strict.request()
+    };
+    let (material, params) = busy();
+    let context = Context::open(&request).expect("it was there before");
+    let mut gpu = GpuBackend::on(context).expect("a device");
+    let mut first = Twin::add(&mut gpu, sphere(2, [0.0; 3]), &material, Schedule::Colors);
+    let mut grown = Twin::add(&mut gpu, sphere(2, [0.0; 3]), &material, Schedule::Colors);
+    let is_full = |error: &GpuError| {
+        matches!(error, GpuError::BufferTooLarge { what, limit, .. }
+        if what == "constraints" && *limit == 128 << 20)
+    };
+    let mut added = Vec::new();
+    // Large ones as long as there is room, then small ones.
+    for level in [6, 4, 2, 0] {
+        let mut surface = icosphere(level, 0.5);
+        let solver = Solver::new(&mut surface, &material).expect("a sphere is sound");
+        let error = loop {
+            match gpu.add(&surface, &mut solver.clone()) {
+                Ok(body) => added.push(body),
+                Err(error) => break error,
+            }
+            assert!(added.len() < 256, "the limit is not kept");
+        };
+        assert!(is_full(&error), "{error:?}");
+    }
+    for _ in 0..80 {
+        grown.edit(|surface, solver| {
+            let delta = split(surface, HalfEdge(0), 0.5).expect("it is closed");
+            solver.apply_delta(surface, &delta).expect("it fits");
+        });
+    }
+    let refused = gpu.update(grown.body, &grown.on_gpu, &mut grown.solver);
+    let error = refused.expect_err("there is no room");
+    assert!(is_full(&error), "{error:?}");
+    let stepped = gpu.step([(grown.body, &mut grown.solver)], DT, &params);
+    assert_eq!(stepped.err(), Some(GpuError::StaleBody));
+    for _ in 0..3 {
+        first.step(&mut gpu, &params);
+    }
+    first.assert_equal(&mut gpu, "beside a full buffer");
+    gpu.remove(added[0]);
+    grown.update(&mut gpu);
+    grown.step(&mut gpu, &params);
+    grown.assert_equal(&mut gpu, "once there was room");
+}
