@@ -495,9 +495,6 @@ impl GpuBackend {
         if solver.changes_concern_surface() {
             return Err(GpuError::StaleBody);
         }
-        // A copy of the body that is on its way does not show these edits.
-        self.frame += 1;
-        let frame = self.frame;
         let Self {
             context,
             arenas,
@@ -508,7 +505,6 @@ impl GpuBackend {
             ..
         } = self;
         let resident = find_mut(residents, generations, body)?;
-        resident.frame = frame;
         let on_device = &mut resident.body;
         solver.take_changes(changes);
         on_device.edit_masses(uploads, solver, &changes.masses);

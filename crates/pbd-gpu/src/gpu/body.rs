@@ -4,7 +4,7 @@ use super::arena::{Arena, with_slack};
 use super::blocks::Blocks;
 use super::context::Context;
 use super::error::GpuError;
-use super::layout::{BodyRecord, PATCH_LAYERS, RUN_COLORS, RUNS_PER_BODY, Run, STRETCH};
+use super::layout::{BodyRecord, PATCH_LAYERS, RUN_COLORS, RUN_STRIDE, Run, STRETCH};
 use super::records::{Places, body_record, inverse_mass, position, push_pin};
 use super::runs::Runs;
 use super::stats::Schedule;
@@ -190,7 +190,7 @@ impl DeviceBody {
     fn send_tables(&self, context: &Context, arenas: &Arenas, uploads: &mut Uploads) {
         let buffer = arenas.bodies.buffer(RUN_TABLES);
         let run = size_of::<Run>() as u64;
-        let mut start = u64::from(self.slot) * RUNS_PER_BODY as u64 * run;
+        let mut start = u64::from(self.slot) * u64::from(RUN_STRIDE) * run;
         for runs in [&self.stretch, &self.bending] {
             let mut table = Vec::new();
             runs.push_table(&mut table);
@@ -255,7 +255,7 @@ impl DeviceBody {
             vertices: self.vertex_count,
             first_pin: self.pins.start,
             pins: self.pin_count,
-            first_run: self.slot * RUNS_PER_BODY as u32,
+            first_run: self.slot * RUN_STRIDE,
             stretch_colors: self.stretch.colors(),
             bending_colors: self.bending.colors(),
             patch_tables: self.patches.each_ref().map(Blocks::table),

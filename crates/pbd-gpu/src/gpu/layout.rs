@@ -9,6 +9,9 @@ pub(crate) const RUN_COLORS: usize = OVERFLOW + 1;
 
 /// Runs that a body has: [`STRETCH`] first, then [`BENDING`].
 pub(crate) const RUNS_PER_BODY: usize = 2 * RUN_COLORS;
+/// The same number as the device counts.
+#[expect(clippy::cast_possible_truncation, reason = "some hundred")]
+pub(crate) const RUN_STRIDE: u32 = RUNS_PER_BODY as u32;
 
 /// Layers of colors that patches hold.
 pub(crate) const PATCH_LAYERS: usize = LAYERS - 1;

@@ -273,8 +273,7 @@ impl Encoding<'_> {
                 self.last = Some(dispatch.kernel);
             }
             let record = dispatch.pass + if dispatch.by_substep { substep } else { 0 };
-            // Pass records are few: they are counted in u32 from the start.
-            let offset = record * PASS_STRIDE as u32;
+            let offset = record * PASS_STRIDE;
             self.pass.set_bind_group(1, self.uniforms, &[offset]);
             let [x, y] = workgroups(dispatch.groups);
             self.pass.dispatch_workgroups(x, y, 1);

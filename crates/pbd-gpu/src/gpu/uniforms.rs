@@ -11,7 +11,7 @@ use bytemuck::Zeroable;
 use wgpu::{BindGroup, BindGroupEntry, BindingResource, Buffer, BufferBinding, BufferUsages};
 
 /// Bytes from one pass record to the next: what every device can step by.
-pub(super) const PASS_STRIDE: u64 = 256;
+pub(super) const PASS_STRIDE: u32 = 256;
 
 /// Buffers that parameters lie in, and the bind groups.
 #[derive(Debug)]
@@ -35,7 +35,7 @@ impl Uniforms {
         Ok(Self {
             frame: context.buffer("frame", size_of::<FrameUniform>() as u64, uniform)?,
             told: FrameUniform::zeroed(),
-            passes: context.buffer("passes", 64 * PASS_STRIDE, uniform)?,
+            passes: context.buffer("passes", 64 * u64::from(PASS_STRIDE), uniform)?,
             links: context.buffer("links", 1024, storage)?,
             groups: None,
             bound: Vec::new(),
