@@ -106,7 +106,7 @@ fn together_as_alone(context: Context) {
     };
     let mut bodies: Vec<(Hosted, Hosted)> = (0..9).map(|_| double(&mut gpu)).collect();
     for frame in 0..8 {
-        let rests = |i: usize| (i + frame) % 4 == 0;
+        let rests = |i: usize| (i + frame).is_multiple_of(4);
         let all = (bodies.iter_mut().enumerate())
             .filter(|(i, _)| !rests(*i))
             .map(|(_, (one, _))| one.stepped());

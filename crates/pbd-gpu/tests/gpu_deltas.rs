@@ -174,7 +174,7 @@ fn ten_thousand_deltas(context: Context, schedule: Schedule) {
         }
         twin.update(&mut gpu);
         done += 1;
-        if done % 50 == 0 {
+        if done.is_multiple_of(50) {
             twin.step(&mut gpu, &params);
             twin.assert_equal(&mut gpu, &format!("after {done} deltas"));
         }
