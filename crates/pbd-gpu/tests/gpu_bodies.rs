@@ -28,6 +28,7 @@ fn main() -> ExitCode {
         trial("a_body_that_is_gone_is_unknown", any, gone),
         trial("nothing_is_read_that_nobody_reads", any, reads),
         trial("what_was_prefetched_is_what_is_read", any, prefetched),
+        trial("a_collected_state_undoes_no_edit", any, collected),
     ];
     for schedule in SCHEDULES {
         let name = |law: &str| format!("{law} by {}", schedule.name());
@@ -223,6 +224,32 @@ fn prefetched(context: Context) {
         gpu.remove(asked.body);
         gpu.remove(other.body);
     }
+}
+
+fn collected(context: Context) {
+    let mut gpu = GpuBackend::on(context).expect("a device");
+    let mut hosted = Hosted::add(&mut gpu, sphere(2, [0.0; 3]), Schedule::Colors);
+    gpu.prefetch(hosted.body).expect("it is there");
+    hosted.step(&mut gpu).expect("a step");
+    gpu.wait().expect("the device is there");
+    let set = [1.0, 2.0, 3.0];
+    let v = VertexId(7);
+    hosted.solver.set_velocity(v, set).expect("a vertex");
+    let collect = |gpu: &mut GpuBackend, hosted: &mut Hosted| {
+        let Hosted {
+            surface,
+            solver,
+            body,
+        } = hosted;
+        gpu.collect(*body, surface, solver).expect("a state")
+    };
+    assert!(!collect(&mut gpu, &mut hosted), "the edit is not sent yet");
+    assert_eq!(hosted.solver.velocity(v), set);
+    hosted.step(&mut gpu).expect("a step");
+    assert!(collect(&mut gpu, &mut hosted), "now it is");
+    assert_ne!(hosted.solver.velocity(v), set, "the state of before");
+    hosted.read(&mut gpu).expect("a state");
+    assert_ne!(hosted.solver.velocity(v), [0.0; 3]);
 }
 
 fn twice(context: Context, schedule: Schedule) {

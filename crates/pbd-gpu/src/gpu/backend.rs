@@ -2,26 +2,25 @@
 
 use super::adapter::{AdapterRequest, AdapterSummary};
 use super::arena::Arena;
-use super::body::{Arenas, DeviceBody, Host, POSITIONS, REPORTS, VELOCITIES};
+use super::body::{Arenas, DeviceBody, POSITIONS};
 use super::context::Context;
 use super::error::GpuError;
 use super::layout::{BodyRecord, RUNS_PER_BODY, Report, Run};
 use super::pipelines::Pipelines;
 use super::program::Program;
-use super::readback::{Part, Readback};
+use super::readback::Readback;
 use super::stats::{GpuMemory, GpuStats, Schedule};
 use super::uniforms::Uniforms;
 use super::upload::Uploads;
 use crate::changes::Changes;
-use crate::error::StepError;
 use crate::plan::StepPlan;
 use crate::solver::Solver;
-use incise_mesh::{Aabb, Surface, VertexId};
+use incise_mesh::Surface;
 use std::ops::Range;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::AtomicU64;
 
 /// The number of the next follower of a solver, in whichever backend.
-static FOLLOWERS: AtomicU64 = AtomicU64::new(1);
+pub(super) static FOLLOWERS: AtomicU64 = AtomicU64::new(1);
 
 /// How many frames the host may be ahead of the device. Without an end to it frames that are still to be
 /// done would fill the memory.
@@ -40,7 +39,7 @@ pub struct GpuBody {
 pub(super) struct Resident {
     pub(super) body: DeviceBody,
     /// Under which number its solver knows it; 0 before the first upload.
-    follower: u64,
+    pub(super) follower: u64,
     /// The frame that stepped or edited it last.
     pub(super) frame: u64,
     /// The frame that the host's copy is of.
@@ -99,9 +98,9 @@ pub struct GpuBackend {
     /// By slot.
     pub(super) residents: Vec<Option<Resident>>,
     pub(super) generations: Vec<u32>,
-    schedule: Option<Schedule>,
+    pub(super) schedule: Option<Schedule>,
     /// What a solver hands over; its content matters to nobody between calls.
-    changes: Changes,
+    pub(super) changes: Changes,
 }
 
 impl GpuBody {
@@ -258,205 +257,6 @@ impl GpuBackend {
         }
     }
 
-    /// Sends what was edited on the host since the last call: a cut's vertices and constraints, pins,
-    /// velocities. What was not touched is not sent. The host must have been up to date when it was
-    /// edited, see [`GpuBackend::read`]. Another solver than the one before, a copy say, is taken over
-    /// whole; the body follows that one from then on.
-    ///
-    /// # Errors
-    /// [`GpuError::UnknownBody`]; [`GpuError`] when the device has no room for it. The host's copy is
-    /// right then; the next call sends everything.
-    pub fn update(
-        &mut self,
-        body: GpuBody,
-        surface: &Surface,
-        solver: &mut Solver,
-    ) -> Result<(), GpuError> {
-        check_slots(surface, solver)?;
-        let resident = self.resident_mut(body)?;
-        if resident.follower == 0 || !solver.is_followed_by(resident.follower) {
-            resident.follower = FOLLOWERS.fetch_add(1, Ordering::Relaxed);
-            solver.follow(resident.follower);
-        }
-        let mut changes = std::mem::take(&mut self.changes);
-        solver.take_changes(&mut changes);
-        let done = self.send_changes(body, surface, solver, &changes);
-        self.changes = changes;
-        if done.is_err() {
-            self.uploads.clear();
-            solver.mark_all_changed();
-        }
-        done
-    }
-
-    fn send_changes(
-        &mut self,
-        body: GpuBody,
-        surface: &Surface,
-        solver: &Solver,
-        changes: &Changes,
-    ) -> Result<(), GpuError> {
-        self.context.check()?;
-        self.frame += 1;
-        let (frame, schedule) = (self.frame, self.schedule);
-        let capacity = self.pipelines.capacity;
-        let Self {
-            context,
-            arenas,
-            uploads,
-            residents,
-            generations,
-            ..
-        } = self;
-        let resident = find_mut(residents, generations, body)?;
-        let host = Host { surface, solver };
-        let vertices = surface.positions.len();
-        let mut moved = false;
-        if changes.everything {
-            let has_patches = solver.patches.is_some();
-            resident.body.schedule = choose(schedule, has_patches, vertices, capacity);
-            // The solver may be another one, whose plans have generations of their own.
-            resident.plan = StepPlan::default();
-            let (buffer, offset, _) = report_part(arenas, body.slot);
-            let report = Report::new();
-            uploads.send(context, buffer, offset, bytemuck::bytes_of(&report));
-        } else if resident.body.schedule == Schedule::WholeBody && vertices > capacity as usize {
-            // Its runs lie as passes by color expect them; the program is made anew for the longer ones.
-            resident.body.schedule = Schedule::Colors;
-            moved = true;
-        }
-        moved |= resident
-            .body
-            .update(context, arenas, uploads, host, changes)?;
-        if changes.pins || changes.everything {
-            let pins = solver.pins();
-            moved |= resident.body.update_pins(context, arenas, uploads, pins)?;
-        }
-        resident.frame = frame;
-        resident.host = frame;
-        self.program_is_stale |= moved;
-        self.flush()
-    }
-
-    /// Writes the noted edits.
-    pub(super) fn flush(&mut self) -> Result<(), GpuError> {
-        let targets = [
-            self.arenas.vertices.buffer(POSITIONS),
-            self.arenas.vertices.buffer(VELOCITIES),
-            self.arenas.entries.buffer(0),
-        ];
-        self.uploads.flush(&self.context, targets)
-    }
-
-    /// Has the next step copy the body's state to the host behind its work, so that a
-    /// [`GpuBackend::read`] after it finds it there instead of waiting for a copy of its own.
-    ///
-    /// # Errors
-    /// [`GpuError::UnknownBody`].
-    pub fn prefetch(&mut self, body: GpuBody) -> Result<(), GpuError> {
-        self.resident_mut(body)?.wants_state = true;
-        Ok(())
-    }
-
-    /// Has the next step find the body's box, for a [`GpuBackend::bounds`] after it.
-    ///
-    /// # Errors
-    /// [`GpuError::UnknownBody`].
-    pub fn prefetch_bounds(&mut self, body: GpuBody) -> Result<(), GpuError> {
-        self.resident_mut(body)?.wants_report = true;
-        Ok(())
-    }
-
-    /// Brings positions and velocities to the host: waits until the device is done with them.
-    ///
-    /// # Errors
-    /// [`StepError::NonFinitePosition`] in [`GpuError::Step`] when a position stopped being a number;
-    /// [`GpuError::StaleBody`] when surface and solver were edited and the device has not been told;
-    /// [`GpuError::ForeignSolver`] when the body follows another solver. The host's copy is as it was
-    /// then.
-    pub fn read(
-        &mut self,
-        body: GpuBody,
-        surface: &mut Surface,
-        solver: &mut Solver,
-    ) -> Result<(), GpuError> {
-        let told = self.send_small_changes(body, solver);
-        self.flush()?;
-        told?;
-        let i = body.slot as usize;
-        let resident = self.resident(body)?;
-        if surface.positions.len() != resident.body.vertex_count as usize {
-            return Err(GpuError::StaleBody);
-        }
-        check_slots(surface, solver)?;
-        if !resident.state.shows(resident.frame) {
-            let mut encoder = super::encoder(&self.context, "read");
-            self.request_state(i, &mut encoder)?;
-            let submission = self.context.queue().submit([encoder.finish()]);
-            self.context.check()?;
-            if let Some(resident) = &mut self.residents[i] {
-                resident.state.submitted(&submission);
-            }
-        }
-        self.take_state(body, surface, solver)
-    }
-
-    /// Takes over the state that is on its way.
-    pub(super) fn take_state(
-        &mut self,
-        body: GpuBody,
-        surface: &mut Surface,
-        solver: &mut Solver,
-    ) -> Result<(), GpuError> {
-        check_slots(surface, solver)?;
-        let resident = find_mut(&mut self.residents, &self.generations, body)?;
-        let frame = resident.state.frame();
-        let bytes = &mut self.bytes_read;
-        let shown = resident.state.fetch(&self.context, |data| {
-            *bytes += data.len() as u64;
-            let (vectors, report) = data.split_at(data.len() - size_of::<Report>());
-            let report = bytemuck::pod_read_unaligned::<Report>(report);
-            finite(&report)?;
-            let (positions, velocities) = vectors.split_at(vectors.len() / 2);
-            let vector = |bytes: &[u8]| bytemuck::pod_read_unaligned::<[f32; 4]>(bytes);
-            for (to, from) in surface.positions.iter_mut().zip(positions.chunks_exact(16)) {
-                let [x, y, z, _] = vector(from);
-                *to = [x, y, z, to[3]];
-            }
-            for (to, from) in (solver.velocities.iter_mut()).zip(velocities.chunks_exact(16)) {
-                *to = vector(from);
-            }
-            Ok(())
-        })?;
-        shown.unwrap_or(Err(GpuError::UnknownBody))?;
-        resident.host = frame.unwrap_or(resident.host);
-        Ok(())
-    }
-
-    /// The box of the body's vertices, found on the device: waits until it is done.
-    ///
-    /// # Errors
-    /// As [`GpuBackend::read`].
-    pub fn bounds(&mut self, body: GpuBody) -> Result<Aabb, GpuError> {
-        let i = body.slot as usize;
-        let resident = self.resident(body)?;
-        if !resident.report.shows(resident.frame) {
-            self.reduce_bounds(body.slot)?;
-        }
-        let Some(resident) = &mut self.residents[i] else {
-            return Err(GpuError::UnknownBody);
-        };
-        let bytes = &mut self.bytes_read;
-        let shown = resident.report.fetch(&self.context, |data| {
-            *bytes += data.len() as u64;
-            let report = bytemuck::pod_read_unaligned::<Report>(data);
-            finite(&report)?;
-            let [min, max] = report.bounds();
-            Ok(Aabb { min, max })
-        })?;
-        shown.unwrap_or(Err(GpuError::UnknownBody))
-    }
-
     /// Waits until the device has done everything that it was asked for.
     ///
     /// # Errors
@@ -477,91 +277,6 @@ impl GpuBackend {
         let start = u64::from(body.first_vertex()) * 16;
         let end = start + u64::from(body.vertex_count) * 16;
         Ok((self.arenas.vertices.buffer(POSITIONS), start..end))
-    }
-
-    /// Sends what can be sent without the surface: pins, masses and velocities.
-    pub(super) fn send_small_changes(
-        &mut self,
-        body: GpuBody,
-        solver: &mut Solver,
-    ) -> Result<(), GpuError> {
-        let follower = self.resident(body)?.follower;
-        if !solver.is_followed_by(follower) {
-            return Err(GpuError::ForeignSolver);
-        }
-        if solver.is_unchanged() {
-            return Ok(());
-        }
-        if solver.changes_concern_surface() {
-            return Err(GpuError::StaleBody);
-        }
-        let Self {
-            context,
-            arenas,
-            uploads,
-            residents,
-            generations,
-            changes,
-            ..
-        } = self;
-        let resident = find_mut(residents, generations, body)?;
-        let on_device = &mut resident.body;
-        solver.take_changes(changes);
-        on_device.edit_masses(uploads, solver, &changes.masses);
-        on_device.edit_velocities(uploads, solver, &changes.velocities);
-        if !changes.velocities.is_empty() {
-            // A state that is on its way does not have them.
-            self.frame += 1;
-            resident.frame = self.frame;
-        }
-        if changes.pins {
-            let moved = on_device.update_pins(context, arenas, uploads, solver.pins());
-            if moved.is_err() {
-                // The notes are taken, so all of the body has to come anew.
-                solver.mark_all_changed();
-            }
-            self.program_is_stale |= moved?;
-        }
-        Ok(())
-    }
-
-    /// Has the state of a body copied.
-    pub(super) fn request_state(
-        &mut self,
-        slot: usize,
-        encoder: &mut wgpu::CommandEncoder,
-    ) -> Result<(), GpuError> {
-        if let Some(resident) = &mut self.residents[slot] {
-            let body = &resident.body;
-            let start = u64::from(body.first_vertex()) * 16;
-            let bytes = u64::from(body.vertex_count) * 16;
-            let parts = [
-                (self.arenas.vertices.buffer(POSITIONS), start, bytes),
-                (self.arenas.vertices.buffer(VELOCITIES), start, bytes),
-                report_part(&self.arenas, body.slot),
-            ];
-            let frame = resident.frame;
-            resident
-                .state
-                .request(&self.context, encoder, &parts, frame)?;
-        }
-        Ok(())
-    }
-
-    /// Has the report of a body copied.
-    pub(super) fn request_report(
-        &mut self,
-        slot: usize,
-        encoder: &mut wgpu::CommandEncoder,
-    ) -> Result<(), GpuError> {
-        if let Some(resident) = &mut self.residents[slot] {
-            let part = [report_part(&self.arenas, resident.body.slot)];
-            let frame = resident.frame;
-            resident
-                .report
-                .request(&self.context, encoder, &part, frame)?;
-        }
-        Ok(())
     }
 
     pub(super) fn resident(&self, body: GpuBody) -> Result<&Resident, GpuError> {
@@ -590,46 +305,5 @@ pub(super) fn find_mut<'a>(
     match (residents.get_mut(i), generations.get(i)) {
         (Some(Some(resident)), Some(&now)) if now == body.generation => Ok(resident),
         _ => Err(GpuError::UnknownBody),
-    }
-}
-
-fn report_part(arenas: &Arenas, slot: u32) -> Part<'_> {
-    let bytes = size_of::<Report>() as u64;
-    (
-        arenas.bodies.buffer(REPORTS),
-        u64::from(slot) * bytes,
-        bytes,
-    )
-}
-
-/// The schedule of a body: a workgroup steps what it can hold, unless it has patches, whose layers it
-/// does not know.
-fn choose(forced: Option<Schedule>, has_patches: bool, vertices: usize, capacity: u32) -> Schedule {
-    let fits = !has_patches && vertices <= capacity as usize;
-    match forced {
-        Some(Schedule::Colors) => Schedule::Colors,
-        _ if has_patches => Schedule::Patches,
-        _ if fits => Schedule::WholeBody,
-        _ => Schedule::Colors,
-    }
-}
-
-fn check_slots(surface: &Surface, solver: &Solver) -> Result<(), GpuError> {
-    if surface.positions.len() == solver.mass.len() {
-        return Ok(());
-    }
-    Err(GpuError::Step(StepError::SurfaceMismatch {
-        surface: surface.positions.len(),
-        solver: solver.mass.len(),
-    }))
-}
-
-fn finite(report: &Report) -> Result<(), GpuError> {
-    match report.non_finite() {
-        None => Ok(()),
-        Some((vertex, substep)) => Err(GpuError::Step(StepError::NonFinitePosition {
-            vertex: VertexId(vertex),
-            substep,
-        })),
     }
 }

@@ -10,7 +10,8 @@ impl GpuBackend {
     /// waits for nothing. The host's copy is then as old as that state, and still behind the device.
     ///
     /// Returns whether nothing is on its way any more. A state that is older than the host's copy, or
-    /// than the last [`GpuBackend::update`], is dropped.
+    /// than the last [`GpuBackend::update`], is dropped. While the solver has velocities or pins of
+    /// which the device has not been told, nothing is taken over: the state would undo them.
     ///
     /// # Errors
     /// As [`GpuBackend::read`]. What has arrived is handed out even if the device is gone.
@@ -32,7 +33,7 @@ impl GpuBackend {
         if !resident.state.has_arrived() {
             self.context.poll_once()?;
         }
-        if !self.resident(body)?.state.has_arrived() {
+        if !self.resident(body)?.state.has_arrived() || !solver.is_unchanged() {
             return Ok(false);
         }
         self.take_state(body, surface, solver)?;
