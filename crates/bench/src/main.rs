@@ -1,14 +1,20 @@
 //! The benchmark: the paper's seven-model table, and the solver's own speed.
 
 mod allocations;
+mod backend;
+mod columns;
+mod json;
 mod machine;
 mod models;
+mod motion;
 mod paper;
 mod protocol;
 mod report;
 mod solver;
+mod step;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use backend::BackendChoice;
+use clap::{Args, Parser, Subcommand};
 use incise_refine::RefinementLevel;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -30,6 +36,8 @@ enum Command {
     Table(TableArguments),
     /// Projections a second of the solver alone, on one thread and on all.
     Solver(SolverArguments),
+    /// Time of a frame of every model, and of spheres of up to a million triangles, on every backend.
+    Step(step::StepArguments),
 }
 
 /// What the table is made of.
@@ -41,6 +49,9 @@ struct TableArguments {
     /// What executes the solver.
     #[arg(long, value_enum, default_value_t = BackendChoice::Cpu)]
     backend: BackendChoice,
+    /// A part of the name of the GPU to take.
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
     /// Simulated seconds of each run.
     #[arg(long, default_value_t = 15.0, value_parser = positive)]
     seconds: f64,
@@ -83,21 +94,6 @@ struct SolverArguments {
     frames: u32,
 }
 
-/// What executes the solver.
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum BackendChoice {
-    /// The processor.
-    Cpu,
-}
-
-impl BackendChoice {
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Cpu => "cpu",
-        }
-    }
-}
-
 /// A positive number, or a fraction of two.
 fn positive(text: &str) -> Result<f64, String> {
     let number = |s: &str| s.trim().parse::<f64>().ok();
@@ -129,6 +125,7 @@ fn run(arguments: Arguments) -> Result<(), String> {
         let mut out = io::stdout().lock();
         let done = match arguments.command {
             Some(Command::Solver(solver)) => solver::run(&solver, &mut out),
+            Some(Command::Step(step)) => step::run(&step, &mut out),
             Some(Command::Table(table)) => report::run(&table, &mut out),
             None => report::run(&arguments.table, &mut out),
         };
@@ -144,6 +141,25 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn the_options_of_step_are_lists_or_numbers() {
+        let parse = |line: &str| Arguments::try_parse_from(line.split_whitespace());
+        let all = "b step --backend cpu,gpu --adapter llvm --schedule auto,whole-body,colors --iterations 5 \
+            --substeps 20 --max-triangles 1000 --seconds-per-row 1/2 --bodies 8 --only bunny --json x";
+        assert!(parse(all).is_ok());
+        assert!(parse("b step --frames 100 --backend cpu --backend gpu").is_ok());
+        for bad in [
+            "b step --backend tpu",
+            "b step --schedule rows",
+            "b step --iterations 0",
+            "b step --bodies 0",
+            "b step --frames 10 --seconds-per-row 1",
+            "b step --seconds-per-row -1",
+        ] {
+            assert!(parse(bad).is_err(), "{bad}");
+        }
     }
 
     #[test]

@@ -14,16 +14,20 @@ pub(crate) struct Loaded {
     pub(crate) surface: Surface,
 }
 
+/// The model of a name, in any case.
+pub(crate) fn named(name: &str) -> Option<Model> {
+    Model::ALL
+        .into_iter()
+        .find(|m| m.name().eq_ignore_ascii_case(name.trim()))
+}
+
 /// The models that `only` names (all when empty), from `folder` where it has a file for one.
 pub(crate) fn load(folder: Option<&Path>, only: &[String]) -> Result<Vec<Loaded>, Box<dyn Error>> {
     let mut wanted = Vec::new();
     for name in only {
-        let known = Model::ALL
-            .into_iter()
-            .find(|m| m.name().eq_ignore_ascii_case(name.trim()));
         let names: Vec<&str> = Model::ALL.iter().map(|m| m.name()).collect();
         wanted
-            .push(known.ok_or_else(|| {
+            .push(named(name).ok_or_else(|| {
                 format!("'{name}' is not one of the models {}", names.join(", "))
             })?);
     }

@@ -1,8 +1,10 @@
 //! The table for people and for programs.
 
-use crate::protocol::{Row, frames, run as run_protocol};
-use crate::{TableArguments, machine, models, paper};
+use crate::columns::columns;
+use crate::protocol::{Row, frames, params, run as run_protocol};
+use crate::{TableArguments, json, machine, models, paper};
 use incise_mesh::Model;
+use incise_scene::{BackendChoice, BackendRequest, Scene, SceneError};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
 use std::io::Write;
@@ -14,6 +16,7 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
     }
     let loaded = models::load(arguments.models.as_deref(), &arguments.only)?;
     let (machine, commit) = (machine::machine(), machine::commit());
+    let (request, fallback) = backend(arguments)?;
     // Hidden by itself when the error output is no terminal.
     let bar = ProgressBar::new(2 * u64::from(frames(arguments)) * loaded.len() as u64).with_style(
         ProgressStyle::with_template("{msg:12} {wide_bar} {percent}% {eta}")?,
@@ -24,7 +27,7 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
         let tick = || bar.inc(1);
         rows.push((
             model.model,
-            run_protocol(model, arguments, &machine, &commit, &tick)?,
+            run_protocol(model, arguments, &request, &machine, &commit, &tick)?,
         ));
     }
     bar.finish_and_clear();
@@ -35,6 +38,26 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
         arguments.seconds, arguments.dt, arguments.iterations, arguments.level, arguments.seed
     )?;
     writeln!(out, "{LEGEND}")?;
+    if let Some(why) = fallback {
+        writeln!(out, "All on the CPU: {why}.")?;
+    }
+    let on_device: Vec<&Row> = (rows.iter().map(|(_, row)| row))
+        .filter(|row| row.schedule.is_some())
+        .collect();
+    if !on_device.is_empty() {
+        writeln!(out, "{DEVICE_LEGEND}")?;
+    }
+    for row in on_device {
+        writeln!(
+            out,
+            "{} on {}, schedule {}; a cut sends {} KiB and reads {} KiB.",
+            row.model,
+            row.device,
+            row.schedule.unwrap_or_default(),
+            kibibytes(row.bytes_uploaded_a_cut),
+            kibibytes(row.bytes_read_a_cut)
+        )?;
+    }
     let allocations: usize = rows.iter().map(|(_, row)| row.allocations).sum();
     writeln!(
         out,
@@ -47,9 +70,7 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
     }
     if let Some(path) = &arguments.json {
         let rows: Vec<&Row> = rows.iter().map(|(_, row)| row).collect();
-        let mut text = serde_json::to_string_pretty(&rows)?;
-        text.push('\n');
-        std::fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))?;
+        json::write(path, &rows)?;
     }
     Ok(())
 }
@@ -59,6 +80,32 @@ Frames a second of the solver alone (PBD) and with a moving blade that slices th
 second (PBD + CS); time of a cut is detection, topology, refinement and constraint update. Each is followed
 by the paper's number and by how many times better this one is. Stretch error: mean over frames, edges weighted by length.
 Volume lost: by all cuts together, of the body at rest. Cap angle: the smallest of all cap triangles.";
+
+const DEVICE_LEGEND: &str = "\
+On a device a frame ends when the device is done with it; the first, in which kernels are compiled, is left out. Sweeps that miss the
+device's box of the body are skipped there. The time of a cut runs from the readback to the update of the device. Stretch error: once a second.
+Heap allocations are those of the device's interface too.";
+
+/// The backend of all runs, and why it is the CPU if another was asked for. What `auto` measures is
+/// measured once, so that all runs are on the same backend.
+fn backend(arguments: &TableArguments) -> Result<(BackendRequest, Option<String>), SceneError> {
+    let mut request = BackendRequest {
+        choice: arguments.backend.into(),
+        adapter: arguments.adapter.clone(),
+        allow_software: true,
+        device_from: None,
+    };
+    let report = Scene::with_backend(params(arguments), &request)?.backend_report();
+    request.device_from = report.device_from;
+    if report.device.is_none() {
+        request.choice = BackendChoice::Cpu;
+    }
+    Ok((request, report.fallback))
+}
+
+fn kibibytes(bytes: Option<f64>) -> String {
+    measured(bytes.unwrap_or(f64::NAN) / 1024.0, 1)
+}
 
 const HEADER: [&str; 21] = [
     "model",
@@ -87,27 +134,7 @@ const HEADER: [&str; 21] = [
 fn table(rows: &[(Model, Row)]) -> String {
     let mut cells = vec![HEADER.map(str::to_owned)];
     cells.extend(rows.iter().map(|(model, row)| line(*model, row)));
-    let widths: Vec<usize> = (0..HEADER.len())
-        .map(|k| cells.iter().map(|line| line[k].len()).max().unwrap_or(0))
-        .collect();
-    let mut text = String::new();
-    for line in &cells {
-        let padded: Vec<String> = line
-            .iter()
-            .zip(&widths)
-            .enumerate()
-            .map(|(k, (cell, &width))| {
-                if k < 2 {
-                    format!("{cell:width$}")
-                } else {
-                    format!("{cell:>width$}")
-                }
-            })
-            .collect();
-        text.push_str(padded.join("  ").trim_end());
-        text.push('\n');
-    }
-    text
+    columns(&cells, 2)
 }
 
 fn line(model: Model, row: &Row) -> [String; 21] {
@@ -147,7 +174,7 @@ fn line(model: Model, row: &Row) -> [String; 21] {
 }
 
 /// A number, or a dash for what a run without a cut cannot tell.
-fn measured(x: f64, digits: usize) -> String {
+pub(crate) fn measured(x: f64, digits: usize) -> String {
     if x.is_finite() {
         format!("{x:.digits$}")
     } else {

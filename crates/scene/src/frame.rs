@@ -64,7 +64,7 @@ impl Scene {
                 })?;
         }
         self.stats.fell_back = self.backend.take_news();
-        self.stats.solver = begin.elapsed();
+        self.stats.solver = begin.elapsed().saturating_sub(self.stats.update);
         Ok(&self.stats)
     }
 
@@ -80,6 +80,7 @@ impl Scene {
             let body = BodyId(first);
             return Err(SceneError::Step { body, error });
         }
+        let begin = Instant::now();
         for i in 0..self.bodies.len() {
             if let (Some(device), Some(body)) = (&mut self.device, &mut self.bodies[i])
                 && let Err(error) = device.send_edits(i, body)
@@ -87,6 +88,7 @@ impl Scene {
                 self.recover(Some(i), error)?;
             }
         }
+        self.stats.update = begin.elapsed();
         if let Some(device) = &mut self.device
             && let Err(error) = device.step(&mut self.bodies, &self.params, &mut self.stats)
         {

@@ -54,15 +54,18 @@ pub struct FrameStats {
     pub refinement: Duration,
     /// Time of constraints following cuts.
     pub constraints: Duration,
+    /// Time of telling the device what was edited.
+    pub update: Duration,
     /// Time of the solver on the processor, and of handing work to the device.
     pub solver: Duration,
 }
 
 impl FrameStats {
-    /// Time of everything that a cut needs: detection, topology, refinement, constraint update.
+    /// Time of everything that a cut needs: detection with the readback that it
+    /// takes, topology, refinement, constraint update, the device's update.
     #[must_use]
     pub fn cutting(&self) -> Duration {
-        self.detection + self.topology + self.refinement + self.constraints
+        self.detection + self.topology + self.refinement + self.constraints + self.update
     }
 
     /// Time of the whole frame's work.

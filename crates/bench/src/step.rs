@@ -1,0 +1,142 @@
+//! The solver on every backend: how long a frame takes, model by model, and what part of the
+//! memory's bandwidth that is.
+
+mod bandwidth;
+mod bytes;
+mod case;
+mod clock;
+#[cfg(feature = "gpu")]
+mod copies;
+mod cpu;
+#[cfg(feature = "gpu")]
+mod device;
+#[cfg(not(feature = "gpu"))]
+#[path = "step/no_device.rs"]
+mod device;
+mod row;
+mod stage;
+mod subject;
+mod table;
+
+use crate::backend::BackendChoice;
+use crate::{json, machine};
+use case::Setup;
+use clap::{Args, ValueEnum};
+use clock::Budget;
+use incise_pbd_gpu::SolverParams;
+use stage::Stage;
+use std::error::Error;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// What is stepped, on what and for how long.
+#[derive(Args, Clone)]
+pub(crate) struct StepArguments {
+    /// A folder with real models (bunny*.obj, armadillo*.ply, ...) to use instead of built-in ones.
+    #[arg(long, value_name = "DIR")]
+    models: Option<PathBuf>,
+    /// Models to run, separated by commas: those of the table, and Sphere3072, Sphere12288,
+    /// Sphere49152, Sphere196608, Sphere1002252.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    only: Vec<String>,
+    /// What executes the solver, separated by commas: every model runs on each. By default the
+    /// processor, and a GPU if there is one.
+    #[arg(long, value_enum, value_name = "NAMES", value_delimiter = ',')]
+    backend: Vec<BackendChoice>,
+    /// A part of the name of the GPU to take.
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// How frames become dispatches on a GPU, separated by commas. By default in every way that a
+    /// model fits.
+    #[arg(long, value_enum, value_name = "NAMES", value_delimiter = ',')]
+    schedule: Vec<ScheduleChoice>,
+    /// Iterations of the solver a substep.
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]
+    iterations: u32,
+    /// Substeps of a frame.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    substeps: u32,
+    /// Leave out larger models.
+    #[arg(long, value_name = "N", default_value_t = usize::MAX, hide_default_value = true)]
+    max_triangles: usize,
+    /// Frames of each measurement.
+    #[arg(long, conflicts_with = "seconds_per_row", value_parser = clap::value_parser!(u32).range(1..))]
+    frames: Option<u32>,
+    /// Seconds of each measurement, about.
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = crate::positive)]
+    seconds_per_row: f64,
+    /// Bodies that are stepped together, all of one model.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    bodies: u32,
+    /// Also write the rows as JSON, after every model.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// How a body's step is cut into dispatches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ScheduleChoice {
+    /// The one that the backend takes by itself.
+    Auto,
+    /// One workgroup a body.
+    WholeBody,
+    /// One dispatch a color.
+    Colors,
+    /// One dispatch a layer of patches.
+    Patches,
+}
+
+#[cfg(feature = "gpu")]
+impl ScheduleChoice {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::WholeBody => "whole-body",
+            Self::Colors => "colors",
+            Self::Patches => "patches",
+        }
+    }
+}
+
+/// Measures and prints.
+pub(crate) fn run(arguments: &StepArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    let folder = arguments.models.as_deref();
+    let subjects = subject::list(folder, &arguments.only, arguments.max_triangles)?;
+    let setup = Setup {
+        params: SolverParams {
+            iterations: arguments.iterations,
+            substeps: arguments.substeps,
+            gravity: [0.0; 3],
+            ground: None,
+        },
+        bodies: arguments.bodies,
+        budget: match arguments.frames {
+            Some(frames) => Budget::Frames(frames),
+            None => Budget::Seconds(arguments.seconds_per_row),
+        },
+        machine: machine::machine(),
+        commit: machine::commit(),
+    };
+    let mut stage = Stage::open(arguments, &setup, out)?;
+    writeln!(
+        out,
+        "{}, commit {}; iterations {}, substeps {}",
+        setup.machine, setup.commit, setup.params.iterations, setup.params.substeps
+    )?;
+    table::header(out)?;
+    let mut rows = Vec::new();
+    for subject in &subjects {
+        let mut of_subject = stage.rows(subject, &setup)?;
+        row::compare(&mut of_subject);
+        for row in &of_subject {
+            table::row(out, row)?;
+        }
+        rows.extend(of_subject);
+        // After every model: what a long run has measured is not lost with it.
+        if let Some(path) = &arguments.json {
+            json::write(path, &rows)?;
+        }
+    }
+    writeln!(out, "{}", table::LEGEND)?;
+    Ok(())
+}
