@@ -1,15 +1,17 @@
 //! `incise cut`: a mesh along a plane or a blade's sweep, one file a piece.
 
+use crate::clock::{milliseconds, timed};
 use crate::failure::Failure;
 use crate::json::lossy;
+use crate::numbers::{Numbers, numbers};
+use crate::pieces::{self, Piece};
 use clap::ValueEnum;
 use incise_cut::{CutError, CutMethod, CutParams, Cutter, Sweep};
-use incise_mesh::{AngleStats, Surface, read_mesh, write_obj};
+use incise_mesh::{AngleStats, Surface, read_mesh};
 use incise_refine::{RefineParams, RefinementLevel};
 use serde::Serialize;
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::path::PathBuf;
 
 /// Cuts a mesh and writes its pieces to `DIR/piece_000.obj` and on, one closed component a file.
 #[derive(clap::Args)]
@@ -46,21 +48,6 @@ enum Method {
     Rebuild,
 }
 
-/// N numbers of a command line.
-#[derive(Clone, Copy)]
-struct Numbers<const N: usize>([f64; N]);
-
-fn numbers<const N: usize>(text: &str) -> Result<Numbers<N>, String> {
-    let values: Option<Vec<f64>> = text
-        .split(',')
-        .map(|s| s.trim().parse().ok().filter(|x: &f64| x.is_finite()))
-        .collect();
-    values
-        .and_then(|v| v.try_into().ok())
-        .map(Numbers)
-        .ok_or_else(|| format!("expected {N} numbers, separated by commas"))
-}
-
 /// The report as JSON.
 #[derive(Serialize)]
 struct Report {
@@ -77,20 +64,6 @@ struct Report {
     cap_median_angle_deg: f64,
     pieces: Vec<Piece>,
     milliseconds: Times,
-}
-
-/// A piece as it was written.
-#[derive(Serialize)]
-struct Piece {
-    #[serde(serialize_with = "lossy")]
-    file: PathBuf,
-    vertices: usize,
-    triangles: usize,
-    area: f64,
-    /// Negative when the piece is a cavity.
-    volume: f64,
-    /// Whether it bounds a hole inside another piece: its normals point inward.
-    cavity: bool,
 }
 
 /// Time of each stage \[ms\].
@@ -135,7 +108,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
             source,
         })?;
     let cap = AngleStats::of(outcome.cap.iter().map(|&t| surface.triangle_positions(t)));
-    let (write, pieces) = timed(|| write_pieces(&surface, path, &arguments.output));
+    let (write, pieces) = timed(|| pieces::write(&surface, path, &arguments.output));
     let report = Report {
         input: path.clone(),
         method: "rebuild",
@@ -179,54 +152,6 @@ impl CutArguments {
     }
 }
 
-/// Writes every piece, after looking whether all of them can be: a refusal leaves nothing behind.
-fn write_pieces(surface: &Surface, input: &Path, folder: &Path) -> Result<Vec<Piece>, Failure> {
-    let parts: Vec<(u32, Surface)> = (0..surface.piece_bound())
-        .map(|piece| (piece, surface.extract_piece(piece)))
-        .filter(|(_, part)| part.topology().triangle_count() > 0)
-        .collect();
-    let file = |i: usize| folder.join(format!("piece_{i:03}.obj"));
-    let check = || (0..parts.len()).try_for_each(|i| check_target(&file(i), input));
-    check()?;
-    std::fs::create_dir_all(folder).map_err(|source| Failure::Folder {
-        path: folder.to_owned(),
-        source,
-    })?;
-    // A path like `new/..` leads nowhere until `new` is there.
-    check()?;
-    let volumes = surface.piece_volumes();
-    let mut pieces = Vec::with_capacity(parts.len());
-    for (i, (piece, part)) in parts.iter().enumerate() {
-        write_obj(&file(i), part)?;
-        let volume = volumes[*piece as usize];
-        pieces.push(Piece {
-            file: file(i),
-            vertices: part.topology().vertex_count(),
-            triangles: part.topology().triangle_count(),
-            area: part.area(),
-            volume,
-            cavity: volume < 0.0,
-        });
-    }
-    Ok(pieces)
-}
-
-/// Refuses a folder and the input, whatever way leads there.
-fn check_target(path: &Path, input: &Path) -> Result<(), Failure> {
-    let path = path.to_owned();
-    // What is not there yet, or cannot be looked at, is left to the writer.
-    let Ok(target) = path.canonicalize() else {
-        return Ok(());
-    };
-    if target.is_dir() {
-        return Err(Failure::TargetIsFolder { path });
-    }
-    if input.canonicalize().is_ok_and(|input| input == target) {
-        return Err(Failure::TargetIsInput { path });
-    }
-    Ok(())
-}
-
 fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
     writeln!(
         out,
@@ -248,32 +173,11 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
             report.cap_median_angle_deg
         )?;
     }
-    for piece in &report.pieces {
-        writeln!(
-            out,
-            "  {}: {} vertices, {} triangles, area {:.6e}, volume {:.6e}{}",
-            piece.file.display(),
-            piece.vertices,
-            piece.triangles,
-            piece.area,
-            piece.volume,
-            if piece.cavity { ", a cavity" } else { "" }
-        )?;
-    }
+    pieces::print(&report.pieces, out)?;
     let t = &report.milliseconds;
     writeln!(
         out,
         "  ms: read {:.2}, search tree {:.2}, detection {:.2}, topology {:.2}, refinement {:.2}, write {:.2}",
         t.read, t.search_tree, t.detection, t.topology, t.refinement, t.write
     )
-}
-
-fn timed<T>(work: impl FnOnce() -> T) -> (Duration, T) {
-    let begin = Instant::now();
-    let out = work();
-    (begin.elapsed(), out)
-}
-
-fn milliseconds(time: Duration) -> f64 {
-    time.as_secs_f64() * 1e3
 }

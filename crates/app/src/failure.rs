@@ -2,6 +2,7 @@
 
 use incise_cut::CutError;
 use incise_mesh::{NotFit, ReadError, WriteError};
+use incise_scene::SceneError;
 use std::path::PathBuf;
 
 /// Why a command could not be done.
@@ -28,6 +29,17 @@ pub(crate) enum Failure {
         path: PathBuf,
         /// Why.
         source: CutError,
+    },
+    /// The body is to be cut when everything is over: the command line is wrong.
+    #[error("--at is not before the end; raise --seconds")]
+    CutAfterEnd,
+    /// The body cannot be moved, or there is no device to move it.
+    #[error("{}: {source}", path.display())]
+    Scene {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: SceneError,
     },
     /// The output folder cannot be made.
     #[error("{}: {source}", path.display())]

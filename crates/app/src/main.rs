@@ -1,12 +1,16 @@
-//! The program: cuts and checks meshes, and lists devices.
+//! The program: cuts, checks and simulates meshes, and lists devices.
 //!
 //! Exit codes: 0 done, 1 the input cannot be used, 2 the command line is wrong.
 
 mod check;
+mod clock;
 mod cut;
 mod devices;
 mod failure;
 mod json;
+mod numbers;
+mod pieces;
+mod simulate;
 
 use clap::{Parser, Subcommand};
 use failure::Failure;
@@ -26,6 +30,7 @@ enum Command {
     Check(check::CheckArguments),
     Cut(cut::CutArguments),
     Devices(devices::DevicesArguments),
+    Simulate(simulate::SimulateArguments),
 }
 
 fn main() -> ExitCode {
@@ -35,6 +40,7 @@ fn main() -> ExitCode {
         Command::Check(arguments) => check::run(arguments, &mut out),
         Command::Cut(arguments) => cut::run(arguments, &mut out),
         Command::Devices(arguments) => devices::run(arguments, &mut out),
+        Command::Simulate(arguments) => simulate::run(arguments, &mut out),
     };
     // What was printed comes before the reason why it ended.
     let flushed = out.flush().map_err(Failure::Output);
@@ -46,7 +52,7 @@ fn main() -> ExitCode {
             // Without an error output the exit code has to do.
             let _ = writeln!(io::stderr(), "incise: {failure}");
             match failure {
-                Failure::Sweep(_) => ExitCode::from(2),
+                Failure::Sweep(_) | Failure::CutAfterEnd => ExitCode::from(2),
                 _ => ExitCode::FAILURE,
             }
         }

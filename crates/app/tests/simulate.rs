@@ -1,0 +1,162 @@
+//! The binary's `simulate`, as a user runs it.
+
+use incise_mesh::{Model, Surface, build_model, read_mesh, write_obj};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn incise(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_incise"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// Runs it with no driver of any GPU.
+fn without_drivers(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_incise"));
+    for name in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
+        command.env(name, "/nonexistent/driver.json");
+    }
+    command.args(arguments).output().unwrap()
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+/// A folder with a sphere, radius 0.5 around the origin.
+fn with_sphere() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("sphere.obj");
+    write_obj(&input, &build_model(Model::Sphere80)).unwrap();
+    (folder, input)
+}
+
+fn piece(folder: &Path, number: u32) -> Surface {
+    let data = read_mesh(&folder.join(format!("piece_{number:03}.obj"))).unwrap();
+    data.into_surface().unwrap().0
+}
+
+#[test]
+fn a_body_falls_as_far_as_it_should() {
+    let (folder, input) = with_sphere();
+    let out = folder.path().join("out");
+    let done = incise(&[
+        "simulate",
+        text(&input),
+        "--seconds",
+        "0.5",
+        "--dt",
+        "1/100",
+        "-o",
+        text(&out),
+    ]);
+    assert_eq!(done.status.code(), Some(0), "{done:?}");
+    assert_eq!(done.stderr, b"");
+    let surface = piece(&out, 0);
+    // Velocities first, then positions: g h^2 n (n + 1) / 2.
+    let expected = -9.81 * 1e-4 * 50.0 * 51.0 / 2.0;
+    let middle = surface.bounds().center().y;
+    assert!((middle - expected).abs() < 1e-3, "{middle}, not {expected}");
+}
+
+#[test]
+fn a_body_is_cut_on_its_way_to_the_ground() {
+    let (folder, input) = with_sphere();
+    let out = folder.path().join("out");
+    let arguments = [
+        "simulate",
+        text(&input),
+        "--seconds",
+        "1",
+        "--ground",
+        "-0.7",
+        "--plane",
+        "1,0,0,0.05",
+        "--at",
+        "0.1",
+        "-o",
+        text(&out),
+        "--json",
+    ];
+    let done = incise(&arguments);
+    assert_eq!(done.status.code(), Some(0), "{done:?}");
+    let report: Value = serde_json::from_slice(&done.stdout).unwrap();
+    assert_eq!(report["backend"], "cpu");
+    assert!(report["device"].is_null(), "{report}");
+    assert_eq!(report["frames"], 60);
+    assert!(report["triangles_hit"].as_u64().unwrap() > 0, "{report}");
+    assert_eq!(report["pieces"].as_array().unwrap().len(), 2);
+    for number in 0..2 {
+        let surface = piece(&out, number);
+        assert!(surface.topology().is_closed(), "piece {number}");
+        let lowest = surface.bounds().min[1];
+        assert!((-0.7 - 1e-4..-0.3).contains(&lowest), "{lowest}");
+    }
+}
+
+#[test]
+fn auto_without_a_device_says_so_once_and_gives_the_same() {
+    let (folder, input) = with_sphere();
+    let [on_cpu, on_auto] = ["cpu", "auto"].map(|backend| {
+        let out = folder.path().join(backend);
+        let arguments = [
+            "simulate",
+            text(&input),
+            "--seconds",
+            "0.2",
+            "--backend",
+            backend,
+            "-o",
+            text(&out),
+        ];
+        let done = without_drivers(&arguments);
+        assert_eq!(done.status.code(), Some(0), "{done:?}");
+        (
+            String::from_utf8(done.stderr).unwrap(),
+            std::fs::read(out.join("piece_000.obj")).unwrap(),
+        )
+    });
+    assert_eq!(on_cpu.0, "");
+    let said = on_auto.0;
+    assert_eq!(said.matches("going on with the CPU").count(), 1, "{said}");
+    assert_eq!(on_cpu.1, on_auto.1);
+}
+
+#[test]
+fn what_cannot_be_had_is_said() {
+    let (folder, input) = with_sphere();
+    let out = folder.path().join("out");
+    let base = [
+        "simulate",
+        text(&input),
+        "-o",
+        text(&out),
+        "--seconds",
+        "0.1",
+    ];
+    let run = |more: &[&str]| {
+        let done = without_drivers(&[&base[..], more].concat());
+        (done.status.code(), String::from_utf8(done.stderr).unwrap())
+    };
+    let (code, err) = run(&["--backend", "gpu"]);
+    assert_eq!(code, Some(1), "{err}");
+    let reason = if cfg!(feature = "gpu") {
+        "no GPU adapter"
+    } else {
+        "feature gpu"
+    };
+    assert!(err.contains(reason), "{err}");
+    for wrong in [
+        &["--plane", "1,0,0,0", "--at", "0.1"][..],
+        &["--plane", "0,0,0,1"],
+        &["--at", "0.05"],
+        &["--dt", "0"],
+        &["--backend", "tpu"],
+    ] {
+        let (code, err) = run(wrong);
+        assert_eq!(code, Some(2), "{wrong:?}: {err}");
+    }
+    assert!(!out.exists(), "nothing is written");
+}
