@@ -12,7 +12,7 @@ const CHUNK: usize = 1 << 16;
 /// Repetitions, of which the fastest counts.
 const TIMES: usize = 5;
 
-/// Bytes a second of `a = b + s c` over long arrays (the triad of McCalpin's STREAM) with as many
+/// Bytes a second of `a = b + s c` over long arrays (the triad of the STREAM benchmark) with as many
 /// threads as the solver has: two arrays read and one written, 12 bytes an entry.
 pub(super) fn of_memory() -> f64 {
     // Threads touch first what they work on later.
