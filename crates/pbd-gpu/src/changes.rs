@@ -104,6 +104,7 @@ impl<T: Ord + Copy> Log<T> {
 pub(crate) struct VertexLogs {
     is_on: bool,
     /// Who takes the notes; 0 is nobody.
+    #[cfg(feature = "gpu")]
     follower: u64,
     everything: bool,
     pins: bool,
@@ -166,7 +167,8 @@ impl Solver {
     pub(crate) fn start_tracking(&mut self) {
         let VertexLogs {
             is_on,
-            follower: _,
+            #[cfg(feature = "gpu")]
+                follower: _,
             everything,
             pins,
             moved,
@@ -199,38 +201,20 @@ impl Solver {
     }
 
     /// Whether the notes are for `follower`. A copy of a solver has none.
-    #[cfg_attr(
-        not(any(test, feature = "gpu")),
-        allow(
-            dead_code,
-            reason = "asked for by backends that keep a copy of the body"
-        )
-    )]
+    #[cfg(feature = "gpu")]
     pub(crate) fn is_followed_by(&self, follower: u64) -> bool {
         self.changes.follower == follower
     }
 
     /// Has `follower`, who is not 0, get the notes from now on, everything to begin with.
-    #[cfg_attr(
-        not(any(test, feature = "gpu")),
-        allow(
-            dead_code,
-            reason = "asked for by backends that keep a copy of the body"
-        )
-    )]
+    #[cfg(feature = "gpu")]
     pub(crate) fn follow(&mut self, follower: u64) {
         self.changes.follower = follower;
         self.mark_all_changed();
     }
 
     /// Whether nothing was edited since it was last asked for.
-    #[cfg_attr(
-        not(any(test, feature = "gpu")),
-        allow(
-            dead_code,
-            reason = "asked for by backends that keep a copy of the body"
-        )
-    )]
+    #[cfg(feature = "gpu")]
     pub(crate) fn is_unchanged(&self) -> bool {
         let logs = &self.changes;
         let small = logs.masses.entries.is_empty() && logs.velocities.entries.is_empty();
@@ -238,13 +222,7 @@ impl Solver {
     }
 
     /// Whether positions or constraints were edited since it was last asked for.
-    #[cfg_attr(
-        not(any(test, feature = "gpu")),
-        allow(
-            dead_code,
-            reason = "asked for by backends that keep a copy of the body"
-        )
-    )]
+    #[cfg(feature = "gpu")]
     pub(crate) fn changes_concern_surface(&self) -> bool {
         let logs = &self.changes;
         let constraints = !self.stretch.log.entries.is_empty()
