@@ -233,6 +233,14 @@ impl Solver {
         !logs.is_on || logs.everything || !logs.moved.entries.is_empty() || constraints
     }
 
+    /// The velocities that were set since it was last asked for, by vertex [m/s].
+    #[cfg(feature = "gpu")]
+    pub(crate) fn velocities_set(&self) -> Vec<(usize, [f32; 4])> {
+        let set = self.changes.velocities.entries.iter();
+        set.map(|&v| (v as usize, self.velocities[v as usize]))
+            .collect()
+    }
+
     /// Hands over what was edited since it was last asked for and whose memory `into` had. The first
     /// time everything has, and tracking starts.
     #[cfg_attr(

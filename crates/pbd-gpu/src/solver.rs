@@ -134,7 +134,6 @@ impl Solver {
         let mut cpu = std::mem::take(&mut self.cpu);
         let done = self.step_on(&mut cpu, surface, dt, params).map(|_| ());
         self.cpu = cpu;
-        self.mark_all_changed();
         done.map(|()| &self.stats)
     }
 
@@ -165,7 +164,9 @@ impl Solver {
             bending: self.bending.as_mut(),
             pins: &self.pins,
         };
-        self.stats = backend.execute(&self.plan, &constants, &mut body)?;
+        let done = backend.execute(&self.plan, &constants, &mut body);
+        self.changes.everything();
+        self.stats = done?;
         Ok(&self.stats)
     }
 

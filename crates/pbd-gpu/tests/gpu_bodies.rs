@@ -28,7 +28,7 @@ fn main() -> ExitCode {
         trial("a_body_that_is_gone_is_unknown", any, gone),
         trial("nothing_is_read_that_nobody_reads", any, reads),
         trial("what_was_prefetched_is_what_is_read", any, prefetched),
-        trial("a_collected_state_undoes_no_edit", any, collected),
+        trial("what_comes_by_the_way_undoes_no_edit", any, by_the_way),
     ];
     for schedule in SCHEDULES {
         let name = |law: &str| format!("{law} by {}", schedule.name());
@@ -226,30 +226,51 @@ fn prefetched(context: Context) {
     }
 }
 
-fn collected(context: Context) {
+fn by_the_way(context: Context) {
     let mut gpu = GpuBackend::on(context).expect("a device");
-    let mut hosted = Hosted::add(&mut gpu, sphere(2, [0.0; 3]), Schedule::Colors);
-    gpu.prefetch(hosted.body).expect("it is there");
-    hosted.step(&mut gpu).expect("a step");
-    gpu.wait().expect("the device is there");
-    let set = [1.0, 2.0, 3.0];
-    let v = VertexId(7);
-    hosted.solver.set_velocity(v, set).expect("a vertex");
-    let collect = |gpu: &mut GpuBackend, hosted: &mut Hosted| {
-        let Hosted {
-            surface,
-            solver,
-            body,
-        } = hosted;
-        gpu.collect(*body, surface, solver).expect("a state")
-    };
-    assert!(!collect(&mut gpu, &mut hosted), "the edit is not sent yet");
-    assert_eq!(hosted.solver.velocity(v), set);
-    hosted.step(&mut gpu).expect("a step");
-    assert!(collect(&mut gpu, &mut hosted), "now it is");
-    assert_ne!(hosted.solver.velocity(v), set, "the state of before");
-    hosted.read(&mut gpu).expect("a state");
-    assert_ne!(hosted.solver.velocity(v), [0.0; 3]);
+    let [kicked, pinned] = [1, 7].map(VertexId);
+    let [mut asked, mut other] =
+        [0, 1].map(|_| Hosted::add(&mut gpu, sphere(1, [0.0; 3]), Schedule::Colors));
+    for Hosted {
+        surface, solver, ..
+    } in [&mut asked, &mut other]
+    {
+        solver.pin(surface, pinned).expect("a vertex");
+    }
+    gpu.prefetch(asked.body).expect("it is there");
+    for hosted in [&mut asked, &mut other] {
+        hosted.step(&mut gpu).expect("a step");
+        let to = [1.0, 2.0, 3.0];
+        hosted.solver.set_velocity(kicked, to).expect("a vertex");
+        hosted.solver.set_pin_target(pinned, to).expect("pinned");
+    }
+    gpu.wait().expect("it ends");
+    let Hosted {
+        surface,
+        solver,
+        body,
+    } = &mut asked;
+    let before = surface.positions.clone();
+    let wrong = gpu.collect(*body, surface, &mut other.solver);
+    assert_eq!(wrong, Err(GpuError::ForeignSolver));
+    assert_eq!(surface.positions, before);
+    // A pin that is dragged in every frame keeps nothing away.
+    assert_eq!(gpu.collect(*body, surface, solver), Ok(true));
+    assert_ne!(surface.positions, before);
+    for hosted in [&mut asked, &mut other] {
+        hosted.step(&mut gpu).expect("a step");
+        hosted.read(&mut gpu).expect("a state");
+    }
+    asked.assert_same(&other, "after a state that came by the way");
+    // A vertex that was put elsewhere stays there.
+    gpu.prefetch(asked.body).expect("it is there");
+    asked.step(&mut gpu).expect("a step");
+    gpu.wait().expect("it ends");
+    asked.surface.positions[0][0] = 7.0;
+    asked.solver.mark_all_changed();
+    let late = gpu.collect(asked.body, &mut asked.surface, &mut asked.solver);
+    assert_eq!(late, Err(GpuError::StaleBody));
+    assert_eq!(asked.surface.positions[0][0], 7.0);
 }
 
 fn twice(context: Context, schedule: Schedule) {

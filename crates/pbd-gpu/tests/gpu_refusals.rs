@@ -15,7 +15,10 @@ mod twin;
 use common::{flip, sphere, split};
 use gpu::{Needs, trial};
 use incise_mesh::{HalfEdge, Surface, VertexId, icosphere};
-use incise_pbd_gpu::{AdapterRequest, Context, GpuBackend, GpuError, Schedule, Solver, StepError};
+use incise_pbd_gpu::{
+    AdapterRequest, Context, CpuBackend, GpuBackend, GpuError, Schedule, Solver, SolverParams,
+    StepError,
+};
 use std::process::ExitCode;
 use twin::{DT, SCHEDULES, Twin, assert_same, busy};
 
@@ -26,6 +29,9 @@ fn main() -> ExitCode {
         trial("a_body_follows_one_solver", strict, one_solver),
         trial("a_step_that_fails_loses_nothing", strict, failed_step),
         trial("a_body_too_many_leaves_the_others", strict, too_many),
+        trial("bodies_of_another_backend_are_unknown", strict, elsewhere),
+        trial("a_step_on_the_cpu_is_an_edit", strict, stepped_here),
+        trial("more_passes_than_fit_are_an_error", strict, too_many_passes),
     ])
 }
 
@@ -196,4 +202,71 @@ fn too_many(context: Context) {
     grown.update(&mut gpu);
     grown.step(&mut gpu, &params);
     grown.assert_equal(&mut gpu, "once there was room");
+}
+
+/// Bodies have the same places in both backends.
+fn elsewhere(context: Context) {
+    let (material, params) = busy();
+    let mut here = GpuBackend::on(context).expect("a device");
+    let other = Context::open(&Needs::Strict.request()).expect("it opens twice");
+    let mut there = GpuBackend::on(other).expect("a device");
+    let surface = || sphere(1, [0.0; 3]);
+    let mut known = Twin::add(&mut here, surface(), &material, Schedule::Colors);
+    let unknown = Twin::add(&mut there, surface(), &material, Schedule::Colors).body;
+    let results = [
+        here.bounds(unknown).map(|_| ()),
+        here.prefetch(unknown),
+        here.positions(unknown).map(|_| ()),
+        here.update(unknown, &known.on_gpu, &mut known.solver),
+    ];
+    for result in results {
+        assert_eq!(result, Err(GpuError::UnknownBody));
+    }
+    here.remove(unknown);
+    known.step(&mut here, &params);
+    known.assert_equal(&mut here, "after another body was removed elsewhere");
+}
+
+fn stepped_here(context: Context) {
+    let (material, params) = busy();
+    let mut gpu = GpuBackend::on(context).expect("a device");
+    let mut twin = Twin::add(
+        &mut gpu,
+        sphere(1, [0.0; 3]),
+        &material,
+        Schedule::WholeBody,
+    );
+    twin.edit(|surface, solver| {
+        let done = solver.step_on(&mut CpuBackend::default(), surface, DT, &params);
+        done.map(|_| ()).expect("a step on the CPU");
+    });
+    let stepped = gpu.step([(twin.body, &mut twin.solver)], DT, &params);
+    assert_eq!(stepped.err(), Some(GpuError::StaleBody));
+    twin.update(&mut gpu);
+    twin.step(&mut gpu, &params);
+    twin.assert_equal(&mut gpu, "after a step on each");
+}
+
+/// Every substep has parameters of its own; that of a million does not fit is found before they are made.
+fn too_many_passes(context: Context) {
+    drop(context);
+    let request = AdapterRequest {
+        portable_limits: true,
+        ..Needs::Strict.request()
+    };
+    let (material, params) = busy();
+    let context = Context::open(&request).expect("it was there before");
+    let mut gpu = GpuBackend::on(context).expect("a device");
+    let mut twin = Twin::add(&mut gpu, sphere(1, [0.0; 3]), &material, Schedule::Colors);
+    let many = SolverParams {
+        substeps: 1_000_000,
+        ..params
+    };
+    let stepped = gpu.step([(twin.body, &mut twin.solver)], DT, &many);
+    assert!(
+        matches!(stepped, Err(GpuError::BufferTooLarge { .. })),
+        "{stepped:?}"
+    );
+    twin.step(&mut gpu, &params);
+    twin.assert_equal(&mut gpu, "after too many substeps");
 }

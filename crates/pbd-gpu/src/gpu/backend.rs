@@ -17,10 +17,13 @@ use crate::plan::StepPlan;
 use crate::solver::Solver;
 use incise_mesh::Surface;
 use std::ops::Range;
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The number of the next follower of a solver, in whichever backend.
-pub(super) static FOLLOWERS: AtomicU64 = AtomicU64::new(1);
+/// A number that nobody else has, in whichever backend; it is not 0.
+pub(super) fn number() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(1);
+    NEXT.fetch_add(1, Ordering::Relaxed)
+}
 
 /// How many frames the host may be ahead of the device. Without an end to it frames that are still to be
 /// done would fill the memory.
@@ -30,14 +33,15 @@ pub(super) const FRAMES_IN_FLIGHT: usize = 3;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct GpuBody {
     slot: u32,
-    /// Tells bodies apart that had the same slot one after the other.
-    generation: u32,
+    /// Tells bodies apart that have the same slot, one after the other or in other backends.
+    number: u64,
 }
 
 /// A body and what the host expects of it.
 #[derive(Debug)]
 pub(super) struct Resident {
     pub(super) body: DeviceBody,
+    number: u64,
     /// Under which number its solver knows it; 0 before the first upload.
     pub(super) follower: u64,
     /// The frame that stepped or edited it last.
@@ -97,7 +101,6 @@ pub struct GpuBackend {
     pub(super) in_flight: [Option<wgpu::SubmissionIndex>; FRAMES_IN_FLIGHT],
     /// By slot.
     pub(super) residents: Vec<Option<Resident>>,
-    pub(super) generations: Vec<u32>,
     pub(super) schedule: Option<Schedule>,
     /// What a solver hands over; its content matters to nobody between calls.
     pub(super) changes: Changes,
@@ -151,7 +154,6 @@ impl GpuBackend {
             frame: 0,
             in_flight: [const { None }; FRAMES_IN_FLIGHT],
             residents: Vec::new(),
-            generations: Vec::new(),
             schedule: None,
             changes: Changes::default(),
             context,
@@ -217,10 +219,11 @@ impl GpuBackend {
         let i = slot as usize;
         if self.residents.len() <= i {
             self.residents.resize_with(i + 1, || None);
-            self.generations.resize(i + 1, 0);
         }
+        let number = number();
         self.residents[i] = Some(Resident {
             body: DeviceBody::new(slot),
+            number,
             follower: 0,
             frame: 0,
             host: 0,
@@ -230,10 +233,7 @@ impl GpuBackend {
             report: Readback::default(),
             wants_report: false,
         });
-        let body = GpuBody {
-            slot,
-            generation: self.generations[i],
-        };
+        let body = GpuBody { slot, number };
         solver.mark_all_changed();
         if let Err(error) = self.update(body, surface, solver) {
             self.remove(body);
@@ -252,7 +252,6 @@ impl GpuBackend {
         if let Some(mut resident) = self.residents[i].take() {
             resident.body.free(&mut self.arenas);
             self.arenas.bodies.free(body.slot..body.slot + 1);
-            self.generations[i] = self.generations[i].wrapping_add(1);
             self.program_is_stale = true;
         }
     }
@@ -281,14 +280,14 @@ impl GpuBackend {
 
     pub(super) fn resident(&self, body: GpuBody) -> Result<&Resident, GpuError> {
         let i = body.slot as usize;
-        match (self.residents.get(i), self.generations.get(i)) {
-            (Some(Some(resident)), Some(&now)) if now == body.generation => Ok(resident),
+        match self.residents.get(i) {
+            Some(Some(resident)) if resident.number == body.number => Ok(resident),
             _ => Err(GpuError::UnknownBody),
         }
     }
 
     pub(super) fn resident_mut(&mut self, body: GpuBody) -> Result<&mut Resident, GpuError> {
-        find_mut(&mut self.residents, &self.generations, body)
+        find_mut(&mut self.residents, body)
     }
 
     pub(super) fn resident_at(&mut self, slot: u32) -> Option<&mut Resident> {
@@ -298,12 +297,11 @@ impl GpuBackend {
 
 pub(super) fn find_mut<'a>(
     residents: &'a mut [Option<Resident>],
-    generations: &[u32],
     body: GpuBody,
 ) -> Result<&'a mut Resident, GpuError> {
     let i = body.slot as usize;
-    match (residents.get_mut(i), generations.get(i)) {
-        (Some(Some(resident)), Some(&now)) if now == body.generation => Ok(resident),
+    match residents.get_mut(i) {
+        Some(Some(resident)) if resident.number == body.number => Ok(resident),
         _ => Err(GpuError::UnknownBody),
     }
 }

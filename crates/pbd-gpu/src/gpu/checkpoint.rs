@@ -10,8 +10,8 @@ impl GpuBackend {
     /// waits for nothing. The host's copy is then as old as that state, and still behind the device.
     ///
     /// Returns whether nothing is on its way any more. A state that is older than the host's copy, or
-    /// than the last [`GpuBackend::update`], is dropped. While the solver has velocities or pins of
-    /// which the device has not been told, nothing is taken over: the state would undo them.
+    /// than the last [`GpuBackend::update`], is dropped. Velocities and pins that were set on
+    /// the host and not been sent are kept.
     ///
     /// # Errors
     /// As [`GpuBackend::read`]. What has arrived is handed out even if the device is gone.
@@ -30,13 +30,23 @@ impl GpuBackend {
             }
             Some(_) => {}
         }
+        if !solver.is_followed_by(resident.follower) {
+            return Err(GpuError::ForeignSolver);
+        }
+        if solver.changes_concern_surface() {
+            return Err(GpuError::StaleBody);
+        }
         if !resident.state.has_arrived() {
             self.context.poll_once()?;
         }
-        if !self.resident(body)?.state.has_arrived() || !solver.is_unchanged() {
+        if !self.resident(body)?.state.has_arrived() {
             return Ok(false);
         }
+        let set = solver.velocities_set();
         self.take_state(body, surface, solver)?;
+        for (v, velocity) in set {
+            solver.velocities[v] = velocity;
+        }
         Ok(true)
     }
 }

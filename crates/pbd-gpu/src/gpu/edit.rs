@@ -1,6 +1,6 @@
 //! How bodies on a device follow edits of the host.
 
-use super::backend::{FOLLOWERS, GpuBackend, GpuBody, find_mut};
+use super::backend::{GpuBackend, GpuBody, find_mut, number};
 use super::body::{Host, POSITIONS, VELOCITIES};
 use super::error::GpuError;
 use super::layout::Report;
@@ -11,7 +11,6 @@ use crate::error::StepError;
 use crate::plan::StepPlan;
 use crate::solver::Solver;
 use incise_mesh::Surface;
-use std::sync::atomic::Ordering;
 
 impl GpuBackend {
     /// Sends what was edited on the host since the last call: a cut's vertices and constraints, pins,
@@ -31,9 +30,11 @@ impl GpuBackend {
         check_slots(surface, solver)?;
         let resident = self.resident_mut(body)?;
         if resident.follower == 0 || !solver.is_followed_by(resident.follower) {
-            resident.follower = FOLLOWERS.fetch_add(1, Ordering::Relaxed);
+            resident.follower = number();
             solver.follow(resident.follower);
         }
+        // What other bodies have noted is not to go down with this one's.
+        self.flush()?;
         let mut changes = std::mem::take(&mut self.changes);
         solver.take_changes(&mut changes);
         let done = self.send_changes(body, surface, solver, &changes);
@@ -61,10 +62,9 @@ impl GpuBackend {
             arenas,
             uploads,
             residents,
-            generations,
             ..
         } = self;
-        let resident = find_mut(residents, generations, body)?;
+        let resident = find_mut(residents, body)?;
         let host = Host { surface, solver };
         let vertices = surface.positions.len();
         let mut moved = false;
@@ -115,11 +115,10 @@ impl GpuBackend {
             arenas,
             uploads,
             residents,
-            generations,
             changes,
             ..
         } = self;
-        let resident = find_mut(residents, generations, body)?;
+        let resident = find_mut(residents, body)?;
         let on_device = &mut resident.body;
         solver.take_changes(changes);
         on_device.edit_masses(uploads, solver, &changes.masses);
@@ -132,8 +131,8 @@ impl GpuBackend {
         if changes.pins {
             let moved = on_device.update_pins(context, arenas, uploads, solver.pins());
             if moved.is_err() {
-                // The notes are taken, so all of the body has to come anew.
-                solver.mark_all_changed();
+                // Not all of the body: the host's positions may be older than the device's.
+                solver.changes.pins();
             }
             self.program_is_stale |= moved?;
         }

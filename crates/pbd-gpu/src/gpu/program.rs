@@ -107,14 +107,14 @@ impl Program {
 
     /// How many dispatches a frame has.
     pub(super) fn dispatches(&self, with_bounds: bool) -> u32 {
-        let count = |list: &[Dispatch]| u32::try_from(list.len()).unwrap_or(u32::MAX);
+        let count = |list: &[Dispatch]| list.len() as u64;
         let substep = count(&self.prologue)
-            + self.iterations * count(&self.iteration)
+            + u64::from(self.iterations) * count(&self.iteration)
             + count(&self.epilogue);
         let bounds = self.bounds.iter().flatten().count() * usize::from(with_bounds);
-        u32::from(self.whole.is_some())
-            + self.substeps * substep
-            + u32::try_from(bounds).unwrap_or(0)
+        let once = usize::from(self.whole.is_some()) + bounds;
+        let all = u64::from(self.substeps).saturating_mul(substep);
+        u32::try_from(all.saturating_add(once as u64)).unwrap_or(u32::MAX)
     }
 
     /// The kernels that the program needs.

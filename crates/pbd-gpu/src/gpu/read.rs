@@ -72,7 +72,7 @@ impl GpuBackend {
         solver: &mut Solver,
     ) -> Result<(), GpuError> {
         check_slots(surface, solver)?;
-        let resident = find_mut(&mut self.residents, &self.generations, body)?;
+        let resident = find_mut(&mut self.residents, body)?;
         let frame = resident.state.frame();
         let bytes = &mut self.bytes_read;
         let shown = resident.state.fetch(&self.context, |data| {

@@ -101,7 +101,11 @@ impl Readback {
         context: &Context,
         show: impl FnOnce(&[u8]) -> T,
     ) -> Result<Option<T>, GpuError> {
-        let (Some(flight), Some(buffer)) = (self.flight.take(), &self.buffer) else {
+        let Some(flight) = self.flight.take() else {
+            return Ok(None);
+        };
+        // What an error leaves may still be about to be mapped: it is not used again.
+        let Some(buffer) = self.buffer.take() else {
             return Ok(None);
         };
         if flight.state.load(Ordering::Acquire) == PENDING
@@ -111,7 +115,6 @@ impl Readback {
         }
         if flight.state.load(Ordering::Acquire) != MAPPED {
             context.check()?;
-            self.buffer = None;
             return Err(GpuError::Driver {
                 what: "reading back".to_owned(),
                 message: "the buffer was not mapped".to_owned(),
@@ -120,7 +123,6 @@ impl Readback {
         let shown = match buffer.slice(0..flight.bytes).get_mapped_range() {
             Ok(view) => show(&view),
             Err(error) => {
-                self.buffer = None;
                 return Err(GpuError::Driver {
                     what: "reading back".to_owned(),
                     message: error.to_string(),
@@ -128,15 +130,19 @@ impl Readback {
             }
         };
         buffer.unmap();
+        self.buffer = Some(buffer);
         Ok(Some(shown))
     }
 
     /// Gives up a copy that nobody has fetched.
     pub(super) fn forget(&mut self) {
-        if self.flight.take().is_some()
-            && let Some(buffer) = &self.buffer
-        {
-            buffer.unmap();
+        let Some(flight) = self.flight.take() else {
+            return;
+        };
+        match &self.buffer {
+            Some(buffer) if flight.submission.is_some() => buffer.unmap(),
+            // It was never asked to be mapped, as its commands went nowhere.
+            _ => self.buffer = None,
         }
     }
 }

@@ -115,7 +115,7 @@ impl GpuBackend {
             uploads,
             ..
         } = self;
-        let resident = find_mut(&mut self.residents, &self.generations, body)?;
+        let resident = find_mut(&mut self.residents, body)?;
         resident
             .body
             .update_record(context, arenas, uploads, constants);

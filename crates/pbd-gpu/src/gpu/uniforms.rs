@@ -63,23 +63,27 @@ impl Uniforms {
         uploads: &mut Uploads,
         program: &Program,
     ) -> Result<(), GpuError> {
+        let links: &[u8] = bytemuck::cast_slice(&program.links);
+        // Room first: what the device has no room for, the host does not spread out either.
+        for (buffer, bytes) in [
+            (
+                &mut self.passes,
+                program.passes.len() as u64 * u64::from(PASS_STRIDE),
+            ),
+            (&mut self.links, links.len() as u64),
+        ] {
+            if buffer.size() < bytes {
+                *buffer = context.buffer("program", bytes.next_power_of_two(), buffer.usage())?;
+            }
+        }
         self.bytes.clear();
         for pass in &program.passes {
             let end = self.bytes.len() + PASS_STRIDE as usize;
             self.bytes.extend(bytemuck::bytes_of(pass));
             self.bytes.resize(end, 0);
         }
-        let links: &[u8] = bytemuck::cast_slice(&program.links);
-        for (buffer, data) in [
-            (&mut self.passes, self.bytes.as_slice()),
-            (&mut self.links, links),
-        ] {
-            let bytes = data.len() as u64;
-            if buffer.size() < bytes {
-                *buffer = context.buffer("program", bytes.next_power_of_two(), buffer.usage())?;
-            }
-            uploads.send(context, buffer, 0, data);
-        }
+        uploads.send(context, &self.passes, 0, &self.bytes);
+        uploads.send(context, &self.links, 0, links);
         Ok(())
     }
 

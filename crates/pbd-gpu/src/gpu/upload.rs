@@ -83,12 +83,13 @@ impl Uploads {
         }
     }
 
-    /// Forgets noted edits: their places are not valid any more.
+    /// Forgets noted edits.
     pub(super) fn clear(&mut self) {
         self.edits.iter_mut().for_each(|words| words.truncate(1));
     }
 
-    /// Sends the noted edits and has them written to the buffers of the three targets.
+    /// Sends the noted edits and has them written to the buffers of the three targets. After an error they
+    /// are noted still.
     pub(super) fn flush(
         &mut self,
         context: &Context,
@@ -106,31 +107,32 @@ impl Uploads {
         let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
         pass.set_pipeline(&pipeline);
         for (i, target) in targets.into_iter().enumerate() {
-            let mut words = std::mem::take(&mut self.edits[i]);
-            let count = u32::try_from(words.len() / 2).unwrap_or(u32::MAX);
-            if count > 0 {
-                words[0] = count;
-                let bytes = (words.len() * 4) as u64;
-                let buffer = match self.buffers[i].take() {
-                    Some(buffer) if buffer.size() >= bytes => buffer,
-                    _ => context.buffer(
-                        "edits",
-                        bytes.next_power_of_two(),
-                        BufferUsages::STORAGE | BufferUsages::COPY_DST,
-                    )?,
-                };
-                self.send(context, &buffer, 0, bytemuck::cast_slice(&words));
-                let group = bind(context, &pipeline, &buffer, target);
-                self.buffers[i] = Some(buffer);
-                pass.set_bind_group(0, &group, &[]);
-                let [x, y] = workgroups(count.div_ceil(64));
-                pass.dispatch_workgroups(x, y, 1);
-                words.truncate(1);
+            let count = u32::try_from(self.edits[i].len() / 2).unwrap_or(u32::MAX);
+            if count == 0 {
+                continue;
             }
-            self.edits[i] = words;
+            self.edits[i][0] = count;
+            let words: &[u8] = bytemuck::cast_slice(&self.edits[i]);
+            let bytes = words.len() as u64;
+            let buffer = match self.buffers[i].take() {
+                Some(buffer) if buffer.size() >= bytes => buffer,
+                _ => context.buffer(
+                    "edits",
+                    bytes.next_power_of_two(),
+                    BufferUsages::STORAGE | BufferUsages::COPY_DST,
+                )?,
+            };
+            context.queue().write_buffer(&buffer, 0, words);
+            self.bytes += bytes;
+            let group = bind(context, &pipeline, &buffer, target);
+            self.buffers[i] = Some(buffer);
+            pass.set_bind_group(0, &group, &[]);
+            let [x, y] = workgroups(count.div_ceil(64));
+            pass.dispatch_workgroups(x, y, 1);
         }
         drop(pass);
         context.queue().submit([encoder.finish()]);
+        self.clear();
         context.check()
     }
 }
