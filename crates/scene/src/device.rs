@@ -212,6 +212,8 @@ impl Device {
     pub(crate) fn hand_out(&mut self, i: usize, surface: &Surface) {
         if let Some(resident) = self.resident_mut(i) {
             resident.is_edited = true;
+            // The device's box is not that of what is put elsewhere.
+            resident.bounds = None;
             if resident.handed_out.is_none() {
                 resident.handed_out = Some(fingerprint(surface));
             }

@@ -28,6 +28,11 @@ fn main() -> ExitCode {
         trial("a_blade_at_rest_reads_nothing", any, at_rest),
         trial("a_far_blade_reads_a_box_and_no_state", any, far_away),
         trial("a_cut_reads_and_sends_one_body", any, one_body),
+        trial(
+            "a_body_that_was_put_elsewhere_is_cut_there",
+            any,
+            put_elsewhere,
+        ),
         trial("auto_goes_on_without_the_device", Needs::Strict, lost_auto),
         trial("auto_cuts_though_the_device_is_lost", any, lost_in_a_cut),
         trial(
@@ -267,6 +272,21 @@ fn one_body(context: Context) {
     assert_eq!(scene.body(bodies[1]).pieces().len(), 2);
     // The next frame sends no more than the frame itself.
     assert!(scene.step().unwrap().bytes_uploaded < stats.bytes_uploaded / 4);
+}
+
+/// The device has told the body's box to a far blade when somebody puts the body in the blade's way.
+fn put_elsewhere(context: Context) {
+    let (mut scene, bodies, blade) = quiet(context);
+    scene.step().unwrap();
+    for (x, cuts) in [(4.0, 0), (-2.0, 1)] {
+        scene.move_blade(blade, [[x, 50.0, -2.0], [x, 50.0, 2.0]]);
+        assert_eq!(scene.cut().unwrap().cuts, cuts);
+        let (_, surface) = scene.edit(bodies[0]).unwrap().solver_mut();
+        for p in &mut surface.positions {
+            p[1] += 49.9;
+        }
+    }
+    assert_eq!(scene.body(bodies[0]).pieces().len(), 2);
 }
 
 /// One body's bits after every frame on the processor, those at the start first.

@@ -295,10 +295,10 @@ impl GpuBackend {
     }
 }
 
-pub(super) fn find_mut<'a>(
-    residents: &'a mut [Option<Resident>],
+pub(super) fn find_mut(
+    residents: &mut [Option<Resident>],
     body: GpuBody,
-) -> Result<&'a mut Resident, GpuError> {
+) -> Result<&mut Resident, GpuError> {
     let i = body.slot as usize;
     match residents.get_mut(i) {
         Some(Some(resident)) if resident.number == body.number => Ok(resident),
