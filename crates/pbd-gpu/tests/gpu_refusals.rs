@@ -267,6 +267,15 @@ fn too_many_passes(context: Context) {
         matches!(stepped, Err(GpuError::BufferTooLarge { .. })),
         "{stepped:?}"
     );
+    let many = SolverParams {
+        iterations: 1_000_000,
+        ..params
+    };
+    let stepped = gpu.step([(twin.body, &mut twin.solver)], DT, &many);
+    assert!(
+        matches!(stepped, Err(GpuError::TooManyDispatches { .. })),
+        "{stepped:?}"
+    );
     twin.step(&mut gpu, &params);
-    twin.assert_equal(&mut gpu, "after too many substeps");
+    twin.assert_equal(&mut gpu, "after too many passes");
 }

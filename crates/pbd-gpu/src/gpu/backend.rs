@@ -267,7 +267,8 @@ impl GpuBackend {
     }
 
     /// Where a body's positions lie, for a renderer: the buffer and the part of it \[bytes\], xyz and
-    /// inverse mass a vertex slot. Valid until the next [`GpuBackend::add`] or [`GpuBackend::update`].
+    /// inverse mass a vertex slot. Valid until the next [`GpuBackend::add`],
+    /// [`GpuBackend::update`] or [`GpuBackend::calibrate`].
     ///
     /// # Errors
     /// [`GpuError::UnknownBody`].

@@ -84,6 +84,16 @@ pub enum GpuError {
         /// How long was waited \[s\].
         seconds: f64,
     },
+    /// A frame of more dispatches than the host should put into one list.
+    #[error(
+        "the frame takes {dispatches} dispatches, {limit} are allowed; use fewer substeps or iterations"
+    )]
+    TooManyDispatches {
+        /// What the frame takes.
+        dispatches: u32,
+        /// What is allowed.
+        limit: u32,
+    },
     /// A body that the backend does not have, or has no more.
     #[error("the body is not on this device; add it first")]
     UnknownBody,

@@ -13,6 +13,9 @@ use crate::solver::Solver;
 use bytemuck::Zeroable;
 use wgpu::{BindGroup, ComputePass, ComputePassDescriptor};
 
+/// The most dispatches of a frame: each takes the host some hundred bytes until it is submitted.
+const MOST_DISPATCHES: u32 = 1 << 20;
+
 impl GpuBackend {
     /// Steps bodies by one frame of `dt` \[s\], all in one submission, and returns while the device works:
     /// at most three frames behind, so that what is still to be done never fills the memory.
@@ -20,8 +23,8 @@ impl GpuBackend {
     ///
     /// # Errors
     /// [`GpuError`] when a parameter is out of its range, a body is unknown, follows another solver or was
-    /// edited without [`GpuBackend::update`], or the device fails; no body is stepped then. That a position stopped being a number is found by
-    /// [`GpuBackend::read`].
+    /// edited without [`GpuBackend::update`], the frame takes too many dispatches, or the device fails; no
+    /// body is stepped then. That a position stopped being a number is found by [`GpuBackend::read`].
     pub fn step<'a>(
         &mut self,
         bodies: impl IntoIterator<Item = (GpuBody, &'a mut Solver)>,
@@ -54,6 +57,11 @@ impl GpuBackend {
         self.update_program(params.substeps)?;
         self.uniforms
             .send_frame(&self.context, &mut self.uploads, frame);
+        let dispatches = self.program.dispatches(true);
+        if dispatches > MOST_DISPATCHES {
+            let limit = MOST_DISPATCHES;
+            return Err(GpuError::TooManyDispatches { dispatches, limit });
+        }
         self.frame += 1;
         let wants_bounds = self.note_frame();
         stats.dispatches = self.program.dispatches(wants_bounds);
