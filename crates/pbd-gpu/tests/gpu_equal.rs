@@ -7,46 +7,19 @@
 
 #[path = "common/gpu.rs"]
 mod gpu;
+#[path = "common/twin.rs"]
+mod twin;
 
 use gpu::{Needs, trial};
 use incise_mesh::{Model, Surface, VertexId, build_model};
-use incise_pbd_gpu::{
-    Context, GpuBackend, Material, PatchParams, Schedule, Solver, SolverParams, Stiffness,
-};
+use incise_pbd_gpu::{Context, GpuBackend, Material, Schedule, Solver};
 use std::process::ExitCode;
-
-const DT: f32 = 1.0 / 60.0;
-
-/// Everything that a solver does, at once: compliance with multipliers, bending, pins, friction.
-fn busy() -> (Material, SolverParams) {
-    let material = Material {
-        stretch: Stiffness::Compliance(1e-6),
-        bending: Some(Stiffness::Compliance(1e-3)),
-        damping: 0.1,
-        ..Material::default()
-    };
-    let params = SolverParams {
-        iterations: 3,
-        substeps: 3,
-        ground: Some(-1.2),
-        ..SolverParams::default()
-    };
-    (material, params)
-}
+use twin::{DT, SCHEDULES, busy, solver_for};
 
 /// A body and its solver with a few pins on the move.
 fn set_up(model: Model, schedule: Schedule, material: &Material) -> (Surface, Solver) {
     let mut surface = build_model(model);
-    let solver = if schedule == Schedule::Patches {
-        let patches = PatchParams {
-            vertices: 40,
-            room: 8,
-        };
-        Solver::with_patches(&mut surface, material, &patches)
-    } else {
-        Solver::new(&mut surface, material)
-    };
-    let mut solver = solver.expect("a model is sound");
+    let mut solver = solver_for(&mut surface, material, schedule);
     for v in [0, 5].map(VertexId) {
         solver.pin(&mut surface, v).expect("a model's vertex");
     }
@@ -96,7 +69,7 @@ fn main() -> ExitCode {
         (Model::Sphere768, 20),
         (Model::Octopus, 3),
     ] {
-        for schedule in [Schedule::WholeBody, Schedule::Colors, Schedule::Patches] {
+        for schedule in SCHEDULES {
             let name = format!("{} by {}", model.name(), schedule.name());
             trials.push(trial(&name, Needs::Strict, move |context| {
                 equal(context, model, schedule, frames);
