@@ -73,7 +73,9 @@ pub fn assert_same_bits(a: &Surface, b: &Surface) {
     assert!(same_uv && same_normals, "corner attributes differ");
     for t in a.topology().triangles() {
         assert_eq!(a.piece(t), b.piece(t), "the piece of {t}");
+        assert_eq!(a.material(t), b.material(t), "the material of {t}");
     }
+    assert_eq!(a.piece_bound(), b.piece_bound(), "the next piece differs");
 }
 
 fn bits<const N: usize>(values: &[[f32; N]]) -> Vec<[u32; N]> {
@@ -214,10 +216,21 @@ fn assert_vertices_are_true(before: &Surface, after: &Surface, delta: &TopologyD
                     before.topology().find_half_edge(*a, *b).is_some(),
                 )
             }
-            Origin::OnCap { parents } => (parents, true),
+            Origin::InFace { corners, weights } => {
+                assert_shares(weights, v);
+                let [a, b, c] = *corners;
+                let topology = before.topology();
+                let third = |h: HalfEdge| topology.origin(h.prev());
+                let face = topology.find_half_edge(a, b);
+                (corners, face.is_some_and(|h| third(h) == c))
+            }
+            Origin::OnCap { parents, weights } => {
+                assert_shares(weights, v);
+                (parents, true)
+            }
             _ => panic!("an origin that this test does not know"),
         };
-        assert!(known, "the edge of {v} is no edge");
+        assert!(known, "the edge or triangle of {v} was none");
         for &p in parents {
             let was = p.index() < before.topology().vertex_slots()
                 && !before.topology().outgoing(p).is_null();
@@ -246,6 +259,19 @@ fn assert_vertices_are_true(before: &Surface, after: &Surface, delta: &TopologyD
     }
     let found: BTreeSet<VertexId> = after.topology().vertices().collect();
     assert_eq!(expected, found, "kept and added vertices");
+}
+
+/// Weights of parents: none negative, and together 1 but for rounding.
+fn assert_shares(weights: &[f32; 3], v: VertexId) {
+    assert!(
+        weights.iter().all(|w| (0.0..=1.0).contains(w)),
+        "{v} lies outside of its parents"
+    );
+    let sum: f64 = weights.iter().map(|&w| f64::from(w)).sum();
+    assert!(
+        (sum - 1.0).abs() <= ROUNDING,
+        "the weights of {v} sum to {sum}"
+    );
 }
 
 fn assert_pieces_are_true(before: &Surface, after: &Surface, delta: &TopologyDelta) {

@@ -16,10 +16,29 @@ pub enum Origin {
         /// Where between them, 0 to 1.
         t: f32,
     },
-    /// Inside a cap, at the mean of three vertices made before it.
+    /// Inside a triangle that the edit found: where a corner of the blade pierced it.
+    InFace {
+        /// The triangle's corners.
+        corners: [VertexId; 3],
+        /// Their weights, 0 to 1, which sum to 1 but for rounding.
+        weights: [f32; 3],
+    },
+    /// Inside a cap, between three vertices made before it.
     OnCap {
         /// The three vertices, some of which may be new themselves.
         parents: [VertexId; 3],
+        /// Their weights, 0 to 1, which sum to 1 but for rounding.
+        weights: [f32; 3],
+    },
+    /// There before an edit that has been undone, and back where it was. What moved in its place
+    /// meanwhile: vertices that the edit had made from it, else neighbors. Its position and rest position are
+    /// its own; velocities and the like follow the parents. A vertex without any living relative is
+    /// its own parent.
+    Restored {
+        /// The vertices that moved in its place.
+        parents: [VertexId; 3],
+        /// Their weights, 0 to 1, which sum to 1 but for rounding.
+        weights: [f32; 3],
     },
 }
 
@@ -29,7 +48,24 @@ impl Origin {
     pub fn weights(&self) -> [(VertexId, f64); 3] {
         match *self {
             Self::OnEdge { a, b, t } => [(a, 1.0 - f64::from(t)), (b, f64::from(t)), (a, 0.0)],
-            Self::OnCap { parents } => parents.map(|v| (v, 1.0 / 3.0)),
+            Self::InFace {
+                corners: parents,
+                weights,
+            }
+            | Self::OnCap { parents, weights }
+            | Self::Restored { parents, weights } => {
+                // Made to sum to 1 here: thirds of f32 do not.
+                let weights = weights.map(f64::from);
+                let sum: f64 = weights.iter().sum();
+                let share = |i: usize| {
+                    if sum > 0.0 {
+                        weights[i] / sum
+                    } else {
+                        1.0 / 3.0
+                    }
+                };
+                [0, 1, 2].map(|i| (parents[i], share(i)))
+            }
         }
     }
 
@@ -62,7 +98,7 @@ pub struct AddedVertex {
 /// Removals come first: a slot that was freed may be used again by the same edit.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TopologyDelta {
-    /// Triangles that went, with the vertices that they had.
+    /// Triangles that went, with the vertices that they had. One that got other corners went and came.
     pub triangles_removed: Vec<(TriangleId, [VertexId; 3])>,
     /// Triangles that came.
     pub triangles_added: Vec<TriangleId>,
@@ -71,9 +107,11 @@ pub struct TopologyDelta {
     pub vertices_removed: Vec<VertexId>,
     /// Vertices that came, parents before children.
     pub vertices_added: Vec<AddedVertex>,
-    /// Pieces that the edit made out of one, each with the piece that it was part of before.
+    /// Pieces that the edit made out of one, each with the piece that it was part of before. A piece
+    /// of which nothing was there and that an undo brings back names itself.
     pub pieces_added: Vec<(u32, u32)>,
-    /// Pieces that are no more: nothing of them was left.
+    /// Pieces that are no more: nothing of them was left, or an undo gave their triangles back to the
+    /// pieces that they came from.
     pub pieces_removed: Vec<u32>,
 }
 
@@ -82,5 +120,22 @@ impl TopologyDelta {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.triangles_removed.is_empty() && self.triangles_added.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_sum_to_one_and_thirds_are_thirds() {
+        let parents = [1, 2, 3].map(VertexId);
+        let on_cap = |weights| Origin::OnCap { parents, weights };
+        let third = on_cap([1.0 / 3.0; 3]).weights();
+        assert_eq!(third, parents.map(|v| (v, 1.0 / 3.0)));
+        let mixed = on_cap([0.2, 0.7, 0.1]).weights();
+        assert!((mixed.iter().map(|w| w.1).sum::<f64>() - 1.0).abs() < 1e-15);
+        let none = on_cap([0.0; 3]).weights();
+        assert_eq!(none, third, "weights that say nothing weigh the same");
     }
 }

@@ -3,6 +3,7 @@
 //! - [`Topology`]: who is whose neighbor, as a corner table with local edits.
 //! - [`Surface`]: a topology with positions, rest positions, corner attributes and piece numbers,
 //!   each in an array of its own.
+//! - [`Edit`]: a local change in place that leaves no trace unless finished, and its [`Undo`].
 //! - [`TopologyDelta`]: an edit as data, which solvers, search trees and renderers follow.
 //!
 //! ```
@@ -19,11 +20,14 @@
 mod check;
 mod components;
 mod delta;
+mod edit;
 pub mod geometry;
+mod history;
 mod ids;
 mod io;
 mod measure;
 mod partition;
+mod pieces;
 mod quality;
 mod shapes;
 mod surface;
@@ -31,6 +35,7 @@ mod topology;
 
 pub use check::{Defect, MeshReport, NotFit, check};
 pub use delta::{AddedVertex, Origin, TopologyDelta};
+pub use edit::{Edit, Undo, UndoError};
 pub use geometry::{Aabb, Vec3};
 pub use ids::{EdgeKey, HalfEdge, TriangleId, VertexId};
 pub use io::{

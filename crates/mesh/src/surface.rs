@@ -1,7 +1,9 @@
 //! A surface: connectivity and the arrays that go with it.
 
 use crate::geometry::{Aabb, Vec3, widen};
+use crate::history::{History, Step};
 use crate::ids::{HalfEdge, TriangleId, VertexId};
+use crate::pieces::Pieces;
 use crate::topology::{Topology, TopologyError};
 
 /// What corners carry beside their vertex. A seam is where the corners of one vertex differ; it
@@ -14,18 +16,48 @@ pub struct CornerAttributes {
     pub normal: Vec<[f32; 3]>,
 }
 
+impl CornerAttributes {
+    /// Gives new triangle slots zeros in the arrays that are there.
+    pub(crate) fn fit(&mut self, triangle_slots: usize) {
+        if !self.uv.is_empty() {
+            self.uv.resize(3 * triangle_slots, [0.0; 2]);
+        }
+        if !self.normal.is_empty() {
+            self.normal.resize(3 * triangle_slots, [0.0; 3]);
+        }
+    }
+}
+
 /// A triangle surface as a structure of arrays, one array an attribute. One surface holds any
 /// number of pieces (bodies after a cut): every triangle has the number of its piece.
-#[derive(Debug, Clone, Default, PartialEq)]
+///
+/// Surfaces are equal when their arrays are, however they came to be what they are.
+#[derive(Debug, Clone, Default)]
 pub struct Surface {
-    topology: Topology,
+    pub(crate) topology: Topology,
     /// Position \[m\] and inverse mass \[1/kg\], 0 = pinned, shape \[vertex slots\].
     pub positions: Vec<[f32; 4]>,
     /// Rest position \[m\], shape \[vertex slots\].
     pub rest: Vec<[f32; 3]>,
     /// Attributes of corners.
     pub corners: CornerAttributes,
-    piece: Vec<u32>,
+    /// Shape \[triangle slots\], like `material`.
+    pub(crate) piece: Vec<u32>,
+    pub(crate) material: Vec<u32>,
+    pub(crate) pieces: Pieces,
+    pub(crate) history: History,
+}
+
+impl PartialEq for Surface {
+    fn eq(&self, other: &Self) -> bool {
+        self.topology == other.topology
+            && self.positions == other.positions
+            && self.rest == other.rest
+            && self.corners == other.corners
+            && self.piece == other.piece
+            && self.material == other.material
+            && self.pieces == other.pieces
+    }
 }
 
 impl Surface {
@@ -40,7 +72,19 @@ impl Surface {
     ) -> Result<Self, TopologyError> {
         let topology = Topology::from_triangles(positions.len(), triangles)?;
         let piece = topology.component_labels();
+        let mut pieces = Pieces::default();
+        piece.iter().for_each(|&p| pieces.add(p));
+        let mut history = History::default();
+        for (i, &[a, b, c]) in (0..).zip(triangles) {
+            history.step(Step::Build, i);
+            history.pair(a, b);
+            history.pair(c, 0);
+        }
+        history.floats(positions.as_flattened());
         Ok(Self {
+            material: vec![0; piece.len()],
+            pieces,
+            history,
             topology,
             positions: positions.iter().map(|&[x, y, z]| [x, y, z, 1.0]).collect(),
             rest: positions.to_vec(),
@@ -80,14 +124,22 @@ impl Surface {
         self.piece[t.index()]
     }
 
-    /// One more than the largest piece number in use.
+    /// One more than the largest piece number that was ever in use. O(1).
     #[must_use]
     pub fn piece_bound(&self) -> u32 {
-        self.topology
-            .triangles()
-            .map(|t| self.piece(t) + 1)
-            .max()
-            .unwrap_or(0)
+        self.pieces.bound()
+    }
+
+    /// The triangles of a piece; 0 of a number not in use. O(log p) for p pieces.
+    #[must_use]
+    pub fn piece_triangles(&self, piece: u32) -> usize {
+        self.pieces.count(piece) as usize
+    }
+
+    /// The material of `t`: a number that means what its user says. 0 unless set.
+    #[must_use]
+    pub fn material(&self, t: TriangleId) -> u32 {
+        self.material[t.index()]
     }
 
     /// The box around the vertices that triangles use.
@@ -137,6 +189,9 @@ impl Surface {
             self.positions[v.index()] = position;
             self.rest[v.index()] = rest;
         }
+        self.history.step(Step::AddVertex, v.0);
+        self.history.floats(&position);
+        self.history.floats(&rest);
         v
     }
 
@@ -152,14 +207,11 @@ impl Surface {
         let t = self.topology.add_triangle(corners)?;
         if t.index() == self.piece.len() {
             self.piece.push(piece);
-            if !self.corners.uv.is_empty() {
-                self.corners.uv.extend([[0.0; 2]; 3]);
-            }
-            if !self.corners.normal.is_empty() {
-                self.corners.normal.extend([[0.0; 3]; 3]);
-            }
+            self.material.push(0);
+            self.corners.fit(self.piece.len());
         } else {
             self.piece[t.index()] = piece;
+            self.material[t.index()] = 0;
             for h in t.half_edges() {
                 if let Some(uv) = self.corners.uv.get_mut(h.index()) {
                     *uv = [0.0; 2];
@@ -169,6 +221,11 @@ impl Surface {
                 }
             }
         }
+        self.pieces.add(piece);
+        let [a, b, c] = corners.map(|v| v.0);
+        self.history.step(Step::AddTriangle, t.0);
+        self.history.pair(a, b);
+        self.history.pair(c, piece);
         Ok(t)
     }
 
@@ -177,12 +234,21 @@ impl Surface {
     /// # Errors
     /// [`TopologyError`]; nothing is joined then.
     pub fn stitch(&mut self, half_edges: &[HalfEdge]) -> Result<(), TopologyError> {
-        self.topology.stitch(half_edges)
+        self.topology.stitch(half_edges)?;
+        for h in half_edges {
+            self.history.step(Step::Join, h.0);
+        }
+        Ok(())
     }
 
     /// Frees triangles, see [`Topology::remove_triangles`].
     pub fn remove_triangles(&mut self, triangles: &[TriangleId]) -> Vec<VertexId> {
-        self.topology.remove_triangles(triangles)
+        let unused = self.topology.remove_triangles(triangles);
+        for t in triangles {
+            self.pieces.remove(self.piece[t.index()]);
+            self.history.step(Step::RemoveTriangle, t.0);
+        }
+        unused
     }
 
     /// Frees unused vertices, see [`Topology::remove_vertices`]; their data stays readable.
@@ -191,11 +257,29 @@ impl Surface {
     /// When a triangle still uses one.
     pub fn remove_vertices(&mut self, vertices: &[VertexId]) {
         self.topology.remove_vertices(vertices);
+        for v in vertices {
+            self.history.step(Step::RemoveVertex, v.0);
+        }
     }
 
     /// Moves a triangle to another piece.
     pub fn set_piece(&mut self, t: TriangleId, piece: u32) {
-        self.piece[t.index()] = piece;
+        let old = std::mem::replace(&mut self.piece[t.index()], piece);
+        if old != piece {
+            if self.topology.is_triangle(t) {
+                self.pieces.remove(old);
+                self.pieces.add(piece);
+            }
+            self.history.step(Step::SetPiece, t.0);
+            self.history.pair(piece, 0);
+        }
+    }
+
+    /// Gives a triangle another material.
+    pub fn set_material(&mut self, t: TriangleId, material: u32) {
+        self.material[t.index()] = material;
+        self.history.step(Step::SetMaterial, t.0);
+        self.history.pair(material, 0);
     }
 
     /// One piece as a surface of its own, without free slots, in slot order.
@@ -207,7 +291,8 @@ impl Surface {
     /// Renumbers vertices and triangles so that no slot is free and keeps the order. Returns, for
     /// every old vertex and triangle slot, its new id or null.
     pub fn compact(&mut self) -> (Vec<VertexId>, Vec<TriangleId>) {
-        let (surface, vertices, triangles) = self.gather(|_| true);
+        let (mut surface, vertices, triangles) = self.gather(|_| true);
+        surface.pieces.set_bound(self.piece_bound());
         *self = surface;
         (vertices, triangles)
     }
@@ -227,16 +312,19 @@ impl Surface {
         let mut triangle_map = vec![TriangleId::NULL; topology.triangle_slots()];
         for &t in &kept {
             let corners = topology.triangle(t).map(|v| vertex_map[v.index()]);
-            triangle_map[t.index()] = out
+            let new = out
                 .add_triangle(corners, self.piece(t))
                 .expect("the corners of a triangle are distinct vertices");
-            for h in t.half_edges() {
-                out.corners.uv.extend(self.corners.uv.get(h.index()));
-                out.corners
-                    .normal
-                    .extend(self.corners.normal.get(h.index()));
-            }
+            out.material[new.index()] = self.material(t);
+            triangle_map[t.index()] = new;
         }
+        let half_edges = || kept.iter().flat_map(|t| t.half_edges());
+        let uv = half_edges().filter_map(|h| self.corners.uv.get(h.index()));
+        let normal = half_edges().filter_map(|h| self.corners.normal.get(h.index()));
+        out.corners = CornerAttributes {
+            uv: uv.copied().collect(),
+            normal: normal.copied().collect(),
+        };
         let half_edges: Vec<HalfEdge> = out
             .topology
             .triangles()

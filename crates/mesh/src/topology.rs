@@ -74,11 +74,11 @@ pub struct InvalidTopology {
 /// Who is whose neighbor: the connectivity of a triangle surface. See the module's first lines for the arrays.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Topology {
-    origin: Vec<VertexId>,
-    twin: Vec<HalfEdge>,
-    outgoing: Vec<HalfEdge>,
-    free_triangles: Vec<TriangleId>,
-    free_vertices: Vec<VertexId>,
+    pub(crate) origin: Vec<VertexId>,
+    pub(crate) twin: Vec<HalfEdge>,
+    pub(crate) outgoing: Vec<HalfEdge>,
+    pub(crate) free_triangles: Vec<TriangleId>,
+    pub(crate) free_vertices: Vec<VertexId>,
 }
 
 impl Topology {

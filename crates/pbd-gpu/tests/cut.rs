@@ -2,8 +2,8 @@
 
 mod common;
 
-use common::{Addition, NEW, replace, sphere};
-use incise_mesh::{Origin, Surface, TriangleId, VertexId};
+use common::{Addition, NEW, on_cap, replace, sphere};
+use incise_mesh::{Surface, TriangleId, VertexId};
 use incise_pbd_gpu::{Density, Material, Solver, SolverParams};
 
 /// The removed triangles and the caps of a cut along the equator. Both halves get a vertex in the
@@ -31,7 +31,7 @@ fn equator(surface: &Surface) -> (Vec<TriangleId>, Addition) {
     for (i, rim) in (0..).zip([above, below]) {
         let third = rim.len() / 3;
         let parents = [rim[0][0], rim[third][0], rim[2 * third][0]];
-        addition.vertices.push(Origin::OnCap { parents });
+        addition.vertices.push(on_cap(parents));
         let fan = rim.iter().map(|&[a, b]| [VertexId(NEW + i), a, b]);
         addition.triangles.extend(fan);
     }
@@ -112,7 +112,7 @@ fn a_piece_of_new_vertices_gets_mass() {
     let chip = [0, 1, 2, 3].map(|i| VertexId(NEW + 2 + i));
     for corners in [[0, 1, 2], [1, 3, 2], [3, 4, 2], [0, 4, 5]] {
         let parents = corners.map(|i: usize| ids[i]);
-        addition.vertices.push(Origin::OnCap { parents });
+        addition.vertices.push(on_cap(parents));
     }
     for corners in [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]] {
         addition.triangles.push(corners.map(|i: usize| chip[i]));

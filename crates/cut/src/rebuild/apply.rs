@@ -184,6 +184,7 @@ impl Edit {
         for (parents, &position) in cap.inner.iter().zip(&cap.points[cap.rim..]) {
             let origin = Origin::OnCap {
                 parents: parents.map(|i| vertices[i as usize]),
+                weights: [1.0 / 3.0; 3],
             };
             vertices.push(self.add_vertex(round(position), origin, lip.piece));
         }

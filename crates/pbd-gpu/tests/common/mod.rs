@@ -200,6 +200,14 @@ pub(crate) fn split(surface: &mut Surface, h: HalfEdge, t: f32) -> Option<Topolo
     ))
 }
 
+/// The mean of three vertices.
+pub(crate) fn on_cap(parents: [VertexId; 3]) -> Origin {
+    Origin::OnCap {
+        parents,
+        weights: [1.0 / 3.0; 3],
+    }
+}
+
 /// Takes `v` and its triangles away and closes the hole with a new vertex between its neighbors.
 pub(crate) fn renew(surface: &mut Surface, v: VertexId) -> Option<TopologyDelta> {
     let topology = surface.topology();
@@ -213,7 +221,7 @@ pub(crate) fn renew(surface: &mut Surface, v: VertexId) -> Option<TopologyDelta>
         .collect();
     let parents = [rim[0][0], rim[1][0], rim[2][0]];
     let addition = Addition {
-        vertices: vec![Origin::OnCap { parents }],
+        vertices: vec![on_cap(parents)],
         triangles: rim.iter().map(|&[a, b]| [VertexId(NEW), a, b]).collect(),
         piece: surface.piece(fan[0].triangle()),
     };

@@ -1,0 +1,264 @@
+//! Local edits that can be taken back: an [`Edit`] in progress, an [`Undo`] of one that is done.
+//!
+//! An edit works in place and logs what it overwrites. Unfinished it leaves no trace; finished it
+//! gives the change as a [`TopologyDelta`](crate::TopologyDelta) and the log as an [`Undo`]. The
+//! cost is that of the change, whatever the size of the surface.
+
+mod finish;
+mod log;
+mod relatives;
+#[cfg(test)]
+mod tests;
+mod undo;
+
+pub use undo::{Undo, UndoError};
+
+use crate::delta::Origin;
+use crate::history::Step;
+use crate::ids::{HalfEdge, TriangleId, VertexId};
+use crate::surface::Surface;
+use log::Log;
+
+impl Surface {
+    /// Begins an edit. O(1).
+    pub fn edit(&mut self) -> Edit<'_> {
+        Edit {
+            log: Log::of(self),
+            surface: self,
+            vertices: Vec::new(),
+            pieces: Vec::new(),
+            open: true,
+        }
+    }
+}
+
+/// An edit in progress. [`Edit::finish`] makes it count; dropped without it, the surface is bit for
+/// bit what it was: arrays, their lengths and the lists of free slots.
+///
+/// Between two calls the surface need not be a manifold; what must hold at the end is the caller's
+/// to see to. [`Topology::outgoing`](crate::Topology::outgoing), and with it every walk around a
+/// vertex, is right again only after the finish.
+///
+/// ```
+/// use incise_mesh::{Surface, TriangleId};
+///
+/// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// let mut body = Surface::from_triangles(&corners, &faces)?;
+/// let before = body.clone();
+///
+/// let mut edit = body.edit();
+/// edit.remove_triangle(TriangleId(2));
+/// drop(edit);
+/// assert_eq!(body, before);
+///
+/// let mut edit = body.edit();
+/// edit.remove_triangle(TriangleId(2));
+/// let (delta, undo) = edit.finish();
+/// assert_eq!(delta.triangles_removed.len(), 1);
+/// assert!(!body.topology().is_closed());
+/// let back = undo.revert(&mut body)?;
+/// assert_eq!(back.triangles_added, [TriangleId(2)]);
+/// assert_eq!(body, before);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Edit<'a> {
+    surface: &'a mut Surface,
+    log: Log,
+    /// Vertices that were made, with their origins.
+    vertices: Vec<(VertexId, Origin)>,
+    /// Piece numbers that were taken, each with its parent.
+    pieces: Vec<(u32, u32)>,
+    open: bool,
+}
+
+impl Edit<'_> {
+    /// The surface as edited so far.
+    #[must_use]
+    pub fn surface(&self) -> &Surface {
+        self.surface
+    }
+
+    /// Makes a vertex. One that no triangle uses at the end is removed again.
+    ///
+    /// Parents are vertices that triangles used before this edit, or that it made before this one and
+    /// that triangles use at the end.
+    pub fn add_vertex(&mut self, position: [f32; 4], rest: [f32; 3], origin: Origin) -> VertexId {
+        let surface = &mut *self.surface;
+        let free = &mut surface.topology.free_vertices;
+        let v = if let Some(v) = self.log.free_vertices.pop(free) {
+            self.log
+                .positions
+                .set(&mut surface.positions, v.0, position);
+            self.log.rest.set(&mut surface.rest, v.0, rest);
+            v
+        } else {
+            let v = VertexId::from_index(surface.topology.vertex_slots());
+            surface.topology.outgoing.push(HalfEdge::NULL);
+            surface.positions.push(position);
+            surface.rest.push(rest);
+            v
+        };
+        self.vertices.push((v, origin));
+        surface.history.step(Step::AddVertex, v.0);
+        surface.history.floats(&position);
+        surface.history.floats(&rest);
+        v
+    }
+
+    /// Makes a triangle without neighbors; corner attributes are zero. Corners are vertices that
+    /// triangles use or that this edit made. A new piece number comes from [`Self::new_piece`].
+    ///
+    /// # Panics
+    /// When the vertices repeat or have no slot: that is a mistake of the caller, not of its input.
+    pub fn add_triangle(
+        &mut self,
+        corners: [VertexId; 3],
+        piece: u32,
+        material: u32,
+    ) -> TriangleId {
+        let [a, b, c] = corners;
+        assert!(a != b && b != c && c != a, "a triangle of {corners:?}");
+        let (surface, log) = (&mut *self.surface, &mut self.log);
+        let topology = &mut surface.topology;
+        let t = if let Some(t) = log.free_triangles.pop(&mut topology.free_triangles) {
+            log.piece.set(&mut surface.piece, t.0, piece);
+            log.material.set(&mut surface.material, t.0, material);
+            for h in t.half_edges() {
+                if h.index() < surface.corners.uv.len() {
+                    log.uv.set(&mut surface.corners.uv, h.0, [0.0; 2]);
+                }
+                if h.index() < surface.corners.normal.len() {
+                    log.normal.set(&mut surface.corners.normal, h.0, [0.0; 3]);
+                }
+            }
+            t
+        } else {
+            let t = TriangleId::from_index(topology.triangle_slots());
+            topology.origin.extend([VertexId::NULL; 3]);
+            topology.twin.extend([HalfEdge::NULL; 3]);
+            surface.piece.push(piece);
+            surface.material.push(material);
+            surface.corners.fit(topology.triangle_slots());
+            t
+        };
+        for (h, v) in t.half_edges().into_iter().zip(corners) {
+            log.origin.set(&mut topology.origin, h.0, v);
+            if topology.outgoing[v.index()].is_null() {
+                log.outgoing.set(&mut topology.outgoing, v.0, h);
+            }
+        }
+        surface.pieces.add(piece);
+        surface.history.step(Step::AddTriangle, t.0);
+        surface.history.pair(a.0, b.0);
+        surface.history.pair(c.0, piece);
+        surface.history.pair(material, 0);
+        t
+    }
+
+    /// Frees a triangle; its neighbors have a boundary there. The slot may be used again at once.
+    ///
+    /// # Panics
+    /// When the slot is free: that is a mistake of the caller, not of its input.
+    pub fn remove_triangle(&mut self, t: TriangleId) {
+        assert!(self.surface.topology.is_triangle(t), "{t} is no triangle");
+        for h in t.half_edges() {
+            self.part(h);
+            let origin = &mut self.surface.topology.origin;
+            self.log.origin.set(origin, h.0, VertexId::NULL);
+        }
+        self.surface.topology.free_triangles.push(t);
+        self.surface.pieces.remove(self.surface.piece[t.index()]);
+        self.surface.history.step(Step::RemoveTriangle, t.0);
+    }
+
+    /// Puts the corner at `h` to `v`. Neighbors stay what they are, so all corners of an edge must
+    /// move or be joined anew.
+    pub fn set_corner(&mut self, h: HalfEdge, v: VertexId) {
+        let topology = &mut self.surface.topology;
+        self.log.origin.set(&mut topology.origin, h.0, v);
+        if topology.outgoing[v.index()].is_null() {
+            self.log.outgoing.set(&mut topology.outgoing, v.0, h);
+        }
+        self.surface.history.step(Step::SetCorner, h.0);
+        self.surface.history.pair(v.0, 0);
+    }
+
+    /// Makes two half-edges twins of each other. Former twins of theirs have a boundary there.
+    pub fn join(&mut self, a: HalfEdge, b: HalfEdge) {
+        let twins = [a, b].map(|h| self.surface.topology.twin(h));
+        if twins != [b, a] {
+            self.part(a);
+            self.part(b);
+            let twin = &mut self.surface.topology.twin;
+            self.log.twin.set(twin, a.0, b);
+            self.log.twin.set(twin, b.0, a);
+        }
+        self.surface.history.step(Step::Join, a.0);
+        self.surface.history.pair(b.0, 0);
+    }
+
+    /// Sets the texture coordinates of the corner at `h`; does nothing on a surface without any.
+    pub fn set_uv(&mut self, h: HalfEdge, uv: [f32; 2]) {
+        if h.index() < self.surface.corners.uv.len() {
+            self.log.uv.set(&mut self.surface.corners.uv, h.0, uv);
+            self.surface.history.step(Step::SetUv, h.0);
+            self.surface.history.floats(&uv);
+        }
+    }
+
+    /// Sets the shading normal of the corner at `h`; does nothing on a surface without any.
+    pub fn set_normal(&mut self, h: HalfEdge, normal: [f32; 3]) {
+        if h.index() < self.surface.corners.normal.len() {
+            let normals = &mut self.surface.corners.normal;
+            self.log.normal.set(normals, h.0, normal);
+            self.surface.history.step(Step::SetNormal, h.0);
+            self.surface.history.floats(&normal);
+        }
+    }
+
+    /// Moves a triangle to another piece: one that is there or one from [`Self::new_piece`].
+    ///
+    /// # Panics
+    /// When the slot is free: that is a mistake of the caller, not of its input.
+    pub fn set_piece(&mut self, t: TriangleId, piece: u32) {
+        let surface = &mut *self.surface;
+        assert!(surface.topology.is_triangle(t), "{t} is no triangle");
+        let old = surface.piece[t.index()];
+        if old != piece {
+            self.log.piece.set(&mut surface.piece, t.0, piece);
+            surface.pieces.remove(old);
+            surface.pieces.add(piece);
+            surface.history.step(Step::SetPiece, t.0);
+            surface.history.pair(piece, 0);
+        }
+    }
+
+    /// A piece number that was never used before, for what is part of piece `parent` so far. The
+    /// delta has it if a triangle has it at the end. O(1).
+    pub fn new_piece(&mut self, parent: u32) -> u32 {
+        let piece = self.surface.pieces.take_number();
+        self.pieces.push((piece, parent));
+        self.surface.history.step(Step::NewPiece, parent);
+        piece
+    }
+
+    /// Makes the edges of `h` and of its twin, if it has one, boundaries.
+    fn part(&mut self, h: HalfEdge) {
+        let twin = &mut self.surface.topology.twin;
+        let other = twin[h.index()];
+        if !other.is_null() {
+            self.log.twin.set(twin, other.0, HalfEdge::NULL);
+            self.log.twin.set(twin, h.0, HalfEdge::NULL);
+        }
+    }
+}
+
+impl Drop for Edit<'_> {
+    fn drop(&mut self) {
+        if self.open {
+            self.log.put_back(self.surface);
+        }
+    }
+}

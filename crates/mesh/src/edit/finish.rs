@@ -1,0 +1,172 @@
+//! The end of an edit: vertices put right, the change as a delta.
+
+use super::log::Log;
+use super::relatives::restored;
+use super::{Edit, Undo};
+use crate::delta::{AddedVertex, Origin, TopologyDelta};
+use crate::history::Step;
+use crate::ids::{HalfEdge, TriangleId, VertexId};
+use crate::topology::Topology;
+
+/// A triangle slot with other corners than before; null where there is no triangle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Change {
+    pub(super) triangle: TriangleId,
+    pub(super) before: [VertexId; 3],
+    pub(super) now: [VertexId; 3],
+}
+
+impl Edit<'_> {
+    /// Makes the edit count: vertices that no triangle uses are removed, and what changed comes back
+    /// with the means to take it back. O(k log k) for k changes.
+    #[must_use = "the delta is what solvers and search trees follow"]
+    pub fn finish(mut self) -> (TopologyDelta, Undo) {
+        self.open = false;
+        let changes = changes(&self.log, &self.surface.topology);
+        // Before this edit no triangle used them: new ones, and old ones without triangles.
+        let mut idle: Vec<VertexId> = self.log.outgoing.places().map(VertexId).collect();
+        let mut made: Vec<VertexId> = self.vertices.iter().map(|entry| entry.0).collect();
+        idle.sort_unstable();
+        made.sort_unstable();
+        let unused = self.set_outgoing(&changes, &made, &idle);
+        let is_made = |v: &VertexId| made.binary_search(v).is_ok();
+        let was_idle = |v: &VertexId| is_made(v) || idle.binary_search(v).is_ok();
+        let vertices_removed: Vec<VertexId> =
+            unused.iter().copied().filter(|v| !was_idle(v)).collect();
+        let free = unused.iter().rev().filter(|v| is_made(v) || !was_idle(v));
+        self.surface.topology.free_vertices.extend(free);
+        self.surface.history.step(Step::Finish, 0);
+
+        let surface = &*self.surface;
+        let held = |c: &&Change| !c.before[0].is_null();
+        let holds = |c: &&Change| !c.now[0].is_null();
+        let removed = changes.iter().filter(held);
+        let added = changes.iter().filter(holds);
+        let delta = TopologyDelta {
+            triangles_removed: removed.map(|c| (c.triangle, c.before)).collect(),
+            triangles_added: added.map(|c| c.triangle).collect(),
+            vertices_removed,
+            vertices_added: self.vertices_added(&made, &idle),
+            pieces_added: (self.pieces.iter().copied())
+                .filter(|&(piece, _)| surface.pieces.count(piece) > 0)
+                .collect(),
+            pieces_removed: self.pieces_removed(&changes),
+        };
+        let restored = restored(surface, &delta, &changes);
+        let log = std::mem::take(&mut self.log);
+        let undo = Undo::new(surface, log, delta.clone(), restored);
+        (delta, undo)
+    }
+
+    /// Gives every vertex near a change a half-edge that leaves it. Returns those that no triangle
+    /// uses, ascending.
+    fn set_outgoing(
+        &mut self,
+        changes: &[Change],
+        made: &[VertexId],
+        idle: &[VertexId],
+    ) -> Vec<VertexId> {
+        let topology = &mut self.surface.topology;
+        let corners = changes.iter().flat_map(|c| [c.before, c.now]).flatten();
+        let mut wrong: Vec<VertexId> = corners
+            .chain(made.iter().copied())
+            .chain(idle.iter().copied())
+            .filter(|&v| {
+                !v.is_null() && {
+                    let h = topology.outgoing(v);
+                    h.is_null() || topology.origin(h) != v
+                }
+            })
+            .collect();
+        wrong.sort_unstable();
+        wrong.dedup();
+        // The triangles that a fan keeps border on one that went or was turned to another neighbor.
+        let new = changes.iter().filter(|c| !c.now[0].is_null());
+        let turned = self.log.twin.places().map(HalfEdge);
+        let near =
+            (new.flat_map(|c| c.triangle.half_edges())).chain(turned.flat_map(|h| [h, h.next()]));
+        let mut found = vec![HalfEdge::NULL; wrong.len()];
+        for h in near {
+            if let Ok(at) = wrong.binary_search(&topology.origin(h)) {
+                found[at] = found[at].min(h);
+            }
+        }
+        for (v, &h) in wrong.iter().zip(&found) {
+            self.log.outgoing.set(&mut topology.outgoing, v.0, h);
+        }
+        wrong.retain(|&v| topology.outgoing(v).is_null());
+        wrong
+    }
+
+    /// The vertices that triangles use now and did not before, with the piece of one of them.
+    fn vertices_added(&self, made: &[VertexId], idle: &[VertexId]) -> Vec<AddedVertex> {
+        let surface = &*self.surface;
+        let own = idle.iter().filter(|v| made.binary_search(v).is_err());
+        // One that was there without triangles has its own data already.
+        let own = own.map(|&v| {
+            let (parents, weights) = ([v; 3], [1.0, 0.0, 0.0]);
+            (v, Origin::Restored { parents, weights })
+        });
+        let mut added = Vec::with_capacity(self.vertices.len());
+        for (vertex, origin) in own.chain(self.vertices.iter().copied()) {
+            let h = surface.topology.outgoing(vertex);
+            if !h.is_null() {
+                let piece = surface.piece(h.triangle());
+                added.push(AddedVertex {
+                    vertex,
+                    origin,
+                    piece,
+                });
+            }
+        }
+        added
+    }
+
+    /// The pieces that had triangles and have none any more, ascending.
+    fn pieces_removed(&self, changes: &[Change]) -> Vec<u32> {
+        let surface = &*self.surface;
+        let before = self.log.piece.before();
+        let moved = |t: TriangleId| before.binary_search_by_key(&t.0, |entry| entry.0).ok();
+        let change = |t: u32| changes.binary_search_by_key(&t, |c| c.triangle.0).ok();
+        let held = changes.iter().filter(|c| !c.before[0].is_null());
+        let stayed = held
+            .filter(|c| moved(c.triangle).is_none())
+            .map(|c| surface.piece[c.triangle.index()]);
+        let left = before.iter().filter(|&&(t, _)| match change(t) {
+            Some(at) => !changes[at].before[0].is_null(),
+            None => surface.topology.is_triangle(TriangleId(t)),
+        });
+        let mut pieces: Vec<u32> = stayed.chain(left.map(|entry| entry.1)).collect();
+        pieces.sort_unstable();
+        pieces.dedup();
+        pieces.retain(|&piece| surface.pieces.count(piece) == 0);
+        pieces
+    }
+}
+
+/// The triangle slots that have other corners than before, ascending.
+fn changes(log: &Log, topology: &Topology) -> Vec<Change> {
+    let before = log.origin.before();
+    let old = before.chunk_by(|a, b| a.0 / 3 == b.0 / 3).map(|corners| {
+        let triangle = HalfEdge(corners[0].0).triangle();
+        let now = topology.triangle(triangle);
+        let mut before = now;
+        for &(h, v) in corners {
+            before[h as usize % 3] = v;
+        }
+        Change {
+            triangle,
+            before,
+            now,
+        }
+    });
+    let new = (log.piece.len()..topology.triangle_slots()).map(|t| {
+        let triangle = TriangleId::from_index(t);
+        Change {
+            triangle,
+            before: [VertexId::NULL; 3],
+            now: topology.triangle(triangle),
+        }
+    });
+    old.chain(new).filter(|c| c.before != c.now).collect()
+}
