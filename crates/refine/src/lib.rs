@@ -23,6 +23,7 @@
 //! # Ok::<(), incise_refine::RefineError>(())
 //! ```
 
+mod cover;
 mod edge_dictionary;
 mod level;
 mod patch;
@@ -30,6 +31,9 @@ mod refine;
 mod swap;
 mod triangulate;
 
+pub use cover::{
+    Cover, CoverFault, CoverParams, CoverReport, CoverScratch, InnerPoint, Section, cover,
+};
 pub use level::{ParseLevelError, RefinementLevel};
 pub use patch::{Patch, RefineError, RefineParams, RefineReport, fill};
 pub use refine::{mean_rim_length, refine};

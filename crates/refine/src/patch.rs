@@ -59,6 +59,30 @@ pub enum RefineError {
         /// The length \[m\].
         length: f64,
     },
+    /// A loop of a section is no polygon.
+    #[error("a loop needs at least 3 points, loop {index} has {points}")]
+    LoopTooShort {
+        /// Which loop.
+        index: usize,
+        /// How many points it has.
+        points: usize,
+    },
+    /// A loop names a point that the section does not have.
+    #[error("loop {index} names point {point}, which the section does not have")]
+    UnknownPoint {
+        /// Which loop.
+        index: usize,
+        /// The point.
+        point: u32,
+    },
+    /// A point is on two loops or twice on one; a copy of it at the same place is allowed.
+    #[error("loop {index} names point {point}, which a loop has already; give it a copy")]
+    PointTwice {
+        /// Which loop.
+        index: usize,
+        /// The point.
+        point: u32,
+    },
     /// The patch would be larger than allowed.
     #[error(
         "the patch needs more than {limit} triangles; choose a coarser level or a larger limit"

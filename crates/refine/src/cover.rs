@@ -1,0 +1,270 @@
+//! A cross-section in, triangles that cover it out.
+//!
+//! The rule: loops stay as they are, every decision is an exact sign, and whatever the loops do,
+//! what comes out is a manifold with exactly them as its boundary. Disjoint loops that wind as they
+//! should, nested to any depth, are covered together: their constrained Delaunay triangulation,
+//! the core of a triangular lattice in it, and a Delaunay band between. Loops that touch or cross
+//! others are covered each on its own, and a loop that crosses itself becomes a disc without inner
+//! points.
+
+mod band;
+mod cdt;
+mod discs;
+mod forbidden;
+mod lattice;
+mod order;
+mod section;
+mod sheet;
+mod validate;
+mod wall;
+
+use crate::patch::RefineError;
+use band::Band;
+use cdt::id;
+use lattice::Lattice;
+use section::Rims;
+use sheet::{INSIDE, Sheet, Verdict};
+
+pub use validate::CoverFault;
+
+/// Targets below this much of the largest coordinate are raised to it: the lattice's points could
+/// not be told apart.
+const FINEST: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// A cross-section: closed loops in a plane, the inside on their left.
+#[derive(Debug, Clone, Copy)]
+pub struct Section<'a> {
+    /// Positions in the plane \[m\].
+    pub points: &'a [[f64; 2]],
+    /// Loops of at least 3 points each. No point is on two loops or twice on one; two points may
+    /// be at the same place.
+    pub loops: &'a [Vec<u32>],
+    /// Whether edges must follow the line y = 0.
+    pub crease: bool,
+}
+
+/// How to cover a section.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CoverParams {
+    /// Target length of an edge \[m\]. `None`: no inner points but where nothing else is possible.
+    pub length: Option<f64>,
+    /// The most triangles that a cover may get.
+    pub max_triangles: usize,
+}
+
+impl Default for CoverParams {
+    fn default() -> Self {
+        Self {
+            length: None,
+            max_triangles: 4_000_000,
+        }
+    }
+}
+
+/// A vertex that is not on a loop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InnerPoint {
+    /// Position in the plane \[m\].
+    pub at: [f64; 2],
+    /// Three points of the section whose weighted mean it is.
+    pub parents: [u32; 3],
+    /// Their weights: none negative, the sum 1.
+    pub weights: [f64; 3],
+}
+
+/// What was done to cover a section.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct CoverReport {
+    /// Corners of no area, duplicates and spikes, cut off with a triangle each.
+    pub clipped: usize,
+    /// Loops covered on their own: they touch or cross others or wind the wrong way.
+    pub apart: usize,
+    /// Loops closed as discs without inner points: they touch or cross themselves.
+    pub discs: usize,
+}
+
+/// Triangles over a section.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Cover {
+    /// Vertices inside: vertex `section.points.len() + i` is `inner[i]`.
+    pub inner: Vec<InnerPoint>,
+    /// Triangles on the section's points and the inner ones. Each edge of a loop is the side of
+    /// one triangle, in the loop's direction; each other edge is shared by two.
+    pub triangles: Vec<[u32; 3]>,
+    /// What was done.
+    pub report: CoverReport,
+}
+
+/// Memory that [`cover`] keeps between calls.
+#[derive(Debug, Default)]
+pub struct CoverScratch {
+    rims: Rims,
+    sheet: Sheet,
+    lattice: Lattice,
+    band: Band,
+}
+
+/// Covers a section with triangles.
+///
+/// `joined(a, b)` says whether the surface outside has an edge between two of the section's points
+/// already: the cover makes no second one.
+///
+/// Loops that neither touch nor cross, and around which the winding number is 0 or 1 everywhere,
+/// are covered exactly, whatever their nesting, by triangles of positive area. Of any other
+/// loops, those that fit together are covered so, and each of the rest on its own: still a manifold
+/// whose boundary is the loops, and whose signed area is theirs.
+///
+/// # Errors
+/// [`RefineError`] on a loop of fewer than 3 points, a point that does not exist or is used twice,
+/// a coordinate that is not finite, a length that is not positive, or more triangles than allowed.
+pub fn cover(
+    section: &Section<'_>,
+    params: &CoverParams,
+    joined: impl Fn(u32, u32) -> bool,
+    scratch: &mut CoverScratch,
+) -> Result<Cover, RefineError> {
+    scratch.rims.read(section, params)?;
+    let mut cover = Cover::default();
+    cover.report.clipped = scratch.rims.clip(&joined, &mut cover.triangles);
+    let length = params
+        .length
+        .map(|length| (length * scratch.rims.scale).max(4.0 * FINEST));
+    let limit = params.max_triangles;
+    let mut groups = vec![((0..id(scratch.rims.rings())).collect::<Vec<u32>>(), false)];
+    while let Some((group, mirrored)) = groups.pop() {
+        if group.is_empty() {
+            continue;
+        }
+        let CoverScratch {
+            rims,
+            sheet,
+            lattice,
+            band,
+        } = &mut *scratch;
+        if sheet.build(rims, &group, mirrored, section.crease) == Verdict::Clean {
+            let mark = cover.triangles.len();
+            let mut connected = false;
+            if let Some(length) = length.filter(|l| l.is_finite()) {
+                if !lattice.fill(sheet, length, limit / 2) {
+                    return Err(RefineError::TooManyTriangles { limit });
+                }
+                if !lattice.points.is_empty() {
+                    let offset = id(rims.ids.len() + cover.inner.len());
+                    lattice.triangles(offset, &mut cover.triangles);
+                    connected = band.connect(sheet, lattice);
+                    if !connected {
+                        cover.triangles.truncate(mark);
+                        sheet.build(rims, &group, mirrored, section.crease);
+                    }
+                }
+            }
+            if !connected {
+                lattice.clear();
+                band.clear(sheet);
+            }
+            let name = |v: u32| rims.ids[sheet.corner[v as usize] as usize];
+            let taken = forbidden::find(sheet, |v, w| joined(name(v), name(w)));
+            for edge in taken {
+                let name = |v: u32| rims.ids[sheet.corner[v as usize] as usize];
+                let may_flip = params.length.is_none()
+                    && forbidden::can_flip(sheet, edge, |v, w| joined(name(v), name(w)));
+                forbidden::replace(sheet, lattice, band, edge, may_flip);
+            }
+            write(rims, sheet, lattice, band, mirrored, mark, &mut cover);
+        } else if let ([ring], false, true) = (&group[..], mirrored, sheet.backward[0]) {
+            groups.push((vec![*ring], true));
+        } else if let [ring] = group[..] {
+            cover.report.discs += 1;
+            close_disc(rims, ring, &joined, &mut cover);
+        } else {
+            let odd =
+                |i: &usize| sheet.bad[*i] || (!sheet.bad.contains(&true) && sheet.backward[*i]);
+            let rest = (0..group.len())
+                .filter(|i| !odd(i))
+                .map(|i| group[i])
+                .collect();
+            for i in (0..group.len()).filter(odd) {
+                cover.report.apart += 1;
+                groups.push((vec![group[i]], false));
+            }
+            groups.push((rest, false));
+        }
+        if cover.triangles.len() > limit {
+            return Err(RefineError::TooManyTriangles { limit });
+        }
+    }
+    let (corners, points) = (id(scratch.rims.ids.len()), id(section.points.len()));
+    for t in &mut cover.triangles {
+        *t = t.map(|v| match scratch.rims.ids.get(v as usize) {
+            Some(&point) => point,
+            None => v - corners + points,
+        });
+    }
+    Ok(cover)
+}
+
+/// Closes one ring as a disc.
+fn close_disc(rims: &Rims, ring: u32, joined: &impl Fn(u32, u32) -> bool, cover: &mut Cover) {
+    let ids = |corner: u32| rims.ids[corner as usize];
+    let open = discs::clip_ears(
+        &rims.points,
+        rims.ring(ring as usize),
+        |a, b| joined(ids(a), ids(b)),
+        &mut cover.triangles,
+    );
+    let Some(open) = open else { return };
+    let n = open.len();
+    let center = id(rims.ids.len() + cover.inner.len());
+    let parents = [open[0], open[n / 3], open[2 * n / 3]];
+    let at = [0, 1].map(|k| {
+        let sum: f64 = parents.iter().map(|&c| rims.points[c as usize][k]).sum();
+        sum / 3.0 / rims.scale
+    });
+    cover.inner.push(InnerPoint {
+        at,
+        parents: parents.map(ids),
+        weights: [1.0 / 3.0; 3],
+    });
+    cover
+        .triangles
+        .extend((0..n).map(|i| [open[i], open[(i + 1) % n], center]));
+}
+
+/// Writes a sheet's inner points, its band and what the lattice gave from `mark` on.
+fn write(
+    rims: &Rims,
+    sheet: &Sheet,
+    lattice: &Lattice,
+    band: &Band,
+    mirrored: bool,
+    mark: usize,
+    cover: &mut Cover,
+) {
+    let offset = id(rims.ids.len() + cover.inner.len());
+    let side = if mirrored { -1.0 } else { 1.0 };
+    let ids = |v: u32| rims.ids[sheet.corner[v as usize] as usize];
+    cover
+        .inner
+        .extend((0..lattice.points.len()).map(|i| InnerPoint {
+            at: [
+                side * lattice.points[i][0] / rims.scale,
+                lattice.points[i][1] / rims.scale,
+            ],
+            parents: lattice.parents[i].map(ids),
+            weights: lattice.weights[i],
+        }));
+    let name = |v: u32| match sheet.corner.get(v as usize) {
+        Some(&corner) => corner,
+        None => offset + band.lattice[(v - band.first) as usize],
+    };
+    cover.triangles.extend(
+        (0..sheet.cdt.triangles())
+            .filter(|&t| sheet.cdt.region[t as usize] == INSIDE)
+            .map(|t| sheet.cdt.corners(t).map(name)),
+    );
+    if mirrored {
+        for t in &mut cover.triangles[mark..] {
+            t.swap(1, 2);
+        }
+    }
+}

@@ -1,0 +1,463 @@
+//! The core of a cover: points of a triangular lattice that lie deep enough inside, and the
+//! lattice's own triangles between them.
+//!
+//! Points are found by filling the inside triangles of the rings alone, row by row, as a screen is
+//! filled: every point falls into one triangle, which gives its parents and weights as well. With a
+//! clearance over L / sqrt(3) no point of a rim lies in the circle around three neighbors that are
+//! kept, so their triangle is Delaunay and needs no test.
+
+use super::cdt::id;
+use super::sheet::{INSIDE, Sheet};
+
+/// Points nearer to a rim than this many L are not kept. More than 1 / sqrt(3).
+const CLEARANCE: f64 = 0.6;
+
+/// Lattice points of one row in one triangle of the rings.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    row: i64,
+    /// Columns, the last one excluded.
+    columns: [i64; 2],
+    /// The triangle's sides that the row crosses, left and right: ends and how far along.
+    sides: [Side; 2],
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Side {
+    ends: [u32; 2],
+    at: f64,
+    x: f64,
+}
+
+/// Columns of one row that follow each other, and the number of the first.
+#[derive(Debug, Clone, Copy)]
+struct Span {
+    columns: [i64; 2],
+    first: u32,
+}
+
+/// The lattice over one sheet.
+#[derive(Debug, Default)]
+pub(crate) struct Lattice {
+    length: f64,
+    height: f64,
+    base: [f64; 2],
+    first_row: i64,
+    runs: Vec<Run>,
+    order: Vec<(i64, i64, u32)>,
+    /// All points, kept or not; then the kept ones.
+    spans: Vec<Span>,
+    rows: Vec<usize>,
+    dropped: Vec<bool>,
+    kept: Vec<Span>,
+    kept_rows: Vec<usize>,
+    sides: Vec<u8>,
+    /// Kept points.
+    pub(crate) points: Vec<[f64; 2]>,
+    /// Their parents among the sheet's vertices.
+    pub(crate) parents: Vec<[u32; 3]>,
+    pub(crate) weights: Vec<[f64; 3]>,
+    /// Edges between the core and the band, the core on the left.
+    pub(crate) boundary: Vec<[u32; 2]>,
+    /// Whether a point belongs to the band too.
+    pub(crate) in_band: Vec<bool>,
+}
+
+impl Lattice {
+    pub(crate) fn clear(&mut self) {
+        self.points.clear();
+        self.parents.clear();
+        self.weights.clear();
+        self.boundary.clear();
+        self.in_band.clear();
+        self.kept.clear();
+        self.kept_rows.clear();
+    }
+
+    /// Puts points of spacing `length` inside a sheet. Returns false where there would be more
+    /// than `most`.
+    pub(crate) fn fill(&mut self, sheet: &Sheet, length: f64, most: usize) -> bool {
+        self.clear();
+        self.length = length;
+        self.height = length * 0.75f64.sqrt();
+        let y = if sheet.creased { 0.0 } else { sheet.low[1] };
+        self.base = [sheet.low[0], y];
+        if !self.rasterize(sheet, most) {
+            return false;
+        }
+        self.collect_spans();
+        self.keep_clear(sheet);
+        self.number_kept();
+        true
+    }
+
+    fn y(&self, row: i64) -> f64 {
+        self.base[1] + count(row) * self.height
+    }
+
+    fn x(&self, row: i64, column: i64) -> f64 {
+        self.base[0] + (count(column) + 0.5 * count(row.rem_euclid(2))) * self.length
+    }
+
+    /// The first row at or above `y`.
+    fn row_from(&self, y: f64) -> i64 {
+        let mut row = whole((y - self.base[1]) / self.height);
+        while self.y(row) < y {
+            row += 1;
+        }
+        while self.y(row - 1) >= y {
+            row -= 1;
+        }
+        row
+    }
+
+    /// The first column of a row at or right of `x`.
+    fn column_from(&self, row: i64, x: f64) -> i64 {
+        let shift = 0.5 * count(row.rem_euclid(2));
+        let mut column = whole((x - self.base[0]) / self.length - shift);
+        while self.x(row, column) < x {
+            column += 1;
+        }
+        while self.x(row, column - 1) >= x {
+            column -= 1;
+        }
+        column
+    }
+
+    fn rasterize(&mut self, sheet: &Sheet, most: usize) -> bool {
+        self.runs.clear();
+        self.order.clear();
+        let cdt = &sheet.cdt;
+        let mut found = 0usize;
+        for t in 0..cdt.triangles() {
+            if cdt.region[t as usize] != INSIDE {
+                continue;
+            }
+            let mut corners = cdt.corners(t);
+            corners.sort_unstable_by(|&v, &w| {
+                let (p, q) = (cdt.point(v), cdt.point(w));
+                p[1].total_cmp(&q[1]).then(p[0].total_cmp(&q[0]))
+            });
+            let [low, middle, high] = corners;
+            let ys = corners.map(|v| cdt.point(v)[1]);
+            let (from, to) = (self.row_from(ys[0]), self.row_from(ys[2]));
+            if usize::try_from(to - from).map_or(true, |rows| rows / 4 > most) {
+                return false;
+            }
+            for row in from..to {
+                let y = self.y(row);
+                let short = if y < ys[1] {
+                    [low, middle]
+                } else {
+                    [middle, high]
+                };
+                let mut sides = [[low, high], short].map(|ends| {
+                    let [p, q] = ends.map(|v| cdt.point(v));
+                    let at = ((y - p[1]) / (q[1] - p[1])).clamp(0.0, 1.0);
+                    let x = p[0] + at * (q[0] - p[0]);
+                    Side { ends, at, x }
+                });
+                if sides[0].x > sides[1].x {
+                    sides.swap(0, 1);
+                }
+                let columns = sides.map(|side| self.column_from(row, side.x));
+                if columns[0] < columns[1] {
+                    found += usize::try_from(columns[1] - columns[0]).unwrap_or(usize::MAX / 2);
+                    if found > most {
+                        return false;
+                    }
+                    self.order.push((row, columns[0], id(self.runs.len())));
+                    self.runs.push(Run {
+                        row,
+                        columns,
+                        sides,
+                    });
+                }
+            }
+        }
+        self.order.sort_unstable();
+        true
+    }
+
+    /// Joins runs to spans, row by row.
+    fn collect_spans(&mut self) {
+        self.spans.clear();
+        self.rows.clear();
+        self.first_row = self.order.first().map_or(0, |o| o.0);
+        let mut number = 0u32;
+        let mut row = self.first_row;
+        self.rows.push(0);
+        for &(_, _, run) in &self.order {
+            let Run {
+                row: here, columns, ..
+            } = self.runs[run as usize];
+            let mut new_row = self.spans.len() == self.rows[self.rows.len() - 1];
+            while row < here {
+                self.rows.push(self.spans.len());
+                row += 1;
+                new_row = true;
+            }
+            match self.spans.last_mut() {
+                Some(span) if !new_row && span.columns[1] == columns[0] => {
+                    span.columns[1] = columns[1];
+                }
+                _ => self.spans.push(Span {
+                    columns,
+                    first: number,
+                }),
+            }
+            number += id(usize::try_from(columns[1] - columns[0]).unwrap_or(0));
+        }
+        self.rows.push(self.spans.len());
+        self.dropped.clear();
+        self.dropped.resize(number as usize, false);
+    }
+
+    /// Drops points that are too near to an edge of a ring.
+    fn keep_clear(&mut self, sheet: &Sheet) {
+        let far = CLEARANCE * self.length;
+        let rows = i64::try_from(self.rows.len()).unwrap_or(i64::MAX) - 1;
+        for (&w, &p) in sheet.next.iter().zip(&sheet.cdt.points) {
+            let q = sheet.cdt.point(w);
+            let (p, q) = if p[1] <= q[1] { (p, q) } else { (q, p) };
+            let d = [q[0] - p[0], q[1] - p[1]];
+            let square = d[0] * d[0] + d[1] * d[1];
+            let from = self.row_from(p[1] - far).max(self.first_row);
+            let to = self.row_from(q[1] + far).min(self.first_row + rows);
+            for row in from..to {
+                let y = self.y(row);
+                // The part of the edge that is near enough in y.
+                let clip = |y: f64| {
+                    if d[1] > 0.0 {
+                        p[0] + ((y - p[1]) / d[1]).clamp(0.0, 1.0) * d[0]
+                    } else if y < p[1] {
+                        p[0]
+                    } else {
+                        q[0]
+                    }
+                };
+                let (x0, x1) = (clip(y - far), clip(y + far));
+                let (left, right) = (x0.min(x1) - far, x0.max(x1) + far);
+                let row_at = usize::try_from(row - self.first_row).unwrap_or(0);
+                for i in self.rows[row_at]..self.rows[row_at + 1] {
+                    let span = self.spans[i];
+                    if self.x(row, span.columns[0]) > right
+                        || self.x(row, span.columns[1] - 1) < left
+                    {
+                        continue;
+                    }
+                    let start = self.column_from(row, left).max(span.columns[0]);
+                    let end = self.column_from(row, right).min(span.columns[1]);
+                    for column in start..end {
+                        let r = [self.x(row, column) - p[0], y - p[1]];
+                        let along = if square > 0.0 {
+                            ((r[0] * d[0] + r[1] * d[1]) / square).clamp(0.0, 1.0)
+                        } else {
+                            0.0
+                        };
+                        let e = [r[0] - along * d[0], r[1] - along * d[1]];
+                        if e[0] * e[0] + e[1] * e[1] < far * far {
+                            let at = usize::try_from(column - span.columns[0]).unwrap_or(0);
+                            self.dropped[span.first as usize + at] = true;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Numbers what is left, with parents and weights.
+    fn number_kept(&mut self) {
+        for row in 0..self.rows.len() - 1 {
+            self.kept_rows.push(self.kept.len());
+            for span in &self.spans[self.rows[row]..self.rows[row + 1]] {
+                let mut open = false;
+                let columns = span.columns[0]..span.columns[1];
+                for (number, column) in (span.first as usize..).zip(columns) {
+                    let keep = !self.dropped[number];
+                    if keep && !open {
+                        self.kept.push(Span {
+                            columns: [column; 2],
+                            first: 0,
+                        });
+                    }
+                    open = keep;
+                    if keep && let Some(last) = self.kept.last_mut() {
+                        last.columns[1] = column + 1;
+                    }
+                }
+            }
+        }
+        self.kept_rows.push(self.kept.len());
+        let mut first = 0;
+        for span in &mut self.kept {
+            span.first = first;
+            first += id(usize::try_from(span.columns[1] - span.columns[0]).unwrap_or(0));
+        }
+        let mut number = 0;
+        for &(_, _, run) in &self.order {
+            let run = self.runs[run as usize];
+            for column in run.columns[0]..run.columns[1] {
+                if !self.dropped[number] {
+                    let x = self.x(run.row, column);
+                    self.points.push([x, self.y(run.row)]);
+                    let (parents, weights) = mix(&run.sides, x);
+                    self.parents.push(parents);
+                    self.weights.push(weights);
+                }
+                number += 1;
+            }
+        }
+    }
+
+    /// Adds the core's triangles, numbered from `offset`, and finds its boundary.
+    pub(crate) fn triangles(&mut self, offset: u32, triangles: &mut Vec<[u32; 3]>) {
+        self.sides.clear();
+        self.sides.resize(self.points.len(), 0);
+        self.in_band.clear();
+        self.in_band.resize(self.points.len(), false);
+        let mut has_cell = vec![false; self.points.len()];
+        for row_at in 0..self.kept_rows.len().saturating_sub(2) {
+            let odd = (self.first_row + i64::try_from(row_at).unwrap_or(0)).rem_euclid(2);
+            let [from, middle, to] = [0, 1, 2].map(|k| self.kept_rows[row_at + k]);
+            let mut start = middle;
+            for a in from..middle {
+                let lower = self.kept[a];
+                while start < to && self.kept[start].columns[1] + 1 < lower.columns[0] {
+                    start += 1;
+                }
+                for b in start..to {
+                    let upper = self.kept[b];
+                    if upper.columns[0] > lower.columns[1] + 1 {
+                        break;
+                    }
+                    self.strip(lower, upper, odd, offset, &mut has_cell, triangles);
+                }
+            }
+        }
+        // A level edge with a triangle on one side only.
+        for span in &self.kept {
+            let n = id(usize::try_from(span.columns[1] - span.columns[0]).unwrap_or(0));
+            for p in span.first..span.first + n - 1 {
+                match self.sides[p as usize] {
+                    1 => self.boundary.push([p, p + 1]),
+                    2 => self.boundary.push([p + 1, p]),
+                    _ => {}
+                }
+            }
+        }
+        for &[p, q] in &self.boundary {
+            self.in_band[p as usize] = true;
+            self.in_band[q as usize] = true;
+        }
+        for (band, cell) in self.in_band.iter_mut().zip(&has_cell) {
+            *band |= !cell;
+        }
+    }
+
+    /// The triangles between a span and one in the row above.
+    fn strip(
+        &mut self,
+        lower: Span,
+        upper: Span,
+        odd: i64,
+        offset: u32,
+        has_cell: &mut [bool],
+        triangles: &mut Vec<[u32; 3]>,
+    ) {
+        // Column i of an even row has column i of the row above to its right, of an odd row i + 1.
+        let below = |i: i64| lower.first + id(usize::try_from(i - lower.columns[0]).unwrap_or(0));
+        let above = |j: i64| upper.first + id(usize::try_from(j - upper.columns[0]).unwrap_or(0));
+        let up = [
+            lower.columns[0].max(upper.columns[0] - odd),
+            (lower.columns[1] - 1).min(upper.columns[1] - odd),
+        ];
+        let down = [
+            upper.columns[0].max(lower.columns[0] - 1 + odd),
+            (upper.columns[1] - 1).min(lower.columns[1] - 1 + odd),
+        ];
+        let (has_up, has_down) = (up[0] < up[1], down[0] < down[1]);
+        if has_up {
+            let (p, q) = (below(up[0]), above(up[0] + odd));
+            let n = id(usize::try_from(up[1] - up[0]).unwrap_or(0));
+            let (p0, q0) = (p + offset, q + offset);
+            triangles.extend((0..n).map(|k| [p0 + k, p0 + k + 1, q0 + k]));
+            self.sides[p as usize..(p + n) as usize]
+                .iter_mut()
+                .for_each(|s| *s |= 1);
+            has_cell[p as usize..=(p + n) as usize].fill(true);
+            has_cell[q as usize..(q + n) as usize].fill(true);
+        }
+        if has_down {
+            let (p, q) = (above(down[0]), below(down[0] + 1 - odd));
+            let n = id(usize::try_from(down[1] - down[0]).unwrap_or(0));
+            let (p0, q0) = (p + offset, q + offset);
+            triangles.extend((0..n).map(|k| [p0 + k + 1, p0 + k, q0 + k]));
+            self.sides[p as usize..(p + n) as usize]
+                .iter_mut()
+                .for_each(|s| *s |= 2);
+            has_cell[p as usize..=(p + n) as usize].fill(true);
+            has_cell[q as usize..(q + n) as usize].fill(true);
+        }
+        if !(has_up || has_down) {
+            return;
+        }
+        // Left and right ends in half columns.
+        let left = |i: i64, odd: i64| 2 * i + odd;
+        let first_up = has_up && (!has_down || left(up[0], odd) < left(down[0], 1 - odd));
+        let last_up = has_up && (!has_down || left(up[1], odd) > left(down[1], 1 - odd));
+        self.boundary.push(if first_up {
+            [above(up[0] + odd), below(up[0])]
+        } else {
+            [above(down[0]), below(down[0] + 1 - odd)]
+        });
+        self.boundary.push(if last_up {
+            [below(up[1]), above(up[1] - 1 + odd)]
+        } else {
+            [below(down[1] - odd), above(down[1])]
+        });
+    }
+}
+
+/// A point between two sides of a triangle as a mean of its corners.
+fn mix([left, right]: &[Side; 2], x: f64) -> ([u32; 3], [f64; 3]) {
+    let width = right.x - left.x;
+    let u = if width > 0.0 {
+        ((x - left.x) / width).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    let mut parents = [left.ends[0], left.ends[1], left.ends[0]];
+    let mut weights = [(1.0 - u) * (1.0 - left.at), (1.0 - u) * left.at, 0.0];
+    for (end, weight) in right
+        .ends
+        .into_iter()
+        .zip([u * (1.0 - right.at), u * right.at])
+    {
+        if end == parents[0] {
+            weights[0] += weight;
+        } else if end == parents[1] {
+            weights[1] += weight;
+        } else {
+            parents[2] = end;
+            weights[2] = weight;
+        }
+    }
+    (parents, weights)
+}
+
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "rows and columns are at most 2^41 apart"
+)]
+fn count(i: i64) -> f64 {
+    i as f64
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rows and columns are at most 2^41 apart"
+)]
+fn whole(x: f64) -> i64 {
+    x.ceil() as i64
+}

@@ -1,0 +1,304 @@
+//! What every cover fulfills, whatever the section.
+
+use incise_refine::{Cover, CoverParams, CoverScratch, RefineError, Section, cover};
+use proptest::prelude::*;
+use std::f64::consts::TAU;
+
+/// Points and loops of a section.
+#[derive(Debug, Clone, Default)]
+struct Shape {
+    points: Vec<[f64; 2]>,
+    loops: Vec<Vec<u32>>,
+}
+
+impl Shape {
+    fn add(&mut self, points: impl IntoIterator<Item = [f64; 2]>) {
+        let first = index(self.points.len());
+        self.points.extend(points);
+        self.loops.push((first..index(self.points.len())).collect());
+    }
+
+    fn section(&self, crease: bool) -> Section<'_> {
+        Section {
+            points: &self.points,
+            loops: &self.loops,
+            crease,
+        }
+    }
+
+    fn loop_points(&self, i: usize) -> Vec<[f64; 2]> {
+        self.loops[i]
+            .iter()
+            .map(|&v| self.points[v as usize])
+            .collect()
+    }
+
+    fn area(&self) -> f64 {
+        (0..self.loops.len())
+            .map(|i| polygon_area(&self.loop_points(i)))
+            .sum()
+    }
+
+    fn extent(&self) -> f64 {
+        self.points
+            .iter()
+            .flatten()
+            .fold(0.0, |m: f64, x| m.max(x.abs()))
+    }
+
+    fn map(mut self, f: impl Fn([f64; 2]) -> [f64; 2]) -> Self {
+        for p in &mut self.points {
+            *p = f(*p);
+        }
+        self
+    }
+}
+
+fn index(i: usize) -> u32 {
+    u32::try_from(i).expect("small")
+}
+
+fn cross(o: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
+}
+
+fn polygon_area(p: &[[f64; 2]]) -> f64 {
+    (1..p.len() - 1)
+        .map(|i| cross(p[0], p[i], p[i + 1]) / 2.0)
+        .sum()
+}
+
+fn corners(shape: &Shape, cover: &Cover, t: [u32; 3]) -> [[f64; 2]; 3] {
+    t.map(|v| {
+        let v = v as usize;
+        let n = shape.points.len();
+        if v < n {
+            shape.points[v]
+        } else {
+            cover.inner[v - n].at
+        }
+    })
+}
+
+fn run(shape: &Shape, length: Option<f64>, crease: bool) -> Result<Cover, RefineError> {
+    run_joined(shape, length, crease, |_, _| false)
+}
+
+fn run_joined(
+    shape: &Shape,
+    length: Option<f64>,
+    crease: bool,
+    joined: impl Fn(u32, u32) -> bool,
+) -> Result<Cover, RefineError> {
+    let params = CoverParams {
+        length,
+        ..CoverParams::default()
+    };
+    cover(
+        &shape.section(crease),
+        &params,
+        joined,
+        &mut CoverScratch::default(),
+    )
+}
+
+/// The contract for any section.
+fn check_any(shape: &Shape, cover: &Cover) {
+    let tolerance = 1e-12 * shape.extent();
+    if let Err(fault) = cover.validate(&shape.section(false), tolerance) {
+        panic!("{fault}: {shape:?}");
+    }
+    let signed: f64 = cover
+        .triangles
+        .iter()
+        .map(|&t| polygon_area(&corners(shape, cover, t)))
+        .sum();
+    let size = shape.extent().powi(2) * shape.points.len() as f64;
+    assert!(
+        (signed - shape.area()).abs() <= 1e-12 * size,
+        "signed area {signed}, the loops' {}",
+        shape.area()
+    );
+}
+
+/// The contract for disjoint loops that wind as they should.
+fn check_clean(shape: &Shape, cover: &Cover, crease: bool) {
+    check_any(shape, cover);
+    let area = shape.area();
+    let mut sum = 0.0;
+    for &t in &cover.triangles {
+        let p = corners(shape, cover, t);
+        let part = polygon_area(&p);
+        assert!(part > 0.0, "triangle {t:?} has area {part}");
+        sum += part;
+        if crease {
+            let (low, high) = (p.iter().any(|p| p[1] < 0.0), p.iter().any(|p| p[1] > 0.0));
+            assert!(
+                !(low && high),
+                "triangle {t:?} lies on both sides of the crease: {p:?}"
+            );
+        }
+    }
+    assert!(
+        (sum - area).abs() <= 1e-9 * area,
+        "area {sum}, the section's {area}"
+    );
+    assert_eq!(
+        (cover.report.apart, cover.report.discs),
+        (0, 0),
+        "nothing is apart"
+    );
+}
+
+/// A star-shaped ring around `center`, between `inner` and `outer`, clockwise where `hole`.
+/// Vertices where the ring crosses y = 0 are put exactly there.
+fn star(center: [f64; 2], radii: &[f64], hole: bool) -> Vec<[f64; 2]> {
+    let n = radii.len();
+    let ring: Vec<[f64; 2]> = radii
+        .iter()
+        .enumerate()
+        .map(|(i, r)| {
+            let a = i as f64 * TAU / n as f64;
+            [center[0] + r * a.cos(), center[1] + r * a.sin()]
+        })
+        .collect();
+    let mut ring = split_at_crease(&ring);
+    if hole {
+        ring.reverse();
+    }
+    ring
+}
+
+fn split_at_crease(ring: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut out = Vec::new();
+    for (i, &p) in ring.iter().enumerate() {
+        let q = ring[(i + 1) % ring.len()];
+        out.push(p);
+        if p[1] * q[1] < 0.0 {
+            out.push([p[0] + (q[0] - p[0]) * p[1] / (p[1] - q[1]), 0.0]);
+        }
+    }
+    out
+}
+
+/// An outer ring, a hole in it, an island in the hole with a hole, and two holes beside.
+fn nested() -> impl Strategy<Value = Shape> {
+    let ring = |from: f64, to: f64| prop::collection::vec(from..to, 5..40);
+    (
+        ring(8.0, 10.0),
+        ring(4.0, 5.0),
+        ring(2.0, 3.5),
+        ring(0.3, 1.5),
+        ring(0.2, 1.2),
+        -0.5f64..0.5,
+    )
+        .prop_map(|(a, b, c, d, e, shift)| {
+            let mut shape = Shape::default();
+            shape.add(star([0.0, shift], &a, false));
+            shape.add(star([0.1, shift], &b, true));
+            shape.add(star([0.0, shift], &c, false));
+            shape.add(star([0.1, shift], &d, true));
+            shape.add(star([14.0, shift], &e, false));
+            shape.add(star(
+                [6.3, shift],
+                &e.iter().map(|r| r * 0.5).collect::<Vec<_>>(),
+                true,
+            ));
+            shape
+        })
+}
+
+/// Whether rings of [`nested`] with few corners cut through others: then the shape is not clean.
+fn is_clean(shape: &Shape) -> bool {
+    let edges: Vec<[[f64; 2]; 2]> = (0..shape.loops.len())
+        .flat_map(|i| {
+            let p = shape.loop_points(i);
+            (0..p.len())
+                .map(move |k| [p[k], p[(k + 1) % p.len()]])
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    edges.iter().enumerate().all(|(i, [a, b])| {
+        edges[..i].iter().all(|[c, d]| {
+            [a, b].into_iter().any(|p| p == c || p == d)
+                || cross(*a, *b, *c) * cross(*a, *b, *d) > 0.0
+                || cross(*c, *d, *a) * cross(*c, *d, *b) > 0.0
+        })
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn nested_rings_are_covered_exactly(shape in nested(), length in prop::option::of(0.15f64..3.0), crease: bool, scale in -30i32..=30, offset in prop::option::of(-1e3f64..1e3)) {
+        prop_assume!(is_clean(&shape));
+        // The crease stays where it is: only x moves far.
+        let x = offset.unwrap_or(0.0);
+        let shape = shape.map(|p| [p[0] + x, p[1]]);
+        let cover_ = run(&shape, length, crease)?;
+        check_clean(&shape, &cover_, crease);
+        // Any power of ten, the same triangles or, where rounding makes others, as good ones.
+        let scale = 10f64.powi(scale);
+        let shape = shape.map(|p| p.map(|x| x * scale));
+        let cover_ = run(&shape, length.map(|l| l * scale), crease)?;
+        check_clean(&shape, &cover_, crease);
+    }
+
+    #[test]
+    fn anything_is_covered(loops in prop::collection::vec(prop::collection::vec([-1.0f64..1.0, -1.0..1.0], 3..24), 1..5), length in prop::option::of(0.05f64..1.0), crease: bool) {
+        let mut shape = Shape::default();
+        for ring in loops {
+            shape.add(ring);
+        }
+        check_any(&shape, &run(&shape, length, crease)?);
+    }
+
+    /// Few places: duplicates, spikes, touching edges and loops of no area everywhere.
+    #[test]
+    fn loops_on_a_coarse_grid_are_covered(loops in prop::collection::vec(prop::collection::vec([-2i32..3, -2i32..3], 3..16), 1..6), length in prop::option::of(0.05f64..1.0), crease: bool) {
+        let mut shape = Shape::default();
+        for ring in loops {
+            shape.add(ring.into_iter().map(|p| p.map(f64::from)));
+        }
+        check_any(&shape, &run(&shape, length, crease)?);
+    }
+
+    /// Magnitudes of all sizes in one section.
+    #[test]
+    fn numbers_of_any_size_are_covered(ring in prop::collection::vec(([-1.0f64..1.0, -1.0..1.0], [-300i32..300, -300i32..300]), 3..20), crease: bool) {
+        let mut shape = Shape::default();
+        shape.add(ring.into_iter().map(|(p, e)| [p[0] * 10f64.powi(e[0]), p[1] * 10f64.powi(e[1])]));
+        let cover_ = run(&shape, None, crease)?;
+        prop_assert!(cover_.validate(&shape.section(crease), f64::MAX).is_ok());
+    }
+
+    #[test]
+    fn edges_of_the_surface_are_not_made_again(shape in nested(), length in prop::option::of(0.3f64..3.0), salt: u32, share in 1u32..4) {
+        let joined = |a: u32, b: u32| a.min(b).wrapping_mul(0x9e37_79b9).wrapping_add(a.max(b) ^ salt).wrapping_mul(0x85eb_ca6b) >> 30 < share;
+        let cover_ = run_joined(&shape, length, false, joined)?;
+        check_any(&shape, &cover_);
+        let n = index(shape.points.len());
+        let mut rim = std::collections::HashSet::new();
+        for ring in &shape.loops {
+            for i in 0..ring.len() {
+                rim.insert([ring[i], ring[(i + 1) % ring.len()]]);
+            }
+        }
+        for &[a, b, c] in &cover_.triangles {
+            for [v, w] in [[a, b], [b, c], [c, a]] {
+                prop_assert!(v >= n || w >= n || rim.contains(&[v, w]) || rim.contains(&[w, v]) || !joined(v, w), "{v} {w}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_section_gives_the_same_bits(shape in nested(), length in prop::option::of(0.15f64..3.0)) {
+        let params = CoverParams { length, ..CoverParams::default() };
+        let mut scratch = CoverScratch::default();
+        let first = cover(&shape.section(true), &params, |_, _| false, &mut scratch)?;
+        let second = cover(&shape.section(true), &params, |_, _| false, &mut scratch)?;
+        prop_assert_eq!(&first, &second);
+        prop_assert_eq!(&first, &run(&shape, length, true)?);
+    }
+}
