@@ -11,6 +11,7 @@ mod band;
 mod cdt;
 mod discs;
 mod forbidden;
+mod improve;
 mod lattice;
 mod order;
 mod section;
@@ -21,6 +22,7 @@ mod wall;
 use crate::patch::RefineError;
 use band::Band;
 use cdt::id;
+use improve::Improver;
 use lattice::Lattice;
 use section::Rims;
 use sheet::{INSIDE, Sheet, Verdict};
@@ -102,6 +104,7 @@ pub struct CoverScratch {
     sheet: Sheet,
     lattice: Lattice,
     band: Band,
+    improver: Improver,
 }
 
 /// Covers a section with triangles.
@@ -140,6 +143,7 @@ pub fn cover(
             sheet,
             lattice,
             band,
+            improver,
         } = &mut *scratch;
         if sheet.build(rims, &group, mirrored, section.crease) == Verdict::Clean {
             let mark = cover.triangles.len();
@@ -148,6 +152,8 @@ pub fn cover(
                 if !lattice.fill(sheet, length, limit / 2) {
                     return Err(RefineError::TooManyTriangles { limit });
                 }
+                improver.keep(sheet);
+                band.clear(sheet);
                 if !lattice.points.is_empty() {
                     let offset = id(rims.ids.len() + cover.inner.len());
                     lattice.triangles(offset, &mut cover.triangles);
@@ -161,6 +167,10 @@ pub fn cover(
             if !connected {
                 lattice.clear();
                 band.clear(sheet);
+            }
+            if let Some(length) = length.filter(|l| l.is_finite()) {
+                let budget = 2 * sheet.corner.len() + 64;
+                improver.run(sheet, lattice, band, length, budget);
             }
             let name = |v: u32| rims.ids[sheet.corner[v as usize] as usize];
             let taken = forbidden::find(sheet, |v, w| joined(name(v), name(w)));

@@ -71,6 +71,11 @@ pub(crate) fn orient(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     orient2d(coord(a), coord(b), coord(c))
 }
 
+/// Positive where `p` lies inside the circle through a counterclockwise triangle. The sign is exact.
+pub(crate) fn incircle_of([a, b, c]: [[f64; 2]; 3], p: [f64; 2]) -> f64 {
+    incircle(coord(a), coord(b), coord(c), coord(p))
+}
+
 impl Cdt {
     /// Forgets everything and puts up the box around `low` and `high`. The points are the caller's
     /// to push before and after; the four corners are pushed here and the first one's id returned.
@@ -99,6 +104,21 @@ impl Cdt {
         self.points.push(p);
         self.outgoing.push(NONE);
         id(self.points.len() - 1)
+    }
+
+    /// Takes back the last point, which is not inserted.
+    pub(crate) fn pop_point(&mut self) {
+        self.points.pop();
+        self.outgoing.pop();
+    }
+
+    /// Becomes a copy of what `other` looks like, for searches.
+    pub(crate) fn copy_shape(&mut self, other: &Self) {
+        self.points.clone_from(&other.points);
+        self.origin.clone_from(&other.origin);
+        self.twin.clone_from(&other.twin);
+        self.region.clone_from(&other.region);
+        self.last = 0;
     }
 
     pub(crate) fn triangles(&self) -> u32 {

@@ -6,7 +6,7 @@
 //! clearance over L / sqrt(3) no point of a rim lies in the circle around three neighbors that are
 //! kept, so their triangle is Delaunay and needs no test.
 
-use super::cdt::id;
+use super::cdt::{Cdt, Place, id};
 use super::sheet::{INSIDE, Sheet};
 
 /// Points nearer to a rim than this many L are not kept. More than 1 / sqrt(3).
@@ -133,33 +133,13 @@ impl Lattice {
             if cdt.region[t as usize] != INSIDE {
                 continue;
             }
-            let mut corners = cdt.corners(t);
-            corners.sort_unstable_by(|&v, &w| {
-                let (p, q) = (cdt.point(v), cdt.point(w));
-                p[1].total_cmp(&q[1]).then(p[0].total_cmp(&q[0]))
-            });
-            let [low, middle, high] = corners;
-            let ys = corners.map(|v| cdt.point(v)[1]);
-            let (from, to) = (self.row_from(ys[0]), self.row_from(ys[2]));
+            let rows = Crossing::of(cdt, t);
+            let (from, to) = (self.row_from(rows.ys[0]), self.row_from(rows.ys[2]));
             if usize::try_from(to - from).map_or(true, |rows| rows / 4 > most) {
                 return false;
             }
             for row in from..to {
-                let y = self.y(row);
-                let short = if y < ys[1] {
-                    [low, middle]
-                } else {
-                    [middle, high]
-                };
-                let mut sides = [[low, high], short].map(|ends| {
-                    let [p, q] = ends.map(|v| cdt.point(v));
-                    let at = ((y - p[1]) / (q[1] - p[1])).clamp(0.0, 1.0);
-                    let x = p[0] + at * (q[0] - p[0]);
-                    Side { ends, at, x }
-                });
-                if sides[0].x > sides[1].x {
-                    sides.swap(0, 1);
-                }
+                let sides = rows.at(cdt, self.y(row));
                 let columns = sides.map(|side| self.column_from(row, side.x));
                 if columns[0] < columns[1] {
                     found += usize::try_from(columns[1] - columns[0]).unwrap_or(usize::MAX / 2);
@@ -417,6 +397,65 @@ impl Lattice {
             [below(down[1] - odd), above(down[1])]
         });
     }
+}
+
+/// A triangle of the rings, its corners from low to high.
+struct Crossing {
+    corners: [u32; 3],
+    ys: [f64; 3],
+}
+
+impl Crossing {
+    fn of(cdt: &Cdt, t: u32) -> Self {
+        let mut corners = cdt.corners(t);
+        corners.sort_unstable_by(|&v, &w| {
+            let (p, q) = (cdt.point(v), cdt.point(w));
+            p[1].total_cmp(&q[1]).then(p[0].total_cmp(&q[0]))
+        });
+        let ys = corners.map(|v| cdt.point(v)[1]);
+        Self { corners, ys }
+    }
+
+    /// The sides that a level line goes through, left and right. The same side gives the same bits
+    /// in the triangle next to it.
+    fn at(&self, cdt: &Cdt, y: f64) -> [Side; 2] {
+        let [low, middle, high] = self.corners;
+        let short = if y < self.ys[1] {
+            [low, middle]
+        } else {
+            [middle, high]
+        };
+        let mut sides = [[low, high], short].map(|ends| {
+            let [p, q] = ends.map(|v| cdt.point(v));
+            let rise = q[1] - p[1];
+            let at = if rise > 0.0 {
+                ((y - p[1]) / rise).clamp(0.0, 1.0)
+            } else {
+                1.0
+            };
+            let x = p[0] + at * (q[0] - p[0]);
+            Side { ends, at, x }
+        });
+        if sides[0].x > sides[1].x {
+            sides.swap(0, 1);
+        }
+        sides
+    }
+}
+
+/// The corners of the triangle that holds a point, and its weights as their mean. `None` outside of
+/// the rings.
+pub(crate) fn mean_in(cdt: &mut Cdt, p: [f64; 2]) -> Option<([u32; 3], [f64; 3])> {
+    let t = match cdt.locate(p, cdt.last) {
+        Place::Face(t) => t,
+        Place::Edge(h) => h / 3,
+        Place::Vertex(_) => return None,
+    };
+    if cdt.region[t as usize] != INSIDE {
+        return None;
+    }
+    cdt.last = t;
+    Some(mix(&Crossing::of(cdt, t).at(cdt, p[1]), p[0]))
 }
 
 /// A point between two sides of a triangle as a mean of its corners.

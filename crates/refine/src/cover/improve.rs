@@ -1,0 +1,237 @@
+//! Better angles in the band: points inserted where a triangle is too sharp or an edge too long.
+//!
+//! Rims have edges much shorter and longer than the target, side by side, and no edge of them may
+//! be split. So there is no guarantee to be had from Delaunay refinement as such; instead a point
+//! is inserted only where the smallest angle of what it replaces is smaller than that of what it
+//! makes. The place is Üngör's off-center (Off-centers: a new type of Steiner points, 2009): the
+//! circumcenter, or nearer to the short side where the circumcenter would leave a sharp triangle
+//! on it again.
+
+use super::band::Band;
+use super::cdt::{Cdt, id, incircle_of, orient, wall};
+use super::lattice::{Lattice, mean_in};
+use super::sheet::{INSIDE, Sheet};
+
+/// Triangles with a smaller angle ask for a point: the cosine of 32 degrees.
+const SHARP: f64 = 0.848;
+/// So do those with an inner edge longer than this many L.
+const LONG: f64 = 1.6;
+/// A point for an edge's sake may not make an angle below 30 degrees where there was none.
+const FINE: f64 = 0.866;
+/// By how much a cosine must fall for a point to be worth it.
+const GAIN: f64 = 0.01;
+/// Half of the angle that an off-center makes, as 1 / (2 tan): 36 degrees in all.
+const REACH: f64 = 1.54;
+
+/// Room for the way.
+#[derive(Debug, Default)]
+pub(crate) struct Improver {
+    /// The triangulation before the lattice came into it, where parents are found.
+    base: Cdt,
+    queue: Vec<(u32, [u32; 3])>,
+    cavity: Vec<u32>,
+    link: Vec<[u32; 2]>,
+    stamps: Vec<u32>,
+    stamp: u32,
+}
+
+/// A point that would be inserted, and what it is worth.
+struct Offer {
+    at: [f64; 2],
+    triangle: u32,
+    old: f64,
+    new: f64,
+}
+
+impl Improver {
+    /// Keeps a sheet as it is before lattice points come in.
+    pub(crate) fn keep(&mut self, sheet: &Sheet) {
+        self.base.copy_shape(&sheet.cdt);
+    }
+
+    /// Inserts at most `budget` points into the band.
+    pub(crate) fn run(
+        &mut self,
+        sheet: &mut Sheet,
+        lattice: &mut Lattice,
+        band: &mut Band,
+        length: f64,
+        budget: usize,
+    ) {
+        self.stamps.clear();
+        self.stamp = 0;
+        self.queue.clear();
+        let cdt = &mut sheet.cdt;
+        for t in 0..cdt.triangles() {
+            self.ask(cdt, t, length);
+        }
+        let (mut at, mut inserted) = (0, 0);
+        while at < self.queue.len() && inserted < budget {
+            let (t, corners) = self.queue[at];
+            at += 1;
+            if cdt.corners(t) != corners {
+                continue;
+            }
+            let Some(offer) = self.offer(cdt, t, length) else {
+                continue;
+            };
+            let v = cdt.push_point(offer.at);
+            cdt.last = offer.triangle;
+            // Parents come from the triangulation of the rings alone; where that fails so does
+            // the point.
+            let Some((parents, weights)) = mean_in(&mut self.base, offer.at) else {
+                cdt.pop_point();
+                continue;
+            };
+            if cdt.insert(v).is_err() {
+                cdt.pop_point();
+                continue;
+            }
+            inserted += 1;
+            band.lattice.push(id(lattice.points.len()));
+            lattice.points.push(offer.at);
+            lattice.parents.push(parents);
+            lattice.weights.push(weights);
+            let first = cdt.outgoing[v as usize];
+            let mut h = first;
+            loop {
+                self.ask(cdt, h / 3, length);
+                h = cdt.twin[super::cdt::prev(h) as usize];
+                if h == first {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Puts a triangle in the queue if it is bad.
+    fn ask(&mut self, cdt: &Cdt, t: u32, length: f64) {
+        if cdt.region[t as usize] == INSIDE
+            && (sharpness(cdt.corners(t).map(|v| cdt.point(v))) > SHARP
+                || has_long_edge(cdt, t, length))
+        {
+            self.queue.push((t, cdt.corners(t)));
+        }
+    }
+
+    fn offer(&mut self, cdt: &Cdt, t: u32, length: f64) -> Option<Offer> {
+        let p = cdt.corners(t).map(|v| cdt.point(v));
+        let sharp = sharpness(p) > SHARP;
+        let offer = self.weigh(cdt, t, off_center(p, sharp)?)?;
+        let better = if sharp {
+            offer.new < offer.old - GAIN
+        } else {
+            has_long_edge(cdt, t, length) && offer.new < offer.old.max(FINE)
+        };
+        better.then_some(offer)
+    }
+
+    /// What a point would replace and make: the sharpest angles. `None` where a wall is in between
+    /// or the point would lie on something.
+    fn weigh(&mut self, cdt: &Cdt, from: u32, at: [f64; 2]) -> Option<Offer> {
+        let triangle = reach(cdt, from, at)?;
+        self.stamps.resize(cdt.region.len(), 0);
+        self.stamp += 1;
+        self.stamps[triangle as usize] = self.stamp;
+        self.cavity.clear();
+        self.cavity.push(triangle);
+        self.link.clear();
+        let (mut old, mut new) = (-1.0f64, -1.0f64);
+        let mut i = 0;
+        while i < self.cavity.len() {
+            let t = self.cavity[i];
+            i += 1;
+            old = old.max(sharpness(cdt.corners(t).map(|v| cdt.point(v))));
+            for h in [3 * t, 3 * t + 1, 3 * t + 2] {
+                if cdt.walls[h as usize] == wall::FREE {
+                    let u = cdt.twin[h as usize] / 3;
+                    if self.stamps[u as usize] == self.stamp {
+                        continue;
+                    }
+                    if incircle_of(cdt.corners(u).map(|v| cdt.point(v)), at) > 0.0 {
+                        self.stamps[u as usize] = self.stamp;
+                        self.cavity.push(u);
+                        continue;
+                    }
+                }
+                self.link.push([cdt.start(h), cdt.end(h)]);
+            }
+        }
+        for ends in &self.link {
+            let [p, q] = ends.map(|v| cdt.point(v));
+            if orient(p, q, at) <= 0.0 {
+                return None;
+            }
+            new = new.max(sharpness([p, q, at]));
+        }
+        Some(Offer {
+            at,
+            triangle,
+            old,
+            new,
+        })
+    }
+}
+
+/// The triangle that holds `at`, if no wall is on the way from triangle `t`.
+fn reach(cdt: &Cdt, mut t: u32, at: [f64; 2]) -> Option<u32> {
+    for _ in 0..32 {
+        let out = [3 * t, 3 * t + 1, 3 * t + 2]
+            .into_iter()
+            .find(|&h| orient(cdt.point(cdt.start(h)), cdt.point(cdt.end(h)), at) < 0.0);
+        match out {
+            None => return Some(t),
+            Some(h) if cdt.walls[h as usize] != wall::FREE => return None,
+            Some(h) => t = cdt.twin[h as usize] / 3,
+        }
+    }
+    None
+}
+
+fn square(p: [f64; 2], q: [f64; 2]) -> f64 {
+    (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2)
+}
+
+/// The cosine of a triangle's smallest angle.
+fn sharpness([a, b, c]: [[f64; 2]; 3]) -> f64 {
+    let sides = [square(b, c), square(c, a), square(a, b)];
+    let shortest = sides[0].min(sides[1]).min(sides[2]);
+    let [x, y] = if sides[0] == shortest {
+        [sides[1], sides[2]]
+    } else if sides[1] == shortest {
+        [sides[0], sides[2]]
+    } else {
+        [sides[0], sides[1]]
+    };
+    (x + y - shortest) / (2.0 * (x * y).sqrt())
+}
+
+fn has_long_edge(cdt: &Cdt, t: u32, length: f64) -> bool {
+    let limit = (LONG * length).powi(2);
+    [3 * t, 3 * t + 1, 3 * t + 2].into_iter().any(|h| {
+        cdt.walls[h as usize] == wall::FREE
+            && square(cdt.point(cdt.start(h)), cdt.point(cdt.end(h))) > limit
+    })
+}
+
+/// The circumcenter of a triangle, or for a sharp one the off-center on the same bisector.
+fn off_center(p: [[f64; 2]; 3], sharp: bool) -> Option<[f64; 2]> {
+    // The shortest side first.
+    let k = (0..3)
+        .min_by(|&i, &j| square(p[i], p[(i + 1) % 3]).total_cmp(&square(p[j], p[(j + 1) % 3])))?;
+    let [a, b, c] = [p[k], p[(k + 1) % 3], p[(k + 2) % 3]];
+    let (u, w) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+    let double = u[0] * w[1] - u[1] * w[0];
+    let base = u[0] * u[0] + u[1] * u[1];
+    if !(double > 0.0 && base > 0.0) {
+        return None;
+    }
+    // The circumcenter lies this many sides off the middle of the shortest one.
+    let off = (w[0] * (w[0] - u[0]) + w[1] * (w[1] - u[1])) / (2.0 * double);
+    let off = if sharp { off.min(REACH) } else { off };
+    let at = [
+        a[0] + 0.5 * u[0] - off * u[1],
+        a[1] + 0.5 * u[1] + off * u[0],
+    ];
+    (at[0].is_finite() && at[1].is_finite()).then_some(at)
+}
