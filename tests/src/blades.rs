@@ -65,13 +65,12 @@ impl Blade {
                 plane(n, surface.position(*top))
             }
             Self::Bent(n, part, bend) => {
-                let flat = middle(n.into(), part)?;
-                let [a, b, c, d] = flat.corners();
-                let out = flat.plane().1 * (bend * bounds.diagonal());
-                Sweep::new([a, b], [round(widen(d) + out), c])
+                let [a, b, c, d] = square(&middle(n.into(), part)?);
+                let out = Vec3::from(n).normalize() * (bend * bounds.diagonal());
+                Sweep::new([round(a), round(b)], [round(d + out), round(c)])
             }
             Self::Short(n, part, length) => {
-                let [a, b, c, d] = middle(n.into(), part)?.corners().map(widen);
+                let [a, b, c, d] = square(&middle(n.into(), part)?);
                 let (c, d) = (b + (c - b) * length, a + (d - a) * length);
                 Sweep::new([round(a), round(b)], [round(d), round(c)])
             }
@@ -84,6 +83,17 @@ impl Blade {
     pub fn is_full_plane(&self) -> bool {
         !matches!(self, Self::Bent(..) | Self::Short(..))
     }
+}
+
+/// The square around the circle inside a plane's triangle, one side along the triangle's first, which
+/// touches the circle.
+fn square(plane: &Sweep) -> [Vec3; 4] {
+    let [[a, b, c], _] = plane.triangles();
+    // An equilateral triangle is three times as high as the circle's radius.
+    let side = (b - a).normalize() * ((c - (a + b) / 2.0).norm() / 3.0);
+    let up = (c - (a + b) / 2.0) * (2.0 / 3.0);
+    let [left, right] = [(a + b) / 2.0 - side, (a + b) / 2.0 + side];
+    [left, right, right + up, left + up]
 }
 
 /// How often the sides of a triangle are doubled at most to make a sweep of them.

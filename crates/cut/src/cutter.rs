@@ -27,7 +27,7 @@ pub struct CutReport {
     pub refined: bool,
     /// Time of the search and of the intersection.
     pub detection: Duration,
-    /// Time of the new boundary, of the edit of the mesh and of the new search tree.
+    /// Time of the new boundary, of the edit of the mesh and of the search tree that follows it.
     pub topology: Duration,
     /// Time of triangulating and refining the caps.
     pub refinement: Duration,
@@ -64,6 +64,12 @@ impl Cutter {
     /// Follows the surface's motion: call it before [`Self::cut`] when vertices have moved. O(n).
     pub fn refit(&mut self, surface: &Surface) {
         self.bvh.refit(surface);
+    }
+
+    /// Follows the motion of a few triangles: these must be all that moved since the last refit.
+    /// O(m log n) for m of them.
+    pub fn refit_moved(&mut self, surface: &Surface, triangles: &[TriangleId]) {
+        self.bvh.refit_moved(surface, triangles);
     }
 
     /// The search tree.
@@ -111,7 +117,7 @@ impl Cutter {
             CutMethod::Rebuild => rebuild(surface, &strips, &signs, sweep, params, &mut outcome)?,
         }
         separate(surface, &pieces, &mut outcome.delta);
-        self.bvh.rebuild(surface);
+        self.bvh.update(surface, &outcome.delta);
         outcome.report.topology = begin.elapsed() - outcome.report.refinement;
         Ok(outcome)
     }

@@ -32,7 +32,9 @@ impl Sweep {
         Ok(sweep)
     }
 
-    /// A flat sweep along the plane `normal . x = d` that cuts everything in `bounds`.
+    /// A flat sweep along the plane `normal . x = d` that cuts everything in `bounds`: one large
+    /// triangle, since four rounded corners would not lie in one plane. The last corner is the third
+    /// once more, so the second triangle has no area and nothing crosses it.
     ///
     /// # Errors
     /// [`CutError::BladeDegenerate`] for a normal without a direction, [`CutError::SweepNotFinite`]
@@ -60,15 +62,17 @@ impl Sweep {
         let side = Vec3::ith(n.iamin(), 1.0);
         let u = n.cross(&side).normalize();
         let v = n.cross(&u);
-        // The box lies within half a diagonal of its middle, and so does its shadow on the plane.
-        let corner = |s: f64, t: f64| round(on_plane + (u * s + v * t) * reach);
-        Self::new(
-            [corner(-1.0, -1.0), corner(1.0, -1.0)],
-            [corner(-1.0, 1.0), corner(1.0, 1.0)],
-        )
+        // The box lies within half a diagonal of its middle, and so does its shadow on the plane; the
+        // circle inside the triangle is half as wide again.
+        let inside = 0.75 * reach;
+        let corner = |s: f64, t: f64| round(on_plane + (u * s + v * t) * inside);
+        let root = 3.0_f64.sqrt();
+        let top = corner(0.0, 2.0);
+        Self::new([corner(-root, -1.0), corner(root, -1.0)], [top, top])
     }
 
-    /// The four corners \[m\]: previous start, previous end, current end, current start.
+    /// The four corners \[m\]: previous start, previous end, current end, current start. Of a plane
+    /// across a box the last two are one.
     #[must_use]
     pub const fn corners(&self) -> [[f32; 3]; 4] {
         self.corners
@@ -116,6 +120,26 @@ mod tests {
             assert!(
                 (Vec3::from(n).dot(&p) - 0.1 * f64::from(scale)).abs() < 1e-6 * f64::from(scale)
             );
+        }
+    }
+
+    #[test]
+    fn a_plane_across_a_box_is_one_triangle_around_its_shadow() {
+        let bounds = Aabb::around([[-1.0, 3.0, 0.5], [2.0, 4.0, 7.0]]);
+        for n in [[1.0, 0.0, 0.0], [0.3, -2.0, 0.5], [-1.0, 1.0, 1.0]] {
+            let n = Vec3::from(n).normalize();
+            let sweep = Sweep::across_box(n.into(), n.dot(&bounds.center()), &bounds).unwrap();
+            let [[a, b, c], none] = sweep.triangles();
+            assert_eq!(none[1], none[2], "the second triangle has no area");
+            for i in 0..8 {
+                let pick = |k: usize| [bounds.min, bounds.max][i >> k & 1][k];
+                let corner = widen(std::array::from_fn(pick));
+                for (p, q) in [(a, b), (b, c), (c, a)] {
+                    // Along the normal nothing changes, so the corner need not be on the plane.
+                    let inside = (q - p).cross(&(corner - p)).dot(&n) / (q - p).norm();
+                    assert!(inside > 0.1 * bounds.diagonal(), "{inside} beside an edge");
+                }
+            }
         }
     }
 

@@ -1,44 +1,58 @@
 //! Which triangles may a sweep touch?
 
-use super::{Bvh, triangle_bounds};
+use super::{Bvh, MAX_HEIGHT, triangle_bounds};
 use crate::sweep::Sweep;
-use incise_mesh::geometry::widen;
+use incise_mesh::geometry::{round, widen};
 use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
-
-/// Median splits halve the triangles at every level, and ids have 32 bits.
-const MAX_DEPTH: usize = 32;
 
 impl Bvh {
     /// Appends to `out` every triangle whose box may touch the sweep: all that do, and few that do
     /// not. In tree order. O(k + log n) for k found, when the sweep is small or flat.
     pub fn query(&self, surface: &Surface, sweep: &Sweep, out: &mut Vec<TriangleId>) {
         let slabs = sweep.triangles().map(Slab::new);
+        let [first, second] = &slabs;
+        match (first.exists(), second.exists()) {
+            (true, true) => {
+                let touches = |b: &Aabb| first.may_touch(b) || second.may_touch(b);
+                self.collect(surface, touches, out);
+            }
+            (true, false) => self.collect(surface, |b| first.may_touch(b), out),
+            (false, true) => self.collect(surface, |b| second.may_touch(b), out),
+            (false, false) => {}
+        }
+    }
+
+    /// Appends to `out` every triangle whose box `touches`.
+    pub(super) fn collect(
+        &self,
+        surface: &Surface,
+        touches: impl Fn(&Aabb) -> bool,
+        out: &mut Vec<TriangleId>,
+    ) {
         let mut at = 0;
-        let mut rights = [0; MAX_DEPTH];
+        let mut rights = [0; MAX_HEIGHT];
         let mut depth = 0;
-        while at < self.nodes.len() {
-            let node = &self.nodes[at];
-            let hit = slabs.iter().any(|s| s.may_touch(&node.bounds));
-            if hit && node.count > 0 {
-                for i in node.index as usize..node.index as usize + node.count as usize {
-                    let bounds = triangle_bounds(surface, self.corners[i]);
-                    if slabs.iter().any(|s| s.may_touch(&bounds)) {
-                        out.push(self.order[i]);
+        while let Some(node) = self.nodes.get(at as usize) {
+            if touches(&node.bounds) {
+                if !node.is_leaf() {
+                    rights[depth] = node.index + 1;
+                    depth += 1;
+                    at = node.index;
+                    continue;
+                }
+                let block = &self.blocks[node.index as usize];
+                for k in 0..node.count as usize {
+                    if touches(&triangle_bounds(surface, block.corners[k])) {
+                        out.push(block.triangles[k]);
                     }
                 }
-            }
-            if hit && node.count == 0 {
-                rights[depth] = node.index;
-                depth += 1;
-                at += 1;
-                continue;
             }
             // The next node to visit is the right child of the nearest ancestor entered on the left.
             if depth == 0 {
                 break;
             }
             depth -= 1;
-            at = rights[depth] as usize;
+            at = rights[depth];
         }
     }
 }
@@ -54,10 +68,15 @@ impl Slab {
     fn new(corners: [Vec3; 3]) -> Self {
         let [a, b, c] = corners;
         Self {
-            bounds: Aabb::around(corners.map(incise_mesh::geometry::round)),
+            bounds: Aabb::around(corners.map(round)),
             point: a,
             normal: (b - a).cross(&(c - a)),
         }
+    }
+
+    /// Whether the triangle has an area; without one nothing crosses it.
+    fn exists(&self) -> bool {
+        self.normal.norm() > 0.0
     }
 
     /// False only when the box is off the triangle for sure: the slack is far above f64 rounding.
