@@ -1,6 +1,6 @@
 //! Random bodies, sweeps and levels: whatever is cut stays closed, oriented and manifold.
 
-use incise_cut::{CutError, CutOutcome, CutParams, Cutter};
+use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter};
 use incise_mesh::Surface;
 use incise_mesh::geometry::{Vec3, area_vector};
 use incise_refine::{RefineParams, RefinementLevel};
@@ -12,6 +12,7 @@ use proptest::prelude::*;
 
 fn params(level: RefinementLevel) -> CutParams {
     CutParams {
+        method: CutMethod::Rebuild,
         refine: RefineParams {
             level,
             ..RefineParams::default()

@@ -1,7 +1,7 @@
 //! 231 plane cuts against volumes and components that an independent boolean library computed. The
 //! table lies in a folder beside the workspace; without it one ignored test says so.
 
-use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
+use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::geometry::{Vec3, area_vector};
 use incise_mesh::{Surface, read_mesh};
 use incise_refine::{RefineParams, RefinementLevel};
@@ -77,6 +77,7 @@ fn cut(whole: &Surface, mesh: &str, row: &Reference, level: RefinementLevel) -> 
     let mut surface = whole.clone();
     let sweep = Sweep::across_box(row.normal, row.d, &surface.bounds()).expect("a plane");
     let params = CutParams {
+        method: CutMethod::Rebuild,
         refine: RefineParams {
             level,
             ..RefineParams::default()

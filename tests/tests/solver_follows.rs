@@ -1,7 +1,7 @@
 //! A solver that follows cuts by their deltas: its constraints are those that it would get from
 //! scratch, its colors are proper, mass and momentum are what they were.
 
-use incise_cut::{CutParams, Cutter, Sweep};
+use incise_cut::{CutMethod, CutParams, Cutter, Sweep};
 use incise_mesh::{Model, Surface, build_model};
 use incise_pbd_gpu::{
     ConstraintSet, Density, MAX_COLORS, Material, PatchParams, Solver, SolverParams, Stiffness,
@@ -83,6 +83,7 @@ fn follow(
         }
         cutter.refit(&surface);
         let params = CutParams {
+            method: CutMethod::Rebuild,
             refine: RefineParams {
                 level: *level,
                 ..RefineParams::default()

@@ -32,8 +32,12 @@ pub(crate) struct CutArguments {
     #[arg(long, default_value = "original")]
     level: RefinementLevel,
     /// How the mesh is opened.
-    #[arg(long, value_enum, default_value_t = Method::Rebuild)]
+    #[arg(long, value_enum, default_value_t = Method::Exact)]
     method: Method,
+    /// The exact method: no edge along the rim shorter than this part of the surface's edges, from 0 up to
+    /// 0.5; 0 keeps the exact geometry.
+    #[arg(long, value_name = "S", default_value_t = CutParams::default().snap)]
+    snap: f64,
     /// Where the pieces go.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -44,6 +48,8 @@ pub(crate) struct CutArguments {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Method {
+    /// Split the hit triangles along the sweep and close any cross-section.
+    Exact,
     /// The paper's: delete the hit triangles, rebuild the rim, patch and refine the hole.
     Rebuild,
 }
@@ -54,6 +60,7 @@ struct Report {
     #[serde(serialize_with = "lossy")]
     input: PathBuf,
     method: &'static str,
+    snap: f64,
     level: f64,
     triangles: usize,
     volume: f64,
@@ -72,8 +79,10 @@ struct Times {
     read: f64,
     search_tree: f64,
     detection: f64,
-    topology: f64,
+    split: f64,
+    cap: f64,
     refinement: f64,
+    separation: f64,
     write: f64,
 }
 
@@ -92,8 +101,10 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
     let sweep = arguments.sweep(&surface).map_err(Failure::Sweep)?;
     let params = CutParams {
         method: match arguments.method {
+            Method::Exact => CutMethod::Exact,
             Method::Rebuild => CutMethod::Rebuild,
         },
+        snap: arguments.snap,
         refine: RefineParams {
             level: arguments.level,
             ..RefineParams::default()
@@ -111,7 +122,11 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
     let (write, pieces) = timed(|| pieces::write(&surface, path, &arguments.output));
     let report = Report {
         input: path.clone(),
-        method: "rebuild",
+        method: match arguments.method {
+            Method::Exact => "exact",
+            Method::Rebuild => "rebuild",
+        },
+        snap: arguments.snap,
         level: arguments.level.z(),
         triangles,
         volume,
@@ -125,8 +140,10 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
             read: milliseconds(read),
             search_tree: milliseconds(search_tree),
             detection: milliseconds(outcome.report.detection),
-            topology: milliseconds(outcome.report.topology),
+            split: milliseconds(outcome.report.split),
+            cap: milliseconds(outcome.report.cap),
             refinement: milliseconds(outcome.report.refinement),
+            separation: milliseconds(outcome.report.separation),
             write: milliseconds(write),
         },
     };
@@ -177,7 +194,7 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
     let t = &report.milliseconds;
     writeln!(
         out,
-        "  ms: read {:.2}, search tree {:.2}, detection {:.2}, topology {:.2}, refinement {:.2}, write {:.2}",
-        t.read, t.search_tree, t.detection, t.topology, t.refinement, t.write
+        "  ms: read {:.2}, search tree {:.2}, detection {:.2}, split {:.2}, cap {:.2}, refinement {:.2}, separation {:.2}, write {:.2}",
+        t.read, t.search_tree, t.detection, t.split, t.cap, t.refinement, t.separation, t.write
     )
 }

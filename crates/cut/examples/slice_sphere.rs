@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             delta.triangles_removed.len(),
             delta.triangles_added.len(),
             outcome.cap.len(),
-            1e3 * (report.detection + report.topology + report.refinement).as_secs_f64()
+            1e3 * report.total().as_secs_f64()
         );
         for (new, old) in &delta.pieces_added {
             println!("  piece {new} came off piece {old}");

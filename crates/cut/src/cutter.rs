@@ -1,14 +1,12 @@
 //! One cut from sweep to delta.
 
 use crate::bvh::Bvh;
-use crate::crossing::Signs;
 use crate::error::CutError;
+use crate::exact::Exact;
 use crate::params::{CutMethod, CutParams};
 use crate::rebuild::rebuild;
-use crate::separate::separate;
-use crate::strip::trace;
 use crate::sweep::Sweep;
-use incise_mesh::{Surface, TopologyDelta, TriangleId};
+use incise_mesh::{Surface, TopologyDelta, TriangleId, Undo};
 use std::time::{Duration, Instant};
 
 /// What a cut found, did and cost.
@@ -20,17 +18,46 @@ pub struct CutReport {
     pub hits: usize,
     /// Closed loops of the cross-section.
     pub loops: usize,
-    /// Sides of loops for which the paper's boundary would not have been a manifold, so that hit
-    /// triangles were cut along the sweep instead.
+    /// The exact method: vertices of the surface that were taken into the rim.
+    pub snapped_vertices: usize,
+    /// The exact method: intersection points that were merged into others.
+    pub merged_nodes: usize,
+    /// The exact method: volume that snapping moved from one side of the sweep to the other or off the
+    /// body, without sign \[m^3\].
+    pub moved_volume: f64,
+    /// The exact method: rim edges that stay shorter than snapping asks for, since the surface would not
+    /// stay what it is else.
+    pub short_rim_edges: usize,
+    /// The paper's method: sides of loops for which its boundary would not have been a manifold, so that
+    /// hit triangles were cut along the sweep instead.
     pub strict_lips: usize,
     /// Whether every cap reached its edge length.
     pub refined: bool,
     /// Time of the search and of the intersection.
     pub detection: Duration,
-    /// Time of the new boundary, of the edit of the mesh and of the search tree that follows it.
-    pub topology: Duration,
-    /// Time of triangulating and refining the caps.
+    /// Time of the new boundary and of the edit of the mesh.
+    pub split: Duration,
+    /// Time of triangulating the caps.
+    pub cap: Duration,
+    /// Time of refining the caps.
     pub refinement: Duration,
+    /// Time of finding the pieces.
+    pub separation: Duration,
+    /// Time of bringing the search tree up to date.
+    pub search_tree: Duration,
+}
+
+impl CutReport {
+    /// Time of everything.
+    #[must_use]
+    pub fn total(&self) -> Duration {
+        self.detection
+            + self.split
+            + self.cap
+            + self.refinement
+            + self.separation
+            + self.search_tree
+    }
 }
 
 /// What a cut changed.
@@ -40,6 +67,8 @@ pub struct CutOutcome {
     pub delta: TopologyDelta,
     /// The triangles of the caps.
     pub cap: Vec<TriangleId>,
+    /// Takes the cut back; none when the sweep missed.
+    pub undo: Option<Undo>,
     /// What it cost.
     pub report: CutReport,
 }
@@ -49,6 +78,7 @@ pub struct CutOutcome {
 pub struct Cutter {
     bvh: Bvh,
     candidates: Vec<TriangleId>,
+    exact: Exact,
 }
 
 impl Cutter {
@@ -57,7 +87,7 @@ impl Cutter {
     pub fn new(surface: &Surface) -> Self {
         Self {
             bvh: Bvh::build(surface),
-            candidates: Vec::new(),
+            ..Self::default()
         }
     }
 
@@ -89,6 +119,9 @@ impl Cutter {
         sweep: &Sweep,
         params: &CutParams,
     ) -> Result<CutOutcome, CutError> {
+        if !(0.0..0.5).contains(&params.snap) {
+            return Err(CutError::SnapOutOfRange { snap: params.snap });
+        }
         let begin = Instant::now();
         self.candidates.clear();
         self.bvh.query(surface, sweep, &mut self.candidates);
@@ -97,28 +130,19 @@ impl Cutter {
         }
         let mut outcome = CutOutcome::default();
         outcome.report.candidates = self.candidates.len();
-        let signs = Signs::new(sweep);
-        let strips = trace(surface, &signs, &mut self.candidates)?;
         outcome.report.detection = begin.elapsed();
-        if strips.is_empty() {
-            return Ok(outcome);
-        }
-        outcome.report.loops = strips.len();
-        outcome.report.hits = strips.iter().map(|s| s.hits.len()).sum();
-        let begin = Instant::now();
-        // Asked before the edit: a piece of which nothing is left must be told, too.
-        let mut pieces: Vec<u32> = strips
-            .iter()
-            .map(|strip| surface.piece(strip.hits[0].triangle))
-            .collect();
-        pieces.sort_unstable();
-        pieces.dedup();
+        let candidates = &mut self.candidates;
         match params.method {
-            CutMethod::Rebuild => rebuild(surface, &strips, &signs, sweep, params, &mut outcome)?,
+            CutMethod::Exact => {
+                (self.exact).cut(surface, sweep, params, candidates, &mut outcome)?
+            }
+            CutMethod::Rebuild => rebuild(surface, sweep, params, candidates, &mut outcome)?,
         }
-        separate(surface, &pieces, &mut outcome.delta);
-        self.bvh.update(surface, &outcome.delta);
-        outcome.report.topology = begin.elapsed() - outcome.report.refinement;
+        if !outcome.delta.is_empty() {
+            let begin = Instant::now();
+            self.bvh.update(surface, &outcome.delta);
+            outcome.report.search_tree = begin.elapsed();
+        }
         Ok(outcome)
     }
 }

@@ -12,6 +12,12 @@ pub enum CutError {
         "the sweep has no area: the blade has no length or did not move across it, or the plane has no normal"
     )]
     BladeDegenerate,
+    /// The snapping distance is not from 0 up to 0.5.
+    #[error("snap must be at least 0 and below 0.5 of an edge, not {snap}")]
+    SnapOutOfRange {
+        /// The distance [local edge lengths].
+        snap: f64,
+    },
     /// A coordinate of the sweep is NaN or infinite.
     #[error("corner {corner} of the sweep is not finite")]
     SweepNotFinite {

@@ -20,13 +20,11 @@
 //! ```
 
 mod bvh;
-mod crossing;
 mod cutter;
 mod error;
+mod exact;
 mod params;
 mod rebuild;
-mod separate;
-mod strip;
 mod sweep;
 
 pub use bvh::{Bvh, InvalidBvh};

@@ -3,7 +3,7 @@
 //!
 //! | Listing | Here |
 //! |---|---|
-//! | lines 4 to 12, hit triangles, edges and intersection points | `bvh`, `crossing`, `strip`; [`points`] |
+//! | lines 4 to 12, hit triangles, edges and intersection points | `bvh`; [`crossing`], [`strip`], [`points`] |
 //! | line 14 and Algorithm A1, constraints | the solver's, from the delta |
 //! | lines 15 to 16, the cutting plane | [`Sweep::plane`] |
 //! | lines 17 to 19, positive and negative edges | [`lip`] |
@@ -26,23 +26,27 @@
 
 mod apply;
 mod boundary;
+mod crossing;
 mod lip;
 mod points;
+mod separate;
+mod strip;
 
-use crate::crossing::Signs;
 use crate::cutter::CutOutcome;
 use crate::error::CutError;
 use crate::params::CutParams;
-use crate::strip::Strip;
 use crate::sweep::Sweep;
 use apply::apply;
 use boundary::Boundary;
+use crossing::Signs;
 use incise_mesh::geometry::area_vector;
-use incise_mesh::{Surface, Vec3, VertexId};
+use incise_mesh::{Surface, TriangleId, Vec3, VertexId};
 use incise_refine::{Patch, RefineParams, fill, mean_rim_length};
 use lip::{Lip, lips};
 use points::{PointSet, intersection_points};
+use separate::separate;
 use std::time::{Duration, Instant};
+use strip::{Strip, trace};
 
 /// A corner of a new triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -88,8 +92,43 @@ struct Job<'a> {
     scale: f64,
 }
 
-/// Cuts `surface` along `strips`. See the module.
+/// Cuts `surface` along `sweep`. See the module.
+///
+/// # Errors
+/// [`CutError`]; the surface is then bit for bit what it was.
 pub(crate) fn rebuild(
+    surface: &mut Surface,
+    sweep: &Sweep,
+    params: &CutParams,
+    candidates: &mut Vec<TriangleId>,
+    outcome: &mut CutOutcome,
+) -> Result<(), CutError> {
+    let begin = Instant::now();
+    let signs = Signs::new(sweep);
+    let strips = trace(surface, &signs, candidates)?;
+    outcome.report.detection += begin.elapsed();
+    if strips.is_empty() {
+        return Ok(());
+    }
+    outcome.report.loops = strips.len();
+    outcome.report.hits = strips.iter().map(|s| s.hits.len()).sum();
+    let begin = Instant::now();
+    // Asked before the edit: a piece of which nothing is left must be told, too.
+    let mut pieces: Vec<u32> = strips
+        .iter()
+        .map(|strip| surface.piece(strip.hits[0].triangle))
+        .collect();
+    pieces.sort_unstable();
+    pieces.dedup();
+    open_and_close(surface, &strips, &signs, sweep, params, outcome)?;
+    outcome.report.split = begin.elapsed() - outcome.report.refinement;
+    let begin = Instant::now();
+    separate(surface, &pieces, &mut outcome.delta);
+    outcome.report.separation = begin.elapsed();
+    Ok(())
+}
+
+fn open_and_close(
     surface: &mut Surface,
     strips: &[Strip],
     signs: &Signs,

@@ -98,7 +98,7 @@ pub struct Cover {
 }
 
 /// Memory that [`cover`] keeps between calls.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct CoverScratch {
     rims: Rims,
     sheet: Sheet,

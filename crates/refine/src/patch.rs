@@ -31,6 +31,25 @@ impl Default for RefineParams {
     }
 }
 
+impl RefineParams {
+    /// Whether the numbers can be worked with.
+    ///
+    /// # Errors
+    /// [`RefineError::NonPositiveLevel`] and [`RefineError::NonPositiveLength`].
+    pub fn check(&self) -> Result<(), RefineError> {
+        let z = self.level.z();
+        if !(z > 0.0 && z.is_finite()) {
+            return Err(RefineError::NonPositiveLevel { z });
+        }
+        match self.rim_length {
+            Some(length) if !(length > 0.0 && length.is_finite()) => {
+                Err(RefineError::NonPositiveLength { length })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 /// Why a rim cannot be filled.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -144,18 +163,10 @@ pub fn fill(
     if let Some(vertex) = rim.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
         return Err(RefineError::NonFinite { vertex });
     }
-    let z = params.level.z();
-    if !(z > 0.0 && z.is_finite()) {
-        return Err(RefineError::NonPositiveLevel { z });
-    }
-    if let Some(length) = params.rim_length
-        && !(length > 0.0 && length.is_finite())
-    {
-        return Err(RefineError::NonPositiveLength { length });
-    }
+    params.check()?;
     let mut patch = triangulate(rim, normal, &joined);
     // Formula 2, on the mean length of Formula 1.
-    let alpha = params.rim_length.unwrap_or_else(|| mean_rim_length(rim)) * z;
+    let alpha = params.rim_length.unwrap_or_else(|| mean_rim_length(rim)) * params.level.z();
     refine(&mut patch, normal, alpha, params, &joined)?;
     Ok(patch)
 }

@@ -1,9 +1,9 @@
 //! The edit: hit triangles out, walls and caps in, everything checked before anything counts.
 
 use super::points::PointSet;
+use super::strip::Strip;
 use super::{ClosedLip, Corner};
 use crate::error::CutError;
-use crate::strip::Strip;
 use incise_mesh::geometry::round;
 use incise_mesh::{
     AddedVertex, HalfEdge, Origin, Surface, TopologyDelta, TopologyError, TriangleId, VertexId,

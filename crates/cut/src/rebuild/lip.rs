@@ -4,7 +4,7 @@
 //! the triangles that fill the hole run: either an edge, or a single vertex.
 
 use super::points::PointSet;
-use crate::strip::Strip;
+use super::strip::Strip;
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Surface, TriangleId, Vec3, VertexId};
 

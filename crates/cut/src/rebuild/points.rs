@@ -5,10 +5,10 @@
 //! opposite sides of a thin limb. Points merge only along their own loop here, each run into its
 //! first point, and a loop keeps at least three: the order along the loop survives.
 
+use super::crossing::{Signs, point_between, round_t};
+use super::strip::Strip;
 use super::{Corner, newell};
-use crate::crossing::{Signs, point_between, round_t};
 use crate::error::CutError;
-use crate::strip::Strip;
 use crate::sweep::Sweep;
 use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3, VertexId};
 use std::ops::Range;

@@ -11,7 +11,7 @@ use super::wall::Laid;
 const CORE: u8 = 2;
 
 /// Room for the way, and the lattice point of each vertex.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Band {
     /// Lattice point of vertex `first + i` of the triangulation.
     pub(crate) lattice: Vec<u32>,

@@ -24,7 +24,7 @@ const GAIN: f64 = 0.01;
 const REACH: f64 = 1.54;
 
 /// Room for the way.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Improver {
     /// The triangulation before the lattice came into it, where parents are found.
     base: Cdt,

@@ -37,7 +37,7 @@ struct Span {
 }
 
 /// The lattice over one sheet.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Lattice {
     length: f64,
     height: f64,

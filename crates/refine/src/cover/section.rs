@@ -10,7 +10,7 @@ const ZERO: f64 = 1.0 / (1u128 << 100) as f64;
 
 /// The loops, scaled to about 1 by a power of two. A corner is a place in a loop; corners are
 /// numbered through, loop by loop.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Rims {
     /// Scaled position of each corner.
     pub(crate) points: Vec<[f64; 2]>,

@@ -23,7 +23,7 @@ pub(crate) enum Verdict {
 
 /// Rings, triangulated. Vertex v below `corner.len()` is a corner of a ring; four corners of a box
 /// follow, then whatever is inserted.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Sheet {
     pub(crate) cdt: Cdt,
     /// The corner (of [`Rims`]) of each vertex.

@@ -1,6 +1,6 @@
 //! Hit triangles in the order in which the sweep passes them: closed strips.
 
-use crate::crossing::{Hit, Signs};
+use super::crossing::{Hit, Signs};
 use crate::error::CutError;
 use incise_mesh::{Surface, TriangleId};
 

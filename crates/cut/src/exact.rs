@@ -1,0 +1,142 @@
+//! The exact method: hit triangles are split along the sweep, so that no surface is lost.
+//!
+//! 1. [`trace`]: where the sweep meets the surface, by exact [`signs`].
+//! 2. [`split`] and [`open`]: hit triangles in parts, two lips along every curve.
+//! 3. [`snap`]: rim edges that are much shorter than the surface's own are contracted.
+//! 4. [`cap`]: the cross-section, laid flat by [`unfold`], is covered once and closes both lips.
+//! 5. [`separate`]: what is no longer connected gets piece numbers of its own.
+//!
+//! All of it is one [`incise_mesh::Edit`], which restores every byte if any step fails. Time is
+//! O(k log k) for k triangles hit and made, and for separation the triangles of all parts but the largest.
+
+mod cap;
+mod inside;
+mod node;
+mod open;
+mod rim;
+mod separate;
+mod signs;
+mod snap;
+mod split;
+mod trace;
+mod unfold;
+
+use crate::cutter::CutOutcome;
+use crate::error::CutError;
+use crate::params::CutParams;
+use crate::sweep::Sweep;
+use cap::{Cap, Rims};
+use incise_mesh::{Surface, TriangleId};
+use incise_refine::CoverParams;
+use open::Lips;
+use rim::Rim;
+use separate::Separator;
+use signs::Signs;
+use snap::{Opened, Snapper};
+use split::Splitter;
+use std::time::Instant;
+use trace::Trace;
+use unfold::Unfold;
+
+/// Memory that serves one cut after the other.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Exact {
+    trace: Trace,
+    splitter: Splitter,
+    lips: Lips,
+    rim: Rim,
+    snapper: Snapper,
+    cap: Cap,
+    separator: Separator,
+}
+
+impl Exact {
+    /// Cuts `surface` along `sweep`. See the module.
+    ///
+    /// # Errors
+    /// [`CutError`]; the surface is then bit for bit what it was.
+    pub(crate) fn cut(
+        &mut self,
+        surface: &mut Surface,
+        sweep: &Sweep,
+        params: &CutParams,
+        candidates: &mut Vec<TriangleId>,
+        outcome: &mut CutOutcome,
+    ) -> Result<(), CutError> {
+        let begin = Instant::now();
+        let signs = Signs::new(sweep);
+        self.trace.find(surface, &signs, candidates)?;
+        if let Some(triangle) = self.trace.open_end {
+            return Err(CutError::PartialCut { triangle });
+        }
+        let report = &mut outcome.report;
+        report.hits = self.trace.hits();
+        report.loops = self.trace.loops.len();
+        report.detection += begin.elapsed();
+        if self.trace.loops.is_empty() {
+            return Ok(());
+        }
+        let begin = Instant::now();
+        let length = self.target_length(params)?;
+        let mut edit = surface.edit();
+        let is_valley = signs.is_valley;
+        (self.lips).open(&mut edit, &self.trace, is_valley, &mut self.splitter);
+        self.rim.reset(&self.trace);
+        let mut opened = Opened {
+            edit: &mut edit,
+            nodes: &self.trace.nodes,
+            lips: &mut self.lips,
+            rim: &mut self.rim,
+        };
+        let snapped = self.snapper.snap(&mut opened, params.snap);
+        report.snapped_vertices = snapped.vertices;
+        report.merged_nodes = snapped.nodes;
+        report.moved_volume = snapped.volume;
+        report.short_rim_edges = snapped.short_edges;
+        report.split = begin.elapsed();
+        let begin = Instant::now();
+        let unfold = Unfold::new(&signs);
+        let rims = Rims {
+            nodes: &self.trace.nodes,
+            lips: &self.lips,
+            rim: &self.rim,
+            unfold: &unfold,
+            has_crease: signs.has_crease(),
+        };
+        self.cap.flatten(&rims);
+        if self.cap.has_loose_hole() && inside::is_inside(edit.surface(), sweep) {
+            let triangle = self.trace.chords[0].triangle;
+            return Err(CutError::PartialCut { triangle });
+        }
+        let cover_params = CoverParams {
+            length: Some(length),
+            max_triangles: params.refine.max_triangles,
+        };
+        let topology = edit.surface().topology();
+        let cover = self.cap.cover(&rims, topology, &cover_params)?;
+        (self.cap).close(&mut edit, &rims, &cover, params.cap_material);
+        report.cap = begin.elapsed();
+        let begin = Instant::now();
+        let lips = &self.lips;
+        let firsts = self.rim.first.iter().flat_map(|&n| lips.rim[n as usize]);
+        let removed = self.separator.separate(&mut edit, firsts);
+        report.separation = begin.elapsed();
+        let begin = Instant::now();
+        let (delta, undo) = edit.finish();
+        outcome.delta = delta;
+        outcome.delta.pieces_removed = removed;
+        outcome.undo = Some(undo);
+        outcome.cap = self.cap.triangles.concat();
+        report.split += begin.elapsed();
+        Ok(())
+    }
+
+    /// How long the edges of caps get \[m\]: the mean edge of the hit triangles times the level's z.
+    #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^53 nodes")]
+    fn target_length(&self, params: &CutParams) -> Result<f64, CutError> {
+        params.refine.check()?;
+        let nodes = &self.trace.nodes;
+        let mean = nodes.iter().map(|n| n.local).sum::<f64>() / nodes.len() as f64;
+        Ok(params.refine.rim_length.unwrap_or(mean) * params.refine.level.z())
+    }
+}

@@ -1,0 +1,223 @@
+//! Pieces by connectivity, found from the lips.
+//!
+//! Searches run from all lips at once, in step with each other, and join where they meet. They end as
+//! soon as no more than one search of each piece has not come to an end: that one is the largest part, keeps
+//! the piece's number and is never seen as a whole.
+
+use incise_mesh::{Edit, HalfEdge, Surface, TriangleId};
+
+/// How many triangles a search looks at before the next one has its turn.
+const TURN: usize = 1024;
+
+/// Memory of the searches.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Separator {
+    /// By triangle slot: `epoch` + the number of the search that came there, or less.
+    stamps: Vec<u32>,
+    epoch: u32,
+    /// The next epoch: above all stamps.
+    next_epoch: u32,
+    /// One a lip of a loop.
+    searches: Vec<Search>,
+}
+
+/// The triangles that were reached from one lip.
+#[derive(Debug, Clone, Default)]
+struct Search {
+    reached: Vec<TriangleId>,
+    /// How many of them were looked at.
+    done: usize,
+    /// The search that it was joined to, itself if none.
+    root: usize,
+    /// The piece that its lip was part of.
+    piece: u32,
+}
+
+/// Searches that were joined.
+#[derive(Debug, Clone, Copy)]
+struct Part {
+    root: usize,
+    /// The first of the pieces that its lips were part of, and whether there are others.
+    piece: u32,
+    is_mixed: bool,
+    triangles: usize,
+    is_finished: bool,
+    first_triangle: TriangleId,
+}
+
+impl Separator {
+    /// Gives every connected part of the pieces at `lips`, the boundary half-edges' triangles, a number of
+    /// its own. The part with the most triangles keeps the old one (of equals, the one with the first
+    /// triangle). Returns the pieces that are no more: parts of a hollow body that a cap joined.
+    pub(super) fn separate(
+        &mut self,
+        edit: &mut Edit<'_>,
+        lips: impl Iterator<Item = HalfEdge>,
+    ) -> Vec<u32> {
+        self.begin(edit.surface(), lips);
+        let mut parts = Vec::new();
+        loop {
+            self.parts(&mut parts);
+            let mut is_done = true;
+            for group in parts.chunk_by(|a, b| a.piece == b.piece) {
+                let largest = (group.iter().filter(|p| p.is_finished))
+                    .map(|p| p.triangles)
+                    .max();
+                let open = group.iter().filter(|p| !p.is_finished).count();
+                for part in group.iter().filter(|p| !p.is_finished) {
+                    let may_stop = open == 1 && !part.is_mixed;
+                    if !may_stop || largest.is_some_and(|l| l > part.triangles) {
+                        is_done = false;
+                        self.advance(edit.surface(), part.root);
+                    }
+                }
+            }
+            if is_done {
+                break;
+            }
+        }
+        self.number(edit, &parts)
+    }
+
+    fn begin(&mut self, surface: &Surface, lips: impl Iterator<Item = HalfEdge>) {
+        let slots = surface.topology().triangle_slots();
+        self.searches.iter_mut().for_each(|s| s.reached.clear());
+        let seeds: Vec<TriangleId> = lips.map(HalfEdge::triangle).collect();
+        self.searches.resize(seeds.len(), Search::default());
+        self.stamps.resize(slots.max(self.stamps.len()), 0);
+        // Stamps of earlier cuts are below the epoch, so nothing is cleared but once in a long while.
+        let count = u32::try_from(seeds.len()).expect("there are fewer lips than half-edges");
+        if self.next_epoch > u32::MAX - count {
+            self.stamps.fill(0);
+            self.next_epoch = 0;
+        }
+        self.epoch = self.next_epoch.max(1);
+        self.next_epoch = self.epoch + count;
+        for (i, &seed) in seeds.iter().enumerate() {
+            let search = &mut self.searches[i];
+            search.done = 0;
+            search.root = i;
+            search.piece = surface.piece(seed);
+            self.reach(i, seed);
+        }
+    }
+
+    /// Search `i` comes to `t`: it is new, or the search that was there is joined.
+    fn reach(&mut self, i: usize, t: TriangleId) {
+        let stamp = &mut self.stamps[t.index()];
+        if *stamp < self.epoch {
+            *stamp = self.epoch + u32::try_from(i).expect("searches have 32-bit numbers");
+            self.searches[i].reached.push(t);
+            return;
+        }
+        let other = (*stamp - self.epoch) as usize;
+        if other != i {
+            let (a, b) = (self.root(i), self.root(other));
+            self.searches[a.max(b)].root = a.min(b);
+        }
+    }
+
+    fn root(&self, mut i: usize) -> usize {
+        while self.searches[i].root != i {
+            i = self.searches[i].root;
+        }
+        i
+    }
+
+    /// The parts that the searches make so far, sorted by piece, then by first triangle.
+    fn parts(&self, out: &mut Vec<Part>) {
+        out.clear();
+        let mut index = vec![usize::MAX; self.searches.len()];
+        for (i, search) in self.searches.iter().enumerate() {
+            let root = self.root(i);
+            if index[root] == usize::MAX {
+                index[root] = out.len();
+                out.push(Part {
+                    root,
+                    piece: search.piece,
+                    is_mixed: false,
+                    triangles: 0,
+                    is_finished: true,
+                    first_triangle: TriangleId::NULL,
+                });
+            }
+            let part = &mut out[index[root]];
+            part.is_mixed |= part.piece != search.piece;
+            part.piece = part.piece.min(search.piece);
+            part.triangles += search.reached.len();
+            part.is_finished &= search.done == search.reached.len();
+        }
+        out.sort_by_key(|part| (part.piece, part.root));
+    }
+
+    /// Lets the searches of a part look at some more triangles.
+    fn advance(&mut self, surface: &Surface, root: usize) {
+        let topology = surface.topology();
+        for i in root..self.searches.len() {
+            if self.root(i) != self.root(root) {
+                continue;
+            }
+            for _ in 0..TURN {
+                let search = &mut self.searches[i];
+                let Some(&t) = search.reached.get(search.done) else {
+                    break;
+                };
+                search.done += 1;
+                for h in t.half_edges() {
+                    let twin = topology.twin(h);
+                    if !twin.is_null() {
+                        self.reach(i, twin.triangle());
+                    }
+                }
+            }
+        }
+    }
+
+    fn number(&self, edit: &mut Edit<'_>, parts: &[Part]) -> Vec<u32> {
+        let mut parts = parts.to_vec();
+        for part in parts.iter_mut().filter(|p| p.is_finished) {
+            part.first_triangle = (self.of(part.root).min()).expect("a search has a triangle");
+        }
+        parts.sort_by_key(|part| (part.piece, part.first_triangle));
+        let mut old: Vec<u32> = self.searches.iter().map(|s| s.piece).collect();
+        old.sort_unstable();
+        old.dedup();
+        for group in parts.chunk_by(|a, b| a.piece == b.piece) {
+            old.retain(|&piece| piece != group[0].piece);
+            // An unfinished part is larger than all others; of finished ones the first of the largest.
+            let size = |p: &Part| {
+                if p.is_finished {
+                    p.triangles
+                } else {
+                    usize::MAX
+                }
+            };
+            let kept = group.iter().rev().max_by_key(|p| size(p));
+            let kept = kept.expect("a group has a part").root;
+            for part in group {
+                if part.root == kept && !part.is_mixed {
+                    continue;
+                }
+                let number = if part.root == kept {
+                    part.piece
+                } else {
+                    edit.new_piece(part.piece)
+                };
+                for t in self.of(part.root) {
+                    if edit.surface().piece(t) != number {
+                        edit.set_piece(t, number);
+                    }
+                }
+            }
+        }
+        old
+    }
+
+    /// The triangles that the searches of a part reached.
+    fn of(&self, root: usize) -> impl Iterator<Item = TriangleId> + '_ {
+        let own = move |i: &usize| self.root(*i) == root;
+        (0..self.searches.len())
+            .filter(own)
+            .flat_map(|i| self.searches[i].reached.iter().copied())
+    }
+}

@@ -1,0 +1,223 @@
+//! Exact signs of a mesh against a sweep that is never in a special position.
+//!
+//! Ties are broken by moving the whole sweep by (e, e^2, e^3) for an e smaller than any number (symbolic
+//! perturbation, Edelsbrunner and Muecke 1990). A translation is enough: a vertex on a sweep triangle's
+//! plane leaves it, lines that meet part, and only parallel lines stay as they are, which never
+//! decide anything. So the mesh meets the moved sweep in closed curves and in curves that end on the
+//! sweep's boundary, whatever the mesh is: a triangle without area or a repeated point is no exception.
+
+use crate::sweep::Sweep;
+use incise_mesh::Vec3;
+use incise_mesh::geometry::area_vector;
+use robust::{Coord3D, orient3d};
+
+/// Corners of the sweep's two triangles. They share the crease from corner 0 to corner 2.
+pub(super) const TRIANGLES: [[usize; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
+
+/// The edges of each triangle, the crease first.
+const EDGES: [[[usize; 2]; 3]; 2] = [[[2, 0], [0, 1], [1, 2]], [[0, 2], [2, 3], [3, 0]]];
+
+/// The sweep, prepared for signs.
+#[derive(Debug)]
+pub(super) struct Signs {
+    corners: [Vec3; 4],
+    normals: [Vec3; 2],
+    /// Whether each of the two triangles has an area.
+    exists: [bool; 2],
+    /// Whether a point on a triangle's plane counts as above it.
+    tie_is_above: [bool; 2],
+    /// Whether the second triangle rises above the first one's plane.
+    pub(super) is_valley: bool,
+}
+
+/// Where an edge passes a sweep triangle's plane: for each of [`EDGES`], whether it is on the inner side.
+pub(super) type Inside = [bool; 3];
+
+impl Signs {
+    pub(super) fn new(sweep: &Sweep) -> Self {
+        let corners = sweep.corners().map(incise_mesh::geometry::widen);
+        let normal = TRIANGLES.map(|t| {
+            let [a, b, c] = t.map(|i| corners[i]);
+            [0, 1, 2].map(|k| cross_sign(&[(a, b), (b, c), (c, a)], k))
+        });
+        let first = normal.map(|n| n.into_iter().find(|&sign| sign != 0.0));
+        let [s0, s1, s2, s3] = corners.map(coord);
+        Self {
+            corners,
+            normals: TRIANGLES.map(|t| area_vector(t.map(|i| corners[i]))),
+            exists: first.map(|sign| sign.is_some()),
+            // The plane moves along the normal, so its points end up below it.
+            tie_is_above: first.map(|sign| sign.is_some_and(|sign| sign < 0.0)),
+            is_valley: orient3d(s0, s1, s2, s3) <= 0.0,
+        }
+    }
+
+    /// Whether sweep triangle `i` has an area.
+    pub(super) fn exists(&self, i: usize) -> bool {
+        self.exists[i]
+    }
+
+    /// Whether the crease lies between two triangles: else it is a part of the sweep's boundary.
+    pub(super) fn has_crease(&self) -> bool {
+        self.exists == [true; 2]
+    }
+
+    /// The ends of the crease \[m\].
+    pub(super) fn crease(&self) -> [Vec3; 2] {
+        [self.corners[0], self.corners[2]]
+    }
+
+    /// The normal of sweep triangle `i`, as long as twice its area.
+    pub(super) fn normal(&self, i: usize) -> Vec3 {
+        self.normals[i]
+    }
+
+    /// How far `p` is above the plane of sweep triangle `i`, in no unit and rounded.
+    pub(super) fn height(&self, i: usize, p: Vec3) -> f64 {
+        self.normals[i].dot(&(p - self.corners[0]))
+    }
+
+    /// Whether `p` is above the plane of sweep triangle `i`.
+    pub(super) fn is_above(&self, i: usize, p: Vec3) -> bool {
+        let [a, b, c] = TRIANGLES[i].map(|k| coord(self.corners[k]));
+        // `orient3d` is negative for a point on the side to which the normal points.
+        let sign = orient3d(a, b, c, coord(p));
+        sign < 0.0 || (sign == 0.0 && self.tie_is_above[i])
+    }
+
+    /// Where the edge from `p` to `q`, which are on different sides, passes the plane of sweep
+    /// triangle `i`; `rises` when `q` is above it.
+    pub(super) fn inside(&self, i: usize, p: Vec3, q: Vec3, rises: bool) -> Inside {
+        EDGES[i].map(|[a, b]| {
+            let sign = self.around(p, q, a, b);
+            if rises { sign < 0.0 } else { sign > 0.0 }
+        })
+    }
+
+    /// Whether edge `side` of sweep triangle `i` pierces the mesh triangle.
+    pub(super) fn pierces(&self, i: usize, side: usize, [p, q, r]: [Vec3; 3]) -> bool {
+        let [a, b] = EDGES[i][side];
+        let normal = [0, 1, 2].map(|k| cross_sign(&[(p, q), (q, r), (r, p)], k));
+        let Some(tie) = normal.into_iter().find(|&sign| sign != 0.0) else {
+            return false;
+        };
+        let is_above = |corner: usize| {
+            let [p, q, r] = [p, q, r].map(coord);
+            let sign = orient3d(p, q, r, coord(self.corners[corner]));
+            sign < 0.0 || (sign == 0.0 && tie > 0.0)
+        };
+        if is_above(a) == is_above(b) {
+            return false;
+        }
+        let signs = [(p, q), (q, r), (r, p)].map(|(x, y)| self.around(x, y, a, b));
+        signs.iter().all(|&s| s > 0.0) || signs.iter().all(|&s| s < 0.0)
+    }
+
+    /// On which side the line from `p` to `q` passes the sweep's line from corner `a` to corner `b`;
+    /// 0 only for parallel lines.
+    fn around(&self, p: Vec3, q: Vec3, a: usize, b: usize) -> f64 {
+        let (a, b) = (self.corners[a], self.corners[b]);
+        let sign = orient3d(coord(p), coord(q), coord(a), coord(b));
+        if sign != 0.0 {
+            return sign;
+        }
+        // Moving a and b by d changes it by d . ((p - q) x (a - b)).
+        let components = [0, 1, 2].map(|k| cross_sign(&[(p, a), (q, b), (b, p), (a, q)], k));
+        components.into_iter().find(|&s| s != 0.0).unwrap_or(0.0)
+    }
+}
+
+fn coord(p: Vec3) -> Coord3D<f64> {
+    Coord3D {
+        x: p.x,
+        y: p.y,
+        z: p.z,
+    }
+}
+
+/// The exact sign of component `k` of the sum of cross products. Coordinates are `f32` widened, so
+/// that a product of two is exact.
+fn cross_sign(pairs: &[(Vec3, Vec3)], k: usize) -> f64 {
+    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+    // An expansion of parts that do not overlap, the largest last (Shewchuk 1997, Grow-Expansion).
+    let mut parts = [0.0; 8];
+    let terms = pairs.iter().flat_map(|(u, v)| [u[i] * v[j], -u[j] * v[i]]);
+    for (n, mut sum) in terms.enumerate() {
+        for part in &mut parts[..n] {
+            (sum, *part) = two_sum(sum, *part);
+        }
+        parts[n] = sum;
+    }
+    parts.into_iter().rev().find(|&p| p != 0.0).unwrap_or(0.0)
+}
+
+/// The rounded sum and what the rounding left out (Knuth).
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let b_part = sum - a;
+    let a_part = sum - b_part;
+    (sum, (a - a_part) + (b - b_part))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn lattice() -> impl Strategy<Value = [i8; 3]> {
+        prop::array::uniform3(-2i8..=2)
+    }
+
+    fn vector(p: [i8; 3]) -> Vec3 {
+        Vec3::from(p.map(f64::from))
+    }
+
+    proptest! {
+        /// What is found with the sweep in a special position is what plain signs say of a sweep that
+        /// was really moved a little.
+        #[test]
+        fn ties_are_those_of_a_moved_sweep(
+            corners in prop::array::uniform4(lattice()),
+            face in prop::array::uniform3(lattice()),
+        ) {
+            let sweep = |d: [f64; 3]| {
+                let at = |p: [i8; 3]| incise_mesh::geometry::round(vector(p) + Vec3::from(d));
+                let [a, b, c, e] = corners.map(at);
+                Sweep::new([a, b], [e, c])
+            };
+            // Powers of two, so that the moved corners are exact; far apart, as the symbolic ones are.
+            let moved = sweep([1.0 / 64.0, 1.0 / 8192.0, 1.0 / 1_048_576.0]);
+            let (Ok(flush), Ok(moved)) = (sweep([0.0; 3]), moved) else { return Ok(()) };
+            let [flush, moved] = [flush, moved].map(|s| Signs::new(&s));
+            let face = face.map(vector);
+            for i in [0, 1].into_iter().filter(|&i| flush.exists(i)) {
+                let above = face.map(|p| flush.is_above(i, p));
+                prop_assert_eq!(above, face.map(|p| moved.is_above(i, p)));
+                for k in 0..3 {
+                    let (p, q) = (face[k], face[(k + 1) % 3]);
+                    if above[k] != above[(k + 1) % 3] {
+                        let rises = above[(k + 1) % 3];
+                        prop_assert_eq!(
+                            flush.inside(i, p, q, rises),
+                            moved.inside(i, p, q, rises)
+                        );
+                    }
+                }
+                for side in 0..3 {
+                    prop_assert_eq!(flush.pierces(i, side, face), moved.pierces(i, side, face));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn sums_of_products_keep_their_sign_where_rounding_loses_it() {
+        // (2^60 + 1) and -(2^60), as products of f32 numbers.
+        let big = 2.0_f64.powi(30);
+        let u = Vec3::new(0.0, big, 0.0);
+        let v = Vec3::new(0.0, 0.0, big);
+        let one = (Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0));
+        assert_eq!(cross_sign(&[(u, v), one, (v, u)], 0), 1.0);
+        assert_eq!(cross_sign(&[(u, v), (v, u)], 0), 0.0);
+    }
+}

@@ -1,0 +1,360 @@
+//! Snapping: no rim edge and no edge to the rim much shorter than the surface's own.
+//!
+//! Two kinds of contraction, each only where the link condition holds (Dey et al. 1999), so that the
+//! surface stays the manifold that it is and no piece appears or disappears:
+//!
+//! - a node takes a mesh vertex that is close to it into the rim: the vertex moves along its mesh edge
+//!   onto the sweep;
+//! - two nodes that are close to each other merge, on both lips.
+//!
+//! Neither turns a triangle over, and neither moves more volume than [`LARGEST_MOVE`]: a corner of a
+//! coarse body stays where it is and leaves its short rim edge, which the report counts.
+
+use super::node::{Node, On};
+use super::open::Lips;
+use super::rim::Rim;
+use incise_mesh::geometry::area_vector;
+use incise_mesh::{Edit, HalfEdge, Surface, Vec3, VertexId};
+
+/// The most volume that one contraction may move [cubes of the local edge length].
+const LARGEST_MOVE: f64 = 2e-4;
+
+/// What snapping did.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Snapped {
+    /// Mesh vertices taken into the rim.
+    pub(super) vertices: usize,
+    /// Nodes merged into others.
+    pub(super) nodes: usize,
+    /// Volume that was moved to do so, without sign \[m^3\].
+    pub(super) volume: f64,
+    /// Rim edges that stay shorter than asked for.
+    pub(super) short_edges: usize,
+}
+
+/// Memory of a snap.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Snapper {
+    near: Vec<VertexId>,
+    far: Vec<VertexId>,
+    fan: Vec<HalfEdge>,
+}
+
+/// The cut at hand.
+pub(super) struct Opened<'a, 'e> {
+    pub(super) edit: &'a mut Edit<'e>,
+    pub(super) nodes: &'a [Node],
+    pub(super) lips: &'a mut Lips,
+    pub(super) rim: &'a mut Rim,
+}
+
+impl Snapper {
+    /// Contracts what is shorter than `snap` times the local edge length.
+    pub(super) fn snap(&mut self, cut: &mut Opened<'_, '_>, snap: f64) -> Snapped {
+        let mut done = Snapped::default();
+        if snap <= 0.0 {
+            return done;
+        }
+        let count = u32::try_from(cut.nodes.len()).expect("nodes have 32-bit ids");
+        for node in 0..count {
+            self.take_vertex(cut, node, snap, &mut done);
+        }
+        // A merge makes the edges beside it longer, which may still be short.
+        loop {
+            let before = done.nodes;
+            for node in 0..count {
+                while !cut.rim.is_out[node as usize]
+                    && Self::is_short(cut, node, snap)
+                    && self.merge(cut, node, &mut done)
+                {}
+            }
+            if done.nodes == before {
+                break;
+            }
+        }
+        for i in 0..cut.rim.sizes.len() {
+            let short = cut.rim.ring(i).filter(|&n| Self::is_short(cut, n, snap));
+            done.short_edges += short.count();
+        }
+        done
+    }
+
+    fn is_short(cut: &Opened<'_, '_>, node: u32, snap: f64) -> bool {
+        let next = cut.rim.next[node as usize];
+        let [a, b] = [node, next].map(|n| &cut.nodes[n as usize]);
+        (b.position - a.position).norm() < snap * a.local.min(b.local)
+    }
+
+    /// Moves the mesh vertex close to a node onto it, if there is one.
+    fn take_vertex(&mut self, cut: &mut Opened<'_, '_>, node: u32, snap: f64, done: &mut Snapped) {
+        let On::Edge { ends, t, rises, .. } = cut.nodes[node as usize].on else {
+            return;
+        };
+        let t = f64::from(t);
+        let (vertex, lip) = if t < snap {
+            (ends[0], usize::from(!rises))
+        } else if 1.0 - t < snap {
+            (ends[1], usize::from(rises))
+        } else {
+            return;
+        };
+        let topology = cut.edit.surface().topology();
+        let mut fan = cut.rim.fan(topology, cut.lips, node, lip);
+        let Some(to_vertex) = fan.find(|&h| topology.target(h) == vertex) else {
+            return;
+        };
+        drop(fan);
+        // All around the vertex; nothing of it may be open.
+        let start = topology.twin(to_vertex);
+        self.fan.clear();
+        let mut at = start;
+        loop {
+            if at.is_null() {
+                return;
+            }
+            self.fan.push(at);
+            at = topology.twin(at.prev());
+            if at == start {
+                break;
+            }
+        }
+        self.near.clear();
+        self.near
+            .extend(self.fan.iter().map(|&h| topology.target(h)));
+        self.far.clear();
+        (cut.rim).neighbors(topology, cut.lips, node, lip, &mut self.far);
+        if self.common_neighbors() != 2 {
+            return;
+        }
+        let target = cut.lips.vertices[node as usize][lip];
+        let limit = LARGEST_MOVE * cut.nodes[node as usize].local.powi(3);
+        let Some(volume) = moved_volume(cut.edit.surface(), &self.fan, vertex, target, limit)
+        else {
+            return;
+        };
+        self.pull_in(cut, node, lip, to_vertex);
+        done.vertices += 1;
+        done.volume += volume;
+    }
+
+    fn common_neighbors(&self) -> usize {
+        self.near.iter().filter(|v| self.far.contains(v)).count()
+    }
+
+    /// Contracts the edge of `to_vertex`, which leaves a node's vertex, onto the node. The mesh
+    /// vertex's half-edges are in the fan.
+    fn pull_in(&mut self, cut: &mut Opened<'_, '_>, node: u32, lip: usize, to_vertex: HalfEdge) {
+        let topology = cut.edit.surface().topology();
+        let from_vertex = topology.twin(to_vertex);
+        let (left, right) = (to_vertex.triangle(), from_vertex.triangle());
+        let charts = [
+            Chart::of(cut.edit.surface(), to_vertex.next(), to_vertex),
+            Chart::of(cut.edit.surface(), from_vertex, from_vertex.next()),
+        ];
+        // Each triangle of the edge folds up; the edges on its two other sides become one.
+        let inward = topology.twin(to_vertex.next());
+        let outward = topology.twin(from_vertex.prev());
+        let arriving = topology.twin(to_vertex.prev());
+        let leaving = topology.twin(from_vertex.next());
+        let target = cut.lips.vertices[node as usize][lip];
+        for &h in &self.fan {
+            if h.triangle() != left && h.triangle() != right {
+                cut.edit.set_corner(h, target);
+                for chart in &charts {
+                    chart.follow(cut.edit, h);
+                }
+            }
+        }
+        cut.edit.remove_triangle(left);
+        cut.edit.remove_triangle(right);
+        let prev = cut.rim.prev[node as usize];
+        let (arrives, leaves) = if lip == 0 { (node, prev) } else { (prev, node) };
+        if arriving.is_null() {
+            cut.lips.rim[arrives as usize][lip] = inward;
+        } else {
+            cut.edit.join(inward, arriving);
+        }
+        if leaving.is_null() {
+            cut.lips.rim[leaves as usize][lip] = outward;
+        } else {
+            cut.edit.join(outward, leaving);
+        }
+    }
+
+    /// Merges a node and the next one, on both lips.
+    fn merge(&mut self, cut: &mut Opened<'_, '_>, node: u32, done: &mut Snapped) -> bool {
+        let next = cut.rim.next[node as usize];
+        let (before, after) = (cut.rim.prev[node as usize], cut.rim.next[next as usize]);
+        if cut.rim.sizes[cut.rim.loop_of[node as usize] as usize] < 4 {
+            return false;
+        }
+        let at = |n: u32| cut.nodes[n as usize].position;
+        let is_on_crease = |n: u32| matches!(cut.nodes[n as usize].on, On::Face { .. });
+        // The one with less room on its other side goes; what lies on the crease stays.
+        let next_goes = (at(after) - at(next)).norm() <= (at(node) - at(before)).norm();
+        let orders = if next_goes {
+            [true, false]
+        } else {
+            [false, true]
+        };
+        for next_goes in orders {
+            let (kept, gone) = if next_goes {
+                (node, next)
+            } else {
+                (next, node)
+            };
+            if is_on_crease(gone) {
+                continue;
+            }
+            let mut volume = 0.0;
+            let may = [0, 1].into_iter().all(|lip| {
+                let moved = self.may_merge(cut, node, kept, gone, lip);
+                volume += moved.unwrap_or(0.0);
+                moved.is_some()
+            });
+            if may {
+                for lip in 0..2 {
+                    self.fold_rim(cut, node, kept, gone, lip);
+                }
+                if gone == next {
+                    cut.lips.rim[node as usize] = cut.lips.rim[next as usize];
+                }
+                cut.rim.take_out(gone);
+                done.nodes += 1;
+                done.volume += volume;
+                return true;
+            }
+        }
+        false
+    }
+
+    /// The volume that a merge moves on one lip; none if it may not be.
+    fn may_merge(
+        &mut self,
+        cut: &Opened<'_, '_>,
+        node: u32,
+        kept: u32,
+        gone: u32,
+        lip: usize,
+    ) -> Option<f64> {
+        let topology = cut.edit.surface().topology();
+        let along = cut.lips.rim[node as usize][lip];
+        let beside = [along.next(), along.prev()].map(|h| topology.twin(h));
+        if beside == [HalfEdge::NULL; 2] {
+            return None;
+        }
+        self.near.clear();
+        (cut.rim).neighbors(topology, cut.lips, kept, lip, &mut self.near);
+        self.far.clear();
+        (cut.rim).neighbors(topology, cut.lips, gone, lip, &mut self.far);
+        if self.common_neighbors() != 1 {
+            return None;
+        }
+        self.fan.clear();
+        (self.fan).extend(cut.rim.fan(topology, cut.lips, gone, lip));
+        let [gone_vertex, kept_vertex] = [gone, kept].map(|n| cut.lips.vertices[n as usize][lip]);
+        let limit = LARGEST_MOVE * cut.nodes[node as usize].local.powi(3);
+        moved_volume(
+            cut.edit.surface(),
+            &self.fan,
+            gone_vertex,
+            kept_vertex,
+            limit,
+        )
+    }
+
+    /// Contracts the rim's edge that begins at `node` on one lip.
+    fn fold_rim(&mut self, cut: &mut Opened<'_, '_>, node: u32, kept: u32, gone: u32, lip: usize) {
+        let next = cut.rim.next[node as usize];
+        let topology = cut.edit.surface().topology();
+        let along = cut.lips.rim[node as usize][lip];
+        let ahead = topology.twin(along.next());
+        let behind = topology.twin(along.prev());
+        let target = cut.lips.vertices[kept as usize][lip];
+        self.fan.clear();
+        (self.fan).extend(cut.rim.fan(topology, cut.lips, gone, lip));
+        // The corners of the triangle that goes: of the node that goes, and of the one that is kept.
+        let origin_goes = (gone == next) == (lip == 0);
+        let chart = if origin_goes {
+            Chart::of(cut.edit.surface(), along, along.next())
+        } else {
+            Chart::of(cut.edit.surface(), along.next(), along)
+        };
+        for &h in &self.fan {
+            if h.triangle() != along.triangle() {
+                cut.edit.set_corner(h, target);
+                chart.follow(cut.edit, h);
+            }
+        }
+        cut.edit.remove_triangle(along.triangle());
+        // On lip 0 the rim runs against the order of nodes.
+        let prev = cut.rim.prev[node as usize];
+        let (before, after) = if lip == 0 { (next, prev) } else { (prev, next) };
+        if ahead.is_null() {
+            cut.lips.rim[after as usize][lip] = behind;
+        } else if behind.is_null() {
+            cut.lips.rim[before as usize][lip] = ahead;
+        } else {
+            cut.edit.join(ahead, behind);
+        }
+    }
+}
+
+/// What texture coordinates and normals do when a vertex moves: corners that had what the vertex had in
+/// this triangle get what its new place has there. Other charts keep theirs.
+struct Chart {
+    uv: Option<[[f32; 2]; 2]>,
+    normal: Option<[[f32; 3]; 2]>,
+}
+
+impl Chart {
+    fn of(surface: &Surface, from: HalfEdge, to: HalfEdge) -> Self {
+        let corners = &surface.corners;
+        let uv = |h: HalfEdge| corners.uv.get(h.index()).copied();
+        let normal = |h: HalfEdge| corners.normal.get(h.index()).copied();
+        Self {
+            uv: uv(from).zip(uv(to)).map(|(a, b)| [a, b]),
+            normal: normal(from).zip(normal(to)).map(|(a, b)| [a, b]),
+        }
+    }
+
+    fn follow(&self, edit: &mut Edit<'_>, h: HalfEdge) {
+        if let Some([from, to]) = self.uv
+            && edit.surface().corners.uv[h.index()] == from
+        {
+            edit.set_uv(h, to);
+        }
+        if let Some([from, to]) = self.normal
+            && edit.surface().corners.normal[h.index()] == from
+        {
+            edit.set_normal(h, to);
+        }
+    }
+}
+
+/// The volume between the triangles of a vertex's half-edges and those that they become when it moves to
+/// `target`; none when one would turn over, or when it is more than `limit`.
+fn moved_volume(
+    surface: &Surface,
+    fan: &[HalfEdge],
+    vertex: VertexId,
+    target: VertexId,
+    limit: f64,
+) -> Option<f64> {
+    let topology = surface.topology();
+    let (from, to) = (surface.position(vertex), surface.position(target));
+    let mut volume = 0.0;
+    for &h in fan {
+        let (b, c) = (topology.target(h), topology.origin(h.prev()));
+        if b == target || c == target {
+            continue;
+        }
+        let [b, c] = [b, c].map(|v: VertexId| surface.position(v));
+        let before: Vec3 = area_vector([from, b, c]);
+        if before.dot(&area_vector([to, b, c])) <= 0.0 {
+            return None;
+        }
+        volume += (to - from).dot(&(b - from).cross(&(c - from))) / 6.0;
+    }
+    (volume.abs() <= limit).then_some(volume.abs())
+}

@@ -1,0 +1,114 @@
+//! The exact method on its own: laws of single cuts.
+
+use incise_cut::{CutError, CutParams, Cutter, Sweep};
+use incise_mesh::{Surface, cube_sphere, icosphere, torus};
+
+fn params(snap: f64) -> CutParams {
+    CutParams {
+        snap,
+        ..CutParams::default()
+    }
+}
+
+fn check(surface: &Surface) {
+    let topology = surface.topology();
+    topology.validate().unwrap();
+    assert!(topology.is_closed(), "the surface is open");
+    let mut valence = vec![0; topology.vertex_slots()];
+    for t in topology.triangles() {
+        for v in topology.triangle(t) {
+            valence[v.index()] += 1;
+        }
+    }
+    for v in topology.vertices() {
+        let fan = topology.outgoing_fan(v).count();
+        assert_eq!(fan, valence[v.index()], "{v} has more than one fan");
+        assert!(fan >= 3, "{v} has {fan} triangles");
+    }
+}
+
+#[test]
+fn a_ball_in_halves() {
+    for snap in [0.0, 0.1] {
+        for n in 0..5 {
+            let whole = icosphere(n, 0.5);
+            let mut body = whole.clone();
+            let sweep = Sweep::across_box([0.3, 0.7, 0.6], 0.01, &body.bounds()).unwrap();
+            let outcome = Cutter::new(&body)
+                .cut(&mut body, &sweep, &params(snap))
+                .unwrap();
+            check(&body);
+            assert_eq!(outcome.delta.pieces_added.len(), 1);
+            let error = (body.volume() - whole.volume()).abs() / whole.volume();
+            assert!(error < if snap == 0.0 { 1e-6 } else { 2e-3 }, "{error}");
+            outcome.undo.unwrap().revert(&mut body).unwrap();
+            assert_eq!(body, whole);
+        }
+    }
+}
+
+#[test]
+fn planes_through_vertices_and_edges() {
+    for whole in [
+        cube_sphere(6, 0.5),
+        torus(0.35, 0.15, 24, 12),
+        icosphere(2, 0.5),
+    ] {
+        for normal in [
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [1.0, 1.0, 0.0],
+        ] {
+            for snap in [0.0, 0.1] {
+                let mut body = whole.clone();
+                let sweep = Sweep::across_box(normal, 0.0, &body.bounds()).unwrap();
+                let outcome = Cutter::new(&body)
+                    .cut(&mut body, &sweep, &params(snap))
+                    .unwrap();
+                check(&body);
+                let error = (body.volume() - whole.volume()).abs() / whole.volume();
+                assert!(error < if snap == 0.0 { 1e-5 } else { 2e-3 }, "{error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sweep_that_ends_inside_is_refused() {
+    let mut body = icosphere(3, 0.5);
+    let before = body.clone();
+    let sweep = Sweep::new(
+        [[-1.0, 0.01, -1.0], [-1.0, 0.01, 1.0]],
+        [[0.1, 0.01, -1.0], [0.1, 0.01, 1.0]],
+    )
+    .unwrap();
+    let result = Cutter::new(&body).cut(&mut body, &sweep, &params(0.1));
+    assert!(
+        matches!(result, Err(CutError::PartialCut { .. })),
+        "{result:?}"
+    );
+    assert_eq!(body, before);
+}
+
+#[test]
+fn a_bent_sweep_leaves_its_crease_in_the_caps() {
+    let whole = icosphere(3, 0.5);
+    for bend in [-0.7, -0.2, 0.3, 0.8] {
+        for snap in [0.0, 0.1] {
+            let mut body = whole.clone();
+            let sweep = Sweep::new(
+                [[-1.0, 0.02, -1.0], [1.0, 0.02, -1.0]],
+                [[-1.0, bend, 1.0], [1.0, 0.02, 1.0]],
+            )
+            .unwrap();
+            let outcome = Cutter::new(&body)
+                .cut(&mut body, &sweep, &params(snap))
+                .unwrap();
+            check(&body);
+            assert_eq!(outcome.delta.pieces_added.len(), 1);
+            let error = (body.volume() - whole.volume()).abs() / whole.volume();
+            assert!(error < if snap == 0.0 { 1e-5 } else { 2e-3 }, "{error}");
+        }
+    }
+}
