@@ -130,10 +130,12 @@ impl Topology {
         self.twin[h.index()]
     }
 
-    /// One half-edge that leaves `v`; null when no triangle uses `v`.
+    /// One half-edge that leaves `v`; null when no triangle uses `v`. That may be a vertex of an
+    /// undone edit, whose slot is no more.
     #[must_use]
     pub fn outgoing(&self, v: VertexId) -> HalfEdge {
-        self.outgoing[v.index()]
+        let h = self.outgoing.get(v.index());
+        h.copied().unwrap_or(HalfEdge::NULL)
     }
 
     /// The triangle's vertices, counterclockwise seen from outside.

@@ -237,7 +237,7 @@ impl Solver {
     #[cfg(feature = "gpu")]
     pub(crate) fn velocities_set(&self) -> Vec<(usize, [f32; 4])> {
         let set = self.changes.velocities.entries.iter();
-        set.map(|&v| (v as usize, self.velocities[v as usize]))
+        set.filter_map(|&v| Some((v as usize, *self.velocities.get(v as usize)?)))
             .collect()
     }
 
@@ -260,6 +260,10 @@ impl Solver {
         logs.moved.take(&mut into.moved);
         logs.masses.take(&mut into.masses);
         logs.velocities.take(&mut into.velocities);
+        // What was noted of vertices whose slots an undo gave up is of no use to anybody.
+        for list in [&mut into.moved, &mut into.masses, &mut into.velocities] {
+            list.truncate(list.partition_point(|&v| (v as usize) < self.mass.len()));
+        }
         into.lengths = take_slots(&mut self.stretch, &mut into.stretch);
         into.bending.clear();
         if let Some(bending) = &mut self.bending {

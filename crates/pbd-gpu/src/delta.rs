@@ -13,6 +13,10 @@ impl Solver {
     /// that was touched, the corners of changed triangles share the mass that they and the removed
     /// vertices had, by rest area, and keep their common momentum. O(k) for k changed triangles.
     ///
+    /// The delta of an undo is followed like any other: restored vertices get their velocity from those
+    /// that moved in their place, and slots that the surface no longer has are given up. Pins that went
+    /// with their vertices do not come back.
+    ///
     /// Unlike [`Solver::new`] this accepts edges without rest length: a cut may pass through any point.
     ///
     /// # Errors
@@ -24,13 +28,9 @@ impl Solver {
         delta: &TopologyDelta,
     ) -> Result<(), ConstraintError> {
         self.check_delta(surface, delta)?;
+        // An undo gives slots up, whose vertices leave mass and constraints behind first.
         let slots = surface.topology().vertex_slots();
-        self.mass.resize(slots, 0.0);
-        self.velocities.resize(slots, [0.0; 4]);
-        self.stretch.resize_vertices(slots);
-        if let Some(bending) = &mut self.bending {
-            bending.resize_vertices(slots);
-        }
+        self.resize_vertices(slots.max(self.mass.len()));
         self.update_constraints(surface, delta);
         self.interpolate_velocities(delta);
         Inheritance::new(surface, delta).settle(self, surface);
@@ -40,9 +40,23 @@ impl Solver {
         if self.pins.len() < pins {
             self.changes.pins();
         }
+        self.resize_vertices(slots);
         self.note_vertices(surface, delta);
         self.plan.invalidate();
         Ok(())
+    }
+
+    /// Makes room for so many vertices, or gives up what is beyond.
+    fn resize_vertices(&mut self, slots: usize) {
+        self.mass.resize(slots, 0.0);
+        self.velocities.resize(slots, [0.0; 4]);
+        self.stretch.resize_vertices(slots);
+        if let Some(bending) = &mut self.bending {
+            bending.resize_vertices(slots);
+        }
+        if let Some(patches) = &mut self.patches {
+            patches.resize_vertices(slots);
+        }
     }
 
     fn check_delta(&self, surface: &Surface, delta: &TopologyDelta) -> Result<(), ConstraintError> {
@@ -76,7 +90,8 @@ impl Solver {
         let added = delta.triangles_added.iter().map(|&t| topology.triangle(t));
         let came = delta.vertices_added.iter().map(|added| added.vertex);
         let gone = delta.vertices_removed.iter().copied();
-        for v in removed.chain(added).flatten().chain(came).chain(gone) {
+        let all = removed.chain(added).flatten().chain(came).chain(gone);
+        for v in all.filter(|v| v.index() < topology.vertex_slots()) {
             self.changes.vertex(v);
         }
     }

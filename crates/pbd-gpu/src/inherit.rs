@@ -170,7 +170,10 @@ impl Inheritance {
             let i = gone.vertex.index();
             solver.mass[i] = 0.0;
             solver.velocities[i] = [0.0; 4];
-            surface.positions[i][3] = 0.0;
+            // The slot of an undone vertex may be no more.
+            if let Some(position) = surface.positions.get_mut(i) {
+                position[3] = 0.0;
+            }
         }
     }
 

@@ -1,12 +1,12 @@
 //! A device that takes over what changed has what the host has.
 
 use super::*;
-use crate::common::{flip, renew, sphere, split};
+use crate::common::{divided, flip, renew, renewed, replace_for_now, sphere, split};
 use crate::constraints::OVERFLOW;
 use crate::material::Material;
 use crate::patches::{PatchParams, Patching};
 use crate::plan::Pin;
-use incise_mesh::{HalfEdge, Surface, TriangleId};
+use incise_mesh::{HalfEdge, Surface, TriangleId, Undo};
 use proptest::prelude::*;
 
 /// Constraints by color, rest values as bits.
@@ -147,7 +147,12 @@ impl Mirror {
 }
 
 /// One edit of any kind; `at` chooses where.
-fn edit(solver: &mut Solver, surface: &mut Surface, kind: u8, at: usize, t: f32) {
+fn edit(
+    solver: &mut Solver,
+    surface: &mut Surface,
+    undos: &mut Vec<Undo>,
+    (kind, at, t): (u8, usize, f32),
+) {
     let topology = surface.topology();
     let half_edges: Vec<HalfEdge> = topology
         .triangles()
@@ -164,6 +169,20 @@ fn edit(solver: &mut Solver, surface: &mut Surface, kind: u8, at: usize, t: f32)
             None
         }
         4 => {
+            let plan = if t < 0.5 {
+                divided(surface, h, t)
+            } else {
+                renewed(surface, v)
+            };
+            plan.map(|(remove, addition)| {
+                let (delta, undo) = replace_for_now(surface, &remove, &addition);
+                undos.push(undo);
+                delta
+            })
+        }
+        // Refused when something else was edited since.
+        5 | 6 => (undos.pop()).and_then(|undo| undo.revert(surface).ok()),
+        7 => {
             solver.pin(surface, v).unwrap();
             None
         }
@@ -188,7 +207,7 @@ proptest! {
 
     #[test]
     fn following_the_changes_is_as_good_as_looking_at_everything(
-        edits in prop::collection::vec((0_u8..6, any::<u16>(), 0.1_f32..0.9, 0_u8..4), 1..60),
+        edits in prop::collection::vec((0_u8..9, any::<u16>(), 0.1_f32..0.9, 0_u8..4), 1..60),
         in_patches in any::<bool>(),
     ) {
         let mut surface = sphere(2, [0.0, 2.0, 0.0]);
@@ -200,6 +219,7 @@ proptest! {
             Solver::new(&mut surface, &material).unwrap()
         };
         let (mut changes, mut mirror) = (Changes::default(), Mirror::default());
+        let mut undos = Vec::new();
         for (kind, at, t, look) in edits {
             if look == 0 {
                 let first = !solver.is_tracking();
@@ -211,7 +231,7 @@ proptest! {
                 mirror.follow(&changes, &solver, &surface);
                 prop_assert!(mirror == Mirror::whole(&solver, &surface));
             }
-            edit(&mut solver, &mut surface, kind, usize::from(at), t);
+            edit(&mut solver, &mut surface, &mut undos, (kind, usize::from(at), t));
         }
     }
 }

@@ -123,7 +123,6 @@ impl Patches {
     /// Takes out the vertices that an edit left without triangles. Their constraints must be gone.
     pub(crate) fn leave(&mut self, surface: &Surface, delta: &TopologyDelta) {
         let topology = surface.topology();
-        self.resize_vertices(topology.vertex_slots());
         let corners = delta.triangles_removed.iter().flat_map(|(_, c)| c);
         for &v in corners.filter(|&&v| topology.outgoing(v).is_null()) {
             for patching in &mut self.patchings {
@@ -250,7 +249,8 @@ impl Patches {
         Ok(())
     }
 
-    fn resize_vertices(&mut self, vertex_slots: usize) {
+    /// Makes room for vertices that are in no patch, or gives up slots of such.
+    pub(crate) fn resize_vertices(&mut self, vertex_slots: usize) {
         for patching in &mut self.patchings {
             patching.resize_vertices(vertex_slots);
         }

@@ -45,7 +45,7 @@ impl Patching {
         }
     }
 
-    /// Makes room for vertices that are in no patch.
+    /// Makes room for vertices that are in no patch, or gives up slots of such.
     pub(crate) fn resize_vertices(&mut self, vertex_slots: usize) {
         let nowhere = Place {
             patch: NOWHERE,

@@ -3,7 +3,7 @@
 
 use incise_mesh::geometry::round;
 use incise_mesh::{
-    AddedVertex, EdgeKey, HalfEdge, Origin, Surface, TopologyDelta, TriangleId, VertexId,
+    AddedVertex, EdgeKey, HalfEdge, Origin, Surface, TopologyDelta, TriangleId, Undo, VertexId,
 };
 use std::collections::HashMap;
 
@@ -90,6 +90,9 @@ pub(crate) struct Addition {
     pub(crate) piece: u32,
 }
 
+/// Triangles to take away and what to add instead.
+pub(crate) type Replacement = (Vec<TriangleId>, Addition);
+
 /// The first number of a new vertex in an [`Addition`].
 pub(crate) const NEW: u32 = 1 << 30;
 
@@ -154,8 +157,68 @@ pub(crate) fn replace(
     }
 }
 
+/// Replaces triangles by others in an edit that can be undone.
+pub(crate) fn replace_for_now(
+    surface: &mut Surface,
+    remove: &[TriangleId],
+    addition: &Addition,
+) -> (TopologyDelta, Undo) {
+    let mut edit = surface.edit();
+    let mut open: Vec<HalfEdge> = Vec::new();
+    for &t in remove {
+        open.extend(t.half_edges().map(|h| edit.surface().topology().twin(h)));
+    }
+    remove.iter().for_each(|&t| edit.remove_triangle(t));
+    let mut vertices = Vec::new();
+    for &origin in &addition.vertices {
+        let surface = edit.surface();
+        let position = round(
+            origin
+                .interpolate(|v| first_three(surface.positions[v.index()]))
+                .into(),
+        );
+        let rest = round(origin.interpolate(|v| surface.rest[v.index()]).into());
+        let [x, y, z] = position;
+        vertices.push(edit.add_vertex([x, y, z, 0.0], rest, origin));
+    }
+    for corners in &addition.triangles {
+        let corners = corners.map(|v| match v.0.checked_sub(NEW) {
+            Some(i) => vertices[i as usize],
+            None => v,
+        });
+        let t = edit.add_triangle(corners, addition.piece, 0);
+        open.extend(t.half_edges());
+    }
+    let topology = edit.surface().topology();
+    open.retain(|h| !h.is_null() && topology.is_triangle(h.triangle()));
+    let mut pairs = Vec::new();
+    for (i, &h) in open.iter().enumerate() {
+        let ends = (topology.target(h), topology.origin(h));
+        let mut before = open[..i].iter();
+        pairs.extend(
+            before
+                .find(|&&g| (topology.origin(g), topology.target(g)) == ends)
+                .map(|&g| (g, h)),
+        );
+    }
+    pairs.into_iter().for_each(|(g, h)| edit.join(g, h));
+    let done = edit.finish();
+    surface.topology().validate().unwrap();
+    done
+}
+
+fn first_three([x, y, z, _]: [f32; 4]) -> [f32; 3] {
+    [x, y, z]
+}
+
 /// Flips the edge of `h` if that leaves a surface.
 pub(crate) fn flip(surface: &mut Surface, h: HalfEdge) -> Option<TopologyDelta> {
+    let (remove, addition) = flipped(surface, h)?;
+    Some(replace(surface, &remove, &addition))
+}
+
+/// What [`flip`] does.
+pub(crate) fn flipped(surface: &Surface, h: HalfEdge) -> Option<Replacement> {
     let topology = surface.topology();
     let twin = topology.twin(h);
     if twin.is_null() {
@@ -171,15 +234,17 @@ pub(crate) fn flip(surface: &mut Surface, h: HalfEdge) -> Option<TopologyDelta> 
         piece: surface.piece(h.triangle()),
         ..Addition::default()
     };
-    Some(replace(
-        surface,
-        &[h.triangle(), twin.triangle()],
-        &addition,
-    ))
+    Some((vec![h.triangle(), twin.triangle()], addition))
 }
 
 /// Splits the edge of `h` at `t`.
 pub(crate) fn split(surface: &mut Surface, h: HalfEdge, t: f32) -> Option<TopologyDelta> {
+    let (remove, addition) = divided(surface, h, t)?;
+    Some(replace(surface, &remove, &addition))
+}
+
+/// What [`split`] does.
+pub(crate) fn divided(surface: &Surface, h: HalfEdge, t: f32) -> Option<Replacement> {
     let topology = surface.topology();
     let twin = topology.twin(h);
     if twin.is_null() {
@@ -193,11 +258,7 @@ pub(crate) fn split(surface: &mut Surface, h: HalfEdge, t: f32) -> Option<Topolo
         triangles: vec![[a, m, c], [m, b, c], [b, m, d], [m, a, d]],
         piece: surface.piece(h.triangle()),
     };
-    Some(replace(
-        surface,
-        &[h.triangle(), twin.triangle()],
-        &addition,
-    ))
+    Some((vec![h.triangle(), twin.triangle()], addition))
 }
 
 /// The mean of three vertices.
@@ -210,6 +271,12 @@ pub(crate) fn on_cap(parents: [VertexId; 3]) -> Origin {
 
 /// Takes `v` and its triangles away and closes the hole with a new vertex between its neighbors.
 pub(crate) fn renew(surface: &mut Surface, v: VertexId) -> Option<TopologyDelta> {
+    let (remove, addition) = renewed(surface, v)?;
+    Some(replace(surface, &remove, &addition))
+}
+
+/// What [`renew`] does.
+pub(crate) fn renewed(surface: &Surface, v: VertexId) -> Option<Replacement> {
     let topology = surface.topology();
     let fan: Vec<HalfEdge> = topology.outgoing_fan(v).collect();
     if fan.iter().any(|&h| topology.twin(h).is_null()) {
@@ -226,7 +293,7 @@ pub(crate) fn renew(surface: &mut Surface, v: VertexId) -> Option<TopologyDelta>
         piece: surface.piece(fan[0].triangle()),
     };
     let remove: Vec<TriangleId> = fan.iter().map(|h| h.triangle()).collect();
-    Some(replace(surface, &remove, &addition))
+    Some((remove, addition))
 }
 
 /// The edges of a surface as keys.
@@ -241,6 +308,12 @@ pub(crate) fn edge_keys(surface: &Surface) -> Vec<EdgeKey> {
 /// Takes `v` and its triangles away and closes the hole with triangles around one of its neighbors, if
 /// that leaves a surface.
 pub(crate) fn close(surface: &mut Surface, v: VertexId) -> Option<TopologyDelta> {
+    let (remove, addition) = closed(surface, v)?;
+    Some(replace(surface, &remove, &addition))
+}
+
+/// What [`close`] does.
+pub(crate) fn closed(surface: &Surface, v: VertexId) -> Option<Replacement> {
     let topology = surface.topology();
     let fan: Vec<HalfEdge> = topology.outgoing_fan(v).collect();
     if fan.iter().any(|&h| topology.twin(h).is_null()) {
@@ -268,5 +341,5 @@ pub(crate) fn close(surface: &mut Surface, v: VertexId) -> Option<TopologyDelta>
         ..Addition::default()
     };
     let remove: Vec<TriangleId> = fan.iter().map(|h| h.triangle()).collect();
-    Some(replace(surface, &remove, &addition))
+    Some((remove, addition))
 }

@@ -1,0 +1,163 @@
+//! A solver follows an edit and its undo alike.
+
+mod common;
+
+use common::{Replacement, closed, divided, flipped, renewed, replace_for_now, sphere};
+use incise_mesh::{HalfEdge, Origin, Surface, TopologyDelta, TriangleId, Undo, VertexId};
+use incise_pbd_gpu::{Density, Material, PatchParams, Solver, SolverParams};
+use proptest::prelude::*;
+
+/// Sums of masses that are stored in f32 [relative].
+const ROUNDING: f64 = 1e-5;
+
+fn replacement(surface: &Surface, kind: u8, at: u16, t: f32) -> Option<Replacement> {
+    let half_edges: Vec<HalfEdge> = surface
+        .topology()
+        .triangles()
+        .flat_map(TriangleId::half_edges)
+        .collect();
+    let h = half_edges[usize::from(at) % half_edges.len()];
+    let v = surface.topology().origin(h);
+    match kind {
+        0 => flipped(surface, h),
+        1 => divided(surface, h, t),
+        2 => renewed(surface, v),
+        _ => closed(surface, v),
+    }
+}
+
+fn spin(surface: &Surface, solver: &mut Solver) {
+    for v in surface.topology().vertices() {
+        let [x, y, z, _] = surface.positions[v.index()];
+        solver.set_velocity(v, [y - z, 0.5 - x, x + z]).unwrap();
+    }
+}
+
+fn solver(surface: &mut Surface, density: Density, patched: bool) -> Solver {
+    let material = Material {
+        density,
+        ..Material::default()
+    };
+    if patched {
+        let params = PatchParams {
+            vertices: 24,
+            room: 8,
+        };
+        Solver::with_patches(surface, &material, &params).unwrap()
+    } else {
+        Solver::new(surface, &material).unwrap()
+    }
+}
+
+/// Follows `delta`: constraints are those from scratch, mass and momentum what they were.
+fn follow(solver: &mut Solver, surface: &mut Surface, delta: &TopologyDelta) {
+    let (mass, momentum) = (solver.total_mass(), solver.momentum());
+    solver.apply_delta(surface, delta).unwrap();
+    solver.validate(surface).unwrap();
+    let lost = (solver.total_mass() - mass).abs();
+    assert!(lost <= ROUNDING * mass, "mass {mass} changed by {lost}");
+    for (was, is) in momentum.into_iter().zip(solver.momentum()) {
+        let scale = mass.max(was.abs());
+        assert!(
+            (is - was).abs() <= ROUNDING * scale,
+            "momentum {was} became {is}"
+        );
+    }
+    for v in surface.topology().vertices() {
+        let inverse = surface.positions[v.index()][3];
+        assert!(inverse > 0.0 && inverse.is_finite(), "{v} has no mass");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn a_solver_follows_edits_and_their_undoing(
+        edits in prop::collection::vec((0_u8..4, any::<u16>(), 0.1_f32..0.9), 1..12),
+        density in prop_oneof![Just(Density::Area(2.0)), Just(Density::Volume(3.0))],
+        patched: bool,
+        steps in 0..3_usize,
+    ) {
+        let mut surface = sphere(2, [0.0, 2.0, 0.0]);
+        let mut solver = solver(&mut surface, density, patched);
+        spin(&surface, &mut solver);
+        let start = surface.clone();
+        let params = SolverParams::default();
+        let mut undos: Vec<Undo> = Vec::new();
+        for (kind, at, t) in edits {
+            let Some((remove, addition)) = replacement(&surface, kind, at, t) else {
+                continue;
+            };
+            let (delta, undo) = replace_for_now(&mut surface, &remove, &addition);
+            follow(&mut solver, &mut surface, &delta);
+            undos.push(undo);
+            for _ in 0..steps {
+                solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+            }
+        }
+        while let Some(undo) = undos.pop() {
+            let back = undo.revert(&mut surface).unwrap();
+            follow(&mut solver, &mut surface, &back);
+            for _ in 0..steps {
+                solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+            }
+        }
+        prop_assert_eq!(surface.topology(), start.topology());
+        if steps == 0 {
+            for v in start.topology().vertices() {
+                let [was, is] = [&start, &surface].map(|s| s.positions[v.index()]);
+                prop_assert_eq!(was[..3].to_vec(), is[..3].to_vec(), "{} did not move", v);
+            }
+        }
+    }
+}
+
+/// Takes a vertex away and puts another in its place, or none.
+fn without(surface: &mut Surface, v: VertexId, new: bool) -> (TopologyDelta, Undo) {
+    let plan = if new {
+        renewed(surface, v)
+    } else {
+        closed(surface, v)
+    };
+    let (remove, addition) = plan.unwrap();
+    replace_for_now(surface, &remove, &addition)
+}
+
+#[test]
+fn a_restored_vertex_moves_like_what_was_in_its_place() {
+    for new in [true, false] {
+        let mut surface = sphere(2, [0.0, 2.0, 0.0]);
+        let mut solver = solver(&mut surface, Density::Area(2.0), false);
+        let v = VertexId(20);
+        let velocity = [0.25, -1.5, 3.0];
+        for v in surface.topology().vertices() {
+            solver.set_velocity(v, velocity).unwrap();
+        }
+        let was = surface.positions[v.index()];
+        let (delta, undo) = without(&mut surface, v, new);
+        assert_eq!(delta.vertices_removed, [v]);
+        follow(&mut solver, &mut surface, &delta);
+        let shift = [0.5_f32, -1.0, 0.125];
+        for w in surface.topology().vertices().collect::<Vec<_>>() {
+            for (k, by) in shift.iter().enumerate() {
+                surface.positions[w.index()][k] += by;
+            }
+        }
+        let back = undo.revert(&mut surface).unwrap();
+        let [restored] = back.vertices_added[..] else {
+            panic!("one vertex came back");
+        };
+        assert!(matches!(restored.origin, Origin::Restored { .. }));
+        for k in 0..3 {
+            let moved = surface.positions[v.index()][k] - was[k];
+            assert!((moved - shift[k]).abs() < 1e-6, "{v} moved by {moved}");
+        }
+        follow(&mut solver, &mut surface, &back);
+        for w in surface.topology().vertices() {
+            for (now, was) in solver.velocity(w).into_iter().zip(velocity) {
+                assert!((now - was).abs() < 1e-5, "{w} has a velocity of {now}");
+            }
+        }
+    }
+}
