@@ -30,10 +30,10 @@ pub enum Origin {
         /// Their weights, 0 to 1, which sum to 1 but for rounding.
         weights: [f32; 3],
     },
-    /// There before an edit that has been undone, and back where it was. What moved in its place
-    /// meanwhile: vertices that the edit had made from it, else neighbors. Its position and rest position are
-    /// its own; velocities and the like follow the parents. A vertex without any living relative is
-    /// its own parent.
+    /// There before an edit that has been undone, and back again. The parents moved in its place
+    /// meanwhile: vertices that the edit had made from it, else neighbors; a vertex without any is its
+    /// own parent. Velocities and the like follow them. Its position and rest position are set and
+    /// need not lie between theirs.
     Restored {
         /// The vertices that moved in its place.
         parents: [VertexId; 3],

@@ -4,7 +4,7 @@ use crate::geometry::{Aabb, Vec3, widen};
 use crate::history::{History, Step};
 use crate::ids::{HalfEdge, TriangleId, VertexId};
 use crate::pieces::Pieces;
-use crate::topology::{Topology, TopologyError};
+use crate::topology::{Topology, TopologyError, copy};
 
 /// What corners carry beside their vertex. A seam is where the corners of one vertex differ; it
 /// never splits the vertex. Each array is empty or has three entries a triangle slot.
@@ -31,8 +31,10 @@ impl CornerAttributes {
 /// A triangle surface as a structure of arrays, one array an attribute. One surface holds any
 /// number of pieces (bodies after a cut): every triangle has the number of its piece.
 ///
-/// Surfaces are equal when their arrays are, however they came to be what they are.
-#[derive(Debug, Clone, Default)]
+/// Surfaces are equal when their arrays are, however they came to be what they are. A new surface has
+/// room for a quarter more than it holds, so that its first edits do not move whole arrays, and so has
+/// a copy of it; [`Surface::reserve`] makes more.
+#[derive(Debug, Default)]
 pub struct Surface {
     pub(crate) topology: Topology,
     /// Position \[m\] and inverse mass \[1/kg\], 0 = pinned, shape \[vertex slots\].
@@ -46,6 +48,24 @@ pub struct Surface {
     pub(crate) material: Vec<u32>,
     pub(crate) pieces: Pieces,
     pub(crate) history: History,
+}
+
+impl Clone for Surface {
+    fn clone(&self) -> Self {
+        Self {
+            topology: self.topology.clone(),
+            positions: copy(&self.positions),
+            rest: copy(&self.rest),
+            corners: CornerAttributes {
+                uv: copy(&self.corners.uv),
+                normal: copy(&self.corners.normal),
+            },
+            piece: copy(&self.piece),
+            material: copy(&self.material),
+            pieces: self.pieces.clone(),
+            history: self.history,
+        }
+    }
 }
 
 impl PartialEq for Surface {
@@ -81,7 +101,7 @@ impl Surface {
             history.pair(c, 0);
         }
         history.floats(positions.as_flattened());
-        Ok(Self {
+        let mut surface = Self {
             material: vec![0; piece.len()],
             pieces,
             history,
@@ -90,7 +110,25 @@ impl Surface {
             rest: positions.to_vec(),
             corners: CornerAttributes::default(),
             piece,
-        })
+        };
+        surface.reserve(positions.len() / 4, triangles.len() / 4);
+        Ok(surface)
+    }
+
+    /// Makes room for so many vertices and triangles more, so that edits up to this size do not move
+    /// whole arrays.
+    pub fn reserve(&mut self, vertices: usize, triangles: usize) {
+        self.topology.reserve(vertices, triangles);
+        self.positions.reserve(vertices);
+        self.rest.reserve(vertices);
+        self.piece.reserve(triangles);
+        self.material.reserve(triangles);
+        if !self.corners.uv.is_empty() {
+            self.corners.uv.reserve(3 * triangles);
+        }
+        if !self.corners.normal.is_empty() {
+            self.corners.normal.reserve(3 * triangles);
+        }
     }
 
     /// The connectivity.
@@ -333,5 +371,33 @@ impl Surface {
         out.stitch(&half_edges)
             .expect("a part of an oriented manifold is one");
         (out, vertex_map, triangle_map)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_keeps_what_its_triangles_and_corners_have() {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let positions = [corners, corners, corners].concat();
+        let mut surface =
+            Surface::from_triangles(&positions, &[[0, 1, 2], [3, 4, 5], [6, 7, 8]]).unwrap();
+        for t in [0, 1, 2] {
+            surface.set_material(TriangleId(t), 10 + t);
+        }
+        surface.corners.uv = (0..9_u8).map(|i| [f32::from(i), 0.0]).collect();
+        let unused = surface.remove_triangles(&[TriangleId(0)]);
+        surface.remove_vertices(&unused);
+        let last = surface.extract_piece(2);
+        assert_eq!(last.corners.uv, [[6.0, 0.0], [7.0, 0.0], [8.0, 0.0]]);
+        assert_eq!(last.material(TriangleId(0)), 12);
+        let uv = surface.corners.uv[3..].to_vec();
+        surface.compact();
+        assert_eq!(surface.corners.uv, uv);
+        assert_eq!([0, 1].map(|t| surface.material(TriangleId(t))), [11, 12]);
+        assert_eq!([0, 1, 2].map(|p| surface.piece_triangles(p)), [0, 1, 1]);
+        assert_eq!(surface.piece_bound(), 3);
     }
 }

@@ -72,7 +72,7 @@ pub struct InvalidTopology {
 }
 
 /// Who is whose neighbor: the connectivity of a triangle surface. See the module's first lines for the arrays.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Default, PartialEq, Eq)]
 pub struct Topology {
     pub(crate) origin: Vec<VertexId>,
     pub(crate) twin: Vec<HalfEdge>,
@@ -81,7 +81,33 @@ pub struct Topology {
     pub(crate) free_vertices: Vec<VertexId>,
 }
 
+impl Clone for Topology {
+    fn clone(&self) -> Self {
+        Self {
+            origin: copy(&self.origin),
+            twin: copy(&self.twin),
+            outgoing: copy(&self.outgoing),
+            free_triangles: copy(&self.free_triangles),
+            free_vertices: copy(&self.free_vertices),
+        }
+    }
+}
+
+/// A copy with as much room to grow as the original.
+pub(crate) fn copy<T: Copy>(array: &Vec<T>) -> Vec<T> {
+    let mut out = Vec::with_capacity(array.capacity());
+    out.extend_from_slice(array);
+    out
+}
+
 impl Topology {
+    /// Makes room for so many vertices and triangles more.
+    pub(crate) fn reserve(&mut self, vertices: usize, triangles: usize) {
+        self.origin.reserve(3 * triangles);
+        self.twin.reserve(3 * triangles);
+        self.outgoing.reserve(vertices);
+    }
+
     /// Slots for vertices, used and free: the length of every vertex array.
     #[must_use]
     pub fn vertex_slots(&self) -> usize {

@@ -58,8 +58,8 @@ impl Edit<'_> {
         (delta, undo)
     }
 
-    /// Gives every vertex near a change a half-edge that leaves it. Returns those that no triangle
-    /// uses, ascending.
+    /// Gives every vertex that lost triangles, and new ones, a half-edge that leaves it. Returns those
+    /// that no triangle uses, ascending.
     fn set_outgoing(
         &mut self,
         changes: &[Change],
@@ -67,35 +67,34 @@ impl Edit<'_> {
         idle: &[VertexId],
     ) -> Vec<VertexId> {
         let topology = &mut self.surface.topology;
-        let corners = changes.iter().flat_map(|c| [c.before, c.now]).flatten();
-        let mut wrong: Vec<VertexId> = corners
-            .chain(made.iter().copied())
-            .chain(idle.iter().copied())
-            .filter(|&v| {
-                !v.is_null() && {
-                    let h = topology.outgoing(v);
-                    h.is_null() || topology.origin(h) != v
-                }
-            })
-            .collect();
-        wrong.sort_unstable();
-        wrong.dedup();
+        let lost = changes.iter().flat_map(|c| c.before);
+        let others = made.iter().chain(idle).copied();
+        let mut without = Vec::new();
+        for v in lost.chain(others).filter(|v| !v.is_null()) {
+            let h = topology.outgoing(v);
+            if h.is_null() {
+                without.push(v);
+            } else if topology.origin(h) != v {
+                let outgoing = &mut topology.outgoing;
+                self.log.outgoing.set(outgoing, v.0, HalfEdge::NULL);
+                without.push(v);
+            }
+        }
         // The triangles that a fan keeps border on one that went or was turned to another neighbor.
         let new = changes.iter().filter(|c| !c.now[0].is_null());
         let turned = self.log.twin.places().map(HalfEdge);
         let near =
             (new.flat_map(|c| c.triangle.half_edges())).chain(turned.flat_map(|h| [h, h.next()]));
-        let mut found = vec![HalfEdge::NULL; wrong.len()];
         for h in near {
-            if let Ok(at) = wrong.binary_search(&topology.origin(h)) {
-                found[at] = found[at].min(h);
+            let v = topology.origin(h);
+            if !v.is_null() && topology.outgoing(v).is_null() {
+                self.log.outgoing.set(&mut topology.outgoing, v.0, h);
             }
         }
-        for (v, &h) in wrong.iter().zip(&found) {
-            self.log.outgoing.set(&mut topology.outgoing, v.0, h);
-        }
-        wrong.retain(|&v| topology.outgoing(v).is_null());
-        wrong
+        without.retain(|&v| topology.outgoing(v).is_null());
+        without.sort_unstable();
+        without.dedup();
+        without
     }
 
     /// The vertices that triangles use now and did not before, with the piece of one of them.
@@ -125,10 +124,17 @@ impl Edit<'_> {
     /// The pieces that had triangles and have none any more, ascending.
     fn pieces_removed(&self, changes: &[Change]) -> Vec<u32> {
         let surface = &*self.surface;
+        let held = changes.iter().filter(|c| !c.before[0].is_null());
+        let bound = self.log.piece_bound();
+        let is_gone = |piece: u32| piece < bound && surface.pieces.count(piece) == 0;
+        // Whether any is, is seen at once; which ones, takes a closer look.
+        let mut kept = held.clone().map(|c| surface.piece[c.triangle.index()]);
+        if !self.log.piece.overwritten().any(is_gone) && !kept.any(is_gone) {
+            return Vec::new();
+        }
         let before = self.log.piece.before();
         let moved = |t: TriangleId| before.binary_search_by_key(&t.0, |entry| entry.0).ok();
         let change = |t: u32| changes.binary_search_by_key(&t, |c| c.triangle.0).ok();
-        let held = changes.iter().filter(|c| !c.before[0].is_null());
         let stayed = held
             .filter(|c| moved(c.triangle).is_none())
             .map(|c| surface.piece[c.triangle.index()]);
@@ -139,7 +145,7 @@ impl Edit<'_> {
         let mut pieces: Vec<u32> = stayed.chain(left.map(|entry| entry.1)).collect();
         pieces.sort_unstable();
         pieces.dedup();
-        pieces.retain(|&piece| surface.pieces.count(piece) == 0);
+        pieces.retain(|&piece| is_gone(piece));
         pieces
     }
 }

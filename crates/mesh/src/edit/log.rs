@@ -51,10 +51,20 @@ impl<T: Copy> Track<T> {
 
     /// The value before the edit of every entry that was overwritten, ascending by place.
     pub(super) fn before(&self) -> Vec<(u32, T)> {
-        let mut first = self.old.clone();
-        first.sort_by_key(|entry| entry.0);
-        first.dedup_by_key(|entry| entry.0);
-        first
+        // Place and time in one number: that sorts several times as fast as pairs, stably.
+        let numbered = (0_u32..).zip(&self.old);
+        let mut order: Vec<u64> = numbered
+            .map(|(time, &(at, _))| (u64::from(at) << 32) | u64::from(time))
+            .collect();
+        order.sort_unstable();
+        order.dedup_by_key(|key| *key >> 32);
+        let time = |key: u64| (key & u64::from(u32::MAX)) as usize;
+        order.into_iter().map(|key| self.old[time(key)]).collect()
+    }
+
+    /// All values that were overwritten.
+    pub(super) fn overwritten(&self) -> impl Iterator<Item = T> + '_ {
+        self.old.iter().map(|entry| entry.1)
     }
 
     fn put_back(&self, array: &mut Vec<T>, len: usize) {
@@ -145,6 +155,11 @@ impl Log {
         }
     }
 
+    /// The bound of piece numbers before the edit.
+    pub(super) fn piece_bound(&self) -> u32 {
+        self.piece_bound
+    }
+
     /// Puts everything back. O(k log k) for k overwritten entries.
     pub(super) fn put_back(&self, surface: &mut Surface) {
         let slots = self.touched_slots(surface);
@@ -182,6 +197,8 @@ impl Log {
         let pieces = self.piece.places().map(TriangleId);
         let new = (self.piece.len..surface.piece.len()).map(TriangleId::from_index);
         let mut slots: Vec<TriangleId> = corners.chain(pieces).chain(new).collect();
+        // Most stand in threes.
+        slots.dedup();
         slots.sort_unstable();
         slots.dedup();
         slots

@@ -1,5 +1,7 @@
 //! Random edits: nothing is left of them when dropped or undone, and the delta is the difference.
 
+mod known;
+
 use super::{Edit, Undo, UndoError};
 use crate::delta::{Origin, TopologyDelta};
 use crate::ids::{HalfEdge, TriangleId, VertexId};

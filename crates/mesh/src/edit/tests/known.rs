@@ -1,0 +1,258 @@
+//! Edits whose outcome is known.
+
+use super::{assert_same_bytes, body, half_edges, patch};
+use crate::delta::{Origin, TopologyDelta};
+use crate::edit::{Undo, UndoError};
+use crate::ids::{HalfEdge, TriangleId, VertexId};
+use crate::surface::Surface;
+
+/// A tetrahedron of four materials.
+fn tetrahedron() -> Surface {
+    let corners = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+    ];
+    let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let mut surface = Surface::from_triangles(&corners, &faces).unwrap();
+    for i in 0..4 {
+        surface.set_material(TriangleId(i), i);
+    }
+    surface
+}
+
+/// Puts a vertex into triangle 2 of a tetrahedron.
+fn divide(surface: &mut Surface) -> (TopologyDelta, Undo) {
+    let mut edit = surface.edit();
+    let corners = [1, 2, 3].map(VertexId);
+    let third = 1.0 / 3.0_f32;
+    let origin = Origin::InFace {
+        corners,
+        weights: [third; 3],
+    };
+    let m = edit.add_vertex([third, third, third, 1.0], [third; 3], origin);
+    edit.remove_triangle(TriangleId(2));
+    for i in 0..3 {
+        patch(
+            &mut edit,
+            [corners[i], corners[(i + 1) % 3], m],
+            TriangleId(0),
+        );
+    }
+    edit.finish()
+}
+
+#[test]
+fn a_vertex_in_a_face_is_told_in_full() {
+    let mut surface = tetrahedron();
+    let (delta, undo) = divide(&mut surface);
+    let corners = [1, 2, 3].map(VertexId);
+    assert_eq!(delta.triangles_removed, [(TriangleId(2), corners)]);
+    assert_eq!(delta.triangles_added, [2, 4, 5].map(TriangleId));
+    let [added] = delta.vertices_added[..] else {
+        panic!("one vertex came");
+    };
+    assert_eq!((added.vertex, added.piece), (VertexId(4), 0));
+    assert!(delta.vertices_removed.is_empty() && delta.pieces_added.is_empty());
+    surface.topology().validate().unwrap();
+    assert!(surface.topology().is_closed());
+    assert_eq!(
+        [0, 1, 2, 3, 4, 5].map(|i| surface.material(TriangleId(i))),
+        [0, 1, 7, 3, 7, 7]
+    );
+    let back = undo.revert(&mut surface).unwrap();
+    assert_eq!(back.triangles_added, [TriangleId(2)]);
+    assert_eq!(back.vertices_removed, [VertexId(4)]);
+    assert_eq!(surface.material(TriangleId(2)), 2);
+}
+
+#[test]
+fn an_undo_fits_once_and_only_what_it_was_made_from() {
+    let mut surface = tetrahedron();
+    let (_, undo) = divide(&mut surface);
+    let mut other = body();
+    let before = other.clone();
+    assert_eq!(undo.clone().revert(&mut other), Err(UndoError::Stale));
+    assert_same_bytes(&other, &before);
+
+    let edits: [fn(&mut Surface); 8] = [
+        |s| s.set_piece(TriangleId(1), 5),
+        |s| s.set_material(TriangleId(1), 9),
+        |s| {
+            s.add_vertex([0.0; 4], [0.0; 3]);
+        },
+        |s| drop(s.remove_triangles(&[TriangleId(0)])),
+        |s| {
+            s.add_triangle([0, 1, 4].map(VertexId), 0).unwrap();
+        },
+        |s| s.stitch(&[HalfEdge(0), HalfEdge(3)]).unwrap(),
+        |s| drop(s.compact()),
+        |s| drop(divide(s)),
+    ];
+    for edit in edits {
+        let mut edited = surface.clone();
+        edit(&mut edited);
+        let before = edited.clone();
+        assert_eq!(undo.clone().revert(&mut edited), Err(UndoError::Stale));
+        assert_same_bytes(&edited, &before);
+    }
+
+    undo.clone().revert(&mut surface).unwrap();
+    assert_eq!(undo.clone().revert(&mut surface), Err(UndoError::Stale));
+    // Done again it is the same edit, and the copy fits.
+    drop(divide(&mut surface));
+    undo.revert(&mut surface).unwrap();
+    assert_eq!(surface, tetrahedron());
+}
+
+#[test]
+fn an_undo_after_motion_moves_what_it_brings_back() {
+    for named in [true, false] {
+        let mut surface = tetrahedron();
+        let gone = VertexId(3);
+        let mut edit = surface.edit();
+        // The new vertex stands where the old one was, or says nothing of it.
+        let a = if named { gone } else { VertexId(0) };
+        let origin = Origin::OnEdge {
+            a,
+            b: VertexId(1),
+            t: 0.25,
+        };
+        let new = edit.add_vertex([0.0, 0.5, 1.0, 2.0], [0.0, 0.5, 1.0], origin);
+        for h in half_edges(&edit) {
+            if edit.surface().topology().origin(h) == gone {
+                edit.set_corner(h, new);
+            }
+        }
+        let (delta, undo) = edit.finish();
+        assert_eq!(delta.vertices_removed, [gone]);
+        surface.topology().validate().unwrap();
+        let at = |x: f32| [x, -x, 0.5 * x];
+        // Only the new one moves, or all old ones by their number.
+        let by = |v: usize| match (named, v) {
+            (true, 4) => at(1.0),
+            (false, 0..3) => at(f32::from(u8::try_from(v).unwrap())),
+            _ => [0.0; 3],
+        };
+        for (v, position) in surface.positions.iter_mut().enumerate() {
+            for (coordinate, by) in position.iter_mut().zip(by(v)) {
+                *coordinate += by;
+            }
+            position[3] = 0.5;
+        }
+        let moved = surface.clone();
+        let back = undo.revert(&mut surface).unwrap();
+        let [restored] = back.vertices_added[..] else {
+            panic!("one vertex came back");
+        };
+        assert_eq!(restored.vertex, gone);
+        let parents = if named { [4, 4, 4] } else { [0, 1, 2] };
+        assert_eq!(
+            restored.origin.weights().map(|w| w.0),
+            parents.map(VertexId)
+        );
+        // By 1 like the new one, or by the mean of 0, 1 and 2; with the inverse mass that it had.
+        assert_eq!(surface.positions[3], [1.0, -1.0, 1.5, 1.0]);
+        assert_eq!(surface.positions[..3], moved.positions[..3]);
+        assert_eq!(surface.topology(), tetrahedron().topology());
+        assert_eq!(surface.rest, tetrahedron().rest);
+    }
+}
+
+#[test]
+fn a_part_that_went_whole_comes_back_whole() {
+    let mut surface = body();
+    let before = surface.clone();
+    let mut edit = surface.edit();
+    for t in (0..80).map(TriangleId) {
+        edit.remove_triangle(t);
+    }
+    let (delta, undo) = edit.finish();
+    assert_eq!(delta.pieces_removed, [0]);
+    assert_eq!(delta.vertices_removed.len(), 42);
+    assert_eq!(
+        surface.piece_bound(),
+        before.piece_bound(),
+        "numbers are not given twice"
+    );
+    let back = undo.revert(&mut surface).unwrap();
+    assert_same_bytes(&surface, &before);
+    assert_eq!(back.pieces_added, [(0, 0)]);
+    let mut seen: Vec<VertexId> = Vec::new();
+    for added in &back.vertices_added {
+        // Of nobody else's: the first is its own parent, the others follow one that is back.
+        let parents = added.origin.weights().map(|w| w.0);
+        assert!(
+            parents
+                .iter()
+                .all(|p| seen.contains(p) || *p == added.vertex)
+        );
+        seen.push(added.vertex);
+    }
+}
+
+#[test]
+fn a_vertex_that_waited_for_triangles_is_told() {
+    let mut surface = tetrahedron();
+    let waiting = surface.add_vertex([0.5; 4], [0.5; 3]);
+    let mut edit = surface.edit();
+    edit.remove_triangle(TriangleId(2));
+    for (a, b) in [(1, 2), (2, 3), (3, 1)] {
+        patch(
+            &mut edit,
+            [VertexId(a), VertexId(b), waiting],
+            TriangleId(0),
+        );
+    }
+    let (delta, undo) = edit.finish();
+    let [added] = delta.vertices_added[..] else {
+        panic!("one vertex came");
+    };
+    assert_eq!(added.vertex, waiting);
+    assert_eq!(
+        added.origin.interpolate(|v| surface.rest[v.index()]),
+        [0.5; 3]
+    );
+    undo.revert(&mut surface).unwrap();
+    assert!(surface.topology().outgoing(waiting).is_null());
+}
+
+#[test]
+fn attributes_that_came_after_the_edit_stay_in_step() {
+    let mut surface = tetrahedron();
+    let (_, undo) = divide(&mut surface);
+    surface.corners.normal = vec![[0.0, 0.0, 1.0]; 18];
+    undo.clone().revert(&mut surface).unwrap();
+    assert_eq!(surface.corners.normal, [[0.0, 0.0, 1.0]; 12]);
+
+    let (_, undo) = divide(&mut surface);
+    assert_eq!(surface.corners.normal.len(), 18);
+    surface.corners.normal.clear();
+    surface.positions.pop();
+    assert_eq!(
+        undo.clone().revert(&mut surface),
+        Err(UndoError::WrongLength {
+            array: "positions",
+            found: 4,
+            expected: 5
+        })
+    );
+    surface.positions.push([0.0; 4]);
+    undo.revert(&mut surface).unwrap();
+    assert!(surface.corners.normal.is_empty());
+}
+
+#[test]
+fn an_undo_can_be_sent_and_compared() {
+    fn needs<T: Send + Sync + Clone + PartialEq + std::fmt::Debug>(_: &T) {}
+    let [x, y] = [(); 2].map(|()| divide(&mut tetrahedron()));
+    needs(&x);
+    assert_eq!(x, y);
+}
+
+#[test]
+#[should_panic(expected = "t7 is no triangle")]
+fn a_free_slot_cannot_be_removed() {
+    tetrahedron().edit().remove_triangle(TriangleId(7));
+}
