@@ -58,7 +58,8 @@ impl<T: Copy> Track<T> {
             .collect();
         order.sort_unstable();
         order.dedup_by_key(|key| *key >> 32);
-        let time = |key: u64| (key & u64::from(u32::MAX)) as usize;
+        #[expect(clippy::cast_possible_truncation, reason = "the lower half")]
+        let time = |key: u64| key as u32 as usize;
         order.into_iter().map(|key| self.old[time(key)]).collect()
     }
 
