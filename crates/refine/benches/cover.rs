@@ -83,6 +83,8 @@ fn main() {
         "rim", "jitter", "triangles", "ms", "best ms", "M tri/s"
     );
     let mut scratch = CoverScratch::default();
+    // A number of corners: only rims of that many.
+    let only = std::env::args().find_map(|a| a.parse::<u32>().ok());
     for (n, jitter, factor) in [
         (280, 0.7, Some(0.55)),
         (280, 0.7, Some(1.0)),
@@ -99,6 +101,9 @@ fn main() {
         (6000, 0.7, None),
         (280, 0.7, None),
     ] {
+        if only.is_some_and(|only| only != n) {
+            continue;
+        }
         for crease in [false, true] {
             let mut ring = wavy(n, jitter);
             if crease {

@@ -13,9 +13,12 @@ mod discs;
 mod forbidden;
 mod improve;
 mod lattice;
+mod mean;
+mod mend;
 mod order;
 mod section;
 mod sheet;
+mod strips;
 mod validate;
 mod wall;
 
@@ -134,6 +137,8 @@ pub fn cover(
         .map(|length| (length * scratch.rims.scale).max(4.0 * FINEST));
     let limit = params.max_triangles;
     let mut groups = vec![((0..id(scratch.rims.rings())).collect::<Vec<u32>>(), false)];
+    // Bad rings may cost so much more than good ones.
+    let mut work = 16 * scratch.rims.ids.len() + 20_000;
     while let Some((group, mirrored)) = groups.pop() {
         if group.is_empty() {
             continue;
@@ -145,11 +150,11 @@ pub fn cover(
             band,
             improver,
         } = &mut *scratch;
-        if sheet.build(rims, &group, mirrored, section.crease) == Verdict::Clean {
+        if mend::build(rims, sheet, &group, mirrored, section.crease, &mut work) == Verdict::Clean {
             let mark = cover.triangles.len();
             let mut connected = false;
             if let Some(length) = length.filter(|l| l.is_finite()) {
-                if !lattice.fill(sheet, length, limit / 2) {
+                if !lattice.fill(sheet, length, limit + sheet.corner.len()) {
                     return Err(RefineError::TooManyTriangles { limit });
                 }
                 improver.keep(sheet);
@@ -180,27 +185,46 @@ pub fn cover(
                     && forbidden::can_flip(sheet, edge, |v, w| joined(name(v), name(w)));
                 forbidden::replace(sheet, lattice, band, edge, may_flip);
             }
-            write(rims, sheet, lattice, band, mirrored, mark, &mut cover);
-        } else if let ([ring], false, true) = (&group[..], mirrored, sheet.backward[0]) {
-            groups.push((vec![*ring], true));
-        } else if let [ring] = group[..] {
-            cover.report.discs += 1;
-            close_disc(rims, ring, &joined, &mut cover);
-        } else {
-            let odd =
-                |i: &usize| sheet.bad[*i] || (!sheet.bad.contains(&true) && sheet.backward[*i]);
-            let rest = (0..group.len())
-                .filter(|i| !odd(i))
-                .map(|i| group[i])
-                .collect();
-            for i in (0..group.len()).filter(odd) {
-                cover.report.apart += 1;
-                groups.push((vec![group[i]], false));
+            write(rims, sheet, lattice, band, mirrored, &mut cover);
+        } else if !sheet.trouble.is_empty() {
+            let may_cut = work >= sheet.corner.len();
+            work = work.saturating_sub(sheet.corner.len());
+            let parts = mend::part(rims, sheet, &group, &joined, may_cut);
+            cover.report.apart += parts.apart;
+            cover.report.discs += parts.discs.len() + usize::from(!parts.ties.is_empty());
+            for corners in &parts.ties {
+                close_disc(rims, corners, &joined, &mut cover);
             }
-            groups.push((rest, false));
+            for ring in parts.discs {
+                close_disc(rims, rims.ring(ring as usize), &joined, &mut cover);
+            }
+            groups.extend(parts.groups.into_iter().map(|group| (group, false)));
+        } else if let [ring] = group[..] {
+            if mirrored || !sheet.backward[0] {
+                cover.report.discs += 1;
+                close_disc(rims, rims.ring(ring as usize), &joined, &mut cover);
+            } else {
+                groups.push((group, true));
+            }
+        } else {
+            let (out, rest): (Vec<_>, Vec<_>) =
+                (0..group.len()).partition(|&i| sheet.bad[i] || sheet.backward[i]);
+            cover.report.apart += out.len();
+            groups.extend(out.into_iter().map(|i| (vec![group[i]], false)));
+            groups.push((rest.into_iter().map(|i| group[i]).collect(), false));
         }
         if cover.triangles.len() > limit {
             return Err(RefineError::TooManyTriangles { limit });
+        }
+    }
+    if scratch.rims.moved {
+        // The section's own points are what counts.
+        for inner in &mut cover.inner {
+            inner.at = [0, 1].map(|k| {
+                let mean =
+                    |i: usize| inner.weights[i] * section.points[inner.parents[i] as usize][k];
+                mean(0) + mean(1) + mean(2)
+            });
         }
     }
     let (corners, points) = (id(scratch.rims.ids.len()), id(section.points.len()));
@@ -213,12 +237,12 @@ pub fn cover(
     Ok(cover)
 }
 
-/// Closes one ring as a disc.
-fn close_disc(rims: &Rims, ring: u32, joined: &impl Fn(u32, u32) -> bool, cover: &mut Cover) {
+/// Closes one ring of corners as a disc.
+fn close_disc(rims: &Rims, corners: &[u32], joined: &impl Fn(u32, u32) -> bool, cover: &mut Cover) {
     let ids = |corner: u32| rims.ids[corner as usize];
     let open = discs::clip_ears(
         &rims.points,
-        rims.ring(ring as usize),
+        corners,
         |a, b| joined(ids(a), ids(b)),
         &mut cover.triangles,
     );
@@ -240,14 +264,14 @@ fn close_disc(rims: &Rims, ring: u32, joined: &impl Fn(u32, u32) -> bool, cover:
         .extend((0..n).map(|i| [open[i], open[(i + 1) % n], center]));
 }
 
-/// Writes a sheet's inner points, its band and what the lattice gave from `mark` on.
+/// Writes a sheet's inner points and its band. In a mirrored sheet triangles that turn left follow
+/// rings that turn right in the section.
 fn write(
     rims: &Rims,
     sheet: &Sheet,
     lattice: &Lattice,
     band: &Band,
     mirrored: bool,
-    mark: usize,
     cover: &mut Cover,
 ) {
     let offset = id(rims.ids.len() + cover.inner.len());
@@ -272,9 +296,4 @@ fn write(
             .filter(|&t| sheet.cdt.region[t as usize] == INSIDE)
             .map(|t| sheet.cdt.corners(t).map(name)),
     );
-    if mirrored {
-        for t in &mut cover.triangles[mark..] {
-            t.swap(1, 2);
-        }
-    }
 }

@@ -62,16 +62,19 @@ pub(crate) const fn prev(h: u32) -> u32 {
     if h.is_multiple_of(3) { h + 2 } else { h - 1 }
 }
 
+#[inline]
 fn coord([x, y]: [f64; 2]) -> Coord<f64> {
     Coord { x, y }
 }
 
 /// Positive where `c` is left of the line from `a` to `b`. The sign is exact.
+#[inline]
 pub(crate) fn orient(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     orient2d(coord(a), coord(b), coord(c))
 }
 
 /// Positive where `p` lies inside the circle through a counterclockwise triangle. The sign is exact.
+#[inline]
 pub(crate) fn incircle_of([a, b, c]: [[f64; 2]; 3], p: [f64; 2]) -> f64 {
     incircle(coord(a), coord(b), coord(c), coord(p))
 }
@@ -125,28 +128,41 @@ impl Cdt {
         id(self.region.len())
     }
 
+    #[inline]
     pub(crate) fn corners(&self, t: u32) -> [u32; 3] {
         let t = 3 * t as usize;
         [self.origin[t], self.origin[t + 1], self.origin[t + 2]]
     }
 
+    /// Where a triangle's corners are.
+    #[inline]
+    pub(crate) fn places(&self, t: u32) -> [[f64; 2]; 3] {
+        let [a, b, c] = self.corners(t);
+        [self.point(a), self.point(b), self.point(c)]
+    }
+
+    #[inline]
     pub(crate) fn start(&self, h: u32) -> u32 {
         self.origin[h as usize]
     }
 
+    #[inline]
     pub(crate) fn end(&self, h: u32) -> u32 {
         self.origin[next(h) as usize]
     }
 
     /// The corner across from `h`.
+    #[inline]
     pub(crate) fn apex(&self, h: u32) -> u32 {
         self.origin[prev(h) as usize]
     }
 
+    #[inline]
     pub(crate) fn point(&self, v: u32) -> [f64; 2] {
         self.points[v as usize]
     }
 
+    #[inline]
     pub(crate) fn side(&self, a: u32, b: u32, c: u32) -> f64 {
         orient(self.point(a), self.point(b), self.point(c))
     }
@@ -190,12 +206,14 @@ impl Cdt {
                 break;
             }
             let (mut zeros, mut zero) = (0, NONE);
+            let places = self.places(t);
             for i in 0..3 {
-                let h = 3 * t + (i + step) % 3;
+                let k = (i + step) % 3;
+                let h = 3 * t + k;
                 if h == from {
                     continue;
                 }
-                let side = orient(self.point(self.start(h)), self.point(self.end(h)), p);
+                let side = orient(places[k as usize], places[(k as usize + 1) % 3], p);
                 if side < 0.0 {
                     from = self.twin[h as usize];
                     t = from / 3;
@@ -238,9 +256,9 @@ impl Cdt {
 
     fn push(&mut self, region: u8) -> u32 {
         let t = self.triangles();
-        self.origin.extend([NONE; 3]);
-        self.twin.extend([NONE; 3]);
-        self.walls.extend([wall::FREE; 3]);
+        self.origin.extend_from_slice(&[NONE; 3]);
+        self.twin.extend_from_slice(&[NONE; 3]);
+        self.walls.extend_from_slice(&[wall::FREE; 3]);
         self.region.push(region);
         t
     }
@@ -278,7 +296,8 @@ impl Cdt {
             self.link(3 * parts[i], outer[i].0, outer[i].1);
             self.link(3 * parts[i] + 1, 3 * parts[(i + 1) % 3] + 2, wall::FREE);
         }
-        self.stack.extend(parts.map(|part| 3 * part));
+        self.stack
+            .extend_from_slice(&[3 * parts[0], 3 * parts[1], 3 * parts[2]]);
     }
 
     /// Puts `v` between the ends of `h`, which is not on the box. Both halves stay what `h` was.
@@ -300,7 +319,7 @@ impl Cdt {
         self.link(t1 + 2, u + 1, kind);
         self.link(t + 2, t1 + 1, wall::FREE);
         self.link(u + 2, u1 + 1, wall::FREE);
-        self.stack.extend([t, t1, u, u1]);
+        self.stack.extend_from_slice(&[t, t1, u, u1]);
     }
 
     /// Turns the edge `h` to the other diagonal of its two triangles, which must form a strictly
@@ -321,6 +340,7 @@ impl Cdt {
     }
 
     /// Whether the edge `h` may and must be flipped to be Delaunay.
+    #[inline]
     pub(crate) fn is_illegal(&self, h: u32) -> bool {
         let g = self.twin[h as usize];
         if g == NONE || self.walls[h as usize] != wall::FREE {
@@ -337,7 +357,7 @@ impl Cdt {
         while let Some(h) = self.stack.pop() {
             if self.is_illegal(h) {
                 let sides = self.flip(h);
-                self.stack.extend([sides[0], sides[1]]);
+                self.stack.extend_from_slice(&sides[..2]);
             }
         }
     }

@@ -9,7 +9,8 @@
 
 use super::band::Band;
 use super::cdt::{Cdt, id, incircle_of, orient, wall};
-use super::lattice::{Lattice, mean_in};
+use super::lattice::Lattice;
+use super::mean::mean_in;
 use super::sheet::{INSIDE, Sheet};
 
 /// Triangles with a smaller angle ask for a point: the cosine of 32 degrees.
@@ -107,15 +108,14 @@ impl Improver {
     /// Puts a triangle in the queue if it is bad.
     fn ask(&mut self, cdt: &Cdt, t: u32, length: f64) {
         if cdt.region[t as usize] == INSIDE
-            && (sharpness(cdt.corners(t).map(|v| cdt.point(v))) > SHARP
-                || has_long_edge(cdt, t, length))
+            && (sharpness(cdt.places(t)) > SHARP || has_long_edge(cdt, t, length))
         {
             self.queue.push((t, cdt.corners(t)));
         }
     }
 
     fn offer(&mut self, cdt: &Cdt, t: u32, length: f64) -> Option<Offer> {
-        let p = cdt.corners(t).map(|v| cdt.point(v));
+        let p = cdt.places(t);
         let sharp = sharpness(p) > SHARP;
         let offer = self.weigh(cdt, t, off_center(p, sharp)?)?;
         let better = if sharp {
@@ -141,14 +141,14 @@ impl Improver {
         while i < self.cavity.len() {
             let t = self.cavity[i];
             i += 1;
-            old = old.max(sharpness(cdt.corners(t).map(|v| cdt.point(v))));
+            old = old.max(sharpness(cdt.places(t)));
             for h in [3 * t, 3 * t + 1, 3 * t + 2] {
                 if cdt.walls[h as usize] == wall::FREE {
                     let u = cdt.twin[h as usize] / 3;
                     if self.stamps[u as usize] == self.stamp {
                         continue;
                     }
-                    if incircle_of(cdt.corners(u).map(|v| cdt.point(v)), at) > 0.0 {
+                    if incircle_of(cdt.places(u), at) > 0.0 {
                         self.stamps[u as usize] = self.stamp;
                         self.cavity.push(u);
                         continue;

@@ -6,7 +6,8 @@
 //! clearance over L / sqrt(3) no point of a rim lies in the circle around three neighbors that are
 //! kept, so their triangle is Delaunay and needs no test.
 
-use super::cdt::{Cdt, Place, id};
+use super::cdt::id;
+use super::mean::{Crossing, Side, mix};
 use super::sheet::{INSIDE, Sheet};
 
 /// Points nearer to a rim than this many L are not kept. More than 1 / sqrt(3).
@@ -22,18 +23,11 @@ struct Run {
     sides: [Side; 2],
 }
 
-#[derive(Debug, Clone, Copy, Default)]
-struct Side {
-    ends: [u32; 2],
-    at: f64,
-    x: f64,
-}
-
 /// Columns of one row that follow each other, and the number of the first.
 #[derive(Debug, Clone, Copy)]
-struct Span {
-    columns: [i64; 2],
-    first: u32,
+pub(crate) struct Span {
+    pub(crate) columns: [i64; 2],
+    pub(crate) first: u32,
 }
 
 /// The lattice over one sheet.
@@ -42,16 +36,20 @@ pub(crate) struct Lattice {
     length: f64,
     height: f64,
     base: [f64; 2],
-    first_row: i64,
+    pub(crate) first_row: i64,
     runs: Vec<Run>,
     order: Vec<(i64, i64, u32)>,
     /// All points, kept or not; then the kept ones.
     spans: Vec<Span>,
     rows: Vec<usize>,
     dropped: Vec<bool>,
-    kept: Vec<Span>,
-    kept_rows: Vec<usize>,
-    sides: Vec<u8>,
+    pub(crate) kept: Vec<Span>,
+    /// Where each row's kept spans start, and the end.
+    pub(crate) kept_rows: Vec<usize>,
+    /// By kept point: 1 if there is a triangle above the edge to its right, 2 if below.
+    pub(crate) sides: Vec<u8>,
+    /// By kept point: whether a triangle of the core is at it.
+    pub(crate) has_cell: Vec<bool>,
     /// Kept points.
     pub(crate) points: Vec<[f64; 2]>,
     /// Their parents among the sheet's vertices.
@@ -289,200 +287,6 @@ impl Lattice {
             }
         }
     }
-
-    /// Adds the core's triangles, numbered from `offset`, and finds its boundary.
-    pub(crate) fn triangles(&mut self, offset: u32, triangles: &mut Vec<[u32; 3]>) {
-        self.sides.clear();
-        self.sides.resize(self.points.len(), 0);
-        self.in_band.clear();
-        self.in_band.resize(self.points.len(), false);
-        let mut has_cell = vec![false; self.points.len()];
-        for row_at in 0..self.kept_rows.len().saturating_sub(2) {
-            let odd = (self.first_row + i64::try_from(row_at).unwrap_or(0)).rem_euclid(2);
-            let [from, middle, to] = [0, 1, 2].map(|k| self.kept_rows[row_at + k]);
-            let mut start = middle;
-            for a in from..middle {
-                let lower = self.kept[a];
-                while start < to && self.kept[start].columns[1] + 1 < lower.columns[0] {
-                    start += 1;
-                }
-                for b in start..to {
-                    let upper = self.kept[b];
-                    if upper.columns[0] > lower.columns[1] + 1 {
-                        break;
-                    }
-                    self.strip(lower, upper, odd, offset, &mut has_cell, triangles);
-                }
-            }
-        }
-        // A level edge with a triangle on one side only.
-        for span in &self.kept {
-            let n = id(usize::try_from(span.columns[1] - span.columns[0]).unwrap_or(0));
-            for p in span.first..span.first + n - 1 {
-                match self.sides[p as usize] {
-                    1 => self.boundary.push([p, p + 1]),
-                    2 => self.boundary.push([p + 1, p]),
-                    _ => {}
-                }
-            }
-        }
-        for &[p, q] in &self.boundary {
-            self.in_band[p as usize] = true;
-            self.in_band[q as usize] = true;
-        }
-        for (band, cell) in self.in_band.iter_mut().zip(&has_cell) {
-            *band |= !cell;
-        }
-    }
-
-    /// The triangles between a span and one in the row above.
-    fn strip(
-        &mut self,
-        lower: Span,
-        upper: Span,
-        odd: i64,
-        offset: u32,
-        has_cell: &mut [bool],
-        triangles: &mut Vec<[u32; 3]>,
-    ) {
-        // Column i of an even row has column i of the row above to its right, of an odd row i + 1.
-        let below = |i: i64| lower.first + id(usize::try_from(i - lower.columns[0]).unwrap_or(0));
-        let above = |j: i64| upper.first + id(usize::try_from(j - upper.columns[0]).unwrap_or(0));
-        let up = [
-            lower.columns[0].max(upper.columns[0] - odd),
-            (lower.columns[1] - 1).min(upper.columns[1] - odd),
-        ];
-        let down = [
-            upper.columns[0].max(lower.columns[0] - 1 + odd),
-            (upper.columns[1] - 1).min(lower.columns[1] - 1 + odd),
-        ];
-        let (has_up, has_down) = (up[0] < up[1], down[0] < down[1]);
-        if has_up {
-            let (p, q) = (below(up[0]), above(up[0] + odd));
-            let n = id(usize::try_from(up[1] - up[0]).unwrap_or(0));
-            let (p0, q0) = (p + offset, q + offset);
-            triangles.extend((0..n).map(|k| [p0 + k, p0 + k + 1, q0 + k]));
-            self.sides[p as usize..(p + n) as usize]
-                .iter_mut()
-                .for_each(|s| *s |= 1);
-            has_cell[p as usize..=(p + n) as usize].fill(true);
-            has_cell[q as usize..(q + n) as usize].fill(true);
-        }
-        if has_down {
-            let (p, q) = (above(down[0]), below(down[0] + 1 - odd));
-            let n = id(usize::try_from(down[1] - down[0]).unwrap_or(0));
-            let (p0, q0) = (p + offset, q + offset);
-            triangles.extend((0..n).map(|k| [p0 + k + 1, p0 + k, q0 + k]));
-            self.sides[p as usize..(p + n) as usize]
-                .iter_mut()
-                .for_each(|s| *s |= 2);
-            has_cell[p as usize..=(p + n) as usize].fill(true);
-            has_cell[q as usize..(q + n) as usize].fill(true);
-        }
-        if !(has_up || has_down) {
-            return;
-        }
-        // Left and right ends in half columns.
-        let left = |i: i64, odd: i64| 2 * i + odd;
-        let first_up = has_up && (!has_down || left(up[0], odd) < left(down[0], 1 - odd));
-        let last_up = has_up && (!has_down || left(up[1], odd) > left(down[1], 1 - odd));
-        self.boundary.push(if first_up {
-            [above(up[0] + odd), below(up[0])]
-        } else {
-            [above(down[0]), below(down[0] + 1 - odd)]
-        });
-        self.boundary.push(if last_up {
-            [below(up[1]), above(up[1] - 1 + odd)]
-        } else {
-            [below(down[1] - odd), above(down[1])]
-        });
-    }
-}
-
-/// A triangle of the rings, its corners from low to high.
-struct Crossing {
-    corners: [u32; 3],
-    ys: [f64; 3],
-}
-
-impl Crossing {
-    fn of(cdt: &Cdt, t: u32) -> Self {
-        let mut corners = cdt.corners(t);
-        corners.sort_unstable_by(|&v, &w| {
-            let (p, q) = (cdt.point(v), cdt.point(w));
-            p[1].total_cmp(&q[1]).then(p[0].total_cmp(&q[0]))
-        });
-        let ys = corners.map(|v| cdt.point(v)[1]);
-        Self { corners, ys }
-    }
-
-    /// The sides that a level line goes through, left and right. The same side gives the same bits
-    /// in the triangle next to it.
-    fn at(&self, cdt: &Cdt, y: f64) -> [Side; 2] {
-        let [low, middle, high] = self.corners;
-        let short = if y < self.ys[1] {
-            [low, middle]
-        } else {
-            [middle, high]
-        };
-        let mut sides = [[low, high], short].map(|ends| {
-            let [p, q] = ends.map(|v| cdt.point(v));
-            let rise = q[1] - p[1];
-            let at = if rise > 0.0 {
-                ((y - p[1]) / rise).clamp(0.0, 1.0)
-            } else {
-                1.0
-            };
-            let x = p[0] + at * (q[0] - p[0]);
-            Side { ends, at, x }
-        });
-        if sides[0].x > sides[1].x {
-            sides.swap(0, 1);
-        }
-        sides
-    }
-}
-
-/// The corners of the triangle that holds a point, and its weights as their mean. `None` outside of
-/// the rings.
-pub(crate) fn mean_in(cdt: &mut Cdt, p: [f64; 2]) -> Option<([u32; 3], [f64; 3])> {
-    let t = match cdt.locate(p, cdt.last) {
-        Place::Face(t) => t,
-        Place::Edge(h) => h / 3,
-        Place::Vertex(_) => return None,
-    };
-    if cdt.region[t as usize] != INSIDE {
-        return None;
-    }
-    cdt.last = t;
-    Some(mix(&Crossing::of(cdt, t).at(cdt, p[1]), p[0]))
-}
-
-/// A point between two sides of a triangle as a mean of its corners.
-fn mix([left, right]: &[Side; 2], x: f64) -> ([u32; 3], [f64; 3]) {
-    let width = right.x - left.x;
-    let u = if width > 0.0 {
-        ((x - left.x) / width).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    let mut parents = [left.ends[0], left.ends[1], left.ends[0]];
-    let mut weights = [(1.0 - u) * (1.0 - left.at), (1.0 - u) * left.at, 0.0];
-    for (end, weight) in right
-        .ends
-        .into_iter()
-        .zip([u * (1.0 - right.at), u * right.at])
-    {
-        if end == parents[0] {
-            weights[0] += weight;
-        } else if end == parents[1] {
-            weights[1] += weight;
-        } else {
-            parents[2] = end;
-            weights[2] = weight;
-        }
-    }
-    (parents, weights)
 }
 
 #[expect(
@@ -498,5 +302,6 @@ fn count(i: i64) -> f64 {
     reason = "rows and columns are at most 2^41 apart"
 )]
 fn whole(x: f64) -> i64 {
-    x.ceil() as i64
+    // Toward zero; the callers step to the right one.
+    x as i64
 }

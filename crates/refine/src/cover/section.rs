@@ -22,6 +22,10 @@ pub(crate) struct Rims {
     pub(crate) starts: Vec<usize>,
     /// Scaled = original times this power of two.
     pub(crate) scale: f64,
+    /// Positions before any was moved, empty while none was.
+    original: Vec<[f64; 2]>,
+    /// Whether the triangles were found on moved corners anywhere.
+    pub(crate) moved: bool,
     seen: Vec<u64>,
 }
 
@@ -41,6 +45,8 @@ impl Rims {
         self.ids.clear();
         self.ring.clear();
         self.starts.clear();
+        self.original.clear();
+        self.moved = false;
         self.seen.clear();
         self.seen.resize(section.points.len().div_ceil(64), 0);
         let mut largest = 0.0f64;
@@ -91,6 +97,31 @@ impl Rims {
 
     pub(crate) fn ring(&self, i: usize) -> &[u32] {
         &self.ring[self.starts[i]..self.starts[i + 1]]
+    }
+
+    pub(crate) fn push_ring(&mut self, corners: impl Iterator<Item = u32>) {
+        self.ring.extend(corners);
+        self.starts.push(self.ring.len());
+    }
+
+    /// Keeps the positions as they are now, before the first corner is moved.
+    pub(crate) fn remember(&mut self) {
+        if self.original.is_empty() {
+            self.original.clone_from(&self.points);
+        }
+        self.moved = true;
+    }
+
+    /// Where a corner was before any was moved.
+    pub(crate) fn original(&self, corner: u32) -> [f64; 2] {
+        self.original[corner as usize]
+    }
+
+    /// Puts every corner back.
+    pub(crate) fn restore(&mut self) {
+        if !self.original.is_empty() {
+            self.points.clone_from(&self.original);
+        }
     }
 
     /// Cuts off corners of no area, duplicates and spikes, with a triangle each, until no ring has

@@ -21,6 +21,17 @@ pub(crate) enum Verdict {
     Bad,
 }
 
+/// A place where rings are not disjoint. Edges are named by the vertex that they start from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Trouble {
+    /// Two vertices at the same place.
+    Meet(u32, u32),
+    /// An edge goes through a vertex.
+    Through(u32, u32),
+    /// Two edges cross.
+    Cross(u32, u32),
+}
+
 /// Rings, triangulated. Vertex v below `corner.len()` is a corner of a ring; four corners of a box
 /// follow, then whatever is inserted.
 #[derive(Debug, Clone, Default)]
@@ -34,6 +45,8 @@ pub(crate) struct Sheet {
     pub(crate) ring: Vec<u32>,
     /// By ring of the group: whether it touches or crosses anything.
     pub(crate) bad: Vec<bool>,
+    /// Why.
+    pub(crate) trouble: Vec<Trouble>,
     /// By ring of the group: whether it winds the wrong way for the place where it is.
     pub(crate) backward: Vec<bool>,
     /// Bounds of the points.
@@ -50,7 +63,7 @@ pub(crate) struct Sheet {
 }
 
 impl Sheet {
-    /// Triangulates rings. A mirrored sheet has x negated and its rings reversed.
+    /// Triangulates rings. A mirrored sheet has x negated, which turns backward rings.
     pub(crate) fn build(
         &mut self,
         rims: &Rims,
@@ -64,9 +77,15 @@ impl Sheet {
         self.cdt.enclose(self.low, self.high);
         for i in 0..m {
             let v = self.order[i].1;
+            // A neighbor on the ring is a better start than whatever came before.
+            for near in [self.next[v as usize], v.saturating_sub(1)] {
+                let h = self.cdt.outgoing[near as usize];
+                if h != NONE {
+                    self.cdt.last = h / 3;
+                }
+            }
             if let Err(other) = self.cdt.insert(v) {
-                self.blame(v);
-                self.blame(other);
+                self.blame(Trouble::Meet(v, other));
             }
         }
         for v in 0..id(m) {
@@ -76,13 +95,11 @@ impl Sheet {
             }
             match self.cdt.lay(v, w, wall::RIM, &mut self.walls) {
                 Laid::Done(_) => {}
-                Laid::Touches(other) => {
-                    self.blame(v);
-                    self.blame(other);
-                }
+                Laid::Touches(other) => self.blame(Trouble::Through(v, other)),
                 Laid::Crosses(h) => {
-                    self.blame(v);
-                    self.blame(self.cdt.start(h));
+                    let (a, b) = (self.cdt.start(h), self.cdt.end(h));
+                    let start = if self.next[a as usize] == b { a } else { b };
+                    self.blame(Trouble::Cross(v, start));
                 }
             }
         }
@@ -111,6 +128,7 @@ impl Sheet {
         self.ring.clear();
         self.bad.clear();
         self.bad.resize(rings.len(), false);
+        self.trouble.clear();
         self.backward.clear();
         self.backward.resize(rings.len(), false);
         for (i, &r) in (0u32..).zip(rings) {
@@ -119,9 +137,6 @@ impl Sheet {
             let n = id(corners.len());
             self.corner.extend_from_slice(corners);
             self.ring.extend(corners.iter().map(|_| i));
-            if mirrored {
-                self.corner[first as usize..].reverse();
-            }
             self.next.extend((0..n).map(|k| first + (k + 1) % n));
         }
         self.low = [f64::INFINITY; 2];
@@ -139,10 +154,33 @@ impl Sheet {
         }
     }
 
-    fn blame(&mut self, v: u32) {
-        // A corner of the box is on no ring.
-        if let Some(&ring) = self.ring.get(v as usize) {
-            self.bad[ring as usize] = true;
+    fn blame(&mut self, trouble: Trouble) {
+        let (Trouble::Meet(v, w) | Trouble::Through(v, w) | Trouble::Cross(v, w)) = trouble;
+        for v in [v, w] {
+            let ring = self.ring[v as usize] as usize;
+            self.bad[ring] = true;
+        }
+        if v != w {
+            self.trouble.push(trouble);
+        }
+    }
+
+    /// The first vertex of a vertex's ring.
+    pub(crate) fn first_of_ring(&self, v: u32) -> u32 {
+        id(self
+            .ring
+            .partition_point(|&ring| ring < self.ring[v as usize]))
+    }
+
+    /// The vertex before `v` on its ring.
+    pub(crate) fn before(&self, v: u32) -> u32 {
+        let end = self
+            .ring
+            .partition_point(|&ring| ring <= self.ring[v as usize]);
+        if v == self.first_of_ring(v) {
+            id(end - 1)
+        } else {
+            v - 1
         }
     }
 

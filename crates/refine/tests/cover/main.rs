@@ -1,0 +1,5 @@
+//! Covers of cross-sections: what holds for all of them, and cases with a known answer.
+
+mod cases;
+mod properties;
+mod sections;
