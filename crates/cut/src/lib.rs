@@ -3,7 +3,8 @@
 //! A blade's edge in two frames spans a [`Sweep`] of two triangles. A [`Bvh`] finds the triangles
 //! near it, exact signs tell which edges it crosses, and a [`CutMethod`] opens the surface there,
 //! closes both lips and separates the pieces. The change comes back as an
-//! [`incise_mesh::TopologyDelta`], which solvers and renderers follow.
+//! [`incise_mesh::TopologyDelta`], which solvers and renderers follow. A [`Journal`] keeps cuts to do
+//! them again.
 //!
 //! ```
 //! use incise_cut::{CutParams, Cutter, Sweep};
@@ -23,6 +24,7 @@ mod bvh;
 mod cutter;
 mod error;
 mod exact;
+mod journal;
 mod params;
 mod rebuild;
 mod sweep;
@@ -30,5 +32,6 @@ mod sweep;
 pub use bvh::{Bvh, InvalidBvh};
 pub use cutter::{CutOutcome, CutReport, Cutter};
 pub use error::CutError;
+pub use journal::{Journal, ReplayError};
 pub use params::{CutMethod, CutParams};
 pub use sweep::Sweep;

@@ -26,6 +26,11 @@ pub(crate) enum Step {
 pub(crate) struct History(u64);
 
 impl History {
+    /// The fingerprint.
+    pub(crate) fn value(self) -> u64 {
+        self.0
+    }
+
     /// Notes an edit of the element `id`.
     pub(crate) fn step(&mut self, step: Step, id: u32) {
         self.word(((step as u64) << 32) | u64::from(id));

@@ -180,6 +180,13 @@ impl Surface {
         self.material[t.index()]
     }
 
+    /// A fingerprint of how the surface was made and of every edit since, in order; motion does not
+    /// count. The same on every machine. An undo puts the old one back.
+    #[must_use]
+    pub fn fingerprint(&self) -> u64 {
+        self.history.value()
+    }
+
     /// The box around the vertices that triangles use.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
