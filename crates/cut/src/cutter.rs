@@ -43,6 +43,8 @@ pub struct CutReport {
     pub refinement: Duration,
     /// Time of finding the pieces.
     pub separation: Duration,
+    /// Time of deriving the delta and the way back.
+    pub commit: Duration,
     /// Time of bringing the search tree up to date.
     pub search_tree: Duration,
 }
@@ -53,6 +55,7 @@ impl CutReport {
     pub fn total(&self) -> Duration {
         self.detection
             + self.split
+            + self.commit
             + self.cap
             + self.refinement
             + self.separation

@@ -114,20 +114,25 @@ impl Exact {
         };
         let topology = edit.surface().topology();
         let cover = self.cap.cover(&rims, topology, &cover_params)?;
-        (self.cap).close(&mut edit, &rims, &cover, params.cap_material);
+        self.cap.join_loops(&cover);
         report.cap = begin.elapsed();
         let begin = Instant::now();
-        let lips = &self.lips;
-        let firsts = self.rim.first.iter().flat_map(|&n| lips.rim[n as usize]);
-        let removed = self.separator.separate(&mut edit, firsts);
+        // Lip 0 of a loop has an even number, lip 1 the next.
+        let lips = self.rim.first.iter();
+        let lips = lips.flat_map(|&node| self.lips.rim[node as usize]);
+        let joined = self.cap.joined();
+        let joined = joined.flat_map(|(a, b)| [(2 * a, 2 * b), (2 * a + 1, 2 * b + 1)]);
+        self.separator.separate(&mut edit, lips, joined);
         report.separation = begin.elapsed();
+        let begin = Instant::now();
+        (self.cap).close(&mut edit, &rims, &cover, params.cap_material);
+        report.cap += begin.elapsed();
         let begin = Instant::now();
         let (delta, undo) = edit.finish();
         outcome.delta = delta;
-        outcome.delta.pieces_removed = removed;
         outcome.undo = Some(undo);
         outcome.cap = self.cap.triangles.concat();
-        report.split += begin.elapsed();
+        report.commit = begin.elapsed();
         Ok(())
     }
 

@@ -63,7 +63,7 @@ fn planes_through_vertices_and_edges() {
             for snap in [0.0, 0.1] {
                 let mut body = whole.clone();
                 let sweep = Sweep::across_box(normal, 0.0, &body.bounds()).unwrap();
-                let outcome = Cutter::new(&body)
+                Cutter::new(&body)
                     .cut(&mut body, &sweep, &params(snap))
                     .unwrap();
                 check(&body);

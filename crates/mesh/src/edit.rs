@@ -235,6 +235,105 @@ impl Edit<'_> {
         }
     }
 
+    /// Moves triangles that are all of one piece to another, as [`Self::set_piece`] does one.
+    ///
+    /// # Panics
+    /// When a slot is free: that is a mistake of the caller, not of its input.
+    pub fn set_pieces(&mut self, triangles: impl Iterator<Item = TriangleId>, piece: u32) {
+        let surface = &mut *self.surface;
+        // Most come from the same piece as the one before.
+        let (mut old, mut count) = (piece, 0);
+        for t in triangles {
+            assert!(surface.topology.is_triangle(t), "{t} is no triangle");
+            let from = surface.piece[t.index()];
+            if from != old {
+                surface.pieces.shift(old, piece, count);
+                (old, count) = (from, 0);
+            }
+            if from != piece {
+                count += 1;
+                self.log.piece.set(&mut surface.piece, t.0, piece);
+                surface.history.step(Step::SetPiece, t.0);
+            }
+        }
+        surface.pieces.shift(old, piece, count);
+        surface.history.pair(piece, 0);
+    }
+
+    /// Makes triangles that are joined to each other: `twins[3 i + k]` is the half-edge across side k of
+    /// triangle i, counted the same way, `u32::MAX` at the patch's boundary. Corner attributes are zero.
+    /// Appends the new triangles to `out`.
+    ///
+    /// # Panics
+    /// When `twins` does not fit to `corners`: that is a mistake of the caller, not of its input.
+    pub fn add_patch(
+        &mut self,
+        corners: &[[VertexId; 3]],
+        twins: &[u32],
+        pieces: &[u32],
+        material: u32,
+        out: &mut Vec<TriangleId>,
+    ) {
+        assert_eq!(twins.len(), 3 * corners.len(), "one twin a half-edge");
+        assert_eq!(pieces.len(), corners.len(), "one piece a triangle");
+        let first = out.len();
+        let reused = self
+            .surface
+            .topology
+            .free_triangles
+            .len()
+            .min(corners.len());
+        for (&triangle, &piece) in corners.iter().zip(pieces).take(reused) {
+            out.push(self.add_triangle(triangle, piece, material));
+        }
+        self.append(&corners[reused..], &pieces[reused..], material, out);
+        let id = |h: u32| {
+            let [a, b, c] = out[first + h as usize / 3].half_edges();
+            [a, b, c][h as usize % 3]
+        };
+        let (surface, log) = (&mut *self.surface, &mut self.log);
+        for (h, &twin) in (0..).zip(twins).filter(|&(_, &twin)| twin != u32::MAX) {
+            let (h, twin) = (id(h), id(twin));
+            log.twin.set(&mut surface.topology.twin, h.0, twin);
+            surface.history.pair(h.0, twin.0);
+        }
+    }
+
+    /// Makes triangles in new slots.
+    fn append(
+        &mut self,
+        corners: &[[VertexId; 3]],
+        pieces: &[u32],
+        material: u32,
+        out: &mut Vec<TriangleId>,
+    ) {
+        let (surface, log) = (&mut *self.surface, &mut self.log);
+        let topology = &mut surface.topology;
+        let first = topology.triangle_slots();
+        topology.origin.extend(corners.iter().flatten());
+        topology.twin.resize(topology.origin.len(), HalfEdge::NULL);
+        surface.piece.extend_from_slice(pieces);
+        surface.material.resize(first + corners.len(), material);
+        surface.corners.fit(topology.triangle_slots());
+        for (i, triangle) in corners.iter().enumerate() {
+            let [a, b, c] = *triangle;
+            assert!(a != b && b != c && c != a, "a triangle of {triangle:?}");
+            let t = TriangleId::from_index(first + i);
+            out.push(t);
+            for (h, v) in t.half_edges().into_iter().zip([a, b, c]) {
+                if topology.outgoing[v.index()].is_null() {
+                    log.outgoing.set(&mut topology.outgoing, v.0, h);
+                }
+            }
+            surface.history.pair(a.0, b.0);
+            surface.history.pair(c.0, material);
+        }
+        for run in pieces.chunk_by(|a, b| a == b) {
+            let count = u32::try_from(run.len()).expect("triangles have 32-bit ids");
+            surface.pieces.grow(run[0], count);
+        }
+    }
+
     /// A piece number that was never used before, for what is part of piece `parent` so far. The
     /// delta has it if a triangle has it at the end. O(1).
     pub fn new_piece(&mut self, parent: u32) -> u32 {

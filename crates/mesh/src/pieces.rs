@@ -24,6 +24,27 @@ impl Pieces {
         self.bound = self.bound.max(piece.saturating_add(1));
     }
 
+    /// `count` triangles more of `piece`.
+    pub(crate) fn grow(&mut self, piece: u32, count: u32) {
+        if count > 0 {
+            self.add(piece);
+            if let Ok(at) = self.find(piece) {
+                self.counts[at].1 += count - 1;
+            }
+        }
+    }
+
+    /// `count` triangles of `from` are now `to`'s.
+    pub(crate) fn shift(&mut self, from: u32, to: u32, count: u32) {
+        self.grow(to, count);
+        if let Ok(at) = self.find(from) {
+            self.counts[at].1 -= count;
+            if self.counts[at].1 == 0 {
+                self.counts.remove(at);
+            }
+        }
+    }
+
     /// One triangle less of `piece`.
     pub(crate) fn remove(&mut self, piece: u32) {
         if let Ok(at) = self.find(piece) {

@@ -180,7 +180,8 @@ impl Scene {
                 self.stats.candidates += report.candidates;
                 self.stats.hits += report.hits;
                 self.stats.detection += report.detection;
-                self.stats.topology += report.split + report.separation + report.search_tree;
+                self.stats.topology +=
+                    report.split + report.separation + report.commit + report.search_tree;
                 self.stats.refinement += report.cap + report.refinement;
                 if !outcome.delta.is_empty() {
                     self.stats.cuts += 1;

@@ -5,7 +5,7 @@ use super::open::Lips;
 use super::rim::Rim;
 use super::unfold::Unfold;
 use incise_mesh::geometry::round;
-use incise_mesh::{Edit, HalfEdge, Origin, Surface, Topology, TriangleId, VertexId};
+use incise_mesh::{Edit, Origin, Surface, Topology, TriangleId, VertexId};
 use incise_refine::{Cover, CoverParams, CoverScratch, RefineError, Section, cover};
 
 /// The cross-section and its cover.
@@ -18,6 +18,13 @@ pub(crate) struct Cap {
     scratch: CoverScratch,
     /// By lip, the vertices of the cover's points and the triangles of its triangles.
     vertices: [Vec<VertexId>; 2],
+    corners: Vec<[VertexId; 3]>,
+    pieces: Vec<u32>,
+    twins: Vec<u32>,
+    first: Vec<u32>,
+    following: Vec<(u32, u32)>,
+    parents: Vec<u32>,
+    joined: Vec<usize>,
     pub(super) triangles: [Vec<TriangleId>; 2],
 }
 
@@ -87,7 +94,43 @@ impl Cap {
         cover(&section, params, joined, &mut self.scratch)
     }
 
-    /// Closes both lips with the cover.
+    /// The loops that the cover joins, by a loop that stands for all of them.
+    pub(super) fn join_loops(&mut self, cover: &Cover) {
+        self.joined.clear();
+        self.joined.extend(0..self.loops.len());
+        if self.loops.len() == 1 {
+            return;
+        }
+        // Points of one triangle are together; the smallest of them all stands for them.
+        self.parents.clear();
+        let count = u32::try_from(self.points.len() + cover.inner.len());
+        self.parents
+            .extend(0..count.expect("points have 32-bit numbers"));
+        for &[a, b, c] in &cover.triangles {
+            let a = find(&mut self.parents, a);
+            let b = find(&mut self.parents, b);
+            let c = find(&mut self.parents, c);
+            let least = a.min(b).min(c);
+            for root in [a, b, c] {
+                self.parents[root as usize] = least;
+            }
+        }
+        let mut first_loop = vec![usize::MAX; self.points.len()];
+        for (i, points) in self.loops.iter().enumerate() {
+            let root = find(&mut self.parents, points[0]) as usize;
+            if first_loop[root] == usize::MAX {
+                first_loop[root] = i;
+            }
+            self.joined[i] = first_loop[root];
+        }
+    }
+
+    /// The pairs of loops that the cover joins.
+    pub(super) fn joined(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        (self.joined.iter().copied().enumerate()).filter(|&(i, first)| i != first)
+    }
+
+    /// Closes both lips with the cover. Pieces are those of the lips.
     pub(super) fn close(
         &mut self,
         edit: &mut Edit<'_>,
@@ -95,60 +138,49 @@ impl Cap {
         cover: &Cover,
         material: u32,
     ) {
-        let twins = twins_of(&cover.triangles, self.points.len() + cover.inner.len());
-        let pieces = self.pieces(edit.surface(), rims, cover, &twins);
+        self.find_twins(cover);
         for lip in 0..2 {
             self.add_vertices(edit, rims, cover, lip);
-            self.triangles[lip].clear();
-            for (triangle, &piece) in cover.triangles.iter().zip(&pieces) {
-                let [a, b, c] = triangle.map(|p| self.vertices[lip][p as usize]);
-                let corners = if lip == 0 { [a, b, c] } else { [a, c, b] };
-                self.triangles[lip].push(edit.add_triangle(corners, piece, material));
+            self.find_pieces(edit.surface(), rims, cover, lip);
+            let vertices = &self.vertices[lip];
+            self.corners.clear();
+            self.corners.extend(cover.triangles.iter().map(|triangle| {
+                let [a, b, c] = triangle.map(|p| vertices[p as usize]);
+                if lip == 0 { [a, b, c] } else { [a, c, b] }
+            }));
+            if lip == 1 {
+                self.mirror_twins();
             }
-            self.join(edit, &twins, lip);
-            self.join_rim(edit, rims, cover, &twins, lip);
+            self.triangles[lip].clear();
+            edit.add_patch(
+                &self.corners,
+                &self.twins,
+                &self.pieces,
+                material,
+                &mut self.triangles[lip],
+            );
+            self.join_rim(edit, rims, cover, lip);
             self.dress(edit, rims, cover, lip);
         }
     }
 
-    /// The piece of each triangle of the cover: of the rim's, the first where several meet.
-    fn pieces(
-        &self,
-        surface: &Surface,
-        rims: &Rims<'_>,
-        cover: &Cover,
-        twins: &[usize],
-    ) -> Vec<u32> {
-        let mut pieces = vec![u32::MAX; cover.triangles.len()];
-        let mut connected = Vec::new();
-        for seed in 0..cover.triangles.len() {
-            if pieces[seed] != u32::MAX {
-                continue;
-            }
-            let mut least = u32::MAX;
-            connected.clear();
-            connected.push(seed);
-            // Any number but none, so that it is not found again.
-            pieces[seed] = 0;
-            let mut at = 0;
-            while at < connected.len() {
-                for h in 3 * connected[at]..3 * connected[at] + 3 {
-                    if twins[h] == usize::MAX {
-                        let node = self.nodes[cover.triangles[h / 3][h % 3] as usize];
-                        let wall = rims.lips.rim[node as usize][0].triangle();
-                        least = least.min(surface.piece(wall));
-                    } else if pieces[twins[h] / 3] == u32::MAX {
-                        pieces[twins[h] / 3] = 0;
-                        connected.push(twins[h] / 3);
-                    }
-                }
-                at += 1;
-            }
-            for &t in &connected {
-                pieces[t] = least;
-            }
+    /// The piece of each triangle of the cover.
+    fn find_pieces(&mut self, surface: &Surface, rims: &Rims<'_>, cover: &Cover, lip: usize) {
+        let first = |i: usize| rims.rim.first[i] as usize;
+        let piece = |i: usize| surface.piece(rims.lips.rim[first(i)][lip].triangle());
+        self.pieces.clear();
+        if self.loops.len() == 1 {
+            self.pieces.resize(cover.triangles.len(), piece(0));
+            return;
         }
-        pieces
+        let mut of_root = vec![0; self.points.len()];
+        for (i, points) in self.loops.iter().enumerate() {
+            of_root[find(&mut self.parents, points[0]) as usize] = piece(i);
+        }
+        for &[a, ..] in &cover.triangles {
+            let root = find(&mut self.parents, a);
+            self.pieces.push(of_root[root as usize]);
+        }
     }
 
     fn add_vertices(&mut self, edit: &mut Edit<'_>, rims: &Rims<'_>, cover: &Cover, lip: usize) {
@@ -172,34 +204,56 @@ impl Cap {
         }
     }
 
-    /// The half-edge of a lip that stands for half-edge `h` of the cover.
-    fn half_edge(&self, h: usize, lip: usize) -> HalfEdge {
-        let half_edges = self.triangles[lip][h / 3].half_edges();
-        // Mirrored, corners stand in the order 0, 2, 1: its side from 0 to 1 is the last, from 1 to 2
-        // the middle one.
-        half_edges[if lip == 0 { h % 3 } else { 2 - h % 3 }]
-    }
-
-    fn join(&self, edit: &mut Edit<'_>, twins: &[usize], lip: usize) {
-        for (h, &twin) in twins.iter().enumerate() {
-            if twin != usize::MAX && h < twin {
-                edit.join(self.half_edge(h, lip), self.half_edge(twin, lip));
+    fn join_rim(&self, edit: &mut Edit<'_>, rims: &Rims<'_>, cover: &Cover, lip: usize) {
+        for (t, triangle) in cover.triangles.iter().enumerate() {
+            for (k, &point) in triangle.iter().enumerate() {
+                let own = if lip == 0 { k } else { 2 - k };
+                if self.twins[3 * t + own] == u32::MAX {
+                    let node = self.nodes[point as usize];
+                    let h = self.triangles[lip][t].half_edges()[own];
+                    edit.join(h, rims.lips.rim[node as usize][lip]);
+                }
             }
         }
     }
 
-    fn join_rim(
-        &self,
-        edit: &mut Edit<'_>,
-        rims: &Rims<'_>,
-        cover: &Cover,
-        twins: &[usize],
-        lip: usize,
-    ) {
-        for h in (0..twins.len()).filter(|&h| twins[h] == usize::MAX) {
-            let point = cover.triangles[h / 3][h % 3];
-            let node = self.nodes[point as usize];
-            edit.join(self.half_edge(h, lip), rims.lips.rim[node as usize][lip]);
+    /// The half-edge across each half-edge 3 t + k of the cover.
+    fn find_twins(&mut self, cover: &Cover) {
+        self.twins.clear();
+        self.twins.resize(3 * cover.triangles.len(), u32::MAX);
+        // The half-edges that leave each point, chained.
+        self.first.clear();
+        (self.first).resize(self.points.len() + cover.inner.len(), u32::MAX);
+        self.following.clear();
+        let mut h = 0;
+        for &[a, b, c] in &cover.triangles {
+            for [from, to] in [[a, b], [b, c], [c, a]] {
+                let mut back = self.first[to as usize];
+                while let Some(&(next, target)) = self.following.get(back as usize) {
+                    if target == from {
+                        break;
+                    }
+                    back = next;
+                }
+                if back != u32::MAX {
+                    self.twins[h as usize] = back;
+                    self.twins[back as usize] = h;
+                }
+                let first = &mut self.first[from as usize];
+                self.following.push((std::mem::replace(first, h), to));
+                h += 1;
+            }
+        }
+    }
+
+    /// Makes the twins those of the mirror image. There corners stand in the order 0, 2, 1, so that the
+    /// side from 0 to 1 is the last and the one from 1 to 2 the middle one.
+    fn mirror_twins(&mut self) {
+        for twins in self.twins.chunks_exact_mut(3) {
+            twins.swap(0, 2);
+            for twin in twins.iter_mut().filter(|twin| **twin != u32::MAX) {
+                *twin = *twin / 3 * 3 + (2 - *twin % 3);
+            }
         }
     }
 
@@ -226,26 +280,14 @@ impl Cap {
     }
 }
 
-/// The half-edge across each half-edge 3t + i of triangles over `count` points; `usize::MAX` at the rim.
-fn twins_of(triangles: &[[u32; 3]], count: usize) -> Vec<usize> {
-    let ends = |h: usize| [h % 3, (h + 1) % 3].map(|i| triangles[h / 3][i]);
-    let mut twins = vec![usize::MAX; 3 * triangles.len()];
-    // The half-edges that leave each point, chained.
-    let mut first = vec![usize::MAX; count];
-    let mut following = vec![usize::MAX; 3 * triangles.len()];
-    for h in 0..twins.len() {
-        let [from, to] = ends(h);
-        following[h] = std::mem::replace(&mut first[from as usize], h);
-        let mut back = first[to as usize];
-        while back != usize::MAX && ends(back)[1] != from {
-            back = following[back];
-        }
-        if back != usize::MAX {
-            twins[h] = back;
-            twins[back] = h;
-        }
+/// The smallest point that is together with `i`.
+fn find(parents: &mut [u32], mut i: u32) -> u32 {
+    while parents[i as usize] != i {
+        let next = parents[parents[i as usize] as usize];
+        parents[i as usize] = next;
+        i = next;
     }
-    twins
+    i
 }
 
 fn doubled_area(outline: impl Iterator<Item = [f64; 2]> + Clone) -> f64 {

@@ -1,8 +1,8 @@
 //! Pieces by connectivity, found from the lips.
 //!
 //! Searches run from all lips at once, in step with each other, and join where they meet. They end as
-//! soon as no more than one search of each piece has not come to an end: that one is the largest part, keeps
-//! the piece's number and is never seen as a whole.
+//! soon as no more than one part of each piece has not been seen to its end: it has what the others leave,
+//! and if that is the most it keeps the piece's number and is never seen as a whole.
 
 use incise_mesh::{Edit, HalfEdge, Surface, TriangleId};
 
@@ -48,25 +48,29 @@ struct Part {
 impl Separator {
     /// Gives every connected part of the pieces at `lips`, the boundary half-edges' triangles, a number of
     /// its own. The part with the most triangles keeps the old one (of equals, the one with the first
-    /// triangle). Returns the pieces that are no more: parts of a hollow body that a cap joined.
+    /// triangle). Lips of `joined` numbers will be joined by a cap, so their parts are one.
     pub(super) fn separate(
         &mut self,
         edit: &mut Edit<'_>,
         lips: impl Iterator<Item = HalfEdge>,
-    ) -> Vec<u32> {
+        joined: impl Iterator<Item = (usize, usize)>,
+    ) {
         self.begin(edit.surface(), lips);
+        for (a, b) in joined {
+            self.join(a, b);
+        }
         let mut parts = Vec::new();
         loop {
             self.parts(&mut parts);
             let mut is_done = true;
             for group in parts.chunk_by(|a, b| a.piece == b.piece) {
-                let largest = (group.iter().filter(|p| p.is_finished))
-                    .map(|p| p.triangles)
-                    .max();
+                let finished = || group.iter().filter(|p| p.is_finished).map(|p| p.triangles);
                 let open = group.iter().filter(|p| !p.is_finished).count();
+                let rest = edit.surface().piece_size(group[0].piece);
+                let rest = rest.saturating_sub(finished().sum());
+                let is_largest = finished().all(|triangles| triangles < rest);
                 for part in group.iter().filter(|p| !p.is_finished) {
-                    let may_stop = open == 1 && !part.is_mixed;
-                    if !may_stop || largest.is_some_and(|l| l > part.triangles) {
+                    if open > 1 || part.is_mixed || !is_largest {
                         is_done = false;
                         self.advance(edit.surface(), part.root);
                     }
@@ -76,7 +80,7 @@ impl Separator {
                 break;
             }
         }
-        self.number(edit, &parts)
+        self.number(edit, &parts);
     }
 
     fn begin(&mut self, surface: &Surface, lips: impl Iterator<Item = HalfEdge>) {
@@ -112,9 +116,13 @@ impl Separator {
         }
         let other = (*stamp - self.epoch) as usize;
         if other != i {
-            let (a, b) = (self.root(i), self.root(other));
-            self.searches[a.max(b)].root = a.min(b);
+            self.join(i, other);
         }
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.searches[a.max(b)].root = a.min(b);
     }
 
     fn root(&self, mut i: usize) -> usize {
@@ -173,17 +181,13 @@ impl Separator {
         }
     }
 
-    fn number(&self, edit: &mut Edit<'_>, parts: &[Part]) -> Vec<u32> {
+    fn number(&self, edit: &mut Edit<'_>, parts: &[Part]) {
         let mut parts = parts.to_vec();
         for part in parts.iter_mut().filter(|p| p.is_finished) {
             part.first_triangle = (self.of(part.root).min()).expect("a search has a triangle");
         }
         parts.sort_by_key(|part| (part.piece, part.first_triangle));
-        let mut old: Vec<u32> = self.searches.iter().map(|s| s.piece).collect();
-        old.sort_unstable();
-        old.dedup();
         for group in parts.chunk_by(|a, b| a.piece == b.piece) {
-            old.retain(|&piece| piece != group[0].piece);
             // An unfinished part is larger than all others; of finished ones the first of the largest.
             let size = |p: &Part| {
                 if p.is_finished {
@@ -203,14 +207,9 @@ impl Separator {
                 } else {
                     edit.new_piece(part.piece)
                 };
-                for t in self.of(part.root) {
-                    if edit.surface().piece(t) != number {
-                        edit.set_piece(t, number);
-                    }
-                }
+                edit.set_pieces(self.of(part.root), number);
             }
         }
-        old
     }
 
     /// The triangles that the searches of a part reached.
