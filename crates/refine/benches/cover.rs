@@ -83,8 +83,8 @@ fn main() {
         "rim", "jitter", "triangles", "ms", "best ms", "M tri/s"
     );
     let mut scratch = CoverScratch::default();
-    // A number of corners: only rims of that many.
-    let only = std::env::args().find_map(|a| a.parse::<u32>().ok());
+    // A number of corners and a multiple of the mean edge: only rims and targets of these.
+    let only: Vec<f64> = std::env::args().filter_map(|a| a.parse().ok()).collect();
     for (n, jitter, factor) in [
         (280, 0.7, Some(0.55)),
         (280, 0.7, Some(1.0)),
@@ -101,7 +101,9 @@ fn main() {
         (6000, 0.7, None),
         (280, 0.7, None),
     ] {
-        if only.is_some_and(|only| only != n) {
+        if only.first().is_some_and(|only| *only != f64::from(n))
+            || only.get(1).is_some_and(|only| factor != Some(*only))
+        {
             continue;
         }
         for crease in [false, true] {

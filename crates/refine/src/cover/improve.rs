@@ -21,6 +21,8 @@ const LONG: f64 = 1.6;
 const FINE: f64 = 0.866;
 /// By how much a cosine must fall for a point to be worth it.
 const GAIN: f64 = 0.01;
+/// No point is put on the crease nearer to another than this many L.
+const NEAR: f64 = 0.35;
 /// Half of the angle that an off-center makes, as 1 / (2 tan): 36 degrees in all.
 const REACH: f64 = 1.54;
 
@@ -40,6 +42,7 @@ pub(crate) struct Improver {
 struct Offer {
     at: [f64; 2],
     triangle: u32,
+    /// The smallest angles that are there and that would be, as cosines.
     old: f64,
     new: f64,
 }
@@ -73,7 +76,8 @@ impl Improver {
             if cdt.corners(t) != corners {
                 continue;
             }
-            let Some(offer) = self.offer(cdt, t, length) else {
+            let middle = long_crease(cdt, t, length);
+            let Some(offer) = middle.or_else(|| self.offer(cdt, t, length)) else {
                 continue;
             };
             let v = cdt.push_point(offer.at);
@@ -209,8 +213,31 @@ fn sharpness([a, b, c]: [[f64; 2]; 3]) -> f64 {
 fn has_long_edge(cdt: &Cdt, t: u32, length: f64) -> bool {
     let limit = (LONG * length).powi(2);
     [3 * t, 3 * t + 1, 3 * t + 2].into_iter().any(|h| {
-        cdt.walls[h as usize] == wall::FREE
+        matches!(cdt.walls[h as usize], wall::FREE | wall::CREASE)
             && square(cdt.point(cdt.start(h)), cdt.point(cdt.end(h))) > limit
+    })
+}
+
+/// The middle of a triangle's side on the crease, where that side is long and the lattice left
+/// it free because a rim is near, but not too near.
+fn long_crease(cdt: &Cdt, t: u32, length: f64) -> Option<Offer> {
+    [3 * t, 3 * t + 1, 3 * t + 2].into_iter().find_map(|h| {
+        let g = cdt.twin[h as usize];
+        let (p, q) = (cdt.point(cdt.start(h)), cdt.point(cdt.end(h)));
+        let at = [0.5 * p[0] + 0.5 * q[0], 0.5 * p[1] + 0.5 * q[1]];
+        let splits = cdt.walls[h as usize] == wall::CREASE
+            && square(p, q) > (LONG * length).powi(2)
+            && [h, g].into_iter().all(|h| {
+                cdt.region[(h / 3) as usize] == INSIDE
+                    && square(cdt.point(cdt.apex(h)), at) > (NEAR * length).powi(2)
+                    && cdt.side(cdt.start(h), cdt.end(h), cdt.apex(h)) > 0.0
+            });
+        splits.then_some(Offer {
+            at,
+            triangle: t,
+            old: 1.0,
+            new: 1.0,
+        })
     })
 }
 

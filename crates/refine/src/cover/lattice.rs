@@ -38,7 +38,9 @@ pub(crate) struct Lattice {
     base: [f64; 2],
     pub(crate) first_row: i64,
     runs: Vec<Run>,
-    order: Vec<(i64, i64, u32)>,
+    /// First column and number of each run, row after row.
+    order: Vec<(i64, u32)>,
+    buckets: Vec<u32>,
     /// All points, kept or not; then the kept ones.
     spans: Vec<Span>,
     rows: Vec<usize>,
@@ -124,7 +126,6 @@ impl Lattice {
 
     fn rasterize(&mut self, sheet: &Sheet, most: usize) -> bool {
         self.runs.clear();
-        self.order.clear();
         let cdt = &sheet.cdt;
         let mut found = 0usize;
         for t in 0..cdt.triangles() {
@@ -138,13 +139,15 @@ impl Lattice {
             }
             for row in from..to {
                 let sides = rows.at(cdt, self.y(row));
-                let columns = sides.map(|side| self.column_from(row, side.x));
+                let columns = [
+                    self.column_from(row, sides[0].x),
+                    self.column_from(row, sides[1].x),
+                ];
                 if columns[0] < columns[1] {
                     found += usize::try_from(columns[1] - columns[0]).unwrap_or(usize::MAX / 2);
                     if found > most {
                         return false;
                     }
-                    self.order.push((row, columns[0], id(self.runs.len())));
                     self.runs.push(Run {
                         row,
                         columns,
@@ -153,19 +156,48 @@ impl Lattice {
                 }
             }
         }
-        self.order.sort_unstable();
+        self.sort_runs();
         true
+    }
+
+    /// Puts the runs in the order of their rows and columns: into one bucket a row first.
+    fn sort_runs(&mut self) {
+        let rows = self.runs.iter().map(|run| run.row);
+        let (first, last) = (rows.clone().min().unwrap_or(0), rows.max().unwrap_or(-1));
+        let count = usize::try_from(last - first + 1).unwrap_or(0);
+        let bucket = |row: i64| usize::try_from(row - first).unwrap_or(0);
+        self.first_row = first;
+        self.buckets.clear();
+        self.buckets.resize(count + 1, 0);
+        for run in &self.runs {
+            self.buckets[bucket(run.row) + 1] += 1;
+        }
+        for row in 0..count {
+            self.buckets[row + 1] += self.buckets[row];
+        }
+        self.order.clear();
+        self.order.resize(self.runs.len(), (0, 0));
+        for (number, run) in (0u32..).zip(&self.runs) {
+            let at = &mut self.buckets[bucket(run.row)];
+            self.order[*at as usize] = (run.columns[0], number);
+            *at += 1;
+        }
+        // What was a bucket's start is its end now.
+        let mut start = 0;
+        for &end in &self.buckets[..count] {
+            self.order[start..end as usize].sort_unstable();
+            start = end as usize;
+        }
     }
 
     /// Joins runs to spans, row by row.
     fn collect_spans(&mut self) {
         self.spans.clear();
         self.rows.clear();
-        self.first_row = self.order.first().map_or(0, |o| o.0);
         let mut number = 0u32;
         let mut row = self.first_row;
         self.rows.push(0);
-        for &(_, _, run) in &self.order {
+        for &(_, run) in &self.order {
             let Run {
                 row: here, columns, ..
             } = self.runs[run as usize];
@@ -273,7 +305,7 @@ impl Lattice {
             first += id(usize::try_from(span.columns[1] - span.columns[0]).unwrap_or(0));
         }
         let mut number = 0;
-        for &(_, _, run) in &self.order {
+        for &(_, run) in &self.order {
             let run = self.runs[run as usize];
             for column in run.columns[0]..run.columns[1] {
                 if !self.dropped[number] {

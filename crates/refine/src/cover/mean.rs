@@ -15,6 +15,21 @@ pub(crate) struct Side {
     pub(crate) x: f64,
 }
 
+impl Side {
+    #[inline]
+    fn at(cdt: &Cdt, ends: [u32; 2], y: f64) -> Self {
+        let (p, q) = (cdt.point(ends[0]), cdt.point(ends[1]));
+        let rise = q[1] - p[1];
+        let at = if rise > 0.0 {
+            ((y - p[1]) / rise).clamp(0.0, 1.0)
+        } else {
+            1.0
+        };
+        let x = p[0] + at * (q[0] - p[0]);
+        Self { ends, at, x }
+    }
+}
+
 /// A triangle of the rings, its corners from low to high.
 pub(crate) struct Crossing {
     corners: [u32; 3],
@@ -37,22 +52,13 @@ impl Crossing {
     /// in the triangle next to it.
     pub(crate) fn at(&self, cdt: &Cdt, y: f64) -> [Side; 2] {
         let [low, middle, high] = self.corners;
-        let short = if y < self.ys[1] {
+        // At the upper end of a triangle with a level top it is the top's two ends.
+        let short = if y < self.ys[1] || self.ys[1] == self.ys[2] {
             [low, middle]
         } else {
             [middle, high]
         };
-        let mut sides = [[low, high], short].map(|ends| {
-            let [p, q] = ends.map(|v| cdt.point(v));
-            let rise = q[1] - p[1];
-            let at = if rise > 0.0 {
-                ((y - p[1]) / rise).clamp(0.0, 1.0)
-            } else {
-                1.0
-            };
-            let x = p[0] + at * (q[0] - p[0]);
-            Side { ends, at, x }
-        });
+        let mut sides = [Side::at(cdt, [low, high], y), Side::at(cdt, short, y)];
         if sides[0].x > sides[1].x {
             sides.swap(0, 1);
         }

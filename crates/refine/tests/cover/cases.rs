@@ -217,6 +217,46 @@ fn smooth_rims_get_good_triangles() {
     }
 }
 
+/// A crease that runs along a rim, too near for the lattice: its edges are no longer for that.
+#[test]
+fn a_crease_beside_a_rim_has_no_long_edges() {
+    let side = |from: [f64; 2], to: [f64; 2]| {
+        (0..20).map(move |i| {
+            let s = f64::from(i) / 20.0;
+            [
+                from[0] + s * (to[0] - from[0]),
+                from[1] + s * (to[1] - from[1]),
+            ]
+        })
+    };
+    // A box of 20 by 10; the crease 0.5 above its floor.
+    let mut shape = Shape::default();
+    let mut points: Vec<[f64; 2]> = side([0.0, -0.5], [20.0, -0.5]).collect();
+    points.extend([[20.0, -0.5], [20.0, 0.0]]);
+    points.extend(side([20.0, 0.5], [20.0, 9.5]));
+    points.extend(side([20.0, 9.5], [0.0, 9.5]));
+    points.extend(side([0.0, 9.5], [0.0, 0.5]));
+    points.extend([[0.0, 0.5], [0.0, 0.0]]);
+    shape.add(points);
+    let cover = run(&shape, Some(1.0), true).expect("a ring");
+    check_clean(&shape, &cover, true);
+    let mut along = 0.0;
+    for &t in &cover.triangles {
+        let p = corners(&shape, &cover, t);
+        for i in 0..3 {
+            let (p, q) = (p[i], p[(i + 1) % 3]);
+            if p[1] == 0.0 && q[1] == 0.0 {
+                along += (p[0] - q[0]).abs() / 2.0;
+                assert!((p[0] - q[0]).abs() <= 1.8, "an edge from {p:?} to {q:?}");
+            }
+        }
+    }
+    assert!(
+        (along - 20.0).abs() < 1e-9,
+        "the whole crease, from side to side: {along}"
+    );
+}
+
 #[test]
 fn long_tangles_end() {
     let mut state = 1u32;

@@ -121,10 +121,10 @@ proptest! {
 
     /// Magnitudes of all sizes in one section.
     #[test]
-    fn numbers_of_any_size_are_covered(ring in prop::collection::vec(([-1.0f64..1.0, -1.0..1.0], [-300i32..300, -300i32..300]), 3..20), crease: bool) {
+    fn numbers_of_any_size_are_covered(ring in prop::collection::vec(([-1.0f64..1.0, -1.0..1.0], [-300i32..300, -300i32..300]), 3..20), fine in prop::option::of(0.05f64..1.0), crease: bool) {
         let mut shape = Shape::default();
         shape.add(ring.into_iter().map(|(p, e)| [p[0] * 10f64.powi(e[0]), p[1] * 10f64.powi(e[1])]));
-        let cover_ = run(&shape, None, crease)?;
+        let cover_ = run(&shape, fine.map(|l| l * shape.extent()), crease)?;
         prop_assert!(cover_.validate(&shape.section(crease), f64::MAX).is_ok());
     }
 
