@@ -6,7 +6,7 @@ use crate::exact::Exact;
 use crate::params::{CutMethod, CutParams};
 use crate::rebuild::rebuild;
 use crate::sweep::Sweep;
-use incise_mesh::{Surface, TopologyDelta, TriangleId, Undo};
+use incise_mesh::{Surface, TopologyDelta, TriangleId, Undo, UndoError};
 use std::time::{Duration, Instant};
 
 /// What a cut found, did and cost.
@@ -109,6 +109,16 @@ impl Cutter {
     #[must_use]
     pub fn bvh(&self) -> &Bvh {
         &self.bvh
+    }
+
+    /// Takes a cut back, see [`Undo::revert`]; the search tree follows. Returns the change.
+    ///
+    /// # Errors
+    /// [`UndoError`]; nothing is changed then.
+    pub fn undo(&mut self, surface: &mut Surface, undo: Undo) -> Result<TopologyDelta, UndoError> {
+        let delta = undo.revert(surface)?;
+        self.bvh.update(surface, &delta);
+        Ok(delta)
     }
 
     /// Cuts `surface` along `sweep`. A sweep that misses changes nothing and is no error; the

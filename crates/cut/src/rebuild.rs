@@ -40,7 +40,7 @@ use apply::apply;
 use boundary::Boundary;
 use crossing::Signs;
 use incise_mesh::geometry::area_vector;
-use incise_mesh::{Surface, TriangleId, Vec3, VertexId};
+use incise_mesh::{Surface, TriangleId, Undo, Vec3, VertexId};
 use incise_refine::{Patch, RefineParams, fill, mean_rim_length};
 use lip::{Lip, lips};
 use points::{PointSet, intersection_points};
@@ -120,14 +120,16 @@ pub(crate) fn rebuild(
         .collect();
     pieces.sort_unstable();
     pieces.dedup();
-    open_and_close(surface, &strips, &signs, sweep, params, outcome)?;
+    let before = open_and_close(surface, &strips, &signs, sweep, params, outcome)?;
     outcome.report.split = begin.elapsed() - outcome.report.refinement;
     let begin = Instant::now();
     separate(surface, &pieces, &mut outcome.delta);
+    outcome.undo = Undo::between(&before, surface, &outcome.delta);
     outcome.report.separation = begin.elapsed();
     Ok(())
 }
 
+/// Returns the surface as it was before.
 fn open_and_close(
     surface: &mut Surface,
     strips: &[Strip],
@@ -135,7 +137,7 @@ fn open_and_close(
     sweep: &Sweep,
     params: &CutParams,
     outcome: &mut CutOutcome,
-) -> Result<(), CutError> {
+) -> Result<Surface, CutError> {
     let job = Job {
         surface,
         sweep,
@@ -190,8 +192,7 @@ fn open_and_close(
     outcome.report.refined = closed
         .iter()
         .all(|lip| lip.cap.as_ref().is_none_or(|cap| cap.report.converged));
-    *surface = edit.surface;
-    Ok(())
+    Ok(std::mem::replace(surface, edit.surface))
 }
 
 impl Job<'_> {

@@ -68,6 +68,16 @@ impl<T: Copy> Track<T> {
         self.old.iter().map(|entry| entry.1)
     }
 
+    /// What was overwritten between two states of an array, entries compared by `key`.
+    fn between<K: PartialEq>(before: &[T], after: &[T], key: impl Fn(T) -> K) -> Self {
+        let pairs = (0..).zip(before.iter().zip(after));
+        let changed = pairs.filter(|&(_, (&old, &new))| key(old) != key(new));
+        Self {
+            len: before.len(),
+            old: changed.map(|(at, (&old, _))| (at, old)).collect(),
+        }
+    }
+
     fn put_back(&self, array: &mut Vec<T>, len: usize) {
         array.truncate(len);
         for &(at, value) in self.old.iter().rev() {
@@ -99,6 +109,19 @@ impl<T: Copy> StackTrack<T> {
         Self {
             untouched: stack.len(),
             taken: Vec::new(),
+        }
+    }
+
+    /// What was taken between two states of a stack.
+    fn between(before: &[T], after: &[T]) -> Self
+    where
+        T: PartialEq,
+    {
+        let same = before.iter().zip(after).take_while(|(old, new)| old == new);
+        let untouched = same.count();
+        Self {
+            untouched,
+            taken: before[untouched..].iter().rev().copied().collect(),
         }
     }
 
@@ -153,6 +176,27 @@ impl Log {
             free_vertices: StackTrack::of(&topology.free_vertices),
             piece_bound: surface.pieces.bound(),
             history: surface.history,
+        }
+    }
+
+    /// What was overwritten between two states of a surface, none of whose slots went. O(n).
+    pub(super) fn between(before: &Surface, after: &Surface) -> Self {
+        let (old, new) = (&before.topology, &after.topology);
+        let (corners, now) = (&before.corners, &after.corners);
+        Self {
+            origin: Track::between(&old.origin, &new.origin, |v| v),
+            twin: Track::between(&old.twin, &new.twin, |h| h),
+            outgoing: Track::between(&old.outgoing, &new.outgoing, |h| h),
+            positions: Track::between(&before.positions, &after.positions, |p| p.map(f32::to_bits)),
+            rest: Track::between(&before.rest, &after.rest, |p| p.map(f32::to_bits)),
+            uv: Track::between(&corners.uv, &now.uv, |uv| uv.map(f32::to_bits)),
+            normal: Track::between(&corners.normal, &now.normal, |n| n.map(f32::to_bits)),
+            piece: Track::between(&before.piece, &after.piece, |p| p),
+            material: Track::between(&before.material, &after.material, |m| m),
+            free_triangles: StackTrack::between(&old.free_triangles, &new.free_triangles),
+            free_vertices: StackTrack::between(&old.free_vertices, &new.free_vertices),
+            piece_bound: before.pieces.bound(),
+            history: before.history,
         }
     }
 

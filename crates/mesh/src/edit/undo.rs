@@ -1,7 +1,8 @@
 //! Taking a finished edit back.
 
+use super::finish::Change;
 use super::log::Log;
-use super::relatives::Restored;
+use super::relatives::{Restored, restored};
 use crate::delta::{AddedVertex, TopologyDelta};
 use crate::history::History;
 use crate::ids::TriangleId;
@@ -52,6 +53,29 @@ impl Undo {
             restored,
             after: surface.history,
         }
+    }
+
+    /// What takes an edit back that was made on a copy and not as an [`Edit`](super::Edit): `before` is
+    /// the original, `delta` the difference. Nothing may have moved in between. None when `after` has
+    /// fewer slots, so that it can be no edit of `before`. O(n).
+    #[must_use]
+    pub fn between(before: &Surface, after: &Surface, delta: &TopologyDelta) -> Option<Self> {
+        let slots = |s: &Surface| [s.topology.vertex_slots(), s.topology.triangle_slots()];
+        let ([v, t], [w, u]) = (slots(before), slots(after));
+        if v > w || t > u {
+            return None;
+        }
+        let removed = delta.triangles_removed.iter();
+        let changes: Vec<Change> = removed
+            .map(|&(triangle, before)| Change {
+                triangle,
+                before,
+                now: after.topology.triangle(triangle),
+            })
+            .collect();
+        let restored = restored(after, delta, &changes);
+        let log = Log::between(before, after);
+        Some(Self::new(after, log, delta.clone(), restored))
     }
 
     /// Takes the edit back. Returns the change from the edited surface to the one before, which
