@@ -2,7 +2,7 @@
 //! scratch, its colors are proper, mass and momentum are what they were.
 
 use incise_cut::{CutMethod, CutParams, Cutter, Sweep};
-use incise_mesh::{Model, Surface, build_model};
+use incise_mesh::{Model, Surface, TopologyDelta, build_model};
 use incise_pbd_gpu::{
     ConstraintSet, Density, MAX_COLORS, Material, PatchParams, Solver, SolverParams, Stiffness,
 };
@@ -53,6 +53,32 @@ fn patches() -> impl Strategy<Value = Option<PatchParams>> {
     prop::option::of(sizes.prop_map(|(vertices, room)| PatchParams { vertices, room }))
 }
 
+/// Follows a change and asserts what must be as before.
+fn follow_delta(solver: &mut Solver, surface: &mut Surface, delta: &TopologyDelta, mass: f64) {
+    let (momentum, scale) = (solver.momentum(), momentum_scale(solver));
+    solver
+        .apply_delta(surface, delta)
+        .expect("the delta of a cut fits");
+    solver
+        .validate(surface)
+        .expect("constraints are those from scratch");
+    let lost = (solver.total_mass() - mass).abs();
+    assert!(lost <= ROUNDING * mass, "mass {mass} changed by {lost}");
+    for (was, is) in momentum.into_iter().zip(solver.momentum()) {
+        assert!(
+            (is - was).abs() <= ROUNDING * scale,
+            "momentum {was} became {is}"
+        );
+    }
+    for v in surface.topology().vertices() {
+        let inverse = surface.positions[v.index()][3];
+        assert!(
+            inverse > 0.0 && inverse.is_finite(),
+            "{v} has no mass or all of it"
+        );
+    }
+}
+
 fn follow(
     body: &Body,
     material: &Material,
@@ -75,6 +101,7 @@ fn follow(
         .expect("constraints made from scratch");
     spin(&surface, &mut solver);
     let (mass, step_params) = (solver.total_mass(), SolverParams::default());
+    let mut undos = Vec::new();
     for (blade, level) in blades {
         for _ in 0..steps {
             solver
@@ -96,28 +123,13 @@ fn follow(
         let Ok(outcome) = cut_and_check(&mut surface, &mut cutter, &sweep, &params) else {
             continue;
         };
-        let (momentum, scale) = (solver.momentum(), momentum_scale(&solver));
-        solver
-            .apply_delta(&mut surface, &outcome.delta)
-            .expect("the delta of a cut fits");
-        solver
-            .validate(&surface)
-            .expect("constraints are those from scratch");
-        let lost = (solver.total_mass() - mass).abs();
-        assert!(lost <= ROUNDING * mass, "mass {mass} changed by {lost}");
-        for (was, is) in momentum.into_iter().zip(solver.momentum()) {
-            assert!(
-                (is - was).abs() <= ROUNDING * scale,
-                "momentum {was} became {is}"
-            );
-        }
-        for v in surface.topology().vertices() {
-            let inverse = surface.positions[v.index()][3];
-            assert!(
-                inverse > 0.0 && inverse.is_finite(),
-                "{v} has no mass or all of it"
-            );
-        }
+        follow_delta(&mut solver, &mut surface, &outcome.delta, mass);
+        undos.extend(outcome.undo);
+    }
+    // Everything is joined again, whatever has moved meanwhile.
+    for undo in undos.into_iter().rev() {
+        let delta = (cutter.undo(&mut surface, undo)).expect("nothing was edited since");
+        follow_delta(&mut solver, &mut surface, &delta, mass);
     }
     for _ in 0..steps {
         solver
