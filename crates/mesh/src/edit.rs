@@ -287,15 +287,27 @@ impl Edit<'_> {
             out.push(self.add_triangle(triangle, piece, material));
         }
         self.append(&corners[reused..], &pieces[reused..], material, out);
-        let id = |h: u32| {
-            let [a, b, c] = out[first + h as usize / 3].half_edges();
-            [a, b, c][h as usize % 3]
+        // In new slots the half-edges stand as in the patch.
+        let scattered = 3 * reused;
+        let offset = out.get(first + reused).map_or(0, |t| 3 * t.index());
+        let id = |h: usize| {
+            if h < scattered {
+                out[first + h / 3].half_edges()[h % 3].index()
+            } else {
+                offset + h - scattered
+            }
         };
         let (surface, log) = (&mut *self.surface, &mut self.log);
-        for (h, &twin) in (0..).zip(twins).filter(|&(_, &twin)| twin != u32::MAX) {
-            let (h, twin) = (id(h), id(twin));
+        for (h, &twin) in twins
+            .iter()
+            .enumerate()
+            .filter(|&(_, &twin)| twin != u32::MAX)
+        {
+            let (h, twin) = (
+                HalfEdge::from_index(id(h)),
+                HalfEdge::from_index(id(twin as usize)),
+            );
             log.twin.set(&mut surface.topology.twin, h.0, twin);
-            surface.history.pair(h.0, twin.0);
         }
     }
 

@@ -3,8 +3,10 @@
 use incise_mesh::geometry::widen;
 use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
 
-/// Cells of the Morton grid along a side: 21 bits for each of three axes fit 64.
-const CELLS: f64 = (1u32 << 21) as f64;
+/// Cells of the Morton grid along a side: 10 bits for each of three axes leave half of 64 for the id, so
+/// that one number is compared. A million triangles of a surface share cells by threes and fours, which
+/// a leaf holds.
+const CELLS: f64 = (1u32 << 10) as f64;
 
 /// Sorts triangles by where their middles lie along the curve.
 pub(super) fn sort(surface: &Surface, triangles: &mut [(u64, TriangleId)]) {
@@ -19,9 +21,10 @@ pub(super) fn sort(surface: &Surface, triangles: &mut [(u64, TriangleId)]) {
     let scale = (widen(bounds.max) - min).map(|x| CELLS / x);
     for (code, t) in triangles.iter_mut() {
         let [a, b, c] = surface.triangle_positions(*t);
-        *code = morton_code(((a + b + c) / 3.0 - min).component_mul(&scale));
+        let place = morton_code(((a + b + c) / 3.0 - min).component_mul(&scale));
+        *code = (place << 32) | u64::from(t.0);
     }
-    triangles.sort_unstable();
+    triangles.sort_unstable_by_key(|entry| entry.0);
 }
 
 /// The place of a cell along the curve.
@@ -36,14 +39,13 @@ fn morton_code(cell: Vec3) -> u64 {
         .fold(0, |code, bits| code | bits)
 }
 
-/// The lower 21 bits of `x`, two zeros behind each.
+/// The lower 10 bits of `x`, two zeros behind each.
 const fn spread(mut x: u64) -> u64 {
-    x &= 0x1f_ffff;
-    x = (x | (x << 32)) & 0x001f_0000_0000_ffff;
-    x = (x | (x << 16)) & 0x001f_0000_ff00_00ff;
-    x = (x | (x << 8)) & 0x100f_00f0_0f00_f00f;
-    x = (x | (x << 4)) & 0x10c3_0c30_c30c_30c3;
-    (x | (x << 2)) & 0x1249_2492_4924_9249
+    x &= 0x3ff;
+    x = (x | (x << 16)) & 0x0300_00ff;
+    x = (x | (x << 8)) & 0x0300_f00f;
+    x = (x | (x << 4)) & 0x030c_30c3;
+    (x | (x << 2)) & 0x0924_9249
 }
 
 #[cfg(test)]
@@ -52,9 +54,9 @@ mod tests {
 
     #[test]
     fn spread_bits_stand_three_apart() {
-        for bit in 0..21 {
+        for bit in 0..10 {
             assert_eq!(spread(1 << bit), 1 << (3 * bit));
         }
-        assert_eq!(spread(u64::MAX), spread(0x1f_ffff), "only 21 bits count");
+        assert_eq!(spread(u64::MAX), spread(0x3ff), "only 10 bits count");
     }
 }

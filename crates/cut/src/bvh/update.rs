@@ -184,7 +184,8 @@ impl Bvh {
         batches.clear();
         let pending = added.iter().filter(|t| self.places[t.index()] == PENDING);
         rest.extend(pending.map(|&t| (surface.piece(t), t)));
-        rest.sort_unstable();
+        // Ids ascend already, so there is a run a piece, which a stable sort finds.
+        rest.sort();
         for of_piece in rest.chunk_by(|x, y| x.0 == y.0) {
             let first = along.len();
             along.extend(of_piece.iter().map(|&(_, t)| (0, t)));

@@ -108,16 +108,18 @@ impl Separator {
 
     /// Search `i` comes to `t`: it is new, or the search that was there is joined.
     fn reach(&mut self, i: usize, t: TriangleId) {
+        let own = self.epoch + u32::try_from(i).expect("searches have 32-bit numbers");
         let stamp = &mut self.stamps[t.index()];
+        if *stamp == own {
+            return;
+        }
         if *stamp < self.epoch {
-            *stamp = self.epoch + u32::try_from(i).expect("searches have 32-bit numbers");
+            *stamp = own;
             self.searches[i].reached.push(t);
             return;
         }
         let other = (*stamp - self.epoch) as usize;
-        if other != i {
-            self.join(i, other);
-        }
+        self.join(i, other);
     }
 
     fn join(&mut self, a: usize, b: usize) {
