@@ -22,6 +22,31 @@
 //! assert_eq!(patch.triangles.len(), 24 - 2 + 2 * patch.inner.len());
 //! # Ok::<(), incise_refine::RefineError>(())
 //! ```
+//!
+//! [`cover`] fills a whole cross-section in the plane: any number of loops, nested to any depth, with
+//! a core of equilateral triangles and a band between it and the loops. It decides by exact signs,
+//! so loops that touch or cross still give a manifold with exactly them as its boundary.
+//!
+//! ```
+//! use incise_refine::{CoverParams, CoverScratch, Section, cover};
+//!
+//! let ring = |n: u32, radius: f64, turn: f64| {
+//!     (0..n).map(move |i| {
+//!         let a = turn * f64::from(i) * std::f64::consts::TAU / f64::from(n);
+//!         [radius * a.cos(), radius * a.sin()]
+//!     })
+//! };
+//! // A disc with a hole: the inside is on the left of both loops.
+//! let points: Vec<_> = ring(60, 1.0, 1.0).chain(ring(30, 0.5, -1.0)).collect();
+//! let loops = [(0..60).collect(), (60..90).collect()];
+//! let section = Section { points: &points, loops: &loops, crease: false };
+//! let params = CoverParams { length: Some(0.1), ..CoverParams::default() };
+//! let cover = cover(&section, &params, |_, _| false, &mut CoverScratch::default())?;
+//! cover.validate(&section, 1e-12)?;
+//! // Euler's formula for a ring: as many triangles as points on the loops, and two for each inside.
+//! assert_eq!(cover.triangles.len(), 90 + 2 * cover.inner.len());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod cover;
 mod edge_dictionary;

@@ -19,12 +19,14 @@ const SHARP: f64 = 0.848;
 const LONG: f64 = 1.6;
 /// A point for an edge's sake may not make an angle below 30 degrees where there was none.
 const FINE: f64 = 0.866;
-/// By how much a cosine must fall for a point to be worth it.
-const GAIN: f64 = 0.01;
+/// By what factor 1 less the cosine of the smallest angle, about half the angle squared, must grow for
+/// a point to be worth it.
+const GAIN: f64 = 1.1;
 /// No point is put on the crease nearer to another than this many L.
 const NEAR: f64 = 0.35;
-/// Half of the angle that an off-center makes, as 1 / (2 tan): 36 degrees in all.
-const REACH: f64 = 1.54;
+/// How far from the middle of the short side an off-center lies, in lengths of that side: where
+/// the side is seen under 36 and under 58 degrees.
+const REACH: [f64; 2] = [1.54, 0.9];
 
 /// Room for the way.
 #[derive(Debug, Clone, Default)]
@@ -120,14 +122,15 @@ impl Improver {
 
     fn offer(&mut self, cdt: &Cdt, t: u32, length: f64) -> Option<Offer> {
         let p = cdt.places(t);
-        let sharp = sharpness(p) > SHARP;
-        let offer = self.weigh(cdt, t, off_center(p, sharp)?)?;
-        let better = if sharp {
-            offer.new < offer.old - GAIN
-        } else {
-            has_long_edge(cdt, t, length) && offer.new < offer.old.max(FINE)
-        };
-        better.then_some(offer)
+        if sharpness(p) > SHARP {
+            // Nearer to the short side where the usual place is no good.
+            return REACH.into_iter().find_map(|reach| {
+                let offer = self.weigh(cdt, t, off_center(p, reach)?)?;
+                (1.0 - offer.new > GAIN * (1.0 - offer.old)).then_some(offer)
+            });
+        }
+        let offer = self.weigh(cdt, t, off_center(p, f64::INFINITY)?)?;
+        (has_long_edge(cdt, t, length) && offer.new < offer.old.max(FINE)).then_some(offer)
     }
 
     /// What a point would replace and make: the sharpest angles. `None` where a wall is in between
@@ -241,8 +244,9 @@ fn long_crease(cdt: &Cdt, t: u32, length: f64) -> Option<Offer> {
     })
 }
 
-/// The circumcenter of a triangle, or for a sharp one the off-center on the same bisector.
-fn off_center(p: [[f64; 2]; 3], sharp: bool) -> Option<[f64; 2]> {
+/// The circumcenter of a triangle, or the point `reach` shortest sides off the middle of the
+/// shortest where that is nearer.
+fn off_center(p: [[f64; 2]; 3], reach: f64) -> Option<[f64; 2]> {
     // The shortest side first.
     let k = (0..3)
         .min_by(|&i, &j| square(p[i], p[(i + 1) % 3]).total_cmp(&square(p[j], p[(j + 1) % 3])))?;
@@ -255,7 +259,7 @@ fn off_center(p: [[f64; 2]; 3], sharp: bool) -> Option<[f64; 2]> {
     }
     // The circumcenter lies this many sides off the middle of the shortest one.
     let off = (w[0] * (w[0] - u[0]) + w[1] * (w[1] - u[1])) / (2.0 * double);
-    let off = if sharp { off.min(REACH) } else { off };
+    let off = off.min(reach);
     let at = [
         a[0] + 0.5 * u[0] - off * u[1],
         a[1] + 0.5 * u[1] + off * u[0],
