@@ -80,7 +80,7 @@ pub struct InnerPoint {
 /// What was done to cover a section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CoverReport {
-    /// Corners of no area, duplicates and spikes, cut off with a triangle each.
+    /// Corners of no area, duplicates and spikes, or next to none, cut off with a triangle each.
     pub clipped: usize,
     /// Loops covered on their own: they touch or cross others or wind the wrong way.
     pub apart: usize,
@@ -191,6 +191,8 @@ pub fn cover(
             work = work.saturating_sub(sheet.corner.len());
             let parts = mend::part(rims, sheet, &group, &joined, may_cut);
             cover.report.apart += parts.apart;
+            cover.report.clipped += parts.shaved.len();
+            cover.triangles.extend(parts.shaved);
             cover.report.discs += parts.discs.len() + usize::from(!parts.ties.is_empty());
             for corners in &parts.ties {
                 close_disc(rims, corners, &joined, &mut cover);

@@ -1,8 +1,8 @@
 //! Rings that touch or cross: moved apart a little, cut in two, or taken out of their group.
 //!
-//! Where loops only touch, at a point or along edges, a move of the corners in question inward by
-//! far less than an edge makes them disjoint; the rim itself stays where it is, only the triangles
-//! are found on the moved one. A ring that truly crosses itself is cut at the crossing: the two
+//! Where loops only touch, at a point or along edges, a move of the corners in question by far less
+//! than an edge makes them disjoint; the rim itself stays where it is, only the triangles are found
+//! on the moved one. Edges too short for that are cut off with a triangle, next to nothing. A ring that truly crosses itself is cut at the crossing: the two
 //! edges that cross and two new ones make a bow tie of two triangles, and what is left on either
 //! side is a ring again. What cannot be cut, or not in the time there is, becomes a disc as it is.
 
@@ -25,6 +25,8 @@ pub(crate) struct Parts {
     pub(crate) discs: Vec<u32>,
     /// Rings of three or four corners around a crossing, discs as well.
     pub(crate) ties: Vec<Vec<u32>>,
+    /// Triangles that cut off corners at very short edges.
+    pub(crate) shaved: Vec<[u32; 3]>,
     /// Rings taken out of their group.
     pub(crate) apart: usize,
 }
@@ -40,7 +42,8 @@ pub(crate) fn build(
     work: &mut usize,
 ) -> Verdict {
     let verdict = sheet.build(rims, rings, mirrored, crease);
-    if sheet.trouble.is_empty() || crosses_for_good(sheet) {
+    let short = || culprits(sheet).any(|v| is_short(sheet, v));
+    if sheet.trouble.is_empty() || crosses_for_good(sheet) || short() {
         return verdict;
     }
     let areas = areas(sheet);
@@ -72,10 +75,34 @@ pub(crate) fn build(
     sheet.build(rims, rings, mirrored, crease)
 }
 
+/// More than any corner is moved.
+fn limit(sheet: &Sheet) -> f64 {
+    let extent = [0, 1].map(|k| sheet.high[k] - sheet.low[k]);
+    4.0 * MOVES[2] * extent[0].max(extent[1])
+}
+
+/// The vertices of all edges in trouble.
+fn culprits(sheet: &Sheet) -> impl Iterator<Item = u32> {
+    sheet
+        .trouble
+        .iter()
+        .flat_map(|&trouble| trouble.vertices(sheet))
+}
+
+/// Whether an edge at a vertex is too short to move the vertex.
+fn is_short(sheet: &Sheet, v: u32) -> bool {
+    let p = sheet.cdt.point(v);
+    [sheet.before(v), sheet.next[v as usize]]
+        .into_iter()
+        .any(|w| {
+            let q = sheet.cdt.point(w);
+            (q[0] - p[0]).hypot(q[1] - p[1]) < limit(sheet)
+        })
+}
+
 /// Whether two edges cross by more than any corner is moved.
 fn crosses_for_good(sheet: &Sheet) -> bool {
-    let extent = [0, 1].map(|k| sheet.high[k] - sheet.low[k]);
-    let limit = 4.0 * MOVES[2] * extent[0].max(extent[1]);
+    let limit = limit(sheet);
     sheet.trouble.iter().any(|&trouble| {
         let Trouble::Cross(v, w) = trouble else {
             return false;
@@ -110,12 +137,7 @@ fn add_movers(
     areas: &[f64],
     movers: &mut Vec<(u32, Option<bool>)>,
 ) {
-    let after = |v: u32| sheet.next[v as usize];
-    let (vertices, [a, b]) = match trouble {
-        Trouble::Meet(v, w) => ([v, w, v, w], [v, w]),
-        Trouble::Through(v, w) => ([v, after(v), w, w], [v, w]),
-        Trouble::Cross(v, w) => ([v, after(v), w, after(w)], [v, w]),
-    };
+    let (Trouble::Meet(a, b) | Trouble::Through(a, b) | Trouble::Cross(a, b)) = trouble;
     let [i, j] = [a, b].map(|v| sheet.ring[v as usize]);
     let inward = (i != j).then(|| {
         let (x, y) = (areas[i as usize], areas[j as usize]);
@@ -127,7 +149,7 @@ fn add_movers(
             (large_is_loop, _) => !large_is_loop || large == -small,
         }
     });
-    movers.extend(vertices.map(|v| (v, inward)));
+    movers.extend(trouble.vertices(sheet).map(|v| (v, inward)));
 }
 
 /// Moves corners away from what they touch.
@@ -178,6 +200,9 @@ pub(crate) fn part(
     let mut gone = vec![false; rings.len()];
     let mut cut = Vec::new();
     if may_cut {
+        parts.shaved = shave(rims, sheet, rings, joined, &mut gone, &mut cut);
+    }
+    if may_cut && parts.shaved.is_empty() {
         for &trouble in &sheet.trouble {
             let (Trouble::Meet(v, w) | Trouble::Through(v, w) | Trouble::Cross(v, w)) = trouble;
             let ring = ring_of(v);
@@ -224,6 +249,42 @@ pub(crate) fn part(
     cut.extend(rest.map(|(&ring, _)| ring));
     parts.groups.push(cut);
     parts
+}
+
+/// Cuts corners off at short edges that are in trouble: the triangles, and in `cut` the rings that
+/// are left instead of those that are `gone`.
+fn shave(
+    rims: &mut Rims,
+    sheet: &Sheet,
+    rings: &[u32],
+    joined: &impl Fn(u32, u32) -> bool,
+    gone: &mut [bool],
+    cut: &mut Vec<u32>,
+) -> Vec<[u32; 3]> {
+    let mut taken = vec![false; sheet.corner.len()];
+    let mut left: Vec<usize> = rings.iter().map(|&r| rims.ring(r as usize).len()).collect();
+    let mut triangles = Vec::new();
+    let corner = |v: u32| sheet.corner[v as usize];
+    for v in culprits(sheet) {
+        let (o, q) = (sheet.before(v), sheet.next[v as usize]);
+        let ring = sheet.ring[v as usize] as usize;
+        let free = ![o, v, q].iter().any(|&w| taken[w as usize]);
+        let ids = [o, q].map(|w| rims.ids[corner(w) as usize]);
+        if free && left[ring] > 3 && is_short(sheet, v) && !joined(ids[0], ids[1]) {
+            taken[v as usize] = true;
+            left[ring] -= 1;
+            gone[ring] = true;
+            triangles.push([o, v, q].map(corner));
+        }
+    }
+    for ring in (0..rings.len()).filter(|&i| gone[i]) {
+        cut.push(id(rims.rings()));
+        let kept = (0u32..)
+            .zip(&sheet.corner)
+            .filter(|&(v, _)| sheet.ring[v as usize] as usize == ring && !taken[v as usize]);
+        rims.push_ring(kept.map(|(_, &corner)| corner));
+    }
+    triangles
 }
 
 /// Cuts a ring where it meets itself. Returns the rings on either side and the one around the

@@ -32,6 +32,18 @@ pub(crate) enum Trouble {
     Cross(u32, u32),
 }
 
+impl Trouble {
+    /// The vertices of what meets.
+    pub(crate) fn vertices(self, sheet: &Sheet) -> [u32; 4] {
+        let after = |v: u32| sheet.next[v as usize];
+        match self {
+            Self::Meet(v, w) => [v, w, v, w],
+            Self::Through(v, w) => [v, after(v), w, w],
+            Self::Cross(v, w) => [v, after(v), w, after(w)],
+        }
+    }
+}
+
 /// Rings, triangulated. Vertex v below `corner.len()` is a corner of a ring; four corners of a box
 /// follow, then whatever is inserted.
 #[derive(Debug, Clone, Default)]

@@ -1,6 +1,8 @@
 //! Properties of every cover, whatever the section.
 
-use crate::sections::{Shape, check_any, check_clean, cross, index, run, run_joined};
+use crate::sections::{
+    Shape, check_any, check_clean, corners, cross, index, polygon_area, run, run_joined,
+};
 use incise_refine::{CoverParams, CoverScratch, cover};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
@@ -126,6 +128,29 @@ proptest! {
         shape.add(ring.into_iter().map(|(p, e)| [p[0] * 10f64.powi(e[0]), p[1] * 10f64.powi(e[1])]));
         let cover_ = run(&shape, fine.map(|l| l * shape.extent()), crease)?;
         prop_assert!(cover_.validate(&shape.section(crease), f64::MAX).is_ok());
+    }
+
+    /// Positions rounded to less than the distance of neighbors, as those of 32 bits are: loops that
+    /// cross themselves by a rounding keep their core and cover nothing twice.
+    #[test]
+    fn rounding_costs_no_core(radii in prop::collection::vec(0.8f64..1.0, 40..80), twins in prop::collection::vec([-2e-7f64..2e-7, -2e-7..2e-7], 1..20), hole: bool) {
+        let mut ring = star([0.0, 0.0], &radii, false);
+        for (i, d) in twins.iter().enumerate() {
+            let at = i * 7 % ring.len();
+            let p = ring[at];
+            ring.insert(at, [p[0] + d[0], p[1] + d[1]]);
+        }
+        let mut shape = Shape::default();
+        shape.add(ring);
+        if hole {
+            shape.add(star([0.1, 0.0], &[0.3; 30], true));
+        }
+        let shape = shape.map(|p| p.map(|x| (x * 1e7).round() * 1e-7));
+        let cover_ = run(&shape, Some(0.1), false)?;
+        check_any(&shape, &cover_);
+        let covered: f64 = cover_.triangles.iter().map(|&t| polygon_area(&corners(&shape, &cover_, t)).abs()).sum();
+        prop_assert!((covered - shape.area()).abs() < 1e-4 * shape.area(), "{} {:?}", covered - shape.area(), cover_.report);
+        prop_assert!(cover_.inner.len() > 100, "{:?}", cover_.report);
     }
 
     #[test]
