@@ -164,12 +164,13 @@ impl Frame<'_, '_> {
                 stats.ground_passes += 1;
                 ground::ground(x, d, constants.ground, constants.friction);
             }
-            Pass::Integrate => {
-                if !integrate::integrate(x, d, v, constants) {
+            Pass::Integrate => match integrate::integrate(x, d, v, constants) {
+                Some(farthest) => stats.farthest += farthest,
+                None => {
                     let vertex = integrate::first_non_finite(x);
                     return Err(StepError::NonFinitePosition { vertex, substep });
                 }
-            }
+            },
         }
         Ok(())
     }

@@ -53,7 +53,7 @@ impl SolverParams {
 }
 
 /// What a frame did.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct StepStats {
     /// Substeps.
     pub substeps: u32,
@@ -67,4 +67,6 @@ pub struct StepStats {
     pub ground_passes: u32,
     /// Ground passes left out because the body was predicted above the ground.
     pub ground_passes_skipped: u32,
+    /// No coordinate of any vertex changed by more than this, but for rounding of the sum \[m\].
+    pub farthest: f32,
 }

@@ -2,7 +2,7 @@
 
 use crate::error::SceneError;
 use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
-use incise_mesh::Surface;
+use incise_mesh::{Aabb, Surface};
 use incise_pbd_gpu::{ConstraintError, Material, PatchParams, Solver};
 use std::time::{Duration, Instant};
 
@@ -18,6 +18,16 @@ pub struct Body {
     cutter: Cutter,
     /// Whether vertices moved since the search tree was fitted.
     stale: bool,
+    /// The body's box when it was last known, if it can be told how far anything moved since.
+    known: Option<Known>,
+}
+
+/// A box, and by how much the body may have left it since.
+#[derive(Debug, Clone, Copy)]
+struct Known {
+    bounds: Aabb,
+    /// \[m\]
+    drift: f64,
 }
 
 /// What became of a sweep, and how long the constraints took to follow.
@@ -42,6 +52,7 @@ impl Body {
             solver,
             cutter,
             stale: false,
+            known: None,
         })
     }
 
@@ -62,6 +73,7 @@ impl Body {
     pub fn solver_mut(&mut self) -> (&mut Solver, &mut Surface) {
         // Whatever is done, the search tree may no longer fit.
         self.stale = true;
+        self.known = None;
         (&mut self.solver, &mut self.surface)
     }
 
@@ -80,6 +92,7 @@ impl Body {
     #[cfg(feature = "gpu")]
     pub(crate) fn moved_parts(&mut self) -> (&mut Surface, &mut Solver) {
         self.stale = true;
+        self.known = None;
         self.parts()
     }
 
@@ -97,10 +110,36 @@ impl Body {
         pieces
     }
 
+    /// Whether the body's box comes to `reach`. What is known of it answers without a look at any vertex
+    /// where that is enough; else all are looked at and `measured` goes up by one.
+    pub(crate) fn comes_to(&mut self, reach: &Aabb, measured: &mut u32) -> bool {
+        if let Some(known) = &self.known
+            && !known.overlaps(reach)
+        {
+            return false;
+        }
+        self.bounds(measured).overlaps(reach)
+    }
+
+    /// The body's box. Vertices are looked at only if any may have moved.
+    pub(crate) fn bounds(&mut self, measured: &mut u32) -> Aabb {
+        if !self.stale {
+            return self.cutter.bvh().bounds();
+        }
+        if let Some(Known { bounds, drift: 0.0 }) = self.known {
+            return bounds;
+        }
+        *measured += 1;
+        let bounds = self.surface.bounds();
+        self.known = Some(Known { bounds, drift: 0.0 });
+        bounds
+    }
+
     /// Fits the search tree if anything moved; tells whether it did.
     pub(crate) fn refit(&mut self) -> bool {
         if self.stale {
             self.cutter.refit(&self.surface);
+            self.know();
         }
         std::mem::replace(&mut self.stale, false)
     }
@@ -116,6 +155,7 @@ impl Body {
         if let Ok(outcome) = &cut
             && !outcome.delta.is_empty()
         {
+            self.know();
             self.solver.apply_delta(&mut self.surface, &outcome.delta)?;
         }
         Ok(SweepResult {
@@ -129,8 +169,48 @@ impl Body {
         dt: f32,
         params: &incise_pbd_gpu::SolverParams,
     ) -> Result<(), incise_pbd_gpu::StepError> {
+        if !self.stale {
+            self.know();
+        }
         self.stale = true;
-        self.solver.step(&mut self.surface, dt, params)?;
-        Ok(())
+        match self.solver.step(&mut self.surface, dt, params) {
+            Ok(stats) => {
+                if let Some(known) = &mut self.known {
+                    known.drifts(stats.farthest, stats.substeps);
+                }
+                Ok(())
+            }
+            Err(error) => {
+                self.known = None;
+                Err(error)
+            }
+        }
+    }
+
+    /// Takes the box of the search tree, which fits.
+    fn know(&mut self) {
+        self.known = Some(Known {
+            bounds: self.cutter.bvh().bounds(),
+            drift: 0.0,
+        });
+    }
+}
+
+impl Known {
+    /// Whether the body may come to `reach`.
+    fn overlaps(&self, reach: &Aabb) -> bool {
+        (0..3).all(|k| {
+            f64::from(self.bounds.min[k]) - self.drift <= f64::from(reach.max[k])
+                && f64::from(reach.min[k]) <= f64::from(self.bounds.max[k]) + self.drift
+        })
+    }
+
+    /// Vertices moved by up to `farthest` \[m\] along each axis, in so many steps that each rounded.
+    fn drifts(&mut self, farthest: f32, steps: u32) {
+        let corners = self.bounds.min.into_iter().chain(self.bounds.max);
+        let largest = corners.map(f32::abs).fold(0.0, f32::max);
+        self.drift += f64::from(farthest) * (1.0 + 1e-6);
+        self.drift +=
+            (f64::from(largest) + self.drift) * f64::from(f32::EPSILON) * f64::from(steps);
     }
 }

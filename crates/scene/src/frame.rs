@@ -140,17 +140,20 @@ impl Scene {
         for (i, body) in self.bodies.iter_mut().enumerate() {
             let Some(body) = body else { continue };
             if self.params.skip_far_sweeps {
-                let on_device = match &mut self.device {
-                    Some(device) => device.bounds(i)?,
-                    None => None,
+                let near = match &mut self.device {
+                    Some(device) if device.holds(i) => {
+                        let bounds = match device.bounds(i)? {
+                            Some(bounds) => bounds,
+                            None => body.bounds(&mut self.stats.boxes),
+                        };
+                        if inflated(bounds).overlaps(&reach) {
+                            device.want(i);
+                        }
+                        bounds.overlaps(&reach)
+                    }
+                    _ => body.comes_to(&reach, &mut self.stats.boxes),
                 };
-                let bounds = on_device.unwrap_or_else(|| body.surface().bounds());
-                if let Some(device) = &mut self.device
-                    && inflated(bounds).overlaps(&reach)
-                {
-                    device.want(i);
-                }
-                if !bounds.overlaps(&reach) {
+                if !near {
                     continue;
                 }
             }

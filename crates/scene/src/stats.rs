@@ -13,6 +13,9 @@ pub struct FrameStats {
     pub detections: u32,
     /// Bodies that a sweep's box missed.
     pub detections_skipped: u32,
+    /// Bodies of which every vertex was looked at to find the box. Of all others it was known well
+    /// enough: where it was before, and how far anything has moved since.
+    pub boxes: u32,
     /// Search trees fitted to moved triangles.
     pub refits: u32,
     /// Search trees left as they were: nobody asked, or nothing had moved.

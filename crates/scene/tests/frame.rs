@@ -1,7 +1,7 @@
 //! What a frame does, and what it leaves out.
 
 use incise_cut::CutError;
-use incise_mesh::{Model, build_model};
+use incise_mesh::{Aabb, Model, build_model};
 use incise_pbd_gpu::Material;
 use incise_scene::{BladeId, BodyId, Scene, SceneError, SceneParams};
 
@@ -46,6 +46,38 @@ fn a_sweep_that_misses_the_box_asks_no_triangle() {
     scene.move_blade(blade, LEFT);
     let stats = *scene.step().unwrap();
     assert_eq!((stats.detections, stats.refits, stats.cuts), (1, 1, 0));
+}
+
+/// A body flies to where a blade moves up and down. Its box is found by looking at its vertices when it
+/// may have come close, not in every frame, and no sweep that its box meets is passed over.
+#[test]
+fn a_box_is_measured_when_what_is_known_of_it_is_not_enough() {
+    let (mut scene, id, _) = scene();
+    let blade = scene.add_blade([[3.0, -0.2, -2.0], [3.0, -0.2, 2.0]]);
+    let (solver, surface) = scene.edit(id).unwrap().solver_mut();
+    for v in surface.topology().vertices() {
+        // It spins, too: then less is known of where it is.
+        let [x, y, ..] = surface.positions[v.index()];
+        solver.set_velocity(v, [2.0 - y, x, 0.0]).unwrap();
+    }
+    let (mut measured, mut met) = (0, 0);
+    for frame in 0..90 {
+        let y = if frame % 2 == 0 { 0.2 } else { -0.2 };
+        let edge = [[3.0, y, -2.0], [3.0, y, 2.0]];
+        let sweep = Aabb::around(edge.into_iter().chain(edge.map(|[x, _, z]| [x, -y, z])));
+        let meets = scene.body(id).surface().bounds().overlaps(&sweep);
+        scene.move_blade(blade, edge);
+        let stats = *scene.step().unwrap();
+        assert_eq!(stats.detections, u32::from(meets), "frame {frame}");
+        measured += stats.boxes;
+        met += u32::from(meets);
+    }
+    assert!(met > 0, "it came to the blade");
+    let flight = measured.saturating_sub(met);
+    assert!(
+        (1..=12).contains(&flight),
+        "measured {flight} times on its way"
+    );
 }
 
 #[test]

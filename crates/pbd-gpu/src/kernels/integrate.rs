@@ -5,17 +5,20 @@ use crate::plan::StepConstants;
 use incise_mesh::VertexId;
 
 /// Sets `v = d / h` and adds `d` to `x`. What constraints dragged below the ground after its last pass,
-/// or while it was skipped, is put on it. Returns whether all positions are finite.
+/// or while it was skipped, is put on it. Returns the largest change of a coordinate, none when a
+/// position is no longer finite.
 #[inline(always)]
 pub(crate) fn integrate(
     x: &mut [[f32; 4]],
     d: &mut impl Displacements,
     v: &mut [[f32; 4]],
     constants: &StepConstants,
-) -> bool {
+) -> Option<f32> {
     let (h, ground) = (constants.h, constants.ground);
     // Zero times a number is zero; times infinity or no number it is no number, which stays in the sum.
     let mut alarm = 0.0;
+    let mut farthest = 0.0;
+    let most = |a: f32, b: f32| if b > a { b } else { a };
     for (i, (x, v)) in x.iter_mut().zip(v).enumerate() {
         let d = d.get(i);
         let floor = if x[3] > 0.0 {
@@ -25,12 +28,15 @@ pub(crate) fn integrate(
         };
         let y = x[1] + d[1];
         *v = [d[0] / h, d[1] / h, d[2] / h, 0.0];
+        let y = if y < floor { floor } else { y };
+        let across = most(d[0].abs(), d[2].abs());
+        farthest = most(farthest, most(across, (y - x[1]).abs()));
         x[0] += d[0];
-        x[1] = if y < floor { floor } else { y };
+        x[1] = y;
         x[2] += d[2];
         alarm += (x[0] * 0.0 + x[1] * 0.0) + x[2] * 0.0;
     }
-    alarm == 0.0
+    (alarm == 0.0).then_some(farthest)
 }
 
 /// The first vertex whose position is not finite; null if all are.
@@ -70,13 +76,12 @@ mod tests {
                 let mut x = [[1.0; 4]; 3];
                 let mut d = [[0.5, -0.5, 0.0, 0.0]; 3];
                 let mut v = [[0.0; 4]; 3];
-                assert!(integrate(&mut x, &mut d, &mut v, &constants), "all is well");
+                let farthest = integrate(&mut x, &mut d, &mut v, &constants);
+                assert_eq!(farthest, Some(0.5), "all is well");
                 assert_eq!(v[0], [50.0, -50.0, 0.0, 0.0]);
                 d[1][k] = bad;
-                assert!(
-                    !integrate(&mut x, &mut d, &mut v, &constants),
-                    "{bad} at {k}"
-                );
+                let farthest = integrate(&mut x, &mut d, &mut v, &constants);
+                assert_eq!(farthest, None, "{bad} at {k}");
                 assert_eq!(first_non_finite(&x), VertexId(1));
             }
         }
