@@ -1,8 +1,10 @@
-//! The benchmark: the paper's seven-model table, and the solver's own speed.
+//! The benchmark: the paper's seven-model table, the solver's own speed, and what a cut costs.
 
 mod allocations;
 mod backend;
 mod columns;
+mod cut;
+mod directions;
 mod json;
 mod machine;
 mod models;
@@ -11,6 +13,7 @@ mod paper;
 mod protocol;
 mod report;
 mod solver;
+mod statistics;
 mod step;
 
 use backend::BackendChoice;
@@ -38,6 +41,8 @@ enum Command {
     Solver(SolverArguments),
     /// Time of a frame of every model, and of spheres of up to a million triangles, on every backend.
     Step(step::StepArguments),
+    /// Times of a cut, step by step, of every model, finer armadillos and spheres of up to a million triangles.
+    Cut(cut::CutArguments),
 }
 
 /// What the table is made of.
@@ -126,6 +131,7 @@ fn run(arguments: Arguments) -> Result<(), String> {
         let done = match arguments.command {
             Some(Command::Solver(solver)) => solver::run(&solver, &mut out),
             Some(Command::Step(step)) => step::run(&step, &mut out),
+            Some(Command::Cut(cut)) => cut::run(&cut, &mut out),
             Some(Command::Table(table)) => report::run(&table, &mut out),
             None => report::run(&arguments.table, &mut out),
         };
@@ -160,6 +166,19 @@ mod tests {
         ] {
             assert!(parse(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn the_options_of_cut_have_defaults() {
+        let parse = |line: &str| Arguments::try_parse_from(line.split_whitespace());
+        let all = "b cut --method rebuild --planes 0 --max-triangles 100 --only bunny --cuts 0 --level 0.7 --seed 3 --json x";
+        assert!(parse("b cut").is_ok());
+        assert!(parse(all).is_ok());
+        assert!(
+            parse("b cut --method fast").is_err(),
+            "there are two methods"
+        );
+        assert!(parse("b cut --planes -1").is_err(), "planes are counted");
     }
 
     #[test]

@@ -11,7 +11,9 @@
 //! device. Errors are measured before each slice only, where the body is read anyway.
 
 use crate::allocations;
+use crate::directions::Directions;
 use crate::models::Loaded;
+use crate::statistics::{mean, percentile_99};
 use crate::{TableArguments, motion};
 use incise_cut::{CutParams, Sweep};
 use incise_mesh::geometry::{area_vector, round};
@@ -380,49 +382,6 @@ fn rest_volume(surface: &Surface) -> f64 {
     surface.rest_volume_of(surface.topology().triangles())
 }
 
-/// Seeded directions (splitmix64, Steele et al. 2014).
-struct Directions(u64);
-
-impl Directions {
-    /// A number from -1 to 1.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^= z >> 31;
-        f64::from(u32::try_from(z >> 32).unwrap_or(u32::MAX)) / f64::from(u32::MAX) * 2.0 - 1.0
-    }
-
-    /// A direction, all equally likely.
-    fn next_unit(&mut self) -> Vec3 {
-        loop {
-            let v = Vec3::new(self.next(), self.next(), self.next());
-            let length = v.norm();
-            if length > 0.1 && length <= 1.0 {
-                return v / length;
-            }
-        }
-    }
-}
-
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "a run has far fewer than 2^53 cuts"
-)]
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// The smallest value that 99% of the sorted values do not exceed.
-fn percentile_99(sorted: &[f64]) -> f64 {
-    let rank = (sorted.len() * 99).div_ceil(100);
-    sorted
-        .get(rank.wrapping_sub(1))
-        .copied()
-        .unwrap_or(f64::NAN)
-}
-
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -438,27 +397,4 @@ fn whole(x: f64) -> u32 {
 )]
 fn narrow(x: f64) -> f32 {
     x as f32
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn directions_are_units_and_repeat_with_their_seed() {
-        let mut directions = Directions(7);
-        let all: Vec<Vec3> = (0..1000).map(|_| directions.next_unit()).collect();
-        assert!(all.iter().all(|d| (d.norm() - 1.0).abs() < 1e-12));
-        let mean = all.iter().sum::<Vec3>() / 1000.0;
-        assert!(mean.norm() < 0.1, "no direction is preferred: {mean}");
-        assert_eq!(Directions(7).next_unit(), all[0]);
-    }
-
-    #[test]
-    fn the_99th_percentile_of_few_values_is_the_largest() {
-        assert_eq!(percentile_99(&[1.0, 2.0, 3.0]), 3.0);
-        let hundred: Vec<f64> = (1..=100).map(f64::from).collect();
-        assert_eq!(percentile_99(&hundred), 99.0);
-        assert!(percentile_99(&[]).is_nan());
-    }
 }

@@ -236,7 +236,6 @@ fn a_hundred_cuts_and_their_pieces_moving_apart_leave_a_tree_like_a_fresh_one() 
     for _ in 0..600 {
         let sweep = random.sweep(&surface);
         let params = CutParams {
-            method: CutMethod::Rebuild,
             only_piece: Some(id(random.next(surface.piece_bound() as usize))),
             refine: RefineParams {
                 level: RefinementLevel::Z(3.0),
@@ -319,9 +318,17 @@ proptest! {
             match random.next(3) {
                 0 => {
                     let sweep = random.sweep(&surface);
-                    let params = CutParams { method: CutMethod::Rebuild, ..CutParams::default() };
+                    let method = [CutMethod::Exact, CutMethod::Rebuild][random.next(2)];
+                    let params = CutParams { method, ..CutParams::default() };
                     // A refusal changes nothing and is as good as a cut.
-                    let _ = cutter.cut(&mut surface, &sweep, &params);
+                    let done = cutter.cut(&mut surface, &sweep, &params);
+                    cutter.bvh().validate(&surface).unwrap();
+                    if let Some(undo) = done.ok().and_then(|outcome| outcome.undo)
+                        && random.next(2) == 0
+                    {
+                        let back = undo.revert(&mut surface).unwrap();
+                        cutter.follow(&surface, &back);
+                    }
                 }
                 1 => {
                     let vertices: Vec<VertexId> = surface.topology().vertices().collect();

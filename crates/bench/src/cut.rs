@@ -1,0 +1,134 @@
+//! What a cut costs, step by step, on models from 20 triangles to a million.
+
+mod latency;
+mod outcome;
+mod planes;
+mod row;
+mod specimen;
+mod subdivide;
+mod subject;
+mod table;
+mod times;
+
+use crate::{json, machine};
+use clap::{Args, ValueEnum};
+use incise_cut::{CutMethod, CutParams};
+use incise_refine::{RefineParams, RefinementLevel};
+use row::{Record, Slope, Stamp};
+use std::error::Error;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// What is cut, how and how often.
+#[derive(Args, Clone)]
+pub(crate) struct CutArguments {
+    /// A folder with real models (bunny*.obj, armadillo*.ply, ...) to use instead of built-in ones.
+    #[arg(long, value_name = "DIR")]
+    models: Option<PathBuf>,
+    /// Models to cut, separated by commas: those of the table, finer armadillos as Armadillo120000,
+    /// and spheres as Sphere3072.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    only: Vec<String>,
+    /// How surfaces are opened.
+    #[arg(long, value_enum, default_value_t = MethodChoice::Exact)]
+    method: MethodChoice,
+    /// Seeded planes for each model, besides the one through the middle.
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    planes: u32,
+    /// Leave out larger models.
+    #[arg(long, value_name = "N", default_value_t = 1_400_000)]
+    max_triangles: usize,
+    /// Cuts that a body has behind it at last when latencies are compared; 0 compares none.
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    cuts: u32,
+    /// Refinement level of the caps: one of the five names, or z.
+    #[arg(long, default_value = "1")]
+    level: RefinementLevel,
+    /// Where the directions of the planes start.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Also write the rows as JSON, after every model.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// How surfaces are opened, as the command line names it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MethodChoice {
+    /// Hit triangles are split: nothing is lost, any cross-section is closed.
+    Exact,
+    /// The paper's: hit triangles are deleted and the rim is built anew.
+    Rebuild,
+}
+
+impl MethodChoice {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Rebuild => "rebuild",
+        }
+    }
+
+    fn params(self, level: RefinementLevel) -> CutParams {
+        CutParams {
+            method: match self {
+                Self::Exact => CutMethod::Exact,
+                Self::Rebuild => CutMethod::Rebuild,
+            },
+            refine: RefineParams {
+                level,
+                ..RefineParams::default()
+            },
+            ..CutParams::default()
+        }
+    }
+}
+
+/// Measures and prints.
+pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    let folder = arguments.models.as_deref();
+    let subjects = subject::list(folder, &arguments.only, arguments.max_triangles)?;
+    let params = arguments.method.params(arguments.level);
+    let stamp = Stamp {
+        method: arguments.method.name(),
+        level: arguments.level.z(),
+        seed: arguments.seed,
+        machine: machine::machine(),
+        commit: machine::commit(),
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    writeln!(
+        out,
+        "{}, commit {}; method {}, level {}, seed {}",
+        stamp.machine, stamp.commit, stamp.method, arguments.level, stamp.seed
+    )?;
+    table::header(out)?;
+    let mut records = Vec::new();
+    let keep = |records: &[Record]| match &arguments.json {
+        // After every model: what a long run has measured is not lost with it.
+        Some(path) => json::write(path, records),
+        None => Ok(()),
+    };
+    for subject in &subjects {
+        let rows = planes::measure(subject, &params, arguments.planes, &stamp)?;
+        for row in rows {
+            table::row(out, &row)?;
+            records.push(Record::Cut(Box::new(row)));
+        }
+        keep(&records)?;
+    }
+    writeln!(out, "{}", table::LEGEND)?;
+    for slope in Slope::of_families(&records, &stamp) {
+        table::slope(out, &slope)?;
+        records.push(Record::Slope(slope));
+    }
+    if arguments.cuts > 0 {
+        for latency in latency::measure(&params, arguments.cuts, &stamp)? {
+            table::latency(out, &latency)?;
+            records.push(Record::Latency(Box::new(latency)));
+        }
+    }
+    table::failures(out, &records)?;
+    keep(&records)?;
+    Ok(())
+}
