@@ -105,11 +105,6 @@ impl Cutter {
         self.bvh.refit_moved(surface, triangles);
     }
 
-    /// Follows an edit from elsewhere, such as an undo. O(k log n) for k triangles removed and added.
-    pub fn follow(&mut self, surface: &Surface, delta: &TopologyDelta) {
-        self.bvh.update(surface, delta);
-    }
-
     /// The search tree.
     #[must_use]
     pub fn bvh(&self) -> &Bvh {

@@ -7,15 +7,15 @@ use super::specimen::Specimen;
 use super::times::Times;
 use crate::directions::Directions;
 use incise_cut::{CutParams, Sweep};
-use incise_mesh::{Vec3, cube_sphere};
+use incise_mesh::{TriangleId, Vec3, cube_sphere};
 use std::error::Error;
 
 /// Squares along an edge of the cube that the ball is blown up from: 49,152 triangles.
 const QUADS: u32 = 64;
 /// Triangles that a slice is to hit.
 const HITS: usize = 120;
-/// How far from that it may be, as a part.
-const TOLERANCE: f64 = 0.1;
+/// How far from that it may be.
+const TOLERANCE: usize = 12;
 /// Slices measured at a time.
 const PROBES: usize = 100;
 /// Directions that are tried for a slice before the body counts as used up.
@@ -32,19 +32,21 @@ pub(super) fn measure(
     let mut specimen = Specimen::new(cube_sphere(QUADS, 0.5))?;
     let mut directions = Directions(stamp.seed);
     // What slices leave of the ball keeps its number: it has the most triangles.
+    let piece = specimen.surface.piece(TriangleId(0));
     let params = CutParams {
-        only_piece: Some(specimen.surface.piece(incise_mesh::TriangleId(0))),
+        only_piece: Some(piece),
         ..*params
     };
     let mut rows: Vec<Latency> = Vec::new();
     for cut in 1..=cuts {
-        let Some((sweep, _)) = slice(&specimen, &params, &mut directions)? else {
-            break;
+        let Some((normal, d)) = slice(&specimen, piece, &mut directions) else {
+            return Err(format!("after {cut} cuts no slice hits {HITS} triangles").into());
         };
+        let sweep = Sweep::across_box(normal.into(), d, &specimen.surface.bounds())?;
         // A slice that cannot be cut is seen among those that are measured.
         let _ = specimen.cut(&sweep, &params)?;
         if STAGES.contains(&cut) || cut == cuts {
-            let outcomes = probe(&mut specimen, &params, &mut directions)?;
+            let outcomes = probe(&mut specimen, piece, &params, &mut directions)?;
             let [ms_median, ms_p99] = Times::summary(&outcomes.times);
             let first = rows.first().map_or(ms_p99, |row| row.ms_p99);
             rows.push(Latency {
@@ -70,56 +72,59 @@ pub(super) fn measure(
 /// Measures slices and takes each back.
 fn probe(
     specimen: &mut Specimen,
+    piece: u32,
     params: &CutParams,
     directions: &mut Directions,
 ) -> Result<Outcomes, Box<dyn Error>> {
     let mut outcomes = Outcomes::default();
     for _ in 0..PROBES {
-        let Some((sweep, plane)) = slice(specimen, params, directions)? else {
+        let Some((normal, d)) = slice(specimen, piece, directions) else {
             break;
         };
+        let sweep = Sweep::across_box(normal.into(), d, &specimen.surface.bounds())?;
         match specimen.cut(&sweep, params)? {
             Ok(Some(cut)) => {
                 outcomes.add(&cut);
                 specimen.undo(cut)?;
             }
             Ok(None) => outcomes.missed += 1,
-            Err(error) => outcomes.fail(error, plane),
+            Err(error) => outcomes.fail(error, [normal.x, normal.y, normal.z, d]),
         }
     }
     Ok(outcomes)
 }
 
-/// A plane in the next direction that slices off a tip and meets about as many triangles as it should,
-/// found by halving; none when no direction has one.
-fn slice(
-    specimen: &Specimen,
-    params: &CutParams,
-    directions: &mut Directions,
-) -> Result<Option<(Sweep, [f64; 4])>, Box<dyn Error>> {
-    let mut found = Vec::new();
+/// A plane in the next direction that slices off a tip and hits about as many triangles as it should,
+/// found by halving, as direction and distance; none when no direction has one.
+fn slice(specimen: &Specimen, piece: u32, directions: &mut Directions) -> Option<(Vec3, f64)> {
+    let surface = &specimen.surface;
     for _ in 0..ATTEMPTS {
-        let normal: Vec3 = directions.next_unit();
-        let [low, high] = specimen.reach(normal, params.only_piece);
+        let normal = directions.next_unit();
+        // The heights of every triangle, once for all halvings.
+        let triangles = surface.topology().triangles();
+        let heights = triangles.filter(|&t| surface.piece(t) == piece).map(|t| {
+            let [a, b, c] = surface.triangle_positions(t).map(|p| normal.dot(&p));
+            [a.min(b).min(c), a.max(b).max(c)]
+        });
+        let heights: Vec<[f64; 2]> = heights.collect();
+        let low = heights.iter().map(|h| h[0]).fold(f64::INFINITY, f64::min);
+        let high = heights
+            .iter()
+            .map(|h| h[1])
+            .fold(f64::NEG_INFINITY, f64::max);
         let (mut inner, mut outer) = ((low + high) / 2.0, high);
-        for _ in 0..40 {
+        for _ in 0..30 {
             let d = (inner + outer) / 2.0;
-            let sweep = Sweep::across_box(normal.into(), d, &specimen.surface.bounds())?;
-            found.clear();
-            specimen
-                .cutter
-                .bvh()
-                .query(&specimen.surface, &sweep, &mut found);
-            found.retain(|&t| Some(specimen.surface.piece(t)) == params.only_piece);
-            if (found.len() as f64 / HITS as f64 - 1.0).abs() < TOLERANCE {
-                return Ok(Some((sweep, [normal.x, normal.y, normal.z, d])));
+            let hits = heights.iter().filter(|h| h[0] < d && d < h[1]).count();
+            if hits.abs_diff(HITS) <= TOLERANCE {
+                return Some((normal, d));
             }
-            if found.len() > HITS {
+            if hits > HITS {
                 inner = d;
             } else {
                 outer = d;
             }
         }
     }
-    Ok(None)
+    None
 }

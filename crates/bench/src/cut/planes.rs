@@ -68,7 +68,7 @@ fn run(
 ) -> Result<Outcomes, Box<dyn Error>> {
     let mut outcomes = Outcomes::default();
     for (normal, part) in planes {
-        let [low, high] = specimen.reach(normal, None);
+        let [low, high] = specimen.reach(normal);
         let d = (low + high) / 2.0 + part * (high - low) / 2.0;
         let sweep = Sweep::across_box(normal.into(), d, &specimen.surface.bounds())?;
         match specimen.cut(&sweep, params)? {

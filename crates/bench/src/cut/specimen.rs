@@ -11,7 +11,7 @@ use std::time::Instant;
 /// A body with its solver.
 pub(super) struct Specimen {
     pub(super) surface: Surface,
-    pub(super) cutter: Cutter,
+    cutter: Cutter,
     solver: Solver,
 }
 
@@ -61,25 +61,18 @@ impl Specimen {
     /// Takes a cut back: cheaper than a copy of a million triangles, and arrays keep their room.
     pub(super) fn undo(&mut self, cut: Cut) -> Result<(), Box<dyn Error>> {
         if let Some(undo) = cut.undo {
-            let back = undo.revert(&mut self.surface)?;
-            self.cutter.follow(&self.surface, &back);
+            let back = self.cutter.undo(&mut self.surface, undo)?;
             self.solver.apply_delta(&mut self.surface, &back)?;
         }
         Ok(())
     }
 
-    /// How far a piece reaches along a direction, from and to \[m\]; all pieces without one.
-    pub(super) fn reach(&self, normal: Vec3, piece: Option<u32>) -> [f64; 2] {
-        let topology = self.surface.topology();
-        let mut reach = [f64::INFINITY, f64::NEG_INFINITY];
-        for t in topology.triangles() {
-            if piece.is_none_or(|piece| self.surface.piece(t) == piece) {
-                for p in self.surface.triangle_positions(t) {
-                    let height = normal.dot(&p);
-                    reach = [reach[0].min(height), reach[1].max(height)];
-                }
-            }
-        }
-        reach
+    /// How far the body reaches along a direction, from and to \[m\].
+    pub(super) fn reach(&self, normal: Vec3) -> [f64; 2] {
+        let vertices = self.surface.topology().vertices();
+        let heights = vertices.map(|v| normal.dot(&self.surface.position(v)));
+        heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| {
+            [low.min(height), high.max(height)]
+        })
     }
 }

@@ -129,7 +129,7 @@ mod tests {
     use super::super::row::tests as rows;
     use super::*;
 
-    fn text(write: impl Fn(&mut Vec<u8>) -> io::Result<()>) -> String {
+    fn text(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> String {
         let mut out = Vec::new();
         write(&mut out).unwrap();
         String::from_utf8(out).unwrap()
@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn numbers_stand_below_their_names() {
-        let head = text(|out| header(out));
+        let head = text(header);
         let line = text(|out| row(out, &rows::row(1234, 8.0)));
         for (name, value) in [(" n ", "1234"), ("split", "6.000"), ("p99", "8.000")] {
             let end = |s: &str, part: &str| s.rfind(part).map(|at| at + part.trim_end().len());

@@ -3,7 +3,7 @@
 //! Sorting by Morton code (Lauterbach et al. 2009) costs half of what splitting along the longest
 //! side at every node does, and a query takes as long.
 
-use super::{Bvh, LEAF_SIZE, NONE, Node, Part, morton};
+use super::{Bvh, LEAF_SIZE, NONE, Node, Part};
 use incise_mesh::{Surface, TriangleId};
 
 impl Bvh {
@@ -29,9 +29,9 @@ impl Bvh {
             .resize(surface.topology().triangle_slots(), NONE);
         let mut sorted = std::mem::take(&mut self.scratch.sorted);
         sorted.clear();
-        sorted.extend(surface.topology().triangles().map(|t| (0, t)));
+        sorted.extend(surface.topology().triangles());
         if !sorted.is_empty() {
-            morton::sort(surface, &mut sorted);
+            self.scratch.curve.sort(surface, &mut sorted);
             // The root's pair comes first.
             self.nodes.resize(2, Node::default());
             self.samples.resize(2, NONE);
@@ -43,9 +43,9 @@ impl Bvh {
     }
 
     /// Makes a subtree over triangles in their order.
-    pub(super) fn plant(&mut self, surface: &Surface, sorted: &[(u64, TriangleId)]) -> Part {
+    pub(super) fn plant(&mut self, surface: &Surface, sorted: &[TriangleId]) -> Part {
         if sorted.len() <= LEAF_SIZE {
-            return self.leaf(surface, sorted.iter().map(|&(_, t)| t));
+            return self.leaf(surface, sorted.iter().copied());
         }
         // A multiple of the leaf size on the left fills all leaves but one.
         let half = (sorted.len() / 2).next_multiple_of(LEAF_SIZE);

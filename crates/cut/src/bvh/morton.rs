@@ -1,62 +1,114 @@
 //! Triangles along a curve that fills space.
 
-use incise_mesh::geometry::widen;
-use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
+use super::{least, most, triangle_bounds, union};
+use incise_mesh::{Aabb, Surface, TriangleId};
 
-/// Cells of the Morton grid along a side: 10 bits for each of three axes leave half of 64 for the id, so
-/// that one number is compared. A million triangles of a surface share cells by threes and fours, which
-/// a leaf holds.
-const CELLS: f64 = (1u32 << 10) as f64;
+/// Memory of a sort.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Curve {
+    /// The place along the curve, and below it the number of the triangle: one word sorts in half of
+    /// the time of two.
+    keys: Vec<u64>,
+    unsorted: Vec<TriangleId>,
+}
 
-/// Sorts triangles by where their middles lie along the curve.
-pub(super) fn sort(surface: &Surface, triangles: &mut [(u64, TriangleId)]) {
-    let mut bounds = Aabb::default();
-    for &(_, t) in &*triangles {
-        for v in surface.topology().triangle(t) {
-            let [x, y, z, _] = surface.positions[v.index()];
-            bounds.grow([x, y, z]);
+impl Curve {
+    /// Sorts triangles by where their middles lie along the curve.
+    pub(super) fn sort(&mut self, surface: &Surface, triangles: &mut [TriangleId]) {
+        let corners = |t: TriangleId| surface.topology().triangle(t);
+        let bounds = (triangles.iter()).fold(Aabb::default(), |b, &t| {
+            union(&b, &triangle_bounds(surface, corners(t)))
+        });
+        let numbers = triangles.len().next_power_of_two().ilog2();
+        let bits = ((u64::BITS - numbers) / 3).min(21);
+        let grid = Grid::new(&bounds, bits);
+        self.keys.clear();
+        self.keys.extend((0_u64..).zip(&*triangles).map(|(i, &t)| {
+            let [a, b, c] = corners(t).map(|v| surface.positions[v.index()]);
+            let middle = std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0);
+            (grid.code(middle) << numbers) | i
+        }));
+        self.keys.sort_unstable();
+        self.unsorted.clear();
+        self.unsorted.extend_from_slice(triangles);
+        let number = (1_u64 << numbers) - 1;
+        for (t, key) in triangles.iter_mut().zip(&self.keys) {
+            let i = usize::try_from(key & number).expect("numbers come from the slice");
+            *t = self.unsorted[i];
         }
     }
-    let min = widen(bounds.min);
-    let scale = (widen(bounds.max) - min).map(|x| CELLS / x);
-    for (code, t) in triangles.iter_mut() {
-        let [a, b, c] = surface.triangle_positions(*t);
-        let place = morton_code(((a + b + c) / 3.0 - min).component_mul(&scale));
-        *code = (place << 32) | u64::from(t.0);
+}
+
+/// Cells that fill a box.
+struct Grid {
+    min: [f32; 3],
+    /// Cells a meter.
+    scale: [f32; 3],
+    last: f32,
+}
+
+impl Grid {
+    /// 2 to the power of `bits` cells along each side.
+    fn new(bounds: &Aabb, bits: u32) -> Self {
+        let cells = f32::from_bits((127 + bits) << 23);
+        Self {
+            min: bounds.min,
+            scale: std::array::from_fn(|k| cells / (bounds.max[k] - bounds.min[k])),
+            last: cells - 1.0,
+        }
     }
-    triangles.sort_unstable_by_key(|entry| entry.0);
+
+    /// The place along the curve of the cell that a point is in. What is not finite goes anywhere.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a saturating cast of a cell number"
+    )]
+    fn code(&self, point: [f32; 3]) -> u64 {
+        let cell = |k: usize| {
+            let along = (point[k] - self.min[k]) * self.scale[k];
+            u64::from(least(self.last, most(0.0, along)) as u32)
+        };
+        (0..3).fold(0, |code, k| code | spread(cell(k)) << k)
+    }
 }
 
-/// The place of a cell along the curve.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a saturating cast of a cell number; what is not finite goes anywhere"
-)]
-fn morton_code(cell: Vec3) -> u64 {
-    (0..3)
-        .map(|k| spread(cell[k].min(CELLS - 1.0) as u64) << k)
-        .fold(0, |code, bits| code | bits)
-}
-
-/// The lower 10 bits of `x`, two zeros behind each.
+/// The lower 21 bits of `x`, two zeros behind each.
 const fn spread(mut x: u64) -> u64 {
-    x &= 0x3ff;
-    x = (x | (x << 16)) & 0x0300_00ff;
-    x = (x | (x << 8)) & 0x0300_f00f;
-    x = (x | (x << 4)) & 0x030c_30c3;
-    (x | (x << 2)) & 0x0924_9249
+    x &= 0x1f_ffff;
+    x = (x | (x << 32)) & 0x001f_0000_0000_ffff;
+    x = (x | (x << 16)) & 0x001f_0000_ff00_00ff;
+    x = (x | (x << 8)) & 0x100f_00f0_0f00_f00f;
+    x = (x | (x << 4)) & 0x10c3_0c30_c30c_30c3;
+    (x | (x << 2)) & 0x1249_2492_4924_9249
 }
 
 #[cfg(test)]
 mod tests {
-    use super::spread;
+    use super::*;
 
     #[test]
     fn spread_bits_stand_three_apart() {
-        for bit in 0..10 {
+        for bit in 0..21 {
             assert_eq!(spread(1 << bit), 1 << (3 * bit));
         }
-        assert_eq!(spread(u64::MAX), spread(0x3ff), "only 10 bits count");
+        assert_eq!(spread(u64::MAX), spread(0x1f_ffff), "only 21 bits count");
+    }
+
+    #[test]
+    fn neighbors_in_space_are_neighbors_along_the_curve() {
+        let bounds = Aabb::around([[0.0; 3], [8.0, 8.0, 4.0]]);
+        let grid = Grid::new(&bounds, 2);
+        // The curve goes through all cells of a half before it comes to the other.
+        let code = |x, y, z| grid.code([x, y, z]);
+        assert_eq!(code(0.5, 0.5, 0.5), 0);
+        assert_eq!(code(3.9, 0.5, 0.5), 1);
+        assert_eq!(code(0.5, 2.5, 1.5), 6);
+        assert_eq!(
+            code(8.0, 8.0, 4.0),
+            63,
+            "the far corner is in the last cell"
+        );
+        assert!(code(3.9, 7.9, 1.9) < code(0.0, 0.0, 2.1), "z counts most");
     }
 }

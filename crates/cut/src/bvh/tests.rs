@@ -326,8 +326,7 @@ proptest! {
                     if let Some(undo) = done.ok().and_then(|outcome| outcome.undo)
                         && random.next(2) == 0
                     {
-                        let back = undo.revert(&mut surface).unwrap();
-                        cutter.follow(&surface, &back);
+                        cutter.undo(&mut surface, undo).unwrap();
                     }
                 }
                 1 => {

@@ -43,13 +43,14 @@ struct Batch {
 /// Memory of an update that the next one uses again.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scratch {
-    pub(super) sorted: Vec<(u64, TriangleId)>,
+    pub(super) curve: morton::Curve,
+    pub(super) sorted: Vec<TriangleId>,
     /// New triangles by the block that they go to.
     homes: Vec<(u32, TriangleId)>,
     /// New triangles that go to none, by piece.
     rest: Vec<(u32, TriangleId)>,
     /// The same along a curve in each piece, and ranges of them.
-    along: Vec<(u64, TriangleId)>,
+    along: Vec<TriangleId>,
     batches: Vec<Batch>,
     stack: Vec<(u32, Path)>,
     /// Triangles of leaves that are to be made, by piece.
@@ -174,6 +175,7 @@ impl Bvh {
     /// as large as these batches to hang them beside.
     fn find_batches(&mut self, surface: &Surface, added: &[TriangleId], scratch: &mut Scratch) {
         let Scratch {
+            curve,
             rest,
             along,
             batches,
@@ -188,11 +190,11 @@ impl Bvh {
         rest.sort();
         for of_piece in rest.chunk_by(|x, y| x.0 == y.0) {
             let first = along.len();
-            along.extend(of_piece.iter().map(|&(_, t)| (0, t)));
-            morton::sort(surface, &mut along[first..]);
+            along.extend(of_piece.iter().map(|&(_, t)| t));
+            curve.sort(surface, &mut along[first..]);
             let length = of_piece.len().div_ceil(BATCHES);
             for (i, batch) in along[first..].chunks(length).enumerate() {
-                let bounds = batch.iter().fold(Aabb::default(), |b, &(_, t)| {
+                let bounds = batch.iter().fold(Aabb::default(), |b, &t| {
                     union(
                         &b,
                         &triangle_bounds(surface, surface.topology().triangle(t)),
@@ -289,9 +291,9 @@ impl Bvh {
         let sorted = &mut scratch.sorted;
         for &(item, from, to) in &scratch.runs {
             sorted.clear();
-            sorted.extend(scratch.loose[from..to].iter().map(|&(_, t)| (0, t)));
+            sorted.extend(scratch.loose[from..to].iter().map(|&(_, t)| t));
             if sorted.len() > LEAF_SIZE {
-                morton::sort(surface, sorted);
+                scratch.curve.sort(surface, sorted);
             }
             scratch.items[item].part = self.plant(surface, sorted);
         }
