@@ -162,6 +162,17 @@ fn left_over<const N: usize>(set: &ConstraintSet<N>) -> f64 {
 
 #[test]
 fn cuts_leave_next_to_nothing_outside_of_patches() {
+    // The exact method's caps have twice the triangles, all of them new to the patches.
+    cuts_leave_less_than(CutMethod::Rebuild, [0.01, 0.03]);
+    cuts_leave_less_than(CutMethod::Exact, [0.01, 0.04]);
+}
+
+/// Cuts four times; at most these parts of stretch and bending constraints may be in no patch.
+fn cuts_leave_less_than(method: CutMethod, most: [f64; 2]) {
+    let cut_params = CutParams {
+        method,
+        ..CutParams::default()
+    };
     let mut surface = build_model(Model::Banana);
     let params = PatchParams::default();
     let mut solver = Solver::with_patches(&mut surface, &Material::default(), &params)
@@ -183,7 +194,7 @@ fn cuts_leave_next_to_nothing_outside_of_patches() {
             .sum::<f64>();
         let sweep = Sweep::across_box(normal, d, &bounds).expect("a plane");
         cutter.refit(&surface);
-        let cut = cut_and_check(&mut surface, &mut cutter, &sweep, &CutParams::default());
+        let cut = cut_and_check(&mut surface, &mut cutter, &sweep, &cut_params);
         let outcome = cut.expect("a plane through the middle cuts");
         solver
             .apply_delta(&mut surface, &outcome.delta)
@@ -192,7 +203,7 @@ fn cuts_leave_next_to_nothing_outside_of_patches() {
         let bending = solver.bending().expect("the material bends");
         let left = [left_over(solver.stretch()), left_over(bending)];
         assert!(
-            left[0] < 0.01 && left[1] < 0.03,
+            left[0] < most[0] && left[1] < most[1],
             "{left:?} of stretch and bending constraints are in no patch"
         );
     }
