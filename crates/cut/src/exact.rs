@@ -88,14 +88,15 @@ impl Exact {
             lips: &mut self.lips,
             rim: &mut self.rim,
         };
-        let snapped = self.snapper.snap(&mut opened, params.snap);
+        let unfold = Unfold::new(&signs);
+        let budget = snap::BUDGET * self.trace.section_area(&unfold) * self.trace.mean_local();
+        let snapped = self.snapper.snap(&mut opened, params.snap, budget);
         report.snapped_vertices = snapped.vertices;
         report.merged_nodes = snapped.nodes;
         report.moved_volume = snapped.volume;
         report.short_rim_edges = snapped.short_edges;
         report.split = begin.elapsed();
         let begin = Instant::now();
-        let unfold = Unfold::new(&signs);
         let rims = Rims {
             nodes: &self.trace.nodes,
             lips: &self.lips,
@@ -137,11 +138,9 @@ impl Exact {
     }
 
     /// How long the edges of caps get \[m\]: the mean edge of the hit triangles times the level's z.
-    #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^53 nodes")]
     fn target_length(&self, params: &CutParams) -> Result<f64, CutError> {
         params.refine.check()?;
-        let nodes = &self.trace.nodes;
-        let mean = nodes.iter().map(|n| n.local).sum::<f64>() / nodes.len() as f64;
-        Ok(params.refine.rim_length.unwrap_or(mean) * params.refine.level.z())
+        let length = params.refine.rim_length;
+        Ok(length.unwrap_or_else(|| self.trace.mean_local()) * params.refine.level.z())
     }
 }

@@ -7,8 +7,9 @@
 //!   onto the sweep;
 //! - two nodes that are close to each other merge, on both lips.
 //!
-//! Neither turns a triangle over, and neither moves more volume than [`LARGEST_MOVE`]: a corner of a
-//! coarse body stays where it is and leaves its short rim edge, which the report counts.
+//! Neither turns a triangle over, neither moves more volume than [`LARGEST_MOVE`], and all of them together
+//! no more than [`BUDGET`]: a corner of a coarse body stays where it is and leaves its short rim edge, which
+//! the report counts.
 
 use super::node::{Node, On};
 use super::open::Lips;
@@ -17,7 +18,11 @@ use incise_mesh::geometry::area_vector;
 use incise_mesh::{Edit, HalfEdge, Surface, Vec3, VertexId};
 
 /// The most volume that one contraction may move [cubes of the local edge length].
-const LARGEST_MOVE: f64 = 2e-4;
+const LARGEST_MOVE: f64 = 5e-3;
+
+/// The most volume that all contractions of a cut may move [section area times mean local edge length].
+/// Even of a body that is a single edge thick this is a small part.
+pub(super) const BUDGET: f64 = 1e-3;
 
 /// What snapping did.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -35,6 +40,8 @@ pub(super) struct Snapped {
 /// Memory of a snap.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Snapper {
+    /// Volume that may still be moved \[m^3\].
+    budget: f64,
     near: Vec<VertexId>,
     far: Vec<VertexId>,
     fan: Vec<HalfEdge>,
@@ -49,8 +56,10 @@ pub(super) struct Opened<'a, 'e> {
 }
 
 impl Snapper {
-    /// Contracts what is shorter than `snap` times the local edge length.
-    pub(super) fn snap(&mut self, cut: &mut Opened<'_, '_>, snap: f64) -> Snapped {
+    /// Contracts what is shorter than `snap` times the local edge length, moving no more than `budget` of
+    /// volume \[m^3\].
+    pub(super) fn snap(&mut self, cut: &mut Opened<'_, '_>, snap: f64, budget: f64) -> Snapped {
+        self.budget = budget;
         let mut done = Snapped::default();
         if snap <= 0.0 {
             return done;
@@ -77,6 +86,12 @@ impl Snapper {
             done.short_edges += short.count();
         }
         done
+    }
+
+    /// The most volume that a contraction at `node` may move now.
+    fn limit(&self, cut: &Opened<'_, '_>, node: u32) -> f64 {
+        let local = cut.nodes[node as usize].local;
+        self.budget.min(LARGEST_MOVE * local.powi(3))
     }
 
     fn is_short(cut: &Opened<'_, '_>, node: u32, snap: f64) -> bool {
@@ -127,14 +142,19 @@ impl Snapper {
             return;
         }
         let target = cut.lips.vertices[node as usize][lip];
-        let limit = LARGEST_MOVE * cut.nodes[node as usize].local.powi(3);
+        let limit = self.limit(cut, node);
         let Some(volume) = moved_volume(cut.edit.surface(), &self.fan, vertex, target, limit)
         else {
             return;
         };
         self.pull_in(cut, node, lip, to_vertex);
         done.vertices += 1;
+        self.book(volume, done);
+    }
+
+    fn book(&mut self, volume: f64, done: &mut Snapped) {
         done.volume += volume;
+        self.budget = (self.budget - volume).max(0.0);
     }
 
     fn common_neighbors(&self) -> usize {
@@ -221,7 +241,7 @@ impl Snapper {
                 }
                 cut.rim.take_out(gone);
                 done.nodes += 1;
-                done.volume += volume;
+                self.book(volume, done);
                 return true;
             }
         }
@@ -253,7 +273,7 @@ impl Snapper {
         self.fan.clear();
         (self.fan).extend(cut.rim.fan(topology, cut.lips, gone, lip));
         let [gone_vertex, kept_vertex] = [gone, kept].map(|n| cut.lips.vertices[n as usize][lip]);
-        let limit = LARGEST_MOVE * cut.nodes[node as usize].local.powi(3);
+        let limit = self.limit(cut, node);
         moved_volume(
             cut.edit.surface(),
             &self.fan,

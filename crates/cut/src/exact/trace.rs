@@ -6,6 +6,7 @@
 
 use super::node::Node;
 use super::signs::Signs;
+use super::unfold::Unfold;
 use crate::error::CutError;
 use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3};
 use std::ops::Range;
@@ -69,6 +70,25 @@ impl Trace {
     /// How many mesh triangles the sweep meets.
     pub(super) fn hits(&self) -> usize {
         self.meetings.len()
+    }
+
+    /// The mean length of the edges around the nodes \[m\].
+    #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^53 nodes")]
+    pub(super) fn mean_local(&self) -> f64 {
+        let sum: f64 = self.nodes.iter().map(|node| node.local).sum();
+        sum / self.nodes.len() as f64
+    }
+
+    /// The area that the closed curves enclose, less that of holes \[m^2\].
+    pub(super) fn section_area(&self, unfold: &Unfold) -> f64 {
+        let doubled = |curve: &Range<u32>| -> f64 {
+            let nodes = &self.nodes[curve.start as usize..curve.end as usize];
+            let outline = || nodes.iter().map(|node| unfold.flatten(node));
+            let following = outline().cycle().skip(1);
+            let cross = |([ax, ay], [bx, by]): ([f64; 2], [f64; 2])| ax * by - ay * bx;
+            outline().zip(following).map(cross).sum()
+        };
+        self.loops.iter().map(doubled).sum::<f64>().abs() / 2.0
     }
 
     /// Finds all curves through `candidates`, which is sorted.
