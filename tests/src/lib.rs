@@ -10,7 +10,9 @@ mod laws;
 
 pub use blades::{Blade, any_blade, any_level, flat_blade};
 pub use bodies::{Body, Deformation, Shape, any_body, large_body, small_body, wild_body};
-pub use laws::{assert_same_bits, assert_sound, cut_and_check, euler_characteristics};
+pub use laws::{
+    assert_same_bits, assert_section_is_covered, assert_sound, cut_and_check, euler_characteristics,
+};
 
 use proptest::test_runner::{Config, RngSeed};
 

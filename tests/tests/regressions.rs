@@ -116,3 +116,58 @@ fn rebuild() -> CutParams {
         ..CutParams::default()
     }
 }
+
+/// A tip of three triangles was contracted to one by snapping, and its cap was that one again: a piece
+/// of two triangles back to back. The piece is the corner of an octant, cut off near its vertex.
+#[test]
+fn snapping_leaves_a_tip_its_triangles() {
+    for snap in [0.05, 0.1, 0.3, 0.49] {
+        for height in [0.5, 0.9, 0.95, 0.99, 0.999] {
+            let corners = [
+                [0.0, 0.0, 0.0],
+                [1.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0],
+                [0.0, 0.0, 1.0],
+            ];
+            let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+            let mut body = Surface::from_triangles(&corners, &faces).expect("a tetrahedron");
+            let sweep = Sweep::across_box([0.01, 0.02, 1.0], height, &body.bounds());
+            let params = CutParams {
+                snap,
+                ..CutParams::default()
+            };
+            let mut cutter = Cutter::new(&body);
+            let cut = cut_and_check(&mut body, &mut cutter, &sweep.expect("a plane"), &params);
+            let pieces = cut.expect("a full slice").delta.pieces_added;
+            assert_eq!(pieces, [(1, 0)], "the tip at {height}, snap {snap}");
+        }
+    }
+}
+
+/// Where loops touched, the corners that were moved apart to triangulate them left the crease, and what
+/// was between lay across it. Every bent sweep through two pieces that an earlier cut left side by
+/// side touches so.
+#[test]
+fn a_bent_sweep_through_pieces_side_by_side_follows_its_crease() {
+    let body = Body {
+        shape: Shape::Icosphere(0),
+        deformation: Deformation::Wild(0.2),
+        lattice: None,
+        seed: 0,
+    };
+    let mut surface = body.build();
+    let mut cutter = Cutter::new(&surface);
+    let blades = [
+        Blade::Plane([0.0, 0.0, -0.785_037_711_961_721_5], 0.0),
+        Blade::Bent([0.0, 1.0, 0.0], 0.0, 0.090_867_632_342_828_84),
+    ];
+    for blade in blades {
+        let sweep = blade.sweep(&surface).expect("a sweep");
+        let params = CutParams {
+            snap: 0.0,
+            ..CutParams::default()
+        };
+        let cut = cut_and_check(&mut surface, &mut cutter, &sweep, &params);
+        cut.expect("a full slice");
+    }
+}

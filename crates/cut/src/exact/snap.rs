@@ -55,6 +55,15 @@ pub(super) struct Opened<'a, 'e> {
     pub(super) rim: &'a mut Rim,
 }
 
+impl Opened<'_, '_> {
+    /// Whether all that is left of a lip with these four nodes is two triangles: one less and its cap is
+    /// the same triangle again.
+    fn is_a_pair(&self, ring: [u32; 4], lip: usize) -> bool {
+        let [a, b, c, d] = ring.map(|n| self.lips.rim[n as usize][lip].triangle());
+        (a == b && c == d) || (b == c && d == a)
+    }
+}
+
 impl Snapper {
     /// Contracts what is shorter than `snap` times the local edge length, moving no more than `budget` of
     /// volume \[m^3\].
@@ -133,6 +142,11 @@ impl Snapper {
                 break;
             }
         }
+        // A tip of three triangles would become one, and its cap the same one again.
+        let size = cut.rim.sizes[cut.rim.loop_of[node as usize] as usize];
+        if size == 3 && self.fan.len() == 3 {
+            return;
+        }
         self.near.clear();
         self.near
             .extend(self.fan.iter().map(|&h| topology.target(h)));
@@ -205,7 +219,10 @@ impl Snapper {
     fn merge(&mut self, cut: &mut Opened<'_, '_>, node: u32, done: &mut Snapped) -> bool {
         let next = cut.rim.next[node as usize];
         let (before, after) = (cut.rim.prev[node as usize], cut.rim.next[next as usize]);
-        if cut.rim.sizes[cut.rim.loop_of[node as usize] as usize] < 4 {
+        let size = cut.rim.sizes[cut.rim.loop_of[node as usize] as usize];
+        if size < 4
+            || (size == 4 && (0..2).any(|lip| cut.is_a_pair([before, node, next, after], lip)))
+        {
             return false;
         }
         let at = |n: u32| cut.nodes[n as usize].position;

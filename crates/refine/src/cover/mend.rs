@@ -64,7 +64,7 @@ pub(crate) fn build(
                 continue;
             }
             rims.restore();
-            nudge(rims, sheet, mirrored, reach, inward, &movers);
+            nudge(rims, sheet, [mirrored, crease], reach, inward, &movers);
             let verdict = sheet.build(rims, rings, mirrored, crease);
             if sheet.trouble.is_empty() {
                 return verdict;
@@ -152,11 +152,11 @@ fn add_movers(
     movers.extend(trouble.vertices(sheet).map(|v| (v, inward)));
 }
 
-/// Moves corners away from what they touch.
+/// Moves corners away from what they touch. None leaves the crease or comes to it.
 fn nudge(
     rims: &mut Rims,
     sheet: &Sheet,
-    mirrored: bool,
+    [mirrored, crease]: [bool; 2],
     reach: f64,
     otherwise: bool,
     movers: &[(u32, Option<bool>)],
@@ -180,7 +180,10 @@ fn nudge(
             -1.0
         };
         let step = way * reach.min(MOST * a.min(b)) / size;
-        let at = [p[0] + step * normal[0], p[1] + step * normal[1]];
+        let mut at = [p[0] + step * normal[0], p[1] + step * normal[1]];
+        if crease && at[1] * p[1] <= 0.0 {
+            at[1] = p[1];
+        }
         if at[0].is_finite() && at[1].is_finite() {
             rims.points[sheet.corner[v as usize] as usize] = [side * at[0], at[1]];
         }

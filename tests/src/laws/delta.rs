@@ -1,0 +1,177 @@
+//! Whether a delta tells all of what an edit changed, and nothing else.
+
+use incise_mesh::geometry::{round, widen};
+use incise_mesh::{HalfEdge, Origin, Surface, TopologyDelta, TriangleId, VertexId};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A coordinate that is computed from rounded parents instead of exact ones differs by their
+/// rounding and its own: [units of the last place of the largest coordinate].
+const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
+
+/// Asserts that `delta` is the difference between two surfaces.
+pub(super) fn assert_delta_is_true(before: &Surface, after: &Surface, delta: &TopologyDelta) {
+    assert_triangles_are_true(before, after, delta);
+    assert_vertices_are_true(before, after, delta);
+    assert_pieces_are_true(before, after, delta);
+}
+
+fn assert_triangles_are_true(before: &Surface, after: &Surface, delta: &TopologyDelta) {
+    let mut expected: BTreeSet<TriangleId> = before.topology().triangles().collect();
+    for &(t, corners) in &delta.triangles_removed {
+        assert!(expected.remove(&t), "{t} was removed once and was there");
+        assert_eq!(corners, before.topology().triangle(t), "corners of {t}");
+    }
+    for &t in &expected {
+        assert_eq!(
+            before.topology().triangle(t),
+            after.topology().triangle(t),
+            "{t} was kept"
+        );
+        for h in t.half_edges().map(HalfEdge::index) {
+            let uv = |s: &Surface| s.corners.uv.get(h).map(|uv| uv.map(f32::to_bits));
+            let normal = |s: &Surface| s.corners.normal.get(h).map(|n| n.map(f32::to_bits));
+            assert_eq!(
+                (uv(before), normal(before)),
+                (uv(after), normal(after)),
+                "{t} kept its attributes"
+            );
+        }
+    }
+    for &t in &delta.triangles_added {
+        assert!(expected.insert(t), "{t} was added once into a free slot");
+    }
+    let found: BTreeSet<TriangleId> = after.topology().triangles().collect();
+    assert_eq!(expected, found, "kept and added triangles");
+}
+
+fn assert_vertices_are_true(before: &Surface, after: &Surface, delta: &TopologyDelta) {
+    let mut expected: BTreeSet<VertexId> = before.topology().vertices().collect();
+    assert!(
+        delta.vertices_removed.is_sorted(),
+        "removed vertices ascend"
+    );
+    for v in &delta.vertices_removed {
+        assert!(expected.remove(v), "{v} was removed once and was there");
+    }
+    for v in before.topology().vertices() {
+        let same = before.positions[v.index()].map(f32::to_bits)
+            == after.positions[v.index()].map(f32::to_bits)
+            && before.rest[v.index()].map(f32::to_bits) == after.rest[v.index()].map(f32::to_bits);
+        assert!(same, "the data of {v} was touched");
+    }
+    let bounds = before.bounds();
+    let largest =
+        (bounds.min.iter().chain(&bounds.max)).fold(0.0, |m, x| f64::from(x.abs()).max(m));
+    for added in &delta.vertices_added {
+        let v = added.vertex;
+        assert!(
+            !delta.vertices_removed.contains(&v),
+            "{v} was removed and is used again"
+        );
+        let (parents, known): (&[VertexId], _) = match &added.origin {
+            Origin::OnEdge { a, b, t } => {
+                assert!((0.0..=1.0).contains(t), "{v} lies beyond its edge");
+                (
+                    &[*a, *b],
+                    before.topology().find_half_edge(*a, *b).is_some(),
+                )
+            }
+            Origin::InFace { corners, weights } => {
+                assert_shares(weights, v);
+                let [a, b, c] = *corners;
+                let topology = before.topology();
+                let third = |h: HalfEdge| topology.origin(h.prev());
+                let face = topology.find_half_edge(a, b);
+                (corners, face.is_some_and(|h| third(h) == c))
+            }
+            Origin::OnCap { parents, weights } => {
+                assert_shares(weights, v);
+                (parents, true)
+            }
+            _ => panic!("an origin that this test does not know"),
+        };
+        assert!(known, "the edge or triangle of {v} was none");
+        for &p in parents {
+            let was = p.index() < before.topology().vertex_slots()
+                && !before.topology().outgoing(p).is_null();
+            assert!(
+                was || expected.contains(&p),
+                "{p} comes after its child {v}"
+            );
+        }
+        let at = |v: VertexId| {
+            let [x, y, z, _] = after.positions[v.index()];
+            [x, y, z]
+        };
+        let distance = widen(at(v)) - widen(round(added.origin.interpolate(at).into()));
+        assert!(
+            distance.amax() <= ROUNDING * largest,
+            "{v} is {distance} from its origin"
+        );
+        let rest = round(added.origin.interpolate(|v| after.rest[v.index()]).into());
+        assert_eq!(rest, after.rest[v.index()], "the rest position of {v}");
+        assert!(expected.insert(v), "{v} was added once into a free slot");
+        assert_eq!(
+            added.piece,
+            after.piece(after.topology().outgoing(v).triangle()),
+            "the piece of {v}"
+        );
+    }
+    let found: BTreeSet<VertexId> = after.topology().vertices().collect();
+    assert_eq!(expected, found, "kept and added vertices");
+}
+
+/// Weights of parents: none negative, and together 1 but for rounding.
+fn assert_shares(weights: &[f32; 3], v: VertexId) {
+    assert!(
+        weights.iter().all(|w| (0.0..=1.0).contains(w)),
+        "{v} lies outside of its parents"
+    );
+    let sum: f64 = weights.iter().map(|&w| f64::from(w)).sum();
+    assert!(
+        (sum - 1.0).abs() <= ROUNDING,
+        "the weights of {v} sum to {sum}"
+    );
+}
+
+fn assert_pieces_are_true(before: &Surface, after: &Surface, delta: &TopologyDelta) {
+    let pieces = |s: &Surface| -> BTreeSet<u32> {
+        let triangles = s.topology().triangles();
+        triangles.map(|t| s.piece(t)).collect()
+    };
+    let mut expected = pieces(before);
+    let mut parent: BTreeMap<u32, u32> = expected.iter().map(|&p| (p, p)).collect();
+    for &(new, old) in &delta.pieces_added {
+        assert!(parent.insert(new, old).is_none(), "piece {new} is not new");
+        assert!(expected.contains(&old), "piece {old} was not there");
+    }
+    expected.extend(delta.pieces_added.iter().map(|p| p.0));
+    for p in &delta.pieces_removed {
+        assert!(expected.remove(p), "piece {p} was removed once");
+    }
+    assert_eq!(expected, pieces(after), "pieces kept and added");
+    let removed: BTreeSet<TriangleId> = delta.triangles_removed.iter().map(|r| r.0).collect();
+    let mut sources: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
+    for t in before.topology().triangles() {
+        if !removed.contains(&t) {
+            let source = sources.entry(after.piece(t)).or_default();
+            source.insert(before.piece(t));
+        }
+    }
+    for added in &delta.vertices_added {
+        if let Origin::OnEdge { a, b, .. } = added.origin
+            && let Some(h) = before.topology().find_half_edge(a, b)
+        {
+            let source = sources.entry(added.piece).or_default();
+            source.insert(before.piece(h.triangle()));
+        }
+    }
+    // A cap may join pieces, as it does the shells of a hollow body: then one of them is the parent.
+    for (piece, sources) in sources {
+        let parent = parent[&piece];
+        assert!(
+            sources.contains(&parent),
+            "piece {piece} was made of {parent}, its triangles come from {sources:?}"
+        );
+    }
+}
