@@ -36,6 +36,14 @@ pub enum CutError {
         /// The triangle at the boundary.
         triangle: TriangleId,
     },
+    /// The sweep crosses a triangle that the search tree holds to be elsewhere.
+    #[error(
+        "the search tree does not know where triangle {triangle} is: refit it after vertices have moved"
+    )]
+    StaleSearchTree {
+        /// The triangle.
+        triangle: TriangleId,
+    },
     /// The sweep ends inside the body.
     #[error(
         "the sweep ends inside the body at triangle {triangle}: only full slices can be cut, make the sweep larger"

@@ -8,7 +8,7 @@ use super::node::Node;
 use super::signs::Signs;
 use super::unfold::Unfold;
 use crate::error::CutError;
-use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3};
+use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3, VertexId};
 use std::ops::Range;
 
 /// Where a sweep triangle's part of a curve enters or leaves a mesh triangle.
@@ -94,7 +94,8 @@ impl Trace {
     /// Finds all curves through `candidates`, which is sorted.
     ///
     /// # Errors
-    /// [`CutError::VertexNotFinite`], and [`CutError::OpenSurface`] where a curve leaves the surface.
+    /// [`CutError::VertexNotFinite`], [`CutError::OpenSurface`] where a curve leaves the surface, and
+    /// [`CutError::StaleSearchTree`] where it leaves the candidates.
     pub(super) fn find(
         &mut self,
         surface: &Surface,
@@ -182,10 +183,9 @@ impl Trace {
             if entry.is_null() {
                 return Err(CutError::OpenSurface { triangle });
             }
-            at = self
-                .meetings
-                .binary_search_by_key(&entry.triangle(), |m| m.triangle)
-                .expect("both triangles of an edge meet the sweep there");
+            let across = entry.triangle();
+            let found = self.meetings.binary_search_by_key(&across, |m| m.triangle);
+            at = found.map_err(|_| not_offered(surface, across))?;
             if self.seen[at][plane] {
                 break;
             }
@@ -220,6 +220,17 @@ fn meet(
         }
     }
     Ok([0, 1].map(|i| meet_one(signs, i, triangle, &corners)))
+}
+
+/// Why the search tree did not offer a triangle that a curve enters: no box holds a point that is not
+/// finite, and none is where it should be in a tree that was not told of motion.
+fn not_offered(surface: &Surface, triangle: TriangleId) -> CutError {
+    let mut corners = surface.topology().triangle(triangle).into_iter();
+    let is_broken = |&v: &VertexId| !surface.position(v).iter().all(|x| x.is_finite());
+    match corners.find(is_broken) {
+        Some(vertex) => CutError::VertexNotFinite { vertex },
+        None => CutError::StaleSearchTree { triangle },
+    }
 }
 
 fn meet_one(signs: &Signs, i: usize, triangle: TriangleId, corners: &[Vec3; 3]) -> Option<Segment> {

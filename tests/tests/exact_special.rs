@@ -1,0 +1,266 @@
+//! The exact method where geometry is special: planes through every vertex, along every edge and in
+//! every face; refusals that leave no trace.
+
+use incise_cut::{CutError, CutParams, Cutter, Sweep};
+use incise_mesh::{Surface, TriangleId, VertexId, cube_sphere, icosphere, torus};
+use incise_tests::{
+    Blade, Body, Deformation, Shape, any_blade, any_body, assert_same_bits, cases, cut_and_check,
+};
+use proptest::prelude::*;
+
+/// Bodies with many vertices, edges and triangles in common planes.
+fn bodies() -> [Surface; 4] {
+    let lattice = Body {
+        shape: Shape::Torus(6, 4),
+        deformation: Deformation::None,
+        lattice: Some(4),
+        seed: 3,
+    };
+    [
+        cube_sphere(2, 0.5),
+        icosphere(1, 0.5),
+        torus(0.4, 0.15, 8, 4),
+        lattice.build(),
+    ]
+}
+
+/// Cuts a body by itself along each of the planes, with both snapping distances.
+fn cut_each(body: &Surface, blades: impl Iterator<Item = Blade> + Clone) {
+    for snap in [0.0, 0.1] {
+        for blade in blades.clone() {
+            let Ok(sweep) = blade.sweep(body) else {
+                continue;
+            };
+            let params = CutParams {
+                snap,
+                ..CutParams::default()
+            };
+            let mut surface = body.clone();
+            let mut cutter = Cutter::new(body);
+            if let Err(error) = cut_and_check(&mut surface, &mut cutter, &sweep, &params) {
+                panic!("{blade:?} was refused: {error}");
+            }
+        }
+    }
+}
+
+fn count(n: usize) -> u32 {
+    u32::try_from(n).expect("bodies are small")
+}
+
+#[test]
+fn planes_through_every_vertex() {
+    for body in bodies() {
+        let vertices = 0..count(body.topology().vertex_count());
+        let axes = vertices.flat_map(|v| (0..3).map(move |k| Blade::AxisThroughVertex(k, v)));
+        cut_each(&body, axes);
+        let vertices = 0..count(body.topology().vertex_count());
+        cut_each(
+            &body,
+            vertices.map(|v| Blade::ThroughVertices([v, v + 7, 3 * v + 11])),
+        );
+    }
+}
+
+#[test]
+fn planes_along_every_edge() {
+    for body in bodies() {
+        let triangles = 0..count(body.topology().triangle_count());
+        let edges = triangles.flat_map(|t| (0..3).map(move |corner| (t, corner)));
+        cut_each(
+            &body,
+            edges.map(|(t, corner)| Blade::ThroughEdge(t, corner, [0.25, 1.0, 0.5])),
+        );
+    }
+}
+
+#[test]
+fn planes_in_every_face() {
+    for body in bodies() {
+        let triangles = 0..count(body.topology().triangle_count());
+        cut_each(&body, triangles.map(Blade::InFace));
+    }
+}
+
+/// The middle plane of a lattice body goes through many vertices at once, and each half is cut again.
+#[test]
+fn every_lattice_plane_of_a_cube_in_turn() {
+    for snap in [0.0, 0.1] {
+        let mut surface = cube_sphere(4, 0.5);
+        let mut cutter = Cutter::new(&surface);
+        let params = CutParams {
+            snap,
+            ..CutParams::default()
+        };
+        let heights: Vec<f64> = {
+            let mut all: Vec<f64> = surface.rest.iter().map(|p| f64::from(p[2])).collect();
+            all.sort_by(f64::total_cmp);
+            all.dedup();
+            all
+        };
+        for axis in 0..3 {
+            for &height in &heights {
+                let mut normal = [0.0; 3];
+                normal[axis] = 1.0;
+                let sweep = Sweep::across_box(normal, height, &surface.bounds()).expect("a plane");
+                let cut = cut_and_check(&mut surface, &mut cutter, &sweep, &params);
+                cut.expect("a full slice cuts");
+            }
+        }
+    }
+}
+
+/// A copy on which one number was changed to something that is none.
+fn with_broken_vertex(body: &Surface, v: VertexId, k: usize, value: f32) -> Surface {
+    let mut broken = body.clone();
+    broken.positions[v.index()][k] = value;
+    broken
+}
+
+/// Whether the surface keeps its bits; `NaN` differs from itself, so numbers are compared by bits.
+fn assert_refused(surface: &mut Surface, sweep: &Sweep) -> Option<CutError> {
+    let before = surface.clone();
+    let result = Cutter::new(surface).cut(surface, sweep, &CutParams::default());
+    let error = match result {
+        Ok(outcome) if outcome.delta.is_empty() => None,
+        Ok(_) => return None,
+        Err(error) => Some(error),
+    };
+    assert_same_bits(&before, surface);
+    error
+}
+
+#[test]
+fn a_vertex_that_is_not_finite_is_named_or_not_touched() {
+    let body = icosphere(1, 0.5);
+    let sweep = Sweep::across_box([0.2, 1.0, 0.3], 0.03, &body.bounds()).expect("a plane");
+    let mut named = 0;
+    for v in body.topology().vertices() {
+        for (k, value) in [(0, f32::NAN), (1, f32::INFINITY), (2, f32::NEG_INFINITY)] {
+            let mut broken = with_broken_vertex(&body, v, k, value);
+            match assert_refused(&mut broken, &sweep) {
+                Some(CutError::VertexNotFinite { vertex }) => {
+                    assert_eq!(vertex, v, "another vertex was named");
+                    named += 1;
+                }
+                Some(error) => panic!("{v} at {value} along {k}: {error}"),
+                None => {}
+            }
+        }
+    }
+    assert!(named > 30, "only {named} broken vertices were found");
+}
+
+#[test]
+fn numbers_out_of_range_are_refused() {
+    let mut body = icosphere(1, 0.5);
+    let before = body.clone();
+    let sweep = Sweep::across_box([0.2, 1.0, 0.3], 0.03, &body.bounds()).expect("a plane");
+    for snap in [-0.1, 0.5, 1.0, f64::NAN, f64::INFINITY] {
+        let params = CutParams {
+            snap,
+            ..CutParams::default()
+        };
+        let result = Cutter::new(&body).cut(&mut body, &sweep, &params);
+        assert!(
+            matches!(result, Err(CutError::SnapOutOfRange { .. })),
+            "snap {snap}: {:?}",
+            result.map(|outcome| outcome.report)
+        );
+        assert_same_bits(&before, &body);
+    }
+    let corner = [0.0; 3];
+    for value in [f32::NAN, f32::INFINITY] {
+        let result = Sweep::new([corner, [1.0, 0.0, 0.0]], [[0.0, value, 0.0], [1.0; 3]]);
+        assert_eq!(
+            result,
+            Err(CutError::SweepNotFinite { corner: 3 }),
+            "{value}"
+        );
+    }
+}
+
+/// A search tree that was not told of motion is no reason to panic: the cut is refused, and the body
+/// keeps its bits. Told, the same cut is made.
+#[test]
+fn a_stale_search_tree_is_named() {
+    let body = icosphere(2, 0.5);
+    let sweep = Sweep::across_box([0.2, 1.0, 0.3], 0.03, &body.bounds()).expect("a plane");
+    let mut stale = 0;
+    for v in body.topology().vertices() {
+        let mut surface = body.clone();
+        let mut cutter = Cutter::new(&surface);
+        let [x, y, z, w] = surface.positions[v.index()];
+        surface.positions[v.index()] = [x, -3.0 * y, z, w];
+        let before = surface.clone();
+        let result = cutter.cut(&mut surface, &sweep, &CutParams::default());
+        if let Err(error) = result {
+            assert!(
+                matches!(error, CutError::StaleSearchTree { .. }),
+                "{v} moved: {error}"
+            );
+            assert_same_bits(&before, &surface);
+            cutter.refit(&surface);
+            let again = cutter.cut(&mut surface, &sweep, &CutParams::default());
+            assert!(again.is_ok(), "{v} moved: {:?}", again.err());
+            stale += 1;
+        }
+    }
+    assert!(stale > 20, "only {stale} stale trees were found");
+}
+
+/// A surface with a hole is refused by name, unless the sweep stays away from the hole.
+#[test]
+fn an_open_surface_is_refused() {
+    let body = icosphere(2, 0.5);
+    let sweep = Sweep::across_box([0.2, 1.0, 0.3], 0.03, &body.bounds()).expect("a plane");
+    let triangles: Vec<TriangleId> = body.topology().triangles().collect();
+    let mut refused = 0;
+    for t in triangles {
+        let mut open = body.clone();
+        open.remove_triangles(&[t]);
+        match assert_refused(&mut open, &sweep) {
+            Some(CutError::OpenSurface { .. }) => refused += 1,
+            Some(error) => panic!("without {t}: {error}"),
+            None => {}
+        }
+    }
+    assert!(refused > 20, "only {refused} holes were found");
+}
+
+/// A sweep that reaches from outside to the middle of the body, in any direction.
+#[test]
+fn sweeps_that_end_inside_leave_no_trace() {
+    for body in [icosphere(3, 0.5), torus(0.4, 0.15, 24, 12)] {
+        for end in [-0.3, -0.11, 0.0, 0.07, 0.2, 0.35] {
+            for tilt in [-0.2, 0.0, 0.01, 0.3] {
+                let mut surface = body.clone();
+                let sweep = Sweep::new(
+                    [[-1.0, 0.01, -1.0], [-1.0, 0.01 + tilt, 1.0]],
+                    [[end, 0.01, -1.0], [end, 0.01 - tilt, 1.0]],
+                );
+                let error = assert_refused(&mut surface, &sweep.expect("a sweep"));
+                assert!(
+                    matches!(error, Some(CutError::PartialCut { .. })),
+                    "to {end}, tilted by {tilt}: {error:?}"
+                );
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(150))]
+
+    /// Only sweeps that end within the body are refused as partial, and short ones of those that do
+    /// reach it always are: a plane that is cut off in its middle.
+    #[test]
+    fn a_full_slice_is_not_partial(body in any_body(), blade in any_blade()) {
+        let mut surface = body.build();
+        let Ok(sweep) = blade.sweep(&surface) else { return Ok(()) };
+        let error = assert_refused(&mut surface, &sweep);
+        let is_partial = matches!(error, Some(CutError::PartialCut { .. }));
+        prop_assert!(error.is_none() || is_partial, "{error:?}");
+        prop_assert!(!(blade.is_full_plane() && is_partial), "{blade:?} is a full plane");
+    }
+}
