@@ -199,7 +199,7 @@ fn cuts_leave_less_than(method: CutMethod, most: [f64; 2]) {
         solver
             .apply_delta(&mut surface, &outcome.delta)
             .expect("the delta of a cut fits");
-        assert_eq!(solver.validate(&surface), Ok(()));
+        assert_eq!(solver.validate(&surface), Ok(()), "{method:?}");
         let bending = solver.bending().expect("the material bends");
         let left = [left_over(solver.stretch()), left_over(bending)];
         assert!(
