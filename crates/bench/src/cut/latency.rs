@@ -1,5 +1,6 @@
 //! Whether a cut takes longer after many others: tips of a ball are sliced off again and again, and
-//! now and then slices that hit about as many triangles are measured and taken back.
+//! now and then slices that hit about as many triangles are measured and taken back. Before that the tips
+//! are moved away: where they were they would lie in the way of the next slices.
 
 use super::outcome::Outcomes;
 use super::row::{Latency, Stamp};
@@ -7,7 +8,7 @@ use super::specimen::Specimen;
 use super::times::Times;
 use crate::directions::Directions;
 use incise_cut::{CutParams, Sweep};
-use incise_mesh::{TriangleId, Vec3, cube_sphere};
+use incise_mesh::{Aabb, TriangleId, Vec3, cube_sphere};
 use std::error::Error;
 
 /// Squares along an edge of the cube that the ball is blown up from: 49,152 triangles.
@@ -37,16 +38,20 @@ pub(super) fn measure(
         only_piece: Some(piece),
         ..*params
     };
+    let ball = specimen.surface.bounds();
+    let mut near = specimen.surface.piece_bound();
     let mut rows: Vec<Latency> = Vec::new();
     for cut in 1..=cuts {
         let Some((normal, d)) = slice(&specimen, piece, &mut directions) else {
             return Err(format!("after {cut} cuts no slice hits {HITS} triangles").into());
         };
-        let sweep = Sweep::across_box(normal.into(), d, &specimen.surface.bounds())?;
+        let sweep = Sweep::across_box(normal.into(), d, &ball)?;
         // A slice that cannot be cut is seen among those that are measured.
         let _ = specimen.cut(&sweep, &params)?;
         if STAGES.contains(&cut) || cut == cuts {
-            let outcomes = probe(&mut specimen, piece, &params, &mut directions)?;
+            specimen.push_away(near);
+            near = specimen.surface.piece_bound();
+            let outcomes = probe(&mut specimen, piece, &ball, &params, &mut directions)?;
             let [ms_median, ms_p99] = Times::summary(&outcomes.times);
             let first = rows.first().map_or(ms_p99, |row| row.ms_p99);
             rows.push(Latency {
@@ -73,6 +78,7 @@ pub(super) fn measure(
 fn probe(
     specimen: &mut Specimen,
     piece: u32,
+    ball: &Aabb,
     params: &CutParams,
     directions: &mut Directions,
 ) -> Result<Outcomes, Box<dyn Error>> {
@@ -81,7 +87,7 @@ fn probe(
         let Some((normal, d)) = slice(specimen, piece, directions) else {
             break;
         };
-        let sweep = Sweep::across_box(normal.into(), d, &specimen.surface.bounds())?;
+        let sweep = Sweep::across_box(normal.into(), d, ball)?;
         match specimen.cut(&sweep, params)? {
             Ok(Some(cut)) => {
                 outcomes.add(&cut);

@@ -3,7 +3,7 @@
 use super::times::Times;
 use crate::motion;
 use incise_cut::{CutError, CutParams, Cutter, Sweep};
-use incise_mesh::{Surface, Undo, Vec3};
+use incise_mesh::{Surface, TriangleId, Undo, Vec3};
 use incise_pbd_gpu::Solver;
 use std::error::Error;
 use std::time::Instant;
@@ -65,6 +65,25 @@ impl Specimen {
             self.solver.apply_delta(&mut self.surface, &back)?;
         }
         Ok(())
+    }
+
+    /// Moves pieces from the number `first` on away from the middle of the world, ten times as far and as
+    /// large as they were.
+    pub(super) fn push_away(&mut self, first: u32) {
+        let mut is_moved = vec![false; self.surface.positions.len()];
+        let triangles: Vec<TriangleId> = self.surface.topology().triangles().collect();
+        for t in triangles {
+            if self.surface.piece(t) >= first {
+                for v in self.surface.topology().triangle(t) {
+                    if !std::mem::replace(&mut is_moved[v.index()], true) {
+                        for x in &mut self.surface.positions[v.index()][..3] {
+                            *x *= 10.0;
+                        }
+                    }
+                }
+            }
+        }
+        self.cutter.refit(&self.surface);
     }
 
     /// How far the body reaches along a direction, from and to \[m\].
