@@ -13,6 +13,8 @@ const REACH: usize = 3;
 /// The most batches of a piece: enough to hang patches of a cap among the leaves that they lie beside,
 /// few enough that finding their places costs nothing.
 const BATCHES: usize = 64;
+/// Levels below an untouched node in which triangles of another piece are looked for.
+const LOOK: u32 = 3;
 /// Levels that a tree may have above those of a perfect one before its heights are evened out.
 const SLACK: u8 = 8;
 
@@ -84,7 +86,8 @@ impl Bvh {
         self.find_batches(surface, &delta.triangles_added, &mut scratch);
         let perfect = surface.topology().triangle_count().ilog2();
         let room = u8::try_from(perfect).map_or(u8::MAX, |levels| levels + SLACK);
-        self.take_apart(surface, room - SLACK / 2, &mut scratch);
+        let splits = !delta.pieces_added.is_empty();
+        self.take_apart(surface, room - SLACK / 2, splits, &mut scratch);
         self.make_leaves(surface, &mut scratch);
         let root = self.assemble(room, &scratch.items, &mut scratch.joints);
         self.put(0, root);
@@ -239,8 +242,9 @@ impl Bvh {
     }
 
     /// Takes touched nodes apart, and those higher than `limit`: untouched subtrees below become
-    /// items, triangles of touched leaves and new ones become loose.
-    fn take_apart(&mut self, surface: &Surface, limit: u8, scratch: &mut Scratch) {
+    /// items, triangles of touched leaves and new ones become loose. Where pieces were split, so are
+    /// nodes beside the cut that have triangles of several, which would span the gap between them.
+    fn take_apart(&mut self, surface: &Surface, limit: u8, splits: bool, scratch: &mut Scratch) {
         let Scratch {
             homes,
             stack,
@@ -257,10 +261,14 @@ impl Bvh {
         while let Some((at, path)) = stack.pop() {
             let node = self.nodes[at as usize];
             let sample = self.samples[at as usize];
-            if !node.touched && (node.is_leaf() || node.height <= limit) {
-                let some = self.blocks[sample as usize].triangles[0];
+            // Of a touched node the sample may be gone.
+            let piece = || surface.piece(self.blocks[sample as usize].triangles[0]);
+            if !node.touched
+                && (node.is_leaf() || node.height <= limit)
+                && !(splits && self.has_others(surface, at, piece(), LOOK))
+            {
                 items.push(Item {
-                    piece: surface.piece(some),
+                    piece: piece(),
                     path,
                     part: Part { node, sample },
                 });
@@ -284,6 +292,24 @@ impl Bvh {
                 stack.push((node.index, path.child(0)));
             }
         }
+    }
+
+    /// Whether a node has triangles of other pieces, as far as a look at leaves so many levels below and
+    /// at samples of higher nodes tells.
+    fn has_others(&self, surface: &Surface, at: u32, piece: u32, levels: u32) -> bool {
+        let node = &self.nodes[at as usize];
+        let is_other = |&t: &TriangleId| surface.piece(t) != piece;
+        if node.is_leaf() {
+            let block = &self.blocks[node.index as usize];
+            return block.triangles[..node.count as usize].iter().any(is_other);
+        }
+        if levels == 0 {
+            let sample = self.samples[at as usize] as usize;
+            return is_other(&self.blocks[sample].triangles[0]);
+        }
+        [node.index, node.index + 1]
+            .into_iter()
+            .any(|child| self.has_others(surface, child, piece, levels - 1))
     }
 
     /// Makes items of loose triangles and of batches. Nothing is in use any more of what was taken apart.
