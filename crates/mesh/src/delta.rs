@@ -105,6 +105,9 @@ pub struct TopologyDelta {
     /// Vertices that went, ascending. Their data stays readable until the next edit: an edit never
     /// reuses a vertex slot that it freed itself.
     pub vertices_removed: Vec<VertexId>,
+    /// Where the vertices that went were \[m\], shape [`vertices_removed`](Self::vertices_removed), if
+    /// the surface does not know it any more: an undo gives their slots up. Empty else.
+    pub removed_from: Vec<[f32; 3]>,
     /// Vertices that came, parents before children.
     pub vertices_added: Vec<AddedVertex>,
     /// Pieces that the edit made out of one, each with the piece that it was part of before. A piece
@@ -120,6 +123,14 @@ impl TopologyDelta {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.triangles_removed.is_empty() && self.triangles_added.is_empty()
+    }
+
+    /// Where a vertex that went was \[m\], if the delta says so; else the surface still does.
+    /// O(log k) for k vertices that went.
+    #[must_use]
+    pub fn place_of_removed(&self, v: VertexId) -> Option<[f32; 3]> {
+        let i = self.vertices_removed.binary_search(&v).ok()?;
+        self.removed_from.get(i).copied()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::edges::Sets;
 use crate::error::ConstraintError;
-use crate::inherit::Inheritance;
+use crate::inherit::settle;
 use crate::solver::Solver;
 use incise_mesh::{Surface, TopologyDelta};
 
@@ -11,7 +11,16 @@ impl Solver {
     /// theirs with rest values from rest positions, colors are updated in place; what the edit did not
     /// touch keeps its constraints. New vertices get their velocity from their origin. Within each piece
     /// that was touched, the corners of changed triangles share the mass that they and the removed
-    /// vertices had, by rest area, and keep their common momentum. O(k) for k changed triangles.
+    /// vertices had, by rest area. O(k log k) for k changed triangles.
+    ///
+    /// The vertices concerned of what was one piece before the edit keep their mass, their center of
+    /// mass, their momentum and their angular momentum about any fixed point, to rounding. For the
+    /// center, shares are tilted; for the momenta, those that are not pinned move as a rigid body on top
+    /// of how they move. Where the new vertices do not reach around the old center, as after the removal
+    /// of a corner, angular momentum is kept about the center of mass only: a body that flies straight on
+    /// does so after any edit. Vertices on a line take no spin about it, a single one takes none. Nobody
+    /// is moved along, or about any axis, by more than four times the highest speed that there was, so
+    /// kinetic energy stays bounded: no speed is more than twelve times that one.
     ///
     /// The delta of an undo is followed like any other: restored vertices get their velocity from those
     /// that moved in their place, and slots that the surface no longer has are given up. Pins that went
@@ -33,7 +42,7 @@ impl Solver {
         self.resize_vertices(slots.max(self.mass.len()));
         self.update_constraints(surface, delta);
         self.interpolate_velocities(delta);
-        Inheritance::new(surface, delta).settle(self, surface);
+        settle(self, surface, delta);
         let pins = self.pins.len();
         self.pins
             .retain(|pin| !surface.topology().outgoing(pin.vertex).is_null());

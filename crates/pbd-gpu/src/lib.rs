@@ -40,6 +40,7 @@ mod inherit;
 mod kernels;
 mod mass;
 mod material;
+mod momentum;
 mod params;
 mod patches;
 mod plan;

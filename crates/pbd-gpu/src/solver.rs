@@ -28,6 +28,8 @@ pub struct Solver {
     pub(crate) pins: Vec<Pin>,
     pub(crate) plan: StepPlan,
     pub(crate) changes: VertexLogs,
+    /// Where a vertex stands in a list while an edit is followed, shape [vertex slots].
+    pub(crate) numbers: Vec<u32>,
     stats: StepStats,
     cpu: CpuBackend,
 }
@@ -115,6 +117,7 @@ impl Solver {
             pins: Vec::new(),
             plan: StepPlan::default(),
             changes: VertexLogs::default(),
+            numbers: Vec::new(),
             stats: StepStats::default(),
             cpu: CpuBackend::default(),
         })

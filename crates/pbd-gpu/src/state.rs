@@ -3,7 +3,7 @@
 use crate::error::ConstraintError;
 use crate::plan::Pin;
 use crate::solver::{Solver, inverse};
-use incise_mesh::{Surface, VertexId};
+use incise_mesh::{Surface, Vec3, VertexId};
 
 impl Solver {
     /// How fast `v` is [m/s].
@@ -108,6 +108,23 @@ impl Solver {
             }
         }
         sum
+    }
+
+    /// The body's angular momentum about a fixed point \[m\] [kg m^2/s].
+    ///
+    /// # Panics
+    /// When the surface has fewer vertex slots than the body.
+    #[must_use]
+    pub fn angular_momentum(&self, surface: &Surface, about: [f64; 3]) -> [f64; 3] {
+        let mut sum = Vec3::zeros();
+        for (i, (&mass, v)) in self.mass.iter().zip(&self.velocities).enumerate() {
+            if mass > 0.0 {
+                let arm = surface.position(VertexId::from_index(i)) - Vec3::from(about);
+                let velocity = Vec3::new(v[0].into(), v[1].into(), v[2].into());
+                sum += arm.cross(&velocity) * f64::from(mass);
+            }
+        }
+        sum.into()
     }
 
     /// The body's kinetic energy \[J\].

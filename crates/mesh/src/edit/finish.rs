@@ -46,6 +46,7 @@ impl Edit<'_> {
             triangles_removed: removed.map(|c| (c.triangle, c.before)).collect(),
             triangles_added: added.map(|c| c.triangle).collect(),
             vertices_removed,
+            removed_from: Vec::new(),
             vertices_added: self.vertices_added(&made, &idle),
             pieces_added: (self.pieces.iter().copied())
                 .filter(|&(piece, _)| surface.pieces.count(piece) > 0)

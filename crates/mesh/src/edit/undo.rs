@@ -5,7 +5,7 @@ use super::log::Log;
 use super::relatives::{Restored, restored};
 use crate::delta::{AddedVertex, TopologyDelta};
 use crate::history::History;
-use crate::ids::TriangleId;
+use crate::ids::{TriangleId, VertexId};
 use crate::surface::Surface;
 
 /// Why an edit cannot be undone. The surface is then what it was.
@@ -116,6 +116,11 @@ impl Undo {
             .map(|added| added.vertex)
             .collect();
         vertices_removed.sort_unstable();
+        let place = |v: &VertexId| {
+            let [x, y, z, _] = surface.positions[v.index()];
+            [x, y, z]
+        };
+        let removed_from = vertices_removed.iter().map(place).collect();
         self.log.put_back(surface);
         let removed = self.delta.triangles_removed.iter();
         let triangles_added: Vec<TriangleId> = removed.map(|entry| entry.0).collect();
@@ -135,6 +140,7 @@ impl Undo {
             triangles_removed,
             triangles_added,
             vertices_removed,
+            removed_from,
             vertices_added,
             pieces_added: (self.delta.pieces_removed.iter())
                 .map(|&piece| (piece, heir(piece).map_or(piece, |entry| entry.0)))

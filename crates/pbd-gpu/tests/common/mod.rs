@@ -151,6 +151,7 @@ pub(crate) fn replace(
         triangles_removed,
         triangles_added,
         vertices_removed,
+        removed_from: Vec::new(),
         vertices_added,
         pieces_added: Vec::new(),
         pieces_removed: Vec::new(),
