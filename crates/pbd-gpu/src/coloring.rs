@@ -40,6 +40,13 @@ impl VertexColors {
         }
     }
 
+    /// Makes room for more vertices to come.
+    pub(crate) fn reserve(&mut self, more: usize) {
+        for masks in &mut self.masks {
+            masks.reserve(more);
+        }
+    }
+
     /// Takes the lowest color of a layer that none of `vertices` has, if there is one.
     pub(crate) fn claim(&mut self, layer: usize, vertices: &[VertexId]) -> Option<usize> {
         let masks = &mut self.masks[layer];

@@ -2,7 +2,8 @@
 
 use crate::changes::Log;
 use crate::coloring::{LAYERS, MAX_COLORS, VertexColors};
-use incise_mesh::{EdgeKey, VertexId};
+use crate::edges::EdgeId;
+use incise_mesh::VertexId;
 
 /// Stretch constraints: the two ends of an edge, the smaller id first, and its rest length \[m\].
 pub type StretchSet = ConstraintSet<2>;
@@ -17,6 +18,8 @@ pub type BendingSet = ConstraintSet<4>;
 pub struct Batch<const N: usize> {
     pub(crate) vertices: Vec<[VertexId; N]>,
     pub(crate) rest: Vec<f32>,
+    /// Whose constraint each is, shape \[constraints\].
+    pub(crate) edges: Vec<EdgeId>,
     /// Multipliers of the substep, shape \[constraints\]; empty while nothing needs them.
     pub(crate) lambda: Vec<f32>,
 }
@@ -26,6 +29,7 @@ impl<const N: usize> Default for Batch<N> {
         Self {
             vertices: Vec::new(),
             rest: Vec::new(),
+            edges: Vec::new(),
             lambda: Vec::new(),
         }
     }
@@ -75,14 +79,23 @@ impl<const N: usize> Batch<N> {
         }
     }
 
-    fn push(&mut self, vertices: [VertexId; N], rest: f32) -> usize {
+    /// Whose constraint each is, shape \[constraints\].
+    pub(crate) fn edges(&self) -> &[EdgeId] {
+        &self.edges
+    }
+
+    fn push(&mut self, vertices: [VertexId; N], rest: f32, edge: EdgeId) -> usize {
         self.vertices.push(vertices);
         self.rest.push(rest);
+        self.edges.push(edge);
         self.vertices.len() - 1
     }
 
     fn capacity(&self) -> usize {
-        self.vertices.capacity() + self.rest.capacity() + self.lambda.capacity()
+        self.vertices.capacity()
+            + self.rest.capacity()
+            + self.edges.capacity()
+            + self.lambda.capacity()
     }
 }
 
@@ -135,6 +148,12 @@ impl Slot {
             self.color / MAX_COLORS
         }
     }
+}
+
+/// How many more there should be room for beside so many, so that the first edits of a large body need not
+/// move its arrays.
+pub(crate) fn room_beside(len: usize) -> usize {
+    len / 8 + 256
 }
 
 /// All constraints of one kind over `N` vertices each.
@@ -218,6 +237,17 @@ impl<const N: usize> ConstraintSet<N> {
         self.colors.resize(vertex_slots);
     }
 
+    /// Makes room for edits: so many more vertices, and an eighth more constraints of every color.
+    pub(crate) fn reserve(&mut self, vertices: usize) {
+        self.colors.reserve(vertices);
+        for batch in self.batches.iter_mut() {
+            let more = room_beside(batch.len());
+            batch.vertices.reserve(more);
+            batch.rest.reserve(more);
+            batch.edges.reserve(more);
+        }
+    }
+
     pub(crate) fn at(&self, slot: Slot) -> ([VertexId; N], f32) {
         let batch = self.batch(slot.color);
         (batch.vertices[slot.index], batch.rest[slot.index])
@@ -226,11 +256,17 @@ impl<const N: usize> ConstraintSet<N> {
     /// Inserts a constraint into layer 0.
     #[cfg(test)]
     pub(crate) fn insert(&mut self, vertices: [VertexId; N], rest: f32) -> Slot {
-        self.insert_in(0, vertices, rest)
+        self.insert_in(0, vertices, rest, EdgeId::TEST)
     }
 
     /// Inserts a constraint into a layer, or into layer 0 if that has no color left for it.
-    pub(crate) fn insert_in(&mut self, layer: usize, vertices: [VertexId; N], rest: f32) -> Slot {
+    pub(crate) fn insert_in(
+        &mut self,
+        layer: usize,
+        vertices: [VertexId; N],
+        rest: f32,
+        edge: EdgeId,
+    ) -> Slot {
         let mut claim = |layer| self.colors.claim(layer, &vertices);
         let color = match claim(layer) {
             None if layer > 0 => claim(0),
@@ -240,22 +276,20 @@ impl<const N: usize> ConstraintSet<N> {
         if color != OVERFLOW && self.batches.len() <= color {
             self.batches.resize_with(color + 1, Batch::default);
         }
-        let index = self.batch_mut(color).push(vertices, rest);
+        let index = self.batch_mut(color).push(vertices, rest, edge);
         let slot = Slot { color, index };
         self.log.note(slot);
         slot
     }
 
     /// Removes a constraint. Returns the edge of the one that now stands in its place, if any does.
-    pub(crate) fn remove(&mut self, slot: Slot) -> Option<EdgeKey> {
+    pub(crate) fn remove(&mut self, slot: Slot) -> Option<EdgeId> {
         self.log.note(slot);
         let batch = self.batch_mut(slot.color);
         let vertices = batch.vertices.swap_remove(slot.index);
         batch.rest.swap_remove(slot.index);
-        let moved = batch
-            .vertices
-            .get(slot.index)
-            .map(|v| EdgeKey::new(v[0], v[1]));
+        batch.edges.swap_remove(slot.index);
+        let moved = batch.edges.get(slot.index).copied();
         if slot.color != OVERFLOW {
             self.colors.release(&vertices, slot.color);
         }

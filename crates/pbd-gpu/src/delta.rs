@@ -70,7 +70,7 @@ impl Solver {
 
     fn check_delta(&self, surface: &Surface, delta: &TopologyDelta) -> Result<(), ConstraintError> {
         for &(triangle, corners) in &delta.triangles_removed {
-            if !self.edges.has_triangle(corners) {
+            if !self.edges.has_triangle(triangle, corners) {
                 return Err(ConstraintError::DeltaMismatch { triangle });
             }
         }
@@ -106,31 +106,30 @@ impl Solver {
     }
 
     fn update_constraints(&mut self, surface: &Surface, delta: &TopologyDelta) {
-        let mut touched = Vec::new();
-        for &(_, corners) in &delta.triangles_removed {
-            self.edges.remove_triangle(corners, &mut touched);
+        let topology = surface.topology();
+        let most = 3 * (delta.triangles_removed.len() + delta.triangles_added.len());
+        let mut touched = Vec::with_capacity(most);
+        for &(t, _) in &delta.triangles_removed {
+            self.edges.remove_triangle(t, &mut touched);
         }
+        let slots = topology.triangle_slots();
+        self.edges.resize_triangles(slots);
         for &t in &delta.triangles_added {
-            let corners = surface.topology().triangle(t);
-            self.edges.add_triangle(corners, &mut touched);
+            self.edges.add_triangle(t, topology, &mut touched);
         }
-        touched.sort_unstable();
-        touched.dedup();
         let mut sets = Sets {
             stretch: &mut self.stretch,
             bending: self.bending.as_mut(),
             patches: self.patches.as_mut(),
         };
-        for &key in &touched {
-            self.edges.drop_stale(key, surface, &mut sets);
-        }
+        touched.retain(|&edge| self.edges.drop_stale(edge, surface, &mut sets));
         let bends = sets.bending.is_some();
         if let Some(patches) = &mut sets.patches {
             patches.leave(surface, delta);
             patches.join(surface, delta, &touched, &self.edges, bends);
         }
-        for &key in &touched {
-            self.edges.add_missing(key, surface, &mut sets);
+        for &edge in &touched {
+            self.edges.add_missing(edge, surface, &mut sets);
         }
     }
 

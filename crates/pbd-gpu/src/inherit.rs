@@ -14,7 +14,7 @@ use incise_mesh::{Surface, TopologyDelta, Vec3, VertexId};
 use std::ops::Range;
 
 /// No number, no piece.
-const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// Which vertices are concerned and how they share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -178,11 +178,10 @@ impl Concerned {
         areas
     }
 
-    /// What every vertex brings, about the first one.
+    /// What every vertex brings that was there, about the first one; shape [those after the new ones].
     fn carried(&self, solver: &Solver, surface: &Surface, delta: &TopologyDelta) -> Vec<Carried> {
         let origin = self.origin(surface);
-        let mut carried = vec![Carried::default(); self.vertices.len()];
-        for (n, carried) in carried.iter_mut().enumerate().skip(self.came) {
+        let bring = |n: usize| {
             let v = self.vertices[n];
             let at = (n >= self.stay)
                 .then(|| delta.place_of_removed(v))
@@ -193,9 +192,9 @@ impl Concerned {
             };
             let [x, y, z] = solver.velocity(v).map(f64::from);
             let mass = f64::from(solver.mass[v.index()]);
-            *carried = Carried::of(mass, at - origin, Vec3::new(x, y, z));
-        }
-        carried
+            Carried::of(mass, at - origin, Vec3::new(x, y, z))
+        };
+        (self.came..self.vertices.len()).map(bring).collect()
     }
 
     /// The point of reference.
@@ -279,7 +278,7 @@ impl Shares {
     fn masses(&self, concerned: &Concerned, carried: &[Carried], areas: &[f64]) -> Vec<f64> {
         let mut masses = vec![0.0; self.pools.len()];
         let mut orphaned = 0.0;
-        for (carried, &pool) in carried.iter().zip(&self.pool_of) {
+        for (carried, &pool) in carried.iter().zip(&self.pool_of[concerned.came..]) {
             match masses.get_mut(pool as usize) {
                 Some(mass) => *mass += carried.mass,
                 None => orphaned += carried.mass,
@@ -308,7 +307,7 @@ impl Shares {
         let orphan_shares = self.shares_of_orphaned(concerned, areas);
         let mut estates = vec![Carried::default(); self.pools.len()];
         let mut orphaned = Carried::default();
-        for (carried, &pool) in carried.iter().zip(&self.pool_of) {
+        for (carried, &pool) in carried.iter().zip(&self.pool_of[concerned.came..]) {
             let estate = estates.get_mut(pool as usize).unwrap_or(&mut orphaned);
             estate.add(carried, 1.0);
         }

@@ -3,15 +3,16 @@
 use crate::backend::{Backend, CpuBackend};
 use crate::changes::VertexLogs;
 use crate::coloring::LAYERS;
-use crate::constraints::{BendingSet, StretchSet};
+use crate::constraints::{BendingSet, StretchSet, room_beside};
 use crate::edges::{EdgeTable, Sets};
 use crate::error::{ConstraintError, StepError};
+use crate::inherit::NONE;
 use crate::mass::masses;
 use crate::material::{Material, Projection};
 use crate::params::{SolverParams, StepStats};
 use crate::patches::{PatchParams, Patches};
 use crate::plan::{Body, Pin, PlanKey, StepConstants, StepPlan};
-use incise_mesh::{EdgeKey, Surface, VertexId};
+use incise_mesh::{Surface, VertexId};
 
 /// Moves one surface by position based dynamics: the paper's Algorithm 1, and XPBD where a material
 /// has compliance. Particle i is vertex i; positions and inverse masses live in
@@ -79,10 +80,12 @@ impl Solver {
         let layers = if patches.is_some() { LAYERS } else { 1 };
         let mut stretch = StretchSet::with_layers(slots, layers);
         let mut bending = (material.bending).map(|_| BendingSet::with_layers(slots, layers));
+        let topology = surface.topology();
         let mut edges = EdgeTable::default();
+        edges.resize_triangles(topology.triangle_slots());
         let mut touched = Vec::new();
-        for t in surface.topology().triangles() {
-            edges.add_triangle(surface.topology().triangle(t), &mut touched);
+        for t in topology.triangles() {
+            edges.add_triangle(t, topology, &mut touched);
         }
         let mut patches =
             patches.map(|params| Patches::new(params, surface, &edges, bending.is_some()));
@@ -91,10 +94,10 @@ impl Solver {
             bending: bending.as_mut(),
             patches: patches.as_mut(),
         };
-        for h in surface.topology().edges() {
-            let topology = surface.topology();
-            let key = EdgeKey::new(topology.origin(h), topology.target(h));
-            edges.add_missing(key, surface, &mut sets);
+        for h in topology.edges() {
+            if let Some(edge) = edges.of(h) {
+                edges.add_missing(edge, surface, &mut sets);
+            }
         }
         for batch in stretch.all() {
             if let Some(i) = batch.rest().iter().position(|&length| length <= 0.0) {
@@ -106,7 +109,7 @@ impl Solver {
         for (position, &mass) in surface.positions.iter_mut().zip(&mass) {
             position[3] = inverse(mass);
         }
-        Ok(Self {
+        let mut solver = Self {
             material: *material,
             velocities: vec![[0.0; 4]; slots],
             mass,
@@ -117,10 +120,25 @@ impl Solver {
             pins: Vec::new(),
             plan: StepPlan::default(),
             changes: VertexLogs::default(),
-            numbers: Vec::new(),
+            numbers: vec![NONE; slots],
             stats: StepStats::default(),
             cpu: CpuBackend::default(),
-        })
+        };
+        solver.reserve();
+        Ok(solver)
+    }
+
+    /// Makes room for edits, which else would begin with a copy of every array.
+    fn reserve(&mut self) {
+        let vertices = room_beside(self.mass.len());
+        self.mass.reserve(vertices);
+        self.velocities.reserve(vertices);
+        self.numbers.reserve(vertices);
+        self.edges.reserve();
+        self.stretch.reserve(vertices);
+        if let Some(bending) = &mut self.bending {
+            bending.reserve(vertices);
+        }
     }
 
     /// Steps by one frame of `dt` \[s\] on the CPU. Allocates nothing once warm.

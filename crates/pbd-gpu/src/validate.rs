@@ -1,12 +1,12 @@
 //! Constraints against the ones that the surface would get if built from scratch.
 
 use crate::coloring::MAX_COLORS;
-use crate::constraints::ConstraintSet;
+use crate::constraints::{ConstraintSet, Slot};
 use crate::error::InvalidConstraints;
 use crate::patches::Patches;
 use crate::rest;
 use crate::solver::Solver;
-use incise_mesh::{EdgeKey, Surface, VertexId};
+use incise_mesh::{EdgeKey, Surface, Topology, VertexId};
 
 impl Solver {
     /// Checks that there is one stretch constraint an edge and one bending constraint an interior edge
@@ -52,25 +52,30 @@ impl Solver {
         if self.edges.len() != edges {
             return broken("one record an edge", None);
         }
-        self.check_slots()
+        self.check_slots(topology)
     }
 
-    fn check_slots(&self) -> Result<(), InvalidConstraints> {
+    fn check_slots(&self, topology: &Topology) -> Result<(), InvalidConstraints> {
         for (color, batch) in self.stretch.numbered() {
-            for (index, &[a, b]) in batch.vertices().iter().enumerate() {
-                let key = EdgeKey::new(a, b);
-                let slot = self.edges.get(key).and_then(|record| record.stretch);
-                if slot.is_none_or(|slot| (slot.color, slot.index) != (color, index)) {
+            for (index, (&[a, b], &edge)) in batch.vertices().iter().zip(batch.edges()).enumerate()
+            {
+                let record = self.edges.record(edge);
+                let knows = record.stretch() == Some(Slot { color, index });
+                if !knows || record.ends(topology) != Some([a, b]) {
+                    let key = EdgeKey::new(a, b);
                     return broken("records know their stretch constraints", Some(key));
                 }
             }
         }
         let bending = self.bending.iter().flat_map(ConstraintSet::numbered);
         for (color, batch) in bending {
-            for (index, &[a, b, ..]) in batch.vertices().iter().enumerate() {
-                let key = EdgeKey::new(a, b);
-                let slot = self.edges.get(key).and_then(|record| record.bending);
-                if slot.is_none_or(|slot| (slot.color, slot.index) != (color, index)) {
+            for (index, (&[a, b, ..], &edge)) in
+                batch.vertices().iter().zip(batch.edges()).enumerate()
+            {
+                let record = self.edges.record(edge);
+                let knows = record.bending() == Some(Slot { color, index });
+                if !knows || record.ends(topology) != Some([a, b]) {
+                    let key = EdgeKey::new(a, b);
                     return broken("records know their bending constraints", Some(key));
                 }
             }
@@ -89,8 +94,8 @@ fn check_set<const N: usize>(
 ) -> Result<(), InvalidConstraints> {
     let mut found = Vec::new();
     for batch in set.all() {
-        if batch.rest().len() != batch.len() {
-            return broken("one rest value a constraint", None);
+        if batch.rest().len() != batch.len() || batch.edges().len() != batch.len() {
+            return broken("one rest value and one edge a constraint", None);
         }
         let rest = batch.rest().iter().map(|r| r.to_bits());
         found.extend(batch.vertices().iter().copied().zip(rest));

@@ -246,6 +246,7 @@ mod tests {
         Batch {
             vertices: vec![[0, 1, 2, 3].map(VertexId)],
             rest: vec![rest],
+            edges: Vec::new(),
             lambda: Vec::new(),
         }
     }

@@ -151,6 +151,7 @@ mod tests {
         let batch = Batch {
             vertices: vec![[VertexId(0), VertexId(1)]],
             rest: vec![REST],
+            edges: Vec::new(),
             lambda: vec![0.0],
         };
         (x, batch)

@@ -2,7 +2,7 @@
 
 use crate::constraints::Slot;
 use crate::solver::Solver;
-use incise_mesh::{EdgeKey, Surface, VertexId};
+use incise_mesh::{HalfEdge, Surface, VertexId};
 
 impl Solver {
     /// Where the constraints of a patch of `layer` stand, ascending and so in the order of their colors.
@@ -27,10 +27,11 @@ impl Solver {
         let in_layer = |slot: &Slot| slot.layer() == layer;
         for &v in patching.vertices(patch) {
             // Every constraint is found at the smaller end of its edge.
-            for w in neighbors(surface, v).filter(|&w| v < w) {
-                if let Some(record) = self.edges.get(EdgeKey::new(v, w)) {
-                    stretch.extend(record.stretch.filter(in_layer));
-                    bending.extend(record.bending.filter(in_layer));
+            for (h, _) in around(surface, v).filter(|&(_, w)| v < w) {
+                if let Some(edge) = self.edges.of(h) {
+                    let record = self.edges.record(edge);
+                    stretch.extend(record.stretch().filter(in_layer));
+                    bending.extend(record.bending().filter(in_layer));
                 }
             }
         }
@@ -39,13 +40,13 @@ impl Solver {
     }
 }
 
-/// The vertices that share an edge with `v`, each once.
-fn neighbors(surface: &Surface, v: VertexId) -> impl Iterator<Item = VertexId> {
+/// The edges around `v`, each once, with the vertex at the other end.
+fn around(surface: &Surface, v: VertexId) -> impl Iterator<Item = (HalfEdge, VertexId)> {
     let topology = surface.topology();
     topology.outgoing_fan(v).flat_map(move |h| {
         let before = h.prev();
         let on_rim = topology.twin(before).is_null();
-        let last = on_rim.then(|| topology.origin(before));
-        [topology.target(h)].into_iter().chain(last)
+        let last = on_rim.then(|| (before, topology.origin(before)));
+        [(h, topology.target(h))].into_iter().chain(last)
     })
 }

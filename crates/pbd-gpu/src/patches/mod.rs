@@ -16,11 +16,11 @@ mod tests;
 
 use crate::changes::Log;
 use crate::coloring::LAYERS;
-use crate::edges::EdgeTable;
+use crate::edges::{EdgeId, EdgeTable};
 use crate::error::ConstraintError;
 use cover::{Tie, cover};
 use divide::divide;
-use incise_mesh::{EdgeKey, Surface, TopologyDelta, VertexId};
+use incise_mesh::{Surface, Topology, TopologyDelta, VertexId};
 pub(crate) use patching::Patching;
 
 /// The most vertices that a patch can have: so many fit into the memory of a workgroup.
@@ -86,10 +86,8 @@ impl Patches {
         let mut vertices: Vec<VertexId> = surface.topology().vertices().collect();
         patches.divide(surface, &mut vertices);
         let topology = surface.topology();
-        let keys = topology
-            .edges()
-            .map(|h| EdgeKey::new(topology.origin(h), topology.target(h)));
-        patches.cover_borders(keys, edges, bends);
+        let all = topology.edges().filter_map(|h| edges.of(h));
+        patches.cover_borders(all, topology, edges, bends);
         patches
     }
 
@@ -138,7 +136,7 @@ impl Patches {
         &mut self,
         surface: &Surface,
         delta: &TopologyDelta,
-        touched: &[EdgeKey],
+        touched: &[EdgeId],
         edges: &EdgeTable,
         bends: bool,
     ) {
@@ -159,7 +157,7 @@ impl Patches {
         // Some that had no neighbor in a patch at first have one by now.
         strays.retain(|&v| self.patchings[0].patch_of(v).is_none());
         self.house(surface, strays);
-        self.cover_borders(touched.iter().copied(), edges, bends);
+        self.cover_borders(touched.iter().copied(), topology, edges, bends);
     }
 
     /// Puts a vertex into the patch of a neighbor or parent that has room, or among the strays.
@@ -215,11 +213,14 @@ impl Patches {
     /// Lets each patching cover what the one before cuts apart around some edges.
     fn cover_borders(
         &mut self,
-        keys: impl Iterator<Item = EdgeKey>,
+        among: impl Iterator<Item = EdgeId>,
+        topology: &Topology,
         edges: &EdgeTable,
         bends: bool,
     ) {
-        let mut ties: Vec<Tie> = keys.filter_map(|key| edges.tie(key, bends)).collect();
+        let mut ties: Vec<Tie> = among
+            .filter_map(|edge| edges.tie(edge, topology, bends))
+            .collect();
         let [mut before, others @ ..] = self.patchings.each_mut();
         for patching in others {
             ties.retain(|tie| before.shared(tie).is_none());
