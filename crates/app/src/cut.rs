@@ -34,9 +34,9 @@ pub(crate) struct CutArguments {
     /// How the mesh is opened.
     #[arg(long, value_enum, default_value_t = Method::Exact)]
     method: Method,
-    /// The exact method: no edge along the rim shorter than this part of the surface's edges, from 0 up to
-    /// 0.5; 0 keeps the exact geometry.
-    #[arg(long, value_name = "S", default_value_t = CutParams::default().snap)]
+    /// The exact method: edges along the rim that are shorter than this part of the surface's edges are
+    /// contracted. 0 keeps the exact geometry and leaves slivers, which a solver pays for; below 0.5.
+    #[arg(long, value_name = "S", default_value_t = CutParams::default().snap, value_parser = snap, allow_hyphen_values = true)]
     snap: f64,
     /// Where the pieces go.
     #[arg(short, long, value_name = "DIR")]
@@ -48,10 +48,25 @@ pub(crate) struct CutArguments {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Method {
-    /// Split the hit triangles along the sweep and close any cross-section.
+    /// Split the hit triangles along the sweep and close any cross-section: no surface is lost.
     Exact,
     /// The paper's: delete the hit triangles, rebuild the rim, patch and refine the hole.
     Rebuild,
+}
+
+impl Method {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Rebuild => "rebuild",
+        }
+    }
+}
+
+/// A share of an edge, from 0 up to 0.5.
+fn snap(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|s| (0.0..0.5).contains(s));
+    number.ok_or_else(|| String::from("snap is a part of an edge: at least 0 and below 0.5"))
 }
 
 /// The report as JSON.
@@ -66,6 +81,14 @@ struct Report {
     volume: f64,
     triangles_hit: usize,
     loops: usize,
+    /// The exact method: vertices of the mesh that were taken into the rim.
+    snapped_vertices: usize,
+    /// The exact method: intersection points that were merged into others.
+    merged_points: usize,
+    /// The exact method: rim edges that stay shorter than asked for.
+    short_rim_edges: usize,
+    /// The exact method: what snapping moved, in cubes of the input's unit.
+    moved_volume: f64,
     cap_triangles: usize,
     cap_min_angle_deg: f64,
     cap_median_angle_deg: f64,
@@ -78,6 +101,7 @@ struct Report {
 struct Times {
     read: f64,
     search_tree: f64,
+    search_tree_update: f64,
     detection: f64,
     split: f64,
     cap: f64,
@@ -122,16 +146,17 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
     let (write, pieces) = timed(|| pieces::write(&surface, path, &arguments.output));
     let report = Report {
         input: path.clone(),
-        method: match arguments.method {
-            Method::Exact => "exact",
-            Method::Rebuild => "rebuild",
-        },
+        method: arguments.method.name(),
         snap: arguments.snap,
         level: arguments.level.z(),
         triangles,
         volume,
         triangles_hit: outcome.report.hits,
         loops: outcome.report.loops,
+        snapped_vertices: outcome.report.snapped_vertices,
+        merged_points: outcome.report.merged_nodes,
+        short_rim_edges: outcome.report.short_rim_edges,
+        moved_volume: outcome.report.moved_volume,
         cap_triangles: outcome.cap.len(),
         cap_min_angle_deg: cap.min,
         cap_median_angle_deg: cap.median,
@@ -139,6 +164,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         milliseconds: Times {
             read: milliseconds(read),
             search_tree: milliseconds(search_tree),
+            search_tree_update: milliseconds(outcome.report.search_tree),
             detection: milliseconds(outcome.report.detection),
             split: milliseconds(outcome.report.split),
             cap: milliseconds(outcome.report.cap),
@@ -189,12 +215,37 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
             report.cap_min_angle_deg,
             report.cap_median_angle_deg
         )?;
+        if report.method == Method::Exact.name() && report.snap > 0.0 {
+            writeln!(
+                out,
+                "  snap {}: {} vertices and {} points moved, volume {:.1e}; {} short rim edges left",
+                report.snap,
+                report.snapped_vertices,
+                report.merged_points,
+                report.moved_volume,
+                report.short_rim_edges
+            )?;
+        }
     }
+    writeln!(
+        out,
+        "  {} pieces, {} method",
+        report.pieces.len(),
+        report.method
+    )?;
     pieces::print(&report.pieces, out)?;
     let t = &report.milliseconds;
     writeln!(
         out,
-        "  ms: read {:.2}, search tree {:.2}, detection {:.2}, split {:.2}, cap {:.2}, refinement {:.2}, separation {:.2}, write {:.2}",
-        t.read, t.search_tree, t.detection, t.split, t.cap, t.refinement, t.separation, t.write
+        "  ms: read {:.2}, search tree {:.2} and {:.2}, detection {:.2}, split {:.2}, cap {:.2}, refinement {:.2}, separation {:.2}, write {:.2}",
+        t.read,
+        t.search_tree,
+        t.search_tree_update,
+        t.detection,
+        t.split,
+        t.cap,
+        t.refinement,
+        t.separation,
+        t.write
     )
 }

@@ -249,3 +249,183 @@ fn a_cavity_is_called_one() {
     assert_eq!(lines.len(), 1, "{lines:?}");
     assert!(lines[0].contains("volume -"), "{lines:?}");
 }
+
+/// Cuts and returns the exit code, the report and what the program complained about.
+fn cut(input: &Path, output: &Path, more: &[&str]) -> (Option<i32>, serde_json::Value, String) {
+    let mut arguments = vec!["cut", text(input), "-o", text(output), "--json"];
+    arguments.extend(more);
+    let output = incise(&arguments);
+    let report = serde_json::from_slice(&output.stdout).unwrap_or_default();
+    let error = String::from_utf8(output.stderr).unwrap();
+    (output.status.code(), report, error)
+}
+
+fn sum_of_volumes(report: &serde_json::Value) -> f64 {
+    let pieces = report["pieces"].as_array().unwrap().iter();
+    pieces.map(|p| p["volume"].as_f64().unwrap()).sum()
+}
+
+#[test]
+fn without_snapping_no_volume_moves_and_with_it_the_report_says_how_much() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("bunny.obj");
+    write_obj(&input, &build_model(Model::Bunny)).unwrap();
+    let plane = ["--plane", "0.1,1,0.2,0.013"];
+    let output = folder.path().join("out");
+    let run = |snap: &str| {
+        let (code, report, error) = cut(&input, &output, &[&plane[..], &["--snap", snap]].concat());
+        assert_eq!(code, Some(0), "{error}");
+        let before = report["volume"].as_f64().unwrap();
+        let off = (sum_of_volumes(&report) - before).abs() / before;
+        (report, off)
+    };
+    let (exact, off) = run("0");
+    assert_eq!(
+        (&exact["method"], &exact["snap"]),
+        (&"exact".into(), &0.0.into())
+    );
+    assert_eq!(exact["snapped_vertices"], 0);
+    assert_eq!(exact["moved_volume"], 0.0);
+    assert!(off < 1e-5, "{off} of the volume is lost");
+    let (snapped, off) = run("0.3");
+    let moved = snapped["moved_volume"].as_f64().unwrap();
+    assert!(
+        snapped["snapped_vertices"].as_u64().unwrap() > 0,
+        "{snapped}"
+    );
+    assert!(moved > 0.0, "{snapped}");
+    assert!(
+        off <= moved / snapped["volume"].as_f64().unwrap() + 1e-5,
+        "{off}"
+    );
+    let shortest = |report: &serde_json::Value| report["short_rim_edges"].as_u64().unwrap();
+    assert!(shortest(&snapped) < snapped["triangles_hit"].as_u64().unwrap());
+    let (code, _, error) = cut(&input, &output, &[&plane[..], &["--snap", "0.5"]].concat());
+    assert_eq!(code, Some(2), "{error}");
+    assert!(error.contains("below 0.5"), "{error}");
+    for wrong in ["-0.1", "nan", "much"] {
+        let (code, ..) = cut(&input, &output, &[&plane[..], &["--snap", wrong]].concat());
+        assert_eq!(code, Some(2), "--snap {wrong}");
+    }
+}
+
+#[test]
+fn a_plane_through_a_cavity_is_cut_exactly_and_refused_by_the_paper_s_method() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("hollow.obj");
+    write_obj(&input, &hollow_sphere()).unwrap();
+    let output = folder.path().join("out");
+    let plane = ["--plane", "1,0.1,0.2,0.01"];
+    let (code, _, error) = cut(
+        &input,
+        &output,
+        &[&plane[..], &["--method", "rebuild"]].concat(),
+    );
+    assert_eq!(code, Some(1), "{error}");
+    assert!(error.contains("has a hole"), "{error}");
+    assert!(!output.exists(), "nothing is written");
+    let (code, report, error) = cut(&input, &output, &[&plane[..], &["--snap", "0"]].concat());
+    assert_eq!(code, Some(0), "{error}");
+    let pieces = report["pieces"].as_array().unwrap();
+    assert_eq!((pieces.len(), &report["loops"]), (2, &2.into()));
+    assert!(pieces.iter().all(|p| p["cavity"] == false), "{report}");
+    let before = report["volume"].as_f64().unwrap();
+    assert!((sum_of_volumes(&report) - before).abs() < 1e-5 * before);
+    for piece in ["piece_000.obj", "piece_001.obj"] {
+        let check = incise(&["check", text(&output.join(piece)), "--json"]);
+        let check: serde_json::Value = serde_json::from_slice(&check.stdout).unwrap();
+        assert_eq!((&check["fit"], &check["genus"]), (&true.into(), &0.into()));
+    }
+}
+
+#[test]
+fn a_partial_cut_is_refused_by_both_methods_and_says_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("sphere.obj");
+    write_obj(&input, &build_model(Model::Sphere768)).unwrap();
+    let output = folder.path().join("out");
+    let blade = ["--blade", "-2,0.1,-2,-2,0.1,2", "--to", "0,0.1,-2,0,0.1,2"];
+    for method in ["exact", "rebuild"] {
+        let (code, _, error) = cut(
+            &input,
+            &output,
+            &[&blade[..], &["--method", method]].concat(),
+        );
+        assert_eq!(code, Some(1), "{method}: {error}");
+        assert!(error.contains("make the sweep larger"), "{method}: {error}");
+        assert!(!output.exists(), "{method}: nothing is written");
+    }
+    let whole = ["--blade", "-2,0.1,-2,-2,0.3,2", "--to", "2,0.2,-2,2,0.1,2"];
+    for method in ["exact", "rebuild"] {
+        let (code, report, error) = cut(
+            &input,
+            &output,
+            &[&whole[..], &["--method", method]].concat(),
+        );
+        assert_eq!(code, Some(0), "{method}: {error}");
+        assert_eq!(report["pieces"].as_array().unwrap().len(), 2, "{method}");
+        assert_eq!(report["method"], method);
+    }
+}
+
+#[test]
+fn pieces_keep_texture_coordinates_and_normals_and_caps_have_their_own_material() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("sphere.obj");
+    let mut sphere = build_model(Model::Sphere80);
+    let corners = sphere.topology().triangle_slots() * 3;
+    sphere.corners.uv = vec![[0.25, 0.75]; corners];
+    sphere.corners.normal = vec![[0.0, 0.0, 1.0]; corners];
+    write_obj(&input, &sphere).unwrap();
+    let output = folder.path().join("out");
+    let (code, report, error) = cut(&input, &output, &["--plane", "1,0.1,0.2,0.03"]);
+    assert_eq!(code, Some(0), "{error}");
+    let mut on_caps = 0;
+    for piece in ["piece_000.obj", "piece_001.obj"] {
+        let obj = std::fs::read_to_string(output.join(piece)).unwrap();
+        assert!(obj.contains("\nvt 0.25 0.75\n"), "{piece} has no texture");
+        assert!(obj.contains("\nvn 0.0 0.0 1.0\n"), "{piece} has no normals");
+        let [mut skin, mut cap] = [0, 0];
+        let mut on_cap = None;
+        for line in obj.lines() {
+            match line {
+                "usemtl material_0" => on_cap = Some(false),
+                "usemtl material_1" => on_cap = Some(true),
+                _ if line.starts_with("f ") => {
+                    *if on_cap.unwrap() { &mut cap } else { &mut skin } += 1;
+                }
+                _ => {}
+            }
+        }
+        assert!(skin > 0 && cap > 0, "{piece}: {skin} and {cap}");
+        on_caps += cap;
+        let check = incise(&["check", text(&output.join(piece))]);
+        assert_eq!(check.status.code(), Some(0), "{piece} is closed");
+    }
+    assert_eq!(report["cap_triangles"], on_caps);
+}
+
+#[test]
+fn help_and_text_say_what_snapping_does() {
+    let help = incise(&["cut", "--help"]);
+    let help = String::from_utf8(help.stdout).unwrap();
+    for word in ["--snap", "--method", "exact", "rebuild", "below 0.5"] {
+        assert!(help.contains(word), "{word} in\n{help}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("sphere.obj");
+    write_obj(&input, &build_model(Model::Sphere768)).unwrap();
+    let output = folder.path().join("out");
+    let plane = [
+        "cut",
+        text(&input),
+        "--plane",
+        "1,0.1,0.2,0.03",
+        "-o",
+        text(&output),
+    ];
+    let lines = String::from_utf8(incise(&plane).stdout).unwrap();
+    assert!(lines.contains("snap 0.1:"), "{lines}");
+    assert!(lines.contains("short rim edges left"), "{lines}");
+    assert!(lines.contains("2 pieces, exact method"), "{lines}");
+}

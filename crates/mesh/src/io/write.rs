@@ -9,7 +9,9 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 /// Writes a surface as OBJ: positions with as many digits as `f32` needs, texture coordinates as
-/// `vt` and normals as `vn`, each distinct value once. Free slots are left out.
+/// `vt` and normals as `vn`, each distinct value once. Where triangles have different materials
+/// ([`Surface::material`]), each follows a `usemtl material_N` line of its own; there is no library of
+/// materials. Free slots are left out.
 ///
 /// # Errors
 /// [`WriteError`]; nothing is left of the attempt then.
@@ -80,7 +82,16 @@ fn obj(surface: &Surface, out: &mut impl Write) -> io::Result<()> {
     for [x, y, z] in normals.iter().map(|n| n.map(f32::from_bits)) {
         writeln!(out, "vn {x:?} {y:?} {z:?}")?;
     }
+    let mut triangles = surface.topology().triangles();
+    let first = triangles.next().map(|t| surface.material(t));
+    let differ = triangles.any(|t| Some(surface.material(t)) != first);
+    let mut material = None;
     for t in surface.topology().triangles() {
+        let own = Some(surface.material(t));
+        if differ && own != material {
+            writeln!(out, "usemtl material_{}", surface.material(t))?;
+            material = own;
+        }
         write!(out, "f")?;
         for h in t.half_edges() {
             write!(out, " {}", surface.topology().origin(h).0 + 1)?;
@@ -204,6 +215,29 @@ mod tests {
                 prop_assert_eq!(data.file_vertices, surface.seam_split_vertices());
             }
         }
+    }
+
+    #[test]
+    fn materials_are_named_where_they_change() {
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let mut surface = tetrahedron(corners);
+        let lines = |surface: &Surface| {
+            let mut out = Vec::new();
+            obj(surface, &mut out).unwrap();
+            let text = String::from_utf8(out).unwrap();
+            let lines = text.lines().filter(|line| !line.starts_with('v'));
+            lines.map(str::to_owned).collect::<Vec<_>>()
+        };
+        assert_eq!(lines(&surface).len(), 4, "one material needs no name");
+        surface.set_material(TriangleId(1), 7);
+        surface.set_material(TriangleId(2), 7);
+        let (skin, cap) = ("usemtl material_0", "usemtl material_7");
+        let expected = [skin, "f 1 3 2", cap, "f 1 2 4", "f 2 3 4", skin, "f 3 1 4"];
+        assert_eq!(lines(&surface), expected);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.obj");
+        write_obj(&path, &surface).unwrap();
+        assert_eq!(read_mesh(&path).unwrap().triangles.len(), 4);
     }
 
     #[test]
