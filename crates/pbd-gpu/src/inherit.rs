@@ -321,10 +321,8 @@ impl Shares {
                 was.add(&estates[pool], 1.0);
                 was.add(&orphaned, orphan_shares[pool]);
             }
-            let ranges = &ranges[pools];
-            keep_center(&mut heirs, ranges, was.moment);
-            let all = ranges[0].start..ranges[ranges.len() - 1].end;
-            let heirs = &mut heirs[all];
+            let heirs = &mut heirs[ranges[pools.start].start..ranges[pools.end - 1].end];
+            keep_center(heirs, was.moment);
             for heir in &mut *heirs {
                 let i = heir.vertex.index();
                 solver.mass[i] = heir.mass as f32;

@@ -14,6 +14,10 @@ const TILT: f64 = 0.25;
 /// those who had the mass.
 const FASTEST: f64 = 4.0;
 
+/// How far vertices must be from the others' plane or line, against the farthest one, for it to be more than
+/// a rounding of their places.
+const THIN: f64 = 1e-6;
+
 /// What vertices carry together, about a point of reference: sums of mass \[kg\], of mass times place,
 /// of mass times velocity, of the latter's moment; and the highest speed [m/s].
 #[derive(Debug, Clone, Copy, Default)]
@@ -98,48 +102,38 @@ fn axes(second: Matrix3<f64>) -> Option<[(Vec3, f64); 3]> {
     Some([0, 1, 2].map(axis))
 }
 
-/// Shifts mass between heirs of the same pool, each a range, so that the center of all is where `moment`
-/// says: else a body that flies straight on would have to spin after a cut, to keep its angular momentum
-/// about a fixed point. Masses get a factor that is linear in space, between a quarter and seven quarters
-/// a round, so a center that is out of reach is approached only.
-pub(crate) fn keep_center(heirs: &mut [Heir], pools: &[std::ops::Range<usize>], moment: Vec3) {
-    let mut centers = Vec::with_capacity(pools.len());
+/// Shifts mass between heirs so that their center is where `moment` says: else a body that flies straight on
+/// would have to spin after a cut, to keep its angular momentum about a fixed point. Masses get a factor
+/// that is linear in space, between a quarter and seven quarters a round, so a center that is out of reach
+/// is approached only.
+pub(crate) fn keep_center(heirs: &mut [Heir], moment: Vec3) {
     for _ in 0..ROUNDS {
-        centers.clear();
-        let (mut off, mut second) = (moment, Matrix3::zeros());
-        for pool in pools {
-            let mut spread = Spread::default();
-            for heir in &heirs[pool.clone()] {
-                spread.add(heir.mass, heir.at);
-            }
-            off -= spread.moment;
-            second += spread.central();
-            centers.push(spread.center());
+        let mut spread = Spread::default();
+        for heir in &*heirs {
+            spread.add(heir.mass, heir.at);
         }
-        let Some(axes) = axes(second) else {
+        let (center, off) = (spread.center(), moment - spread.moment);
+        let Some(axes) = axes(spread.central()) else {
             return;
         };
         let mut reach = [0.0_f64; 3];
-        for (pool, center) in pools.iter().zip(&centers) {
-            for heir in &heirs[pool.clone()] {
-                for (reach, (axis, _)) in reach.iter_mut().zip(&axes) {
-                    *reach = reach.max((heir.at - center).dot(axis).abs());
-                }
+        for heir in &*heirs {
+            for (reach, (axis, _)) in reach.iter_mut().zip(&axes) {
+                *reach = reach.max((heir.at - center).dot(axis).abs());
             }
         }
         let mut tilt = Vec3::zeros();
         let mut is_limited = false;
+        let farthest = reach.into_iter().fold(THIN * center.norm(), f64::max);
         for ((axis, second), reach) in axes.into_iter().zip(reach) {
             let (limit, wanted) = (TILT / reach, off.dot(&axis) / second);
-            if reach > 0.0 && wanted.is_finite() {
+            if reach > THIN * farthest && wanted.is_finite() {
                 tilt += axis * wanted.clamp(-limit, limit);
                 is_limited |= wanted.abs() > limit;
             }
         }
-        for (pool, center) in pools.iter().zip(&centers) {
-            for heir in &mut heirs[pool.clone()] {
-                heir.mass *= 1.0 + (heir.at - center).dot(&tilt);
-            }
+        for heir in &mut *heirs {
+            heir.mass *= 1.0 + (heir.at - center).dot(&tilt);
         }
         if !is_limited {
             return;
@@ -214,12 +208,96 @@ fn turn(heirs: &[Heir], center: Vec3, free: &Spread, missing: Vec3, limit: f64) 
             arm.1 = arm.1.max(squared);
         }
     }
+    let least = (THIN * center.norm()).powi(2);
+    let farthest = arms.iter().fold(least, |far, arm| far.max(arm.1));
     let mut turn = Vec3::zeros();
     for ((axis, _), (inertia, squared)) in axes.iter().zip(arms) {
         let (rate, most) = (missing.dot(axis) / inertia, limit / squared.sqrt());
-        if rate.is_finite() && most.is_finite() {
+        if squared > THIN * THIN * farthest && rate.is_finite() {
             turn += axis * rate.clamp(-most, most);
         }
     }
     turn
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Heirs at corners of a skew lattice over the first so many of three directions.
+    fn heirs(directions: usize) -> Vec<Heir> {
+        let directions = &[[0.7, 0.2, 0.1], [-0.1, 0.3, 0.9], [0.2, -0.8, 0.3]][..directions];
+        let heir = |i: u32| {
+            let steps = (0..).zip(directions).map(|(k, d)| {
+                let step = f64::from((i / 3_u32.pow(k)) % 3) * 1.1;
+                Vec3::from(*d) * step
+            });
+            Heir {
+                vertex: VertexId(i),
+                at: Vec3::new(0.3, -0.4, 5.0) + steps.sum::<Vec3>(),
+                mass: 0.1 + f64::from((i * 7) % 5) * 0.05,
+                is_free: true,
+            }
+        };
+        (0..3_u32.pow(u32::try_from(directions.len()).unwrap()))
+            .map(heir)
+            .collect()
+    }
+
+    fn sums(heirs: &[Heir]) -> Spread {
+        let mut spread = Spread::default();
+        heirs.iter().for_each(|heir| spread.add(heir.mass, heir.at));
+        spread
+    }
+
+    #[test]
+    fn heirs_on_a_point_a_line_a_plane_and_in_space_keep_mass_and_center() {
+        for directions in 0..4 {
+            let mut heirs = heirs(directions);
+            let before = sums(&heirs);
+            // Somewhere between them.
+            let all: Vec3 = heirs.iter().map(|heir| heir.at).sum();
+            let center = before.center() * 0.6 + all / heirs.len() as f64 * 0.4;
+            keep_center(&mut heirs, center * before.mass);
+            let after = sums(&heirs);
+            assert!((after.mass - before.mass).abs() < 1e-9, "{directions}");
+            assert!((after.center() - center).norm() < 1e-9, "{directions}");
+            assert!(heirs.iter().all(|heir| heir.mass > 0.0), "{directions}");
+        }
+    }
+
+    #[test]
+    fn heirs_turn_about_the_axes_that_they_have() {
+        for directions in 0..4 {
+            let heirs = heirs(directions);
+            let mut velocities = vec![[0.0; 4]; heirs.len()];
+            let shape = sums(&heirs);
+            let (momentum, about) = (Vec3::new(2.0, -1.0, 0.5), Vec3::new(0.01, -0.02, 0.03));
+            let was = Carried {
+                mass: shape.mass,
+                moment: shape.moment,
+                momentum,
+                spin: shape.center().cross(&momentum) + about,
+                fastest: 10.0,
+            };
+            keep_momentum(&heirs, &mut velocities, &was);
+            let (mut sum, mut spin) = (Vec3::zeros(), Vec3::zeros());
+            for heir in &heirs {
+                let [x, y, z, _] = velocities[heir.vertex.index()].map(f64::from);
+                let momentum = Vec3::new(x, y, z) * heir.mass;
+                sum += momentum;
+                spin += (heir.at - shape.center()).cross(&momentum);
+            }
+            assert!((sum - momentum).norm() < 1e-5, "{directions}: {sum}");
+            let expected = match directions {
+                0 => Vec3::zeros(),
+                1 => {
+                    let line = Vec3::new(0.7, 0.2, 0.1).normalize();
+                    about - line * line.dot(&about)
+                }
+                _ => about,
+            };
+            assert!((spin - expected).norm() < 1e-5, "{directions}: {spin}");
+        }
+    }
 }
