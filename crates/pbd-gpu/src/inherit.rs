@@ -172,8 +172,9 @@ impl Concerned {
                 }
             }
         }
-        for n in self.came..self.stay {
-            areas[n] = lumped_area(surface, self.vertices[n]);
+        let others = &self.vertices[self.came..self.stay];
+        for (area, &v) in areas[self.came..].iter_mut().zip(others) {
+            *area = lumped_area(surface, v);
         }
         areas
     }
