@@ -42,10 +42,11 @@ pub fn assert_sound(surface: &Surface) {
         assert!(fan >= 3, "only {fan} triangles around {v}");
     }
     let labels = topology.component_labels();
-    let mut pairs: BTreeSet<(u32, u32)> = BTreeSet::new();
-    for t in topology.triangles() {
-        pairs.insert((surface.piece(t), labels[t.index()]));
-    }
+    let mut pairs: Vec<(u32, u32)> = (topology.triangles())
+        .map(|t| (surface.piece(t), labels[t.index()]))
+        .collect();
+    pairs.sort_unstable();
+    pairs.dedup();
     let pieces: BTreeSet<u32> = pairs.iter().map(|p| p.0).collect();
     let components: BTreeSet<u32> = pairs.iter().map(|p| p.1).collect();
     assert_eq!(
@@ -92,18 +93,18 @@ fn bits<const N: usize>(values: &[[f32; N]]) -> Vec<[u32; N]> {
 #[must_use]
 pub fn euler_characteristics(surface: &Surface) -> BTreeMap<u32, i64> {
     let topology = surface.topology();
-    let mut out: BTreeMap<u32, i64> = BTreeMap::new();
-    for t in topology.triangles() {
-        *out.entry(surface.piece(t)).or_default() += 1;
-    }
-    for h in topology.edges() {
-        *out.entry(surface.piece(h.triangle())).or_default() -= 1;
-    }
-    for v in topology.vertices() {
-        let piece = surface.piece(topology.outgoing(v).triangle());
-        *out.entry(piece).or_default() += 1;
-    }
-    out
+    let mut sums = vec![None; surface.piece_bound() as usize];
+    let mut add = |t: TriangleId, sign: i64| {
+        *sums[surface.piece(t) as usize].get_or_insert(0) += sign;
+    };
+    topology.triangles().for_each(|t| add(t, 1));
+    topology.edges().for_each(|h| add(h.triangle(), -1));
+    let corner = |v: VertexId| topology.outgoing(v).triangle();
+    topology.vertices().for_each(|v| add(corner(v), 1));
+    let pieces = (0..).zip(sums);
+    pieces
+        .filter_map(|(piece, sum)| Some((piece, sum?)))
+        .collect()
 }
 
 /// Vertices - edges + triangles of a part of a surface.

@@ -86,7 +86,7 @@ fn planes_in_every_face() {
 #[test]
 fn every_lattice_plane_of_a_cube_in_turn() {
     for snap in [0.0, 0.1] {
-        let mut surface = cube_sphere(4, 0.5);
+        let mut surface = cube_sphere(2, 0.5);
         let mut cutter = Cutter::new(&surface);
         let params = CutParams {
             snap,

@@ -140,6 +140,54 @@ fn snapping_leaves_a_tip_its_triangles() {
             let cut = cut_and_check(&mut body, &mut cutter, &sweep.expect("a plane"), &params);
             let pieces = cut.expect("a full slice").delta.pieces_added;
             assert_eq!(pieces, [(1, 0)], "the tip at {height}, snap {snap}");
+            // One of two was flat: the tip's only vertex had been pulled onto the sweep.
+            let tip = (1.0 - height).powi(3) / 6.0;
+            let volumes = body.piece_volumes();
+            assert!(
+                volumes.iter().all(|&volume| volume > 0.5 * tip),
+                "{volumes:?}, the tip at {height} has {tip}"
+            );
+        }
+    }
+}
+
+/// Edges along a needle are ten thousand times as long as it is wide, and snapping moved what is little
+/// for a body as wide as that: more than half of this one.
+#[test]
+fn snapping_leaves_a_needle_its_volume() {
+    let corners: Vec<[f32; 3]> = (0..8u8)
+        .map(|i| [i & 1, i >> 1 & 1, i >> 2 & 1].map(f32::from))
+        .map(|[x, y, z]| [10.0 * x, 1e-3 * y, 1e-3 * z])
+        .collect();
+    let faces = [
+        [0, 2, 1],
+        [1, 2, 3],
+        [4, 5, 6],
+        [5, 7, 6],
+        [0, 1, 4],
+        [1, 5, 4],
+        [2, 6, 3],
+        [3, 6, 7],
+        [0, 4, 2],
+        [2, 4, 6],
+        [1, 3, 5],
+        [3, 7, 5],
+    ];
+    let needle = Surface::from_triangles(&corners, &faces).expect("a box");
+    for slope in [0.0, 1e-5, -1e-4, 1e-3, 0.1] {
+        for part in [0.1, 0.3, 0.5, 0.8] {
+            let mut body = needle.clone();
+            let normal = [slope, 1.0, 0.4];
+            let d = 5.0 * slope + 1.4e-3 * part;
+            let sweep = Sweep::across_box(normal, d, &body.bounds()).expect("a plane");
+            let mut cutter = Cutter::new(&body);
+            let cut = cut_and_check(&mut body, &mut cutter, &sweep, &CutParams::default());
+            cut.expect("a full slice");
+            let change = (body.volume() - needle.volume()).abs() / needle.volume();
+            assert!(
+                change < 2e-3,
+                "slope {slope} at {part} changed it by {change}"
+            );
         }
     }
 }

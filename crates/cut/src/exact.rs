@@ -89,7 +89,10 @@ impl Exact {
             rim: &mut self.rim,
         };
         let unfold = Unfold::new(&signs);
-        let budget = snap::BUDGET * self.trace.section_area(&unfold) * self.trace.mean_local();
+        let (area, rim_length) = self.trace.section_size(&unfold);
+        // A disc's width so is its radius; a number that is none where all is one point.
+        let width = 2.0 * area / rim_length;
+        let budget = snap::BUDGET * area * self.trace.mean_local().min(width);
         let snapped = self.snapper.snap(&mut opened, params.snap, budget);
         report.snapped_vertices = snapped.vertices;
         report.merged_nodes = snapped.nodes;

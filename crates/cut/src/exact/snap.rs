@@ -15,13 +15,14 @@ use super::node::{Node, On};
 use super::open::Lips;
 use super::rim::Rim;
 use incise_mesh::geometry::area_vector;
-use incise_mesh::{Edit, HalfEdge, Surface, Vec3, VertexId};
+use incise_mesh::{Edit, HalfEdge, Surface, Topology, Vec3, VertexId};
 
 /// The most volume that one contraction may move [cubes of the local edge length].
 const LARGEST_MOVE: f64 = 5e-3;
 
-/// The most volume that all contractions of a cut may move [section area times mean local edge length].
-/// Even of a body that is a single edge thick this is a small part.
+/// The most volume that all contractions of a cut may move [section area times mean local edge length, or
+/// times the section's width where edges are longer than that]. Even of a body that is a single edge
+/// thick this is a small part.
 pub(super) const BUDGET: f64 = 1e-3;
 
 /// What snapping did.
@@ -142,9 +143,8 @@ impl Snapper {
                 break;
             }
         }
-        // A tip of three triangles would become one, and its cap the same one again.
-        let size = cut.rim.sizes[cut.rim.loop_of[node as usize] as usize];
-        if size == 3 && self.fan.len() == 3 {
+        // The last vertex off the rim stays: without it a tip would be flat.
+        if (self.fan.iter()).all(|&h| is_at_boundary(topology, topology.twin(h))) {
             return;
         }
         self.near.clear();
@@ -365,6 +365,17 @@ impl Chart {
             && edit.surface().corners.normal[h.index()] == from
         {
             edit.set_normal(h, to);
+        }
+    }
+}
+
+/// Whether the vertex that `h` leaves is on a boundary.
+fn is_at_boundary(topology: &Topology, h: HalfEdge) -> bool {
+    let mut at = h;
+    loop {
+        at = topology.twin(at.prev());
+        if at.is_null() || at == h {
+            return at.is_null();
         }
     }
 }

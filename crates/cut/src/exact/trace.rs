@@ -79,16 +79,18 @@ impl Trace {
         sum / self.nodes.len() as f64
     }
 
-    /// The area that the closed curves enclose, less that of holes \[m^2\].
-    pub(super) fn section_area(&self, unfold: &Unfold) -> f64 {
-        let doubled = |curve: &Range<u32>| -> f64 {
+    /// The area that the closed curves enclose, less that of holes \[m^2\], and their length \[m\].
+    pub(super) fn section_size(&self, unfold: &Unfold) -> (f64, f64) {
+        let (mut doubled, mut length) = (0.0, 0.0);
+        for curve in &self.loops {
             let nodes = &self.nodes[curve.start as usize..curve.end as usize];
             let outline = || nodes.iter().map(|node| unfold.flatten(node));
-            let following = outline().cycle().skip(1);
-            let cross = |([ax, ay], [bx, by]): ([f64; 2], [f64; 2])| ax * by - ay * bx;
-            outline().zip(following).map(cross).sum()
-        };
-        self.loops.iter().map(doubled).sum::<f64>().abs() / 2.0
+            for ([ax, ay], [bx, by]) in outline().zip(outline().cycle().skip(1)) {
+                doubled += ax * by - ay * bx;
+                length += (bx - ax).hypot(by - ay);
+            }
+        }
+        (f64::abs(doubled) / 2.0, length)
     }
 
     /// Finds all curves through `candidates`, which is sorted.

@@ -1,0 +1,195 @@
+//! Hundreds of cuts in a row, every law after each; and volumes by sampling the body that was cut.
+
+use incise_cut::{CutParams, Cutter, Sweep};
+use incise_mesh::geometry::widen;
+use incise_mesh::{Model, Surface, Vec3, build_model, icosphere, torus};
+use incise_tests::{assert_sound, cut_and_check, euler_characteristics};
+
+/// A small generator (`SplitMix64`).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// From 0 to 1.
+    fn part(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn point(&mut self, surface: &Surface) -> Vec3 {
+        let bounds = surface.bounds();
+        let (min, max) = (widen(bounds.min), widen(bounds.max));
+        min + (max - min).map(|size| size * self.part())
+    }
+
+    fn direction(&mut self) -> Vec3 {
+        loop {
+            let v = Vec3::new(self.part(), self.part(), self.part()).map(|x| 2.0 * x - 1.0);
+            if v.norm() > 0.1 && v.norm() < 1.0 {
+                return v.normalize();
+            }
+        }
+    }
+
+    /// A plane through a random point of a random piece, so that pieces of all sizes are cut.
+    fn sweep(&mut self, surface: &Surface) -> Sweep {
+        let bounds = surface.bounds();
+        let triangles: Vec<_> = surface.topology().triangles().collect();
+        let t = self.next() % triangles.len() as u64;
+        let t = triangles[usize::try_from(t).expect("there are fewer than 2^32")];
+        let [a, b, c] = surface.triangle_positions(t);
+        let at = (a + b + c) / 3.0;
+        let normal = self.direction();
+        Sweep::across_box(normal.into(), normal.dot(&at), &bounds).expect("a plane")
+    }
+}
+
+/// Cuts in a row, all of the body or only the piece with the most volume, until there are 200. Other
+/// pieces move away a little now and then, as bodies do.
+fn cut_200_times(whole: &Surface, snap: f64, seed: u64) {
+    let mut random = Random(seed);
+    let mut surface = whole.clone();
+    let mut cutter = Cutter::new(&surface);
+    let mut moved = 0.0;
+    let mut cuts = 0;
+    while cuts < 200 {
+        let volumes = surface.piece_volumes();
+        let largest = (0..).zip(&volumes).max_by(|a, b| a.1.total_cmp(b.1));
+        let largest = largest.expect("a body has a piece").0;
+        let params = CutParams {
+            snap,
+            // Whole slices double the pieces; a few of them are enough.
+            only_piece: (cuts % 40 != 39).then_some(largest),
+            ..CutParams::default()
+        };
+        let sweep = random.sweep(&surface);
+        let result = cut_and_check(&mut surface, &mut cutter, &sweep, &params);
+        let outcome = result.expect("a full slice cuts");
+        moved += outcome.report.moved_volume;
+        cuts += usize::from(!outcome.delta.is_empty());
+    }
+    assert_sound(&surface);
+    let error = (surface.volume() - whole.volume()).abs();
+    let bound = moved + 1e-5 * whole.volume();
+    assert!(
+        error <= bound,
+        "the volume changed by {error}, at most {bound} was reported"
+    );
+    let pieces = euler_characteristics(&surface).len();
+    assert!(pieces > 100, "only {pieces} pieces after 200 cuts");
+}
+
+#[test]
+fn the_bunny_is_cut_200_times() {
+    cut_200_times(&build_model(Model::Bunny), 0.1, 1);
+}
+
+#[test]
+fn the_bunny_is_cut_200_times_exactly() {
+    cut_200_times(&build_model(Model::Bunny), 0.0, 2);
+}
+
+#[test]
+fn a_torus_is_cut_200_times() {
+    cut_200_times(&torus(0.4, 0.15, 24, 12), 0.1, 3);
+}
+
+#[test]
+fn a_torus_is_cut_200_times_exactly() {
+    cut_200_times(&torus(0.4, 0.15, 24, 12), 0.0, 4);
+}
+
+/// How often the surface runs around a point: its solid angle (van Oosterom and Strackee 1983).
+fn winding(surface: &Surface, only: Option<u32>, at: Vec3) -> f64 {
+    let triangles = surface.topology().triangles();
+    let triangles = triangles.filter(|&t| only.is_none_or(|piece| surface.piece(t) == piece));
+    let angle: f64 = triangles
+        .map(|t| {
+            let [a, b, c] = surface.triangle_positions(t).map(|p| p - at);
+            let [la, lb, lc] = [a, b, c].map(|p| p.norm());
+            let scale = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
+            2.0 * a.dot(&b.cross(&c)).atan2(scale)
+        })
+        .sum();
+    angle / (2.0 * std::f64::consts::TAU)
+}
+
+/// A ball in a ball in a ball, the middle one hollow.
+fn nested() -> Surface {
+    let shells = [(0.5, false), (0.35, true), (0.2, false)];
+    let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    for (radius, is_cavity) in shells {
+        let shell = icosphere(2, radius);
+        let first = u32::try_from(positions.len()).expect("few vertices");
+        positions.extend(&shell.rest);
+        let topology = shell.topology();
+        faces.extend(topology.triangles().map(|t| {
+            let [a, b, c] = topology.triangle(t).map(|v| v.0 + first);
+            if is_cavity { [a, c, b] } else { [a, b, c] }
+        }));
+    }
+    Surface::from_triangles(&positions, &faces).expect("three shells")
+}
+
+/// A point is in a piece if it was in the body and is on the piece's side of the plane. Points are drawn
+/// at random; the winding number of the input and the plane's sign say what holds.
+#[test]
+fn pieces_hold_the_points_that_the_body_held() {
+    let bodies = [
+        nested(),
+        torus(0.4, 0.15, 16, 8),
+        icosphere(2, 0.5),
+        build_model(Model::Bunny),
+    ];
+    for (seed, body) in (10..).zip(bodies) {
+        let mut random = Random(seed);
+        for _ in 0..3 {
+            let sweep = random.sweep(&body);
+            let (origin, normal) = sweep.plane();
+            let mut surface = body.clone();
+            let params = CutParams {
+                snap: 0.0,
+                ..CutParams::default()
+            };
+            let mut cutter = Cutter::new(&body);
+            let cut = cut_and_check(&mut surface, &mut cutter, &sweep, &params);
+            cut.expect("a full slice cuts");
+            let pieces: Vec<u32> = euler_characteristics(&surface).into_keys().collect();
+            let side = |piece: &u32| {
+                let triangles = surface.topology().triangles();
+                let of = triangles.filter(|&t| surface.piece(t) == *piece);
+                let corners = of.flat_map(|t| surface.triangle_positions(t));
+                let heights = corners.map(|p| normal.dot(&(p - origin)));
+                heights.fold(0.0, |far: f64, h| if h.abs() > far.abs() { h } else { far })
+            };
+            let sides: Vec<f64> = pieces.iter().map(side).collect();
+            for _ in 0..150 {
+                let at = random.point(&body);
+                let height = normal.dot(&(at - origin));
+                let was = winding(&body, None, at);
+                // Near a surface the flat cap or rounding decides.
+                if height.abs() < 1e-5 || (was - was.round()).abs() > 1e-6 {
+                    continue;
+                }
+                for (&piece, &side) in pieces.iter().zip(&sides) {
+                    let is = winding(&surface, Some(piece), at);
+                    assert!(
+                        is.abs() < 1e-6 || (side > 0.0) == (height > 0.0),
+                        "{at} is in piece {piece}, beyond the plane: {is}"
+                    );
+                }
+                let sum: f64 = pieces.iter().map(|&p| winding(&surface, Some(p), at)).sum();
+                assert!(
+                    (sum - was).abs() < 1e-6,
+                    "{at} was held {was} times, is {sum} times"
+                );
+            }
+        }
+    }
+}
