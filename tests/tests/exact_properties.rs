@@ -65,7 +65,7 @@ fn cut_in_turn(body: &Body, blades: &[(Blade, RefinementLevel, f64)]) {
 }
 
 proptest! {
-    #![proptest_config(cases(600))]
+    #![proptest_config(cases(800))]
 
     #[test]
     fn one_plane(
@@ -119,7 +119,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(cases(300))]
+    #![proptest_config(cases(400))]
 
     #[test]
     fn sweeps_in_turn(

@@ -3,6 +3,7 @@
 use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::geometry::widen;
 use incise_mesh::{Model, Surface, Vec3, build_model, icosphere, torus};
+use incise_refine::{RefineParams, RefinementLevel};
 use incise_tests::{assert_sound, cut_and_check, euler_characteristics};
 
 /// A small generator (`SplitMix64`).
@@ -37,10 +38,12 @@ impl Random {
         }
     }
 
-    /// A plane through a random point of a random piece, so that pieces of all sizes are cut.
-    fn sweep(&mut self, surface: &Surface) -> Sweep {
+    /// A plane through a random triangle, of a piece or of all.
+    fn sweep(&mut self, surface: &Surface, only: Option<u32>) -> Sweep {
         let bounds = surface.bounds();
-        let triangles: Vec<_> = surface.topology().triangles().collect();
+        let triangles: Vec<_> = (surface.topology().triangles())
+            .filter(|&t| only.is_none_or(|piece| surface.piece(t) == piece))
+            .collect();
         let t = self.next() % triangles.len() as u64;
         let t = triangles[usize::try_from(t).expect("there are fewer than 2^32")];
         let [a, b, c] = surface.triangle_positions(t);
@@ -50,8 +53,7 @@ impl Random {
     }
 }
 
-/// Cuts in a row, all of the body or only the piece with the most volume, until there are 200. Other
-/// pieces move away a little now and then, as bodies do.
+/// Cuts in a row, all of the body or only the piece with the most volume, until there are 200.
 fn cut_200_times(whole: &Surface, snap: f64, seed: u64) {
     let mut random = Random(seed);
     let mut surface = whole.clone();
@@ -66,9 +68,14 @@ fn cut_200_times(whole: &Surface, snap: f64, seed: u64) {
             snap,
             // Whole slices double the pieces; a few of them are enough.
             only_piece: (cuts % 40 != 39).then_some(largest),
+            // Coarse, so that the surface does not grow more than the laws' time allows.
+            refine: RefineParams {
+                level: RefinementLevel::Coarser2,
+                ..RefineParams::default()
+            },
             ..CutParams::default()
         };
-        let sweep = random.sweep(&surface);
+        let sweep = random.sweep(&surface, params.only_piece);
         let result = cut_and_check(&mut surface, &mut cutter, &sweep, &params);
         let outcome = result.expect("a full slice cuts");
         moved += outcome.report.moved_volume;
@@ -91,11 +98,13 @@ fn the_bunny_is_cut_200_times() {
 }
 
 #[test]
+#[ignore = "as long as all others together: for a run at night, with --include-ignored"]
 fn the_bunny_is_cut_200_times_exactly() {
     cut_200_times(&build_model(Model::Bunny), 0.0, 2);
 }
 
 #[test]
+#[ignore = "as long as all others together: for a run at night, with --include-ignored"]
 fn a_torus_is_cut_200_times() {
     cut_200_times(&torus(0.4, 0.15, 24, 12), 0.1, 3);
 }
@@ -150,7 +159,7 @@ fn pieces_hold_the_points_that_the_body_held() {
     for (seed, body) in (10..).zip(bodies) {
         let mut random = Random(seed);
         for _ in 0..3 {
-            let sweep = random.sweep(&body);
+            let sweep = random.sweep(&body, None);
             let (origin, normal) = sweep.plane();
             let mut surface = body.clone();
             let params = CutParams {

@@ -53,13 +53,18 @@ fn assert_triangles_are_true(before: &Surface, after: &Surface, delta: &Topology
 }
 
 fn assert_vertices_are_true(before: &Surface, after: &Surface, delta: &TopologyDelta) {
-    let mut expected: BTreeSet<VertexId> = before.topology().vertices().collect();
+    let slots = before.topology().vertex_slots();
+    let mut expected = vec![false; slots.max(after.topology().vertex_slots())];
+    for v in before.topology().vertices() {
+        expected[v.index()] = true;
+    }
     assert!(
         delta.vertices_removed.is_sorted(),
         "removed vertices ascend"
     );
     for v in &delta.vertices_removed {
-        assert!(expected.remove(v), "{v} was removed once and was there");
+        let was = std::mem::replace(&mut expected[v.index()], false);
+        assert!(was, "{v} was removed once and was there");
     }
     for v in before.topology().vertices() {
         let same = before.positions[v.index()].map(f32::to_bits)
@@ -73,7 +78,7 @@ fn assert_vertices_are_true(before: &Surface, after: &Surface, delta: &TopologyD
     for added in &delta.vertices_added {
         let v = added.vertex;
         assert!(
-            !delta.vertices_removed.contains(&v),
+            delta.vertices_removed.binary_search(&v).is_err(),
             "{v} was removed and is used again"
         );
         let (parents, known): (&[VertexId], _) = match &added.origin {
@@ -102,10 +107,7 @@ fn assert_vertices_are_true(before: &Surface, after: &Surface, delta: &TopologyD
         for &p in parents {
             let was = p.index() < before.topology().vertex_slots()
                 && !before.topology().outgoing(p).is_null();
-            assert!(
-                was || expected.contains(&p),
-                "{p} comes after its child {v}"
-            );
+            assert!(was || expected[p.index()], "{p} comes after its child {v}");
         }
         let at = |v: VertexId| {
             let [x, y, z, _] = after.positions[v.index()];
@@ -118,15 +120,19 @@ fn assert_vertices_are_true(before: &Surface, after: &Surface, delta: &TopologyD
         );
         let rest = round(added.origin.interpolate(|v| after.rest[v.index()]).into());
         assert_eq!(rest, after.rest[v.index()], "the rest position of {v}");
-        assert!(expected.insert(v), "{v} was added once into a free slot");
+        let was = std::mem::replace(&mut expected[v.index()], true);
+        assert!(!was, "{v} was added once into a free slot");
         assert_eq!(
             added.piece,
             after.piece(after.topology().outgoing(v).triangle()),
             "the piece of {v}"
         );
     }
-    let found: BTreeSet<VertexId> = after.topology().vertices().collect();
-    assert_eq!(expected, found, "kept and added vertices");
+    for (v, expected) in (0..).map(VertexId).zip(expected) {
+        let is =
+            v.index() < after.topology().vertex_slots() && !after.topology().outgoing(v).is_null();
+        assert_eq!(is, expected, "{v} was kept or added");
+    }
 }
 
 /// Weights of parents: none negative, and together 1 but for rounding.
@@ -144,8 +150,8 @@ fn assert_shares(weights: &[f32; 3], v: VertexId) {
 
 fn assert_pieces_are_true(before: &Surface, after: &Surface, delta: &TopologyDelta) {
     let pieces = |s: &Surface| -> BTreeSet<u32> {
-        let triangles = s.topology().triangles();
-        triangles.map(|t| s.piece(t)).collect()
+        let numbers = 0..s.piece_bound();
+        numbers.filter(|&p| s.piece_triangles(p) > 0).collect()
     };
     let mut expected = pieces(before);
     let mut parent: BTreeMap<u32, u32> = expected.iter().map(|&p| (p, p)).collect();
@@ -159,12 +165,15 @@ fn assert_pieces_are_true(before: &Surface, after: &Surface, delta: &TopologyDel
     }
     assert_eq!(expected, pieces(after), "pieces kept and added");
     let removed: BTreeSet<TriangleId> = delta.triangles_removed.iter().map(|r| r.0).collect();
+    let kept = before.topology().triangles();
+    let mut pairs: Vec<(u32, u32)> = (kept.filter(|t| !removed.contains(t)))
+        .map(|t| (after.piece(t), before.piece(t)))
+        .collect();
+    pairs.sort_unstable();
+    pairs.dedup();
     let mut sources: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
-    for t in before.topology().triangles() {
-        if !removed.contains(&t) {
-            let source = sources.entry(after.piece(t)).or_default();
-            source.insert(before.piece(t));
-        }
+    for (piece, source) in pairs {
+        sources.entry(piece).or_default().insert(source);
     }
     for added in &delta.vertices_added {
         if let Origin::OnEdge { a, b, .. } = added.origin
