@@ -10,10 +10,10 @@ mod subject;
 mod table;
 mod times;
 
+use crate::method::MethodChoice;
 use crate::{json, machine};
-use clap::{Args, ValueEnum};
-use incise_cut::{CutMethod, CutParams};
-use incise_refine::{RefineParams, RefinementLevel};
+use clap::Args;
+use incise_refine::RefinementLevel;
 use row::{Record, Slope, Stamp};
 use std::error::Error;
 use std::io::Write;
@@ -50,38 +50,6 @@ pub(crate) struct CutArguments {
     /// Also write the rows as JSON, after every model.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-}
-
-/// How surfaces are opened, as the command line names it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum MethodChoice {
-    /// Hit triangles are split: nothing is lost, any cross-section is closed.
-    Exact,
-    /// The paper's: hit triangles are deleted and the rim is built anew.
-    Rebuild,
-}
-
-impl MethodChoice {
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Exact => "exact",
-            Self::Rebuild => "rebuild",
-        }
-    }
-
-    fn params(self, level: RefinementLevel) -> CutParams {
-        CutParams {
-            method: match self {
-                Self::Exact => CutMethod::Exact,
-                Self::Rebuild => CutMethod::Rebuild,
-            },
-            refine: RefineParams {
-                level,
-                ..RefineParams::default()
-            },
-            ..CutParams::default()
-        }
-    }
 }
 
 /// Measures and prints.

@@ -7,6 +7,7 @@ mod cut;
 mod directions;
 mod json;
 mod machine;
+mod method;
 mod models;
 mod motion;
 mod paper;
@@ -69,6 +70,9 @@ struct TableArguments {
     /// Refinement level of the caps: one of the five names, or z.
     #[arg(long, default_value = "1")]
     level: RefinementLevel,
+    /// How surfaces are opened.
+    #[arg(long, value_enum, default_value_t = method::MethodChoice::Exact)]
+    method: method::MethodChoice,
     /// Models to run, separated by commas.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     only: Vec<String>,

@@ -15,11 +15,10 @@ use crate::directions::Directions;
 use crate::models::Loaded;
 use crate::statistics::{mean, percentile_99};
 use crate::{TableArguments, motion};
-use incise_cut::{CutParams, Sweep};
+use incise_cut::Sweep;
 use incise_mesh::geometry::{area_vector, round};
 use incise_mesh::{AngleStats, Surface, Vec3};
 use incise_pbd_gpu::SolverParams;
-use incise_refine::RefineParams;
 use incise_scene::{BackendRequest, BladeId, Body, BodyId, FrameStats, Scene, SceneParams};
 use serde::Serialize;
 use std::error::Error;
@@ -290,13 +289,7 @@ pub(crate) fn params(arguments: &TableArguments) -> SceneParams {
             gravity: [0.0; 3],
             ..SolverParams::default()
         },
-        cut: CutParams {
-            refine: RefineParams {
-                level: arguments.level,
-                ..RefineParams::default()
-            },
-            ..CutParams::default()
-        },
+        cut: arguments.method.params(arguments.level),
         // The paper tests every triangle in every frame; its table is no place to skip that.
         skip_far_sweeps: false,
         // A readback in between would be timed with a frame that has none.

@@ -34,8 +34,13 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
     write!(out, "{}", table(&rows))?;
     writeln!(
         out,
-        "\n{machine}, commit {commit}; {} s at dt {:.6} s, {} iterations, level {}, seed {}",
-        arguments.seconds, arguments.dt, arguments.iterations, arguments.level, arguments.seed
+        "\n{machine}, commit {commit}; {} s at dt {:.6} s, {} iterations, method {}, level {}, seed {}",
+        arguments.seconds,
+        arguments.dt,
+        arguments.iterations,
+        arguments.method.name(),
+        arguments.level,
+        arguments.seed
     )?;
     writeln!(out, "{LEGEND}")?;
     if let Some(why) = fallback {
