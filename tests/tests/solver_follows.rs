@@ -79,11 +79,25 @@ fn follow_delta(solver: &mut Solver, surface: &mut Surface, delta: &TopologyDelt
     }
 }
 
+/// The paper's method, and the exact one with and without snapping, in turn as they come.
+fn methods() -> impl Strategy<Value = CutParams> {
+    let with = |method, snap| CutParams {
+        method,
+        snap,
+        ..CutParams::default()
+    };
+    prop_oneof![
+        1 => Just(with(CutMethod::Rebuild, 0.1)),
+        1 => Just(with(CutMethod::Exact, 0.0)),
+        2 => Just(with(CutMethod::Exact, 0.1)),
+    ]
+}
+
 fn follow(
     body: &Body,
     material: &Material,
     patches: Option<&PatchParams>,
-    blades: &[(Blade, RefinementLevel)],
+    blades: &[(Blade, RefinementLevel, CutParams)],
     steps: usize,
 ) {
     let mut surface = body.build();
@@ -102,7 +116,7 @@ fn follow(
     spin(&surface, &mut solver);
     let (mass, step_params) = (solver.total_mass(), SolverParams::default());
     let mut undos = Vec::new();
-    for (blade, level) in blades {
+    for (blade, level, method) in blades {
         for _ in 0..steps {
             solver
                 .step(&mut surface, 1.0 / 60.0, &step_params)
@@ -110,12 +124,11 @@ fn follow(
         }
         cutter.refit(&surface);
         let params = CutParams {
-            method: CutMethod::Rebuild,
             refine: RefineParams {
                 level: *level,
                 ..RefineParams::default()
             },
-            ..CutParams::default()
+            ..*method
         };
         let Ok(sweep) = blade.sweep(&surface) else {
             continue;
@@ -146,10 +159,57 @@ proptest! {
         body in any_body(),
         material in materials(),
         patches in patches(),
-        blades in prop::collection::vec((any_blade(), any_level()), 1..=6),
+        blades in prop::collection::vec((any_blade(), any_level(), methods()), 1..=6),
         steps in 0..4_usize,
     ) {
         follow(&body, &material, patches.as_ref(), &blades, steps);
+    }
+}
+
+/// A body that turns and flies is cut and healed again: it goes on turning and flying.
+#[test]
+fn angular_momentum_follows_exact_cuts_and_their_undoing() {
+    for (model, snap) in [
+        (Model::Bunny, 0.1),
+        (Model::Octopus, 0.0),
+        (Model::Banana, 0.3),
+    ] {
+        let mut surface = build_model(model);
+        let made = Solver::new(&mut surface, &Material::default());
+        let mut solver = made.expect("a model has lengths");
+        let mut cutter = Cutter::new(&surface);
+        spin(&surface, &mut solver);
+        let (about, reach) = ([0.3, -0.1, 0.2], 0.5 + surface.bounds().diagonal());
+        let scale = momentum_scale(&solver) * reach;
+        let expected = solver.angular_momentum(&surface, about);
+        let assert_kept = |solver: &Solver, surface: &Surface, when: &str| {
+            let found = solver.angular_momentum(surface, about);
+            for (was, is) in expected.into_iter().zip(found) {
+                assert!(
+                    (is - was).abs() <= ROUNDING * scale,
+                    "{model:?} {when}: {expected:?} became {found:?}"
+                );
+            }
+        };
+        let params = CutParams {
+            snap,
+            ..CutParams::default()
+        };
+        let mut undos = Vec::new();
+        for (normal, part) in [([1.0, 0.2, 0.3], 0.1), ([0.1, 1.0, -0.4], -0.1)] {
+            let sweep = Blade::Plane(normal, part).sweep(&surface).expect("a plane");
+            let cut = cut_and_check(&mut surface, &mut cutter, &sweep, &params);
+            let outcome = cut.expect("a full slice");
+            (solver.apply_delta(&mut surface, &outcome.delta)).expect("the delta of a cut fits");
+            assert_kept(&solver, &surface, "cut");
+            undos.extend(outcome.undo);
+        }
+        assert_eq!(undos.len(), 2, "both planes cut");
+        for undo in undos.into_iter().rev() {
+            let delta = (cutter.undo(&mut surface, undo)).expect("nothing was edited since");
+            (solver.apply_delta(&mut surface, &delta)).expect("the delta of an undo fits");
+            assert_kept(&solver, &surface, "healed");
+        }
     }
 }
 
