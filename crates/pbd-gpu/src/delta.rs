@@ -4,7 +4,7 @@ use crate::edges::Sets;
 use crate::error::ConstraintError;
 use crate::inherit::settle;
 use crate::solver::Solver;
-use incise_mesh::{Surface, TopologyDelta};
+use incise_mesh::{Surface, TopologyDelta, VertexId};
 
 impl Solver {
     /// Follows an edit of the surface. Edges that are no more lose their constraints, new ones get
@@ -38,8 +38,8 @@ impl Solver {
     ) -> Result<(), ConstraintError> {
         self.check_delta(surface, delta)?;
         // An undo gives slots up, whose vertices leave mass and constraints behind first.
-        let slots = surface.topology().vertex_slots();
-        self.resize_vertices(slots.max(self.mass.len()));
+        let (had, slots) = (self.mass.len(), surface.topology().vertex_slots());
+        self.resize_vertices(slots.max(had));
         self.update_constraints(surface, delta);
         self.interpolate_velocities(delta);
         settle(self, surface, delta);
@@ -51,6 +51,8 @@ impl Solver {
         }
         self.resize_vertices(slots);
         self.note_vertices(surface, delta);
+        // New slots that no triangle uses must be known, too, to whoever steps all of them.
+        (had..slots).for_each(|i| self.changes.vertex(VertexId::from_index(i)));
         self.plan.invalidate();
         Ok(())
     }

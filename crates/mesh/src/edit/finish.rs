@@ -35,6 +35,7 @@ impl Edit<'_> {
             unused.iter().copied().filter(|v| !was_idle(v)).collect();
         let free = unused.iter().rev().filter(|v| is_made(v) || !was_idle(v));
         self.surface.topology.free_vertices.extend(free);
+        self.clear(unused.iter().copied().filter(is_made));
         self.surface.history.step(Step::Finish, 0);
 
         let surface = &*self.surface;
@@ -57,6 +58,19 @@ impl Edit<'_> {
         let log = std::mem::take(&mut self.log);
         let undo = Undo::new(surface, log, delta.clone(), restored);
         (delta, undo)
+    }
+
+    /// Leaves no trace of vertices that were made and are not used: who steps all slots of a body would
+    /// step them too.
+    fn clear(&mut self, wasted: impl Iterator<Item = VertexId>) {
+        let (positions, rest) = (self.log.positions.before(), self.log.rest.before());
+        let surface = &mut *self.surface;
+        for v in wasted {
+            let position = old_value(&positions, v).unwrap_or_default();
+            let place = old_value(&rest, v).unwrap_or_default();
+            (self.log.positions).set(&mut surface.positions, v.0, position);
+            self.log.rest.set(&mut surface.rest, v.0, place);
+        }
     }
 
     /// Gives every vertex that lost triangles, and new ones, a half-edge that leaves it. Returns those
@@ -176,4 +190,10 @@ fn changes(log: &Log, topology: &Topology) -> Vec<Change> {
         }
     });
     old.chain(new).filter(|c| c.before != c.now).collect()
+}
+
+/// The value that a slot had before the edit; none of a new slot.
+fn old_value<T: Copy>(before: &[(u32, T)], v: VertexId) -> Option<T> {
+    let at = before.binary_search_by_key(&v.0, |entry| entry.0).ok()?;
+    Some(before[at].1)
 }
