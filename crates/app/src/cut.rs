@@ -107,6 +107,7 @@ struct Times {
     cap: f64,
     refinement: f64,
     separation: f64,
+    commit: f64,
     write: f64,
 }
 
@@ -170,6 +171,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
             cap: milliseconds(outcome.report.cap),
             refinement: milliseconds(outcome.report.refinement),
             separation: milliseconds(outcome.report.separation),
+            commit: milliseconds(outcome.report.commit),
             write: milliseconds(write),
         },
     };
@@ -237,7 +239,7 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
     let t = &report.milliseconds;
     writeln!(
         out,
-        "  ms: read {:.2}, search tree {:.2} and {:.2}, detection {:.2}, split {:.2}, cap {:.2}, refinement {:.2}, separation {:.2}, write {:.2}",
+        "  ms: read {:.2}, search tree {:.2} and {:.2}, detection {:.2}, split {:.2}, cap {:.2}, refinement {:.2}, separation {:.2}, commit {:.2}, write {:.2}",
         t.read,
         t.search_tree,
         t.search_tree_update,
@@ -246,6 +248,7 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
         t.cap,
         t.refinement,
         t.separation,
+        t.commit,
         t.write
     )
 }

@@ -108,7 +108,9 @@ impl Exact {
             has_crease: signs.has_crease(),
         };
         self.cap.flatten(&rims);
-        if self.cap.has_loose_hole() && inside::is_inside(edit.surface(), sweep) {
+        let triangles = edit.surface().topology().triangle_count();
+        let is_inside = || inside::is_inside(edit.surface(), sweep);
+        if self.cap.ends_inside(triangles, is_inside) {
             let triangle = self.trace.chords[0].triangle;
             return Err(CutError::PartialCut { triangle });
         }

@@ -144,6 +144,10 @@ impl Journal {
                 .cut(surface, &entry.sweep, &entry.params)
                 .map_err(|error| ReplayError::Refused { cut, error })?;
             if surface.fingerprint() != entry.after {
+                if let Some(undo) = outcome.undo {
+                    undo.revert(surface)
+                        .expect("the cut was the last edit of the surface");
+                }
                 return Err(ReplayError::OtherOutcome { cut });
             }
             outcomes.push(outcome);

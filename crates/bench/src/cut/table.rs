@@ -8,10 +8,10 @@ use std::io::{self, Write};
 /// What stands in the columns.
 pub(super) const LEGEND: &str = "\
 n: triangles. k: triangles hit, caps: triangles of both caps; medians. Times in ms, medians, each step for itself; p99: of the sum.
-detect: search and intersection. split: mesh edit along the sweep. separate: pieces. tree: the search tree that follows. solver: constraints
+detect: search and intersection. split: mesh edit along the sweep. separate: pieces. commit: the delta and the undo. tree: the search tree that follows. solver: constraints
 and masses that follow. middle: one plane through the middle, 15 times; seeded: planes at random. Every cut is taken back before the next.";
 
-const WIDTHS: [usize; 16] = [15, 6, 8, 5, 7, 5, 6, 8, 8, 8, 8, 8, 8, 8, 8, 8];
+const WIDTHS: [usize; 17] = [15, 6, 8, 5, 7, 5, 6, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8];
 /// Columns that begin at their left edge.
 const LEFT: usize = 2;
 
@@ -19,14 +19,14 @@ const LEFT: usize = 2;
 pub(super) fn header(out: &mut impl Write) -> io::Result<()> {
     let names = [
         "model", "planes", "n", "k", "caps", "cuts", "failed", "detect", "split", "cap", "refine",
-        "separate", "tree", "solver", "sum", "p99",
+        "separate", "commit", "tree", "solver", "sum", "p99",
     ];
     line(out, &names.map(str::to_owned))
 }
 
 /// One row.
 pub(super) fn row(out: &mut impl Write, row: &Row) -> io::Result<()> {
-    let [a, b, c, d, e, f, g, h] = steps(&row.ms_median);
+    let [a, b, c, d, e, f, g, h, i] = steps(&row.ms_median);
     let cells = [
         row.model.clone(),
         row.planes.to_owned(),
@@ -43,18 +43,20 @@ pub(super) fn row(out: &mut impl Write, row: &Row) -> io::Result<()> {
         f,
         g,
         h,
+        i,
         measured(row.ms_p99.total, 3),
     ];
     line(out, &cells)
 }
 
-fn steps(t: &Times) -> [String; 8] {
+fn steps(t: &Times) -> [String; 9] {
     [
         t.detect,
         t.split,
         t.cap,
         t.refine,
         t.separate,
+        t.commit,
         t.search_tree,
         t.constraints,
         t.total,
@@ -109,7 +111,7 @@ pub(super) fn failures(out: &mut impl Write, records: &[Record]) -> io::Result<(
     writeln!(out, "Failed: {failed} of {} cuts.", done + failed)
 }
 
-fn line(out: &mut impl Write, cells: &[String; 16]) -> io::Result<()> {
+fn line(out: &mut impl Write, cells: &[String; 17]) -> io::Result<()> {
     let mut text = String::new();
     for (k, (cell, width)) in cells.iter().zip(WIDTHS).enumerate() {
         if k > 0 {

@@ -16,6 +16,8 @@ pub(super) struct Times {
     pub(super) refine: f64,
     /// Finding the pieces.
     pub(super) separate: f64,
+    /// Deriving the change and the way back.
+    pub(super) commit: f64,
     /// The search tree that follows.
     pub(super) search_tree: f64,
     /// The solver's constraints and masses that follow.
@@ -33,6 +35,7 @@ impl Times {
             cap: ms(report.cap),
             refine: ms(report.refinement),
             separate: ms(report.separation),
+            commit: ms(report.commit),
             search_tree: ms(report.search_tree),
             constraints: ms(constraints),
             total: ms(report.total() + constraints),
@@ -53,6 +56,7 @@ impl Times {
                 cap: of(|t| t.cap),
                 refine: of(|t| t.refine),
                 separate: of(|t| t.separate),
+                commit: of(|t| t.commit),
                 search_tree: of(|t| t.search_tree),
                 constraints: of(|t| t.constraints),
                 total: of(|t| t.total),

@@ -54,9 +54,21 @@ impl Cap {
         }
     }
 
+    /// Whether the sweep ends inside the body although no curve ends. `is_inside` tells whether its
+    /// boundary is in the body, at the cost of `triangles`: asked at once where loops are so many that
+    /// looking at them costs more.
+    pub(super) fn ends_inside(&self, triangles: usize, is_inside: impl FnOnce() -> bool) -> bool {
+        let is_hole = |points: &&Vec<u32>| {
+            doubled_area(points.iter().map(|&p| self.points[p as usize])) < 0.0
+        };
+        let holes = self.loops.iter().filter(is_hole).count();
+        let is_cheap = holes * self.points.len() <= triangles;
+        holes > 0 && (!is_cheap || self.has_loose_hole()) && is_inside()
+    }
+
     /// Whether a loop runs around nothing of the section, as the rim of a cavity does in which a
     /// sweep without an end on the surface ends.
-    pub(super) fn has_loose_hole(&self) -> bool {
+    fn has_loose_hole(&self) -> bool {
         let outline = |i: usize| self.loops[i].iter().map(|&p| self.points[p as usize]);
         (0..self.loops.len()).any(|i| {
             if doubled_area(outline(i)) >= 0.0 {

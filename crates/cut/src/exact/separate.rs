@@ -19,6 +19,8 @@ pub(crate) struct Separator {
     next_epoch: u32,
     /// One a lip of a loop.
     searches: Vec<Search>,
+    /// Searches, those of a part beside each other.
+    members: Vec<usize>,
 }
 
 /// The triangles that were reached from one lip.
@@ -36,7 +38,8 @@ struct Search {
 /// Searches that were joined.
 #[derive(Debug, Clone, Copy)]
 struct Part {
-    root: usize,
+    /// Where its searches stand among the members.
+    members: (usize, usize),
     /// The first of the pieces that its lips were part of, and whether there are others.
     piece: u32,
     is_mixed: bool,
@@ -72,7 +75,7 @@ impl Separator {
                 for part in group.iter().filter(|p| !p.is_finished) {
                     if open > 1 || part.is_mixed || !is_largest {
                         is_done = false;
-                        self.advance(edit.surface(), part.root);
+                        self.advance(edit.surface(), part);
                     }
                 }
             }
@@ -134,39 +137,43 @@ impl Separator {
         i
     }
 
-    /// The parts that the searches make so far, sorted by piece, then by first triangle.
-    fn parts(&self, out: &mut Vec<Part>) {
-        out.clear();
-        let mut index = vec![usize::MAX; self.searches.len()];
-        for (i, search) in self.searches.iter().enumerate() {
-            let root = self.root(i);
-            if index[root] == usize::MAX {
-                index[root] = out.len();
-                out.push(Part {
-                    root,
-                    piece: search.piece,
-                    is_mixed: false,
-                    triangles: 0,
-                    is_finished: true,
-                    first_triangle: TriangleId::NULL,
-                });
-            }
-            let part = &mut out[index[root]];
-            part.is_mixed |= part.piece != search.piece;
-            part.piece = part.piece.min(search.piece);
-            part.triangles += search.reached.len();
-            part.is_finished &= search.done == search.reached.len();
+    /// The parts that the searches make so far, sorted by piece, then by root.
+    fn parts(&mut self, out: &mut Vec<Part>) {
+        for i in 0..self.searches.len() {
+            self.searches[i].root = self.root(i);
         }
-        out.sort_by_key(|part| (part.piece, part.root));
+        self.members.clear();
+        self.members.extend(0..self.searches.len());
+        let searches = &self.searches;
+        self.members.sort_by_key(|&i| searches[i].root);
+        out.clear();
+        let mut from = 0;
+        for own in self
+            .members
+            .chunk_by(|&a, &b| searches[a].root == searches[b].root)
+        {
+            let own_searches = || own.iter().map(|&i| &searches[i]);
+            let pieces = || own_searches().map(|s| s.piece);
+            let piece = pieces().min().unwrap_or_default();
+            out.push(Part {
+                members: (from, from + own.len()),
+                piece,
+                is_mixed: pieces().any(|p| p != piece),
+                triangles: own_searches().map(|s| s.reached.len()).sum(),
+                is_finished: own_searches().all(|s| s.done == s.reached.len()),
+                first_triangle: TriangleId::NULL,
+            });
+            from += own.len();
+        }
+        // Stable, so that parts of a piece stay in the order of their roots.
+        out.sort_by_key(|part| part.piece);
     }
 
     /// Lets the searches of a part look at some more triangles.
-    fn advance(&mut self, surface: &Surface, root: usize) {
+    fn advance(&mut self, surface: &Surface, part: &Part) {
         let topology = surface.topology();
-        for i in root..self.searches.len() {
-            if self.root(i) != self.root(root) {
-                continue;
-            }
+        for k in part.members.0..part.members.1 {
+            let i = self.members[k];
             for _ in 0..TURN {
                 let search = &mut self.searches[i];
                 let Some(&t) = search.reached.get(search.done) else {
@@ -186,7 +193,7 @@ impl Separator {
     fn number(&self, edit: &mut Edit<'_>, parts: &[Part]) {
         let mut parts = parts.to_vec();
         for part in parts.iter_mut().filter(|p| p.is_finished) {
-            part.first_triangle = (self.of(part.root).min()).expect("a search has a triangle");
+            part.first_triangle = (self.of(part).min()).expect("a search has a triangle");
         }
         parts.sort_by_key(|part| (part.piece, part.first_triangle));
         for group in parts.chunk_by(|a, b| a.piece == b.piece) {
@@ -199,26 +206,25 @@ impl Separator {
                 }
             };
             let kept = group.iter().rev().max_by_key(|p| size(p));
-            let kept = kept.expect("a group has a part").root;
+            let kept = kept.expect("a group has a part").members;
             for part in group {
-                if part.root == kept && !part.is_mixed {
+                if part.members == kept && !part.is_mixed {
                     continue;
                 }
-                let number = if part.root == kept {
+                let number = if part.members == kept {
                     part.piece
                 } else {
                     edit.new_piece(part.piece)
                 };
-                edit.set_pieces(self.of(part.root), number);
+                edit.set_pieces(self.of(part), number);
             }
         }
     }
 
     /// The triangles that the searches of a part reached.
-    fn of(&self, root: usize) -> impl Iterator<Item = TriangleId> + '_ {
-        let own = move |i: &usize| self.root(*i) == root;
-        (0..self.searches.len())
-            .filter(own)
-            .flat_map(|i| self.searches[i].reached.iter().copied())
+    fn of(&self, part: &Part) -> impl Iterator<Item = TriangleId> + '_ {
+        let own = &self.members[part.members.0..part.members.1];
+        own.iter()
+            .flat_map(|&i| self.searches[i].reached.iter().copied())
     }
 }

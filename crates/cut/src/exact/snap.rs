@@ -25,6 +25,9 @@ const LARGEST_MOVE: f64 = 5e-3;
 /// thick this is a small part.
 pub(super) const BUDGET: f64 = 1e-3;
 
+/// How far a stored coordinate may be off, and with it the height of a triangle [of the coordinate].
+const ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
+
 /// What snapping did.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Snapped {
@@ -399,7 +402,12 @@ fn moved_volume(
         }
         let [b, c] = [b, c].map(|v: VertexId| surface.position(v));
         let before: Vec3 = area_vector([from, b, c]);
-        if before.dot(&area_vector([to, b, c])) <= 0.0 {
+        // What is flat to rounding has no side to turn to: nodes stand on a vertex where the sweep
+        // passes exactly through it.
+        let size = (b - from).norm().max((c - from).norm());
+        let reach = from.amax().max(b.amax()).max(c.amax());
+        let is_flat = before.norm() <= ROUNDING * reach * size;
+        if !is_flat && before.dot(&area_vector([to, b, c])) <= 0.0 {
             return None;
         }
         volume += (to - from).dot(&(b - from).cross(&(c - from))) / 6.0;
