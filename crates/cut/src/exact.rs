@@ -120,6 +120,8 @@ impl Exact {
         };
         let topology = edit.surface().topology();
         let cover = self.cap.cover(&rims, topology, &cover_params)?;
+        // A disc has no inner points.
+        report.refined = cover.report.discs == 0;
         self.cap.join_loops(&cover);
         report.cap = begin.elapsed();
         let begin = Instant::now();

@@ -162,12 +162,6 @@ impl Surface {
         self.piece[t.index()]
     }
 
-    /// How many triangles `piece` has. O(log n) for n pieces.
-    #[must_use]
-    pub fn piece_size(&self, piece: u32) -> usize {
-        self.pieces.count(piece) as usize
-    }
-
     /// One more than the largest piece number that was ever in use. O(1).
     #[must_use]
     pub fn piece_bound(&self) -> u32 {

@@ -69,7 +69,7 @@ impl Separator {
             for group in parts.chunk_by(|a, b| a.piece == b.piece) {
                 let finished = || group.iter().filter(|p| p.is_finished).map(|p| p.triangles);
                 let open = group.iter().filter(|p| !p.is_finished).count();
-                let rest = edit.surface().piece_size(group[0].piece);
+                let rest = edit.surface().piece_triangles(group[0].piece);
                 let rest = rest.saturating_sub(finished().sum());
                 let is_largest = finished().all(|triangles| triangles < rest);
                 for part in group.iter().filter(|p| !p.is_finished) {
