@@ -121,6 +121,7 @@ pub struct TopologyDelta {
 impl TopologyDelta {
     /// Whether nothing changed.
     #[must_use]
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.triangles_removed.is_empty() && self.triangles_added.is_empty()
     }

@@ -7,6 +7,7 @@ pub type Vec3 = Vector3<f64>;
 
 /// A stored point, widened.
 #[must_use]
+#[inline]
 pub fn widen(p: [f32; 3]) -> Vec3 {
     Vec3::new(f64::from(p[0]), f64::from(p[1]), f64::from(p[2]))
 }
@@ -17,12 +18,14 @@ pub fn widen(p: [f32; 3]) -> Vec3 {
     clippy::cast_possible_truncation,
     reason = "this is the one rounding of a computed coordinate"
 )]
+#[inline]
 pub fn round(p: Vec3) -> [f32; 3] {
     [p.x as f32, p.y as f32, p.z as f32]
 }
 
 /// The vector along a triangle's outward normal, as long as twice its area \[m^2\].
 #[must_use]
+#[inline]
 pub fn area_vector([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).cross(&(c - a))
 }
@@ -74,6 +77,7 @@ impl Aabb {
     }
 
     /// Grows the box to hold `p`.
+    #[inline]
     pub fn grow(&mut self, p: [f32; 3]) {
         for (k, x) in p.into_iter().enumerate() {
             self.min[k] = self.min[k].min(x);
@@ -83,6 +87,7 @@ impl Aabb {
 
     /// The smallest box around both.
     #[must_use]
+    #[inline]
     pub fn union(mut self, other: Self) -> Self {
         self.grow(other.min);
         self.grow(other.max);
@@ -91,18 +96,21 @@ impl Aabb {
 
     /// Whether the boxes share a point; touching counts.
     #[must_use]
+    #[inline]
     pub fn overlaps(&self, other: &Self) -> bool {
         (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
     }
 
     /// The middle of the box \[m\].
     #[must_use]
+    #[inline]
     pub fn center(&self) -> Vec3 {
         (widen(self.min) + widen(self.max)) / 2.0
     }
 
     /// The length of the diagonal \[m\]; 0 for an empty box.
     #[must_use]
+    #[inline]
     pub fn diagonal(&self) -> f64 {
         if self.min[0] > self.max[0] {
             return 0.0;

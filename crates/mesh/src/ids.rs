@@ -20,6 +20,7 @@ macro_rules! id {
             /// # Panics
             /// When `index` is not below `u32::MAX`: no array of this crate grows that long.
             #[must_use]
+            #[inline]
             pub fn from_index(index: usize) -> Self {
                 u32::try_from(index)
                     .ok()
@@ -30,12 +31,14 @@ macro_rules! id {
 
             /// Where the element's data stands in an array of its kind.
             #[must_use]
+            #[inline]
             pub const fn index(self) -> usize {
                 self.0 as usize
             }
 
             /// Whether this is no element.
             #[must_use]
+            #[inline]
             pub const fn is_null(self) -> bool {
                 self.0 == u32::MAX
             }
@@ -79,6 +82,7 @@ id!(
 impl TriangleId {
     /// The triangle's half-edges, in order.
     #[must_use]
+    #[inline]
     pub const fn half_edges(self) -> [HalfEdge; 3] {
         [
             HalfEdge(3 * self.0),
@@ -91,12 +95,14 @@ impl TriangleId {
 impl HalfEdge {
     /// The triangle that this half-edge bounds.
     #[must_use]
+    #[inline]
     pub const fn triangle(self) -> TriangleId {
         TriangleId(self.0 / 3)
     }
 
     /// The next half-edge around the triangle, counterclockwise.
     #[must_use]
+    #[inline]
     pub const fn next(self) -> Self {
         if self.0 % 3 == 2 {
             Self(self.0 - 2)
@@ -107,6 +113,7 @@ impl HalfEdge {
 
     /// The previous half-edge around the triangle.
     #[must_use]
+    #[inline]
     pub const fn prev(self) -> Self {
         if self.0.is_multiple_of(3) {
             Self(self.0 + 2)
@@ -123,6 +130,7 @@ pub struct EdgeKey(u64);
 impl EdgeKey {
     /// The key of the edge between `a` and `b`, in either order.
     #[must_use]
+    #[inline]
     pub const fn new(a: VertexId, b: VertexId) -> Self {
         let (low, high) = if a.0 < b.0 { (a.0, b.0) } else { (b.0, a.0) };
         Self(((low as u64) << 32) | high as u64)
@@ -134,6 +142,7 @@ impl EdgeKey {
         clippy::cast_possible_truncation,
         reason = "the two halves are 32 bits each by construction"
     )]
+    #[inline]
     pub const fn vertices(self) -> [VertexId; 2] {
         [VertexId((self.0 >> 32) as u32), VertexId(self.0 as u32)]
     }

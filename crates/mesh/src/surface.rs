@@ -133,12 +133,14 @@ impl Surface {
 
     /// The connectivity.
     #[must_use]
+    #[inline]
     pub fn topology(&self) -> &Topology {
         &self.topology
     }
 
     /// Where `v` is \[m\].
     #[must_use]
+    #[inline]
     pub fn position(&self, v: VertexId) -> Vec3 {
         let [x, y, z, _] = self.positions[v.index()];
         widen([x, y, z])
@@ -146,36 +148,42 @@ impl Surface {
 
     /// Where `v` is at rest \[m\].
     #[must_use]
+    #[inline]
     pub fn rest_position(&self, v: VertexId) -> Vec3 {
         widen(self.rest[v.index()])
     }
 
     /// Where the corners of `t` are \[m\].
     #[must_use]
+    #[inline]
     pub fn triangle_positions(&self, t: TriangleId) -> [Vec3; 3] {
         self.topology.triangle(t).map(|v| self.position(v))
     }
 
     /// The piece that `t` belongs to.
     #[must_use]
+    #[inline]
     pub fn piece(&self, t: TriangleId) -> u32 {
         self.piece[t.index()]
     }
 
     /// One more than the largest piece number that was ever in use. O(1).
     #[must_use]
+    #[inline]
     pub fn piece_bound(&self) -> u32 {
         self.pieces.bound()
     }
 
     /// The triangles of a piece; 0 of a number not in use. O(log p) for p pieces.
     #[must_use]
+    #[inline]
     pub fn piece_triangles(&self, piece: u32) -> usize {
         self.pieces.count(piece) as usize
     }
 
     /// The material of `t`: a number that means what its user says. 0 unless set.
     #[must_use]
+    #[inline]
     pub fn material(&self, t: TriangleId) -> u32 {
         self.material[t.index()]
     }

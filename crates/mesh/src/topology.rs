@@ -94,6 +94,7 @@ impl Clone for Topology {
 }
 
 /// A copy with as much room to grow as the original.
+#[inline]
 pub(crate) fn copy<T: Copy>(array: &Vec<T>) -> Vec<T> {
     let mut out = Vec::with_capacity(array.capacity());
     out.extend_from_slice(array);
@@ -110,48 +111,56 @@ impl Topology {
 
     /// Slots for vertices, used and free: the length of every vertex array.
     #[must_use]
+    #[inline]
     pub fn vertex_slots(&self) -> usize {
         self.outgoing.len()
     }
 
     /// Slots for triangles, used and free.
     #[must_use]
+    #[inline]
     pub fn triangle_slots(&self) -> usize {
         self.origin.len() / 3
     }
 
     /// Vertices that are not free.
     #[must_use]
+    #[inline]
     pub fn vertex_count(&self) -> usize {
         self.outgoing.len() - self.free_vertices.len()
     }
 
     /// Triangles that are not free.
     #[must_use]
+    #[inline]
     pub fn triangle_count(&self) -> usize {
         self.triangle_slots() - self.free_triangles.len()
     }
 
     /// Whether the slot holds a triangle.
     #[must_use]
+    #[inline]
     pub fn is_triangle(&self, t: TriangleId) -> bool {
         self.origin.get(3 * t.index()).is_some_and(|v| !v.is_null())
     }
 
     /// The vertex that `h` leaves; null in a free slot.
     #[must_use]
+    #[inline]
     pub fn origin(&self, h: HalfEdge) -> VertexId {
         self.origin[h.index()]
     }
 
     /// The vertex that `h` runs to.
     #[must_use]
+    #[inline]
     pub fn target(&self, h: HalfEdge) -> VertexId {
         self.origin[h.next().index()]
     }
 
     /// The half-edge across the edge; null on a boundary.
     #[must_use]
+    #[inline]
     pub fn twin(&self, h: HalfEdge) -> HalfEdge {
         self.twin[h.index()]
     }
@@ -159,6 +168,7 @@ impl Topology {
     /// One half-edge that leaves `v`; null when no triangle uses `v`. That may be a vertex of an
     /// undone edit, whose slot is no more.
     #[must_use]
+    #[inline]
     pub fn outgoing(&self, v: VertexId) -> HalfEdge {
         let h = self.outgoing.get(v.index());
         h.copied().unwrap_or(HalfEdge::NULL)
@@ -166,6 +176,7 @@ impl Topology {
 
     /// The triangle's vertices, counterclockwise seen from outside.
     #[must_use]
+    #[inline]
     pub fn triangle(&self, t: TriangleId) -> [VertexId; 3] {
         let i = 3 * t.index();
         [self.origin[i], self.origin[i + 1], self.origin[i + 2]]
@@ -197,6 +208,7 @@ impl Topology {
 
     /// The raw corner array, three vertices a triangle slot: what a renderer uploads.
     #[must_use]
+    #[inline]
     pub fn corners(&self) -> &[VertexId] {
         &self.origin
     }

@@ -142,9 +142,13 @@ impl Edit<'_> {
         let held = changes.iter().filter(|c| !c.before[0].is_null());
         let bound = self.log.piece_bound();
         let is_gone = |piece: u32| piece < bound && surface.pieces.count(piece) == 0;
-        // Whether any is, is seen at once; which ones, takes a closer look.
-        let mut kept = held.clone().map(|c| surface.piece[c.triangle.index()]);
-        if !self.log.piece.overwritten().any(is_gone) && !kept.any(is_gone) {
+        // Whether any is, is seen at once, since triangles of a piece come in runs; which ones, takes a
+        // closer look.
+        let kept = held.clone().map(|c| surface.piece[c.triangle.index()]);
+        let mut last = None;
+        let mut runs = (self.log.piece.overwritten().chain(kept))
+            .filter(|&piece| last.replace(piece) != Some(piece));
+        if !runs.any(is_gone) {
             return Vec::new();
         }
         let before = self.log.piece.before();

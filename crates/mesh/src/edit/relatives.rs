@@ -24,10 +24,14 @@ pub(super) fn restored(
     changes: &[Change],
 ) -> Vec<Restored> {
     let removed = &delta.vertices_removed;
-    if removed.is_empty() {
+    let (Some(&first), Some(&last)) = (removed.first(), removed.last()) else {
         return Vec::new();
-    }
-    let number = |v: VertexId| removed.binary_search(&v).ok();
+    };
+    // Most are asked for in vain, and most of these lie outside the range.
+    let number = |v: VertexId| {
+        let is_near = first <= v && v <= last;
+        is_near.then(|| removed.binary_search(&v).ok()).flatten()
+    };
     let children = children(delta, number);
     let neighbors = neighbors(changes, number);
     let of = |list: &[(usize, VertexId)], i: usize| {

@@ -24,12 +24,14 @@ impl Topology {
 
     /// The half-edge from `a` to `b`, if a triangle of `a`'s fan has it. O(valence).
     #[must_use]
+    #[inline]
     pub fn find_half_edge(&self, a: VertexId, b: VertexId) -> Option<HalfEdge> {
         self.outgoing_fan(a).find(|&h| self.target(h) == b)
     }
 
     /// Whether `a` and `b` are joined by an edge of `a`'s fan, in either direction. O(valence).
     #[must_use]
+    #[inline]
     pub fn are_adjacent(&self, a: VertexId, b: VertexId) -> bool {
         self.outgoing_fan(a)
             .any(|h| self.target(h) == b || self.origin(h.prev()) == b)
@@ -37,6 +39,7 @@ impl Topology {
 
     /// Whether every edge has two triangles.
     #[must_use]
+    #[inline]
     pub fn is_closed(&self) -> bool {
         self.triangles()
             .flat_map(|t| t.half_edges())
