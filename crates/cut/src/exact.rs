@@ -130,7 +130,7 @@ impl Exact {
         let lips = lips.flat_map(|&node| self.lips.rim[node as usize]);
         let joined = self.cap.joined();
         let joined = joined.flat_map(|(a, b)| [(2 * a, 2 * b), (2 * a + 1, 2 * b + 1)]);
-        self.separator.separate(&mut edit, lips, joined);
+        (self.separator).separate(&mut edit, sweep, lips, joined);
         report.separation = begin.elapsed();
         let begin = Instant::now();
         (self.cap).close(&mut edit, &rims, &cover, params.cap_material);

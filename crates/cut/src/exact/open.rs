@@ -75,6 +75,9 @@ impl Lips {
             });
             let t = edit.add_triangle(corners, seam.piece, seam.material);
             self.added.push(t);
+            if seam.is_plain() {
+                continue;
+            }
             for (h, corner) in t.half_edges().into_iter().zip(part.corners) {
                 let weights = match corner {
                     Corner::Old(k) => [0, 1, 2].map(|i| if i == k { 1.0 } else { 0.0 }),
@@ -143,6 +146,11 @@ impl Seam {
                 .then(|| half_edges.map(|h| attributes.normal[h.index()])),
             along: [[HalfEdge::NULL; 3]; 3],
         }
+    }
+
+    /// Whether corners have nothing but their vertices.
+    fn is_plain(&self) -> bool {
+        self.uv.is_none() && self.normal.is_none()
     }
 
     /// Gives a corner of a part what the triangle's corners have, by `weights`.

@@ -2,12 +2,20 @@
 //!
 //! Searches run from all lips at once, in step with each other, and join where they meet. They end as
 //! soon as no more than one part of each piece has not been seen to its end: it has what the others leave,
-//! and if that is the most it keeps the piece's number and is never seen as a whole.
+//! and if that is the most it keeps the piece's number and is never seen as a whole. Those on the side
+//! that looks smaller go ahead, so that little is seen of the larger one.
 
-use incise_mesh::{Edit, HalfEdge, Surface, TriangleId};
+use crate::sweep::Sweep;
+use incise_mesh::{Edit, HalfEdge, Surface, Topology, TriangleId};
 
 /// How many triangles a search looks at before the next one has its turn.
 const TURN: usize = 1024;
+/// How many times as long a turn is on the side that looks smaller.
+const AHEAD: usize = 4;
+/// How many triangles it looks at together.
+const BATCH: usize = 32;
+/// How many triangles of a body are looked at to tell which side is smaller.
+const SAMPLES: usize = 64;
 
 /// Memory of the searches.
 #[derive(Debug, Clone, Default)]
@@ -17,8 +25,10 @@ pub(crate) struct Separator {
     epoch: u32,
     /// The next epoch: above all stamps.
     next_epoch: u32,
-    /// One a lip of a loop.
+    /// One a lip of a loop, lip 0 before lip 1.
     searches: Vec<Search>,
+    /// The lip behind which less seems to be.
+    smaller: usize,
     /// Searches, those of a part beside each other.
     members: Vec<usize>,
 }
@@ -55,10 +65,12 @@ impl Separator {
     pub(super) fn separate(
         &mut self,
         edit: &mut Edit<'_>,
+        sweep: &Sweep,
         lips: impl Iterator<Item = HalfEdge>,
         joined: impl Iterator<Item = (usize, usize)>,
     ) {
         self.begin(edit.surface(), lips);
+        self.smaller = smaller_lip(edit.surface(), sweep, self.searches[0].piece);
         for (a, b) in joined {
             self.join(a, b);
         }
@@ -93,7 +105,7 @@ impl Separator {
         self.searches.resize(seeds.len(), Search::default());
         self.stamps.resize(slots.max(self.stamps.len()), 0);
         // Stamps of earlier cuts are below the epoch, so nothing is cleared but once in a long while.
-        let count = u32::try_from(seeds.len()).expect("there are fewer lips than half-edges");
+        let count = number(seeds.len());
         if self.next_epoch > u32::MAX - count {
             self.stamps.fill(0);
             self.next_epoch = 0;
@@ -105,24 +117,13 @@ impl Separator {
             search.done = 0;
             search.root = i;
             search.piece = surface.piece(seed);
-            self.reach(i, seed);
+            let stamp = std::mem::replace(&mut self.stamps[seed.index()], self.epoch + number(i));
+            if stamp < self.epoch {
+                self.searches[i].reached.push(seed);
+            } else {
+                self.join(i, (stamp - self.epoch) as usize);
+            }
         }
-    }
-
-    /// Search `i` comes to `t`: it is new, or the search that was there is joined.
-    fn reach(&mut self, i: usize, t: TriangleId) {
-        let own = self.epoch + u32::try_from(i).expect("searches have 32-bit numbers");
-        let stamp = &mut self.stamps[t.index()];
-        if *stamp == own {
-            return;
-        }
-        if *stamp < self.epoch {
-            *stamp = own;
-            self.searches[i].reached.push(t);
-            return;
-        }
-        let other = (*stamp - self.epoch) as usize;
-        self.join(i, other);
     }
 
     fn join(&mut self, a: usize, b: usize) {
@@ -174,20 +175,44 @@ impl Separator {
         let topology = surface.topology();
         for k in part.members.0..part.members.1 {
             let i = self.members[k];
-            for _ in 0..TURN {
-                let search = &mut self.searches[i];
-                let Some(&t) = search.reached.get(search.done) else {
-                    break;
-                };
-                search.done += 1;
-                for h in t.half_edges() {
-                    let twin = topology.twin(h);
-                    if !twin.is_null() {
-                        self.reach(i, twin.triangle());
-                    }
-                }
+            let mut turn = if i % 2 == self.smaller {
+                AHEAD * TURN
+            } else {
+                TURN
+            };
+            while turn > 0 && self.searches[i].done < self.searches[i].reached.len() {
+                self.look_around(topology, i);
+                turn -= BATCH;
             }
         }
+    }
+
+    /// Lets a search look at its next few triangles. Their neighbors are all read before any is judged,
+    /// so that the reads do not wait for each other, and no branch depends on which of them are new.
+    fn look_around(&mut self, topology: &Topology, i: usize) {
+        let search = &mut self.searches[i];
+        let mut near = [TriangleId::NULL; 3 * BATCH];
+        let mut count = 0;
+        let end = search.reached.len().min(search.done + BATCH);
+        for &t in &search.reached[search.done..end] {
+            for twin in t.half_edges().map(|h| topology.twin(h)) {
+                near[count] = twin.triangle();
+                count += usize::from(!twin.is_null());
+            }
+        }
+        search.done = end;
+        let own = self.epoch + number(i);
+        let mut new = [TriangleId::NULL; 3 * BATCH];
+        let mut fresh = 0;
+        for &t in &near[..count] {
+            let stamp = std::mem::replace(&mut self.stamps[t.index()], own);
+            new[fresh] = t;
+            fresh += usize::from(stamp < self.epoch);
+            if stamp >= self.epoch && stamp != own {
+                self.join(i, (stamp - self.epoch) as usize);
+            }
+        }
+        self.searches[i].reached.extend_from_slice(&new[..fresh]);
     }
 
     fn number(&self, edit: &mut Edit<'_>, parts: &[Part]) {
@@ -227,4 +252,28 @@ impl Separator {
         own.iter()
             .flat_map(|&i| self.searches[i].reached.iter().copied())
     }
+}
+
+/// The lip behind which less seems to be of a piece: the side of the sweep's plane with fewer of some
+/// triangles that stand far apart. Only how long the searches take depends on it.
+fn smaller_lip(surface: &Surface, sweep: &Sweep, piece: u32) -> usize {
+    let (point, normal) = sweep.plane();
+    let slots = surface.topology().triangle_slots();
+    let samples = (0..SAMPLES).map(|i| TriangleId::from_index(i * slots / SAMPLES));
+    let own = samples.filter(|&t| surface.topology().is_triangle(t) && surface.piece(t) == piece);
+    let above: i32 = own
+        .map(|t| {
+            let [corner, ..] = surface.triangle_positions(t);
+            if normal.dot(&(corner - point)) > 0.0 {
+                1
+            } else {
+                -1
+            }
+        })
+        .sum();
+    usize::from(above <= 0)
+}
+
+fn number(search: usize) -> u32 {
+    u32::try_from(search).expect("there are fewer lips than half-edges")
 }
