@@ -74,7 +74,8 @@ pub(super) fn measure(
     Ok(rows)
 }
 
-/// Measures slices and takes each back.
+/// Measures slices and takes each back, so that all of them fit the same body. They are found before the
+/// first: the search reads the whole body, and what it leaves in the caches is no matter of cuts.
 fn probe(
     specimen: &mut Specimen,
     piece: u32,
@@ -83,10 +84,10 @@ fn probe(
     directions: &mut Directions,
 ) -> Result<Outcomes, Box<dyn Error>> {
     let mut outcomes = Outcomes::default();
-    for _ in 0..PROBES {
-        let Some((normal, d)) = slice(specimen, piece, directions) else {
-            break;
-        };
+    let slices: Vec<(Vec3, f64)> = (0..PROBES)
+        .map_while(|_| slice(specimen, piece, directions))
+        .collect();
+    for (normal, d) in slices {
         let sweep = Sweep::across_box(normal.into(), d, ball)?;
         match specimen.cut(&sweep, params)? {
             Ok(Some(cut)) => {

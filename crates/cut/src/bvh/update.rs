@@ -55,6 +55,8 @@ pub(super) struct Scratch {
     along: Vec<TriangleId>,
     batches: Vec<Batch>,
     stack: Vec<(u32, Path)>,
+    /// The pieces that were split and what they were split into, ascending.
+    split: Vec<u32>,
     /// Triangles of leaves that are to be made, by piece.
     loose: Vec<(u32, TriangleId)>,
     /// Items that are yet to be made of a range of `loose`.
@@ -86,8 +88,11 @@ impl Bvh {
         self.find_batches(surface, &delta.triangles_added, &mut scratch);
         let perfect = surface.topology().triangle_count().ilog2();
         let room = u8::try_from(perfect).map_or(u8::MAX, |levels| levels + SLACK);
-        let splits = !delta.pieces_added.is_empty();
-        self.take_apart(surface, room - SLACK / 2, splits, &mut scratch);
+        scratch.split.clear();
+        let split = delta.pieces_added.iter();
+        (scratch.split).extend(split.flat_map(|&(new, parent)| [new, parent]));
+        scratch.split.sort_unstable();
+        self.take_apart(surface, room - SLACK / 2, &mut scratch);
         self.make_leaves(surface, &mut scratch);
         let root = self.assemble(room, &scratch.items, &mut scratch.joints);
         self.put(0, root);
@@ -244,10 +249,11 @@ impl Bvh {
     /// Takes touched nodes apart, and those higher than `limit`: untouched subtrees below become
     /// items, triangles of touched leaves and new ones become loose. Where pieces were split, so are
     /// nodes beside the cut that have triangles of several, which would span the gap between them.
-    fn take_apart(&mut self, surface: &Surface, limit: u8, splits: bool, scratch: &mut Scratch) {
+    fn take_apart(&mut self, surface: &Surface, limit: u8, scratch: &mut Scratch) {
         let Scratch {
             homes,
             stack,
+            split,
             loose,
             runs,
             items,
@@ -261,14 +267,15 @@ impl Bvh {
         while let Some((at, path)) = stack.pop() {
             let node = self.nodes[at as usize];
             let sample = self.samples[at as usize];
+            let is_whole = !node.touched && (node.is_leaf() || node.height <= limit);
             // Of a touched node the sample may be gone.
-            let piece = || surface.piece(self.blocks[sample as usize].triangles[0]);
-            if !node.touched
-                && (node.is_leaf() || node.height <= limit)
-                && !(splits && self.has_others(surface, at, piece(), LOOK))
-            {
+            let piece = is_whole.then(|| surface.piece(self.blocks[sample as usize].triangles[0]));
+            let is_mixed = |piece: u32| {
+                split.binary_search(&piece).is_ok() && self.has_others(surface, at, piece, LOOK)
+            };
+            if let Some(piece) = piece.filter(|&piece| !is_mixed(piece)) {
                 items.push(Item {
-                    piece: piece(),
+                    piece,
                     path,
                     part: Part { node, sample },
                 });
