@@ -175,6 +175,26 @@ impl Body {
     }
 }
 
+/// A ball in a ball in a ball, the middle one hollow; each of 20 x 4^n triangles.
+///
+/// # Panics
+/// Never for an n that memory has room for.
+#[must_use]
+pub fn shells(n: u32) -> Surface {
+    let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    for (radius, is_cavity) in [(0.5, false), (0.35, true), (0.2, false)] {
+        let shell = icosphere(n, radius);
+        let first = u32::try_from(positions.len()).expect("ids have 32 bits");
+        positions.extend(&shell.rest);
+        let topology = shell.topology();
+        faces.extend(topology.triangles().map(|t| {
+            let [a, b, c] = topology.triangle(t).map(|v| v.0 + first);
+            if is_cavity { [a, c, b] } else { [a, b, c] }
+        }));
+    }
+    Surface::from_triangles(&positions, &faces).expect("three shells")
+}
+
 fn random_vector(random: &mut Random) -> Vec3 {
     loop {
         let v = Vec3::new(random.signed(), random.signed(), random.signed());

@@ -7,12 +7,16 @@ mod bodies;
 #[path = "../../crates/pbd-gpu/tests/common/gpu.rs"]
 pub mod gpu;
 mod laws;
+mod planes;
+mod reference;
 
 pub use blades::{Blade, any_blade, any_level, flat_blade};
-pub use bodies::{Body, Deformation, Shape, any_body, large_body, small_body, wild_body};
+pub use bodies::{Body, Deformation, Shape, any_body, large_body, shells, small_body, wild_body};
 pub use laws::{
     assert_same_bits, assert_section_is_covered, assert_sound, cut_and_check, euler_characteristics,
 };
+pub use planes::{LARGE, Planes};
+pub use reference::{Reference, reference_cuts, shared_folder};
 
 use proptest::test_runner::{Config, RngSeed};
 

@@ -5,7 +5,9 @@
 use incise_cut::{CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Surface, Vec3, read_mesh};
-use incise_tests::{assert_section_is_covered, assert_sound, cut_and_check, euler_characteristics};
+use incise_tests::{
+    LARGE, Planes, Reference, cut_and_check, euler_characteristics, reference_cuts, shared_folder,
+};
 use libtest_mimic::{Arguments, Failed, Trial};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,11 +15,9 @@ use std::process::ExitCode;
 
 /// Planes for a mesh of about 1,000 triangles unless told; larger ones get fewer.
 const PLANES: usize = 40;
-/// Meshes from here on are cut without the laws that look at every triangle more than once.
-const LARGE: usize = 20_000;
 
 fn main() -> ExitCode {
-    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
+    let shared = shared_folder();
     let mut trials = Vec::new();
     for folder in ["models", "torture"] {
         for path in files(&shared.join(folder)) {
@@ -28,8 +28,7 @@ fn main() -> ExitCode {
             }));
         }
     }
-    let table = std::fs::read_to_string(shared.join("reference/cuts.csv"));
-    for (mesh, rows) in table.as_deref().map(rows).unwrap_or_default() {
+    for (mesh, rows) in reference_cuts() {
         let path = shared.join(&mesh);
         let name = format!("reference {mesh}");
         trials.push(Trial::test(name, move || reference(&path, &rows)));
@@ -59,17 +58,6 @@ fn params(snap: f64) -> CutParams {
     }
 }
 
-/// A direction and a place along it by a fixed sequence (R-sequence, Roberts 2018), so that planes
-/// are spread evenly.
-fn plane(i: usize) -> (Vec3, f64) {
-    let part = |alpha: f64| (0.5 + alpha * (i + 1) as f64).fract();
-    let z = 2.0 * part(0.819_172_513_396_164_5) - 1.0;
-    let (sin, cos) = (std::f64::consts::TAU * part(0.671_043_606_703_789_2)).sin_cos();
-    let radius = (1.0 - z * z).sqrt();
-    let place = 2.0 * part(0.549_700_477_901_964_3) - 1.0;
-    (Vec3::new(radius * cos, radius * sin, z), place)
-}
-
 /// Random planes one by one, each through the whole mesh, with and without snapping.
 fn random_planes(path: &Path, name: &str) -> Result<(), Failed> {
     let Some(whole) = load(path) else {
@@ -78,93 +66,31 @@ fn random_planes(path: &Path, name: &str) -> Result<(), Failed> {
     let triangles = whole.topology().triangle_count();
     let told = std::env::var("INCISE_PLANES").ok();
     let told = told.and_then(|n| n.parse().ok());
-    let planes = told.unwrap_or_else(|| (PLANES * 1000 / triangles).clamp(2, PLANES));
+    let count = told.unwrap_or_else(|| (PLANES * 1000 / triangles).clamp(2, PLANES));
     // Bodies that pass through themselves have no section to be covered once.
-    let is_tame = [
+    let tame = [
         "models/sphere",
         "models/banana",
         "ok_cube",
         "ok_torus",
         "ok_hollow",
-    ]
-    .iter()
-    .any(|tame| name.contains(tame));
-    let bounds = whole.bounds();
-    let extent = |n: &Vec3| {
-        let size =
-            incise_mesh::geometry::widen(bounds.max) - incise_mesh::geometry::widen(bounds.min);
-        n.abs().dot(&size) / 2.0
+    ];
+    let planes = Planes {
+        whole: &whole,
+        is_tame: tame.iter().any(|tame| name.contains(tame)),
+        every_law: triangles < LARGE,
     };
-    let mut failed = 0;
-    for i in 0..planes {
-        let (normal, place) = plane(i);
-        let d = normal.dot(&bounds.center()) + 0.95 * place * extent(&normal);
-        let sweep = Sweep::across_box(normal.into(), d, &bounds).map_err(|e| e.to_string())?;
+    let mut hits = 0;
+    for i in 0..count {
         for snap in [0.0, 0.1] {
-            let mut surface = whole.clone();
-            let mut cutter = Cutter::new(&whole);
-            let result = if triangles < LARGE {
-                cut_and_check(&mut surface, &mut cutter, &sweep, &params(snap))
-            } else {
-                let result = cutter.cut(&mut surface, &sweep, &params(snap));
-                assert_sound(&surface);
-                result
-            };
-            let outcome = result.map_err(|e| format!("plane {i}, snap {snap}: {e}"))?;
-            let change = relative_change(&whole, &surface);
-            let bound = if snap == 0.0 { 1e-5 } else { 2e-3 };
-            if change > bound {
-                return Err(format!("plane {i}, snap {snap}: volume changed by {change}").into());
-            }
-            if snap == 0.0 && is_tame && !outcome.delta.is_empty() {
-                assert_section_is_covered(&whole, &surface, &sweep, &params(snap), &outcome);
-            }
-            failed += usize::from(outcome.delta.is_empty());
+            let hit = planes.cut(i, snap);
+            hits += usize::from(hit.map_err(|e| format!("plane {i}, snap {snap}: {e}"))?);
         }
     }
-    if failed == 2 * planes {
+    if hits == 0 {
         return Err("no plane met the mesh".into());
     }
     Ok(())
-}
-
-/// How much volume came or went, relative to what the pieces have without signs.
-fn relative_change(before: &Surface, after: &Surface) -> f64 {
-    let volumes = after.piece_volumes();
-    let sum: f64 = volumes.iter().map(|v| v.abs()).sum();
-    (volumes.iter().sum::<f64>() - before.volume()).abs() / sum
-}
-
-/// A row of the table: the plane `normal . x = d`, then the positive and the negative side.
-#[derive(Debug, Clone, Copy)]
-struct Reference {
-    plane: usize,
-    normal: [f64; 3],
-    d: f64,
-    volume: [f64; 2],
-    section_area: f64,
-    components: [usize; 2],
-    genus: [i64; 2],
-}
-
-fn rows(text: &str) -> BTreeMap<String, Vec<Reference>> {
-    let mut out: BTreeMap<String, Vec<Reference>> = BTreeMap::new();
-    for line in text.lines().skip(1) {
-        let cells: Vec<&str> = line.split(',').collect();
-        let number = |i: usize| -> f64 { cells[i].parse().expect("a number") };
-        let count = |i: usize| -> usize { cells[i].parse().expect("a count") };
-        let genus = |i: usize| -> i64 { cells[i].parse().expect("a genus") };
-        out.entry(cells[0].to_owned()).or_default().push(Reference {
-            plane: count(1),
-            normal: [number(2), number(3), number(4)],
-            d: number(5),
-            volume: [number(6), number(7)],
-            section_area: number(8),
-            components: [count(9), count(10)],
-            genus: [genus(11), genus(12)],
-        });
-    }
-    out
 }
 
 fn reference(path: &Path, rows: &[Reference]) -> Result<(), Failed> {

@@ -4,7 +4,7 @@ use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::geometry::widen;
 use incise_mesh::{Model, Surface, Vec3, build_model, icosphere, torus};
 use incise_refine::{RefineParams, RefinementLevel};
-use incise_tests::{assert_sound, cut_and_check, euler_characteristics};
+use incise_tests::{assert_sound, cut_and_check, euler_characteristics, shells};
 
 /// A small generator (`SplitMix64`).
 struct Random(u64);
@@ -129,29 +129,12 @@ fn winding(surface: &Surface, only: Option<u32>, at: Vec3) -> f64 {
     angle / (2.0 * std::f64::consts::TAU)
 }
 
-/// A ball in a ball in a ball, the middle one hollow.
-fn nested() -> Surface {
-    let shells = [(0.5, false), (0.35, true), (0.2, false)];
-    let (mut positions, mut faces) = (Vec::new(), Vec::new());
-    for (radius, is_cavity) in shells {
-        let shell = icosphere(2, radius);
-        let first = u32::try_from(positions.len()).expect("few vertices");
-        positions.extend(&shell.rest);
-        let topology = shell.topology();
-        faces.extend(topology.triangles().map(|t| {
-            let [a, b, c] = topology.triangle(t).map(|v| v.0 + first);
-            if is_cavity { [a, c, b] } else { [a, b, c] }
-        }));
-    }
-    Surface::from_triangles(&positions, &faces).expect("three shells")
-}
-
 /// A point is in a piece if it was in the body and is on the piece's side of the plane. Points are drawn
 /// at random; the winding number of the input and the plane's sign say what holds.
 #[test]
 fn pieces_hold_the_points_that_the_body_held() {
     let bodies = [
-        nested(),
+        shells(2),
         torus(0.4, 0.15, 16, 8),
         icosphere(2, 0.5),
         build_model(Model::Bunny),

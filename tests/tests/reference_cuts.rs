@@ -5,22 +5,11 @@ use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::geometry::{Vec3, area_vector};
 use incise_mesh::{Surface, read_mesh};
 use incise_refine::{RefineParams, RefinementLevel};
-use incise_tests::cut_and_check;
+use incise_tests::{Reference, cut_and_check, reference_cuts, shared_folder};
 use libtest_mimic::{Arguments, Failed, Trial};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::ExitCode;
-
-/// A row of the table: the plane `normal . x = d`, then the positive and the negative side.
-#[derive(Debug, Clone, Copy)]
-struct Reference {
-    plane: usize,
-    normal: [f64; 3],
-    d: f64,
-    volume: [f64; 2],
-    section_area: f64,
-    components: [usize; 2],
-}
 
 /// Whether the cross-section has a hole, which the rebuild method refuses: every plane that passes
 /// the cavity, and the one that passes all around a tunnel of the plate.
@@ -29,36 +18,15 @@ fn has_hole(mesh: &str, plane: usize) -> bool {
 }
 
 fn main() -> ExitCode {
-    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    let table = std::fs::read_to_string(shared.join("reference/cuts.csv"));
     let mut trials = Vec::new();
-    if let Ok(text) = table {
-        for (mesh, rows) in rows(&text) {
-            let path = shared.join(&mesh);
-            trials.push(Trial::test(mesh.clone(), move || test(&path, &mesh, &rows)));
-        }
-    } else {
+    for (mesh, rows) in reference_cuts() {
+        let path = shared_folder().join(&mesh);
+        trials.push(Trial::test(mesh.clone(), move || test(&path, &mesh, &rows)));
+    }
+    if trials.is_empty() {
         trials.push(Trial::test("cuts.csv is absent", || Ok(())).with_ignored_flag(true));
     }
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
-}
-
-fn rows(text: &str) -> BTreeMap<String, Vec<Reference>> {
-    let mut out: BTreeMap<String, Vec<Reference>> = BTreeMap::new();
-    for line in text.lines().skip(1) {
-        let cells: Vec<&str> = line.split(',').collect();
-        let number = |i: usize| -> f64 { cells[i].parse().expect("a number") };
-        let count = |i: usize| -> usize { cells[i].parse().expect("a count") };
-        out.entry(cells[0].to_owned()).or_default().push(Reference {
-            plane: count(1),
-            normal: [number(2), number(3), number(4)],
-            d: number(5),
-            volume: [number(6), number(7)],
-            section_area: number(8),
-            components: [count(9), count(10)],
-        });
-    }
-    out
 }
 
 fn test(path: &Path, mesh: &str, rows: &[Reference]) -> Result<(), Failed> {
