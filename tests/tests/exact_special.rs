@@ -229,6 +229,58 @@ fn an_open_surface_is_refused() {
 }
 
 /// A sweep that reaches from outside to the middle of the body, in any direction.
+/// The sweep of a blade that turns over on its way: two triangles that lie on each other in part.
+#[test]
+fn a_bow_tie_is_cut_as_two_triangles() {
+    let y = 0.03;
+    let bow_tie = Sweep::new(
+        [[-2.0, y, -2.0], [-2.0, y, 2.0]],
+        [[2.0, y, 2.0], [2.0, y, -2.0]],
+    );
+    let bow_tie = bow_tie.expect("each of the two has an area");
+    // In the first triangle alone, the second alone, and in both.
+    let places = [[-1.3, 0.0, 0.0], [1.3, 0.0, 0.0], [0.0, 0.0, -1.2]];
+    for (place, slices) in places.into_iter().zip([1, 1, 2]) {
+        for body in [
+            icosphere(2, 0.5),
+            torus(0.4, 0.15, 12, 8),
+            cube_sphere(3, 0.5),
+        ] {
+            let mut body = body;
+            for p in &mut body.positions {
+                (0..3).for_each(|k| p[k] += place[k]);
+            }
+            let cut = |sweep: &Sweep, snap: f64| {
+                let params = CutParams {
+                    snap,
+                    ..CutParams::default()
+                };
+                let mut surface = body.clone();
+                let cut = cut_and_check(&mut surface, &mut Cutter::new(&body), sweep, &params);
+                let loops = cut.expect("a full slice").report.loops;
+                let mut volumes = surface.piece_volumes();
+                volumes.sort_by(f64::total_cmp);
+                (loops, volumes)
+            };
+            for snap in [0.0, 0.1] {
+                let plane = Sweep::across_box([0.0, 1.0, 0.0], y.into(), &body.bounds());
+                let (loops, expected) = cut(&plane.expect("a plane"), snap);
+                let (found_loops, found) = cut(&bow_tie, snap);
+                assert_eq!(found_loops, slices * loops, "loops at {place:?}");
+                // Where it slices twice there is nothing between the slices.
+                let found: Vec<f64> = found.into_iter().filter(|v| v.abs() > 1e-6).collect();
+                assert_eq!(found.len(), expected.len(), "pieces at {place:?}");
+                for (found, expected) in found.iter().zip(&expected) {
+                    assert!(
+                        (found - expected).abs() < 1e-6,
+                        "{found} for {expected} at {place:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn sweeps_that_end_inside_leave_no_trace() {
     for body in [icosphere(3, 0.5), torus(0.4, 0.15, 24, 12)] {

@@ -2,18 +2,20 @@
 
 use crate::clock::{milliseconds, timed};
 use crate::failure::Failure;
-use crate::json::lossy;
+use crate::json::{all_lossy, lossy};
 use crate::numbers::{Numbers, numbers};
 use crate::pieces::{self, Piece};
 use clap::ValueEnum;
-use incise_cut::{CutError, CutMethod, CutParams, Cutter, Sweep};
+use incise_cut::{CutError, CutMethod, CutParams, Cutter, Sweep, starts_inside};
+use incise_mesh::geometry::area_vector;
 use incise_mesh::{AngleStats, Surface, read_mesh};
 use incise_refine::{RefineParams, RefinementLevel};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-/// Cuts a mesh and writes its pieces to `DIR/piece_000.obj` and on, one closed component a file.
+/// Cuts a mesh and writes its pieces to `DIR/piece_000.obj` and on, one closed component a file. Files of
+/// that name from an earlier run are overwritten, and removed where there are fewer pieces now.
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("cutter").required(true).args(["plane", "blade"]))]
 pub(crate) struct CutArguments {
@@ -22,10 +24,10 @@ pub(crate) struct CutArguments {
     /// Cut along the plane `nx x + ny y + nz z = d`.
     #[arg(long, value_name = "NX,NY,NZ,D", value_parser = numbers::<4>, allow_hyphen_values = true)]
     plane: Option<Numbers<4>>,
-    /// Cut along the sweep of a blade's edge: from here, start and end ...
+    /// Cut along the sweep of a blade's edge, two triangles: from here, start and end ...
     #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = numbers::<6>, allow_hyphen_values = true, requires = "to")]
     blade: Option<Numbers<6>>,
-    /// ... to here.
+    /// ... to here, in the same order.
     #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = numbers::<6>, allow_hyphen_values = true, requires = "blade", conflicts_with = "plane")]
     to: Option<Numbers<6>>,
     /// How fine caps get: 2x-coarser, 1.5x-coarser, original, 1.5x-finer, 2x-finer, or z.
@@ -93,6 +95,9 @@ struct Report {
     cap_min_angle_deg: f64,
     cap_median_angle_deg: f64,
     pieces: Vec<Piece>,
+    /// Pieces of an earlier run that are there no more.
+    #[serde(serialize_with = "all_lossy")]
+    removed: Vec<PathBuf>,
     milliseconds: Times,
 }
 
@@ -124,6 +129,9 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
     let (mut surface, _) = surface?;
     let (triangles, volume) = (surface.topology().triangle_count(), surface.volume());
     let sweep = arguments.sweep(&surface).map_err(Failure::Sweep)?;
+    if crosses_itself(&sweep) {
+        return Err(Failure::SweepCrossesItself);
+    }
     let params = CutParams {
         method: match arguments.method {
             Method::Exact => CutMethod::Exact,
@@ -143,8 +151,12 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
             path: path.clone(),
             source,
         })?;
+    if outcome.report.hits == 0 && starts_inside(&surface, &sweep) {
+        return Err(Failure::SweepInside { path: path.clone() });
+    }
     let cap = AngleStats::of(outcome.cap.iter().map(|&t| surface.triangle_positions(t)));
-    let (write, pieces) = timed(|| pieces::write(&surface, path, &arguments.output));
+    let (write, written) = timed(|| pieces::write(&surface, path, &arguments.output));
+    let written = written?;
     let report = Report {
         input: path.clone(),
         method: arguments.method.name(),
@@ -161,7 +173,8 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         cap_triangles: outcome.cap.len(),
         cap_min_angle_deg: cap.min,
         cap_median_angle_deg: cap.median,
-        pieces: pieces?,
+        pieces: written.pieces,
+        removed: written.removed,
         milliseconds: Times {
             read: milliseconds(read),
             search_tree: milliseconds(search_tree),
@@ -195,6 +208,17 @@ impl CutArguments {
         };
         Sweep::new(edge(self.blade), edge(self.to))
     }
+}
+
+/// Cosine of the angle between the normals of a sweep's triangles from which on they lie on each other: a
+/// blade that bends that much has its ends exchanged.
+const FOLDED: f64 = -0.999;
+
+/// Whether the sweep's two triangles lie on each other. They could be cut along, but what was meant is the
+/// blade's way without the crossing.
+fn crosses_itself(sweep: &Sweep) -> bool {
+    let [first, second] = sweep.triangles().map(area_vector);
+    first.dot(&second) < FOLDED * first.norm() * second.norm()
 }
 
 fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
@@ -235,7 +259,7 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
         report.pieces.len(),
         report.method
     )?;
-    pieces::print(&report.pieces, out)?;
+    pieces::print(&report.pieces, &report.removed, out)?;
     let t = &report.milliseconds;
     writeln!(
         out,

@@ -22,6 +22,20 @@ pub(crate) enum Failure {
     /// The plane or the blade is none: the command line is wrong.
     #[error("the cut: {0}")]
     Sweep(CutError),
+    /// The blade's ends have changed places, so that its sweep crosses itself: the command line is wrong.
+    #[error(
+        "the cut: the sweep from --blade to --to crosses itself; name the blade's two ends in the same order in both"
+    )]
+    SweepCrossesItself,
+    /// The blade moves inside solid matter.
+    #[error(
+        "{}: the blade's sweep lies inside the body and does not reach its surface; make the sweep larger",
+        path.display()
+    )]
+    SweepInside {
+        /// The file.
+        path: PathBuf,
+    },
     /// The input cannot be cut there.
     #[error("{}: {source}", path.display())]
     Cut {
@@ -49,7 +63,7 @@ pub(crate) enum Failure {
         /// Why.
         source: std::io::Error,
     },
-    /// A piece would take the input's place.
+    /// The input has the name of a piece of this run or of an earlier one.
     #[error("{}: a piece would overwrite the input; choose another folder", path.display())]
     TargetIsInput {
         /// The piece's file.
@@ -64,6 +78,14 @@ pub(crate) enum Failure {
     /// A piece cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// A piece of an earlier run cannot be removed.
+    #[error("{}: a piece of an earlier run cannot be removed: {source}", path.display())]
+    Remove {
+        /// The piece's file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
     /// The program was built without the feature `gpu`.
     #[cfg(not(feature = "gpu"))]
     #[error("this build has no GPU support; build it with the feature gpu")]
@@ -71,4 +93,21 @@ pub(crate) enum Failure {
     /// The standard output cannot be written to.
     #[error("standard output: {0}")]
     Output(#[from] std::io::Error),
+}
+
+impl Failure {
+    /// What the program ends with: 2 for a wrong command line, 3 for an output that cannot be written, 1
+    /// for all that is due to the input or the machine.
+    pub(crate) fn exit_code(&self) -> u8 {
+        match self {
+            Self::Sweep(_) | Self::SweepCrossesItself | Self::CutAfterEnd => 2,
+            Self::Folder { .. }
+            | Self::TargetIsInput { .. }
+            | Self::TargetIsFolder { .. }
+            | Self::Write(_)
+            | Self::Remove { .. }
+            | Self::Output(_) => 3,
+            _ => 1,
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! The program: cuts, checks and simulates meshes, and lists devices.
 //!
-//! Exit codes: 0 done, 1 the input cannot be used, 2 the command line is wrong.
+//! Exit codes: 0 done, 1 the input cannot be used or there is no device, 2 the command line is wrong, 3 the
+//! output cannot be written.
 
 mod check;
 mod clock;
@@ -19,7 +20,11 @@ use std::process::ExitCode;
 
 /// Cuts soft bodies: closed triangle surfaces.
 #[derive(Parser)]
-#[command(version)]
+#[command(
+    version,
+    after_help = "Exit codes: 0 done, 1 the input cannot be used or there is no device, 2 the command line is wrong, \
+                  3 the output cannot be written."
+)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -51,10 +56,7 @@ fn main() -> ExitCode {
         Err(failure) => {
             // Without an error output the exit code has to do.
             let _ = writeln!(io::stderr(), "incise: {failure}");
-            match failure {
-                Failure::Sweep(_) | Failure::CutAfterEnd => ExitCode::from(2),
-                _ => ExitCode::FAILURE,
-            }
+            ExitCode::from(failure.exit_code())
         }
     }
 }

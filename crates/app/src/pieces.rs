@@ -4,6 +4,7 @@ use crate::failure::Failure;
 use crate::json::lossy;
 use incise_mesh::{Surface, write_obj};
 use serde::Serialize;
+use std::ffi::OsStr;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -21,14 +22,23 @@ pub(crate) struct Piece {
     cavity: bool,
 }
 
-/// Writes every piece, after looking whether all of them can be: a refusal leaves nothing behind.
-pub(crate) fn write(surface: &Surface, input: &Path, folder: &Path) -> Result<Vec<Piece>, Failure> {
-    let parts: Vec<(u32, Surface)> = (0..surface.piece_bound())
-        .map(|piece| (piece, surface.extract_piece(piece)))
-        .filter(|(_, part)| part.topology().triangle_count() > 0)
-        .collect();
+/// What was done to the output folder.
+pub(crate) struct Written {
+    pub(crate) pieces: Vec<Piece>,
+    /// Pieces of an earlier run that are there no more.
+    pub(crate) removed: Vec<PathBuf>,
+}
+
+/// Writes every piece, after looking whether all of them can be: a refusal leaves nothing behind. Then
+/// removes pieces of an earlier run that had more of them: else the folder would hold parts of two bodies.
+pub(crate) fn write(surface: &Surface, input: &Path, folder: &Path) -> Result<Written, Failure> {
+    let parts: Vec<(u32, Surface)> = surface.extract_pieces().collect();
     let file = |i: usize| folder.join(format!("piece_{i:03}.obj"));
-    let check = || (0..parts.len()).try_for_each(|i| check_target(&file(i), input));
+    let check = || {
+        let left_over = left_over(folder, parts.len()).into_iter();
+        let mut targets = (0..parts.len()).map(file).chain(left_over);
+        targets.try_for_each(|path| check_target(&path, input))
+    };
     check()?;
     std::fs::create_dir_all(folder).map_err(|source| Failure::Folder {
         path: folder.to_owned(),
@@ -50,7 +60,37 @@ pub(crate) fn write(surface: &Surface, input: &Path, folder: &Path) -> Result<Ve
             cavity: volume < 0.0,
         });
     }
-    Ok(pieces)
+    let removed = left_over(folder, parts.len());
+    for path in &removed {
+        std::fs::remove_file(path).map_err(|source| Failure::Remove {
+            path: path.clone(),
+            source,
+        })?;
+    }
+    Ok(Written { pieces, removed })
+}
+
+/// Files of the folder that have a piece's name with a number from `count` on.
+fn left_over(folder: &Path, count: usize) -> Vec<PathBuf> {
+    // A folder that is not there yet has none.
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let of_piece = entries.filter(|entry| {
+        let name = entry.file_name();
+        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+        is_file && piece_number(&name).is_some_and(|number| number >= count)
+    });
+    let mut paths: Vec<PathBuf> = of_piece.map(|entry| entry.path()).collect();
+    paths.sort();
+    paths
+}
+
+/// The number in a name that this program gives to a piece.
+fn piece_number(name: &OsStr) -> Option<usize> {
+    let name = name.to_str()?;
+    let digits = name.strip_prefix("piece_")?.strip_suffix(".obj")?;
+    let number: usize = digits.parse().ok()?;
+    // Nothing else that reads as a number, such as +12 or 0012.
+    (digits == format!("{number:03}")).then_some(number)
 }
 
 /// Refuses a folder and the input, whatever way leads there.
@@ -69,8 +109,8 @@ fn check_target(path: &Path, input: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A line a piece.
-pub(crate) fn print(pieces: &[Piece], out: &mut impl Write) -> io::Result<()> {
+/// A line a piece, and what became of those of an earlier run.
+pub(crate) fn print(pieces: &[Piece], removed: &[PathBuf], out: &mut impl Write) -> io::Result<()> {
     for piece in pieces {
         writeln!(
             out,
@@ -83,5 +123,36 @@ pub(crate) fn print(pieces: &[Piece], out: &mut impl Write) -> io::Result<()> {
             if piece.cavity { ", a cavity" } else { "" }
         )?;
     }
+    for path in removed {
+        writeln!(out, "  {}: of an earlier run, removed", path.display())?;
+    }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_names_of_pieces_have_a_number() {
+        let number = |name: &str| piece_number(OsStr::new(name));
+        for (name, expected) in [
+            ("piece_000.obj", 0),
+            ("piece_012.obj", 12),
+            ("piece_1234.obj", 1234),
+        ] {
+            assert_eq!(number(name), Some(expected), "{name}");
+        }
+        for name in [
+            "piece_0012.obj",
+            "piece_12.obj",
+            "piece_+12.obj",
+            "piece_.obj",
+            "piece_012.ply",
+            "my_piece_012.obj",
+            "piece_012.obj.7.part",
+        ] {
+            assert_eq!(number(name), None, "{name}");
+        }
+    }
 }

@@ -3,7 +3,7 @@
 
 use crate::clock::{milliseconds, timed};
 use crate::failure::Failure;
-use crate::json::lossy;
+use crate::json::{all_lossy, lossy};
 use crate::numbers::{Numbers, numbers, positive};
 use crate::pieces::{self, Piece};
 use clap::ValueEnum;
@@ -15,7 +15,8 @@ use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-/// Lets a mesh fall as a soft shell and writes where it is then, one file a piece. The y axis points up.
+/// Lets a mesh fall as a soft shell and writes where it is then to `DIR/piece_000.obj` and on, one file a
+/// piece. Files of that name from an earlier run are overwritten or removed. The y axis points up.
 #[derive(clap::Args)]
 pub(crate) struct SimulateArguments {
     /// The mesh: obj, ply, stl, glb or gltf; units are meters.
@@ -80,6 +81,9 @@ struct Report {
     /// Triangles that the cut crossed; none without a cut.
     triangles_hit: Option<usize>,
     pieces: Vec<Piece>,
+    /// Pieces of an earlier run that are there no more.
+    #[serde(serialize_with = "all_lossy")]
+    removed: Vec<PathBuf>,
     milliseconds: Times,
 }
 
@@ -115,7 +119,8 @@ pub(crate) fn run(arguments: &SimulateArguments, out: &mut impl Write) -> Result
     let (simulate, simulated) = timed(|| arguments.simulate(surface, frames, cut_at));
     let simulated = simulated?;
     let surface = simulated.scene.body(simulated.body).surface();
-    let (write, pieces) = timed(|| pieces::write(surface, path, &arguments.output));
+    let (write, written) = timed(|| pieces::write(surface, path, &arguments.output));
+    let written = written?;
     let backend = simulated.scene.backend_report();
     let is_on_device = backend.on_device.contains(&simulated.body);
     let report = Report {
@@ -127,7 +132,8 @@ pub(crate) fn run(arguments: &SimulateArguments, out: &mut impl Write) -> Result
         iterations: arguments.iterations,
         substeps: arguments.substeps,
         triangles_hit: simulated.triangles_hit,
-        pieces: pieces?,
+        pieces: written.pieces,
+        removed: written.removed,
         milliseconds: Times {
             simulate: milliseconds(simulate),
             write: milliseconds(write),
@@ -246,7 +252,7 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
         Some(hits) => writeln!(out, "  {hits} triangles hit")?,
         None => {}
     }
-    pieces::print(&report.pieces, out)?;
+    pieces::print(&report.pieces, &report.removed, out)?;
     let t = &report.milliseconds;
     writeln!(
         out,

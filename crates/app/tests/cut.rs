@@ -1,19 +1,9 @@
-//! The binary's `cut`, as a user runs it.
+//! The binary's `cut`, as a user runs it: what is cut, and what is refused.
 
-use incise_mesh::{Model, Surface, build_model, write_obj};
-use std::path::Path;
-use std::process::{Command, Output};
+mod common;
 
-fn incise(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_incise"))
-        .args(arguments)
-        .output()
-        .unwrap()
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().unwrap()
-}
+use common::{cut, hollow_sphere, incise, text};
+use incise_mesh::{Model, build_model, write_obj};
 
 #[test]
 fn a_plane_makes_two_closed_pieces_at_every_level() {
@@ -115,149 +105,6 @@ fn a_wrong_command_line_exits_with_2_and_a_wrong_input_with_1() {
     ]);
     assert_eq!(status.status.code(), Some(1));
     assert_eq!(code(&["--plane", "1,0,0,9"]), Some(0), "a miss is no error");
-}
-
-// Other systems' file systems may take Unicode only.
-#[cfg(target_os = "linux")]
-#[test]
-fn a_path_that_is_not_unicode_still_gives_whole_json() {
-    use std::ffi::OsStr;
-    use std::os::unix::ffi::OsStrExt;
-    let folder = tempfile::tempdir().unwrap();
-    let input = folder.path().join(OsStr::from_bytes(b"sph\xffre.obj"));
-    write_obj(&input, &build_model(Model::Sphere80)).unwrap();
-    let output = folder.path().join(OsStr::from_bytes(b"o\xfft"));
-    let json = |command: &mut Command| -> serde_json::Value {
-        let output = command.arg(&input).arg("--json").output().unwrap();
-        assert_eq!(output.status.code(), Some(0), "{output:?}");
-        serde_json::from_slice(&output.stdout).unwrap()
-    };
-    let binary = || Command::new(env!("CARGO_BIN_EXE_incise"));
-    let check = json(binary().arg("check"));
-    assert!(
-        check["file"]
-            .as_str()
-            .unwrap()
-            .ends_with("sph\u{fffd}re.obj")
-    );
-    let cut = json(
-        binary()
-            .args(["cut", "--plane", "1,0,0,0.05", "-o"])
-            .arg(&output),
-    );
-    assert!(
-        cut["input"]
-            .as_str()
-            .unwrap()
-            .ends_with("sph\u{fffd}re.obj")
-    );
-    let file = cut["pieces"][1]["file"].as_str().unwrap();
-    assert!(file.ends_with("o\u{fffd}t/piece_001.obj"), "{file}");
-    assert!(output.join("piece_001.obj").exists());
-}
-
-#[test]
-fn neither_the_input_nor_a_folder_is_overwritten() {
-    let folder = tempfile::tempdir().unwrap();
-    let input = folder.path().join("piece_001.obj");
-    write_obj(&input, &build_model(Model::Sphere80)).unwrap();
-    let before = std::fs::read(&input).unwrap();
-    let cut = |output: &Path| {
-        let arguments = [
-            "cut",
-            text(&input),
-            "--plane",
-            "1,0,0,0.05",
-            "-o",
-            text(output),
-        ];
-        let output = incise(&arguments);
-        let error = String::from_utf8(output.stderr).unwrap();
-        (output.status.code(), error)
-    };
-    // The input's own folder, by another way.
-    let out = folder.path().join("out");
-    std::fs::create_dir(&out).unwrap();
-    for target in [folder.path(), &out.join(".."), &out.join("new/../..")] {
-        let (code, error) = cut(target);
-        assert_eq!(code, Some(1), "{error}");
-        assert!(error.contains("overwrite the input"), "{error}");
-        assert_eq!(std::fs::read(&input).unwrap(), before);
-        assert!(!folder.path().join("piece_000.obj").exists());
-    }
-    std::fs::create_dir(out.join("piece_001.obj")).unwrap();
-    let (code, error) = cut(&out);
-    assert_eq!(code, Some(1), "{error}");
-    assert!(error.contains("is a folder"), "{error}");
-    assert!(!out.join("piece_000.obj").exists(), "nothing is written");
-}
-
-/// A sphere of 80 triangles and, inside it, one a fifth as large and inside out.
-fn hollow_sphere() -> Surface {
-    let sphere = build_model(Model::Sphere80);
-    let topology = sphere.topology();
-    let mut points: Vec<[f32; 3]> = sphere
-        .positions
-        .iter()
-        .map(|&[x, y, z, _]| [x, y, z])
-        .collect();
-    let mut faces: Vec<[u32; 3]> = topology
-        .triangles()
-        .map(|t| topology.triangle(t).map(|v| v.0))
-        .collect();
-    let offset = u32::try_from(points.len()).unwrap();
-    points.extend(points.clone().iter().map(|p| p.map(|c| c / 5.0)));
-    faces.extend(
-        faces
-            .clone()
-            .iter()
-            .map(|&[a, b, c]| [a, c, b].map(|v| v + offset)),
-    );
-    Surface::from_triangles(&points, &faces).unwrap()
-}
-
-#[test]
-fn a_cavity_is_called_one() {
-    let folder = tempfile::tempdir().unwrap();
-    let input = folder.path().join("hollow.obj");
-    write_obj(&input, &hollow_sphere()).unwrap();
-    let output = folder.path().join("out");
-    let arguments = [
-        "cut",
-        text(&input),
-        "--plane",
-        "1,0,0,0.25",
-        "-o",
-        text(&output),
-    ];
-    let cut = |more: &[&str]| {
-        let output = incise(&[&arguments, more].concat());
-        assert_eq!(output.status.code(), Some(0), "{output:?}");
-        String::from_utf8(output.stdout).unwrap()
-    };
-    let report: serde_json::Value = serde_json::from_str(&cut(&["--json"])).unwrap();
-    let pieces = report["pieces"].as_array().unwrap();
-    assert_eq!(pieces.len(), 3);
-    for piece in pieces {
-        let cavity = piece["volume"].as_f64().unwrap() < 0.0;
-        assert_eq!(piece["cavity"].as_bool(), Some(cavity));
-    }
-    let cavities = pieces.iter().filter(|p| p["cavity"] == true).count();
-    assert_eq!(cavities, 1, "the cut misses it");
-    let lines = cut(&[]);
-    let lines: Vec<&str> = lines.lines().filter(|l| l.contains("cavity")).collect();
-    assert_eq!(lines.len(), 1, "{lines:?}");
-    assert!(lines[0].contains("volume -"), "{lines:?}");
-}
-
-/// Cuts and returns the exit code, the report and what the program complained about.
-fn cut(input: &Path, output: &Path, more: &[&str]) -> (Option<i32>, serde_json::Value, String) {
-    let mut arguments = vec!["cut", text(input), "-o", text(output), "--json"];
-    arguments.extend(more);
-    let output = incise(&arguments);
-    let report = serde_json::from_slice(&output.stdout).unwrap_or_default();
-    let error = String::from_utf8(output.stderr).unwrap();
-    (output.status.code(), report, error)
 }
 
 fn sum_of_volumes(report: &serde_json::Value) -> f64 {
@@ -368,40 +215,66 @@ fn a_partial_cut_is_refused_by_both_methods_and_says_what_to_do() {
 }
 
 #[test]
-fn pieces_keep_texture_coordinates_and_normals_and_caps_have_their_own_material() {
+fn a_sweep_inside_the_body_is_no_miss_and_one_in_its_cavity_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("hollow.obj");
+    write_obj(&input, &hollow_sphere()).unwrap();
+    let output = folder.path().join("out");
+    let inside = [
+        "--blade",
+        "0.2,-0.1,-0.1,0.2,0.1,-0.1",
+        "--to",
+        "0.2,-0.1,0.1,0.2,0.1,0.1",
+    ];
+    for method in ["exact", "rebuild"] {
+        let (code, _, error) = cut(
+            &input,
+            &output,
+            &[&inside[..], &["--method", method]].concat(),
+        );
+        assert_eq!(code, Some(1), "{method}: {error}");
+        assert!(error.contains("lies inside the body"), "{method}: {error}");
+        assert!(!output.exists(), "{method}: nothing is written");
+    }
+    let in_cavity = [
+        "--blade",
+        "0,-0.02,-0.02,0,0.02,-0.02",
+        "--to",
+        "0,-0.02,0.02,0,0.02,0.02",
+    ];
+    let beside = [
+        "--blade",
+        "2,-0.1,-0.1,2,0.1,-0.1",
+        "--to",
+        "2,-0.1,0.1,2,0.1,0.1",
+    ];
+    for miss in [in_cavity, beside] {
+        let (code, report, error) = cut(&input, &output, &miss);
+        assert_eq!(
+            (code, &report["triangles_hit"]),
+            (Some(0), &0.into()),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_blade_whose_ends_change_places_is_told_from_one_without_area() {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("sphere.obj");
-    let mut sphere = build_model(Model::Sphere80);
-    let corners = sphere.topology().triangle_slots() * 3;
-    sphere.corners.uv = vec![[0.25, 0.75]; corners];
-    sphere.corners.normal = vec![[0.0, 0.0, 1.0]; corners];
-    write_obj(&input, &sphere).unwrap();
+    write_obj(&input, &build_model(Model::Sphere80)).unwrap();
     let output = folder.path().join("out");
-    let (code, report, error) = cut(&input, &output, &["--plane", "1,0.1,0.2,0.03"]);
-    assert_eq!(code, Some(0), "{error}");
-    let mut on_caps = 0;
-    for piece in ["piece_000.obj", "piece_001.obj"] {
-        let obj = std::fs::read_to_string(output.join(piece)).unwrap();
-        assert!(obj.contains("\nvt 0.25 0.75\n"), "{piece} has no texture");
-        assert!(obj.contains("\nvn 0.0 0.0 1.0\n"), "{piece} has no normals");
-        let [mut skin, mut cap] = [0, 0];
-        let mut on_cap = None;
-        for line in obj.lines() {
-            match line {
-                "usemtl material_0" => on_cap = Some(false),
-                "usemtl material_1" => on_cap = Some(true),
-                _ if line.starts_with("f ") => {
-                    *if on_cap.unwrap() { &mut cap } else { &mut skin } += 1;
-                }
-                _ => {}
-            }
-        }
-        assert!(skin > 0 && cap > 0, "{piece}: {skin} and {cap}");
-        on_caps += cap;
-        let check = incise(&["check", text(&output.join(piece))]);
-        assert_eq!(check.status.code(), Some(0), "{piece} is closed");
+    let blade = |to| ["--blade", "-2,0.1,-2,-2,0.1,2", "--to", to];
+    for to in ["2,0.1,2,2,0.1,-2", "1,0.1,3,2,0.1,-1", "2,0.101,2,2,0.1,-2"] {
+        let (code, _, error) = cut(&input, &output, &blade(to));
+        assert_eq!(code, Some(2), "{to}: {error}");
+        assert!(error.contains("crosses itself"), "{to}: {error}");
     }
-    assert_eq!(report["cap_triangles"], on_caps);
+    let (code, _, error) = cut(&input, &output, &blade("-2,0.1,-2,-2,0.1,2"));
+    assert_eq!(code, Some(2), "{error}");
+    assert!(error.contains("no area"), "{error}");
+    let (code, ..) = cut(&input, &output, &blade("2,0.1,-2,2,0.1,2"));
+    assert_eq!(code, Some(0), "the same order");
 }
 
 #[test]

@@ -1,12 +1,13 @@
 //! The surface that a blade's edge sweeps between two frames (the paper's Figure 1).
 
 use crate::error::CutError;
-use incise_mesh::geometry::{round, widen};
+use incise_mesh::geometry::{area_vector, round, widen};
 use incise_mesh::{Aabb, Vec3};
 
 /// Two triangles spanned by a blade's edge in the previous and the current frame: previous start,
 /// previous end, current end and previous start, current end, current start. They share the
-/// diagonal and need not lie in one plane.
+/// diagonal and need not lie in one plane. Of a blade that turned over they may lie on each other: what is
+/// there is cut twice, and a piece without volume stays between.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sweep {
     corners: [[f32; 3]; 4],
@@ -16,7 +17,7 @@ impl Sweep {
     /// The sweep of a blade's edge (start, end) \[m\] from `previous` to `current`.
     ///
     /// # Errors
-    /// [`CutError::SweepNotFinite`], and [`CutError::BladeDegenerate`] when it has no area.
+    /// [`CutError::SweepNotFinite`], and [`CutError::BladeDegenerate`] when neither triangle has an area.
     pub fn new(previous: [[f32; 3]; 2], current: [[f32; 3]; 2]) -> Result<Self, CutError> {
         let corners = [previous[0], previous[1], current[1], current[0]];
         if let Some(corner) = corners
@@ -26,7 +27,12 @@ impl Sweep {
             return Err(CutError::SweepNotFinite { corner });
         }
         let sweep = Self { corners };
-        if sweep.area_vector().norm() == 0.0 {
+        // Not the sum: in a bow tie, a blade that turned over, the two cancel.
+        if sweep
+            .triangles()
+            .iter()
+            .all(|&t| area_vector(t).norm() == 0.0)
+        {
             return Err(CutError::BladeDegenerate);
         }
         Ok(sweep)
@@ -92,16 +98,14 @@ impl Sweep {
     }
 
     /// The cutting plane of Algorithm 2, lines 15 and 16: a point on it and its unit normal. For a
-    /// bent sweep, the mean of the two triangles weighted by area.
+    /// bent sweep, the mean of the two triangles weighted by area; where they cancel, the first one's.
     #[must_use]
     pub fn plane(&self) -> (Vec3, Vec3) {
         let [a, b, c, d] = self.corners.map(widen);
-        ((a + b + c + d) / 4.0, self.area_vector().normalize())
-    }
-
-    fn area_vector(&self) -> Vec3 {
-        let [[a, b, c], [_, _, d]] = self.triangles();
-        (c - a).cross(&(d - b))
+        let sum = (c - a).cross(&(d - b));
+        let normal = sum.try_normalize(0.0);
+        let normal = normal.unwrap_or_else(|| area_vector([a, b, c]).normalize());
+        ((a + b + c + d) / 4.0, normal)
     }
 }
 
@@ -163,5 +167,17 @@ mod tests {
         assert_eq!(Sweep::new(edge, edge), Err(CutError::BladeDegenerate));
         let nan = Sweep::new(edge, [[0.0, 1.0, 0.0], [f32::NAN, 1.0, 0.0]]);
         assert_eq!(nan, Err(CutError::SweepNotFinite { corner: 2 }));
+        let line = Sweep::new(edge, [[3.0, 0.0, 0.0], [5.0, 0.0, 0.0]]);
+        assert_eq!(line, Err(CutError::BladeDegenerate));
+    }
+
+    #[test]
+    fn a_bow_tie_has_the_plane_of_its_triangles() {
+        let bow_tie = Sweep::new(
+            [[-1.0, 0.5, -1.0], [-1.0, 0.5, 1.0]],
+            [[1.0, 0.5, 1.0], [1.0, 0.5, -1.0]],
+        );
+        let (point, normal) = bow_tie.unwrap().plane();
+        assert_eq!((point.y, normal), (0.5, Vec3::new(0.0, 1.0, 0.0)));
     }
 }

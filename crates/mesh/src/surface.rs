@@ -6,6 +6,8 @@ use crate::ids::{HalfEdge, TriangleId, VertexId};
 use crate::pieces::Pieces;
 use crate::topology::{Topology, TopologyError, copy};
 
+mod parts;
+
 /// What corners carry beside their vertex. A seam is where the corners of one vertex differ; it
 /// never splits the vertex. Each array is empty or has three entries a triangle slot.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -333,86 +335,5 @@ impl Surface {
         self.material[t.index()] = material;
         self.history.step(Step::SetMaterial, t.0);
         self.history.pair(material, 0);
-    }
-
-    /// One piece as a surface of its own, without free slots, in slot order.
-    #[must_use]
-    pub fn extract_piece(&self, piece: u32) -> Self {
-        self.gather(|t| self.piece(t) == piece).0
-    }
-
-    /// Renumbers vertices and triangles so that no slot is free and keeps the order. Returns, for
-    /// every old vertex and triangle slot, its new id or null.
-    pub fn compact(&mut self) -> (Vec<VertexId>, Vec<TriangleId>) {
-        let (mut surface, vertices, triangles) = self.gather(|_| true);
-        surface.pieces.set_bound(self.piece_bound());
-        *self = surface;
-        (vertices, triangles)
-    }
-
-    fn gather(&self, keep: impl Fn(TriangleId) -> bool) -> (Self, Vec<VertexId>, Vec<TriangleId>) {
-        let topology = &self.topology;
-        let mut used = vec![false; topology.vertex_slots()];
-        let kept: Vec<TriangleId> = topology.triangles().filter(|&t| keep(t)).collect();
-        for v in kept.iter().flat_map(|&t| topology.triangle(t)) {
-            used[v.index()] = true;
-        }
-        let mut out = Self::default();
-        let mut vertex_map = vec![VertexId::NULL; used.len()];
-        for v in (0..used.len()).filter(|&v| used[v]) {
-            vertex_map[v] = out.add_vertex(self.positions[v], self.rest[v]);
-        }
-        let mut triangle_map = vec![TriangleId::NULL; topology.triangle_slots()];
-        for &t in &kept {
-            let corners = topology.triangle(t).map(|v| vertex_map[v.index()]);
-            let new = out
-                .add_triangle(corners, self.piece(t))
-                .expect("the corners of a triangle are distinct vertices");
-            out.material[new.index()] = self.material(t);
-            triangle_map[t.index()] = new;
-        }
-        let half_edges = || kept.iter().flat_map(|t| t.half_edges());
-        let uv = half_edges().filter_map(|h| self.corners.uv.get(h.index()));
-        let normal = half_edges().filter_map(|h| self.corners.normal.get(h.index()));
-        out.corners = CornerAttributes {
-            uv: uv.copied().collect(),
-            normal: normal.copied().collect(),
-        };
-        let half_edges: Vec<HalfEdge> = out
-            .topology
-            .triangles()
-            .flat_map(TriangleId::half_edges)
-            .collect();
-        out.stitch(&half_edges)
-            .expect("a part of an oriented manifold is one");
-        (out, vertex_map, triangle_map)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_part_keeps_what_its_triangles_and_corners_have() {
-        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        let positions = [corners, corners, corners].concat();
-        let mut surface =
-            Surface::from_triangles(&positions, &[[0, 1, 2], [3, 4, 5], [6, 7, 8]]).unwrap();
-        for t in [0, 1, 2] {
-            surface.set_material(TriangleId(t), 10 + t);
-        }
-        surface.corners.uv = (0..9_u8).map(|i| [f32::from(i), 0.0]).collect();
-        let unused = surface.remove_triangles(&[TriangleId(0)]);
-        surface.remove_vertices(&unused);
-        let last = surface.extract_piece(2);
-        assert_eq!(last.corners.uv, [[6.0, 0.0], [7.0, 0.0], [8.0, 0.0]]);
-        assert_eq!(last.material(TriangleId(0)), 12);
-        let uv = surface.corners.uv[3..].to_vec();
-        surface.compact();
-        assert_eq!(surface.corners.uv, uv);
-        assert_eq!([0, 1].map(|t| surface.material(TriangleId(t))), [11, 12]);
-        assert_eq!([0, 1, 2].map(|p| surface.piece_triangles(p)), [0, 1, 1]);
-        assert_eq!(surface.piece_bound(), 3);
     }
 }

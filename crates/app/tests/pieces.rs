@@ -1,0 +1,253 @@
+//! The files that the binary's `cut` writes.
+
+mod common;
+
+use common::{cut, hollow_sphere, incise, text};
+use incise_mesh::{Model, build_model, write_obj};
+use std::path::Path;
+use std::process::Command;
+
+#[test]
+fn neither_the_input_nor_a_folder_is_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("piece_001.obj");
+    write_obj(&input, &build_model(Model::Sphere80)).unwrap();
+    let before = std::fs::read(&input).unwrap();
+    let cut = |output: &Path| {
+        let arguments = [
+            "cut",
+            text(&input),
+            "--plane",
+            "1,0,0,0.05",
+            "-o",
+            text(output),
+        ];
+        let output = incise(&arguments);
+        let error = String::from_utf8(output.stderr).unwrap();
+        (output.status.code(), error)
+    };
+    // The input's own folder, by another way.
+    let out = folder.path().join("out");
+    std::fs::create_dir(&out).unwrap();
+    for target in [folder.path(), &out.join(".."), &out.join("new/../..")] {
+        let (code, error) = cut(target);
+        assert_eq!(code, Some(3), "{error}");
+        assert!(error.contains("overwrite the input"), "{error}");
+        assert_eq!(std::fs::read(&input).unwrap(), before);
+        assert!(!folder.path().join("piece_000.obj").exists());
+    }
+    std::fs::create_dir(out.join("piece_001.obj")).unwrap();
+    let (code, error) = cut(&out);
+    assert_eq!(code, Some(3), "{error}");
+    assert!(error.contains("is a folder"), "{error}");
+    assert!(!out.join("piece_000.obj").exists(), "nothing is written");
+}
+
+// Other systems' file systems may take Unicode only.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_path_that_is_not_unicode_still_gives_whole_json() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join(OsStr::from_bytes(b"sph\xffre.obj"));
+    write_obj(&input, &build_model(Model::Sphere80)).unwrap();
+    let output = folder.path().join(OsStr::from_bytes(b"o\xfft"));
+    let json = |command: &mut Command| -> serde_json::Value {
+        let output = command.arg(&input).arg("--json").output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let binary = || Command::new(env!("CARGO_BIN_EXE_incise"));
+    let check = json(binary().arg("check"));
+    assert!(
+        check["file"]
+            .as_str()
+            .unwrap()
+            .ends_with("sph\u{fffd}re.obj")
+    );
+    let cut = json(
+        binary()
+            .args(["cut", "--plane", "1,0,0,0.05", "-o"])
+            .arg(&output),
+    );
+    assert!(
+        cut["input"]
+            .as_str()
+            .unwrap()
+            .ends_with("sph\u{fffd}re.obj")
+    );
+    let file = cut["pieces"][1]["file"].as_str().unwrap();
+    assert!(file.ends_with("o\u{fffd}t/piece_001.obj"), "{file}");
+    assert!(output.join("piece_001.obj").exists());
+}
+
+#[test]
+fn a_cavity_is_called_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("hollow.obj");
+    write_obj(&input, &hollow_sphere()).unwrap();
+    let output = folder.path().join("out");
+    let arguments = [
+        "cut",
+        text(&input),
+        "--plane",
+        "1,0,0,0.25",
+        "-o",
+        text(&output),
+    ];
+    let cut = |more: &[&str]| {
+        let output = incise(&[&arguments, more].concat());
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let report: serde_json::Value = serde_json::from_str(&cut(&["--json"])).unwrap();
+    let pieces = report["pieces"].as_array().unwrap();
+    assert_eq!(pieces.len(), 3);
+    for piece in pieces {
+        let cavity = piece["volume"].as_f64().unwrap() < 0.0;
+        assert_eq!(piece["cavity"].as_bool(), Some(cavity));
+    }
+    let cavities = pieces.iter().filter(|p| p["cavity"] == true).count();
+    assert_eq!(cavities, 1, "the cut misses it");
+    let lines = cut(&[]);
+    let lines: Vec<&str> = lines.lines().filter(|l| l.contains("cavity")).collect();
+    assert_eq!(lines.len(), 1, "{lines:?}");
+    assert!(lines[0].contains("volume -"), "{lines:?}");
+}
+
+#[test]
+fn pieces_keep_texture_coordinates_and_normals_and_caps_have_their_own_material() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("sphere.obj");
+    let mut sphere = build_model(Model::Sphere80);
+    let corners = sphere.topology().triangle_slots() * 3;
+    sphere.corners.uv = vec![[0.25, 0.75]; corners];
+    sphere.corners.normal = vec![[0.0, 0.0, 1.0]; corners];
+    write_obj(&input, &sphere).unwrap();
+    let output = folder.path().join("out");
+    let (code, report, error) = cut(&input, &output, &["--plane", "1,0.1,0.2,0.03"]);
+    assert_eq!(code, Some(0), "{error}");
+    let mut on_caps = 0;
+    for piece in ["piece_000.obj", "piece_001.obj"] {
+        let obj = std::fs::read_to_string(output.join(piece)).unwrap();
+        assert!(obj.contains("\nvt 0.25 0.75\n"), "{piece} has no texture");
+        assert!(obj.contains("\nvn 0.0 0.0 1.0\n"), "{piece} has no normals");
+        let [mut skin, mut cap] = [0, 0];
+        let mut on_cap = None;
+        for line in obj.lines() {
+            match line {
+                "usemtl material_0" => on_cap = Some(false),
+                "usemtl material_1" => on_cap = Some(true),
+                _ if line.starts_with("f ") => {
+                    *if on_cap.unwrap() { &mut cap } else { &mut skin } += 1;
+                }
+                _ => {}
+            }
+        }
+        assert!(skin > 0 && cap > 0, "{piece}: {skin} and {cap}");
+        on_caps += cap;
+        let check = incise(&["check", text(&output.join(piece))]);
+        assert_eq!(check.status.code(), Some(0), "{piece} is closed");
+    }
+    assert_eq!(report["cap_triangles"], on_caps);
+}
+
+#[test]
+fn pieces_of_an_earlier_run_go_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("hollow.obj");
+    write_obj(&input, &hollow_sphere()).unwrap();
+    let output = folder.path().join("out");
+    let names = || {
+        let entries = std::fs::read_dir(&output).unwrap();
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    };
+    // Beside the cavity: three pieces.
+    let (code, report, error) = cut(&input, &output, &["--plane", "1,0,0,0.25"]);
+    assert_eq!(
+        (code, &report["removed"]),
+        (Some(0), &serde_json::json!([])),
+        "{error}"
+    );
+    assert_eq!(names(), ["piece_000.obj", "piece_001.obj", "piece_002.obj"]);
+    for kept in ["piece_0002.obj", "piece_002.ply", "notes.txt"] {
+        std::fs::write(output.join(kept), "").unwrap();
+    }
+    std::fs::create_dir(output.join("piece_100.obj")).unwrap();
+    std::fs::write(output.join("piece_1000.obj"), "").unwrap();
+    // A refused cut leaves what was there.
+    let plane = ["--plane", "1,0.1,0.2,0.01"];
+    let before = names();
+    let refused = [&plane[..], &["--method", "rebuild"]].concat();
+    assert_eq!(cut(&input, &output, &refused).0, Some(1));
+    assert_eq!(names(), before);
+    // Through the cavity: two.
+    let (code, report, error) = cut(&input, &output, &plane);
+    assert_eq!(code, Some(0), "{error}");
+    let removed: Vec<&str> = (report["removed"].as_array().unwrap().iter())
+        .map(|path| path.as_str().unwrap().rsplit(['/', '\\']).next().unwrap())
+        .collect();
+    assert_eq!(removed, ["piece_002.obj", "piece_1000.obj"]);
+    assert_eq!(
+        names(),
+        [
+            "notes.txt",
+            "piece_000.obj",
+            "piece_0002.obj",
+            "piece_001.obj",
+            "piece_002.ply",
+            "piece_100.obj"
+        ]
+    );
+    let again = [
+        "cut",
+        text(&input),
+        "-o",
+        text(&output),
+        "--plane",
+        "1,0,0,9",
+    ];
+    let lines = String::from_utf8(incise(&again).stdout).unwrap();
+    assert!(
+        !lines.contains("removed"),
+        "as many pieces as before: {lines}"
+    );
+}
+
+#[test]
+fn an_input_that_looks_like_a_piece_of_an_earlier_run_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("piece_007.obj");
+    write_obj(&input, &build_model(Model::Sphere80)).unwrap();
+    let (code, _, error) = cut(&input, folder.path(), &["--plane", "1,0,0,0.05"]);
+    assert_eq!(code, Some(3), "{error}");
+    assert!(error.contains("choose another folder"), "{error}");
+    assert!(input.exists() && !folder.path().join("piece_000.obj").exists());
+}
+
+#[test]
+fn an_output_that_cannot_be_written_exits_with_3() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("sphere.obj");
+    write_obj(&input, &build_model(Model::Sphere80)).unwrap();
+    let file = folder.path().join("file");
+    std::fs::write(&file, "here is no folder").unwrap();
+    let (code, _, error) = cut(&input, &file, &["--plane", "1,0,0,0.05"]);
+    assert_eq!(code, Some(3), "{error}");
+    let simulate = [
+        "simulate",
+        text(&input),
+        "--seconds",
+        "0.02",
+        "-o",
+        text(&file),
+    ];
+    assert_eq!(incise(&simulate).status.code(), Some(3));
+    let help = String::from_utf8(incise(&["--help"]).stdout).unwrap();
+    assert!(help.contains("3 the output cannot be written"), "{help}");
+}

@@ -1,0 +1,143 @@
+//! Parts of a surface as surfaces of their own.
+
+use super::{CornerAttributes, Surface};
+use crate::ids::{HalfEdge, TriangleId, VertexId};
+
+impl Surface {
+    /// One piece as a surface of its own, without free slots, in slot order. O(n): for all pieces take
+    /// [`Self::extract_pieces`].
+    #[must_use]
+    pub fn extract_piece(&self, piece: u32) -> Self {
+        let triangles = self.topology.triangles();
+        let kept: Vec<TriangleId> = triangles.filter(|&t| self.piece(t) == piece).collect();
+        self.gather(
+            &kept,
+            &mut vec![VertexId::NULL; self.topology.vertex_slots()],
+        )
+    }
+
+    /// Every piece that has triangles, by number, as [`Self::extract_piece`] gives it, one after the other.
+    /// O(n log n) for all together.
+    pub fn extract_pieces(&self) -> impl Iterator<Item = (u32, Self)> {
+        let mut order: Vec<TriangleId> = self.topology.triangles().collect();
+        // Stable: slot order within a piece.
+        order.sort_by_key(|&t| self.piece(t));
+        let mut vertex_map = vec![VertexId::NULL; self.topology.vertex_slots()];
+        let mut first = 0;
+        std::iter::from_fn(move || {
+            let piece = self.piece(*order.get(first)?);
+            let kept = &order[first..first + self.piece_triangles(piece)];
+            first += kept.len();
+            let part = self.gather(kept, &mut vertex_map);
+            for v in kept.iter().flat_map(|&t| self.topology.triangle(t)) {
+                vertex_map[v.index()] = VertexId::NULL;
+            }
+            Some((piece, part))
+        })
+    }
+
+    /// Renumbers vertices and triangles so that no slot is free and keeps the order. Returns, for
+    /// every old vertex and triangle slot, its new id or null.
+    pub fn compact(&mut self) -> (Vec<VertexId>, Vec<TriangleId>) {
+        let mut vertices = vec![VertexId::NULL; self.topology.vertex_slots()];
+        let mut triangles = vec![TriangleId::NULL; self.topology.triangle_slots()];
+        let kept: Vec<TriangleId> = self.topology.triangles().collect();
+        let mut surface = self.gather(&kept, &mut vertices);
+        for (new, old) in surface.topology.triangles().zip(&kept) {
+            triangles[old.index()] = new;
+        }
+        surface.pieces.set_bound(self.piece_bound());
+        *self = surface;
+        (vertices, triangles)
+    }
+
+    /// The surface that these triangles make, in slot order. `vertex_map` has null for every vertex slot and
+    /// gets the new id of each vertex that is used.
+    fn gather(&self, kept: &[TriangleId], vertex_map: &mut [VertexId]) -> Self {
+        let topology = &self.topology;
+        let corners = kept.iter().flat_map(|&t| topology.triangle(t));
+        let mut vertices: Vec<VertexId> = corners.collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let mut out = Self::default();
+        for v in vertices {
+            vertex_map[v.index()] = out.add_vertex(self.positions[v.index()], self.rest[v.index()]);
+        }
+        for &t in kept {
+            let corners = topology.triangle(t).map(|v| vertex_map[v.index()]);
+            let new = out
+                .add_triangle(corners, self.piece(t))
+                .expect("the corners of a triangle are distinct vertices");
+            out.material[new.index()] = self.material(t);
+        }
+        let half_edges = || kept.iter().flat_map(|t| t.half_edges());
+        let uv = half_edges().filter_map(|h| self.corners.uv.get(h.index()));
+        let normal = half_edges().filter_map(|h| self.corners.normal.get(h.index()));
+        out.corners = CornerAttributes {
+            uv: uv.copied().collect(),
+            normal: normal.copied().collect(),
+        };
+        let half_edges: Vec<HalfEdge> = out
+            .topology
+            .triangles()
+            .flat_map(TriangleId::half_edges)
+            .collect();
+        out.stitch(&half_edges)
+            .expect("a part of an oriented manifold is one");
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_keeps_what_its_triangles_and_corners_have() {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let positions = [corners, corners, corners].concat();
+        let mut surface =
+            Surface::from_triangles(&positions, &[[0, 1, 2], [3, 4, 5], [6, 7, 8]]).unwrap();
+        for t in [0, 1, 2] {
+            surface.set_material(TriangleId(t), 10 + t);
+        }
+        surface.corners.uv = (0..9_u8).map(|i| [f32::from(i), 0.0]).collect();
+        let unused = surface.remove_triangles(&[TriangleId(0)]);
+        surface.remove_vertices(&unused);
+        let last = surface.extract_piece(2);
+        assert_eq!(last.corners.uv, [[6.0, 0.0], [7.0, 0.0], [8.0, 0.0]]);
+        assert_eq!(last.material(TriangleId(0)), 12);
+        let uv = surface.corners.uv[3..].to_vec();
+        surface.compact();
+        assert_eq!(surface.corners.uv, uv);
+        assert_eq!([0, 1].map(|t| surface.material(TriangleId(t))), [11, 12]);
+        assert_eq!([0, 1, 2].map(|p| surface.piece_triangles(p)), [0, 1, 1]);
+        assert_eq!(surface.piece_bound(), 3);
+    }
+
+    #[test]
+    fn all_pieces_at_once_are_those_one_by_one() {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let positions = [corners, corners, [[9.0; 3]; 3], corners].concat();
+        let faces = [[9, 10, 11], [0, 1, 2], [2, 1, 3], [4, 6, 5]];
+        let mut surface = Surface::from_triangles(&positions, &faces).unwrap();
+        // Two pieces that share vertices, and numbers that are out of order and not in use.
+        for (t, piece) in (0..).zip([7, 2, 5, 2]) {
+            surface.set_piece(TriangleId(t), piece);
+        }
+        let all: Vec<(u32, Surface)> = surface.extract_pieces().collect();
+        let numbers: Vec<u32> = all.iter().map(|part| part.0).collect();
+        assert_eq!(numbers, [2, 5, 7]);
+        for (piece, part) in all {
+            assert_eq!(part, surface.extract_piece(piece), "piece {piece}");
+            assert_eq!(
+                part.topology().triangle_count(),
+                surface.piece_triangles(piece)
+            );
+        }
+        assert_eq!(
+            surface.extract_piece(5).rest,
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3]]
+        );
+    }
+}
