@@ -11,9 +11,12 @@
 //! no more than [`BUDGET`]: a corner of a coarse body stays where it is and leaves its short rim edge, which
 //! the report counts.
 
+mod chart;
+
 use super::node::{Node, On};
 use super::open::Lips;
 use super::rim::Rim;
+use chart::Chart;
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Edit, HalfEdge, Surface, Topology, Vec3, VertexId};
 
@@ -336,38 +339,6 @@ impl Snapper {
             cut.lips.rim[before as usize][lip] = ahead;
         } else {
             cut.edit.join(ahead, behind);
-        }
-    }
-}
-
-/// What texture coordinates and normals do when a vertex moves: corners that had what the vertex had in
-/// this triangle get what its new place has there. Other charts keep theirs.
-struct Chart {
-    uv: Option<[[f32; 2]; 2]>,
-    normal: Option<[[f32; 3]; 2]>,
-}
-
-impl Chart {
-    fn of(surface: &Surface, from: HalfEdge, to: HalfEdge) -> Self {
-        let corners = &surface.corners;
-        let uv = |h: HalfEdge| corners.uv.get(h.index()).copied();
-        let normal = |h: HalfEdge| corners.normal.get(h.index()).copied();
-        Self {
-            uv: uv(from).zip(uv(to)).map(|(a, b)| [a, b]),
-            normal: normal(from).zip(normal(to)).map(|(a, b)| [a, b]),
-        }
-    }
-
-    fn follow(&self, edit: &mut Edit<'_>, h: HalfEdge) {
-        if let Some([from, to]) = self.uv
-            && edit.surface().corners.uv[h.index()] == from
-        {
-            edit.set_uv(h, to);
-        }
-        if let Some([from, to]) = self.normal
-            && edit.surface().corners.normal[h.index()] == from
-        {
-            edit.set_normal(h, to);
         }
     }
 }
