@@ -1,10 +1,27 @@
 //! Constraints follow an edit: the paper's Algorithm A1 by edge key, and its counterpart for what came.
 
-use crate::edges::Sets;
+use crate::edges::{EdgeId, Sets};
 use crate::error::ConstraintError;
-use crate::inherit::settle;
+use crate::inherit::{Heritage, settle};
 use crate::solver::Solver;
 use incise_mesh::{Surface, TopologyDelta, VertexId};
+
+/// Lists that following an edit needs, kept for the next one.
+#[derive(Debug, Default)]
+pub(crate) struct Following {
+    /// Edges that were there before and whose triangles came or went.
+    touched: Vec<EdgeId>,
+    /// Edges that came.
+    fresh: Vec<EdgeId>,
+    heritage: Heritage,
+}
+
+impl Clone for Following {
+    /// Scratch memory is not worth copying.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
 
 impl Solver {
     /// Follows an edit of the surface. Edges that are no more lose their constraints, new ones get
@@ -42,7 +59,8 @@ impl Solver {
         self.resize_vertices(slots.max(had));
         self.update_constraints(surface, delta);
         self.interpolate_velocities(delta);
-        settle(self, surface, delta);
+        let mut heritage = std::mem::take(&mut self.following.heritage);
+        settle(&mut heritage, self, surface, delta);
         let pins = self.pins.len();
         self.pins
             .retain(|pin| !surface.topology().outgoing(pin.vertex).is_null());
@@ -50,7 +68,8 @@ impl Solver {
             self.changes.pins();
         }
         self.resize_vertices(slots);
-        self.note_vertices(surface, delta);
+        self.note_vertices(&heritage.concerned.vertices, delta);
+        self.following.heritage = heritage;
         // New slots that no triangle uses must be known, too, to whoever steps all of them.
         (had..slots).for_each(|i| self.changes.vertex(VertexId::from_index(i)));
         self.plan.invalidate();
@@ -95,29 +114,26 @@ impl Solver {
 
     /// Notes whose mass, velocity or position the edit may have set: the corners of all triangles that
     /// came or went, and the vertices that did.
-    fn note_vertices(&mut self, surface: &Surface, delta: &TopologyDelta) {
-        let topology = surface.topology();
-        let removed = delta.triangles_removed.iter().map(|&(_, corners)| corners);
-        let added = delta.triangles_added.iter().map(|&t| topology.triangle(t));
-        let came = delta.vertices_added.iter().map(|added| added.vertex);
-        let gone = delta.vertices_removed.iter().copied();
-        let all = removed.chain(added).flatten().chain(came).chain(gone);
-        for v in all.filter(|v| v.index() < topology.vertex_slots()) {
-            self.changes.vertex(v);
+    fn note_vertices(&mut self, concerned: &[VertexId], delta: &TopologyDelta) {
+        for &v in concerned.iter().chain(&delta.vertices_removed) {
+            if v.index() < self.mass.len() {
+                self.changes.vertex(v);
+            }
         }
     }
 
     fn update_constraints(&mut self, surface: &Surface, delta: &TopologyDelta) {
         let topology = surface.topology();
-        let most = 3 * (delta.triangles_removed.len() + delta.triangles_added.len());
-        let mut touched = Vec::with_capacity(most);
+        let Following { touched, fresh, .. } = &mut self.following;
+        touched.clear();
+        fresh.clear();
         for &(t, _) in &delta.triangles_removed {
-            self.edges.remove_triangle(t, &mut touched);
+            self.edges.remove_triangle(t, touched);
         }
         let slots = topology.triangle_slots();
         self.edges.resize_triangles(slots);
         for &t in &delta.triangles_added {
-            self.edges.add_triangle(t, topology, &mut touched);
+            self.edges.add_triangle(t, topology, touched, fresh);
         }
         let mut sets = Sets {
             stretch: &mut self.stretch,
@@ -125,14 +141,13 @@ impl Solver {
             patches: self.patches.as_mut(),
         };
         touched.retain(|&edge| self.edges.drop_stale(edge, surface, &mut sets));
+        let touched = touched.iter().chain(&*fresh).copied();
         let bends = sets.bending.is_some();
         if let Some(patches) = &mut sets.patches {
             patches.leave(surface, delta);
-            patches.join(surface, delta, &touched, &self.edges, bends);
+            patches.join(surface, delta, touched.clone(), &self.edges, bends);
         }
-        for &edge in &touched {
-            self.edges.add_missing(edge, surface, &mut sets);
-        }
+        self.edges.add_missing(touched, surface, &mut sets);
     }
 
     #[expect(

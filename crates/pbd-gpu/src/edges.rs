@@ -14,13 +14,14 @@ const NONE: u32 = u32::MAX;
 pub(crate) struct EdgeId(u32);
 
 impl EdgeId {
+    pub(crate) const NONE: Self = Self(NONE);
     #[cfg(test)]
     pub(crate) const TEST: Self = Self(0);
 }
 
 /// Where a constraint stands, in 8 bytes; or nowhere.
 #[derive(Debug, Clone, Copy)]
-struct Place {
+pub(crate) struct Place {
     color: u32,
     index: u32,
 }
@@ -31,7 +32,7 @@ impl Place {
         index: NONE,
     };
 
-    fn at(slot: Slot) -> Self {
+    pub(crate) fn at(slot: Slot) -> Self {
         let narrow = |n: usize| u32::try_from(n).expect("constraints have 32-bit numbers");
         Self {
             color: narrow(slot.color),
@@ -55,7 +56,7 @@ pub(crate) struct EdgeRecord {
     sides: [HalfEdge; 2],
     stretch: Place,
     bending: Place,
-    /// Whether the edit at hand came by.
+    /// Whether the edit at hand has it on a list already.
     is_touched: bool,
 }
 
@@ -135,19 +136,25 @@ impl EdgeTable {
         self.records.reserve(room_beside(self.records.len()));
     }
 
-    /// Notes a triangle of the surface at its three edges, which go to `touched`.
+    /// Notes a triangle of the surface at its three edges. Those that were there before go to `touched`
+    /// and new ones to `fresh`, each once.
     pub(crate) fn add_triangle(
         &mut self,
         t: TriangleId,
         topology: &Topology,
         touched: &mut Vec<EdgeId>,
+        fresh: &mut Vec<EdgeId>,
     ) {
         let corners = topology.triangle(t);
         self.corners[t.index()] = corners;
         for (k, h) in t.half_edges().into_iter().enumerate() {
             let twin = topology.twin(h);
             let beside = (!twin.is_null()).then(|| self.of(twin)).flatten();
-            let edge = beside.unwrap_or_else(|| self.new_record());
+            let edge = beside.unwrap_or_else(|| {
+                let edge = self.new_record();
+                fresh.push(edge);
+                edge
+            });
             self.of_half_edge[t.index()][k] = edge.0;
             let side = usize::from(corners[k] > corners[(k + 1) % 3]);
             self.record_mut(edge).sides[side] = h;
@@ -178,7 +185,8 @@ impl EdgeTable {
             sides: [HalfEdge::NULL; 2],
             stretch: Place::NOWHERE,
             bending: Place::NOWHERE,
-            is_touched: false,
+            // Its constraints come in any case.
+            is_touched: true,
         };
         if let Some(edge) = self.free.pop() {
             self.records[edge as usize] = record;
@@ -205,9 +213,7 @@ impl EdgeTable {
         sets: &mut Sets<'_>,
     ) -> bool {
         let patches = &mut sets.patches;
-        let record = self.record_mut(edge);
-        record.is_touched = false;
-        let record = *record;
+        let record = *self.leave_list(edge);
         if let Some(slot) = record.stretch()
             && record.stretch_wanted(surface) != Some(sets.stretch.at(slot))
         {
@@ -225,22 +231,20 @@ impl EdgeTable {
         is_there
     }
 
-    /// Adds the constraints that an edge should have and has not.
-    pub(crate) fn add_missing(&mut self, edge: EdgeId, surface: &Surface, sets: &mut Sets<'_>) {
-        let patches = &mut sets.patches;
+    /// An edge that is on no list any more.
+    #[inline]
+    pub(crate) fn leave_list(&mut self, edge: EdgeId) -> &EdgeRecord {
         let record = self.record_mut(edge);
         record.is_touched = false;
-        if record.stretch().is_none()
-            && let Some(wanted) = record.stretch_wanted(surface)
-        {
-            record.stretch = insert(sets.stretch, patches, wanted, edge);
-        }
-        if let Some(bending) = &mut sets.bending
-            && record.bending().is_none()
-            && let Some(wanted) = record.bending_wanted(surface)
-        {
-            record.bending = insert(bending, patches, wanted, edge);
-        }
+        record
+    }
+
+    pub(crate) fn set_stretch(&mut self, edge: EdgeId, place: Place) {
+        self.record_mut(edge).stretch = place;
+    }
+
+    pub(crate) fn set_bending(&mut self, edge: EdgeId, place: Place) {
+        self.record_mut(edge).bending = place;
     }
 
     fn forget<const N: usize>(
@@ -259,21 +263,6 @@ impl EdgeTable {
             *field(self.record_mut(moved)) = Place::at(slot);
         }
     }
-}
-
-/// Inserts a constraint of an edge into the layer of its vertices.
-fn insert<const N: usize>(
-    set: &mut ConstraintSet<N>,
-    patches: &mut Option<&mut Patches>,
-    (vertices, rest): ([VertexId; N], f32),
-    edge: EdgeId,
-) -> Place {
-    let layer = patches.as_ref().map_or(0, |p| p.layer_of(&vertices));
-    let slot = set.insert_in(layer, vertices, rest, edge);
-    if let Some(patches) = patches {
-        patches.touch(slot.layer(), &vertices);
-    }
-    Place::at(slot)
 }
 
 impl EdgeRecord {
@@ -300,7 +289,8 @@ impl EdgeRecord {
     }
 
     /// Both ends and the vertices across, of an edge between two triangles.
-    fn hinge(&self, topology: &Topology) -> Option<[VertexId; 4]> {
+    #[inline]
+    pub(crate) fn hinge(&self, topology: &Topology) -> Option<[VertexId; 4]> {
         let [up, down] = self.sides;
         if up.is_null() || down.is_null() {
             return None;
@@ -314,7 +304,7 @@ impl EdgeRecord {
         ])
     }
 
-    fn stretch_wanted(&self, surface: &Surface) -> Option<([VertexId; 2], f32)> {
+    pub(crate) fn stretch_wanted(&self, surface: &Surface) -> Option<([VertexId; 2], f32)> {
         let ends = self.ends(surface.topology())?;
         let [a, b] = ends;
         Some((ends, rest::length(surface, EdgeKey::new(a, b))))

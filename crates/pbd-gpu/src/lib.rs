@@ -30,6 +30,7 @@ mod coloring;
 #[cfg(test)]
 #[path = "../tests/common/mod.rs"]
 mod common;
+mod concerned;
 mod constraints;
 mod delta;
 mod edges;
@@ -40,6 +41,7 @@ mod inherit;
 mod kernels;
 mod mass;
 mod material;
+mod missing;
 mod momentum;
 mod params;
 mod patches;

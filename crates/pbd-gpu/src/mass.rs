@@ -3,7 +3,7 @@
 use crate::error::ConstraintError;
 use crate::material::{Density, Material};
 use incise_mesh::geometry::area_vector;
-use incise_mesh::{Surface, VertexId};
+use incise_mesh::{HalfEdge, Surface, VertexId};
 
 /// The least share of mass that a vertex gets, against the mean one. A vertex between triangles
 /// without area would else weigh nothing and fly.
@@ -22,16 +22,36 @@ pub(crate) fn shares_of(areas: &mut [f64]) {
     }
 }
 
-/// A third of the rest area of the triangles around `v` [m^2].
+/// A third of a triangle's rest area \[m^2\].
+#[inline]
+pub(crate) fn third_of_area(surface: &Surface, corners: [VertexId; 3]) -> f64 {
+    area_vector(corners.map(|v| surface.rest_position(v))).norm() / 6.0
+}
+
+/// A third of the rest area of the triangles around `v` \[m^2\], in one fan where several meet.
 pub(crate) fn lumped_area(surface: &Surface, v: VertexId) -> f64 {
     let topology = surface.topology();
-    topology
-        .outgoing_fan(v)
-        .map(|h| {
-            let corners = topology.triangle(h.triangle());
-            area_vector(corners.map(|c| surface.rest_position(c))).norm() / 6.0
-        })
-        .sum()
+    let third = |h: HalfEdge| third_of_area(surface, topology.triangle(h.triangle()));
+    let first = topology.outgoing(v);
+    let (mut sum, mut at) = (0.0, first);
+    while !at.is_null() {
+        sum += third(at);
+        at = topology.twin(at.prev());
+        if at == first {
+            return sum;
+        }
+    }
+    // A boundary: the others lie on the other side of the first one.
+    at = first;
+    while !at.is_null() {
+        let twin = topology.twin(at);
+        if twin.is_null() {
+            break;
+        }
+        at = twin.next();
+        sum += third(at);
+    }
+    sum
 }
 
 /// The rest volume [m^3].

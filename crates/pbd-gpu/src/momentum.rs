@@ -107,11 +107,11 @@ fn axes(second: Matrix3<f64>) -> Option<[(Vec3, f64); 3]> {
 /// that is linear in space, between a quarter and seven quarters a round, so a center that is out of reach
 /// is approached only.
 pub(crate) fn keep_center(heirs: &mut [Heir], moment: Vec3) {
+    let mut spread = Spread::default();
+    for heir in &*heirs {
+        spread.add(heir.mass, heir.at);
+    }
     for _ in 0..ROUNDS {
-        let mut spread = Spread::default();
-        for heir in &*heirs {
-            spread.add(heir.mass, heir.at);
-        }
         let (center, off) = (spread.center(), moment - spread.moment);
         let Some(axes) = axes(spread.central()) else {
             return;
@@ -132,8 +132,10 @@ pub(crate) fn keep_center(heirs: &mut [Heir], moment: Vec3) {
                 is_limited |= wanted.abs() > limit;
             }
         }
+        spread = Spread::default();
         for heir in &mut *heirs {
             heir.mass *= 1.0 + (heir.at - center).dot(&tilt);
+            spread.add(heir.mass, heir.at);
         }
         if !is_limited {
             return;

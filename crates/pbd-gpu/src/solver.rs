@@ -3,10 +3,11 @@
 use crate::backend::{Backend, CpuBackend};
 use crate::changes::VertexLogs;
 use crate::coloring::LAYERS;
+use crate::concerned::NONE;
 use crate::constraints::{BendingSet, StretchSet, room_beside};
+use crate::delta::Following;
 use crate::edges::{EdgeTable, Sets};
 use crate::error::{ConstraintError, StepError};
-use crate::inherit::NONE;
 use crate::mass::masses;
 use crate::material::{Material, Projection};
 use crate::params::{SolverParams, StepStats};
@@ -31,6 +32,7 @@ pub struct Solver {
     pub(crate) changes: VertexLogs,
     /// Where a vertex stands in a list while an edit is followed, shape [vertex slots].
     pub(crate) numbers: Vec<u32>,
+    pub(crate) following: Following,
     stats: StepStats,
     cpu: CpuBackend,
 }
@@ -83,9 +85,9 @@ impl Solver {
         let topology = surface.topology();
         let mut edges = EdgeTable::default();
         edges.resize_triangles(topology.triangle_slots());
-        let mut touched = Vec::new();
+        let (mut touched, mut fresh) = (Vec::new(), Vec::new());
         for t in topology.triangles() {
-            edges.add_triangle(t, topology, &mut touched);
+            edges.add_triangle(t, topology, &mut touched, &mut fresh);
         }
         let mut patches =
             patches.map(|params| Patches::new(params, surface, &edges, bending.is_some()));
@@ -94,11 +96,7 @@ impl Solver {
             bending: bending.as_mut(),
             patches: patches.as_mut(),
         };
-        for h in topology.edges() {
-            if let Some(edge) = edges.of(h) {
-                edges.add_missing(edge, surface, &mut sets);
-            }
-        }
+        edges.add_missing(fresh, surface, &mut sets);
         for batch in stretch.all() {
             if let Some(i) = batch.rest().iter().position(|&length| length <= 0.0) {
                 let [a, b] = batch.vertices()[i];
@@ -121,6 +119,7 @@ impl Solver {
             plan: StepPlan::default(),
             changes: VertexLogs::default(),
             numbers: vec![NONE; slots],
+            following: Following::default(),
             stats: StepStats::default(),
             cpu: CpuBackend::default(),
         };

@@ -136,7 +136,7 @@ impl Patches {
         &mut self,
         surface: &Surface,
         delta: &TopologyDelta,
-        touched: &[EdgeId],
+        touched: impl Iterator<Item = EdgeId>,
         edges: &EdgeTable,
         bends: bool,
     ) {
@@ -157,7 +157,7 @@ impl Patches {
         // Some that had no neighbor in a patch at first have one by now.
         strays.retain(|&v| self.patchings[0].patch_of(v).is_none());
         self.house(surface, strays);
-        self.cover_borders(touched.iter().copied(), topology, edges, bends);
+        self.cover_borders(touched, topology, edges, bends);
     }
 
     /// Puts a vertex into the patch of a neighbor or parent that has room, or among the strays.
