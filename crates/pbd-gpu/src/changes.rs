@@ -67,10 +67,14 @@ impl<T> Clone for Log<T> {
 impl<T: Ord + Copy> Log<T> {
     /// Notes an entry. What is noted twice is sorted out before the log grows, so it never has more
     /// than four times the room that its different entries need.
+    #[inline]
     pub(crate) fn note(&mut self, entry: T) {
-        if !self.is_on {
-            return;
+        if self.is_on {
+            self.push(entry);
         }
+    }
+
+    fn push(&mut self, entry: T) {
         if self.entries.len() == self.entries.capacity() {
             self.sort_out();
             self.entries.reserve(self.entries.len().max(8));

@@ -48,6 +48,7 @@ impl VertexColors {
     }
 
     /// Takes the lowest color of a layer that none of `vertices` has, if there is one.
+    #[inline]
     pub(crate) fn claim(&mut self, layer: usize, vertices: &[VertexId]) -> Option<usize> {
         let masks = &mut self.masks[layer];
         let taken = vertices.iter().fold(0, |mask, v| mask | masks[v.index()]);
@@ -60,6 +61,7 @@ impl VertexColors {
     }
 
     /// Gives a color of `vertices` back.
+    #[inline]
     pub(crate) fn release(&mut self, vertices: &[VertexId], color: usize) {
         let (masks, bit) = (&mut self.masks[color / MAX_COLORS], color % MAX_COLORS);
         for v in vertices {

@@ -84,6 +84,7 @@ impl<const N: usize> Batch<N> {
         &self.edges
     }
 
+    #[inline]
     fn push(&mut self, vertices: [VertexId; N], rest: f32, edge: EdgeId) -> usize {
         self.vertices.push(vertices);
         self.rest.push(rest);
@@ -260,6 +261,7 @@ impl<const N: usize> ConstraintSet<N> {
     }
 
     /// Inserts a constraint into a layer, or into layer 0 if that has no color left for it.
+    #[inline]
     pub(crate) fn insert_in(
         &mut self,
         layer: usize,
@@ -267,19 +269,24 @@ impl<const N: usize> ConstraintSet<N> {
         rest: f32,
         edge: EdgeId,
     ) -> Slot {
-        let mut claim = |layer| self.colors.claim(layer, &vertices);
-        let color = match claim(layer) {
-            None if layer > 0 => claim(0),
-            color => color,
+        let color = match self.colors.claim(layer, &vertices) {
+            Some(color) => color,
+            None => self.claim_elsewhere(layer, &vertices),
         };
-        let color = color.unwrap_or(OVERFLOW);
-        if color != OVERFLOW && self.batches.len() <= color {
+        if self.batches.len() <= color && color != OVERFLOW {
             self.batches.resize_with(color + 1, Batch::default);
         }
         let index = self.batch_mut(color).push(vertices, rest, edge);
         let slot = Slot { color, index };
         self.log.note(slot);
         slot
+    }
+
+    /// A color of layer 0 for what finds none in its own, or the overflow.
+    #[cold]
+    fn claim_elsewhere(&mut self, layer: usize, vertices: &[VertexId; N]) -> usize {
+        let color = (layer > 0).then(|| self.colors.claim(0, vertices));
+        color.flatten().unwrap_or(OVERFLOW)
     }
 
     /// Removes a constraint. Returns the edge of the one that now stands in its place, if any does.

@@ -1,18 +1,15 @@
 //! Constraints follow an edit: the paper's Algorithm A1 by edge key, and its counterpart for what came.
 
-use crate::edges::{EdgeId, Sets};
+use crate::edges::{Lists, Sets};
 use crate::error::ConstraintError;
 use crate::inherit::{Heritage, settle};
 use crate::solver::Solver;
 use incise_mesh::{Surface, TopologyDelta, VertexId};
 
-/// Lists that following an edit needs, kept for the next one.
+/// What following an edit needs, kept from edit to edit for its memory.
 #[derive(Debug, Default)]
 pub(crate) struct Following {
-    /// Edges that were there before and whose triangles came or went.
-    touched: Vec<EdgeId>,
-    /// Edges that came.
-    fresh: Vec<EdgeId>,
+    lists: Lists,
     heritage: Heritage,
 }
 
@@ -124,30 +121,29 @@ impl Solver {
 
     fn update_constraints(&mut self, surface: &Surface, delta: &TopologyDelta) {
         let topology = surface.topology();
-        let Following { touched, fresh, .. } = &mut self.following;
-        touched.clear();
-        fresh.clear();
+        let lists = &mut self.following.lists;
+        lists.clear();
         for &(t, _) in &delta.triangles_removed {
-            self.edges.remove_triangle(t, touched);
+            self.edges.remove_triangle(t, lists);
         }
         let slots = topology.triangle_slots();
         self.edges.resize_triangles(slots);
         for &t in &delta.triangles_added {
-            self.edges.add_triangle(t, topology, touched, fresh);
+            self.edges.add_triangle(t, topology, lists);
         }
         let mut sets = Sets {
             stretch: &mut self.stretch,
             bending: self.bending.as_mut(),
             patches: self.patches.as_mut(),
         };
+        let touched = &mut lists.touched;
         touched.retain(|&edge| self.edges.drop_stale(edge, surface, &mut sets));
-        let touched = touched.iter().chain(&*fresh).copied();
         let bends = sets.bending.is_some();
         if let Some(patches) = &mut sets.patches {
             patches.leave(surface, delta);
-            patches.join(surface, delta, touched.clone(), &self.edges, bends);
+            patches.join(surface, delta, lists.edges(), &self.edges, bends);
         }
-        self.edges.add_missing(touched, surface, &mut sets);
+        self.edges.add_missing(lists, surface, &mut sets);
     }
 
     #[expect(

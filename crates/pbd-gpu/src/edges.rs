@@ -4,7 +4,7 @@
 use crate::constraints::{BendingSet, ConstraintSet, Slot, StretchSet, room_beside};
 use crate::patches::Patches;
 use crate::rest;
-use incise_mesh::{EdgeKey, HalfEdge, Surface, Topology, TriangleId, VertexId};
+use incise_mesh::{HalfEdge, Surface, Topology, TriangleId, VertexId};
 
 /// No record, no place.
 const NONE: u32 = u32::MAX;
@@ -14,7 +14,6 @@ const NONE: u32 = u32::MAX;
 pub(crate) struct EdgeId(u32);
 
 impl EdgeId {
-    pub(crate) const NONE: Self = Self(NONE);
     #[cfg(test)]
     pub(crate) const TEST: Self = Self(0);
 }
@@ -27,7 +26,7 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    const NOWHERE: Self = Self {
+    pub(crate) const NOWHERE: Self = Self {
         color: NONE,
         index: NONE,
     };
@@ -56,8 +55,43 @@ pub(crate) struct EdgeRecord {
     sides: [HalfEdge; 2],
     stretch: Place,
     bending: Place,
-    /// Whether the edit at hand has it on a list already.
-    is_touched: bool,
+    /// Its number on the list of edges that the edit at hand made, [`TOUCHED`] on the other list,
+    /// [`NONE`] on no list.
+    listed: u32,
+}
+
+/// See [`EdgeRecord::listed`].
+const TOUCHED: u32 = u32::MAX - 1;
+
+/// Edges that an edit concerns, each once.
+#[derive(Debug, Default)]
+pub(crate) struct Lists {
+    /// Those that were there before and whose triangles came or went.
+    pub(crate) touched: Vec<EdgeId>,
+    /// Those that came.
+    pub(crate) fresh: Vec<Fresh>,
+}
+
+impl Lists {
+    pub(crate) fn clear(&mut self) {
+        self.touched.clear();
+        self.fresh.clear();
+    }
+
+    /// All edges, those that came last.
+    pub(crate) fn edges(&self) -> impl Iterator<Item = EdgeId> {
+        let fresh = self.fresh.iter().map(|fresh| fresh.edge);
+        self.touched.iter().copied().chain(fresh)
+    }
+}
+
+/// An edge that came, as its triangles tell it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fresh {
+    pub(crate) edge: EdgeId,
+    /// Both ends, the smaller id first, then the vertices across, as in
+    /// [`BendingSet`]; null where there is no triangle.
+    pub(crate) vertices: [VertexId; 4],
 }
 
 /// The constraints of a body and what decides on their layers.
@@ -73,8 +107,8 @@ pub(crate) struct Sets<'a> {
 pub(crate) struct EdgeTable {
     /// The corners of every triangle, shape [triangle slots]; null where there is none.
     corners: Vec<[VertexId; 3]>,
-    /// The record of every half-edge, shape [triangle slots, 3]; [`NONE`] where there is no triangle.
-    of_half_edge: Vec<[u32; 3]>,
+    /// The record of every half-edge, shape [3 x triangle slots]; [`NONE`] where there is no triangle.
+    of_half_edge: Vec<u32>,
     records: Vec<EdgeRecord>,
     /// Records that are not in use.
     free: Vec<u32>,
@@ -87,8 +121,7 @@ impl EdgeTable {
 
     /// The edge of a half-edge, if it is known.
     pub(crate) fn of(&self, h: HalfEdge) -> Option<EdgeId> {
-        let edges = self.of_half_edge.get(h.triangle().index())?;
-        let edge = edges[h.index() % 3];
+        let edge = *self.of_half_edge.get(h.index())?;
         (edge != NONE).then_some(EdgeId(edge))
     }
 
@@ -125,83 +158,75 @@ impl EdgeTable {
     /// Makes room for triangles, or gives up what is beyond.
     pub(crate) fn resize_triangles(&mut self, triangle_slots: usize) {
         self.corners.resize(triangle_slots, [VertexId::NULL; 3]);
-        self.of_half_edge.resize(triangle_slots, [NONE; 3]);
+        self.of_half_edge.resize(3 * triangle_slots, NONE);
     }
 
     /// Makes room for edits.
     pub(crate) fn reserve(&mut self) {
         let triangles = room_beside(self.corners.len());
         self.corners.reserve(triangles);
-        self.of_half_edge.reserve(triangles);
+        self.of_half_edge.reserve(3 * triangles);
         self.records.reserve(room_beside(self.records.len()));
     }
 
-    /// Notes a triangle of the surface at its three edges. Those that were there before go to `touched`
-    /// and new ones to `fresh`, each once.
-    pub(crate) fn add_triangle(
-        &mut self,
-        t: TriangleId,
-        topology: &Topology,
-        touched: &mut Vec<EdgeId>,
-        fresh: &mut Vec<EdgeId>,
-    ) {
-        let corners = topology.triangle(t);
+    /// Notes a triangle of the surface at its three edges, which go to the lists.
+    #[inline]
+    pub(crate) fn add_triangle(&mut self, t: TriangleId, topology: &Topology, lists: &mut Lists) {
+        let corners @ [a, b, c] = topology.triangle(t);
         self.corners[t.index()] = corners;
-        for (k, h) in t.half_edges().into_iter().enumerate() {
-            let twin = topology.twin(h);
-            let beside = (!twin.is_null()).then(|| self.of(twin)).flatten();
-            let edge = beside.unwrap_or_else(|| {
-                let edge = self.new_record();
-                fresh.push(edge);
-                edge
-            });
-            self.of_half_edge[t.index()][k] = edge.0;
-            let side = usize::from(corners[k] > corners[(k + 1) % 3]);
-            self.record_mut(edge).sides[side] = h;
-            self.touch(edge, touched);
+        let around = [[a, b, c], [b, c, a], [c, a, b]];
+        for (h, [from, to, across]) in t.half_edges().into_iter().zip(around) {
+            // The null half-edge has no edge.
+            let edge = self.of(topology.twin(h));
+            let side = usize::from(from > to);
+            let edge = edge.unwrap_or_else(|| self.new_record(lists, from.min(to), from.max(to)));
+            self.of_half_edge[h.index()] = edge.0;
+            let record = self.record_mut(edge);
+            record.sides[side] = h;
+            match lists.fresh.get_mut(record.listed as usize) {
+                Some(fresh) => fresh.vertices[2 + side] = across,
+                None => record.touch(edge, &mut lists.touched),
+            }
         }
     }
 
-    /// Forgets a triangle at its three edges, which go to `touched`.
-    pub(crate) fn remove_triangle(&mut self, t: TriangleId, touched: &mut Vec<EdgeId>) {
+    /// Forgets a triangle at its three edges, which go to the lists.
+    pub(crate) fn remove_triangle(&mut self, t: TriangleId, lists: &mut Lists) {
         self.corners[t.index()] = [VertexId::NULL; 3];
         for h in t.half_edges() {
             if let Some(edge) = self.of(h) {
-                let sides = &mut self.record_mut(edge).sides;
-                sides
-                    .iter_mut()
-                    .filter(|side| **side == h)
-                    .for_each(|side| {
+                self.of_half_edge[h.index()] = NONE;
+                let record = self.record_mut(edge);
+                for side in &mut record.sides {
+                    if *side == h {
                         *side = HalfEdge::NULL;
-                    });
-                self.touch(edge, touched);
+                    }
+                }
+                record.touch(edge, &mut lists.touched);
             }
         }
-        self.of_half_edge[t.index()] = [NONE; 3];
     }
 
-    fn new_record(&mut self) -> EdgeId {
+    /// A record for an edge that comes.
+    #[inline]
+    fn new_record(&mut self, lists: &mut Lists, low: VertexId, high: VertexId) -> EdgeId {
+        let narrow = |n: usize| u32::try_from(n).expect("half-edges have 32-bit ids");
         let record = EdgeRecord {
             sides: [HalfEdge::NULL; 2],
             stretch: Place::NOWHERE,
             bending: Place::NOWHERE,
-            // Its constraints come in any case.
-            is_touched: true,
+            listed: narrow(lists.fresh.len()),
         };
-        if let Some(edge) = self.free.pop() {
+        let edge = if let Some(edge) = self.free.pop() {
             self.records[edge as usize] = record;
-            return EdgeId(edge);
-        }
-        self.records.push(record);
-        let edge = u32::try_from(self.records.len() - 1);
-        EdgeId(edge.expect("half-edges have 32-bit ids"))
-    }
-
-    fn touch(&mut self, edge: EdgeId, touched: &mut Vec<EdgeId>) {
-        let is_touched = &mut self.record_mut(edge).is_touched;
-        if !std::mem::replace(is_touched, true) {
-            touched.push(edge);
-        }
+            EdgeId(edge)
+        } else {
+            self.records.push(record);
+            EdgeId(narrow(self.records.len() - 1))
+        };
+        let vertices = [low, high, VertexId::NULL, VertexId::NULL];
+        lists.fresh.push(Fresh { edge, vertices });
+        edge
     }
 
     /// Removes constraints of a touched edge that its triangles and rest positions do not ask for, and
@@ -213,7 +238,9 @@ impl EdgeTable {
         sets: &mut Sets<'_>,
     ) -> bool {
         let patches = &mut sets.patches;
-        let record = *self.leave_list(edge);
+        let record = self.record_mut(edge);
+        record.listed = NONE;
+        let record = *record;
         if let Some(slot) = record.stretch()
             && record.stretch_wanted(surface) != Some(sets.stretch.at(slot))
         {
@@ -231,20 +258,18 @@ impl EdgeTable {
         is_there
     }
 
-    /// An edge that is on no list any more.
+    /// Notes where the constraints of an edge came to stand. It is on no list any more.
     #[inline]
-    pub(crate) fn leave_list(&mut self, edge: EdgeId) -> &EdgeRecord {
+    pub(crate) fn set_places(
+        &mut self,
+        edge: EdgeId,
+        stretch: Option<Place>,
+        bending: Option<Place>,
+    ) {
         let record = self.record_mut(edge);
-        record.is_touched = false;
-        record
-    }
-
-    pub(crate) fn set_stretch(&mut self, edge: EdgeId, place: Place) {
-        self.record_mut(edge).stretch = place;
-    }
-
-    pub(crate) fn set_bending(&mut self, edge: EdgeId, place: Place) {
-        self.record_mut(edge).bending = place;
+        record.listed = NONE;
+        record.stretch = stretch.unwrap_or(record.stretch);
+        record.bending = bending.unwrap_or(record.bending);
     }
 
     fn forget<const N: usize>(
@@ -266,6 +291,12 @@ impl EdgeTable {
 }
 
 impl EdgeRecord {
+    fn touch(&mut self, edge: EdgeId, touched: &mut Vec<EdgeId>) {
+        if std::mem::replace(&mut self.listed, TOUCHED) != TOUCHED {
+            touched.push(edge);
+        }
+    }
+
     /// Where the stretch constraint stands.
     pub(crate) fn stretch(&self) -> Option<Slot> {
         self.stretch.slot()
@@ -306,11 +337,10 @@ impl EdgeRecord {
 
     pub(crate) fn stretch_wanted(&self, surface: &Surface) -> Option<([VertexId; 2], f32)> {
         let ends = self.ends(surface.topology())?;
-        let [a, b] = ends;
-        Some((ends, rest::length(surface, EdgeKey::new(a, b))))
+        Some((ends, rest::length(surface, ends)))
     }
 
-    fn bending_wanted(&self, surface: &Surface) -> Option<([VertexId; 4], f32)> {
+    pub(crate) fn bending_wanted(&self, surface: &Surface) -> Option<([VertexId; 4], f32)> {
         let vertices = self.hinge(surface.topology())?;
         Some((vertices, rest::angle(surface, vertices)))
     }

@@ -2,7 +2,6 @@
 
 use crate::error::ConstraintError;
 use crate::material::{Density, Material};
-use incise_mesh::geometry::area_vector;
 use incise_mesh::{HalfEdge, Surface, VertexId};
 
 /// The least share of mass that a vertex gets, against the mean one. A vertex between triangles
@@ -25,7 +24,8 @@ pub(crate) fn shares_of(areas: &mut [f64]) {
 /// A third of a triangle's rest area \[m^2\].
 #[inline]
 pub(crate) fn third_of_area(surface: &Surface, corners: [VertexId; 3]) -> f64 {
-    area_vector(corners.map(|v| surface.rest_position(v))).norm() / 6.0
+    let [a, b, c] = corners.map(|v| surface.rest_position(v));
+    (b - a).cross(&(c - a)).norm() / 6.0
 }
 
 /// A third of the rest area of the triangles around `v` \[m^2\], in one fan where several meet.

@@ -1,8 +1,9 @@
-//! Constraints for edges that have none yet, a block of edges at a time: rest values of a whole block are
-//! found before any of its constraints is inserted, so that neither waits for the other.
+//! Constraints for edges that have none yet. Those of edges that came are made a block at a time: rest
+//! values of all edges of a block are found before any of its constraints is inserted, so that neither
+//! waits for the other.
 
 use crate::constraints::ConstraintSet;
-use crate::edges::{EdgeId, EdgeTable, Place, Sets};
+use crate::edges::{EdgeId, EdgeTable, Fresh, Lists, Place, Sets};
 use crate::patches::Patches;
 use crate::rest;
 use incise_mesh::{Surface, VertexId};
@@ -10,98 +11,73 @@ use incise_mesh::{Surface, VertexId};
 /// Edges of a block: few enough for the fastest memory.
 const BLOCK: usize = 64;
 
-/// What an edge should have and has not.
-#[derive(Debug, Clone, Copy)]
-struct Missing {
-    edge: EdgeId,
-    /// The ends, then the vertices across; those are null where nothing bends.
-    vertices: [VertexId; 4],
-    length: f32,
-    angle: f32,
-    stretches: bool,
-    bends: bool,
-}
-
-impl Missing {
-    const NOTHING: Self = Self {
-        edge: EdgeId::NONE,
-        vertices: [VertexId::NULL; 4],
-        length: 0.0,
-        angle: 0.0,
-        stretches: false,
-        bends: false,
-    };
-}
-
 impl EdgeTable {
-    /// Adds the constraints that edges should have and have not, in the order of the edges.
-    pub(crate) fn add_missing(
-        &mut self,
-        edges: impl IntoIterator<Item = EdgeId>,
-        surface: &Surface,
-        sets: &mut Sets<'_>,
-    ) {
-        let mut edges = edges.into_iter();
-        let mut block = [Missing::NOTHING; BLOCK];
-        loop {
-            let mut len = 0;
-            for (entry, edge) in block.iter_mut().zip(edges.by_ref()) {
-                *entry = self.missing(edge, surface, sets.bending.is_some());
-                len += 1;
+    /// Adds the constraints that listed edges should have and have not, in the order of the lists.
+    pub(crate) fn add_missing(&mut self, lists: &Lists, surface: &Surface, sets: &mut Sets<'_>) {
+        for &edge in &lists.touched {
+            self.add_missing_of(edge, surface, sets);
+        }
+        let bends = sets.bending.is_some();
+        let mut rest = [(0.0, 0.0); BLOCK];
+        let mut stretch = [Place::NOWHERE; BLOCK];
+        let mut bending = [Place::NOWHERE; BLOCK];
+        for block in lists.fresh.chunks(BLOCK) {
+            for (rest, fresh) in rest.iter_mut().zip(block) {
+                *rest = rest_values(fresh, surface, bends);
             }
-            self.insert(&block[..len], sets);
-            if len < BLOCK {
-                return;
+            for ((place, fresh), (length, _)) in stretch.iter_mut().zip(block).zip(rest) {
+                let [a, b, ..] = fresh.vertices;
+                *place = insert(sets.stretch, &mut sets.patches, [a, b], length, fresh.edge);
+            }
+            if let Some(set) = &mut sets.bending {
+                for ((place, fresh), (_, angle)) in bending.iter_mut().zip(block).zip(rest) {
+                    *place = if is_hinge(fresh) {
+                        insert(set, &mut sets.patches, fresh.vertices, angle, fresh.edge)
+                    } else {
+                        Place::NOWHERE
+                    };
+                }
+            }
+            for ((fresh, &stretch), &bending) in block.iter().zip(&stretch).zip(&bending) {
+                self.set_places(fresh.edge, Some(stretch), Some(bending));
             }
         }
     }
 
-    #[inline]
-    fn missing(&mut self, edge: EdgeId, surface: &Surface, bends: bool) -> Missing {
-        let record = self.leave_list(edge);
-        let stretches = record.stretch().is_none();
-        if bends
-            && record.bending().is_none()
-            && let Some(vertices) = record.hinge(surface.topology())
+    /// Adds the constraints that an edge should have and has not.
+    fn add_missing_of(&mut self, edge: EdgeId, surface: &Surface, sets: &mut Sets<'_>) {
+        let record = *self.record(edge);
+        let (mut stretch, mut bending) = (None, None);
+        if record.stretch().is_none()
+            && let Some((ends, length)) = record.stretch_wanted(surface)
         {
-            let (length, angle) = rest::length_and_angle(surface, vertices);
-            return Missing {
-                edge,
-                vertices,
-                length,
-                angle,
-                stretches,
-                bends,
-            };
+            stretch = Some(insert(sets.stretch, &mut sets.patches, ends, length, edge));
         }
-        let wanted = stretches.then(|| record.stretch_wanted(surface)).flatten();
-        let Some(([a, b], length)) = wanted else {
-            return Missing::NOTHING;
-        };
-        Missing {
-            edge,
-            vertices: [a, b, VertexId::NULL, VertexId::NULL],
-            length,
-            angle: 0.0,
-            stretches,
-            bends: false,
+        if let Some(set) = &mut sets.bending
+            && record.bending().is_none()
+            && let Some((vertices, angle)) = record.bending_wanted(surface)
+        {
+            bending = Some(insert(set, &mut sets.patches, vertices, angle, edge));
         }
+        self.set_places(edge, stretch, bending);
     }
+}
 
-    fn insert(&mut self, block: &[Missing], sets: &mut Sets<'_>) {
-        let patches = &mut sets.patches;
-        for entry in block.iter().filter(|entry| entry.stretches) {
-            let [a, b, ..] = entry.vertices;
-            let place = insert(sets.stretch, patches, [a, b], entry.length, entry.edge);
-            self.set_stretch(entry.edge, place);
-        }
-        let Some(bending) = &mut sets.bending else {
-            return;
-        };
-        for entry in block.iter().filter(|entry| entry.bends) {
-            let place = insert(bending, patches, entry.vertices, entry.angle, entry.edge);
-            self.set_bending(entry.edge, place);
-        }
+/// Whether there is a triangle on both sides.
+#[inline]
+fn is_hinge(fresh: &Fresh) -> bool {
+    let [_, _, up, down] = fresh.vertices;
+    !(up.is_null() || down.is_null())
+}
+
+/// The rest length and, if asked for and between two triangles, the rest angle.
+#[inline]
+fn rest_values(fresh: &Fresh, surface: &Surface, bends: bool) -> (f32, f32) {
+    let [low, high, ..] = fresh.vertices;
+    if bends && is_hinge(fresh) {
+        rest::length_and_angle(surface, fresh.vertices)
+    } else {
+        (rest::length(surface, [low, high]), 0.0)
     }
 }
 
@@ -114,10 +90,10 @@ fn insert<const N: usize>(
     rest: f32,
     edge: EdgeId,
 ) -> Place {
-    let layer = patches.as_ref().map_or(0, |p| p.layer_of(&vertices));
-    let slot = set.insert_in(layer, vertices, rest, edge);
-    if let Some(patches) = patches {
-        patches.touch(slot.layer(), &vertices);
-    }
+    let Some(patches) = patches else {
+        return Place::at(set.insert_in(0, vertices, rest, edge));
+    };
+    let slot = set.insert_in(patches.layer_of(&vertices), vertices, rest, edge);
+    patches.touch(slot.layer(), &vertices);
     Place::at(slot)
 }

@@ -2,15 +2,15 @@
 //! gets the same bits.
 
 use incise_mesh::geometry::Vec3;
-use incise_mesh::{EdgeKey, Surface, VertexId};
+use incise_mesh::{Surface, VertexId};
 
-/// The rest length of an edge \[m\].
+/// The rest length of an edge between two vertices, the smaller id first \[m\].
 #[expect(
     clippy::cast_possible_truncation,
     reason = "a computed length is rounded once to storage"
 )]
-pub(crate) fn length(surface: &Surface, edge: EdgeKey) -> f32 {
-    let [a, b] = edge.vertices().map(|v| surface.rest_position(v));
+pub(crate) fn length(surface: &Surface, ends: [VertexId; 2]) -> f32 {
+    let [a, b] = ends.map(|v| surface.rest_position(v));
     (b - a).norm() as f32
 }
 

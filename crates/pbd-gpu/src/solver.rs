@@ -6,7 +6,7 @@ use crate::coloring::LAYERS;
 use crate::concerned::NONE;
 use crate::constraints::{BendingSet, StretchSet, room_beside};
 use crate::delta::Following;
-use crate::edges::{EdgeTable, Sets};
+use crate::edges::{EdgeTable, Lists, Sets};
 use crate::error::{ConstraintError, StepError};
 use crate::mass::masses;
 use crate::material::{Material, Projection};
@@ -85,9 +85,9 @@ impl Solver {
         let topology = surface.topology();
         let mut edges = EdgeTable::default();
         edges.resize_triangles(topology.triangle_slots());
-        let (mut touched, mut fresh) = (Vec::new(), Vec::new());
+        let mut lists = Lists::default();
         for t in topology.triangles() {
-            edges.add_triangle(t, topology, &mut touched, &mut fresh);
+            edges.add_triangle(t, topology, &mut lists);
         }
         let mut patches =
             patches.map(|params| Patches::new(params, surface, &edges, bending.is_some()));
@@ -96,7 +96,7 @@ impl Solver {
             bending: bending.as_mut(),
             patches: patches.as_mut(),
         };
-        edges.add_missing(fresh, surface, &mut sets);
+        edges.add_missing(&lists, surface, &mut sets);
         for batch in stretch.all() {
             if let Some(i) = batch.rest().iter().position(|&length| length <= 0.0) {
                 let [a, b] = batch.vertices()[i];

@@ -29,7 +29,7 @@ impl Solver {
             };
             let key = EdgeKey::new(topology.origin(h), topology.target(h));
             let [low, high] = key.vertices();
-            stretch.push(([low, high], rest::length(surface, key).to_bits()));
+            stretch.push(([low, high], rest::length(surface, [low, high]).to_bits()));
             if !twin.is_null() {
                 let across = topology.origin(h.prev());
                 let beyond = topology.origin(twin.prev());
