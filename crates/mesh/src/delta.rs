@@ -57,14 +57,12 @@ impl Origin {
                 // Made to sum to 1 here: thirds of f32 do not.
                 let weights = weights.map(f64::from);
                 let sum: f64 = weights.iter().sum();
-                let share = |i: usize| {
-                    if sum > 0.0 {
-                        weights[i] / sum
-                    } else {
-                        1.0 / 3.0
-                    }
+                let shares = if sum > 0.0 {
+                    weights.map(|weight| weight / sum)
+                } else {
+                    [1.0 / 3.0; 3]
                 };
-                [0, 1, 2].map(|i| (parents[i], share(i)))
+                [0, 1, 2].map(|i| (parents[i], shares[i]))
             }
         }
     }

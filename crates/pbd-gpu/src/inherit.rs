@@ -141,8 +141,14 @@ impl Shares {
         let pools = &mut self.pools;
         pools.clear();
         let there = &concerned.pieces[..concerned.stay];
-        // Most of one piece stand together.
-        pools.extend(there.chunk_by(|a, b| a == b).map(|run| pool(run[0])));
+        // Most of one piece stand together or, on the two lips of a cut, take turns with another.
+        let mut recent = [NONE; 2];
+        for &piece in there {
+            if !recent.contains(&piece) {
+                recent = [recent[1], piece];
+                pools.push(pool(piece));
+            }
+        }
         pools.sort_unstable();
         pools.dedup();
         let number = |piece: u32| match pools.binary_search(&pool(piece)) {
@@ -150,14 +156,17 @@ impl Shares {
             Err(_) => NONE,
         };
         self.pool_of.clear();
-        for run in concerned.pieces.chunk_by(|a, b| a == b) {
-            let pool = match (run[0], sharing) {
-                (NONE, Sharing::All) => 0,
-                (NONE, _) => NONE,
-                (piece, _) => number(piece),
-            };
-            self.pool_of.resize(self.pool_of.len() + run.len(), pool);
-        }
+        let stray = if sharing == Sharing::All { 0 } else { NONE };
+        let mut recent = [(NONE, stray); 2];
+        self.pool_of.extend(concerned.pieces.iter().map(|&piece| {
+            let known = recent.iter().find(|entry| entry.0 == piece);
+            if let Some(&(_, pool)) = known {
+                return pool;
+            }
+            let pool = number(piece);
+            recent = [recent[1], (piece, pool)];
+            pool
+        }));
     }
 
     /// What goes to each pool of that which vertices without a neighbor leave, by the area of new

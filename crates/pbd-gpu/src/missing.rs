@@ -19,27 +19,20 @@ impl EdgeTable {
         }
         let bends = sets.bending.is_some();
         let mut rest = [(0.0, 0.0); BLOCK];
-        let mut stretch = [Place::NOWHERE; BLOCK];
-        let mut bending = [Place::NOWHERE; BLOCK];
         for block in lists.fresh.chunks(BLOCK) {
             for (rest, fresh) in rest.iter_mut().zip(block) {
                 *rest = rest_values(fresh, surface, bends);
             }
-            for ((place, fresh), (length, _)) in stretch.iter_mut().zip(block).zip(rest) {
-                let [a, b, ..] = fresh.vertices;
-                *place = insert(sets.stretch, &mut sets.patches, [a, b], length, fresh.edge);
-            }
-            if let Some(set) = &mut sets.bending {
-                for ((place, fresh), (_, angle)) in bending.iter_mut().zip(block).zip(rest) {
-                    *place = if is_hinge(fresh) {
-                        insert(set, &mut sets.patches, fresh.vertices, angle, fresh.edge)
-                    } else {
-                        Place::NOWHERE
-                    };
-                }
-            }
-            for ((fresh, &stretch), &bending) in block.iter().zip(&stretch).zip(&bending) {
-                self.set_places(fresh.edge, Some(stretch), Some(bending));
+            for (&Fresh { edge, vertices }, (length, angle)) in block.iter().zip(rest) {
+                let [a, b, ..] = vertices;
+                let stretch = insert(sets.stretch, &mut sets.patches, [a, b], length, edge);
+                let bending = match &mut sets.bending {
+                    Some(set) if is_hinge(vertices) => {
+                        insert(set, &mut sets.patches, vertices, angle, edge)
+                    }
+                    _ => Place::NOWHERE,
+                };
+                self.set_places(edge, Some(stretch), Some(bending));
             }
         }
     }
@@ -65,8 +58,7 @@ impl EdgeTable {
 
 /// Whether there is a triangle on both sides.
 #[inline]
-fn is_hinge(fresh: &Fresh) -> bool {
-    let [_, _, up, down] = fresh.vertices;
+fn is_hinge([_, _, up, down]: [VertexId; 4]) -> bool {
     !(up.is_null() || down.is_null())
 }
 
@@ -74,7 +66,7 @@ fn is_hinge(fresh: &Fresh) -> bool {
 #[inline]
 fn rest_values(fresh: &Fresh, surface: &Surface, bends: bool) -> (f32, f32) {
     let [low, high, ..] = fresh.vertices;
-    if bends && is_hinge(fresh) {
+    if bends && is_hinge(fresh.vertices) {
         rest::length_and_angle(surface, fresh.vertices)
     } else {
         (rest::length(surface, [low, high]), 0.0)
