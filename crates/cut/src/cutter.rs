@@ -7,6 +7,7 @@ use crate::params::{CutMethod, CutParams};
 use crate::rebuild::rebuild;
 use crate::sweep::Sweep;
 use incise_mesh::{Surface, TopologyDelta, TriangleId, Undo, UndoError};
+use incise_refine::Section;
 use std::time::{Duration, Instant};
 
 /// What a cut found, did and cost.
@@ -103,6 +104,13 @@ impl Cutter {
     /// O(m log n) for m of them.
     pub fn refit_moved(&mut self, surface: &Surface, triangles: &[TriangleId]) {
         self.bvh.refit_moved(surface, triangles);
+    }
+
+    /// The cross-section of the last cut of the exact method, laid flat, and how long edges were to get at
+    /// its points \[m\]: what both of its caps cover. Empty before the first.
+    #[must_use]
+    pub fn section(&self) -> (Section<'_>, &[f64]) {
+        self.exact.section()
     }
 
     /// The search tree.

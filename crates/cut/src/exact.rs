@@ -27,7 +27,7 @@ use crate::params::CutParams;
 use crate::sweep::Sweep;
 use cap::{Cap, Rims};
 use incise_mesh::{Surface, TriangleId};
-use incise_refine::CoverParams;
+use incise_refine::Section;
 use open::Lips;
 use rim::Rim;
 use separate::Separator;
@@ -51,6 +51,11 @@ pub(crate) struct Exact {
 }
 
 impl Exact {
+    /// The section of the last cut and the target lengths at its points.
+    pub(crate) fn section(&self) -> (Section<'_>, &[f64]) {
+        self.cap.section()
+    }
+
     /// Cuts `surface` along `sweep`. See the module.
     ///
     /// # Errors
@@ -77,7 +82,7 @@ impl Exact {
             return Ok(());
         }
         let begin = Instant::now();
-        let length = self.target_length(params)?;
+        params.refine.check()?;
         let mut edit = surface.edit();
         let is_valley = signs.is_valley;
         (self.lips).open(&mut edit, &self.trace, is_valley, &mut self.splitter);
@@ -107,19 +112,15 @@ impl Exact {
             unfold: &unfold,
             has_crease: signs.has_crease(),
         };
-        self.cap.flatten(&rims);
+        self.cap.flatten(&rims, &params.refine);
         let triangles = edit.surface().topology().triangle_count();
         let is_inside = || inside::is_inside(edit.surface(), sweep);
         if self.cap.ends_inside(triangles, is_inside) {
             let triangle = self.trace.chords[0].triangle;
             return Err(CutError::PartialCut { triangle });
         }
-        let cover_params = CoverParams {
-            length: Some(length),
-            max_triangles: params.refine.max_triangles,
-        };
         let topology = edit.surface().topology();
-        let cover = self.cap.cover(&rims, topology, &cover_params)?;
+        let cover = self.cap.cover(&rims, topology, &params.refine)?;
         // A disc has no inner points.
         report.refined = cover.report.discs == 0;
         self.cap.join_loops(&cover);
@@ -142,12 +143,5 @@ impl Exact {
         outcome.cap = self.cap.triangles.concat();
         report.commit = begin.elapsed();
         Ok(())
-    }
-
-    /// How long the edges of caps get \[m\]: the mean edge of the hit triangles times the level's z.
-    fn target_length(&self, params: &CutParams) -> Result<f64, CutError> {
-        params.refine.check()?;
-        let length = params.refine.rim_length;
-        Ok(length.unwrap_or_else(|| self.trace.mean_local()) * params.refine.level.z())
     }
 }

@@ -1,6 +1,6 @@
 //! Time and quality of covers of smooth rims: median of many runs on one core.
 
-use incise_refine::{Cover, CoverParams, CoverScratch, Section, cover};
+use incise_refine::{Cover, CoverParams, CoverScratch, CoverSize, Section, cover};
 use std::f64::consts::TAU;
 use std::time::Instant;
 
@@ -128,7 +128,7 @@ fn main() {
                 crease,
             };
             let params = CoverParams {
-                length: factor.map(|f| f * mean),
+                size: factor.map_or(CoverSize::Any, |f| CoverSize::Uniform(f * mean)),
                 ..CoverParams::default()
             };
             let mut times = Vec::new();

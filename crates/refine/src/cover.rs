@@ -15,9 +15,13 @@ mod improve;
 mod lattice;
 mod mean;
 mod mend;
+mod offer;
 mod order;
+mod quality;
 mod section;
 mod sheet;
+mod size;
+mod smooth;
 mod strips;
 mod validate;
 mod wall;
@@ -29,7 +33,10 @@ use improve::Improver;
 use lattice::Lattice;
 use section::Rims;
 use sheet::{INSIDE, Sheet, Verdict};
+use size::Targets;
 
+pub use quality::CoverQuality;
+pub use size::CoverSize;
 pub use validate::CoverFault;
 
 /// Targets below this much of the largest coordinate are raised to it: the lattice's points could
@@ -50,17 +57,26 @@ pub struct Section<'a> {
 
 /// How to cover a section.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CoverParams {
-    /// Target length of an edge \[m\]. `None`: no inner points but where nothing else is possible.
-    pub length: Option<f64>,
+pub struct CoverParams<'a> {
+    /// How long edges are to get a good way off the rim. Near a rim whose own edges are shorter, those and what
+    /// they grow to with the distance are the target: they stay as they are, and a leap from short to
+    /// long makes sharp angles.
+    pub size: CoverSize<'a>,
+    /// By how much the target grows with every meter off the rim \[m/m\]. 0: not at all, and where
+    /// targets are local those of the rim around are mixed. Above, a cover costs what its rim does.
+    pub grading: f64,
+    /// Triangles with a smaller angle ask for one more point, which they get where that helps \[degrees\].
+    pub sharp: f64,
     /// The most triangles that a cover may get.
     pub max_triangles: usize,
 }
 
-impl Default for CoverParams {
+impl Default for CoverParams<'_> {
     fn default() -> Self {
         Self {
-            length: None,
+            size: CoverSize::Any,
+            grading: 0.0,
+            sharp: 32.0,
             max_triangles: 4_000_000,
         }
     }
@@ -104,6 +120,7 @@ pub struct Cover {
 #[derive(Debug, Clone, Default)]
 pub struct CoverScratch {
     rims: Rims,
+    targets: Targets,
     sheet: Sheet,
     lattice: Lattice,
     band: Band,
@@ -125,16 +142,14 @@ pub struct CoverScratch {
 /// a coordinate that is not finite, a length that is not positive, or more triangles than allowed.
 pub fn cover(
     section: &Section<'_>,
-    params: &CoverParams,
+    params: &CoverParams<'_>,
     joined: impl Fn(u32, u32) -> bool,
     scratch: &mut CoverScratch,
 ) -> Result<Cover, RefineError> {
-    scratch.rims.read(section, params)?;
+    scratch.rims.read(section)?;
+    scratch.targets.read(&scratch.rims, params)?;
     let mut cover = Cover::default();
     cover.report.clipped = scratch.rims.clip(&joined, &mut cover.triangles);
-    let length = params
-        .length
-        .map(|length| (length * scratch.rims.scale).max(4.0 * FINEST));
     let limit = params.max_triangles;
     let mut groups = vec![((0..id(scratch.rims.rings())).collect::<Vec<u32>>(), false)];
     // Bad rings may cost so much more than good ones.
@@ -145,6 +160,7 @@ pub fn cover(
         }
         let CoverScratch {
             rims,
+            targets,
             sheet,
             lattice,
             band,
@@ -152,36 +168,37 @@ pub fn cover(
         } = &mut *scratch;
         if mend::build(rims, sheet, &group, mirrored, section.crease, &mut work) == Verdict::Clean {
             let mark = cover.triangles.len();
-            let mut connected = false;
-            if let Some(length) = length.filter(|l| l.is_finite()) {
-                if !lattice.fill(sheet, length, limit + sheet.corner.len()) {
-                    return Err(RefineError::TooManyTriangles { limit });
-                }
+            lattice.clear();
+            band.clear(sheet);
+            if !targets.is_any() {
                 improver.keep(sheet);
-                band.clear(sheet);
-                if !lattice.points.is_empty() {
-                    let offset = id(rims.ids.len() + cover.inner.len());
-                    lattice.triangles(offset, &mut cover.triangles);
-                    connected = band.connect(sheet, lattice);
-                    if !connected {
-                        cover.triangles.truncate(mark);
-                        sheet.build(rims, &group, mirrored, section.crease);
+                let common = targets.common(&sheet.corner);
+                let mut budget = limit;
+                if let Some(length) = common {
+                    if !lattice.fill(sheet, length, limit + sheet.corner.len()) {
+                        return Err(RefineError::TooManyTriangles { limit });
+                    }
+                    if !lattice.points.is_empty() {
+                        let offset = id(rims.ids.len() + cover.inner.len());
+                        lattice.triangles(offset, &mut cover.triangles);
+                        if band.connect(sheet, lattice) {
+                            budget = 2 * sheet.corner.len() + 64;
+                        } else {
+                            cover.triangles.truncate(mark);
+                            sheet.build(rims, &group, mirrored, section.crease);
+                            lattice.clear();
+                            band.clear(sheet);
+                        }
                     }
                 }
-            }
-            if !connected {
-                lattice.clear();
-                band.clear(sheet);
-            }
-            if let Some(length) = length.filter(|l| l.is_finite()) {
-                let budget = 2 * sheet.corner.len() + 64;
-                improver.run(sheet, lattice, band, length, budget);
+                improver.run(sheet, lattice, band, targets, budget);
+                improver.smooth(sheet, lattice, band);
             }
             let name = |v: u32| rims.ids[sheet.corner[v as usize] as usize];
             let taken = forbidden::find(sheet, |v, w| joined(name(v), name(w)));
             for edge in taken {
                 let name = |v: u32| rims.ids[sheet.corner[v as usize] as usize];
-                let may_flip = params.length.is_none()
+                let may_flip = params.size == CoverSize::Any
                     && forbidden::can_flip(sheet, edge, |v, w| joined(name(v), name(w)));
                 forbidden::replace(sheet, lattice, band, edge, may_flip);
             }

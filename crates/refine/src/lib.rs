@@ -28,7 +28,7 @@
 //! so loops that touch or cross still give a manifold with exactly them as its boundary.
 //!
 //! ```
-//! use incise_refine::{CoverParams, CoverScratch, Section, cover};
+//! use incise_refine::{CoverParams, CoverScratch, CoverSize, Section, cover};
 //!
 //! let ring = |n: u32, radius: f64, turn: f64| {
 //!     (0..n).map(move |i| {
@@ -40,7 +40,7 @@
 //! let points: Vec<_> = ring(60, 1.0, 1.0).chain(ring(30, 0.5, -1.0)).collect();
 //! let loops = [(0..60).collect(), (60..90).collect()];
 //! let section = Section { points: &points, loops: &loops, crease: false };
-//! let params = CoverParams { length: Some(0.1), ..CoverParams::default() };
+//! let params = CoverParams { size: CoverSize::Uniform(0.1), ..CoverParams::default() };
 //! let cover = cover(&section, &params, |_, _| false, &mut CoverScratch::default())?;
 //! cover.validate(&section, 1e-12)?;
 //! // Euler's formula for a ring: as many triangles as points on the loops, and two for each inside.
@@ -57,7 +57,8 @@ mod swap;
 mod triangulate;
 
 pub use cover::{
-    Cover, CoverFault, CoverParams, CoverReport, CoverScratch, InnerPoint, Section, cover,
+    Cover, CoverFault, CoverParams, CoverQuality, CoverReport, CoverScratch, CoverSize, InnerPoint,
+    Section, cover,
 };
 pub use level::{ParseLevelError, RefinementLevel};
 pub use patch::{Patch, RefineError, RefineParams, RefineReport, fill};

@@ -10,8 +10,12 @@ use incise_mesh::Vec3;
 pub struct RefineParams {
     /// How long edges get, relative to the rim's.
     pub level: RefinementLevel,
-    /// The t of Formula 2 \[m\], where it is not to be the mean length of the rim's edges.
+    /// The t of Formula 2 \[m\] for the whole patch. Without it the exact method takes at every rim
+    /// vertex the mean edge of the surface there, the paper's the mean length of the rim's edges.
     pub rim_length: Option<f64>,
+    /// The exact method: by how much the length grows with every meter off the rim \[m/m\]. 0 keeps the
+    /// rim's to the middle, as the paper does; above, a patch costs its rim and not its area.
+    pub grading: f64,
     /// The most rounds of subdividing and swapping (n of Algorithm 4). A round divides the length
     /// of edges by about the root of 3; refinement ends by itself when no triangle is too large.
     pub max_rounds: u32,
@@ -25,6 +29,7 @@ impl Default for RefineParams {
         Self {
             level: RefinementLevel::Original,
             rim_length: None,
+            grading: 0.0,
             max_rounds: 24,
             max_triangles: 4_000_000,
         }
@@ -77,6 +82,26 @@ pub enum RefineError {
     NonPositiveLength {
         /// The length \[m\].
         length: f64,
+    },
+    /// Targets cannot shrink with the distance from the rim.
+    #[error("the grading must be 0 or a positive number, not {grading}")]
+    NegativeGrading {
+        /// The grading \[m/m\].
+        grading: f64,
+    },
+    /// No triangle has three larger angles.
+    #[error(
+        "angles below which triangles are improved lie between 0 and 60 degrees, not {degrees}"
+    )]
+    SharpAngle {
+        /// The angle \[degrees\].
+        degrees: f64,
+    },
+    /// A point of the section's loops has no target.
+    #[error("there are fewer target lengths than points: point {point} has none")]
+    NoLength {
+        /// The point.
+        point: u32,
     },
     /// A loop of a section is no polygon.
     #[error("a loop needs at least 3 points, loop {index} has {points}")]

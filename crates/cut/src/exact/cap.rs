@@ -6,7 +6,12 @@ use super::rim::Rim;
 use super::unfold::Unfold;
 use incise_mesh::geometry::round;
 use incise_mesh::{Edit, Origin, Surface, Topology, TriangleId, VertexId};
-use incise_refine::{Cover, CoverParams, CoverScratch, RefineError, Section, cover};
+use incise_refine::{
+    Cover, CoverParams, CoverScratch, CoverSize, RefineError, RefineParams, Section, cover,
+};
+
+/// How many places to both sides along the rim the local edge length is taken from.
+const AROUND: usize = 4;
 
 /// The cross-section and its cover.
 #[derive(Debug, Clone, Default)]
@@ -14,7 +19,10 @@ pub(crate) struct Cap {
     /// The node of each point of the section.
     nodes: Vec<u32>,
     points: Vec<[f64; 2]>,
+    /// How long edges are to get at each point \[m\].
+    lengths: Vec<f64>,
     loops: Vec<Vec<u32>>,
+    has_crease: bool,
     scratch: CoverScratch,
     /// By lip, the vertices of the cover's points and the triangles of its triangles.
     vertices: [Vec<VertexId>; 2],
@@ -38,9 +46,11 @@ pub(super) struct Rims<'a> {
 }
 
 impl Cap {
-    /// Lays the rim's loops flat.
-    pub(super) fn flatten(&mut self, rims: &Rims<'_>) {
+    /// Lays the rim's loops flat and finds how long edges are to get along them.
+    pub(super) fn flatten(&mut self, rims: &Rims<'_>, refine: &RefineParams) {
         self.nodes.clear();
+        self.lengths.clear();
+        self.has_crease = rims.has_crease;
         self.points.clear();
         self.loops.resize(rims.rim.sizes.len(), Vec::new());
         for (i, points) in self.loops.iter_mut().enumerate() {
@@ -51,6 +61,15 @@ impl Cap {
                 self.points
                     .push(rims.unfold.flatten(&rims.nodes[node as usize]));
             }
+            let own = &self.nodes[self.lengths.len()..];
+            let local = |i: usize| rims.nodes[own[i % own.len()] as usize].local;
+            let length = |i| {
+                refine
+                    .rim_length
+                    .unwrap_or_else(|| smooth(local, i, own.len()))
+            };
+            let z = refine.level.z();
+            self.lengths.extend((0..own.len()).map(|i| length(i) * z));
         }
     }
 
@@ -88,12 +107,13 @@ impl Cap {
         &mut self,
         rims: &Rims<'_>,
         topology: &Topology,
-        params: &CoverParams,
+        refine: &RefineParams,
     ) -> Result<Cover, RefineError> {
-        let section = Section {
-            points: &self.points,
-            loops: &self.loops,
-            crease: rims.has_crease,
+        let params = CoverParams {
+            size: CoverSize::Local(&self.lengths),
+            grading: refine.grading,
+            max_triangles: refine.max_triangles,
+            ..CoverParams::default()
         };
         let joined = |a: u32, b: u32| {
             let [a, b] = [a, b].map(|p| self.nodes[p as usize]);
@@ -103,7 +123,22 @@ impl Cap {
                 fan.any(|h| topology.target(h) == vertex || topology.origin(h.prev()) == vertex)
             })
         };
-        cover(&section, params, joined, &mut self.scratch)
+        let section = Section {
+            points: &self.points,
+            loops: &self.loops,
+            crease: self.has_crease,
+        };
+        cover(&section, &params, joined, &mut self.scratch)
+    }
+
+    /// What was covered last, and how long edges were to get at each point.
+    pub(crate) fn section(&self) -> (Section<'_>, &[f64]) {
+        let section = Section {
+            points: &self.points,
+            loops: &self.loops,
+            crease: self.has_crease,
+        };
+        (section, &self.lengths)
     }
 
     /// The loops that the cover joins, by a loop that stands for all of them.
@@ -290,6 +325,15 @@ impl Cap {
             edit.set_normal(corner, round(if lip == 0 { normal } else { -normal }));
         }
     }
+}
+
+/// What `local` is around place `i` of `n` on a loop: one triangle that is larger than its neighbors is
+/// no reason for larger ones in the cap.
+#[expect(clippy::cast_precision_loss, reason = "a handful of places")]
+fn smooth(local: impl Fn(usize) -> f64, i: usize, n: usize) -> f64 {
+    let reach = AROUND.min(n / 2);
+    let places = i + n - reach..=i + n + reach;
+    places.map(local).sum::<f64>() / (2 * reach + 1) as f64
 }
 
 /// The smallest point that is together with `i`.

@@ -32,6 +32,8 @@ pub(super) struct CutBits {
     method: Method,
     level: Level,
     rim_length: Option<u64>,
+    #[serde(default)]
+    grading: u64,
     max_rounds: u32,
     max_triangles: usize,
     snap: u64,
@@ -58,6 +60,7 @@ impl From<Entry> for CutBits {
         let RefineParams {
             level,
             rim_length,
+            grading,
             max_rounds,
             max_triangles,
         } = refine;
@@ -76,6 +79,7 @@ impl From<Entry> for CutBits {
                 RefinementLevel::Z(z) => Level::Z(z.to_bits()),
             },
             rim_length: rim_length.map(f64::to_bits),
+            grading: grading.to_bits(),
             max_rounds,
             max_triangles,
             snap: snap.to_bits(),
@@ -111,6 +115,7 @@ impl TryFrom<CutBits> for Entry {
                         Level::Z(z) => RefinementLevel::Z(f64::from_bits(z)),
                     },
                     rim_length: bits.rim_length.map(f64::from_bits),
+                    grading: f64::from_bits(bits.grading),
                     max_rounds: bits.max_rounds,
                     max_triangles: bits.max_triangles,
                 },

@@ -121,6 +121,7 @@ impl Cdt {
         self.origin.clone_from(&other.origin);
         self.twin.clone_from(&other.twin);
         self.region.clone_from(&other.region);
+        self.outgoing.clone_from(&other.outgoing);
         self.last = 0;
     }
 

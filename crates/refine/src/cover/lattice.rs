@@ -33,7 +33,7 @@ pub(crate) struct Span {
 /// The lattice over one sheet.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Lattice {
-    length: f64,
+    pub(crate) length: f64,
     height: f64,
     base: [f64; 2],
     pub(crate) first_row: i64,

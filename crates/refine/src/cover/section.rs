@@ -1,7 +1,7 @@
 //! What goes in: checks, scale, and the loops as rings of their own small numbers.
 
+use super::Section;
 use super::cdt::{id, orient};
-use super::{CoverParams, Section};
 use crate::patch::RefineError;
 
 /// Coordinates below this much of the largest count as zero, so that products of four differences
@@ -31,16 +31,7 @@ pub(crate) struct Rims {
 
 impl Rims {
     /// Takes a section in and checks it.
-    pub(crate) fn read(
-        &mut self,
-        section: &Section<'_>,
-        params: &CoverParams,
-    ) -> Result<(), RefineError> {
-        if let Some(length) = params.length
-            && !(length > 0.0 && length.is_finite())
-        {
-            return Err(RefineError::NonPositiveLength { length });
-        }
+    pub(crate) fn read(&mut self, section: &Section<'_>) -> Result<(), RefineError> {
         self.points.clear();
         self.ids.clear();
         self.ring.clear();

@@ -1,7 +1,7 @@
 //! Covers of sections with a known answer: touching, crossing and backward loops, quality, errors.
 
 use crate::sections::{Shape, check_any, check_clean, corners, polygon_area, run};
-use incise_refine::{Cover, CoverParams, CoverScratch, RefineError, Section, cover};
+use incise_refine::{Cover, CoverParams, CoverScratch, CoverSize, RefineError, Section, cover};
 use std::f64::consts::TAU;
 
 /// The area of all triangles, whichever way they turn: more than the section's where they overlap.
@@ -285,8 +285,9 @@ fn bad_input_is_an_error() {
             crease: false,
         };
         let params = CoverParams {
-            length,
+            size: length.map_or(CoverSize::Any, CoverSize::Uniform),
             max_triangles,
+            ..CoverParams::default()
         };
         cover(
             &section,

@@ -3,7 +3,7 @@
 use crate::sections::{
     Shape, check_any, check_clean, corners, cross, index, polygon_area, run, run_joined,
 };
-use incise_refine::{CoverParams, CoverScratch, cover};
+use incise_refine::{CoverParams, CoverScratch, CoverSize, cover};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 
@@ -174,7 +174,8 @@ proptest! {
 
     #[test]
     fn the_same_section_gives_the_same_bits(shape in nested(), length in prop::option::of(0.15f64..3.0)) {
-        let params = CoverParams { length, ..CoverParams::default() };
+        let size = length.map_or(CoverSize::Any, CoverSize::Uniform);
+        let params = CoverParams { size, ..CoverParams::default() };
         let mut scratch = CoverScratch::default();
         let first = cover(&shape.section(true), &params, |_, _| false, &mut scratch)?;
         let second = cover(&shape.section(true), &params, |_, _| false, &mut scratch)?;

@@ -1,6 +1,6 @@
 //! Sections to cover, and what every cover fulfills.
 
-use incise_refine::{Cover, CoverParams, CoverScratch, RefineError, Section, cover};
+use incise_refine::{Cover, CoverParams, CoverScratch, CoverSize, RefineError, Section, cover};
 
 /// Points and loops of a section.
 #[derive(Debug, Clone, Default)]
@@ -89,7 +89,7 @@ pub(crate) fn run_joined(
     joined: impl Fn(u32, u32) -> bool,
 ) -> Result<Cover, RefineError> {
     let params = CoverParams {
-        length,
+        size: length.map_or(CoverSize::Any, CoverSize::Uniform),
         ..CoverParams::default()
     };
     cover(
