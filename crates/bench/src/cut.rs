@@ -5,13 +5,11 @@ mod outcome;
 mod planes;
 mod row;
 mod specimen;
-mod subdivide;
-mod subject;
 mod table;
 mod times;
 
 use crate::method::MethodChoice;
-use crate::{json, machine};
+use crate::{json, machine, subject};
 use clap::Args;
 use incise_refine::RefinementLevel;
 use row::{Record, Slope, Stamp};

@@ -2,6 +2,11 @@
 
 use incise_mesh::Vec3;
 
+/// The direction of a plane through the middle of a model: along no axis and no edge.
+pub(crate) const GENERIC: [f64; 3] = [0.32, 0.91, 0.26];
+/// How far from the middle seeded planes lie at most, of the way to where the body ends.
+pub(crate) const SPREAD: f64 = 0.8;
+
 /// Seeded directions (splitmix64, Steele et al. 2014).
 #[derive(Debug, Clone)]
 pub(crate) struct Directions(pub(crate) u64);

@@ -12,10 +12,13 @@ mod models;
 mod motion;
 mod paper;
 mod protocol;
+mod refine;
 mod report;
 mod solver;
 mod statistics;
 mod step;
+mod subdivide;
+mod subject;
 
 use backend::BackendChoice;
 use clap::{Args, Parser, Subcommand};
@@ -44,6 +47,8 @@ enum Command {
     Step(step::StepArguments),
     /// Times of a cut, step by step, of every model, finer armadillos and spheres of up to a million triangles.
     Cut(cut::CutArguments),
+    /// Time and quality of caps: what cuts of every model leave to be covered, covered again and again.
+    Refine(refine::RefineArguments),
 }
 
 /// What the table is made of.
@@ -136,6 +141,7 @@ fn run(arguments: Arguments) -> Result<(), String> {
             Some(Command::Solver(solver)) => solver::run(&solver, &mut out),
             Some(Command::Step(step)) => step::run(&step, &mut out),
             Some(Command::Cut(cut)) => cut::run(&cut, &mut out),
+            Some(Command::Refine(refine)) => refine::run(&refine, &mut out),
             Some(Command::Table(table)) => report::run(&table, &mut out),
             None => report::run(&arguments.table, &mut out),
         };

@@ -3,7 +3,7 @@
 use incise_mesh::{HalfEdge, Surface, TopologyError};
 
 /// Every triangle in four: edges are halved where they are.
-pub(super) fn subdivide(surface: &Surface) -> Result<Surface, TopologyError> {
+pub(crate) fn subdivide(surface: &Surface) -> Result<Surface, TopologyError> {
     let topology = surface.topology();
     let mut positions: Vec<[f32; 3]> = surface
         .positions

@@ -1,7 +1,7 @@
 //! What is cut: the seven models, finer and finer armadillos and spheres.
 
-use super::subdivide::subdivide;
 use crate::models::{self, Loaded};
+use crate::subdivide::subdivide;
 use incise_mesh::{Model, Surface, cube_sphere};
 use std::error::Error;
 use std::path::Path;
@@ -14,11 +14,11 @@ const SPHERES: [u32; 5] = [16, 32, 64, 128, 330];
 const RADIUS: f64 = 0.5;
 
 /// A surface to cut. Made when it is its turn: the largest are large.
-pub(super) struct Subject {
-    pub(super) name: String,
+pub(crate) struct Subject {
+    pub(crate) name: String,
     /// Of one shape at several sizes, which the growth of times is told by.
-    pub(super) family: Option<&'static str>,
-    pub(super) source: String,
+    pub(crate) family: Option<&'static str>,
+    pub(crate) source: String,
     triangles: usize,
     kind: Kind,
 }
@@ -31,7 +31,7 @@ enum Kind {
 }
 
 impl Subject {
-    pub(super) fn surface(&self) -> Result<Surface, Box<dyn Error>> {
+    pub(crate) fn surface(&self) -> Result<Surface, Box<dyn Error>> {
         match &self.kind {
             Kind::Sphere(quads) => Ok(cube_sphere(*quads, RADIUS)),
             Kind::Model(loaded, times) => {
@@ -46,7 +46,7 @@ impl Subject {
 }
 
 /// The subjects that `only` names (all when empty) with at most so many triangles.
-pub(super) fn list(
+pub(crate) fn list(
     folder: Option<&Path>,
     only: &[String],
     max_triangles: usize,

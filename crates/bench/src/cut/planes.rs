@@ -3,19 +3,15 @@
 use super::outcome::Outcomes;
 use super::row::{Row, Stamp};
 use super::specimen::Specimen;
-use super::subject::Subject;
 use super::times::Times;
-use crate::directions::Directions;
+use crate::directions::{Directions, GENERIC, SPREAD};
+use crate::subject::Subject;
 use incise_cut::{CutParams, Sweep};
 use incise_mesh::Vec3;
 use std::error::Error;
 
 /// How often the plane through the middle is measured.
 const REPEATS: u32 = 15;
-/// The direction of the plane through the middle: along no axis and no edge.
-const GENERIC: [f64; 3] = [0.32, 0.91, 0.26];
-/// How far from the middle seeded planes lie at most, of the way to where the body ends.
-const SPREAD: f64 = 0.8;
 
 /// The plane through the middle and the seeded ones, a row each.
 pub(super) fn measure(

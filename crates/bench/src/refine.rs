@@ -1,0 +1,94 @@
+//! What it costs to cover the sections that cuts leave, and how good the covers are.
+
+mod cover;
+mod rims;
+mod row;
+
+use crate::{columns, json, machine, subject};
+use clap::Args;
+use incise_refine::RefinementLevel;
+use row::{Row, Stamp};
+use std::error::Error;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Whose sections are covered, and how.
+#[derive(Args, Clone)]
+pub(crate) struct RefineArguments {
+    /// A folder with real models (bunny*.obj, armadillo*.ply, ...) to use instead of built-in ones.
+    #[arg(long, value_name = "DIR")]
+    models: Option<PathBuf>,
+    /// Models to cut, separated by commas: those of the table, finer armadillos as Armadillo120000,
+    /// and spheres as Sphere3072.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    only: Vec<String>,
+    /// Seeded planes for each model, besides the one through the middle.
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    planes: u32,
+    /// Leave out larger models.
+    #[arg(long, value_name = "N", default_value_t = 200_000)]
+    max_triangles: usize,
+    /// Refinement levels, separated by commas: the five names, or z.
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "2x-coarser,1.5x-coarser,original,1.5x-finer,2x-finer"
+    )]
+    levels: Vec<RefinementLevel>,
+    /// By how much the target length grows with every meter off the rim.
+    #[arg(long, default_value_t = 0.0)]
+    grading: f64,
+    /// Shortest edges along the rim, in local edge lengths.
+    #[arg(long, default_value_t = 0.1)]
+    snap: f64,
+    /// Where the directions of the planes start.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Also write the rows as JSON, after every model.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// Measures and prints.
+pub(crate) fn run(arguments: &RefineArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    let folder = arguments.models.as_deref();
+    let subjects = subject::list(folder, &arguments.only, arguments.max_triangles)?;
+    let stamp = Stamp {
+        grading: arguments.grading,
+        snap: arguments.snap,
+        seed: arguments.seed,
+        machine: machine::machine(),
+        commit: machine::commit(),
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    writeln!(
+        out,
+        "{}, commit {}; grading {}, snap {}, seed {}",
+        stamp.machine, stamp.commit, stamp.grading, stamp.snap, stamp.seed
+    )?;
+    let mut rows: Vec<Row> = Vec::new();
+    for subject in &subjects {
+        let rims = rims::of(subject, &arguments.levels, arguments.planes, &stamp)?;
+        for (planes, level, rims, failures) in rims {
+            rows.push(cover::measure(
+                subject, planes, level, &rims, failures, &stamp,
+            )?);
+        }
+        if let Some(path) = &arguments.json {
+            json::write(path, &rows)?;
+        }
+    }
+    let cells: Vec<_> = [Row::NAMES.map(str::to_owned)]
+        .into_iter()
+        .chain(rows.iter().map(Row::cells))
+        .collect();
+    write!(out, "{}", columns::columns(&cells, 3))?;
+    writeln!(out, "{}", row::LEGEND)?;
+    let failed: usize = rows.iter().map(|row| row.failures.len()).sum();
+    let covers: usize = rows.iter().map(|row| row.covers).sum();
+    writeln!(out, "Failed: {failed} of {} covers.", covers + failed)?;
+    for failure in rows.iter().flat_map(|row| &row.failures) {
+        writeln!(out, "  {failure}")?;
+    }
+    Ok(())
+}

@@ -1,0 +1,113 @@
+//! The sections that planes leave of a model.
+
+use super::row::Stamp;
+use crate::directions::{Directions, GENERIC, SPREAD};
+use crate::subject::Subject;
+use incise_cut::{CutParams, Cutter, Sweep};
+use incise_mesh::{Surface, Vec3};
+use incise_refine::{CoverSize, RefineParams, RefinementLevel, Section};
+use std::error::Error;
+
+/// A section, and how long edges are to get at its points \[m\].
+pub(super) struct Rims {
+    points: Vec<[f64; 2]>,
+    loops: Vec<Vec<u32>>,
+    lengths: Vec<f64>,
+    crease: bool,
+}
+
+impl Rims {
+    pub(super) fn section(&self) -> Section<'_> {
+        Section {
+            points: &self.points,
+            loops: &self.loops,
+            crease: self.crease,
+        }
+    }
+
+    pub(super) fn size(&self) -> CoverSize<'_> {
+        CoverSize::Local(&self.lengths)
+    }
+
+    pub(super) fn points(&self) -> usize {
+        self.points.len()
+    }
+}
+
+/// Sections of planes of one kind at one level, and why cuts failed.
+type Cuts = (&'static str, RefinementLevel, Vec<Rims>, Vec<String>);
+
+/// The sections along the plane through the middle and along seeded ones.
+pub(super) fn of(
+    subject: &Subject,
+    levels: &[RefinementLevel],
+    planes: u32,
+    stamp: &Stamp,
+) -> Result<Vec<Cuts>, Box<dyn Error>> {
+    let mut surface = subject.surface()?;
+    let mut cutter = Cutter::new(&surface);
+    let mut cuts = Vec::new();
+    for &level in levels {
+        let mut directions = Directions(stamp.seed);
+        let middle = vec![(Vec3::from(GENERIC).normalize(), 0.0)];
+        let seeded: Vec<(Vec3, f64)> = (0..planes)
+            .map(|_| (directions.next_unit(), SPREAD * directions.next()))
+            .collect();
+        let params = CutParams {
+            snap: stamp.snap,
+            refine: RefineParams {
+                level,
+                grading: stamp.grading,
+                ..RefineParams::default()
+            },
+            ..CutParams::default()
+        };
+        for (name, planes) in [("middle", middle), ("seeded", seeded)] {
+            if planes.is_empty() {
+                continue;
+            }
+            let (mut rims, mut failures) = (Vec::new(), Vec::new());
+            for (normal, part) in planes {
+                match cut(&mut surface, &mut cutter, normal, part, &params)? {
+                    Ok(found) => rims.extend(found),
+                    Err(failure) => failures.push(failure),
+                }
+            }
+            cuts.push((name, level, rims, failures));
+        }
+    }
+    Ok(cuts)
+}
+
+/// Cuts along a plane and takes it back. Nothing where the plane misses; the inner error is the cut's.
+fn cut(
+    surface: &mut Surface,
+    cutter: &mut Cutter,
+    normal: Vec3,
+    part: f64,
+    params: &CutParams,
+) -> Result<Result<Option<Rims>, String>, Box<dyn Error>> {
+    let vertices = surface.topology().vertices();
+    let heights = vertices.map(|v| normal.dot(&surface.position(v)));
+    let [low, high] = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| {
+        [low.min(height), high.max(height)]
+    });
+    let d = (low + high) / 2.0 + part * (high - low) / 2.0;
+    let sweep = Sweep::across_box(normal.into(), d, &surface.bounds())?;
+    let outcome = match cutter.cut(surface, &sweep, params) {
+        Ok(outcome) => outcome,
+        Err(error) => return Ok(Err(format!("{error} (normal {normal:?}, d {d})"))),
+    };
+    let Some(undo) = outcome.undo else {
+        return Ok(Ok(None));
+    };
+    let (section, lengths) = cutter.section();
+    let rims = Rims {
+        points: section.points.to_vec(),
+        loops: section.loops.to_vec(),
+        lengths: lengths.to_vec(),
+        crease: section.crease,
+    };
+    cutter.undo(surface, undo)?;
+    Ok(Ok(Some(rims)))
+}
