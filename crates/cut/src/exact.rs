@@ -10,7 +10,6 @@
 //! O(k log k) for k triangles hit and made, and for separation the triangles of all parts but the largest.
 
 mod cap;
-mod inside;
 mod node;
 mod open;
 mod rim;
@@ -23,6 +22,7 @@ mod unfold;
 
 use crate::cutter::CutOutcome;
 use crate::error::CutError;
+use crate::inside::starts_inside;
 use crate::params::CutParams;
 use crate::sweep::Sweep;
 use cap::{Cap, Rims};
@@ -114,7 +114,7 @@ impl Exact {
         };
         self.cap.flatten(&rims, &params.refine);
         let triangles = edit.surface().topology().triangle_count();
-        let is_inside = || inside::is_inside(edit.surface(), sweep);
+        let is_inside = || starts_inside(edit.surface(), sweep);
         if self.cap.ends_inside(triangles, is_inside) {
             let triangle = self.trace.chords[0].triangle;
             return Err(CutError::PartialCut { triangle });
