@@ -70,6 +70,7 @@ impl Lattice {
         self.weights.clear();
         self.boundary.clear();
         self.in_band.clear();
+        self.has_cell.clear();
         self.kept.clear();
         self.kept_rows.clear();
     }
