@@ -33,6 +33,10 @@ pub(crate) struct CutArguments {
     /// How fine caps get: 2x-coarser, 1.5x-coarser, original, 1.5x-finer, 2x-finer, or z.
     #[arg(long, default_value = "original")]
     level: RefinementLevel,
+    /// The exact method: by how much the caps' edges get longer with every unit off the rim. 0 keeps the rim's
+    /// length to the middle; 0.3 makes caps that cost their outline and not their area.
+    #[arg(long, value_name = "G", default_value_t = 0.0, value_parser = grading, allow_hyphen_values = true)]
+    grading: f64,
     /// How the mesh is opened.
     #[arg(long, value_enum, default_value_t = Method::Exact)]
     method: Method,
@@ -71,6 +75,15 @@ fn snap(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| String::from("snap is a part of an edge: at least 0 and below 0.5"))
 }
 
+/// How targets grow: nothing or more.
+fn grading(text: &str) -> Result<f64, String> {
+    let number = text
+        .parse()
+        .ok()
+        .filter(|g: &f64| *g >= 0.0 && g.is_finite());
+    number.ok_or_else(|| String::from("a grading is 0 or a positive number"))
+}
+
 /// The report as JSON.
 #[derive(Serialize)]
 struct Report {
@@ -79,6 +92,7 @@ struct Report {
     method: &'static str,
     snap: f64,
     level: f64,
+    grading: f64,
     triangles: usize,
     volume: f64,
     triangles_hit: usize,
@@ -140,6 +154,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         snap: arguments.snap,
         refine: RefineParams {
             level: arguments.level,
+            grading: arguments.grading,
             ..RefineParams::default()
         },
         ..CutParams::default()
@@ -162,6 +177,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         method: arguments.method.name(),
         snap: arguments.snap,
         level: arguments.level.z(),
+        grading: arguments.grading,
         triangles,
         volume,
         triangles_hit: outcome.report.hits,

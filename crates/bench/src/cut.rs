@@ -42,6 +42,9 @@ pub(crate) struct CutArguments {
     /// Refinement level of the caps: one of the five names, or z.
     #[arg(long, default_value = "1")]
     level: RefinementLevel,
+    /// By how much the length of the caps' edges grows with every meter off the rim.
+    #[arg(long, default_value_t = 0.0)]
+    grading: f64,
     /// Where the directions of the planes start.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -54,10 +57,12 @@ pub(crate) struct CutArguments {
 pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
     let folder = arguments.models.as_deref();
     let subjects = subject::list(folder, &arguments.only, arguments.max_triangles)?;
-    let params = arguments.method.params(arguments.level);
+    let mut params = arguments.method.params(arguments.level);
+    params.refine.grading = arguments.grading;
     let stamp = Stamp {
         method: arguments.method.name(),
         level: arguments.level.z(),
+        grading: arguments.grading,
         seed: arguments.seed,
         machine: machine::machine(),
         commit: machine::commit(),
@@ -65,8 +70,8 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
     };
     writeln!(
         out,
-        "{}, commit {}; method {}, level {}, seed {}",
-        stamp.machine, stamp.commit, stamp.method, arguments.level, stamp.seed
+        "{}, commit {}; method {}, level {}, grading {}, seed {}",
+        stamp.machine, stamp.commit, stamp.method, arguments.level, stamp.grading, stamp.seed
     )?;
     table::header(out)?;
     let mut records = Vec::new();

@@ -18,6 +18,7 @@ pub(super) enum Record {
 pub(super) struct Stamp {
     pub(super) method: &'static str,
     pub(super) level: f64,
+    pub(super) grading: f64,
     pub(super) seed: u64,
     pub(super) machine: String,
     pub(super) commit: String,
@@ -125,6 +126,7 @@ pub(super) mod tests {
         Stamp {
             method: "exact",
             level: 1.0,
+            grading: 0.0,
             seed: 1,
             machine: "m".to_owned(),
             commit: "c".to_owned(),
