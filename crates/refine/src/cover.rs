@@ -43,6 +43,9 @@ pub use validate::CoverFault;
 /// not be told apart.
 const FINEST: f64 = 1.0 / (1u64 << 40) as f64;
 
+/// No cover has so few triangles as equilateral ones with sides of this many targets would be.
+const SPARSE: f64 = 2.0;
+
 /// A cross-section: closed loops in a plane, the inside on their left.
 #[derive(Debug, Clone, Copy)]
 pub struct Section<'a> {
@@ -171,9 +174,13 @@ pub fn cover(
             lattice.clear();
             band.clear(sheet);
             if !targets.is_any() {
+                if is_too_fine(sheet, targets, limit) {
+                    return Err(RefineError::TooManyTriangles { limit });
+                }
                 improver.keep(sheet);
                 let common = targets.common(&sheet.corner);
-                let mut budget = limit;
+                // Every point makes two triangles more.
+                let mut budget = limit / 2 + 1;
                 if let Some(length) = common {
                     if !lattice.fill(sheet, length, limit + sheet.corner.len()) {
                         return Err(RefineError::TooManyTriangles { limit });
@@ -254,6 +261,26 @@ pub fn cover(
         });
     }
     Ok(cover)
+}
+
+/// Whether equilateral triangles with sides of [`SPARSE`] targets would be too many already: then there is
+/// no use in making the first ones.
+#[expect(clippy::cast_precision_loss, reason = "a bound, far from both sides")]
+fn is_too_fine(sheet: &Sheet, targets: &Targets, limit: usize) -> bool {
+    let cdt = &sheet.cdt;
+    let inside = (0..cdt.triangles()).filter(|&t| cdt.region[t as usize] == INSIDE);
+    let least: f64 = inside
+        .map(|t| {
+            // The mean of targets in a triangle. None lies deeper inside than 2 in the rims' scale.
+            let [a, b, c] = cdt.corners(t).map(|v| sheet.corner[v as usize]);
+            let mean = (targets.at(a) + targets.at(b) + targets.at(c)) / 3.0;
+            let side = SPARSE * (mean + 2.0 * targets.grading);
+            let [p, q, r] = cdt.places(t);
+            let twice = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+            twice / (0.75f64.sqrt() * side * side)
+        })
+        .sum();
+    least > limit as f64
 }
 
 /// Closes one ring of corners as a disc.

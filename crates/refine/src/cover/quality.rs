@@ -57,13 +57,16 @@ impl Cover {
         };
         let place = |v: u32| Vec3::new(at(v)[0], at(v)[1], 0.0);
         let smallest = |t: [Vec3; 3]| corner_angles(t).into_iter().fold(f64::MAX, f64::min);
-        let mut quality = CoverQuality::default();
-        quality.angles = (self.triangles.iter())
-            .map(|t| smallest(t.map(place)).to_degrees())
-            .collect();
+        let angles = self.triangles.iter();
+        let mut quality = CoverQuality {
+            angles: angles
+                .map(|t| smallest(t.map(place)).to_degrees())
+                .collect(),
+            rim_angle: 360.0,
+            ..CoverQuality::default()
+        };
         quality.angles.sort_unstable_by(f64::total_cmp);
         let mut after = vec![u32::MAX; n];
-        quality.rim_angle = 360.0;
         for points in section.loops {
             for (i, &p) in points.iter().enumerate() {
                 let [before, next] = [points.len() - 1, 1].map(|k| points[(i + k) % points.len()]);
@@ -74,7 +77,7 @@ impl Cover {
                 quality.rim_angle = quality.rim_angle.min(angle);
             }
         }
-        let targets = self.targets(section, params, &place);
+        let targets = self.targets(section, params, place);
         let follows = |a: u32, b: u32| after.get(a as usize) == Some(&b);
         for &[a, b, c] in &self.triangles {
             for [a, b] in [[a, b], [b, c], [c, a]] {

@@ -1,5 +1,7 @@
 //! Covers of cross-sections: what holds for all of them, and cases with a known answer.
 
 mod cases;
+mod law;
 mod properties;
 mod sections;
+mod sizes;

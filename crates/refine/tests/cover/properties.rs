@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 /// A star-shaped ring around `center`, between `inner` and `outer`, clockwise where `hole`.
 /// Vertices where the ring crosses y = 0 are put exactly there.
-fn star(center: [f64; 2], radii: &[f64], hole: bool) -> Vec<[f64; 2]> {
+pub(crate) fn star(center: [f64; 2], radii: &[f64], hole: bool) -> Vec<[f64; 2]> {
     let n = radii.len();
     let ring: Vec<[f64; 2]> = radii
         .iter()
@@ -39,7 +39,7 @@ fn split_at_crease(ring: &[[f64; 2]]) -> Vec<[f64; 2]> {
 }
 
 /// An outer ring, a hole in it, an island in the hole with a hole, and two holes beside.
-fn nested() -> impl Strategy<Value = Shape> {
+pub(crate) fn nested() -> impl Strategy<Value = Shape> {
     let ring = |from: f64, to: f64| prop::collection::vec(from..to, 5..40);
     (
         ring(8.0, 10.0),
@@ -66,7 +66,7 @@ fn nested() -> impl Strategy<Value = Shape> {
 }
 
 /// Whether rings of [`nested`] with few corners cut through others: then the shape is not clean.
-fn is_clean(shape: &Shape) -> bool {
+pub(crate) fn is_clean(shape: &Shape) -> bool {
     let edges: Vec<[[f64; 2]; 2]> = (0..shape.loops.len())
         .flat_map(|i| {
             let p = shape.loop_points(i);

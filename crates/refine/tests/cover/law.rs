@@ -1,0 +1,110 @@
+//! The quality of covers of smooth sections whose rims have even edges.
+
+use crate::sections::{Shape, check_clean};
+use incise_refine::{CoverParams, CoverQuality, CoverScratch, CoverSize, RefineError, cover};
+use proptest::prelude::*;
+use std::f64::consts::TAU;
+
+/// A closed curve around the middle, `r(a)` away in the direction a, as `n` edges of nearly the same length.
+fn even(n: usize, r: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
+    let fine = 64 * n;
+    let at = |i: usize| {
+        let a = i as f64 * TAU / fine as f64;
+        [r(a) * a.cos(), r(a) * a.sin()]
+    };
+    let mut along = vec![0.0];
+    for i in 0..fine {
+        along.push(along[i] + distance(at(i), at(i + 1)));
+    }
+    (0..n)
+        .map(|k| {
+            let way = along[fine] * k as f64 / n as f64;
+            at(along.partition_point(|&w| w < way))
+        })
+        .collect()
+}
+
+fn distance(p: [f64; 2], q: [f64; 2]) -> f64 {
+    (p[0] - q[0]).hypot(p[1] - q[1])
+}
+
+/// The mean of the two edges at every point, z times.
+fn targets(shape: &Shape, z: f64) -> Vec<f64> {
+    let mut lengths = vec![0.0; shape.points.len()];
+    for ring in &shape.loops {
+        for (i, &b) in ring.iter().enumerate() {
+            let [a, c] = [i + ring.len() - 1, i + 1].map(|k| ring[k % ring.len()]);
+            let [p, q, r] = [a, b, c].map(|v| shape.points[v as usize]);
+            lengths[b as usize] = z * (distance(p, q) + distance(q, r)) / 2.0;
+        }
+    }
+    lengths
+}
+
+/// A section between two such curves, or inside of one: edges of one length, `lobes` waves of some depth.
+fn round() -> impl Strategy<Value = (Shape, bool)> {
+    let waves = (1u32..6, 0.0f64..0.3, 0.0f64..TAU);
+    (20usize..200, waves, any::<bool>(), any::<bool>()).prop_map(|(n, waves, hole, crease)| {
+        let (lobes, depth, phase) = (f64::from(waves.0), waves.1 / f64::from(waves.0), waves.2);
+        let mut shape = Shape::default();
+        shape.add(even(n, |a| 1.0 + depth * (lobes * a + phase).cos()));
+        if hole {
+            let mut ring = even(n.div_ceil(2), |a| {
+                0.5 + 0.5 * depth * (lobes * a + phase).cos()
+            });
+            ring.reverse();
+            shape.add(ring);
+        }
+        (shape, crease)
+    })
+}
+
+/// Covers the section with edges of z times the rim's and measures.
+fn judge(shape: &Shape, crease: bool, z: f64) -> Result<CoverQuality, RefineError> {
+    let lengths = targets(shape, z);
+    let params = CoverParams {
+        size: CoverSize::Local(&lengths),
+        ..CoverParams::default()
+    };
+    let section = shape.section(crease);
+    let cover = cover(
+        &section,
+        &params,
+        |_, _| false,
+        &mut CoverScratch::default(),
+    )?;
+    // A loop that reaches y = 0 in between two of its points has an edge across the crease.
+    check_clean(shape, &cover, false);
+    Ok(cover.quality(&section, &params))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// Sections a few triangles wide have too few of them for laws on the middle ones.
+    #[test]
+    fn round_sections_have_good_triangles((shape, crease) in round(), z in prop::sample::select(vec![1.0 / 1.5, 1.0, 1.5, 2.0])) {
+        let quality = judge(&shape, crease, z)?;
+        let (angles, count) = (&quality.angles, quality.angles.len());
+        prop_assert!(angles[0] >= 20.0, "smallest {}", angles[0]);
+        prop_assert!(angles[count / 20] >= 30.0, "5 percent {}", angles[count / 20]);
+        prop_assert!(quality.long_edges.is_empty(), "longest {:?}", quality.edges.last());
+        if shape.loops[0].len() >= 100 {
+            prop_assert!(angles[count / 2] >= 45.0, "median {}", angles[count / 2]);
+            prop_assert!(quality.is_size_met(), "mean {}", quality.mean_edge());
+        }
+    }
+
+    /// Twice finer the rim's own edges are 2 targets long: triangles on them have other bounds, and they
+    /// are few.
+    #[test]
+    fn round_sections_may_be_finer_than_their_rims((shape, crease) in round(), z in 0.5f64..0.667) {
+        prop_assume!(shape.loops[0].len() >= 60);
+        let quality = judge(&shape, crease, z)?;
+        let (angles, count) = (&quality.angles, quality.angles.len());
+        prop_assert!(angles[count / 20] >= 30.0, "5 percent {}", angles[count / 20]);
+        prop_assert!(angles[count / 2] >= 45.0, "median {}", angles[count / 2]);
+        let mean = quality.mean_edge();
+        prop_assert!((0.85..=1.15).contains(&mean), "mean {}", mean);
+    }
+}
