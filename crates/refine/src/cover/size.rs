@@ -7,7 +7,7 @@ use super::{CoverParams, FINEST};
 use crate::patch::RefineError;
 
 /// By how much the target grows with the distance from a rim whose edges are shorter, up to what is asked for.
-const GROWTH: f64 = 0.4;
+const GROWTH: f64 = 0.5;
 /// How many edges to both sides of a corner of the rim its own length is the mean of.
 pub(super) const AROUND: usize = 2;
 /// One lattice serves targets whose mean is no more than this times the least,
