@@ -1,7 +1,7 @@
 //! What a mesh is, and whether it can be cut.
 //!
 //! [`check`] measures the mesh as it was read. [`MeshData::into_surface`] repairs what has only one
-//! repair and refuses the rest:
+//! repair and refuses the rest ([`MeshData::into_open_surface`] the same but for boundaries):
 //!
 //! - taken out: triangles whose corners coincide, triangles that repeat another one;
 //! - flipped: triangles wound against the majority of their component, and everything when the
@@ -217,7 +217,7 @@ pub fn check(data: &MeshData) -> MeshReport {
     let oriented = edges.conflicts == 0;
     let bounds = Aabb::around(data.positions.iter().copied());
     let center = bounds.center();
-    let repaired = repair::repair(data);
+    let repaired = repair::repair(data, false);
     MeshReport {
         vertices: data.positions.len(),
         file_vertices: data.file_vertices,

@@ -14,6 +14,7 @@
 
 mod build;
 mod edit;
+mod loops;
 mod traverse;
 mod validate;
 

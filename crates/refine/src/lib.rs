@@ -23,6 +23,9 @@
 //! # Ok::<(), incise_refine::RefineError>(())
 //! ```
 //!
+//! [`fill_holes`] closes every hole of a surface, whatever the shape of its rim, with triangles of the
+//! size of those around it, and as smoothly as it can if asked to.
+//!
 //! [`cover`] fills a whole cross-section in the plane: any number of loops, nested to any depth, with
 //! a core of equilateral triangles and a band between it and the loops. It decides by exact signs,
 //! so loops that touch or cross still give a manifold with exactly them as its boundary.
@@ -50,6 +53,7 @@
 
 mod cover;
 mod edge_dictionary;
+mod holes;
 mod level;
 mod patch;
 mod refine;
@@ -60,6 +64,7 @@ pub use cover::{
     Cover, CoverFault, CoverParams, CoverQuality, CoverReport, CoverScratch, CoverSize, InnerPoint,
     Section, cover,
 };
+pub use holes::{Filled, FilledHole, HoleError, HoleParams, fill_hole, fill_holes};
 pub use level::{ParseLevelError, RefinementLevel};
 pub use patch::{Patch, RefineError, RefineParams, RefineReport, fill};
 pub use refine::{mean_rim_length, refine};

@@ -84,6 +84,11 @@ pub(super) struct Fans {
 }
 
 impl Fans {
+    /// Makes the fans of two corners one.
+    pub(super) fn join(&mut self, a: HalfEdge, b: HalfEdge) {
+        self.corners.join(a.0, b.0);
+    }
+
     /// The vertices with more than one fan, ascending.
     pub(super) fn split_vertices(&mut self, triangles: &[[u32; 3]]) -> Vec<VertexId> {
         let mut heads: Vec<u32> = self.heads(triangles).map(|(_, v)| v).collect();

@@ -8,6 +8,7 @@ use crate::io::{MeshData, Warning};
 use crate::measure::cone_volume;
 use crate::partition::Partition;
 use crate::surface::{CornerAttributes, Surface};
+use crate::topology::Topology;
 
 /// A closed component encloses nothing when its volume is below this part of its area times its
 /// box's diagonal. Sums in 64 bits leave about 1e-15 of a flat one; a sheet as thin as 32-bit
@@ -37,7 +38,22 @@ impl MeshData {
     /// [`NotFit`] when the mesh has boundaries, edges of more than two triangles, components with
     /// one side or components without volume.
     pub fn into_surface(self) -> Result<(Surface, Vec<Warning>), NotFit> {
-        let repaired = repair(&self);
+        self.build(false)
+    }
+
+    /// The same for a mesh that may have boundaries. Vertices where holes touch stay whole, since
+    /// closing the holes makes them right; a component that is closed or not may enclose nothing.
+    /// A mesh without any boundary is treated as by [`Self::into_surface`].
+    ///
+    /// # Errors
+    /// [`NotFit`] when the mesh has edges of more than two triangles or components with one side, or
+    /// has no boundary and components without volume.
+    pub fn into_open_surface(self) -> Result<(Surface, Vec<Warning>), NotFit> {
+        self.build(true)
+    }
+
+    fn build(self, may_be_open: bool) -> Result<(Surface, Vec<Warning>), NotFit> {
+        let repaired = repair(&self, may_be_open);
         if !repaired.defects.is_empty() {
             return Err(NotFit {
                 defects: repaired.defects,
@@ -65,17 +81,18 @@ pub(super) fn is_collapsed(t: &[u32; 3]) -> bool {
     t[0] == t[1] || t[1] == t[2] || t[2] == t[0]
 }
 
-/// Repairs what has only one repair and finds what is wrong beside it.
-pub(super) fn repair(data: &MeshData) -> Repaired {
+/// Repairs what has only one repair and finds what is wrong beside it. Boundaries are wrong unless the
+/// mesh may be open.
+pub(super) fn repair(data: &MeshData, may_be_open: bool) -> Repaired {
     let vertices = (0..).take(data.positions.len()).collect();
-    let welded = Repaired::attempt(data, vertices, &data.triangles);
+    let welded = Repaired::attempt(data, vertices, &data.triangles, may_be_open);
     let in_contact = welded
         .defects
         .iter()
         .any(|d| matches!(d, Defect::NonManifoldEdge { .. }));
     if in_contact {
         let (vertices, triangles) = weld_within_components(data);
-        let mut apart = Repaired::attempt(data, vertices, &triangles);
+        let mut apart = Repaired::attempt(data, vertices, &triangles, may_be_open);
         if apart.defects.is_empty() {
             let mut bodies = data.file_components.clone();
             bodies.sort_unstable();
@@ -113,7 +130,12 @@ fn weld_within_components(data: &MeshData) -> (Vec<u32>, Vec<[u32; 3]>) {
 }
 
 impl Repaired {
-    fn attempt(data: &MeshData, vertices: Vec<u32>, triangles: &[[u32; 3]]) -> Self {
+    fn attempt(
+        data: &MeshData,
+        vertices: Vec<u32>,
+        triangles: &[[u32; 3]],
+        may_be_open: bool,
+    ) -> Self {
         let mut out = Self {
             vertices,
             triangles: Vec::new(),
@@ -136,10 +158,18 @@ impl Repaired {
         if manifold {
             out.orient(&links);
         }
+        let all = out.defects.len();
+        if may_be_open {
+            out.defects
+                .retain(|d| !matches!(d, Defect::OpenEdge { .. }));
+        }
+        let is_open = out.defects.len() < all;
         if out.defects.is_empty() {
-            out.split_vertices();
+            out.split_vertices(is_open);
             out.remove_unused_vertices();
-            out.check_volumes(data);
+            if !is_open {
+                out.check_volumes(data);
+            }
         }
         out
     }
@@ -257,11 +287,20 @@ impl Repaired {
         }
     }
 
-    /// Gives each fan of triangles around a vertex a vertex of its own.
-    fn split_vertices(&mut self) {
-        let copies = Links::new(&self.triangles)
-            .fans(&self.triangles)
-            .split(&mut self.triangles, self.vertices.len());
+    /// Gives each fan of triangles around a vertex a vertex of its own. Fans that lie around holes
+    /// which touch there are one.
+    fn split_vertices(&mut self, is_open: bool) {
+        let mut fans = Links::new(&self.triangles).fans(&self.triangles);
+        if is_open {
+            let topology = Topology::from_triangles(self.vertices.len(), &self.triangles)
+                .expect("edges have two triangles at most, wound the same way");
+            for rim in topology.boundary_loops() {
+                for (i, h) in rim.iter().enumerate() {
+                    fans.join(h.next(), rim[(i + 1) % rim.len()]);
+                }
+            }
+        }
+        let copies = fans.split(&mut self.triangles, self.vertices.len());
         let vertices = copies.iter().map(|&v| self.vertices[v as usize]);
         let mut originals: Vec<u32> = vertices.collect();
         self.vertices.extend_from_slice(&originals);

@@ -261,3 +261,40 @@ proptest! {
         prop_assert_eq!(surface.volume(), 1.0);
     }
 }
+
+/// Squares of a 3 x 3 grid, two triangles each.
+fn squares(kept: &[(u32, u32)]) -> MeshData {
+    let corner = |x: u32, y: u32| 4 * y + x;
+    let positions: Vec<[f32; 3]> = (0..16u8)
+        .map(|i| [f32::from(i % 4), f32::from(i / 4), 0.0])
+        .collect();
+    let triangles: Vec<[u32; 3]> = kept
+        .iter()
+        .flat_map(|&(x, y)| {
+            let (a, c) = (corner(x, y), corner(x + 1, y + 1));
+            [[a, corner(x + 1, y), c], [a, c, corner(x, y + 1)]]
+        })
+        .collect();
+    MeshData::from_triangles(&positions, &triangles).unwrap()
+}
+
+#[test]
+fn an_open_mesh_is_a_surface_where_that_is_asked_for() {
+    // A hole that touches the outside in a vertex: it stays whole.
+    let data = squares(&[(1, 0), (2, 0), (0, 1), (2, 1), (0, 2), (1, 2), (2, 2)]);
+    assert!(data.clone().into_surface().is_err(), "it is open");
+    let (surface, warnings) = data.into_open_surface().unwrap();
+    assert_eq!(surface.topology().vertices().count(), 15);
+    assert_eq!(warnings, [Warning::UnusedVertices { count: 1 }]);
+    // Two squares that touch in a vertex are two parts: each gets its own.
+    let (surface, warnings) = squares(&[(0, 0), (1, 1)]).into_open_surface().unwrap();
+    assert_eq!(surface.topology().vertices().count(), 8);
+    let split = |w: &Warning| matches!(w, Warning::VerticesSplit { count: 1, .. });
+    assert!(warnings.iter().any(split), "{warnings:?}");
+    // What has no boundary is treated as ever.
+    let flat = cube_of(&[[0, 1, 3], [0, 3, 1]]);
+    assert!(matches!(
+        flat.into_open_surface().unwrap_err().defects[..],
+        [Defect::ZeroVolume { count: 1, .. }]
+    ));
+}

@@ -1,0 +1,94 @@
+//! Rims that lie in a plane.
+
+use super::rim::unit;
+use super::{Filling, HoleError, Inner};
+use crate::cover::{CoverParams, CoverScratch, CoverSize, Section, cover};
+use crate::patch::RefineError;
+use incise_mesh::Vec3;
+
+/// How far from its plane a rim may be, as a part of its mean edge.
+const THIN: f64 = 0.01;
+
+/// The plane of a rim.
+pub(super) struct Plane {
+    pub(super) normal: Vec3,
+    u: Vec3,
+    v: Vec3,
+    middle: Vec3,
+}
+
+impl Plane {
+    /// The plane in which the rim through `points` lies, if it does: its normal is along the rim's area
+    /// vector.
+    #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^53 vertices")]
+    pub(super) fn of(points: &[Vec3], mean_edge: f64) -> Option<Self> {
+        let n = points.len();
+        let middle = points.iter().sum::<Vec3>() / n as f64;
+        let area: Vec3 = (0..n)
+            .map(|i| (points[i] - middle).cross(&(points[(i + 1) % n] - middle)))
+            .sum();
+        let normal = unit(area);
+        let is_far = |p: &Vec3| (p - middle).dot(&normal).abs() > THIN * mean_edge;
+        if normal == Vec3::zeros() || points.iter().any(is_far) {
+            return None;
+        }
+        let axis = normal.iamin();
+        let u = unit(normal.cross(&Vec3::ith(axis, 1.0)));
+        Some(Self {
+            normal,
+            u,
+            v: normal.cross(&u),
+            middle,
+        })
+    }
+
+    fn flatten(&self, p: &Vec3) -> [f64; 2] {
+        let d = p - self.middle;
+        [d.dot(&self.u), d.dot(&self.v)]
+    }
+}
+
+/// Covers a rim in a plane with triangles of the sizes \[m\] that there are at its vertices; tells
+/// whether it could, which is not where the rim crosses itself. `joined` says which edges the surface has
+/// already.
+///
+/// # Errors
+/// [`HoleError::TooManyTriangles`] and what [`cover`] refuses.
+pub(super) fn fill(
+    filling: &mut Filling,
+    plane: &Plane,
+    sizes: &[f64],
+    limit: usize,
+    joined: &impl Fn(u32, u32) -> bool,
+) -> Result<bool, HoleError> {
+    let points: Vec<[f64; 2]> = filling.points.iter().map(|p| plane.flatten(p)).collect();
+    let loops = [(0u32..).take(points.len()).collect()];
+    let section = Section {
+        points: &points,
+        loops: &loops,
+        crease: false,
+    };
+    let params = CoverParams {
+        size: CoverSize::Local(sizes),
+        max_triangles: limit,
+        ..CoverParams::default()
+    };
+    let cover = match cover(&section, &params, joined, &mut CoverScratch::default()) {
+        Ok(cover) => cover,
+        Err(RefineError::TooManyTriangles { limit }) => {
+            return Err(HoleError::TooManyTriangles { limit });
+        }
+        Err(error) => return Err(HoleError::Plane(error)),
+    };
+    if cover.report.discs + cover.report.apart > 0 {
+        return Ok(false);
+    }
+    for inner in cover.inner {
+        filling.push(Inner {
+            parents: inner.parents,
+            weights: inner.weights,
+        });
+    }
+    filling.triangles = cover.triangles;
+    Ok(true)
+}

@@ -1,0 +1,202 @@
+//! Cases with a known answer.
+
+use crate::punched::{area, collar, disc, euler, fill_and_check, inner_loop, reread, without};
+use incise_mesh::{Surface, TriangleId, Vec3, icosphere};
+use incise_refine::{HoleParams, RefinementLevel, fill_hole, fill_holes};
+use std::f32::consts::TAU;
+
+fn sheet(n: u16) -> Surface {
+    let at = |x: u16, y: u16| u32::from(y * (n + 1) + x);
+    let points = (0..=n).flat_map(|y| (0..=n).map(move |x| [f32::from(x), f32::from(y), 0.0]));
+    let squares = (0..n).flat_map(|y| (0..n).map(move |x| (x, y)));
+    let triangles: Vec<[u32; 3]> = squares
+        .flat_map(|(x, y)| {
+            let [a, b, c, d] = [at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    Surface::from_triangles(&points.collect::<Vec<_>>(), &triangles).unwrap()
+}
+
+#[test]
+fn a_missing_triangle_comes_back() {
+    let body = icosphere(2, 1.0);
+    let before = body.topology().triangle(TriangleId(7));
+    let open = without(&body, &[TriangleId(7)]);
+    let coarse = HoleParams {
+        level: RefinementLevel::Z(2.0),
+        ..HoleParams::default()
+    };
+    let (surface, filled) = fill_and_check(&open, &coarse);
+    assert_eq!(filled.holes[0].triangles, [TriangleId(7)]);
+    let now = surface.topology().triangle(TriangleId(7));
+    let turned = [now, [now[1], now[2], now[0]], [now[2], now[0], now[1]]];
+    assert!(turned.contains(&before), "wound as it was");
+    assert!(filled.holes[0].planar);
+}
+
+#[test]
+fn holes_that_touch_in_a_vertex_are_closed_one_by_one() {
+    let body = icosphere(3, 1.0);
+    let topology = body.topology();
+    // Every other triangle around a vertex with six.
+    let v = topology
+        .vertices()
+        .find(|&v| topology.outgoing_fan(v).count() == 6);
+    let fan: Vec<TriangleId> = (topology.outgoing_fan(v.unwrap()))
+        .map(|h| h.triangle())
+        .collect();
+    let open = without(&body, &[fan[0], fan[2], fan[4]]);
+    let (surface, filled) = fill_and_check(&open, &HoleParams::default());
+    assert_eq!(
+        filled.holes.iter().map(|h| h.rim).collect::<Vec<_>>(),
+        [3, 3, 3]
+    );
+    assert_eq!(euler(&surface), 2);
+    let (again, _) = fill_and_check(&reread(&open), &HoleParams::default());
+    assert_eq!(euler(&again), 2);
+}
+
+#[test]
+fn an_open_sheet_becomes_a_body() {
+    // Flat: its patch is another sheet, and no edge is there twice.
+    let (surface, filled) = fill_and_check(&sheet(5), &HoleParams::default());
+    assert_eq!((filled.holes.len(), filled.holes[0].rim), (1, 20));
+    assert!(filled.holes[0].planar);
+    assert_eq!(euler(&surface), 2);
+    assert!(surface.volume().abs() < 1e-12);
+    // A single triangle gets three more on a vertex in the middle: a second one on the same three
+    // corners would be no surface.
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let single = Surface::from_triangles(&corners, &[[0, 1, 2]]).unwrap();
+    let coarse = HoleParams {
+        level: RefinementLevel::Z(3.0),
+        ..HoleParams::default()
+    };
+    let (surface, _) = fill_and_check(&single, &coarse);
+    assert_eq!(surface.topology().triangle_count(), 4);
+}
+
+#[test]
+fn half_a_sphere_gets_a_flat_end() {
+    let body = icosphere(3, 1.0);
+    let topology = body.topology();
+    let lower = |t: &TriangleId| body.triangle_positions(*t).iter().any(|p| p.z < -1e-6);
+    let gone: Vec<TriangleId> = topology.triangles().filter(lower).collect();
+    let open = without(&body, &gone);
+    let (surface, filled) = fill_and_check(&open, &HoleParams::default());
+    let hole = &filled.holes[0];
+    let rim: f64 = hole.triangles.iter().map(|&t| area(&surface, t)).sum();
+    // By Gauss's theorem the area vectors of a closed surface sum to zero.
+    let vector = |t: TriangleId| {
+        let [a, b, c] = surface.triangle_positions(t);
+        (b - a).cross(&(c - a)) / 2.0
+    };
+    let sum: Vec3 = surface.topology().triangles().map(vector).sum();
+    assert!(sum.norm() < 1e-6, "{sum}");
+    if hole.planar {
+        let up: Vec3 = open.topology().triangles().map(vector).sum();
+        assert!((rim - up.norm()).abs() < 1e-6, "{rim} of a plane end");
+    }
+}
+
+#[test]
+fn levels_are_ordered_and_meet_their_target() {
+    let body = icosphere(4, 1.0);
+    let hole = disc(body.topology(), TriangleId(100), 400);
+    let open = without(&body, &hole);
+    let mut last = 0;
+    for level in RefinementLevel::FIVE {
+        let params = HoleParams {
+            level,
+            ..HoleParams::default()
+        };
+        let (_, filled) = fill_and_check(&open, &params);
+        let hole = &filled.holes[0];
+        assert!(hole.triangles.len() > last, "{level} is finer");
+        last = hole.triangles.len();
+        let ratio = hole.mean_edge / hole.target;
+        assert!((0.6..1.4).contains(&ratio), "{level}: {ratio}");
+    }
+}
+
+/// A wavy rim whose edges grow from one side to the other: the patch's do too.
+#[test]
+fn edges_have_the_size_of_those_around_them() {
+    let (mut rim, mut a) = (Vec::new(), 0.0f32);
+    while a < 2.0 * TAU / 2.0 - 0.02 {
+        rim.push([a.cos(), a.sin(), 0.2 * (2.0 * a).sin()]);
+        a += 0.02 + 0.09 * (1.0 - a.cos());
+    }
+    let mut surface = collar(&rim);
+    let boundary = inner_loop(&surface, rim.len());
+    let filled = fill_hole(&mut surface, &boundary, &HoleParams::default()).unwrap();
+    assert!(!filled.holes[0].planar);
+    let mean = |is_there: &dyn Fn(f64) -> bool| {
+        let own = filled.holes[0].triangles.iter().filter(|&&t| {
+            let [a, b, c] = surface.triangle_positions(t);
+            is_there((a.x + b.x + c.x) / 3.0)
+        });
+        let areas: Vec<f64> = own.map(|&t| area(&surface, t)).collect();
+        (areas.iter().sum::<f64>() / areas.len() as f64).sqrt()
+    };
+    let (fine, coarse) = (mean(&|x| x > 0.6), mean(&|x| x < -0.3));
+    assert!(coarse > 2.0 * fine, "{coarse} and {fine}");
+}
+
+#[test]
+fn large_rims_stay_open_if_asked_to() {
+    let open = without(&sheet(6), &[28, 29, 50].map(TriangleId));
+    let mut surface = open.clone();
+    let params = HoleParams {
+        max_edges: 10,
+        ..HoleParams::default()
+    };
+    let filled = fill_holes(&mut surface, &params).unwrap();
+    assert_eq!((filled.holes.len(), filled.left_open), (2, 1));
+    assert_eq!(surface.topology().boundary_loops().len(), 1);
+    assert_eq!(euler(&surface), 1);
+    for v in surface.topology().vertices() {
+        assert_eq!(surface.position(v).z, 0.0, "a plane hole stays plane");
+    }
+}
+
+#[test]
+fn a_long_rim_is_cut_in_parts() {
+    let n = 3000u16;
+    let rim: Vec<[f32; 3]> = (0..n)
+        .map(|i| f32::from(i) / f32::from(n) * TAU)
+        .map(|a| [a.cos(), a.sin(), 0.3 * (3.0 * a).sin()])
+        .collect();
+    let mut surface = collar(&rim);
+    let boundary = inner_loop(&surface, rim.len());
+    let coarse = HoleParams {
+        level: RefinementLevel::Z(4.0),
+        ..HoleParams::default()
+    };
+    let filled = fill_hole(&mut surface, &boundary, &coarse).unwrap();
+    assert_eq!(filled.holes[0].rim, 3000);
+    crate::punched::check_manifold(&surface);
+    let total: f64 = filled.holes[0]
+        .triangles
+        .iter()
+        .map(|&t| area(&surface, t))
+        .sum();
+    assert!(
+        (3.0..6.0).contains(&total),
+        "one sheet over a wavy circle: {total}"
+    );
+}
+
+#[test]
+fn a_closed_body_has_no_holes() {
+    let body = icosphere(1, 1.0);
+    let mut surface = body.clone();
+    let filled = fill_holes(&mut surface, &HoleParams::default()).unwrap();
+    assert!(filled.holes.is_empty() && filled.undo.is_none() && filled.delta.is_empty());
+    assert_eq!(
+        surface.fingerprint(),
+        body.fingerprint(),
+        "nothing was done"
+    );
+}
