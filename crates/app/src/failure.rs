@@ -2,6 +2,7 @@
 
 use incise_cut::CutError;
 use incise_mesh::{NotFit, ReadError, WriteError};
+use incise_refine::HoleError;
 use incise_scene::SceneError;
 use std::path::PathBuf;
 
@@ -44,6 +45,20 @@ pub(crate) enum Failure {
         /// Why.
         source: CutError,
     },
+    /// The input's holes cannot be closed.
+    #[error("{}: {source}", path.display())]
+    Fill {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: HoleError,
+    },
+    /// The output's name says no format that is written: the command line is wrong.
+    #[error("{}: only .obj and .ply are written; choose one of them", path.display())]
+    OutputFormat {
+        /// The file.
+        path: PathBuf,
+    },
     /// The body is to be cut when everything is over: the command line is wrong.
     #[error("--at is not before the end; raise --seconds")]
     CutAfterEnd,
@@ -63,19 +78,19 @@ pub(crate) enum Failure {
         /// Why.
         source: std::io::Error,
     },
-    /// The input has the name of a piece of this run or of an earlier one.
-    #[error("{}: a piece would overwrite the input; choose another folder", path.display())]
+    /// What is written would take the input's place.
+    #[error("{}: this would overwrite the input; choose another folder or name", path.display())]
     TargetIsInput {
-        /// The piece's file.
+        /// The file.
         path: PathBuf,
     },
-    /// Where a piece is to go there is a folder.
-    #[error("{}: a piece is to go here, and it is a folder; choose another output", path.display())]
+    /// Where a file is to go there is a folder.
+    #[error("{}: a file is to go here, and it is a folder; choose another output", path.display())]
     TargetIsFolder {
-        /// The piece's file.
+        /// The file.
         path: PathBuf,
     },
-    /// A piece cannot be written.
+    /// A mesh cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
     /// A piece of an earlier run cannot be removed.
@@ -100,7 +115,10 @@ impl Failure {
     /// for all that is due to the input or the machine.
     pub(crate) fn exit_code(&self) -> u8 {
         match self {
-            Self::Sweep(_) | Self::SweepCrossesItself | Self::CutAfterEnd => 2,
+            Self::Sweep(_)
+            | Self::SweepCrossesItself
+            | Self::CutAfterEnd
+            | Self::OutputFormat { .. } => 2,
             Self::Folder { .. }
             | Self::TargetIsInput { .. }
             | Self::TargetIsFolder { .. }

@@ -1,4 +1,4 @@
-//! The program: cuts, checks and simulates meshes, and lists devices.
+//! The program: cuts, checks, fills and simulates meshes, and lists devices.
 //!
 //! Exit codes: 0 done, 1 the input cannot be used or there is no device, 2 the command line is wrong, 3 the
 //! output cannot be written.
@@ -8,6 +8,7 @@ mod clock;
 mod cut;
 mod devices;
 mod failure;
+mod fill;
 mod json;
 mod numbers;
 mod pieces;
@@ -35,6 +36,7 @@ enum Command {
     Check(check::CheckArguments),
     Cut(cut::CutArguments),
     Devices(devices::DevicesArguments),
+    Fill(fill::FillArguments),
     Simulate(simulate::SimulateArguments),
 }
 
@@ -45,6 +47,7 @@ fn main() -> ExitCode {
         Command::Check(arguments) => check::run(arguments, &mut out),
         Command::Cut(arguments) => cut::run(arguments, &mut out),
         Command::Devices(arguments) => devices::run(arguments, &mut out),
+        Command::Fill(arguments) => fill::run(arguments, &mut out),
         Command::Simulate(arguments) => simulate::run(arguments, &mut out),
     };
     // What was printed comes before the reason why it ended.

@@ -94,7 +94,7 @@ fn piece_number(name: &OsStr) -> Option<usize> {
 }
 
 /// Refuses a folder and the input, whatever way leads there.
-fn check_target(path: &Path, input: &Path) -> Result<(), Failure> {
+pub(crate) fn check_target(path: &Path, input: &Path) -> Result<(), Failure> {
     let path = path.to_owned();
     // What is not there yet, or cannot be looked at, is left to the writer.
     let Ok(target) = path.canonicalize() else {

@@ -1,0 +1,171 @@
+//! `incise fill`, run as a user runs it.
+
+use incise_mesh::{Surface, TriangleId, check, icosphere, read_mesh, write_obj};
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+fn incise(folder: &TempDir, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_incise"))
+        .current_dir(folder.path())
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// A folder with a sphere without a cap and a triangle.
+fn open_sphere() -> (TempDir, Surface) {
+    let mut body = icosphere(3, 1.0);
+    let topology = body.topology();
+    let is_cap = |t: &TriangleId| body.triangle_positions(*t).iter().all(|p| p.z > 0.8);
+    let mut gone: Vec<TriangleId> = topology.triangles().filter(is_cap).collect();
+    assert!(gone.len() > 50, "a cap of {} triangles", gone.len());
+    let lower = |t: &TriangleId| body.triangle_positions(*t).iter().all(|p| p.z < -0.5);
+    gone.extend(topology.triangles().find(lower));
+    let unused = body.remove_triangles(&gone);
+    body.remove_vertices(&unused);
+    let folder = tempfile::tempdir().unwrap();
+    write_obj(&folder.path().join("open.obj"), &body).unwrap();
+    (folder, body)
+}
+
+fn json(folder: &TempDir, arguments: &[&str]) -> Value {
+    let output = incise(folder, arguments);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!((output.status.code(), &*error), (Some(0), ""));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn refusal(folder: &TempDir, arguments: &[&str], code: i32) -> String {
+    let output = incise(folder, arguments);
+    assert_eq!(output.status.code(), Some(code));
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        !folder.path().join("out.obj").exists(),
+        "nothing is written"
+    );
+    error
+}
+
+fn is_fit(path: &Path) -> bool {
+    check(&read_mesh(path).unwrap()).fit_to_cut().is_ok()
+}
+
+#[test]
+fn holes_are_closed_and_told_one_by_one() {
+    let (folder, body) = open_sphere();
+    let output = incise(&folder, &["fill", "open.obj", "-o", "out.obj"]);
+    assert_eq!(output.status.code(), Some(0));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let before = body.topology().triangle_count();
+    let head = format!("open.obj: {before} triangles, 2 holes closed, 0 left open");
+    assert_eq!(text.lines().next(), Some(head.as_str()));
+    assert!(
+        text.lines()
+            .any(|l| l.starts_with("  3 edges at [") && l.contains(", plane,")),
+        "{text}"
+    );
+    assert!(text.contains("closed, volume"), "{text}");
+    assert!(!is_fit(&folder.path().join("open.obj")) && is_fit(&folder.path().join("out.obj")));
+}
+
+#[test]
+fn a_faired_cap_is_rounder_and_either_format_is_written() {
+    let (folder, body) = open_sphere();
+    let flat = json(&folder, &["fill", "open.obj", "-o", "flat.ply", "--json"]);
+    let fair = json(
+        &folder,
+        &["fill", "open.obj", "-o", "fair.OBJ", "--fair", "--json"],
+    );
+    let finer = [
+        "fill",
+        "open.obj",
+        "-o",
+        "finer.obj",
+        "--level",
+        "2x-finer",
+        "--json",
+    ];
+    let finer = json(&folder, &finer);
+    for report in [&flat, &fair, &finer] {
+        let file = folder.path().join(report["output"].as_str().unwrap());
+        assert!(is_fit(&file), "{}", file.display());
+        let holes = report["holes"].as_array().unwrap();
+        assert_eq!(holes.len(), 2);
+        let patches: u64 = holes.iter().map(|h| h["triangles"].as_u64().unwrap()).sum();
+        let before = u64::try_from(body.topology().triangle_count()).unwrap();
+        assert_eq!(report["triangles"], before + patches);
+        assert_eq!(report["closed"], true);
+        let data = read_mesh(&file).unwrap();
+        assert_eq!(data.triangles.len() as u64, before + patches);
+    }
+    let volume = |report: &Value| report["volume"].as_f64().unwrap();
+    let whole = icosphere(3, 1.0).volume();
+    let missing = |report: &Value| (whole - volume(report)).abs();
+    assert!(
+        missing(&fair) < 0.3 * missing(&flat),
+        "{} {}",
+        missing(&fair),
+        missing(&flat)
+    );
+    assert!(finer["triangles"].as_u64() > flat["triangles"].as_u64());
+}
+
+#[test]
+fn large_holes_stay_open_if_asked_to() {
+    let (folder, _) = open_sphere();
+    let report = json(
+        &folder,
+        &[
+            "fill",
+            "open.obj",
+            "-o",
+            "out.obj",
+            "--max-edges",
+            "3",
+            "--json",
+        ],
+    );
+    assert_eq!(
+        (&report["left_open"], &report["closed"]),
+        (&Value::from(1), &Value::from(false))
+    );
+    assert_eq!(report["holes"][0]["rim_edges"], 3);
+}
+
+#[test]
+fn what_cannot_be_done_is_said() {
+    let (folder, _) = open_sphere();
+    let error = refusal(
+        &folder,
+        &["fill", "open.obj", "-o", "out.obj", "--max-triangles", "10"],
+        1,
+    );
+    assert!(error.contains("more than 10 triangles"), "{error}");
+    let error = refusal(
+        &folder,
+        &["fill", "open.obj", "-o", "out.obj", "--level", "1e-6"],
+        1,
+    );
+    assert!(error.contains("choose a coarser level"), "{error}");
+    let error = refusal(
+        &folder,
+        &["fill", "open.obj", "-o", "out.obj", "--level", "0"],
+        2,
+    );
+    assert!(error.contains("no refinement level"), "{error}");
+    let error = refusal(&folder, &["fill", "open.obj", "-o", "out.stl"], 2);
+    assert!(
+        error.contains("out.stl") && error.contains(".ply"),
+        "{error}"
+    );
+    let error = refusal(&folder, &["fill", "open.obj", "-o", "./open.obj"], 3);
+    assert!(error.contains("overwrite the input"), "{error}");
+    let error = refusal(&folder, &["fill", "none.obj", "-o", "out.obj"], 1);
+    assert!(error.contains("none.obj"), "{error}");
+    let three = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nf 1 2 3\nf 1 2 4\nf 2 1 5\n";
+    std::fs::write(folder.path().join("three.obj"), three).unwrap();
+    let error = refusal(&folder, &["fill", "three.obj", "-o", "out.obj"], 1);
+    assert!(error.contains("more than two triangles"), "{error}");
+}
