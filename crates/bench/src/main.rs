@@ -192,6 +192,17 @@ mod tests {
     }
 
     #[test]
+    fn a_plot_of_refine_needs_its_tradeoff() {
+        let parse = |line: &str| Arguments::try_parse_from(line.split_whitespace());
+        assert!(parse("b refine --planes 0 --levels original,0.7 --json x").is_ok());
+        assert!(parse("b refine --tradeoff --plot x.svg --only bunny").is_ok());
+        assert!(
+            parse("b refine --plot x.svg").is_err(),
+            "nothing to be drawn"
+        );
+    }
+
+    #[test]
     fn a_time_step_is_a_number_or_a_fraction() {
         assert_eq!(positive("1/60"), Ok(1.0 / 60.0));
         assert_eq!(positive("0.5"), Ok(0.5));

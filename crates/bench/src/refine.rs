@@ -1,8 +1,11 @@
 //! What it costs to cover the sections that cuts leave, and how good the covers are.
 
 mod cover;
+mod peers;
+mod plot;
 mod rims;
 mod row;
+mod tradeoff;
 
 use crate::{columns, json, machine, subject};
 use clap::Args;
@@ -44,6 +47,13 @@ pub(crate) struct RefineArguments {
     /// Where the directions of the planes start.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Run time against quality instead: the paper's method with 1 to 8 rounds, the default with several bounds
+    /// on angles.
+    #[arg(long)]
+    tradeoff: bool,
+    /// Also draw run time against quality, as SVG.
+    #[arg(long, value_name = "FILE", requires = "tradeoff")]
+    plot: Option<PathBuf>,
     /// Also write the rows as JSON, after every model.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -66,6 +76,9 @@ pub(crate) fn run(arguments: &RefineArguments, out: &mut impl Write) -> Result<(
         "{}, commit {}; grading {}, snap {}, seed {}",
         stamp.machine, stamp.commit, stamp.grading, stamp.snap, stamp.seed
     )?;
+    if arguments.tradeoff {
+        return tradeoff::run(arguments, &subjects, &stamp, out);
+    }
     let mut rows: Vec<Row> = Vec::new();
     for subject in &subjects {
         let rims = rims::of(subject, &arguments.levels, arguments.planes, &stamp)?;
@@ -84,6 +97,7 @@ pub(crate) fn run(arguments: &RefineArguments, out: &mut impl Write) -> Result<(
         .collect();
     write!(out, "{}", columns::columns(&cells, 3))?;
     writeln!(out, "{}", row::LEGEND)?;
+    peers::print(&rows, out)?;
     let failed: usize = rows.iter().map(|row| row.failures.len()).sum();
     let covers: usize = rows.iter().map(|row| row.covers).sum();
     writeln!(out, "Failed: {failed} of {} covers.", covers + failed)?;

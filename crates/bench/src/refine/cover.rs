@@ -10,7 +10,7 @@ use incise_refine::{
 use std::time::Instant;
 
 /// How often each section is covered; the fastest counts.
-const REPEATS: u32 = 5;
+pub(super) const REPEATS: u32 = 5;
 
 /// One row.
 pub(super) fn measure(

@@ -32,6 +32,31 @@ impl Rims {
     pub(super) fn points(&self) -> usize {
         self.points.len()
     }
+
+    /// One loop with these targets.
+    #[cfg(test)]
+    pub(super) fn of_loop(points: Vec<[f64; 2]>, lengths: Vec<f64>) -> Self {
+        Self {
+            loops: vec![(0..).take(points.len()).collect()],
+            points,
+            lengths,
+            crease: false,
+        }
+    }
+
+    pub(super) fn is_one_loop(&self) -> bool {
+        self.loops.len() == 1
+    }
+
+    /// The first loop in space, counterclockwise seen against z, and its targets.
+    pub(super) fn only_loop(&self) -> (Vec<Vec3>, Vec<f64>) {
+        let corners = self.loops.first().map_or(&[][..], |points| points);
+        let points = corners.iter().map(|&p| {
+            let [x, y] = self.points[p as usize];
+            (Vec3::new(x, y, 0.0), self.lengths[p as usize])
+        });
+        points.unzip()
+    }
 }
 
 /// Sections of planes of one kind at one level, and why cuts failed.

@@ -10,7 +10,7 @@ Angles in degrees, the smallest of every triangle, of all covers together: the l
 the 5th percentile, that of the worst cover, the median. Edge: inner edges over their target, mean and longest; long: how many exceed 1.8.";
 
 /// What was measured with and on.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub(super) struct Stamp {
     pub(super) grading: f64,
     pub(super) snap: f64,
@@ -21,7 +21,7 @@ pub(super) struct Stamp {
 }
 
 /// Covers of one model's sections at one level.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub(super) struct Row {
     pub(super) model: String,
     pub(super) source: String,
