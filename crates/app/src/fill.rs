@@ -141,8 +141,11 @@ pub(crate) fn run(arguments: &FillArguments, out: &mut impl Write) -> Result<(),
     Ok(())
 }
 
+/// Writes a mesh in one of the formats.
+type Writer = fn(&Path, &Surface) -> Result<(), WriteError>;
+
 /// What writes a file of this name.
-fn writer(path: &Path) -> Result<fn(&Path, &Surface) -> Result<(), WriteError>, Failure> {
+fn writer(path: &Path) -> Result<Writer, Failure> {
     let extension = path
         .extension()
         .map(|e| e.to_string_lossy().to_ascii_lowercase());

@@ -33,14 +33,15 @@ fn open_sphere() -> (TempDir, Surface) {
 fn json(folder: &TempDir, arguments: &[&str]) -> Value {
     let output = incise(folder, arguments);
     let error = String::from_utf8_lossy(&output.stderr);
-    assert_eq!((output.status.code(), &*error), (Some(0), ""));
+    assert_eq!(output.status.code(), Some(0), "{error}");
+    assert!(error.is_empty(), "{error}");
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
 fn refusal(folder: &TempDir, arguments: &[&str], code: i32) -> String {
     let output = incise(folder, arguments);
-    assert_eq!(output.status.code(), Some(code));
     let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{error}");
     assert!(
         !folder.path().join("out.obj").exists(),
         "nothing is written"

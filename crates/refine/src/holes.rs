@@ -306,6 +306,14 @@ fn close(
     if params.fair && !filling.inner.is_empty() && !plane.as_ref().is_some_and(is_end) {
         #[cfg(feature = "fair")]
         {
+            let inserted = filling.inner.len();
+            if inserted > fair::MOST {
+                return Err(HoleError::TooFineToFair {
+                    vertex: hole.vertex,
+                    inserted,
+                    limit: fair::MOST,
+                });
+            }
             hole.faired = fair::fair(&mut filling, surface, rim, around, &joined);
         }
     }

@@ -49,6 +49,19 @@ pub enum HoleError {
         /// The limit that was passed.
         limit: usize,
     },
+    /// A patch is so fine that fairing it would take minutes.
+    #[error(
+        "the patch at {vertex} has {inserted} new vertices and at most {limit} can be faired; choose a \
+         coarser level or fill without fairing"
+    )]
+    TooFineToFair {
+        /// A vertex of its rim.
+        vertex: VertexId,
+        /// How many new vertices it has.
+        inserted: usize,
+        /// The most that are faired.
+        limit: usize,
+    },
     /// The crate was built without the feature `fair`.
     #[error("this build cannot fair patches; build incise-refine with the feature fair")]
     NoFairing,

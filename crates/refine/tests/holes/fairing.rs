@@ -2,7 +2,7 @@
 
 use crate::punched::{disc, distance_to_sphere, fill_and_check, without};
 use incise_mesh::{Surface, TriangleId, Vec3, VertexId, icosphere};
-use incise_refine::{Filled, HoleParams, RefinementLevel};
+use incise_refine::{Filled, HoleError, HoleParams, RefinementLevel};
 use proptest::prelude::*;
 
 fn params(fair: bool, z: f64) -> HoleParams {
@@ -164,4 +164,21 @@ fn spheres_are_round_on_average() {
         count += 1.0;
     }
     assert!(sum / count < 0.25, "{}", sum / count);
+}
+
+/// Fairing does not take minutes: what is too fine for it is refused.
+#[test]
+fn too_fine_a_patch_is_refused() {
+    let body = icosphere(3, 1.0);
+    let open = without(&body, &disc(body.topology(), TriangleId(31), 300));
+    let mut surface = open.clone();
+    let error = incise_refine::fill_holes(&mut surface, &params(true, 0.15)).unwrap_err();
+    let HoleError::TooFineToFair {
+        inserted, limit, ..
+    } = error
+    else {
+        panic!("{error}");
+    };
+    assert!(inserted > limit);
+    assert_eq!(surface, open, "nothing is left of the attempt");
 }
