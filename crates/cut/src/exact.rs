@@ -3,7 +3,8 @@
 //! 1. [`trace`]: where the sweep meets the surface, by exact [`signs`].
 //! 2. [`split`] and [`open`]: hit triangles in parts, two lips along every curve.
 //! 3. [`snap`]: rim edges that are much shorter than the surface's own are contracted.
-//! 4. [`cap`]: the cross-section, laid flat by [`unfold`], is covered once and closes both lips.
+//! 4. [`cap`]: the cross-section, laid flat by [`unfold`], is covered once and closes both lips; what that is
+//!    in the body at rest is found by [`rest`].
 //! 5. [`separate`]: what is no longer connected gets piece numbers of its own.
 //!
 //! All of it is one [`incise_mesh::Edit`], which restores every byte if any step fails. Time is
@@ -12,6 +13,7 @@
 mod cap;
 mod node;
 mod open;
+mod rest;
 mod rim;
 mod separate;
 mod signs;

@@ -23,7 +23,8 @@ pub enum Origin {
         /// Their weights, 0 to 1, which sum to 1 but for rounding.
         weights: [f32; 3],
     },
-    /// Inside a cap, between three vertices made before it.
+    /// Inside a cap, between three vertices made before it. Its rest position is set: where the rim's rest
+    /// positions are no affine function of the place in the cap, it may be smoother than their mean.
     OnCap {
         /// The three vertices, some of which may be new themselves.
         parents: [VertexId; 3],

@@ -53,6 +53,7 @@
 
 mod cover;
 mod edge_dictionary;
+mod harmonic;
 mod holes;
 mod level;
 mod patch;
@@ -64,6 +65,7 @@ pub use cover::{
     Cover, CoverFault, CoverParams, CoverQuality, CoverReport, CoverScratch, CoverSize, InnerPoint,
     Section, cover,
 };
+pub use harmonic::{Harmonic, HarmonicScratch, harmonic};
 pub use holes::{Filled, FilledHole, HoleError, HoleParams, fill_hole, fill_holes};
 pub use level::{ParseLevelError, RefinementLevel};
 pub use patch::{Patch, RefineError, RefineParams, RefineReport, fill};

@@ -2,6 +2,7 @@
 
 use super::node::Node;
 use super::open::Lips;
+use super::rest::CapRest;
 use super::rim::Rim;
 use super::unfold::Unfold;
 use incise_mesh::geometry::round;
@@ -24,6 +25,7 @@ pub(crate) struct Cap {
     loops: Vec<Vec<u32>>,
     has_crease: bool,
     scratch: CoverScratch,
+    rest: CapRest,
     /// By lip, the vertices of the cover's points and the triangles of its triangles.
     vertices: [Vec<VertexId>; 2],
     corners: Vec<[VertexId; 3]>,
@@ -186,6 +188,14 @@ impl Cap {
         material: u32,
     ) {
         self.find_twins(cover);
+        let vertices = self.nodes.iter();
+        let vertices = vertices.map(|&n| rims.lips.vertices[n as usize][0]);
+        let section = Section {
+            points: &self.points,
+            loops: &self.loops,
+            crease: self.has_crease,
+        };
+        self.rest.find(edit.surface(), vertices, cover, &section);
         for lip in 0..2 {
             self.add_vertices(edit, rims, cover, lip);
             self.find_pieces(edit.surface(), rims, cover, lip);
@@ -238,16 +248,17 @@ impl Cap {
             .iter()
             .map(|&n| rims.lips.vertices[n as usize][lip]);
         vertices.extend(own);
-        for inner in &cover.inner {
+        for (i, inner) in cover.inner.iter().enumerate() {
             let parents = inner.parents.map(|p| vertices[p as usize]);
             let weights = inner.weights.map(|w| round([w, 0.0, 0.0].into())[0]);
             let origin = Origin::OnCap { parents, weights };
             let surface = edit.surface();
-            let rest = origin.interpolate(|v| surface.rest[v.index()]);
+            let mean = || round(origin.interpolate(|v| surface.rest[v.index()]).into());
+            let rest = self.rest.of(i).unwrap_or_else(mean);
             let [w] = origin.interpolate(|v| [surface.positions[v.index()][3]]);
             let [x, y, z] = round(rims.unfold.lift(inner.at).0);
             let [w, ..] = round([w, 0.0, 0.0].into());
-            vertices.push(edit.add_vertex([x, y, z, w], round(rest.into()), origin));
+            vertices.push(edit.add_vertex([x, y, z, w], rest, origin));
         }
     }
 

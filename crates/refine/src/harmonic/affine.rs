@@ -1,0 +1,97 @@
+//! The affine function nearest to values at a rim.
+
+use crate::cover::Section;
+
+/// A direction with less than this part of the extent of the other has no slope of its own.
+const THIN: f64 = 1e-9;
+
+/// A function of the place in the plane, and how far it is off.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Affine {
+    center: [f64; 2],
+    mean: [f64; 3],
+    /// How much the value grows with x, and with y.
+    slopes: [[f64; 3]; 2],
+    /// The largest difference in a coordinate at a point.
+    pub(super) error: f64,
+}
+
+impl Affine {
+    /// The least squares fit at the points of the loops whose y is taken.
+    pub(super) fn fit(
+        section: &Section<'_>,
+        values: &[[f64; 3]],
+        is_taken: impl Fn(f64) -> bool,
+    ) -> Self {
+        let points = || {
+            let all = section.loops.iter().flatten().map(|&p| p as usize);
+            let pairs = all.map(|p| (section.points[p], values[p]));
+            pairs.filter(|(at, _)| is_taken(at[1]))
+        };
+        let (mut count, mut center, mut mean) = (0.0_f64, [0.0; 2], [0.0; 3]);
+        for (at, value) in points() {
+            count += 1.0;
+            center = [0, 1].map(|k| center[k] + at[k]);
+            mean = [0, 1, 2].map(|k| mean[k] + value[k]);
+        }
+        let share = 1.0 / count.max(1.0);
+        let mut fit = Self {
+            center: center.map(|x| share * x),
+            mean: mean.map(|x| share * x),
+            slopes: [[0.0; 3]; 2],
+            error: 0.0,
+        };
+        fit.find_slopes(points);
+        for (at, value) in points() {
+            let found = fit.at(at);
+            let off = [0, 1, 2].map(|k| (found[k] - value[k]).abs());
+            // A value that is no number is far off.
+            fit.error = off
+                .into_iter()
+                .fold(fit.error, |most, x| if x <= most { most } else { x });
+        }
+        fit
+    }
+
+    /// One direction after the other: normal equations would lose half of the digits.
+    fn find_slopes<I: Iterator<Item = ([f64; 2], [f64; 3])>>(&mut self, points: impl Fn() -> I) {
+        let offset = |at: [f64; 2]| [at[0] - self.center[0], at[1] - self.center[1]];
+        let mut squares = [0.0; 2];
+        let mut mixed = 0.0;
+        for (at, _) in points() {
+            let [x, y] = offset(at);
+            squares = [squares[0] + x * x, squares[1] + y * y];
+            mixed += x * y;
+        }
+        // `a` is the direction of the larger extent.
+        let a = usize::from(squares[1] > squares[0]);
+        let b = 1 - a;
+        if squares[a] <= 0.0 {
+            return;
+        }
+        let lean = mixed / squares[a];
+        let (mut along, mut across, mut rest) = ([0.0; 3], [0.0; 3], 0.0);
+        for (at, value) in points() {
+            let place = offset(at);
+            let beside = place[b] - lean * place[a];
+            rest += beside * beside;
+            for k in 0..3 {
+                along[k] += place[a] * (value[k] - self.mean[k]);
+                across[k] += beside * (value[k] - self.mean[k]);
+            }
+        }
+        let across = if rest > THIN * THIN * squares[a] {
+            across.map(|x| x / rest)
+        } else {
+            [0.0; 3]
+        };
+        self.slopes[b] = across;
+        self.slopes[a] = [0, 1, 2].map(|k| along[k] / squares[a] - lean * across[k]);
+    }
+
+    /// The function's value at a place.
+    pub(super) fn at(&self, at: [f64; 2]) -> [f64; 3] {
+        let [x, y] = [at[0] - self.center[0], at[1] - self.center[1]];
+        [0, 1, 2].map(|k| self.mean[k] + x * self.slopes[0][k] + y * self.slopes[1][k])
+    }
+}

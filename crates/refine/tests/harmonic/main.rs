@@ -1,0 +1,283 @@
+//! Harmonic functions on covers: known ones, the maximum principle, less energy than interpolation.
+
+mod dense;
+
+use dense::{energy, solve};
+use incise_refine::{
+    Cover, CoverParams, CoverScratch, CoverSize, HarmonicScratch, Section, cover, harmonic,
+};
+use proptest::prelude::*;
+use std::f64::consts::TAU;
+
+struct Patch {
+    points: Vec<[f64; 2]>,
+    loops: Vec<Vec<u32>>,
+    crease: bool,
+    cover: Cover,
+}
+
+impl Patch {
+    fn new(rings: &[Vec<[f64; 2]>], length: f64, crease: bool) -> Self {
+        let points = rings.concat();
+        let mut ends = 0..;
+        let loops: Vec<Vec<u32>> = (rings.iter())
+            .map(|ring| ends.by_ref().take(ring.len()).collect())
+            .collect();
+        let section = Section {
+            points: &points,
+            loops: &loops,
+            crease,
+        };
+        let params = CoverParams {
+            size: CoverSize::Uniform(length),
+            ..CoverParams::default()
+        };
+        let cover = cover(
+            &section,
+            &params,
+            |_, _| false,
+            &mut CoverScratch::default(),
+        )
+        .unwrap();
+        assert_eq!(cover.report.discs, 0, "a clean section");
+        Self {
+            points,
+            loops,
+            crease,
+            cover,
+        }
+    }
+
+    fn section(&self) -> Section<'_> {
+        Section {
+            points: &self.points,
+            loops: &self.loops,
+            crease: self.crease,
+        }
+    }
+
+    fn rim(&self, f: impl Fn([f64; 2]) -> [f64; 3]) -> Vec<[f64; 3]> {
+        self.points.iter().map(|&p| f(p)).collect()
+    }
+
+    /// Solved whatever the values are.
+    fn solve(&self, values: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let mut scratch = HarmonicScratch::default();
+        let found = harmonic(&self.cover, &self.section(), values, -1.0, &mut scratch);
+        found.unwrap().values.to_vec()
+    }
+
+    fn linear(&self, values: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let inner = self.cover.inner.iter();
+        inner
+            .map(|inner| {
+                [0, 1, 2].map(|k| {
+                    let part = |i: usize| inner.weights[i] * values[inner.parents[i] as usize][k];
+                    (0..3).map(part).sum()
+                })
+            })
+            .collect()
+    }
+}
+
+/// A ring around `center`, the way of the hands of a clock if it is a hole.
+fn ring(n: u32, center: [f64; 2], radius: impl Fn(f64) -> f64, hole: bool) -> Vec<[f64; 2]> {
+    let mut points: Vec<_> = (0..n)
+        .map(|i| f64::from(i) * TAU / f64::from(n))
+        .map(|a| {
+            [
+                center[0] + radius(a) * a.cos(),
+                center[1] + radius(a) * a.sin(),
+            ]
+        })
+        .collect();
+    if hole {
+        points.reverse();
+    }
+    points
+}
+
+fn wavy(n: u32, length: f64, crease: bool) -> Patch {
+    let outer = ring(n, [0.0; 2], |a| 1.0 + 0.2 * (3.0 * a).cos(), false);
+    Patch::new(
+        &[outer, ring(n / 4, [-0.3, 0.0], |_| 0.2, true)],
+        length,
+        crease,
+    )
+}
+
+/// A bent and rippled shape.
+fn bent([x, y]: [f64; 2]) -> [f64; 3] {
+    let ripple = 0.05 * (20.0 * x).sin() * (20.0 * y).cos();
+    [
+        x + 0.1 * y * y,
+        y + 0.05 * (4.0 * x).sin(),
+        0.2 * (3.0 * x * y).sin() + ripple,
+    ]
+}
+
+fn largest_difference(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+    assert_eq!(a.len(), b.len(), "as many values");
+    let pairs = a.iter().flatten().zip(b.iter().flatten());
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn an_affine_function_is_left_to_interpolation() {
+    let patch = wavy(60, 0.1, false);
+    let affine = |[x, y]: [f64; 2]| [x - 2.0 * y + 7.0, 0.5 * y, -3.0 * x];
+    let values = patch.rim(affine);
+    let mut scratch = HarmonicScratch::default();
+    let found = harmonic(&patch.cover, &patch.section(), &values, 1e-14, &mut scratch);
+    assert_eq!(found, None, "no equations are solved");
+    let inner: Vec<_> = patch.cover.inner.iter().map(|p| affine(p.at)).collect();
+    assert!(largest_difference(&patch.linear(&values), &inner) < 1e-13);
+    // One point off is enough.
+    let mut values = values;
+    values[17][1] += 1e-9;
+    let found = harmonic(&patch.cover, &patch.section(), &values, 1e-14, &mut scratch);
+    assert!(found.is_some(), "a point is off");
+}
+
+/// What an affine function adds to values it adds to the result.
+#[test]
+fn affine_functions_pass_through() {
+    let patch = wavy(60, 0.1, false);
+    let affine = |[x, y]: [f64; 2]| [3.0 * x - y, 2.0 * y + 5.0, x + y];
+    let plain = patch.solve(&patch.rim(bent));
+    let both = patch.solve(&patch.rim(|p| [0, 1, 2].map(|k| bent(p)[k] + affine(p)[k])));
+    let sum: Vec<_> = (plain.iter().zip(&patch.cover.inner))
+        .map(|(value, inner)| [0, 1, 2].map(|k| value[k] + affine(inner.at)[k]))
+        .collect();
+    let off = largest_difference(&both, &sum);
+    assert!(off < 1e-11, "off by {off}");
+}
+
+/// A sheet bent along its crease is two planes in the values, and stays that.
+#[test]
+fn a_bent_sheet_stays_two_planes() {
+    let outer = [
+        [-1.0, 0.0],
+        [-0.9, -0.7],
+        [-0.2, -1.0],
+        [0.5, -0.9],
+        [1.0, 0.0],
+        [0.8, 0.6],
+        [0.1, 1.0],
+        [-0.7, 0.6],
+    ];
+    let patch = Patch::new(&[outer.to_vec()], 0.1, true);
+    let folded = |[x, y]: [f64; 2]| [x, if y > 0.0 { 0.3 * y } else { y }, 0.8 * y.max(0.0)];
+    let values = patch.rim(folded);
+    let inner: Vec<_> = patch.cover.inner.iter().map(|p| folded(p.at)).collect();
+    let off = largest_difference(&patch.solve(&values), &inner);
+    assert!(off < 1e-12, "off by {off}");
+    let on_crease = patch.cover.inner.iter().filter(|p| p.at[1] == 0.0);
+    assert!(on_crease.count() > 10, "the crease has points");
+    let mut scratch = HarmonicScratch::default();
+    let found = harmonic(&patch.cover, &patch.section(), &values, 1e-13, &mut scratch);
+    assert_eq!(found, None, "each half is affine");
+}
+
+/// Real parts of complex powers are harmonic.
+#[test]
+fn known_functions_are_found_inside_a_disc() {
+    let known = |[x, y]: [f64; 2]| [x * x - y * y, 2.0 * x * y, x * x * x - 3.0 * x * y * y];
+    let mut errors = Vec::new();
+    for (n, length) in [(60, 0.1), (240, 0.025)] {
+        let patch = Patch::new(&[ring(n, [0.0; 2], |_| 1.0, false)], length, false);
+        let exact: Vec<_> = patch.cover.inner.iter().map(|p| known(p.at)).collect();
+        let values = patch.rim(known);
+        errors.push(largest_difference(&patch.solve(&values), &exact));
+        let linear = largest_difference(&patch.linear(&values), &exact);
+        assert!(linear > 0.2, "interpolation is {linear} off");
+    }
+    assert!(errors[0] < 6e-3 && errors[1] < 2e-3, "{errors:?}");
+}
+
+#[test]
+fn the_same_equations_solved_densely_agree() {
+    for n in [24, 60, 100] {
+        let patch = wavy(n, 6.0 / f64::from(n), false);
+        let values = patch.rim(bent);
+        let (found, exact) = (
+            patch.solve(&values),
+            solve(&patch.cover, &patch.points, &values),
+        );
+        let linear = patch.linear(&values);
+        let off = largest_difference(&found, &exact);
+        let before = largest_difference(&linear, &exact);
+        assert!(off < 0.02 * before, "{off} off, interpolation {before}");
+        let [least, smooth, creased] = [&exact, &found, &linear]
+            .map(|inner| energy(&patch.cover, &patch.points, &values, inner));
+        assert!(
+            least <= smooth * (1.0 + 1e-9),
+            "{least} is the least, not {smooth}"
+        );
+        assert!(
+            smooth - least < 1e-4 * (creased - least),
+            "{least} {smooth} {creased}"
+        );
+    }
+}
+
+#[test]
+fn a_warm_scratch_gives_the_same_bits() {
+    let (patch, other) = (wavy(60, 0.1, false), wavy(100, 0.1, true));
+    let values = patch.rim(bent);
+    let mut scratch = HarmonicScratch::default();
+    harmonic(
+        &other.cover,
+        &other.section(),
+        &other.rim(bent),
+        0.0,
+        &mut scratch,
+    )
+    .unwrap();
+    let found = harmonic(&patch.cover, &patch.section(), &values, 0.0, &mut scratch).unwrap();
+    assert_eq!(found.values, patch.solve(&values), "a fresh one");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever the values: none inside is larger or smaller than all at the rim, and there is less energy
+    /// than in what is interpolated.
+    #[test]
+    fn the_maximum_is_at_the_rim(
+        radii in prop::collection::vec(0.4f64..1.0, 8..60),
+        heights in prop::collection::vec(-1.0f64..1.0, 60),
+        length in 0.05f64..0.5,
+        crease: bool,
+        shift in prop::option::of(1e3f64..1e4),
+    ) {
+        let even = radii.len() - radii.len() % 2;
+        let n = u32::try_from(even).unwrap();
+        let mut outer = ring(n, [0.0; 2], |_| 1.0, false);
+        for (p, radius) in outer.iter_mut().zip(&radii) {
+            *p = p.map(|x| radius * x);
+        }
+        if crease {
+            // The crease meets the rim at points of it.
+            outer[0][1] = 0.0;
+            outer[even / 2][1] = 0.0;
+        }
+        let patch = Patch::new(&[outer], length, crease);
+        let shift = shift.unwrap_or(0.0);
+        let values: Vec<_> = (patch.points.iter().zip(&heights))
+            .map(|(p, h)| [p[0] + shift, p[1] * h, *h])
+            .collect();
+        let found = patch.solve(&values);
+        for k in 0..3 {
+            let of = |values: &[[f64; 3]]| {
+                let all = values.iter().map(|v| v[k]);
+                all.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)))
+            };
+            let (rim, inner) = (of(&values), of(&found));
+            prop_assert!(rim.0 <= inner.0 && inner.1 <= rim.1, "{rim:?} {inner:?}");
+        }
+        let energy = |inner: &[[f64; 3]]| energy(&patch.cover, &patch.points, &values, inner);
+        let [smooth, creased] = [&found, &patch.linear(&values)].map(|inner| energy(inner));
+        prop_assert!(smooth <= creased * (1.0 + 1e-5), "{smooth} {creased}");
+    }
+}
