@@ -30,11 +30,12 @@ pub(crate) struct CutArguments {
     /// ... to here, in the same order.
     #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = numbers::<6>, allow_hyphen_values = true, requires = "blade", conflicts_with = "plane")]
     to: Option<Numbers<6>>,
-    /// How fine caps get: 2x-coarser, 1.5x-coarser, original, 1.5x-finer, 2x-finer, or z.
+    /// How fine caps get: 2x-coarser, 1.5x-coarser, original, 1.5x-finer, 2x-finer, or z times the surface's edges.
+    /// The rim's own edges stay, so a small cap has little to make coarser.
     #[arg(long, default_value = "original")]
     level: RefinementLevel,
-    /// The exact method: by how much the caps' edges get longer with every unit off the rim. 0 keeps the rim's
-    /// length to the middle; 0.3 makes caps that cost their outline and not their area.
+    /// The exact method: by how much the caps' edges get longer with every unit off the rim. 0 keeps the
+    /// surface's edge length at the rim to the middle; 0.3 makes caps that cost their outline and not their area.
     #[arg(long, value_name = "G", default_value_t = 0.0, value_parser = grading, allow_hyphen_values = true)]
     grading: f64,
     /// How the mesh is opened.

@@ -19,6 +19,7 @@ mod separate;
 mod signs;
 mod snap;
 mod split;
+mod touch;
 mod trace;
 mod unfold;
 

@@ -27,7 +27,7 @@ pub struct CutParams {
     /// point closer to a vertex than this takes the vertex into the rim, two that are closer to each other
     /// merge. No piece comes or goes by that. 0 keeps the exact geometry and leaves slivers.
     pub snap: f64,
-    /// The material of the exact method's caps.
+    /// The material of caps.
     pub cap_material: u32,
     /// The paper's method: intersection points closer than this merge (the alpha of Algorithm 2, line 24) \[mean edges\].
     /// Larger values make rims more even and move more volume. The paper gives no number; at the

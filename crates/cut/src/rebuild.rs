@@ -121,6 +121,9 @@ pub(crate) fn rebuild(
     pieces.sort_unstable();
     pieces.dedup();
     let before = open_and_close(surface, &strips, &signs, sweep, params, outcome)?;
+    for &t in &outcome.cap {
+        surface.set_material(t, params.cap_material);
+    }
     outcome.report.split = begin.elapsed() - outcome.report.refinement;
     let begin = Instant::now();
     separate(surface, &pieces, &mut outcome.delta);

@@ -47,6 +47,99 @@ fn a_ball_in_halves() {
     }
 }
 
+/// A box whose upper half is narrower on one side: a step that faces up.
+fn stair() -> Surface {
+    let profile = [
+        [0.0, 0.0],
+        [2.0, 0.0],
+        [2.0, 1.0],
+        [1.0, 1.0],
+        [1.0, 2.0],
+        [0.0, 2.0],
+    ];
+    let corners: Vec<[f32; 3]> = [0.0, 1.0]
+        .into_iter()
+        .flat_map(|z| profile.map(|[x, y]| [x, y, z]))
+        .collect();
+    let front = [[0, 1, 2], [0, 2, 3], [0, 3, 5], [3, 4, 5]];
+    let mut faces: Vec<[u32; 3]> = front.map(|[a, b, c]| [a + 6, b + 6, c + 6]).to_vec();
+    faces.extend(front.map(|[a, b, c]| [a, c, b]));
+    for i in 0..6 {
+        let j = (i + 1) % 6;
+        faces.extend([[i, j, j + 6], [i, j + 6, i + 6]]);
+    }
+    Surface::from_triangles(&corners, &faces).unwrap()
+}
+
+#[test]
+fn a_body_that_stands_on_the_plane_is_not_cut() {
+    let touched = [
+        (
+            stair(),
+            [
+                [1.0, 0.0, 0.0, 0.0],
+                [1.0, 0.0, 0.0, 2.0],
+                [0.0, 1.0, 0.0, 0.0],
+            ],
+        ),
+        (
+            stair(),
+            [
+                [0.0, 1.0, 0.0, 2.0],
+                [0.0, 0.0, 1.0, 0.0],
+                [0.0, 0.0, 1.0, 1.0],
+            ],
+        ),
+        (
+            cube_sphere(6, 0.5),
+            [
+                [1.0, 0.0, 0.0, -0.5],
+                [0.0, 1.0, 0.0, 0.5],
+                [0.0, 0.0, 1.0, -0.5],
+            ],
+        ),
+    ];
+    for (whole, planes) in touched {
+        for (plane, side) in planes.into_iter().flat_map(|p| [(p, 1.0), (p, -1.0)]) {
+            let [x, y, z, d] = plane.map(|n| n * side);
+            for snap in [0.0, 0.1] {
+                let mut body = whole.clone();
+                let sweep = Sweep::across_box([x, y, z], d, &body.bounds()).unwrap();
+                let outcome = Cutter::new(&body)
+                    .cut(&mut body, &sweep, &params(snap))
+                    .unwrap();
+                assert!(outcome.delta.is_empty(), "{plane:?} cuts");
+                assert_eq!(outcome.report.hits, 0);
+                assert_eq!(body, whole);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_plane_along_a_step_cuts_what_stands_on_it() {
+    let whole = stair();
+    for plane in [[0.0, 1.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0]] {
+        for side in [1.0, -1.0] {
+            let [x, y, z, d] = plane.map(|n| n * side);
+            let mut body = whole.clone();
+            let sweep = Sweep::across_box([x, y, z], d, &body.bounds()).unwrap();
+            let outcome = Cutter::new(&body)
+                .cut(&mut body, &sweep, &params(0.0))
+                .unwrap();
+            check(&body);
+            assert_eq!(outcome.delta.pieces_added.len(), 1, "{plane:?}");
+            let mut volumes = body.piece_volumes();
+            volumes.retain(|&volume| volume != 0.0);
+            volumes.sort_unstable_by(f64::total_cmp);
+            assert!(
+                (volumes[0] - 1.0).abs() < 1e-6 && (volumes[1] - 2.0).abs() < 1e-6,
+                "{volumes:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn planes_through_vertices_and_edges() {
     for whole in [

@@ -129,7 +129,7 @@ pub enum RefineError {
     },
     /// The patch would be larger than allowed.
     #[error(
-        "the patch needs more than {limit} triangles; choose a coarser level or a larger limit"
+        "the patch needs more than {limit} triangles; choose a coarser level, a grading or a larger limit"
     )]
     TooManyTriangles {
         /// The limit that was passed.

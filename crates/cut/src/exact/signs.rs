@@ -85,6 +85,17 @@ impl Signs {
         sign < 0.0 || (sign == 0.0 && self.tie_is_above[i])
     }
 
+    /// Whether a point on the plane of sweep triangle `i` counts as above it.
+    pub(super) fn tie_is_above(&self, i: usize) -> bool {
+        self.tie_is_above[i]
+    }
+
+    /// Whether `p` is exactly on the plane of sweep triangle `i`.
+    pub(super) fn is_on(&self, i: usize, p: Vec3) -> bool {
+        let [a, b, c] = TRIANGLES[i].map(|k| coord(self.corners[k]));
+        orient3d(a, b, c, coord(p)) == 0.0
+    }
+
     /// Where the edge from `p` to `q`, which are on different sides, passes the plane of sweep
     /// triangle `i`; `rises` when `q` is above it.
     pub(super) fn inside(&self, i: usize, p: Vec3, q: Vec3, rises: bool) -> Inside {

@@ -2,10 +2,12 @@
 //!
 //! A curve's nodes are where a mesh edge passes a sweep triangle and where a sweep edge pierces a mesh
 //! triangle. A mesh triangle and a sweep triangle share two nodes or none, so nodes follow each other
-//! without a choice. A curve closes, or it ends in a mesh triangle that the sweep's boundary pierces.
+//! without a choice. A curve closes, or it ends in a mesh triangle that the sweep's boundary pierces. One
+//! behind which all lies exactly on the sweep, as where a body stands on the plane, only touches ([`super::touch`]).
 
 use super::node::Node;
 use super::signs::Signs;
+use super::touch::Touch;
 use super::unfold::Unfold;
 use crate::error::CutError;
 use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3, VertexId};
@@ -64,12 +66,14 @@ pub(crate) struct Trace {
     pub(super) chords: Vec<Chord>,
     /// A mesh triangle that the sweep's boundary pierces: the end of a curve that does not close.
     pub(super) open_end: Option<TriangleId>,
+    touch: Touch,
 }
 
 impl Trace {
-    /// How many mesh triangles the sweep meets.
+    /// How many mesh triangles the curves cross.
     pub(super) fn hits(&self) -> usize {
-        self.meetings.len()
+        let hits = self.chords.chunk_by(|a, b| a.triangle == b.triangle);
+        hits.count()
     }
 
     /// The mean length of the edges around the nodes \[m\].
@@ -191,6 +195,12 @@ impl Trace {
             if self.seen[at][plane] {
                 break;
             }
+        }
+        let nodes = &self.nodes[first as usize..];
+        if self.touch.is_touch(surface, signs, nodes) {
+            self.nodes.truncate(first as usize);
+            self.chords.truncate(first_chord);
+            return Ok(());
         }
         let last = id(self.nodes.len()) - 1;
         self.chords[first_chord].from = last;

@@ -56,7 +56,7 @@ fn replace(
         let mut out = BufWriter::new(File::create(&part)?);
         let written = write(&mut out)
             .and_then(|()| out.into_inner().map_err(io::IntoInnerError::into_error))
-            .and_then(|file| file.sync_all())
+            .map(drop)
             .and_then(|()| std::fs::rename(&part, path));
         if written.is_err() {
             // The first error is the one to tell.

@@ -62,7 +62,7 @@ impl Targets {
         let scaled = |length: f64| {
             if length > 0.0 && length.is_finite() {
                 // The largest float stands for all that are larger than any patch.
-                Ok((length * rims.scale).max(4.0 * FINEST).min(f64::MAX))
+                Ok((length * rims.scale).clamp(4.0 * FINEST, f64::MAX))
             } else {
                 Err(RefineError::NonPositiveLength { length })
             }
