@@ -67,6 +67,7 @@ pub(crate) struct Row {
     pub(crate) dt: f64,
     pub(crate) iterations: u32,
     pub(crate) seconds: f64,
+    pub(crate) method: &'static str,
     pub(crate) level: f64,
     pub(crate) seed: u64,
 }
@@ -151,6 +152,7 @@ pub(crate) fn run(
         dt: arguments.dt,
         iterations: arguments.iterations,
         seconds: arguments.seconds,
+        method: arguments.method.name(),
         level: arguments.level.z(),
         seed: arguments.seed,
     })

@@ -104,5 +104,8 @@ pub(crate) fn run(arguments: &RefineArguments, out: &mut impl Write) -> Result<(
     for failure in rows.iter().flat_map(|row| &row.failures) {
         writeln!(out, "  {failure}")?;
     }
+    if failed > 0 {
+        return Err(format!("{failed} sections could not be cut or covered").into());
+    }
     Ok(())
 }
