@@ -13,8 +13,9 @@ pub struct RefineParams {
     /// The t of Formula 2 \[m\] for the whole patch. Without it the exact method takes at every rim
     /// vertex the mean edge of the surface there, the paper's the mean length of the rim's edges.
     pub rim_length: Option<f64>,
-    /// The exact method: by how much the length grows with every meter off the rim \[m/m\]. 0 keeps the
-    /// rim's to the middle, as the paper does; above, a patch costs its rim and not its area.
+    /// The exact method: by how much the length grows with every meter off the rim \[m/m\]. 0 keeps
+    /// the surface's at the rim to the middle; above, a patch costs its rim and not its area. Where the rim's own
+    /// edges are shorter, either starts from theirs.
     pub grading: f64,
     /// The most rounds of subdividing and swapping (n of Algorithm 4). A round divides the length
     /// of edges by about the root of 3; refinement ends by itself when no triangle is too large.
