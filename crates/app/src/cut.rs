@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use incise_cut::{CutError, CutMethod, CutParams, Cutter, Sweep, starts_inside};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{AngleStats, Surface, read_mesh};
-use incise_refine::{RefineParams, RefinementLevel};
+use incise_refine::{RefineMethod, RefineParams, RefinementLevel};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -41,6 +41,9 @@ pub(crate) struct CutArguments {
     /// How the mesh is opened.
     #[arg(long, value_enum, default_value_t = Method::Exact)]
     method: Method,
+    /// How caps are refined; by default `delaunay` with the exact method and `paper` with `rebuild`, which knows no other.
+    #[arg(long, value_enum, value_name = "REFINEMENT")]
+    refine_method: Option<Refinement>,
     /// The exact method: edges along the rim that are shorter than this part of the surface's edges are
     /// contracted. 0 keeps the exact geometry and leaves slivers, which a solver pays for; below 0.5.
     #[arg(long, value_name = "S", default_value_t = CutParams::default().snap, value_parser = snap, allow_hyphen_values = true)]
@@ -70,6 +73,23 @@ impl Method {
     }
 }
 
+#[derive(Clone, Copy, ValueEnum)]
+enum Refinement {
+    /// A core of equilateral triangles and a band around it.
+    Delaunay,
+    /// The paper's: ears cut off, then triangles divided and edges swapped. One edge length for each part of the section.
+    Paper,
+}
+
+impl Refinement {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Delaunay => "delaunay",
+            Self::Paper => "paper",
+        }
+    }
+}
+
 /// A share of an edge, from 0 up to 0.5.
 fn snap(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|s| (0.0..0.5).contains(s));
@@ -91,6 +111,7 @@ struct Report {
     #[serde(serialize_with = "lossy")]
     input: PathBuf,
     method: &'static str,
+    refine_method: &'static str,
     snap: f64,
     level: f64,
     grading: f64,
@@ -133,6 +154,7 @@ struct Times {
 
 /// Cuts and writes.
 pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), Failure> {
+    let refinement = arguments.refinement()?;
     let path = &arguments.input;
     let (read, surface) = timed(|| {
         let data = read_mesh(path)?;
@@ -154,6 +176,10 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         },
         snap: arguments.snap,
         refine: RefineParams {
+            method: match refinement {
+                Refinement::Delaunay => RefineMethod::Delaunay,
+                Refinement::Paper => RefineMethod::Paper,
+            },
             level: arguments.level,
             grading: arguments.grading,
             ..RefineParams::default()
@@ -176,6 +202,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
     let report = Report {
         input: path.clone(),
         method: arguments.method.name(),
+        refine_method: refinement.name(),
         snap: arguments.snap,
         level: arguments.level.z(),
         grading: arguments.grading,
@@ -215,6 +242,18 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
 }
 
 impl CutArguments {
+    /// How caps are refined, if the options go together.
+    fn refinement(&self) -> Result<Refinement, Failure> {
+        match (self.method, self.refine_method) {
+            (Method::Rebuild, Some(Refinement::Delaunay)) => Err(Failure::NotWith {
+                option: "--refine-method delaunay",
+                with: "--method rebuild, whose refinement is the paper's",
+            }),
+            (Method::Rebuild, _) => Ok(Refinement::Paper),
+            (Method::Exact, given) => Ok(given.unwrap_or(Refinement::Delaunay)),
+        }
+    }
+
     fn sweep(&self, surface: &Surface) -> Result<Sweep, CutError> {
         if let Some(Numbers([x, y, z, d])) = self.plane {
             return Sweep::across_box([x, y, z], d, &surface.bounds());
@@ -272,9 +311,10 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
     }
     writeln!(
         out,
-        "  {} pieces, {} method",
+        "  {} pieces, {} method, {} refinement",
         report.pieces.len(),
-        report.method
+        report.method,
+        report.refine_method
     )?;
     pieces::print(&report.pieces, &report.removed, out)?;
     let t = &report.milliseconds;

@@ -23,6 +23,14 @@ pub(crate) enum Failure {
     /// The plane or the blade is none: the command line is wrong.
     #[error("the cut: {0}")]
     Sweep(CutError),
+    /// Two options that do not go together: the command line is wrong.
+    #[error("{option} does not go with {with}; leave one of the two out")]
+    NotWith {
+        /// One option.
+        option: &'static str,
+        /// The other, and why.
+        with: &'static str,
+    },
     /// The blade's ends have changed places, so that its sweep crosses itself: the command line is wrong.
     #[error(
         "the cut: the sweep from --blade to --to crosses itself; name the blade's two ends in the same order in both"
@@ -116,6 +124,7 @@ impl Failure {
     pub(crate) fn exit_code(&self) -> u8 {
         match self {
             Self::Sweep(_)
+            | Self::NotWith { .. }
             | Self::SweepCrossesItself
             | Self::CutAfterEnd
             | Self::OutputFormat { .. } => 2,

@@ -278,6 +278,48 @@ fn a_blade_whose_ends_change_places_is_told_from_one_without_area() {
 }
 
 #[test]
+fn caps_are_refined_either_way_and_the_rebuild_method_knows_the_paper_s_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("hollow.obj");
+    write_obj(&input, &hollow_sphere()).unwrap();
+    let output = folder.path().join("out");
+    let run = |more: &[&str]| {
+        let plane = ["--plane", "1,0.1,0.2,0.01", "--level", "0.3"];
+        cut(&input, &output, &[&plane[..], more].concat())
+    };
+    let mut caps = Vec::new();
+    for (more, name) in [
+        (&[][..], "delaunay"),
+        (&["--refine-method", "delaunay"], "delaunay"),
+        (&["--refine-method", "paper"], "paper"),
+    ] {
+        let (code, report, error) = run(more);
+        assert_eq!(code, Some(0), "{error}");
+        assert_eq!(report["refine_method"], name, "{more:?}");
+        assert_eq!(report["pieces"].as_array().unwrap().len(), 2);
+        let before = report["volume"].as_f64().unwrap();
+        assert!((sum_of_volumes(&report) - before).abs() < 2e-3 * before);
+        caps.push(report["cap_median_angle_deg"].as_f64().unwrap());
+    }
+    assert_eq!(caps[0], caps[1], "delaunay is the default");
+    assert_ne!(caps[0], caps[2], "the paper's triangles are others");
+    let (code, _, error) = run(&["--method", "rebuild", "--refine-method", "delaunay"]);
+    assert_eq!(code, Some(2), "{error}");
+    assert!(
+        error.contains("does not go with --method rebuild"),
+        "{error}"
+    );
+    let ball = folder.path().join("sphere.obj");
+    write_obj(&ball, &build_model(Model::Sphere80)).unwrap();
+    let plane = ["--plane", "1,0.1,0.2,0.01", "--method", "rebuild"];
+    for more in [&[][..], &["--refine-method", "paper"]] {
+        let (code, report, error) = cut(&ball, &output, &[&plane[..], more].concat());
+        assert_eq!(code, Some(0), "{error}");
+        assert_eq!(report["refine_method"], "paper");
+    }
+}
+
+#[test]
 fn help_and_text_say_what_snapping_does() {
     let help = incise(&["cut", "--help"]);
     let help = String::from_utf8(help.stdout).unwrap();

@@ -125,7 +125,7 @@ impl Exact {
         let topology = edit.surface().topology();
         let cover = self.cap.cover(&rims, topology, &params.refine)?;
         // A disc has no inner points.
-        report.refined = cover.report.discs == 0;
+        report.refined = cover.report.discs == 0 && cover.report.unfinished == 0;
         self.cap.join_loops(&cover);
         report.cap = begin.elapsed();
         let begin = Instant::now();

@@ -11,7 +11,8 @@ pub enum CutMethod {
     #[default]
     Exact,
     /// The paper's: delete the triangles that the blade hits, rebuild the rim from the intersection
-    /// points, patch and refine the hole (Algorithms 2, 3, A2, 4 and A3).
+    /// points, patch and refine the hole (Algorithms 2, 3, A2, 4 and A3). [`incise_refine::RefineMethod`] is not
+    /// asked: caps are always the paper's.
     Rebuild,
 }
 
@@ -21,7 +22,8 @@ pub enum CutMethod {
 pub struct CutParams {
     /// How the surface is opened.
     pub method: CutMethod,
-    /// How caps are refined.
+    /// How caps are refined. With [`incise_refine::RefineMethod::Paper`] the exact method's caps are made by the
+    /// paper's listings, on the same rims.
     pub refine: RefineParams,
     /// The exact method's shortest edges along the rim [local edge lengths], 0 up to 0.5: an intersection
     /// point closer to a vertex than this takes the vertex into the rim, two that are closer to each other

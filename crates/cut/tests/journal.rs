@@ -2,7 +2,7 @@
 
 use incise_cut::{CutError, CutMethod, CutParams, Cutter, Journal, ReplayError, Sweep};
 use incise_mesh::{Surface, UndoError, icosphere};
-use incise_refine::{RefineParams, RefinementLevel};
+use incise_refine::{RefineMethod, RefineParams, RefinementLevel};
 use proptest::prelude::*;
 
 fn bits<const N: usize>(values: &[[f32; N]]) -> Vec<[u32; N]> {
@@ -26,17 +26,21 @@ fn levels() -> impl Strategy<Value = RefinementLevel> {
 fn cuts() -> impl Strategy<Value = ([f64; 3], f64, CutParams)> {
     let method = prop_oneof![3 => Just(CutMethod::Exact), 1 => Just(CutMethod::Rebuild)];
     let normal = [-1.0..1.0_f64, -1.0..1.0_f64, 0.1..1.0_f64];
-    let params = (method, levels(), 0.0..0.3_f64, any::<u32>());
-    let params = params.prop_map(|(method, level, snap, cap_material)| CutParams {
-        method,
-        refine: RefineParams {
-            level,
-            ..RefineParams::default()
+    let refinement = prop_oneof![Just(RefineMethod::Delaunay), Just(RefineMethod::Paper)];
+    let params = (method, refinement, levels(), 0.0..0.3_f64, any::<u32>());
+    let params = params.prop_map(
+        |(method, refinement, level, snap, cap_material)| CutParams {
+            method,
+            refine: RefineParams {
+                method: refinement,
+                level,
+                ..RefineParams::default()
+            },
+            snap,
+            cap_material,
+            ..CutParams::default()
         },
-        snap,
-        cap_material,
-        ..CutParams::default()
-    });
+    );
     (normal, -0.6..0.6_f64, params)
 }
 

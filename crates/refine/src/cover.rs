@@ -17,6 +17,7 @@ mod mean;
 mod mend;
 mod offer;
 mod order;
+mod paper;
 mod quality;
 mod section;
 mod sheet;
@@ -26,11 +27,12 @@ mod strips;
 mod validate;
 mod wall;
 
-use crate::patch::RefineError;
+use crate::patch::{RefineError, RefineMethod, RefineParams};
 use band::Band;
 use cdt::id;
 use improve::Improver;
 use lattice::Lattice;
+use paper::{Paper, Task};
 use section::Rims;
 use sheet::{INSIDE, Sheet, Verdict};
 use size::Targets;
@@ -61,6 +63,9 @@ pub struct Section<'a> {
 /// How to cover a section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoverParams<'a> {
+    /// How triangles come about. [`RefineMethod::Paper`] has one target for each part of the section, the mean of
+    /// those along its rim, and knows neither a grading nor an angle to ask for.
+    pub method: RefineMethod,
     /// How long edges are to get a good way off the rim. Near a rim whose own edges are shorter, those and what
     /// they grow to with the distance are the target: they stay as they are, and a leap from short to
     /// long makes sharp angles.
@@ -70,17 +75,23 @@ pub struct CoverParams<'a> {
     pub grading: f64,
     /// Triangles with a smaller angle ask for one more point, which they get where that helps \[degrees\].
     pub sharp: f64,
+    /// [`RefineMethod::Paper`]: the most rounds of subdividing and swapping, see
+    /// [`RefineParams::max_rounds`](crate::RefineParams::max_rounds).
+    pub max_rounds: u32,
     /// The most triangles that a cover may get.
     pub max_triangles: usize,
 }
 
 impl Default for CoverParams<'_> {
     fn default() -> Self {
+        let refine = RefineParams::default();
         Self {
+            method: refine.method,
             size: CoverSize::Any,
-            grading: 0.0,
+            grading: refine.grading,
             sharp: 32.0,
-            max_triangles: 4_000_000,
+            max_rounds: refine.max_rounds,
+            max_triangles: refine.max_triangles,
         }
     }
 }
@@ -105,6 +116,8 @@ pub struct CoverReport {
     pub apart: usize,
     /// Loops closed as discs without inner points: they touch or cross themselves.
     pub discs: usize,
+    /// Parts with triangles still too large after the last round that [`RefineMethod::Paper`] was given.
+    pub unfinished: usize,
 }
 
 /// Triangles over a section.
@@ -128,6 +141,7 @@ pub struct CoverScratch {
     lattice: Lattice,
     band: Band,
     improver: Improver,
+    paper: Paper,
 }
 
 /// Covers a section with triangles.
@@ -168,8 +182,24 @@ pub fn cover(
             lattice,
             band,
             improver,
+            paper,
         } = &mut *scratch;
-        if mend::build(rims, sheet, &group, mirrored, section.crease, &mut work) == Verdict::Clean {
+        let verdict = mend::build(rims, sheet, &group, mirrored, section.crease, &mut work);
+        if verdict == Verdict::Clean && params.method == RefineMethod::Paper {
+            lattice.clear();
+            band.clear(sheet);
+            let task = Task {
+                rims,
+                targets,
+                mirrored,
+                refine: RefineParams {
+                    max_rounds: params.max_rounds,
+                    max_triangles: limit,
+                    ..RefineParams::default()
+                },
+            };
+            paper.cover(&task, sheet, lattice, band, &joined, &mut cover)?;
+        } else if verdict == Verdict::Clean {
             let mark = cover.triangles.len();
             lattice.clear();
             band.clear(sheet);

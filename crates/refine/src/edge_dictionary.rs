@@ -24,8 +24,9 @@ fn key(a: u32, b: u32) -> [u32; 2] {
 }
 
 impl EdgeDictionary {
-    /// The edges that two of `triangles` share.
-    pub(crate) fn of(triangles: &[[u32; 3]]) -> Self {
+    /// The edges that two of `triangles` share, but for those that `is_fixed` names by their ends: what is not in
+    /// the dictionary is not swapped.
+    pub(crate) fn of(triangles: &[[u32; 3]], is_fixed: impl Fn(u32, u32) -> bool) -> Self {
         let mut sides: Vec<([u32; 2], u32)> = (0u32..)
             .zip(triangles)
             .flat_map(|(t, &[a, b, c])| [(key(a, b), t), (key(b, c), t), (key(c, a), t)])
@@ -33,7 +34,9 @@ impl EdgeDictionary {
         sides.sort_unstable();
         let mut dictionary = Self::default();
         for pair in sides.chunk_by(|x, y| x.0 == y.0) {
-            if let [(vertices, t1), (_, t2)] = *pair {
+            if let [(vertices, t1), (_, t2)] = *pair
+                && !is_fixed(vertices[0], vertices[1])
+            {
                 dictionary.add(vertices, [t1, t2]);
             }
         }

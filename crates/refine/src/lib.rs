@@ -68,6 +68,6 @@ pub use cover::{
 pub use harmonic::{Harmonic, HarmonicScratch, harmonic};
 pub use holes::{Filled, FilledHole, HoleError, HoleParams, fill_hole, fill_holes};
 pub use level::{ParseLevelError, RefinementLevel};
-pub use patch::{Patch, RefineError, RefineParams, RefineReport, fill};
+pub use patch::{Patch, RefineError, RefineMethod, RefineParams, RefineReport, fill};
 pub use refine::{mean_rim_length, refine};
 pub use triangulate::triangulate;

@@ -5,20 +5,38 @@ use crate::refine::{mean_rim_length, refine};
 use crate::triangulate::triangulate;
 use incise_mesh::Vec3;
 
+/// How the triangles of a cap come about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum RefineMethod {
+    /// A core of equilateral triangles and a band around it, or a frontal Delaunay refinement where targets differ
+    /// too much for one core.
+    #[default]
+    Delaunay,
+    /// The paper's: ears cut off, smallest angle first (Algorithm A2), then triangles divided at their centers and
+    /// edges swapped (Algorithms 4 and A3) until they are as long as the mean of the targets along the rim. Loops that
+    /// are nested or follow a crease, which the paper does not know, start from their constrained Delaunay
+    /// triangulation.
+    Paper,
+}
+
 /// How to refine a patch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RefineParams {
+    /// Which of the two ways the exact method of cutting takes. [`fill`], and the paper's method of cutting with it,
+    /// knows the paper's alone and does not ask.
+    pub method: RefineMethod,
     /// How long edges get, relative to the rim's.
     pub level: RefinementLevel,
     /// The t of Formula 2 \[m\] for the whole patch. Without it the exact method takes at every rim
     /// vertex the mean edge of the surface there, the paper's the mean length of the rim's edges.
     pub rim_length: Option<f64>,
-    /// The exact method: by how much the length grows with every meter off the rim \[m/m\]. 0 keeps
+    /// The exact method with [`RefineMethod::Delaunay`]: by how much the length grows with every meter off the rim \[m/m\]. 0 keeps
     /// the surface's at the rim to the middle; above, a patch costs its rim and not its area. Where the rim's own
     /// edges are shorter, either starts from theirs.
     pub grading: f64,
-    /// The most rounds of subdividing and swapping (n of Algorithm 4). A round divides the length
-    /// of edges by about the root of 3; refinement ends by itself when no triangle is too large.
+    /// [`RefineMethod::Paper`]: the most rounds of subdividing and swapping (n of Algorithm 4). A round divides the
+    /// length of edges by about the root of 3; refinement ends by itself when no triangle is too large.
     pub max_rounds: u32,
     /// The most triangles that a patch may get, so that a tiny z ends with an error and not with
     /// all memory gone.
@@ -28,6 +46,7 @@ pub struct RefineParams {
 impl Default for RefineParams {
     fn default() -> Self {
         Self {
+            method: RefineMethod::default(),
             level: RefinementLevel::Original,
             rim_length: None,
             grading: 0.0,

@@ -49,15 +49,44 @@ pub fn refine(
     params: &RefineParams,
     joined: &impl Fn(u32, u32) -> bool,
 ) -> Result<(), RefineError> {
-    let mut dictionary = EdgeDictionary::of(&patch.triangles);
-    let mut swaps = swap_all(patch, &mut dictionary, normal, joined);
+    let rim = patch.rim;
+    let is_taken = |a: u32, b: u32| {
+        let (i, j) = (a as usize, b as usize);
+        i < rim && j < rim && ((i + 1) % rim == j || (j + 1) % rim == i || joined(a, b))
+    };
+    let dictionary = EdgeDictionary::of(&patch.triangles, |_, _| false);
+    refine_edges(patch, dictionary, normal, alpha, params, &is_taken, |_| {
+        true
+    })
+}
+
+/// [`refine`] with the edges that may be swapped in `dictionary`, and others that are there in `is_taken`. A
+/// triangle whose center `place` refuses stays whole.
+pub(crate) fn refine_edges(
+    patch: &mut Patch,
+    mut dictionary: EdgeDictionary,
+    normal: Vec3,
+    alpha: f64,
+    params: &RefineParams,
+    is_taken: &impl Fn(u32, u32) -> bool,
+    mut place: impl FnMut(Vec3) -> bool,
+) -> Result<(), RefineError> {
+    let mut swaps = swap_all(patch, &mut dictionary, normal, is_taken);
     let mut converged = false;
     let mut rounds = 0;
     while !converged && rounds < params.max_rounds {
         converged = true;
         for i in 0..patch.triangles.len() {
-            if is_too_large(patch, i, alpha) {
-                subdivide(patch, &mut dictionary, i);
+            if patch.triangles.len() > params.max_triangles {
+                break;
+            }
+            if !is_too_large(patch, i, alpha) {
+                continue;
+            }
+            let [a, b, c] = patch.triangles[i].map(|v| patch.points[v as usize]);
+            let center = (a + b + c) / 3.0;
+            if place(center) {
+                subdivide(patch, &mut dictionary, i, center);
                 converged = false;
             }
         }
@@ -67,7 +96,7 @@ pub fn refine(
             });
         }
         if !converged {
-            swaps += swap_all(patch, &mut dictionary, normal, joined);
+            swaps += swap_all(patch, &mut dictionary, normal, is_taken);
             rounds += 1;
         }
     }
@@ -83,10 +112,10 @@ fn swap_all(
     patch: &mut Patch,
     dictionary: &mut EdgeDictionary,
     normal: Vec3,
-    joined: &impl Fn(u32, u32) -> bool,
+    is_taken: &impl Fn(u32, u32) -> bool,
 ) -> usize {
     (0..dictionary.len())
-        .filter(|&i| swap(patch, dictionary, i, normal, joined))
+        .filter(|&i| swap(patch, dictionary, i, normal, is_taken))
         .count()
 }
 
@@ -100,10 +129,8 @@ fn is_too_large(patch: &Patch, i: usize, alpha: f64) -> bool {
 }
 
 /// Lines 12 to 22: the triangle becomes three around its center.
-fn subdivide(patch: &mut Patch, dictionary: &mut EdgeDictionary, i: usize) {
+fn subdivide(patch: &mut Patch, dictionary: &mut EdgeDictionary, i: usize, center: Vec3) {
     let [v1, v2, v3] = patch.triangles[i];
-    let at = |v: u32| patch.points[v as usize];
-    let center = (at(v1) + at(v2) + at(v3)) / 3.0;
     let vc = index(patch.points.len());
     patch.points.push(center);
     patch.inner.push([v1, v2, v3]);

@@ -18,24 +18,21 @@ use incise_mesh::Vec3;
 /// that rounding on cocircular points (a square grid) does not swap for nothing.
 const INSIDE: f64 = 1.0 - 1e-9;
 
-/// Swaps edge `i` of the dictionary if that brings the patch closer to Delaunay; tells whether it did.
+/// Swaps edge `i` of the dictionary if that brings the patch closer to Delaunay; tells whether it did. `is_taken` names
+/// edges that are there though not in the dictionary: those of the rim, and of the surface outside.
 pub(crate) fn swap(
     patch: &mut Patch,
     dictionary: &mut EdgeDictionary,
     i: usize,
     normal: Vec3,
-    joined: &impl Fn(u32, u32) -> bool,
+    is_taken: &impl Fn(u32, u32) -> bool,
 ) -> bool {
     let edge = dictionary.edge(i);
     let [t1, t2] = edge.triangles;
     let [start, end] = edge.vertices;
     let v1 = apex(patch.triangles[t1 as usize], edge.vertices);
     let v2 = apex(patch.triangles[t2 as usize], edge.vertices);
-    let rim = patch.rim;
-    let is_joined = |a: u32, b: u32| {
-        is_rim_edge(rim, a, b) || ((a as usize) < rim && (b as usize) < rim && joined(a, b))
-    };
-    if v1 == v2 || dictionary.contains(v1, v2) || is_joined(v1, v2) {
+    if v1 == v2 || dictionary.contains(v1, v2) || is_taken(v1, v2) {
         return false;
     }
     let at = |v: u32| patch.points[v as usize];
@@ -66,12 +63,6 @@ pub(crate) fn swap(
     dictionary.substitute(v1, from, t1, t2);
     dictionary.rename(i, [v1, v2]);
     true
-}
-
-/// Whether patch vertices `a` and `b` follow each other on the rim.
-fn is_rim_edge(rim: usize, a: u32, b: u32) -> bool {
-    let (a, b) = (a as usize, b as usize);
-    a < rim && b < rim && ((a + 1) % rim == b || (b + 1) % rim == a)
 }
 
 fn apex(triangle: [u32; 3], [a, b]: [u32; 2]) -> u32 {

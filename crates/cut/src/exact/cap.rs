@@ -112,8 +112,10 @@ impl Cap {
         refine: &RefineParams,
     ) -> Result<Cover, RefineError> {
         let params = CoverParams {
+            method: refine.method,
             size: CoverSize::Local(&self.lengths),
             grading: refine.grading,
+            max_rounds: refine.max_rounds,
             max_triangles: refine.max_triangles,
             ..CoverParams::default()
         };

@@ -4,7 +4,7 @@ use super::Entry;
 use crate::error::CutError;
 use crate::params::{CutMethod, CutParams};
 use crate::sweep::Sweep;
-use incise_refine::{RefineParams, RefinementLevel};
+use incise_refine::{RefineMethod, RefineParams, RefinementLevel};
 use serde::{Deserialize, Serialize};
 
 /// [`CutMethod`] as it is written.
@@ -12,6 +12,14 @@ use serde::{Deserialize, Serialize};
 enum Method {
     Exact,
     Rebuild,
+}
+
+/// [`RefineMethod`] as it is written; older journals do not name it.
+#[derive(Default, Serialize, Deserialize)]
+enum Refinement {
+    #[default]
+    Delaunay,
+    Paper,
 }
 
 /// [`RefinementLevel`] as it is written.
@@ -30,6 +38,8 @@ enum Level {
 pub(super) struct CutBits {
     corners: [[u32; 3]; 4],
     method: Method,
+    #[serde(default)]
+    refinement: Refinement,
     level: Level,
     rim_length: Option<u64>,
     #[serde(default)]
@@ -58,6 +68,7 @@ impl From<Entry> for CutBits {
             only_piece,
         } = entry.params;
         let RefineParams {
+            method: refinement,
             level,
             rim_length,
             grading,
@@ -69,6 +80,10 @@ impl From<Entry> for CutBits {
             method: match method {
                 CutMethod::Exact => Method::Exact,
                 CutMethod::Rebuild => Method::Rebuild,
+            },
+            refinement: match refinement {
+                RefineMethod::Paper => Refinement::Paper,
+                _ => Refinement::Delaunay,
             },
             level: match level {
                 RefinementLevel::Coarser2 => Level::Coarser2,
@@ -106,6 +121,10 @@ impl TryFrom<CutBits> for Entry {
                     Method::Rebuild => CutMethod::Rebuild,
                 },
                 refine: RefineParams {
+                    method: match bits.refinement {
+                        Refinement::Delaunay => RefineMethod::Delaunay,
+                        Refinement::Paper => RefineMethod::Paper,
+                    },
                     level: match bits.level {
                         Level::Coarser2 => RefinementLevel::Coarser2,
                         Level::Coarser1_5 => RefinementLevel::Coarser1_5,

@@ -47,7 +47,7 @@ pub(super) fn refine(
                 / 3.0,
         );
     }
-    let mut dictionary = EdgeDictionary::of(&filling.triangles);
+    let mut dictionary = EdgeDictionary::of(&filling.triangles, |_, _| false);
     relax(filling, &mut dictionary, joined);
     for _ in 0..ROUNDS {
         let mut grew = false;
@@ -107,7 +107,7 @@ fn divide(filling: &mut Filling, sizes: &mut Vec<f64>, dictionary: &mut EdgeDict
 /// Swaps edges toward Delaunay where the vertices are now.
 #[cfg(feature = "fair")]
 pub(super) fn relax_again(filling: &mut Filling, joined: &impl Fn(u32, u32) -> bool) {
-    let mut dictionary = EdgeDictionary::of(&filling.triangles);
+    let mut dictionary = EdgeDictionary::of(&filling.triangles, |_, _| false);
     relax(filling, &mut dictionary, joined);
 }
 

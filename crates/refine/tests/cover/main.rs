@@ -2,6 +2,7 @@
 
 mod cases;
 mod law;
+mod paper;
 mod properties;
 mod sections;
 mod sizes;
