@@ -3,14 +3,24 @@
 use crate::edges::{Lists, Sets};
 use crate::error::ConstraintError;
 use crate::inherit::{Heritage, settle};
+use crate::plan::Pin;
 use crate::solver::Solver;
-use incise_mesh::{Surface, TopologyDelta, VertexId};
+use incise_mesh::{Origin, Surface, TopologyDelta, VertexId};
 
 /// What following an edit needs, kept from edit to edit for its memory.
 #[derive(Debug, Default)]
 pub(crate) struct Following {
     lists: Lists,
     heritage: Heritage,
+    restored: Vec<VertexId>,
+}
+
+/// What became of a vertex that went, for when it comes back.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct DroppedPin {
+    vertex: VertexId,
+    /// Where its pin held it \[m\]; none where it had none.
+    target: Option<[f32; 3]>,
 }
 
 impl Clone for Following {
@@ -38,7 +48,8 @@ impl Solver {
     ///
     /// The delta of an undo is followed like any other: restored vertices get their velocity from those
     /// that moved in their place, and slots that the surface no longer has are given up. Pins that went
-    /// with their vertices do not come back.
+    /// with their vertices come back with them, to hold them where they did. They are kept for that as long as the
+    /// solver is; those of vertices that an edit had made are not, since nothing brings these back.
     ///
     /// Unlike [`Solver::new`] this accepts edges without rest length: a cut may pass through any point.
     ///
@@ -56,14 +67,10 @@ impl Solver {
         self.resize_vertices(slots.max(had));
         self.update_constraints(surface, delta);
         self.interpolate_velocities(delta);
+        self.restore_pins(delta);
         let mut heritage = std::mem::take(&mut self.following.heritage);
         settle(&mut heritage, self, surface, delta);
-        let pins = self.pins.len();
-        self.pins
-            .retain(|pin| !surface.topology().outgoing(pin.vertex).is_null());
-        if self.pins.len() < pins {
-            self.changes.pins();
-        }
+        self.drop_pins(surface, delta);
         self.resize_vertices(slots);
         self.note_vertices(&heritage.concerned.vertices, delta);
         self.following.heritage = heritage;
@@ -83,6 +90,69 @@ impl Solver {
         }
         if let Some(patches) = &mut self.patches {
             patches.resize_vertices(slots);
+        }
+    }
+
+    /// Drops the pins of vertices that went. Those that may come back are kept: all but the ones that an undo takes
+    /// away, which is what tells where they were.
+    fn drop_pins(&mut self, surface: &Surface, delta: &TopologyDelta) {
+        let (pins, stays) = (self.pins.len(), self.dropped_pins.len());
+        let for_good = !delta.removed_from.is_empty();
+        if !for_good {
+            // Of a slot that is used again the newest entry is that of the vertex that went last, pinned or not.
+            for i in 0..stays {
+                let vertex = self.dropped_pins[i].vertex;
+                let is_new = |entry: &DroppedPin| entry.vertex != vertex;
+                let went = delta.vertices_removed.binary_search(&vertex).is_ok();
+                if went
+                    && self
+                        .pins
+                        .binary_search_by_key(&vertex, |pin| pin.vertex)
+                        .is_err()
+                    && self.dropped_pins[stays..].iter().all(is_new)
+                {
+                    let target = None;
+                    self.dropped_pins.push(DroppedPin { vertex, target });
+                }
+            }
+        }
+        let dropped = &mut self.dropped_pins;
+        self.pins.retain(|&Pin { vertex, target }| {
+            let stays = !surface.topology().outgoing(vertex).is_null();
+            if !stays && !for_good {
+                let target = Some(target);
+                dropped.push(DroppedPin { vertex, target });
+            }
+            stays
+        });
+        if self.pins.len() < pins {
+            self.changes.pins();
+        }
+    }
+
+    /// Pins the vertices again that come back and were pinned when they went.
+    fn restore_pins(&mut self, delta: &TopologyDelta) {
+        if self.dropped_pins.is_empty() {
+            return;
+        }
+        let restored = &mut self.following.restored;
+        restored.clear();
+        let added = delta.vertices_added.iter();
+        let back = added.filter(|added| matches!(added.origin, Origin::Restored { .. }));
+        restored.extend(back.map(|added| added.vertex));
+        restored.sort_unstable();
+        for i in (0..self.dropped_pins.len()).rev() {
+            let DroppedPin { vertex, target } = self.dropped_pins[i];
+            let Ok(at) = restored.binary_search(&vertex) else {
+                continue;
+            };
+            restored.remove(at);
+            self.dropped_pins.remove(i);
+            let place = self.pins.binary_search_by_key(&vertex, |pin| pin.vertex);
+            if let (Some(target), Err(place)) = (target, place) {
+                self.pins.insert(place, Pin { vertex, target });
+                self.changes.pins();
+            }
         }
     }
 

@@ -5,7 +5,7 @@ use crate::changes::VertexLogs;
 use crate::coloring::LAYERS;
 use crate::concerned::NONE;
 use crate::constraints::{BendingSet, StretchSet, room_beside};
-use crate::delta::Following;
+use crate::delta::{DroppedPin, Following};
 use crate::edges::{EdgeTable, Lists, Sets};
 use crate::error::{ConstraintError, StepError};
 use crate::mass::masses;
@@ -28,6 +28,8 @@ pub struct Solver {
     pub(crate) edges: EdgeTable,
     pub(crate) patches: Option<Patches>,
     pub(crate) pins: Vec<Pin>,
+    /// Pins that went with their vertices, the newest last.
+    pub(crate) dropped_pins: Vec<DroppedPin>,
     pub(crate) plan: StepPlan,
     pub(crate) changes: VertexLogs,
     /// Where a vertex stands in a list while an edit is followed, shape [vertex slots].
@@ -116,6 +118,7 @@ impl Solver {
             edges,
             patches,
             pins: Vec::new(),
+            dropped_pins: Vec::new(),
             plan: StepPlan::default(),
             changes: VertexLogs::default(),
             numbers: vec![NONE; slots],
@@ -265,6 +268,7 @@ impl Solver {
             + self.stretch.capacity()
             + self.bending.as_ref().map_or(0, BendingSet::capacity)
             + self.pins.capacity()
+            + self.dropped_pins.capacity()
             + self.plan.capacity()
     }
 

@@ -12,10 +12,11 @@ mod gpu;
 #[path = "common/twin.rs"]
 mod twin;
 
-use common::{close, flip, renew, sphere, split};
+use common::{close, flip, renew, renewed, replace_for_now, sphere, split};
 use gpu::{Needs, trial};
 use incise_mesh::{HalfEdge, Surface, TopologyDelta, TriangleId, VertexId, icosphere, torus};
 use incise_pbd_gpu::{Context, GpuBackend, Material, PatchParams, Schedule, Solver, SolverParams};
+use std::cell::{Cell, RefCell};
 use std::process::ExitCode;
 use twin::{DT, Dice, SCHEDULES, Twin, assert_same, busy};
 
@@ -29,6 +30,9 @@ fn main() -> ExitCode {
         }));
         trials.push(trial(&name("ten_thousand_deltas"), strict, move |c| {
             ten_thousand_deltas(c, schedule);
+        }));
+        trials.push(trial(&name("pins_come_back_by_undo"), strict, move |c| {
+            pins_come_back_by_undo(c, schedule);
         }));
         if schedule != Schedule::WholeBody {
             let name = name("an_edit_sends_what_it_touched");
@@ -188,6 +192,57 @@ fn ten_thousand_deltas(context: Context, schedule: Schedule) {
     let fresh = gpu.memory();
     assert!(edited.rented <= 2 * fresh.rented, "{edited:?} {fresh:?}");
     assert_eq!(edited.reserved, at_first.reserved, "the first buffers do");
+}
+
+/// A body hangs by four vertices, two of which an edit takes away and its undo brings back: it hangs by four again.
+fn pins_come_back_by_undo(context: Context, schedule: Schedule) {
+    let (material, params) = busy();
+    let mut gpu = GpuBackend::on(context).expect("a device");
+    let mut twin = Twin::add(&mut gpu, sphere(2, [0.0; 3]), &material, schedule);
+    let held = [3, 20, 41, 60].map(VertexId);
+    twin.edit(|surface, solver| held.map(|v| solver.pin(surface, v).expect("a vertex")));
+    let pinned =
+        |solver: &Solver| -> Vec<VertexId> { solver.pins().iter().map(|pin| pin.vertex).collect() };
+    let targets = twin.solver.pins().to_vec();
+    for round in 0..3 {
+        let undos = RefCell::new(Vec::new());
+        let mut steps = |twin: &mut Twin, when: &str| {
+            twin.update(&mut gpu);
+            for _ in 0..2 {
+                twin.step(&mut gpu, &params);
+            }
+            twin.assert_equal(&mut gpu, &format!("{when} in round {round}"));
+        };
+        for v in [held[1], held[3]] {
+            twin.edit(|surface, solver| {
+                let (remove, addition) = renewed(surface, v).expect("it is closed");
+                let (delta, undo) = replace_for_now(surface, &remove, &addition);
+                solver.apply_delta(surface, &delta).expect("it fits");
+                undos.borrow_mut().push(undo);
+            });
+        }
+        steps(&mut twin, "without two");
+        assert_eq!(pinned(&twin.solver), [held[0], held[2]]);
+        // One for each body: those of the second edit are the last two.
+        for pair in [[2, 3], [0, 1]] {
+            let undos = undos.borrow();
+            let turn = Cell::new(0);
+            twin.edit(|surface, solver| {
+                let undo = undos[pair[turn.replace(1)]].clone();
+                let back = undo.revert(surface).expect("it is the last");
+                solver.apply_delta(surface, &back).expect("it fits");
+            });
+        }
+        steps(&mut twin, "with all");
+        assert_eq!(twin.solver.pins(), targets, "all are held where they were");
+        for pin in &targets {
+            let [x, y, z, inverse] = twin.on_gpu.positions[pin.vertex.index()];
+            assert_eq!(inverse, 0.0, "{} is held on the device", pin.vertex);
+            let off = [x, y, z].map(f64::from);
+            let off = (0..3).map(|k| (off[k] - f64::from(pin.target[k])).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-6, "{} is off", pin.vertex);
+        }
+    }
 }
 
 /// Bytes that were sent, with those of the program that the step after an edit sends anew.

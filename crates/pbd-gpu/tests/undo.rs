@@ -6,6 +6,7 @@ use common::{Replacement, closed, divided, flipped, renewed, replace_for_now, sp
 use incise_mesh::{HalfEdge, Origin, Surface, TopologyDelta, TriangleId, Undo, VertexId};
 use incise_pbd_gpu::{Density, Material, PatchParams, Solver, SolverParams};
 use proptest::prelude::*;
+use std::collections::BTreeMap;
 
 /// Sums of masses that are stored in f32 [relative].
 const ROUNDING: f64 = 1e-5;
@@ -157,6 +158,106 @@ fn a_restored_vertex_moves_like_what_was_in_its_place() {
         for w in surface.topology().vertices() {
             for (now, was) in solver.velocity(w).into_iter().zip(velocity) {
                 assert!((now - was).abs() < 1e-5, "{w} has a velocity of {now}");
+            }
+        }
+    }
+}
+
+/// What is known of a slot's vertex, told apart from others that had the slot before.
+#[derive(Debug, Clone, Copy)]
+struct Known {
+    slot: VertexId,
+    held_at: Option<[f32; 3]>,
+}
+
+/// All vertices that there ever were, and which of them is in each slot.
+#[derive(Debug, Default)]
+struct Census {
+    all: Vec<Known>,
+    there: BTreeMap<VertexId, usize>,
+}
+
+impl Census {
+    fn enter(&mut self, slot: VertexId) {
+        self.there.insert(slot, self.all.len());
+        let held_at = None;
+        self.all.push(Known { slot, held_at });
+    }
+
+    /// Pins as they should be.
+    fn pins(&self) -> Vec<(VertexId, [f32; 3])> {
+        let there = self.there.values().map(|&i| self.all[i]);
+        there
+            .filter_map(|known| Some((known.slot, known.held_at?)))
+            .collect()
+    }
+}
+
+fn pins_of(solver: &Solver) -> Vec<(VertexId, [f32; 3])> {
+    let pins = solver.pins().iter();
+    pins.map(|pin| (pin.vertex, pin.target)).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(128))]
+
+    /// Vertices go and come back, slots are used again by others, some of them pinned: every vertex has the pin that
+    /// it had.
+    #[test]
+    fn pins_come_back_with_their_vertices(
+        steps in prop::collection::vec((0_u8..7, any::<u16>(), any::<u16>()), 1..40),
+        patched: bool,
+        moves: bool,
+    ) {
+        let mut surface = sphere(1, [0.0, 2.0, 0.0]);
+        let mut solver = solver(&mut surface, Density::Area(2.0), patched);
+        let params = SolverParams::default();
+        let mut census = Census::default();
+        surface.topology().vertices().for_each(|v| census.enter(v));
+        let mut undos: Vec<(Undo, TopologyDelta, BTreeMap<VertexId, usize>)> = Vec::new();
+        for (kind, at, pin) in steps {
+            if kind < 4 {
+                let Some((remove, addition)) = replacement(&surface, kind, at, 0.5) else { continue };
+                let before = census.there.clone();
+                let (delta, undo) = replace_for_now(&mut surface, &remove, &addition);
+                for v in &delta.vertices_removed {
+                    census.there.remove(v);
+                }
+                delta.vertices_added.iter().for_each(|added| census.enter(added.vertex));
+                solver.apply_delta(&mut surface, &delta).unwrap();
+                undos.push((undo, delta, before));
+            } else if kind < 6 && let Some((undo, delta, before)) = undos.pop() {
+                let back = undo.revert(&mut surface).unwrap();
+                solver.apply_delta(&mut surface, &back).unwrap();
+                for added in &delta.vertices_added {
+                    census.there.remove(&added.vertex);
+                }
+                for v in &delta.vertices_removed {
+                    census.there.insert(*v, before[v]);
+                }
+            }
+            solver.validate(&surface).unwrap();
+            let slots: Vec<VertexId> = census.there.keys().copied().collect();
+            let v = slots[usize::from(pin) % slots.len()];
+            let known = &mut census.all[census.there[&v]];
+            if known.held_at.take().is_some() {
+                solver.unpin(&mut surface, v).unwrap();
+            } else {
+                solver.pin(&mut surface, v).unwrap();
+                let [x, y, z, _] = surface.positions[v.index()];
+                known.held_at = Some([x, y, z]);
+            }
+            prop_assert_eq!(pins_of(&solver), census.pins());
+            if moves {
+                solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+            }
+            for (v, target) in census.pins() {
+                let [x, y, z, inverse] = surface.positions[v.index()];
+                prop_assert_eq!(inverse, 0.0, "{} is held", v);
+                if moves {
+                    let off = [x - target[0], y - target[1], z - target[2]];
+                    prop_assert!(off.iter().all(|c| c.abs() < 1e-5), "{} is {:?} off", v, off);
+                }
             }
         }
     }
