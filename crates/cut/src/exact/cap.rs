@@ -19,11 +19,9 @@ const AROUND: usize = 4;
 pub(crate) struct Cap {
     /// The node of each point of the section.
     nodes: Vec<u32>,
-    points: Vec<[f64; 2]>,
+    flat: Flat,
     /// How long edges are to get at each point \[m\].
     lengths: Vec<f64>,
-    loops: Vec<Vec<u32>>,
-    has_crease: bool,
     scratch: CoverScratch,
     rest: CapRest,
     /// By lip, the vertices of the cover's points and the triangles of its triangles.
@@ -36,6 +34,24 @@ pub(crate) struct Cap {
     parents: Vec<u32>,
     joined: Vec<usize>,
     pub(super) triangles: [Vec<TriangleId>; 2],
+}
+
+/// The rim's loops in the plane.
+#[derive(Debug, Clone, Default)]
+struct Flat {
+    points: Vec<[f64; 2]>,
+    loops: Vec<Vec<u32>>,
+    has_crease: bool,
+}
+
+impl Flat {
+    fn section(&self) -> Section<'_> {
+        Section {
+            points: &self.points,
+            loops: &self.loops,
+            crease: self.has_crease,
+        }
+    }
 }
 
 /// What closing needs to know of the cut.
@@ -52,15 +68,16 @@ impl Cap {
     pub(super) fn flatten(&mut self, rims: &Rims<'_>, refine: &RefineParams) {
         self.nodes.clear();
         self.lengths.clear();
-        self.has_crease = rims.has_crease;
-        self.points.clear();
-        self.loops.resize(rims.rim.sizes.len(), Vec::new());
-        for (i, points) in self.loops.iter_mut().enumerate() {
+        self.flat.has_crease = rims.has_crease;
+        self.flat.points.clear();
+        self.flat.loops.resize(rims.rim.sizes.len(), Vec::new());
+        for (i, points) in self.flat.loops.iter_mut().enumerate() {
             points.clear();
             for node in rims.rim.ring(i) {
                 points.push(u32::try_from(self.nodes.len()).expect("nodes have 32-bit ids"));
                 self.nodes.push(node);
-                self.points
+                self.flat
+                    .points
                     .push(rims.unfold.flatten(&rims.nodes[node as usize]));
             }
             let own = &self.nodes[self.lengths.len()..];
@@ -80,23 +97,27 @@ impl Cap {
     /// looking at them costs more.
     pub(super) fn ends_inside(&self, triangles: usize, is_inside: impl FnOnce() -> bool) -> bool {
         let is_hole = |points: &&Vec<u32>| {
-            doubled_area(points.iter().map(|&p| self.points[p as usize])) < 0.0
+            doubled_area(points.iter().map(|&p| self.flat.points[p as usize])) < 0.0
         };
-        let holes = self.loops.iter().filter(is_hole).count();
-        let is_cheap = holes * self.points.len() <= triangles;
+        let holes = self.flat.loops.iter().filter(is_hole).count();
+        let is_cheap = holes * self.flat.points.len() <= triangles;
         holes > 0 && (!is_cheap || self.has_loose_hole()) && is_inside()
     }
 
     /// Whether a loop runs around nothing of the section, as the rim of a cavity does in which a
     /// sweep without an end on the surface ends.
     fn has_loose_hole(&self) -> bool {
-        let outline = |i: usize| self.loops[i].iter().map(|&p| self.points[p as usize]);
-        (0..self.loops.len()).any(|i| {
+        let outline = |i: usize| {
+            self.flat.loops[i]
+                .iter()
+                .map(|&p| self.flat.points[p as usize])
+        };
+        (0..self.flat.loops.len()).any(|i| {
             if doubled_area(outline(i)) >= 0.0 {
                 return false;
             }
-            let inside = self.points[self.loops[i][0] as usize];
-            let others = (0..self.loops.len()).filter(|&j| j != i);
+            let inside = self.flat.points[self.flat.loops[i][0] as usize];
+            let others = (0..self.flat.loops.len()).filter(|&j| j != i);
             others.map(|j| winding(outline(j), inside)).sum::<i32>() <= 0
         })
     }
@@ -127,34 +148,24 @@ impl Cap {
                 fan.any(|h| topology.target(h) == vertex || topology.origin(h.prev()) == vertex)
             })
         };
-        let section = Section {
-            points: &self.points,
-            loops: &self.loops,
-            crease: self.has_crease,
-        };
-        cover(&section, &params, joined, &mut self.scratch)
+        cover(&self.flat.section(), &params, joined, &mut self.scratch)
     }
 
     /// What was covered last, and how long edges were to get at each point.
     pub(crate) fn section(&self) -> (Section<'_>, &[f64]) {
-        let section = Section {
-            points: &self.points,
-            loops: &self.loops,
-            crease: self.has_crease,
-        };
-        (section, &self.lengths)
+        (self.flat.section(), &self.lengths)
     }
 
     /// The loops that the cover joins, by a loop that stands for all of them.
     pub(super) fn join_loops(&mut self, cover: &Cover) {
         self.joined.clear();
-        self.joined.extend(0..self.loops.len());
-        if self.loops.len() == 1 {
+        self.joined.extend(0..self.flat.loops.len());
+        if self.flat.loops.len() == 1 {
             return;
         }
         // Points of one triangle are together; the smallest of them all stands for them.
         self.parents.clear();
-        let count = u32::try_from(self.points.len() + cover.inner.len());
+        let count = u32::try_from(self.flat.points.len() + cover.inner.len());
         self.parents
             .extend(0..count.expect("points have 32-bit numbers"));
         for &[a, b, c] in &cover.triangles {
@@ -166,8 +177,8 @@ impl Cap {
                 self.parents[root as usize] = least;
             }
         }
-        let mut first_loop = vec![usize::MAX; self.points.len()];
-        for (i, points) in self.loops.iter().enumerate() {
+        let mut first_loop = vec![usize::MAX; self.flat.points.len()];
+        for (i, points) in self.flat.loops.iter().enumerate() {
             let root = find(&mut self.parents, points[0]) as usize;
             if first_loop[root] == usize::MAX {
                 first_loop[root] = i;
@@ -192,11 +203,7 @@ impl Cap {
         self.find_twins(cover);
         let vertices = self.nodes.iter();
         let vertices = vertices.map(|&n| rims.lips.vertices[n as usize][0]);
-        let section = Section {
-            points: &self.points,
-            loops: &self.loops,
-            crease: self.has_crease,
-        };
+        let section = self.flat.section();
         self.rest.find(edit.surface(), vertices, cover, &section);
         for lip in 0..2 {
             self.add_vertices(edit, rims, cover, lip);
@@ -228,12 +235,12 @@ impl Cap {
         let first = |i: usize| rims.rim.first[i] as usize;
         let piece = |i: usize| surface.piece(rims.lips.rim[first(i)][lip].triangle());
         self.pieces.clear();
-        if self.loops.len() == 1 {
+        if self.flat.loops.len() == 1 {
             self.pieces.resize(cover.triangles.len(), piece(0));
             return;
         }
-        let mut of_root = vec![0; self.points.len()];
-        for (i, points) in self.loops.iter().enumerate() {
+        let mut of_root = vec![0; self.flat.points.len()];
+        for (i, points) in self.flat.loops.iter().enumerate() {
             of_root[find(&mut self.parents, points[0]) as usize] = piece(i);
         }
         for &[a, ..] in &cover.triangles {
@@ -283,7 +290,7 @@ impl Cap {
         self.twins.resize(3 * cover.triangles.len(), u32::MAX);
         // The half-edges that leave each point, chained.
         self.first.clear();
-        (self.first).resize(self.points.len() + cover.inner.len(), u32::MAX);
+        (self.first).resize(self.flat.points.len() + cover.inner.len(), u32::MAX);
         self.following.clear();
         let mut h = 0;
         for &[a, b, c] in &cover.triangles {
@@ -325,9 +332,9 @@ impl Cap {
         }
         for h in 0..3 * cover.triangles.len() {
             let point = cover.triangles[h / 3][h % 3] as usize;
-            let at = match point.checked_sub(self.points.len()) {
+            let at = match point.checked_sub(self.flat.points.len()) {
                 Some(inner) => cover.inner[inner].at,
-                None => self.points[point],
+                None => self.flat.points[point],
             };
             let corner = self.triangles[lip][h / 3].half_edges();
             let corner = corner[if lip == 0 { h % 3 } else { (3 - h % 3) % 3 }];
