@@ -13,6 +13,8 @@
 
 mod links;
 mod repair;
+mod tally;
+mod winding;
 
 use crate::geometry::{Aabb, Vec3, area_vector, widen};
 use crate::ids::{TriangleId, VertexId};

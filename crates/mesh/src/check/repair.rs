@@ -1,29 +1,22 @@
 //! From mesh data to a body that can be cut.
 
-use super::links::{Links, origin};
+use super::links::Links;
+use super::tally::Tally;
 use super::{Defect, NotFit};
-use crate::geometry::{Aabb, area_vector, widen};
-use crate::ids::{HalfEdge, TriangleId, VertexId};
+use crate::ids::VertexId;
 use crate::io::{MeshData, Warning};
-use crate::measure::cone_volume;
-use crate::partition::Partition;
 use crate::surface::{CornerAttributes, Surface};
 use crate::topology::Topology;
-
-/// A closed component encloses nothing when its volume is below this part of its area times its
-/// box's diagonal. Sums in 64 bits leave about 1e-15 of a flat one; a sheet as thin as 32-bit
-/// coordinates can tell apart has 1e-8.
-const FLAT: f64 = 1e-12;
 
 /// What repairing made of mesh data.
 pub(super) struct Repaired {
     /// The data's vertex of every vertex.
-    vertices: Vec<u32>,
-    triangles: Vec<[u32; 3]>,
+    pub(super) vertices: Vec<u32>,
+    pub(super) triangles: Vec<[u32; 3]>,
     /// The data's triangle of every triangle.
-    sources: Vec<u32>,
+    pub(super) sources: Vec<u32>,
     /// Whether the triangle runs the other way than in the data.
-    flipped: Vec<bool>,
+    pub(super) flipped: Vec<bool>,
     pub(super) warnings: Vec<Warning>,
     /// Empty when the mesh is fit; only then everything above is a surface.
     pub(super) defects: Vec<Defect>,
@@ -226,67 +219,6 @@ impl Repaired {
         self.defects.extend(open);
     }
 
-    /// Winds each component as most of its triangles are.
-    fn orient(&mut self, links: &Links) {
-        let mut twin = vec![HalfEdge::NULL; 3 * self.triangles.len()];
-        for edge in links.edges() {
-            if let [(_, h), (_, g)] = *edge {
-                twin[h.index()] = g;
-                twin[g.index()] = h;
-            }
-        }
-        let (mut reoriented, mut one_sided) = (Tally::default(), Tally::default());
-        let mut seen = vec![false; self.triangles.len()];
-        for seed in 0..self.triangles.len() {
-            if seen[seed] {
-                continue;
-            }
-            seen[seed] = true;
-            let mut component = vec![TriangleId::from_index(seed)];
-            let mut conflict = None;
-            let mut at = 0;
-            while let Some(&t) = component.get(at) {
-                at += 1;
-                for h in t.half_edges() {
-                    let other = twin[h.index()];
-                    if other.is_null() {
-                        continue;
-                    }
-                    let same_way = origin(&self.triangles, h) == origin(&self.triangles, other);
-                    let wanted = self.flipped[t.index()] != same_way;
-                    let neighbor = other.triangle();
-                    if std::mem::replace(&mut seen[neighbor.index()], true) {
-                        if self.flipped[neighbor.index()] != wanted {
-                            conflict = Some(neighbor);
-                        }
-                    } else {
-                        self.flipped[neighbor.index()] = wanted;
-                        component.push(neighbor);
-                    }
-                }
-            }
-            let flips = component.iter().filter(|t| self.flipped[t.index()]).count();
-            let majority = 2 * flips > component.len();
-            for t in &component {
-                self.flipped[t.index()] ^= majority;
-            }
-            one_sided.note(
-                conflict.is_some(),
-                conflict.map_or(0, |t| self.sources[t.index()]),
-            );
-        }
-        for (i, t) in self.triangles.iter_mut().enumerate() {
-            if reoriented.note(self.flipped[i], self.sources[i]) {
-                t.swap(1, 2);
-            }
-        }
-        if let Some((triangle, count)) = one_sided.found() {
-            self.defects.push(Defect::NonOrientable { triangle, count });
-        } else if let Some((triangle, count)) = reoriented.found() {
-            self.warnings.push(Warning::Reoriented { triangle, count });
-        }
-    }
-
     /// Gives each fan of triangles around a vertex a vertex of its own. Fans that lie around holes
     /// which touch there are one.
     fn split_vertices(&mut self, is_open: bool) {
@@ -330,50 +262,6 @@ impl Repaired {
             .retain(|_| new.next().is_some_and(|&new| new != u32::MAX));
     }
 
-    /// Finds components that enclose nothing, and turns everything when the whole is inside out.
-    fn check_volumes(&mut self, data: &MeshData) {
-        #[derive(Clone, Copy, Default)]
-        struct Component {
-            volume: f64,
-            area: f64,
-            bounds: Aabb,
-        }
-        let mut parts = Partition::new(self.vertices.len());
-        for &[a, b, c] in &self.triangles {
-            parts.join(a, b);
-            parts.join(a, c);
-        }
-        let position = |v: u32| data.positions[self.vertices[v as usize] as usize];
-        let mut components = vec![Component::default(); self.vertices.len()];
-        for t in &self.triangles {
-            let root = parts.find(t[0]);
-            let component = &mut components[root as usize];
-            let corners = t.map(|v| widen(position(v)));
-            component.volume += cone_volume(corners, widen(position(root)));
-            component.area += area_vector(corners).norm() / 2.0;
-            t.iter().for_each(|&v| component.bounds.grow(position(v)));
-        }
-        let is_flat = |c: &Component| c.volume.abs() <= FLAT * c.area * c.bounds.diagonal();
-        let mut flat = Tally::default();
-        let mut told = vec![false; components.len()];
-        for (t, &source) in self.triangles.iter().zip(&self.sources) {
-            let root = parts.find(t[0]) as usize;
-            if !std::mem::replace(&mut told[root], true) {
-                flat.note(is_flat(&components[root]), source);
-            }
-        }
-        if let Some((triangle, count)) = flat.found() {
-            self.defects.push(Defect::ZeroVolume { triangle, count });
-        }
-        if components.iter().map(|c| c.volume).sum::<f64>() < 0.0 {
-            for (t, flipped) in self.triangles.iter_mut().zip(&mut self.flipped) {
-                t.swap(1, 2);
-                *flipped = !*flipped;
-            }
-            self.warnings.push(Warning::Inverted);
-        }
-    }
-
     /// What the corners of the repaired triangles carry.
     fn gather<T: Copy>(&self, values: &[T]) -> Vec<T> {
         let triangles = values.as_chunks::<3>().0;
@@ -388,27 +276,5 @@ impl Repaired {
                 if flipped { [a, c, b] } else { [a, b, c] }
             })
             .collect()
-    }
-}
-
-/// The first triangle with a flaw, and how many have it.
-#[derive(Default)]
-struct Tally {
-    first: u32,
-    count: usize,
-}
-
-impl Tally {
-    /// Counts triangle `t` when it has the flaw; returns whether it has.
-    fn note(&mut self, flaw: bool, t: u32) -> bool {
-        if flaw && self.count == 0 {
-            self.first = t;
-        }
-        self.count += usize::from(flaw);
-        flaw
-    }
-
-    fn found(&self) -> Option<(TriangleId, usize)> {
-        (self.count > 0).then_some((TriangleId(self.first), self.count))
     }
 }
