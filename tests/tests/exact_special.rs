@@ -180,6 +180,68 @@ fn numbers_out_of_range_are_refused() {
     }
 }
 
+/// A blade may be hundreds of millions of times as large as the body and cuts where it is; beyond that it is refused,
+/// unless it misses, and at no size does it cut elsewhere.
+#[test]
+fn a_sweep_cuts_where_it_is_or_is_refused() {
+    let params = CutParams {
+        snap: 0.0,
+        ..CutParams::default()
+    };
+    for body in [icosphere(2, 0.5), torus(0.4, 0.15, 24, 12)] {
+        // Planes through points that are numbers of 32 bits at any size: y = 1/32 and y = x.
+        for (tilt, normal, d) in [
+            (0.0, [0.0, 1.0, 0.0], 0.03125),
+            (1.0, [-1.0, 1.0, 0.0], 0.0),
+        ] {
+            let d32 = incise_mesh::geometry::round([d, 0.0, 0.0].into())[0];
+            let across = |far: f32, d: f32| {
+                let at = |x: f32, z: f32| [x * far, tilt * x * far + d, z * far];
+                Sweep::new(
+                    [at(-1.0, -1.0), at(-1.0, 1.0)],
+                    [at(1.0, -1.0), at(1.0, 1.0)],
+                )
+            };
+            let volumes = |sweep: &Sweep| {
+                let mut surface = body.clone();
+                let cut = cut_and_check(&mut surface, &mut Cutter::new(&body), sweep, &params);
+                cut.map(|_| {
+                    let mut volumes = surface.piece_volumes();
+                    volumes.sort_by(f64::total_cmp);
+                    volumes
+                })
+            };
+            let plane = Sweep::across_box(normal, d, &body.bounds()).expect("a plane");
+            let expected = volumes(&plane).expect("a full slice");
+            for exponent in (2..126).step_by(4) {
+                let far = 2.0f32.powi(exponent);
+                let sweep = across(far, d32).expect("a sweep");
+                match volumes(&sweep) {
+                    Ok(found) => {
+                        assert!(exponent <= 28, "2^{exponent} is not refused");
+                        for (found, expected) in found.iter().zip(&expected) {
+                            let error = (found - expected).abs();
+                            assert!(error < 1e-6, "2^{exponent}: {found} for {expected}");
+                        }
+                    }
+                    Err(CutError::SweepTooLarge { times, .. }) => {
+                        assert!(exponent > 28 && times > 5e8, "2^{exponent}: {times}");
+                    }
+                    Err(error) => panic!("2^{exponent}: {error}"),
+                }
+                if tilt == 0.0 {
+                    let miss = across(far, 3.0).expect("a sweep");
+                    assert_eq!(
+                        assert_refused(&mut body.clone(), &miss),
+                        None,
+                        "2^{exponent}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 /// A search tree that was not told of motion is no reason to panic: the cut is refused, and the body
 /// keeps its bits. Told, the same cut is made.
 #[test]

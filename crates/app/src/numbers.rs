@@ -4,16 +4,27 @@
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Numbers<const N: usize>(pub(crate) [f64; N]);
 
-/// Finite numbers between commas.
+/// Finite numbers between commas. An error says which is none.
 pub(crate) fn numbers<const N: usize>(text: &str) -> Result<Numbers<N>, String> {
-    let values: Option<Vec<f64>> = text
-        .split(',')
-        .map(|s| s.trim().parse().ok().filter(|x: &f64| x.is_finite()))
-        .collect();
-    values
-        .and_then(|v| v.try_into().ok())
-        .map(Numbers)
-        .ok_or_else(|| format!("expected {N} numbers, separated by commas"))
+    let mut values = Vec::with_capacity(N);
+    for (i, part) in text.split(',').map(str::trim).enumerate() {
+        let fault = match part.parse::<f64>() {
+            Ok(value) if value.is_finite() => {
+                values.push(value);
+                continue;
+            }
+            Ok(_) => "is not finite",
+            Err(_) => "is not a number",
+        };
+        return Err(format!(
+            "number {}, '{part}', {fault}: expected {N} finite numbers, separated by commas",
+            i + 1
+        ));
+    }
+    let found = values.len();
+    (values.try_into().map(Numbers)).map_err(|_| {
+        format!("found {found} numbers: expected {N} finite numbers, separated by commas")
+    })
 }
 
 /// A positive number, or a fraction of two.
@@ -43,8 +54,17 @@ mod tests {
     #[test]
     fn there_are_as_many_numbers_as_are_needed() {
         assert_eq!(numbers::<3>("1, -2,3e1").unwrap().0, [1.0, -2.0, 30.0]);
-        for bad in ["1,2", "1,2,3,4", "1,2,inf", ""] {
-            assert!(numbers::<3>(bad).is_err(), "{bad}");
+        for (bad, said) in [
+            ("1,2", "found 2 numbers"),
+            ("1,2,3,4", "found 4 numbers"),
+            ("1,2,inf", "number 3, 'inf', is not finite"),
+            ("nan,2,inf", "number 1, 'nan', is not finite"),
+            ("1,x,3", "number 2, 'x', is not a number"),
+            ("", "number 1, '', is not a number"),
+        ] {
+            let error = numbers::<3>(bad).unwrap_err();
+            assert!(error.starts_with(said), "{bad}: {error}");
+            assert!(error.contains("expected 3 finite numbers"), "{error}");
         }
     }
 }

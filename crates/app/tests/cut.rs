@@ -93,6 +93,16 @@ fn a_wrong_command_line_exits_with_2_and_a_wrong_input_with_1() {
         code(&["--plane", "1,0,0,0", "--to", "0,0,0,1,1,1"]),
         Some(2)
     );
+    for (plane, said) in [
+        ("inf,0,0,0", "number 1, 'inf', is not finite"),
+        ("1,0,0,nan", "number 4, 'nan', is not finite"),
+        ("1,0,zero,0", "number 3, 'zero', is not a number"),
+        ("1,0,0", "found 3 numbers"),
+    ] {
+        let (_, _, error) = cut(&input, &output, &["--plane", plane]);
+        assert!(error.contains(said), "{plane}: {error}");
+        assert!(error.contains("expected 4 finite numbers"), "{error}");
+    }
     assert!(!output.exists(), "nothing is written");
     let missing = folder.path().join("missing.obj");
     let status = incise(&[
@@ -215,6 +225,25 @@ fn a_partial_cut_is_refused_by_both_methods_and_says_what_to_do() {
 }
 
 #[test]
+fn a_sweep_too_large_to_be_exact_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("sphere.obj");
+    write_obj(&input, &build_model(Model::Sphere80)).unwrap();
+    let output = folder.path().join("out");
+    for (far, is_refused) in [("1e8", false), ("1e13", true)] {
+        let from = format!("-{far},0.1,-{far},-{far},0.1,{far}");
+        let to = format!("{far},0.1,-{far},{far},0.1,{far}");
+        let (code, _, error) = cut(&input, &output, &["--blade", &from, "--to", &to]);
+        assert_eq!(code, Some(i32::from(is_refused)), "{far}: {error}");
+        assert_eq!(
+            error.contains("make the sweep smaller"),
+            is_refused,
+            "{error}"
+        );
+    }
+}
+
+#[test]
 fn a_sweep_inside_the_body_is_no_miss_and_one_in_its_cavity_is() {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("hollow.obj");
@@ -278,52 +307,19 @@ fn a_blade_whose_ends_change_places_is_told_from_one_without_area() {
 }
 
 #[test]
-fn caps_are_refined_either_way_and_the_rebuild_method_knows_the_paper_s_only() {
-    let folder = tempfile::tempdir().unwrap();
-    let input = folder.path().join("hollow.obj");
-    write_obj(&input, &hollow_sphere()).unwrap();
-    let output = folder.path().join("out");
-    let run = |more: &[&str]| {
-        let plane = ["--plane", "1,0.1,0.2,0.01", "--level", "0.3"];
-        cut(&input, &output, &[&plane[..], more].concat())
-    };
-    let mut caps = Vec::new();
-    for (more, name) in [
-        (&[][..], "delaunay"),
-        (&["--refine-method", "delaunay"], "delaunay"),
-        (&["--refine-method", "paper"], "paper"),
-    ] {
-        let (code, report, error) = run(more);
-        assert_eq!(code, Some(0), "{error}");
-        assert_eq!(report["refine_method"], name, "{more:?}");
-        assert_eq!(report["pieces"].as_array().unwrap().len(), 2);
-        let before = report["volume"].as_f64().unwrap();
-        assert!((sum_of_volumes(&report) - before).abs() < 2e-3 * before);
-        caps.push(report["cap_median_angle_deg"].as_f64().unwrap());
-    }
-    assert_eq!(caps[0], caps[1], "delaunay is the default");
-    assert_ne!(caps[0], caps[2], "the paper's triangles are others");
-    let (code, _, error) = run(&["--method", "rebuild", "--refine-method", "delaunay"]);
-    assert_eq!(code, Some(2), "{error}");
-    assert!(
-        error.contains("does not go with --method rebuild"),
-        "{error}"
-    );
-    let ball = folder.path().join("sphere.obj");
-    write_obj(&ball, &build_model(Model::Sphere80)).unwrap();
-    let plane = ["--plane", "1,0.1,0.2,0.01", "--method", "rebuild"];
-    for more in [&[][..], &["--refine-method", "paper"]] {
-        let (code, report, error) = cut(&ball, &output, &[&plane[..], more].concat());
-        assert_eq!(code, Some(0), "{error}");
-        assert_eq!(report["refine_method"], "paper");
-    }
-}
-
-#[test]
 fn help_and_text_say_what_snapping_does() {
     let help = incise(&["cut", "--help"]);
     let help = String::from_utf8(help.stdout).unwrap();
-    for word in ["--snap", "--method", "exact", "rebuild", "below 0.5"] {
+    for word in [
+        "--snap",
+        "--method",
+        "exact",
+        "rebuild",
+        "below 0.5",
+        "diagonal from",
+        "--max-triangles",
+        "default: 0.1",
+    ] {
         assert!(help.contains(word), "{word} in\n{help}");
     }
     let folder = tempfile::tempdir().unwrap();

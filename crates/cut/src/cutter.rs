@@ -10,6 +10,10 @@ use incise_mesh::{Surface, TopologyDelta, TriangleId, Undo, UndoError};
 use incise_refine::Section;
 use std::time::{Duration, Instant};
 
+/// By how much the largest coordinate of a sweep may be larger than the body's. Differences between the two, which
+/// are numbers of 53 bits, then still have all that a coordinate of 24 bits has.
+const FARTHEST: f64 = (1u64 << 29) as f64;
+
 /// What a cut found, did and cost.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CutReport {
@@ -129,6 +133,21 @@ impl Cutter {
         Ok(delta)
     }
 
+    /// Refuses a sweep whose corners are too far out for the body to be cut where they say.
+    fn check_reach(&self, sweep: &Sweep) -> Result<(), CutError> {
+        let bounds = self.bvh.bounds();
+        let coordinates = bounds.min.iter().chain(&bounds.max);
+        let largest = coordinates.fold(0.0, |m, x| f64::from(x.abs()).max(m));
+        for (corner, p) in sweep.corners().iter().enumerate() {
+            let reach = p.iter().fold(0.0, |m, x| f64::from(x.abs()).max(m));
+            if reach > FARTHEST * largest {
+                let times = reach / largest;
+                return Err(CutError::SweepTooLarge { corner, times });
+            }
+        }
+        Ok(())
+    }
+
     /// Cuts `surface` along `sweep`. A sweep that misses changes nothing and is no error; the
     /// outcome's delta is empty then and nothing was allocated once warm.
     ///
@@ -148,6 +167,9 @@ impl Cutter {
         self.bvh.query(surface, sweep, &mut self.candidates);
         if let Some(piece) = params.only_piece {
             self.candidates.retain(|&t| surface.piece(t) == piece);
+        }
+        if !self.candidates.is_empty() {
+            self.check_reach(sweep)?;
         }
         let mut outcome = CutOutcome::default();
         outcome.report.candidates = self.candidates.len();

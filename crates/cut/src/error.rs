@@ -24,6 +24,17 @@ pub enum CutError {
         /// Which of the four.
         corner: usize,
     },
+    /// A corner of the sweep is so far out that rounding would decide where the body is cut.
+    #[error(
+        "corner {corner} of the sweep is {times:.1e} times as far out as the body, and rounding would move the cut: \
+         make the sweep smaller, 5e8 times is the most; for a plane, Sweep::across_box makes one that fits"
+    )]
+    SweepTooLarge {
+        /// Which of the four.
+        corner: usize,
+        /// Its largest coordinate over the body's.
+        times: f64,
+    },
     /// A coordinate of the surface is NaN or infinite.
     #[error("vertex {vertex} is not finite")]
     VertexNotFinite {
