@@ -8,14 +8,15 @@ use crate::pieces::{self, Piece};
 use clap::ValueEnum;
 use incise_cut::{CutError, CutMethod, CutParams, Cutter, Sweep, starts_inside};
 use incise_mesh::geometry::area_vector;
-use incise_mesh::{AngleStats, Surface, read_mesh};
+use incise_mesh::{AngleStats, Surface, Warning, read_mesh};
 use incise_refine::{RefineMethod, RefineParams, RefinementLevel};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
 /// Cuts a mesh and writes its pieces to `DIR/piece_000.obj` and on, one closed component a file. Files of
-/// that name from an earlier run are overwritten, and removed where there are fewer pieces now.
+/// that name from an earlier run are overwritten, and removed where there are fewer pieces now. A cut that is refused
+/// writes nothing and leaves them as they are.
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("cutter").required(true).args(["plane", "blade"]))]
 pub(crate) struct CutArguments {
@@ -24,7 +25,10 @@ pub(crate) struct CutArguments {
     /// Cut along the plane `nx x + ny y + nz z = d`.
     #[arg(long, value_name = "NX,NY,NZ,D", value_parser = numbers::<4>, allow_hyphen_values = true)]
     plane: Option<Numbers<4>>,
-    /// Cut along the sweep of a blade's edge, two triangles: from here, start and end ...
+    /// Cut along the sweep of a blade's edge: from here, start and end ...
+    ///
+    /// The sweep is two triangles. Where the four corners do not lie in one plane it is folded along the diagonal from
+    /// the start of --blade to the end of --to.
     #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = numbers::<6>, allow_hyphen_values = true, requires = "to")]
     blade: Option<Numbers<6>>,
     /// ... to here, in the same order.
@@ -36,8 +40,12 @@ pub(crate) struct CutArguments {
     level: RefinementLevel,
     /// The exact method: by how much the caps' edges get longer with every unit off the rim. 0 keeps the
     /// surface's edge length at the rim to the middle; 0.3 makes caps that cost their outline and not their area.
-    #[arg(long, value_name = "G", default_value_t = 0.0, value_parser = grading, allow_hyphen_values = true)]
-    grading: f64,
+    /// [default: 0]
+    #[arg(long, value_name = "G", value_parser = grading, allow_hyphen_values = true)]
+    grading: Option<f64>,
+    /// Refuse the cut when a cap needs more triangles than this.
+    #[arg(long, value_name = "N", default_value_t = RefineParams::default().max_triangles)]
+    max_triangles: usize,
     /// How the mesh is opened.
     #[arg(long, value_enum, default_value_t = Method::Exact)]
     method: Method,
@@ -46,8 +54,9 @@ pub(crate) struct CutArguments {
     refine_method: Option<Refinement>,
     /// The exact method: edges along the rim that are shorter than this part of the surface's edges are
     /// contracted. 0 keeps the exact geometry and leaves slivers, which a solver pays for; below 0.5.
-    #[arg(long, value_name = "S", default_value_t = CutParams::default().snap, value_parser = snap, allow_hyphen_values = true)]
-    snap: f64,
+    /// [default: 0.1]
+    #[arg(long, value_name = "S", value_parser = snap, allow_hyphen_values = true)]
+    snap: Option<f64>,
     /// Where the pieces go.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -115,6 +124,8 @@ struct Report {
     snap: f64,
     level: f64,
     grading: f64,
+    /// What was repaired or passed over when the mesh was read.
+    warnings: Vec<Warning>,
     triangles: usize,
     volume: f64,
     triangles_hit: usize,
@@ -154,7 +165,7 @@ struct Times {
 
 /// Cuts and writes.
 pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), Failure> {
-    let refinement = arguments.refinement()?;
+    let refinement = arguments.check()?;
     let path = &arguments.input;
     let (read, surface) = timed(|| {
         let data = read_mesh(path)?;
@@ -163,7 +174,11 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
             source,
         })
     });
-    let (mut surface, _) = surface?;
+    let (mut surface, warnings) = surface?;
+    for warning in &warnings {
+        // Without an error output only the JSON tells.
+        let _ = writeln!(io::stderr(), "incise: {}: {warning}", path.display());
+    }
     let (triangles, volume) = (surface.topology().triangle_count(), surface.volume());
     let sweep = arguments.sweep(&surface).map_err(Failure::Sweep)?;
     if crosses_itself(&sweep) {
@@ -174,14 +189,15 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
             Method::Exact => CutMethod::Exact,
             Method::Rebuild => CutMethod::Rebuild,
         },
-        snap: arguments.snap,
+        snap: arguments.snap.unwrap_or(CutParams::default().snap),
         refine: RefineParams {
             method: match refinement {
                 Refinement::Delaunay => RefineMethod::Delaunay,
                 Refinement::Paper => RefineMethod::Paper,
             },
             level: arguments.level,
-            grading: arguments.grading,
+            grading: arguments.grading.unwrap_or_default(),
+            max_triangles: arguments.max_triangles,
             ..RefineParams::default()
         },
         ..CutParams::default()
@@ -203,9 +219,10 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         input: path.clone(),
         method: arguments.method.name(),
         refine_method: refinement.name(),
-        snap: arguments.snap,
+        snap: params.snap,
         level: arguments.level.z(),
-        grading: arguments.grading,
+        grading: params.refine.grading,
+        warnings,
         triangles,
         volume,
         triangles_hit: outcome.report.hits,
@@ -243,13 +260,21 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
 
 impl CutArguments {
     /// How caps are refined, if the options go together.
-    fn refinement(&self) -> Result<Refinement, Failure> {
+    fn check(&self) -> Result<Refinement, Failure> {
+        let refuse = |option, with| Err(Failure::NotWith { option, with });
+        let rebuild = "--method rebuild";
         match (self.method, self.refine_method) {
-            (Method::Rebuild, Some(Refinement::Delaunay)) => Err(Failure::NotWith {
-                option: "--refine-method delaunay",
-                with: "--method rebuild, whose refinement is the paper's",
-            }),
+            (Method::Rebuild, _) if self.snap.is_some() => refuse("--snap", rebuild),
+            (Method::Rebuild, _) if self.grading.is_some() => refuse("--grading", rebuild),
+            (Method::Rebuild, Some(Refinement::Delaunay)) => refuse(
+                "--refine-method delaunay",
+                "--method rebuild, whose refinement is the paper's",
+            ),
             (Method::Rebuild, _) => Ok(Refinement::Paper),
+            (Method::Exact, Some(Refinement::Paper)) if self.grading.is_some() => refuse(
+                "--grading",
+                "--refine-method paper, which has one edge length for each part of the section",
+            ),
             (Method::Exact, given) => Ok(given.unwrap_or(Refinement::Delaunay)),
         }
     }

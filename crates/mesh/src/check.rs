@@ -11,6 +11,7 @@
 //! - refused: boundaries, edges of more than two triangles, surfaces with one side, components
 //!   without volume.
 
+mod gaps;
 mod links;
 mod repair;
 mod tally;
@@ -44,6 +45,9 @@ pub enum Defect {
         at: [f32; 3],
         /// How many.
         count: usize,
+        /// Within which distance most of their ends have another vertex beside them \[m\], if they do: what belongs
+        /// together is not at the same place then.
+        gap: Option<f64>,
     },
     /// Edges with more than two triangles.
     NonManifoldEdge {
@@ -76,9 +80,27 @@ impl fmt::Display for Defect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Empty => write!(f, "no triangle has three different corners"),
-            Self::OpenEdge { a, b, at, count } => write!(
+            Self::OpenEdge {
+                a,
+                b,
+                at,
+                count,
+                gap: None,
+            } => write!(
                 f,
                 "open edges: {count}, first {a}-{b} at {at:?}; close the holes"
+            ),
+            Self::OpenEdge {
+                a,
+                b,
+                at,
+                count,
+                gap: Some(gap),
+            } => write!(
+                f,
+                "open edges: {count}, first {a}-{b} at {at:?}, most with other vertices beside their ends, up to {gap:.1e} \
+                 away; weld vertices that are so near to each other (Merge by Distance in Blender, Merge Close \
+                 Vertices in MeshLab)"
             ),
             Self::NonManifoldEdge { a, b, at, count } => write!(
                 f,

@@ -1,5 +1,6 @@
 //! From mesh data to a body that can be cut.
 
+use super::gaps::gap;
 use super::links::Links;
 use super::tally::Tally;
 use super::{Defect, NotFit};
@@ -214,6 +215,9 @@ impl Repaired {
             b,
             at,
             count: counts.open,
+            gap: gap(links, |v| {
+                data.positions[self.vertices[v as usize] as usize]
+            }),
         });
         self.defects.extend(nonmanifold);
         self.defects.extend(open);

@@ -76,6 +76,82 @@ fn an_open_mesh_is_refused() {
     assert!(refusal.to_string().contains("open edges: 3"), "{refusal}");
 }
 
+/// A ball as a soup whose vertices were moved a little, each copy by itself, is told from one with a hole: welded by the
+/// distance that is named it is closed.
+#[test]
+fn vertices_that_nearly_meet_are_to_be_welded() {
+    let ball = crate::shapes::icosphere(2, 0.5);
+    let topology = ball.topology();
+    for jitter in [1e-6_f64, 1e-4] {
+        let mut seed = 1u64;
+        let mut noise = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            #[expect(clippy::cast_precision_loss, reason = "31 bits")]
+            let part = (seed >> 33) as f64 / f64::from(1u32 << 31);
+            jitter * (part - 0.5)
+        };
+        let soup: Vec<[f32; 3]> = (topology.triangles())
+            .flat_map(|t| topology.triangle(t))
+            .map(|v| crate::geometry::round(ball.position(v).map(|x| x + noise())))
+            .collect();
+        let triangles: Vec<[u32; 3]> = (0..)
+            .take(soup.len() / 3)
+            .map(|i| [0, 1, 2].map(|k| 3 * i + k))
+            .collect();
+        let refusal = MeshData::from_triangles(&soup, &triangles)
+            .unwrap()
+            .into_surface()
+            .unwrap_err();
+        let [Defect::OpenEdge { gap: Some(gap), .. }] = refusal.defects[..] else {
+            panic!("{refusal}");
+        };
+        assert!(
+            gap > 0.5 * jitter && gap < 2.0 * jitter,
+            "{gap} for {jitter}"
+        );
+        assert!(refusal.to_string().contains("weld vertices"), "{refusal}");
+        // Each vertex becomes the first that is no farther away than that.
+        let near = |p: &[f32; 3], q: &[f32; 3]| (widen(*p) - widen(*q)).norm() <= 1.01 * gap;
+        let welded: Vec<u32> = soup
+            .iter()
+            .map(|p| (0..).zip(&soup).find(|(_, q)| near(p, q)).unwrap().0)
+            .collect();
+        let triangles: Vec<[u32; 3]> = triangles
+            .iter()
+            .map(|t| t.map(|v| welded[v as usize]))
+            .collect();
+        let closed = MeshData::from_triangles(&soup, &triangles)
+            .unwrap()
+            .into_surface();
+        assert!(closed.is_ok(), "{:?}", closed.err());
+    }
+    // Triangles that are missing, also every second one, are holes.
+    for step in [2, 17] {
+        let all = topology
+            .triangles()
+            .map(|t| topology.triangle(t).map(|v| v.0));
+        let some: Vec<[u32; 3]> = (0..)
+            .zip(all)
+            .filter(|(i, _)| i % step != 0)
+            .map(|(_, t)| t)
+            .collect();
+        let positions: Vec<[f32; 3]> = ball
+            .positions
+            .iter()
+            .map(|&[x, y, z, _]| [x, y, z])
+            .collect();
+        let refusal = MeshData::from_triangles(&positions, &some)
+            .unwrap()
+            .into_surface()
+            .unwrap_err();
+        assert!(
+            matches!(refusal.defects[..], [Defect::OpenEdge { gap: None, .. }]),
+            "{refusal}"
+        );
+        assert!(refusal.to_string().contains("close the holes"), "{refusal}");
+    }
+}
+
 #[test]
 fn what_has_one_repair_is_repaired() {
     let mut triangles = CUBE.to_vec();
