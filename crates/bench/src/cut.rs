@@ -36,7 +36,8 @@ pub(crate) struct CutArguments {
     /// Leave out larger models.
     #[arg(long, value_name = "N", default_value_t = 1_400_000)]
     max_triangles: usize,
-    /// Cuts that a body has behind it at last when latencies are compared; 0 compares none.
+    /// Cuts that a body has behind it at last when latencies are compared; 0 compares none. The body is Sphere49152,
+    /// so that --only has to name it, or nothing.
     #[arg(long, value_name = "N", default_value_t = 1000)]
     cuts: u32,
     /// Refinement level of the caps: one of the five names, or z.
@@ -93,7 +94,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         table::slope(out, &slope)?;
         records.push(Record::Slope(slope));
     }
-    if arguments.cuts > 0 {
+    if arguments.cuts > 0 && is_wanted(&arguments.only, latency::MODEL) {
         for latency in latency::measure(&params, arguments.cuts, &stamp)? {
             table::latency(out, &latency)?;
             records.push(Record::Latency(Box::new(latency)));
@@ -102,4 +103,40 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
     table::failures(out, &records)?;
     keep(&records)?;
     Ok(())
+}
+
+/// Whether `only` names a model, or nothing.
+fn is_wanted(only: &[String], model: &str) -> bool {
+    only.is_empty()
+        || only
+            .iter()
+            .any(|name| name.trim().eq_ignore_ascii_case(model))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn latencies_are_compared_where_their_body_is_asked_for() {
+        let wanted = |only: &[&str]| {
+            let only: Vec<String> = only.iter().map(|&s| s.to_owned()).collect();
+            is_wanted(&only, latency::MODEL)
+        };
+        assert!(
+            wanted(&[]) && wanted(&["bunny", " sphere49152"]),
+            "named, or all"
+        );
+        assert!(
+            !wanted(&["Bunny"]) && !wanted(&["Sphere4915"]),
+            "another one"
+        );
+        // The name is that of a model which can be asked for.
+        let only = [latency::MODEL.to_owned()];
+        let subjects = subject::list(None, &only, usize::MAX).unwrap();
+        assert_eq!(
+            subjects[0].surface().unwrap().topology().triangle_count(),
+            49_152
+        );
+    }
 }

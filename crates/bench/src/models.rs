@@ -2,7 +2,11 @@
 
 use incise_mesh::{MeshData, Model, Surface, build_model, read_mesh};
 use std::error::Error;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+
+/// The source of a model that is no file.
+pub(crate) const BUILT_IN: &str = "built-in";
 
 /// A model ready to run.
 pub(crate) struct Loaded {
@@ -41,11 +45,44 @@ pub(crate) fn load(folder: Option<&Path>, only: &[String]) -> Result<Vec<Loaded>
         .collect()
 }
 
+/// Says on the error output which of the models used, told by name and source, a folder was to have and has no file
+/// for.
+pub(crate) fn tell_built_in<'a>(
+    folder: Option<&Path>,
+    used: impl Iterator<Item = (&'a str, &'a str)>,
+) {
+    if let Some(told) = folder.and_then(|folder| built_in_of(folder, used)) {
+        // Without an error output the column of sources has to do.
+        let _ = writeln!(io::stderr(), "incise-bench: {told}");
+    }
+}
+
+fn built_in_of<'a>(
+    folder: &Path,
+    used: impl Iterator<Item = (&'a str, &'a str)>,
+) -> Option<String> {
+    let (built_in, files): (Vec<_>, Vec<_>) = used.partition(|&(_, source)| source == BUILT_IN);
+    let names: Vec<&str> = built_in.iter().map(|&(name, _)| name).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "{}: {} for {}: built-in models are taken; a file's name has to begin with the model's, and \
+             to end with obj, ply, stl, glb or gltf",
+            folder.display(),
+            if files.is_empty() {
+                "no usable file at all"
+            } else {
+                "no file"
+            },
+            names.join(", ")
+        )
+    })
+}
+
 fn built_in(model: Model) -> Loaded {
     let surface = build_model(model);
     Loaded {
         model,
-        source: "built-in".to_owned(),
+        source: BUILT_IN.to_owned(),
         vertices: surface.seam_split_vertices(),
         surface,
     }
@@ -140,5 +177,17 @@ mod tests {
         assert_eq!(loaded[0].surface.topology().triangle_count(), 20);
         assert_eq!(loaded[1].source, "built-in", "no file is named sphere80");
         assert!(load(None, &["cow".to_owned()]).is_err());
+        let used = |loaded: &[Loaded]| {
+            let used = loaded.iter().map(|l| (l.model.name(), l.source.as_str()));
+            built_in_of(folder.path(), used)
+        };
+        let told = used(&loaded).unwrap();
+        assert!(told.contains(": no file for Sphere80: built-in"), "{told}");
+        assert_eq!(used(&loaded[..1]), None, "nothing to tell");
+        let told = used(&loaded[1..]).unwrap();
+        assert!(
+            told.contains("no usable file at all for Sphere80"),
+            "{told}"
+        );
     }
 }

@@ -15,6 +15,8 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
         return Err("the simulated time is shorter than half a frame: raise --seconds".into());
     }
     let loaded = models::load(arguments.models.as_deref(), &arguments.only)?;
+    let used = loaded.iter().map(|l| (l.model.name(), l.source.as_str()));
+    models::tell_built_in(arguments.models.as_deref(), used);
     let (machine, commit) = (machine::machine(), machine::commit());
     let (request, fallback) = backend(arguments)?;
     // Hidden by itself when the error output is no terminal.

@@ -18,7 +18,10 @@ pub(crate) fn run(arguments: &SolverArguments, out: &mut impl Write) -> Result<(
         ..Material::default()
     };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    for loaded in models::load(arguments.models.as_deref(), &arguments.only)? {
+    let models = models::load(arguments.models.as_deref(), &arguments.only)?;
+    let used = models.iter().map(|l| (l.model.name(), l.source.as_str()));
+    models::tell_built_in(arguments.models.as_deref(), used);
+    for loaded in models {
         writeln!(
             out,
             "{} ({}), {} triangles, {ITERATIONS} iterations, fastest of {} frames",

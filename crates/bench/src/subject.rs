@@ -79,7 +79,7 @@ pub(crate) fn list(
         Subject {
             name: format!("Sphere{triangles}"),
             family: Some("Sphere"),
-            source: "built-in".to_owned(),
+            source: models::BUILT_IN.to_owned(),
             triangles,
             kind: Kind::Sphere(quads),
         }
@@ -98,6 +98,10 @@ pub(crate) fn list(
     if subjects.is_empty() {
         return Err("no model is that small: raise --max-triangles".into());
     }
+    let models = subjects
+        .iter()
+        .filter(|s| matches!(s.kind, Kind::Model(..)));
+    models::tell_built_in(folder, models.map(|s| (s.name.as_str(), s.source.as_str())));
     Ok(subjects)
 }
 

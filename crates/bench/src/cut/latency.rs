@@ -11,6 +11,8 @@ use incise_cut::{CutParams, Sweep};
 use incise_mesh::{Aabb, TriangleId, Vec3, cube_sphere};
 use std::error::Error;
 
+/// The ball's name.
+pub(super) const MODEL: &str = "Sphere49152";
 /// Squares along an edge of the cube that the ball is blown up from: 49,152 triangles.
 const QUADS: u32 = 64;
 /// Triangles that a slice is to hit.
@@ -55,7 +57,7 @@ pub(super) fn measure(
             let [ms_median, ms_p99] = Times::summary(&outcomes.times);
             let first = rows.first().map_or(ms_p99, |row| row.ms_p99);
             rows.push(Latency {
-                model: "Sphere49152".to_owned(),
+                model: MODEL.to_owned(),
                 cuts_before: cut,
                 triangles: specimen.surface.topology().triangle_count(),
                 pieces: specimen.surface.piece_bound(),

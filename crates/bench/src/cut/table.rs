@@ -11,15 +11,15 @@ n: triangles. k: triangles hit, caps: triangles of both caps; medians. Times in 
 detect: search and intersection. split: mesh edit along the sweep. separate: pieces. commit: the delta and the undo. tree: the search tree that follows. solver: constraints
 and masses that follow. middle: one plane through the middle, 15 times; seeded: planes at random. Every cut is taken back before the next.";
 
-const WIDTHS: [usize; 17] = [15, 6, 8, 5, 7, 5, 6, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8];
+const WIDTHS: [usize; 18] = [15, 6, 8, 5, 7, 5, 6, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8];
 /// Columns that begin at their left edge.
-const LEFT: usize = 2;
+const LEFT: [usize; 3] = [0, 1, 17];
 
 /// The names of the columns.
 pub(super) fn header(out: &mut impl Write) -> io::Result<()> {
     let names = [
         "model", "planes", "n", "k", "caps", "cuts", "failed", "detect", "split", "cap", "refine",
-        "separate", "commit", "tree", "solver", "sum", "p99",
+        "separate", "commit", "tree", "solver", "sum", "p99", "source",
     ];
     line(out, &names.map(str::to_owned))
 }
@@ -45,6 +45,7 @@ pub(super) fn row(out: &mut impl Write, row: &Row) -> io::Result<()> {
         h,
         i,
         measured(row.ms_p99.total, 3),
+        row.source.clone(),
     ];
     line(out, &cells)
 }
@@ -111,13 +112,13 @@ pub(super) fn failures(out: &mut impl Write, records: &[Record]) -> io::Result<(
     writeln!(out, "Failed: {failed} of {} cuts.", done + failed)
 }
 
-fn line(out: &mut impl Write, cells: &[String; 17]) -> io::Result<()> {
+fn line(out: &mut impl Write, cells: &[String; WIDTHS.len()]) -> io::Result<()> {
     let mut text = String::new();
     for (k, (cell, width)) in cells.iter().zip(WIDTHS).enumerate() {
         if k > 0 {
             text.push_str("  ");
         }
-        if k < LEFT {
+        if LEFT.contains(&k) {
             text.push_str(&format!("{cell:width$}"));
         } else {
             text.push_str(&format!("{cell:>width$}"));

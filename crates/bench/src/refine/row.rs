@@ -52,12 +52,12 @@ pub(super) struct Row {
 }
 
 impl Row {
-    pub(super) const NAMES: [&str; 17] = [
+    pub(super) const NAMES: [&str; 18] = [
         "model", "planes", "z", "covers", "rim", "tris", "ms tri", "ms ref", "Mtri/s", "min",
-        "min free", "5%", "5% worst", "median", "edge", "longest", "long",
+        "min free", "5%", "5% worst", "median", "edge", "longest", "long", "source",
     ];
 
-    pub(super) fn cells(&self) -> [String; 17] {
+    pub(super) fn cells(&self) -> [String; 18] {
         [
             self.model.clone(),
             self.planes.to_owned(),
@@ -76,6 +76,7 @@ impl Row {
             measured(self.edge_mean, 3),
             measured(self.edge_longest, 2),
             self.long_edges.to_string(),
+            self.source.clone(),
         ]
     }
 }

@@ -106,6 +106,11 @@ pub(super) fn list(
     if subjects.is_empty() {
         return Err("no model is that small: raise --max-triangles".into());
     }
+    let models = subjects.iter().filter_map(|subject| match subject {
+        Subject::Model(loaded) => Some((loaded.model.name(), loaded.source.as_str())),
+        Subject::Sphere(_) => None,
+    });
+    models::tell_built_in(folder, models);
     Ok(subjects)
 }
 

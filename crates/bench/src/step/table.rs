@@ -13,9 +13,9 @@ CPU; bending 216, 212; 128 a vertex and substep) by the time of a frame. share: 
 device and of a triad on the CPU; what stays in caches or workgroup memory makes it more than the memory really gave.
 x colors, x cpu: how many times faster than the schedule colors on the same device, than the CPU. *: the schedule that is taken by itself.";
 
-const WIDTHS: [usize; 14] = [13, 9, 5, 7, 12, 10, 10, 9, 9, 16, 7, 8, 8, 8];
+const WIDTHS: [usize; 15] = [13, 9, 5, 7, 12, 10, 10, 9, 9, 16, 7, 8, 8, 8, 8];
 /// Columns that begin at their left edge.
-const LEFT: [usize; 3] = [0, 3, 4];
+const LEFT: [usize; 4] = [0, 3, 4, 14];
 
 /// The names of the columns.
 pub(super) fn header(out: &mut impl Write) -> io::Result<()> {
@@ -34,6 +34,7 @@ pub(super) fn header(out: &mut impl Write) -> io::Result<()> {
         "share",
         "x colors",
         "x cpu",
+        "source",
     ];
     line(out, &names.map(str::to_owned))
 }
@@ -72,6 +73,7 @@ pub(super) fn row(out: &mut impl Write, row: &Row) -> io::Result<()> {
         m.share_of_bandwidth.map_or_else(|| "-".to_owned(), share),
         optional(m.speed_up_over_colors, 2),
         optional(m.speed_up_over_cpu, 2),
+        row.source.clone(),
     ]
     .into_iter();
     let cells = std::array::from_fn(|_| cells.next().or_else(|| rest.next()).unwrap_or_default());
