@@ -70,6 +70,8 @@ struct Hole {
     inserted_vertices: usize,
     planar: bool,
     faired: bool,
+    /// Whether the patch passes through itself, as it must where its rim crosses itself in a plane.
+    self_crossing: bool,
     min_angle_deg: f64,
     median_angle_deg: f64,
     mean_edge: f64,
@@ -168,6 +170,7 @@ impl Hole {
             inserted_vertices: hole.inserted,
             planar: hole.planar,
             faired: hole.faired,
+            self_crossing: hole.self_crossing,
             min_angle_deg: hole.angles.min,
             median_angle_deg: hole.angles.median,
             mean_edge: hole.mean_edge,
@@ -191,12 +194,17 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
     for hole in &report.holes {
         writeln!(
             out,
-            "  {} edges at {:?}: {} triangles{}{}, smallest angle {:.1}, median {:.1} degrees, edges {:.2} times the target",
+            "  {} edges at {:?}: {} triangles{}{}{}, smallest angle {:.1}, median {:.1} degrees, edges {:.2} times the target",
             hole.rim_edges,
             hole.at,
             hole.triangles,
             if hole.planar { ", plane" } else { "" },
             if hole.faired { ", faired" } else { "" },
+            if hole.self_crossing {
+                ", crosses itself"
+            } else {
+                ""
+            },
             hole.min_angle_deg,
             hole.median_angle_deg,
             hole.mean_edge / hole.target,

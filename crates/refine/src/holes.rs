@@ -6,6 +6,7 @@
 //! 3. [`fair`]: if asked for, inner vertices go where the patch is smoothest.
 //! 4. [`sew`]: all patches in one [`incise_mesh::Edit`], of which an error leaves nothing.
 
+mod crossing;
 mod error;
 #[cfg(feature = "fair")]
 mod fair;
@@ -28,6 +29,9 @@ use rim::{Rim, Surroundings};
 /// A plane patch that stands on the surface as steeply as this, as the cosine of the mean angle between
 /// their normals, is the flat end of something and stays plane: 60 degrees.
 const STEEP: f64 = 0.5;
+
+/// The most new vertices of a patch that is faired: seconds. Time grows as the square.
+const MOST_FAIRED: usize = 10_000;
 
 /// How to fill holes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,6 +73,9 @@ pub struct FilledHole {
     pub planar: bool,
     /// Whether the patch was faired.
     pub faired: bool,
+    /// Whether the patch passes through itself: the rim lies in a plane and crosses or touches itself there, or
+    /// triangles on the rim alone cross before they are refined. Of more than 20,000 of them that is not told.
+    pub self_crossing: bool,
     /// The patch. Empty where a slit was only joined.
     pub triangles: Vec<TriangleId>,
     /// Vertices that were inserted.
@@ -266,6 +273,7 @@ fn close(
         vertex: rim.vertices[0],
         planar: false,
         faired: false,
+        self_crossing: false,
         triangles: Vec::new(),
         inserted: 0,
         angles: AngleStats::default(),
@@ -284,10 +292,29 @@ fn close(
         around.are_joined(a, b)
     };
     let plane = Plane::of(&filling.points, rim.mean_edge(surface));
+    let cos = |plane: &Plane| normals.iter().map(|n| n.dot(&plane.normal)).sum::<f64>();
+    #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^53 vertices")]
+    let is_end = |plane: &Plane| cos(plane) < STEEP * normals.len() as f64;
+    let is_faired = params.fair && !plane.as_ref().is_some_and(is_end);
+    // What is too fine to be faired is not refined to the end first.
+    let most = if is_faired {
+        limit.min(rim.len() - 2 + 2 * MOST_FAIRED)
+    } else {
+        limit
+    };
+    let too_many = |error| match error {
+        HoleError::TooManyTriangles { .. } if most < limit => HoleError::TooFineToFair {
+            vertex: rim.vertices[0],
+            limit: MOST_FAIRED,
+        },
+        error => error,
+    };
     if is_doubled(surface.topology(), rim, around) {
         filling.fan(&[0, 1, 2]);
     } else if let Some(plane) = &plane {
-        hole.planar = plane::fill(&mut filling, plane, &sizes, limit, &joined)?;
+        let made = plane::fill(&mut filling, plane, &sizes, most, &joined);
+        hole.planar = made.map_err(too_many)?;
+        hole.self_crossing = !hole.planar;
     }
     if !hole.planar {
         if filling.triangles.is_empty() {
@@ -295,27 +322,15 @@ fn close(
             filling.triangles = minimal.triangles;
             minimal.open.iter().for_each(|part| filling.fan(part));
         }
-        local::refine(&mut filling, &mut sizes, limit, &joined)?;
+        hole.self_crossing |= crossing::is_self_crossing(&filling.points, &filling.triangles);
+        local::refine(&mut filling, &mut sizes, most, &joined).map_err(too_many)?;
     }
-    if filling.triangles.len() > limit {
-        return Err(HoleError::TooManyTriangles { limit });
+    if filling.triangles.len() > most {
+        return Err(too_many(HoleError::TooManyTriangles { limit }));
     }
-    let cos = |plane: &Plane| normals.iter().map(|n| n.dot(&plane.normal)).sum::<f64>();
-    #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^53 vertices")]
-    let is_end = |plane: &Plane| cos(plane) < STEEP * normals.len() as f64;
-    if params.fair && !filling.inner.is_empty() && !plane.as_ref().is_some_and(is_end) {
-        #[cfg(feature = "fair")]
-        {
-            let inserted = filling.inner.len();
-            if inserted > fair::MOST {
-                return Err(HoleError::TooFineToFair {
-                    vertex: hole.vertex,
-                    inserted,
-                    limit: fair::MOST,
-                });
-            }
-            hole.faired = fair::fair(&mut filling, surface, rim, around, &joined);
-        }
+    #[cfg(feature = "fair")]
+    if is_faired && !filling.inner.is_empty() {
+        hole.faired = fair::fair(&mut filling, surface, rim, around, &joined);
     }
     for &[a, b, c] in &filling.triangles {
         for [a, b] in [[a, b], [b, c], [c, a]].map(|side| side.map(|v| v as usize)) {

@@ -51,14 +51,12 @@ pub enum HoleError {
     },
     /// A patch is so fine that fairing it would take minutes.
     #[error(
-        "the patch at {vertex} has {inserted} new vertices and at most {limit} can be faired; choose a \
+        "the patch at {vertex} needs more than {limit} new vertices, and no more can be faired; choose a \
          coarser level or fill without fairing"
     )]
     TooFineToFair {
         /// A vertex of its rim.
         vertex: VertexId,
-        /// How many new vertices it has.
-        inserted: usize,
         /// The most that are faired.
         limit: usize,
     },

@@ -23,9 +23,6 @@ use incise_mesh::geometry::area_vector;
 use incise_mesh::{Surface, Vec3, VertexId};
 use rustc_hash::FxHashMap;
 
-/// The most new vertices of a patch that is faired: seconds. Time grows as the square.
-pub(super) const MOST: usize = 10_000;
-
 /// How often a patch is faired.
 const TIMES: usize = 2;
 

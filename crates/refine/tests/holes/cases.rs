@@ -200,3 +200,54 @@ fn a_closed_body_has_no_holes() {
         "nothing was done"
     );
 }
+
+/// Around a figure of eight, plane or bent, and around a knot there is no patch that does not cross itself; it is made
+/// and told. Around simple rims there is one.
+#[test]
+fn patches_that_cross_themselves_are_told() {
+    let rim = |n: u16, at: &dyn Fn(f32) -> [f32; 3]| -> Vec<[f32; 3]> {
+        (0..n)
+            .map(|i| at(TAU * f32::from(i) / f32::from(n)))
+            .collect()
+    };
+    let crossing: [(&str, Vec<[f32; 3]>); 2] = [
+        (
+            "eight",
+            rim(40, &|a| {
+                [(a + 0.03).cos() + 0.2, (2.0 * a + 0.06).sin(), 0.0]
+            }),
+        ),
+        (
+            "trefoil",
+            rim(60, &|a| {
+                let r = 2.0 + (3.0 * a).cos();
+                [r * (2.0 * a).cos(), r * (2.0 * a).sin(), (3.0 * a).sin()]
+            }),
+        ),
+    ];
+    for (name, rim) in &crossing {
+        let mut surface = collar(rim);
+        let hole = inner_loop(&surface, rim.len());
+        let filled = fill_hole(&mut surface, &hole, &HoleParams::default()).unwrap();
+        assert!(filled.holes[0].self_crossing, "{name}");
+        assert!(!filled.holes[0].planar, "{name}");
+        surface.topology().validate().unwrap();
+    }
+    let simple = [
+        rim(40, &|a| [a.cos(), a.sin(), 0.0]),
+        rim(40, &|a| [a.cos(), a.sin(), 0.3 * (3.0 * a).sin()]),
+        rim(40, &|a| {
+            [
+                a.cos() * (1.0 + 0.5 * (5.0 * a).cos()),
+                a.sin(),
+                0.5 * (2.0 * a).cos(),
+            ]
+        }),
+    ];
+    for rim in &simple {
+        let mut surface = collar(rim);
+        let hole = inner_loop(&surface, rim.len());
+        let filled = fill_hole(&mut surface, &hole, &HoleParams::default()).unwrap();
+        assert!(!filled.holes[0].self_crossing, "{rim:?}");
+    }
+}

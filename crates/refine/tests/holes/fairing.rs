@@ -166,19 +166,28 @@ fn spheres_are_round_on_average() {
     assert!(sum / count < 0.25, "{}", sum / count);
 }
 
-/// Fairing does not take minutes: what is too fine for it is refused.
+/// Fairing does not take minutes: what is too fine for it is refused, and not made first, so that no limit of triangles
+/// is met before. Without fairing the same is made.
 #[test]
 fn too_fine_a_patch_is_refused() {
     let body = icosphere(3, 1.0);
     let open = without(&body, &disc(body.topology(), TriangleId(31), 300));
+    for z in [0.15, 1e-3, 1e-9] {
+        let mut surface = open.clone();
+        let error = incise_refine::fill_holes(&mut surface, &params(true, z)).unwrap_err();
+        assert!(
+            matches!(error, HoleError::TooFineToFair { limit: 10_000, .. }),
+            "{error}"
+        );
+        assert_eq!(surface, open, "nothing is left of the attempt");
+    }
     let mut surface = open.clone();
-    let error = incise_refine::fill_holes(&mut surface, &params(true, 0.15)).unwrap_err();
-    let HoleError::TooFineToFair {
-        inserted, limit, ..
-    } = error
-    else {
-        panic!("{error}");
+    let filled = incise_refine::fill_holes(&mut surface, &params(false, 0.15)).unwrap();
+    assert!(filled.holes[0].inserted > 10_000, "it was too fine");
+    let few = HoleParams {
+        max_triangles: 1000,
+        ..params(true, 0.15)
     };
-    assert!(inserted > limit);
-    assert_eq!(surface, open, "nothing is left of the attempt");
+    let error = incise_refine::fill_holes(&mut open.clone(), &few).unwrap_err();
+    assert_eq!(error, HoleError::TooManyTriangles { limit: 1000 });
 }
