@@ -196,10 +196,28 @@ mod tests {
         let parse = |line: &str| Arguments::try_parse_from(line.split_whitespace());
         assert!(parse("b refine --planes 0 --levels original,0.7 --json x").is_ok());
         assert!(parse("b refine --tradeoff --plot x.svg --only bunny").is_ok());
-        assert!(
-            parse("b refine --plot x.svg").is_err(),
-            "nothing to be drawn"
-        );
+        assert!(parse("b refine --tradeoff --csv x.csv").is_ok());
+        for file in ["--plot x.svg", "--csv x.csv"] {
+            assert!(
+                parse(&format!("b refine {file}")).is_err(),
+                "nothing for {file}"
+            );
+        }
+    }
+
+    #[test]
+    fn refine_writes_rims_or_compares_what_others_made_of_them() {
+        let parse = |line: &str| Arguments::try_parse_from(line.split_whitespace());
+        assert!(parse("b refine --rims x --planes 3 --only bunny").is_ok());
+        assert!(parse("b refine --peers a.json b.json --json x").is_ok());
+        for bad in [
+            "b refine --rims x --peers a.json",
+            "b refine --tradeoff --rims x",
+            "b refine --tradeoff --peers a.json",
+            "b refine --peers",
+        ] {
+            assert!(parse(bad).is_err(), "{bad}");
+        }
     }
 
     #[test]

@@ -1,8 +1,11 @@
 //! What it costs to cover the sections that cuts leave, and how good the covers are.
 
+mod comparison;
 mod cover;
+mod ours;
 mod peers;
 mod plot;
+mod rim_files;
 mod rims;
 mod row;
 mod tradeoff;
@@ -14,6 +17,9 @@ use row::{Row, Stamp};
 use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
+
+/// The level that other programs are compared at: targets are then edges of the surface itself.
+const COMPARED: RefinementLevel = RefinementLevel::Original;
 
 /// Whose sections are covered, and how.
 #[derive(Args, Clone)]
@@ -54,6 +60,15 @@ pub(crate) struct RefineArguments {
     /// Also draw run time against quality, as SVG.
     #[arg(long, value_name = "FILE", requires = "tradeoff")]
     plot: Option<PathBuf>,
+    /// Also write the rows of all models together as CSV: what is drawn.
+    #[arg(long, value_name = "FILE", requires = "tradeoff")]
+    csv: Option<PathBuf>,
+    /// Write the sections at level original as files for other programs instead, into a new folder.
+    #[arg(long, value_name = "DIR", conflicts_with = "tradeoff")]
+    rims: Option<PathBuf>,
+    /// Compare with what other programs made of these sections instead: their results, one file or more.
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["tradeoff", "rims"])]
+    peers: Vec<PathBuf>,
     /// Also write the rows as JSON, after every model.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -79,6 +94,12 @@ pub(crate) fn run(arguments: &RefineArguments, out: &mut impl Write) -> Result<(
     if arguments.tradeoff {
         return tradeoff::run(arguments, &subjects, &stamp, out);
     }
+    if let Some(rims) = &arguments.rims {
+        return rim_files::run(rims, arguments, &subjects, &stamp, out);
+    }
+    if !arguments.peers.is_empty() {
+        return peers::run(arguments, &subjects, &stamp, out);
+    }
     let mut rows: Vec<Row> = Vec::new();
     for subject in &subjects {
         let rims = rims::of(subject, &arguments.levels, arguments.planes, &stamp)?;
@@ -97,7 +118,6 @@ pub(crate) fn run(arguments: &RefineArguments, out: &mut impl Write) -> Result<(
         .collect();
     write!(out, "{}", columns::columns(&cells, 3))?;
     writeln!(out, "{}", row::LEGEND)?;
-    peers::print(&rows, out)?;
     let failed: usize = rows.iter().map(|row| row.failures.len()).sum();
     let covers: usize = rows.iter().map(|row| row.covers).sum();
     writeln!(out, "Failed: {failed} of {} covers.", covers + failed)?;

@@ -2,6 +2,7 @@
 
 use super::row::Stamp;
 use crate::directions::{Directions, GENERIC, SPREAD};
+use crate::statistics::mean;
 use crate::subject::Subject;
 use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, Vec3};
@@ -33,15 +34,49 @@ impl Rims {
         self.points.len()
     }
 
-    /// One loop with these targets.
+    /// The target at every point \[m\].
+    pub(super) fn lengths(&self) -> &[f64] {
+        &self.lengths
+    }
+
+    /// How long edges are to get in the mean \[m\]: what programs that take one length are asked for.
+    pub(super) fn target(&self) -> f64 {
+        mean(&self.lengths)
+    }
+
+    /// Sixteen digits that tell sections apart, made of every bit of one (FNV-1a, Fowler et al. 1991).
+    pub(super) fn fingerprint(&self) -> String {
+        let points = self.points.iter().flatten().map(|x| x.to_bits());
+        let loops = self.loops.iter().flat_map(|points| {
+            let corners = points.iter().map(|&p| u64::from(p));
+            corners.chain([u64::MAX])
+        });
+        let lengths = self.lengths.iter().map(|length| length.to_bits());
+        let words = points.chain(loops).chain(lengths);
+        let hash = words
+            .flat_map(u64::to_le_bytes)
+            .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+                (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+            });
+        format!("{hash:016x}")
+    }
+
+    /// Loops in the plane with these targets.
     #[cfg(test)]
-    pub(super) fn of_loop(points: Vec<[f64; 2]>, lengths: Vec<f64>) -> Self {
+    pub(super) fn new(points: Vec<[f64; 2]>, loops: Vec<Vec<u32>>, lengths: Vec<f64>) -> Self {
         Self {
-            loops: vec![(0..).take(points.len()).collect()],
             points,
+            loops,
             lengths,
             crease: false,
         }
+    }
+
+    /// One loop with these targets.
+    #[cfg(test)]
+    pub(super) fn of_loop(points: Vec<[f64; 2]>, lengths: Vec<f64>) -> Self {
+        let corners = (0..).take(points.len()).collect();
+        Self::new(points, vec![corners], lengths)
     }
 
     pub(super) fn is_one_loop(&self) -> bool {

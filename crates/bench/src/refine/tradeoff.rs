@@ -211,6 +211,10 @@ pub(super) fn run(
     if let Some(path) = &arguments.json {
         json::write(path, &rows)?;
     }
+    if let Some(path) = &arguments.csv {
+        let failed = |fault| format!("{}: {fault}", path.display());
+        std::fs::write(path, csv(&rows[first..])).map_err(failed)?;
+    }
     if let Some(path) = &arguments.plot {
         plot::draw(path, &rows[first..])?;
     }
@@ -229,6 +233,30 @@ pub(super) fn run(
         writeln!(out, "  {failure}")?;
     }
     Ok(())
+}
+
+/// Rows as a table for other programs.
+fn csv(rows: &[Row]) -> String {
+    let mut text =
+        "method,bound,z,covers,triangles,ms,ms_a_thousand_triangles,smallest_angle,angle_5,\
+        angle_median,edge_error,edge_longest,commit\n"
+            .to_owned();
+    for row in rows {
+        let numbers = [
+            row.ms,
+            row.ms_a_thousand_triangles,
+            row.smallest_angle,
+            row.angle_5,
+            row.angle_median,
+            row.edge_error,
+            row.edge_longest,
+        ];
+        let numbers = numbers.map(|x| measured(x, 4)).join(",");
+        let (method, bound, level) = (row.method, row.bound, measured(row.level, 3));
+        let (covers, triangles, commit) = (row.covers, row.triangles, &row.stamp.commit);
+        text += &format!("{method},{bound},{level},{covers},{triangles},{numbers},{commit}\n");
+    }
+    text
 }
 
 /// Covers a section one way: the fastest time \[ms\] of several, and what came out.
@@ -319,6 +347,27 @@ mod tests {
             assert!((quality.angles[0] - 30.0).abs() < 1e-9, "{way:?}");
             assert!((quality.edges[0] - 3.0f64.sqrt()).abs() < 1e-9, "{way:?}");
         }
+    }
+
+    #[test]
+    fn a_table_has_as_many_cells_in_every_line() {
+        let row = Row {
+            method: "paper",
+            bound: 3.0,
+            level: 2.0 / 3.0,
+            covers: 5,
+            triangles: 70,
+            ms: 1.5,
+            edge_longest: f64::NAN,
+            ..Row::default()
+        };
+        let text = csv(&[row.clone(), row]);
+        let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+        assert_eq!(lines.len(), 3, "{text}");
+        assert!(lines.iter().all(|cells| cells.len() == 13), "{text}");
+        assert_eq!(lines[1][..6], ["paper", "3", "0.667", "5", "70", "1.5000"]);
+        let cell = lines[0].iter().position(|name| *name == "edge_longest");
+        assert_eq!(lines[1][cell.unwrap()], "-", "not measured");
     }
 
     #[test]
