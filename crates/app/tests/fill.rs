@@ -71,6 +71,7 @@ fn holes_are_closed_and_told_one_by_one() {
     assert!(!is_fit(&folder.path().join("open.obj")) && is_fit(&folder.path().join("out.obj")));
 }
 
+#[cfg(feature = "fair")]
 #[test]
 fn a_faired_cap_is_rounder_and_either_format_is_written() {
     let (folder, body) = open_sphere();

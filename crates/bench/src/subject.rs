@@ -71,7 +71,10 @@ pub(crate) fn list(
                 triangles,
                 kind: Kind::Model(Rc::clone(&loaded), times),
             });
-            triangles *= 4;
+            let Some(finer) = triangles.checked_mul(4) else {
+                break;
+            };
+            triangles = finer;
         }
     }
     subjects.extend(SPHERES.into_iter().map(|quads| {
