@@ -11,6 +11,8 @@
 //! O(k log k) for k triangles hit and made, and for separation the triangles of all parts but the largest.
 
 mod cap;
+mod chart;
+mod contract;
 mod node;
 mod open;
 mod rest;
@@ -29,13 +31,14 @@ use crate::inside::starts_inside;
 use crate::params::CutParams;
 use crate::sweep::Sweep;
 use cap::{Cap, Rims};
+use contract::Opened;
 use incise_mesh::{Surface, TriangleId};
 use incise_refine::Section;
 use open::Lips;
 use rim::Rim;
 use separate::Separator;
 use signs::Signs;
-use snap::{Opened, Snapper};
+use snap::Snapper;
 use split::Splitter;
 use std::time::Instant;
 use trace::Trace;

@@ -11,14 +11,11 @@
 //! no more than [`BUDGET`]: a corner of a coarse body stays where it is and leaves its short rim edge, which
 //! the report counts.
 
-mod chart;
-
-use super::node::{Node, On};
-use super::open::Lips;
-use super::rim::Rim;
-use chart::Chart;
+use super::chart::Chart;
+use super::contract::{Opened, closed_fan, flatness, swept_volume};
+use super::node::On;
 use incise_mesh::geometry::area_vector;
-use incise_mesh::{Edit, HalfEdge, Surface, Topology, Vec3, VertexId};
+use incise_mesh::{HalfEdge, Surface, Topology, VertexId};
 
 /// The most volume that one contraction may move [cubes of the local edge length].
 const LARGEST_MOVE: f64 = 5e-3;
@@ -27,9 +24,6 @@ const LARGEST_MOVE: f64 = 5e-3;
 /// times the section's width where edges are longer than that]. Even of a body that is a single edge
 /// thick this is a small part.
 pub(super) const BUDGET: f64 = 1e-3;
-
-/// How far a stored coordinate may be off, and with it the height of a triangle [of the coordinate].
-const ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 
 /// What snapping did.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -52,14 +46,6 @@ pub(crate) struct Snapper {
     near: Vec<VertexId>,
     far: Vec<VertexId>,
     fan: Vec<HalfEdge>,
-}
-
-/// The cut at hand.
-pub(super) struct Opened<'a, 'e> {
-    pub(super) edit: &'a mut Edit<'e>,
-    pub(super) nodes: &'a [Node],
-    pub(super) lips: &'a mut Lips,
-    pub(super) rim: &'a mut Rim,
 }
 
 impl Opened<'_, '_> {
@@ -137,17 +123,8 @@ impl Snapper {
         drop(fan);
         // All around the vertex; nothing of it may be open.
         let start = topology.twin(to_vertex);
-        self.fan.clear();
-        let mut at = start;
-        loop {
-            if at.is_null() {
-                return;
-            }
-            self.fan.push(at);
-            at = topology.twin(at.prev());
-            if at == start {
-                break;
-            }
+        if !closed_fan(topology, start, &mut self.fan) {
+            return;
         }
         // The last vertex off the rim stays: without it a tip would be flat.
         if (self.fan.iter()).all(|&h| is_at_boundary(topology, topology.twin(h))) {
@@ -167,7 +144,7 @@ impl Snapper {
         else {
             return;
         };
-        self.pull_in(cut, node, lip, to_vertex);
+        cut.pull_in(Some((node, lip)), to_vertex, &self.fan);
         done.vertices += 1;
         self.book(volume, done);
     }
@@ -179,46 +156,6 @@ impl Snapper {
 
     fn common_neighbors(&self) -> usize {
         self.near.iter().filter(|v| self.far.contains(v)).count()
-    }
-
-    /// Contracts the edge of `to_vertex`, which leaves a node's vertex, onto the node. The mesh
-    /// vertex's half-edges are in the fan.
-    fn pull_in(&mut self, cut: &mut Opened<'_, '_>, node: u32, lip: usize, to_vertex: HalfEdge) {
-        let topology = cut.edit.surface().topology();
-        let from_vertex = topology.twin(to_vertex);
-        let (left, right) = (to_vertex.triangle(), from_vertex.triangle());
-        let charts = [
-            Chart::of(cut.edit.surface(), to_vertex.next(), to_vertex),
-            Chart::of(cut.edit.surface(), from_vertex, from_vertex.next()),
-        ];
-        // Each triangle of the edge folds up; the edges on its two other sides become one.
-        let inward = topology.twin(to_vertex.next());
-        let outward = topology.twin(from_vertex.prev());
-        let arriving = topology.twin(to_vertex.prev());
-        let leaving = topology.twin(from_vertex.next());
-        let target = cut.lips.vertices[node as usize][lip];
-        for &h in &self.fan {
-            if h.triangle() != left && h.triangle() != right {
-                cut.edit.set_corner(h, target);
-                for chart in &charts {
-                    chart.follow(cut.edit, h);
-                }
-            }
-        }
-        cut.edit.remove_triangle(left);
-        cut.edit.remove_triangle(right);
-        let prev = cut.rim.prev[node as usize];
-        let (arrives, leaves) = if lip == 0 { (node, prev) } else { (prev, node) };
-        if arriving.is_null() {
-            cut.lips.rim[arrives as usize][lip] = inward;
-        } else {
-            cut.edit.join(inward, arriving);
-        }
-        if leaving.is_null() {
-            cut.lips.rim[leaves as usize][lip] = outward;
-        } else {
-            cut.edit.join(outward, leaving);
-        }
     }
 
     /// Merges a node and the next one, on both lips.
@@ -372,16 +309,11 @@ fn moved_volume(
             continue;
         }
         let [b, c] = [b, c].map(|v: VertexId| surface.position(v));
-        let before: Vec3 = area_vector([from, b, c]);
-        // What is flat to rounding has no side to turn to: nodes stand on a vertex where the sweep
-        // passes exactly through it.
-        let size = (b - from).norm().max((c - from).norm());
-        let reach = from.amax().max(b.amax()).max(c.amax());
-        let is_flat = before.norm() <= ROUNDING * reach * size;
+        let (before, is_flat) = flatness([from, b, c]);
         if !is_flat && before.dot(&area_vector([to, b, c])) <= 0.0 {
             return None;
         }
-        volume += (to - from).dot(&(b - from).cross(&(c - from))) / 6.0;
+        volume += swept_volume([from, b, c], to);
     }
     (volume.abs() <= limit).then_some(volume.abs())
 }
