@@ -166,6 +166,30 @@ proptest! {
     }
 }
 
+/// The exact method with remeshing, which flips edges and takes vertices away.
+fn remeshing() -> impl Strategy<Value = CutParams> {
+    (0.0..0.3_f64, 0.01..0.3_f64).prop_map(|(snap, remesh)| CutParams {
+        snap,
+        remesh,
+        ..CutParams::default()
+    })
+}
+
+proptest! {
+    #![proptest_config(cases(200))]
+
+    #[test]
+    fn constraints_mass_and_momentum_follow_remeshing(
+        body in any_body(),
+        material in materials(),
+        patches in patches(),
+        blades in prop::collection::vec((any_blade(), any_level(), remeshing()), 1..=4),
+        steps in 0..4_usize,
+    ) {
+        follow(&body, &material, patches.as_ref(), &blades, steps);
+    }
+}
+
 /// A body that turns and flies is cut and healed again: it goes on turning and flying.
 #[test]
 fn angular_momentum_follows_exact_cuts_and_their_undoing() {

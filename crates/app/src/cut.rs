@@ -57,6 +57,11 @@ pub(crate) struct CutArguments {
     /// [default: 0.1]
     #[arg(long, value_name = "S", value_parser = snap, allow_hyphen_values = true)]
     snap: Option<f64>,
+    /// The exact method: slivers that the blade leaves in the old surface beside the rim go, where the surface moves by no
+    /// more than this part of its edges for that. 0 leaves them, 0.1 about halves them; below 0.5.
+    /// [default: 0]
+    #[arg(long, value_name = "T", value_parser = remesh, allow_hyphen_values = true)]
+    remesh: Option<f64>,
     /// Where the pieces go.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -105,6 +110,12 @@ fn snap(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| String::from("snap is a part of an edge: at least 0 and below 0.5"))
 }
 
+/// A share of an edge, from 0 up to 0.5.
+fn remesh(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|t| (0.0..0.5).contains(t));
+    number.ok_or_else(|| String::from("remesh is a part of an edge: at least 0 and below 0.5"))
+}
+
 /// How targets grow: nothing or more.
 fn grading(text: &str) -> Result<f64, String> {
     let number = text
@@ -122,6 +133,7 @@ struct Report {
     method: &'static str,
     refine_method: &'static str,
     snap: f64,
+    remesh: f64,
     level: f64,
     grading: f64,
     /// What was repaired or passed over when the mesh was read.
@@ -136,7 +148,15 @@ struct Report {
     merged_points: usize,
     /// The exact method: rim edges that stay shorter than asked for.
     short_rim_edges: usize,
-    /// The exact method: what snapping moved, in cubes of the input's unit.
+    /// The exact method: edges beside the rim that remeshing flipped.
+    flipped_edges: usize,
+    /// The exact method: vertices beside the rim that remeshing contracted onto others.
+    collapsed_vertices: usize,
+    /// The exact method: intersection points that remeshing merged into others.
+    collapsed_points: usize,
+    /// The exact method: no point of the surface was moved farther by remeshing, in the input's unit.
+    moved_surface: f64,
+    /// The exact method: what snapping and remeshing moved, in cubes of the input's unit.
     moved_volume: f64,
     cap_triangles: usize,
     cap_min_angle_deg: f64,
@@ -156,6 +176,7 @@ struct Times {
     search_tree_update: f64,
     detection: f64,
     split: f64,
+    remeshing: f64,
     cap: f64,
     refinement: f64,
     separation: f64,
@@ -190,6 +211,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
             Method::Rebuild => CutMethod::Rebuild,
         },
         snap: arguments.snap.unwrap_or(CutParams::default().snap),
+        remesh: (arguments.remesh).unwrap_or(CutParams::default().remesh),
         refine: RefineParams {
             method: match refinement {
                 Refinement::Delaunay => RefineMethod::Delaunay,
@@ -220,6 +242,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         method: arguments.method.name(),
         refine_method: refinement.name(),
         snap: params.snap,
+        remesh: params.remesh,
         level: arguments.level.z(),
         grading: params.refine.grading,
         warnings,
@@ -230,6 +253,10 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         snapped_vertices: outcome.report.snapped_vertices,
         merged_points: outcome.report.merged_nodes,
         short_rim_edges: outcome.report.short_rim_edges,
+        flipped_edges: outcome.report.flipped_edges,
+        collapsed_vertices: outcome.report.collapsed_vertices,
+        collapsed_points: outcome.report.collapsed_nodes,
+        moved_surface: outcome.report.moved_surface,
         moved_volume: outcome.report.moved_volume,
         cap_triangles: outcome.cap.len(),
         cap_min_angle_deg: cap.min,
@@ -242,6 +269,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
             search_tree_update: milliseconds(outcome.report.search_tree),
             detection: milliseconds(outcome.report.detection),
             split: milliseconds(outcome.report.split),
+            remeshing: milliseconds(outcome.report.remeshing),
             cap: milliseconds(outcome.report.cap),
             refinement: milliseconds(outcome.report.refinement),
             separation: milliseconds(outcome.report.separation),
@@ -265,6 +293,7 @@ impl CutArguments {
         let rebuild = "--method rebuild";
         match (self.method, self.refine_method) {
             (Method::Rebuild, _) if self.snap.is_some() => refuse("--snap", rebuild),
+            (Method::Rebuild, _) if self.remesh.is_some() => refuse("--remesh", rebuild),
             (Method::Rebuild, _) if self.grading.is_some() => refuse("--grading", rebuild),
             (Method::Rebuild, Some(Refinement::Delaunay)) => refuse(
                 "--refine-method delaunay",
@@ -322,16 +351,27 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
             report.cap_min_angle_deg,
             report.cap_median_angle_deg
         )?;
-        if report.method == Method::Exact.name() && report.snap > 0.0 {
+        let is_exact = report.method == Method::Exact.name();
+        if is_exact && report.snap > 0.0 {
             writeln!(
                 out,
-                "  snap {}: {} vertices and {} points moved, volume {:.1e}; {} short rim edges left",
-                report.snap,
-                report.snapped_vertices,
-                report.merged_points,
-                report.moved_volume,
-                report.short_rim_edges
+                "  snap {}: {} vertices and {} points moved; {} short rim edges left",
+                report.snap, report.snapped_vertices, report.merged_points, report.short_rim_edges
             )?;
+        }
+        if is_exact && report.remesh > 0.0 {
+            writeln!(
+                out,
+                "  remesh {}: {} edges flipped, {} vertices and {} rim points contracted; the surface moved by {:.1e} at most",
+                report.remesh,
+                report.flipped_edges,
+                report.collapsed_vertices,
+                report.collapsed_points,
+                report.moved_surface
+            )?;
+        }
+        if is_exact && report.snap.max(report.remesh) > 0.0 {
+            writeln!(out, "  volume {:.1e} moved", report.moved_volume)?;
         }
     }
     writeln!(
@@ -345,12 +385,13 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
     let t = &report.milliseconds;
     writeln!(
         out,
-        "  ms: read {:.2}, search tree {:.2} and {:.2}, detection {:.2}, split {:.2}, cap {:.2}, refinement {:.2}, separation {:.2}, commit {:.2}, write {:.2}",
+        "  ms: read {:.2}, search tree {:.2} and {:.2}, detection {:.2}, split {:.2}, remeshing {:.2}, cap {:.2}, refinement {:.2}, separation {:.2}, commit {:.2}, write {:.2}",
         t.read,
         t.search_tree,
         t.search_tree_update,
         t.detection,
         t.split,
+        t.remeshing,
         t.cap,
         t.refinement,
         t.separation,

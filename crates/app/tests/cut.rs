@@ -166,6 +166,36 @@ fn without_snapping_no_volume_moves_and_with_it_the_report_says_how_much() {
 }
 
 #[test]
+fn remeshing_moves_the_surface_by_no_more_than_the_report_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("bunny.obj");
+    write_obj(&input, &build_model(Model::Bunny)).unwrap();
+    let plane = ["--plane", "0.1,1,0.2,0.013"];
+    let output = folder.path().join("out");
+    let run = |more: &[&str]| cut(&input, &output, &[&plane[..], more].concat());
+    let (_, off, _) = run(&[]);
+    assert_eq!(off["remesh"], 0.0);
+    assert_eq!(off["moved_surface"], 0.0);
+    let (code, on, error) = run(&["--remesh", "0.1"]);
+    assert_eq!(code, Some(0), "{error}");
+    let count = |name: &str| on[name].as_u64().unwrap();
+    let done = ["flipped_edges", "collapsed_vertices", "collapsed_points"].map(count);
+    assert!(done.iter().sum::<u64>() > 0, "{on}");
+    let moved = on["moved_surface"].as_f64().unwrap();
+    assert!(moved > 0.0, "{on}");
+    let triangles = |report: &serde_json::Value| -> u64 {
+        let pieces = report["pieces"].as_array().unwrap().iter();
+        pieces.map(|p| p["triangles"].as_u64().unwrap()).sum()
+    };
+    assert!(triangles(&on) < triangles(&off), "{on}");
+    for wrong in ["0.5", "-0.1", "nan", "much"] {
+        let (code, _, error) = run(&["--remesh", wrong]);
+        assert_eq!(code, Some(2), "--remesh {wrong}");
+        assert!(error.contains("remesh"), "{error}");
+    }
+}
+
+#[test]
 fn a_plane_through_a_cavity_is_cut_exactly_and_refused_by_the_paper_s_method() {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("hollow.obj");

@@ -27,8 +27,17 @@ pub struct CutReport {
     pub snapped_vertices: usize,
     /// The exact method: intersection points that were merged into others.
     pub merged_nodes: usize,
-    /// The exact method: volume that snapping moved from one side of the sweep to the other or off the
-    /// body, without sign \[m^3\].
+    /// The exact method: edges around the rim that remeshing flipped.
+    pub flipped_edges: usize,
+    /// The exact method: vertices beside the rim that remeshing contracted onto others.
+    pub collapsed_vertices: usize,
+    /// The exact method: intersection points that remeshing merged into others.
+    pub collapsed_nodes: usize,
+    /// The exact method: no point of the surface was moved farther by remeshing, nor is any point of the
+    /// new surface farther from the old \[m\].
+    pub moved_surface: f64,
+    /// The exact method: volume that snapping and remeshing moved from one side of the sweep to the other or
+    /// off the body, without sign \[m^3\].
     pub moved_volume: f64,
     /// The exact method: rim edges that stay shorter than snapping asks for, since the surface would not
     /// stay what it is else.
@@ -42,6 +51,8 @@ pub struct CutReport {
     pub detection: Duration,
     /// Time of the new boundary and of the edit of the mesh.
     pub split: Duration,
+    /// Time of remeshing around the rim.
+    pub remeshing: Duration,
     /// Time of triangulating the caps.
     pub cap: Duration,
     /// Time of refining the caps.
@@ -60,6 +71,7 @@ impl CutReport {
     pub fn total(&self) -> Duration {
         self.detection
             + self.split
+            + self.remeshing
             + self.commit
             + self.cap
             + self.refinement
@@ -161,6 +173,10 @@ impl Cutter {
     ) -> Result<CutOutcome, CutError> {
         if !(0.0..0.5).contains(&params.snap) {
             return Err(CutError::SnapOutOfRange { snap: params.snap });
+        }
+        if !(0.0..0.5).contains(&params.remesh) {
+            let remesh = params.remesh;
+            return Err(CutError::RemeshOutOfRange { remesh });
         }
         let begin = Instant::now();
         self.candidates.clear();

@@ -18,6 +18,12 @@ pub enum CutError {
         /// The distance [local edge lengths].
         snap: f64,
     },
+    /// The tolerance of remeshing is not from 0 up to 0.5.
+    #[error("remesh must be at least 0 and below 0.5 of an edge, not {remesh}")]
+    RemeshOutOfRange {
+        /// The tolerance [local edge lengths].
+        remesh: f64,
+    },
     /// A coordinate of the sweep is NaN or infinite.
     #[error("corner {corner} of the sweep is not finite")]
     SweepNotFinite {

@@ -3,9 +3,10 @@
 //! 1. [`trace`]: where the sweep meets the surface, by exact [`signs`].
 //! 2. [`split`] and [`open`]: hit triangles in parts, two lips along every curve.
 //! 3. [`snap`]: rim edges that are much shorter than the surface's own are contracted.
-//! 4. [`cap`]: the cross-section, laid flat by [`unfold`], is covered once and closes both lips; what that is
+//! 4. [`remesh`]: if asked for, slivers around the rim go where the surface hardly moves for that.
+//! 5. [`cap`]: the cross-section, laid flat by [`unfold`], is covered once and closes both lips; what that is
 //!    in the body at rest is found by [`rest`].
-//! 5. [`separate`]: what is no longer connected gets piece numbers of its own.
+//! 6. [`separate`]: what is no longer connected gets piece numbers of its own.
 //!
 //! All of it is one [`incise_mesh::Edit`], which restores every byte if any step fails. Time is
 //! O(k log k) for k triangles hit and made, and for separation the triangles of all parts but the largest.
@@ -15,6 +16,7 @@ mod chart;
 mod contract;
 mod node;
 mod open;
+mod remesh;
 mod rest;
 mod rim;
 mod separate;
@@ -35,6 +37,7 @@ use contract::Opened;
 use incise_mesh::{Surface, TriangleId};
 use incise_refine::Section;
 use open::Lips;
+use remesh::Remesher;
 use rim::Rim;
 use separate::Separator;
 use signs::Signs;
@@ -52,6 +55,7 @@ pub(crate) struct Exact {
     lips: Lips,
     rim: Rim,
     snapper: Snapper,
+    remesher: Remesher,
     cap: Cap,
     separator: Separator,
 }
@@ -108,8 +112,16 @@ impl Exact {
         report.snapped_vertices = snapped.vertices;
         report.merged_nodes = snapped.nodes;
         report.moved_volume = snapped.volume;
-        report.short_rim_edges = snapped.short_edges;
         report.split = begin.elapsed();
+        let begin = Instant::now();
+        let remeshed = self.remesher.remesh(&mut opened, params.remesh, width);
+        report.flipped_edges = remeshed.flips;
+        report.collapsed_vertices = remeshed.vertices;
+        report.moved_volume += remeshed.volume;
+        report.collapsed_nodes = remeshed.nodes;
+        report.moved_surface = remeshed.distance;
+        report.short_rim_edges = Snapper::short_edges(&opened, params.snap);
+        report.remeshing = begin.elapsed();
         let begin = Instant::now();
         let rims = Rims {
             nodes: &self.trace.nodes,

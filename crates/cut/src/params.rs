@@ -29,6 +29,10 @@ pub struct CutParams {
     /// point closer to a vertex than this takes the vertex into the rim, two that are closer to each other
     /// merge. No piece comes or goes by that. 0 keeps the exact geometry and leaves slivers.
     pub snap: f64,
+    /// The exact method: by how far the old surface may move around the rim so that slivers that the blade made in
+    /// it go, by flipped edges and contracted vertices [local edge lengths], 0 up to 0.5. Rim and cap stay where
+    /// they are. The default 0 leaves the surface as it was split and snapped.
+    pub remesh: f64,
     /// The material of caps.
     pub cap_material: u32,
     /// The paper's method: intersection points closer than this merge (the alpha of Algorithm 2, line 24) \[mean edges\].
@@ -51,6 +55,7 @@ impl Default for CutParams {
             method: CutMethod::default(),
             refine: RefineParams::default(),
             snap: 0.1,
+            remesh: 0.0,
             cap_material: 1,
             min_distance: 0.5,
             beta: 0.15,

@@ -27,9 +27,11 @@ fn cuts() -> impl Strategy<Value = ([f64; 3], f64, CutParams)> {
     let method = prop_oneof![3 => Just(CutMethod::Exact), 1 => Just(CutMethod::Rebuild)];
     let normal = [-1.0..1.0_f64, -1.0..1.0_f64, 0.1..1.0_f64];
     let refinement = prop_oneof![Just(RefineMethod::Delaunay), Just(RefineMethod::Paper)];
-    let params = (method, refinement, levels(), 0.0..0.3_f64, any::<u32>());
+    let remesh = prop_oneof![Just(0.0), 0.0..0.3_f64];
+    let shape = (0.0..0.3_f64, remesh);
+    let params = (method, refinement, levels(), shape, any::<u32>());
     let params = params.prop_map(
-        |(method, refinement, level, snap, cap_material)| CutParams {
+        |(method, refinement, level, (snap, remesh), cap_material)| CutParams {
             method,
             refine: RefineParams {
                 method: refinement,
@@ -37,6 +39,7 @@ fn cuts() -> impl Strategy<Value = ([f64; 3], f64, CutParams)> {
                 ..RefineParams::default()
             },
             snap,
+            remesh,
             cap_material,
             ..CutParams::default()
         },

@@ -2,7 +2,7 @@
 //! snapping and remeshing share.
 
 use super::chart::Chart;
-use super::node::Node;
+use super::node::{Node, On};
 use super::open::Lips;
 use super::rim::Rim;
 use incise_mesh::geometry::area_vector;
@@ -64,6 +64,84 @@ impl Opened<'_, '_> {
                 };
                 self.lips.rim[at as usize][lip] = kept;
             }
+        }
+    }
+
+    /// Whether a node is where the crease pierces the surface: there the rim has a corner.
+    pub(super) fn is_on_crease(&self, node: u32) -> bool {
+        matches!(self.nodes[node as usize].on, On::Face { .. })
+    }
+
+    /// Whether the rim's edge that begins at `node` may be contracted as far as the loop and the triangles
+    /// along it tell: a loop keeps three edges, and two triangles that are all of a lip stay.
+    pub(super) fn may_lose_edge(&self, node: u32) -> bool {
+        let next = self.rim.next[node as usize];
+        let (before, after) = (self.rim.prev[node as usize], self.rim.next[next as usize]);
+        let ring = [before, node, next, after];
+        let size = self.rim.sizes[self.rim.loop_of[node as usize] as usize];
+        let topology = self.edit.surface().topology();
+        let is_alone = |lip: usize| {
+            let along = self.lips.rim[node as usize][lip];
+            [along.next(), along.prev()].map(|h| topology.twin(h)) == [HalfEdge::NULL; 2]
+        };
+        let may = |lip| !is_alone(lip) && (size > 4 || !self.is_a_pair(ring, lip));
+        size >= 4 && (0..2).all(may)
+    }
+
+    /// Whether all that is left of a lip with these four nodes is two triangles: one less and its cap is
+    /// the same triangle again.
+    fn is_a_pair(&self, ring: [u32; 4], lip: usize) -> bool {
+        let [a, b, c, d] = ring.map(|n| self.lips.rim[n as usize][lip].triangle());
+        (a == b && c == d) || (b == c && d == a)
+    }
+
+    /// Contracts the rim's edge that begins at `node` on both lips, so that of its two nodes only `kept` is
+    /// there. `fan` is memory.
+    pub(super) fn merge_nodes(&mut self, node: u32, kept: u32, fan: &mut Vec<HalfEdge>) {
+        let next = self.rim.next[node as usize];
+        let gone = if kept == node { next } else { node };
+        for lip in 0..2 {
+            self.fold_rim(node, kept, gone, lip, fan);
+        }
+        if gone == next {
+            self.lips.rim[node as usize] = self.lips.rim[next as usize];
+        }
+        self.rim.take_out(gone);
+    }
+
+    /// Contracts the rim's edge that begins at `node` on one lip.
+    fn fold_rim(&mut self, node: u32, kept: u32, gone: u32, lip: usize, fan: &mut Vec<HalfEdge>) {
+        let next = self.rim.next[node as usize];
+        let topology = self.edit.surface().topology();
+        let along = self.lips.rim[node as usize][lip];
+        let ahead = topology.twin(along.next());
+        let behind = topology.twin(along.prev());
+        let target = self.lips.vertices[kept as usize][lip];
+        fan.clear();
+        fan.extend(self.rim.fan(topology, self.lips, gone, lip));
+        // The corners of the triangle that goes: of the node that goes, and of the one that is kept.
+        let origin_goes = (gone == next) == (lip == 0);
+        let chart = if origin_goes {
+            Chart::of(self.edit.surface(), along, along.next())
+        } else {
+            Chart::of(self.edit.surface(), along.next(), along)
+        };
+        for &h in &*fan {
+            if h.triangle() != along.triangle() {
+                self.edit.set_corner(h, target);
+                chart.follow(self.edit, h);
+            }
+        }
+        self.edit.remove_triangle(along.triangle());
+        // On lip 0 the rim runs against the order of nodes.
+        let prev = self.rim.prev[node as usize];
+        let (before, after) = if lip == 0 { (next, prev) } else { (prev, next) };
+        if ahead.is_null() {
+            self.lips.rim[after as usize][lip] = behind;
+        } else if behind.is_null() {
+            self.lips.rim[before as usize][lip] = ahead;
+        } else {
+            self.edit.join(ahead, behind);
         }
     }
 }

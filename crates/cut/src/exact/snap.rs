@@ -11,7 +11,6 @@
 //! no more than [`BUDGET`]: a corner of a coarse body stays where it is and leaves its short rim edge, which
 //! the report counts.
 
-use super::chart::Chart;
 use super::contract::{Opened, closed_fan, flatness, swept_volume};
 use super::node::On;
 use incise_mesh::geometry::area_vector;
@@ -34,8 +33,6 @@ pub(super) struct Snapped {
     pub(super) nodes: usize,
     /// Volume that was moved to do so, without sign \[m^3\].
     pub(super) volume: f64,
-    /// Rim edges that stay shorter than asked for.
-    pub(super) short_edges: usize,
 }
 
 /// Memory of a snap.
@@ -46,15 +43,6 @@ pub(crate) struct Snapper {
     near: Vec<VertexId>,
     far: Vec<VertexId>,
     fan: Vec<HalfEdge>,
-}
-
-impl Opened<'_, '_> {
-    /// Whether all that is left of a lip with these four nodes is two triangles: one less and its cap is
-    /// the same triangle again.
-    fn is_a_pair(&self, ring: [u32; 4], lip: usize) -> bool {
-        let [a, b, c, d] = ring.map(|n| self.lips.rim[n as usize][lip].triangle());
-        (a == b && c == d) || (b == c && d == a)
-    }
 }
 
 impl Snapper {
@@ -83,11 +71,13 @@ impl Snapper {
                 break;
             }
         }
-        for i in 0..cut.rim.sizes.len() {
-            let short = cut.rim.ring(i).filter(|&n| Self::is_short(cut, n, snap));
-            done.short_edges += short.count();
-        }
         done
+    }
+
+    /// How many rim edges are shorter than `snap` times the local edge length.
+    pub(super) fn short_edges(cut: &Opened<'_, '_>, snap: f64) -> usize {
+        let rings = (0..cut.rim.sizes.len()).flat_map(|i| cut.rim.ring(i));
+        rings.filter(|&n| Self::is_short(cut, n, snap)).count()
     }
 
     /// The most volume that a contraction at `node` may move now.
@@ -162,14 +152,10 @@ impl Snapper {
     fn merge(&mut self, cut: &mut Opened<'_, '_>, node: u32, done: &mut Snapped) -> bool {
         let next = cut.rim.next[node as usize];
         let (before, after) = (cut.rim.prev[node as usize], cut.rim.next[next as usize]);
-        let size = cut.rim.sizes[cut.rim.loop_of[node as usize] as usize];
-        if size < 4
-            || (size == 4 && (0..2).any(|lip| cut.is_a_pair([before, node, next, after], lip)))
-        {
+        if !cut.may_lose_edge(node) {
             return false;
         }
         let at = |n: u32| cut.nodes[n as usize].position;
-        let is_on_crease = |n: u32| matches!(cut.nodes[n as usize].on, On::Face { .. });
         // The one with less room on its other side goes; what lies on the crease stays.
         let next_goes = (at(after) - at(next)).norm() <= (at(node) - at(before)).norm();
         let orders = if next_goes {
@@ -183,7 +169,7 @@ impl Snapper {
             } else {
                 (next, node)
             };
-            if is_on_crease(gone) {
+            if cut.is_on_crease(gone) {
                 continue;
             }
             let mut volume = 0.0;
@@ -193,13 +179,7 @@ impl Snapper {
                 moved.is_some()
             });
             if may {
-                for lip in 0..2 {
-                    self.fold_rim(cut, node, kept, gone, lip);
-                }
-                if gone == next {
-                    cut.lips.rim[node as usize] = cut.lips.rim[next as usize];
-                }
-                cut.rim.take_out(gone);
+                cut.merge_nodes(node, kept, &mut self.fan);
                 done.nodes += 1;
                 self.book(volume, done);
                 return true;
@@ -218,11 +198,6 @@ impl Snapper {
         lip: usize,
     ) -> Option<f64> {
         let topology = cut.edit.surface().topology();
-        let along = cut.lips.rim[node as usize][lip];
-        let beside = [along.next(), along.prev()].map(|h| topology.twin(h));
-        if beside == [HalfEdge::NULL; 2] {
-            return None;
-        }
         self.near.clear();
         (cut.rim).neighbors(topology, cut.lips, kept, lip, &mut self.near);
         self.far.clear();
@@ -241,42 +216,6 @@ impl Snapper {
             kept_vertex,
             limit,
         )
-    }
-
-    /// Contracts the rim's edge that begins at `node` on one lip.
-    fn fold_rim(&mut self, cut: &mut Opened<'_, '_>, node: u32, kept: u32, gone: u32, lip: usize) {
-        let next = cut.rim.next[node as usize];
-        let topology = cut.edit.surface().topology();
-        let along = cut.lips.rim[node as usize][lip];
-        let ahead = topology.twin(along.next());
-        let behind = topology.twin(along.prev());
-        let target = cut.lips.vertices[kept as usize][lip];
-        self.fan.clear();
-        (self.fan).extend(cut.rim.fan(topology, cut.lips, gone, lip));
-        // The corners of the triangle that goes: of the node that goes, and of the one that is kept.
-        let origin_goes = (gone == next) == (lip == 0);
-        let chart = if origin_goes {
-            Chart::of(cut.edit.surface(), along, along.next())
-        } else {
-            Chart::of(cut.edit.surface(), along.next(), along)
-        };
-        for &h in &self.fan {
-            if h.triangle() != along.triangle() {
-                cut.edit.set_corner(h, target);
-                chart.follow(cut.edit, h);
-            }
-        }
-        cut.edit.remove_triangle(along.triangle());
-        // On lip 0 the rim runs against the order of nodes.
-        let prev = cut.rim.prev[node as usize];
-        let (before, after) = if lip == 0 { (next, prev) } else { (prev, next) };
-        if ahead.is_null() {
-            cut.lips.rim[after as usize][lip] = behind;
-        } else if behind.is_null() {
-            cut.lips.rim[before as usize][lip] = ahead;
-        } else {
-            cut.edit.join(ahead, behind);
-        }
     }
 }
 
