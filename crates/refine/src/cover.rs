@@ -23,6 +23,7 @@ mod section;
 mod sheet;
 mod size;
 mod smooth;
+mod spiral;
 mod strips;
 mod validate;
 mod wall;
@@ -229,7 +230,6 @@ pub fn cover(
                     }
                 }
                 improver.run(sheet, lattice, band, targets, budget);
-                improver.smooth(sheet, lattice, band);
             }
             let name = |v: u32| rims.ids[sheet.corner[v as usize] as usize];
             let taken = forbidden::find(sheet, |v, w| joined(name(v), name(w)));

@@ -4,9 +4,10 @@
 //! Rims have edges much shorter and longer than the target, side by side, and no edge of them may
 //! be split. So there is no guarantee to be had from Delaunay refinement as such; instead a point
 //! is inserted only where the smallest angle of what it replaces is smaller than that of what it
-//! makes, or where that is no sharp one. Triangles wait in a queue, so points come in layers from the rim
+//! makes, or where that is no sharp one; from a short edge of the rim to a long one points make a [`spiral`].
+//! Triangles wait in a queue, so points come in layers from the rim
 //! inward, each as far from the last as the target asks (a frontal Delaunay refinement, Engwirda and
-//! Ivers 2016).
+//! Ivers 2016). Then points move, and triangles that are still sharp ask once more.
 
 use super::band::Band;
 use super::cdt::{Cdt, id, prev, wall};
@@ -14,17 +15,19 @@ use super::lattice::Lattice;
 use super::mean::mean_in;
 use super::offer::{Offer, REACH, Scales, base, middle, off_center, sharpness, square};
 use super::sheet::{INSIDE, Sheet};
-use super::size::Targets;
+use super::size::{Bounds, Targets};
+use super::smooth::Star;
+use super::spiral;
 
 /// Triangles with an inner edge longer than this many targets ask for a point.
-const LONG: f64 = 1.6;
+const LONG: f64 = 1.5;
 /// A point for an edge's sake may not make an angle below 30 degrees where there was none: as squares of
 /// cosines, like all sharpness.
 const FINE: f64 = 0.75;
 /// Nor, where there is no other place but the middle of the edge, one below 22 degrees.
 const FAIR: f64 = 0.86;
 /// By what factor the square of the sine of the smallest angle must grow for a point to be worth it.
-const GAIN: f64 = 1.1;
+const GAIN: f64 = 1.2;
 /// No point is put on the crease nearer to another than this many targets.
 const NEAR: f64 = 0.35;
 
@@ -35,12 +38,16 @@ pub(crate) struct Improver {
     pub(super) base: Cdt,
     /// The target at each vertex.
     targets: Vec<f64>,
-    /// The sharpness above which triangles ask for a point.
-    sharp: f64,
+    pub(super) bounds: Bounds,
     queue: Vec<(u32, [u32; 3])>,
     pub(super) sides: Vec<u32>,
     /// A triangle of the base near each vertex.
     pub(super) hints: Vec<u32>,
+    /// By vertex: whether something around it has changed since it was looked at.
+    pub(super) stale: Vec<bool>,
+    /// Vertices that were moved, and their lattice points.
+    pub(super) moved: Vec<(u32, u32)>,
+    pub(super) star: Star,
     scales: Scales,
 }
 
@@ -50,7 +57,7 @@ impl Improver {
         self.base.copy_shape(&sheet.cdt);
     }
 
-    /// Inserts at most `budget` points into the band.
+    /// Inserts at most `budget` points into the band and moves them, twice.
     pub(crate) fn run(
         &mut self,
         sheet: &mut Sheet,
@@ -59,14 +66,25 @@ impl Improver {
         targets: &Targets,
         budget: usize,
     ) {
+        self.start(sheet, lattice, band, targets);
+        let inserted = self.insert(sheet, lattice, band, targets, budget);
+        self.smooth(sheet, lattice, band);
+        // What was moved has room for more where it was stuck.
+        self.bounds.sharp = self.bounds.stuck;
+        self.insert(sheet, lattice, band, targets, budget - inserted);
+        self.smooth(sheet, lattice, band);
+    }
+
+    /// Makes ready for a sheet.
+    fn start(&mut self, sheet: &Sheet, lattice: &Lattice, band: &Band, targets: &Targets) {
         self.scales.clear();
-        self.queue.clear();
         self.targets.clear();
-        self.sharp = targets.sharp * targets.sharp;
+        self.bounds = targets.bounds;
         targets.along_rim(sheet, &mut self.targets);
         // Of the box's corners nothing is asked; lattice points have one target.
         self.targets.resize(sheet.cdt.points.len(), lattice.length);
-        let cdt = &mut sheet.cdt;
+        self.stale.clear();
+        self.stale.resize(sheet.cdt.points.len(), true);
         self.hints.clear();
         let base = self.base.outgoing.iter().map(|h| h / 3);
         self.hints.extend(base);
@@ -75,6 +93,19 @@ impl Improver {
             let corner = lattice.parents[point as usize][0];
             self.hints.push(self.hints[corner as usize]);
         }
+    }
+
+    /// Inserts points while triangles ask for them. Returns how many.
+    fn insert(
+        &mut self,
+        sheet: &mut Sheet,
+        lattice: &mut Lattice,
+        band: &mut Band,
+        targets: &Targets,
+        budget: usize,
+    ) -> usize {
+        let cdt = &mut sheet.cdt;
+        self.queue.clear();
         for t in 0..cdt.triangles() {
             self.ask(cdt, t);
         }
@@ -112,10 +143,13 @@ impl Improver {
             let far = |i: usize| weights[i] * targets.at(sheet.corner[parents[i] as usize]);
             let far = far(0) + far(1) + far(2);
             self.targets.push(self.grown(cdt, v, far, targets));
+            self.stale.push(true);
+            self.touch(cdt, v);
             for h in fan(cdt, v) {
                 self.ask(cdt, h / 3);
             }
         }
+        inserted
     }
 
     /// What the target has grown to on the way from the nearest neighbor of `v`, where it is `far` a good
@@ -133,7 +167,7 @@ impl Improver {
     /// Puts a triangle in the queue if it is bad.
     fn ask(&mut self, cdt: &Cdt, t: u32) {
         if cdt.region[t as usize] == INSIDE
-            && (sharpness(cdt.places(t)) > self.sharp || self.has_long_edge(cdt, t))
+            && (sharpness(cdt.places(t)) > self.bounds.sharp || self.has_long_edge(cdt, t))
         {
             self.queue.push((t, cdt.corners(t)));
         }
@@ -142,12 +176,20 @@ impl Improver {
     fn offer(&mut self, cdt: &Cdt, t: u32) -> Option<Offer> {
         let p = cdt.places(t);
         let (k, side) = base(p);
-        if sharpness(p) > self.sharp {
+        if sharpness(p) > self.bounds.sharp {
             // Nearer to the short side where the usual place is no good.
-            return REACH.into_iter().find_map(|reach| {
+            let is_gain = |offer: &Offer| 1.0 - offer.new > GAIN * (1.0 - offer.old);
+            let mut usual = REACH.into_iter().filter_map(|reach| {
                 let offer = self.scales.weigh(cdt, t, off_center(p, k, reach)?)?;
-                (1.0 - offer.new > GAIN * (1.0 - offer.old)).then_some(offer)
+                is_gain(&offer).then_some(offer)
             });
+            let mut best = usual.next();
+            for at in spiral::points(cdt, t) {
+                let offer = self.scales.weigh(cdt, t, at).filter(is_gain);
+                let is_better = |offer: &Offer| best.is_none_or(|best| offer.new < best.new);
+                best = offer.filter(is_better).or(best);
+            }
+            return best;
         }
         if !self.has_long_edge(cdt, t) {
             return None;

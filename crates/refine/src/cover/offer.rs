@@ -5,17 +5,22 @@
 //! again, or one whose other two sides are longer than the target.
 
 use super::cdt::{Cdt, incircle_of, orient, wall};
+use super::spiral;
 
 /// How far from the middle of the short side an off-center lies at most, in lengths of that side: where
 /// the side is seen under 36 and under 58 degrees.
 pub(crate) const REACH: [f64; 2] = [1.54, 0.9];
+
+/// Triangles beside a rim that are sharper than those of 32 degrees count as what a spiral makes of them.
+const PLAIN: f64 = 0.72;
 
 /// A point that would be inserted, and what it is worth.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Offer {
     pub(crate) at: [f64; 2],
     pub(crate) triangle: u32,
-    /// How sharp the sharpest angles are that are there and that would be, see [`sharpness`].
+    /// How sharp the sharpest angles are that are there and that would be, see [`sharpness`]; those that
+    /// would be beside a rim once a [`spiral`] is complete.
     pub(crate) old: f64,
     pub(crate) new: f64,
 }
@@ -24,7 +29,7 @@ pub(crate) struct Offer {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scales {
     cavity: Vec<u32>,
-    link: Vec<[u32; 2]>,
+    link: Vec<u32>,
     stamps: Vec<u32>,
     stamp: u32,
 }
@@ -63,15 +68,20 @@ impl Scales {
                         continue;
                     }
                 }
-                self.link.push([cdt.start(h), cdt.end(h)]);
+                self.link.push(h);
             }
         }
-        for ends in &self.link {
-            let [p, q] = ends.map(|v| cdt.point(v));
+        for &h in &self.link {
+            let [p, q] = [cdt.start(h), cdt.end(h)].map(|v| cdt.point(v));
             if orient(p, q, at) <= 0.0 {
                 return None;
             }
-            new = new.max(sharpness([p, q, at]));
+            let sharp = sharpness([p, q, at]);
+            new = new.max(if sharp > PLAIN && cdt.walls[h as usize] != wall::FREE {
+                sharp.min(spiral::sharpness_beside([p, q], at))
+            } else {
+                sharp
+            });
         }
         Some(Offer {
             at,

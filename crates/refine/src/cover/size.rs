@@ -28,6 +28,32 @@ pub enum CoverSize<'a> {
     Local(&'a [f64]),
 }
 
+/// What is done about triangles as sharp as this: as squares of cosines of their smallest angle.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Bounds {
+    /// Their corners move, where that helps.
+    pub(crate) moved: f64,
+    /// A point is inserted, where that helps.
+    pub(crate) sharp: f64,
+    /// Their corners look all around for a better place.
+    pub(crate) searched: f64,
+    /// A point is inserted once corners have moved.
+    pub(crate) stuck: f64,
+}
+
+impl Bounds {
+    /// Around the angle below which triangles ask for a point \[degrees\].
+    fn new(sharp: f64) -> Self {
+        let square = |degrees: f64| degrees.max(0.0).to_radians().cos().powi(2);
+        Self {
+            moved: square(sharp + 6.0),
+            sharp: square(sharp),
+            searched: square(sharp - 2.0),
+            stuck: square(sharp - 7.0),
+        }
+    }
+}
+
 /// The targets of a section's corners, in its scale.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Targets {
@@ -35,8 +61,7 @@ pub(crate) struct Targets {
     by_corner: Vec<f64>,
     /// By how much the target grows a length off the rim.
     pub(crate) grading: f64,
-    /// The cosine of the angle below which triangles are improved.
-    pub(crate) sharp: f64,
+    pub(crate) bounds: Bounds,
 }
 
 impl Targets {
@@ -58,7 +83,7 @@ impl Targets {
                 degrees: params.sharp,
             });
         }
-        self.sharp = params.sharp.to_radians().cos();
+        self.bounds = Bounds::new(params.sharp);
         let scaled = |length: f64| {
             if length > 0.0 && length.is_finite() {
                 // The largest float stands for all that are larger than any patch.

@@ -95,6 +95,18 @@ proptest! {
         }
     }
 
+    /// Beside an edge ten times as long triangles wind down to the short one, edge by edge.
+    #[test]
+    fn a_short_edge_makes_no_sharp_triangles((n, part) in (20usize..200, 0.1f64..1.0), z in 0.667f64..2.0) {
+        let mut ring = even(n, |_| 1.0);
+        let [p, q] = [ring[0], ring[1]];
+        ring.insert(1, [0, 1].map(|i| p[i] + part / (1.0 + part) * (q[i] - p[i])));
+        let mut shape = Shape::default();
+        shape.add(ring);
+        let quality = judge(&shape, false, z)?;
+        prop_assert!(quality.angles[0] >= 20.0, "smallest {}", quality.angles[0]);
+    }
+
     /// Twice finer the rim's own edges are 2 targets long: triangles on them have other bounds, and they
     /// are few.
     #[test]
