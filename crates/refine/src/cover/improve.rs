@@ -36,6 +36,8 @@ const NEAR: f64 = 0.35;
 pub(crate) struct Improver {
     /// The triangulation before the lattice came into it, where parents are found.
     pub(super) base: Cdt,
+    /// Whether edges cross the crease.
+    is_torn: bool,
     /// The target at each vertex.
     targets: Vec<f64>,
     pub(super) bounds: Bounds,
@@ -45,8 +47,6 @@ pub(crate) struct Improver {
     pub(super) hints: Vec<u32>,
     /// By vertex: whether something around it has changed since it was looked at.
     pub(super) stale: Vec<bool>,
-    /// Vertices that were moved, and their lattice points.
-    pub(super) moved: Vec<(u32, u32)>,
     pub(super) star: Star,
     scales: Scales,
 }
@@ -55,6 +55,7 @@ impl Improver {
     /// Keeps a sheet as it is before lattice points come in.
     pub(crate) fn keep(&mut self, sheet: &Sheet) {
         self.base.copy_shape(&sheet.cdt);
+        self.is_torn = sheet.creased && sheet.torn;
     }
 
     /// Inserts at most `budget` points into the band and moves them, twice.
@@ -126,7 +127,7 @@ impl Improver {
             self.base.last = self.hints[near as usize];
             // Parents come from the triangulation of the rings alone; where that fails so does
             // the point.
-            let Some((parents, weights)) = mean_in(&mut self.base, offer.at) else {
+            let Some((parents, weights)) = self.mean(offer.at) else {
                 cdt.pop_point();
                 continue;
             };
@@ -150,6 +151,15 @@ impl Improver {
             }
         }
         inserted
+    }
+
+    /// A point as the mean of three corners of the rings; none where they lie on both sides of the crease: the
+    /// sweep bends between them, and their mean is not on it.
+    pub(super) fn mean(&mut self, at: [f64; 2]) -> Option<([u32; 3], [f64; 3])> {
+        let (parents, weights) = mean_in(&mut self.base, at)?;
+        let ys = parents.map(|p| self.base.point(p)[1]);
+        let is_astride = self.is_torn && ys.iter().any(|&y| y < 0.0) && ys.iter().any(|&y| y > 0.0);
+        (!is_astride).then_some((parents, weights))
     }
 
     /// What the target has grown to on the way from the nearest neighbor of `v`, where it is `far` a good

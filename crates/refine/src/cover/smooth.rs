@@ -9,7 +9,6 @@ use super::band::Band;
 use super::cdt::{Cdt, next, prev, wall};
 use super::improve::{Improver, fan};
 use super::lattice::Lattice;
-use super::mean::mean_in;
 use super::offer::{middle, square};
 use super::sheet::Sheet;
 use super::size::Bounds;
@@ -42,7 +41,6 @@ impl Improver {
     /// they were looked at.
     pub(crate) fn smooth(&mut self, sheet: &mut Sheet, lattice: &mut Lattice, band: &Band) {
         let cdt = &mut sheet.cdt;
-        self.moved.clear();
         for _ in 0..SWEEPS {
             let mut moved = false;
             for (v, &point) in (band.first..).zip(&band.lattice) {
@@ -55,6 +53,14 @@ impl Improver {
                 let Some(at) = self.star.better_place(cdt.point(v), self.bounds) else {
                     continue;
                 };
+                self.base.last = self.hints[v as usize];
+                let Some((parents, weights)) = self.mean(at) else {
+                    continue;
+                };
+                self.hints[v as usize] = self.base.last;
+                lattice.points[point as usize] = at;
+                lattice.parents[point as usize] = parents;
+                lattice.weights[point as usize] = weights;
                 cdt.points[v as usize] = at;
                 for h in fan(cdt, v) {
                     self.stale[cdt.end(h) as usize] = true;
@@ -63,24 +69,10 @@ impl Improver {
                 cdt.stack.append(&mut self.sides);
                 cdt.legalize_all();
                 self.touch(cdt, v);
-                self.moved.push((v, point));
                 moved = true;
             }
             if !moved {
                 break;
-            }
-        }
-        self.moved.sort_unstable();
-        self.moved.dedup();
-        for &(v, point) in &self.moved {
-            let at = cdt.point(v);
-            self.base.last = self.hints[v as usize];
-            // Inside of triangles of the section it is on no corner of one, so this finds it.
-            if let Some((parents, weights)) = mean_in(&mut self.base, at) {
-                self.hints[v as usize] = self.base.last;
-                lattice.points[point as usize] = at;
-                lattice.parents[point as usize] = parents;
-                lattice.weights[point as usize] = weights;
             }
         }
     }
