@@ -219,3 +219,42 @@ fn a_bent_sweep_through_pieces_side_by_side_follows_its_crease() {
         cut.expect("a full slice");
     }
 }
+
+/// A point that had moved toward the crease had parents on both sides of it, and was not where they said.
+#[test]
+fn points_beside_a_crease_are_where_their_parents_say() {
+    let body = Body {
+        shape: Shape::CubeSphere(5),
+        deformation: Deformation::Wild(1.122_776_985_539_091_7),
+        lattice: None,
+        seed: 0,
+    };
+    let mut surface = body.build();
+    let mut cutter = Cutter::new(&surface);
+    let normal = [
+        -0.608_245_382_780_777_7,
+        0.697_932_927_942_272_2,
+        0.649_143_342_211_986_4,
+    ];
+    let blades = [
+        (Blade::AxisThroughVertex(0, 62368), 0.1),
+        (Blade::InFace(21516), 0.0),
+        (
+            Blade::Bent(normal, 0.223_260_120_685_637_58, -0.261_925_259_133_558_2),
+            0.0,
+        ),
+    ];
+    for (blade, snap) in blades {
+        let sweep = blade.sweep(&surface).expect("a sweep");
+        let params = CutParams {
+            snap,
+            refine: RefineParams {
+                level: RefinementLevel::Coarser2,
+                ..RefineParams::default()
+            },
+            ..CutParams::default()
+        };
+        let cut = cut_and_check(&mut surface, &mut cutter, &sweep, &params);
+        cut.expect("a full slice");
+    }
+}
