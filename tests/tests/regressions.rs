@@ -258,3 +258,38 @@ fn points_beside_a_crease_are_where_their_parents_say() {
         cut.expect("a full slice");
     }
 }
+
+/// A bent sweep of which the crease lay in the plane of a triangle but for rounding: where it pierces that was
+/// all rounding, far off the crease, and the section was laid flat as if it were on it.
+#[test]
+fn a_crease_in_the_plane_of_a_triangle_is_met_where_it_runs() {
+    let body = Body {
+        shape: Shape::Torus(3, 4),
+        deformation: Deformation::None,
+        lattice: None,
+        seed: 198,
+    };
+    let mut surface = body.build();
+    let mut cutter = Cutter::new(&surface);
+    let normal = [
+        0.308_062_177_396_328_24,
+        0.127_621_631_649_285_64,
+        0.671_879_603_217_203_6,
+    ];
+    for blade in [
+        Blade::Plane(normal, -0.043_426_369_718_057_134),
+        Blade::InFace(35327),
+    ] {
+        let sweep = blade.sweep(&surface).expect("a sweep");
+        let params = CutParams {
+            snap: 0.0,
+            refine: RefineParams {
+                level: RefinementLevel::Coarser2,
+                ..RefineParams::default()
+            },
+            ..CutParams::default()
+        };
+        let cut = cut_and_check(&mut surface, &mut cutter, &sweep, &params);
+        cut.expect("a full slice");
+    }
+}

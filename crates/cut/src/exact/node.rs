@@ -43,7 +43,17 @@ impl Node {
         let ends = if from < to { [from, to] } else { [to, from] };
         let [p, q] = ends.map(|v| surface.position(v));
         let [hp, hq] = [p, q].map(|x| signs.height(plane, x));
-        let t = round_part(hp / (hp - hq));
+        let at = |t: f32| p + (q - p) * f64::from(t);
+        let mut t = round_part(hp / (hp - hq));
+        if signs.beyond(plane, at(t)) > 0.0 {
+            // An edge that lies nearly in the plane passes it anywhere, as far as rounding knows. That it is on
+            // this side of the crease is exact: so it is there or next to it.
+            let [yp, yq] = [p, q].map(|x| signs.across(plane, x));
+            let there = round_part(yp / (yp - yq));
+            if signs.miss(plane, at(there)) < signs.miss(plane, at(t)) {
+                t = there;
+            }
+        }
         Self {
             on: On::Edge {
                 exit,
@@ -52,7 +62,7 @@ impl Node {
                 t,
                 rises: from < to,
             },
-            position: p + (q - p) * f64::from(t),
+            position: at(t),
             local: mean_edge(surface, [Some(exit), Some(topology.twin(exit))]),
         }
     }
@@ -68,16 +78,31 @@ impl Node {
         let part = |p: Vec3, q: Vec3| normal.dot(&area_vector([p, q, x])).max(0.0);
         let parts = [part(b, c), part(c, a)];
         let sum = parts[0] + parts[1] + part(a, b);
-        let weights = if sum > 0.0 && sum.is_finite() {
-            let [u, v] = parts.map(|part| round_part(part / sum));
-            [u, v.min(1.0 - u), (1.0 - u - v).max(0.0)]
+        let mut weights = if sum > 0.0 && sum.is_finite() {
+            round_parts(parts.map(|part| part / sum))
         } else {
             [1.0 / 3.0; 3]
         };
-        let [u, v, w] = weights.map(f64::from);
+        let at = |weights: [f32; 3]| {
+            let [u, v, w] = weights.map(f64::from);
+            a * u + b * v + c * w
+        };
+        // Along a crease that lies nearly in the triangle's plane rounding does not know where it pierces that;
+        // but it does so where it runs through the triangle.
+        let mut off = signs.off_crease(at(weights));
+        if off > 0.0 {
+            for i in 0..2 {
+                let [u, v, _] = middle([a, b, c].map(|p| signs.across(i, p)));
+                let there = round_parts([u, v]);
+                let other = signs.off_crease(at(there));
+                if other < off {
+                    (weights, off) = (there, other);
+                }
+            }
+        }
         Self {
             on: On::Face { corners, weights },
-            position: a * u + b * v + c * w,
+            position: at(weights),
             local: mean_edge(surface, [triangle.half_edges().first().copied(), None]),
         }
     }
@@ -122,6 +147,32 @@ fn round_part(t: f64) -> f32 {
     } else {
         0.5
     }
+}
+
+/// Two weights of three as storage keeps them, and what is left for the third.
+fn round_parts(parts: [f64; 2]) -> [f32; 3] {
+    let [u, v] = parts.map(round_part);
+    [u, v.min(1.0 - u), (1.0 - u - v).max(0.0)]
+}
+
+/// Weights of the middle of the line on which a function is 0 that has these values at a triangle's corners;
+/// of the corner nearest to it where it is 0 nowhere.
+fn middle(values: [f64; 3]) -> [f64; 3] {
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for (k, l) in [(0, 1), (1, 2), (2, 0)] {
+        let (p, q) = (values[k], values[l]);
+        if (p < 0.0) != (q < 0.0) {
+            let t = p / (p - q);
+            sum[k] += 1.0 - t;
+            sum[l] += t;
+            count += 1.0;
+        }
+    }
+    if count > 0.0 {
+        return sum.map(|weight| weight / count);
+    }
+    let nearest = (0..3).min_by(|&k, &l| values[k].abs().total_cmp(&values[l].abs()));
+    [0, 1, 2].map(|k| if Some(k) == nearest { 1.0 } else { 0.0 })
 }
 
 /// The mean length of the edges of these half-edges' triangles \[m\].

@@ -22,6 +22,8 @@ const EDGES: [[[usize; 2]; 3]; 2] = [[[2, 0], [0, 1], [1, 2]], [[0, 2], [2, 3], 
 pub(super) struct Signs {
     corners: [Vec3; 4],
     normals: [Vec3; 2],
+    /// By triangle, unit vectors in its plane across the crease. The first triangle is where they point away from.
+    across: [Vec3; 2],
     /// Whether each of the two triangles has an area.
     exists: [bool; 2],
     /// Whether a point on a triangle's plane counts as above it.
@@ -42,9 +44,11 @@ impl Signs {
         });
         let first = normal.map(|n| n.into_iter().find(|&sign| sign != 0.0));
         let [s0, s1, s2, s3] = corners.map(coord);
+        let normals = TRIANGLES.map(|t| area_vector(t.map(|i| corners[i])));
         Self {
             corners,
-            normals: TRIANGLES.map(|t| area_vector(t.map(|i| corners[i]))),
+            normals,
+            across: normals.map(|n| n.cross(&(corners[2] - corners[0])).normalize()),
             exists: first.map(|sign| sign.is_some()),
             // The plane moves along the normal, so its points end up below it.
             tie_is_above: first.map(|sign| sign.is_some_and(|sign| sign < 0.0)),
@@ -75,6 +79,33 @@ impl Signs {
     /// How far `p` is above the plane of sweep triangle `i`, in no unit and rounded.
     pub(super) fn height(&self, i: usize, p: Vec3) -> f64 {
         self.normals[i].dot(&(p - self.corners[0]))
+    }
+
+    /// How far `p` is across the crease along sweep triangle `i`, rounded \[m\].
+    pub(super) fn across(&self, i: usize, p: Vec3) -> f64 {
+        self.across[i].dot(&(p - self.corners[0]))
+    }
+
+    /// How far `p` is off sweep triangle `i` \[m\]: off its plane, or beyond the crease.
+    pub(super) fn miss(&self, i: usize, p: Vec3) -> f64 {
+        let height = self.height(i, p) / self.normals[i].norm();
+        height.abs().max(self.beyond(i, p))
+    }
+
+    /// How far `p` is beyond the crease, seen from sweep triangle `i`; 0 on its own side \[m\].
+    pub(super) fn beyond(&self, i: usize, p: Vec3) -> f64 {
+        if !self.has_crease() {
+            return 0.0;
+        }
+        let across = self.across(i, p);
+        if i == 0 { across } else { -across }.max(0.0)
+    }
+
+    /// How far `p` is off the crease's line \[m\].
+    pub(super) fn off_crease(&self, p: Vec3) -> f64 {
+        let [start, end] = self.crease();
+        let along = end - start;
+        along.cross(&(p - start)).norm() / along.norm()
     }
 
     /// Whether `p` is above the plane of sweep triangle `i`.
