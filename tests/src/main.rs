@@ -2,6 +2,7 @@
 //! after each cut.
 
 use clap::Parser;
+use incise_cut::CutParams;
 use incise_mesh::{Model, Surface, build_model, read_mesh, torus};
 use incise_tests::{Body, Deformation, Planes, Shape, shells};
 use rayon::prelude::*;
@@ -11,9 +12,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Cuts bodies along planes that are spread evenly, exactly and with the default snapping, and counts cuts
-/// that were refused and cuts after which a law of `tests/src/laws` does not hold. Exits with 1 if there
-/// were any.
+/// Cuts bodies along planes that are spread evenly, exactly, with the default snapping and with remeshing
+/// too, and counts cuts that were refused and cuts after which a law of `tests/src/laws` does not hold. Exits
+/// with 1 if there were any.
 #[derive(Parser)]
 struct Arguments {
     /// Planes for each body.
@@ -28,6 +29,9 @@ struct Arguments {
     /// Leave out larger bodies.
     #[arg(long, value_name = "N", default_value_t = 40_000)]
     max_triangles: usize,
+    /// Cut a third time, with snapping and this much remeshing in local edge lengths; 0 does not.
+    #[arg(long, value_name = "T", default_value_t = 0.1)]
+    remesh: f64,
 }
 
 /// What became of many cuts.
@@ -88,9 +92,13 @@ fn run(arguments: &Arguments, out: &mut impl Write) -> Result<usize, Box<dyn Err
     if subjects.is_empty() {
         return Err("no body is left to cut: see --models, --only and --max-triangles".into());
     }
+    let mut ways = vec![(0.0, 0.0), (0.1, 0.0)];
+    if arguments.remesh != 0.0 {
+        ways.push((0.1, arguments.remesh));
+    }
     let mut all = Tally::default();
     for subject in &subjects {
-        let tally = cut(subject, arguments.planes);
+        let tally = cut(subject, arguments.planes, &ways);
         writeln!(
             out,
             "{:<28} {:>7} triangles: {:>5} cuts, {:>4} planes beside it, {} refused, laws broken: {}",
@@ -115,15 +123,21 @@ fn run(arguments: &Arguments, out: &mut impl Write) -> Result<usize, Box<dyn Err
     Ok(all.failed())
 }
 
-fn cut(subject: &Subject, planes: usize) -> Tally {
+/// Cuts a subject with each of these values of snap and remesh.
+fn cut(subject: &Subject, planes: usize, ways: &[(f64, f64)]) -> Tally {
     let body = Planes {
         whole: &subject.surface,
         is_tame: subject.is_tame,
         every_law: true,
     };
-    let one = |(i, snap)| {
+    let one = |(i, (snap, remesh))| {
+        let params = CutParams {
+            snap,
+            remesh,
+            ..CutParams::default()
+        };
         // Laws are assertions; what they say goes to the error output with the plane after it.
-        let fate = catch_unwind(AssertUnwindSafe(|| body.cut(i, snap)));
+        let fate = catch_unwind(AssertUnwindSafe(|| body.cut_with(i, &params)));
         let mut tally = Tally::default();
         let complaint = match fate {
             Ok(Ok(true)) => return Tally { done: 1, ..tally },
@@ -138,12 +152,15 @@ fn cut(subject: &Subject, planes: usize) -> Tally {
             }
         };
         let name = &subject.name;
-        let _ = writeln!(io::stderr(), "{name}, plane {i}, snap {snap}: {complaint}");
+        let _ = writeln!(
+            io::stderr(),
+            "{name}, plane {i}, snap {snap}, remesh {remesh}: {complaint}"
+        );
         tally
     };
     let cuts = (0..planes)
         .into_par_iter()
-        .flat_map_iter(|i| [(i, 0.0), (i, 0.1)]);
+        .flat_map_iter(|i| ways.iter().map(move |&way| (i, way)));
     cuts.map(one).reduce(Tally::default, Tally::sum)
 }
 
