@@ -2,7 +2,7 @@
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use incise_mesh::Model;
-use incise_refine::RefinementLevel;
+use incise_refine::{RefineMethod, RefinementLevel};
 use incise_tests::{Blade, Body, Deformation, Shape};
 
 /// Steps of a case at most: bodies grow with every cut.
@@ -32,6 +32,10 @@ pub enum Step {
         level: RefinementLevel,
         /// Which rim edges are too short.
         snap: f64,
+        /// How large slivers around the rim may be that go.
+        remesh: f64,
+        /// How caps come about.
+        method: RefineMethod,
         /// Only the piece with this number, modulo how many there are.
         only: Option<u32>,
     },
@@ -138,6 +142,14 @@ fn step(u: &mut Unstructured<'_>) -> Result<Step> {
                 0 | 1 => 0.0,
                 2 | 3 => 0.1,
                 _ => between(u, 0.0, 0.499)?,
+            },
+            remesh: match u.int_in_range(0..=3)? {
+                0 => between(u, 0.05, 0.4)?,
+                _ => 0.0,
+            },
+            method: match u.int_in_range(0..=3)? {
+                0 => RefineMethod::Paper,
+                _ => RefineMethod::Delaunay,
             },
             only: match u.int_in_range(0..=2)? {
                 0 => Some(u.arbitrary()?),

@@ -4,7 +4,7 @@ use crate::case::{Case, Knife, Step};
 use incise_cut::{CutError, CutParams, Cutter, Sweep};
 use incise_mesh::geometry::round;
 use incise_mesh::{Surface, Undo, Vec3};
-use incise_refine::{RefineParams, RefinementLevel};
+use incise_refine::RefineParams;
 use incise_tests::{assert_same_bits, assert_sound, cut_and_check};
 
 /// A cut that can be taken back.
@@ -31,10 +31,21 @@ impl Case {
                     knife,
                     level,
                     snap,
+                    remesh,
+                    method,
                     only,
                 } => {
-                    let only = only.and_then(|n| piece(&surface, n));
-                    let params = params(level, snap, only);
+                    let params = CutParams {
+                        snap,
+                        remesh,
+                        only_piece: only.and_then(|n| piece(&surface, n)),
+                        refine: RefineParams {
+                            method,
+                            level,
+                            ..RefineParams::default()
+                        },
+                        ..CutParams::default()
+                    };
                     let before = surface.clone();
                     let undo = cut(&mut surface, &mut cutter, &knife, &params);
                     done.extend(undo.map(|undo| Done {
@@ -73,18 +84,6 @@ impl Case {
             surface.rest[v.index()] = [x, y, z];
         }
         surface
-    }
-}
-
-fn params(level: RefinementLevel, snap: f64, only_piece: Option<u32>) -> CutParams {
-    CutParams {
-        snap,
-        only_piece,
-        refine: RefineParams {
-            level,
-            ..RefineParams::default()
-        },
-        ..CutParams::default()
     }
 }
 
