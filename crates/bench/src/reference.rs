@@ -1,0 +1,35 @@
+//! Implicit Euler in 64 bits, each step solved to the rounding of its numbers.
+//!
+//! A step of `h` goes from positions `x` and velocities `v` to the positions `x'` at which
+//!
+//! ```text
+//! m (x' - y) / h^2 = sum of lambda grad C(x'),    C(x') + compliance lambda = 0,
+//! ```
+//!
+//! `y = x + h (v + h g) / (1 + damping h)` being where things are predicted, and then `v' = (x' - x) / h`. These are
+//! the equations whose solution the solver's projections approach, constraints, prediction and damping
+//! being its own: XPBD's (Macklin et al. 2016, equations 8 and 9) with both residuals zero. Projections fulfill the
+//! second equation only; what they leave of the first goes to zero with the substep, not with the iterations
+//! (Chen et al., "Primal Extended Position Based Dynamics", 2023).
+//!
+//! Compliance 0 is a multiplier like any other: the method of multipliers closes rigid constraints to
+//! rounding, so there is no least compliance. Within it, Newton's method with line search on Hessians that are
+//! made positive where they are not, a constraint at a time.
+
+mod edge;
+mod error;
+mod hinge;
+mod matrix;
+mod measure;
+mod model;
+mod objective;
+mod step;
+#[cfg(test)]
+mod tests;
+
+pub use edge::edge;
+pub use error::ReferenceError;
+pub use hinge::hinge;
+pub use measure::Measure;
+pub use model::{Constraints, Model, State};
+pub use step::{StepReport, Stepper};

@@ -1,0 +1,108 @@
+//! Bending: the angle between two triangles, as the solver's kernel defines it.
+
+use super::measure::{Blocks, Kind, Measure, clamp_12};
+use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::{PI, TAU};
+
+/// A triangle has no normal when its doubled area is below this share of its squared edges. The solver's own
+/// limit: beyond it its hinges hold nothing.
+const FLAT: f64 = 1e-5;
+
+/// The signed angle at the edge from the first to the second point \[rad\], with its derivatives; the third
+/// point is across the edge in the triangle that runs along it, the fourth in the one that runs against it. 0 is flat,
+/// positive convex. None where a triangle is too flat to have a normal.
+///
+/// With `e`, `a` and `b` from the first point to the others, `n = e x a` and `m = b x e`, the gradients by `a` and `b` are
+/// `-|e| n / |n|^2` and `-|e| m / |m|^2` (Bridson et al. 2003), that by `e` is minus their sum weighted by where the feet
+/// of `a` and `b` stand on the edge. The Hessian is the derivative of just these.
+#[must_use]
+pub fn hinge(points: &[Vector3<f64>; 4]) -> Option<Measure<4>> {
+    let [e, a, b] = [1, 2, 3].map(|i: usize| points[i] - points[0]);
+    let (n, m) = (e.cross(&a), b.cross(&e));
+    let square = e.norm_squared();
+    let flat = |normal: &Vector3<f64>, side: &Vector3<f64>| {
+        normal.norm() <= FLAT * (square + side.norm_squared())
+    };
+    if flat(&n, &a) || flat(&m, &b) {
+        return None;
+    }
+    let length = square.sqrt();
+    let value = (-length * a.dot(&m)).atan2(n.dot(&m));
+    let (s, t) = (a.dot(&e) / square, b.dot(&e) / square);
+    let (p, q) = (n / n.norm_squared(), m / m.norm_squared());
+    let (by_a, by_b) = (p * -length, q * -length);
+    let by_e = -(by_a * s + by_b * t);
+
+    // Rows: by_e, by_a, by_b. Columns: changes of e, a, b.
+    let along = (e / length).transpose();
+    let (turn_p, turn_q) = (inverted(&n) * -length, inverted(&m) * -length);
+    let (cross_e, cross_a, cross_b) = (e.cross_matrix(), a.cross_matrix(), b.cross_matrix());
+    // dn = e x da - a x de, dm = b x de - e x db.
+    let by_a_de = -p * along - turn_p * cross_a;
+    let by_a_da = turn_p * cross_e;
+    let by_b_de = -q * along + turn_q * cross_b;
+    let by_b_db = -turn_q * cross_e;
+    let (s_de, s_da) = ((a - e * (2.0 * s)) / square, e / square);
+    let t_de = (b - e * (2.0 * t)) / square;
+    let by_e_de =
+        -(by_a * s_de.transpose() + by_a_de * s) - (by_b * t_de.transpose() + by_b_de * t);
+    let by_e_da = -(by_a * s_da.transpose() + by_a_da * s);
+    let by_e_db = -(by_b * s_da.transpose() + by_b_db * t);
+    let zero = Matrix3::zeros();
+    let inner = [
+        [by_e_de, by_e_da, by_e_db],
+        [by_e_da.transpose(), by_a_da, zero],
+        [by_e_db.transpose(), zero, by_b_db],
+    ];
+    Some(Measure {
+        value,
+        gradient: [-(by_e + by_a + by_b), by_e, by_a, by_b],
+        hessian: with_origin(&inner),
+    })
+}
+
+/// The derivative of `n / |n|^2` by `n`.
+fn inverted(n: &Vector3<f64>) -> Matrix3<f64> {
+    let square = n.norm_squared();
+    (Matrix3::identity() - n * n.transpose() * (2.0 / square)) / square
+}
+
+/// Second derivatives by differences to a first point, as such by all four points, made symmetric to the bit.
+fn with_origin(inner: &[[Matrix3<f64>; 3]; 3]) -> Blocks<4> {
+    let mut out = [[Matrix3::zeros(); 4]; 4];
+    for (i, row) in inner.iter().enumerate() {
+        for j in 0..3 {
+            let block = (row[j] + inner[j][i].transpose()) * 0.5;
+            out[i + 1][j + 1] = block;
+            out[0][j + 1] -= block;
+            out[i + 1][0] -= block;
+            out[0][0] += block;
+        }
+    }
+    out
+}
+
+/// Hinges, as steps use them.
+pub(super) struct Hinge;
+
+impl Kind<4> for Hinge {
+    fn measure(points: &[Vector3<f64>; 4]) -> Option<Measure<4>> {
+        hinge(points)
+    }
+
+    /// Angles that differ by a turn are the same.
+    fn error(value: f64, rest: f64) -> f64 {
+        let turn = value - rest;
+        if turn > PI {
+            turn - TAU
+        } else if turn <= -PI {
+            turn + TAU
+        } else {
+            turn
+        }
+    }
+
+    fn clamp(hessian: &mut Blocks<4>) {
+        clamp_12(hessian);
+    }
+}

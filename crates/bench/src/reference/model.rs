@@ -1,0 +1,125 @@
+//! What a reference moves: masses and constraints, as plain arrays.
+
+use super::error::ReferenceError;
+use incise_mesh::Surface;
+use incise_pbd_gpu::{ConstraintSet, Solver, SolverParams, Stiffness};
+use nalgebra::Vector3;
+
+/// Constraints of one kind over `N` vertices each.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Constraints<const N: usize> {
+    /// The vertices of every constraint, shape \[constraints\].
+    pub vertices: Vec<[usize; N]>,
+    /// The rest values, shape \[constraints\].
+    pub rest: Vec<f64>,
+    /// The inverse stiffness of all: [m/N] for edges, [rad/(N m)] for hinges. 0 is rigid.
+    pub compliance: f64,
+}
+
+/// A body, but for where it is.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Model {
+    /// The mass of every vertex \[kg\], shape \[vertices\]; 0 for one that is held.
+    pub mass: Vec<f64>,
+    /// Edges that keep their lengths \[m\].
+    pub stretch: Constraints<2>,
+    /// Hinges that keep their angles \[rad\].
+    pub bending: Constraints<4>,
+    /// Acceleration of everything [m/s^2].
+    pub gravity: Vector3<f64>,
+    /// The rate at which velocities decay [1/s].
+    pub damping: f64,
+    /// Height of a plane that nothing sinks below \[m\]; it has no friction.
+    pub ground: Option<f64>,
+}
+
+/// Where a body is and how it moves.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct State {
+    /// Positions \[m\], shape \[vertices\].
+    pub x: Vec<Vector3<f64>>,
+    /// Velocities [m/s], shape \[vertices\].
+    pub v: Vec<Vector3<f64>>,
+}
+
+impl Model {
+    /// The body that a solver moves, with the solver's own numbers: inverse masses, rest values and
+    /// parameters as they are stored.
+    ///
+    /// # Errors
+    /// [`ReferenceError::NoEnergy`] for a stiffness that is no compliance and not 1, [`ReferenceError::Friction`] for a
+    /// ground with friction.
+    pub fn of(
+        solver: &Solver,
+        surface: &Surface,
+        params: &SolverParams,
+    ) -> Result<Self, ReferenceError> {
+        let material = solver.material();
+        if params.ground.is_some() && material.friction > 0.0 {
+            let coefficient = material.friction;
+            return Err(ReferenceError::Friction { coefficient });
+        }
+        let mass = (surface.positions.iter())
+            .map(|p| {
+                if p[3] > 0.0 {
+                    1.0 / f64::from(p[3])
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        let bending = match (solver.bending(), material.bending) {
+            (Some(set), Some(stiffness)) => constraints(set, compliance(stiffness)?),
+            _ => Constraints::default(),
+        };
+        Ok(Self {
+            mass,
+            stretch: constraints(solver.stretch(), compliance(material.stretch)?),
+            bending,
+            gravity: params.gravity.map(f64::from).into(),
+            damping: material.damping.into(),
+            ground: params.ground.map(f64::from),
+        })
+    }
+}
+
+impl State {
+    /// Where a solver has its body.
+    #[must_use]
+    pub fn of(solver: &Solver, surface: &Surface) -> Self {
+        let wide = |p: &[f32; 4]| Vector3::new(p[0].into(), p[1].into(), p[2].into());
+        Self {
+            x: surface.positions.iter().map(wide).collect(),
+            v: solver.velocities().iter().map(wide).collect(),
+        }
+    }
+
+    /// At rest at `x` \[m\].
+    #[must_use]
+    pub fn at(x: Vec<Vector3<f64>>) -> Self {
+        let v = vec![Vector3::zeros(); x.len()];
+        Self { x, v }
+    }
+}
+
+fn compliance(stiffness: Stiffness) -> Result<f64, ReferenceError> {
+    match stiffness {
+        Stiffness::Compliance(value) => Ok(value.into()),
+        Stiffness::Pbd(k) if k >= 1.0 => Ok(0.0),
+        Stiffness::Pbd(k) => Err(ReferenceError::NoEnergy { k }),
+    }
+}
+
+fn constraints<const N: usize>(set: &ConstraintSet<N>, compliance: f64) -> Constraints<N> {
+    let mut out = Constraints {
+        vertices: Vec::with_capacity(set.len()),
+        rest: Vec::with_capacity(set.len()),
+        compliance,
+    };
+    for batch in set.batches().iter().chain([set.overflow()]) {
+        let vertices = batch.vertices().iter();
+        out.vertices.extend(vertices.map(|v| v.map(|v| v.index())));
+        out.rest.extend(batch.rest().iter().map(|&r| f64::from(r)));
+    }
+    out
+}

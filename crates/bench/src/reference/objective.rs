@@ -1,0 +1,310 @@
+//! What a step minimizes: how far things are from where they are predicted, and the energy of constraints.
+//!
+//! A constraint's energy is `(C - mu lambda)^2 / (2 (compliance + mu))`. Without `mu` that is its own energy. With it, it
+//! is a softer one whose minimum is the right one once `lambda` is the right multiplier: the proximal method of
+//! multipliers (Rockafellar 1976), in which `lambda` becomes `(mu lambda - C) / (compliance + mu)` between minimizations.
+
+use super::edge::Edge;
+use super::hinge::Hinge;
+use super::matrix::System;
+use super::measure::{Kind, energy_hessian};
+use super::model::{Constraints, Model};
+use nalgebra::{Matrix3, Vector3};
+
+/// A constraint gives way by no less than this share of what inertia does, `h^2 sum of |grad C|^2 / m`; multipliers do
+/// the rest for what is stiffer. Smaller means fewer rounds and fewer digits: a chain of 20 rigid links takes 6.
+const SOFTNESS: f64 = 1e-4;
+
+/// What constraints that do not close fast enough are made stiffer by.
+const STIFFEN: f64 = 0.1;
+
+/// How far a position is off by rounding, over the largest coordinate.
+const ROUNDING: f64 = f64::EPSILON;
+
+/// Multipliers of one kind of constraints, all of shape \[constraints\].
+#[derive(Debug, Clone, Default)]
+pub(super) struct Multipliers {
+    /// The forces: \[N\] for edges and the ground, [N m] for hinges.
+    pub(super) lambda: Vec<f64>,
+    compliance: f64,
+    /// What is added to the compliance.
+    mu: Vec<f64>,
+    /// The inverse of compliance and addition; 0 takes a constraint out.
+    stiffness: Vec<f64>,
+}
+
+impl Multipliers {
+    /// Adds one of zero for a constraint that gives way by `h^2 weight` to inertia.
+    fn add(&mut self, h: f64, weight: f64) {
+        let least = SOFTNESS * h * h * weight;
+        let mu = (least - self.compliance).max(0.0);
+        let takes_part = weight > 0.0 && weight.is_finite();
+        let stiffness = (self.compliance + mu).recip();
+        self.lambda.push(0.0);
+        self.mu.push(if takes_part { mu } else { 0.0 });
+        self.stiffness
+            .push(if takes_part { stiffness } else { 0.0 });
+    }
+}
+
+/// The objective of one step.
+pub(super) struct Objective<'a> {
+    model: &'a Model,
+    /// `1 / h^2` [1/s^2].
+    inertia: f64,
+    /// Where vertices are predicted, or held \[m\].
+    goal: Vec<Vector3<f64>>,
+    pub(super) stretch: Multipliers,
+    pub(super) bending: Multipliers,
+    pub(super) ground: Multipliers,
+    /// What rounding of positions makes of a decrement, about.
+    pub(super) rounding: f64,
+}
+
+impl<'a> Objective<'a> {
+    /// The objective of a step of `h` from `x`, with multipliers of zero. What has no gradient there, or cannot move,
+    /// takes no part in the step.
+    pub(super) fn new(
+        model: &'a Model,
+        h: f64,
+        x: &[Vector3<f64>],
+        goal: Vec<Vector3<f64>>,
+    ) -> Self {
+        let inertia = h.powi(-2);
+        let (stretch, stretch_square) = multipliers::<Edge, 2>(model, &model.stretch, h, x);
+        let (bending, bending_square) = multipliers::<Hinge, 4>(model, &model.bending, h, x);
+        let mut square = stretch_square + bending_square;
+        let mut ground = Multipliers::default();
+        for &mass in &model.mass {
+            square += mass * inertia;
+            if model.ground.is_some() {
+                ground.add(h, if mass > 0.0 { mass.recip() } else { 0.0 });
+            }
+        }
+        square += ground.stiffness.iter().sum::<f64>();
+        let extent = (x.iter().chain(&goal)).fold(0.0, |far: f64, p| far.max(p.amax()));
+        Self {
+            model,
+            inertia,
+            goal,
+            stretch,
+            bending,
+            ground,
+            rounding: ROUNDING * extent * square.sqrt(),
+        }
+    }
+
+    /// The value \[J\].
+    pub(super) fn value(&self, x: &[Vector3<f64>]) -> f64 {
+        let model = self.model;
+        let mut sum = 0.0;
+        for ((x, goal), mass) in x.iter().zip(&self.goal).zip(&model.mass) {
+            sum += mass * self.inertia * (x - goal).norm_squared() / 2.0;
+        }
+        sum += energy::<Edge, 2>(&model.stretch, &self.stretch, x);
+        sum += energy::<Hinge, 4>(&model.bending, &self.bending, x);
+        for (v, x) in x.iter().enumerate() {
+            let (sunk, stiffness) = self.sunk(v, x);
+            sum += sunk * sunk * stiffness / 2.0;
+        }
+        sum
+    }
+
+    /// The gradient \[N\]; the matrix goes into `system`, its elements without their negative eigenvalues if
+    /// `positive`.
+    pub(super) fn derivatives(
+        &self,
+        x: &[Vector3<f64>],
+        system: &mut System,
+        positive: bool,
+    ) -> Vec<Vector3<f64>> {
+        let model = self.model;
+        system.clear();
+        let mut gradient = Vec::with_capacity(x.len());
+        for (v, x) in x.iter().enumerate() {
+            let weight = model.mass[v] * self.inertia;
+            let (sunk, stiffness) = self.sunk(v, x);
+            let mut force = (x - self.goal[v]) * weight;
+            let mut block = Matrix3::from_diagonal_element(weight);
+            if sunk < 0.0 {
+                force.y += sunk * stiffness;
+                block[(1, 1)] += stiffness;
+            }
+            gradient.push(force);
+            system.add([v], &[[block]]);
+        }
+        let mut into = Sums {
+            gradient: &mut gradient,
+            system,
+            positive,
+        };
+        into.add::<Edge, 2>(&model.stretch, &self.stretch, x);
+        into.add::<Hinge, 4>(&model.bending, &self.bending, x);
+        for (gradient, &mass) in gradient.iter_mut().zip(&model.mass) {
+            if mass <= 0.0 {
+                *gradient = Vector3::zeros();
+            }
+        }
+        gradient
+    }
+
+    /// How far a vertex is below where the ground pushes it \[m\], negative, 0 above, and how much the ground pushes.
+    fn sunk(&self, v: usize, x: &Vector3<f64>) -> (f64, f64) {
+        match self.model.ground {
+            Some(height) => {
+                let push = &self.ground;
+                let off = x.y - height - push.mu[v] * push.lambda[v];
+                (off.min(0.0), push.stiffness[v])
+            }
+            None => (0.0, 0.0),
+        }
+    }
+
+    /// Leaves less to multipliers and more to Newton's method.
+    pub(super) fn stiffen(&mut self) {
+        self.stretch.stiffen();
+        self.bending.stiffen();
+        self.ground.stiffen();
+        self.rounding /= STIFFEN.sqrt();
+    }
+
+    /// Takes the multipliers that belong to `x`; returns what constraints still lack, in units of the decrement.
+    pub(super) fn update(&mut self, x: &[Vector3<f64>]) -> f64 {
+        let model = self.model;
+        let mut square = update::<Edge, 2>(&model.stretch, &mut self.stretch, x);
+        square += update::<Hinge, 4>(&model.bending, &mut self.bending, x);
+        if model.ground.is_some() {
+            for (v, x) in x.iter().enumerate() {
+                let (sunk, stiffness) = self.sunk(v, x);
+                square += self.ground.set(v, -sunk * stiffness);
+            }
+        }
+        square.sqrt()
+    }
+}
+
+impl Multipliers {
+    fn stiffen(&mut self) {
+        for (mu, stiffness) in self.mu.iter_mut().zip(&mut self.stiffness) {
+            *mu *= STIFFEN;
+            if *stiffness > 0.0 {
+                *stiffness = (self.compliance + *mu).recip();
+            }
+        }
+    }
+
+    /// Sets a multiplier; returns the square of what the constraint lacks.
+    fn set(&mut self, i: usize, to: f64) -> f64 {
+        let change = to - self.lambda[i];
+        self.lambda[i] = to;
+        (self.mu[i] * change).powi(2) * self.stiffness[i]
+    }
+}
+
+/// The points of a constraint.
+fn points<const N: usize>(x: &[Vector3<f64>], vertices: [usize; N]) -> [Vector3<f64>; N] {
+    vertices.map(|v| x[v])
+}
+
+/// Multipliers for constraints, and the sum of squares of their gradients over their compliances.
+fn multipliers<K: Kind<N>, const N: usize>(
+    model: &Model,
+    constraints: &Constraints<N>,
+    h: f64,
+    x: &[Vector3<f64>],
+) -> (Multipliers, f64) {
+    let mut out = Multipliers {
+        compliance: constraints.compliance,
+        ..Multipliers::default()
+    };
+    let mut sum = 0.0;
+    for &vertices in &constraints.vertices {
+        let (mut weight, mut square) = (0.0, 0.0);
+        if let Some(measure) = K::measure(&points(x, vertices)) {
+            for (v, gradient) in vertices.iter().zip(measure.gradient) {
+                square += gradient.norm_squared();
+                if model.mass[*v] > 0.0 {
+                    weight += gradient.norm_squared() / model.mass[*v];
+                }
+            }
+        }
+        out.add(h, weight);
+        sum += square * out.stiffness.last().copied().unwrap_or(0.0);
+    }
+    (out, sum)
+}
+
+/// The energy of constraints \[J\].
+fn energy<K: Kind<N>, const N: usize>(
+    constraints: &Constraints<N>,
+    multipliers: &Multipliers,
+    x: &[Vector3<f64>],
+) -> f64 {
+    let mut sum = 0.0;
+    for (i, (&vertices, rest)) in constraints.each() {
+        if let Some(measure) = K::measure(&points(x, vertices)) {
+            let off = K::error(measure.value, *rest) - multipliers.mu[i] * multipliers.lambda[i];
+            sum += off * off * multipliers.stiffness[i] / 2.0;
+        }
+    }
+    sum
+}
+
+fn update<K: Kind<N>, const N: usize>(
+    constraints: &Constraints<N>,
+    multipliers: &mut Multipliers,
+    x: &[Vector3<f64>],
+) -> f64 {
+    let mut square = 0.0;
+    for (i, (&vertices, rest)) in constraints.each() {
+        if let Some(measure) = K::measure(&points(x, vertices)) {
+            let off = K::error(measure.value, *rest) - multipliers.mu[i] * multipliers.lambda[i];
+            square += multipliers.set(i, -off * multipliers.stiffness[i]);
+        }
+    }
+    square
+}
+
+/// Where derivatives go.
+struct Sums<'a> {
+    gradient: &'a mut [Vector3<f64>],
+    system: &'a mut System,
+    positive: bool,
+}
+
+impl Sums<'_> {
+    fn add<K: Kind<N>, const N: usize>(
+        &mut self,
+        constraints: &Constraints<N>,
+        multipliers: &Multipliers,
+        x: &[Vector3<f64>],
+    ) {
+        for (i, (&vertices, rest)) in constraints.each() {
+            let stiffness = multipliers.stiffness[i];
+            let measure = K::measure(&points(x, vertices)).filter(|_| stiffness > 0.0);
+            let Some(measure) = measure else {
+                self.system.add(vertices, &[[Matrix3::zeros(); N]; N]);
+                continue;
+            };
+            let off = K::error(measure.value, *rest) - multipliers.mu[i] * multipliers.lambda[i];
+            for (v, gradient) in vertices.iter().zip(measure.gradient) {
+                self.gradient[*v] += gradient * (off * stiffness);
+            }
+            let mut hessian = energy_hessian(&measure, off);
+            if self.positive {
+                K::clamp(&mut hessian);
+            }
+            for block in hessian.as_flattened_mut() {
+                *block *= stiffness;
+            }
+            self.system.add(vertices, &hessian);
+        }
+    }
+}
+
+impl<const N: usize> Constraints<N> {
+    /// All constraints, numbered.
+    fn each(&self) -> impl Iterator<Item = (usize, (&[usize; N], &f64))> {
+        self.vertices.iter().zip(&self.rest).enumerate()
+    }
+}

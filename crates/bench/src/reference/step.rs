@@ -1,0 +1,262 @@
+//! One step, by Newton's method.
+
+use super::error::ReferenceError;
+use super::matrix::System;
+use super::model::{Constraints, Model, State};
+use super::objective::Objective;
+use nalgebra::Vector3;
+
+/// A step is done when the decrement of Newton's method is this part of the first.
+const DONE: f64 = 1e-12;
+
+/// The share of the promised decrease that a step of Newton's method has to bring (Armijo).
+const DECREASE: f64 = 1e-4;
+
+/// Below this part of the first decrement Hessians are tried as they are: near the solution they are positive as a
+/// whole, and then every step squares the error.
+const NEAR: f64 = 1e-2;
+
+/// Rounds that leave more than this part of what constraints lacked are too slow.
+const SLOW: f64 = 0.1;
+
+/// How often constraints may be made stiffer; more would leave Newton's method no digits.
+const MOST_STIFFER: u32 = 4;
+
+/// Steps of Newton's method that a step may take.
+const MOST_NEWTON: usize = 2000;
+
+/// Halvings of a step of Newton's method.
+const MOST_HALVINGS: usize = 60;
+
+/// Steps one model through time.
+pub struct Stepper<'a> {
+    model: &'a Model,
+    system: System,
+}
+
+impl std::fmt::Debug for Stepper<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Stepper").finish_non_exhaustive()
+    }
+}
+
+/// What a step took and found.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct StepReport {
+    /// Steps of Newton's method.
+    pub newton_steps: usize,
+    /// Times that multipliers were brought up to date; 1 where nothing is nearly rigid.
+    pub rounds: usize,
+    /// The last decrement over the first, before the last step of Newton's method; 0 when the first was 0.
+    pub decrement: f64,
+    /// The multipliers of edges \[N\], negative where they pull, shape \[edges\].
+    pub stretch: Vec<f64>,
+    /// The multipliers of hinges [N m], shape \[hinges\].
+    pub bending: Vec<f64>,
+    /// What the ground pushes with \[N\], shape \[vertices\]; empty without ground.
+    pub ground: Vec<f64>,
+}
+
+impl<'a> Stepper<'a> {
+    /// Analyzes the pattern of a model.
+    ///
+    /// # Errors
+    /// [`ReferenceError`] when arrays do not fit or hold a number that they cannot.
+    pub fn new(model: &'a Model) -> Result<Self, ReferenceError> {
+        check(model)?;
+        let system = System::new(model)?;
+        Ok(Self { model, system })
+    }
+
+    /// Steps by `h` \[s\]; vertices without mass go to where `held` says \[m\], or stay.
+    ///
+    /// # Errors
+    /// [`ReferenceError::NotConverged`], [`ReferenceError::BadNumber`] or [`ReferenceError::NotHeld`]; the state is as it
+    /// was then.
+    pub fn step(
+        &mut self,
+        state: &mut State,
+        h: f64,
+        held: &[(usize, Vector3<f64>)],
+    ) -> Result<StepReport, ReferenceError> {
+        let model = self.model;
+        let fits = state.x.len() == model.mass.len() && state.v.len() == model.mass.len();
+        let all = || state.x.iter().chain(&state.v).flat_map(|p| p.iter());
+        if !(fits && all().all(|c| c.is_finite())) {
+            return Err(ReferenceError::BadNumber { name: "the state" });
+        }
+        if !(h.is_finite() && h > 0.0) {
+            return Err(ReferenceError::BadNumber {
+                name: "the time step",
+            });
+        }
+        let kept = 1.0 / (1.0 + model.damping * h);
+        let mut goal: Vec<Vector3<f64>> = Vec::with_capacity(state.x.len());
+        for ((x, v), &mass) in state.x.iter().zip(&state.v).zip(&model.mass) {
+            let free = if mass > 0.0 { kept } else { 0.0 };
+            goal.push(x + (v + model.gravity * h) * (free * h));
+        }
+        for &(vertex, to) in held {
+            if model.mass.get(vertex).is_none_or(|&mass| mass > 0.0) {
+                return Err(ReferenceError::NotHeld { vertex });
+            }
+            goal[vertex] = to;
+        }
+        let mut x = goal.clone();
+        let mut objective = Objective::new(model, h, &state.x, goal);
+        let mut report = StepReport::default();
+        let mut first = 0.0_f64;
+        let (mut before, mut stiffer) = (f64::INFINITY, 0);
+        loop {
+            self.minimize(&objective, &mut x, &mut first, &mut report)?;
+            let lack = objective.update(&x);
+            report.rounds += 1;
+            if lack <= objective.rounding.max(DONE * first) {
+                break;
+            }
+            if lack > SLOW * before && stiffer < MOST_STIFFER {
+                objective.stiffen();
+                stiffer += 1;
+            }
+            before = lack;
+        }
+        for ((at, v), to) in state.x.iter_mut().zip(&mut state.v).zip(x) {
+            *v = (to - *at) / h;
+            *at = to;
+        }
+        report.stretch = objective.stretch.lambda;
+        report.bending = objective.bending.lambda;
+        report.ground = objective.ground.lambda;
+        Ok(report)
+    }
+
+    /// Brings `x` to the minimum.
+    fn minimize(
+        &mut self,
+        objective: &Objective<'_>,
+        x: &mut [Vector3<f64>],
+        first: &mut f64,
+        report: &mut StepReport,
+    ) -> Result<(), ReferenceError> {
+        let mut before = f64::INFINITY;
+        loop {
+            let near = before <= NEAR * *first;
+            let (direction, decrement) = self.direction(objective, x, near)?;
+            *first = first.max(decrement);
+            report.decrement = if *first > 0.0 {
+                decrement / *first
+            } else {
+                0.0
+            };
+            if report.newton_steps == MOST_NEWTON {
+                return Err(ReferenceError::NotConverged {
+                    newton_steps: MOST_NEWTON,
+                    decrement: report.decrement,
+                });
+            }
+            report.newton_steps += 1;
+            let done = decrement <= objective.rounding.max(DONE * *first);
+            let share = if done {
+                1.0
+            } else {
+                share_of(objective, x, &direction, decrement)
+            };
+            for (x, way) in x.iter_mut().zip(&direction) {
+                *x += way * share;
+            }
+            if done {
+                return Ok(());
+            }
+            before = decrement;
+        }
+    }
+
+    /// The step of Newton's method from `x` and its decrement.
+    fn direction(
+        &mut self,
+        objective: &Objective<'_>,
+        x: &[Vector3<f64>],
+        near: bool,
+    ) -> Result<(Vec<Vector3<f64>>, f64), ReferenceError> {
+        let tries: &[bool] = if near { &[false, true] } else { &[true] };
+        for &positive in tries {
+            let gradient = objective.derivatives(x, &mut self.system, positive);
+            let down: Vec<Vector3<f64>> = gradient.iter().map(|g| -g).collect();
+            let Some(direction) = self.system.solve(&down) else {
+                continue;
+            };
+            let square: f64 = (direction.iter().zip(&down)).map(|(d, g)| d.dot(g)).sum();
+            return Ok((direction, square.max(0.0).sqrt()));
+        }
+        let unknowns = 3 * self.model.mass.iter().filter(|&&m| m > 0.0).count();
+        Err(ReferenceError::NotFactored { unknowns })
+    }
+}
+
+/// The largest power of a half by which the direction leads down far enough.
+fn share_of(
+    objective: &Objective<'_>,
+    x: &[Vector3<f64>],
+    direction: &[Vector3<f64>],
+    decrement: f64,
+) -> f64 {
+    let here = objective.value(x);
+    // Differences below this are rounding, of the sum and of the positions (Cauchy's inequality over all terms).
+    let rounding = 4.0 * objective.rounding;
+    let slack = 64.0 * f64::EPSILON * here + rounding * ((2.0 * here).sqrt() + rounding);
+    let mut share = 1.0;
+    for _ in 0..MOST_HALVINGS {
+        let there: Vec<Vector3<f64>> = (x.iter().zip(direction))
+            .map(|(x, way)| x + way * share)
+            .collect();
+        let promised = DECREASE * share * decrement * decrement;
+        if objective.value(&there) <= here - promised + slack {
+            break;
+        }
+        share /= 2.0;
+    }
+    share
+}
+
+/// Checks that the arrays of a model fit and hold numbers.
+fn check(model: &Model) -> Result<(), ReferenceError> {
+    let good = |value: f64| value.is_finite() && value >= 0.0;
+    let bad = |name| Err(ReferenceError::BadNumber { name });
+    if !model.mass.iter().all(|&m| good(m)) {
+        return bad("a mass");
+    }
+    if !(good(model.damping) && model.gravity.iter().all(|g| g.is_finite())) {
+        return bad("gravity or damping");
+    }
+    if model.ground.is_some_and(|height| !height.is_finite()) {
+        return bad("the ground");
+    }
+    check_kind(&model.stretch, model.mass.len())?;
+    check_kind(&model.bending, model.mass.len())
+}
+
+fn check_kind<const N: usize>(
+    constraints: &Constraints<N>,
+    vertices: usize,
+) -> Result<(), ReferenceError> {
+    let Constraints {
+        rest, compliance, ..
+    } = constraints;
+    let bad = |name| Err(ReferenceError::BadNumber { name });
+    if !(compliance.is_finite() && *compliance >= 0.0) {
+        return bad("a compliance");
+    }
+    if rest.len() != constraints.vertices.len() || !rest.iter().all(|r| r.is_finite()) {
+        return bad("a rest value");
+    }
+    for (constraint, of) in constraints.vertices.iter().enumerate() {
+        if let Some(&vertex) = of.iter().find(|&&v| v >= vertices) {
+            return Err(ReferenceError::VertexOutOfRange {
+                constraint,
+                vertex,
+                vertices,
+            });
+        }
+    }
+    Ok(())
+}
