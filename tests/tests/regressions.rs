@@ -293,3 +293,21 @@ fn a_crease_in_the_plane_of_a_triangle_is_met_where_it_runs() {
         cut.expect("a full slice");
     }
 }
+
+/// Where a body had moved along one axis alone, rest positions in caps were carried on along the others as well,
+/// and off by rounding.
+#[test]
+fn rest_positions_stay_means_along_axes_that_nothing_moved_along() {
+    let mut surface = icosphere(2, 0.5);
+    let vertices: Vec<_> = surface.topology().vertices().collect();
+    for v in vertices {
+        let [x, y, z, w] = surface.positions[v.index()];
+        surface.positions[v.index()] = [x + 0.05 * (7.0 * y).sin(), y, z, w];
+    }
+    let mut cutter = Cutter::new(&surface);
+    for (normal, part) in [([0.3, 0.8, 0.2], 0.1), ([0.9, 0.1, -0.4], -0.2)] {
+        let sweep = Blade::Plane(normal, part).sweep(&surface).expect("a plane");
+        let cut = cut_and_check(&mut surface, &mut cutter, &sweep, &CutParams::default());
+        cut.expect("a full slice");
+    }
+}

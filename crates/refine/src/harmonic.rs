@@ -38,6 +38,9 @@ pub struct HarmonicScratch {
 pub struct Harmonic<'a> {
     /// The values at the cover's inner points.
     pub values: &'a [[f64; 3]],
+    /// By coordinate, whether what parents and weights give is harmonic: the values at the section's points are an
+    /// affine function of the place within rounding, on each side of a crease.
+    pub is_affine: [bool; 3],
     /// How many steps the solver took.
     pub steps: usize,
 }
@@ -72,7 +75,8 @@ pub fn harmonic<'a>(
     } else {
         [Affine::fit(section, values, |_| true); 2]
     };
-    if fits.iter().all(|fit| fit.error <= rounding) {
+    let is_affine = [0, 1, 2].map(|k| fits.iter().all(|fit| fit.error[k] <= rounding));
+    if is_affine == [true; 3] {
         return None;
     }
     let side = |at: [f64; 2]| usize::from(section.crease && at[1] > 0.0);
@@ -141,7 +145,11 @@ pub fn harmonic<'a>(
             out[i] = [0, 1, 2].map(|k| (affine[k] + offset[k]).clamp(bounds[k].0, bounds[k].1));
         }
     }
-    Some(Harmonic { values: out, steps })
+    Some(Harmonic {
+        values: out,
+        is_affine,
+        steps,
+    })
 }
 
 /// The least and the largest value at the loops, by coordinate.

@@ -262,8 +262,8 @@ impl Cap {
             let weights = inner.weights.map(|w| round([w, 0.0, 0.0].into())[0]);
             let origin = Origin::OnCap { parents, weights };
             let surface = edit.surface();
-            let mean = || round(origin.interpolate(|v| surface.rest[v.index()]).into());
-            let rest = self.rest.of(i).unwrap_or_else(mean);
+            let mean = origin.interpolate(|v| surface.rest[v.index()]);
+            let rest = self.rest.of(i, round(mean.into()));
             let [w] = origin.interpolate(|v| [surface.positions[v.index()][3]]);
             let [x, y, z] = round(rims.unfold.lift(inner.at).0);
             let [w, ..] = round([w, 0.0, 0.0].into());

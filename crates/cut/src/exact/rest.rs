@@ -16,6 +16,8 @@ const ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 pub(super) struct CapRest {
     rim: Vec<[f64; 3]>,
     inner: Vec<[f32; 3]>,
+    /// By coordinate, whether rest positions are their parents' mean.
+    is_mean: [bool; 3],
     scratch: HarmonicScratch,
 }
 
@@ -39,13 +41,17 @@ impl CapRest {
         }
         let rounding = ROUNDING * largest;
         let found = harmonic(cover, section, &self.rim, rounding, &mut self.scratch);
+        self.is_mean = [true; 3];
         if let Some(found) = found {
+            self.is_mean = found.is_affine;
             (self.inner).extend(found.values.iter().map(|&rest| round(rest.into())));
         }
     }
 
-    /// The rest position of an inner point; none where it is its parents' mean, as in a body at rest.
-    pub(super) fn of(&self, inner: usize) -> Option<[f32; 3]> {
-        self.inner.get(inner).copied()
+    /// The rest position of an inner point with this mean of its parents', which it is in every coordinate in
+    /// which the rim is as at rest.
+    pub(super) fn of(&self, inner: usize, mean: [f32; 3]) -> [f32; 3] {
+        let found = self.inner.get(inner).copied().unwrap_or(mean);
+        [0, 1, 2].map(|k| if self.is_mean[k] { mean[k] } else { found[k] })
     }
 }

@@ -12,8 +12,8 @@ pub(super) struct Affine {
     mean: [f64; 3],
     /// How much the value grows with x, and with y.
     slopes: [[f64; 3]; 2],
-    /// The largest difference in a coordinate at a point.
-    pub(super) error: f64,
+    /// By coordinate, the largest difference at a point.
+    pub(super) error: [f64; 3],
 }
 
 impl Affine {
@@ -39,16 +39,16 @@ impl Affine {
             center: center.map(|x| share * x),
             mean: mean.map(|x| share * x),
             slopes: [[0.0; 3]; 2],
-            error: 0.0,
+            error: [0.0; 3],
         };
         fit.find_slopes(points);
         for (at, value) in points() {
             let found = fit.at(at);
-            let off = [0, 1, 2].map(|k| (found[k] - value[k]).abs());
-            // A value that is no number is far off.
-            fit.error = off
-                .into_iter()
-                .fold(fit.error, |most, x| if x <= most { most } else { x });
+            for (k, most) in fit.error.iter_mut().enumerate() {
+                let off = (found[k] - value[k]).abs();
+                // A value that is no number is far off.
+                *most = if off <= *most { *most } else { off };
+            }
         }
         fit
     }
