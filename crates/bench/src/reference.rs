@@ -3,10 +3,10 @@
 //! A step of `h` goes from positions `x` and velocities `v` to the positions `x'` at which
 //!
 //! ```text
-//! m (x' - y) / h^2 = sum of lambda grad C(x'),    C(x') + compliance lambda = 0,
+//! (1 + damping h) m (x' - y) / h^2 = sum of lambda grad C(x'),    C(x') + compliance lambda = 0,
 //! ```
 //!
-//! `y = x + h (v + h g) / (1 + damping h)` being where things are predicted, and then `v' = (x' - x) / h`. These are
+//! `y = x + h (v + h g) / (1 + damping h)` being where things are predicted, and then `v' = (x' - x) / h`: damping is a drag of `damping m v'`. These are
 //! the equations whose solution the solver's projections approach, constraints, prediction and damping
 //! being its own: XPBD's (Macklin et al. 2016, equations 8 and 9) with both residuals zero. Projections fulfill the
 //! second equation only; what they leave of the first goes to zero with the substep, not with the iterations

@@ -147,6 +147,7 @@ fn a_hanging_chain_has_its_tensions() {
     for compliance in [0.0, 1e-8, 1e-3] {
         let mut model = row(11, 0.1, compliance, &[0]);
         model.gravity = gravity();
+        model.damping = 1.0;
         for (i, mass) in model.mass.iter_mut().enumerate().skip(1) {
             *mass = 0.1 * i as f64;
         }

@@ -66,7 +66,7 @@ fn projected_share(k: f32, iterations: u32) -> f32 {
 pub struct Projection {
     /// The part of the error that one projection removes.
     pub factor: f32,
-    /// `alpha_tilde = compliance / h^2`.
+    /// `alpha_tilde = compliance / h^2`, times `1 + damping h` where velocities are damped.
     pub alpha: f32,
     /// Whether multipliers are remembered from one iteration to the next. A single iteration or a
     /// rigid constraint needs none.

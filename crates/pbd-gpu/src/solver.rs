@@ -9,7 +9,7 @@ use crate::delta::{DroppedPin, Following};
 use crate::edges::{EdgeTable, Lists, Sets};
 use crate::error::{ConstraintError, StepError};
 use crate::mass::masses;
-use crate::material::{Material, Projection};
+use crate::material::{Material, Projection, Stiffness};
 use crate::params::{SolverParams, StepStats};
 use crate::patches::{PatchParams, Patches};
 use crate::plan::{Body, Pin, PlanKey, StepConstants, StepPlan};
@@ -213,16 +213,23 @@ impl Solver {
             alpha: 0.0,
             keeps: false,
         };
+        let slowed = 1.0 + self.material.damping * h;
+        // Damping holds back what constraints push as it does what gravity pulls: else it would hold up a soft
+        // body that hangs at rest.
+        let projection = |stiffness: Stiffness| {
+            let projection = stiffness.projection(params.iterations, h);
+            Projection {
+                alpha: projection.alpha * slowed,
+                ..projection
+            }
+        };
         StepConstants {
             h,
             substeps: params.substeps,
             gravity_step: params.gravity.map(|g| g * h),
-            kept_velocity: 1.0 / (1.0 + self.material.damping * h),
-            stretch: self.material.stretch.projection(params.iterations, h),
-            bending: self
-                .material
-                .bending
-                .map_or(rigid, |b| b.projection(params.iterations, h)),
+            kept_velocity: 1.0 / slowed,
+            stretch: projection(self.material.stretch),
+            bending: self.material.bending.map_or(rigid, projection),
             ground: params.ground.unwrap_or(f32::NEG_INFINITY),
             friction: self.material.friction,
         }

@@ -135,6 +135,39 @@ fn compliance_does_not_depend_on_iterations() {
 }
 
 #[test]
+fn rest_depends_on_neither_the_time_step_nor_damping() {
+    let sag = |h: f32, damping: f32| {
+        let material = Material {
+            stretch: Stiffness::Compliance(0.02),
+            bending: None,
+            damping,
+            ..Material::default()
+        };
+        let mut surface = sphere(1, [0.0; 3]);
+        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        solver.pin(&mut surface, incise_mesh::VertexId(1)).unwrap();
+        let params = SolverParams {
+            iterations: 100,
+            ..SolverParams::default()
+        };
+        let mut seconds = 0.0;
+        while seconds < 10.0 {
+            solver.step(&mut surface, h, &params).unwrap();
+            seconds += h;
+        }
+        f64::from(surface.bounds().min[1])
+    };
+    let expected = sag(1.0 / 60.0, 2.0);
+    for (h, damping) in [(1.0 / 60.0, 10.0), (1.0 / 240.0, 2.0)] {
+        let found = sag(h, damping);
+        assert!(
+            (found - expected).abs() < 2e-3 * expected.abs(),
+            "{found} m with {damping}/s in steps of {h} s, not {expected} m"
+        );
+    }
+}
+
+#[test]
 fn a_mesh_has_each_edge_once() {
     let mut surface = sphere(3, [0.0; 3]);
     let solver = Solver::new(&mut surface, &Material::default()).unwrap();

@@ -50,7 +50,7 @@ impl Multipliers {
 /// The objective of one step.
 pub(super) struct Objective<'a> {
     model: &'a Model,
-    /// `1 / h^2` [1/s^2].
+    /// `(1 + damping h) / h^2` [1/s^2].
     inertia: f64,
     /// Where vertices are predicted, or held \[m\].
     goal: Vec<Vector3<f64>>,
@@ -70,7 +70,7 @@ impl<'a> Objective<'a> {
         x: &[Vector3<f64>],
         goal: Vec<Vector3<f64>>,
     ) -> Self {
-        let inertia = h.powi(-2);
+        let inertia = h.powi(-2) * (1.0 + model.damping * h);
         let (stretch, stretch_square) = multipliers::<Edge, 2>(model, &model.stretch, h, x);
         let (bending, bending_square) = multipliers::<Hinge, 4>(model, &model.bending, h, x);
         let mut square = stretch_square + bending_square;
