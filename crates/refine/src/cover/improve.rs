@@ -18,16 +18,25 @@ use super::sheet::{INSIDE, Sheet};
 use super::size::{Bounds, Targets};
 use super::smooth::Star;
 use super::spiral;
+use std::ops::Range;
 
 /// Triangles with an inner edge longer than this many targets ask for a point.
 const LONG: f64 = 1.5;
 /// A point for an edge's sake may not make an angle below 30 degrees where there was none: as squares of
 /// cosines, like all sharpness.
 const FINE: f64 = 0.75;
-/// Nor, where there is no other place but the middle of the edge, one below 22 degrees.
-const FAIR: f64 = 0.86;
+/// Nor, where there is no other place but the middle of the edge, one below 20 degrees.
+const FAIR: f64 = 0.88;
 /// By what factor the square of the sine of the smallest angle must grow for a point to be worth it.
-const GAIN: f64 = 1.2;
+const GAIN: f64 = 1.1;
+/// What that factor may be where triangles have an angle below 10 degrees and edges too long.
+const LOSS: f64 = 0.5;
+const NEEDLE: f64 = 0.97;
+/// How often points are inserted and moved.
+const ROUNDS: usize = 2;
+/// How far off the sweep the mean of a point's parents may not be, in lengths of the section: less is below what
+/// floats tell, and more is no rounding.
+const OFF: Range<f64> = 1e-9..1e-4;
 /// No point is put on the crease nearer to another than this many targets.
 const NEAR: f64 = 0.35;
 
@@ -39,7 +48,7 @@ pub(crate) struct Improver {
     /// Whether edges cross the crease.
     is_torn: bool,
     /// The target at each vertex.
-    targets: Vec<f64>,
+    pub(super) targets: Vec<f64>,
     pub(super) bounds: Bounds,
     queue: Vec<(u32, [u32; 3])>,
     pub(super) sides: Vec<u32>,
@@ -58,7 +67,7 @@ impl Improver {
         self.is_torn = sheet.creased && sheet.torn;
     }
 
-    /// Inserts at most `budget` points into the band and moves them, twice.
+    /// Inserts at most `budget` points into the band and moves them, in rounds.
     pub(crate) fn run(
         &mut self,
         sheet: &mut Sheet,
@@ -68,12 +77,13 @@ impl Improver {
         budget: usize,
     ) {
         self.start(sheet, lattice, band, targets);
-        let inserted = self.insert(sheet, lattice, band, targets, budget);
-        self.smooth(sheet, lattice, band);
-        // What was moved has room for more where it was stuck.
-        self.bounds.sharp = self.bounds.stuck;
-        self.insert(sheet, lattice, band, targets, budget - inserted);
-        self.smooth(sheet, lattice, band);
+        let mut left = budget;
+        for _ in 0..ROUNDS {
+            left -= self.insert(sheet, lattice, band, targets, left);
+            self.smooth(sheet, lattice, band);
+            // What was moved has room for more where it was stuck.
+            self.bounds.sharp = self.bounds.stuck;
+        }
     }
 
     /// Makes ready for a sheet.
@@ -153,13 +163,20 @@ impl Improver {
         inserted
     }
 
-    /// A point as the mean of three corners of the rings; none where they lie on both sides of the crease: the
-    /// sweep bends between them, and their mean is not on it.
+    /// A point as the mean of three corners of the rings; none where that is beside the sweep, which bends at the
+    /// crease between them, because a rim passes the crease by a rounding. Where rims cross the crease far from any vertex
+    /// triangles do so too, and points are better than none.
     pub(super) fn mean(&mut self, at: [f64; 2]) -> Option<([u32; 3], [f64; 3])> {
         let (parents, weights) = mean_in(&mut self.base, at)?;
-        let ys = parents.map(|p| self.base.point(p)[1]);
-        let is_astride = self.is_torn && ys.iter().any(|&y| y < 0.0) && ys.iter().any(|&y| y > 0.0);
-        (!is_astride).then_some((parents, weights))
+        if self.is_torn {
+            // What is above the crease rises in the mean, and in the point only where it is above itself.
+            let above = |i: usize| weights[i] * self.base.point(parents[i])[1].max(0.0);
+            let off = above(0) + above(1) + above(2) - at[1].max(0.0);
+            if OFF.contains(&off.abs()) {
+                return None;
+            }
+        }
+        Some((parents, weights))
     }
 
     /// What the target has grown to on the way from the nearest neighbor of `v`, where it is `far` a good
@@ -188,7 +205,10 @@ impl Improver {
         let (k, side) = base(p);
         if sharpness(p) > self.bounds.sharp {
             // Nearer to the short side where the usual place is no good.
-            let is_gain = |offer: &Offer| 1.0 - offer.new > GAIN * (1.0 - offer.old);
+            // Among needles from rim to rim no single point makes anything better, but row after row do.
+            let is_needle = sharpness(p) > NEEDLE && self.has_long_edge(cdt, t);
+            let gain = if is_needle { LOSS } else { GAIN };
+            let is_gain = |offer: &Offer| 1.0 - offer.new > gain * (1.0 - offer.old);
             let mut usual = REACH.into_iter().filter_map(|reach| {
                 let offer = self.scales.weigh(cdt, t, off_center(p, k, reach)?)?;
                 is_gain(&offer).then_some(offer)
@@ -214,7 +234,7 @@ impl Improver {
             .filter_map(|reach| off_center(p, k, reach))
             .find_map(|at| {
                 let offer = self.scales.weigh(cdt, t, at)?;
-                (offer.new < offer.old.max(FINE)).then_some(offer)
+                (offer.plain < offer.old.max(FINE)).then_some(offer)
             });
         best.or_else(|| {
             let sides = [3 * t, 3 * t + 1, 3 * t + 2].into_iter();
@@ -223,7 +243,7 @@ impl Improver {
             let h = free.max_by(|&g, &h| length(g).total_cmp(&length(h)))?;
             let at = middle(cdt.point(cdt.start(h)), cdt.point(cdt.end(h)));
             let offer = self.scales.weigh(cdt, t, at)?;
-            (offer.new < offer.old.max(FAIR)).then_some(offer)
+            (offer.plain < offer.old.max(FAIR)).then_some(offer)
         })
     }
 
@@ -263,6 +283,7 @@ impl Improver {
                 triangle: t,
                 old: 1.0,
                 new: 1.0,
+                plain: 1.0,
             })
         })
     }

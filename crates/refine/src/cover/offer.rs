@@ -23,6 +23,8 @@ pub(crate) struct Offer {
     /// would be beside a rim once a [`spiral`] is complete.
     pub(crate) old: f64,
     pub(crate) new: f64,
+    /// As they would be at once.
+    pub(crate) plain: f64,
 }
 
 /// Room to look around a point.
@@ -50,7 +52,7 @@ impl Scales {
         self.cavity.clear();
         self.cavity.push(triangle);
         self.link.clear();
-        let (mut old, mut new) = (-1.0f64, -1.0f64);
+        let (mut old, mut new, mut plain) = (-1.0f64, -1.0f64, -1.0f64);
         let mut i = 0;
         while i < self.cavity.len() {
             let t = self.cavity[i];
@@ -77,6 +79,7 @@ impl Scales {
                 return None;
             }
             let sharp = sharpness([p, q, at]);
+            plain = plain.max(sharp);
             new = new.max(if sharp > PLAIN && cdt.walls[h as usize] != wall::FREE {
                 sharp.min(spiral::sharpness_beside([p, q], at))
             } else {
@@ -88,6 +91,7 @@ impl Scales {
             triangle,
             old,
             new,
+            plain,
         })
     }
 }

@@ -33,6 +33,10 @@ const DIRECTIONS: [[f64; 2]; 8] = {
         [D, -D],
     ]
 };
+/// No edge becomes longer than this many targets.
+const LONG: f64 = 1.7;
+/// By what factor the square of the sine of the smallest angle must grow for a look to be worth it.
+const GAIN: f64 = 1.05;
 /// Twice the area of a triangle over the squares of two of its sides, below which it counts as flat.
 const FLAT: f64 = 1e-12;
 
@@ -46,7 +50,7 @@ impl Improver {
             for (v, &point) in (band.first..).zip(&band.lattice) {
                 if !std::mem::take(&mut self.stale[v as usize])
                     || lattice.has_cell.get(point as usize) == Some(&true)
-                    || !self.star.read(cdt, v)
+                    || !self.star.read(cdt, v, &self.targets)
                 {
                     continue;
                 }
@@ -86,26 +90,44 @@ impl Improver {
     }
 }
 
+/// The side of a triangle across from an inner vertex.
+#[derive(Debug, Clone, Copy)]
+struct Side {
+    start: [f64; 2],
+    end: [f64; 2],
+    /// The square of its length.
+    square: f64,
+    /// What the square of the distance from the vertex to the start may be.
+    most: f64,
+}
+
 /// The triangles around an inner vertex.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Star {
-    /// The sides across from it: start, end, and the square of the length.
-    sides: Vec<([f64; 2], [f64; 2], f64)>,
+    /// The sides across from it.
+    sides: Vec<Side>,
     /// The side that was the worst last.
     worst: usize,
 }
 
 impl Star {
     /// Looks at the triangles around `v`. Returns false where a wall ends there.
-    fn read(&mut self, cdt: &Cdt, v: u32) -> bool {
+    fn read(&mut self, cdt: &Cdt, v: u32, targets: &[f64]) -> bool {
         self.sides.clear();
         self.worst = 0;
         for h in fan(cdt, v) {
             if cdt.walls[h as usize] != wall::FREE {
                 return false;
             }
-            let (p, q) = (cdt.point(cdt.end(h)), cdt.point(cdt.start(prev(h))));
-            self.sides.push((p, q, square(p, q)));
+            let (w, start) = (cdt.end(h), cdt.point(cdt.end(h)));
+            let end = cdt.point(cdt.start(prev(h)));
+            let target = 0.5 * targets[v as usize] + 0.5 * targets[w as usize];
+            self.sides.push(Side {
+                start,
+                end,
+                square: square(start, end),
+                most: square(start, cdt.point(v)).max((LONG * target).powi(2)),
+            });
         }
         true
     }
@@ -117,10 +139,9 @@ impl Star {
         if old < bounds.moved {
             return None;
         }
-        let sum = self
-            .sides
-            .iter()
-            .fold([0.0; 2], |sum, (p, ..)| [sum[0] + p[0], sum[1] + p[1]]);
+        let sum = self.sides.iter().fold([0.0; 2], |sum, side| {
+            [sum[0] + side.start[0], sum[1] + side.start[1]]
+        });
         let center = sum.map(|x| x / self.sides.len() as f64);
         let (mut sharpest, mut best) = (old, from);
         for at in [center, middle(center, from)] {
@@ -130,13 +151,13 @@ impl Star {
             }
         }
         if sharpest > bounds.searched {
-            let nearest = self.sides.iter().map(|(p, ..)| square(*p, best));
+            let nearest = self.sides.iter().map(|side| square(side.start, best));
             let mut step = FAR * nearest.fold(f64::MAX, f64::min).sqrt();
             for _ in 0..LOOKS {
                 let center = best;
                 for [x, y] in DIRECTIONS {
                     let at = [center[0] + step * x, center[1] + step * y];
-                    if let Some(new) = self.sharpest(at, sharpest) {
+                    if let Some(new) = self.sharpest(at, 1.0 - GAIN * (1.0 - sharpest)) {
                         (sharpest, best) = (new, at);
                     }
                 }
@@ -149,18 +170,19 @@ impl Star {
     }
 
     /// How sharp the sharpest angle would be with the vertex at `at`; none where a triangle would turn over or be
-    /// as sharp as `most`.
+    /// as sharp as `most`, or an edge too long.
     fn sharpest(&mut self, at: [f64; 2], most: f64) -> Option<f64> {
         let (ahead, behind) = self.sides.split_at(self.worst);
         let mut sharpest = 0.0f64;
-        for (i, &(p, q, c)) in behind.iter().chain(ahead).enumerate() {
+        for (i, side) in behind.iter().chain(ahead).enumerate() {
+            let (p, q, c) = (side.start, side.end, side.square);
             let (u, w) = ([p[0] - at[0], p[1] - at[1]], [q[0] - at[0], q[1] - at[1]]);
             let (a, b) = (u[0] * u[0] + u[1] * u[1], w[0] * w[0] + w[1] * w[1]);
             let double = u[0] * w[1] - u[1] * w[0];
             let least = a.min(b).min(c);
             let part = a + b + c - 2.0 * least;
             let sharp = part * part * least / (4.0 * a * b * c);
-            if double <= FLAT * (a + b) || sharp.is_nan() || sharp >= most {
+            if a > side.most || double <= FLAT * (a + b) || sharp.is_nan() || sharp >= most {
                 self.worst = (self.worst + i) % self.sides.len();
                 return None;
             }
