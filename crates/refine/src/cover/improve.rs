@@ -49,6 +49,7 @@ pub(crate) struct Improver {
     is_torn: bool,
     /// The target at each vertex.
     pub(super) targets: Vec<f64>,
+    /// What sharp triangles ask for, in this round.
     pub(super) bounds: Bounds,
     queue: Vec<(u32, [u32; 3])>,
     pub(super) sides: Vec<u32>,
@@ -204,11 +205,11 @@ impl Improver {
         let p = cdt.places(t);
         let (k, side) = base(p);
         if sharpness(p) > self.bounds.sharp {
-            // Nearer to the short side where the usual place is no good.
             // Among needles from rim to rim no single point makes anything better, but row after row do.
             let is_needle = sharpness(p) > NEEDLE && self.has_long_edge(cdt, t);
             let gain = if is_needle { LOSS } else { GAIN };
             let is_gain = |offer: &Offer| 1.0 - offer.new > gain * (1.0 - offer.old);
+            // Nearer to the short side where the usual place is no good.
             let mut usual = REACH.into_iter().filter_map(|reach| {
                 let offer = self.scales.weigh(cdt, t, off_center(p, k, reach)?)?;
                 is_gain(&offer).then_some(offer)
