@@ -18,7 +18,6 @@ use super::sheet::{INSIDE, Sheet};
 use super::size::{Bounds, Targets};
 use super::smooth::Star;
 use super::spiral;
-use std::ops::Range;
 
 /// Triangles with an inner edge longer than this many targets ask for a point.
 const LONG: f64 = 1.5;
@@ -34,9 +33,6 @@ const LOSS: f64 = 0.5;
 const NEEDLE: f64 = 0.97;
 /// How often points are inserted and moved.
 const ROUNDS: usize = 2;
-/// How far off the sweep the mean of a point's parents may not be, in lengths of the section: less is below what
-/// floats tell, and more is no rounding.
-const OFF: Range<f64> = 1e-9..1e-4;
 /// No point is put on the crease nearer to another than this many targets.
 const NEAR: f64 = 0.35;
 
@@ -45,8 +41,6 @@ const NEAR: f64 = 0.35;
 pub(crate) struct Improver {
     /// The triangulation before the lattice came into it, where parents are found.
     pub(super) base: Cdt,
-    /// Whether edges cross the crease.
-    is_torn: bool,
     /// The target at each vertex.
     pub(super) targets: Vec<f64>,
     /// What sharp triangles ask for, in this round.
@@ -65,7 +59,6 @@ impl Improver {
     /// Keeps a sheet as it is before lattice points come in.
     pub(crate) fn keep(&mut self, sheet: &Sheet) {
         self.base.copy_shape(&sheet.cdt);
-        self.is_torn = sheet.creased && sheet.torn;
     }
 
     /// Inserts at most `budget` points into the band and moves them, in rounds.
@@ -138,7 +131,7 @@ impl Improver {
             self.base.last = self.hints[near as usize];
             // Parents come from the triangulation of the rings alone; where that fails so does
             // the point.
-            let Some((parents, weights)) = self.mean(offer.at) else {
+            let Some((parents, weights)) = mean_in(&mut self.base, offer.at) else {
                 cdt.pop_point();
                 continue;
             };
@@ -162,22 +155,6 @@ impl Improver {
             }
         }
         inserted
-    }
-
-    /// A point as the mean of three corners of the rings; none where that is beside the sweep, which bends at the
-    /// crease between them, because a rim passes the crease by a rounding. Where rims cross the crease far from any vertex
-    /// triangles do so too, and points are better than none.
-    pub(super) fn mean(&mut self, at: [f64; 2]) -> Option<([u32; 3], [f64; 3])> {
-        let (parents, weights) = mean_in(&mut self.base, at)?;
-        if self.is_torn {
-            // What is above the crease rises in the mean, and in the point only where it is above itself.
-            let above = |i: usize| weights[i] * self.base.point(parents[i])[1].max(0.0);
-            let off = above(0) + above(1) + above(2) - at[1].max(0.0);
-            if OFF.contains(&off.abs()) {
-                return None;
-            }
-        }
-        Some((parents, weights))
     }
 
     /// What the target has grown to on the way from the nearest neighbor of `v`, where it is `far` a good

@@ -7,6 +7,7 @@
 //! side is a ring again. What cannot be cut, or not in the time there is, becomes a disc as it is.
 
 use super::cdt::id;
+use super::offer::square;
 use super::section::Rims;
 use super::sheet::{Sheet, Trouble, Verdict};
 
@@ -269,6 +270,7 @@ fn shave(
     let mut triangles = Vec::new();
     let corner = |v: u32| sheet.corner[v as usize];
     for v in culprits(sheet) {
+        let v = beside_crease(sheet, v);
         let (o, q) = (sheet.before(v), sheet.next[v as usize]);
         let ring = sheet.ring[v as usize] as usize;
         let free = ![o, v, q].iter().any(|&w| taken[w as usize]);
@@ -288,6 +290,21 @@ fn shave(
         rims.push_ring(kept.map(|(_, &corner)| corner));
     }
     triangles
+}
+
+/// The vertex itself, or where its ring crosses the line y = 0 there the nearer one of its neighbors: without a
+/// vertex on the crease a ring has an edge across it.
+fn beside_crease(sheet: &Sheet, v: u32) -> u32 {
+    let [o, q] = [sheet.before(v), sheet.next[v as usize]];
+    let [from, at, to] = [o, v, q].map(|v| sheet.cdt.point(v));
+    if at[1] != 0.0 || from[1] * to[1] >= 0.0 {
+        return v;
+    }
+    if square(from, at) < square(at, to) {
+        o
+    } else {
+        q
+    }
 }
 
 /// Cuts a ring where it meets itself. Returns the rings on either side and the one around the

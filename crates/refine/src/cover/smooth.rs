@@ -9,6 +9,7 @@ use super::band::Band;
 use super::cdt::{Cdt, next, prev, wall};
 use super::improve::{Improver, fan};
 use super::lattice::Lattice;
+use super::mean::mean_in;
 use super::offer::{middle, square};
 use super::sheet::Sheet;
 use super::size::Bounds;
@@ -58,7 +59,7 @@ impl Improver {
                     continue;
                 };
                 self.base.last = self.hints[v as usize];
-                let Some((parents, weights)) = self.mean(at) else {
+                let Some((parents, weights)) = mean_in(&mut self.base, at) else {
                     continue;
                 };
                 self.hints[v as usize] = self.base.last;

@@ -42,21 +42,24 @@ fn targets(shape: &Shape, z: f64) -> Vec<f64> {
 }
 
 /// A section between two such curves, or inside of one: edges of one length, `lobes` waves of some depth.
+fn waved(n: usize, (lobes, depth, phase): (f64, f64, f64), hole: bool) -> Shape {
+    let depth = depth / lobes;
+    let mut shape = Shape::default();
+    shape.add(even(n, |a| 1.0 + depth * (lobes * a + phase).cos()));
+    if hole {
+        let mut ring = even(n.div_ceil(2), |a| {
+            0.5 + 0.5 * depth * (lobes * a + phase).cos()
+        });
+        ring.reverse();
+        shape.add(ring);
+    }
+    shape
+}
+
 fn round() -> impl Strategy<Value = (Shape, bool)> {
-    let waves = (1u32..6, 0.0f64..0.3, 0.0f64..TAU);
-    (20usize..200, waves, any::<bool>(), any::<bool>()).prop_map(|(n, waves, hole, crease)| {
-        let (lobes, depth, phase) = (f64::from(waves.0), waves.1 / f64::from(waves.0), waves.2);
-        let mut shape = Shape::default();
-        shape.add(even(n, |a| 1.0 + depth * (lobes * a + phase).cos()));
-        if hole {
-            let mut ring = even(n.div_ceil(2), |a| {
-                0.5 + 0.5 * depth * (lobes * a + phase).cos()
-            });
-            ring.reverse();
-            shape.add(ring);
-        }
-        (shape, crease)
-    })
+    let waves = ((1u32..6).prop_map(f64::from), 0.0f64..0.3, 0.0f64..TAU);
+    (20usize..200, waves, any::<bool>(), any::<bool>())
+        .prop_map(|(n, waves, hole, crease)| (waved(n, waves, hole), crease))
 }
 
 /// Covers the section with edges of z times the rim's and measures.
@@ -76,6 +79,40 @@ fn judge(shape: &Shape, crease: bool, z: f64) -> Result<CoverQuality, RefineErro
     // A loop that reaches y = 0 in between two of its points has an edge across the crease.
     check_clean(shape, &cover, false);
     Ok(cover.quality(&section, &params))
+}
+
+/// A point beside a crease that the rim crosses between two of its points was refused where its parents lie a
+/// little on the other side.
+#[test]
+fn a_crease_between_points_of_the_rim_makes_no_long_edges() -> Result<(), RefineError> {
+    for (n, waves, hole, z) in [
+        (
+            113,
+            (1.0, 0.278_256_642_040_613_9, 5.919_153_333_000_914),
+            false,
+            2.0,
+        ),
+        (
+            166,
+            (2.0, 0.021_343_197_302_260_114, 2.131_362_920_977_734),
+            false,
+            1.0 / 1.5,
+        ),
+        (
+            160,
+            (4.0, 0.201_220_460_221_438_6, 5.600_674_668_260_396),
+            true,
+            1.5,
+        ),
+    ] {
+        let quality = judge(&waved(n, waves, hole), true, z)?;
+        assert!(
+            quality.long_edges.is_empty(),
+            "longest {:?}",
+            quality.edges.last()
+        );
+    }
+    Ok(())
 }
 
 proptest! {
