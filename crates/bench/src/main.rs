@@ -1,5 +1,7 @@
 //! The benchmark: the paper's seven-model table, the solver's own speed, and what a cut costs.
 
+#[cfg(feature = "reference")]
+mod accuracy;
 mod allocations;
 mod backend;
 mod columns;
@@ -49,6 +51,9 @@ enum Command {
     Cut(cut::CutArguments),
     /// Time and quality of caps: what cuts of every model leave to be covered, covered again and again.
     Refine(refine::RefineArguments),
+    /// Work and precision: what a frame costs for a given error, scene by scene.
+    #[cfg(feature = "reference")]
+    Accuracy(accuracy::AccuracyArguments),
 }
 
 /// What the table is made of.
@@ -142,6 +147,8 @@ fn run(arguments: Arguments) -> Result<(), String> {
             Some(Command::Step(step)) => step::run(&step, &mut out),
             Some(Command::Cut(cut)) => cut::run(&cut, &mut out),
             Some(Command::Refine(refine)) => refine::run(&refine, &mut out),
+            #[cfg(feature = "reference")]
+            Some(Command::Accuracy(accuracy)) => accuracy::run(&accuracy, &mut out),
             Some(Command::Table(table)) => report::run(&table, &mut out),
             None => report::run(&arguments.table, &mut out),
         };

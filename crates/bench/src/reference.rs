@@ -23,6 +23,7 @@ mod matrix;
 mod measure;
 mod model;
 mod objective;
+mod quantities;
 mod step;
 #[cfg(test)]
 mod tests;

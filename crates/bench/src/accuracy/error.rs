@@ -1,0 +1,129 @@
+//! How far one motion is from another.
+
+use super::scene::DT;
+use incise_bench::{Model, State};
+use serde::Serialize;
+
+/// Differences of a motion from a reference, over all frame ends; metrics e1 and e5 to e8.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub(super) struct Errors {
+    /// Root mean square of positions, weighted by mass, over the mean rest length.
+    pub(super) position: f64,
+    /// The farthest vertex of all frames, over the mean rest length.
+    pub(super) farthest: f64,
+    /// Of the force that holds the body, frame by frame, over that force; none where nothing is held.
+    pub(super) force: Option<f64>,
+    /// Root mean square of strain, less the reference's; of the frame where it is largest.
+    pub(super) strain: f64,
+    /// Of the enclosed volume, over that at the start; none for open surfaces.
+    pub(super) volume: Option<f64>,
+    /// Of the energy at the end, a second, over the largest kinetic energy.
+    pub(super) energy: f64,
+}
+
+/// What of a scene errors need besides its model.
+pub(super) struct Yardstick<'a> {
+    pub(super) model: &'a Model,
+    /// Triangles of a closed surface, none of an open one.
+    pub(super) triangles: &'a [[usize; 3]],
+    pub(super) start: &'a State,
+    /// Whether anything holds the body.
+    pub(super) is_held: bool,
+}
+
+impl Yardstick<'_> {
+    /// The errors of a motion.
+    pub(super) fn errors(&self, found: &[State], reference: &[State]) -> Errors {
+        let model = self.model;
+        let length = mean_length(model);
+        let pairs = || found.iter().zip(reference);
+        let farthest = pairs()
+            .flat_map(|(a, b)| a.x.iter().zip(&b.x))
+            .fold(0.0, |far: f64, (a, b)| far.max((a - b).norm()));
+        let strain = |state: &State| {
+            let strains = model.strains(state);
+            (strains.iter().map(|s| s * s).sum::<f64>() / strains.len().max(1) as f64).sqrt()
+        };
+        let strain = pairs().fold(0.0, |far: f64, (a, b)| {
+            far.max((strain(a) - strain(b)).abs())
+        });
+        let at_start = volume(self.triangles, self.start);
+        let volume = (!self.triangles.is_empty()).then(|| {
+            pairs().fold(0.0, |far: f64, (a, b)| {
+                let off = volume(self.triangles, a) - volume(self.triangles, b);
+                far.max((off / at_start).abs())
+            })
+        });
+        Errors {
+            position: distance(model, found, reference),
+            farthest: farthest / length,
+            force: self.force(found, reference),
+            strain,
+            volume,
+            energy: self.energy(found, reference),
+        }
+    }
+
+    /// The force on what is held follows from the momentum of what is not.
+    fn force(&self, found: &[State], reference: &[State]) -> Option<f64> {
+        let model = self.model;
+        if !self.is_held {
+            return None;
+        }
+        let weight = model.gravity * model.mass.iter().sum::<f64>();
+        let forces = |states: &[State]| -> Vec<_> {
+            let mut before = model.momentum(self.start);
+            let of = |state: &State| {
+                let now = model.momentum(state);
+                let force = (now - before) / f64::from(DT) - weight;
+                before = now;
+                force
+            };
+            states.iter().map(of).collect()
+        };
+        let (found, reference) = (forces(found), forces(reference));
+        let off: f64 = (found.iter().zip(&reference))
+            .map(|(a, b)| (a - b).norm_squared())
+            .sum();
+        let all: f64 = reference.iter().map(|f| f.norm_squared()).sum();
+        Some((off / all).sqrt())
+    }
+
+    fn energy(&self, found: &[State], reference: &[State]) -> f64 {
+        let model = self.model;
+        let (Some(a), Some(b)) = (found.last(), reference.last()) else {
+            return 0.0;
+        };
+        let total = |s: &State| model.kinetic_energy(s) + model.potential_energy(s);
+        let motion = |most: f64, s| most.max(model.kinetic_energy(s));
+        let largest = reference.iter().fold(0.0, motion);
+        let seconds = f64::from(DT) * reference.len() as f64;
+        (total(a) - total(b)).abs() / largest / seconds
+    }
+}
+
+/// The root mean square distance of all positions in all frames, weighted by mass, over the mean rest length.
+pub(super) fn distance(model: &Model, found: &[State], reference: &[State]) -> f64 {
+    let mass: f64 = model.mass.iter().sum();
+    let mut sum = 0.0;
+    for (a, b) in found.iter().zip(reference) {
+        let each = a.x.iter().zip(&b.x).zip(&model.mass);
+        sum += each
+            .map(|((a, b), m)| m * (a - b).norm_squared())
+            .sum::<f64>()
+            / mass;
+    }
+    (sum / reference.len() as f64).sqrt() / mean_length(model)
+}
+
+fn mean_length(model: &Model) -> f64 {
+    model.stretch.rest.iter().sum::<f64>() / model.stretch.rest.len() as f64
+}
+
+fn volume(triangles: &[[usize; 3]], state: &State) -> f64 {
+    let cone = |t: &[usize; 3]| {
+        let [a, b, c] = t.map(|v| state.x[v]);
+        a.dot(&b.cross(&c)) / 6.0
+    };
+    triangles.iter().map(cone).sum()
+}

@@ -1,0 +1,71 @@
+//! The runs that no other run beats, and what they say.
+
+use super::row::Row;
+
+/// Errors that tables say the time to.
+pub(super) const TARGETS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
+/// Times that tables say the error at \[ms\].
+pub(super) const BUDGETS: [f64; 4] = [1.0, 4.0, 8.0, 16.0];
+
+/// A point of a plane of time \[ms\] and error.
+pub(super) type Point = [f64; 2];
+
+/// The points that no other one is both faster and nearer than, from fast to slow.
+pub(super) fn front(points: impl Iterator<Item = Point>) -> Vec<Point> {
+    let mut points: Vec<Point> = points.filter(|p| p.iter().all(|x| x.is_finite())).collect();
+    points.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    let mut best = f64::INFINITY;
+    points.retain(|p| {
+        let is_better = p[1] < best;
+        best = best.min(p[1]);
+        is_better
+    });
+    points
+}
+
+/// The least time to an error \[ms\].
+pub(super) fn time_to(front: &[Point], error: f64) -> Option<f64> {
+    front.iter().find(|p| p[1] <= error).map(|p| p[0])
+}
+
+/// The least error in a time \[ms\].
+pub(super) fn error_at(front: &[Point], budget: f64) -> Option<f64> {
+    front.iter().rev().find(|p| p[0] <= budget).map(|p| p[1])
+}
+
+/// Time and total error of rows.
+pub(super) fn totals<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<Point> {
+    front(rows.filter_map(|row| Some([row.ms_per_frame, row.total()?])))
+}
+
+/// How many times nearer `ours` is than every run of `theirs` in the time that this one takes, at the least.
+/// None where one has no runs.
+pub(super) fn least_gain(ours: &[Point], theirs: &[Point]) -> Option<f64> {
+    let gain = |[time, error]: &Point| Some(error / error_at(ours, *time)?);
+    theirs.iter().filter_map(gain).reduce(f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_front_is_what_nothing_beats() {
+        let points = [
+            [1.0, 0.5],
+            [2.0, 0.6],
+            [3.0, 0.1],
+            [3.0, 0.05],
+            [4.0, 0.05],
+            [0.5, f64::NAN],
+        ];
+        let front = front(points.into_iter());
+        assert_eq!(front, [[1.0, 0.5], [3.0, 0.05]]);
+        assert_eq!(time_to(&front, 0.1), Some(3.0));
+        assert_eq!(time_to(&front, 0.01), None);
+        assert_eq!(error_at(&front, 2.9), Some(0.5));
+        assert_eq!(error_at(&front, 0.9), None);
+        let slower = [[2.0, 1.0], [5.0, 0.2]];
+        assert_eq!(least_gain(&front, &slower), Some(2.0));
+    }
+}

@@ -1,0 +1,164 @@
+//! Time against error as a picture, and the rows behind it.
+
+use super::front::{Point, front};
+use super::row::{Row, csv};
+use plotters::backend::SVGBackend;
+use plotters::chart::ChartBuilder;
+use plotters::coord::Shift;
+use plotters::coord::combinators::IntoLogRange;
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
+use plotters::element::{Circle, EmptyElement, PathElement, Text};
+use plotters::series::LineSeries;
+use plotters::style::{Color, IntoFont, RGBColor, WHITE};
+use std::path::Path;
+
+/// Width and height \[px\].
+const SIZE: (u32, u32) = (1000, 1100);
+const FONT: &str = "sans-serif";
+/// The ways of stepping: a name, a color, and which rows it is.
+const WAYS: [(&str, RGBColor, fn(&Row) -> bool); 3] = [
+    ("xpbd", RGBColor(20, 90, 180), |row| row.scheme == "xpbd"),
+    ("pbd", RGBColor(60, 150, 90), |row| {
+        row.scheme == "pbd" && !row.is_paper()
+    }),
+    (
+        "the paper's (pbd, one substep)",
+        RGBColor(200, 60, 30),
+        Row::is_paper,
+    ),
+];
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Fault = DrawingAreaErrorKind<std::io::Error>;
+
+/// Draws a scene's rows into `NAME.svg`, and writes them into `NAME.csv`.
+pub(super) fn draw(folder: &Path, name: &str, rows: &[Row]) -> Result<(), String> {
+    let mut text = String::new();
+    picture(&mut text, name, rows).map_err(|error| format!("{name}: {error}"))?;
+    for (kind, text) in [("svg", text), ("csv", csv(rows))] {
+        let path = folder.join(name).with_extension(kind);
+        std::fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
+    }
+    Ok(())
+}
+
+fn picture(text: &mut String, name: &str, rows: &[Row]) -> Result<(), Fault> {
+    let root = SVGBackend::with_string(text, SIZE).into_drawing_area();
+    root.fill(&WHITE)?;
+    let (above, below) = root.split_vertically(SIZE.1 / 2);
+    panel(&above, rows, &format!("{name}: total error"), |row| {
+        row.total_error.map(|e| e.position)
+    })?;
+    panel(&below, rows, &format!("{name}: solver error"), |row| {
+        row.solver_error.map(|e| e.position)
+    })?;
+    root.present()
+}
+
+/// One error of all rows: a point each, and a line along the front of every way.
+fn panel(
+    area: &Area<'_>,
+    rows: &[Row],
+    name: &str,
+    error: impl Fn(&Row) -> Option<f64>,
+) -> Result<(), Fault> {
+    let point = |row: &Row| {
+        let point = [row.ms_per_frame, error(row)?];
+        point
+            .iter()
+            .all(|x| x.is_finite() && *x > 0.0)
+            .then_some(point)
+    };
+    let all: Vec<Point> = rows.iter().filter_map(point).collect();
+    let range = |k: usize| {
+        let [mut low, mut high] = [f64::INFINITY, 0.0_f64];
+        for p in &all {
+            (low, high) = (low.min(p[k]), high.max(p[k]));
+        }
+        // Nothing was measured.
+        if low > high {
+            (0.1, 1.0)
+        } else {
+            (low / 1.5, high * 1.5)
+        }
+    };
+    let [x, y] = [0, 1].map(range);
+    let mut chart = ChartBuilder::on(area)
+        .margin(15)
+        .x_label_area_size(45)
+        .y_label_area_size(70)
+        .build_cartesian_2d((x.0..x.1).log_scale(), (y.0..y.1).log_scale())?;
+    chart
+        .configure_mesh()
+        .x_desc("ms a frame")
+        .y_desc(name)
+        .y_label_formatter(&|y| format!("{y:.0e}"))
+        .draw()?;
+    for (name, color, is) in WAYS {
+        let rows = || rows.iter().filter(|row| is(row));
+        let points: Vec<Point> = rows().filter_map(point).collect();
+        chart.draw_series(
+            points
+                .iter()
+                .map(|p| Circle::new((p[0], p[1]), 2, color.mix(0.4).filled())),
+        )?;
+        let best = front(points.into_iter());
+        let line = best.iter().map(|p| (p[0], p[1]));
+        chart
+            .draw_series(LineSeries::new(line, color.stroke_width(2)))?
+            .label(name)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], color.stroke_width(2)));
+        let named = best.iter().filter_map(|&p| {
+            let row = rows().find(|row| point(row) == Some(p))?;
+            Some((p, format!("{}x{}", row.substeps, row.iterations)))
+        });
+        chart.draw_series(named.map(|(p, label)| {
+            EmptyElement::at((p[0], p[1]))
+                + Circle::new((0, 0), 3, color.filled())
+                + Text::new(label, (5, -4), (FONT, 11).into_font())
+        }))?;
+    }
+    chart
+        .configure_series_labels()
+        .border_style(RGBColor(0, 0, 0))
+        .background_style(WHITE.mix(0.8))
+        .draw()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accuracy::error::Errors;
+
+    #[test]
+    fn every_row_is_a_point_and_every_front_a_line() {
+        let row = |scheme, substeps, iterations, ms_per_frame: f64, position| Row {
+            scheme,
+            substeps,
+            iterations,
+            ms_per_frame,
+            total_error: Some(Errors {
+                position,
+                ..Errors::default()
+            }),
+            ..Row::default()
+        };
+        let rows = [
+            row("xpbd", 4, 1, 1.0, 1e-2),
+            row("xpbd", 2, 2, 1.1, 2e-2),
+            row("pbd", 1, 4, 1.0, 1e-1),
+            row("pbd", 1, 8, 2.0, f64::NAN),
+        ];
+        let mut text = String::new();
+        picture(&mut text, "sheet", &rows).unwrap();
+        let points = 3;
+        let on_fronts = 2;
+        assert_eq!(text.matches("<circle").count(), points + on_fronts);
+        for label in ["4x1", "1x4", "sheet: total error", "sheet: solver error"] {
+            assert_eq!(text.matches(label).count(), 1, "{label}");
+        }
+        let mut text = String::new();
+        picture(&mut text, "sheet", &[]).unwrap();
+        assert!(text.ends_with("</svg>\n"), "no rows, an empty picture");
+    }
+}

@@ -1,0 +1,137 @@
+//! What people read.
+
+use super::front::{BUDGETS, Point, TARGETS, error_at, least_gain, time_to, totals};
+use super::ladder::{Exact, Ladder};
+use super::row::Row;
+use super::scene::{Body, Scene};
+use super::scenes;
+use crate::columns::columns;
+use incise_bench::ReferenceError;
+use std::error::Error;
+use std::io::Write;
+
+/// A line on a scene and on what it is measured against.
+pub(super) fn reference(
+    out: &mut impl Write,
+    scene: &Scene,
+    body: &Body,
+    ladder: &Ladder,
+    exact: Result<&Exact, &ReferenceError>,
+) -> Result<(), Box<dyn Error>> {
+    let topology = body.surface.topology();
+    writeln!(
+        out,
+        "\n{}: {} triangles, {} vertices, {} held, {} frames; reference in {:.1} s",
+        scene.name,
+        topology.triangle_count(),
+        topology.vertex_count(),
+        body.solver.pins().len(),
+        scene.frames,
+        ladder.seconds
+    )?;
+    match exact {
+        Ok(exact) => writeln!(out, "  its own uncertainty: {:.1e}", exact.uncertainty)?,
+        Err(error) => writeln!(out, "  no total errors: {error}")?,
+    }
+    Ok(())
+}
+
+/// The front of a scene.
+pub(super) fn scene(out: &mut impl Write, rows: &[Row]) -> Result<(), Box<dyn Error>> {
+    let best = totals(rows.iter());
+    let header = [
+        "  scheme",
+        "substeps",
+        "iterations",
+        "ms",
+        "solver",
+        "total",
+        "force",
+        "strain",
+        "volume",
+        "energy",
+    ];
+    let mut cells = vec![header.map(str::to_owned)];
+    for [time, error] in best {
+        let is = |row: &&Row| row.ms_per_frame == time && row.total() == Some(error);
+        let Some(row) = rows.iter().find(is) else {
+            continue;
+        };
+        let Some(total) = row.total_error else {
+            continue;
+        };
+        let known = row.uncertainty.is_some_and(|u| 10.0 * u < error);
+        cells.push([
+            format!("  {}", row.scheme),
+            row.substeps.to_string(),
+            row.iterations.to_string(),
+            format!("{time:.3}"),
+            brief(row.solver_error.map(|e| e.position)),
+            format!("{}{error:.1e}", if known { "" } else { "~" }),
+            brief(total.force),
+            brief(Some(total.strain)),
+            brief(total.volume),
+            brief(Some(total.energy)),
+        ]);
+    }
+    write!(out, "{}", columns(&cells, 1))?;
+    for row in rows {
+        if let Some(refusal) = &row.refusal {
+            let Row {
+                scheme,
+                substeps,
+                iterations,
+                ..
+            } = row;
+            writeln!(out, "  {scheme} {substeps} x {iterations}: {refusal}")?;
+        }
+    }
+    Ok(())
+}
+
+/// Time to an error and error in a time, of all scenes.
+pub(super) fn summary(out: &mut impl Write, rows: &[Row]) -> Result<(), Box<dyn Error>> {
+    let mut cells = vec![
+        std::iter::once(String::new())
+            .chain(TARGETS.map(|e| format!("ms to {e:.0e}")))
+            .chain(BUDGETS.map(|ms| format!("at {ms} ms")))
+            .chain(["gain".to_owned()])
+            .collect::<Vec<_>>(),
+    ];
+    for name in scenes::NAMES {
+        let rows = || rows.iter().filter(move |row| row.scene == name);
+        if rows().next().is_none() {
+            continue;
+        }
+        let ours = totals(rows().filter(|row| row.scheme == "xpbd"));
+        let paper = totals(rows().filter(|row| row.is_paper()));
+        let line = |label: String, front: &[Point], gain: Option<f64>| {
+            std::iter::once(label)
+                .chain(
+                    TARGETS
+                        .map(|e| time_to(front, e).map_or("-".to_owned(), |t| format!("{t:.2}"))),
+                )
+                .chain(BUDGETS.map(|ms| brief(error_at(front, ms))))
+                .chain([gain.map_or(String::new(), |gain| format!("{gain:.1}"))])
+                .collect()
+        };
+        cells.push(line(name.to_owned(), &ours, least_gain(&ours, &paper)));
+        cells.push(line("  the paper's".to_owned(), &paper, None));
+    }
+    let cells: Vec<[String; 10]> = cells
+        .into_iter()
+        .filter_map(|line| line.try_into().ok())
+        .collect();
+    writeln!(out)?;
+    write!(out, "{}", columns(&cells, 1))?;
+    writeln!(
+        out,
+        "gain: how many times nearer than the paper's scheme (one substep, pbd) in the time of each of its \
+         runs, at the least."
+    )?;
+    Ok(())
+}
+
+fn brief(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), |x| format!("{x:.1e}"))
+}

@@ -1,0 +1,79 @@
+//! What can be said of a state: energy, momentum, strain.
+
+use super::edge::Edge;
+use super::hinge::Hinge;
+use super::measure::Kind;
+use super::model::{Constraints, Model, State};
+use nalgebra::Vector3;
+
+impl Model {
+    /// Kinetic energy \[J\].
+    #[must_use]
+    pub fn kinetic_energy(&self, state: &State) -> f64 {
+        let each = self.mass.iter().zip(&state.v);
+        each.map(|(m, v)| m * v.norm_squared() / 2.0).sum()
+    }
+
+    /// The energy of gravity, and of the constraints that give way \[J\].
+    #[must_use]
+    pub fn potential_energy(&self, state: &State) -> f64 {
+        let each = self.mass.iter().zip(&state.x);
+        let gravity: f64 = each.map(|(m, x)| -m * self.gravity.dot(x)).sum();
+        gravity
+            + energy::<Edge, 2>(&self.stretch, &state.x)
+            + energy::<Hinge, 4>(&self.bending, &state.x)
+    }
+
+    /// Linear momentum of all that moves [kg m/s].
+    #[must_use]
+    pub fn momentum(&self, state: &State) -> Vector3<f64> {
+        let each = self.mass.iter().zip(&state.v);
+        each.map(|(m, v)| v * *m).sum()
+    }
+
+    /// How much longer than at rest every edge is, over its rest length; shape \[edges\].
+    #[must_use]
+    pub fn strains(&self, state: &State) -> Vec<f64> {
+        let each = self.stretch.vertices.iter().zip(&self.stretch.rest);
+        each.map(|(&[a, b], rest)| (state.x[b] - state.x[a]).norm() / rest - 1.0)
+            .collect()
+    }
+
+    /// By edge and by hinge, the sum of `|grad C|^2 / m`, which XPBD's projections weigh against the compliance over
+    /// the square of the substep. 0 where there is no gradient.
+    #[must_use]
+    pub fn weights(&self, state: &State) -> [Vec<f64>; 2] {
+        [
+            weights::<Edge, 2>(self, &self.stretch, &state.x),
+            weights::<Hinge, 4>(self, &self.bending, &state.x),
+        ]
+    }
+}
+
+fn energy<K: Kind<N>, const N: usize>(constraints: &Constraints<N>, x: &[Vector3<f64>]) -> f64 {
+    if constraints.compliance <= 0.0 {
+        return 0.0;
+    }
+    let each = constraints.vertices.iter().zip(&constraints.rest);
+    let square = |(vertices, rest): (&[usize; N], &f64)| {
+        let measure = K::measure(&vertices.map(|v| x[v]))?;
+        Some(K::error(measure.value, *rest).powi(2))
+    };
+    each.filter_map(square).sum::<f64>() / (2.0 * constraints.compliance)
+}
+
+fn weights<K: Kind<N>, const N: usize>(
+    model: &Model,
+    constraints: &Constraints<N>,
+    x: &[Vector3<f64>],
+) -> Vec<f64> {
+    let weight = |vertices: &[usize; N]| {
+        let measure = K::measure(&vertices.map(|v| x[v]));
+        let gradient = measure.map_or([Vector3::zeros(); N], |measure| measure.gradient);
+        let each = vertices.iter().zip(gradient);
+        each.filter(|(v, _)| model.mass[**v] > 0.0)
+            .map(|(v, g)| g.norm_squared() / model.mass[*v])
+            .sum()
+    };
+    constraints.vertices.iter().map(weight).collect()
+}
