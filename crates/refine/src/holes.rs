@@ -2,7 +2,8 @@
 //!
 //! 1. [`rim`]: the rims, what is around them and how long edges are there.
 //! 2. A rim that lies in a plane is covered exactly, see [`plane`] and [`crate::cover`]. Any other is
-//!    triangulated so that it bends least ([`minimal`]) and refined to the sizes along it ([`local`]).
+//!    triangulated so that it bends least ([`minimal`]), and these triangles are covered in the plane into which they
+//!    unfold ([`unfold`]). Where they overlap there they are divided as they are ([`local`]).
 //! 3. [`fair`]: if asked for, inner vertices go where the patch is smoothest.
 //! 4. [`sew`]: all patches in one [`incise_mesh::Edit`], of which an error leaves nothing.
 
@@ -16,6 +17,7 @@ mod plane;
 mod rim;
 mod sew;
 mod smooth;
+mod unfold;
 
 pub use error::HoleError;
 
@@ -323,7 +325,12 @@ fn close(
             minimal.open.iter().for_each(|part| filling.fan(part));
         }
         hole.self_crossing |= crossing::is_self_crossing(&filling.points, &filling.triangles);
-        local::refine(&mut filling, &mut sizes, most, &joined).map_err(too_many)?;
+        let made = unfold::refine(&mut filling, &sizes, most, &joined).map_err(too_many)?;
+        if made {
+            local::settle(&mut filling, &joined);
+        } else {
+            local::refine(&mut filling, &mut sizes, most, &joined).map_err(too_many)?;
+        }
     }
     if filling.triangles.len() > most {
         return Err(too_many(HoleError::TooManyTriangles { limit }));

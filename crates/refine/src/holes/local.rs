@@ -1,4 +1,4 @@
-//! Refinement to a size that differs from place to place.
+//! Refinement to a size that differs from place to place, of what cannot be unfolded.
 //!
 //! Liepa's algorithm, of which the paper's Algorithm 4 is the form with one size for all: a triangle is
 //! divided at its center when all three corners are farther from it than the sizes there ask for, edges
@@ -9,10 +9,18 @@ use super::smooth::smooth;
 use super::{Filling, HoleError, Inner};
 use crate::edge_dictionary::EdgeDictionary;
 use incise_mesh::Vec3;
+use incise_mesh::geometry::area_vector;
 
 /// Liepa's alpha, the root of 3: an equilateral triangle is divided when its edges are longer than the
 /// size. He takes the root of 2, with which edges come out a quarter longer than the size on average.
 const ALPHA: f64 = 1.732_050_807_568_877_2;
+
+/// A triangle whose smallest height is below this many sizes is not divided. On a long edge of the rim, which stays
+/// whole, there is always one whose corners are far from its center, and to divide those for ever makes needles.
+const FLAT: f64 = 0.4;
+
+/// No patch has so few triangles as equilateral ones with sides of this many of the largest size would be.
+const SPARSE: f64 = 2.0;
 
 /// The most rounds: a round divides lengths by about the root of 3.
 const ROUNDS: usize = 40;
@@ -37,6 +45,9 @@ pub(super) fn refine(
     limit: usize,
     joined: &impl Fn(u32, u32) -> bool,
 ) -> Result<(), HoleError> {
+    if is_too_fine(filling, sizes, limit) {
+        return Err(HoleError::TooManyTriangles { limit });
+    }
     for inner in &filling.inner[sizes.len() - filling.rim..] {
         sizes.push(
             inner
@@ -73,12 +84,35 @@ pub(super) fn refine(
     Ok(())
 }
 
+/// Whether the patch would have too many triangles whatever is done: then there is no use in making the first ones.
+#[expect(clippy::cast_precision_loss, reason = "a bound, far from both sides")]
+fn is_too_fine(filling: &Filling, sizes: &[f64], limit: usize) -> bool {
+    let corners = |t: &[u32; 3]| t.map(|v| filling.points[v as usize]);
+    let doubled = |t| area_vector(corners(t)).norm();
+    let side = SPARSE * sizes.iter().copied().fold(0.0, f64::max);
+    let least = filling.triangles.iter().map(doubled).sum::<f64>() / (0.75f64.sqrt() * side * side);
+    least > limit as f64
+}
+
+/// Swaps edges and moves vertices of a patch that is refined already, for what bends made of its triangles.
+pub(super) fn settle(filling: &mut Filling, joined: &impl Fn(u32, u32) -> bool) {
+    let mut dictionary = EdgeDictionary::of(&filling.triangles, |_, _| false);
+    for _ in 0..LAST {
+        relax(filling, &mut dictionary, joined);
+        smooth(filling);
+    }
+    relax(filling, &mut dictionary, joined);
+}
+
 fn is_too_large(filling: &Filling, sizes: &[f64], i: usize) -> bool {
     let corners = filling.triangles[i];
     let at = corners.map(|v| filling.points[v as usize]);
     let own = corners.map(|v| sizes[v as usize]);
     let (center, size) = ((at[0] + at[1] + at[2]) / 3.0, own.iter().sum::<f64>() / 3.0);
+    let sides = [at[1] - at[0], at[2] - at[1], at[0] - at[2]];
+    let longest = sides.iter().map(Vec3::norm).fold(0.0, f64::max);
     (0..3).all(|k| ALPHA * (at[k] - center).norm() > size.max(own[k]))
+        && sides[0].cross(&sides[1]).norm() > FLAT * size * longest
 }
 
 /// The triangle becomes three around its center.

@@ -2,7 +2,7 @@
 
 use super::rim::unit;
 use super::{Filling, HoleError, Inner};
-use crate::cover::{CoverParams, CoverScratch, CoverSize, Section, cover};
+use crate::cover::{Cover, CoverParams, CoverScratch, CoverSize, Section, cover};
 use crate::patch::RefineError;
 use incise_mesh::Vec3;
 
@@ -62,27 +62,9 @@ pub(super) fn fill(
     joined: &impl Fn(u32, u32) -> bool,
 ) -> Result<bool, HoleError> {
     let points: Vec<[f64; 2]> = filling.points.iter().map(|p| plane.flatten(p)).collect();
-    let loops = [(0u32..).take(points.len()).collect()];
-    let section = Section {
-        points: &points,
-        loops: &loops,
-        crease: false,
-    };
-    let params = CoverParams {
-        size: CoverSize::Local(sizes),
-        max_triangles: limit,
-        ..CoverParams::default()
-    };
-    let cover = match cover(&section, &params, joined, &mut CoverScratch::default()) {
-        Ok(cover) => cover,
-        Err(RefineError::TooManyTriangles { limit }) => {
-            return Err(HoleError::TooManyTriangles { limit });
-        }
-        Err(error) => return Err(HoleError::Plane(error)),
-    };
-    if cover.report.discs + cover.report.apart > 0 {
+    let Some(cover) = cover_loop(&points, sizes, limit, joined)? else {
         return Ok(false);
-    }
+    };
     for inner in cover.inner {
         filling.push(Inner {
             parents: inner.parents,
@@ -91,4 +73,32 @@ pub(super) fn fill(
     }
     filling.triangles = cover.triangles;
     Ok(true)
+}
+
+/// Covers a loop in the plane; `None` if it touches or crosses itself.
+///
+/// # Errors
+/// As [`fill`].
+pub(super) fn cover_loop(
+    points: &[[f64; 2]],
+    sizes: &[f64],
+    limit: usize,
+    joined: &impl Fn(u32, u32) -> bool,
+) -> Result<Option<Cover>, HoleError> {
+    let loops = [(0u32..).take(points.len()).collect()];
+    let section = Section {
+        points,
+        loops: &loops,
+        crease: false,
+    };
+    let params = CoverParams {
+        size: CoverSize::Local(sizes),
+        max_triangles: limit,
+        ..CoverParams::default()
+    };
+    match cover(&section, &params, joined, &mut CoverScratch::default()) {
+        Ok(cover) => Ok((cover.report.discs + cover.report.apart == 0).then_some(cover)),
+        Err(RefineError::TooManyTriangles { limit }) => Err(HoleError::TooManyTriangles { limit }),
+        Err(error) => Err(HoleError::Plane(error)),
+    }
 }

@@ -48,7 +48,7 @@ pub(super) fn sew(
 }
 
 /// The half-edge across each half-edge 3 t + k of the triangles; `u32::MAX` at their boundary.
-fn twins(triangles: &[[u32; 3]]) -> Vec<u32> {
+pub(super) fn twins(triangles: &[[u32; 3]]) -> Vec<u32> {
     let mut sides: Vec<([u32; 2], u32)> = (0u32..)
         .zip(
             triangles

@@ -2,7 +2,7 @@
 
 use crate::punched::{area, collar, disc, euler, fill_and_check, inner_loop, reread, without};
 use incise_mesh::{Surface, TriangleId, Vec3, icosphere};
-use incise_refine::{HoleParams, RefinementLevel, fill_hole, fill_holes};
+use incise_refine::{HoleError, HoleParams, RefinementLevel, fill_hole, fill_holes};
 use std::f32::consts::TAU;
 
 fn sheet(n: u16) -> Surface {
@@ -250,4 +250,45 @@ fn patches_that_cross_themselves_are_told() {
         let filled = fill_hole(&mut surface, &hole, &HoleParams::default()).unwrap();
         assert!(!filled.holes[0].self_crossing, "{rim:?}");
     }
+}
+
+/// A zigzag rim is bent by triangles on it alone; those within are as good as in a plane, and as few, however fine.
+#[test]
+fn bent_patches_are_as_good_as_plane_ones() {
+    let rim: Vec<[f32; 3]> = (0..24u8)
+        .map(|i| {
+            (
+                f32::from(i) * TAU / 24.0,
+                if i % 2 == 0 { 0.1 } else { -0.1 },
+            )
+        })
+        .map(|(a, z)| [a.cos(), a.sin(), z])
+        .collect();
+    let mut surface = collar(&rim);
+    let hole = inner_loop(&surface, rim.len());
+    for z in [1.0, 0.5, 0.2, 0.1, 0.05] {
+        let mut surface = surface.clone();
+        let params = HoleParams {
+            level: RefinementLevel::Z(z),
+            ..HoleParams::default()
+        };
+        let filled = fill_hole(&mut surface, &hole, &params).unwrap();
+        let patch = &filled.holes[0];
+        assert!(!patch.planar && !patch.self_crossing);
+        let total: f64 = patch.triangles.iter().map(|&t| area(&surface, t)).sum();
+        let ideal = total / (0.75f64.sqrt() / 2.0 * patch.target * patch.target);
+        let count = patch.triangles.len() as f64;
+        assert!(
+            (0.5 * ideal..2.0 * ideal).contains(&count),
+            "{z}: {count} for {ideal}"
+        );
+        assert!(patch.angles.percentile_5 > 30.0, "{z}: {:?}", patch.angles);
+    }
+    // What is far too fine is refused before it is made.
+    let fine = HoleParams {
+        level: RefinementLevel::Z(1e-9),
+        ..HoleParams::default()
+    };
+    let error = fill_hole(&mut surface, &hole, &fine).unwrap_err();
+    assert_eq!(error, HoleError::TooManyTriangles { limit: 1_000_000 });
 }

@@ -172,7 +172,7 @@ fn spheres_are_round_on_average() {
 fn too_fine_a_patch_is_refused() {
     let body = icosphere(3, 1.0);
     let open = without(&body, &disc(body.topology(), TriangleId(31), 300));
-    for z in [0.15, 1e-3, 1e-9] {
+    for z in [0.1, 1e-3, 1e-9] {
         let mut surface = open.clone();
         let error = incise_refine::fill_holes(&mut surface, &params(true, z)).unwrap_err();
         assert!(
@@ -182,11 +182,11 @@ fn too_fine_a_patch_is_refused() {
         assert_eq!(surface, open, "nothing is left of the attempt");
     }
     let mut surface = open.clone();
-    let filled = incise_refine::fill_holes(&mut surface, &params(false, 0.15)).unwrap();
+    let filled = incise_refine::fill_holes(&mut surface, &params(false, 0.1)).unwrap();
     assert!(filled.holes[0].inserted > 10_000, "it was too fine");
     let few = HoleParams {
         max_triangles: 1000,
-        ..params(true, 0.15)
+        ..params(true, 0.1)
     };
     let error = incise_refine::fill_holes(&mut open.clone(), &few).unwrap_err();
     assert_eq!(error, HoleError::TooManyTriangles { limit: 1000 });
