@@ -10,6 +10,8 @@ use rustc_hash::FxHashMap;
 pub(crate) struct EdgeDictionary {
     slots: FxHashMap<[u32; 2], u32>,
     edges: Vec<PatchEdge>,
+    /// By edge, whether it is settled.
+    settled: Vec<bool>,
 }
 
 /// An interior edge: its vertices, the smaller first, and its triangles.
@@ -62,11 +64,30 @@ impl EdgeDictionary {
             vertices: key(a, b),
             triangles,
         });
+        self.settled.push(false);
+    }
+
+    /// Whether nothing about the edge's triangles has changed since [`Self::settle`].
+    pub(crate) fn is_settled(&self, i: usize) -> bool {
+        self.settled[i]
+    }
+
+    /// Notes that edge `i` need not be looked at again while its triangles stay what they are.
+    pub(crate) fn settle(&mut self, i: usize) {
+        self.settled[i] = true;
+    }
+
+    /// Notes that a triangle on the edge has another third vertex, if it is an interior one.
+    pub(crate) fn unsettle(&mut self, a: u32, b: u32) {
+        if let Some(&slot) = self.slots.get(&key(a, b)) {
+            self.settled[slot as usize] = false;
+        }
     }
 
     /// Puts triangle `new` in the place of `old` on the edge, if it is an interior one.
     pub(crate) fn substitute(&mut self, a: u32, b: u32, old: u32, new: u32) {
         if let Some(&slot) = self.slots.get(&key(a, b)) {
+            self.settled[slot as usize] = false;
             let triangles = &mut self.edges[slot as usize].triangles;
             if triangles[0] == old {
                 triangles[0] = new;

@@ -24,6 +24,10 @@ use incise_mesh::Vec3;
 /// of mean edge alpha has 0.87.
 const FLAT: f64 = 0.65;
 
+/// A bound of the triangles takes all for equilateral ones of this many alpha. None that is left has a larger area but
+/// the flat ones along long edges of the rim.
+const SPARSE: f64 = 1.2;
+
 /// Formula 1: the mean length of the rim's edges, t \[m\].
 #[must_use]
 #[expect(
@@ -71,6 +75,11 @@ pub(crate) fn refine_edges(
     is_taken: &impl Fn(u32, u32) -> bool,
     mut place: impl FnMut(Vec3) -> bool,
 ) -> Result<(), RefineError> {
+    if is_too_fine(patch, alpha, params) {
+        return Err(RefineError::TooManyTriangles {
+            limit: params.max_triangles,
+        });
+    }
     let mut swaps = swap_all(patch, &mut dictionary, normal, is_taken);
     let mut converged = false;
     let mut rounds = 0;
@@ -107,7 +116,23 @@ pub(crate) fn refine_edges(
     Ok(())
 }
 
-/// Lines 6 and 25: one swap attempt on every edge of the dictionary.
+/// Whether the patch is going to have too many triangles: then there is no use in making the first ones. Its area is
+/// no less than the length of its area vector, which the rim alone tells.
+#[expect(clippy::cast_precision_loss, reason = "a bound, far from both sides")]
+fn is_too_fine(patch: &Patch, alpha: f64, params: &RefineParams) -> bool {
+    let limit = params.max_triangles as f64;
+    // A round divides a triangle in three. With few of them the limit may not be reached, whatever the area.
+    let grown = patch.triangles.len() as f64 * 3f64.powf(f64::from(params.max_rounds) / 1.5);
+    let at = |v: u32| patch.points[v as usize] - patch.points[0];
+    let doubled: Vec3 = (patch.triangles.iter())
+        .map(|&[a, b, c]| (at(b) - at(a)).cross(&(at(c) - at(a))))
+        .sum();
+    let side = SPARSE * alpha;
+    grown > limit && doubled.norm() / (0.75f64.sqrt() * side * side) > limit
+}
+
+/// Lines 6 and 25: one swap attempt on every edge of the dictionary. Nothing moves, so an edge that was not to be
+/// swapped still is not while its two triangles are the same.
 fn swap_all(
     patch: &mut Patch,
     dictionary: &mut EdgeDictionary,
@@ -115,7 +140,7 @@ fn swap_all(
     is_taken: &impl Fn(u32, u32) -> bool,
 ) -> usize {
     (0..dictionary.len())
-        .filter(|&i| swap(patch, dictionary, i, normal, is_taken))
+        .filter(|&i| !dictionary.is_settled(i) && swap(patch, dictionary, i, normal, is_taken))
         .count()
 }
 
@@ -140,6 +165,7 @@ fn subdivide(patch: &mut Patch, dictionary: &mut EdgeDictionary, i: usize, cente
     patch.triangles[i] = [v1, v2, vc];
     patch.triangles.push([vc, v2, v3]);
     patch.triangles.push([v1, vc, v3]);
+    dictionary.unsettle(v1, v2);
     dictionary.substitute(v2, v3, first, second);
     dictionary.substitute(v3, v1, first, third);
     dictionary.add([v1, vc], [first, third]);
@@ -247,6 +273,26 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// The bound ahead of the work never refuses what the work would not have: as many triangles as are made
+        /// are allowed to be made.
+        #[test]
+        fn the_bound_is_below_what_is_made(
+            radii in prop::collection::vec(0.3f64..1.0, 3..30),
+            z in 0.03f64..1.0,
+            max_rounds in 1u32..24,
+        ) {
+            let n = radii.len() as f64;
+            let rim: Vec<Vec3> = radii.iter().enumerate().map(|(i, r)| {
+                let a = i as f64 * std::f64::consts::TAU / n;
+                Vec3::new(r * a.cos(), r * a.sin(), 0.1 * r)
+            }).collect();
+            let params = RefineParams { level: RefinementLevel::Z(z), max_rounds, ..RefineParams::default() };
+            let free = |_, _| false;
+            let made = fill(&rim, Vec3::z(), &params, free).unwrap();
+            let just = RefineParams { max_triangles: made.triangles.len(), ..params };
+            prop_assert_eq!(fill(&rim, Vec3::z(), &just, free), Ok(made));
+        }
 
         /// Rims that cross themselves, bend out of the plane or repeat points still give patches
         /// that meet edge to edge.

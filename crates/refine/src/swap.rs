@@ -32,13 +32,11 @@ pub(crate) fn swap(
     let [start, end] = edge.vertices;
     let v1 = apex(patch.triangles[t1 as usize], edge.vertices);
     let v2 = apex(patch.triangles[t2 as usize], edge.vertices);
-    if v1 == v2 || dictionary.contains(v1, v2) || is_taken(v1, v2) {
-        return false;
-    }
     let at = |v: u32| patch.points[v as usize];
     if !in_circumcircle(at(start), at(end), at(v1), at(v2))
         && !in_circumcircle(at(start), at(end), at(v2), at(v1))
     {
+        dictionary.settle(i);
         return false;
     }
     // The triangle that runs along the edge from `from` to `to` is t1; its apex is v1.
@@ -54,11 +52,18 @@ pub(crate) fn swap(
     let faced_out =
         faces_out(patch.triangles[t1 as usize]) && faces_out(patch.triangles[t2 as usize]);
     if faced_out && !(faces_out(new1) && faces_out(new2)) {
+        dictionary.settle(i);
+        return false;
+    }
+    // Not settled: the edge in the way may go.
+    if v1 == v2 || dictionary.contains(v1, v2) || is_taken(v1, v2) {
         return false;
     }
     patch.triangles[t1 as usize] = new1;
     patch.triangles[t2 as usize] = new2;
     // t1 keeps the edge to-v1 and gains v2-to; t2 keeps from-v2 and gains v1-from.
+    dictionary.unsettle(to, v1);
+    dictionary.unsettle(from, v2);
     dictionary.substitute(v2, to, t2, t1);
     dictionary.substitute(v1, from, t1, t2);
     dictionary.rename(i, [v1, v2]);
