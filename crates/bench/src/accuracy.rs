@@ -1,5 +1,10 @@
 //! Work and precision: what a frame costs for a given error, scene by scene.
 
+#[cfg(feature = "gpu")]
+mod device;
+#[cfg(not(feature = "gpu"))]
+#[path = "accuracy/no_device.rs"]
+mod device;
 mod error;
 mod front;
 mod ladder;
@@ -10,14 +15,19 @@ mod scene;
 mod scenes;
 mod shapes;
 mod table;
+#[cfg(test)]
+mod tests;
 
 use crate::{json, machine};
-use clap::Args;
+use clap::{Args, ValueEnum};
+use device::Device;
 use error::Yardstick;
 use incise_bench::State;
 use incise_mesh::TriangleId;
+use incise_pbd_gpu::SolverParams;
 use ladder::Ladder;
 use row::Row;
+use run::Run;
 use scene::{Body, DT, Scene, Scheme};
 use std::error::Error;
 use std::io::Write;
@@ -29,6 +39,18 @@ pub(crate) struct AccuracyArguments {
     /// Scenes to run, separated by commas.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = scenes::NAMES)]
     only: Vec<String>,
+    /// What executes the solver, separated by commas.
+    #[arg(
+        long,
+        value_enum,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "cpu"
+    )]
+    backend: Vec<Executor>,
+    /// A part of the name of the GPU to take.
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
     /// The most substeps, and the most iterations: powers of two up to that.
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=64))]
     most: u32,
@@ -43,16 +65,47 @@ pub(crate) struct AccuracyArguments {
     plot: Option<PathBuf>,
 }
 
+/// What executes the solver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Executor {
+    /// The processor.
+    Cpu,
+    /// A GPU, or software that acts as one where there is none.
+    Gpu,
+}
+
+/// What all runs have in common.
+struct Setup<'a> {
+    arguments: &'a AccuracyArguments,
+    machine: String,
+    commit: String,
+    /// None where nothing runs there.
+    device: Option<Device>,
+}
+
 /// Measures and prints.
 pub(crate) fn run(
     arguments: &AccuracyArguments,
     out: &mut impl Write,
 ) -> Result<(), Box<dyn Error>> {
-    let [machine, commit] = [machine::machine(), machine::commit()];
+    let device = match arguments.backend.contains(&Executor::Gpu) {
+        true => Some(Device::open(arguments.adapter.as_deref())?),
+        false => None,
+    };
+    let mut setup = Setup {
+        arguments,
+        machine: machine::machine(),
+        commit: machine::commit(),
+        device,
+    };
     writeln!(
         out,
-        "{machine}, commit {commit}; errors are of positions, over the mean rest length"
+        "{}, commit {}; errors are of positions, over the mean rest length",
+        setup.machine, setup.commit
     )?;
+    if let Some(device) = &setup.device {
+        writeln!(out, "gpu: {}", device.name())?;
+    }
     if let Some(folder) = &arguments.plot {
         std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     }
@@ -62,7 +115,7 @@ pub(crate) fn run(
     for name in scenes::NAMES.into_iter().filter(wanted) {
         let scene = scenes::scene(name)?;
         let first = rows.len();
-        measure(arguments, &scene, [&machine, &commit], &mut rows, out)?;
+        setup.measure(&scene, &mut rows, out)?;
         table::scene(out, &rows[first..])?;
         if let Some(path) = &arguments.json {
             json::write(path, &rows)?;
@@ -80,65 +133,93 @@ fn powers(most: u32) -> Vec<u32> {
     (0..).map(|k| 1 << k).take_while(|&n| n <= most).collect()
 }
 
-/// All runs of a scene.
-fn measure(
-    arguments: &AccuracyArguments,
-    scene: &Scene,
-    [machine, commit]: [&str; 2],
-    rows: &mut Vec<Row>,
-    out: &mut impl Write,
-) -> Result<(), Box<dyn Error>> {
-    let body = scene.body()?;
-    let numbers = powers(arguments.most);
-    let ladder = Ladder::climb(scene, &body, &numbers)?;
-    let exact = ladder.exact();
-    table::reference(out, scene, &body, &ladder, exact.as_ref())?;
-    let start = State::of(&body.solver, &body.surface);
-    let triangles = closed_triangles(&body);
-    let yardstick = Yardstick {
-        model: &ladder.model,
-        triangles: &triangles,
-        start: &start,
-        is_held: !scene.pins.is_empty(),
-    };
-    for scheme in Scheme::ALL {
-        for &substeps in &numbers {
-            let body = scene.body_by(scheme, f64::from(DT) / f64::from(substeps))?;
-            for &iterations in &numbers {
-                if substeps * iterations > arguments.most_iterations {
-                    break;
-                }
-                let params = scene.params(substeps, iterations);
-                let mut row = Row {
-                    scene: scene.name,
-                    backend: "cpu",
-                    device: machine.to_owned(),
-                    scheme: scheme.name(),
-                    substeps,
-                    iterations,
-                    machine: machine.to_owned(),
-                    commit: commit.to_owned(),
-                    version: env!("CARGO_PKG_VERSION"),
-                    ..Row::default()
-                };
-                match run::on_processor(&body, &params, scene.frames) {
-                    Ok(run) => {
-                        row.ms_per_frame = run.seconds * 1e3;
-                        row.projections_per_frame = run.projections;
-                        let states = &run.states;
-                        row.solver_error = (ladder.rung(substeps).ok())
-                            .map(|reference| yardstick.errors(states, reference));
-                        row.total_error = (exact.as_ref().ok())
-                            .map(|exact| yardstick.errors(states, &exact.states));
-                        row.uncertainty = exact.as_ref().ok().map(|exact| exact.uncertainty);
+impl Setup<'_> {
+    /// All runs of a scene.
+    fn measure(
+        &mut self,
+        scene: &Scene,
+        rows: &mut Vec<Row>,
+        out: &mut impl Write,
+    ) -> Result<(), Box<dyn Error>> {
+        let body = scene.body()?;
+        let numbers = powers(self.arguments.most);
+        let ladder = Ladder::climb(scene, &body, &numbers)?;
+        let exact = ladder.exact();
+        table::reference(out, scene, &body, &ladder, exact.as_ref())?;
+        let start = State::of(&body.solver, &body.surface);
+        let triangles = closed_triangles(&body);
+        let yardstick = Yardstick {
+            model: &ladder.model,
+            triangles: &triangles,
+            start: &start,
+            is_held: !scene.pins.is_empty(),
+        };
+        for executor in [Executor::Cpu, Executor::Gpu] {
+            if !self.arguments.backend.contains(&executor) {
+                continue;
+            }
+            for (scheme, &substeps) in Scheme::ALL
+                .into_iter()
+                .flat_map(|s| numbers.iter().map(move |n| (s, n)))
+            {
+                let body = scene.body_by(scheme, f64::from(DT) / f64::from(substeps))?;
+                for &iterations in &numbers {
+                    if substeps * iterations > self.arguments.most_iterations {
+                        break;
                     }
-                    Err(error) => row.refusal = Some(error.to_string()),
+                    let mut row = self.row(scene, executor, scheme);
+                    (row.substeps, row.iterations) = (substeps, iterations);
+                    let params = scene.params(substeps, iterations);
+                    match self.step(executor, &body, &params, scene.frames) {
+                        Ok(run) => {
+                            row.ms_per_frame = run.seconds * 1e3;
+                            row.projections_per_frame = run.projections;
+                            let states = &run.states;
+                            row.solver_error = (ladder.rung(substeps).ok())
+                                .map(|reference| yardstick.errors(states, reference));
+                            row.total_error = (exact.as_ref().ok())
+                                .map(|exact| yardstick.errors(states, &exact.states));
+                            row.uncertainty = exact.as_ref().ok().map(|exact| exact.uncertainty);
+                        }
+                        Err(error) => row.refusal = Some(error),
+                    }
+                    rows.push(row);
                 }
-                rows.push(row);
             }
         }
+        Ok(())
     }
-    Ok(())
+
+    fn step(
+        &mut self,
+        executor: Executor,
+        body: &Body,
+        params: &SolverParams,
+        frames: u32,
+    ) -> Result<Run, String> {
+        match (executor, &mut self.device) {
+            (Executor::Gpu, Some(device)) => device.run(body, params, frames),
+            _ => run::on_processor(body, params, frames).map_err(|error| error.to_string()),
+        }
+    }
+
+    /// A row without numbers.
+    fn row(&self, scene: &Scene, executor: Executor, scheme: Scheme) -> Row {
+        let (backend, device) = match (executor, &self.device) {
+            (Executor::Gpu, Some(device)) => ("gpu", device.name()),
+            _ => ("cpu", self.machine.as_str()),
+        };
+        Row {
+            scene: scene.name,
+            backend,
+            device: device.to_owned(),
+            scheme: scheme.name(),
+            machine: self.machine.clone(),
+            commit: self.commit.clone(),
+            version: env!("CARGO_PKG_VERSION"),
+            ..Row::default()
+        }
+    }
 }
 
 /// The triangles of a surface without a boundary.

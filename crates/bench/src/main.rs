@@ -227,6 +227,21 @@ mod tests {
         }
     }
 
+    #[cfg(feature = "reference")]
+    #[test]
+    fn accuracy_knows_its_scenes() {
+        let parse = |line: &str| Arguments::try_parse_from(line.split_whitespace());
+        let all = "b accuracy --only chain,cut --backend cpu,gpu --most 8 --most-iterations 64 --json x --plot y";
+        assert!(parse(all).is_ok());
+        for bad in [
+            "b accuracy --only chains",
+            "b accuracy --most 65",
+            "b accuracy --backend auto",
+        ] {
+            assert!(parse(bad).is_err(), "{bad}");
+        }
+    }
+
     #[test]
     fn a_time_step_is_a_number_or_a_fraction() {
         assert_eq!(positive("1/60"), Ok(1.0 / 60.0));

@@ -38,11 +38,11 @@ pub(super) fn totals<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<Point> {
     front(rows.filter_map(|row| Some([row.ms_per_frame, row.total()?])))
 }
 
-/// How many times nearer `ours` is than every run of `theirs` in the time that this one takes, at the least.
-/// None where one has no runs.
+/// How many times nearer `ours` is than `theirs` in the same time, at the least of [`BUDGETS`]. None where one has no run
+/// that is so fast.
 pub(super) fn least_gain(ours: &[Point], theirs: &[Point]) -> Option<f64> {
-    let gain = |[time, error]: &Point| Some(error / error_at(ours, *time)?);
-    theirs.iter().filter_map(gain).reduce(f64::min)
+    let gain = |ms: f64| Some(error_at(theirs, ms)? / error_at(ours, ms)?);
+    BUDGETS.into_iter().filter_map(gain).reduce(f64::min)
 }
 
 #[cfg(test)]
@@ -65,7 +65,8 @@ mod tests {
         assert_eq!(time_to(&front, 0.01), None);
         assert_eq!(error_at(&front, 2.9), Some(0.5));
         assert_eq!(error_at(&front, 0.9), None);
-        let slower = [[2.0, 1.0], [5.0, 0.2]];
-        assert_eq!(least_gain(&front, &slower), Some(2.0));
+        let other = [[2.0, 1.0], [5.0, 0.2]];
+        assert_eq!(least_gain(&front, &other), Some(4.0), "20, 4, 4 and 4");
+        assert_eq!(least_gain(&front, &[[20.0, 0.1]]), None);
     }
 }

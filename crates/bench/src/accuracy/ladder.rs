@@ -3,21 +3,27 @@
 use super::error::distance;
 use super::scene::{Body, DT, Scene};
 use incise_bench::{Model, ReferenceError, State, Stepper};
+use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// Steps of a frame that total errors are told from: [`Ladder::exact`] has a step 64 times smaller than a frame's and
-/// its half, and their double to tell what is left.
+/// Steps of a frame that total errors are told from, of second order: twice as many as any run has, and a half and a
+/// fourth of them to tell what is left.
 const FINE: [u32; 3] = [32, 64, 128];
 
 /// A state for every frame's end.
 pub(super) type Trajectory = Vec<State>;
 
-/// Motions of one scene by converged implicit Euler.
+/// What one number of steps a frame led to.
+type Rung = (u32, Result<Trajectory, ReferenceError>);
+
+/// Motions of one scene by converged steps.
 pub(super) struct Ladder {
     pub(super) model: Model,
-    /// Steps of a frame, ascending, and what came of them.
-    rungs: Vec<(u32, Result<Trajectory, ReferenceError>)>,
+    /// By implicit Euler, as the solver steps.
+    euler: Vec<Rung>,
+    /// By the second backward difference formula.
+    fine: Vec<Rung>,
     /// How long they took together \[s\].
     pub(super) seconds: f64,
 }
@@ -29,8 +35,15 @@ pub(super) struct Exact {
     pub(super) uncertainty: f64,
 }
 
+/// How steps are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Formula {
+    ImplicitEuler,
+    Bdf2,
+}
+
 impl Ladder {
-    /// Moves a scene's body by steps of every number a frame in `substeps`, and by the fine ones.
+    /// Moves a scene's body by implicit steps of every number a frame in `substeps`, and by fine ones.
     pub(super) fn climb(
         scene: &Scene,
         body: &Body,
@@ -39,41 +52,40 @@ impl Ladder {
         let begin = Instant::now();
         let model = Model::of(&body.solver, &body.surface, &scene.params(1, 1))?;
         let start = State::of(&body.solver, &body.surface);
-        let mut numbers = [substeps, &FINE].concat();
-        numbers.sort_unstable();
-        numbers.dedup();
+        let fine = FINE.map(|n| (Formula::Bdf2, n));
+        let euler = substeps.iter().map(|&n| (Formula::ImplicitEuler, n));
+        let mut tasks: Vec<(Formula, u32)> = fine.into_iter().chain(euler).collect();
         // The long ones first: they are the last to end.
-        let rungs = numbers.par_iter().rev().map(|&n| {
-            let moved = trajectory(&model, &start, n, scene.frames);
-            (n, moved)
+        tasks.sort_by_key(|task| std::cmp::Reverse(task.1));
+        let done = tasks.into_par_iter().map(|(formula, n)| {
+            let moved = trajectory(&model, &start, formula, n, scene.frames);
+            (formula, (n, moved))
         });
-        let mut rungs: Vec<_> = rungs.collect();
-        rungs.reverse();
+        let done: Vec<(Formula, Rung)> = done.collect();
+        let (fine, euler): (Vec<_>, Vec<_>) =
+            done.into_iter().partition(|task| task.0 == Formula::Bdf2);
+        let rungs = |tasks: Vec<(Formula, Rung)>| tasks.into_iter().map(|task| task.1).collect();
         Ok(Self {
+            euler: rungs(euler),
+            fine: rungs(fine),
             model,
-            rungs,
             seconds: begin.elapsed().as_secs_f64(),
         })
     }
 
-    /// The motion by so many steps a frame.
+    /// The motion by so many implicit steps a frame.
     pub(super) fn rung(&self, substeps: u32) -> Result<&[State], ReferenceError> {
-        let at = |n: &(u32, _)| n.0 == substeps;
-        match self.rungs.iter().find(|n| at(n)) {
-            Some((_, Ok(states))) => Ok(states),
-            Some((_, Err(error))) => Err(*error),
-            None => Ok(&[]),
-        }
+        rung(&self.euler, substeps)
     }
 
     /// What the motion tends to: Richardson's extrapolation of the two finest.
     pub(super) fn exact(&self) -> Result<Exact, ReferenceError> {
-        let [coarse, middle, fine] = FINE.map(|n| self.rung(n));
+        let [coarse, middle, fine] = FINE.map(|n| rung(&self.fine, n));
         let (coarse, middle, fine) = (coarse?, middle?, fine?);
         let before = extrapolate(coarse, middle);
         let states = extrapolate(middle, fine);
-        // Of second order, as the extrapolation is: its own error is a third of the change.
-        let uncertainty = distance(&self.model, &before, &states) / 3.0;
+        // Of third order at least: its own error is a seventh of the change.
+        let uncertainty = distance(&self.model, &before, &states) / 7.0;
         Ok(Exact {
             states,
             uncertainty,
@@ -81,24 +93,39 @@ impl Ladder {
     }
 }
 
-/// Where half the step would lead twice, less where the step leads once.
+fn rung(rungs: &[Rung], substeps: u32) -> Result<&[State], ReferenceError> {
+    match rungs.iter().find(|rung| rung.0 == substeps) {
+        Some((_, Ok(states))) => Ok(states),
+        Some((_, Err(error))) => Err(*error),
+        None => Ok(&[]),
+    }
+}
+
+/// What the error of second order is taken from: four thirds of where half the step leads, less a third of where the
+/// step leads.
 fn extrapolate(coarse: &[State], fine: &[State]) -> Trajectory {
     let both = coarse.iter().zip(fine);
-    both.map(|(coarse, fine)| {
-        let x = coarse.x.iter().zip(&fine.x).map(|(c, f)| f * 2.0 - c);
-        let v = coarse.v.iter().zip(&fine.v).map(|(c, f)| f * 2.0 - c);
-        State {
-            x: x.collect(),
-            v: v.collect(),
-        }
-    })
-    .collect()
+    both.map(|(coarse, fine)| combine(fine, coarse, 4.0 / 3.0))
+        .collect()
+}
+
+/// `part` of one state and the rest of 1 of another.
+fn combine(one: &State, other: &State, part: f64) -> State {
+    let mix = |a: &[Vector3<f64>], b: &[Vector3<f64>]| {
+        let both = a.iter().zip(b);
+        both.map(|(a, b)| a * part + b * (1.0 - part)).collect()
+    };
+    State {
+        x: mix(&one.x, &other.x),
+        v: mix(&one.v, &other.v),
+    }
 }
 
 /// The converged motion by `n` steps a frame.
 fn trajectory(
     model: &Model,
     start: &State,
+    formula: Formula,
     n: u32,
     frames: u32,
 ) -> Result<Trajectory, ReferenceError> {
@@ -106,10 +133,19 @@ fn trajectory(
     let h = f64::from(DT / n as f32);
     let mut stepper = Stepper::new(model)?;
     let mut state = start.clone();
+    let mut before: Option<State> = None;
     let mut out = Vec::new();
     for _ in 0..frames {
         for _ in 0..n {
-            stepper.step(&mut state, h, &[])?;
+            let now = state.clone();
+            if let Some(before) = before.filter(|_| formula == Formula::Bdf2) {
+                // (3 x' - 4 x + x0) / 2h = v' and the same of v: an implicit Euler step of 2h/3 from (4 x - x0) / 3.
+                state = combine(&state, &before, 4.0 / 3.0);
+                stepper.step(&mut state, h * 2.0 / 3.0, &[])?;
+            } else {
+                stepper.step(&mut state, h, &[])?;
+            }
+            before = Some(now);
         }
         out.push(state.clone());
     }

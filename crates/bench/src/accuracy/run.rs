@@ -2,6 +2,7 @@
 
 use super::ladder::Trajectory;
 use super::scene::{Body, DT};
+use crate::statistics::median;
 use incise_bench::State;
 use incise_pbd_gpu::{SolverParams, StepError};
 use std::time::{Duration, Instant};
@@ -17,7 +18,31 @@ pub(super) struct Run {
     pub(super) states: Trajectory,
     /// The median time of a frame \[s\].
     pub(super) seconds: f64,
+    /// Of a frame.
     pub(super) projections: u64,
+}
+
+/// Repeats a motion. `once` pushes the time of every frame, and the state at its end where it is given a place for that,
+/// and returns the projections of a frame.
+pub(super) fn timed<E>(
+    mut once: impl FnMut(&mut Vec<f64>, Option<&mut Vec<State>>) -> Result<u64, E>,
+) -> Result<Run, E> {
+    let begin = Instant::now();
+    let (mut times, mut states) = (Vec::new(), Vec::new());
+    let projections = once(&mut times, Some(&mut states))?;
+    for repeat in 1.. {
+        let spent = begin.elapsed();
+        if spent > MUCH || repeat >= REPEATS && spent > LEAST {
+            break;
+        }
+        once(&mut times, None)?;
+    }
+    times.sort_unstable_by(f64::total_cmp);
+    Ok(Run {
+        states,
+        seconds: median(&times),
+        projections,
+    })
 }
 
 /// Steps a body on the processor, again and again from its start.
@@ -26,33 +51,21 @@ pub(super) fn on_processor(
     params: &SolverParams,
     frames: u32,
 ) -> Result<Run, StepError> {
-    let begin = Instant::now();
-    let mut times = Vec::new();
-    let mut states = Vec::new();
-    let mut projections = 0;
-    for repeat in 0.. {
-        let spent = begin.elapsed();
-        if repeat > 0 && (spent > MUCH || repeat >= REPEATS && spent > LEAST) {
-            break;
-        }
+    timed(|times, mut states| {
         let Body {
             mut surface,
             mut solver,
         } = body.clone();
+        let mut projections = 0;
         for _ in 0..frames {
             let begin = Instant::now();
             let stats = solver.step(&mut surface, DT, params)?;
             times.push(begin.elapsed().as_secs_f64());
             projections = stats.stretch_projections + stats.bending_projections;
-            if repeat == 0 {
+            if let Some(states) = states.as_deref_mut() {
                 states.push(State::of(&solver, &surface));
             }
         }
-    }
-    times.sort_unstable_by(f64::total_cmp);
-    Ok(Run {
-        states,
-        seconds: crate::statistics::median(&times),
-        projections,
+        Ok(projections)
     })
 }

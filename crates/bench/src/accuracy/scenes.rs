@@ -81,14 +81,14 @@ fn pinned_bar() -> Result<Scene, Box<dyn Error>> {
     })
 }
 
-/// A bunny, drawn out by three tenths and let go, without gravity.
+/// A bunny, drawn out by a tenth and let go, without gravity.
 fn stretched() -> Result<Scene, Box<dyn Error>> {
     let mut surface = build_model(Model::Bunny);
-    move_all(&mut surface, |[x, y, z]| [1.3 * x, y, z]);
+    move_all(&mut surface, |[x, y, z]| [1.1 * x, y, z]);
     Ok(Scene {
         gravity: [0.0; 3],
         frames: 10,
-        ..Scene::new("bunny", surface, material(1e-5, Some(1e-2)))
+        ..Scene::new("bunny", surface, material(1e-3, Some(1.0)))
     })
 }
 
@@ -121,21 +121,21 @@ fn ribbon() -> Result<Scene, Box<dyn Error>> {
     Ok(Scene {
         gravity: [0.0; 3],
         pins,
-        ..Scene::new("ribbon", surface, material(1e-4, Some(1.0)))
+        ..Scene::new("ribbon", surface, material(1e-3, Some(1.0)))
     })
 }
 
-/// A bar, drawn out by three tenths between its held ends, and cut through.
+/// A bar, drawn out by a tenth between its held ends, and cut through.
 fn cut() -> Result<Scene, Box<dyn Error>> {
     let mut surface = bar([16, 4, 4], 0.0625)?;
-    move_all(&mut surface, |[x, y, z]| [1.3 * x, y, z]);
-    let pins = vertices_where(&surface, |[x, _, _]| x == 0.0 || x > 1.29);
+    move_all(&mut surface, |[x, y, z]| [1.1 * x, y, z]);
+    let pins = vertices_where(&surface, |[x, _, _]| x == 0.0 || x > 1.09);
     let sweep = Sweep::across_box([1.0, 0.3, 0.2], 0.75, &surface.bounds())?;
     Ok(Scene {
         gravity: [0.0; 3],
         pins,
         sweep: Some(sweep),
-        ..Scene::new("cut", surface, material(1e-5, Some(1e-2)))
+        ..Scene::new("cut", surface, material(1e-3, Some(1.0)))
     })
 }
 

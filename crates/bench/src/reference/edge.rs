@@ -1,22 +1,28 @@
 //! Stretch: the length of an edge.
 
-use super::measure::{Blocks, Kind, Measure, clamp_3};
+use super::measure::{Blocks, Kind, Measure, Slope, clamp_3};
 use nalgebra::{Matrix3, Vector3};
 
 /// The distance of two points \[m\] with its derivatives; none if they coincide, for then it has none.
 #[must_use]
-pub fn edge([a, b]: &[Vector3<f64>; 2]) -> Option<Measure<2>> {
-    let apart = b - a;
-    let length = apart.norm();
-    if length <= 0.0 {
-        return None;
-    }
-    let along = apart / length;
+pub fn edge(points: &[Vector3<f64>; 2]) -> Option<Measure<2>> {
+    let Slope { value, gradient } = slope(points)?;
+    let (length, along) = (value, gradient[1]);
     let across = (Matrix3::identity() - along * along.transpose()) / length;
     Some(Measure {
+        value,
+        gradient,
+        hessian: [[across, -across], [-across, across]],
+    })
+}
+
+fn slope([a, b]: &[Vector3<f64>; 2]) -> Option<Slope<2>> {
+    let apart = b - a;
+    let length = apart.norm();
+    let along = apart / length;
+    (length > 0.0).then_some(Slope {
         value: length,
         gradient: [-along, along],
-        hessian: [[across, -across], [-across, across]],
     })
 }
 
@@ -26,6 +32,10 @@ pub(super) struct Edge;
 impl Kind<2> for Edge {
     fn measure(points: &[Vector3<f64>; 2]) -> Option<Measure<2>> {
         edge(points)
+    }
+
+    fn slope(points: &[Vector3<f64>; 2]) -> Option<Slope<2>> {
+        slope(points)
     }
 
     fn error(value: f64, rest: f64) -> f64 {

@@ -1,6 +1,6 @@
 //! Bending: the angle between two triangles, as the solver's kernel defines it.
 
-use super::measure::{Blocks, Kind, Measure, clamp_12};
+use super::measure::{Blocks, Kind, Measure, Slope, clamp_12};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -17,21 +17,22 @@ const FLAT: f64 = 1e-5;
 /// of `a` and `b` stand on the edge. The Hessian is the derivative of just these.
 #[must_use]
 pub fn hinge(points: &[Vector3<f64>; 4]) -> Option<Measure<4>> {
-    let [e, a, b] = [1, 2, 3].map(|i: usize| points[i] - points[0]);
-    let (n, m) = (e.cross(&a), b.cross(&e));
-    let square = e.norm_squared();
-    let flat = |normal: &Vector3<f64>, side: &Vector3<f64>| {
-        normal.norm() <= FLAT * (square + side.norm_squared())
-    };
-    if flat(&n, &a) || flat(&m, &b) {
-        return None;
-    }
-    let length = square.sqrt();
-    let value = (-length * a.dot(&m)).atan2(n.dot(&m));
-    let (s, t) = (a.dot(&e) / square, b.dot(&e) / square);
+    let laid = Laid::of(points)?;
+    let Laid {
+        e,
+        a,
+        b,
+        n,
+        m,
+        square,
+        length,
+        s,
+        t,
+        by_a,
+        by_b,
+        ..
+    } = laid;
     let (p, q) = (n / n.norm_squared(), m / m.norm_squared());
-    let (by_a, by_b) = (p * -length, q * -length);
-    let by_e = -(by_a * s + by_b * t);
 
     // Rows: by_e, by_a, by_b. Columns: changes of e, a, b.
     let along = (e / length).transpose();
@@ -54,11 +55,66 @@ pub fn hinge(points: &[Vector3<f64>; 4]) -> Option<Measure<4>> {
         [by_e_da.transpose(), by_a_da, zero],
         [by_e_db.transpose(), zero, by_b_db],
     ];
+    let Slope { value, gradient } = laid.slope();
     Some(Measure {
         value,
-        gradient: [-(by_e + by_a + by_b), by_e, by_a, by_b],
+        gradient,
         hessian: with_origin(&inner),
     })
+}
+
+/// A hinge seen from its first point.
+struct Laid {
+    e: Vector3<f64>,
+    a: Vector3<f64>,
+    b: Vector3<f64>,
+    n: Vector3<f64>,
+    m: Vector3<f64>,
+    square: f64,
+    length: f64,
+    /// Where the feet of `a` and `b` stand on the edge.
+    s: f64,
+    t: f64,
+    by_a: Vector3<f64>,
+    by_b: Vector3<f64>,
+}
+
+impl Laid {
+    fn of(points: &[Vector3<f64>; 4]) -> Option<Self> {
+        let [e, a, b] = [1, 2, 3].map(|i: usize| points[i] - points[0]);
+        let (n, m) = (e.cross(&a), b.cross(&e));
+        let square = e.norm_squared();
+        let flat = |normal: &Vector3<f64>, side: &Vector3<f64>| {
+            normal.norm() <= FLAT * (square + side.norm_squared())
+        };
+        if flat(&n, &a) || flat(&m, &b) {
+            return None;
+        }
+        let length = square.sqrt();
+        Some(Self {
+            e,
+            a,
+            b,
+            n,
+            m,
+            square,
+            length,
+            s: a.dot(&e) / square,
+            t: b.dot(&e) / square,
+            by_a: n * (-length / n.norm_squared()),
+            by_b: m * (-length / m.norm_squared()),
+        })
+    }
+
+    fn slope(&self) -> Slope<4> {
+        let Self { by_a, by_b, .. } = self;
+        let by_e = -(by_a * self.s + by_b * self.t);
+        let value = (-self.length * self.a.dot(&self.m)).atan2(self.n.dot(&self.m));
+        Slope {
+            value,
+            gradient: [-(by_e + by_a + by_b), by_e, *by_a, *by_b],
+        }
+    }
 }
 
 /// The derivative of `n / |n|^2` by `n`.
@@ -88,6 +144,10 @@ pub(super) struct Hinge;
 impl Kind<4> for Hinge {
     fn measure(points: &[Vector3<f64>; 4]) -> Option<Measure<4>> {
         hinge(points)
+    }
+
+    fn slope(points: &[Vector3<f64>; 4]) -> Option<Slope<4>> {
+        Laid::of(points).map(|laid| laid.slope())
     }
 
     /// Angles that differ by a turn are the same.

@@ -7,7 +7,8 @@ use super::model::Model;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
 use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat};
 use faer::{Conj, Mat, Par, Side, Spec};
@@ -94,27 +95,32 @@ impl System {
         });
     }
 
-    /// Solves for a right side over all vertices, zeros where nothing moves; none if the matrix is not positive.
+    /// Factors the matrix; false if it is not positive.
+    pub(super) fn factor(&mut self) -> bool {
+        let Ok(matrix) =
+            SparseColMat::new_from_argsort(self.pattern.clone(), &self.sorting, &self.values)
+        else {
+            return false;
+        };
+        let llt = self.symbolic.factorize_numeric_llt(
+            &mut self.factor,
+            matrix.as_ref(),
+            Side::Lower,
+            LltRegularization::default(),
+            Par::Seq,
+            MemStack::new(&mut self.memory),
+            Spec::default(),
+        );
+        llt.is_ok()
+    }
+
+    /// Solves with the last factor for a right side over all vertices, zeros where nothing moves; none if the numbers are
+    /// too large.
     pub(super) fn solve(&mut self, right: &[Vector3<f64>]) -> Option<Vec<Vector3<f64>>> {
         let mut out = vec![Vector3::zeros(); right.len()];
         if self.moving == 0 {
             return Some(out);
         }
-        let matrix =
-            SparseColMat::new_from_argsort(self.pattern.clone(), &self.sorting, &self.values)
-                .ok()?;
-        let llt = self
-            .symbolic
-            .factorize_numeric_llt(
-                &mut self.factor,
-                matrix.as_ref(),
-                Side::Lower,
-                LltRegularization::default(),
-                Par::Seq,
-                MemStack::new(&mut self.memory),
-                Spec::default(),
-            )
-            .ok()?;
         for (number, right) in self.numbers.iter().zip(right) {
             if let Some(number) = number {
                 for k in 0..3 {
@@ -123,6 +129,7 @@ impl System {
             }
         }
         let stack = MemStack::new(&mut self.memory);
+        let llt = LltRef::new(&self.symbolic, &self.factor);
         llt.solve_in_place_with_conj(Conj::No, self.right.as_mut(), Par::Seq, stack);
         for (number, out) in self.numbers.iter().zip(&mut out) {
             if let Some(number) = number {

@@ -13,6 +13,13 @@ pub struct Measure<const N: usize> {
     pub hessian: [[Matrix3<f64>; N]; N],
 }
 
+/// A measure without second derivatives.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Slope<const N: usize> {
+    pub(super) value: f64,
+    pub(super) gradient: [Vector3<f64>; N],
+}
+
 /// A symmetric matrix of 3x3 blocks.
 pub(super) type Blocks<const N: usize> = [[Matrix3<f64>; N]; N];
 
@@ -20,6 +27,9 @@ pub(super) type Blocks<const N: usize> = [[Matrix3<f64>; N]; N];
 pub(super) trait Kind<const N: usize> {
     /// The measure at points; none where it is not defined.
     fn measure(points: &[Vector3<f64>; N]) -> Option<Measure<N>>;
+
+    /// The same without second derivatives, which cost the most.
+    fn slope(points: &[Vector3<f64>; N]) -> Option<Slope<N>>;
 
     /// The value less the rest value.
     fn error(value: f64, rest: f64) -> f64;

@@ -50,6 +50,8 @@ impl Multipliers {
 /// The objective of one step.
 pub(super) struct Objective<'a> {
     model: &'a Model,
+    /// The time step \[s\].
+    pub(super) h: f64,
     /// `(1 + damping h) / h^2` [1/s^2].
     inertia: f64,
     /// Where vertices are predicted, or held \[m\].
@@ -85,6 +87,7 @@ impl<'a> Objective<'a> {
         let extent = (x.iter().chain(&goal)).fold(0.0, |far: f64, p| far.max(p.amax()));
         Self {
             model,
+            h,
             inertia,
             goal,
             stretch,
@@ -110,6 +113,11 @@ impl<'a> Objective<'a> {
         sum
     }
 
+    /// The gradient \[N\].
+    pub(super) fn gradient(&self, x: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        self.sums(x, None)
+    }
+
     /// The gradient \[N\]; the matrix goes into `system`, its elements without their negative eigenvalues if
     /// `positive`.
     pub(super) fn derivatives(
@@ -118,9 +126,16 @@ impl<'a> Objective<'a> {
         system: &mut System,
         positive: bool,
     ) -> Vec<Vector3<f64>> {
-        let model = self.model;
         system.clear();
-        let mut gradient = Vec::with_capacity(x.len());
+        self.sums(x, Some(Matrix { system, positive }))
+    }
+
+    fn sums(&self, x: &[Vector3<f64>], matrix: Option<Matrix<'_>>) -> Vec<Vector3<f64>> {
+        let model = self.model;
+        let mut into = Sums {
+            gradient: Vec::with_capacity(x.len()),
+            matrix,
+        };
         for (v, x) in x.iter().enumerate() {
             let weight = model.mass[v] * self.inertia;
             let (sunk, stiffness) = self.sunk(v, x);
@@ -130,22 +145,19 @@ impl<'a> Objective<'a> {
                 force.y += sunk * stiffness;
                 block[(1, 1)] += stiffness;
             }
-            gradient.push(force);
-            system.add([v], &[[block]]);
+            into.gradient.push(force);
+            if let Some(matrix) = &mut into.matrix {
+                matrix.system.add([v], &[[block]]);
+            }
         }
-        let mut into = Sums {
-            gradient: &mut gradient,
-            system,
-            positive,
-        };
         into.add::<Edge, 2>(&model.stretch, &self.stretch, x);
         into.add::<Hinge, 4>(&model.bending, &self.bending, x);
-        for (gradient, &mass) in gradient.iter_mut().zip(&model.mass) {
+        for (gradient, &mass) in into.gradient.iter_mut().zip(&model.mass) {
             if mass <= 0.0 {
                 *gradient = Vector3::zeros();
             }
         }
-        gradient
+        into.gradient
     }
 
     /// How far a vertex is below where the ground pushes it \[m\], negative, 0 above, and how much the ground pushes.
@@ -220,8 +232,8 @@ fn multipliers<K: Kind<N>, const N: usize>(
     let mut sum = 0.0;
     for &vertices in &constraints.vertices {
         let (mut weight, mut square) = (0.0, 0.0);
-        if let Some(measure) = K::measure(&points(x, vertices)) {
-            for (v, gradient) in vertices.iter().zip(measure.gradient) {
+        if let Some(slope) = K::slope(&points(x, vertices)) {
+            for (v, gradient) in vertices.iter().zip(slope.gradient) {
                 square += gradient.norm_squared();
                 if model.mass[*v] > 0.0 {
                     weight += gradient.norm_squared() / model.mass[*v];
@@ -242,8 +254,8 @@ fn energy<K: Kind<N>, const N: usize>(
 ) -> f64 {
     let mut sum = 0.0;
     for (i, (&vertices, rest)) in constraints.each() {
-        if let Some(measure) = K::measure(&points(x, vertices)) {
-            let off = K::error(measure.value, *rest) - multipliers.mu[i] * multipliers.lambda[i];
+        if let Some(slope) = K::slope(&points(x, vertices)) {
+            let off = K::error(slope.value, *rest) - multipliers.mu[i] * multipliers.lambda[i];
             sum += off * off * multipliers.stiffness[i] / 2.0;
         }
     }
@@ -257,19 +269,25 @@ fn update<K: Kind<N>, const N: usize>(
 ) -> f64 {
     let mut square = 0.0;
     for (i, (&vertices, rest)) in constraints.each() {
-        if let Some(measure) = K::measure(&points(x, vertices)) {
-            let off = K::error(measure.value, *rest) - multipliers.mu[i] * multipliers.lambda[i];
+        if let Some(slope) = K::slope(&points(x, vertices)) {
+            let off = K::error(slope.value, *rest) - multipliers.mu[i] * multipliers.lambda[i];
             square += multipliers.set(i, -off * multipliers.stiffness[i]);
         }
     }
     square
 }
 
-/// Where derivatives go.
-struct Sums<'a> {
-    gradient: &'a mut [Vector3<f64>],
+/// Where second derivatives go.
+struct Matrix<'a> {
     system: &'a mut System,
     positive: bool,
+}
+
+/// Where derivatives go.
+struct Sums<'a> {
+    gradient: Vec<Vector3<f64>>,
+    /// None where only first derivatives are asked for.
+    matrix: Option<Matrix<'a>>,
 }
 
 impl Sums<'_> {
@@ -281,23 +299,33 @@ impl Sums<'_> {
     ) {
         for (i, (&vertices, rest)) in constraints.each() {
             let stiffness = multipliers.stiffness[i];
-            let measure = K::measure(&points(x, vertices)).filter(|_| stiffness > 0.0);
-            let Some(measure) = measure else {
-                self.system.add(vertices, &[[Matrix3::zeros(); N]; N]);
+            let shift = multipliers.mu[i] * multipliers.lambda[i];
+            let at = points(x, vertices);
+            let Some(matrix) = &mut self.matrix else {
+                if let Some(slope) = K::slope(&at) {
+                    let off = K::error(slope.value, *rest) - shift;
+                    for (v, gradient) in vertices.iter().zip(slope.gradient) {
+                        self.gradient[*v] += gradient * (off * stiffness);
+                    }
+                }
                 continue;
             };
-            let off = K::error(measure.value, *rest) - multipliers.mu[i] * multipliers.lambda[i];
+            let Some(measure) = K::measure(&at).filter(|_| stiffness > 0.0) else {
+                matrix.system.add(vertices, &[[Matrix3::zeros(); N]; N]);
+                continue;
+            };
+            let off = K::error(measure.value, *rest) - shift;
             for (v, gradient) in vertices.iter().zip(measure.gradient) {
                 self.gradient[*v] += gradient * (off * stiffness);
             }
             let mut hessian = energy_hessian(&measure, off);
-            if self.positive {
+            if matrix.positive {
                 K::clamp(&mut hessian);
             }
             for block in hessian.as_flattened_mut() {
                 *block *= stiffness;
             }
-            self.system.add(vertices, &hessian);
+            matrix.system.add(vertices, &hessian);
         }
     }
 }

@@ -56,8 +56,8 @@ fn energy<K: Kind<N>, const N: usize>(constraints: &Constraints<N>, x: &[Vector3
     }
     let each = constraints.vertices.iter().zip(&constraints.rest);
     let square = |(vertices, rest): (&[usize; N], &f64)| {
-        let measure = K::measure(&vertices.map(|v| x[v]))?;
-        Some(K::error(measure.value, *rest).powi(2))
+        let slope = K::slope(&vertices.map(|v| x[v]))?;
+        Some(K::error(slope.value, *rest).powi(2))
     };
     each.filter_map(square).sum::<f64>() / (2.0 * constraints.compliance)
 }
@@ -68,8 +68,8 @@ fn weights<K: Kind<N>, const N: usize>(
     x: &[Vector3<f64>],
 ) -> Vec<f64> {
     let weight = |vertices: &[usize; N]| {
-        let measure = K::measure(&vertices.map(|v| x[v]));
-        let gradient = measure.map_or([Vector3::zeros(); N], |measure| measure.gradient);
+        let slope = K::slope(&vertices.map(|v| x[v]));
+        let gradient = slope.map_or([Vector3::zeros(); N], |slope| slope.gradient);
         let each = vertices.iter().zip(gradient);
         each.filter(|(v, _)| model.mass[**v] > 0.0)
             .map(|(v, g)| g.norm_squared() / model.mass[*v])

@@ -12,9 +12,9 @@ const DONE: f64 = 1e-12;
 /// The share of the promised decrease that a step of Newton's method has to bring (Armijo).
 const DECREASE: f64 = 1e-4;
 
-/// Below this part of the first decrement Hessians are tried as they are: near the solution they are positive as a
-/// whole, and then every step squares the error.
-const NEAR: f64 = 1e-2;
+/// A factor of an earlier matrix serves as long as every step brings the decrement down to this part: a new one costs
+/// as much as ten such steps.
+const KEPT: f64 = 0.3;
 
 /// Rounds that leave more than this part of what constraints lacked are too slow.
 const SLOW: f64 = 0.1;
@@ -28,10 +28,15 @@ const MOST_NEWTON: usize = 2000;
 /// Halvings of a step of Newton's method.
 const MOST_HALVINGS: usize = 60;
 
+/// A direction and its decrement.
+type Step = (Vec<Vector3<f64>>, f64);
+
 /// Steps one model through time.
 pub struct Stepper<'a> {
     model: &'a Model,
     system: System,
+    /// The time step of the matrix that was factored last.
+    factored: Option<f64>,
 }
 
 impl std::fmt::Debug for Stepper<'_> {
@@ -65,7 +70,11 @@ impl<'a> Stepper<'a> {
     pub fn new(model: &'a Model) -> Result<Self, ReferenceError> {
         check(model)?;
         let system = System::new(model)?;
-        Ok(Self { model, system })
+        Ok(Self {
+            model,
+            system,
+            factored: None,
+        })
     }
 
     /// Steps by `h` \[s\]; vertices without mass go to where `held` says \[m\], or stay.
@@ -104,6 +113,7 @@ impl<'a> Stepper<'a> {
         }
         let mut x = goal.clone();
         let mut objective = Objective::new(model, h, &state.x, goal);
+        self.factored = self.factored.filter(|&of| of == h);
         let mut report = StepReport::default();
         let mut first = 0.0_f64;
         let (mut before, mut stiffer) = (f64::INFINITY, 0);
@@ -140,8 +150,11 @@ impl<'a> Stepper<'a> {
     ) -> Result<(), ReferenceError> {
         let mut before = f64::INFINITY;
         loop {
-            let near = before <= NEAR * *first;
-            let (direction, decrement) = self.direction(objective, x, near)?;
+            let kept = self.kept_direction(objective, x);
+            let (direction, decrement) = match kept {
+                Some(kept) if kept.1 <= KEPT * before => kept,
+                _ => self.direction(objective, x)?,
+            };
             *first = first.max(decrement);
             report.decrement = if *first > 0.0 {
                 decrement / *first
@@ -161,6 +174,9 @@ impl<'a> Stepper<'a> {
             } else {
                 share_of(objective, x, &direction, decrement)
             };
+            if share < 1.0 {
+                self.factored = None;
+            }
             for (x, way) in x.iter_mut().zip(&direction) {
                 *x += way * share;
             }
@@ -171,25 +187,38 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// The step of Newton's method from `x` and its decrement.
+    /// A step from `x` by the matrix that was factored last, if there is one, and its decrement.
+    fn kept_direction(&mut self, objective: &Objective<'_>, x: &[Vector3<f64>]) -> Option<Step> {
+        self.factored?;
+        self.along(&objective.gradient(x))
+    }
+
+    /// The step of Newton's method from `x` and its decrement: by the matrix as it is where that is positive.
     fn direction(
         &mut self,
         objective: &Objective<'_>,
         x: &[Vector3<f64>],
-        near: bool,
-    ) -> Result<(Vec<Vector3<f64>>, f64), ReferenceError> {
-        let tries: &[bool] = if near { &[false, true] } else { &[true] };
-        for &positive in tries {
+    ) -> Result<Step, ReferenceError> {
+        self.factored = None;
+        for positive in [false, true] {
             let gradient = objective.derivatives(x, &mut self.system, positive);
-            let down: Vec<Vector3<f64>> = gradient.iter().map(|g| -g).collect();
-            let Some(direction) = self.system.solve(&down) else {
-                continue;
-            };
-            let square: f64 = (direction.iter().zip(&down)).map(|(d, g)| d.dot(g)).sum();
-            return Ok((direction, square.max(0.0).sqrt()));
+            if self.system.factor()
+                && let Some(step) = self.along(&gradient)
+            {
+                self.factored = Some(objective.h);
+                return Ok(step);
+            }
         }
         let unknowns = 3 * self.model.mass.iter().filter(|&&m| m > 0.0).count();
         Err(ReferenceError::NotFactored { unknowns })
+    }
+
+    /// The step that the last factor makes of a gradient.
+    fn along(&mut self, gradient: &[Vector3<f64>]) -> Option<Step> {
+        let down: Vec<Vector3<f64>> = gradient.iter().map(|g| -g).collect();
+        let direction = self.system.solve(&down)?;
+        let square: f64 = (direction.iter().zip(&down)).map(|(d, g)| d.dot(g)).sum();
+        Some((direction, square.max(0.0).sqrt()))
     }
 }
 

@@ -1,0 +1,127 @@
+//! What all parts together must do.
+
+use super::error::{Yardstick, distance};
+use super::ladder::Ladder;
+use super::run::on_processor;
+use super::scene::{DT, Scheme};
+use super::scenes;
+use incise_bench::{Model, State};
+use incise_pbd_gpu::Stiffness;
+use nalgebra::Vector3;
+
+#[test]
+fn every_scene_has_a_body_that_the_reference_takes() {
+    for name in scenes::NAMES {
+        let scene = scenes::scene(name).unwrap();
+        let body = scene.body().unwrap();
+        let model = Model::of(&body.solver, &body.surface, &scene.params(1, 1)).unwrap();
+        assert_eq!(body.solver.pins().len(), scene.pins.len(), "{name}");
+        let strains = model.strains(&State::of(&body.solver, &body.surface));
+        let most = strains.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
+        let is_deformed = ["bunny", "ribbon", "cut"].contains(&name);
+        assert_eq!(most > 1e-3, is_deformed, "{name} is strained by {most}");
+    }
+}
+
+#[test]
+fn the_cut_is_through_and_keeps_the_strain() {
+    let scene = scenes::scene("cut").unwrap();
+    let body = scene.body().unwrap();
+    let topology = body.surface.topology();
+    let mut pieces: Vec<u32> = topology
+        .triangles()
+        .map(|t| body.surface.piece(t))
+        .collect();
+    pieces.sort_unstable();
+    pieces.dedup();
+    assert_eq!(pieces.len(), 2);
+    let model = Model::of(&body.solver, &body.surface, &scene.params(1, 1)).unwrap();
+    let strains = model.strains(&State::of(&body.solver, &body.surface));
+    // Drawn out along x by a tenth: no edge, of the caps or of the old surface, is longer or shorter than that.
+    for strain in strains {
+        assert!((-1e-3..0.101).contains(&strain), "strain {strain}");
+    }
+}
+
+#[test]
+fn stiffnesses_take_the_place_of_compliances() {
+    let scene = scenes::scene("sheet-1e4").unwrap();
+    let [coarse, fine] = [1.0, 64.0].map(|n| {
+        let body = scene.body_by(Scheme::Pbd, f64::from(DT) / n).unwrap();
+        let material = body.solver.material();
+        let (Stiffness::Pbd(stretch), Some(Stiffness::Pbd(bending))) =
+            (material.stretch, material.bending)
+        else {
+            panic!("{material:?}");
+        };
+        [stretch, bending]
+    });
+    for k in 0..2 {
+        assert!(
+            0.0 < fine[k] && fine[k] < coarse[k] && coarse[k] <= 1.0,
+            "{fine:?}, {coarse:?}"
+        );
+    }
+    // The middle edge is a side of a square between inner vertices of 1/144 kg each.
+    let alpha = 1e-4 * 3600.0;
+    assert!((f64::from(coarse[0]) - 288.0 / (288.0 + alpha)).abs() < 1e-4);
+}
+
+#[test]
+fn substeps_lead_to_what_the_reference_tends_to() {
+    let scene = scenes::scene("chain").unwrap();
+    let body = scene.body().unwrap();
+    let ladder = Ladder::climb(&scene, &body, &[4]).unwrap();
+    let exact = ladder.exact().unwrap();
+    let start = State::of(&body.solver, &body.surface);
+    let yardstick = Yardstick {
+        model: &ladder.model,
+        triangles: &[],
+        start: &start,
+        is_held: true,
+    };
+    let errors = [4, 16, 64].map(|substeps| {
+        let run = on_processor(&body, &scene.params(substeps, 256), scene.frames).unwrap();
+        yardstick.errors(&run.states, &exact.states).position
+    });
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log(4.0);
+        assert!((0.8..1.2).contains(&order), "order {order} of {errors:?}");
+    }
+    // Solved as far as it can be, it is the converged step but for the way of its gradients.
+    let run = on_processor(&body, &scene.params(4, 1000), scene.frames).unwrap();
+    let own = yardstick
+        .errors(&run.states, ladder.rung(4).unwrap())
+        .position;
+    assert!(own < 0.2 * errors[0], "{own} of {errors:?}");
+    assert!(
+        exact.uncertainty < 0.1 * errors[2],
+        "{} of {errors:?}",
+        exact.uncertainty
+    );
+}
+
+#[test]
+fn a_distance_is_in_rest_lengths_and_weighs_by_mass() {
+    let scene = scenes::scene("chain").unwrap();
+    let body = scene.body().unwrap();
+    let model = Model::of(&body.solver, &body.surface, &scene.params(1, 1)).unwrap();
+    let state = State::of(&body.solver, &body.surface);
+    let mut other = state.clone();
+    for x in &mut other.x {
+        *x += Vector3::new(0.0, 0.03, 0.04);
+    }
+    let length = model.stretch.rest.iter().sum::<f64>() / model.stretch.rest.len() as f64;
+    let found = distance(
+        &model,
+        std::slice::from_ref(&other),
+        std::slice::from_ref(&state),
+    );
+    assert!((found - 0.05 / length).abs() < 1e-12, "{found}");
+    // What is held has no mass there, wherever it is.
+    let mut held = state.clone();
+    held.x[0].x += 1.0;
+    assert_eq!(model.mass[0], 0.0);
+    let found = distance(&model, &[held], &[state]);
+    assert_eq!(found, 0.0);
+}
