@@ -1,5 +1,6 @@
 //! Work and precision: what a frame costs for a given error, scene by scene.
 
+mod cuts;
 #[cfg(feature = "gpu")]
 mod device;
 #[cfg(not(feature = "gpu"))]
@@ -57,6 +58,9 @@ pub(crate) struct AccuracyArguments {
     /// The most iterations a frame, those of all substeps together.
     #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(1..))]
     most_iterations: u32,
+    /// Measure what cuts are off by instead: round bodies against closed forms.
+    #[arg(long, conflicts_with_all = ["only", "backend", "adapter", "most", "most_iterations", "plot"])]
+    cuts: bool,
     /// Also write the rows as JSON, after every scene.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -98,11 +102,15 @@ pub(crate) fn run(
         commit: machine::commit(),
         device,
     };
-    writeln!(
-        out,
-        "{}, commit {}; errors are of positions, over the mean rest length",
-        setup.machine, setup.commit
-    )?;
+    writeln!(out, "{}, commit {}", setup.machine, setup.commit)?;
+    if arguments.cuts {
+        let rows = cuts::run(&setup.machine, &setup.commit, out)?;
+        if let Some(path) = &arguments.json {
+            json::write(path, &rows)?;
+        }
+        return Ok(());
+    }
+    writeln!(out, "Errors are of positions, over the mean rest length.")?;
     if let Some(device) = &setup.device {
         writeln!(out, "gpu: {}", device.name())?;
     }

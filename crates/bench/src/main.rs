@@ -233,7 +233,9 @@ mod tests {
         let parse = |line: &str| Arguments::try_parse_from(line.split_whitespace());
         let all = "b accuracy --only chain,cut --backend cpu,gpu --most 8 --most-iterations 64 --json x --plot y";
         assert!(parse(all).is_ok());
+        assert!(parse("b accuracy --cuts --json x").is_ok());
         for bad in [
+            "b accuracy --cuts --only chain",
             "b accuracy --only chains",
             "b accuracy --most 65",
             "b accuracy --backend auto",
