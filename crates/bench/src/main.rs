@@ -17,6 +17,7 @@ mod protocol;
 mod refine;
 mod report;
 mod solver;
+mod stability;
 mod statistics;
 mod step;
 mod subdivide;
@@ -54,6 +55,8 @@ enum Command {
     /// Work and precision: what a frame costs for a given error, scene by scene.
     #[cfg(feature = "reference")]
     Accuracy(accuracy::AccuracyArguments),
+    /// Torture: each case passes or fails by a stated law, with the worst number found.
+    Stability(stability::StabilityArguments),
 }
 
 /// What the table is made of.
@@ -149,6 +152,7 @@ fn run(arguments: Arguments) -> Result<(), String> {
             Some(Command::Refine(refine)) => refine::run(&refine, &mut out),
             #[cfg(feature = "reference")]
             Some(Command::Accuracy(accuracy)) => accuracy::run(&accuracy, &mut out),
+            Some(Command::Stability(stability)) => stability::run(&stability, &mut out),
             Some(Command::Table(table)) => report::run(&table, &mut out),
             None => report::run(&arguments.table, &mut out),
         };

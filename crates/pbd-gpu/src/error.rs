@@ -82,6 +82,14 @@ pub enum ConstraintError {
         /// The vertex.
         vertex: VertexId,
     },
+    /// A mass that a vertex cannot have.
+    #[error("mass {value} of {vertex} is not a number above 0 with an inverse")]
+    BadMass {
+        /// The vertex.
+        vertex: VertexId,
+        /// What was asked for \[kg\].
+        value: f32,
+    },
     /// A target for a vertex that is not pinned.
     #[error("{vertex} is not pinned; pin it before giving it a target")]
     NotPinned {
@@ -137,6 +145,12 @@ pub enum StepError {
         surface: usize,
         /// Vertex slots of the solver.
         solver: usize,
+    },
+    /// A position is not a number before the step.
+    #[error("{vertex} has a position that is not finite; set it again, nothing was stepped")]
+    NonFiniteInput {
+        /// The first such vertex.
+        vertex: VertexId,
     },
     /// A position stopped being a number. The body must be set up again.
     #[error(

@@ -8,6 +8,7 @@ use crate::constraints::{BendingSet, StretchSet, room_beside};
 use crate::delta::{DroppedPin, Following};
 use crate::edges::{EdgeTable, Lists, Sets};
 use crate::error::{ConstraintError, StepError};
+use crate::kernels::integrate::{are_finite, first_non_finite};
 use crate::mass::masses;
 use crate::material::{Material, Projection, Stiffness};
 use crate::params::{SolverParams, StepStats};
@@ -179,6 +180,10 @@ impl Solver {
                 solver: self.mass.len(),
             });
         }
+        if !are_finite(&surface.positions) {
+            let vertex = first_non_finite(&surface.positions);
+            return Err(StepError::NonFiniteInput { vertex });
+        }
         let constants = self.prepare(dt, params);
         let mut body = Body {
             positions: &mut surface.positions,
@@ -239,6 +244,20 @@ impl Solver {
     #[must_use]
     pub fn material(&self) -> &Material {
         &self.material
+    }
+
+    /// Changes how hard edges resist from the next frame on.
+    ///
+    /// # Errors
+    /// [`ConstraintError`] when the number is out of its range; nothing is changed then.
+    pub fn set_stretch(&mut self, stiffness: Stiffness) -> Result<(), ConstraintError> {
+        let material = Material {
+            stretch: stiffness,
+            ..self.material
+        };
+        material.check()?;
+        self.material = material;
+        Ok(())
     }
 
     /// The stretch constraints.

@@ -40,6 +40,33 @@ impl Solver {
         Ok(())
     }
 
+    /// Sets the mass of `v` \[kg\], which else follows from the material and the area at rest: a load, say. An
+    /// edit at `v` shares out what is there, loads included.
+    ///
+    /// # Errors
+    /// [`ConstraintError`] when the vertex is unknown or the mass is not a number above 0 with an inverse.
+    pub fn set_mass(
+        &mut self,
+        surface: &mut Surface,
+        v: VertexId,
+        mass: f32,
+    ) -> Result<(), ConstraintError> {
+        self.check_vertex(v)?;
+        let inverse_mass = inverse(mass);
+        if !(mass.is_finite() && inverse_mass > 0.0 && inverse_mass.is_finite()) {
+            return Err(ConstraintError::BadMass {
+                vertex: v,
+                value: mass,
+            });
+        }
+        self.mass[v.index()] = mass;
+        if self.pin_of(v).is_err() {
+            surface.positions[v.index()][3] = inverse_mass;
+        }
+        self.changes.mass(v);
+        Ok(())
+    }
+
     /// Holds `v` where it is: its inverse mass becomes 0. Pinning a pinned vertex moves its target here.
     ///
     /// # Errors

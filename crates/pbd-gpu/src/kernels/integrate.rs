@@ -39,6 +39,15 @@ pub(crate) fn integrate(
     (alarm == 0.0).then_some(farthest)
 }
 
+/// Whether every position is finite. The way of [`integrate`]: no branch an entry.
+pub(crate) fn are_finite(x: &[[f32; 4]]) -> bool {
+    let alarm: f32 = x
+        .iter()
+        .map(|x| (x[0] * 0.0 + x[1] * 0.0) + x[2] * 0.0)
+        .sum();
+    alarm == 0.0
+}
+
 /// The first vertex whose position is not finite; null if all are.
 pub(crate) fn first_non_finite(x: &[[f32; 4]]) -> VertexId {
     x.iter()
@@ -79,10 +88,12 @@ mod tests {
                 let farthest = integrate(&mut x, &mut d, &mut v, &constants);
                 assert_eq!(farthest, Some(0.5), "all is well");
                 assert_eq!(v[0], [50.0, -50.0, 0.0, 0.0]);
+                assert!(are_finite(&x), "all are numbers");
                 d[1][k] = bad;
                 let farthest = integrate(&mut x, &mut d, &mut v, &constants);
                 assert_eq!(farthest, None, "{bad} at {k}");
                 assert_eq!(first_non_finite(&x), VertexId(1));
+                assert!(!are_finite(&x), "{bad} at {k}");
             }
         }
     }

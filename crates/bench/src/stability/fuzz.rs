@@ -1,0 +1,111 @@
+//! Bodies, materials, steps and edits at random, the same in every run.
+
+use super::case::{Case, Worst};
+use super::cuts::{below, cut, pieces, through};
+use super::failure::Failure;
+use super::scenes::{GROUND, ball, double_cone, place};
+use super::sound::{followed, sound};
+use super::stage::Stage;
+use crate::directions::Directions;
+use incise_cut::{CutParams, Cutter};
+use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, torus};
+use incise_pbd_gpu::{Density, Material, SolverParams, Stiffness};
+
+pub(super) const CASES: [Case; 1] = [Case {
+    id: "T18",
+    torture: "bodies, materials, steps, pins and cuts at random",
+    law: "topology, colors, tree; change of mass, momentum, volume",
+    bound: 1e-5,
+    run: fuzz,
+}];
+
+/// A number between two, its logarithm at random.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "a number is rounded to storage"
+)]
+fn log(directions: &mut Directions, low: f64, high: f64) -> f32 {
+    let part = f64::midpoint(directions.next(), 1.0);
+    (low * (high / low).powf(part)) as f32
+}
+
+fn shape(directions: &mut Directions) -> Result<Surface, Failure> {
+    let mut surface = match below(directions, 5) {
+        0 => ball(0, 0.0),
+        1 => ball(2, 0.0),
+        2 => torus(0.35, 0.15, 12, 6),
+        3 => cube_sphere(4, 0.5),
+        _ => double_cone(70)?,
+    };
+    let scale = f64::from(log(directions, 0.1, 10.0));
+    let axes = Vec3::from_fn(|_, _| 1.0 + 0.5 * directions.next()) * scale;
+    let up = Vec3::new(0.0, 1.5 * scale, 0.0);
+    place(&mut surface, |p| p.component_mul(&axes) + up);
+    Ok(surface)
+}
+
+fn stiffness(directions: &mut Directions) -> Stiffness {
+    if directions.next() > 0.0 {
+        Stiffness::Pbd(log(directions, 0.1, 1.0))
+    } else {
+        Stiffness::Compliance(log(directions, 1e-9, 1e-1))
+    }
+}
+
+fn material(directions: &mut Directions) -> Material {
+    Material {
+        density: Density::Area(log(directions, 1e-2, 1e2)),
+        stretch: stiffness(directions),
+        bending: (directions.next() > -0.5).then(|| stiffness(directions)),
+        damping: directions.next().max(0.0) as f32,
+        friction: directions.next().max(0.0) as f32,
+    }
+}
+
+fn steps(directions: &mut Directions) -> (f32, SolverParams) {
+    let params = SolverParams {
+        iterations: if directions.next() > 0.0 { 1 } else { 10 },
+        substeps: if directions.next() > 0.0 { 1 } else { 5 },
+        ground: (directions.next() > 0.0).then_some(0.0),
+        ..GROUND
+    };
+    (log(directions, 1e-3, 1.0 / 30.0), params)
+}
+
+/// One body: the largest change of a sum by a cut.
+fn one(stage: &mut Stage, directions: &mut Directions) -> Result<f64, Failure> {
+    let (surface, material) = (shape(directions)?, material(directions));
+    let (dt, params) = steps(directions);
+    let mut mover = stage.enter(surface, &material)?;
+    crate::motion::start(&mut mover.solver, &mover.surface)?;
+    let mut cutter = Cutter::new(&mover.surface);
+    let mut most: f64 = 0.0;
+    for _ in 0..3 {
+        if directions.next() > 0.3 {
+            let slots = mover.surface.topology().vertex_slots();
+            let v = VertexId::from_index(below(directions, slots));
+            if !mover.surface.topology().outgoing(v).is_null() {
+                mover.solver.pin(&mut mover.surface, v)?;
+            }
+        }
+        mover.advance(dt, &params, 10)?;
+        let all = pieces(&mover.surface);
+        let piece = all[below(directions, all.len())];
+        let sweep = through(&mover.surface, piece, directions)?;
+        most = most.max(cut(&mut mover, &mut cutter, &sweep, &CutParams::default())?);
+    }
+    mover.advance(dt, &params, 10)?;
+    sound(&mover.surface)?;
+    cutter.refit(&mover.surface);
+    followed(&mover, &cutter)?;
+    Ok(most)
+}
+
+fn fuzz(stage: &mut Stage) -> Result<Worst, Failure> {
+    let mut worst = Worst::default();
+    for seed in 0..stage.pick(20, 500) {
+        let found = one(stage, &mut Directions(seed));
+        worst.judge(found, || format!("seed {seed}"));
+    }
+    Ok(worst)
+}

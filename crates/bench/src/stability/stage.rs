@@ -1,0 +1,160 @@
+//! Where cases are run: the processor or a device, in short or in full.
+
+use super::device::{Device, Place};
+use super::failure::Failure;
+use incise_mesh::{Surface, TopologyDelta};
+use incise_pbd_gpu::{Material, Solver, SolverParams};
+
+/// How much of a case is run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Effort {
+    /// A part, for tests.
+    Quick,
+    /// All of it.
+    Full,
+}
+
+/// What executes the cases, and how much of them.
+#[derive(Debug)]
+pub(super) struct Stage {
+    pub(super) effort: Effort,
+    /// None: the processor.
+    pub(super) device: Option<Device>,
+}
+
+impl Stage {
+    /// One number in short, another in full.
+    pub(super) fn pick<T>(&self, quick: T, full: T) -> T {
+        match self.effort {
+            Effort::Quick => quick,
+            Effort::Full => full,
+        }
+    }
+
+    /// Sets a body up. It may be posed already: rest positions are the surface's own.
+    ///
+    /// # Errors
+    /// [`Failure`] when the solver or the device refuses it.
+    pub(super) fn enter(
+        &mut self,
+        mut surface: Surface,
+        material: &Material,
+    ) -> Result<Mover<'_>, Failure> {
+        let solver = Solver::new(&mut surface, material)?;
+        self.enter_with(surface, solver)
+    }
+
+    /// As [`Stage::enter`], with a solver that is there.
+    ///
+    /// # Errors
+    /// [`Failure`] when the device refuses it.
+    pub(super) fn enter_with(
+        &mut self,
+        surface: Surface,
+        mut solver: Solver,
+    ) -> Result<Mover<'_>, Failure> {
+        let device = match &mut self.device {
+            Some(device) => {
+                let place = device.add(&surface, &mut solver)?;
+                Some((device, place))
+            }
+            None => None,
+        };
+        Ok(Mover {
+            surface,
+            solver,
+            device,
+        })
+    }
+}
+
+/// A body in motion. On a device it is removed when it goes out of scope.
+#[derive(Debug)]
+pub(super) struct Mover<'a> {
+    pub(super) surface: Surface,
+    pub(super) solver: Solver,
+    device: Option<(&'a mut Device, Place)>,
+}
+
+impl Mover<'_> {
+    /// Steps by one frame of `dt` \[s\]; surface and solver are up to date after it.
+    ///
+    /// # Errors
+    /// [`Failure`] when the step is refused or a position stops being a number.
+    pub(super) fn step(&mut self, dt: f32, params: &SolverParams) -> Result<(), Failure> {
+        self.advance(dt, params, 1)
+    }
+
+    /// Steps by so many frames and looks at the last only.
+    ///
+    /// # Errors
+    /// As [`Mover::step`].
+    pub(super) fn advance(
+        &mut self,
+        dt: f32,
+        params: &SolverParams,
+        frames: u32,
+    ) -> Result<(), Failure> {
+        let Self {
+            surface,
+            solver,
+            device,
+        } = self;
+        match device {
+            Some((device, place)) => {
+                for _ in 0..frames {
+                    device.step(*place, solver, dt, params)?;
+                }
+                device.read(*place, surface, solver)
+            }
+            None => {
+                for _ in 0..frames {
+                    solver.step(surface, dt, params)?;
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// How far edges are from their rest lengths, on average.
+    pub(super) fn strain(&self) -> f64 {
+        self.solver.stretch_error(&self.surface)
+    }
+
+    /// Tells that positions were set on the host.
+    ///
+    /// # Errors
+    /// [`Failure`] when the device refuses it.
+    pub(super) fn moved(&mut self) -> Result<(), Failure> {
+        if let Some((device, place)) = &mut self.device {
+            device.remove(*place);
+            *place = device.add(&self.surface, &mut self.solver)?;
+        }
+        Ok(())
+    }
+
+    /// Follows an edit of the surface.
+    ///
+    /// # Errors
+    /// [`Failure`] when solver or device cannot.
+    pub(super) fn follow(&mut self, delta: &TopologyDelta) -> Result<(), Failure> {
+        let Self {
+            surface,
+            solver,
+            device,
+        } = self;
+        solver.apply_delta(surface, delta)?;
+        match device {
+            Some((device, place)) => device.update(*place, surface, solver),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Drop for Mover<'_> {
+    fn drop(&mut self) {
+        if let Some((device, place)) = &mut self.device {
+            device.remove(*place);
+        }
+    }
+}
