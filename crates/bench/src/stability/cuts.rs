@@ -50,7 +50,7 @@ pub(super) const CASES: [Case; 5] = [
 
 /// Shell, thrown and spinning.
 fn thrown<'a>(stage: &'a mut Stage, material: &Material) -> Result<Mover<'a>, Failure> {
-    let mut mover = stage.enter(ball(2, 0.8), material)?;
+    let mut mover = stage.enter(ball(1, 0.8), material)?;
     crate::motion::start(&mut mover.solver, &mover.surface)?;
     Ok(mover)
 }
@@ -177,7 +177,7 @@ fn thousand(stage: &mut Stage) -> Result<Worst, Failure> {
 
 fn every_substep(stage: &mut Stage) -> Result<Worst, Failure> {
     let mut worst = Worst::default();
-    let cuts = stage.pick(20, 400);
+    let cuts = stage.pick(20, 200);
     let mut mover = thrown(stage, &elastic_shell(1e-5, 1e-2))?;
     let params = SolverParams {
         iterations: 1,
@@ -211,11 +211,12 @@ fn same_plane(stage: &mut Stage) -> Result<Worst, Failure> {
 fn stretched(stage: &mut Stage) -> Result<Worst, Failure> {
     let mut worst = Worst::default();
     let mut directions = Directions(4);
+    let subdivisions = stage.pick(1, 2);
     for (name, material) in [
         ("compliance 0", elastic_shell(0.0, 0.0)),
         ("compliance 1e-4", elastic_shell(1e-4, 1e-1)),
     ] {
-        let mut mover = stage.enter(ball(2, 0.8), &material)?;
+        let mut mover = stage.enter(ball(subdivisions, 0.8), &material)?;
         pose(&mut mover.surface, |p| Vec3::new(4.0 * p.x, p.y, p.z));
         mover.moved()?;
         let mut run = || -> Result<f64, Failure> {

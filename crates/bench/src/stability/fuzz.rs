@@ -24,7 +24,7 @@ pub(super) const CASES: [Case; 1] = [Case {
     clippy::cast_possible_truncation,
     reason = "a number is rounded to storage"
 )]
-fn log(directions: &mut Directions, low: f64, high: f64) -> f32 {
+pub(super) fn log(directions: &mut Directions, low: f64, high: f64) -> f32 {
     let part = f64::midpoint(directions.next(), 1.0);
     (low * (high / low).powf(part)) as f32
 }
@@ -57,8 +57,8 @@ fn material(directions: &mut Directions) -> Material {
         density: Density::Area(log(directions, 1e-2, 1e2)),
         stretch: stiffness(directions),
         bending: (directions.next() > -0.5).then(|| stiffness(directions)),
-        damping: directions.next().max(0.0) as f32,
-        friction: directions.next().max(0.0) as f32,
+        damping: log(directions, 1e-3, 1.0),
+        friction: log(directions, 1e-3, 1.0),
     }
 }
 

@@ -3,6 +3,7 @@
 use super::audit::{EnergyLaw, elastic, mechanical};
 use super::case::{Case, Worst};
 use super::failure::Failure;
+use super::fuzz::log;
 use super::scenes::{FRAME, GROUND, WEIGHTLESS, ball, elastic_shell};
 use super::stage::Stage;
 use crate::directions::Directions;
@@ -110,7 +111,7 @@ fn time_steps(stage: &mut Stage) -> Result<Worst, Failure> {
             let mut run = || -> Result<f64, Failure> {
                 let mut law = EnergyLaw::start(&mover, &params, 0.0);
                 for _ in 0..frames {
-                    let dt = FRAME * 10.0_f64.powf(directions.next() / 2.0 - 0.5) as f32;
+                    let dt = log(&mut directions, 1.0 / 600.0, 1.0 / 60.0);
                     mover.step(dt, &params)?;
                     law.look(&mover, &params);
                 }

@@ -331,13 +331,13 @@ fn small(stage: &mut Stage) -> Result<Worst, Failure> {
         [0.0, 0.5, 1.0],
     ];
     let solid: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-    let bodies: [(&str, &[[f32; 3]], &[[u32; 3]]); 3] = [
-        ("nothing", &[], &[]),
-        ("a triangle", &points[..3], &solid[..1]),
-        ("a tetrahedron", &points, &solid),
+    let bodies = [
+        ("nothing", 0, 0),
+        ("a triangle", 3, 1),
+        ("a tetrahedron", 4, 4),
     ];
-    for (name, points, faces) in bodies {
-        let surface = Surface::from_triangles(points, faces)?;
+    for (name, vertices, triangles) in bodies {
+        let surface = Surface::from_triangles(&points[..vertices], &solid[..triangles])?;
         for material in [Material::default(), elastic_shell(1e-4, 1e-2)] {
             let moved = stage
                 .enter(surface.clone(), &material)

@@ -87,6 +87,7 @@ fn energy_of_crushed(stage: &mut Stage) -> Result<Worst, Failure> {
 
 fn strain_of_crushed(stage: &mut Stage) -> Result<Worst, Failure> {
     let mut worst = Worst::default();
+    let subdivisions = stage.pick(1, 2);
     // Out of a point and a line no force points, and out of a plane none but that of bending.
     for way in &WAYS[2..] {
         for bending in [None, Some(0.2), Some(1.0)] {
@@ -97,7 +98,7 @@ fn strain_of_crushed(stage: &mut Stage) -> Result<Worst, Failure> {
                 bending: bending.map(Stiffness::Pbd),
                 ..Material::default()
             };
-            let mut mover = stage.enter(crushed(way, 2), &material)?;
+            let mut mover = stage.enter(crushed(way, subdivisions), &material)?;
             let found = mover.advance(FRAME, &GROUND, 600);
             let found = found.map(|()| mover.strain());
             worst.judge(found, || format!("{way}, bending {bending:?}"));
@@ -108,7 +109,7 @@ fn strain_of_crushed(stage: &mut Stage) -> Result<Worst, Failure> {
 
 fn flipped(stage: &mut Stage) -> Result<Worst, Failure> {
     let mut worst = Worst::default();
-    for vertex in (0..42).step_by(stage.pick(20, 1)) {
+    for vertex in (0..42).step_by(stage.pick(21, 3)) {
         let mut surface = ball(1, CENTER.y);
         let through = CENTER * 2.0 - surface.position(VertexId(vertex));
         let old = surface.position(VertexId(vertex));
