@@ -3,7 +3,7 @@
 
 use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::geometry::{area_vector, corner_angles};
-use incise_mesh::{Model, Surface, TriangleId, Vec3, VertexId, build_model};
+use incise_mesh::{Model, Surface, TriangleId, Vec3, VertexId, build_model, icosphere};
 use incise_tests::{Planes, any_blade, any_body, any_level, cases, cut_and_check, wild_body};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -44,6 +44,12 @@ fn old_surface((surface, outcome): &(Surface, CutOutcome)) -> impl Iterator<Item
     let caps: BTreeSet<TriangleId> = outcome.cap.iter().copied().collect();
     let triangles = surface.topology().triangles();
     triangles.filter(move |t| !caps.contains(t))
+}
+
+fn pieces(surface: &Surface) -> usize {
+    let triangles = surface.topology().triangles();
+    let pieces: BTreeSet<u32> = triangles.map(|t| surface.piece(t)).collect();
+    pieces.len()
 }
 
 /// The smallest angle of a triangle \[degrees\].
@@ -95,6 +101,11 @@ impl Twice {
             "nothing was asked for"
         );
         self.assert_the_rest_is_untouched();
+        assert_eq!(
+            pieces(&self.remeshed.0),
+            pieces(&self.plain.0),
+            "a piece came or went"
+        );
         let longest = (self.plain.1.delta.triangles_removed.iter())
             .flat_map(|(_, [a, b, c])| [[a, b], [b, c], [c, a]])
             .map(|[a, b]| (self.before.position(*b) - self.before.position(*a)).norm())
@@ -311,4 +322,47 @@ fn far_fewer_slivers_are_left() {
             "{is} of {was} slivers are left in the {model:?}"
         );
     }
+}
+
+/// Where loops of the section cross each other every loop has a cap of its own. A merge along the rim would part two that
+/// cross by a hair, and one cap would join what was apart.
+#[test]
+fn no_piece_joins_another_where_loops_cross() {
+    let ball = icosphere(4, 0.5);
+    let mut random = 1u64;
+    let mut noise = || {
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (random >> 40) as f64 / f64::from(1u32 << 24) - 0.5
+    };
+    let mut whole = ball.clone();
+    for v in ball.topology().vertices() {
+        let moved = ball.position(v) + Vec3::new(noise(), noise(), noise()) * 0.1;
+        let [x, y, z] = incise_mesh::geometry::round(moved);
+        whole.positions[v.index()] = [x, y, z, 1.0];
+        whole.rest[v.index()] = [x, y, z];
+    }
+    let mut loops = 0;
+    for _ in 0..150 {
+        let normal = [noise(), noise(), noise()];
+        let sweep = Sweep::across_box(normal, 0.2 * noise(), &whole.bounds()).expect("a plane");
+        let cut = |remesh| {
+            let params = CutParams {
+                remesh,
+                ..CutParams::default()
+            };
+            let mut surface = whole.clone();
+            let outcome = Cutter::new(&whole).cut(&mut surface, &sweep, &params);
+            outcome
+                .ok()
+                .map(|outcome| (pieces(&surface), outcome.report.loops))
+        };
+        let plain = cut(0.0);
+        loops = loops.max(plain.map_or(0, |(_, loops)| loops));
+        for remesh in [0.01, 0.1] {
+            assert_eq!(cut(remesh), plain, "{sweep:?} and {remesh}");
+        }
+    }
+    assert!(loops > 5, "at most {loops} loops");
 }

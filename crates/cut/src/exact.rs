@@ -91,8 +91,27 @@ impl Exact {
         if self.trace.loops.is_empty() {
             return Ok(());
         }
-        let begin = Instant::now();
         params.refine.check()?;
+        let is_done = self.split(surface, sweep, &signs, params, true, outcome)?
+            || self.split(surface, sweep, &signs, params, false, outcome)?;
+        debug_assert!(is_done, "without merged nodes the loops are what they were");
+        Ok(())
+    }
+
+    /// Splits the surface along the trace. False when remeshing, which merges nodes if it `may_merge`, has made
+    /// loops touch or cross others or no longer do so, so that their caps would join pieces that were apart; the
+    /// surface is then bit for bit what it was.
+    fn split(
+        &mut self,
+        surface: &mut Surface,
+        sweep: &Sweep,
+        signs: &Signs,
+        params: &CutParams,
+        may_merge: bool,
+        outcome: &mut CutOutcome,
+    ) -> Result<bool, CutError> {
+        let begin = Instant::now();
+        let report = &mut outcome.report;
         let mut edit = surface.edit();
         let is_valley = signs.is_valley;
         (self.lips).open(&mut edit, &self.trace, is_valley, &mut self.splitter);
@@ -103,7 +122,7 @@ impl Exact {
             lips: &mut self.lips,
             rim: &mut self.rim,
         };
-        let unfold = Unfold::new(&signs);
+        let unfold = Unfold::new(signs);
         let (area, rim_length) = self.trace.section_size(&unfold);
         // A disc's width so is its radius; a number that is none where all is one point.
         let width = 2.0 * area / rim_length;
@@ -114,7 +133,22 @@ impl Exact {
         report.moved_volume = snapped.volume;
         report.split = begin.elapsed();
         let begin = Instant::now();
-        let remeshed = self.remesher.remesh(&mut opened, params.remesh, width);
+        let may_join = may_merge && params.remesh > 0.0 && self.trace.loops.len() > 1;
+        let groups = if may_join {
+            let rims = Rims {
+                nodes: &self.trace.nodes,
+                lips: opened.lips,
+                rim: opened.rim,
+                unfold: &unfold,
+                has_crease: signs.has_crease(),
+            };
+            self.cap.flatten(&rims, &params.refine);
+            let topology = opened.edit.surface().topology();
+            Some(self.cap.groups(&rims, topology, &params.refine)?)
+        } else {
+            None
+        };
+        let remeshed = (self.remesher).remesh(&mut opened, params.remesh, width, may_merge);
         report.flipped_edges = remeshed.flips;
         report.collapsed_vertices = remeshed.vertices;
         report.moved_volume += remeshed.volume;
@@ -142,6 +176,9 @@ impl Exact {
         // A disc has no inner points.
         report.refined = cover.report.discs == 0 && cover.report.unfinished == 0;
         self.cap.join_loops(&cover);
+        if remeshed.nodes > 0 && groups.is_some_and(|groups| groups != self.cap.groups_joined()) {
+            return Ok(false);
+        }
         report.cap = begin.elapsed();
         let begin = Instant::now();
         // Lip 0 of a loop has an even number, lip 1 the next.
@@ -160,6 +197,6 @@ impl Exact {
         outcome.undo = Some(undo);
         outcome.cap = self.cap.triangles.concat();
         report.commit = begin.elapsed();
-        Ok(())
+        Ok(true)
     }
 }

@@ -63,6 +63,33 @@ pub(super) struct Rims<'a> {
     pub(super) has_crease: bool,
 }
 
+/// Covers the section of `nodes`.
+fn cover_to(
+    flat: &Flat,
+    nodes: &[u32],
+    size: CoverSize<'_>,
+    (rims, topology, refine): (&Rims<'_>, &Topology, &RefineParams),
+    scratch: &mut CoverScratch,
+) -> Result<Cover, RefineError> {
+    let params = CoverParams {
+        method: refine.method,
+        size,
+        grading: refine.grading,
+        max_rounds: refine.max_rounds,
+        max_triangles: refine.max_triangles,
+        ..CoverParams::default()
+    };
+    let joined = |a: u32, b: u32| {
+        let [a, b] = [a, b].map(|p| nodes[p as usize]);
+        (0..2).any(|lip| {
+            let vertex = rims.lips.vertices[b as usize][lip];
+            let mut fan = rims.rim.fan(topology, rims.lips, a, lip);
+            fan.any(|h| topology.target(h) == vertex || topology.origin(h.prev()) == vertex)
+        })
+    };
+    cover(&flat.section(), &params, joined, scratch)
+}
+
 impl Cap {
     /// Lays the rim's loops flat and finds how long edges are to get along them.
     pub(super) fn flatten(&mut self, rims: &Rims<'_>, refine: &RefineParams) {
@@ -132,23 +159,42 @@ impl Cap {
         topology: &Topology,
         refine: &RefineParams,
     ) -> Result<Cover, RefineError> {
-        let params = CoverParams {
-            method: refine.method,
-            size: CoverSize::Local(&self.lengths),
-            grading: refine.grading,
-            max_rounds: refine.max_rounds,
-            max_triangles: refine.max_triangles,
-            ..CoverParams::default()
-        };
-        let joined = |a: u32, b: u32| {
-            let [a, b] = [a, b].map(|p| self.nodes[p as usize]);
-            (0..2).any(|lip| {
-                let vertex = rims.lips.vertices[b as usize][lip];
-                let mut fan = rims.rim.fan(topology, rims.lips, a, lip);
-                fan.any(|h| topology.target(h) == vertex || topology.origin(h.prev()) == vertex)
-            })
-        };
-        cover(&self.flat.section(), &params, joined, &mut self.scratch)
+        let size = CoverSize::Local(&self.lengths);
+        cover_to(
+            &self.flat,
+            &self.nodes,
+            size,
+            (rims, topology, refine),
+            &mut self.scratch,
+        )
+    }
+
+    /// The loops that a cover of the section would join, by a loop that stands for all of them.
+    ///
+    /// # Errors
+    /// As [`cover`].
+    pub(super) fn groups(
+        &mut self,
+        rims: &Rims<'_>,
+        topology: &Topology,
+        refine: &RefineParams,
+    ) -> Result<Vec<usize>, RefineError> {
+        // Which loops are together is told by the loops alone.
+        let given = (rims, topology, refine);
+        let cover = cover_to(
+            &self.flat,
+            &self.nodes,
+            CoverSize::Any,
+            given,
+            &mut self.scratch,
+        )?;
+        self.join_loops(&cover);
+        Ok(self.joined.clone())
+    }
+
+    /// The loops that were joined last, as [`Self::groups`] gives them.
+    pub(super) fn groups_joined(&self) -> &[usize] {
+        &self.joined
     }
 
     /// What was covered last, and how long edges were to get at each point.

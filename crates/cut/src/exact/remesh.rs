@@ -58,6 +58,8 @@ pub(super) struct Remeshed {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Remesher {
     ring: Ring,
+    /// Whether nodes may be merged with others.
+    may_merge: bool,
     /// Triangles that are to be looked at, those in it by their places in the ring.
     queue: Vec<TriangleId>,
     is_queued: Vec<bool>,
@@ -85,13 +87,15 @@ enum Candidate {
 
 impl Remesher {
     /// Remeshes around the rim of both lips, moving the surface by at most `tolerance` of the local edge length or,
-    /// where that is less, of the section's `width` \[m\].
+    /// where that is less, of the section's `width` \[m\]. Without `may_merge` the rim stays as it is.
     pub(super) fn remesh(
         &mut self,
         cut: &mut Opened<'_, '_>,
         tolerance: f64,
         width: f64,
+        may_merge: bool,
     ) -> Remeshed {
+        self.may_merge = may_merge;
         let mut done = Remeshed::default();
         if tolerance <= 0.0 {
             return done;
@@ -138,7 +142,8 @@ impl Remesher {
         if own < CONTRACTED {
             for (i, h) in t.half_edges().into_iter().enumerate() {
                 match self.ring.node_of(surface.topology().origin(h)) {
-                    Some((node, _)) => self.offer_merges(cut, i, node),
+                    Some((node, _)) if self.may_merge => self.offer_merges(cut, i, node),
+                    Some(_) => {}
                     None => self.offer_contractions(cut, i, h),
                 }
             }
