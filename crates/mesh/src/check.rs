@@ -59,6 +59,9 @@ pub enum Defect {
         at: [f32; 3],
         /// How many.
         count: usize,
+        /// How far apart coordinates of 32 bits are where the mesh is \[m\], if that is so far from the origin that
+        /// vertices of its own may have become one.
+        rounding: Option<f64>,
     },
     /// Components with only one side, as a Möbius strip.
     NonOrientable {
@@ -102,10 +105,28 @@ impl fmt::Display for Defect {
                  away; weld vertices that are so near to each other (Merge by Distance in Blender, Merge Close \
                  Vertices in MeshLab)"
             ),
-            Self::NonManifoldEdge { a, b, at, count } => write!(
+            Self::NonManifoldEdge {
+                a,
+                b,
+                at,
+                count,
+                rounding: None,
+            } => write!(
                 f,
                 "edges with more than two triangles: {count}, first {a}-{b} at {at:?}; \
                  separate the parts that meet there"
+            ),
+            Self::NonManifoldEdge {
+                a,
+                b,
+                at,
+                count,
+                rounding: Some(rounding),
+            } => write!(
+                f,
+                "edges with more than two triangles: {count}, first {a}-{b} at {at:?}; so far from the origin \
+                 coordinates are {rounding:.1e} apart, and vertices nearer than that have become one: move the mesh \
+                 to the origin"
             ),
             Self::NonOrientable { triangle, count } => write!(
                 f,

@@ -4,8 +4,10 @@ use super::gaps::gap;
 use super::links::Links;
 use super::tally::Tally;
 use super::{Defect, NotFit};
+use crate::geometry::{Aabb, widen};
 use crate::ids::VertexId;
 use crate::io::{MeshData, Warning};
+use crate::quality::EdgeStats;
 use crate::surface::{CornerAttributes, Surface};
 use crate::topology::Topology;
 
@@ -68,6 +70,22 @@ impl MeshData {
         warnings.extend(repaired.warnings);
         Ok((surface, warnings))
     }
+}
+
+/// A mesh is so far from the origin that it should be moved there when its box's middle is this many diagonals away
+const FAR: f64 = 10.0;
+/// and 32-bit coordinates there are this part of its mean edge apart.
+const COARSE: f64 = 1.0 / 64.0;
+
+/// How far apart coordinates of 32 bits are where the mesh is \[m\], if that tells why vertices have become one.
+fn rounding(data: &MeshData) -> Option<f64> {
+    let corners = data.triangles.iter().flatten();
+    let bounds = Aabb::around(corners.map(|&v| data.positions[v as usize]));
+    let reach = bounds.center().amax();
+    let apart = reach * f64::from(f32::EPSILON);
+    let corners = |t: &[u32; 3]| t.map(|v| widen(data.positions[v as usize]));
+    let edges = EdgeStats::of(data.triangles.iter().map(corners));
+    (reach > FAR * bounds.diagonal() && apart > COARSE * edges.mean).then_some(apart)
 }
 
 /// Whether two corners are the same vertex.
@@ -154,6 +172,16 @@ impl Repaired {
         }
         let all = out.defects.len();
         if may_be_open {
+            for defect in &out.defects {
+                if let &Defect::OpenEdge {
+                    count,
+                    gap: Some(gap),
+                    ..
+                } = defect
+                {
+                    out.warnings.push(Warning::NearlyMeeting { count, gap });
+                }
+            }
             out.defects
                 .retain(|d| !matches!(d, Defect::OpenEdge { .. }));
         }
@@ -209,6 +237,7 @@ impl Repaired {
             b,
             at,
             count: counts.nonmanifold,
+            rounding: rounding(data),
         });
         let open = first(|n| n == 1).map(|(a, b, at)| Defect::OpenEdge {
             a,

@@ -110,6 +110,17 @@ fn vertices_that_nearly_meet_are_to_be_welded() {
             "{gap} for {jitter}"
         );
         assert!(refusal.to_string().contains("weld vertices"), "{refusal}");
+        // Where holes are allowed for it is a warning.
+        let open = MeshData::from_triangles(&soup, &triangles).unwrap();
+        let (_, warnings) = open.into_open_surface().unwrap();
+        let [Warning::NearlyMeeting { gap: same, .. }] = warnings[..] else {
+            panic!("{warnings:?}");
+        };
+        assert_eq!(same, gap);
+        assert!(
+            warnings[0].to_string().contains("weld vertices"),
+            "{warnings:?}"
+        );
         // Each vertex becomes the first that is no farther away than that.
         let near = |p: &[f32; 3], q: &[f32; 3]| (widen(*p) - widen(*q)).norm() <= 1.01 * gap;
         let welded: Vec<u32> = soup
@@ -373,4 +384,46 @@ fn an_open_mesh_is_a_surface_where_that_is_asked_for() {
         flat.into_open_surface().unwrap_err().defects[..],
         [Defect::ZeroVolume { count: 1, .. }]
     ));
+}
+
+/// Far off the origin vertices of a thin ring round to the same places, and it is no surface any more: what to do is
+/// said. Edges of three triangles near the origin have another reason.
+#[test]
+fn a_mesh_far_off_is_to_be_moved_to_the_origin() {
+    let ring = crate::shapes::torus(0.5, 0.1, 48, 24);
+    let topology = ring.topology();
+    let at = |offset: f32| {
+        let points = ring.positions.iter();
+        let points: Vec<[f32; 3]> = points
+            .map(|&[x, y, z, _]| [x, y, z].map(|x| x + offset))
+            .collect();
+        let triangles = topology.triangles();
+        let triangles: Vec<[u32; 3]> = triangles
+            .map(|t| topology.triangle(t).map(|v| v.0))
+            .collect();
+        MeshData::from_triangles(&points, &triangles).unwrap()
+    };
+    assert!(at(0.0).into_surface().is_ok());
+    let mut refused = 0;
+    for offset in [1e6, 2e6, 4e6] {
+        let Err(refusal) = at(offset).into_surface() else {
+            continue;
+        };
+        let Defect::NonManifoldEdge {
+            rounding: Some(rounding),
+            ..
+        } = refusal.defects[0]
+        else {
+            panic!("{refusal}");
+        };
+        let expected = f64::from(offset) * f64::from(f32::EPSILON);
+        assert!((rounding / expected - 1.0).abs() < 0.01, "{rounding}");
+        let text = refusal.to_string();
+        assert!(text.contains("move the mesh to the origin"), "{text}");
+        refused += 1;
+    }
+    assert!(refused > 0, "vertices become one somewhere");
+    let fin: Vec<[u32; 3]> = [&CUBE[..], &[[0, 1, 6]]].concat();
+    let refusal = cube_of(&fin).into_surface().unwrap_err();
+    assert!(!refusal.to_string().contains("origin"), "{refusal}");
 }

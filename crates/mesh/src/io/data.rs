@@ -50,7 +50,7 @@ impl MeshData {
 }
 
 /// Something that was passed over or repaired, and does not stand in the way.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Warning {
@@ -110,6 +110,14 @@ pub enum Warning {
         /// How many bodies the file's indices make.
         count: usize,
     },
+    /// Most open edges have other ends beside theirs that are not the same vertices: what belongs together is not at
+    /// the same place.
+    NearlyMeeting {
+        /// How many open edges there are.
+        count: usize,
+        /// Within which distance \[m\].
+        gap: f64,
+    },
 }
 
 impl fmt::Display for Warning {
@@ -145,6 +153,12 @@ impl fmt::Display for Warning {
             Self::BodiesKeptApart { count } => {
                 write!(f, "bodies that touch, kept apart: {count}")
             }
+            Self::NearlyMeeting { count, gap } => write!(
+                f,
+                "open edges: {count}, most with other vertices beside their ends, up to {gap:.1e} away; these may be no \
+                 holes: weld vertices that are so near to each other (Merge by Distance in Blender, Merge Close \
+                 Vertices in MeshLab)"
+            ),
         }
     }
 }
