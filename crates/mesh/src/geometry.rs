@@ -30,6 +30,15 @@ pub fn area_vector([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).cross(&(c - a))
 }
 
+/// Whether a triangle has no area to the rounding of stored positions: its height is no more than that part of its
+/// longest side.
+#[must_use]
+pub fn is_flat([a, b, c]: [Vec3; 3]) -> bool {
+    let sides = [b - a, c - b, a - c].map(|side| side.norm_squared());
+    let longest = sides.into_iter().fold(0.0, f64::max);
+    area_vector([a, b, c]).norm() <= f64::from(f32::EPSILON) * longest
+}
+
 /// The angle between two vectors \[rad\], 0 when either has no length. The arctangent form keeps its
 /// digits near 0 and pi, where the arccosine loses half of them.
 #[must_use]

@@ -22,15 +22,20 @@ mod unfold;
 pub use error::HoleError;
 
 use crate::level::RefinementLevel;
+use incise_mesh::geometry::{corner_angles, is_flat};
 use incise_mesh::{
     AngleStats, HalfEdge, Surface, Topology, TopologyDelta, TriangleId, Undo, Vec3, VertexId,
 };
 use plane::Plane;
 use rim::{Rim, Surroundings};
+use std::f64::consts::PI;
 
 /// A plane patch that stands on the surface as steeply as this, as the cosine of the mean angle between
 /// their normals, is the flat end of something and stays plane: 60 degrees.
 const STEEP: f64 = 0.5;
+
+/// A triangle with a smaller angle is a sliver \[degrees\].
+const SLIVER: f64 = 5.0;
 
 /// The most new vertices of a patch that is faired: seconds. Time grows as the square.
 const MOST_FAIRED: usize = 10_000;
@@ -82,6 +87,12 @@ pub struct FilledHole {
     pub triangles: Vec<TriangleId>,
     /// Vertices that were inserted.
     pub inserted: usize,
+    /// Triangles of the patch that have no area to the rounding of stored positions, as they must where the rim lies
+    /// on a line or doubles back.
+    pub flat: usize,
+    /// Other triangles of the patch with an angle below 5 degrees, as there are beside edges of the rim that are much
+    /// longer than the level asks for.
+    pub slivers: usize,
     /// The patch's angles.
     pub angles: AngleStats,
     /// The mean length of the patch's edges, but for the rim's unless there are no others \[m\].
@@ -241,6 +252,7 @@ fn fill(
             edit.join(rim.across[0], rim.across[1]);
         } else {
             hole.triangles = sew::sew(&mut edit, rim, &filling, params.material, hole.faired);
+            hole.count_bad(edit.surface());
         }
         filled.holes.push(hole);
     }
@@ -278,6 +290,8 @@ fn close(
         self_crossing: false,
         triangles: Vec::new(),
         inserted: 0,
+        flat: 0,
+        slivers: 0,
         angles: AngleStats::default(),
         mean_edge: 0.0,
         target: sizes.iter().sum::<f64>() / sizes.len() as f64,
@@ -357,6 +371,18 @@ fn is_doubled(topology: &Topology, rim: &Rim, around: &Surroundings) -> bool {
 }
 
 impl FilledHole {
+    fn count_bad(&mut self, surface: &Surface) {
+        for &t in &self.triangles {
+            let corners = surface.triangle_positions(t);
+            let smallest = corner_angles(corners).into_iter().fold(PI, f64::min);
+            if is_flat(corners) {
+                self.flat += 1;
+            } else if smallest.to_degrees() < SLIVER {
+                self.slivers += 1;
+            }
+        }
+    }
+
     fn measure(&mut self, filling: &Filling) {
         let at = |v: u32| filling.points[v as usize];
         self.inserted = filling.inner.len();

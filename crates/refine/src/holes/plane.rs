@@ -9,6 +9,10 @@ use incise_mesh::Vec3;
 /// How far from its plane a rim may be, as a part of its mean edge.
 const THIN: f64 = 0.01;
 
+/// A rim whose area vector is no longer than this part of the squares of its points' distances from the middle turns
+/// around nothing, as a figure of eight does: its vector says nothing of its plane.
+const FLAT: f64 = 1e-9;
+
 /// The plane of a rim.
 pub(super) struct Plane {
     pub(super) normal: Vec3,
@@ -27,7 +31,17 @@ impl Plane {
         let area: Vec3 = (0..n)
             .map(|i| (points[i] - middle).cross(&(points[(i + 1) % n] - middle)))
             .sum();
-        let normal = unit(area);
+        let turns = area.norm()
+            > FLAT
+                * points
+                    .iter()
+                    .map(|p| (p - middle).norm_squared())
+                    .sum::<f64>();
+        let normal = if turns {
+            unit(area)
+        } else {
+            spread(points, middle)
+        };
         let is_far = |p: &Vec3| (p - middle).dot(&normal).abs() > THIN * mean_edge;
         if normal == Vec3::zeros() || points.iter().any(is_far) {
             return None;
@@ -45,6 +59,21 @@ impl Plane {
     fn flatten(&self, p: &Vec3) -> [f64; 2] {
         let d = p - self.middle;
         [d.dot(&self.u), d.dot(&self.v)]
+    }
+}
+
+/// The normal of the widest triangle on the middle of points: the farthest point and the one farthest off the line to
+/// it. Zero on a line.
+fn spread(points: &[Vec3], middle: Vec3) -> Vec3 {
+    let from_middle = || points.iter().map(|p| p - middle);
+    let farther = |a: Vec3, b: Vec3| if b.norm() > a.norm() { b } else { a };
+    let farthest = from_middle().fold(Vec3::zeros(), farther);
+    let off = |p: Vec3| farthest.cross(&p);
+    let widest = from_middle().map(off).fold(Vec3::zeros(), farther);
+    if widest.norm() > FLAT * farthest.norm_squared() {
+        unit(widest)
+    } else {
+        Vec3::zeros()
     }
 }
 

@@ -292,3 +292,36 @@ fn bent_patches_are_as_good_as_plane_ones() {
     let error = fill_hole(&mut surface, &hole, &fine).unwrap_err();
     assert_eq!(error, HoleError::TooManyTriangles { limit: 1_000_000 });
 }
+
+/// A rim that lies on a line leaves only triangles of no area, and a bow in a plane crosses itself however even its
+/// halves are: both are told.
+#[test]
+fn degenerate_rims_are_told() {
+    let line: Vec<[f32; 3]> = (0..8u8)
+        .map(|i| [f32::from(i.min(8 - i)) + 1.0, 0.0, 0.0])
+        .collect();
+    let bow = [
+        [1.0, 1.0, 0.0],
+        [-1.0, -1.0, 0.0],
+        [-1.0, 1.0, 0.0],
+        [1.0, -1.0, 0.0],
+    ];
+    for (rim, is_line) in [(&line[..], true), (&bow[..], false)] {
+        let mut surface = collar(rim);
+        let hole = inner_loop(&surface, rim.len());
+        let filled = fill_hole(&mut surface, &hole, &HoleParams::default()).unwrap();
+        let patch = &filled.holes[0];
+        let flat = patch
+            .triangles
+            .iter()
+            .filter(|&&t| area(&surface, t) < 1e-9)
+            .count();
+        assert_eq!(patch.flat, flat, "{rim:?}");
+        assert_eq!(patch.flat > 0, is_line, "{rim:?}");
+        assert_eq!(patch.self_crossing, !is_line, "{rim:?}");
+    }
+    let mut surface = collar(&[[1.0, 0.0, 0.0], [-0.5, 0.8, 0.0], [-0.5, -0.8, 0.0]]);
+    let hole = inner_loop(&surface, 3);
+    let filled = fill_hole(&mut surface, &hole, &HoleParams::default()).unwrap();
+    assert_eq!((filled.holes[0].flat, filled.holes[0].slivers), (0, 0));
+}
