@@ -8,7 +8,8 @@ use crate::pieces::{self, Piece};
 use clap::ValueEnum;
 use incise_cut::{CutError, CutMethod, CutParams, Cutter, Sweep, starts_inside};
 use incise_mesh::geometry::area_vector;
-use incise_mesh::{AngleStats, Surface, Warning, read_mesh};
+use incise_mesh::geometry::is_flat;
+use incise_mesh::{AngleStats, Surface, TriangleId, Warning, read_mesh};
 use incise_refine::{RefineMethod, RefineParams, RefinementLevel};
 use serde::Serialize;
 use std::io::{self, Write};
@@ -159,6 +160,8 @@ struct Report {
     /// The exact method: what snapping and remeshing moved, in cubes of the input's unit.
     moved_volume: f64,
     cap_triangles: usize,
+    /// Triangles of the caps without area.
+    cap_flat_triangles: usize,
     cap_min_angle_deg: f64,
     cap_median_angle_deg: f64,
     pieces: Vec<Piece>,
@@ -235,6 +238,8 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         return Err(Failure::SweepInside { path: path.clone() });
     }
     let cap = AngleStats::of(outcome.cap.iter().map(|&t| surface.triangle_positions(t)));
+    let is_flat = |&&t: &&TriangleId| is_flat(surface.triangle_positions(t));
+    let flat = outcome.cap.iter().filter(is_flat).count();
     let (write, written) = timed(|| pieces::write(&surface, path, &arguments.output));
     let written = written?;
     let report = Report {
@@ -259,6 +264,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         moved_surface: outcome.report.moved_surface,
         moved_volume: outcome.report.moved_volume,
         cap_triangles: outcome.cap.len(),
+        cap_flat_triangles: flat,
         cap_min_angle_deg: cap.min,
         cap_median_angle_deg: cap.median,
         pieces: written.pieces,
@@ -351,6 +357,13 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
             report.cap_min_angle_deg,
             report.cap_median_angle_deg
         )?;
+        if report.cap_flat_triangles > 0 {
+            writeln!(
+                out,
+                "  {} cap triangles have no area: the cut passes a vertex by a hair; move the plane or the blade a little",
+                report.cap_flat_triangles
+            )?;
+        }
         let is_exact = report.method == Method::Exact.name();
         if is_exact && report.snap > 0.0 {
             writeln!(

@@ -72,6 +72,10 @@ struct Hole {
     faired: bool,
     /// Whether the patch passes through itself, as it must where its rim crosses itself in a plane.
     self_crossing: bool,
+    /// Triangles without area.
+    flat_triangles: usize,
+    /// Others with an angle below 5 degrees.
+    slivers: usize,
     min_angle_deg: f64,
     median_angle_deg: f64,
     mean_edge: f64,
@@ -171,6 +175,8 @@ impl Hole {
             planar: hole.planar,
             faired: hole.faired,
             self_crossing: hole.self_crossing,
+            flat_triangles: hole.flat,
+            slivers: hole.slivers,
             min_angle_deg: hole.angles.min,
             median_angle_deg: hole.angles.median,
             mean_edge: hole.mean_edge,
@@ -209,6 +215,20 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
             hole.median_angle_deg,
             hole.mean_edge / hole.target,
         )?;
+        if hole.flat_triangles > 0 {
+            writeln!(
+                out,
+                "    {} of them have no area: the rim lies on a line or doubles back there; weld its vertices or remodel it",
+                hole.flat_triangles
+            )?;
+        }
+        if hole.slivers > 0 {
+            writeln!(
+                out,
+                "    {} of them are slivers with an angle below 5 degrees",
+                hole.slivers
+            )?;
+        }
     }
     let state = if report.closed {
         format!("closed, volume {:.6e}", report.volume)

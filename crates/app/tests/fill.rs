@@ -171,3 +171,45 @@ fn what_cannot_be_done_is_said() {
     let error = refusal(&folder, &["fill", "three.obj", "-o", "out.obj"], 1);
     assert!(error.contains("more than two triangles"), "{error}");
 }
+
+/// A body whose vertices nearly meet is no body with holes: what to do is said.
+#[test]
+fn an_unwelded_body_is_to_be_welded() {
+    let body = icosphere(2, 1.0);
+    let topology = body.topology();
+    let mut text = String::new();
+    for (i, t) in (0u32..).zip(topology.triangles()) {
+        for p in body.triangle_positions(t) {
+            let x = p.x + 1e-5 * f64::from(i % 7);
+            text += &format!("v {x} {} {}\n", p.y, p.z);
+        }
+        text += "f -3 -2 -1\n";
+    }
+    let (folder, _) = open_sphere();
+    std::fs::write(folder.path().join("soup.obj"), text).unwrap();
+    let output = incise(&folder, &["fill", "soup.obj", "-o", "out.obj"]);
+    assert_eq!(output.status.code(), Some(0));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("weld vertices"), "{text}");
+    let text = incise(&folder, &["fill", "open.obj", "-o", "out.obj"]).stdout;
+    let text = String::from_utf8(text).unwrap();
+    assert!(!text.contains("weld vertices"), "{text}");
+}
+
+/// A patch on a rim that lies on a line has no area, and the report says so.
+#[test]
+fn triangles_without_area_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    // A tetrahedron with a vertex amid one edge that only one of its two triangles knows.
+    let text = "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nv 1 0 0\nf 1 3 5\nf 5 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    std::fs::write(folder.path().join("crack.obj"), text).unwrap();
+    let output = incise(&folder, &["fill", "crack.obj", "-o", "out.obj"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        text.contains("1 holes closed") && text.contains("1 of them have no area"),
+        "{text}"
+    );
+    let report = json(&folder, &["fill", "crack.obj", "-o", "out.obj", "--json"]);
+    assert_eq!(report["holes"][0]["flat_triangles"], 1);
+    assert_eq!(report["closed"], true);
+}
