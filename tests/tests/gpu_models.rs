@@ -51,7 +51,7 @@ fn params(model: Model) -> SceneParams {
         solver: SolverParams {
             gravity: [0.0; 3],
             iterations: iterations(model),
-            ..SolverParams::default()
+            ..SolverParams::paper()
         },
         ..SceneParams::default()
     }

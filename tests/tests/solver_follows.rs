@@ -114,7 +114,7 @@ fn follow(
         .validate(&surface)
         .expect("constraints made from scratch");
     spin(&surface, &mut solver);
-    let (mass, step_params) = (solver.total_mass(), SolverParams::default());
+    let (mass, step_params) = (solver.total_mass(), SolverParams::paper());
     let mut undos = Vec::new();
     for (blade, level, method) in blades {
         for _ in 0..steps {

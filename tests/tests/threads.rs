@@ -27,7 +27,7 @@ fn run(threads: usize, body: &Surface) -> Bits {
         let mut scene = Scene::new(SceneParams {
             solver: SolverParams {
                 ground: Some(-0.52),
-                ..SolverParams::default()
+                ..SolverParams::paper()
             },
             ..SceneParams::default()
         });

@@ -28,10 +28,10 @@ pub(crate) struct SimulateArguments {
     #[arg(long, value_name = "S", default_value = "1/60", value_parser = positive)]
     dt: f64,
     /// Iterations of the solver a substep.
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = SolverParams::default().iterations, value_parser = clap::value_parser!(u32).range(1..))]
     iterations: u32,
     /// Substeps of a frame.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = SolverParams::default().substeps, value_parser = clap::value_parser!(u32).range(1..))]
     substeps: u32,
     /// Height of a ground that nothing sinks below.
     #[arg(long, value_name = "H", value_parser = numbers::<1>, allow_hyphen_values = true)]

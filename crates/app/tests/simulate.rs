@@ -49,6 +49,8 @@ fn a_body_falls_as_far_as_it_should() {
         "0.5",
         "--dt",
         "1/100",
+        "--substeps",
+        "4",
         "-o",
         text(&out),
     ]);
@@ -56,7 +58,7 @@ fn a_body_falls_as_far_as_it_should() {
     assert_eq!(done.stderr, b"");
     let surface = piece(&out, 0);
     // Velocities first, then positions: g h^2 n (n + 1) / 2.
-    let expected = -9.81 * 1e-4 * 50.0 * 51.0 / 2.0;
+    let expected = -9.81 / (400.0 * 400.0) * 200.0 * 201.0 / 2.0;
     let middle = surface.bounds().center().y;
     assert!((middle - expected).abs() < 1e-3, "{middle}, not {expected}");
 }

@@ -289,7 +289,7 @@ pub(crate) fn params(arguments: &TableArguments) -> SceneParams {
         solver: SolverParams {
             iterations: arguments.iterations,
             gravity: [0.0; 3],
-            ..SolverParams::default()
+            ..SolverParams::paper()
         },
         cut: arguments.method.params(arguments.level),
         // The paper tests every triangle in every frame; its table is no place to skip that.

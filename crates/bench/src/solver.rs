@@ -72,7 +72,7 @@ fn measure(
     let mut solver = Solver::new(&mut surface, material)?;
     let params = SolverParams {
         iterations: ITERATIONS,
-        ..SolverParams::default()
+        ..SolverParams::paper()
     };
     let mut best = f64::INFINITY;
     for _ in 0..frames {

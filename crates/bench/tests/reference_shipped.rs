@@ -63,7 +63,7 @@ fn gap(compliances: Compliances, wrong: f64, h: f32, steps: u32) -> f64 {
     }
     let params = SolverParams {
         iterations: 1000,
-        ..SolverParams::default()
+        ..SolverParams::paper()
     };
     let mut model = Model::of(&solver, &surface, &params).unwrap();
     model.bending.compliance *= wrong;
@@ -135,7 +135,7 @@ fn a_ball_of_rigid_edges_swings_and_keeps_them() {
     };
     let mut solver = Solver::new(&mut surface, &material).unwrap();
     solver.pin(&mut surface, VertexId(0)).unwrap();
-    let model = Model::of(&solver, &surface, &SolverParams::default()).unwrap();
+    let model = Model::of(&solver, &surface, &SolverParams::paper()).unwrap();
     let mut state = State::of(&solver, &surface);
     let mut stepper = Stepper::new(&model).unwrap();
     for step in 0..20 {
@@ -168,7 +168,7 @@ fn bodies_without_an_energy_are_refused() {
     };
     let params = SolverParams {
         ground: Some(0.0),
-        ..SolverParams::default()
+        ..SolverParams::paper()
     };
     let model = |material: Material| {
         let mut surface = sheet(2);

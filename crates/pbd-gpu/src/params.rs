@@ -17,8 +17,22 @@ pub struct SolverParams {
 }
 
 impl Default for SolverParams {
-    /// The paper's Algorithm 1: one substep, ten iterations, no ground.
+    /// 16 substeps of one iteration each, no ground. Of all ways to spend about so much time, from 1 to 64 substeps of 1 to 64
+    /// iterations, it lies on the front of work and precision or near it in every scene of `incise-bench accuracy`: more
+    /// iterations in fewer substeps leave larger errors (Macklin et al. 2019, "Small Steps in Physics Simulation").
     fn default() -> Self {
+        Self {
+            iterations: 1,
+            substeps: 16,
+            ..Self::paper()
+        }
+    }
+}
+
+impl SolverParams {
+    /// The paper's Algorithm 1: one substep, ten iterations, no ground.
+    #[must_use]
+    pub const fn paper() -> Self {
         Self {
             iterations: 10,
             substeps: 1,
@@ -26,9 +40,7 @@ impl Default for SolverParams {
             ground: None,
         }
     }
-}
 
-impl SolverParams {
     /// Checks every number and the time step `dt` \[s\].
     ///
     /// # Errors

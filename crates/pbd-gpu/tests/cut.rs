@@ -95,7 +95,7 @@ fn both_halves_inherit() {
     for _ in 0..120 {
         let params = SolverParams {
             ground: Some(0.0),
-            ..SolverParams::default()
+            ..SolverParams::paper()
         };
         solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
     }

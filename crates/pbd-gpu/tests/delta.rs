@@ -68,7 +68,7 @@ proptest! {
         for v in surface.topology().vertices() {
             prop_assert!(surface.positions[v.index()][3] > 0.0, "{v} has no mass");
         }
-        solver.step(&mut surface, 1.0 / 60.0, &SolverParams::default()).unwrap();
+        solver.step(&mut surface, 1.0 / 60.0, &SolverParams::paper()).unwrap();
     }
 
     #[test]
@@ -192,7 +192,7 @@ fn high_valence_overflows_and_still_works() {
     assert!(!solver.bending().unwrap().overflow().is_empty());
     let params = SolverParams {
         ground: Some(0.0),
-        ..SolverParams::default()
+        ..SolverParams::paper()
     };
     for _ in 0..120 {
         solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();

@@ -15,7 +15,7 @@ fn run(threads: usize) -> Vec<[u32; 4]> {
         let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
         let params = SolverParams {
             ground: Some(0.0),
-            ..SolverParams::default()
+            ..SolverParams::paper()
         };
         for _ in 0..4 {
             solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
@@ -44,7 +44,7 @@ fn a_step_does_not_grow_anything() {
         let mut solver = Solver::new(&mut surface, &material).unwrap();
         let params = SolverParams {
             ground: Some(0.0),
-            ..SolverParams::default()
+            ..SolverParams::paper()
         };
         solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
         let room = solver.capacity();

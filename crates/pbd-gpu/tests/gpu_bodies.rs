@@ -158,7 +158,7 @@ fn gone(context: Context) {
         assert_eq!(result, Err(unknown.clone()));
     }
     second.step(&mut gpu).expect("it is there");
-    gpu.step([], DT, &SolverParams::default())
+    gpu.step([], DT, &SolverParams::paper())
         .expect("nobody steps");
     second.read(&mut gpu).expect("it is there");
 }
@@ -310,7 +310,7 @@ fn twice(context: Context, schedule: Schedule) {
 fn momentum(context: Context, schedule: Schedule) {
     let params = SolverParams {
         gravity: [0.0; 3],
-        ..SolverParams::default()
+        ..SolverParams::paper()
     };
     let mut surface = sphere(3, [0.0; 3]);
     let solver = solver_for(&mut surface, &Material::default(), schedule);

@@ -259,7 +259,7 @@ struct Sent {
 fn sent(gpu: &mut GpuBackend, mut surface: Surface, schedule: Schedule) -> Sent {
     let params = SolverParams {
         iterations: 1,
-        ..SolverParams::default()
+        ..SolverParams::paper()
     };
     let material = Material::default();
     let mut solver = if schedule == Schedule::Patches {

@@ -19,7 +19,7 @@ fn free_fall_follows_its_discrete_law() {
         let params = SolverParams {
             substeps: 100,
             iterations: 1,
-            ..SolverParams::default()
+            ..SolverParams::paper()
         };
         let v0 = 0.3;
         for v in surface.topology().vertices() {
@@ -60,7 +60,7 @@ fn a_free_body_keeps_its_momentum() {
     let before = solver.momentum();
     let params = SolverParams {
         gravity: [0.0; 3],
-        ..SolverParams::default()
+        ..SolverParams::paper()
     };
     for _ in 0..200 {
         solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
@@ -84,7 +84,7 @@ fn pins_hold_and_follow_their_targets() {
     let place = surface.positions[v.index()];
     let params = SolverParams {
         substeps: 3,
-        ..SolverParams::default()
+        ..SolverParams::paper()
     };
     for _ in 0..60 {
         solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
@@ -124,7 +124,7 @@ fn slide(friction: f32, frames: u32) -> f64 {
     }
     let params = SolverParams {
         ground: Some(0.0),
-        ..SolverParams::default()
+        ..SolverParams::paper()
     };
     for _ in 0..frames {
         solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
@@ -152,7 +152,7 @@ fn a_ground_out_of_reach_costs_nothing() {
     let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
     let params = SolverParams {
         ground: Some(0.0),
-        ..SolverParams::default()
+        ..SolverParams::paper()
     };
     let stats = *solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
     assert_eq!((stats.ground_passes, stats.ground_passes_skipped), (0, 10));
@@ -173,7 +173,7 @@ fn damping_follows_its_discrete_law() {
     }
     let params = SolverParams {
         gravity: [0.0; 3],
-        ..SolverParams::default()
+        ..SolverParams::paper()
     };
     for _ in 0..60 {
         solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
@@ -221,7 +221,7 @@ fn bad_bodies_and_frames_are_refused() {
     );
     let mut surface = sphere(1, [0.0; 3]);
     let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
-    let params = SolverParams::default();
+    let params = SolverParams::paper();
     for value in [0.0, -1.0, f32::INFINITY] {
         let refused = solver.step(&mut surface, value, &params).map(|_| ());
         assert_eq!(refused, Err(StepError::BadTimeStep { value }));
@@ -252,7 +252,7 @@ fn a_body_without_bending_has_none() {
     let mut solver = Solver::new(&mut surface, &material).unwrap();
     assert!(solver.bending().is_none());
     let stats = solver
-        .step(&mut surface, 0.01, &SolverParams::default())
+        .step(&mut surface, 0.01, &SolverParams::paper())
         .unwrap();
     assert_eq!(stats.bending_projections, 0);
 }

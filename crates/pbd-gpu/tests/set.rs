@@ -10,7 +10,7 @@ use incise_pbd_gpu::{ConstraintError, Material, Solver, SolverParams, StepError,
 fn a_position_that_is_no_number_is_refused_and_nothing_moves() {
     let mut surface = sphere(1, [0.0; 3]);
     let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
-    let params = SolverParams::default();
+    let params = SolverParams::paper();
     solver.step(&mut surface, 0.01, &params).unwrap();
     let (vertex, place) = (VertexId(4), surface.positions[4]);
     for bad in [f32::NAN, f32::INFINITY] {
@@ -73,9 +73,7 @@ fn stretch_can_be_changed_between_frames() {
     for (solver, surface) in [(&mut solver, &mut surface), (&mut made_so, &mut other)] {
         solver.pin(surface, VertexId(0)).unwrap();
         for _ in 0..10 {
-            solver
-                .step(surface, 0.01, &SolverParams::default())
-                .unwrap();
+            solver.step(surface, 0.01, &SolverParams::paper()).unwrap();
         }
     }
     assert_eq!(surface.positions, other.positions);

@@ -120,7 +120,7 @@ fn compliance_does_not_depend_on_iterations() {
         solver.pin(&mut surface, incise_mesh::VertexId(1)).unwrap();
         let params = SolverParams {
             iterations,
-            ..SolverParams::default()
+            ..SolverParams::paper()
         };
         for _ in 0..1200 {
             solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
@@ -148,7 +148,7 @@ fn rest_depends_on_neither_the_time_step_nor_damping() {
         solver.pin(&mut surface, incise_mesh::VertexId(1)).unwrap();
         let params = SolverParams {
             iterations: 100,
-            ..SolverParams::default()
+            ..SolverParams::paper()
         };
         let mut seconds = 0.0;
         while seconds < 10.0 {

@@ -84,7 +84,7 @@ proptest! {
         let mut solver = solver(&mut surface, density, patched);
         spin(&surface, &mut solver);
         let start = surface.clone();
-        let params = SolverParams::default();
+        let params = SolverParams::paper();
         let mut undos: Vec<Undo> = Vec::new();
         for (kind, at, t) in edits {
             let Some((remove, addition)) = replacement(&surface, kind, at, t) else {
@@ -211,7 +211,7 @@ proptest! {
     ) {
         let mut surface = sphere(1, [0.0, 2.0, 0.0]);
         let mut solver = solver(&mut surface, Density::Area(2.0), patched);
-        let params = SolverParams::default();
+        let params = SolverParams::paper();
         let mut census = Census::default();
         surface.topology().vertices().for_each(|v| census.enter(v));
         let mut undos: Vec<(Undo, TopologyDelta, BTreeMap<VertexId, usize>)> = Vec::new();

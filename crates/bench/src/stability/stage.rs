@@ -121,6 +121,19 @@ impl Mover<'_> {
         self.solver.stretch_error(&self.surface)
     }
 
+    /// The farthest that any edge is from its rest length, over it.
+    pub(super) fn largest_strain(&self) -> f64 {
+        let set = self.solver.stretch();
+        let mut largest = 0.0_f64;
+        for batch in set.batches().iter().chain([set.overflow()]) {
+            for (&[a, b], &rest) in batch.vertices().iter().zip(batch.rest()) {
+                let length = (self.surface.position(a) - self.surface.position(b)).norm();
+                largest = largest.max((length / f64::from(rest) - 1.0).abs());
+            }
+        }
+        largest
+    }
+
     /// Tells that positions were set on the host.
     ///
     /// # Errors

@@ -284,7 +284,7 @@ fn a_copy_is_followed_by_nobody() {
     copy.take_changes(&mut changes);
     assert!(changes.everything, "a copy is new to a device");
     solver
-        .step(&mut surface, 1.0 / 60.0, &crate::SolverParams::default())
+        .step(&mut surface, 1.0 / 60.0, &crate::SolverParams::paper())
         .unwrap();
     solver.take_changes(&mut changes);
     assert!(changes.everything, "the CPU moved all vertices");

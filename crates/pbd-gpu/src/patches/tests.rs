@@ -32,7 +32,7 @@ fn small_patches() -> PatchParams {
 fn params() -> SolverParams {
     SolverParams {
         ground: Some(-0.6),
-        ..SolverParams::default()
+        ..SolverParams::paper()
     }
 }
 

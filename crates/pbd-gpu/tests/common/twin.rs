@@ -25,7 +25,7 @@ pub(crate) fn busy() -> (Material, SolverParams) {
         iterations: 2,
         substeps: 3,
         ground: Some(-1.1),
-        ..SolverParams::default()
+        ..SolverParams::paper()
     };
     (material, params)
 }

@@ -167,7 +167,7 @@ fn numbers_that_are_none(context: Context) {
     let params = SolverParams {
         iterations: 2,
         substeps: 4,
-        ..SolverParams::default()
+        ..SolverParams::paper()
     };
     let make = || {
         let mut bodies = bodies(&DRIFT, SOUND);
@@ -207,7 +207,7 @@ fn boxes(context: Context) {
         }
         let id = gpu.add(&surface, &mut solver).expect("room");
         for _ in 0..2 {
-            gpu.step([(id, &mut solver)], DT, &SolverParams::default())
+            gpu.step([(id, &mut solver)], DT, &SolverParams::paper())
                 .expect("a step");
             let found = gpu.bounds(id).expect("a box");
             gpu.read(id, &mut surface, &mut solver).expect("a state");

@@ -13,7 +13,7 @@ pub(crate) fn params() -> SceneParams {
         solver: SolverParams {
             iterations: 4,
             ground: Some(-1.2),
-            ..SolverParams::default()
+            ..SolverParams::paper()
         },
         ..SceneParams::default()
     }
