@@ -15,17 +15,30 @@ use std::path::Path;
 /// Width and height \[px\].
 const SIZE: (u32, u32) = (1000, 1100);
 const FONT: &str = "sans-serif";
-/// The ways of stepping: a name, a color, and which rows it is.
-const WAYS: [(&str, RGBColor, fn(&Row) -> bool); 3] = [
-    ("xpbd", RGBColor(20, 90, 180), |row| row.scheme == "xpbd"),
-    ("pbd", RGBColor(60, 150, 90), |row| {
-        row.scheme == "pbd" && !row.is_paper()
-    }),
-    (
-        "the paper's (pbd, one substep)",
-        RGBColor(200, 60, 30),
-        Row::is_paper,
-    ),
+
+/// A way of stepping.
+struct Way {
+    name: &'static str,
+    color: RGBColor,
+    is: fn(&Row) -> bool,
+}
+
+const WAYS: [Way; 3] = [
+    Way {
+        name: "xpbd",
+        color: RGBColor(20, 90, 180),
+        is: |row| row.scheme == "xpbd",
+    },
+    Way {
+        name: "pbd",
+        color: RGBColor(60, 150, 90),
+        is: |row| row.scheme == "pbd" && !row.is_paper(),
+    },
+    Way {
+        name: "the paper's (pbd, one substep)",
+        color: RGBColor(200, 60, 30),
+        is: Row::is_paper,
+    },
 ];
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -94,7 +107,7 @@ fn panel(
         .y_desc(name)
         .y_label_formatter(&|y| format!("{y:.0e}"))
         .draw()?;
-    for (name, color, is) in WAYS {
+    for Way { name, color, is } in WAYS {
         let rows = || rows.iter().filter(|row| is(row));
         let points: Vec<Point> = rows().filter_map(point).collect();
         chart.draw_series(

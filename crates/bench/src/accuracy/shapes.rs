@@ -44,11 +44,12 @@ pub(super) fn bar(n: [u32; 3], size: f32) -> Result<Surface, TopologyError> {
     let mut points: Vec<[f32; 3]> = Vec::new();
     let side = n.map(|k| k as usize + 1);
     let mut numbers = vec![u32::MAX; side[0] * side[1] * side[2]];
+    let mut next = 0..;
     let mut number = |at: [u32; 3]| {
         let [x, y, z] = at.map(|k| k as usize);
         let slot = &mut numbers[(x * side[1] + y) * side[2] + z];
         if *slot == u32::MAX {
-            *slot = points.len() as u32;
+            *slot = next.next().unwrap_or(u32::MAX);
             points.push(at.map(|k| k as f32 * size));
         }
         *slot
