@@ -150,9 +150,12 @@ impl<'a> Stepper<'a> {
     ) -> Result<(), ReferenceError> {
         let mut before = f64::INFINITY;
         loop {
+            // The last step is Newton's own, which squares what is left.
+            let most = KEPT * before;
+            let least = objective.rounding.max(DONE * *first);
             let kept = self.kept_direction(objective, x);
             let (direction, decrement) = match kept {
-                Some(kept) if kept.1 <= KEPT * before => kept,
+                Some(kept) if least < kept.1 && kept.1 <= most => kept,
                 _ => self.direction(objective, x)?,
             };
             *first = first.max(decrement);
