@@ -12,6 +12,10 @@ const DONE: f64 = 1e-12;
 /// The share of the promised decrease that a step of Newton's method has to bring (Armijo).
 const DECREASE: f64 = 1e-4;
 
+/// Below this part of the first decrement Hessians are tried as they are: near the solution they are positive as a
+/// whole, and then every step squares the error.
+const NEAR: f64 = 1e-2;
+
 /// A factor of an earlier matrix serves as long as every step brings the decrement down to this part: a new one costs
 /// as much as ten such steps.
 const KEPT: f64 = 0.3;
@@ -156,7 +160,7 @@ impl<'a> Stepper<'a> {
             let kept = self.kept_direction(objective, x);
             let (direction, decrement) = match kept {
                 Some(kept) if least < kept.1 && kept.1 <= most => kept,
-                _ => self.direction(objective, x)?,
+                _ => self.direction(objective, x, before <= NEAR * *first)?,
             };
             *first = first.max(decrement);
             report.decrement = if *first > 0.0 {
@@ -196,14 +200,17 @@ impl<'a> Stepper<'a> {
         self.along(&objective.gradient(x))
     }
 
-    /// The step of Newton's method from `x` and its decrement: by the matrix as it is where that is positive.
+    /// The step of Newton's method from `x` and its decrement: `near` the solution by the matrix as it is where that is
+    /// positive.
     fn direction(
         &mut self,
         objective: &Objective<'_>,
         x: &[Vector3<f64>],
+        near: bool,
     ) -> Result<Step, ReferenceError> {
         self.factored = None;
-        for positive in [false, true] {
+        let tries: &[bool] = if near { &[false, true] } else { &[true] };
+        for &positive in tries {
             let gradient = objective.derivatives(x, &mut self.system, positive);
             if self.system.factor()
                 && let Some(step) = self.along(&gradient)
