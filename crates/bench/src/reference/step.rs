@@ -20,6 +20,10 @@ const NEAR: f64 = 1e-2;
 /// as much as ten such steps.
 const KEPT: f64 = 0.3;
 
+/// And as long as no vertex goes farther than this part of the mean rest length: where much moves, another matrix leads
+/// astray.
+const NEARBY: f64 = 0.01;
+
 /// Rounds that leave more than this part of what constraints lacked are too slow.
 const SLOW: f64 = 0.1;
 
@@ -41,6 +45,8 @@ pub struct Stepper<'a> {
     system: System,
     /// The time step of the matrix that was factored last.
     factored: Option<f64>,
+    /// How far a step by that may go \[m\].
+    reach: f64,
 }
 
 impl std::fmt::Debug for Stepper<'_> {
@@ -74,10 +80,12 @@ impl<'a> Stepper<'a> {
     pub fn new(model: &'a Model) -> Result<Self, ReferenceError> {
         check(model)?;
         let system = System::new(model)?;
+        let rest = &model.stretch.rest;
         Ok(Self {
             model,
             system,
             factored: None,
+            reach: NEARBY * rest.iter().sum::<f64>() / rest.len().max(1) as f64,
         })
     }
 
@@ -194,10 +202,13 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// A step from `x` by the matrix that was factored last, if there is one, and its decrement.
+    /// A step from `x` by the matrix that was factored last, and its decrement; none without a matrix or where the step
+    /// is long.
     fn kept_direction(&mut self, objective: &Objective<'_>, x: &[Vector3<f64>]) -> Option<Step> {
         self.factored?;
-        self.along(&objective.gradient(x))
+        let step = self.along(&objective.gradient(x))?;
+        let is_short = step.0.iter().all(|way| way.norm() <= self.reach);
+        is_short.then_some(step)
     }
 
     /// The step of Newton's method from `x` and its decrement: `near` the solution by the matrix as it is where that is
