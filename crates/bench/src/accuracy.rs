@@ -19,8 +19,9 @@ mod table;
 #[cfg(test)]
 mod tests;
 
+use crate::backend::Executor;
 use crate::{json, machine};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use device::Device;
 use error::Yardstick;
 use incise_bench::State;
@@ -67,15 +68,6 @@ pub(crate) struct AccuracyArguments {
     /// Also draw a picture of every scene, with the rows behind it as CSV.
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
-}
-
-/// What executes the solver.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Executor {
-    /// The processor.
-    Cpu,
-    /// A GPU, or software that acts as one where there is none.
-    Gpu,
 }
 
 /// What all runs have in common.

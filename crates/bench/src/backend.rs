@@ -29,3 +29,12 @@ impl From<BackendChoice> for incise_scene::BackendChoice {
         }
     }
 }
+
+/// What executes the solver where nothing may choose by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Executor {
+    /// The processor.
+    Cpu,
+    /// A GPU, or software that acts as one where there is none.
+    Gpu,
+}

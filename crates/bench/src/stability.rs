@@ -29,10 +29,10 @@ mod stage;
 mod starts;
 mod steps;
 
-use crate::backend::BackendChoice;
+use crate::backend::{BackendChoice, Executor};
 use crate::{columns, json, machine};
 use case::Case;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use device::Device;
 use row::{Row, Stamp};
 use stage::{Effort, Stage};
@@ -68,15 +68,6 @@ pub(crate) struct StabilityArguments {
     /// Also write the verdicts as JSON, one object a row.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-}
-
-/// What executes the solver.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Executor {
-    /// The processor.
-    Cpu,
-    /// A GPU, or software that acts as one where there is none.
-    Gpu,
 }
 
 impl Executor {

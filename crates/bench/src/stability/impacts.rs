@@ -3,10 +3,10 @@
 use super::audit::{energy_over, fastest};
 use super::case::{Case, Worst};
 use super::failure::Failure;
-use super::scenes::{FRAME, GROUND, HANGING, ball, elastic_shell, place};
+use super::scenes::{FRAME, GROUND, HANGING, ball, materials, place};
 use super::stage::{Mover, Stage};
 use incise_mesh::{Vec3, VertexId, icosphere};
-use incise_pbd_gpu::{Material, SolverParams, Stiffness};
+use incise_pbd_gpu::{Material, SolverParams};
 
 pub(super) const CASES: [Case; 5] = [
     Case {
@@ -45,18 +45,6 @@ pub(super) const CASES: [Case; 5] = [
         run: rest,
     },
 ];
-
-fn materials() -> [(&'static str, Material); 3] {
-    let paper = Material {
-        bending: Some(Stiffness::Pbd(1.0)),
-        ..Material::default()
-    };
-    [
-        ("PBD", paper),
-        ("compliance 0", elastic_shell(0.0, 0.0)),
-        ("compliance 1e-5", elastic_shell(1e-5, 1e-2)),
-    ]
-}
 
 /// An icosahedron half a meter around the origin that stands on a face, an edge or a corner, or is drawn
 /// out to a needle of that height.

@@ -115,3 +115,16 @@ pub(super) fn double_cone(n: u32) -> Result<Surface, Failure> {
     let faces: Vec<[u32; 3]> = sides.flat_map(|(a, b)| [[0, b, a], [1, a, b]]).collect();
     Ok(Surface::from_triangles(&points, &faces)?)
 }
+
+/// Shells that most bodies are tried as.
+pub(super) fn materials() -> [(&'static str, Material); 3] {
+    let paper = Material {
+        bending: Some(Stiffness::Pbd(1.0)),
+        ..Material::default()
+    };
+    [
+        ("PBD", paper),
+        ("compliance 0", elastic_shell(0.0, 0.0)),
+        ("compliance 1e-5", elastic_shell(1e-5, 1e-2)),
+    ]
+}

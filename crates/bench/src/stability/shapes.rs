@@ -3,10 +3,9 @@
 use super::audit::energy_over;
 use super::case::{Case, Worst};
 use super::failure::Failure;
-use super::scenes::{FRAME, GROUND, ball, double_cone, elastic_shell, sheet, shift};
+use super::scenes::{FRAME, GROUND, ball, double_cone, materials, sheet, shift};
 use super::stage::Stage;
 use incise_mesh::{Surface, Vec3};
-use incise_pbd_gpu::{Material, Stiffness};
 
 pub(super) const CASES: [Case; 4] = [
     Case {
@@ -38,18 +37,6 @@ pub(super) const CASES: [Case; 4] = [
         run: overflow,
     },
 ];
-
-fn materials() -> [(&'static str, Material); 3] {
-    let paper = Material {
-        bending: Some(Stiffness::Pbd(1.0)),
-        ..Material::default()
-    };
-    [
-        ("PBD", paper),
-        ("compliance 0", elastic_shell(0.0, 0.0)),
-        ("compliance 1e-5", elastic_shell(1e-5, 1e-2)),
-    ]
-}
 
 /// Drops a surface in every material.
 fn drop_all(

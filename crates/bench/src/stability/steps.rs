@@ -3,9 +3,9 @@
 use super::audit::energy_over;
 use super::case::{Case, Worst};
 use super::failure::Failure;
-use super::scenes::{GROUND, ball, elastic_shell};
+use super::scenes::{GROUND, ball, elastic_shell, materials};
 use super::stage::Stage;
-use incise_pbd_gpu::{Material, SolverParams, Stiffness};
+use incise_pbd_gpu::{Material, SolverParams};
 
 pub(super) const CASES: [Case; 2] = [
     Case {
@@ -23,19 +23,6 @@ pub(super) const CASES: [Case; 2] = [
         run: compliances,
     },
 ];
-
-/// The materials that every time step is tried with.
-fn materials() -> [(&'static str, Material); 3] {
-    let paper = Material {
-        bending: Some(Stiffness::Pbd(1.0)),
-        ..Material::default()
-    };
-    [
-        ("PBD", paper),
-        ("compliance 0", elastic_shell(0.0, 0.0)),
-        ("compliance 1e-5", elastic_shell(1e-5, 1e-2)),
-    ]
-}
 
 /// Drops a ball so that it soon meets the ground; the largest energy of what there was.
 fn dropped(
