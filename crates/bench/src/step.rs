@@ -107,7 +107,7 @@ pub(crate) fn run(arguments: &StepArguments, out: &mut impl Write) -> Result<(),
             iterations: arguments.iterations,
             substeps: arguments.substeps,
             gravity: [0.0; 3],
-            ground: None,
+            ..SolverParams::paper()
         },
         bodies: arguments.bodies,
         budget: match arguments.frames {

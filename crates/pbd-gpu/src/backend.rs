@@ -3,7 +3,7 @@
 use crate::constraints::Batch;
 use crate::error::StepError;
 use crate::kernels::bending::{Bending, bending_serial};
-use crate::kernels::displacements::{Cell, Exclusive};
+use crate::kernels::displacements::{Cell, Displacements, Exclusive};
 use crate::kernels::stretch::{Stretch, stretch_serial};
 use crate::kernels::{ground, integrate, pins, predict};
 use crate::params::StepStats;
@@ -30,6 +30,8 @@ pub trait Backend {
 pub struct CpuBackend {
     /// Displacements of the substep, shape [vertex slots].
     displacements: Vec<Cell>,
+    /// Displacements before the iteration at hand, shape [vertex slots]; empty while no residual is stated.
+    before: Vec<[f32; 4]>,
 }
 
 impl Clone for CpuBackend {
@@ -42,7 +44,7 @@ impl Clone for CpuBackend {
 impl CpuBackend {
     /// Room that the backend has taken, in vertices.
     pub(crate) fn capacity(&self) -> usize {
-        self.displacements.capacity()
+        self.displacements.capacity() + self.before.capacity()
     }
 }
 
@@ -64,6 +66,7 @@ impl Backend for CpuBackend {
             constants,
             body,
             displacements: &mut self.displacements,
+            before: &mut self.before,
             arch,
             stats: StepStats::default(),
             lowest: f32::INFINITY,
@@ -84,6 +87,7 @@ struct Frame<'a, 'b> {
     constants: &'a StepConstants,
     body: &'a mut Body<'b>,
     displacements: &'a mut [Cell],
+    before: &'a mut Vec<[f32; 4]>,
     arch: Arch,
     stats: StepStats,
     /// The lowest predicted height of the substep \[m\].
@@ -98,17 +102,54 @@ impl NullaryFnOnce for Frame<'_, '_> {
         self.stats.substeps = self.constants.substeps;
         for substep in 0..self.constants.substeps {
             let plan = self.plan;
-            for pass in plan.passes() {
-                if pass == Pass::Ground && self.lowest > self.constants.ground {
-                    self.stats.ground_passes_skipped += 1;
-                } else {
-                    self.stats.passes += 1;
-                    self.run(pass, substep)?;
+            // The prologue, the iterations, the epilogue.
+            let last = plan.iterations() + 1;
+            let mut part = 0;
+            while part <= last {
+                for &pass in plan.part(part) {
+                    if pass == Pass::Ground && self.lowest > self.constants.ground {
+                        self.stats.ground_passes_skipped += 1;
+                    } else {
+                        self.stats.passes += 1;
+                        self.run(pass, substep)?;
+                    }
+                }
+                part += 1;
+                if let Some(residual) = self.constants.residual
+                    && part < last
+                {
+                    let moved = farthest_since(self.displacements, self.before);
+                    if part > 1 && moved < residual {
+                        self.stats.iterations_skipped += last - part;
+                        part = last;
+                    }
                 }
             }
         }
         Ok(self.stats)
     }
+}
+
+/// The most that a displacement has changed by along any axis since `before` was taken, which is taken anew \[m\].
+#[inline(always)]
+fn farthest_since(now: &mut [Cell], before: &mut Vec<[f32; 4]>) -> f32 {
+    before.resize(now.len(), [0.0; 4]);
+    let mut now = Exclusive(now);
+    let mut farthest = [0.0_f32; 4];
+    for (i, before) in before.iter_mut().enumerate() {
+        let d = now.get(i);
+        for k in 0..4 {
+            let change = (d[k] - before[k]).abs();
+            // Passed over where it is no number: the substep ends with that error in any case.
+            farthest[k] = if change > farthest[k] {
+                change
+            } else {
+                farthest[k]
+            };
+        }
+        *before = d;
+    }
+    farthest.into_iter().fold(0.0, f32::max)
 }
 
 impl Frame<'_, '_> {
@@ -165,7 +206,10 @@ impl Frame<'_, '_> {
                 ground::ground(x, d, constants.ground, constants.friction);
             }
             Pass::Integrate => match integrate::integrate(x, d, v, constants) {
-                Some(farthest) => stats.farthest += farthest,
+                Some(farthest) => {
+                    stats.farthest += farthest;
+                    stats.farthest_substep = stats.farthest_substep.max(farthest);
+                }
                 None => {
                     let vertex = integrate::first_non_finite(x);
                     return Err(StepError::NonFinitePosition { vertex, substep });
@@ -214,6 +258,7 @@ mod tests {
                 },
                 ground: f32::NEG_INFINITY,
                 friction: 0.0,
+                residual: None,
             };
             let stiff = 1.0 + f64::from(h * h) / f64::from(compliance * mass);
             let mut expected = f64::from(positions[1][0]) - 1.0;

@@ -136,6 +136,14 @@ pub enum StepError {
         /// Which one.
         name: &'static str,
     },
+    /// A residual that no motion can be compared with.
+    #[error(
+        "residual {value} m is not a finite number of 0 or more; give none to do all iterations"
+    )]
+    BadResidual {
+        /// What was asked for \[m\].
+        value: f32,
+    },
     /// The surface was edited and the solver has not been told.
     #[error(
         "the surface has {surface} vertex slots, the solver {solver}; apply the delta of the edit first"

@@ -117,9 +117,17 @@ impl StepPlan {
 
     /// All passes of one substep, in the order in which they run.
     pub fn passes(&self) -> impl Iterator<Item = Pass> {
-        let iterations = (0..self.key.iterations).flat_map(|_| &self.iteration);
-        let passes = self.prologue.iter().chain(iterations);
-        passes.chain(&self.epilogue).copied()
+        let parts = 0..=self.key.iterations + 1;
+        parts.flat_map(|i| self.part(i)).copied()
+    }
+
+    /// The prologue is part 0, every iteration is a part, the epilogue is the last one.
+    pub(crate) fn part(&self, i: u32) -> &[Pass] {
+        match i {
+            0 => &self.prologue,
+            i if i <= self.key.iterations => &self.iteration,
+            _ => &self.epilogue,
+        }
     }
 
     /// How often the lists were built. A backend that made something of them has to do so again when
@@ -221,6 +229,8 @@ pub struct StepConstants {
     pub ground: f32,
     /// Coulomb's coefficient.
     pub friction: f32,
+    /// The iterations of a substep end when one moves no vertex by this or more along any axis \[m\].
+    pub residual: Option<f32>,
 }
 
 /// The arrays of a body that kernels read and write.

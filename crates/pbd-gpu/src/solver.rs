@@ -237,6 +237,8 @@ impl Solver {
             bending: self.material.bending.map_or(rigid, projection),
             ground: params.ground.unwrap_or(f32::NEG_INFINITY),
             friction: self.material.friction,
+            // A single iteration has nothing to leave out.
+            residual: params.residual.filter(|_| params.iterations > 1),
         }
     }
 

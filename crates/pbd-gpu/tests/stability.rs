@@ -11,6 +11,7 @@ const GROUND: SolverParams = SolverParams {
     substeps: 1,
     gravity: [0.0, -9.81, 0.0],
     ground: Some(0.0),
+    ..SolverParams::paper()
 };
 
 fn drop_it(surface: &mut Surface, material: &Material, frames: u32) -> Solver {

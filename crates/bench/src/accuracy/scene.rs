@@ -77,6 +77,7 @@ impl Scene {
             substeps,
             gravity: self.gravity,
             ground: self.ground,
+            ..SolverParams::paper()
         }
     }
 

@@ -14,6 +14,7 @@ pub(super) const GROUND: SolverParams = SolverParams {
     substeps: 1,
     gravity: [0.0, -9.81, 0.0],
     ground: Some(0.0),
+    ..SolverParams::paper()
 };
 
 /// As [`GROUND`], without the ground.

@@ -79,6 +79,7 @@ mod tests {
             },
             ground: f32::NEG_INFINITY,
             friction: 0.0,
+            residual: None,
         };
         for bad in [f32::NAN, f32::INFINITY] {
             for k in 0..3 {

@@ -258,6 +258,7 @@ pub(crate) fn params(case: &Case) -> SolverParams {
         substeps: case.substeps,
         gravity: [0.0, case.gravity, 0.0],
         ground: case.ground,
+        ..SolverParams::paper()
     }
 }
 
