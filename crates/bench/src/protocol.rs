@@ -296,6 +296,8 @@ pub(crate) fn params(arguments: &TableArguments) -> SceneParams {
         skip_far_sweeps: false,
         // A readback in between would be timed with a frame that has none.
         checkpoint: 0,
+        // The paper steps whatever it has, at rest or not.
+        sleep: None,
     }
 }
 

@@ -183,6 +183,16 @@ impl Solver {
         if total > 0.0 { off / total } else { 0.0 }
     }
 
+    /// The mean rest length of edges \[m\]; 0 without any. Looks at every edge.
+    #[must_use]
+    pub fn mean_rest_length(&self) -> f64 {
+        let lengths = self.stretch.all().flat_map(|batch| batch.rest());
+        let (sum, count) = lengths.fold((0.0, 0_u32), |(sum, count), &rest| {
+            (sum + f64::from(rest), count + 1)
+        });
+        sum / f64::from(count.max(1))
+    }
+
     fn check_vertex(&self, vertex: VertexId) -> Result<(), ConstraintError> {
         if self.is_vertex(vertex) {
             Ok(())

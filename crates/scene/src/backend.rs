@@ -185,6 +185,8 @@ impl Scene {
     fn leave_device(&mut self, why: String) {
         if let Some(mut device) = self.device.take() {
             device.save(&mut self.bodies);
+            // They may be where they were before they came to rest.
+            self.sleep.wake_all();
             self.backend.note(why);
         }
     }
@@ -202,6 +204,7 @@ impl Scene {
         match (body, &mut self.device) {
             (Some(i), Some(device)) if error.is_no_room() => {
                 device.remove(i);
+                self.sleep.wake(i);
                 self.backend.note(error.to_string());
             }
             _ => self.leave_device(error.to_string()),

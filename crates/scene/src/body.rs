@@ -3,7 +3,9 @@
 use crate::error::SceneError;
 use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::{Aabb, Surface};
-use incise_pbd_gpu::{ConstraintError, Material, PatchParams, Solver};
+use incise_pbd_gpu::{
+    ConstraintError, Material, PatchParams, Solver, SolverParams, StepError, StepStats,
+};
 use std::time::{Duration, Instant};
 
 /// A body of a scene.
@@ -164,11 +166,7 @@ impl Body {
         })
     }
 
-    pub(crate) fn step(
-        &mut self,
-        dt: f32,
-        params: &incise_pbd_gpu::SolverParams,
-    ) -> Result<(), incise_pbd_gpu::StepError> {
+    pub(crate) fn step(&mut self, dt: f32, params: &SolverParams) -> Result<StepStats, StepError> {
         if !self.stale {
             self.know();
         }
@@ -178,7 +176,7 @@ impl Body {
                 if let Some(known) = &mut self.known {
                     known.drifts(stats.farthest, stats.substeps);
                 }
-                Ok(())
+                Ok(*stats)
             }
             Err(error) => {
                 self.known = None;

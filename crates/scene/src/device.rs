@@ -5,6 +5,7 @@ use crate::body::{Body, BodyId};
 use crate::error::SceneError;
 use crate::params::SceneParams;
 use crate::scene::Bodies;
+use crate::sleep::{Sleep, Step};
 use crate::stats::FrameStats;
 use incise_mesh::{Aabb, Surface};
 use incise_pbd_gpu::{AdapterKind, AdapterRequest, Context, GpuBackend, GpuBody, GpuError};
@@ -245,6 +246,7 @@ impl Device {
         &mut self,
         bodies: &mut Bodies,
         params: &SceneParams,
+        sleep: &mut Sleep,
         stats: &mut FrameStats,
     ) -> Result<(), SceneError> {
         self.frame += 1;
@@ -256,11 +258,35 @@ impl Device {
             let (Some(resident), Some(body)) = (resident, body) else {
                 continue;
             };
-            count += 1;
             if resident.awaits_checkpoint && !resident.is_fresh {
                 let (surface, solver) = body.moved_parts();
                 let done = self.gpu.collect(resident.handle, surface, solver);
                 resident.awaits_checkpoint = !done.map_err(|error| of_body(i, error))?;
+            }
+            if sleep.is_asleep(i) {
+                continue;
+            }
+            count += 1;
+            let mut is_due = is_due;
+            match sleep.begin_step(i, params.sleep.as_ref()) {
+                Step::First { is_last } => {
+                    self.gpu.watch(resident.handle)?;
+                    if is_last {
+                        self.gpu.prefetch_motion(resident.handle)?;
+                    }
+                }
+                Step::LastThatCounts => self.gpu.prefetch_motion(resident.handle)?,
+                Step::Last => {
+                    let is_quiet = is_quiet(&mut self.gpu, resident.handle, body, params);
+                    let is_quiet = is_quiet.map_err(|error| of_body(i, error))?;
+                    sleep.judge(i, is_quiet);
+                    if is_quiet {
+                        // It sleeps in this frame's box, and its state is the last one for long.
+                        self.gpu.prefetch_bounds(resident.handle)?;
+                        is_due |= every > 0;
+                    }
+                }
+                Step::Other => {}
             }
             let is_tested = is_cutting && !params.skip_far_sweeps;
             if is_due || is_tested || resident.is_wanted {
@@ -277,8 +303,11 @@ impl Device {
         if count == 0 {
             return Ok(());
         }
-        let stepped = self.residents.iter().zip(bodies);
-        let stepped = stepped.filter_map(|(resident, body)| {
+        let stepped = self.residents.iter().zip(bodies).enumerate();
+        let stepped = stepped.filter_map(|(i, (resident, body))| {
+            if sleep.is_asleep(i) {
+                return None;
+            }
             let (resident, body) = (resident.as_ref()?, body.as_mut()?);
             Some((resident.handle, body.parts().1))
         });
@@ -288,6 +317,7 @@ impl Device {
         stats.whole_bodies = done.whole_bodies;
         stats.color_bodies = done.color_bodies;
         stats.patch_bodies = done.patch_bodies;
+        stats.kernels_compiled = done.kernels_compiled;
         stats.bytes_uploaded = done.bytes_uploaded;
         stats.bytes_read = done.bytes_read;
         Ok(())
@@ -327,6 +357,21 @@ fn adapter_request(request: &BackendRequest) -> AdapterRequest {
         allow_software: request.allow_software,
         ..AdapterRequest::default()
     }
+}
+
+/// Whether a body was at rest in the frames that count, the last of which is so long ago that nobody waits.
+fn is_quiet(
+    gpu: &mut GpuBackend,
+    handle: GpuBody,
+    body: &Body,
+    params: &SceneParams,
+) -> Result<bool, GpuError> {
+    let (Some(sleep), Some((farthest, bounds))) = (params.sleep, gpu.motion(handle)?) else {
+        return Ok(false);
+    };
+    let edge = body.solver().mean_rest_length();
+    let limit = sleep.limit(edge, &bounds, params.solver.substeps);
+    Ok(f64::from(farthest) <= limit)
 }
 
 /// A body's own error names the body; everything else is the device's.

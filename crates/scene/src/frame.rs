@@ -51,21 +51,53 @@ impl Scene {
     /// [`SceneError::Step`] when a body cannot be stepped, [`SceneError::Gpu`] when the device fails.
     pub fn advance(&mut self) -> Result<&FrameStats, SceneError> {
         let begin = Instant::now();
+        self.sleep.begin_frame(&self.params);
+        self.stats.woken = self.sleep.take_woken();
+        self.stats.asleep = self.sleep.sleepers();
         self.step_device()?;
         for (i, body) in self.bodies.iter_mut().enumerate() {
             let on_device = self.device.as_ref().is_some_and(|d| d.holds(i));
-            let Some(body) = body.as_mut().filter(|_| !on_device) else {
+            if on_device || self.sleep.is_asleep(i) {
                 continue;
-            };
-            body.step(self.params.dt, &self.params.solver)
-                .map_err(|error| SceneError::Step {
-                    body: BodyId(i),
-                    error,
-                })?;
+            }
+            let Some(body) = body else { continue };
+            let done = body.step(self.params.dt, &self.params.solver);
+            let done = done.map_err(|error| SceneError::Step {
+                body: BodyId(i),
+                error,
+            })?;
+            self.stats.iterations_skipped += done.iterations_skipped;
+            self.stats.ground_passes_skipped += done.ground_passes_skipped;
+            if let Some(params) = &self.params.sleep
+                && let Some(farthest) = self.sleep.note(i, done.farthest_substep, params)
+            {
+                let edge = body.solver().mean_rest_length();
+                let limit = params.limit(edge, &body.surface().bounds(), done.substeps);
+                self.sleep.judge(i, f64::from(farthest) <= limit);
+            }
         }
+        self.let_sleep();
         self.stats.fell_back = self.backend.take_news();
         self.stats.solver = begin.elapsed().saturating_sub(self.stats.update);
         Ok(&self.stats)
+    }
+
+    /// Lets bodies sleep that have been at rest for long enough.
+    fn let_sleep(&mut self) {
+        let Some(params) = self.params.sleep else {
+            return;
+        };
+        for (i, body) in self.bodies.iter_mut().enumerate() {
+            if self.sleep.is_asleep(i) || !self.sleep.is_due(i, &params) {
+                continue;
+            }
+            let Some(body) = body else { continue };
+            let on_device = self.device.as_ref().is_some_and(|d| d.holds(i));
+            // The device's box is on its way, if anybody should ask for it.
+            let bounds = (!on_device).then(|| body.bounds(&mut self.stats.boxes));
+            self.sleep.fall_asleep(i, bounds);
+            self.stats.fell_asleep += 1;
+        }
     }
 
     /// Has the device begin with its bodies' frame.
@@ -90,9 +122,22 @@ impl Scene {
         }
         self.stats.update = begin.elapsed();
         if let Some(device) = &mut self.device
-            && let Err(error) = device.step(&mut self.bodies, &self.params, &mut self.stats)
+            && let Err(error) = device.step(
+                &mut self.bodies,
+                &self.params,
+                &mut self.sleep,
+                &mut self.stats,
+            )
         {
             self.recover(None, error)?;
+            return Ok(());
+        }
+        if let (Some(device), Some(params)) = (&self.device, &self.params.sleep) {
+            for i in 0..self.bodies.len() {
+                if device.holds(i) && !self.sleep.is_asleep(i) {
+                    self.sleep.count(i, params);
+                }
+            }
         }
         Ok(())
     }
@@ -138,6 +183,9 @@ impl Scene {
         let reach = sweep.bounds();
         self.near.clear();
         for (i, body) in self.bodies.iter_mut().enumerate() {
+            if self.params.skip_far_sweeps && self.sleep.is_far(i, &reach) {
+                continue;
+            }
             let Some(body) = body else { continue };
             if self.params.skip_far_sweeps {
                 let near = match &mut self.device {
@@ -149,6 +197,7 @@ impl Scene {
                         if inflated(bounds).overlaps(&reach) {
                             device.want(i);
                         }
+                        self.sleep.know(i, bounds);
                         bounds.overlaps(&reach)
                     }
                     _ => body.comes_to(&reach, &mut self.stats.boxes),
@@ -188,6 +237,7 @@ impl Scene {
                 self.stats.refinement += report.cap + report.refinement;
                 if !outcome.delta.is_empty() {
                     self.stats.cuts += 1;
+                    self.sleep.wake(i);
                     self.outcomes.push((BodyId(i), outcome));
                     if let Some(device) = &mut self.device {
                         device.note_cut(i);

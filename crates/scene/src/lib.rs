@@ -35,6 +35,7 @@ mod error;
 mod frame;
 mod params;
 mod scene;
+mod sleep;
 mod stats;
 
 pub use backend::{BackendChoice, BackendReport, BackendRequest};
@@ -43,4 +44,5 @@ pub use body::{Body, BodyId};
 pub use error::SceneError;
 pub use params::SceneParams;
 pub use scene::{Refusal, Scene};
+pub use sleep::SleepParams;
 pub use stats::FrameStats;

@@ -5,6 +5,7 @@ use crate::body::Body;
 use crate::error::SceneError;
 use crate::params::SceneParams;
 use crate::scene::Bodies;
+use crate::sleep::Sleep;
 use crate::stats::FrameStats;
 use incise_mesh::{Aabb, Surface};
 
@@ -76,6 +77,7 @@ impl Device {
         &mut self,
         _bodies: &mut Bodies,
         _params: &SceneParams,
+        _sleep: &mut Sleep,
         _stats: &mut FrameStats,
     ) -> Result<(), SceneError> {
         match *self {}

@@ -1,5 +1,6 @@
 //! What a scene's user chooses.
 
+use crate::sleep::SleepParams;
 use incise_cut::CutParams;
 use incise_pbd_gpu::SolverParams;
 
@@ -18,6 +19,9 @@ pub struct SceneParams {
     /// Every how many frames bodies on a device are copied to the host, while the device goes on: what
     /// the scene goes on with should the device fail. 0 = never.
     pub checkpoint: u32,
+    /// When bodies at rest are left alone until something comes to them. `None` steps every body in every frame, as who
+    /// measures a solver wants it.
+    pub sleep: Option<SleepParams>,
 }
 
 impl Default for SceneParams {
@@ -28,6 +32,7 @@ impl Default for SceneParams {
             cut: CutParams::default(),
             skip_far_sweeps: true,
             checkpoint: 60,
+            sleep: Some(SleepParams::default()),
         }
     }
 }

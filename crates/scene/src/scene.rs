@@ -6,6 +6,7 @@ use crate::body::{Body, BodyId};
 use crate::device::Device;
 use crate::error::SceneError;
 use crate::params::SceneParams;
+use crate::sleep::Sleep;
 use crate::stats::FrameStats;
 use incise_cut::{CutError, CutOutcome};
 use incise_mesh::{Surface, VertexId};
@@ -35,6 +36,7 @@ pub struct Scene {
     pub(crate) outcomes: Vec<(BodyId, CutOutcome)>,
     /// Bodies that the sweep at hand comes to. Its content matters to nobody between sweeps.
     pub(crate) near: Vec<usize>,
+    pub(crate) sleep: Sleep,
     /// The device that bodies live on, if any do.
     pub(crate) device: Option<Device>,
     pub(crate) backend: BackendState,
@@ -80,6 +82,7 @@ impl Scene {
     fn place(&mut self, body: Body) -> Result<BodyId, SceneError> {
         let i = self.bodies.len();
         self.bodies.push(Some(Box::new(body)));
+        self.sleep.add(i);
         if let Err(error) = self.settle(i) {
             self.bodies.pop();
             return Err(error);
@@ -111,6 +114,7 @@ impl Scene {
         if let Some(device) = &mut self.device {
             device.remove(id.0);
         }
+        self.sleep.remove(id.0);
         Ok(self.bodies[id.0].take().map(|body| *body))
     }
 
@@ -159,7 +163,7 @@ impl Scene {
     }
 
     /// A body, up to date, to pin vertices, set velocities or put vertices elsewhere. The next frame
-    /// begins with what was edited.
+    /// begins with what was edited; a body that slept is awake in it.
     ///
     /// # Errors
     /// As [`Scene::read`].
@@ -168,6 +172,7 @@ impl Scene {
     /// When the id is another scene's, or the body was removed.
     pub fn edit(&mut self, id: BodyId) -> Result<&mut Body, SceneError> {
         self.read(id)?;
+        self.sleep.wake(id.0);
         match &mut self.bodies[id.0] {
             Some(body) => {
                 if let Some(device) = &mut self.device {
@@ -180,7 +185,8 @@ impl Scene {
     }
 
     /// Where a pinned vertex is to be at the end of the next frame \[m\]. Unlike [`Scene::edit`] this
-    /// needs nothing from the device, so a pin may be dragged in every frame.
+    /// needs nothing from the device, so a pin may be dragged in every frame. A target elsewhere than before wakes
+    /// the body.
     ///
     /// # Errors
     /// [`SceneError::Constraint`] when the vertex is not pinned or the target is not finite.
@@ -194,9 +200,36 @@ impl Scene {
         to: [f32; 3],
     ) -> Result<(), SceneError> {
         match &mut self.bodies[id.0] {
-            Some(body) => Ok(body.parts().1.set_pin_target(v, to)?),
+            Some(body) => {
+                let solver = body.parts().1;
+                let pins = solver.pins();
+                let known = pins.binary_search_by_key(&v, |pin| pin.vertex);
+                let is_there = known.is_ok_and(|k| pins[k].target == to);
+                solver.set_pin_target(v, to)?;
+                if !is_there {
+                    self.sleep.wake(id.0);
+                }
+                Ok(())
+            }
             None => panic!("body {} was removed", id.0),
         }
+    }
+
+    /// Whether a body sleeps, see [`crate::SleepParams`].
+    ///
+    /// # Panics
+    /// When the id is another scene's.
+    #[must_use]
+    pub fn is_asleep(&self, id: BodyId) -> bool {
+        self.sleep.is_asleep(id.0)
+    }
+
+    /// Wakes a body, which goes on from where it is. One that is awake stays so for as long as if it had just woken.
+    ///
+    /// # Panics
+    /// When the id is another scene's.
+    pub fn wake(&mut self, id: BodyId) {
+        self.sleep.wake(id.0);
     }
 
     /// A blade.

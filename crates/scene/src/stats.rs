@@ -28,6 +28,16 @@ pub struct FrameStats {
     pub cuts: u32,
     /// Cuts refused, see [`crate::Scene::refusals`].
     pub refused: u32,
+    /// Bodies that slept through the frame: nothing was done for them. See [`crate::SleepParams`].
+    pub asleep: u32,
+    /// Bodies that fell asleep at the end of the frame.
+    pub fell_asleep: u32,
+    /// Bodies that woke since the frame before.
+    pub woken: u32,
+    /// Iterations that the processor left out, see [`incise_pbd_gpu::SolverParams::residual`].
+    pub iterations_skipped: u32,
+    /// Passes over the ground that the processor left out, as bodies were above it.
+    pub ground_passes_skipped: u32,
     /// Bodies that a device steps.
     pub bodies_on_device: u32,
     /// Bodies on a device of which one workgroup does a whole frame.
@@ -38,6 +48,8 @@ pub struct FrameStats {
     pub patch_bodies: u32,
     /// Dispatches of the frame.
     pub dispatches: u32,
+    /// Kernels compiled for the device since the frame before, those of the frame included.
+    pub kernels_compiled: u32,
     /// Bodies whose state was brought from the device because a sweep came to them.
     pub readbacks: u32,
     /// Bodies whose state stayed on the device: no sweep came to them.

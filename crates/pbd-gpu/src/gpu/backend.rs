@@ -56,6 +56,11 @@ pub(super) struct Resident {
     /// The report alone.
     pub(super) report: Readback,
     pub(super) wants_report: bool,
+    /// The report of the last frame that counts for [`GpuBackend::motion`].
+    pub(super) motion: Readback,
+    pub(super) wants_motion: bool,
+    /// Whether it is noted how far the body moves.
+    pub(super) is_watched: bool,
 }
 
 /// Steps bodies on a device: the passes of their [`StepPlan`](crate::StepPlan)s in the same order as
@@ -178,6 +183,11 @@ impl GpuBackend {
         &self.stats
     }
 
+    /// The names of the kernels that were compiled so far: those that bodies needed.
+    pub fn kernels(&self) -> impl Iterator<Item = &'static str> {
+        self.pipelines.names()
+    }
+
     /// What the bodies take on the device, without parameters of dispatches and copies on their way.
     #[must_use]
     pub fn memory(&self) -> GpuMemory {
@@ -232,6 +242,9 @@ impl GpuBackend {
             wants_state: false,
             report: Readback::default(),
             wants_report: false,
+            motion: Readback::default(),
+            wants_motion: false,
+            is_watched: false,
         });
         let body = GpuBody { slot, number };
         solver.mark_all_changed();

@@ -57,6 +57,9 @@ pub(crate) struct FrameUniform {
     pub(crate) has_ground: u32,
     pub(crate) substeps: u32,
     pub(crate) iterations: u32,
+    /// Whether somebody wants to know how far bodies move: 0 or 1.
+    pub(crate) notes_motion: u32,
+    pub(crate) pad: [u32; 3],
 }
 
 /// What one dispatch covers.
@@ -148,7 +151,9 @@ pub(crate) struct Report {
     pub(crate) bad_vertex: u32,
     /// In which substep it did, [`u32::MAX`] if none did.
     pub(crate) bad_substep: u32,
-    pub(crate) pad: [u32; 2],
+    /// The farthest that a vertex moved along an axis in a substep since the host set it to 0 \[m\]: plain bits.
+    pub(crate) farthest: u32,
+    pub(crate) pad: u32,
 }
 
 impl Report {
@@ -161,7 +166,8 @@ impl Report {
             box_max: [least; 3],
             bad_vertex: u32::MAX,
             bad_substep: u32::MAX,
-            pad: [0; 2],
+            farthest: 0,
+            pad: 0,
         }
     }
 

@@ -11,6 +11,7 @@ mod context;
 mod edit;
 mod error;
 mod layout;
+mod motion;
 mod pipelines;
 mod program;
 mod read;

@@ -84,6 +84,8 @@ pub(super) struct Pipelines {
     pub(super) capacity: u32,
     modules: [Option<ShaderModule>; 3],
     made: [Option<ComputePipeline>; Kernel::COUNT],
+    /// How many were made since somebody asked.
+    compiled: u32,
 }
 
 impl Pipelines {
@@ -98,6 +100,7 @@ impl Pipelines {
             capacity: shaders::capacity(limits.max_compute_workgroup_storage_size),
             modules: [const { None }; 3],
             made: [const { None }; Kernel::COUNT],
+            compiled: 0,
         })
     }
 
@@ -143,7 +146,21 @@ impl Pipelines {
             context.device().create_compute_pipeline(&descriptor)
         })?;
         self.made[kernel.index()] = Some(pipeline);
+        self.compiled += 1;
         Ok(())
+    }
+
+    /// How many were made since it was asked last.
+    pub(super) fn take_compiled(&mut self) -> u32 {
+        std::mem::take(&mut self.compiled)
+    }
+
+    /// The names of those that were made.
+    pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
+        let others = [Kernel::WholeBody, Kernel::Patches, Kernel::ResetPatches];
+        let all = EntryPoint::ALL.map(Kernel::Pass).into_iter().chain(others);
+        all.filter(|kernel| self.get(*kernel).is_some())
+            .map(Kernel::name)
     }
 
     /// The kernel's pipeline, if it was made.

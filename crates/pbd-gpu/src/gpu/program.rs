@@ -117,12 +117,16 @@ impl Program {
         u32::try_from(all.saturating_add(once as u64)).unwrap_or(u32::MAX)
     }
 
-    /// The kernels that the program needs.
+    /// The kernels that the program needs in every frame.
     pub(super) fn kernels(&self) -> impl Iterator<Item = Kernel> {
         let lists = [&self.prologue, &self.iteration, &self.epilogue];
-        let single = [self.whole, self.bounds[0], self.bounds[1]];
-        let of_lists = lists.into_iter().flatten().map(|d| d.kernel);
-        of_lists.chain(single.into_iter().flatten().map(|d| d.kernel))
+        let dispatches = lists.into_iter().flatten().chain(&self.whole);
+        dispatches.map(|d| d.kernel)
+    }
+
+    /// The kernels that it needs if somebody asks for boxes.
+    pub(super) fn kernels_of_bounds(&self) -> impl Iterator<Item = Kernel> {
+        self.bounds.iter().flatten().map(|d| d.kernel)
     }
 }
 

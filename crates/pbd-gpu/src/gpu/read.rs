@@ -143,6 +143,23 @@ impl GpuBackend {
         Ok(())
     }
 
+    /// Has the report of a body copied, with what was noted of its motion.
+    pub(super) fn request_motion(
+        &mut self,
+        slot: usize,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Result<(), GpuError> {
+        if let Some(resident) = &mut self.residents[slot] {
+            resident.is_watched = false;
+            let part = [report_part(&self.arenas, resident.body.slot)];
+            let frame = resident.frame;
+            resident
+                .motion
+                .request(&self.context, encoder, &part, frame)?;
+        }
+        Ok(())
+    }
+
     /// Has the report of a body copied.
     pub(super) fn request_report(
         &mut self,
@@ -169,7 +186,7 @@ pub(super) fn report_part(arenas: &Arenas, slot: u32) -> Part<'_> {
     )
 }
 
-fn finite(report: &Report) -> Result<(), GpuError> {
+pub(super) fn finite(report: &Report) -> Result<(), GpuError> {
     match report.non_finite() {
         None => Ok(()),
         Some((vertex, substep)) => Err(GpuError::Step(StepError::NonFinitePosition {

@@ -43,9 +43,14 @@ impl GpuBackend {
                 break;
             }
             let constants = solver.prepare(dt, params);
-            frame = frame_record(&constants, params);
+            frame = FrameUniform {
+                notes_motion: frame.notes_motion,
+                ..frame_record(&constants, params)
+            };
             self.tell(body, solver, &constants, &mut stats)?;
             self.stepped.push(body.slot());
+            let is_watched = self.resident(body)?.is_watched;
+            frame.notes_motion |= u32::from(is_watched);
         }
         // Before an error ends the step: those of the bodies that were right are noted for places that
         // may be somebody else's by the next one.
@@ -62,13 +67,18 @@ impl GpuBackend {
             let limit = MOST_DISPATCHES;
             return Err(GpuError::TooManyDispatches { dispatches, limit });
         }
+        let wants_bounds = self.wants_bounds();
+        if wants_bounds {
+            self.make_bounds()?;
+        }
         self.frame += 1;
-        let wants_bounds = self.note_frame();
+        self.note_frame();
         stats.dispatches = self.program.dispatches(wants_bounds);
         self.submit(wants_bounds)?;
         self.follow_up()?;
         stats.bytes_uploaded = self.uploads.take_bytes();
         stats.bytes_read = std::mem::take(&mut self.bytes_read);
+        stats.kernels_compiled = self.pipelines.take_compiled();
         self.stats = stats;
         Ok(&self.stats)
     }
@@ -81,6 +91,7 @@ impl GpuBackend {
         resident.wants_report = true;
         // That is for the end of the next step.
         let wants_state = std::mem::take(&mut resident.wants_state);
+        let wants_motion = std::mem::take(&mut resident.wants_motion);
         // The program's other dispatches are left out by having no substeps.
         let workgroup = self.pipelines.lanes.pass;
         let count = self.resident_at(slot).map_or(0, |r| r.body.vertex_count);
@@ -88,9 +99,11 @@ impl GpuBackend {
         self.program_of.clear();
         self.program_of.push(slot);
         self.program_is_stale = true;
-        let done = self.make_program().and_then(|()| self.submit(true));
+        let made = self.make_program().and_then(|()| self.make_bounds());
+        let done = made.and_then(|()| self.submit(true));
         if let Some(resident) = self.resident_at(slot) {
             resident.wants_state = wants_state;
+            resident.wants_motion = wants_motion;
         }
         done
     }
@@ -164,19 +177,31 @@ impl GpuBackend {
             .send_program(&self.context, &mut self.uploads, &self.program)
     }
 
-    /// Notes in the bodies that this frame steps them; whether somebody wants a box.
-    fn note_frame(&mut self) -> bool {
+    /// Makes the pipelines that find boxes: most scenes never ask for one.
+    fn make_bounds(&mut self) -> Result<(), GpuError> {
+        for kernel in self.program.kernels_of_bounds() {
+            self.pipelines.make(&self.context, kernel)?;
+        }
+        Ok(())
+    }
+
+    /// Whether somebody wants the box of a body that the program steps.
+    fn wants_bounds(&self) -> bool {
+        let residents = self.program_of.iter();
+        let mut residents = residents.filter_map(|&slot| self.residents[slot as usize].as_ref());
+        residents.any(|resident| resident.wants_report || resident.wants_motion)
+    }
+
+    /// Notes in the bodies that this frame steps them.
+    fn note_frame(&mut self) {
         let frame = self.frame;
         let slots = std::mem::take(&mut self.program_of);
-        let mut wants_bounds = false;
         for &slot in &slots {
             if let Some(resident) = self.resident_at(slot) {
                 resident.frame = frame;
-                wants_bounds |= resident.wants_report;
             }
         }
         self.program_of = slots;
-        wants_bounds
     }
 
     /// Encodes the program and the copies that somebody wants, and hands them over.
@@ -212,6 +237,7 @@ impl GpuBackend {
             if let Some(resident) = self.resident_at(slot) {
                 resident.state.submitted(&submission);
                 resident.report.submitted(&submission);
+                resident.motion.submitted(&submission);
             }
         }
         Ok(())
@@ -236,11 +262,15 @@ impl GpuBackend {
             };
             let state = std::mem::take(&mut resident.wants_state);
             let report = std::mem::take(&mut resident.wants_report);
+            let motion = std::mem::take(&mut resident.wants_motion);
             if state {
                 self.request_state(slot as usize, encoder)?;
             }
             if report {
                 self.request_report(slot as usize, encoder)?;
+            }
+            if motion {
+                self.request_motion(slot as usize, encoder)?;
             }
         }
         Ok(())
@@ -297,5 +327,7 @@ fn frame_record(constants: &StepConstants, params: &SolverParams) -> FrameUnifor
         has_ground: u32::from(params.ground.is_some()),
         substeps: constants.substeps,
         iterations: params.iterations,
+        notes_motion: 0,
+        pad: [0; 3],
     }
 }

@@ -3,6 +3,9 @@
 // The lowest predicted height in the workgroup, as ordered bits.
 var<workgroup> lowest: atomic<u32>;
 
+// The farthest that a vertex of the workgroup moved: bits of numbers that are not negative compare as they do.
+var<workgroup> most: atomic<u32>;
+
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn predict(
     @builtin(workgroup_id) group: vec3u,
@@ -152,6 +155,17 @@ fn integrate(
             let next = current.substep + 1u;
             let slot = select(next & 1u, 0u, next == frame.substeps);
             atomicStore(&reports[work.body].lowest[slot], ORDERED_INFINITY);
+        }
+    }
+    if (frame.notes_motion != 0u) {
+        if (lane == 0u) {
+            atomicStore(&most, 0u);
+        }
+        workgroupBarrier();
+        atomicMax(&most, bitcast<u32>(farthest));
+        workgroupBarrier();
+        if (lane == 0u) {
+            atomicMax(&reports[work.body].farthest, atomicLoad(&most));
         }
     }
 }

@@ -102,7 +102,7 @@ fn structs_lie_in_memory_as_in_rust() {
         check(
             "Frame",
             size_of::<FrameUniform>(),
-            &members!(FrameUniform: gravity_step h ground has_ground substeps iterations),
+            &members!(FrameUniform: gravity_step h ground has_ground substeps iterations notes_motion),
         );
         check(
             "Pass",
@@ -121,7 +121,7 @@ fn structs_lie_in_memory_as_in_rust() {
         check(
             "Report",
             size_of::<Report>(),
-            &members!(Report: lowest box_min box_max bad_vertex bad_substep),
+            &members!(Report: lowest box_min box_max bad_vertex bad_substep farthest),
         );
     }
 }

@@ -9,6 +9,10 @@ struct Frame {
     has_ground: u32,
     substeps: u32,
     iterations: u32,
+    notes_motion: u32,
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
 }
 
 struct Pass {
@@ -57,8 +61,8 @@ struct Report {
     box_max: array<atomic<u32>, 3>,
     bad_vertex: atomic<u32>,
     bad_substep: atomic<u32>,
+    farthest: atomic<u32>,
     pad_0: u32,
-    pad_1: u32,
 }
 
 // A stiffness as the kernels use it.

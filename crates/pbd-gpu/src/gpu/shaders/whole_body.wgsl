@@ -110,4 +110,7 @@ fn whole_body(
         workgroupBarrier();
         storageBarrier();
     }
+    if (frame.notes_motion != 0u) {
+        atomicMax(&reports[work.body].farthest, bitcast<u32>(farthest));
+    }
 }

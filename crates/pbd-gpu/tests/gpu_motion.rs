@@ -1,0 +1,113 @@
+//! How far bodies move, as a device notes it.
+
+#![expect(
+    clippy::missing_assert_message,
+    reason = "these are tests, which the lint knows by an attribute only"
+)]
+
+mod common;
+#[path = "common/gpu.rs"]
+mod gpu;
+#[path = "common/twin.rs"]
+mod twin;
+
+use common::sphere;
+use gpu::{Needs, trial};
+use incise_mesh::{Aabb, VertexId};
+use incise_pbd_gpu::{Context, GpuBackend, GpuBody, Schedule, Solver};
+use std::process::ExitCode;
+use twin::{DT, SCHEDULES, busy, solver_for};
+
+/// Steps that count.
+const COUNTED: u32 = 4;
+
+fn main() -> ExitCode {
+    let any = Needs::AnyDevice;
+    let mut trials = vec![trial("nothing_is_noted_unasked", any, unasked)];
+    for schedule in SCHEDULES {
+        let name = format!("it_is_what_the_processor_notes by {}", schedule.name());
+        trials.push(trial(&name, Needs::Strict, move |c| same(c, schedule)));
+        let name = format!("it_is_about_that_on_any_device by {}", schedule.name());
+        trials.push(trial(&name, any, move |c| near(c, schedule)));
+    }
+    gpu::run(trials)
+}
+
+/// What the processor notes in the steps from the third on, and the device after that.
+fn noted(context: Context, schedule: Schedule) -> [(f32, Aabb); 2] {
+    let (material, params) = busy();
+    let mut gpu = GpuBackend::on(context).expect("a device");
+    gpu.force_schedule(Some(schedule));
+    let mut on_cpu = sphere(3, [0.0; 3]);
+    let mut cpu = solver_for(&mut on_cpu, &material, schedule);
+    cpu.set_velocity(VertexId(5), [0.0, 3.0, 0.0])
+        .expect("a vertex");
+    let mut solver = cpu.clone();
+    let body = gpu.add(&on_cpu, &mut solver).expect("room");
+    let mut step = |gpu: &mut GpuBackend, dt: f32| {
+        let done = cpu.step(&mut on_cpu, dt, &params).expect("a step");
+        let moved = done.farthest_substep;
+        gpu.step([(body, &mut solver)], dt, &params)
+            .expect("a step");
+        (moved, on_cpu.bounds())
+    };
+    // A long step takes them far. Noted, and forgotten.
+    gpu.watch(body).expect("it is there");
+    let before = step(&mut gpu, 9.0 * DT).0;
+    gpu.watch(body).expect("it is there");
+    let mut on_cpu = (0.0_f32, Aabb::around([[0.0; 3]]));
+    for frame in 1..=COUNTED {
+        if frame == COUNTED {
+            gpu.prefetch_motion(body).expect("it is there");
+        }
+        let (moved, bounds) = step(&mut gpu, DT);
+        on_cpu = (on_cpu.0.max(moved), bounds);
+    }
+    assert!(on_cpu.0 > 0.0 && before > on_cpu.0, "it was faster before");
+    for _ in 0..3 {
+        step(&mut gpu, DT);
+    }
+    let on_gpu = gpu
+        .motion(body)
+        .expect("a report")
+        .expect("it was asked for");
+    assert_eq!(gpu.motion(body), Ok(None), "it is handed out once");
+    [on_cpu, on_gpu]
+}
+
+fn same(context: Context, schedule: Schedule) {
+    let [(on_cpu, cpu_box), (on_gpu, gpu_box)] = noted(context, schedule);
+    assert_eq!(on_cpu.to_bits(), on_gpu.to_bits());
+    assert_eq!(cpu_box, gpu_box);
+}
+
+fn near(context: Context, schedule: Schedule) {
+    let [(on_cpu, _), (on_gpu, _)] = noted(context, schedule);
+    assert!((on_cpu - on_gpu).abs() < 1e-3 * on_cpu, "{on_cpu} {on_gpu}");
+}
+
+fn unasked(context: Context) {
+    let (material, params) = busy();
+    let mut gpu = GpuBackend::on(context).expect("a device");
+    let add = |gpu: &mut GpuBackend| -> (GpuBody, Solver) {
+        let mut surface = sphere(2, [0.0; 3]);
+        let mut solver = solver_for(&mut surface, &material, Schedule::Colors);
+        (gpu.add(&surface, &mut solver).expect("room"), solver)
+    };
+    let (watched, mut solver) = add(&mut gpu);
+    let (other, mut other_solver) = add(&mut gpu);
+    gpu.watch(watched).expect("it is there");
+    for frame in 0..4 {
+        if frame == 2 {
+            gpu.prefetch_motion(watched).expect("it is there");
+        }
+        let both = [(watched, &mut solver), (other, &mut other_solver)];
+        let stats = gpu.step(both, DT, &params).expect("a step");
+        assert_eq!(stats.bytes_read, 0, "nobody has fetched it");
+    }
+    assert_eq!(gpu.motion(other), Ok(None));
+    assert!(gpu.motion(watched).expect("a report").is_some());
+    let both = [(watched, &mut solver), (other, &mut other_solver)];
+    let stats = gpu.step(both, DT, &params).expect("a step");
+    assert_eq!(stats.bytes_read, 48, "one report");
+}
