@@ -16,6 +16,7 @@ mod paper;
 mod protocol;
 mod refine;
 mod report;
+mod skip;
 mod solver;
 mod stability;
 mod statistics;
@@ -57,6 +58,8 @@ enum Command {
     Accuracy(accuracy::AccuracyArguments),
     /// Torture: each case passes or fails by a stated law, with the worst number found.
     Stability(stability::StabilityArguments),
+    /// What a scene does not need, and what that costs: each claim with its bound.
+    Skip(skip::SkipArguments),
 }
 
 /// What the table is made of.
@@ -153,6 +156,7 @@ fn run(arguments: Arguments) -> Result<(), String> {
             #[cfg(feature = "reference")]
             Some(Command::Accuracy(accuracy)) => accuracy::run(&accuracy, &mut out),
             Some(Command::Stability(stability)) => stability::run(&stability, &mut out),
+            Some(Command::Skip(skip)) => skip::run(&skip, &mut out),
             Some(Command::Table(table)) => report::run(&table, &mut out),
             None => report::run(&arguments.table, &mut out),
         };
@@ -229,6 +233,13 @@ mod tests {
         ] {
             assert!(parse(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn skip_runs_on_what_is_named() {
+        let parse = |line: &str| Arguments::try_parse_from(line.split_whitespace());
+        assert!(parse("b skip --backend cpu,gpu --adapter llvm --json x").is_ok());
+        assert!(parse("b skip --backend auto").is_err(), "nothing chooses");
     }
 
     #[cfg(feature = "reference")]

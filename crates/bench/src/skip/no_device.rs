@@ -1,0 +1,26 @@
+//! No device: a build without the feature `gpu`.
+
+use super::row::Finding;
+use std::error::Error;
+
+/// What there is none of.
+#[derive(Debug)]
+pub(super) enum Device {}
+
+impl Device {
+    /// Says that there is none.
+    ///
+    /// # Errors
+    /// Always.
+    pub(super) fn open(_adapter: Option<&str>) -> Result<Self, Box<dyn Error>> {
+        Err("this build has no GPU support; build it with the feature gpu".into())
+    }
+
+    pub(super) fn describe(&self) -> String {
+        match *self {}
+    }
+
+    pub(super) fn findings(&mut self) -> Result<Vec<Finding>, Box<dyn Error>> {
+        match *self {}
+    }
+}
