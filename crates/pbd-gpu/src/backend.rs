@@ -254,6 +254,7 @@ mod tests {
                 bending: Projection {
                     factor: 0.0,
                     alpha: 0.0,
+                    own_weight: 1.0,
                     keeps: false,
                 },
                 ground: f32::NEG_INFINITY,

@@ -144,6 +144,15 @@ pub enum StepError {
         /// What was asked for \[m\].
         value: f32,
     },
+    /// A part of its own weight that a constraint cannot be projected against.
+    #[error("the own weight {value} is not from 1/2 to 1")]
+    BadOwnWeight {
+        /// What was asked for.
+        value: f32,
+    },
+    /// A device steps by implicit Euler only.
+    #[error("a device steps by implicit Euler; step on the CPU, or take Integrator::Euler")]
+    NotOnDevice,
     /// The surface was edited and the solver has not been told.
     #[error(
         "the surface has {surface} vertex slots, the solver {solver}; apply the delta of the edit first"

@@ -47,6 +47,7 @@ mod params;
 mod patches;
 mod plan;
 mod rest;
+mod second_order;
 mod solver;
 mod state;
 mod sweep;
@@ -62,7 +63,7 @@ pub use gpu::{
     GpuError, GpuMemory, GpuStats, Schedule, adapters,
 };
 pub use material::{Density, Material, Projection, Stiffness};
-pub use params::{SolverParams, StepStats};
+pub use params::{Integrator, SolverParams, StepStats};
 pub use patches::{PATCH_VERTICES, PatchParams};
 pub use plan::{Body, Pass, Pin, StepConstants, StepPlan};
 pub use solver::Solver;

@@ -42,11 +42,13 @@ impl Stiffness {
             Self::Pbd(k) => Projection {
                 factor: projected_share(k, iterations),
                 alpha: 0.0,
+                own_weight: 1.0,
                 keeps: false,
             },
             Self::Compliance(compliance) => Projection {
                 factor: 1.0,
                 alpha: compliance / (h * h),
+                own_weight: 1.0,
                 keeps: compliance > 0.0 && iterations > 1,
             },
         }
@@ -61,13 +63,16 @@ fn projected_share(k: f32, iterations: u32) -> f32 {
     (1.0 - (1.0 - f64::from(k)).powf(1.0 / f64::from(iterations))) as f32
 }
 
-/// A stiffness as the kernels use it: `delta_lambda = -factor (C + alpha lambda) / (sum w |grad C|^2 + alpha)`.
+/// A stiffness as the kernels use it: `delta_lambda = -factor (C + alpha lambda) / max(w, alpha + own_weight w)` with
+/// `w = sum of |grad C|^2 / m`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Projection {
     /// The part of the error that one projection removes.
     pub factor: f32,
     /// `alpha_tilde = compliance / h^2`, times `1 + damping h` where velocities are damped.
     pub alpha: f32,
+    /// As in [`SolverParams`](crate::SolverParams).
+    pub own_weight: f32,
     /// Whether multipliers are remembered from one iteration to the next. A single iteration or a
     /// rigid constraint needs none.
     pub keeps: bool,

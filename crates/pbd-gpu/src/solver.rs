@@ -11,9 +11,10 @@ use crate::error::{ConstraintError, StepError};
 use crate::kernels::integrate::{are_finite, first_non_finite};
 use crate::mass::masses;
 use crate::material::{Material, Projection, Stiffness};
-use crate::params::{SolverParams, StepStats};
+use crate::params::{Integrator, SolverParams, StepStats};
 use crate::patches::{PatchParams, Patches};
 use crate::plan::{Body, Pin, PlanKey, StepConstants, StepPlan};
+use crate::second_order::{History, Orders, SHORTER};
 use incise_mesh::{Surface, VertexId};
 
 /// Moves one surface by position based dynamics: the paper's Algorithm 1, and XPBD where a material
@@ -36,6 +37,7 @@ pub struct Solver {
     /// Where a vertex stands in a list while an edit is followed, shape [vertex slots].
     pub(crate) numbers: Vec<u32>,
     pub(crate) following: Following,
+    history: History,
     stats: StepStats,
     cpu: CpuBackend,
 }
@@ -124,6 +126,7 @@ impl Solver {
             changes: VertexLogs::default(),
             numbers: vec![NONE; slots],
             following: Following::default(),
+            history: History::default(),
             stats: StepStats::default(),
             cpu: CpuBackend::default(),
         };
@@ -185,6 +188,11 @@ impl Solver {
             return Err(StepError::NonFiniteInput { vertex });
         }
         let constants = self.prepare(dt, params);
+        let h = constants.h;
+        let orders = Orders {
+            first: self.constants_of(h, 1, params),
+            second: self.constants_of(SHORTER * h, 1, params),
+        };
         let mut body = Body {
             positions: &mut surface.positions,
             velocities: &mut self.velocities,
@@ -192,7 +200,16 @@ impl Solver {
             bending: self.bending.as_mut(),
             pins: &self.pins,
         };
-        let done = backend.execute(&self.plan, &constants, &mut body);
+        let done = match params.integrator {
+            Integrator::Euler => {
+                self.history.forget();
+                backend.execute(&self.plan, &constants, &mut body)
+            }
+            Integrator::Bdf2 => {
+                let history = &mut self.history;
+                history.execute(backend, &self.plan, &orders, params.substeps, &mut body)
+            }
+        };
         self.changes.everything();
         self.stats = done?;
         Ok(&self.stats)
@@ -212,10 +229,15 @@ impl Solver {
     }
 
     fn constants(&self, dt: f32, params: &SolverParams) -> StepConstants {
-        let h = dt / params.substeps as f32;
+        self.constants_of(dt / params.substeps as f32, params.substeps, params)
+    }
+
+    /// The numbers of substeps of `h` \[s\].
+    fn constants_of(&self, h: f32, substeps: u32, params: &SolverParams) -> StepConstants {
         let rigid = Projection {
             factor: 0.0,
             alpha: 0.0,
+            own_weight: 1.0,
             keeps: false,
         };
         let slowed = 1.0 + self.material.damping * h;
@@ -225,12 +247,13 @@ impl Solver {
             let projection = stiffness.projection(params.iterations, h);
             Projection {
                 alpha: projection.alpha * slowed,
+                own_weight: params.own_weight,
                 ..projection
             }
         };
         StepConstants {
             h,
-            substeps: params.substeps,
+            substeps,
             gravity_step: params.gravity.map(|g| g * h),
             kept_velocity: 1.0 / slowed,
             stretch: projection(self.material.stretch),
@@ -298,6 +321,7 @@ impl Solver {
             + self.pins.capacity()
             + self.dropped_pins.capacity()
             + self.plan.capacity()
+            + self.history.capacity()
     }
 
     /// Whether a triangle uses the vertex.

@@ -59,7 +59,9 @@ pub(crate) struct FrameUniform {
     pub(crate) iterations: u32,
     /// Whether somebody wants to know how far bodies move: 0 or 1.
     pub(crate) notes_motion: u32,
-    pub(crate) pad: [u32; 3],
+    /// As in [`SolverParams`](crate::SolverParams).
+    pub(crate) own_weight: f32,
+    pub(crate) pad: [u32; 2],
 }
 
 /// What one dispatch covers.

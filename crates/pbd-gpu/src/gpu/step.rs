@@ -7,7 +7,8 @@ use super::pipelines::{Kernel, Pipelines, workgroups};
 use super::program::{Dispatch, Program, Stepped};
 use super::stats::{GpuStats, Schedule};
 use super::uniforms::PASS_STRIDE;
-use crate::params::SolverParams;
+use crate::error::StepError;
+use crate::params::{Integrator, SolverParams};
 use crate::plan::StepConstants;
 use crate::solver::Solver;
 use bytemuck::Zeroable;
@@ -32,6 +33,9 @@ impl GpuBackend {
         params: &SolverParams,
     ) -> Result<&GpuStats, GpuError> {
         params.check(dt)?;
+        if params.integrator != Integrator::Euler {
+            return Err(StepError::NotOnDevice.into());
+        }
         self.context.check()?;
         let mut stats = GpuStats::default();
         let mut frame = FrameUniform::zeroed();
@@ -328,6 +332,7 @@ fn frame_record(constants: &StepConstants, params: &SolverParams) -> FrameUnifor
         substeps: constants.substeps,
         iterations: params.iterations,
         notes_motion: 0,
-        pad: [0; 3],
+        own_weight: params.own_weight,
+        pad: [0; 2],
     }
 }

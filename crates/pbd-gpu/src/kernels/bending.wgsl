@@ -60,11 +60,15 @@ fn project_bending(at: u32, by: Projection) {
     let g11 = s * s * g22 + t * t * g33 + 2.0 * (s * t * g23);
     let weight = (x0.w * g00 + x1.w * g11) + (x2.w * g22 + x3.w * g33);
 
-    var wish = by.factor * (turn + by.alpha * lambda);
-    wish = select(wish, MAX_TURN, wish > MAX_TURN);
-    wish = select(wish, -MAX_TURN, wish < -MAX_TURN);
+    let wish = by.factor * (turn + by.alpha * lambda);
     let movable = solid && weight > 0.0;
-    let step = select(0.0, wish / (weight + by.alpha), movable);
+    let sum = frame.own_weight * weight + by.alpha;
+    let under = select(sum, weight, weight > sum);
+    let most = MAX_TURN / weight;
+    var wanted = wish / under;
+    wanted = select(wanted, most, wanted > most);
+    wanted = select(wanted, -most, wanted < -most);
+    let step = select(0.0, wanted, movable);
     let u2 = select(0.0, step * f2, movable) * n2;
     let u3 = select(0.0, step * f3, movable) * n3;
     let ms = select(0.0, s, movable);

@@ -70,11 +70,13 @@ mod tests {
             stretch: Projection {
                 factor: 1.0,
                 alpha: 0.0,
+                own_weight: 1.0,
                 keeps: false,
             },
             bending: Projection {
                 factor: 1.0,
                 alpha: 0.0,
+                own_weight: 1.0,
                 keeps: false,
             },
             ground: f32::NEG_INFINITY,

@@ -96,13 +96,20 @@ fn gather<const B: usize>(
 
 #[inline(always)]
 fn project<const B: usize>(block: &mut Block<B>, projection: Projection) {
-    let Projection { factor, alpha, .. } = projection;
+    let Projection {
+        factor,
+        alpha,
+        own_weight,
+        ..
+    } = projection;
     let [wa, wb] = &block.inv_mass;
     for i in 0..B {
         let [x, y, z, _] = block.edge[i];
         let length = (x * x + y * y + z * z).sqrt();
         let error = (length - block.rest[i]) + alpha * block.lambda[i];
-        let weight = (wa[i] + wb[i]) + alpha;
+        let own = wa[i] + wb[i];
+        let weight = own_weight * own + alpha;
+        let weight = if own > weight { own } else { weight };
         // A length of zero has no direction; two pinned ends do not move.
         let under = length * weight;
         let scale = if under > 0.0 {

@@ -14,7 +14,9 @@ fn project_stretch(at: u32, by: Projection) {
     let edge = difference(xa, da, xb, db);
     let length = sqrt(edge.x * edge.x + edge.y * edge.y + edge.z * edge.z);
     let error = (length - rest) + by.alpha * lambda;
-    let weight = (xa.w + xb.w) + by.alpha;
+    let own = xa.w + xb.w;
+    let sum = frame.own_weight * own + by.alpha;
+    let weight = select(sum, own, own > sum);
     // A length of zero has no direction; two pinned ends do not move.
     let under = length * weight;
     let scale = select(0.0, by.factor * error / under, under > 0.0);

@@ -10,9 +10,9 @@ struct Frame {
     substeps: u32,
     iterations: u32,
     notes_motion: u32,
+    own_weight: f32,
     pad_0: u32,
     pad_1: u32,
-    pad_2: u32,
 }
 
 struct Pass {
