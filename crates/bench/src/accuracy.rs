@@ -14,6 +14,7 @@ mod row;
 mod run;
 mod scene;
 mod scenes;
+mod schemes;
 mod shapes;
 mod table;
 #[cfg(test)]
@@ -62,6 +63,9 @@ pub(crate) struct AccuracyArguments {
     /// Measure what cuts are off by instead: round bodies against closed forms.
     #[arg(long, conflicts_with_all = ["only", "backend", "adapter", "most", "most_iterations", "plot"])]
     cuts: bool,
+    /// Print total errors of ways that the solver has and of ways that it has not, at equal projections, instead.
+    #[arg(long, conflicts_with_all = ["backend", "adapter", "most", "most_iterations", "plot", "cuts", "json"])]
+    schemes: bool,
     /// Also write the rows as JSON, after every scene.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -114,6 +118,15 @@ pub(crate) fn run(
     let mut rows: Vec<Row> = Vec::new();
     for name in scenes::NAMES.into_iter().filter(wanted) {
         let scene = scenes::scene(name)?;
+        if arguments.schemes {
+            let body = scene.body()?;
+            let ladder = Ladder::climb(&scene, &body, &[])?;
+            let exact = ladder.exact();
+            table::reference(out, &scene, &body, &ladder, exact.as_ref())?;
+            let start = State::of(&body.solver, &body.surface);
+            schemes::run(&ladder.model, &start, &exact?.states, out)?;
+            continue;
+        }
         let first = rows.len();
         setup.measure(&scene, &mut rows, out)?;
         table::scene(out, &rows[first..])?;
@@ -124,7 +137,9 @@ pub(crate) fn run(
             plot::draw(folder, name, &rows[first..])?;
         }
     }
-    table::summary(out, &rows)?;
+    if !arguments.schemes {
+        table::summary(out, &rows)?;
+    }
     Ok(())
 }
 
@@ -162,6 +177,10 @@ impl Setup<'_> {
                 .into_iter()
                 .flat_map(|s| numbers.iter().map(move |n| (s, n)))
             {
+                // A device has no second order.
+                if (executor, scheme) == (Executor::Gpu, Scheme::Second) {
+                    continue;
+                }
                 let body = scene.body_by(scheme, f64::from(DT) / f64::from(substeps))?;
                 for &iterations in &numbers {
                     if substeps * iterations > self.arguments.most_iterations {
@@ -169,13 +188,13 @@ impl Setup<'_> {
                     }
                     let mut row = self.row(scene, executor, scheme);
                     (row.substeps, row.iterations) = (substeps, iterations);
-                    let params = scene.params(substeps, iterations);
+                    let params = scene.params_by(scheme, substeps, iterations);
                     match self.step(executor, &body, &params, scene.frames) {
                         Ok(run) => {
                             row.ms_per_frame = run.seconds * 1e3;
                             row.projections_per_frame = run.projections;
                             let states = &run.states;
-                            row.solver_error = (ladder.rung(substeps).ok())
+                            row.solver_error = (ladder.known(scheme, substeps))
                                 .map(|reference| yardstick.errors(states, reference));
                             row.total_error = (exact.as_ref().ok())
                                 .map(|exact| yardstick.errors(states, &exact.states));

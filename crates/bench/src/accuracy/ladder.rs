@@ -1,15 +1,11 @@
 //! What runs are measured against: converged implicit steps of ever smaller size, and what they tend to.
 
 use super::error::distance;
-use super::scene::{Body, DT, Scene};
+use super::scene::{Body, DT, Scene, Scheme};
 use incise_bench::{Model, ReferenceError, State, Stepper};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::time::Instant;
-
-/// Steps of a frame that total errors are told from, of second order: twice as many as any run has, and a half and a
-/// fourth of them to tell what is left.
-const FINE: [u32; 3] = [32, 64, 128];
 
 /// A state for every frame's end.
 pub(super) type Trajectory = Vec<State>;
@@ -24,6 +20,8 @@ pub(super) struct Ladder {
     euler: Vec<Rung>,
     /// By the second backward difference formula.
     fine: Vec<Rung>,
+    /// Their steps a frame.
+    steps: [u32; 3],
     /// How long they took together \[s\].
     pub(super) seconds: f64,
 }
@@ -52,8 +50,9 @@ impl Ladder {
         let begin = Instant::now();
         let model = Model::of(&body.solver, &body.surface, &scene.params(1, 1))?;
         let start = State::of(&body.solver, &body.surface);
-        let fine = FINE.map(|n| (Formula::Bdf2, n));
-        let euler = substeps.iter().map(|&n| (Formula::ImplicitEuler, n));
+        let fine = scene.fine.map(|n| (Formula::Bdf2, n));
+        let near = substeps.iter().filter(|&&n| n <= scene.most_rungs);
+        let euler = near.map(|&n| (Formula::ImplicitEuler, n));
         let mut tasks: Vec<(Formula, u32)> = fine.into_iter().chain(euler).collect();
         // The long ones first: they are the last to end.
         tasks.sort_by_key(|task| std::cmp::Reverse(task.1));
@@ -68,19 +67,25 @@ impl Ladder {
         Ok(Self {
             euler: rungs(euler),
             fine: rungs(fine),
+            steps: scene.fine,
             model,
             seconds: begin.elapsed().as_secs_f64(),
         })
     }
 
-    /// The motion by so many implicit steps a frame.
-    pub(super) fn rung(&self, substeps: u32) -> Result<&[State], ReferenceError> {
-        rung(&self.euler, substeps)
+    /// The motion by so many converged steps a frame, of the order that a scheme has; none where it was not made.
+    pub(super) fn known(&self, scheme: Scheme, substeps: u32) -> Option<&[State]> {
+        let rungs = match scheme {
+            Scheme::Second => &self.fine,
+            _ => &self.euler,
+        };
+        let states = rung(rungs, substeps).ok()?;
+        (!states.is_empty()).then_some(states)
     }
 
     /// What the motion tends to: Richardson's extrapolation of the two finest.
     pub(super) fn exact(&self) -> Result<Exact, ReferenceError> {
-        let [coarse, middle, fine] = FINE.map(|n| rung(&self.fine, n));
+        let [coarse, middle, fine] = self.steps.map(|n| rung(&self.fine, n));
         let (coarse, middle, fine) = (coarse?, middle?, fine?);
         let before = extrapolate(coarse, middle);
         let states = extrapolate(middle, fine);

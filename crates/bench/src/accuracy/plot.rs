@@ -23,11 +23,21 @@ struct Way {
     is: fn(&Row) -> bool,
 }
 
-const WAYS: [Way; 3] = [
+const WAYS: [Way; 5] = [
     Way {
         name: "xpbd",
         color: RGBColor(20, 90, 180),
         is: |row| row.scheme == "xpbd",
+    },
+    Way {
+        name: "xpbd, half of own weight",
+        color: RGBColor(120, 60, 170),
+        is: |row| row.scheme == "xpbd-half",
+    },
+    Way {
+        name: "the same, of second order",
+        color: RGBColor(20, 20, 20),
+        is: |row| row.scheme == "xpbd-half-bdf2",
     },
     Way {
         name: "pbd",

@@ -3,7 +3,7 @@
 use incise_bench::{Model, State};
 use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, VertexId};
-use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness};
+use incise_pbd_gpu::{Integrator, Material, Solver, SolverParams, Stiffness};
 use std::error::Error;
 
 /// Time of a frame \[s\].
@@ -14,17 +14,23 @@ pub(super) const DT: f32 = 1.0 / 60.0;
 pub(super) enum Scheme {
     /// By compliances.
     Xpbd,
+    /// The same, every constraint projected against half of its own weight.
+    Half,
+    /// The same with substeps of second order.
+    Second,
     /// By the paper's stiffnesses of 0 to 1: in the middle of all constraints, what the same compliance leaves of
     /// a constraint that is alone.
     Pbd,
 }
 
 impl Scheme {
-    pub(super) const ALL: [Self; 2] = [Self::Xpbd, Self::Pbd];
+    pub(super) const ALL: [Self; 4] = [Self::Xpbd, Self::Half, Self::Second, Self::Pbd];
 
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Xpbd => "xpbd",
+            Self::Half => "xpbd-half",
+            Self::Second => "xpbd-half-bdf2",
             Self::Pbd => "pbd",
         }
     }
@@ -45,6 +51,10 @@ pub(super) struct Scene {
     pub(super) gravity: [f32; 3],
     pub(super) ground: Option<f32>,
     pub(super) frames: u32,
+    /// Steps of a frame that total errors are told from, each twice the one before.
+    pub(super) fine: [u32; 3],
+    /// Solver errors are told for no more substeps than these: a converged step of a large body takes seconds.
+    pub(super) most_rungs: u32,
 }
 
 /// A scene's body with a solver.
@@ -67,10 +77,29 @@ impl Scene {
             gravity: [0.0, -9.81, 0.0],
             ground: None,
             frames: 15,
+            fine: [32, 64, 128],
+            most_rungs: 64,
         }
     }
 
-    /// How frames are stepped.
+    /// How frames are stepped by a scheme.
+    pub(super) fn params_by(&self, scheme: Scheme, substeps: u32, iterations: u32) -> SolverParams {
+        let own_weight = match scheme {
+            Scheme::Half | Scheme::Second => 0.5,
+            Scheme::Xpbd | Scheme::Pbd => 1.0,
+        };
+        let integrator = match scheme {
+            Scheme::Second => Integrator::Bdf2,
+            _ => Integrator::Euler,
+        };
+        SolverParams {
+            own_weight,
+            integrator,
+            ..self.params(substeps, iterations)
+        }
+    }
+
+    /// How frames are stepped, plainly.
     pub(super) fn params(&self, substeps: u32, iterations: u32) -> SolverParams {
         SolverParams {
             iterations,
@@ -89,7 +118,7 @@ impl Scene {
     /// The body at the start, of what a scheme takes for the compliances with substeps of `h` \[s\].
     pub(super) fn body_by(&self, scheme: Scheme, h: f64) -> Result<Body, Box<dyn Error>> {
         let body = self.body()?;
-        if scheme == Scheme::Xpbd {
+        if scheme != Scheme::Pbd {
             return Ok(body);
         }
         let model = Model::of(&body.solver, &body.surface, &self.params(1, 1))?;

@@ -147,6 +147,8 @@ fn armadillo() -> Result<Scene, Box<dyn Error>> {
     Ok(Scene {
         pins,
         frames: 3,
+        fine: [8, 16, 32],
+        most_rungs: 0,
         ..Scene::new("armadillo", surface, material(1e-4, Some(1e-1)))
     })
 }

@@ -121,7 +121,7 @@ pub(super) fn summary(out: &mut impl Write, rows: &[Row]) -> Result<(), Box<dyn 
         if rows().next().is_none() {
             continue;
         }
-        let ours = totals(rows().filter(|row| row.scheme == "xpbd"));
+        let ours = totals(rows().filter(|row| row.scheme != "pbd"));
         let paper = totals(rows().filter(|row| row.is_paper()));
         let line = |label: String, front: &[Point], gain: Option<f64>| {
             std::iter::once(label)

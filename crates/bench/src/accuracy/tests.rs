@@ -96,7 +96,7 @@ fn substeps_lead_to_what_the_reference_tends_to() {
     // Solved as far as it can be, it is the converged step but for the way of its gradients.
     let run = on_processor(&body, &scene.params(4, 256), scene.frames).unwrap();
     let own = yardstick
-        .errors(&run.states, ladder.rung(4).unwrap())
+        .errors(&run.states, ladder.known(Scheme::Xpbd, 4).unwrap())
         .position;
     assert!(own < 0.2 * errors[0], "{own} of {errors:?}");
     assert!(
@@ -104,6 +104,28 @@ fn substeps_lead_to_what_the_reference_tends_to() {
         "{} of {errors:?}",
         exact.uncertainty
     );
+}
+
+#[test]
+fn one_iteration_by_half_of_the_own_weight_is_of_second_order() {
+    let mut scene = scenes::scene("sheet-1e2").unwrap();
+    scene.frames = 4;
+    let body = scene.body().unwrap();
+    let ladder = Ladder::climb(&scene, &body, &[]).unwrap();
+    let exact = ladder.exact().unwrap();
+    let errors = |scheme| {
+        [2, 4, 8].map(|substeps| {
+            let params = scene.params_by(scheme, substeps, 1);
+            let run = on_processor(&body, &params, scene.frames).unwrap();
+            distance(&ladder.model, &run.states, &exact.states)
+        })
+    };
+    let (second, plain) = (errors(Scheme::Second), errors(Scheme::Xpbd));
+    for pair in second.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((1.6..2.4).contains(&order), "order {order} of {second:?}");
+    }
+    assert!(4.0 * second[2] < plain[2], "{second:?}, {plain:?}");
 }
 
 #[test]

@@ -258,6 +258,7 @@ pub(crate) fn params(case: &Case) -> SolverParams {
         substeps: case.substeps,
         gravity: [0.0, case.gravity, 0.0],
         ground: case.ground,
+        own_weight: if case.substeps > 1 { 0.5 } else { 1.0 },
         ..SolverParams::paper()
     }
 }

@@ -102,7 +102,7 @@ fn structs_lie_in_memory_as_in_rust() {
         check(
             "Frame",
             size_of::<FrameUniform>(),
-            &members!(FrameUniform: gravity_step h ground has_ground substeps iterations notes_motion),
+            &members!(FrameUniform: gravity_step h ground has_ground substeps iterations notes_motion own_weight),
         );
         check(
             "Pass",
