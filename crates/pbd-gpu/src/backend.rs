@@ -256,6 +256,8 @@ mod tests {
                     alpha: 0.0,
                     own_weight: 1.0,
                     keeps: false,
+                    recovery: 0.0,
+                    hold: 0.0,
                 },
                 ground: f32::NEG_INFINITY,
                 friction: 0.0,

@@ -1,6 +1,7 @@
 //! What a body is made of.
 
 use crate::error::ConstraintError;
+use crate::kernels::bending::{FIRM, HOLD, RECOVERY};
 
 /// How a body's mass follows from its shape at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,12 +45,16 @@ impl Stiffness {
                 alpha: 0.0,
                 own_weight: 1.0,
                 keeps: false,
+                recovery: RECOVERY * h,
+                hold: FIRM,
             },
             Self::Compliance(compliance) => Projection {
                 factor: 1.0,
                 alpha: compliance / (h * h),
                 own_weight: 1.0,
                 keeps: compliance > 0.0 && iterations > 1,
+                recovery: RECOVERY * h,
+                hold: FIRM,
             },
         }
     }
@@ -76,6 +81,22 @@ pub struct Projection {
     /// Whether multipliers are remembered from one iteration to the next. A single iteration or a
     /// rigid constraint needs none.
     pub keeps: bool,
+    /// How much of an angle's old error comes back in a substep where bending is rigid and edges are soft
+    /// \[rad\]; of bending only.
+    pub recovery: f32,
+    /// By how much edges hold bending back \[kg\]; of bending only.
+    pub hold: f32,
+}
+
+impl Projection {
+    /// Bending beside edges of that `alpha`.
+    pub(crate) fn beside_edges(self, alpha: f32) -> Self {
+        let hold = HOLD / alpha;
+        Self {
+            hold: if hold < FIRM { hold } else { FIRM },
+            ..self
+        }
+    }
 }
 
 /// What a body is made of.

@@ -239,6 +239,8 @@ impl Solver {
             alpha: 0.0,
             own_weight: 1.0,
             keeps: false,
+            recovery: 0.0,
+            hold: 0.0,
         };
         let slowed = 1.0 + self.material.damping * h;
         // Damping holds back what constraints push as it does what gravity pulls: else it would hold up a soft
@@ -251,13 +253,15 @@ impl Solver {
                 ..projection
             }
         };
+        let stretch = projection(self.material.stretch);
+        let bending = |stiffness| projection(stiffness).beside_edges(stretch.alpha);
         StepConstants {
             h,
             substeps,
             gravity_step: params.gravity.map(|g| g * h),
             kept_velocity: 1.0 / slowed,
-            stretch: projection(self.material.stretch),
-            bending: self.material.bending.map_or(rigid, projection),
+            stretch,
+            bending: self.material.bending.map_or(rigid, bending),
             ground: params.ground.unwrap_or(f32::NEG_INFINITY),
             friction: self.material.friction,
             // A single iteration has nothing to leave out.

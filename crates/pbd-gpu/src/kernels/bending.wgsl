@@ -2,6 +2,9 @@
 
 const FLAT: f32 = 1e-5;
 const MAX_TURN: f32 = 0.1;
+const RECOVERY: f32 = 3.0;
+const HOLD: f32 = 10.0;
+const FIRM: f32 = 1e30;
 
 // The built-in ones may round in another order.
 fn cross_product(a: vec3f, b: vec3f) -> vec3f {
@@ -60,7 +63,13 @@ fn project_bending(at: u32, by: Projection) {
     let g11 = s * s * g22 + t * t * g33 + 2.0 * (s * t * g23);
     let weight = (x0.w * g00 + x1.w * g11) + (x2.w * g22 + x3.w * g33);
 
-    let wish = by.factor * (turn + by.alpha * lambda);
+    let added = -(f2 * dot_product(n2, (d2 - d0) - s * (d1 - d0)) + f3 * dot_product(n3, (d3 - d0) - t * (d1 - d0)));
+    let before = turn - added;
+    let recovery = (RECOVERY * frame.h) * ((1.0 + by.alpha / weight) + by.hold * ((x0.w + x1.w) + (x2.w + x3.w)));
+    var left = 0.0;
+    left = select(left, before - recovery, before > recovery);
+    left = select(left, before + recovery, before < -recovery);
+    let wish = by.factor * ((turn - left) + by.alpha * lambda);
     let movable = solid && weight > 0.0;
     let sum = frame.own_weight * weight + by.alpha;
     let under = select(sum, weight, weight > sum);

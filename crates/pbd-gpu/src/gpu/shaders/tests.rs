@@ -181,6 +181,9 @@ fn kernels_and_their_twins_have_the_same_constants() {
             ("HALF_PI", FRAC_PI_2),
             ("FLAT", bending::FLAT),
             ("MAX_TURN", bending::MAX_TURN),
+            ("RECOVERY", bending::RECOVERY),
+            ("HOLD", bending::HOLD),
+            ("FIRM", bending::FIRM),
         ] {
             assert_eq!(constant(&module, name), [wanted.to_bits()], "{name}");
         }

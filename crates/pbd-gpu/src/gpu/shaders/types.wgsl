@@ -70,6 +70,7 @@ struct Projection {
     factor: f32,
     alpha: f32,
     keeps: bool,
+    hold: f32,
 }
 
 // Position [m], inverse mass [1/kg]: 0 does not move, -1 is a slot that no triangle uses.
@@ -97,12 +98,13 @@ fn difference(xa: vec4f, da: vec3f, xb: vec4f, db: vec3f) -> vec3f {
 
 fn stretch_projection(body: Body) -> Projection {
     let keeps = (body.flags & KEEPS_STRETCH) != 0u;
-    return Projection(body.stretch_factor, body.stretch_alpha, keeps);
+    return Projection(body.stretch_factor, body.stretch_alpha, keeps, 0.0);
 }
 
 fn bending_projection(body: Body) -> Projection {
     let keeps = (body.flags & KEEPS_BENDING) != 0u;
-    return Projection(body.bending_factor, body.bending_alpha, keeps);
+    let hold = HOLD / body.stretch_alpha;
+    return Projection(body.bending_factor, body.bending_alpha, keeps, select(FIRM, hold, hold < FIRM));
 }
 
 // The run of a color, or of OVERFLOW. A pass may go on to colors that only other bodies have; what the
