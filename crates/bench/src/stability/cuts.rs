@@ -27,7 +27,7 @@ pub(super) const CASES: [Case; 5] = [
     },
     Case {
         id: "T12",
-        torture: "the same plane 50 times, the body moving between",
+        torture: "the same plane up to 50 times or 50,000 triangles, the body moving between",
         law: "topology, colors, tree; change of mass, momentum, volume",
         bound: 1e-5,
         run: same_plane,
@@ -114,8 +114,10 @@ pub(super) fn cut(
             if !outcome.delta.is_empty() {
                 mover.follow(&outcome.delta)?;
             }
-            sound(&mover.surface)?;
-            followed(mover, cutter)?;
+            let (surface, solver) = (&mover.surface, &mover.solver);
+            let (sound, followed) =
+                rayon::join(|| sound(surface), || followed(surface, solver, cutter));
+            sound.and(followed)?;
             Ok(before.change(&Sums::of(mover), outcome.report.moved_volume))
         }
         Err(error) => {
@@ -200,7 +202,8 @@ fn same_plane(stage: &mut Stage) -> Result<Worst, Failure> {
         let found = cut(&mut mover, &mut cutter, &sweep, &CutParams::default());
         let broken = found.is_err();
         worst.judge(found, || format!("cut {number}"));
-        if broken {
+        // Pieces are no obstacles to each other, so all of them lie across the plane again: they double.
+        if broken || mover.surface.topology().triangle_count() > 50_000 {
             break;
         }
         mover.step(FRAME, &WEIGHTLESS)?;

@@ -1,8 +1,9 @@
 //! Bodies on a GPU.
 
 use super::failure::Failure;
+use super::stage::Way;
 use incise_mesh::Surface;
-use incise_pbd_gpu::{AdapterRequest, GpuBackend, GpuBody, Solver, SolverParams};
+use incise_pbd_gpu::{AdapterRequest, GpuBackend, GpuBody, Schedule, Solver, SolverParams};
 
 /// An open GPU.
 #[derive(Debug)]
@@ -29,6 +30,21 @@ impl Device {
     pub(super) fn describe(&self) -> String {
         let adapter = self.0.adapter();
         format!("{} ({})", adapter.name, adapter.driver)
+    }
+
+    /// Takes one way for all bodies that can go it.
+    pub(super) fn force(&mut self, way: Way) {
+        self.0.force_schedule(match way {
+            Way::Own => None,
+            Way::WholeBody => Some(Schedule::WholeBody),
+            Way::Colors => Some(Schedule::Colors),
+            Way::Patches => Some(Schedule::Patches),
+        });
+    }
+
+    /// Ends it, as a driver that is updated would.
+    pub(super) fn lose(&self) {
+        self.0.context().destroy();
     }
 
     pub(super) fn add(&mut self, surface: &Surface, solver: &mut Solver) -> Result<Place, Failure> {

@@ -97,7 +97,7 @@ fn one(stage: &mut Stage, directions: &mut Directions) -> Result<f64, Failure> {
     mover.advance(dt, &params, 10)?;
     sound(&mover.surface)?;
     cutter.refit(&mover.surface);
-    followed(&mover, &cutter)?;
+    followed(&mover.surface, &mover.solver, &cutter)?;
     Ok(most)
 }
 

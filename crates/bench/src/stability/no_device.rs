@@ -1,6 +1,7 @@
 //! No device: a build without the feature `gpu`.
 
 use super::failure::Failure;
+use super::stage::Way;
 use incise_mesh::Surface;
 use incise_pbd_gpu::{Solver, SolverParams};
 
@@ -23,6 +24,14 @@ impl Device {
     }
 
     pub(super) fn describe(&self) -> String {
+        match *self {}
+    }
+
+    pub(super) fn force(&mut self, _: Way) {
+        match *self {}
+    }
+
+    pub(super) fn lose(&self) {
         match *self {}
     }
 

@@ -27,8 +27,8 @@ pub(super) const CASES: [Case; 3] = [
     },
     Case {
         id: "T16",
-        torture: "a device that is not there",
-        law: "openings without a typed error",
+        torture: "a device that is not there, and one that is lost",
+        law: "calls without a typed error",
         bound: 0.0,
         run: no_device,
     },
@@ -348,10 +348,27 @@ fn small(stage: &mut Stage) -> Result<Worst, Failure> {
     Ok(tally.0)
 }
 
-fn no_device(_: &mut Stage) -> Result<Worst, Failure> {
+fn no_device(stage: &mut Stage) -> Result<Worst, Failure> {
     let mut tally = Tally::default();
+    let is_typed = |found: &Option<Failure>| matches!(found, Some(Failure::Device(_)));
     let found = Device::open(Some("an adapter of no machine")).err();
-    let typed = matches!(found, Some(Failure::Device(_)));
-    tally.expect(typed, || format!("{found:?}"));
+    tally.expect(is_typed(&found), || format!("{found:?}"));
+    // One of its own is lost: the others go on.
+    if stage.device.is_some() {
+        let mut lost = Stage {
+            effort: stage.effort,
+            device: Some(Device::open(None)?),
+        };
+        let mut mover = lost.enter(ball(1, 0.6), &elastic_shell(1e-4, 1e-2))?;
+        mover.advance(FRAME, &GROUND, 3)?;
+        let before = bits(&mover.surface, &mover.solver);
+        mover.lose_device();
+        for _ in 0..2 {
+            let found = mover.advance(FRAME, &GROUND, 1).err();
+            tally.expect(is_typed(&found), || format!("after the loss: {found:?}"));
+        }
+        let kept = bits(&mover.surface, &mover.solver) == before;
+        tally.expect(kept, || "a lost device left a trace".to_owned());
+    }
     Ok(tally.0)
 }

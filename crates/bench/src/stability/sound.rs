@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::stage::Mover;
 use incise_cut::Cutter;
 use incise_mesh::Surface;
+use incise_pbd_gpu::Solver;
 
 /// Checks that a surface is sound: valid arrays, closed, oriented, one fan around each vertex, every pair of
 /// neighbors joined by one edge, every piece one connected component.
@@ -56,10 +57,10 @@ pub(super) fn sound(surface: &Surface) -> Result<(), Failure> {
 ///
 /// # Errors
 /// The first law that is broken.
-pub(super) fn followed(mover: &Mover<'_>, cutter: &Cutter) -> Result<(), Failure> {
-    let tree = cutter.bvh().validate(&mover.surface);
+pub(super) fn followed(surface: &Surface, solver: &Solver, cutter: &Cutter) -> Result<(), Failure> {
+    let tree = cutter.bvh().validate(surface);
     tree.map_err(|broken| Failure::Law(broken.to_string()))?;
-    let constraints = mover.solver.validate(&mover.surface);
+    let constraints = solver.validate(surface);
     constraints.map_err(|broken| Failure::Law(broken.to_string()))
 }
 

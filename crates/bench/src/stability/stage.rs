@@ -14,6 +14,30 @@ pub(super) enum Effort {
     Full,
 }
 
+/// How a device goes through the constraints of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Way {
+    /// As it finds best.
+    Own,
+    /// A workgroup does a whole frame of a body that fits into its memory.
+    WholeBody,
+    /// Color by color.
+    Colors,
+    /// Patch by patch; for bodies that are divided into patches.
+    Patches,
+}
+
+impl Way {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Own => "its own way",
+            Self::WholeBody => "whole",
+            Self::Colors => "by color",
+            Self::Patches => "by patch",
+        }
+    }
+}
+
 /// What executes the cases, and how much of them.
 #[derive(Debug)]
 pub(super) struct Stage {
@@ -144,6 +168,13 @@ impl Mover<'_> {
             *place = device.add(&self.surface, &mut self.solver)?;
         }
         Ok(())
+    }
+
+    /// Ends the device that the body is on.
+    pub(super) fn lose_device(&self) {
+        if let Some((device, _)) = &self.device {
+            device.lose();
+        }
     }
 
     /// Follows an edit of the surface.
