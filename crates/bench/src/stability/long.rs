@@ -48,7 +48,7 @@ fn params(of: SolverParams) -> SolverParams {
 /// Frames of a run; of a device, which may be software, a tenth.
 fn frames(stage: &Stage) -> u32 {
     let full = if stage.device.is_some() { 1000 } else { 10_000 };
-    stage.pick(20, full)
+    stage.pick(60, full)
 }
 
 fn middle(surface: &incise_mesh::Surface) -> Vec3 {

@@ -63,7 +63,7 @@ fn time_steps(stage: &mut Stage) -> Result<Worst, Failure> {
 
 fn compliances(stage: &mut Stage) -> Result<Worst, Failure> {
     let mut worst = Worst::default();
-    let exponents = (-12..=2).step_by(stage.pick(7, 1));
+    let exponents = (-12..=2).step_by(stage.pick(4, 1));
     let all: Vec<f32> = (std::iter::once(0.0))
         .chain(exponents.map(|e| 10.0_f32.powi(e)))
         .collect();
