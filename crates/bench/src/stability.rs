@@ -152,14 +152,12 @@ pub(crate) fn run(
             commit: commit.clone(),
         };
         writeln!(out, "{}: {}, commit {commit}", stamp.backend, stamp.device)?;
-        let mut stage = Stage {
-            effort: if arguments.quick {
-                Effort::Quick
-            } else {
-                Effort::Full
-            },
-            device,
+        let effort = if arguments.quick {
+            Effort::Quick
+        } else {
+            Effort::Full
         };
+        let mut stage = Stage::new(effort, device);
         let mut told = Ok(());
         rows.extend(verdicts(&cases, &mut stage, &stamp, |row| {
             let verdict = if row.passed { "pass" } else { "FAIL" };
@@ -244,10 +242,7 @@ mod tests {
 
     #[test]
     fn a_part_of_every_case_has_the_verdict_of_the_whole() {
-        let mut stage = Stage {
-            effort: Effort::Quick,
-            device: None,
-        };
+        let mut stage = Stage::new(Effort::Quick, None);
         let all: Vec<Case> = cases().collect();
         let rows = verdicts(&all, &mut stage, &stamp(), |_| {});
         let failed: Vec<_> = (rows.iter().filter(|row| !row.passed))

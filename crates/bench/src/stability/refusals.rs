@@ -355,10 +355,7 @@ fn no_device(stage: &mut Stage) -> Result<Worst, Failure> {
     tally.expect(is_typed(&found), || format!("{found:?}"));
     // One of its own is lost: the others go on.
     if stage.device.is_some() {
-        let mut lost = Stage {
-            effort: stage.effort,
-            device: Some(Device::open(None)?),
-        };
+        let mut lost = Stage::new(stage.effort, Some(Device::open(None)?));
         let mut mover = lost.enter(ball(1, 0.6), &elastic_shell(1e-4, 1e-2))?;
         mover.advance(FRAME, &GROUND, 3)?;
         let before = bits(&mover.surface, &mover.solver);

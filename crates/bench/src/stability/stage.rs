@@ -44,9 +44,19 @@ pub(super) struct Stage {
     pub(super) effort: Effort,
     /// None: the processor.
     pub(super) device: Option<Device>,
+    /// What ten million substeps of a spinning body came to, once they were made: two laws look at it.
+    pub(super) spun: Option<[f64; 2]>,
 }
 
 impl Stage {
+    pub(super) fn new(effort: Effort, device: Option<Device>) -> Self {
+        Self {
+            effort,
+            device,
+            spun: None,
+        }
+    }
+
     /// One number in short, another in full.
     pub(super) fn pick<T>(&self, quick: T, full: T) -> T {
         match self.effort {
