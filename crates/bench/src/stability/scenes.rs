@@ -8,12 +8,13 @@ use incise_pbd_gpu::{Material, SolverParams, Stiffness};
 /// A frame of 60 a second \[s\].
 pub(super) const FRAME: f32 = 1.0 / 60.0;
 
-/// Ground at height 0, earth's gravity, ten iterations.
+/// Ground at height 0, earth's gravity, ten iterations against half of the own weight, as is the default.
 pub(super) const GROUND: SolverParams = SolverParams {
     iterations: 10,
     substeps: 1,
     gravity: [0.0, -9.81, 0.0],
     ground: Some(0.0),
+    own_weight: 0.5,
     ..SolverParams::paper()
 };
 

@@ -67,20 +67,27 @@ fn compliances(stage: &mut Stage) -> Result<Worst, Failure> {
     let all: Vec<f32> = (std::iter::once(0.0))
         .chain(exponents.map(|e| 10.0_f32.powi(e)))
         .collect();
-    let ways = [(1, 1), (10, 1), (1, 10)];
+    let ways = [
+        (1, 1, 0.5),
+        (10, 1, 0.5),
+        (1, 10, 0.5),
+        (10, 1, 1.0),
+        (1, 10, 1.0),
+    ];
     for &stretch in &all {
         for bending in [stretch, 1e-8 / stretch.max(1e-12)] {
-            for (iterations, substeps) in ways {
+            for (iterations, substeps, own_weight) in ways {
                 let params = SolverParams {
                     iterations,
                     substeps,
+                    own_weight,
                     ..GROUND
                 };
                 let material = elastic_shell(stretch, bending);
                 let frames = stage.pick(40, 300);
                 let found = dropped(stage, &material, 1.0 / 60.0, &params, frames);
                 worst.judge(found, || {
-                    format!("{stretch:e} m/N, {bending:e} rad/(N m), {iterations} x {substeps}")
+                    format!("{stretch:e} m/N, {bending:e} rad/(N m), {iterations} x {substeps}, own weight {own_weight}")
                 });
             }
         }
