@@ -16,6 +16,7 @@ mod scene;
 mod scenes;
 mod schemes;
 mod shapes;
+mod substep;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -182,13 +183,20 @@ impl Setup<'_> {
                     continue;
                 }
                 let body = scene.body_by(scheme, f64::from(DT) / f64::from(substeps))?;
-                for &iterations in &numbers {
-                    if substeps * iterations > self.arguments.most_iterations {
-                        break;
-                    }
+                let most = self.arguments.most_iterations;
+                let ways: Vec<SolverParams> = (numbers.iter())
+                    .take_while(|&&iterations| substeps * iterations <= most)
+                    .map(|&iterations| scene.params_by(scheme, substeps, iterations))
+                    .collect();
+                // They do not depend on who steps, but for rounding.
+                let residuals = match executor {
+                    Executor::Cpu => substep::residuals(&body, &ladder, &ways),
+                    Executor::Gpu => None,
+                };
+                for (way, params) in ways.into_iter().enumerate() {
                     let mut row = self.row(scene, executor, scheme);
-                    (row.substeps, row.iterations) = (substeps, iterations);
-                    let params = scene.params_by(scheme, substeps, iterations);
+                    (row.substeps, row.iterations) = (params.substeps, params.iterations);
+                    row.residuals = residuals.as_ref().map(|all| all[way]);
                     match self.step(executor, &body, &params, scene.frames) {
                         Ok(run) => {
                             row.ms_per_frame = run.seconds * 1e3;

@@ -31,5 +31,5 @@ mod reference;
 
 #[cfg(feature = "reference")]
 pub use reference::{
-    Constraints, Measure, Model, ReferenceError, State, StepReport, Stepper, edge, hinge,
+    Constraints, Measure, Model, ReferenceError, Residuals, State, StepReport, Stepper, edge, hinge,
 };

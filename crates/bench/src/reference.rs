@@ -24,6 +24,7 @@ mod measure;
 mod model;
 mod objective;
 mod quantities;
+mod residuals;
 mod step;
 #[cfg(test)]
 mod tests;
@@ -33,4 +34,5 @@ pub use error::ReferenceError;
 pub use hinge::hinge;
 pub use measure::Measure;
 pub use model::{Constraints, Model, State};
+pub use residuals::Residuals;
 pub use step::{StepReport, Stepper};

@@ -83,6 +83,11 @@ impl Ladder {
         (!states.is_empty()).then_some(states)
     }
 
+    /// The motion by so many steps of implicit Euler a frame; none where it was not made.
+    pub(super) fn euler(&self, substeps: u32) -> Option<&[State]> {
+        self.known(Scheme::Xpbd, substeps)
+    }
+
     /// What the motion tends to: Richardson's extrapolation of the two finest.
     pub(super) fn exact(&self) -> Result<Exact, ReferenceError> {
         let [coarse, middle, fine] = self.steps.map(|n| rung(&self.fine, n));

@@ -1,6 +1,7 @@
 //! One run of a solver.
 
 use super::error::Errors;
+use incise_bench::Residuals;
 use serde::Serialize;
 
 /// A row of the table behind plots: a scene stepped in one way.
@@ -17,6 +18,8 @@ pub(super) struct Row {
     pub(super) projections_per_frame: u64,
     /// To the converged implicit step of the same size; none where there is none.
     pub(super) solver_error: Option<Errors>,
+    /// What is left of one substep; none where the converged motion is not known.
+    pub(super) residuals: Option<Residuals>,
     /// To what smaller and smaller steps tend to.
     pub(super) total_error: Option<Errors>,
     /// About how far off that is itself, as a total error's positions are. Ten times less than they, or they say
@@ -46,7 +49,7 @@ impl Row {
 pub(super) fn csv(rows: &[Row]) -> String {
     let mut text = "scene,backend,scheme,substeps,iterations,ms_per_frame,projections_per_frame,solver_position,\
         solver_farthest,solver_force,solver_strain,solver_volume,solver_energy,total_position,total_farthest,\
-        total_force,total_strain,total_volume,total_energy,uncertainty,commit\n"
+        total_force,total_strain,total_volume,total_energy,energy_gap,decrement,primal,uncertainty,commit\n"
         .to_owned();
     for row in rows {
         let mut cells = vec![
@@ -68,7 +71,12 @@ pub(super) fn csv(rows: &[Row]) -> String {
                 number(errors.map(|e| e.energy)),
             ]);
         }
-        cells.push(number(row.uncertainty));
+        cells.extend([
+            number(row.residuals.map(|r| r.energy)),
+            number(row.residuals.map(|r| r.decrement)),
+            number(row.residuals.map(|r| r.primal)),
+            number(row.uncertainty),
+        ]);
         cells.push(row.commit.clone());
         text += &cells.join(",");
         text.push('\n');

@@ -54,7 +54,6 @@ pub(super) struct Objective<'a> {
     pub(super) h: f64,
     /// `(1 + damping h) / h^2` [1/s^2].
     inertia: f64,
-    /// Where vertices are predicted, or held \[m\].
     goal: Vec<Vector3<f64>>,
     pub(super) stretch: Multipliers,
     pub(super) bending: Multipliers,
@@ -95,6 +94,11 @@ impl<'a> Objective<'a> {
             ground,
             rounding: ROUNDING * extent * square.sqrt(),
         }
+    }
+
+    /// Where vertices are predicted, or held \[m\].
+    pub(super) fn goal(&self) -> &[Vector3<f64>] {
+        &self.goal
     }
 
     /// The value \[J\].

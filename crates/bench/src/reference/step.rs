@@ -72,6 +72,13 @@ pub struct StepReport {
     pub ground: Vec<f64>,
 }
 
+/// Where a step leads, with what it is the minimum of.
+pub(super) struct Solved<'a> {
+    pub(super) objective: Objective<'a>,
+    pub(super) x: Vec<Vector3<f64>>,
+    report: StepReport,
+}
+
 impl<'a> Stepper<'a> {
     /// Analyzes the pattern of a model.
     ///
@@ -100,6 +107,34 @@ impl<'a> Stepper<'a> {
         h: f64,
         held: &[(usize, Vector3<f64>)],
     ) -> Result<StepReport, ReferenceError> {
+        let Solved {
+            objective,
+            x,
+            report,
+        } = self.solve(state, h, held)?;
+        for ((at, v), to) in state.x.iter_mut().zip(&mut state.v).zip(x) {
+            *v = (to - *at) / h;
+            *at = to;
+        }
+        Ok(StepReport {
+            stretch: objective.stretch.lambda,
+            bending: objective.bending.lambda,
+            ground: objective.ground.lambda,
+            ..report
+        })
+    }
+
+    pub(super) fn model(&self) -> &'a Model {
+        self.model
+    }
+
+    /// Finds where a step leads.
+    pub(super) fn solve(
+        &mut self,
+        state: &State,
+        h: f64,
+        held: &[(usize, Vector3<f64>)],
+    ) -> Result<Solved<'a>, ReferenceError> {
         let model = self.model;
         let fits = state.x.len() == model.mass.len() && state.v.len() == model.mass.len();
         let all = || state.x.iter().chain(&state.v).flat_map(|p| p.iter());
@@ -142,14 +177,11 @@ impl<'a> Stepper<'a> {
             }
             before = lack;
         }
-        for ((at, v), to) in state.x.iter_mut().zip(&mut state.v).zip(x) {
-            *v = (to - *at) / h;
-            *at = to;
-        }
-        report.stretch = objective.stretch.lambda;
-        report.bending = objective.bending.lambda;
-        report.ground = objective.ground.lambda;
-        Ok(report)
+        Ok(Solved {
+            objective,
+            x,
+            report,
+        })
     }
 
     /// Brings `x` to the minimum.
@@ -209,6 +241,18 @@ impl<'a> Stepper<'a> {
         let step = self.along(&objective.gradient(x))?;
         let is_short = step.0.iter().all(|way| way.norm() <= self.reach);
         is_short.then_some(step)
+    }
+
+    /// The decrement of Newton's method at `x`, by the matrix made positive where it is not.
+    pub(super) fn decrement(
+        &mut self,
+        objective: &Objective<'_>,
+        x: &[Vector3<f64>],
+    ) -> Result<f64, ReferenceError> {
+        let (_, decrement) = self.direction(objective, x, false)?;
+        // A step that comes after goes the way that it would have gone.
+        self.factored = None;
+        Ok(decrement)
     }
 
     /// The step of Newton's method from `x` and its decrement: `near` the solution by the matrix as it is where that is
