@@ -19,7 +19,7 @@ pub struct SolverParams {
     /// off as iterations were left out; in a body that crumples it may be more. 0 leaves out none; `None` does not even
     /// look, and costs nothing.
     ///
-    /// A device does all iterations: they are with it before the first is done.
+    /// A device does all iterations: they are with it before the first is done. A single iteration has nothing to leave out.
     pub residual: Option<f32>,
     /// The part of its own weight `w = sum of |grad C|^2 / m` that a compliant constraint is projected against, 1/2 to 1:
     /// a projection divides by the greater of `w` and `compliance / h^2 + own_weight w`. 1 is XPBD's.
@@ -43,7 +43,8 @@ pub enum Integrator {
     /// vertices a substep. A substep is one of implicit Euler, two thirds as long, from `(4 x - x0) / 3` and `(4 v - v0) / 3`,
     /// so constraints are projected as ever. Needs the state of a substep before: the first substep of a motion, and the
     /// one after anything else has changed positions, velocities, masses or the time step, or after the body has come near the
-    /// ground, is one of implicit Euler. Only [`Solver::step`](crate::Solver::step) and
+    /// ground, is one of implicit Euler. It takes nothing of the energy, so what iterations leave of rigid constraints is not damped
+    /// either: a body that is held gains without end by 16 substeps of one iteration, not by 16 of four. Only [`Solver::step`](crate::Solver::step) and
     /// [`Solver::step_on`](crate::Solver::step_on) have it; a device refuses it.
     Bdf2,
 }
@@ -52,8 +53,7 @@ impl Default for SolverParams {
     /// 16 substeps of one iteration each against half of the own weight, no ground. Of all ways to spend about so much time,
     /// from 1 to 64 substeps of 1 to 64 iterations, it lies on or near the front of work and precision of what `incise-bench
     /// accuracy` moves, on every backend: more iterations in fewer substeps leave larger errors (Macklin et al. 2019, "Small Steps in
-    /// Physics Simulation"), and all of the own weight leaves a soft body softer and slower than it is. What the processor steps is nearer
-    /// still by [`Integrator::Bdf2`].
+    /// Physics Simulation"), and all of the own weight leaves a soft body softer and slower than it is.
     fn default() -> Self {
         Self {
             iterations: 1,

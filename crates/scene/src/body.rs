@@ -2,7 +2,7 @@
 
 use crate::error::SceneError;
 use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
-use incise_mesh::{Aabb, Surface};
+use incise_mesh::{Aabb, Surface, Undo};
 use incise_pbd_gpu::{
     ConstraintError, Material, PatchParams, Solver, SolverParams, StepError, StepStats,
 };
@@ -71,7 +71,8 @@ impl Body {
         &self.solver
     }
 
-    /// The solver and the surface together: to pin vertices, set velocities, put vertices elsewhere.
+    /// The solver and the surface together: to pin vertices, set velocities, put vertices elsewhere. The topology is to stay
+    /// what it is, since a search tree hangs on it; [`crate::Scene::undo`] takes cuts back.
     pub fn solver_mut(&mut self) -> (&mut Solver, &mut Surface) {
         // Whatever is done, the search tree may no longer fit.
         self.stale = true;
@@ -164,6 +165,14 @@ impl Body {
             cut,
             constraints: begin.elapsed(),
         })
+    }
+
+    /// Takes a cut back; constraints and masses follow. The search tree must fit.
+    pub(crate) fn undo(&mut self, undo: Undo) -> Result<(), SceneError> {
+        let delta = self.cutter.undo(&mut self.surface, undo)?;
+        self.know();
+        self.solver.apply_delta(&mut self.surface, &delta)?;
+        Ok(())
     }
 
     pub(crate) fn step(&mut self, dt: f32, params: &SolverParams) -> Result<StepStats, StepError> {

@@ -268,7 +268,7 @@ impl Device {
             }
             count += 1;
             let mut is_due = is_due;
-            match sleep.begin_step(i, params.sleep.as_ref()) {
+            match sleep.begin_step(i, params.sleep.is_some()) {
                 Step::First { is_last } => {
                     self.gpu.watch(resident.handle)?;
                     if is_last {
@@ -370,7 +370,8 @@ fn is_quiet(
         return Ok(false);
     };
     let edge = body.solver().mean_rest_length();
-    let limit = sleep.limit(edge, &bounds, params.solver.substeps);
+    let h = f64::from(params.dt) / f64::from(params.solver.substeps);
+    let limit = sleep.limit(edge, &bounds, h);
     Ok(f64::from(farthest) <= limit)
 }
 

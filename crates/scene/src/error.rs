@@ -1,6 +1,7 @@
 //! Why a scene cannot go on.
 
 use crate::body::BodyId;
+use incise_mesh::UndoError;
 use incise_pbd_gpu::{ConstraintError, StepError};
 
 /// Why a scene cannot go on.
@@ -10,6 +11,20 @@ pub enum SceneError {
     /// The body cannot be simulated, or its constraints cannot follow a cut.
     #[error("constraints: {0}")]
     Constraint(#[from] ConstraintError),
+    /// The frame's parameters are out of range, or not for the device that bodies live on. Nothing has moved.
+    #[error("the frame: {0}")]
+    Frame(StepError),
+    /// A number that says when bodies sleep is out of its range.
+    #[error("sleep: {name} is {value}; give a finite number that is not negative")]
+    BadSleep {
+        /// Which number.
+        name: &'static str,
+        /// Its value.
+        value: f32,
+    },
+    /// A cut cannot be taken back; nothing has changed.
+    #[error("undo: {0}")]
+    Undo(#[from] UndoError),
     /// A body cannot be stepped.
     #[error("body {}: {error}", .body.0)]
     Step {

@@ -3,10 +3,12 @@
 use crate::blade::Blade;
 use crate::body::BodyId;
 use crate::error::SceneError;
+use crate::params::SceneParams;
 use crate::scene::{Refusal, Scene};
 use crate::stats::FrameStats;
 use incise_cut::{CutParams, Sweep};
 use incise_mesh::Aabb;
+use incise_pbd_gpu::{Integrator, StepError};
 use std::time::Instant;
 
 impl Scene {
@@ -48,9 +50,11 @@ impl Scene {
     /// The second half of a frame: moves the bodies. Those on a device go on moving when this returns.
     ///
     /// # Errors
+    /// [`SceneError::Frame`] and [`SceneError::BadSleep`] when a parameter is out of range; nothing has moved or woken then.
     /// [`SceneError::Step`] when a body cannot be stepped, [`SceneError::Gpu`] when the device fails.
     pub fn advance(&mut self) -> Result<&FrameStats, SceneError> {
         let begin = Instant::now();
+        self.check_frame()?;
         self.sleep.begin_frame(&self.params);
         self.stats.woken = self.sleep.take_woken();
         self.stats.asleep = self.sleep.sleepers();
@@ -68,11 +72,12 @@ impl Scene {
             })?;
             self.stats.iterations_skipped += done.iterations_skipped;
             self.stats.ground_passes_skipped += done.ground_passes_skipped;
-            if let Some(params) = &self.params.sleep
-                && let Some(farthest) = self.sleep.note(i, done.farthest_substep, params)
+            if let Some(sleep) = &self.params.sleep
+                && let Some(farthest) = self.sleep.note(i, done.farthest_substep)
             {
                 let edge = body.solver().mean_rest_length();
-                let limit = params.limit(edge, &body.surface().bounds(), done.substeps);
+                let h = f64::from(self.params.dt) / f64::from(done.substeps);
+                let limit = sleep.limit(edge, &body.surface().bounds(), h);
                 self.sleep.judge(i, f64::from(farthest) <= limit);
             }
         }
@@ -82,13 +87,31 @@ impl Scene {
         Ok(&self.stats)
     }
 
+    /// What is wrong with the frame itself is the fault of no body and of no device.
+    fn check_frame(&self) -> Result<(), SceneError> {
+        let SceneParams {
+            dt, solver, sleep, ..
+        } = &self.params;
+        solver.check(*dt).map_err(SceneError::Frame)?;
+        if let Some(sleep) = sleep {
+            sleep.check()?;
+        }
+        if let Some(device) = &self.device
+            && solver.integrator != Integrator::Euler
+            && (0..self.bodies.len()).any(|i| device.holds(i))
+        {
+            return Err(SceneError::Frame(StepError::NotOnDevice));
+        }
+        Ok(())
+    }
+
     /// Lets bodies sleep that have been at rest for long enough.
     fn let_sleep(&mut self) {
-        let Some(params) = self.params.sleep else {
+        if self.params.sleep.is_none() {
             return;
-        };
+        }
         for (i, body) in self.bodies.iter_mut().enumerate() {
-            if self.sleep.is_asleep(i) || !self.sleep.is_due(i, &params) {
+            if self.sleep.is_asleep(i) || !self.sleep.is_due(i) {
                 continue;
             }
             let Some(body) = body else { continue };
@@ -104,13 +127,6 @@ impl Scene {
     fn step_device(&mut self) -> Result<(), SceneError> {
         if self.device.is_none() {
             return Ok(());
-        }
-        // What is wrong with the frame itself is no fault of the device.
-        let frame = self.params.solver.check(self.params.dt);
-        let first = self.bodies.iter().position(Option::is_some);
-        if let (Err(error), Some(first)) = (frame, first) {
-            let body = BodyId(first);
-            return Err(SceneError::Step { body, error });
         }
         let begin = Instant::now();
         for i in 0..self.bodies.len() {
@@ -132,10 +148,10 @@ impl Scene {
             self.recover(None, error)?;
             return Ok(());
         }
-        if let (Some(device), Some(params)) = (&self.device, &self.params.sleep) {
+        if let (Some(device), Some(_)) = (&self.device, &self.params.sleep) {
             for i in 0..self.bodies.len() {
                 if device.holds(i) && !self.sleep.is_asleep(i) {
-                    self.sleep.count(i, params);
+                    self.sleep.count(i);
                 }
             }
         }

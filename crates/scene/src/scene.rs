@@ -184,6 +184,21 @@ impl Scene {
         }
     }
 
+    /// Takes the last cut of a body back, with the [`Undo`](incise_mesh::Undo) of its [outcome](Self::outcomes): the old triangles
+    /// where the vertices are now. The next frame begins with that.
+    ///
+    /// # Errors
+    /// As [`Scene::read`]; [`SceneError::Undo`] when it is not of the body's last cut, [`SceneError::Constraint`] when its
+    /// constraints cannot follow.
+    ///
+    /// # Panics
+    /// When the id is another scene's, or the body was removed.
+    pub fn undo(&mut self, id: BodyId, undo: incise_mesh::Undo) -> Result<(), SceneError> {
+        let body = self.edit(id)?;
+        body.refit();
+        body.undo(undo)
+    }
+
     /// Where a pinned vertex is to be at the end of the next frame \[m\]. Unlike [`Scene::edit`] this
     /// needs nothing from the device, so a pin may be dragged in every frame. A target elsewhere than before wakes
     /// the body.

@@ -2,8 +2,9 @@
 //!
 //! For a body that sleeps time stands still: it keeps its positions and its velocities, which are next to nothing, and
 //! woken it goes on with the bits that it would have had. So all that sleeping can lose is what would have moved
-//! by itself, slower than [`SleepParams::motion`].
+//! by itself, slower than [`SleepParams::speed`].
 
+use crate::error::SceneError;
 use crate::params::SceneParams;
 use incise_mesh::Aabb;
 use incise_pbd_gpu::SolverParams;
@@ -11,47 +12,79 @@ use incise_pbd_gpu::SolverParams;
 /// When a body falls asleep. A body that was cut is one body still: it sleeps when all of its pieces are at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SleepParams {
-    /// How far a vertex may move along an axis in a frame, as a part of the mean length of the body's edges at rest. Taken
-    /// from its fastest substep, without what rounding makes: two units in the last place of the body's largest
-    /// coordinate. A body that moves no faster all the time is stopped by its sleep, so this is to be less than anybody
-    /// sees.
-    pub motion: f32,
-    /// For how many frames in a row no vertex may have moved farther, at least 1. A body that is thrown up is slow for
-    /// a frame or two at the top of its flight, so a few are not enough.
+    /// How fast a vertex may move along an axis, in mean lengths of the body's edges at rest a second. Taken from
+    /// its fastest substep, without what rounding makes of it there, a few units in the last place of the body's largest coordinate: up
+    /// to four times as much again, so a body whose coordinates are too coarse to tell stays awake. A body
+    /// that moves no faster all the time is stopped by its sleep, so this is to be less than anybody sees.
+    pub speed: f32,
+    /// For how long no vertex may have moved faster \[s\]. A body that is thrown up is slow for a moment at the top of its
+    /// flight, so a moment is not enough.
     ///
-    /// It is looked at once in so many frames and [`SleepParams::LAG`] more, so a body sleeps after twice as many at the
-    /// latest.
-    pub frames: u32,
+    /// It is looked at once in so long a time and [`SleepParams::LAG`] frames more, so a body sleeps after twice as long at
+    /// the latest.
+    pub seconds: f32,
 }
 
 impl SleepParams {
     /// Frames between the last one that counts and the one after which a body sleeps. That is how far a device may be
     /// behind: what it says is there by then, nobody waits for it, and bodies sleep at the same frame wherever they live.
     pub const LAG: u32 = 3;
+
+    /// How many frames of `dt` \[s\] count, at least 1.
+    #[must_use]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a saturating cast of a positive number"
+    )]
+    pub fn frames(&self, dt: f32) -> u32 {
+        // A frame that begins with the rounding of the last one is none.
+        let frames = (f64::from(self.seconds) / f64::from(dt) - 1e-3).ceil();
+        (frames as u32).clamp(1, u32::MAX - Self::LAG)
+    }
+
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`SceneError::BadSleep`] with the first one out of its range.
+    pub fn check(&self) -> Result<(), SceneError> {
+        for (name, value) in [("speed", self.speed), ("seconds", self.seconds)] {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(SceneError::BadSleep { name, value });
+            }
+        }
+        Ok(())
+    }
 }
 
 impl Default for SleepParams {
-    /// At 60 frames a second less than a hundredth of an edge a second, and half a second of it: a body that turns
-    /// back at the top of its flight is as slow for a frame, a pendulum for a few. Bodies that are damped come to
-    /// rest far below: what is left of their motion is rounding.
+    /// Less than a hundredth of an edge a second, for half a second: a body that turns back at the top of its flight is as
+    /// slow for a millisecond. Bodies that are damped come to rest far below: what is left of their motion is rounding.
     fn default() -> Self {
         Self {
-            motion: 1e-4,
-            frames: 30,
+            speed: 6e-3,
+            seconds: 0.5,
         }
     }
 }
 
 impl SleepParams {
-    /// The most that a vertex of a body at rest moves along an axis in a substep \[m\], for edges of a mean length and
-    /// a box \[m\].
-    pub(crate) fn limit(&self, edge: f64, bounds: &Aabb, substeps: u32) -> f64 {
+    /// The most that a vertex of a body at rest moves along an axis in a substep of `h` \[m\], for edges of a mean
+    /// length and a box \[m\].
+    pub(crate) fn limit(&self, edge: f64, bounds: &Aabb, h: f64) -> f64 {
         let corners = bounds.min.into_iter().chain(bounds.max);
         let largest = corners.map(f32::abs).fold(0.0, f32::max);
         let rounding = 2.0 * f64::from(f32::EPSILON) * f64::from(largest);
-        f64::from(self.motion) * edge / f64::from(substeps) + rounding
+        let slow = f64::from(self.speed) * edge * h;
+        slow + rounding.min(MOST_ROUNDING * slow)
     }
 }
+
+/// The most that rounding is believed to add to a motion, over what is slow.
+const MOST_ROUNDING: f64 = 4.0;
+
+/// How far the time of a frame may be from that under which bodies fell asleep, over it: clocks are not exact.
+const JITTER: f32 = 0.2;
 
 /// Under what bodies fell asleep: anything else may set them in motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,6 +129,8 @@ pub(crate) struct Sleep {
     sleepers: u32,
     woken: u32,
     terms: Option<Terms>,
+    /// The frames of a watch that count.
+    counted: u32,
 }
 
 /// Meets everything.
@@ -156,41 +191,48 @@ impl Sleep {
 
     /// Begins a frame: wakes all if it is another kind of frame than the one before.
     pub(crate) fn begin_frame(&mut self, params: &SceneParams) {
-        let terms = Some(Terms {
+        let mut terms = Terms {
             dt: params.dt,
             solver: params.solver,
             sleep: params.sleep,
-        });
-        if self.terms != terms {
-            self.terms = terms;
+        };
+        if let Some(known) = self.terms
+            && (terms.dt / known.dt - 1.0).abs() <= JITTER
+        {
+            terms.dt = known.dt;
+        }
+        if self.terms != Some(terms) {
+            self.terms = Some(terms);
+            self.counted = params.sleep.map_or(1, |sleep| sleep.frames(terms.dt));
             self.wake_all();
         }
     }
 
     /// Notes that a body that is awake was stepped, and how far a vertex moved at most in a substep \[m\]. After the last
     /// frame that counts, how far it did in all of them: [`Sleep::judge`] is to be called.
-    pub(crate) fn note(&mut self, i: usize, farthest: f32, params: &SleepParams) -> Option<f32> {
-        self.count(i, params);
+    pub(crate) fn note(&mut self, i: usize, farthest: f32) -> Option<f32> {
+        self.count(i);
+        let counted = self.counted;
         let watch = &mut self.watches[i];
-        if watch.frames <= counted(params) {
+        if watch.frames <= counted {
             watch.farthest = watch.farthest.max(farthest);
         }
-        (watch.frames == counted(params)).then_some(watch.farthest)
+        (watch.frames == counted).then_some(watch.farthest)
     }
 
     /// Notes that a body that is awake was stepped.
-    pub(crate) fn count(&mut self, i: usize, params: &SleepParams) {
+    pub(crate) fn count(&mut self, i: usize) {
         let frames = &mut self.watches[i].frames;
-        *frames = (*frames + 1).min(counted(params) + SleepParams::LAG);
+        *frames = (*frames + 1).min(self.counted + SleepParams::LAG);
     }
 
     /// Which of a watch's frames the next one is, for who has to be told before.
     #[cfg(feature = "gpu")]
-    pub(crate) fn begin_step(&self, i: usize, params: Option<&SleepParams>) -> Step {
-        let Some(params) = params else {
+    pub(crate) fn begin_step(&self, i: usize, sleeps: bool) -> Step {
+        if !sleeps {
             return Step::Other;
-        };
-        let counted = counted(params);
+        }
+        let counted = self.counted;
         match self.watches[i].frames {
             // A single frame that counts is both the first and the last one.
             0 => Step::First {
@@ -208,13 +250,13 @@ impl Sleep {
     }
 
     /// Whether a body is to sleep from now on. If not, and it is time to decide, it is watched anew.
-    pub(crate) fn is_due(&mut self, i: usize, params: &SleepParams) -> bool {
+    pub(crate) fn is_due(&mut self, i: usize) -> bool {
         let watch = &mut self.watches[i];
-        let is_over = watch.frames >= counted(params) + SleepParams::LAG;
+        let is_over = watch.frames >= self.counted + SleepParams::LAG;
         is_over && std::mem::take(watch).is_quiet
     }
 
-    /// Notes the box of a body, if it sleeps and nobody knew it.
+    /// Notes the box of a body that sleeps.
     pub(crate) fn know(&mut self, i: usize, bounds: Aabb) {
         self.boxes[i] = bounds;
     }
@@ -225,9 +267,4 @@ impl Sleep {
         self.boxes[i] = bounds.unwrap_or(EVERYWHERE);
         self.sleepers += 1;
     }
-}
-
-/// The frames of a watch that count.
-fn counted(params: &SleepParams) -> u32 {
-    params.frames.clamp(1, u32::MAX - SleepParams::LAG)
 }

@@ -17,8 +17,8 @@ use std::process::ExitCode;
 const MODELS: [Model; 2] = [Model::Sphere80, Model::Bunny];
 
 const SLEEP: SleepParams = SleepParams {
-    motion: 1e-3,
-    frames: 10,
+    speed: 6e-2,
+    seconds: 10.0 / 60.0,
 };
 
 fn main() -> ExitCode {

@@ -2,14 +2,14 @@
 
 use incise_mesh::{Model, Surface, VertexId, build_model};
 use incise_pbd_gpu::{Material, SolverParams, Stiffness};
-use incise_scene::{BladeId, BodyId, FrameStats, Scene, SceneParams, SleepParams};
+use incise_scene::{BladeId, BodyId, FrameStats, Scene, SceneError, SceneParams, SleepParams};
 
 /// Frames after which a body that is at rest from the start sleeps.
 const UNTIL_ASLEEP: u32 = 10 + SleepParams::LAG;
 
 const SLEEP: SleepParams = SleepParams {
-    motion: 1e-3,
-    frames: 10,
+    speed: 6e-2,
+    seconds: 10.0 / 60.0,
 };
 
 /// Nothing pulls.
@@ -169,7 +169,7 @@ fn a_body_that_is_woken_goes_on_with_the_bits_that_it_would_have_had() {
     let edge = other.body(other_id).solver().mean_rest_length();
     let substeps = f64::from(other.params.solver.substeps);
     let rounding = 2.0 * f64::from(f32::EPSILON) * substeps;
-    let bound = (f64::from(SLEEP.motion) * edge + rounding) * f64::from(500 + UNTIL_ASLEEP);
+    let bound = (f64::from(SLEEP.speed) / 60.0 * edge + rounding) * f64::from(500 + UNTIL_ASLEEP);
     let now = bits(&other, other_id);
     let vertices = other.body(other_id).surface().positions.len();
     never.truncate(vertices);
@@ -207,7 +207,7 @@ fn a_body_in_slow_flight_stays_awake() {
     #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
     let edge = edge as f32;
     for (part, sleeps) in [(1.05, false), (0.95, true)] {
-        let speed = SLEEP.motion * edge * 60.0 * part;
+        let speed = SLEEP.speed * edge * part;
         let (solver, _) = scene.edit(id).unwrap().solver_mut();
         for v in 0..4 {
             solver.set_velocity(VertexId(v), [speed, 0.0, 0.0]).unwrap();
@@ -352,4 +352,126 @@ fn the_skips_of_the_solver_are_counted() {
     let substeps = params.solver.substeps;
     assert_eq!(stats.iterations_skipped, 2 * substeps * 3);
     assert_eq!(stats.ground_passes_skipped, 2 * substeps);
+}
+
+/// A sphere of 80 triangles somewhere, that moves.
+fn thrown(params: SceneParams, at: [f32; 3], velocity: [f32; 3]) -> (Scene, BodyId) {
+    let mut surface = build_model(Model::Sphere80);
+    for p in &mut surface.positions {
+        (0..3).for_each(|k| p[k] += at[k]);
+    }
+    for p in &mut surface.rest {
+        (0..3).for_each(|k| p[k] += at[k]);
+    }
+    let mut scene = Scene::new(params);
+    let id = scene.add_body(surface, &edges()).unwrap();
+    let (solver, surface) = scene.edit(id).unwrap().solver_mut();
+    let vertices: Vec<VertexId> = surface.topology().vertices().collect();
+    for v in vertices {
+        solver.set_velocity(v, velocity).unwrap();
+    }
+    (scene, id)
+}
+
+#[test]
+fn a_body_in_flight_stays_awake_however_short_the_frames_are() {
+    for dt in [1.0 / 60.0, 1.0 / 4000.0, 1e-5] {
+        for speed in [0.0, 2e-3] {
+            let params = SceneParams {
+                dt,
+                solver: SolverParams::default(),
+                ..SceneParams::default()
+            };
+            let (mut scene, id) = thrown(params, [0.0; 3], [0.0, speed, 0.0]);
+            run(&mut scene, 200);
+            assert!(
+                !scene.is_asleep(id),
+                "thrown at {speed} m/s, frames of {dt} s"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_body_that_moves_far_from_the_origin_stays_awake() {
+    for (x, speed) in [(1e2, 0.02), (1e3, 0.2), (1e4, 2.0), (1e5, 20.0)] {
+        let params = SceneParams {
+            sleep: Some(SleepParams::default()),
+            ..weightless()
+        };
+        let (mut scene, id) = thrown(params, [x, 0.0, 0.0], [0.0, speed, 0.0]);
+        run(&mut scene, 100);
+        assert!(!scene.is_asleep(id), "{speed} m/s at {x} m");
+    }
+}
+
+#[test]
+fn a_clock_that_jitters_keeps_nobody_awake() {
+    let mut scene = Scene::new(weightless());
+    let id = scene.add_body(exact(0.0), &edges()).unwrap();
+    let dt = scene.params.dt;
+    for frame in 0..UNTIL_ASLEEP {
+        scene.params.dt = if frame % 2 == 0 { dt * 1.1 } else { dt * 0.95 };
+        scene.step().unwrap();
+    }
+    assert!(scene.is_asleep(id), "after {UNTIL_ASLEEP} frames");
+    scene.params.dt = dt * 2.0;
+    scene.step().unwrap();
+    assert!(!scene.is_asleep(id), "in frames of twice the time");
+}
+
+#[test]
+fn a_frame_that_is_refused_wakes_nobody() {
+    let (mut scene, ids, _) = sleepers();
+    let good = scene.params;
+    let sleep = |speed, seconds| Some(SleepParams { speed, seconds });
+    for bad in [
+        SceneParams { dt: 0.0, ..good },
+        SceneParams {
+            dt: f32::NAN,
+            ..good
+        },
+        SceneParams {
+            sleep: sleep(f32::NAN, 0.5),
+            ..good
+        },
+        SceneParams {
+            sleep: sleep(f32::INFINITY, 0.5),
+            ..good
+        },
+        SceneParams {
+            sleep: sleep(6e-3, -1.0),
+            ..good
+        },
+    ] {
+        scene.params = bad;
+        let error = scene.step().unwrap_err();
+        let is_typed = matches!(error, SceneError::Frame(_) | SceneError::BadSleep { .. });
+        assert!(is_typed, "{error}");
+        assert!(ids.iter().all(|&id| scene.is_asleep(id)), "after {error}");
+    }
+    scene.params = good;
+    let stats = *scene.step().unwrap();
+    assert_eq!((stats.woken, stats.asleep), (0, 2));
+}
+
+#[test]
+fn a_cut_that_is_undone_leaves_a_body_that_is_cut_again() {
+    let (mut scene, [id, _], blade) = sleepers();
+    let before = scene.body(id).surface().topology().triangle_count();
+    for _ in 0..3 {
+        scene.jump_blade(blade, [[-2.0, -2.0, 0.05], [2.0, -2.0, 0.05]]);
+        scene.move_blade(blade, [[-2.0, 2.0, 0.05], [2.0, 2.0, 0.05]]);
+        scene.step().unwrap();
+        assert_eq!(scene.stats().cuts, 1, "the blade goes through one of them");
+        let undo = scene.outcomes()[0].1.undo.clone().unwrap();
+        let stale = undo.clone();
+        scene.undo(id, undo).unwrap();
+        let body = scene.body(id);
+        assert_eq!(body.surface().topology().triangle_count(), before);
+        assert_eq!(body.solver().validate(body.surface()), Ok(()));
+        let again = scene.undo(id, stale);
+        assert!(matches!(again, Err(SceneError::Undo(_))), "{again:?}");
+        run(&mut scene, 2);
+    }
 }

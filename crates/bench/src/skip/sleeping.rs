@@ -22,7 +22,7 @@ pub(super) fn findings(models: &[Model]) -> Result<Vec<Finding>, Box<dyn Error>>
 
 /// Steps until all bodies sleep.
 pub(super) fn lull(scene: &mut Scene, bodies: u32) -> Result<(), Box<dyn Error>> {
-    let frames = SleepParams::default().frames + SleepParams::LAG;
+    let frames = SleepParams::default().frames(scene.params.dt) + SleepParams::LAG;
     for _ in 0..=frames {
         scene.step()?;
     }
