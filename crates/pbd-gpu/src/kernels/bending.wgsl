@@ -4,6 +4,7 @@ const FLAT: f32 = 1e-5;
 const MAX_TURN: f32 = 0.1;
 const RECOVERY: f32 = 3.0;
 const HOLD: f32 = 10.0;
+const SOFT: f32 = 100.0;
 const FIRM: f32 = 1e30;
 
 // The built-in ones may round in another order.
@@ -65,7 +66,9 @@ fn project_bending(at: u32, by: Projection) {
 
     let added = -(f2 * dot_product(n2, (d2 - d0) - s * (d1 - d0)) + f3 * dot_product(n3, (d3 - d0) - t * (d1 - d0)));
     let before = turn - added;
-    let recovery = (RECOVERY * frame.h) * ((1.0 + by.alpha / weight) + by.hold * ((x0.w + x1.w) + (x2.w + x3.w)));
+    let soft = by.alpha / weight;
+    let held = by.hold * ((x0.w + x1.w) + (x2.w + x3.w));
+    let recovery = (RECOVERY * frame.h) * ((1.0 + soft * (1.0 + SOFT * soft)) + held);
     var left = 0.0;
     left = select(left, before - recovery, before > recovery);
     left = select(left, before + recovery, before < -recovery);

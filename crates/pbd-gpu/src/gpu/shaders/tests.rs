@@ -183,6 +183,7 @@ fn kernels_and_their_twins_have_the_same_constants() {
             ("MAX_TURN", bending::MAX_TURN),
             ("RECOVERY", bending::RECOVERY),
             ("HOLD", bending::HOLD),
+            ("SOFT", bending::SOFT),
             ("FIRM", bending::FIRM),
         ] {
             assert_eq!(constant(&module, name), [wanted.to_bits()], "{name}");
