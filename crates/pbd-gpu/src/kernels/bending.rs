@@ -111,8 +111,14 @@ fn run<const B: usize>(
             Some(kept) => block.lambda[..kept.len()].copy_from_slice(kept),
             None => block.lambda = zero,
         }
-        gather(&mut block, x, d, vertices);
-        project(&mut block, projection);
+        // Where edges are firm the bound is out of reach, and what it takes to know that is left out.
+        if projection.hold < FIRM {
+            gather::<B, true>(&mut block, x, d, vertices);
+            project::<B, true>(&mut block, projection);
+        } else {
+            gather::<B, false>(&mut block, x, d, vertices);
+            project::<B, false>(&mut block, projection);
+        }
         scatter(&block, d, vertices);
         if let Some(kept) = kept {
             kept.copy_from_slice(&block.lambda[..kept.len()]);
@@ -121,7 +127,7 @@ fn run<const B: usize>(
 }
 
 #[inline(always)]
-fn gather<const B: usize>(
+fn gather<const B: usize, const SOFT_EDGES: bool>(
     block: &mut Block<B>,
     x: &[[f32; 4]],
     d: &mut impl Displacements,
@@ -138,8 +144,10 @@ fn gather<const B: usize>(
             for (lanes, c) in block.to[j].iter_mut().zip(to) {
                 lanes[lane] = c;
             }
-            for (k, lanes) in block.moved[j].iter_mut().enumerate() {
-                lanes[lane] = dj[k] - d0[k];
+            if SOFT_EDGES {
+                for (k, lanes) in block.moved[j].iter_mut().enumerate() {
+                    lanes[lane] = dj[k] - d0[k];
+                }
             }
             block.inv_mass[j + 1][lane] = xj[3];
         }
@@ -161,7 +169,7 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 #[inline(always)]
-fn project<const B: usize>(block: &mut Block<B>, projection: Projection) {
+fn project<const B: usize, const SOFT_EDGES: bool>(block: &mut Block<B>, projection: Projection) {
     let Projection {
         factor,
         alpha,
@@ -194,16 +202,18 @@ fn project<const B: usize>(block: &mut Block<B>, projection: Projection) {
         let g11 = s * s * g22 + t * t * g33 + 2.0 * (s * t * g23);
         let weight = (w0 * g00 + w1 * g11) + (w2 * g22 + w3 * g33);
 
-        // What the substep has added to the angle so far: sum g . d.
-        let off = |d: [f32; 3], s: f32| [d[0] - s * d1[0], d[1] - s * d1[1], d[2] - s * d1[2]];
-        let added = -(f2 * dot(n2, off(d2, s)) + f3 * dot(n3, off(d3, t)));
-        let before = turn - added;
-        let soft = alpha / weight;
-        let held = hold * ((w0 + w1) + (w2 + w3));
-        let most = recovery * ((1.0 + soft * (1.0 + SOFT * soft)) + held);
         let mut left = 0.0;
-        left = if before > most { before - most } else { left };
-        left = if before < -most { before + most } else { left };
+        if SOFT_EDGES {
+            // What the substep has added to the angle so far: sum g . d.
+            let off = |d: [f32; 3], s: f32| [d[0] - s * d1[0], d[1] - s * d1[1], d[2] - s * d1[2]];
+            let added = -(f2 * dot(n2, off(d2, s)) + f3 * dot(n3, off(d3, t)));
+            let before = turn - added;
+            let soft = alpha / weight;
+            let held = hold * ((w0 + w1) + (w2 + w3));
+            let most = recovery * ((1.0 + soft * (1.0 + SOFT * soft)) + held);
+            left = if before > most { before - most } else { left };
+            left = if before < -most { before + most } else { left };
+        }
         let wish = factor * ((turn - left) + alpha * block.lambda[i]);
         let movable = solid & (weight > 0.0);
         let sum = own_weight * weight + alpha;
