@@ -52,7 +52,7 @@ pub enum Integrator {
 impl Default for SolverParams {
     /// 16 substeps of one iteration each against half of the own weight, no ground. Of all ways to spend about so much time,
     /// from 1 to 64 substeps of 1 to 64 iterations, it lies on or near the front of work and precision of what `incise-bench
-    /// accuracy` moves, on every backend: more iterations in fewer substeps leave larger errors (Macklin et al. 2019, "Small Steps in
+    /// accuracy` moves: more iterations in fewer substeps leave larger errors (Macklin et al. 2019, "Small Steps in
     /// Physics Simulation"), and all of the own weight leaves a soft body softer and slower than it is.
     fn default() -> Self {
         Self {
