@@ -55,6 +55,16 @@ impl SleepParams {
         }
         Ok(())
     }
+
+    /// The most that a vertex of a body at rest moves along an axis in a substep of `h` \[m\], for edges of a mean
+    /// length and a box \[m\].
+    pub(crate) fn limit(&self, edge: f64, bounds: &Aabb, h: f64) -> f64 {
+        let corners = bounds.min.into_iter().chain(bounds.max);
+        let largest = corners.map(f32::abs).fold(0.0, f32::max);
+        let rounding = 2.0 * f64::from(f32::EPSILON) * f64::from(largest);
+        let slow = f64::from(self.speed) * edge * h;
+        slow + rounding.min(MOST_ROUNDING * slow)
+    }
 }
 
 impl Default for SleepParams {
@@ -65,18 +75,6 @@ impl Default for SleepParams {
             speed: 6e-3,
             seconds: 0.5,
         }
-    }
-}
-
-impl SleepParams {
-    /// The most that a vertex of a body at rest moves along an axis in a substep of `h` \[m\], for edges of a mean
-    /// length and a box \[m\].
-    pub(crate) fn limit(&self, edge: f64, bounds: &Aabb, h: f64) -> f64 {
-        let corners = bounds.min.into_iter().chain(bounds.max);
-        let largest = corners.map(f32::abs).fold(0.0, f32::max);
-        let rounding = 2.0 * f64::from(f32::EPSILON) * f64::from(largest);
-        let slow = f64::from(self.speed) * edge * h;
-        slow + rounding.min(MOST_ROUNDING * slow)
     }
 }
 
