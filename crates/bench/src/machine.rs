@@ -1,7 +1,5 @@
 //! What a number was measured on.
 
-use std::process::Command;
-
 /// The processor's name and its number of threads.
 pub(crate) fn machine() -> String {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
@@ -13,13 +11,21 @@ pub(crate) fn machine() -> String {
     format!("{name}, {threads} threads")
 }
 
-/// The commit of the working directory, with a mark when files differ from it.
+/// The commit that the program was built from, with a mark when its sources differed from it; `unknown` when they
+/// were no repository.
 pub(crate) fn commit() -> String {
-    Command::new("git")
-        .args(["describe", "--always", "--dirty", "--abbrev=12"])
-        .output()
-        .ok()
-        .filter(|output| output.status.success())
-        .and_then(|output| String::from_utf8(output.stdout).ok())
-        .map_or_else(|| "unknown".to_owned(), |text| text.trim().to_owned())
+    env!("INCISE_COMMIT").to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_commit_is_twelve_digits_and_a_mark_or_unknown() {
+        let commit = commit();
+        let digits = commit.strip_suffix("-dirty").unwrap_or(&commit);
+        let is_hash = digits.len() >= 12 && digits.chars().all(|c| c.is_ascii_hexdigit());
+        assert!(is_hash || commit == "unknown", "{commit}");
+    }
 }
