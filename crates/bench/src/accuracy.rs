@@ -22,7 +22,10 @@ mod table;
 mod tests;
 
 use crate::backend::Executor;
-use crate::{json, machine};
+use crate::json::Json;
+use crate::machine;
+use crate::options::RunArguments;
+use crate::output;
 use clap::Args;
 use device::Device;
 use error::Yardstick;
@@ -30,6 +33,7 @@ use incise_bench::State;
 use incise_mesh::TriangleId;
 use incise_pbd_gpu::SolverParams;
 use ladder::Ladder;
+use plot::PlotFiles;
 use row::Row;
 use run::Run;
 use scene::{Body, DT, Scene, Scheme};
@@ -43,18 +47,8 @@ pub(crate) struct AccuracyArguments {
     /// Scenes to run, separated by commas.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = scenes::NAMES)]
     only: Vec<String>,
-    /// What executes the solver, separated by commas.
-    #[arg(
-        long,
-        value_enum,
-        value_name = "NAMES",
-        value_delimiter = ',',
-        default_value = "cpu"
-    )]
-    backend: Vec<Executor>,
-    /// A part of the name of the GPU to take.
-    #[arg(long, value_name = "NAME")]
-    adapter: Option<String>,
+    #[command(flatten)]
+    run: RunArguments,
     /// The most substeps, and the most iterations: powers of two up to that.
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=64))]
     most: u32,
@@ -67,12 +61,16 @@ pub(crate) struct AccuracyArguments {
     /// Print total errors of ways that the solver has and of ways that it has not, at equal projections, instead.
     #[arg(long, conflicts_with_all = ["backend", "adapter", "most", "most_iterations", "plot", "cuts", "json"])]
     schemes: bool,
-    /// Also write the rows as JSON, after every scene.
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
     /// Also draw a picture of every scene, with the rows behind it as CSV.
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
+}
+
+impl AccuracyArguments {
+    /// Whether the run is for files as well as for a reader.
+    pub(crate) fn writes_files(&self) -> bool {
+        self.run.rows.json.is_some() || self.plot.is_some()
+    }
 }
 
 /// What all runs have in common.
@@ -89,8 +87,18 @@ pub(crate) fn run(
     arguments: &AccuracyArguments,
     out: &mut impl Write,
 ) -> Result<(), Box<dyn Error>> {
-    let device = match arguments.backend.contains(&Executor::Gpu) {
-        true => Some(Device::open(arguments.adapter.as_deref())?),
+    let mut json = Json::open(arguments.run.rows.json.as_deref())?;
+    let wanted =
+        |name: &&str| arguments.only.is_empty() || arguments.only.iter().any(|n| n == name);
+    let names = || scenes::NAMES.into_iter().filter(wanted);
+    let mut plots = Vec::new();
+    if let Some(folder) = &arguments.plot {
+        output::folder(folder)?;
+        plots = (names().map(|name| PlotFiles::open(folder, name))).collect::<Result<_, _>>()?;
+    }
+    let mut plots = plots.into_iter();
+    let device = match arguments.run.backend.contains(&Executor::Gpu) {
+        true => Some(Device::open(arguments.run.gpu.adapter.as_deref())?),
         false => None,
     };
     let mut setup = Setup {
@@ -102,22 +110,15 @@ pub(crate) fn run(
     writeln!(out, "{}, commit {}", setup.machine, setup.commit)?;
     if arguments.cuts {
         let rows = cuts::run(&setup.machine, &setup.commit, out)?;
-        if let Some(path) = &arguments.json {
-            json::write(path, &rows)?;
-        }
-        return Ok(());
+        return Ok(json.write(&rows)?);
     }
     writeln!(out, "Errors are of positions, over the mean rest length.")?;
     if let Some(device) = &setup.device {
         writeln!(out, "gpu: {}", device.name())?;
     }
-    if let Some(folder) = &arguments.plot {
-        std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    }
-    let wanted =
-        |name: &&str| arguments.only.is_empty() || arguments.only.iter().any(|n| n == name);
     let mut rows: Vec<Row> = Vec::new();
-    for name in scenes::NAMES.into_iter().filter(wanted) {
+    let (mut written, mut drawn) = (Ok(()), Ok(()));
+    for name in names() {
         let scene = scenes::scene(name)?;
         if arguments.schemes {
             let body = scene.body()?;
@@ -131,17 +132,17 @@ pub(crate) fn run(
         let first = rows.len();
         setup.measure(&scene, &mut rows, out)?;
         table::scene(out, &rows[first..])?;
-        if let Some(path) = &arguments.json {
-            json::write(path, &rows)?;
-        }
-        if let Some(folder) = &arguments.plot {
-            plot::draw(folder, name, &rows[first..])?;
+        // What cannot be written does not end a run of hours; the next scene's rows bring these along.
+        written = json.write(&rows);
+        if let Some(mut plot) = plots.next() {
+            drawn = drawn.and(plot.draw(name, &rows[first..]));
         }
     }
     if !arguments.schemes {
         table::summary(out, &rows)?;
     }
-    Ok(())
+    drawn?;
+    Ok(written?)
 }
 
 /// Powers of two.
@@ -171,7 +172,7 @@ impl Setup<'_> {
             is_held: !scene.pins.is_empty(),
         };
         for executor in [Executor::Cpu, Executor::Gpu] {
-            if !self.arguments.backend.contains(&executor) {
+            if !self.arguments.run.backend.contains(&executor) {
                 continue;
             }
             for (scheme, &substeps) in Scheme::ALL

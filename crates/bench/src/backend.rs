@@ -38,3 +38,13 @@ pub(crate) enum Executor {
     /// A GPU, or software that acts as one where there is none.
     Gpu,
 }
+
+impl Executor {
+    /// The name on the command line and in tables.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Cpu => BackendChoice::Cpu.name(),
+            Self::Gpu => BackendChoice::Gpu.name(),
+        }
+    }
+}

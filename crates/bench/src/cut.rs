@@ -8,21 +8,21 @@ mod specimen;
 mod table;
 mod times;
 
+use crate::json::Json;
 use crate::method::MethodChoice;
-use crate::{json, machine, subject};
+use crate::options::{JsonArguments, ModelArguments};
+use crate::{machine, subject};
 use clap::Args;
 use incise_refine::RefinementLevel;
 use row::{Record, Slope, Stamp};
 use std::error::Error;
 use std::io::Write;
-use std::path::PathBuf;
 
 /// What is cut, how and how often.
 #[derive(Args, Clone)]
 pub(crate) struct CutArguments {
-    /// A folder with real models (bunny*.obj, armadillo*.ply, ...) to use instead of built-in ones.
-    #[arg(long, value_name = "DIR")]
-    models: Option<PathBuf>,
+    #[command(flatten)]
+    from: ModelArguments,
     /// Models to cut, separated by commas: those of the table, finer armadillos as Armadillo120000,
     /// and spheres as Sphere3072.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
@@ -49,14 +49,13 @@ pub(crate) struct CutArguments {
     /// Where the directions of the planes start.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Also write the rows as JSON, after every model.
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) rows: JsonArguments,
 }
 
 /// Measures and prints.
 pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
-    let folder = arguments.models.as_deref();
+    let folder = arguments.from.models.as_deref();
     let subjects = subject::list(folder, &arguments.only, arguments.max_triangles)?;
     let mut params = arguments.method.params(arguments.level);
     params.refine.grading = arguments.grading;
@@ -74,20 +73,17 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         "{}, commit {}; method {}, level {}, grading {}, seed {}",
         stamp.machine, stamp.commit, stamp.method, arguments.level, stamp.grading, stamp.seed
     )?;
+    let mut json = Json::open(arguments.rows.json.as_deref())?;
     table::header(out)?;
     let mut records = Vec::new();
-    let keep = |records: &[Record]| match &arguments.json {
-        // After every model: what a long run has measured is not lost with it.
-        Some(path) => json::write(path, records),
-        None => Ok(()),
-    };
     for subject in &subjects {
         let rows = planes::measure(subject, &params, arguments.planes, &stamp)?;
         for row in rows {
             table::row(out, &row)?;
             records.push(Record::Cut(Box::new(row)));
         }
-        keep(&records)?;
+        // After every model: what a long run has measured is not lost with it. What cannot be written now may be at the end.
+        let _ = json.write(&records);
     }
     writeln!(out, "{}", table::LEGEND)?;
     for slope in Slope::of_families(&records, &stamp) {
@@ -101,8 +97,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         }
     }
     table::failures(out, &records)?;
-    keep(&records)?;
-    Ok(())
+    Ok(json.write(&records)?)
 }
 
 /// Whether `only` names a model, or nothing.

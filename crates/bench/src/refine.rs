@@ -10,7 +10,12 @@ mod rims;
 mod row;
 mod tradeoff;
 
-use crate::{columns, json, machine, subject};
+use crate::json::Json;
+use crate::options::{JsonArguments, ModelArguments};
+use crate::output::{OutputError, OutputFile};
+use crate::picture::PictureFile;
+use crate::progress::Progress;
+use crate::{columns, machine, subject};
 use clap::Args;
 use incise_refine::RefinementLevel;
 use row::{Row, Stamp};
@@ -24,9 +29,8 @@ const COMPARED: RefinementLevel = RefinementLevel::Original;
 /// Whose sections are covered, and how.
 #[derive(Args, Clone)]
 pub(crate) struct RefineArguments {
-    /// A folder with real models (bunny*.obj, armadillo*.ply, ...) to use instead of built-in ones.
-    #[arg(long, value_name = "DIR")]
-    models: Option<PathBuf>,
+    #[command(flatten)]
+    from: ModelArguments,
     /// Models to cut, separated by commas: those of the table, finer armadillos as Armadillo120000,
     /// and spheres as Sphere3072.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
@@ -69,14 +73,40 @@ pub(crate) struct RefineArguments {
     /// Compare with what other programs made of these sections instead: their results, one file or more.
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["tradeoff", "rims"])]
     peers: Vec<PathBuf>,
-    /// Also write the rows as JSON, after every model.
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    rows: JsonArguments,
+}
+
+impl RefineArguments {
+    /// Whether the run is for files as well as for a reader.
+    pub(crate) fn writes_files(&self) -> bool {
+        self.rows.json.is_some() || self.csv.is_some() || self.plot.is_some() || self.rims.is_some()
+    }
+}
+
+/// What is written besides the table.
+struct Files {
+    json: Json,
+    csv: Option<OutputFile>,
+    plot: Option<PictureFile>,
+}
+
+impl Files {
+    fn open(arguments: &RefineArguments) -> Result<Self, OutputError> {
+        let RefineArguments {
+            rows, csv, plot, ..
+        } = arguments;
+        Ok(Self {
+            json: Json::open(rows.json.as_deref())?,
+            csv: csv.as_deref().map(OutputFile::open).transpose()?,
+            plot: plot.as_deref().map(PictureFile::open).transpose()?,
+        })
+    }
 }
 
 /// Measures and prints.
 pub(crate) fn run(arguments: &RefineArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
-    let folder = arguments.models.as_deref();
+    let folder = arguments.from.models.as_deref();
     let subjects = subject::list(folder, &arguments.only, arguments.max_triangles)?;
     let stamp = Stamp {
         grading: arguments.grading,
@@ -86,32 +116,36 @@ pub(crate) fn run(arguments: &RefineArguments, out: &mut impl Write) -> Result<(
         commit: machine::commit(),
         version: env!("CARGO_PKG_VERSION"),
     };
+    let mut files = Files::open(arguments)?;
     writeln!(
         out,
         "{}, commit {}; grading {}, snap {}, seed {}",
         stamp.machine, stamp.commit, stamp.grading, stamp.snap, stamp.seed
     )?;
     if arguments.tradeoff {
-        return tradeoff::run(arguments, &subjects, &stamp, out);
+        return tradeoff::run(arguments, &subjects, &stamp, files, out);
     }
     if let Some(rims) = &arguments.rims {
         return rim_files::run(rims, arguments, &subjects, &stamp, out);
     }
     if !arguments.peers.is_empty() {
-        return peers::run(arguments, &subjects, &stamp, out);
+        return peers::run(arguments, &subjects, &stamp, &mut files.json, out);
     }
     let mut rows: Vec<Row> = Vec::new();
+    let mut written = Ok(());
+    let progress = Progress::new(subjects.len() as u64, 1);
     for subject in &subjects {
+        progress.begin(&subject.name);
         let rims = rims::of(subject, &arguments.levels, arguments.planes, &stamp)?;
         for (planes, level, rims, failures) in rims {
             rows.push(cover::measure(
                 subject, planes, level, &rims, failures, &stamp,
             )?);
         }
-        if let Some(path) = &arguments.json {
-            json::write(path, &rows)?;
-        }
+        progress.step();
+        written = files.json.write(&rows);
     }
+    progress.end();
     let cells: Vec<_> = [Row::NAMES.map(str::to_owned)]
         .into_iter()
         .chain(rows.iter().map(Row::cells))
@@ -124,6 +158,7 @@ pub(crate) fn run(arguments: &RefineArguments, out: &mut impl Write) -> Result<(
     for failure in rows.iter().flat_map(|row| &row.failures) {
         writeln!(out, "  {failure}")?;
     }
+    written?;
     if failed > 0 {
         return Err(format!("{failed} sections could not be cut or covered").into());
     }

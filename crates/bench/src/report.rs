@@ -1,11 +1,12 @@
 //! The table for people and for programs.
 
 use crate::columns::columns;
+use crate::json::Json;
+use crate::progress::Progress;
 use crate::protocol::{Row, frames, params, run as run_protocol};
-use crate::{TableArguments, json, machine, models, paper};
+use crate::{TableArguments, machine, models, paper};
 use incise_mesh::Model;
 use incise_scene::{BackendChoice, BackendRequest, Scene, SceneError};
-use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
 use std::io::Write;
 
@@ -14,25 +15,23 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
     if frames(arguments) == 0 {
         return Err("the simulated time is shorter than half a frame: raise --seconds".into());
     }
-    let loaded = models::load(arguments.models.as_deref(), &arguments.only)?;
+    let loaded = models::load(arguments.from.models.as_deref(), &arguments.only)?;
     let used = loaded.iter().map(|l| (l.model.name(), l.source.as_str()));
-    models::tell_built_in(arguments.models.as_deref(), used);
+    models::tell_built_in(arguments.from.models.as_deref(), used);
     let (machine, commit) = (machine::machine(), machine::commit());
     let (request, fallback) = backend(arguments)?;
-    // Hidden by itself when the error output is no terminal.
-    let bar = ProgressBar::new(2 * u64::from(frames(arguments)) * loaded.len() as u64).with_style(
-        ProgressStyle::with_template("{msg:12} {wide_bar} {percent}% {eta}")?,
-    );
+    let mut json = Json::open(arguments.rows.json.as_deref())?;
+    let progress = Progress::new(loaded.len() as u64, 2 * u64::from(frames(arguments)));
     let mut rows = Vec::new();
     for model in &loaded {
-        bar.set_message(model.model.name());
-        let tick = || bar.inc(1);
+        progress.begin(model.model.name());
+        let tick = || progress.step();
         rows.push((
             model.model,
             run_protocol(model, arguments, &request, &machine, &commit, &tick)?,
         ));
     }
-    bar.finish_and_clear();
+    progress.end();
     write!(out, "{}", table(&rows))?;
     writeln!(
         out,
@@ -75,11 +74,8 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
             writeln!(out, "Refused cut of {}: {reason}.", row.model)?;
         }
     }
-    if let Some(path) = &arguments.json {
-        let rows: Vec<&Row> = rows.iter().map(|(_, row)| row).collect();
-        json::write(path, &rows)?;
-    }
-    Ok(())
+    let rows: Vec<&Row> = rows.iter().map(|(_, row)| row).collect();
+    Ok(json.write(&rows)?)
 }
 
 const LEGEND: &str = "\
@@ -98,7 +94,7 @@ Heap allocations are those of the device's interface too.";
 fn backend(arguments: &TableArguments) -> Result<(BackendRequest, Option<String>), SceneError> {
     let mut request = BackendRequest {
         choice: arguments.backend.into(),
-        adapter: arguments.adapter.clone(),
+        adapter: arguments.gpu.adapter.clone(),
         allow_software: true,
         device_from: None,
     };

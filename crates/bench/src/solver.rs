@@ -18,9 +18,9 @@ pub(crate) fn run(arguments: &SolverArguments, out: &mut impl Write) -> Result<(
         ..Material::default()
     };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let models = models::load(arguments.models.as_deref(), &arguments.only)?;
+    let models = models::load(arguments.from.models.as_deref(), &arguments.only)?;
     let used = models.iter().map(|l| (l.model.name(), l.source.as_str()));
-    models::tell_built_in(arguments.models.as_deref(), used);
+    models::tell_built_in(arguments.from.models.as_deref(), used);
     for loaded in models {
         writeln!(
             out,

@@ -29,11 +29,17 @@ mod stage;
 mod starts;
 mod steps;
 
-use crate::backend::{BackendChoice, Executor};
-use crate::{columns, json, machine};
+use crate::backend::Executor;
+use crate::columns::{self, count};
+use crate::json::Json;
+use crate::machine;
+use crate::options::RunArguments;
+use crate::output::OutputError;
+use crate::picture::PictureFile;
 use case::Case;
 use clap::Args;
 use device::Device;
+use map::Cell;
 use row::{Row, Stamp};
 use stage::{Effort, Stage};
 use std::error::Error;
@@ -44,38 +50,23 @@ use std::time::Instant;
 /// What is tortured, on what.
 #[derive(Args, Clone)]
 pub(crate) struct StabilityArguments {
-    /// What executes the solver, separated by commas: every case is run on each, and the verdicts must agree.
-    #[arg(
-        long,
-        value_enum,
-        value_name = "NAMES",
-        value_delimiter = ',',
-        default_value = "cpu"
-    )]
-    backend: Vec<Executor>,
-    /// A part of the name of the GPU to take.
-    #[arg(long, value_name = "NAME")]
-    adapter: Option<String>,
+    #[command(flatten)]
+    run: RunArguments,
     /// Cases to run, separated by commas: T1 to T20, or the names of those beside them.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     only: Vec<String>,
     /// A part of every case: seconds instead of minutes.
     #[arg(long)]
     quick: bool,
-    /// Also draw the stability map as SVG: time steps by compliances, a panel for each load.
+    /// Also draw what the case map finds: time steps by compliances, a panel for each load.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Also write the verdicts as JSON, one object a row.
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
 }
 
-impl Executor {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Cpu => BackendChoice::Cpu.name(),
-            Self::Gpu => BackendChoice::Gpu.name(),
-        }
+impl StabilityArguments {
+    /// Whether the run is for files as well as for a reader.
+    pub(crate) fn writes_files(&self) -> bool {
+        self.run.rows.json.is_some() || self.plot.is_some()
     }
 }
 
@@ -105,12 +96,46 @@ fn cases() -> impl Iterator<Item = Case> {
 fn chosen(only: &[String]) -> Result<Vec<Case>, String> {
     let is = |case: &Case, name: &str| case.id.eq_ignore_ascii_case(name.trim());
     if let Some(name) = (only.iter()).find(|name| !cases().any(|case| is(&case, name))) {
-        let mut ids: Vec<&str> = cases().map(|case| case.id).collect();
-        ids.dedup();
+        let mut ids: Vec<&str> = Vec::new();
+        for case in cases() {
+            if !ids.contains(&case.id) {
+                ids.push(case.id);
+            }
+        }
         return Err(format!("'{name}' is none of {}", ids.join(", ")));
     }
     let wanted = |case: &Case| only.is_empty() || only.iter().any(|name| is(case, name));
     Ok(cases().filter(wanted).collect())
+}
+
+/// The pictures of `--plot`, one a backend; with several, their names end with the backend's.
+///
+/// # Errors
+/// Where a file cannot be written, or the map is none of the cases that are run.
+fn plots(
+    arguments: &StabilityArguments,
+    cases: &[Case],
+) -> Result<Vec<PictureFile>, Box<dyn Error>> {
+    let Some(path) = &arguments.plot else {
+        return Ok(Vec::new());
+    };
+    if !cases.iter().any(|case| case.id == map::CASES[0].id) {
+        return Err(
+            "--plot draws what the case map finds: add map to --only, or leave --plot out".into(),
+        );
+    }
+    let backends = &arguments.run.backend;
+    let open = |executor: &Executor| match backends.len() {
+        1 => PictureFile::open(path),
+        _ => {
+            let mut name = path.file_stem().unwrap_or_default().to_owned();
+            name.push("-");
+            name.push(executor.name());
+            PictureFile::open(&path.with_file_name(name))
+        }
+    };
+    let opened: Result<Vec<_>, OutputError> = backends.iter().map(open).collect();
+    Ok(opened?)
 }
 
 /// Runs cases on one backend; `tick` is told every verdict.
@@ -137,12 +162,16 @@ pub(crate) fn run(
     out: &mut impl Write,
 ) -> Result<(), Box<dyn Error>> {
     let cases = chosen(&arguments.only)?;
+    let mut json = Json::open(arguments.run.rows.json.as_deref())?;
+    let mut plots = plots(arguments, &cases)?.into_iter();
+    let mut drawn: Vec<(PictureFile, Vec<Cell>)> = Vec::new();
     let commit = machine::commit();
     let mut rows: Vec<Row> = Vec::new();
-    for &executor in &arguments.backend {
+    let mut written = Ok(());
+    for &executor in &arguments.run.backend {
         let device = match executor {
             Executor::Cpu => None,
-            Executor::Gpu => Some(Device::open(arguments.adapter.as_deref())?),
+            Executor::Gpu => Some(Device::open(arguments.run.gpu.adapter.as_deref())?),
         };
         let stamp = Stamp {
             backend: executor.name(),
@@ -170,33 +199,33 @@ pub(crate) fn run(
             told = line.and_then(|()| out.flush());
         }));
         told?;
-        if let Some(path) = &arguments.plot {
-            let bound = map::CASES[0].bound;
-            plot::draw(path, &map::cells(&mut stage)?, bound)?;
-        }
-        if let Some(path) = &arguments.json {
-            json::write(path, &rows)?;
-        }
+        drawn.extend(plots.next().zip(stage.map.take()));
+        written = json.write(&rows);
     }
-    let cells: Vec<_> = [Row::NAMES.map(str::to_owned)]
+    let cells: Vec<_> = [(Row::NAMES.map(str::to_owned), vec![row::TEXTS.to_owned()])]
         .into_iter()
-        .chain(rows.iter().map(Row::cells))
+        .chain(rows.iter().map(|row| (row.cells(), row.texts())))
         .collect();
-    write!(out, "{}", columns::columns(&cells, 6))?;
-    writeln!(out, "{}", row::LEGEND)?;
+    write!(out, "{}", columns::with_texts(&cells, 3))?;
+    write!(out, "{}", columns::paragraphs(row::LEGEND))?;
     let failed = rows.iter().filter(|row| !row.passed).count();
     let seconds: f64 = rows.iter().map(|row| row.seconds).sum();
     writeln!(
         out,
-        "Failed: {failed} of {} verdicts, in {seconds:.0} s.",
-        rows.len()
+        "Failed: {failed} of {}, in {seconds:.0} s.",
+        count(rows.len(), "verdict")
     )?;
+    for (mut file, cells) in drawn {
+        plot::draw(&mut file, &cells, map::CASES[0].bound)?;
+    }
+    written?;
     let apart = disagreements(&rows);
     if !apart.is_empty() {
         return Err(format!("backends disagree on {}", apart.join(", ")).into());
     }
     if failed > 0 {
-        return Err(format!("{failed} laws do not hold").into());
+        let verb = if failed == 1 { "does" } else { "do" };
+        return Err(format!("{} {verb} not hold", count(failed, "law")).into());
     }
     Ok(())
 }
@@ -259,7 +288,35 @@ mod tests {
         };
         assert_eq!(only(&[]).unwrap().len(), cases().count());
         assert!(only(&["t1", "T2"]).unwrap().len() >= 2);
-        assert!(only(&["T99"]).unwrap_err().contains("contradiction"));
+        let told = only(&["T99"]).unwrap_err();
+        for id in ["contradiction", "T13", "map"] {
+            assert_eq!(told.matches(id).count(), 1, "{told}");
+        }
+    }
+
+    #[test]
+    fn a_map_that_is_not_made_is_not_drawn() {
+        #[derive(clap::Parser)]
+        struct Line {
+            #[command(flatten)]
+            arguments: StabilityArguments,
+        }
+        let place = tempfile::tempdir().unwrap();
+        let files = |line: &str| {
+            let path = place.path().join("m.svg").display().to_string();
+            let words = ["b", "--plot", &path].into_iter();
+            let line = <Line as clap::Parser>::parse_from(words.chain(line.split_whitespace()));
+            let opened = plots(&line.arguments, &chosen(&line.arguments.only).unwrap())?;
+            let names = std::fs::read_dir(place.path()).unwrap();
+            let mut names: Vec<_> = names.map(|f| f.unwrap().file_name()).collect();
+            names.sort_unstable();
+            drop(opened);
+            Ok::<_, Box<dyn Error>>(names)
+        };
+        assert!(files("--only T1").is_err(), "nothing to draw");
+        assert!(files("--only map").unwrap().contains(&"m.svg".into()));
+        let both = files("--backend cpu,gpu").unwrap();
+        assert!(both.contains(&"m-cpu.svg".into()) && both.contains(&"m-gpu.svg".into()));
     }
 
     #[test]

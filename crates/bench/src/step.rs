@@ -19,7 +19,9 @@ mod subject;
 mod table;
 
 use crate::backend::BackendChoice;
-use crate::{json, machine};
+use crate::json::Json;
+use crate::machine;
+use crate::options::{AdapterArguments, JsonArguments, ModelArguments};
 use case::Setup;
 use clap::{Args, ValueEnum};
 use clock::Budget;
@@ -27,14 +29,12 @@ use incise_pbd_gpu::SolverParams;
 use stage::Stage;
 use std::error::Error;
 use std::io::Write;
-use std::path::PathBuf;
 
 /// What is stepped, on what and for how long.
 #[derive(Args, Clone)]
 pub(crate) struct StepArguments {
-    /// A folder with real models (bunny*.obj, armadillo*.ply, ...) to use instead of built-in ones.
-    #[arg(long, value_name = "DIR")]
-    models: Option<PathBuf>,
+    #[command(flatten)]
+    from: ModelArguments,
     /// Models to run, separated by commas: those of the table, and Sphere3072, Sphere12288,
     /// Sphere49152, Sphere196608, Sphere1002252.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
@@ -43,9 +43,8 @@ pub(crate) struct StepArguments {
     /// processor, and a GPU if there is one.
     #[arg(long, value_enum, value_name = "NAMES", value_delimiter = ',')]
     backend: Vec<BackendChoice>,
-    /// A part of the name of the GPU to take.
-    #[arg(long, value_name = "NAME")]
-    adapter: Option<String>,
+    #[command(flatten)]
+    gpu: AdapterArguments,
     /// How frames become dispatches on a GPU, separated by commas. By default in every way that a
     /// model fits.
     #[arg(long, value_enum, value_name = "NAMES", value_delimiter = ',')]
@@ -68,9 +67,8 @@ pub(crate) struct StepArguments {
     /// Bodies that are stepped together, all of one model.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     bodies: u32,
-    /// Also write the rows as JSON, after every model.
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) rows: JsonArguments,
 }
 
 /// How a body's step is cut into dispatches.
@@ -100,7 +98,7 @@ impl ScheduleChoice {
 
 /// Measures and prints.
 pub(crate) fn run(arguments: &StepArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
-    let folder = arguments.models.as_deref();
+    let folder = arguments.from.models.as_deref();
     let subjects = subject::list(folder, &arguments.only, arguments.max_triangles)?;
     let setup = Setup {
         params: SolverParams {
@@ -117,6 +115,8 @@ pub(crate) fn run(arguments: &StepArguments, out: &mut impl Write) -> Result<(),
         machine: machine::machine(),
         commit: machine::commit(),
     };
+    let mut json = Json::open(arguments.rows.json.as_deref())?;
+    let mut written = Ok(());
     let mut stage = Stage::open(arguments, &setup, out)?;
     writeln!(
         out,
@@ -133,10 +133,8 @@ pub(crate) fn run(arguments: &StepArguments, out: &mut impl Write) -> Result<(),
         }
         rows.extend(of_subject);
         // After every model: what a long run has measured is not lost with it.
-        if let Some(path) = &arguments.json {
-            json::write(path, &rows)?;
-        }
+        written = json.write(&rows);
     }
     writeln!(out, "{}", table::LEGEND)?;
-    Ok(())
+    Ok(written?)
 }

@@ -2,6 +2,8 @@
 
 use super::front::{Point, front};
 use super::row::{Row, csv};
+use crate::output::{OutputError, OutputFile};
+use crate::picture::PictureFile;
 use plotters::backend::SVGBackend;
 use plotters::chart::ChartBuilder;
 use plotters::coord::Shift;
@@ -10,6 +12,7 @@ use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
 use plotters::element::{Circle, EmptyElement, PathElement, Text};
 use plotters::series::LineSeries;
 use plotters::style::{Color, IntoFont, RGBColor, WHITE};
+use std::error::Error;
 use std::path::Path;
 
 /// Width and height \[px\].
@@ -54,15 +57,32 @@ const WAYS: [Way; 5] = [
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Fault = DrawingAreaErrorKind<std::io::Error>;
 
-/// Draws a scene's rows into `NAME.svg`, and writes them into `NAME.csv`.
-pub(super) fn draw(folder: &Path, name: &str, rows: &[Row]) -> Result<(), String> {
-    let mut text = String::new();
-    picture(&mut text, name, rows).map_err(|error| format!("{name}: {error}"))?;
-    for (kind, text) in [("svg", text), ("csv", csv(rows))] {
-        let path = folder.join(name).with_extension(kind);
-        std::fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
+/// Where a scene's picture goes, and the rows behind it.
+pub(super) struct PlotFiles {
+    picture: PictureFile,
+    csv: OutputFile,
+}
+
+impl PlotFiles {
+    /// Opens `NAME.svg` and `NAME.csv` in a folder, before anything is measured.
+    ///
+    /// # Errors
+    /// As [`OutputFile::open`].
+    pub(super) fn open(folder: &Path, name: &str) -> Result<Self, OutputError> {
+        let path = folder.join(name);
+        Ok(Self {
+            picture: PictureFile::open(&path)?,
+            csv: OutputFile::open(&path.with_extension("csv"))?,
+        })
     }
-    Ok(())
+
+    /// Draws a scene's rows and writes them.
+    pub(super) fn draw(&mut self, name: &str, rows: &[Row]) -> Result<(), Box<dyn Error>> {
+        self.csv.write(csv(rows))?;
+        let mut text = String::new();
+        picture(&mut text, name, rows)?;
+        Ok(self.picture.write(&text)?)
+    }
 }
 
 fn picture(text: &mut String, name: &str, rows: &[Row]) -> Result<(), Fault> {

@@ -4,8 +4,9 @@
 use super::ours::{self, Ours};
 use super::row::Stamp;
 use super::{RefineArguments, comparison};
+use crate::columns;
+use crate::json::Json;
 use crate::subject::Subject;
-use crate::{columns, json};
 use comparison::{Faster, Line};
 use serde::Deserialize;
 use std::error::Error;
@@ -64,6 +65,7 @@ pub(super) fn run(
     arguments: &RefineArguments,
     subjects: &[Subject],
     stamp: &Stamp,
+    json: &mut Json,
     out: &mut impl Write,
 ) -> Result<(), Box<dyn Error>> {
     let peers: Vec<Peer> =
@@ -79,9 +81,6 @@ pub(super) fn run(
         lines.extend(compared.lines);
         faster.extend(compared.faster);
         warnings.extend(compared.warnings);
-    }
-    if let Some(path) = &arguments.json {
-        json::write(path, &lines)?;
     }
     let cells: Vec<_> = [Line::NAMES.map(str::to_owned)]
         .into_iter()
@@ -100,7 +99,7 @@ pub(super) fn run(
     for warning in &warnings {
         writeln!(out, "Left out: {warning}")?;
     }
-    Ok(())
+    Ok(json.write(&lines)?)
 }
 
 fn read(path: &Path) -> Result<Peer, String> {

@@ -1,6 +1,7 @@
 //! Run time against quality as a picture.
 
 use super::tradeoff::Row;
+use crate::picture::PictureFile;
 use plotters::backend::SVGBackend;
 use plotters::chart::ChartBuilder;
 use plotters::coord::Shift;
@@ -9,7 +10,7 @@ use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
 use plotters::element::{Circle, EmptyElement, PathElement, Text};
 use plotters::series::LineSeries;
 use plotters::style::{Color, IntoFont, RGBAColor, RGBColor, WHITE};
-use std::path::Path;
+use std::error::Error;
 
 /// Width and height \[px\].
 const SIZE: (u32, u32) = (1000, 1000);
@@ -20,13 +21,12 @@ const DEFAULT: RGBColor = RGBColor(20, 90, 180);
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Fault = DrawingAreaErrorKind<std::io::Error>;
 
-/// Draws the rows of all sections into an SVG file: angles above, lengths below, over the time of a thousand
+/// Draws the rows of all sections: angles above, lengths below, over the time of a thousand
 /// triangles.
-pub(super) fn draw(path: &Path, rows: &[Row]) -> Result<(), String> {
-    let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+pub(super) fn draw(file: &mut PictureFile, rows: &[Row]) -> Result<(), Box<dyn Error>> {
     let mut text = String::new();
-    picture(&mut text, rows).map_err(|error| failed(&error))?;
-    std::fs::write(path, text).map_err(|error| failed(&error))
+    picture(&mut text, rows)?;
+    Ok(file.write(&text)?)
 }
 
 fn picture(text: &mut String, rows: &[Row]) -> Result<(), Fault> {

@@ -4,11 +4,12 @@
 use super::cover::{REPEATS, fastest, percentile};
 use super::rims::{self, Rims};
 use super::row::Stamp;
-use super::{RefineArguments, plot};
+use super::{Files, RefineArguments, plot};
+use crate::columns;
+use crate::progress::Progress;
 use crate::report::measured;
 use crate::statistics::{mean, median};
 use crate::subject::Subject;
-use crate::{columns, json};
 use incise_mesh::Vec3;
 use incise_refine::{
     Cover, CoverParams, CoverQuality, CoverScratch, CoverSize, RefineError, RefineParams, Section,
@@ -165,6 +166,7 @@ pub(super) fn run(
     arguments: &RefineArguments,
     subjects: &[Subject],
     stamp: &Stamp,
+    mut files: Files,
     out: &mut impl Write,
 ) -> Result<(), Box<dyn Error>> {
     let ways: Vec<Way> = Way::all().collect();
@@ -173,7 +175,9 @@ pub(super) fn run(
         .map(|level| (level.z(), vec![Sum::default(); ways.len()]))
         .collect();
     let (mut failures, mut nested) = (Vec::new(), 0);
+    let progress = Progress::new(subjects.len() as u64, 1);
     for subject in subjects {
+        progress.begin(&subject.name);
         let mut sums = all.clone();
         for sum in sums.iter_mut().flat_map(|(_, sums)| sums) {
             *sum = Sum::default();
@@ -202,21 +206,13 @@ pub(super) fn run(
                 all.append(sum);
             }
         }
+        progress.step();
     }
+    progress.end();
     let first = rows.len();
     for (z, sums) in &all {
         let of = |(way, sum): (&Way, &Sum)| Row::of(ALL, *way, *z, sum, stamp);
         rows.extend(ways.iter().zip(sums).map(of));
-    }
-    if let Some(path) = &arguments.json {
-        json::write(path, &rows)?;
-    }
-    if let Some(path) = &arguments.csv {
-        let failed = |fault| format!("{}: {fault}", path.display());
-        std::fs::write(path, csv(&rows[first..])).map_err(failed)?;
-    }
-    if let Some(path) = &arguments.plot {
-        plot::draw(path, &rows[first..])?;
     }
     let cells: Vec<_> = [Row::NAMES.map(str::to_owned)]
         .into_iter()
@@ -232,7 +228,14 @@ pub(super) fn run(
     for failure in &failures {
         writeln!(out, "  {failure}")?;
     }
-    Ok(())
+    let all = &rows[first..];
+    if let Some(file) = &mut files.csv {
+        file.write(csv(all))?;
+    }
+    if let Some(file) = &mut files.plot {
+        plot::draw(file, all)?;
+    }
+    Ok(files.json.write(&rows)?)
 }
 
 /// Rows as a table for other programs.

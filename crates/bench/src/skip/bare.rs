@@ -3,7 +3,7 @@
 use super::clock::pairs;
 use super::minimal::Minimal;
 use super::row::Finding;
-use super::{DT, PAIRS, at_rest_of, us};
+use super::{DT, Effort, Measurement, at_rest_of, us};
 use incise_mesh::{Model, Surface, build_model};
 use incise_pbd_gpu::{Material, Solver, SolverParams, StepError};
 use std::error::Error;
@@ -28,17 +28,22 @@ fn body(model: Model) -> Result<(Surface, Solver), Box<dyn Error>> {
     Ok((surface, solver))
 }
 
-pub(super) fn findings(models: &[Model]) -> Result<Vec<Finding>, Box<dyn Error>> {
-    let mut out = Vec::new();
-    for &model in models {
-        out.extend(beside_the_bare_one(model)?);
-        out.push(beside_the_solver(model)?);
-    }
-    Ok(out)
+pub(super) fn measurements(effort: Effort) -> Vec<Measurement<'static>> {
+    let both = |&model: &Model| {
+        [
+            Measurement::new(&["absent"], format!("{}, edges", model.name()), move || {
+                beside_the_bare_one(model, effort.pairs)
+            }),
+            Measurement::new(&["absent"], format!("{}, scene", model.name()), move || {
+                Ok([beside_the_solver(model, effort.pairs)?])
+            }),
+        ]
+    };
+    effort.models.iter().flat_map(both).collect()
 }
 
 /// The shipped solver and one that has edges alone.
-fn beside_the_bare_one(model: Model) -> Result<[Finding; 2], Box<dyn Error>> {
+fn beside_the_bare_one(model: Model, count: u32) -> Result<[Finding; 2], Box<dyn Error>> {
     let (mut surface, mut solver) = body(model)?;
     let (mut other, mut other_solver) = (surface.clone(), solver.clone());
     let mut minimal = Minimal::default();
@@ -50,7 +55,7 @@ fn beside_the_bare_one(model: Model) -> Result<[Finding; 2], Box<dyn Error>> {
     let apart = apart.filter(|(a, b)| a != b).count();
     let passes = solver.stats().passes as usize - solver.plan().passes().count();
     let found = pairs(
-        PAIRS,
+        count,
         || solver.step(&mut surface, DT, &PARAMS).map(|_| ()),
         || {
             let stepped = other_solver.step_on(&mut minimal, &mut other, DT, &PARAMS);
@@ -79,12 +84,12 @@ fn beside_the_bare_one(model: Model) -> Result<[Finding; 2], Box<dyn Error>> {
 }
 
 /// A scene of one body, without a blade, and the body's solver alone.
-fn beside_the_solver(model: Model) -> Result<Finding, Box<dyn Error>> {
+fn beside_the_solver(model: Model, count: u32) -> Result<Finding, Box<dyn Error>> {
     let mut scene = at_rest_of(build_model(model), &edges(), PARAMS, None)?;
     let mut surface = build_model(model);
     let mut solver = Solver::new(&mut surface, &edges())?;
     let found = pairs::<Box<dyn Error>>(
-        PAIRS,
+        count,
         || Ok(scene.step().map(|_| ())?),
         || {
             let stepped: Result<_, StepError> = solver.step(&mut surface, DT, &PARAMS);

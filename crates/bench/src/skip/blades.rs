@@ -2,7 +2,7 @@
 
 use super::clock::pairs;
 use super::row::Finding;
-use super::{PAIRS, at_rest, us};
+use super::{Effort, Measurement, at_rest, us};
 use incise_mesh::Model;
 use incise_pbd_gpu::SolverParams;
 use std::error::Error;
@@ -13,17 +13,19 @@ const FAR: [[[f32; 3]; 2]; 2] = [
     [[10.0, 0.0, -1.0], [10.0, 0.0, 1.0]],
 ];
 
-pub(super) fn findings(models: &[Model]) -> Result<Vec<Finding>, Box<dyn Error>> {
-    let mut out = Vec::new();
-    for &model in models {
-        for moves in [false, true] {
-            out.extend(blade(model, moves)?);
-        }
-    }
-    Ok(out)
+pub(super) fn measurements(effort: Effort) -> Vec<Measurement<'static>> {
+    let both = |&model: &Model| {
+        let of = |skips, moves| {
+            Measurement::new(skips, model.name(), move || {
+                blade(model, moves, effort.pairs)
+            })
+        };
+        [of(&["blade at rest"], false), of(&["far blade"], true)]
+    };
+    effort.models.iter().flat_map(both).collect()
 }
 
-fn blade(model: Model, moves: bool) -> Result<[Finding; 2], Box<dyn Error>> {
+fn blade(model: Model, moves: bool, count: u32) -> Result<[Finding; 2], Box<dyn Error>> {
     let params = SolverParams {
         gravity: [0.0; 3],
         ..SolverParams::paper()
@@ -33,7 +35,7 @@ fn blade(model: Model, moves: bool) -> Result<[Finding; 2], Box<dyn Error>> {
     let mut without = at_rest(model, params, None)?;
     let (mut frames, mut asked) = (0_usize, 0);
     let found = pairs(
-        PAIRS,
+        count,
         || {
             frames += 1;
             if moves {

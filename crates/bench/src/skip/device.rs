@@ -3,7 +3,7 @@
 use super::clock::pairs;
 use super::row::Finding;
 use super::sleeping::lull;
-use super::{PAIRS, add, params, us};
+use super::{Effort, Measurement, add, params, us};
 use incise_mesh::{Model, build_model};
 use incise_pbd_gpu::{AdapterRequest, GpuBackend, Material, Schedule, Solver, SolverParams};
 use incise_scene::{BackendChoice, BackendRequest, Scene, SleepParams};
@@ -37,11 +37,12 @@ impl Device {
         self.described.clone()
     }
 
-    pub(super) fn findings(&mut self) -> Result<Vec<Finding>, Box<dyn Error>> {
-        let mut out = vec![self.kernels()?];
-        out.extend(self.unasked()?);
-        out.extend(self.asleep()?);
-        Ok(out)
+    pub(super) fn measurements(&self, effort: Effort) -> Vec<Measurement<'_>> {
+        vec![
+            Measurement::new(&["kernels"], "edges alone", || Ok([self.kernels()?])),
+            Measurement::new(&["readback", "kernels"], "Bunny", || self.unasked()),
+            Measurement::new(&["sleep"], "Bunny", move || self.asleep(effort.pairs)),
+        ]
     }
 
     fn scene(&self, sleep: Option<SleepParams>) -> Result<Scene, Box<dyn Error>> {
@@ -110,7 +111,7 @@ impl Device {
     }
 
     /// A body at rest, asleep and awake.
-    fn asleep(&self) -> Result<[Finding; 2], Box<dyn Error>> {
+    fn asleep(&self, count: u32) -> Result<[Finding; 2], Box<dyn Error>> {
         let mut asleep = self.scene(Some(SleepParams::default()))?;
         add(&mut asleep, Model::Bunny)?;
         lull(&mut asleep, 1)?;
@@ -118,7 +119,7 @@ impl Device {
         add(&mut awake, Model::Bunny)?;
         let mut asked = 0;
         let found = pairs::<Box<dyn Error>>(
-            PAIRS,
+            count,
             || {
                 let stats = asleep.step()?;
                 asked += u64::from(stats.dispatches) + stats.bytes_read + stats.bytes_uploaded;

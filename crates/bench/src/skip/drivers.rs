@@ -1,7 +1,7 @@
 //! Whether a scene on the processor loads graphics drivers.
 
 use super::row::Finding;
-use super::{PAIRS, at_rest, params};
+use super::{Effort, Measurement, at_rest, params};
 use incise_mesh::{Model, build_model};
 use incise_pbd_gpu::{Material, SolverParams};
 use incise_scene::{BackendChoice, BackendRequest, Scene};
@@ -18,8 +18,14 @@ fn loaded() -> usize {
     maps.lines().filter(is_driver).count()
 }
 
+pub(super) fn measurement(effort: Effort) -> Measurement<'static> {
+    Measurement::new(&["device"], "two scenes", move || {
+        Ok([finding(effort.pairs)?])
+    })
+}
+
 /// Steps scenes that the processor serves.
-pub(super) fn finding() -> Result<Finding, Box<dyn Error>> {
+fn finding(frames: u32) -> Result<Finding, Box<dyn Error>> {
     let before = loaded();
     let mut plain = at_rest(Model::Sphere80, SolverParams::default(), None)?;
     let request = BackendRequest {
@@ -28,7 +34,7 @@ pub(super) fn finding() -> Result<Finding, Box<dyn Error>> {
     };
     let mut asked = Scene::with_backend(params(SolverParams::default(), None), &request)?;
     asked.add_body(build_model(Model::Sphere80), &Material::default())?;
-    for _ in 0..PAIRS {
+    for _ in 0..frames {
         plain.step()?;
         asked.step()?;
     }
@@ -37,7 +43,7 @@ pub(super) fn finding() -> Result<Finding, Box<dyn Error>> {
     Ok(Finding {
         skip: "device",
         claim: "devices opened and graphics libraries loaded for a scene on the processor",
-        at: format!("{PAIRS} frames of two scenes"),
+        at: format!("{frames} frames of two scenes"),
         bound: 0.0,
         measured: (devices + loaded().saturating_sub(before)) as f64,
     })

@@ -2,7 +2,7 @@
 
 use super::clock::pairs;
 use super::row::Finding;
-use super::{DT, PAIRS, at_rest, us};
+use super::{DT, Effort, Measurement, at_rest, us};
 use incise_mesh::{Model, build_model};
 use incise_pbd_gpu::{Solver, SolverParams};
 use std::error::Error;
@@ -16,13 +16,19 @@ const COARSE: f32 = 1e-4;
 /// Frames in motion.
 const FRAMES: u32 = 30;
 
-pub(super) fn findings(models: &[Model]) -> Result<Vec<Finding>, Box<dyn Error>> {
-    let mut out = Vec::new();
-    for &model in models {
-        out.push(at_rest_it_pays(model)?);
-        out.push(in_motion_it_is_near(model)?);
-    }
-    Ok(out)
+pub(super) fn measurements(effort: Effort) -> Vec<Measurement<'static>> {
+    const SKIPS: &[&str] = &["early out"];
+    let both = |&model: &Model| {
+        [
+            Measurement::new(SKIPS, format!("{} at rest", model.name()), move || {
+                Ok([at_rest_it_pays(model, effort.pairs)?])
+            }),
+            Measurement::new(SKIPS, format!("{} in motion", model.name()), move || {
+                Ok([in_motion_it_is_near(model)?])
+            }),
+        ]
+    };
+    effort.models.iter().flat_map(both).collect()
 }
 
 fn params(residual: Option<f32>) -> SolverParams {
@@ -33,11 +39,11 @@ fn params(residual: Option<f32>) -> SolverParams {
     }
 }
 
-fn at_rest_it_pays(model: Model) -> Result<Finding, Box<dyn Error>> {
+fn at_rest_it_pays(model: Model, count: u32) -> Result<Finding, Box<dyn Error>> {
     let mut early = at_rest(model, params(Some(RESIDUAL)), None)?;
     let mut full = at_rest(model, params(None), None)?;
     let found = pairs(
-        PAIRS,
+        count,
         || early.step().map(|_| ()),
         || full.step().map(|_| ()),
     )?;

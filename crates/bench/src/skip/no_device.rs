@@ -1,6 +1,6 @@
 //! No device: a build without the feature `gpu`.
 
-use super::row::Finding;
+use super::{Effort, Measurement};
 use std::error::Error;
 
 /// What there is none of.
@@ -20,7 +20,7 @@ impl Device {
         match *self {}
     }
 
-    pub(super) fn findings(&mut self) -> Result<Vec<Finding>, Box<dyn Error>> {
+    pub(super) fn measurements(&self, _: Effort) -> Vec<Measurement<'_>> {
         match *self {}
     }
 }

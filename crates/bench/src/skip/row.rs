@@ -27,13 +27,16 @@ pub(super) struct Row {
     pub(super) version: &'static str,
 }
 
+/// The name of what stands beside rows.
+pub(super) const TEXTS: &str = "claim, and what it was found on";
+
 /// Explains the columns.
 pub(super) const LEGEND: &str = "\
 A claim holds when what was measured is at most the bound. Times are taken in turns with what they are compared to, and the
 median of the ratios counts; numbers without a unit are ratios or counts.";
 
 impl Row {
-    pub(super) const NAMES: [&str; 6] = ["skip", "verdict", "claim", "at", "bound", "measured"];
+    pub(super) const NAMES: [&str; 4] = ["skip", "verdict", "bound", "measured"];
 
     pub(super) fn of(finding: Finding, device: &str, commit: &str) -> Self {
         Self {
@@ -46,16 +49,20 @@ impl Row {
     }
 
     /// The row for people.
-    pub(super) fn cells(&self) -> [String; 6] {
+    pub(super) fn cells(&self) -> [String; 4] {
         let finding = &self.finding;
         [
             finding.skip.to_owned(),
             if self.passed { "pass" } else { "FAIL" }.to_owned(),
-            finding.claim.to_owned(),
-            finding.at.clone(),
             number(finding.bound),
             number(finding.measured),
         ]
+    }
+
+    /// What stands beside and below it.
+    pub(super) fn texts(&self) -> Vec<String> {
+        let finding = &self.finding;
+        vec![finding.claim.to_owned(), format!("at: {}", finding.at)]
     }
 }
 
@@ -90,10 +97,8 @@ mod tests {
     #[test]
     fn rows_say_the_same_to_people_and_programs() {
         let row = row(0.0123);
-        assert_eq!(
-            row.cells()[1..],
-            ["FAIL", "ratio", "here", "0.01", "0.0123"]
-        );
+        assert_eq!(row.cells()[1..], ["FAIL", "0.01", "0.0123"]);
+        assert_eq!(row.texts(), ["ratio", "at: here"]);
         let json = serde_json::to_value(row).unwrap();
         assert_eq!(json["measured"], 0.0123);
         assert_eq!(json["passed"], false);

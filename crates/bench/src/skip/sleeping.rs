@@ -2,7 +2,7 @@
 
 use super::clock::pairs;
 use super::row::Finding;
-use super::{PAIRS, at_rest, us};
+use super::{Effort, Measurement, at_rest, us};
 use incise_mesh::Model;
 use incise_pbd_gpu::SolverParams;
 use incise_scene::{Scene, SleepParams};
@@ -11,13 +11,14 @@ use std::error::Error;
 /// How many sleep at once.
 const CROWD: u32 = 1000;
 
-pub(super) fn findings(models: &[Model]) -> Result<Vec<Finding>, Box<dyn Error>> {
-    let mut out = Vec::new();
-    for &model in models {
-        out.push(one(model)?);
-    }
-    out.extend(crowd()?);
-    Ok(out)
+pub(super) fn measurements(effort: Effort) -> Vec<Measurement<'static>> {
+    let one = |&model: &Model| {
+        Measurement::new(&["sleep"], model.name(), move || {
+            Ok([one(model, effort.pairs)?])
+        })
+    };
+    let crowd = Measurement::new(&["sleep"], "a crowd", move || crowd(effort.pairs));
+    effort.sleepers.iter().map(one).chain([crowd]).collect()
 }
 
 /// Steps until all bodies sleep.
@@ -34,13 +35,13 @@ pub(super) fn lull(scene: &mut Scene, bodies: u32) -> Result<(), Box<dyn Error>>
     }
 }
 
-fn one(model: Model) -> Result<Finding, Box<dyn Error>> {
+fn one(model: Model, count: u32) -> Result<Finding, Box<dyn Error>> {
     let params = SolverParams::default();
     let mut asleep = at_rest(model, params, Some(SleepParams::default()))?;
     lull(&mut asleep, 1)?;
     let mut awake = at_rest(model, params, None)?;
     let found = pairs(
-        PAIRS,
+        count,
         || asleep.step().map(|_| ()),
         || awake.step().map(|_| ()),
     )?;
@@ -54,7 +55,7 @@ fn one(model: Model) -> Result<Finding, Box<dyn Error>> {
     })
 }
 
-fn crowd() -> Result<Vec<Finding>, Box<dyn Error>> {
+fn crowd(count: u32) -> Result<[Finding; 2], Box<dyn Error>> {
     let mut scene = at_rest(
         Model::Sphere20,
         SolverParams::default(),
@@ -64,8 +65,7 @@ fn crowd() -> Result<Vec<Finding>, Box<dyn Error>> {
         super::add(&mut scene, Model::Sphere20)?;
     }
     lull(&mut scene, CROWD)?;
-    let mut out = Vec::new();
-    for with_blade in [false, true] {
+    let mut of = |with_blade: bool| -> Result<Finding, Box<dyn Error>> {
         let blade = with_blade.then(|| scene.add_blade([[9.0, 0.0, -1.0], [9.0, 0.0, 1.0]]));
         let mut x = 9.0;
         let mut frame = || {
@@ -76,8 +76,8 @@ fn crowd() -> Result<Vec<Finding>, Box<dyn Error>> {
             scene.step().map(|_| ())
         };
         // In turns with itself: the time of one.
-        let found = pairs(PAIRS, &mut frame, || Ok(()))?;
-        out.push(Finding {
+        let found = pairs(count, &mut frame, || Ok(()))?;
+        Ok(Finding {
             skip: "sleep",
             claim: "time of a frame of 1,000 bodies asleep [us]",
             at: if with_blade {
@@ -88,7 +88,7 @@ fn crowd() -> Result<Vec<Finding>, Box<dyn Error>> {
             .to_owned(),
             bound: 50.0,
             measured: found.seconds[0] * 1e6,
-        });
-    }
-    Ok(out)
+        })
+    };
+    Ok([of(false)?, of(true)?])
 }

@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use super::stage::Stage;
+use incise_pbd_gpu::Stiffness;
 
 /// One torture and one law. It passes when nothing found is above the bound.
 #[derive(Debug, Clone, Copy)]
@@ -54,6 +55,14 @@ impl Worst {
             Ok(value) => self.take(value, &at),
             Err(failure) => self.take(f64::INFINITY, || format!("{}: {failure}", at())),
         }
+    }
+}
+
+/// A stiffness as a place is told by it.
+pub(super) fn told(stiffness: Stiffness) -> String {
+    match stiffness {
+        Stiffness::Pbd(k) => format!("stiffness {k}"),
+        Stiffness::Compliance(value) => format!("compliance {value:e}"),
     }
 }
 

@@ -40,7 +40,7 @@ pub(super) struct Cell {
 ///
 /// # Errors
 /// [`Failure`] when the ribbon cannot be set up.
-pub(super) fn cells(stage: &mut Stage) -> Result<Vec<Cell>, Failure> {
+fn cells(stage: &mut Stage) -> Result<Vec<Cell>, Failure> {
     let mut cells = Vec::new();
     let stride = stage.pick(4, 1);
     let params = SolverParams {
@@ -68,7 +68,8 @@ pub(super) fn cells(stage: &mut Stage) -> Result<Vec<Cell>, Failure> {
 
 fn run(stage: &mut Stage) -> Result<Worst, Failure> {
     let mut worst = Worst::default();
-    for cell in cells(stage)? {
+    let cells = cells(stage)?;
+    for cell in &cells {
         worst.judge(Ok(cell.energy), || {
             let rate = 10.0_f64.powf(f64::from(cell.rate) / 2.0);
             format!(
@@ -77,5 +78,6 @@ fn run(stage: &mut Stage) -> Result<Worst, Failure> {
             )
         });
     }
+    stage.map = Some(cells);
     Ok(worst)
 }

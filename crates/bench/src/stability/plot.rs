@@ -1,13 +1,14 @@
 //! The stability map as a picture.
 
 use super::map::{COMPLIANCES, Cell, RATES, RATIOS};
+use crate::picture::PictureFile;
 use plotters::backend::SVGBackend;
 use plotters::chart::ChartBuilder;
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
 use plotters::element::{Rectangle, Text};
 use plotters::style::{BLACK, Color, IntoFont, RGBColor, WHITE};
-use std::path::Path;
+use std::error::Error;
 
 /// Width and height \[px\].
 const SIZE: (u32, u32) = (1400, 560);
@@ -21,12 +22,15 @@ const BROKEN: RGBColor = RGBColor(200, 60, 30);
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Fault = DrawingAreaErrorKind<std::io::Error>;
 
-/// Draws the cells into an SVG file, a panel for each load.
-pub(super) fn draw(path: &Path, cells: &[Cell], bound: f64) -> Result<(), String> {
-    let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+/// Draws the cells, a panel for each load.
+pub(super) fn draw(
+    file: &mut PictureFile,
+    cells: &[Cell],
+    bound: f64,
+) -> Result<(), Box<dyn Error>> {
     let mut text = String::new();
-    picture(&mut text, cells, bound).map_err(|error| failed(&error))?;
-    std::fs::write(path, text).map_err(|error| failed(&error))
+    picture(&mut text, cells, bound)?;
+    Ok(file.write(&text)?)
 }
 
 fn picture(text: &mut String, cells: &[Cell], bound: f64) -> Result<(), Fault> {

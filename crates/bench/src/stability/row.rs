@@ -32,15 +32,17 @@ pub(super) struct Stamp {
     pub(super) commit: String,
 }
 
+/// The name of what stands beside rows.
+pub(super) const TEXTS: &str = "torture, law, and where the worst was found";
+
 /// Explains the columns.
 pub(super) const LEGEND: &str = "\
-worst: the largest number of the law's kind in all runs of the case, and where; a case passes when it is at most the bound. A run that ends in
-an error where the law allows none, or in a position that is no number, is worse than any number.";
+runs: how many were judged. worst: the largest number of the law's kind in all of them; a case passes when it is at \
+most the bound. none: a run ended in an error where the law allows none, or in a position that is no number, which is \
+worse than any number.";
 
 impl Row {
-    pub(super) const NAMES: [&str; 9] = [
-        "case", "backend", "torture", "verdict", "law", "at", "runs", "bound", "worst",
-    ];
+    pub(super) const NAMES: [&str; 6] = ["case", "backend", "verdict", "runs", "bound", "worst"];
 
     /// The verdict on what was found.
     pub(super) fn of(
@@ -72,17 +74,23 @@ impl Row {
     }
 
     /// The row for people.
-    pub(super) fn cells(&self) -> [String; 9] {
+    pub(super) fn cells(&self) -> [String; 6] {
         [
             self.id.to_owned(),
             self.backend.to_owned(),
-            self.torture.to_owned(),
             if self.passed { "pass" } else { "FAIL" }.to_owned(),
-            self.law.to_owned(),
-            self.at.clone(),
             self.runs.to_string(),
             number(self.bound),
             self.worst.map_or_else(|| "none".to_owned(), number),
+        ]
+    }
+
+    /// What stands beside and below it.
+    pub(super) fn texts(&self) -> Vec<String> {
+        vec![
+            self.torture.to_owned(),
+            format!("law: {}", self.law),
+            format!("at: {}", self.at),
         ]
     }
 }
@@ -136,7 +144,7 @@ mod tests {
         assert!(!row(Ok(Worst::default())).passed, "nothing was run");
         let failed = row(Err(Failure::Law("broken".to_owned())));
         assert_eq!((failed.passed, failed.at.as_str()), (false, "broken"));
-        assert_eq!(failed.cells()[8], "none");
+        assert_eq!(failed.cells()[5], "none");
     }
 
     #[test]

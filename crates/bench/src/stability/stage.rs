@@ -2,6 +2,7 @@
 
 use super::device::{Device, Place};
 use super::failure::Failure;
+use super::map::Cell;
 use incise_mesh::{Surface, TopologyDelta};
 use incise_pbd_gpu::{Material, Solver, SolverParams};
 
@@ -46,6 +47,8 @@ pub(super) struct Stage {
     pub(super) device: Option<Device>,
     /// What ten million substeps of a spinning body came to, once they were made: two laws look at it.
     pub(super) spun: Option<[f64; 2]>,
+    /// The stability map, once it was made: it can be drawn.
+    pub(super) map: Option<Vec<Cell>>,
 }
 
 impl Stage {
@@ -54,6 +57,7 @@ impl Stage {
             effort,
             device,
             spun: None,
+            map: None,
         }
     }
 

@@ -1,7 +1,7 @@
 //! Bodies that start crushed, inside out or folded.
 
 use super::audit::{angle, energy_over};
-use super::case::{Case, Worst};
+use super::case::{Case, Worst, told};
 use super::failure::Failure;
 use super::scenes::{FRAME, GROUND, WEIGHTLESS, ball, elastic_shell, pose};
 use super::stage::Stage;
@@ -101,7 +101,12 @@ fn strain_of_crushed(stage: &mut Stage) -> Result<Worst, Failure> {
             let mut mover = stage.enter(crushed(way, subdivisions), &material)?;
             let found = mover.advance(FRAME, &GROUND, 600);
             let found = found.map(|()| mover.strain());
-            worst.judge(found, || format!("{way}, bending {bending:?}"));
+            worst.judge(found, || {
+                format!(
+                    "{way}, {}",
+                    bending.map_or("no bending".to_owned(), |k| format!("bending {k}"))
+                )
+            });
         }
     }
     Ok(worst)
@@ -118,7 +123,9 @@ fn flipped(stage: &mut Stage) -> Result<Worst, Failure> {
             let mut mover = stage.enter(surface.clone(), &material)?;
             let found = mover.advance(FRAME, &GROUND, 600);
             let found = found.map(|()| mover.strain());
-            worst.judge(found, || format!("vertex {vertex}, {:?}", material.stretch));
+            worst.judge(found, || {
+                format!("vertex {vertex}, {}", told(material.stretch))
+            });
         }
     }
     Ok(worst)
@@ -161,7 +168,7 @@ fn folded(stage: &mut Stage) -> Result<Worst, Failure> {
                     (off - (off / (2.0 * PI)).round() * 2.0 * PI).abs()
                 });
                 worst.judge(found, || {
-                    format!("rest {rest:.3}, from {start:.3} rad, {stiffness:?}")
+                    format!("rest {rest:.3}, from {start:.3} rad, {}", told(stiffness))
                 });
             }
         }

@@ -58,7 +58,7 @@ impl Stage {
         if asked == [BackendChoice::Cpu] {
             return Ok(stage);
         }
-        match Device::open(arguments.adapter.as_deref()) {
+        match Device::open(arguments.gpu.adapter.as_deref()) {
             Ok(device) => {
                 writeln!(out, "gpu: {}", device.describe())?;
                 stage.device = Some(device);
@@ -66,7 +66,7 @@ impl Stage {
             Err(why) => {
                 // Where nobody asked for one, or for a certain one, there need not be any.
                 let is_needed = arguments.backend.contains(&BackendChoice::Gpu);
-                if is_needed || arguments.adapter.is_some() {
+                if is_needed || arguments.gpu.adapter.is_some() {
                     return Err(StageError::NoDevice(why));
                 }
                 writeln!(out, "gpu: none: {why}")?;

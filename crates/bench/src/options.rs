@@ -1,0 +1,47 @@
+//! Options that several benches have.
+
+use crate::backend::Executor;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Where rows go besides the terminal.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct JsonArguments {
+    /// Also write the rows as JSON, one object a row; a long run writes them as they come.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+}
+
+/// Which GPU.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct AdapterArguments {
+    /// A part of the name of the GPU to take.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) adapter: Option<String>,
+}
+
+/// Where models come from.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct ModelArguments {
+    /// A folder with real models (bunny*.obj, armadillo*.ply, ...) to use instead of built-in ones.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) models: Option<PathBuf>,
+}
+
+/// What executes a bench that compares, and where its rows go.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct RunArguments {
+    /// What executes the solver, separated by commas: everything runs on each.
+    #[arg(
+        long,
+        value_enum,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "cpu"
+    )]
+    pub(crate) backend: Vec<Executor>,
+    #[command(flatten)]
+    pub(crate) gpu: AdapterArguments,
+    #[command(flatten)]
+    pub(crate) rows: JsonArguments,
+}
