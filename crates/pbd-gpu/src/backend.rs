@@ -5,7 +5,7 @@ use crate::error::StepError;
 use crate::kernels::bending::{Bending, bending_serial};
 use crate::kernels::displacements::{Cell, Displacements, Exclusive};
 use crate::kernels::stretch::{Stretch, stretch_serial};
-use crate::kernels::{ground, integrate, pins, predict};
+use crate::kernels::{ground, integrate, pins, predict, tethers};
 use crate::params::StepStats;
 use crate::plan::{Body, Pass, StepConstants, StepPlan};
 use crate::sweep::{is_spread, sweep};
@@ -167,6 +167,7 @@ impl Frame<'_, '_> {
         match pass {
             Pass::Predict => self.lowest = predict::predict(x, d, v, constants),
             Pass::Pins => pins::pins(x, d, body.pins, constants.substeps - substep),
+            Pass::Tethers => tethers::tethers(x, d, body.tethers),
             Pass::ResetMultipliers => {
                 if constants.stretch.keeps {
                     body.stretch.all_mut().for_each(Batch::reset_multipliers);
@@ -273,6 +274,7 @@ mod tests {
                     stretch: &mut stretch,
                     bending: None,
                     pins: &[],
+                    tethers: &[],
                 };
                 cpu.execute(&plan, &constants, &mut body).unwrap();
                 (before, expected) = (expected, (2.0 * expected - before) / stiff);

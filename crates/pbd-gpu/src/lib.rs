@@ -51,6 +51,7 @@ mod second_order;
 mod solver;
 mod state;
 mod sweep;
+mod tethers;
 mod validate;
 
 pub use backend::{Backend, CpuBackend};
@@ -67,5 +68,6 @@ pub use params::{Integrator, SolverParams, StepStats};
 pub use patches::{PATCH_VERTICES, PatchParams};
 pub use plan::{Body, Pass, Pin, StepConstants, StepPlan};
 pub use solver::Solver;
+pub use tethers::Tether;
 #[cfg(feature = "gpu")]
 pub use wgpu;

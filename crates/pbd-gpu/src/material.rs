@@ -37,6 +37,11 @@ impl Stiffness {
         }
     }
 
+    /// Whether what is held so does not give way at all.
+    pub(crate) fn is_rigid(self) -> bool {
+        matches!(self, Self::Pbd(1.0) | Self::Compliance(0.0))
+    }
+
     /// What one projection uses, for `iterations` of a substep of `h` \[s\].
     pub(crate) fn projection(self, iterations: u32, h: f32) -> Projection {
         match self {

@@ -29,6 +29,9 @@ pub struct SolverParams {
     /// substep; with all of it soft bodies move as if they were softer and damped. A projection never goes past the
     /// rest value: a rigid constraint, or one of the paper's stiffness, is projected as ever, and more iterations tend to the same.
     pub own_weight: f32,
+    /// Whether vertices of a body that does not stretch are held to within reach of where it is pinned: see [`Tether`](crate::Tether).
+    /// A pass more a substep over such a body, and none over others.
+    pub tethers: bool,
     /// How a substep leads from one state to the next.
     pub integrator: Integrator,
 }
@@ -59,6 +62,7 @@ impl Default for SolverParams {
             iterations: 1,
             substeps: 16,
             own_weight: 0.5,
+            tethers: true,
             ..Self::paper()
         }
     }
@@ -75,6 +79,7 @@ impl SolverParams {
             ground: None,
             residual: None,
             own_weight: 1.0,
+            tethers: false,
             integrator: Integrator::Euler,
         }
     }

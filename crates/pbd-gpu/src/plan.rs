@@ -4,6 +4,7 @@
 use crate::coloring::{LAYERS, MAX_COLORS};
 use crate::constraints::{BendingSet, ConstraintSet, StretchSet};
 use crate::material::Projection;
+use crate::tethers::Tether;
 use incise_mesh::VertexId;
 use std::cmp::Ordering;
 
@@ -17,6 +18,8 @@ pub enum Pass {
     Predict,
     /// Pinned vertices move towards their targets.
     Pins,
+    /// What is too far from where it is held is pulled back.
+    Tethers,
     /// Multipliers become zero.
     ResetMultipliers,
     /// Edges of one color get their lengths back.
@@ -46,7 +49,8 @@ impl Pass {
         match self {
             Self::Predict => (0, 0, 0),
             Self::Pins => (0, 1, 0),
-            Self::ResetMultipliers => (0, 2, 0),
+            Self::Tethers => (0, 2, 0),
+            Self::ResetMultipliers => (0, 3, 0),
             Self::Stretch { color } => (1 + color / MAX_COLORS, 0, color),
             Self::StretchOverflow => (1, 0, MAX_COLORS),
             Self::Bending { color } => (1 + color / MAX_COLORS, 1, color),
@@ -74,6 +78,7 @@ impl PartialOrd for Pass {
 pub(crate) struct PlanKey {
     pub(crate) iterations: u32,
     pub(crate) pins: bool,
+    pub(crate) tethers: bool,
     pub(crate) ground: bool,
     pub(crate) multipliers: bool,
 }
@@ -164,6 +169,9 @@ impl StepPlan {
         if key.pins {
             self.prologue.push(Pass::Pins);
         }
+        if key.tethers {
+            self.prologue.push(Pass::Tethers);
+        }
         if key.multipliers {
             self.prologue.push(Pass::ResetMultipliers);
         }
@@ -246,6 +254,8 @@ pub struct Body<'a> {
     pub bending: Option<&'a mut BendingSet>,
     /// Pinned vertices, ascending.
     pub pins: &'a [Pin],
+    /// How far vertices may be from pinned ones.
+    pub tethers: &'a [Tether],
 }
 
 #[cfg(test)]
@@ -269,6 +279,7 @@ mod tests {
         let key = PlanKey {
             iterations: 3,
             pins: true,
+            tethers: true,
             ground: true,
             multipliers: true,
         };

@@ -92,6 +92,7 @@ impl History {
                 stretch: &mut *body.stretch,
                 bending: body.bending.as_deref_mut(),
                 pins: &pins,
+                tethers: body.tethers,
             };
             match backend.execute(plan, constants, &mut part) {
                 Ok(stats) => {

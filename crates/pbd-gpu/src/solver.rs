@@ -13,8 +13,9 @@ use crate::mass::masses;
 use crate::material::{Material, Projection, Stiffness};
 use crate::params::{Integrator, SolverParams, StepStats};
 use crate::patches::{PatchParams, Patches};
-use crate::plan::{Body, Pin, PlanKey, StepConstants, StepPlan};
+use crate::plan::{Body, Pass, Pin, PlanKey, StepConstants, StepPlan};
 use crate::second_order::{History, Orders, SHORTER};
+use crate::tethers::{Tether, Tethers};
 use incise_mesh::{Surface, VertexId};
 
 /// Moves one surface by position based dynamics: the paper's Algorithm 1, and XPBD where a material
@@ -32,6 +33,7 @@ pub struct Solver {
     pub(crate) pins: Vec<Pin>,
     /// Pins that went with their vertices, the newest last.
     pub(crate) dropped_pins: Vec<DroppedPin>,
+    pub(crate) tethers: Tethers,
     pub(crate) plan: StepPlan,
     pub(crate) changes: VertexLogs,
     /// Where a vertex stands in a list while an edit is followed, shape [vertex slots].
@@ -122,6 +124,7 @@ impl Solver {
             patches,
             pins: Vec::new(),
             dropped_pins: Vec::new(),
+            tethers: Tethers::default(),
             plan: StepPlan::default(),
             changes: VertexLogs::default(),
             numbers: vec![NONE; slots],
@@ -199,6 +202,7 @@ impl Solver {
             stretch: &mut self.stretch,
             bending: self.bending.as_mut(),
             pins: &self.pins,
+            tethers: self.tethers.list(),
         };
         let done = match params.integrator {
             Integrator::Euler => {
@@ -218,7 +222,13 @@ impl Solver {
     /// Brings the plan up to date and finds the numbers of a frame.
     pub(crate) fn prepare(&mut self, dt: f32, params: &SolverParams) -> StepConstants {
         let constants = self.constants(dt, params);
+        let tethers = params.tethers && !self.pins.is_empty() && self.material.stretch.is_rigid();
+        if tethers {
+            let slots = self.mass.len();
+            self.tethers.update(&self.stretch, &self.pins, slots);
+        }
         let key = PlanKey {
+            tethers,
             iterations: params.iterations,
             pins: !self.pins.is_empty(),
             ground: params.ground.is_some(),
@@ -301,6 +311,17 @@ impl Solver {
         self.bending.as_ref()
     }
 
+    /// How far vertices may be from pinned ones, as the last step held them to it: empty unless it had
+    /// [`SolverParams::tethers`], edges did not stretch and there were pins.
+    #[must_use]
+    pub fn tethers(&self) -> &[Tether] {
+        if self.plan.prologue().contains(&Pass::Tethers) {
+            self.tethers.list()
+        } else {
+            &[]
+        }
+    }
+
     /// The passes of the last step's substeps.
     #[must_use]
     pub fn plan(&self) -> &StepPlan {
@@ -325,6 +346,7 @@ impl Solver {
             + self.pins.capacity()
             + self.dropped_pins.capacity()
             + self.plan.capacity()
+            + self.tethers.capacity()
             + self.history.capacity()
     }
 

@@ -82,7 +82,10 @@ impl Solver {
         self.changes.pins();
         match self.pins.binary_search_by_key(&v, |pin| pin.vertex) {
             Ok(i) => self.pins[i].target = target,
-            Err(i) => self.pins.insert(i, Pin { vertex: v, target }),
+            Err(i) => {
+                self.pins.insert(i, Pin { vertex: v, target });
+                self.tethers.invalidate();
+            }
         }
         Ok(())
     }
@@ -94,6 +97,7 @@ impl Solver {
     pub fn unpin(&mut self, surface: &mut Surface, v: VertexId) -> Result<(), ConstraintError> {
         let i = self.pin_of(v)?;
         self.pins.remove(i);
+        self.tethers.invalidate();
         self.changes.mass(v);
         self.changes.pins();
         surface.positions[v.index()][3] = inverse(self.mass[v.index()]);

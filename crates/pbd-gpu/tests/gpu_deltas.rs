@@ -18,7 +18,7 @@ use incise_mesh::{HalfEdge, Surface, TopologyDelta, TriangleId, VertexId, icosph
 use incise_pbd_gpu::{Context, GpuBackend, Material, PatchParams, Schedule, Solver, SolverParams};
 use std::cell::{Cell, RefCell};
 use std::process::ExitCode;
-use twin::{DT, Dice, SCHEDULES, Twin, assert_same, busy};
+use twin::{DT, Dice, SCHEDULES, Twin, assert_same, busy, tethered};
 
 fn main() -> ExitCode {
     let mut trials = Vec::new();
@@ -26,7 +26,10 @@ fn main() -> ExitCode {
         let name = |law: &str| format!("{law} by {}", schedule.name());
         let strict = Needs::Strict;
         trials.push(trial(&name("edited_equals_uploaded"), strict, move |c| {
-            edited_equals_uploaded(c, schedule);
+            edited_equals_uploaded(c, schedule, busy());
+        }));
+        trials.push(trial(&name("tethered_equals_uploaded"), strict, move |c| {
+            edited_equals_uploaded(c, schedule, tethered());
         }));
         trials.push(trial(&name("ten_thousand_deltas"), strict, move |c| {
             ten_thousand_deltas(c, schedule);
@@ -120,12 +123,21 @@ fn edit_both(twin: &mut Twin, dice: &mut Dice) {
     }
 }
 
-fn edited_equals_uploaded(context: Context, schedule: Schedule) {
-    let (material, params) = busy();
+fn edited_equals_uploaded(
+    context: Context,
+    schedule: Schedule,
+    (material, params): (Material, SolverParams),
+) {
     let mut gpu = GpuBackend::on(context).expect("a device");
     let mut dice = Dice::new(1);
     let mut twin = Twin::add(&mut gpu, sphere(2, [0.0; 3]), &material, schedule);
+    let mut pulled = 0;
     for round in 0..120 {
+        // Now and then without tethers, where there were some.
+        let params = SolverParams {
+            tethers: params.tethers && round % 5 != 0,
+            ..params
+        };
         for _ in 0..=dice.below(4) {
             edit_both(&mut twin, &mut dice);
         }
@@ -155,6 +167,7 @@ fn edited_equals_uploaded(context: Context, schedule: Schedule) {
         gpu.step(all, DT, &params).expect("a step");
         let when = format!("in round {round}");
         twin.assert_equal(&mut gpu, &when);
+        pulled += twin.solver.tethers().len();
         for (body, surface, solver) in &mut others {
             gpu.read(*body, surface, solver).expect("a state");
             assert_same((surface, solver), (&twin.on_gpu, &twin.solver), &when);
@@ -162,6 +175,7 @@ fn edited_equals_uploaded(context: Context, schedule: Schedule) {
         }
     }
     assert_eq!(gpu.schedule(twin.body), Ok(schedule));
+    assert_eq!(pulled > 0, params.tethers, "what was compared had tethers");
 }
 
 fn ten_thousand_deltas(context: Context, schedule: Schedule) {

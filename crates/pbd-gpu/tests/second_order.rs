@@ -12,6 +12,7 @@ const WEIGHTLESS: SolverParams = SolverParams {
     ground: None,
     residual: None,
     own_weight: 1.0,
+    tethers: false,
     integrator: Integrator::Bdf2,
 };
 

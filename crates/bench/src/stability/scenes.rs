@@ -15,6 +15,7 @@ pub(super) const GROUND: SolverParams = SolverParams {
     gravity: [0.0, -9.81, 0.0],
     ground: Some(0.0),
     own_weight: 0.5,
+    tethers: true,
     ..SolverParams::paper()
 };
 

@@ -4,8 +4,10 @@ use super::arena::{Arena, with_slack};
 use super::blocks::Blocks;
 use super::context::Context;
 use super::error::GpuError;
-use super::layout::{BodyRecord, PATCH_LAYERS, RUN_COLORS, RUN_STRIDE, Run, STRETCH};
-use super::records::{Places, body_record, inverse_mass, position, push_pin};
+use super::layout::{
+    BodyRecord, Entry, PATCH_LAYERS, RUN_COLORS, RUN_STRIDE, Run, STRETCH, TETHER_ENTRIES,
+};
+use super::records::{Places, body_record, inverse_mass, position, push_pin, push_tether};
 use super::runs::Runs;
 use super::stats::Schedule;
 use super::upload::{Target, Uploads};
@@ -23,7 +25,7 @@ use std::ops::Range;
 pub(super) struct Arenas {
     /// Positions, velocities, displacements.
     pub(super) vertices: Arena,
-    /// Constraints and pins, in entries of 8 bytes.
+    /// Constraints, pins and tethers, in entries of 8 bytes.
     pub(super) entries: Arena,
     /// Body records, run tables, reports.
     pub(super) bodies: Arena,
@@ -58,6 +60,11 @@ pub(super) struct DeviceBody {
     /// Rented entries, slack included.
     pins: Range<u32>,
     pub(super) pin_count: u32,
+    /// Rented entries, slack included.
+    tethers: Range<u32>,
+    pub(super) tether_count: u32,
+    /// Which of the solver's tethers the device has, 0 for none.
+    tether_generation: u64,
     /// What the device was told last.
     record: BodyRecord,
     pub(super) schedule: Schedule,
@@ -75,6 +82,9 @@ impl DeviceBody {
             patches: std::array::from_fn(|_| Blocks::default()),
             pins: 0..0,
             pin_count: 0,
+            tethers: 0..0,
+            tether_count: 0,
+            tether_generation: 0,
             record: BodyRecord::zeroed(),
             schedule: Schedule::Colors,
         }
@@ -128,6 +138,8 @@ impl DeviceBody {
         }
         arenas.vertices.free(std::mem::take(&mut self.vertices));
         arenas.entries.free(std::mem::take(&mut self.pins));
+        arenas.entries.free(std::mem::take(&mut self.tethers));
+        self.tether_generation = 0;
     }
 
     /// Follows an edit of surface and solver.
@@ -242,6 +254,35 @@ impl DeviceBody {
         Ok(std::mem::replace(&mut self.pin_count, count) != count)
     }
 
+    /// Sends the tethers of the solver's plan if they were found anew; tells whether there are more or fewer now.
+    pub(super) fn update_tethers(
+        &mut self,
+        context: &Context,
+        arenas: &mut Arenas,
+        uploads: &mut Uploads,
+        solver: &Solver,
+    ) -> Result<bool, GpuError> {
+        let (tethers, generation) = (solver.tethers(), solver.tethers.generation());
+        if !tethers.is_empty() && self.tether_generation != generation {
+            let room = (self.tethers.end - self.tethers.start) as usize / TETHER_ENTRIES;
+            if tethers.len() > room {
+                let wanted = with_slack(TETHER_ENTRIES * tethers.len());
+                let (entries, _) = arenas.entries.allocate(context, wanted)?;
+                let before = std::mem::replace(&mut self.tethers, entries);
+                arenas.entries.free(before);
+            }
+            uploads.entries.clear();
+            for tether in tethers {
+                push_tether(&mut uploads.entries, tether);
+            }
+            let offset = u64::from(self.tethers.start) * size_of::<Entry>() as u64;
+            uploads.write(context, arenas.entries.buffer(0), offset);
+            self.tether_generation = generation;
+        }
+        let count = u32::try_from(tethers.len()).unwrap_or(u32::MAX);
+        Ok(std::mem::replace(&mut self.tether_count, count) != count)
+    }
+
     /// Sends the body's numbers if they differ from those that the device has.
     pub(super) fn update_record(
         &mut self,
@@ -255,6 +296,8 @@ impl DeviceBody {
             vertices: self.vertex_count,
             first_pin: self.pins.start,
             pins: self.pin_count,
+            first_tether: self.tethers.start,
+            tethers: self.tether_count,
             first_run: self.slot * RUN_STRIDE,
             stretch_colors: self.stretch.colors(),
             bending_colors: self.bending.colors(),

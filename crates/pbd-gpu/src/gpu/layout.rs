@@ -31,6 +31,9 @@ pub(crate) const BENDING_ENTRIES: usize = 3;
 /// Entries that a pin takes: vertex and x; y and z.
 pub(crate) const PIN_ENTRIES: usize = 2;
 
+/// Entries that a tether takes: vertex and anchor; length.
+pub(crate) const TETHER_ENTRIES: usize = 2;
+
 /// Flag of a body whose stretch constraints remember their multipliers.
 pub(crate) const KEEPS_STRETCH: u32 = 1;
 
@@ -95,6 +98,9 @@ pub(crate) struct BodyRecord {
     /// The first pin's place among the [entries](Entry) of the constraint arena.
     pub(crate) first_pin: u32,
     pub(crate) pins: u32,
+    /// The first tether's place among the entries.
+    pub(crate) first_tether: u32,
+    pub(crate) tethers: u32,
     pub(crate) stretch_factor: f32,
     pub(crate) stretch_alpha: f32,
     pub(crate) bending_factor: f32,

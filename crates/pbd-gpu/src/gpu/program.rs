@@ -195,16 +195,18 @@ impl Compiler<'_> {
         out
     }
 
-    /// A pass over vertices or pins.
+    /// A pass over vertices, pins or tethers.
     fn vertices(&mut self, pass: Pass) -> Option<Dispatch> {
         let (kernel, by_substep) = match pass {
             Pass::Predict => (EntryPoint::Predict, true),
             Pass::Pins => (EntryPoint::Pins, true),
+            Pass::Tethers => (EntryPoint::Tethers, false),
             Pass::Ground => (EntryPoint::Ground, true),
             _ => (EntryPoint::Integrate, true),
         };
         let lanes_of = |b: &Stepped<'_>| match pass {
             Pass::Pins => b.body.pin_count,
+            Pass::Tethers => b.body.tether_count,
             _ => b.body.vertex_count,
         };
         let lanes: Vec<(u32, u32)> = (self.by_passes()).map(|b| (b.slot, lanes_of(b))).collect();

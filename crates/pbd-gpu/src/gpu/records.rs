@@ -4,6 +4,7 @@ use super::layout::{BodyRecord, Entry, KEEPS_BENDING, KEEPS_STRETCH, PATCH_LAYER
 use crate::constraints::Batch;
 use crate::plan::{Pin, StepConstants};
 use crate::solver::{Solver, inverse};
+use crate::tethers::Tether;
 use incise_mesh::{Surface, VertexId};
 
 /// Entries of a constraint over `N` vertices: its vertices two by two, then rest value and multiplier.
@@ -27,6 +28,12 @@ pub(super) fn push_vertices<const N: usize>(out: &mut Vec<Entry>, vertices: [u32
 pub(super) fn push_pin(out: &mut Vec<Entry>, pin: &Pin) {
     let [x, y, z] = pin.target.map(f32::to_bits);
     out.extend([[pin.vertex.0, x], [y, z]]);
+}
+
+/// Appends the two entries of a tether.
+pub(super) fn push_tether(out: &mut Vec<Entry>, tether: &Tether) {
+    let ends = [tether.vertex.0, tether.anchor.0];
+    out.extend([ends, [tether.length.to_bits(), 0]]);
 }
 
 /// A vertex's inverse mass as the device has it.
@@ -59,6 +66,8 @@ pub(super) struct Places {
     pub(super) vertices: u32,
     pub(super) first_pin: u32,
     pub(super) pins: u32,
+    pub(super) first_tether: u32,
+    pub(super) tethers: u32,
     pub(super) first_run: u32,
     pub(super) stretch_colors: u32,
     pub(super) bending_colors: u32,
@@ -74,6 +83,8 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
         vertices: places.vertices,
         first_pin: places.first_pin,
         pins: places.pins,
+        first_tether: places.first_tether,
+        tethers: places.tethers,
         stretch_factor: constants.stretch.factor,
         stretch_alpha: constants.stretch.alpha,
         bending_factor: constants.bending.factor,

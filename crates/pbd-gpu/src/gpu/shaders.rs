@@ -2,7 +2,7 @@
 
 use super::layout::{
     BENDING, BENDING_ENTRIES, KEEPS_BENDING, KEEPS_STRETCH, PIN_ENTRIES, RUN_COLORS, STRETCH,
-    STRETCH_ENTRIES,
+    STRETCH_ENTRIES, TETHER_ENTRIES,
 };
 use crate::coloring::MAX_COLORS;
 use crate::constraints::OVERFLOW;
@@ -41,6 +41,8 @@ pub(crate) enum EntryPoint {
     Predict,
     /// A lane a pin.
     Pins,
+    /// A lane a tether.
+    Tethers,
     /// A lane a constraint of the longest run of the pass's colors and, if asked for, the overflow.
     ResetMultipliers,
     /// A lane a constraint of the pass's color.
@@ -61,9 +63,10 @@ pub(crate) enum EntryPoint {
 
 impl EntryPoint {
     /// All of them, each at the place of its number.
-    pub(crate) const ALL: [Self; 10] = [
+    pub(crate) const ALL: [Self; 11] = [
         Self::Predict,
         Self::Pins,
+        Self::Tethers,
         Self::ResetMultipliers,
         Self::Stretch,
         Self::Bending,
@@ -79,6 +82,7 @@ impl EntryPoint {
         match self {
             Self::Predict => "predict",
             Self::Pins => "pins",
+            Self::Tethers => "tethers",
             Self::ResetMultipliers => "reset_multipliers",
             Self::Stretch => "stretch",
             Self::Bending => "bending",
@@ -91,12 +95,13 @@ impl EntryPoint {
     }
 }
 
-const SHARED: [&str; 11] = [
+const SHARED: [&str; 12] = [
     include_str!("shaders/types.wgsl"),
     include_str!("shaders/bits.wgsl"),
     include_str!("shaders/links.wgsl"),
     include_str!("../kernels/predict.wgsl"),
     include_str!("../kernels/pins.wgsl"),
+    include_str!("../kernels/tethers.wgsl"),
     include_str!("../kernels/stretch.wgsl"),
     include_str!("../kernels/arctangent.wgsl"),
     include_str!("../kernels/bending.wgsl"),
@@ -151,6 +156,7 @@ fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
         ("STRETCH_ENTRIES", STRETCH_ENTRIES as u32),
         ("BENDING_ENTRIES", BENDING_ENTRIES as u32),
         ("PIN_ENTRIES", PIN_ENTRIES as u32),
+        ("TETHER_ENTRIES", TETHER_ENTRIES as u32),
         ("KEEPS_STRETCH", KEEPS_STRETCH),
         ("KEEPS_BENDING", KEEPS_BENDING),
     ];

@@ -141,6 +141,9 @@ impl GpuBackend {
             ..
         } = self;
         let resident = find_mut(&mut self.residents, body)?;
+        self.program_is_stale |= resident
+            .body
+            .update_tethers(context, arenas, uploads, solver)?;
         resident
             .body
             .update_record(context, arenas, uploads, constants);

@@ -20,3 +20,4 @@ pub(crate) mod integrate;
 pub(crate) mod pins;
 pub(crate) mod predict;
 pub(crate) mod stretch;
+pub(crate) mod tethers;

@@ -30,6 +30,20 @@ pub(crate) fn busy() -> (Material, SolverParams) {
     (material, params)
 }
 
+/// A body that does not stretch, held to within reach of its pins.
+pub(crate) fn tethered() -> (Material, SolverParams) {
+    let (material, params) = busy();
+    let material = Material {
+        stretch: Stiffness::Compliance(0.0),
+        ..material
+    };
+    let params = SolverParams {
+        tethers: true,
+        ..params
+    };
+    (material, params)
+}
+
 /// A solver that can have the schedule; patches are small, so that there are many.
 pub(crate) fn solver_for(surface: &mut Surface, material: &Material, schedule: Schedule) -> Solver {
     let solver = if schedule == Schedule::Patches {

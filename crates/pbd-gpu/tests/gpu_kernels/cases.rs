@@ -42,7 +42,7 @@ pub(crate) const DRIFT: Case = Case {
     patch: 0,
 };
 
-pub(crate) const CASES: [(&str, Case); 11] = [
+pub(crate) const CASES: [(&str, Case); 12] = [
     (
         "predict_and_integrate",
         Case {
@@ -55,6 +55,16 @@ pub(crate) const CASES: [(&str, Case); 11] = [
         "pins",
         Case {
             pinned: 3,
+            substeps: 3,
+            ..DRIFT
+        },
+    ),
+    (
+        // Pins move what they hold out of its reach.
+        "tethers",
+        Case {
+            stretch: Stiffness::Pbd(1.0),
+            pinned: 17,
             substeps: 3,
             ..DRIFT
         },
@@ -259,6 +269,7 @@ pub(crate) fn params(case: &Case) -> SolverParams {
         gravity: [0.0, case.gravity, 0.0],
         ground: case.ground,
         own_weight: if case.substeps > 1 { 0.5 } else { 1.0 },
+        tethers: true,
         ..SolverParams::paper()
     }
 }

@@ -46,6 +46,20 @@ fn pins(
     }
 }
 
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn tethers(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let work = find_work(group_number(group, groups));
+    first_vertex = bodies[work.body].first_vertex;
+    let k = work.first_lane + lane;
+    if (k < bodies[work.body].tethers) {
+        pull_tether(bodies[work.body].first_tether + TETHER_ENTRIES * k);
+    }
+}
+
 // For every color of the pass at once; a body has as many lanes as its longest run of them.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn reset_multipliers(

@@ -31,6 +31,8 @@ struct Body {
     vertices: u32,
     first_pin: u32,
     pins: u32,
+    first_tether: u32,
+    tethers: u32,
     stretch_factor: f32,
     stretch_alpha: f32,
     bending_factor: f32,
@@ -77,8 +79,8 @@ struct Projection {
 @group(0) @binding(0) var<storage, read_write> positions: array<vec4f>;
 @group(0) @binding(1) var<storage, read_write> velocities: array<vec4f>;
 // A stretch constraint is 2 entries: (a, b), (rest, multiplier). A bending constraint is 3:
-// (v0, v1), (v2, v3), (rest, multiplier). A pin is 2: (vertex, x), (y, z). Vertices count from the
-// body's first one; numbers are stored as their bits.
+// (v0, v1), (v2, v3), (rest, multiplier). A pin is 2: (vertex, x), (y, z). A tether is 2: (vertex, anchor),
+// (length, 0). Vertices count from the body's first one; numbers are stored as their bits.
 @group(0) @binding(3) var<storage, read_write> constraints: array<vec2u>;
 @group(0) @binding(4) var<storage, read> bodies: array<Body>;
 @group(0) @binding(5) var<storage, read> runs: array<Run>;

@@ -1,7 +1,7 @@
 // One dispatch a frame: a workgroup steps its body through all substeps.
 //
 // A vertex, and a constraint of one color, are always worked on by the same lane, so barriers are
-// needed only where lanes meet: around pins and between colors. Loops that hold barriers end at
+// needed only where lanes meet: around pins and tethers and between colors. Loops that hold barriers end at
 // numbers from read-only memory, which all lanes see alike.
 
 // The lowest predicted height of the substep, as ordered bits.
@@ -76,6 +76,12 @@ fn whole_body(
         if (body.pins != 0u) {
             for (var k = lane; k < body.pins; k += WORKGROUP_SIZE) {
                 move_pin(body.first_pin + PIN_ENTRIES * k, frame.substeps - substep);
+            }
+            workgroupBarrier();
+        }
+        if (body.tethers != 0u) {
+            for (var k = lane; k < body.tethers; k += WORKGROUP_SIZE) {
+                pull_tether(body.first_tether + TETHER_ENTRIES * k);
             }
             workgroupBarrier();
         }
