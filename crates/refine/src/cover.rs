@@ -10,6 +10,7 @@
 mod band;
 mod cdt;
 mod discs;
+mod filling;
 mod forbidden;
 mod improve;
 mod lattice;
@@ -31,6 +32,7 @@ mod wall;
 use crate::patch::{RefineError, RefineMethod, RefineParams};
 use band::Band;
 use cdt::id;
+use filling::Filling;
 use improve::Improver;
 use lattice::Lattice;
 use paper::{Paper, Task};
@@ -45,9 +47,6 @@ pub use validate::CoverFault;
 /// Targets below this much of the largest coordinate are raised to it: the lattice's points could
 /// not be told apart.
 const FINEST: f64 = 1.0 / (1u64 << 40) as f64;
-
-/// No cover has so few triangles as equilateral ones with sides of this many targets would be.
-const SPARSE: f64 = 2.0;
 
 /// A cross-section: closed loops in a plane, the inside on their left.
 #[derive(Debug, Clone, Copy)]
@@ -201,35 +200,18 @@ pub fn cover(
             };
             paper.cover(&task, sheet, lattice, band, &joined, &mut cover)?;
         } else if verdict == Verdict::Clean {
-            let mark = cover.triangles.len();
             lattice.clear();
             band.clear(sheet);
             if !targets.is_any() {
-                if is_too_fine(sheet, targets, limit) {
-                    return Err(RefineError::TooManyTriangles { limit });
-                }
-                improver.keep(sheet);
-                let common = targets.common(&sheet.corner);
-                // Every point makes two triangles more.
-                let mut budget = limit / 2 + 1;
-                if let Some(length) = common {
-                    if !lattice.fill(sheet, length, limit + sheet.corner.len()) {
-                        return Err(RefineError::TooManyTriangles { limit });
-                    }
-                    if !lattice.points.is_empty() {
-                        let offset = id(rims.ids.len() + cover.inner.len());
-                        lattice.triangles(offset, &mut cover.triangles);
-                        if band.connect(sheet, lattice) {
-                            budget = 2 * sheet.corner.len() + 64;
-                        } else {
-                            cover.triangles.truncate(mark);
-                            sheet.build(rims, &group, mirrored, section.crease);
-                            lattice.clear();
-                            band.clear(sheet);
-                        }
-                    }
-                }
-                improver.run(sheet, lattice, band, targets, budget);
+                let task = Filling {
+                    rims,
+                    targets,
+                    group: &group,
+                    mirrored,
+                    crease: section.crease,
+                    limit,
+                };
+                task.fill(sheet, lattice, band, improver, &mut cover)?;
             }
             let name = |v: u32| rims.ids[sheet.corner[v as usize] as usize];
             let taken = forbidden::find(sheet, |v, w| joined(name(v), name(w)));
@@ -291,26 +273,6 @@ pub fn cover(
         });
     }
     Ok(cover)
-}
-
-/// Whether equilateral triangles with sides of [`SPARSE`] targets would be too many already: then there is
-/// no use in making the first ones.
-#[expect(clippy::cast_precision_loss, reason = "a bound, far from both sides")]
-fn is_too_fine(sheet: &Sheet, targets: &Targets, limit: usize) -> bool {
-    let cdt = &sheet.cdt;
-    let inside = (0..cdt.triangles()).filter(|&t| cdt.region[t as usize] == INSIDE);
-    let least: f64 = inside
-        .map(|t| {
-            // The mean of targets in a triangle. None lies deeper inside than 2 in the rims' scale.
-            let [a, b, c] = cdt.corners(t).map(|v| sheet.corner[v as usize]);
-            let mean = (targets.at(a) + targets.at(b) + targets.at(c)) / 3.0;
-            let side = SPARSE * (mean + 2.0 * targets.grading);
-            let [p, q, r] = cdt.places(t);
-            let twice = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
-            twice / (0.75f64.sqrt() * side * side)
-        })
-        .sum();
-    least > limit as f64
 }
 
 /// Closes one ring of corners as a disc.

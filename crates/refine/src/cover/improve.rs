@@ -33,6 +33,11 @@ const LOSS: f64 = 0.5;
 const NEEDLE: f64 = 0.97;
 /// How often points are inserted and moved.
 const ROUNDS: usize = 2;
+/// Of this many triangles one may be sharper than was asked.
+const SHARE: usize = 20;
+/// Covers of more triangles than this are not looked at again: among so many those at a few bad places are no
+/// more than that.
+const FEW: usize = 1024;
 /// No point is put on the crease nearer to another than this many targets.
 const NEAR: f64 = 0.35;
 
@@ -61,7 +66,8 @@ impl Improver {
         self.base.copy_shape(&sheet.cdt);
     }
 
-    /// Inserts at most `budget` points into the band and moves them, in rounds.
+    /// Inserts at most `budget` points into the band and moves them, in rounds. `core` triangles are none of
+    /// the sheet's.
     pub(crate) fn run(
         &mut self,
         sheet: &mut Sheet,
@@ -69,6 +75,7 @@ impl Improver {
         band: &mut Band,
         targets: &Targets,
         budget: usize,
+        core: usize,
     ) {
         self.start(sheet, lattice, band, targets);
         let mut left = budget;
@@ -78,6 +85,30 @@ impl Improver {
             // What was moved has room for more where it was stuck.
             self.bounds.sharp = self.bounds.stuck;
         }
+        let stuck = self.bounds.stuck;
+        let asks = |t: u32| sharpness(sheet.cdt.places(t)) <= stuck;
+        if is_much(sheet, core, targets.bounds.sharp, asks) {
+            self.bounds.sharp = self.bounds.searched;
+            self.insert(sheet, lattice, band, targets, left);
+            self.smooth(sheet, lattice, band);
+        }
+    }
+
+    /// Whether many triangles of a small cover are sharper than asked because the core's points beside them do not
+    /// move.
+    pub(crate) fn is_held(
+        sheet: &Sheet,
+        lattice: &Lattice,
+        band: &Band,
+        targets: &Targets,
+        core: usize,
+    ) -> bool {
+        let is_core = |v: u32| {
+            let point = v.checked_sub(band.first).map(|i| band.lattice[i as usize]);
+            point.is_some_and(|point| lattice.has_cell.get(point as usize) == Some(&true))
+        };
+        let is_held = |t: u32| sheet.cdt.corners(t).into_iter().any(is_core);
+        is_much(sheet, core, targets.bounds.sharp, is_held)
     }
 
     /// Makes ready for a sheet.
@@ -86,8 +117,14 @@ impl Improver {
         self.targets.clear();
         self.bounds = targets.bounds;
         targets.along_rim(sheet, &mut self.targets);
-        // Of the box's corners nothing is asked; lattice points have one target.
+        // Of the box's corners nothing is asked; lattice points have one target,
         self.targets.resize(sheet.cdt.points.len(), lattice.length);
+        if lattice.boundary.is_empty() {
+            // or what the rim's grow to on the way to them where no core keeps them in place.
+            for v in band.first..id(sheet.cdt.points.len()) {
+                self.targets[v as usize] = self.grown(&sheet.cdt, v, lattice.length, targets);
+            }
+        }
         self.stale.clear();
         self.stale.resize(sheet.cdt.points.len(), true);
         self.hints.clear();
@@ -265,6 +302,24 @@ impl Improver {
             })
         })
     }
+}
+
+/// Whether more than one in [`SHARE`] triangles of a small cover is sharper than `asked`, and no more than that
+/// would be without those for which something `helps`. `core` triangles more than the sheet's are none.
+fn is_much(sheet: &Sheet, core: usize, asked: f64, helps: impl Fn(u32) -> bool) -> bool {
+    let cdt = &sheet.cdt;
+    if cdt.triangles() as usize + core > FEW {
+        return false;
+    }
+    let (mut all, mut sharp, mut others) = (core, 0, 0);
+    for t in (0..cdt.triangles()).filter(|&t| cdt.region[t as usize] == INSIDE) {
+        all += 1;
+        if sharpness(cdt.places(t)) > asked {
+            sharp += 1;
+            others += usize::from(!helps(t));
+        }
+    }
+    SHARE * sharp > all && SHARE * others <= all
 }
 
 /// The half-edges that leave an inner vertex.

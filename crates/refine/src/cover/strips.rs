@@ -4,6 +4,14 @@ use super::cdt::id;
 use super::lattice::{Lattice, Span};
 
 impl Lattice {
+    /// Leaves all points to the band: there is no core.
+    pub(crate) fn leave_open(&mut self) {
+        self.in_band.clear();
+        self.in_band.resize(self.points.len(), true);
+        self.has_cell.clear();
+        self.has_cell.resize(self.points.len(), false);
+    }
+
     /// Adds the core's triangles, numbered from `offset`, and finds its boundary.
     pub(crate) fn triangles(&mut self, offset: u32, triangles: &mut Vec<[u32; 3]>) {
         self.sides.clear();
