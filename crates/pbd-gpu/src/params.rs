@@ -30,7 +30,7 @@ pub struct SolverParams {
     /// rest value: a rigid constraint, or one of the paper's stiffness, is projected as ever, and more iterations tend to the same.
     pub own_weight: f32,
     /// Whether vertices of a body that does not stretch are held to within reach of where it is pinned: see [`Tether`](crate::Tether).
-    /// A pass more a substep over such a body, and none over others.
+    /// A pass more an iteration over such a body, and none over others.
     pub tethers: bool,
     /// How a substep leads from one state to the next.
     pub integrator: Integrator,

@@ -9,8 +9,8 @@ use incise_mesh::VertexId;
 use std::cmp::Ordering;
 
 /// One pass over vertices or over the constraints of one batch. Passes are ordered as they run in a
-/// substep, so the lists of several bodies can be merged: the iteration goes through the layers of
-/// colors, in each first stretch, then bending, and ends on the ground.
+/// substep, so the lists of several bodies can be merged: the iteration begins with the tethers, goes
+/// through the layers of colors, in each first stretch, then bending, and ends on the ground.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Pass {
     /// Velocities take up gravity and damping, displacements follow; the lowest vertex is noted
@@ -18,10 +18,10 @@ pub enum Pass {
     Predict,
     /// Pinned vertices move towards their targets.
     Pins,
-    /// What is too far from where it is held is pulled back.
-    Tethers,
     /// Multipliers become zero.
     ResetMultipliers,
+    /// What is too far from where it is held is pulled back.
+    Tethers,
     /// Edges of one color get their lengths back.
     Stretch {
         /// The batch.
@@ -49,8 +49,8 @@ impl Pass {
         match self {
             Self::Predict => (0, 0, 0),
             Self::Pins => (0, 1, 0),
-            Self::Tethers => (0, 2, 0),
-            Self::ResetMultipliers => (0, 3, 0),
+            Self::ResetMultipliers => (0, 2, 0),
+            Self::Tethers => (0, 3, 0),
             Self::Stretch { color } => (1 + color / MAX_COLORS, 0, color),
             Self::StretchOverflow => (1, 0, MAX_COLORS),
             Self::Bending { color } => (1 + color / MAX_COLORS, 1, color),
@@ -169,13 +169,13 @@ impl StepPlan {
         if key.pins {
             self.prologue.push(Pass::Pins);
         }
-        if key.tethers {
-            self.prologue.push(Pass::Tethers);
-        }
         if key.multipliers {
             self.prologue.push(Pass::ResetMultipliers);
         }
         self.iteration.clear();
+        if key.tethers {
+            self.iteration.push(Pass::Tethers);
+        }
         let color = |color| Pass::Stretch { color };
         add_batches(&mut self.iteration, stretch, color, Pass::StretchOverflow);
         if let Some(bending) = bending {
@@ -287,7 +287,7 @@ mod tests {
         let [prologue, iteration, epilogue] = [plan.prologue(), plan.iteration(), plan.epilogue()];
         let once: Vec<Pass> = [prologue, iteration, epilogue].concat();
         assert!(once.is_sorted_by(|a, b| a < b), "{once:?}");
-        assert_eq!(iteration.len(), 64 + 1 + 64 + 1 + 1);
+        assert_eq!(iteration.len(), 1 + 64 + 1 + 64 + 1 + 1);
         let all: Vec<Pass> = plan.passes().collect();
         let expected = [prologue, iteration, iteration, iteration, epilogue].concat();
         assert_eq!(all, expected);

@@ -315,7 +315,7 @@ impl Solver {
     /// [`SolverParams::tethers`], edges did not stretch and there were pins.
     #[must_use]
     pub fn tethers(&self) -> &[Tether] {
-        if self.plan.prologue().contains(&Pass::Tethers) {
+        if self.plan.iteration().first() == Some(&Pass::Tethers) {
             self.tethers.list()
         } else {
             &[]

@@ -79,12 +79,6 @@ fn whole_body(
             }
             workgroupBarrier();
         }
-        if (body.tethers != 0u) {
-            for (var k = lane; k < body.tethers; k += WORKGROUP_SIZE) {
-                pull_tether(body.first_tether + TETHER_ENTRIES * k);
-            }
-            workgroupBarrier();
-        }
         if ((body.flags & KEEPS_STRETCH) != 0u) {
             reset_kind(body, STRETCH, body.stretch_colors, lane);
         }
@@ -92,6 +86,12 @@ fn whole_body(
             reset_kind(body, BENDING, body.bending_colors, lane);
         }
         for (var iteration = 0u; iteration < frame.iterations; iteration++) {
+            if (body.tethers != 0u) {
+                for (var k = lane; k < body.tethers; k += WORKGROUP_SIZE) {
+                    pull_tether(body.first_tether + TETHER_ENTRIES * k);
+                }
+                workgroupBarrier();
+            }
             for (var layer = 0u; layer < layers; layer++) {
                 project_kind(body, STRETCH, body.stretch_colors, layer, lane);
                 project_kind(body, BENDING, body.bending_colors, layer, lane);
