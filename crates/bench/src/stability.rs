@@ -40,6 +40,7 @@ use case::Case;
 use clap::Args;
 use device::Device;
 use map::Cell;
+use plot::Map;
 use row::{Row, Stamp};
 use stage::{Effort, Stage};
 use std::error::Error;
@@ -216,7 +217,8 @@ pub(crate) fn run(
         count(rows.len(), "verdict")
     )?;
     for (mut file, cells) in drawn {
-        plot::draw(&mut file, &cells, map::CASES[0].bound)?;
+        let (cells, bound) = (cells.as_slice(), map::CASES[0].bound);
+        file.draw(&Map { cells, bound })?;
     }
     written?;
     let apart = disagreements(&rows);

@@ -3,21 +3,17 @@
 use super::front::{Point, front};
 use super::row::{Row, csv};
 use crate::output::{OutputError, OutputFile};
-use crate::picture::PictureFile;
-use plotters::backend::SVGBackend;
+use crate::picture::{FONT, Fault, Picture, PictureFile};
+use plotters::backend::DrawingBackend;
 use plotters::chart::ChartBuilder;
 use plotters::coord::Shift;
 use plotters::coord::combinators::IntoLogRange;
-use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
+use plotters::drawing::DrawingArea;
 use plotters::element::{Circle, EmptyElement, PathElement, Text};
 use plotters::series::LineSeries;
 use plotters::style::{Color, IntoFont, RGBColor, WHITE};
 use std::error::Error;
 use std::path::Path;
-
-/// Width and height \[px\].
-const SIZE: (u32, u32) = (1000, 1100);
-const FONT: &str = "sans-serif";
 
 /// A way of stepping.
 struct Way {
@@ -54,9 +50,6 @@ const WAYS: [Way; 5] = [
     },
 ];
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Fault = DrawingAreaErrorKind<std::io::Error>;
-
 /// Where a scene's picture goes, and the rows behind it.
 pub(super) struct PlotFiles {
     picture: PictureFile,
@@ -79,32 +72,44 @@ impl PlotFiles {
     /// Draws a scene's rows and writes them.
     pub(super) fn draw(&mut self, name: &str, rows: &[Row]) -> Result<(), Box<dyn Error>> {
         self.csv.write(csv(rows))?;
-        let mut text = String::new();
-        picture(&mut text, name, rows)?;
-        Ok(self.picture.write(&text)?)
+        Ok(self.picture.draw(&Chart { name, rows })?)
     }
 }
 
-fn picture(text: &mut String, name: &str, rows: &[Row]) -> Result<(), Fault> {
-    let root = SVGBackend::with_string(text, SIZE).into_drawing_area();
-    root.fill(&WHITE)?;
-    let (above, below) = root.split_vertically(SIZE.1 / 2);
-    panel(&above, rows, &format!("{name}: total error"), |row| {
-        row.total_error.map(|e| e.position)
-    })?;
-    panel(&below, rows, &format!("{name}: solver error"), |row| {
-        row.solver_error.map(|e| e.position)
-    })?;
-    root.present()
+/// The rows of a scene over time.
+struct Chart<'a> {
+    name: &'a str,
+    rows: &'a [Row],
+}
+
+impl Picture for Chart<'_> {
+    const SIZE: (u32, u32) = (1000, 1100);
+
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), Fault<B>>
+    where
+        B::ErrorType: 'static,
+    {
+        let Self { name, rows } = self;
+        let (above, below) = area.split_vertically(Self::SIZE.1 / 2);
+        panel(&above, rows, &format!("{name}: total error"), |row| {
+            row.total_error.map(|e| e.position)
+        })?;
+        panel(&below, rows, &format!("{name}: solver error"), |row| {
+            row.solver_error.map(|e| e.position)
+        })
+    }
 }
 
 /// One error of all rows: a point each, and a line along the front of every way.
-fn panel(
-    area: &Area<'_>,
+fn panel<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
     rows: &[Row],
     name: &str,
     error: impl Fn(&Row) -> Option<f64>,
-) -> Result<(), Fault> {
+) -> Result<(), Fault<B>>
+where
+    B::ErrorType: 'static,
+{
     let point = |row: &Row| {
         let point = [row.ms_per_frame, error(row)?];
         point
@@ -172,6 +177,7 @@ fn panel(
 mod tests {
     use super::*;
     use crate::accuracy::error::Errors;
+    use crate::picture;
 
     #[test]
     fn every_row_is_a_point_and_every_front_a_line() {
@@ -192,16 +198,20 @@ mod tests {
             row("pbd", 1, 4, 1.0, 1e-1),
             row("pbd", 1, 8, 2.0, f64::NAN),
         ];
-        let mut text = String::new();
-        picture(&mut text, "sheet", &rows).unwrap();
+        let draw = |rows| {
+            picture::svg(&Chart {
+                name: "sheet",
+                rows,
+            })
+        };
+        let text = draw(&rows).unwrap();
         let points = 3;
         let on_fronts = 2;
         assert_eq!(text.matches("<circle").count(), points + on_fronts);
         for label in ["4x1", "1x4", "sheet: total error", "sheet: solver error"] {
             assert_eq!(text.matches(label).count(), 1, "{label}");
         }
-        let mut text = String::new();
-        picture(&mut text, "sheet", &[]).unwrap();
+        let text = draw(&[]).unwrap();
         assert!(text.ends_with("</svg>\n"), "no rows, an empty picture");
     }
 }

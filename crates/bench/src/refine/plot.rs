@@ -1,57 +1,47 @@
 //! Run time against quality as a picture.
 
 use super::tradeoff::Row;
-use crate::picture::PictureFile;
-use plotters::backend::SVGBackend;
+use crate::picture::{FONT, Fault, Picture};
+use plotters::backend::DrawingBackend;
 use plotters::chart::ChartBuilder;
 use plotters::coord::Shift;
 use plotters::coord::combinators::IntoLogRange;
-use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
+use plotters::drawing::DrawingArea;
 use plotters::element::{Circle, EmptyElement, PathElement, Text};
 use plotters::series::LineSeries;
 use plotters::style::{Color, IntoFont, RGBAColor, RGBColor, WHITE};
-use std::error::Error;
 
-/// Width and height \[px\].
-const SIZE: (u32, u32) = (1000, 1000);
-const FONT: &str = "sans-serif";
 const PAPER: RGBColor = RGBColor(200, 60, 30);
 const DEFAULT: RGBColor = RGBColor(20, 90, 180);
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Fault = DrawingAreaErrorKind<std::io::Error>;
+/// The rows of all sections: angles above, lengths below, over the time of a thousand triangles.
+pub(super) struct Chart<'a>(pub(super) &'a [Row]);
 
-/// Draws the rows of all sections: angles above, lengths below, over the time of a thousand
-/// triangles.
-pub(super) fn draw(file: &mut PictureFile, rows: &[Row]) -> Result<(), Box<dyn Error>> {
-    let mut text = String::new();
-    picture(&mut text, rows)?;
-    Ok(file.write(&text)?)
-}
+impl Picture for Chart<'_> {
+    const SIZE: (u32, u32) = (1000, 1000);
 
-fn picture(text: &mut String, rows: &[Row]) -> Result<(), Fault> {
-    let root = SVGBackend::with_string(text, SIZE).into_drawing_area();
-    root.fill(&WHITE)?;
-    let (above, below) = root.split_vertically(SIZE.1 / 2);
-    panel(
-        &above,
-        rows,
-        "5th percentile of the angles [degrees]",
-        |row| row.angle_5,
-    )?;
-    panel(&below, rows, "error of the mean edge length", |row| {
-        row.edge_error
-    })?;
-    root.present()
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), Fault<B>>
+    where
+        B::ErrorType: 'static,
+    {
+        let (above, below) = area.split_vertically(Self::SIZE.1 / 2);
+        let name = "5th percentile of the angles [degrees]";
+        panel(&above, self.0, name, |row| row.angle_5)?;
+        let name = "error of the mean edge length";
+        panel(&below, self.0, name, |row| row.edge_error)
+    }
 }
 
 /// One quantity of all rows, a line for each method and level.
-fn panel(
-    area: &Area<'_>,
+fn panel<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
     rows: &[Row],
     name: &str,
     value: impl Fn(&Row) -> f64,
-) -> Result<(), Fault> {
+) -> Result<(), Fault<B>>
+where
+    B::ErrorType: 'static,
+{
     let time = |row: &Row| row.ms_a_thousand_triangles;
     let seen = rows
         .iter()
@@ -111,6 +101,7 @@ fn shade(method: &str, level: usize, levels: usize) -> RGBAColor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::picture;
 
     #[test]
     fn every_row_is_a_point_in_both_panels() {
@@ -130,14 +121,12 @@ mod tests {
             row("paper", 1.0, 2.0, 0.5),
             row("paper", 2.0, f64::NAN, 0.5),
         ];
-        let mut text = String::new();
-        picture(&mut text, &rows).unwrap();
+        let text = picture::svg(&Chart(&rows)).unwrap();
         assert_eq!(text.matches("<circle").count(), 8, "one has no time");
         for name in ["paper, z 1.00", "default, z 1.00", "paper, z 0.50"] {
             assert_eq!(text.matches(name).count(), 2, "{name}");
         }
-        let mut text = String::new();
-        picture(&mut text, &[]).unwrap();
+        let text = picture::svg(&Chart(&[])).unwrap();
         assert!(text.ends_with("</svg>\n"), "no rows, an empty picture");
     }
 }

@@ -2,9 +2,10 @@
 //! angles, on the same rims.
 
 use super::cover::{REPEATS, fastest, percentile};
+use super::plot::Chart;
 use super::rims::{self, Rims};
 use super::row::Stamp;
-use super::{Files, RefineArguments, plot};
+use super::{Files, RefineArguments};
 use crate::columns;
 use crate::progress::Progress;
 use crate::report::measured;
@@ -233,7 +234,7 @@ pub(super) fn run(
         file.write(csv(all))?;
     }
     if let Some(file) = &mut files.plot {
-        plot::draw(file, all)?;
+        file.draw(&Chart(all))?;
     }
     Ok(files.json.write(&rows)?)
 }

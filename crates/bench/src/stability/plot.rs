@@ -1,59 +1,55 @@
 //! The stability map as a picture.
 
 use super::map::{COMPLIANCES, Cell, RATES, RATIOS};
-use crate::picture::PictureFile;
-use plotters::backend::SVGBackend;
+use crate::picture::{FONT, Fault, Picture};
+use plotters::backend::DrawingBackend;
 use plotters::chart::ChartBuilder;
 use plotters::coord::Shift;
-use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
+use plotters::drawing::DrawingArea;
 use plotters::element::{Rectangle, Text};
-use plotters::style::{BLACK, Color, IntoFont, RGBColor, WHITE};
-use std::error::Error;
+use plotters::style::{BLACK, Color, IntoFont, RGBColor};
 
-/// Width and height \[px\].
-const SIZE: (u32, u32) = (1400, 560);
-const FONT: &str = "sans-serif";
 /// The color of a cell that keeps its law at no energy left, and with all of it left.
 const CALM: RGBColor = RGBColor(225, 240, 250);
 const KEPT: RGBColor = RGBColor(20, 90, 180);
 /// The color of one that does not.
 const BROKEN: RGBColor = RGBColor(200, 60, 30);
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Fault = DrawingAreaErrorKind<std::io::Error>;
-
-/// Draws the cells, a panel for each load.
-pub(super) fn draw(
-    file: &mut PictureFile,
-    cells: &[Cell],
-    bound: f64,
-) -> Result<(), Box<dyn Error>> {
-    let mut text = String::new();
-    picture(&mut text, cells, bound)?;
-    Ok(file.write(&text)?)
+/// The cells and the most energy that the law allows, a panel for each load.
+pub(super) struct Map<'a> {
+    pub(super) cells: &'a [Cell],
+    pub(super) bound: f64,
 }
 
-fn picture(text: &mut String, cells: &[Cell], bound: f64) -> Result<(), Fault> {
-    let root = SVGBackend::with_string(text, SIZE).into_drawing_area();
-    root.fill(&WHITE)?;
-    let title =
-        "largest energy of a swinging ribbon, of what there was; red: more than the law allows";
-    let root = root.titled(title, (FONT, 22))?;
-    let panels = root.split_evenly((1, RATIOS.len()));
-    for (area, ratio) in panels.iter().zip(RATIOS) {
-        let of_ratio = cells.iter().filter(|cell| cell.ratio == ratio);
-        panel(area, of_ratio, ratio, bound)?;
+impl Picture for Map<'_> {
+    const SIZE: (u32, u32) = (1400, 560);
+
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), Fault<B>>
+    where
+        B::ErrorType: 'static,
+    {
+        let title =
+            "largest energy of a swinging ribbon, of what there was; red: more than the law allows";
+        let below = area.titled(title, (FONT, 22))?;
+        let panels = below.split_evenly((1, RATIOS.len()));
+        for (area, ratio) in panels.iter().zip(RATIOS) {
+            let of_ratio = self.cells.iter().filter(|cell| cell.ratio == ratio);
+            panel(area, of_ratio, ratio, self.bound)?;
+        }
+        Ok(())
     }
-    root.present()
 }
 
 /// The cells of one load.
-fn panel<'a>(
-    area: &Area<'_>,
+fn panel<'a, B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
     cells: impl Iterator<Item = &'a Cell> + Clone,
     ratio: f32,
     bound: f64,
-) -> Result<(), Fault> {
+) -> Result<(), Fault<B>>
+where
+    B::ErrorType: 'static,
+{
     let x = f64::from(*COMPLIANCES.start()) - 0.5..f64::from(*COMPLIANCES.end()) + 0.5;
     let y = f64::from(*RATES.start()) / 2.0 - 0.25..f64::from(*RATES.end()) / 2.0 + 0.25;
     let mut chart = ChartBuilder::on(area)
@@ -119,6 +115,7 @@ fn shade(energy: f64, bound: f64) -> RGBColor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::picture;
 
     #[test]
     fn every_cell_is_drawn_and_broken_ones_are_red() {
@@ -134,8 +131,8 @@ mod tests {
             cell(RATIOS[2], -4, 3e5),
             cell(RATIOS[2], -3, f64::INFINITY),
         ];
-        let mut text = String::new();
-        picture(&mut text, &cells, 1.01).unwrap();
+        let cells = &cells;
+        let text = picture::svg(&Map { cells, bound: 1.01 }).unwrap();
         assert_eq!(text.matches("#C83C1E").count(), 2, "two are broken");
         assert!(text.contains("0.50") && text.contains("3e5"), "numbers");
         assert!(text.contains("load of 1e6 vertices"), "a panel a load");

@@ -1,0 +1,146 @@
+//! A backend of pixels. Lines and areas are plotters' own rasterizer's; letters are drawn from a font that is part of the
+//! program, where plotters' own bitmaps ask for fonts of the system.
+
+use ab_glyph::{Font, FontRef, InvalidFont, PxScale, ScaleFont, point};
+use plotters::backend::DrawingBackend;
+use plotters_backend::text_anchor::{HPos, VPos};
+use plotters_backend::{BackendColor, BackendCoord, BackendTextStyle, DrawingErrorKind};
+use std::convert::Infallible;
+
+const LETTERS: &[u8] = include_bytes!("../../fonts/DejaVuSans-ascii.ttf");
+/// A font's size over its em, as the SVG backend has it.
+const SIZE_OVER_EM: f64 = 1.24;
+/// From a text's anchor down to its baseline \[em\], as the SVG backend has it.
+const TOP: f32 = 0.76;
+const CENTER: f32 = 0.27;
+
+/// Pixels of three bytes each, row by row from above.
+pub(super) struct Bitmap<'a> {
+    size: (u32, u32),
+    pixels: &'a mut [u8],
+    font: FontRef<'static>,
+}
+
+impl<'a> Bitmap<'a> {
+    /// Draws onto pixels, three bytes each and as many as the size says.
+    ///
+    /// # Errors
+    /// [`InvalidFont`], which only a broken build has.
+    pub(super) fn on(pixels: &'a mut [u8], size: (u32, u32)) -> Result<Self, InvalidFont> {
+        Ok(Self {
+            size,
+            pixels,
+            font: FontRef::try_from_slice(LETTERS)?,
+        })
+    }
+
+    /// Mixes a color in; outside of the picture there is nothing to mix with.
+    fn mix(&mut self, (x, y): BackendCoord, color: BackendColor, part: f64) {
+        let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else {
+            return;
+        };
+        if x >= self.size.0 || y >= self.size.1 {
+            return;
+        }
+        let at = 3 * (y as usize * self.size.0 as usize + x as usize);
+        let (r, g, b) = color.rgb;
+        let part = (color.alpha * part).clamp(0.0, 1.0);
+        for (old, new) in self.pixels[at..].iter_mut().zip([r, g, b]) {
+            let mixed = f64::from(*old) * (1.0 - part) + f64::from(new) * part;
+            *old = byte(mixed);
+        }
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a saturating cast of a color between two others"
+)]
+fn byte(x: f64) -> u8 {
+    x.round() as u8
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "a saturating cast of a place in a picture"
+)]
+fn pixel(x: f32) -> i32 {
+    x as i32
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the size of letters is a few pixels"
+)]
+fn em(size: f64) -> f32 {
+    (size / SIZE_OVER_EM) as f32
+}
+
+type Done = Result<(), DrawingErrorKind<Infallible>>;
+
+impl DrawingBackend for Bitmap<'_> {
+    type ErrorType = Infallible;
+
+    fn get_size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    fn ensure_prepared(&mut self) -> Done {
+        Ok(())
+    }
+
+    fn present(&mut self) -> Done {
+        Ok(())
+    }
+
+    fn draw_pixel(&mut self, at: BackendCoord, color: BackendColor) -> Done {
+        self.mix(at, color, 1.0);
+        Ok(())
+    }
+
+    fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Done {
+        let em = em(style.size());
+        // Scales are heights from the deepest to the highest line of a font.
+        let height = self.font.height_unscaled() / self.font.units_per_em().unwrap_or(1.0);
+        let font = self.font.clone();
+        let font = font.as_scaled(PxScale::from(em * height));
+        let (mut glyphs, mut caret, mut last) = (Vec::new(), 0.0, None);
+        for letter in text.chars() {
+            let mut glyph = font.scaled_glyph(letter);
+            caret += last.map_or(0.0, |last| font.kern(last, glyph.id));
+            glyph.position = point(caret, 0.0);
+            caret += font.h_advance(glyph.id);
+            last = Some(glyph.id);
+            glyphs.push(glyph);
+        }
+        let anchor = style.anchor();
+        let left = match anchor.h_pos {
+            HPos::Left => 0.0,
+            HPos::Center => -caret / 2.0,
+            HPos::Right => -caret,
+        };
+        let baseline = match anchor.v_pos {
+            VPos::Top => TOP * em,
+            VPos::Center => CENTER * em,
+            VPos::Bottom => -CENTER * em,
+        };
+        let (transform, color) = (style.transform(), style.color());
+        for glyph in glyphs {
+            let Some(outline) = font.outline_glyph(glyph) else {
+                continue;
+            };
+            let corner = outline.px_bounds().min;
+            let corner = [left.round() + corner.x, baseline.round() + corner.y].map(pixel);
+            outline.draw(|x, y, covered| {
+                let [x, y] = [
+                    corner[0].saturating_add_unsigned(x),
+                    corner[1].saturating_add_unsigned(y),
+                ];
+                let (x, y) = transform.transform(x, y);
+                self.mix((at.0 + x, at.1 + y), color, f64::from(covered));
+            });
+        }
+        Ok(())
+    }
+}
