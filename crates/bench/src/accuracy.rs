@@ -6,6 +6,7 @@ mod device;
 #[cfg(not(feature = "gpu"))]
 #[path = "accuracy/no_device.rs"]
 mod device;
+mod dual;
 mod error;
 mod front;
 mod ladder;
@@ -26,6 +27,7 @@ use crate::json::Json;
 use crate::machine;
 use crate::options::RunArguments;
 use crate::output;
+use crate::progress::Progress;
 use clap::Args;
 use device::Device;
 use error::Yardstick;
@@ -118,26 +120,37 @@ pub(crate) fn run(
     }
     let mut rows: Vec<Row> = Vec::new();
     let (mut written, mut drawn) = (Ok(()), Ok(()));
+    let ways = Scheme::ALL.len() * powers(arguments.most).len() * arguments.run.backend.len();
+    let ways = if arguments.schemes { 1 } else { ways };
+    let progress = Progress::new(names().count() as u64, ways as u64);
     for name in names() {
+        progress.begin(name);
         let scene = scenes::scene(name)?;
         if arguments.schemes {
             let body = scene.body()?;
             let ladder = Ladder::climb(&scene, &body, &[])?;
             let exact = ladder.exact();
-            table::reference(out, &scene, &body, &ladder, exact.as_ref())?;
-            let start = State::of(&body.solver, &body.surface);
-            schemes::run(&ladder.model, &start, &exact?.states, out)?;
+            progress.step();
+            progress.aside(|| -> Result<(), Box<dyn Error>> {
+                table::reference(out, &scene, &body, &ladder, exact.as_ref())?;
+                let start = State::of(&body.solver, &body.surface);
+                schemes::run(&ladder.model, &start, &exact?.states, out)
+            })?;
             continue;
         }
         let first = rows.len();
-        setup.measure(&scene, &mut rows, out)?;
-        table::scene(out, &rows[first..])?;
+        setup.measure(&scene, &mut rows, &progress, out)?;
+        progress.aside(|| {
+            table::scene(out, &rows[first..])?;
+            out.flush()
+        })?;
         // What cannot be written does not end a run of hours; the next scene's rows bring these along.
         written = json.write(&rows);
         if let Some(mut plot) = plots.next() {
             drawn = drawn.and(plot.draw(name, &rows[first..]));
         }
     }
+    progress.end();
     if !arguments.schemes {
         table::summary(out, &rows)?;
     }
@@ -156,13 +169,17 @@ impl Setup<'_> {
         &mut self,
         scene: &Scene,
         rows: &mut Vec<Row>,
+        progress: &Progress,
         out: &mut impl Write,
     ) -> Result<(), Box<dyn Error>> {
         let body = scene.body()?;
         let numbers = powers(self.arguments.most);
         let ladder = Ladder::climb(scene, &body, &numbers)?;
         let exact = ladder.exact();
-        table::reference(out, scene, &body, &ladder, exact.as_ref())?;
+        progress.aside(|| {
+            table::reference(out, scene, &body, &ladder, exact.as_ref())?;
+            out.flush()
+        })?;
         let start = State::of(&body.solver, &body.surface);
         let triangles = closed_triangles(&body);
         let yardstick = Yardstick {
@@ -179,6 +196,7 @@ impl Setup<'_> {
                 .into_iter()
                 .flat_map(|s| numbers.iter().map(move |n| (s, n)))
             {
+                progress.step();
                 // A device has no second order.
                 if (executor, scheme) == (Executor::Gpu, Scheme::Second) {
                     continue;
@@ -190,17 +208,19 @@ impl Setup<'_> {
                     .map(|&iterations| scene.params_by(scheme, substeps, iterations))
                     .collect();
                 // They do not depend on who steps, but for rounding.
-                let residuals = match executor {
-                    Executor::Cpu => substep::residuals(&body, &ladder, &ways),
+                let left = match executor {
+                    Executor::Cpu => substep::left(&body, &ladder, &ways),
                     Executor::Gpu => None,
                 };
                 for (way, params) in ways.into_iter().enumerate() {
                     let mut row = self.row(scene, executor, scheme);
                     (row.substeps, row.iterations) = (params.substeps, params.iterations);
-                    row.residuals = residuals.as_ref().map(|all| all[way]);
+                    row.left = left.as_ref().map(|all| all[way]);
                     match self.step(executor, &body, &params, scene.frames) {
                         Ok(run) => {
                             row.ms_per_frame = run.seconds * 1e3;
+                            row.ms_encode = run.encode.map(|seconds| seconds * 1e3);
+                            row.ms_device = run.device.map(|seconds| seconds * 1e3);
                             row.projections_per_frame = run.projections;
                             let states = &run.states;
                             row.solver_error = (ladder.known(scheme, substeps))

@@ -42,6 +42,11 @@ impl Progress {
         self.bar.inc(1);
     }
 
+    /// Prints something else, with the bar out of the way meanwhile.
+    pub(crate) fn aside<T>(&self, print: impl FnOnce() -> T) -> T {
+        self.bar.suspend(print)
+    }
+
     /// Takes the bar away, so that something else can be printed.
     pub(crate) fn end(&self) {
         self.bar.finish_and_clear();

@@ -48,6 +48,15 @@ impl<const N: usize> Batch<N> {
         &self.rest
     }
 
+    /// The multipliers that the processor's last substep ended with, shape \[constraints\]: how hard each constraint pulls
+    /// times the square of the substep [kg m] of edges, [kg m^2] of angles, positive where it is too short. Empty where
+    /// substeps keep none, since their constraints are rigid or projected once only; older ones where an earlier one kept
+    /// them.
+    #[must_use]
+    pub fn multipliers(&self) -> &[f32] {
+        &self.lambda
+    }
+
     /// How many constraints there are.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -1,6 +1,6 @@
 //! Motions on a GPU.
 
-use super::run::{Run, timed};
+use super::run::{Run, Times, timed};
 use super::scene::{Body, DT};
 use incise_bench::State;
 use incise_pbd_gpu::{AdapterRequest, GpuBackend, GpuError, SolverParams};
@@ -57,7 +57,7 @@ impl Device {
         body: &Body,
         params: &SolverParams,
         frames: u32,
-        times: &mut Vec<f64>,
+        times: &mut Times,
         mut states: Option<&mut Vec<State>>,
     ) -> Result<u64, GpuError> {
         let Body {
@@ -65,13 +65,17 @@ impl Device {
             mut solver,
         } = body.clone();
         let place = self.gpu.add(&surface, &mut solver)?;
+        // The device's own clock is looked at in the run that is looked at anyway.
+        self.gpu.time_steps(states.is_some())?;
         let mut projections = 0;
         for _ in 0..frames {
             let begin = Instant::now();
             let stats = self.gpu.step([(place, &mut solver)], DT, params)?;
             projections = stats.stretch_projections + stats.bending_projections;
+            times.encode.push(begin.elapsed().as_secs_f64());
             self.gpu.wait()?;
-            times.push(begin.elapsed().as_secs_f64());
+            times.frames.push(begin.elapsed().as_secs_f64());
+            times.device.extend(self.gpu.step_seconds()?);
             if let Some(states) = states.as_deref_mut() {
                 self.gpu.read(place, &mut surface, &mut solver)?;
                 states.push(State::of(&solver, &surface));

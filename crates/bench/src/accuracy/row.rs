@@ -1,7 +1,7 @@
 //! One run of a solver.
 
 use super::error::Errors;
-use incise_bench::Residuals;
+use super::substep::Left;
 use serde::Serialize;
 
 /// A row of the table behind plots: a scene stepped in one way.
@@ -13,13 +13,17 @@ pub(super) struct Row {
     pub(super) scheme: &'static str,
     pub(super) substeps: u32,
     pub(super) iterations: u32,
-    /// The median of all frames.
+    /// The median of all frames, from their start until their end is known.
     pub(super) ms_per_frame: f64,
+    /// The part of it until a device has been told what to do; none on the processor.
+    pub(super) ms_encode: Option<f64>,
+    /// What the device took by its own clock, the median; none on the processor, and on devices that have no clock.
+    pub(super) ms_device: Option<f64>,
     pub(super) projections_per_frame: u64,
     /// To the converged implicit step of the same size; none where there is none.
     pub(super) solver_error: Option<Errors>,
     /// What is left of one substep; none where the converged motion is not known.
-    pub(super) residuals: Option<Residuals>,
+    pub(super) left: Option<Left>,
     /// To what smaller and smaller steps tend to.
     pub(super) total_error: Option<Errors>,
     /// About how far off that is itself, as a total error's positions are. Ten times less than they, or they say
@@ -47,9 +51,9 @@ impl Row {
 
 /// Rows as a table for other programs.
 pub(super) fn csv(rows: &[Row]) -> String {
-    let mut text = "scene,backend,scheme,substeps,iterations,ms_per_frame,projections_per_frame,solver_position,\
+    let mut text = "scene,backend,scheme,substeps,iterations,ms_per_frame,ms_encode,ms_device,projections_per_frame,solver_position,\
         solver_farthest,solver_force,solver_strain,solver_volume,solver_energy,total_position,total_farthest,\
-        total_force,total_strain,total_volume,total_energy,energy_gap,decrement,primal,uncertainty,commit\n"
+        total_force,total_strain,total_volume,total_energy,energy_gap,decrement,primal,dual,uncertainty,commit\n"
         .to_owned();
     for row in rows {
         let mut cells = vec![
@@ -59,6 +63,8 @@ pub(super) fn csv(rows: &[Row]) -> String {
             row.substeps.to_string(),
             row.iterations.to_string(),
             number(Some(row.ms_per_frame)),
+            number(row.ms_encode),
+            number(row.ms_device),
             row.projections_per_frame.to_string(),
         ];
         for errors in [row.solver_error, row.total_error] {
@@ -72,9 +78,10 @@ pub(super) fn csv(rows: &[Row]) -> String {
             ]);
         }
         cells.extend([
-            number(row.residuals.map(|r| r.energy)),
-            number(row.residuals.map(|r| r.decrement)),
-            number(row.residuals.map(|r| r.primal)),
+            number(row.left.map(|left| left.residuals.energy)),
+            number(row.left.map(|left| left.residuals.decrement)),
+            number(row.left.map(|left| left.residuals.primal)),
+            number(row.left.and_then(|left| left.dual)),
             number(row.uncertainty),
         ]);
         cells.push(row.commit.clone());

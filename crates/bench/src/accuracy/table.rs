@@ -5,10 +5,35 @@ use super::ladder::{Exact, Ladder};
 use super::row::Row;
 use super::scene::{Body, Scene};
 use super::scenes;
-use crate::columns::columns;
+use crate::columns::{columns, paragraphs};
 use incise_bench::ReferenceError;
 use std::error::Error;
-use std::io::Write;
+use std::io::{self, Write};
+
+/// What stands in the columns of a scene.
+const LEGEND: &str = "\
+Runs that no other one is both faster and nearer than. steps: substeps a frame x iterations a substep. proj: projections a frame. \
+ms: median time of a frame. solver: positions off those of converged steps of the same size, which the solver's \
+iterations are to reach; total: off those that ever smaller steps tend to. Both are root mean squares over vertices and frames, over \
+the mean rest length. force, strain, volume, energy: totals too: of the force that holds the body, over it; of the root mean \
+square strain; of the enclosed volume, over it; of the energy at the end, a second, over the largest kinetic one. \
+~: less than ten times what the reference itself may be off by, and so hardly known. -: there is none: no reference of that many \
+substeps, nothing held, no closed surface.";
+
+/// What stands in those that only the processor has.
+const ON_CPU: &str = "\
+left: Newton's decrement at the end of one substep, over that of its prediction: 0 is solved. dual: the same of \
+C + alpha lambda, which XPBD's iterations make small; stiffnesses of pbd have none.";
+
+/// What stands in those that only devices have.
+const ON_GPU: &str = "\
+device: the part of ms that the device's own clock tells; encode: until it was told what to do. -: it has no clock.";
+
+/// What stands in the columns of all scenes.
+const SUMMARY: &str = "\
+ms to E: the least time of a frame with a total error of at most E; -: no run came so near. at T ms: the least total error of \
+frames of at most T ms; -: no run was so fast. First all schemes but pbd, then the paper's: pbd, one substep. gain: how many times nearer \
+the first are in the same time, at the least of 1, 4, 8 and 16 ms; nothing where one has no run that is so fast.";
 
 /// A line on a scene and on what it is measured against.
 pub(super) fn reference(
@@ -17,7 +42,7 @@ pub(super) fn reference(
     body: &Body,
     ladder: &Ladder,
     exact: Result<&Exact, &ReferenceError>,
-) -> Result<(), Box<dyn Error>> {
+) -> io::Result<()> {
     let topology = body.surface.topology();
     writeln!(
         out,
@@ -37,9 +62,12 @@ pub(super) fn reference(
 }
 
 /// The fronts of a scene.
-pub(super) fn scene(out: &mut impl Write, rows: &[Row]) -> Result<(), Box<dyn Error>> {
+pub(super) fn scene(out: &mut impl Write, rows: &[Row]) -> io::Result<()> {
     for backend in backends(rows) {
         scene_on(out, rows, backend)?;
+        write!(out, "{}", paragraphs(LEGEND))?;
+        let device = if backend == "cpu" { ON_CPU } else { ON_GPU };
+        write!(out, "{}", paragraphs(device))?;
     }
     for row in rows {
         if let Some(refusal) = &row.refusal {
@@ -60,16 +88,18 @@ fn backends(rows: &[Row]) -> Vec<&'static str> {
 }
 
 /// The front of a scene on one backend.
-fn scene_on(out: &mut impl Write, rows: &[Row], backend: &str) -> Result<(), Box<dyn Error>> {
+fn scene_on(out: &mut impl Write, rows: &[Row], backend: &str) -> io::Result<()> {
+    let is_gpu = backend == "gpu";
     let rows = || rows.iter().filter(move |row| row.backend == backend);
     let best = totals(rows());
+    writeln!(out, "  {backend}, the front of {} runs:", rows().count())?;
     let header = [
-        "  backend",
-        "scheme",
-        "substeps",
-        "iterations",
+        "  scheme",
+        "steps",
+        "proj",
         "ms",
-        "left",
+        if is_gpu { "device" } else { "left" },
+        if is_gpu { "encode" } else { "dual" },
         "solver",
         "total",
         "force",
@@ -87,13 +117,25 @@ fn scene_on(out: &mut impl Write, rows: &[Row], backend: &str) -> Result<(), Box
             continue;
         };
         let known = row.uncertainty.is_some_and(|u| 10.0 * u < error);
+        let ms = |ms: Option<f64>| ms.map_or("-".to_owned(), |ms| format!("{ms:.3}"));
+        let beside = if is_gpu {
+            [ms(row.ms_device), ms(row.ms_encode)]
+        } else {
+            let left = row.left;
+            [
+                left.map(|l| l.residuals.decrement),
+                left.and_then(|l| l.dual),
+            ]
+            .map(brief)
+        };
+        let [fifth, sixth] = beside;
         cells.push([
-            format!("  {}", row.backend),
-            row.scheme.to_owned(),
-            row.substeps.to_string(),
-            row.iterations.to_string(),
+            format!("  {}", row.scheme),
+            format!("{}x{}", row.substeps, row.iterations),
+            row.projections_per_frame.to_string(),
             format!("{time:.3}"),
-            brief(row.residuals.map(|r| r.decrement)),
+            fifth,
+            sixth,
             brief(row.solver_error.map(|e| e.position)),
             format!("{}{error:.1e}", if known { "" } else { "~" }),
             brief(total.force),
@@ -102,8 +144,7 @@ fn scene_on(out: &mut impl Write, rows: &[Row], backend: &str) -> Result<(), Box
             brief(Some(total.energy)),
         ]);
     }
-    write!(out, "{}", columns(&cells, 2))?;
-    Ok(())
+    write!(out, "{}", columns(&cells, 2))
 }
 
 /// Time to an error and error in a time, of all scenes.
@@ -148,11 +189,7 @@ pub(super) fn summary(out: &mut impl Write, rows: &[Row]) -> Result<(), Box<dyn 
         .collect();
     writeln!(out)?;
     write!(out, "{}", columns(&cells, 1))?;
-    writeln!(
-        out,
-        "gain: how many times nearer than the paper's scheme (one substep, pbd) is in the same time, at the least of \
-         1, 4, 8 and 16 ms."
-    )?;
+    write!(out, "{}", paragraphs(SUMMARY))?;
     Ok(())
 }
 

@@ -4,7 +4,7 @@ use super::error::{Yardstick, distance};
 use super::ladder::Ladder;
 use super::run::on_processor;
 use super::scene::{DT, Scheme};
-use super::scenes;
+use super::{scenes, substep};
 use incise_bench::{Model, State};
 use incise_pbd_gpu::Stiffness;
 use nalgebra::Vector3;
@@ -126,6 +126,44 @@ fn one_iteration_by_half_of_the_own_weight_is_of_second_order() {
         assert!((1.6..2.4).contains(&order), "order {order} of {second:?}");
     }
     assert!(4.0 * second[2] < plain[2], "{second:?}, {plain:?}");
+}
+
+#[test]
+fn multipliers_are_kept_of_a_single_iteration_too_and_change_no_bit() {
+    let scene = scenes::scene("sheet-1e2").unwrap();
+    let body = scene.body().unwrap();
+    let model = Model::of(&body.solver, &body.surface, &scene.params(1, 1)).unwrap();
+    for scheme in [Scheme::Xpbd, Scheme::Half] {
+        for iterations in [1, 2] {
+            let params = scene.params_by(scheme, 1, iterations);
+            let (mut kept, mut plain) = (body.clone(), body.clone());
+            kept.step_once(DT, &params).unwrap();
+            (plain.solver.step(&mut plain.surface, DT, &params)).unwrap();
+            assert_eq!(kept.surface.positions, plain.surface.positions);
+            let [edges, hinges] = kept.multipliers(&model).unwrap();
+            let pulls = edges.iter().chain(&hinges).any(|lambda| *lambda != 0.0);
+            assert!(pulls, "{iterations} iterations of {}", scheme.name());
+        }
+    }
+    let pbd = scene.body_by(Scheme::Pbd, DT.into()).unwrap();
+    assert_eq!(pbd.multipliers(&model), None, "it has stiffnesses");
+}
+
+#[test]
+fn iterations_solve_the_second_equation() {
+    let mut scene = scenes::scene("sheet-1e2").unwrap();
+    scene.frames = 4;
+    let body = scene.body().unwrap();
+    let ladder = Ladder::climb(&scene, &body, &[1]).unwrap();
+    for scheme in [Scheme::Xpbd, Scheme::Half] {
+        let ways = [1, 4, 16, 64].map(|iterations| scene.params_by(scheme, 1, iterations));
+        let left = substep::left(&body, &ladder, &ways).unwrap();
+        let duals: Vec<f64> = left.iter().map(|left| left.dual.unwrap()).collect();
+        assert!(duals[0] < 1.0, "{duals:?}");
+        for pair in duals.windows(2) {
+            assert!(pair[1] < pair[0] / 2.0, "{duals:?} of {}", scheme.name());
+        }
+    }
 }
 
 #[test]

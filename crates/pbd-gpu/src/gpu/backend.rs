@@ -10,6 +10,7 @@ use super::pipelines::Pipelines;
 use super::program::Program;
 use super::readback::Readback;
 use super::stats::{GpuMemory, GpuStats, Schedule};
+use super::stopwatch::Stopwatch;
 use super::uniforms::Uniforms;
 use super::upload::Uploads;
 use crate::changes::Changes;
@@ -107,6 +108,8 @@ pub struct GpuBackend {
     /// By slot.
     pub(super) residents: Vec<Option<Resident>>,
     pub(super) schedule: Option<Schedule>,
+    /// None while nobody wants to know how long steps take.
+    pub(super) stopwatch: Option<Stopwatch>,
     /// What a solver hands over; its content matters to nobody between calls.
     pub(super) changes: Changes,
 }
@@ -160,6 +163,7 @@ impl GpuBackend {
             in_flight: [const { None }; FRAMES_IN_FLIGHT],
             residents: Vec::new(),
             schedule: None,
+            stopwatch: None,
             changes: Changes::default(),
             context,
         })

@@ -21,6 +21,7 @@ mod runs;
 mod shaders;
 mod stats;
 mod step;
+mod stopwatch;
 mod uniforms;
 mod upload;
 

@@ -6,6 +6,7 @@ use super::layout::FrameUniform;
 use super::pipelines::{Kernel, Pipelines, workgroups};
 use super::program::{Dispatch, Program, Stepped};
 use super::stats::{GpuStats, Schedule};
+use super::stopwatch::Stopwatch;
 use super::uniforms::PASS_STRIDE;
 use crate::error::StepError;
 use crate::params::{Integrator, SolverParams};
@@ -220,7 +221,7 @@ impl GpuBackend {
         {
             let descriptor = ComputePassDescriptor {
                 label: Some("step"),
-                timestamp_writes: None,
+                timestamp_writes: self.stopwatch.as_ref().map(Stopwatch::writes),
             };
             let mut encoding = Encoding {
                 pass: encoder.begin_compute_pass(&descriptor),
@@ -231,6 +232,9 @@ impl GpuBackend {
             encoding.pass.set_bind_group(0, &groups[0], &[]);
             encoding.program(&self.program, wants_bounds);
         }
+        if let Some(stopwatch) = &mut self.stopwatch {
+            stopwatch.request(&self.context, &mut encoder, self.frame)?;
+        }
         let slots = std::mem::take(&mut self.program_of);
         let done = self.request_copies(&slots, &mut encoder);
         self.program_of = slots;
@@ -239,6 +243,9 @@ impl GpuBackend {
         self.in_flight.rotate_left(1);
         self.in_flight[FRAMES_IN_FLIGHT - 1] = Some(submission.clone());
         self.context.check()?;
+        if let Some(stopwatch) = &mut self.stopwatch {
+            stopwatch.submitted(&submission);
+        }
         for i in 0..self.program_of.len() {
             let slot = self.program_of[i];
             if let Some(resident) = self.resident_at(slot) {
