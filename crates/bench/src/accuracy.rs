@@ -63,7 +63,7 @@ pub(crate) struct AccuracyArguments {
     /// Print total errors of ways that the solver has and of ways that it has not, at equal projections, instead.
     #[arg(long, conflicts_with_all = ["backend", "adapter", "most", "most_iterations", "plot", "cuts", "json"])]
     schemes: bool,
-    /// Also draw a picture of every scene, with the rows behind it as CSV.
+    /// Also draw a picture of every scene, as SVG and PNG, with the rows behind it as CSV.
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
 }
@@ -215,7 +215,7 @@ impl Setup<'_> {
                 for (way, params) in ways.into_iter().enumerate() {
                     let mut row = self.row(scene, executor, scheme);
                     (row.substeps, row.iterations) = (params.substeps, params.iterations);
-                    row.left = left.as_ref().map(|all| all[way]);
+                    row.residuals = left.as_ref().map(|all| all[way]);
                     match self.step(executor, &body, &params, scene.frames) {
                         Ok(run) => {
                             row.ms_per_frame = run.seconds * 1e3;

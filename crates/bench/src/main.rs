@@ -272,11 +272,44 @@ mod tests {
         assert!(parse("b accuracy --cuts --json x").is_ok());
         for bad in [
             "b accuracy --cuts --only chain",
+            "b accuracy --cuts --backend cpu",
+            "b accuracy --schemes --json x",
+            "b accuracy --schemes --adapter x",
             "b accuracy --only chains",
             "b accuracy --most 65",
             "b accuracy --backend auto",
         ] {
             assert!(parse(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn runs_for_files_are_told_from_those_for_a_reader() {
+        let writes = |line: &str| {
+            let parsed = Arguments::try_parse_from(line.split_whitespace());
+            parsed.unwrap().writes_files()
+        };
+        for line in [
+            "b",
+            "b step",
+            "b solver",
+            "b refine",
+            "b stability",
+            "b skip",
+        ] {
+            assert!(!writes(line), "{line}");
+        }
+        for line in [
+            "b --json x",
+            "b table --json x",
+            "b step --json x",
+            "b cut --json x",
+            "b refine --rims x",
+            "b refine --tradeoff --csv x",
+            "b stability --plot x",
+            "b skip --json x",
+        ] {
+            assert!(writes(line), "{line}");
         }
     }
 

@@ -61,7 +61,7 @@ pub(crate) struct RefineArguments {
     /// on angles.
     #[arg(long)]
     tradeoff: bool,
-    /// Also draw run time against quality, as SVG.
+    /// Also draw run time against quality, as SVG and as PNG beside it.
     #[arg(long, value_name = "FILE", requires = "tradeoff")]
     plot: Option<PathBuf>,
     /// Also write the rows of all models together as CSV: what is drawn.

@@ -59,7 +59,7 @@ pub(crate) struct StabilityArguments {
     /// A part of every case: seconds instead of minutes.
     #[arg(long)]
     quick: bool,
-    /// Also draw what the case map finds: time steps by compliances, a panel for each load.
+    /// Also draw what the case map finds, as SVG and as PNG beside it: time steps by compliances, a panel for each load.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
 }

@@ -57,7 +57,7 @@ pub(super) struct PlotFiles {
 }
 
 impl PlotFiles {
-    /// Opens `NAME.svg` and `NAME.csv` in a folder, before anything is measured.
+    /// Opens `NAME.svg`, `NAME.png` and `NAME.csv` in a folder, before anything is measured.
     ///
     /// # Errors
     /// As [`OutputFile::open`].

@@ -23,7 +23,7 @@ pub(super) struct Row {
     /// To the converged implicit step of the same size; none where there is none.
     pub(super) solver_error: Option<Errors>,
     /// What is left of one substep; none where the converged motion is not known.
-    pub(super) left: Option<Left>,
+    pub(super) residuals: Option<Left>,
     /// To what smaller and smaller steps tend to.
     pub(super) total_error: Option<Errors>,
     /// About how far off that is itself, as a total error's positions are. Ten times less than they, or they say
@@ -78,10 +78,10 @@ pub(super) fn csv(rows: &[Row]) -> String {
             ]);
         }
         cells.extend([
-            number(row.left.map(|left| left.residuals.energy)),
-            number(row.left.map(|left| left.residuals.decrement)),
-            number(row.left.map(|left| left.residuals.primal)),
-            number(row.left.and_then(|left| left.dual)),
+            number(row.residuals.map(|left| left.residuals.energy)),
+            number(row.residuals.map(|left| left.residuals.decrement)),
+            number(row.residuals.map(|left| left.residuals.primal)),
+            number(row.residuals.and_then(|left| left.dual)),
             number(row.uncertainty),
         ]);
         cells.push(row.commit.clone());

@@ -121,7 +121,7 @@ fn scene_on(out: &mut impl Write, rows: &[Row], backend: &str) -> io::Result<()>
         let beside = if is_gpu {
             [ms(row.ms_device), ms(row.ms_encode)]
         } else {
-            let left = row.left;
+            let left = row.residuals;
             [
                 left.map(|l| l.residuals.decrement),
                 left.and_then(|l| l.dual),
