@@ -96,7 +96,17 @@ pub(crate) fn run(
     let mut plots = Vec::new();
     if let Some(folder) = &arguments.plot {
         output::folder(folder)?;
-        plots = (names().map(|name| PlotFiles::open(folder, name))).collect::<Result<_, _>>()?;
+        // One picture a backend; with several, their names end with the backend's.
+        let backends = &arguments.run.backend;
+        for name in names() {
+            for backend in backends.iter().map(|executor| executor.name()) {
+                let file = match backends.len() {
+                    1 => name.to_owned(),
+                    _ => format!("{name}-{backend}"),
+                };
+                plots.push(PlotFiles::open(folder, &file, backend)?);
+            }
+        }
     }
     let mut plots = plots.into_iter();
     let device = match arguments.run.backend.contains(&Executor::Gpu) {
@@ -146,7 +156,7 @@ pub(crate) fn run(
         })?;
         // What cannot be written does not end a run of hours; the next scene's rows bring these along.
         written = json.write(&rows);
-        if let Some(mut plot) = plots.next() {
+        for mut plot in plots.by_ref().take(arguments.run.backend.len()) {
             drawn = drawn.and(plot.draw(name, &rows[first..]));
         }
     }

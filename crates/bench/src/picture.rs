@@ -3,7 +3,7 @@
 mod bitmap;
 
 use crate::output::{OutputError, OutputFile};
-use bitmap::Bitmap;
+use bitmap::{Bitmap, FINE};
 use plotters::backend::{DrawingBackend, SVGBackend};
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
@@ -79,7 +79,7 @@ pub(crate) fn svg<P: Picture>(picture: &P) -> Result<String, PictureError> {
 
 /// A picture as a file of pixels.
 fn png<P: Picture>(picture: &P) -> Result<Vec<u8>, PictureError> {
-    let (width, height) = P::SIZE;
+    let (width, height) = (FINE * P::SIZE.0, FINE * P::SIZE.1);
     let mut pixels = vec![0; 3 * width as usize * height as usize];
     let bitmap = Bitmap::on(&mut pixels, P::SIZE);
     let bitmap = bitmap.map_err(|fault| PictureError::Chart(fault.to_string()))?;
@@ -140,8 +140,8 @@ mod tests {
             .unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         let shape = reader.next_frame(&mut pixels).unwrap();
-        assert_eq!((shape.width, shape.height), Sign::SIZE);
-        let at = |x: usize, y: usize| &pixels[3 * (60 * y + x)..][..3];
+        assert_eq!((shape.width, shape.height), (120, 40));
+        let at = |x: usize, y: usize| &pixels[3 * (120 * 2 * y + 2 * x)..][..3];
         assert_eq!((at(5, 10), at(11, 10)), (&[255, 0, 0][..], &[255; 3][..]));
         // The letters are there although no font was looked for: three upright strokes and more are black.
         let black = (12..60).filter(|&x| at(x, 10).iter().all(|&c| c < 100));

@@ -5,7 +5,7 @@ use super::row::{Row, csv};
 use crate::output::{OutputError, OutputFile};
 use crate::picture::{FONT, Fault, Picture, PictureFile};
 use plotters::backend::DrawingBackend;
-use plotters::chart::ChartBuilder;
+use plotters::chart::{ChartBuilder, SeriesLabelPosition};
 use plotters::coord::Shift;
 use plotters::coord::combinators::IntoLogRange;
 use plotters::drawing::DrawingArea;
@@ -50,8 +50,9 @@ const WAYS: [Way; 5] = [
     },
 ];
 
-/// Where a scene's picture goes, and the rows behind it.
+/// Where a scene's picture on one backend goes, and the rows behind it.
 pub(super) struct PlotFiles {
+    backend: &'static str,
     picture: PictureFile,
     csv: OutputFile,
 }
@@ -61,16 +62,24 @@ impl PlotFiles {
     ///
     /// # Errors
     /// As [`OutputFile::open`].
-    pub(super) fn open(folder: &Path, name: &str) -> Result<Self, OutputError> {
+    pub(super) fn open(
+        folder: &Path,
+        name: &str,
+        backend: &'static str,
+    ) -> Result<Self, OutputError> {
         let path = folder.join(name);
         Ok(Self {
+            backend,
             picture: PictureFile::open(&path)?,
             csv: OutputFile::open(&path.with_extension("csv"))?,
         })
     }
 
-    /// Draws a scene's rows and writes them.
+    /// Draws those of a scene's rows that are the backend's, and writes them.
     pub(super) fn draw(&mut self, name: &str, rows: &[Row]) -> Result<(), Box<dyn Error>> {
+        let mut rows = rows.to_vec();
+        rows.retain(|row| row.backend == self.backend);
+        let (rows, name) = (rows.as_slice(), &format!("{name}, {}", self.backend));
         self.csv.write(csv(rows))?;
         Ok(self.picture.draw(&Chart { name, rows })?)
     }
@@ -168,6 +177,8 @@ where
     }
     chart
         .configure_series_labels()
+        // Below the fronts: they fall from left to right.
+        .position(SeriesLabelPosition::LowerLeft)
         .border_style(RGBColor(0, 0, 0))
         .background_style(WHITE.mix(0.8))
         .draw()

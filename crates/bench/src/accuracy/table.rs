@@ -21,13 +21,14 @@ square strain; of the enclosed volume, over it; of the energy at the end, a seco
 substeps, nothing held, no closed surface.";
 
 /// What stands in those that only the processor has.
-const ON_CPU: &str = "\
+const ON_CPU: &str = "
 left: Newton's decrement at the end of one substep, over that of its prediction: 0 is solved. dual: the same of \
 C + alpha lambda, which XPBD's iterations make small; stiffnesses of pbd have none.";
 
 /// What stands in those that only devices have.
-const ON_GPU: &str = "\
-device: the part of ms that the device's own clock tells; encode: until it was told what to do. -: it has no clock.";
+const ON_GPU: &str = "
+device: what a frame took by the device's own clock, in one run of several; encode: the part of ms until the device was \
+told what to do. -: it has no clock.";
 
 /// What stands in the columns of all scenes.
 const SUMMARY: &str = "\
@@ -63,12 +64,12 @@ pub(super) fn reference(
 
 /// The fronts of a scene.
 pub(super) fn scene(out: &mut impl Write, rows: &[Row]) -> io::Result<()> {
+    let mut legend = LEGEND.to_owned();
     for backend in backends(rows) {
         scene_on(out, rows, backend)?;
-        write!(out, "{}", paragraphs(LEGEND))?;
-        let device = if backend == "cpu" { ON_CPU } else { ON_GPU };
-        write!(out, "{}", paragraphs(device))?;
+        legend += if backend == "cpu" { ON_CPU } else { ON_GPU };
     }
+    write!(out, "{}", paragraphs(&legend))?;
     for row in rows {
         if let Some(refusal) = &row.refusal {
             let (scheme, substeps, iterations) = (row.scheme, row.substeps, row.iterations);

@@ -4,7 +4,9 @@
 use ab_glyph::{Font, FontRef, InvalidFont, PxScale, ScaleFont, point};
 use plotters::backend::DrawingBackend;
 use plotters_backend::text_anchor::{HPos, VPos};
-use plotters_backend::{BackendColor, BackendCoord, BackendTextStyle, DrawingErrorKind};
+use plotters_backend::{
+    BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingErrorKind,
+};
 use std::convert::Infallible;
 
 const LETTERS: &[u8] = include_bytes!("../../fonts/DejaVuSans-ascii.ttf");
@@ -14,26 +16,59 @@ const SIZE_OVER_EM: f64 = 1.24;
 const TOP: f32 = 0.76;
 const CENTER: f32 = 0.27;
 
-/// Pixels of three bytes each, row by row from above.
+/// Pixels by which a picture's own are drawn, along each side: text of nine of them is hard to read else.
+pub(super) const FINE: u32 = 2;
+
+/// A picture, whose pixels are [`FINE`] of the bitmap's wide.
 pub(super) struct Bitmap<'a> {
     size: (u32, u32),
-    pixels: &'a mut [u8],
+    canvas: Canvas<'a>,
     font: FontRef<'static>,
 }
 
+/// Pixels of three bytes each, row by row from above.
+struct Canvas<'a> {
+    size: (u32, u32),
+    pixels: &'a mut [u8],
+}
+
 impl<'a> Bitmap<'a> {
-    /// Draws onto pixels, three bytes each and as many as the size says.
+    /// Draws a picture of that size onto pixels, three bytes each and [`FINE`] by [`FINE`] for each of the picture's.
     ///
     /// # Errors
     /// [`InvalidFont`], which only a broken build has.
     pub(super) fn on(pixels: &'a mut [u8], size: (u32, u32)) -> Result<Self, InvalidFont> {
         Ok(Self {
             size,
-            pixels,
+            canvas: Canvas {
+                size: (FINE * size.0, FINE * size.1),
+                pixels,
+            },
             font: FontRef::try_from_slice(LETTERS)?,
         })
     }
+}
 
+/// A place of the picture in the bitmap.
+fn fine((x, y): BackendCoord) -> BackendCoord {
+    let fine = |x: i32| x.saturating_mul(FINE.cast_signed());
+    (fine(x), fine(y))
+}
+
+/// A style with as wide lines as the bitmap's pixels are narrow.
+struct Wide<'a, S>(&'a S);
+
+impl<S: BackendStyle> BackendStyle for Wide<'_, S> {
+    fn color(&self) -> BackendColor {
+        self.0.color()
+    }
+
+    fn stroke_width(&self) -> u32 {
+        FINE * self.0.stroke_width()
+    }
+}
+
+impl Canvas<'_> {
     /// Mixes a color in; outside of the picture there is nothing to mix with.
     fn mix(&mut self, (x, y): BackendCoord, color: BackendColor, part: f64) {
         let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else {
@@ -79,7 +114,7 @@ fn em(size: f64) -> f32 {
 
 type Done = Result<(), DrawingErrorKind<Infallible>>;
 
-impl DrawingBackend for Bitmap<'_> {
+impl DrawingBackend for Canvas<'_> {
     type ErrorType = Infallible;
 
     fn get_size(&self) -> (u32, u32) {
@@ -98,9 +133,80 @@ impl DrawingBackend for Bitmap<'_> {
         self.mix(at, color, 1.0);
         Ok(())
     }
+}
+
+impl DrawingBackend for Bitmap<'_> {
+    type ErrorType = Infallible;
+
+    fn get_size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    fn ensure_prepared(&mut self) -> Done {
+        Ok(())
+    }
+
+    fn present(&mut self) -> Done {
+        Ok(())
+    }
+
+    fn draw_pixel(&mut self, at: BackendCoord, color: BackendColor) -> Done {
+        let (x, y) = fine(at);
+        for k in 0..FINE * FINE {
+            let at = (
+                x.saturating_add_unsigned(k % FINE),
+                y.saturating_add_unsigned(k / FINE),
+            );
+            self.canvas.mix(at, color, 1.0);
+        }
+        Ok(())
+    }
+
+    fn draw_line<S: BackendStyle>(&mut self, a: BackendCoord, b: BackendCoord, style: &S) -> Done {
+        self.canvas.draw_line(fine(a), fine(b), &Wide(style))
+    }
+
+    fn draw_rect<S: BackendStyle>(
+        &mut self,
+        a: BackendCoord,
+        b: BackendCoord,
+        style: &S,
+        fill: bool,
+    ) -> Done {
+        self.canvas.draw_rect(fine(a), fine(b), &Wide(style), fill)
+    }
+
+    fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
+        &mut self,
+        path: I,
+        style: &S,
+    ) -> Done {
+        (self.canvas).draw_path(path.into_iter().map(fine), &Wide(style))
+    }
+
+    fn draw_circle<S: BackendStyle>(
+        &mut self,
+        center: BackendCoord,
+        radius: u32,
+        style: &S,
+        fill: bool,
+    ) -> Done {
+        let center = fine(center);
+        (self.canvas).draw_circle(center, FINE * radius, &Wide(style), fill)
+    }
+
+    fn fill_polygon<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
+        &mut self,
+        corners: I,
+        style: &S,
+    ) -> Done {
+        let corners = corners.into_iter().map(fine);
+        self.canvas.fill_polygon(corners, &Wide(style))
+    }
 
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Done {
-        let em = em(style.size());
+        let at = fine(at);
+        let em = em(style.size() * f64::from(FINE));
         // Scales are heights from the deepest to the highest line of a font.
         let height = self.font.height_unscaled() / self.font.units_per_em().unwrap_or(1.0);
         let font = self.font.clone();
@@ -138,7 +244,8 @@ impl DrawingBackend for Bitmap<'_> {
                     corner[1].saturating_add_unsigned(y),
                 ];
                 let (x, y) = transform.transform(x, y);
-                self.mix((at.0 + x, at.1 + y), color, f64::from(covered));
+                self.canvas
+                    .mix((at.0 + x, at.1 + y), color, f64::from(covered));
             });
         }
         Ok(())
