@@ -245,9 +245,12 @@ fn project(rim: &[Vec3], normal: Vec3) -> Vec<Coord<f64>> {
     };
     let u = n.cross(&helper).normalize();
     let v = n.cross(&u);
+    // In a plane of two axes coordinates are exact as they are; elsewhere the difference to a vertex nearby loses less.
+    let is_level = n.iter().filter(|&&x| x == 0.0).count() == 2;
+    let origin = if is_level { Vec3::zeros() } else { rim[0] };
     rim.iter()
         .map(|p| {
-            let d = p - rim[0];
+            let d = p - origin;
             Coord {
                 x: d.dot(&u),
                 y: d.dot(&v),

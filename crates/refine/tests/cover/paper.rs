@@ -130,6 +130,24 @@ proptest! {
     }
 }
 
+/// The third point lies next to nothing beside the line between its neighbors, on the inner side: a triangle of the
+/// three was made where that side was asked of rounded differences.
+#[test]
+fn a_corner_next_to_straight_has_no_triangle_outside() {
+    let mut shape = Shape::default();
+    shape.add([
+        [14.2, 0.342_574_939_918_205_87],
+        [13.213_610_505_942_622, 0.095_843_644_422_959_06],
+        [13.352_364_711_816_579, 0.0],
+        [13.365_923_962_510_722, -0.009_365_971_964_494_68],
+        [13.643_464_519_888_521, 0.0],
+    ]);
+    let shape = shape.map(|p| p.map(|x| x * 1e24));
+    let found = run(&shape, None, false).unwrap();
+    check_clean(&shape, &found, false);
+    assert_eq!(found.triangles.len(), 3, "{found:?}");
+}
+
 /// Two discs beside each other with different targets get their own; a nested pair shares the mean.
 #[test]
 fn each_part_has_the_mean_of_its_own_targets() {
