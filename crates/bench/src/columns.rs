@@ -17,18 +17,51 @@ pub(crate) fn columns<const N: usize>(cells: &[[String; N]], left: usize) -> Str
             .iter()
             .zip(widths)
             .enumerate()
-            .map(|(k, (cell, width))| {
-                if k < left {
-                    format!("{cell:width$}")
-                } else {
-                    format!("{cell:>width$}")
-                }
-            })
+            .map(|(k, (cell, width))| pad(cell, width, k < left))
             .collect();
         text.push_str(padded.join("  ").trim_end());
         text.push('\n');
     }
     text
+}
+
+/// As [`columns`], in several tables below each other where one would be wider than [`WIDTH`]; each begins with the first
+/// column.
+pub(crate) fn folded<const N: usize>(cells: &[[String; N]], left: usize) -> String {
+    let width = |k: usize| cells.iter().map(|line| length(&line[k])).max().unwrap_or(0);
+    let (mut tables, mut table, mut used) = (Vec::new(), vec![0], width(0));
+    for k in 1..N {
+        let more = 2 + width(k);
+        if used + more > WIDTH {
+            tables.push(std::mem::replace(&mut table, vec![0]));
+            used = width(0);
+        }
+        used += more;
+        table.push(k);
+    }
+    tables.push(table);
+    let mut text = String::new();
+    for (i, table) in tables.iter().enumerate() {
+        if i > 0 {
+            text.push('\n');
+        }
+        for line in cells {
+            let padded: Vec<String> = (table.iter())
+                .map(|&k| pad(&line[k], width(k), k < left))
+                .collect();
+            text.push_str(padded.join("  ").trim_end());
+            text.push('\n');
+        }
+    }
+    text
+}
+
+fn pad(cell: &str, width: usize, is_left: bool) -> String {
+    if is_left {
+        format!("{cell:width$}")
+    } else {
+        format!("{cell:>width$}")
+    }
 }
 
 /// As [`columns`], with texts in a last column below each other, broken so that no line is wider than [`WIDTH`] unless a
@@ -98,6 +131,30 @@ mod tests {
         let cells = [["a", "b", "10"], ["long", "c", "9"]].map(|line| line.map(str::to_owned));
         assert_eq!(columns(&cells, 2), "a     b  10\nlong  c   9\n");
     }
+    #[test]
+    fn a_table_that_is_too_wide_is_several() {
+        let line = |name: &str, cell: &str| {
+            let cells = [cell; 4].map(|cell| cell.repeat(30));
+            let [a, b, c, d] = cells;
+            [name.to_owned(), a, b, c, d]
+        };
+        let cells = [line("name", "n"), line("x", "1")];
+        let text = folded(&cells, 1);
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(
+            lines.len(),
+            5,
+            "two of two lines and one between them: {text}"
+        );
+        assert!(lines.iter().all(|line| line.len() <= WIDTH), "{text}");
+        assert_eq!([lines[0], lines[3]].map(|line| &line[..6]), ["name  "; 2]);
+        let counts = [1, 4].map(|k| lines[k].matches(&"1".repeat(30)).count());
+        assert_eq!(counts, [3, 1], "each column once");
+        assert_eq!(folded(&cells[..1], 1).lines().count(), 3);
+        let narrow = [["a", "b"], ["1", "2"]].map(|line| line.map(str::to_owned));
+        assert_eq!(folded(&narrow, 1), columns(&narrow, 1));
+    }
+
     #[test]
     fn texts_stand_below_each_other_and_no_line_is_too_wide() {
         let long = "word ".repeat(60);

@@ -11,7 +11,7 @@ mod times;
 use crate::json::Json;
 use crate::method::MethodChoice;
 use crate::options::{JsonArguments, ModelArguments};
-use crate::{machine, subject};
+use crate::{columns, machine, subject};
 use clap::Args;
 use incise_refine::RefinementLevel;
 use row::{Record, Slope, Stamp};
@@ -85,7 +85,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         // After every model: what a long run has measured is not lost with it. What cannot be written now may be at the end.
         let _ = json.write(&records);
     }
-    writeln!(out, "{}", table::LEGEND)?;
+    write!(out, "{}", columns::paragraphs(table::LEGEND))?;
     for slope in Slope::of_families(&records, &stamp) {
         table::slope(out, &slope)?;
         records.push(Record::Slope(slope));

@@ -150,8 +150,8 @@ pub(crate) fn run(arguments: &RefineArguments, out: &mut impl Write) -> Result<(
         .into_iter()
         .chain(rows.iter().map(Row::cells))
         .collect();
-    write!(out, "{}", columns::columns(&cells, 3))?;
-    writeln!(out, "{}", row::LEGEND)?;
+    write!(out, "{}", columns::folded(&cells, 3))?;
+    write!(out, "{}", columns::paragraphs(row::LEGEND))?;
     let failed: usize = rows.iter().map(|row| row.failures.len()).sum();
     let covers: usize = rows.iter().map(|row| row.covers).sum();
     writeln!(out, "Failed: {failed} of {} covers.", covers + failed)?;

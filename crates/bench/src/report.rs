@@ -1,6 +1,6 @@
 //! The table for people and for programs.
 
-use crate::columns::columns;
+use crate::columns::{folded, paragraphs};
 use crate::json::Json;
 use crate::progress::Progress;
 use crate::protocol::{Row, frames, params, run as run_protocol};
@@ -43,7 +43,7 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
         arguments.level,
         arguments.seed
     )?;
-    writeln!(out, "{LEGEND}")?;
+    write!(out, "{}", paragraphs(LEGEND))?;
     if let Some(why) = fallback {
         writeln!(out, "All on the CPU: {why}.")?;
     }
@@ -51,7 +51,7 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
         .filter(|row| row.schedule.is_some())
         .collect();
     if !on_device.is_empty() {
-        writeln!(out, "{DEVICE_LEGEND}")?;
+        write!(out, "{}", paragraphs(DEVICE_LEGEND))?;
     }
     for row in on_device {
         writeln!(
@@ -79,14 +79,14 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
 }
 
 const LEGEND: &str = "\
-Frames a second of the solver alone (PBD) and with a moving blade that slices the largest piece once a
-second (PBD + CS); time of a cut is detection, topology, refinement and constraint update. Each is followed
-by the paper's number and by how many times better this one is. Stretch error: mean over frames, edges weighted by length.
+Frames a second of the solver alone (PBD) and with a moving blade that slices the largest piece once a \
+second (PBD + CS); time of a cut is detection, topology, refinement and constraint update. Each is followed \
+by the paper's number and by how many times better this one is. Stretch error: mean over frames, edges weighted by length. \
 Volume lost: by all cuts together, of the body at rest. Cap angle: the smallest of all cap triangles.";
 
 const DEVICE_LEGEND: &str = "\
-On a device a frame ends when the device is done with it; the first, in which kernels are compiled, is left out. Sweeps that miss the
-device's box of the body are skipped there. The time of a cut runs from the readback to the update of the device. Stretch error: once a second.
+On a device a frame ends when the device is done with it; the first, in which kernels are compiled, is left out. Sweeps that miss the \
+device's box of the body are skipped there. The time of a cut runs from the readback to the update of the device. Stretch error: once a second. \
 Heap allocations are those of the device's interface too.";
 
 /// The backend of all runs, and why it is the CPU if another was asked for. What `auto` measures is
@@ -137,7 +137,7 @@ const HEADER: [&str; 21] = [
 fn table(rows: &[(Model, Row)]) -> String {
     let mut cells = vec![HEADER.map(str::to_owned)];
     cells.extend(rows.iter().map(|(model, row)| line(*model, row)));
-    columns(&cells, 2)
+    folded(&cells, 2)
 }
 
 fn line(model: Model, row: &Row) -> [String; 21] {

@@ -217,6 +217,11 @@ pub(crate) fn run(arguments: &SkipArguments, out: &mut impl Write) -> Result<(),
                 .map(|f| Row::of(f, &described, &commit)),
         );
     }
+    if rows.is_empty() {
+        return Err(
+            "--only names nothing that is claimed of these backends: add --backend gpu".into(),
+        );
+    }
     let cells: Vec<_> = [(Row::NAMES.map(str::to_owned), vec![row::TEXTS.to_owned()])]
         .into_iter()
         .chain(rows.iter().map(|row| (row.cells(), row.texts())))

@@ -20,8 +20,8 @@ mod table;
 
 use crate::backend::BackendChoice;
 use crate::json::Json;
-use crate::machine;
 use crate::options::{AdapterArguments, JsonArguments, ModelArguments};
+use crate::{columns, machine};
 use case::Setup;
 use clap::{Args, ValueEnum};
 use clock::Budget;
@@ -135,6 +135,6 @@ pub(crate) fn run(arguments: &StepArguments, out: &mut impl Write) -> Result<(),
         // After every model: what a long run has measured is not lost with it.
         written = json.write(&rows);
     }
-    writeln!(out, "{}", table::LEGEND)?;
+    write!(out, "{}", columns::paragraphs(table::LEGEND))?;
     Ok(written?)
 }

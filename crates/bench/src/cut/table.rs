@@ -7,8 +7,8 @@ use std::io::{self, Write};
 
 /// What stands in the columns.
 pub(super) const LEGEND: &str = "\
-n: triangles. k: triangles hit, caps: triangles of both caps; medians. Times in ms, medians, each step for itself; p99: of the sum.
-detect: search and intersection. split: mesh edit along the sweep. separate: pieces. commit: the delta and the undo. tree: the search tree that follows. solver: constraints
+n: triangles. k: triangles hit, caps: triangles of both caps; medians. Times in ms, medians, each step for itself; p99: of the sum. \
+detect: search and intersection. split: mesh edit along the sweep. separate: pieces. commit: the delta and the undo. tree: the search tree that follows. solver: constraints \
 and masses that follow. middle: one plane through the middle, 15 times; seeded: planes at random. Every cut is taken back before the next.";
 
 const WIDTHS: [usize; 18] = [15, 6, 8, 5, 7, 5, 6, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8];

@@ -86,7 +86,7 @@ pub(super) fn run(
         .into_iter()
         .chain(lines.iter().map(Line::cells))
         .collect();
-    write!(out, "{}", columns::columns(&cells, 2))?;
+    write!(out, "{}", columns::folded(&cells, 2))?;
     writeln!(
         out,
         "{LEGEND}\n\nThe faster one, section by section, of those that keep the rims:"

@@ -5,8 +5,8 @@ use serde::Serialize;
 
 /// What stands in the columns.
 pub(super) const LEGEND: &str = "\
-rim: points of the rims, tris: triangles of one cover; medians. ms: medians of the fastest of five, triangulation and refinement apart.
-Angles in degrees, the smallest of every triangle, of all covers together: the least, the least where no corner of the rim is below 40,
+rim: points of the rims, tris: triangles of one cover; medians. ms: medians of the fastest of five, triangulation and refinement apart. \
+Angles in degrees, the smallest of every triangle, of all covers together: the least, the least where no corner of the rim is below 40, \
 the 5th percentile, that of the worst cover, the median. Edge: inner edges over their target, mean and longest; long: how many exceed 1.8.";
 
 /// What was measured with and on.

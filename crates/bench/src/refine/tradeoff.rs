@@ -30,9 +30,9 @@ const ALL: &str = "all";
 
 /// What stands in the columns.
 const LEGEND: &str = "\
-Sections of one loop, each covered by every method: the paper's (triangulation, then so many rounds of subdividing and swapping, to the mean of
-the targets) and the default (targets point by point, triangles below so many degrees improved). ms: the sum over all sections of the fastest
-of five, triangulation and all; ms/1000: for a thousand triangles. Angles in degrees, the smallest of every triangle: the least, the 5th
+Sections of one loop, each covered by every method: the paper's (triangulation, then so many rounds of subdividing and swapping, to the mean of \
+the targets) and the default (targets point by point, triangles below so many degrees improved). ms: the sum over all sections of the fastest \
+of five, triangulation and all; ms/1000: for a thousand triangles. Angles in degrees, the smallest of every triangle: the least, the 5th \
 percentile, the median. Edge error: how far the mean of inner edges over their targets is from 1; longest: the longest of them.";
 
 /// How sections are covered.
@@ -219,8 +219,8 @@ pub(super) fn run(
         .into_iter()
         .chain(rows[first..].iter().map(Row::cells))
         .collect();
-    write!(out, "{}", columns::columns(&cells, 2))?;
-    writeln!(out, "{LEGEND}")?;
+    write!(out, "{}", columns::folded(&cells, 2))?;
+    write!(out, "{}", columns::paragraphs(LEGEND))?;
     writeln!(
         out,
         "Left out: {nested} sections of several loops. Failed: {} cuts.",

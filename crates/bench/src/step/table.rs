@@ -6,11 +6,11 @@ use std::io::{self, Write};
 
 /// What stands in the columns.
 pub(super) const LEGEND: &str = "\
-Weightless bodies that spin and were squeezed. ms: time of a frame, the median over batches; a device is given a batch of frames at
-once and is waited for at its end. latency: time of one frame that is waited for. M proj/s: projections of stretch and bending constraints.
-KiB up: sent to the device by a frame, and before the first one. GB/s: bytes of the model (stretch 112 a projection on a device, 108 on the
-CPU; bending 216, 212; 128 a vertex and substep) by the time of a frame. share: that by the bandwidth measured in this run, of copies on the
-device and of a triad on the CPU; what stays in caches or workgroup memory makes it more than the memory really gave.
+Weightless bodies that spin and were squeezed. ms: time of a frame, the median over batches; a device is given a batch of frames at \
+once and is waited for at its end. latency: time of one frame that is waited for. M proj/s: projections of stretch and bending constraints. \
+KiB up: sent to the device by a frame, and before the first one. GB/s: bytes of the model (stretch 112 a projection on a device, 108 on the \
+CPU; bending 216, 212; 128 a vertex and substep) by the time of a frame. share: that by the bandwidth measured in this run, of copies on the \
+device and of a triad on the CPU; what stays in caches or workgroup memory makes it more than the memory really gave. \
 x colors, x cpu: how many times faster than the schedule colors on the same device, than the CPU. *: the schedule that is taken by itself.";
 
 const WIDTHS: [usize; 15] = [13, 9, 5, 7, 12, 10, 10, 9, 9, 16, 7, 8, 8, 8, 8];
