@@ -43,6 +43,7 @@ impl Progress {
     }
 
     /// Prints something else, with the bar out of the way meanwhile.
+    #[cfg(feature = "reference")]
     pub(crate) fn aside<T>(&self, print: impl FnOnce() -> T) -> T {
         self.bar.suspend(print)
     }

@@ -56,6 +56,10 @@ fn timed(context: Context) {
         assert_eq!(gpu.step_seconds().expect("a device"), None, "told once");
         assert_eq!(surface.positions, plain.positions, "{}", schedule.name());
         assert!(!gpu.time_steps(false).expect("a device"));
-        assert_eq!(steps(&mut gpu, schedule).0, [None; 2], "nobody asks any more");
+        assert_eq!(
+            steps(&mut gpu, schedule).0,
+            [None; 2],
+            "nobody asks any more"
+        );
     }
 }
