@@ -148,6 +148,23 @@ fn a_corner_next_to_straight_has_no_triangle_outside() {
     assert_eq!(found.triangles.len(), 3, "{found:?}");
 }
 
+/// The second point lies next to nothing outside the line between its neighbors: its triangle has a positive area, that of
+/// rounded differences is 0.
+#[test]
+fn a_corner_next_to_straight_may_have_a_triangle_inside() {
+    let mut shape = Shape::default();
+    shape.add([
+        [14.333_489_218_866_685, -0.007_570_069_705_585_027_5],
+        [14.336_909_732_137_35, 0.0],
+        [14.537_144_793_068_807, 0.443_147_928_047_246_8],
+        [14.156_397_162_547_405, 0.879_402_314_889_309_1],
+    ]);
+    let shape = shape.map(|p| p.map(|x| x * 1e3));
+    let found = run(&shape, None, false).unwrap();
+    check_clean(&shape, &found, false);
+    assert_eq!(found.triangles.len(), 2, "{found:?}");
+}
+
 /// Two discs beside each other with different targets get their own; a nested pair shares the mean.
 #[test]
 fn each_part_has_the_mean_of_its_own_targets() {
