@@ -28,6 +28,8 @@ const FINE: f64 = 0.75;
 const FAIR: f64 = 0.88;
 /// By what factor the square of the sine of the smallest angle must grow for a point to be worth it.
 const GAIN: f64 = 1.1;
+/// The same where triangles have one below 20 degrees: anything better will do.
+const POOR: f64 = 1.0;
 /// What that factor may be where triangles have an angle below 10 degrees and edges too long.
 const LOSS: f64 = 0.5;
 const NEEDLE: f64 = 0.97;
@@ -221,7 +223,13 @@ impl Improver {
         if sharpness(p) > self.bounds.sharp {
             // Among needles from rim to rim no single point makes anything better, but row after row do.
             let is_needle = sharpness(p) > NEEDLE && self.has_long_edge(cdt, t);
-            let gain = if is_needle { LOSS } else { GAIN };
+            let gain = if is_needle {
+                LOSS
+            } else if sharpness(p) > FAIR {
+                POOR
+            } else {
+                GAIN
+            };
             let is_gain = |offer: &Offer| 1.0 - offer.new > gain * (1.0 - offer.old);
             // Nearer to the short side where the usual place is no good.
             let mut usual = REACH.into_iter().filter_map(|reach| {

@@ -63,6 +63,20 @@ fn round(least: usize) -> impl Strategy<Value = (Shape, bool)> {
         .prop_map(|(n, waves, hole, crease)| (waved(n, waves, hole), crease))
 }
 
+/// A round section with edges of one length, the first of which has a point that makes it two, one `part` times as long
+/// as the other.
+fn with_short_edge(n: usize, part: f64) -> Shape {
+    let mut ring = even(n, |_| 1.0);
+    let [p, q] = [ring[0], ring[1]];
+    ring.insert(
+        1,
+        [0, 1].map(|i| p[i] + part / (1.0 + part) * (q[i] - p[i])),
+    );
+    let mut shape = Shape::default();
+    shape.add(ring);
+    shape
+}
+
 /// Covers the section with edges of z times the rim's and measures.
 fn judge(shape: &Shape, crease: bool, z: f64) -> Result<CoverQuality, RefineError> {
     let lengths = targets(shape, z);
@@ -167,6 +181,21 @@ fn sections_a_few_triangles_wide_have_few_sharp_ones() -> Result<(), RefineError
     Ok(())
 }
 
+/// Between the short edge and the long one was a single point, and the next made its triangles less sharp by less than
+/// what a point had to be worth.
+#[test]
+fn a_short_edge_has_a_row_of_points_to_the_long_one() -> Result<(), RefineError> {
+    for (n, part, z) in [
+        (101, 0.110_832_614_782_974_63, 1.739_897_554_364_425_7),
+        (150, 0.105_828_539_399_748_22, 1.769_890_287_451_696_6),
+        (29, 0.104_964_675_842_516_13, 1.606_667_302_577_598_2),
+    ] {
+        let angles = judge(&with_short_edge(n, part), false, z)?.angles;
+        assert!(angles[0] >= 18.0, "{n} points: smallest {}", angles[0]);
+    }
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
@@ -188,12 +217,7 @@ proptest! {
     /// come out below 20 degrees where it is shorter than a fifth.
     #[test]
     fn a_short_edge_makes_no_sharp_triangles((n, part) in (20usize..200, 0.1f64..1.0), z in 0.667f64..2.0) {
-        let mut ring = even(n, |_| 1.0);
-        let [p, q] = [ring[0], ring[1]];
-        ring.insert(1, [0, 1].map(|i| p[i] + part / (1.0 + part) * (q[i] - p[i])));
-        let mut shape = Shape::default();
-        shape.add(ring);
-        let quality = judge(&shape, false, z)?;
+        let quality = judge(&with_short_edge(n, part), false, z)?;
         let bound = if part < 0.2 { 18.0 } else { 20.0 };
         prop_assert!(quality.angles[0] >= bound, "smallest {}", quality.angles[0]);
     }
