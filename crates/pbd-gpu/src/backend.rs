@@ -256,6 +256,7 @@ mod tests {
                     factor: 0.0,
                     alpha: 0.0,
                     own_weight: 1.0,
+                    old: 0.0,
                     keeps: false,
                     recovery: 0.0,
                     hold: 0.0,

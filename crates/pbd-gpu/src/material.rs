@@ -49,6 +49,7 @@ impl Stiffness {
                 factor: projected_share(k, iterations),
                 alpha: 0.0,
                 own_weight: 1.0,
+                old: 0.0,
                 keeps: false,
                 recovery: RECOVERY * h,
                 hold: FIRM,
@@ -57,6 +58,7 @@ impl Stiffness {
                 factor: 1.0,
                 alpha: compliance / (h * h),
                 own_weight: 1.0,
+                old: 0.0,
                 keeps: compliance > 0.0 && iterations > 1,
                 recovery: RECOVERY * h,
                 hold: FIRM,
@@ -83,6 +85,9 @@ pub struct Projection {
     pub alpha: f32,
     /// As in [`SolverParams`](crate::SolverParams).
     pub own_weight: f32,
+    /// The part of the errors that a substep begins with that it leaves, of rigid edges; 0 but where shorter substeps follow
+    /// a long one.
+    pub old: f32,
     /// Whether multipliers are remembered from one iteration to the next. A single iteration or a
     /// rigid constraint needs none.
     pub keeps: bool,

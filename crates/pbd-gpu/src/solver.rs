@@ -18,6 +18,10 @@ use crate::second_order::{History, Orders, SHORTER};
 use crate::tethers::{Tether, Tethers};
 use incise_mesh::{Surface, VertexId};
 
+/// For how many of its own lengths a long substep's errors are there. Measured on a limp ball, ten iterations a frame
+/// of 1/600 to 1/60 s at random, 18 times 600 frames: with 1 its energy grows by up to 80 %, with 3 by 9 %, with 10 and more not at all.
+const AFTERMATH: f32 = 10.0;
+
 /// Moves one surface by position based dynamics: the paper's Algorithm 1, and XPBD where a material
 /// has compliance. Particle i is vertex i; positions and inverse masses live in
 /// [`Surface::positions`], everything else lives here.
@@ -40,6 +44,8 @@ pub struct Solver {
     pub(crate) numbers: Vec<u32>,
     pub(crate) following: Following,
     history: History,
+    /// The substep that errors may be left of \[s\].
+    longest: f32,
     stats: StepStats,
     cpu: CpuBackend,
 }
@@ -130,6 +136,7 @@ impl Solver {
             numbers: vec![NONE; slots],
             following: Following::default(),
             history: History::default(),
+            longest: 0.0,
             stats: StepStats::default(),
             cpu: CpuBackend::default(),
         };
@@ -192,9 +199,15 @@ impl Solver {
         }
         let constants = self.prepare(dt, params);
         let h = constants.h;
+        let old = constants.stretch.old;
+        let order = |h| {
+            let mut order = self.constants_of(h, 1, params);
+            order.stretch.old = old;
+            order
+        };
         let orders = Orders {
-            first: self.constants_of(h, 1, params),
-            second: self.constants_of(SHORTER * h, 1, params),
+            first: order(h),
+            second: order(SHORTER * h),
         };
         let mut body = Body {
             positions: &mut surface.positions,
@@ -221,7 +234,8 @@ impl Solver {
 
     /// Brings the plan up to date and finds the numbers of a frame.
     pub(crate) fn prepare(&mut self, dt: f32, params: &SolverParams) -> StepConstants {
-        let constants = self.constants(dt, params);
+        let mut constants = self.constants(dt, params);
+        constants.stretch.old = self.kept_errors(dt, &constants);
         let tethers = params.tethers && !self.pins.is_empty() && self.material.stretch.is_rigid();
         if tethers {
             let slots = self.mass.len();
@@ -238,6 +252,23 @@ impl Solver {
         constants
     }
 
+    /// The part of old errors that edges leave in a frame of `dt` \[s\]: as velocities follow from displacements, what a long
+    /// substep's iterations left would be a blow in a short one. It comes back as fast as in a substep as long as the
+    /// longest one lately, which counts for [`AFTERMATH`] of its lengths.
+    fn kept_errors(&mut self, dt: f32, constants: &StepConstants) -> f32 {
+        let (h, longest) = (constants.h, self.longest);
+        if h >= longest {
+            self.longest = h;
+            return 0.0;
+        }
+        self.longest -= dt / AFTERMATH;
+        // What is compliant has stored what it gives back.
+        if constants.stretch.alpha > 0.0 {
+            return 0.0;
+        }
+        1.0 - h / longest
+    }
+
     fn constants(&self, dt: f32, params: &SolverParams) -> StepConstants {
         self.constants_of(dt / params.substeps as f32, params.substeps, params)
     }
@@ -248,6 +279,7 @@ impl Solver {
             factor: 0.0,
             alpha: 0.0,
             own_weight: 1.0,
+            old: 0.0,
             keeps: false,
             recovery: 0.0,
             hold: 0.0,

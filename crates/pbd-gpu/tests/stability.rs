@@ -3,7 +3,7 @@
 mod common;
 
 use common::{edge_keys, sphere};
-use incise_mesh::Surface;
+use incise_mesh::{Surface, VertexId};
 use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness};
 
 const GROUND: SolverParams = SolverParams {
@@ -118,7 +118,7 @@ fn compliance_does_not_depend_on_iterations() {
         };
         let mut surface = sphere(1, [0.0; 3]);
         let mut solver = Solver::new(&mut surface, &material).unwrap();
-        solver.pin(&mut surface, incise_mesh::VertexId(1)).unwrap();
+        solver.pin(&mut surface, VertexId(1)).unwrap();
         let params = SolverParams {
             iterations,
             ..SolverParams::paper()
@@ -146,7 +146,7 @@ fn rest_depends_on_neither_the_time_step_nor_damping() {
         };
         let mut surface = sphere(1, [0.0; 3]);
         let mut solver = Solver::new(&mut surface, &material).unwrap();
-        solver.pin(&mut surface, incise_mesh::VertexId(1)).unwrap();
+        solver.pin(&mut surface, VertexId(1)).unwrap();
         let params = SolverParams {
             iterations: 100,
             ..SolverParams::paper()
@@ -174,4 +174,68 @@ fn a_mesh_has_each_edge_once() {
     let solver = Solver::new(&mut surface, &Material::default()).unwrap();
     assert_eq!(solver.stretch().len(), edge_keys(&surface).len());
     solver.validate(&surface).unwrap();
+}
+
+/// Errors that ten iterations leave in a long frame are no blow in the short ones after it.
+#[test]
+fn time_steps_that_jitter_put_nothing_in() {
+    for material in [
+        Material {
+            bending: None,
+            ..Material::default()
+        },
+        Material::default(),
+    ] {
+        for seed in 1..5_u32 {
+            let mut surface = sphere(2, [0.0, 1.1, 0.0]);
+            let mut solver = Solver::new(&mut surface, &material).unwrap();
+            let energy = |surface: &Surface, solver: &Solver| {
+                let weight = |v: VertexId| {
+                    let mass = f64::from(solver.masses()[v.index()]);
+                    mass * 9.81 * surface.position(v).y
+                };
+                let all = surface.topology().vertices();
+                solver.kinetic_energy() + all.map(weight).sum::<f64>()
+            };
+            let at_first = energy(&surface, &solver);
+            let mut random = seed;
+            for frame in 0..600 {
+                random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let part = (random >> 8) as f32 / (1 << 24) as f32;
+                let dt = 10.0_f32.powf(part) / 600.0;
+                solver.step(&mut surface, dt, &GROUND).unwrap();
+                let now = energy(&surface, &solver);
+                assert!(
+                    now < 1.01 * at_first,
+                    "{now} J of {at_first} in frame {frame}, seed {seed}"
+                );
+            }
+        }
+    }
+}
+
+/// Frames of one length, or of ever longer ones, leave nothing.
+#[test]
+fn a_steady_clock_keeps_no_errors() {
+    let left = |steps: &[f32]| {
+        let mut surface = sphere(1, [0.0, 5.0, 0.0]);
+        let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
+        for p in &mut surface.positions {
+            p[0] *= 1.1;
+        }
+        let params = SolverParams {
+            iterations: 200,
+            gravity: [0.0; 3],
+            ground: None,
+            ..GROUND
+        };
+        for &dt in steps {
+            solver.step(&mut surface, dt, &params).unwrap();
+        }
+        solver.stretch_error(&surface)
+    };
+    assert!(left(&[0.001]) < 1e-4, "the first frame takes all of it");
+    assert!(left(&[0.001, 0.002]) < 1e-4);
+    // The first one of a length has nothing to look back on, and what it left is gone.
+    assert!(left(&[0.01, 0.001]) < 1e-4);
 }

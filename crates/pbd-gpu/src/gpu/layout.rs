@@ -103,6 +103,7 @@ pub(crate) struct BodyRecord {
     pub(crate) tethers: u32,
     pub(crate) stretch_factor: f32,
     pub(crate) stretch_alpha: f32,
+    pub(crate) stretch_old: f32,
     pub(crate) bending_factor: f32,
     pub(crate) bending_alpha: f32,
     /// What is left of a velocity after a substep's damping.

@@ -87,6 +87,7 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
         tethers: places.tethers,
         stretch_factor: constants.stretch.factor,
         stretch_alpha: constants.stretch.alpha,
+        stretch_old: constants.stretch.old,
         bending_factor: constants.bending.factor,
         bending_alpha: constants.bending.alpha,
         kept_velocity: constants.kept_velocity,

@@ -1,6 +1,8 @@
 //! Stretch: an edge keeps its length (Mueller et al. 2007, section 3.3; multipliers as in XPBD).
 //!
 //! `C = |p_b - p_a| - rest`. The gradients have length 1 and opposite directions.
+//!
+//! In a substep shorter than those before it, edges leave a part of the errors that they begin with.
 
 use super::block::{BLOCK, Lanes, difference};
 use super::displacements::Displacements;
@@ -69,6 +71,9 @@ fn run<const B: usize>(
             None => block.lambda = zero,
         }
         gather(&mut block, x, d, vertices);
+        if projection.old > 0.0 {
+            keep_old(&mut block, x, vertices, projection.old);
+        }
         project(&mut block, projection);
         scatter(&block, d, vertices);
         if let Some(kept) = kept {
@@ -91,6 +96,21 @@ fn gather<const B: usize>(
         block.edge[lane] = edge;
         block.inv_mass[0][lane] = xa[3];
         block.inv_mass[1][lane] = xb[3];
+    }
+}
+
+/// Leaves a part of the errors that the substep begins with: edges get to those lengths.
+#[inline(always)]
+fn keep_old<const B: usize>(
+    block: &mut Block<B>,
+    x: &[[f32; 4]],
+    vertices: &[[VertexId; 2]],
+    part: f32,
+) {
+    for (lane, &[a, b]) in vertices.iter().enumerate().take(B) {
+        let [x, y, z, _] = difference(x[a.index()], [0.0; 4], x[b.index()], [0.0; 4]);
+        let length = (x * x + y * y + z * z).sqrt();
+        block.rest[lane] += part * (length - block.rest[lane]);
     }
 }
 

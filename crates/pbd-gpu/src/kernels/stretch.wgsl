@@ -4,13 +4,18 @@
 fn project_stretch(at: u32, by: Projection) {
     let ends = constraints[at];
     let numbers = bitcast<vec2f>(constraints[at + 1u]);
-    let rest = numbers.x;
+    var rest = numbers.x;
     let lambda = select(0.0, numbers.y, by.keeps);
     let xa = load_x(ends.x);
     let xb = load_x(ends.y);
     let da = load_d(ends.x);
     let db = load_d(ends.y);
 
+    if (by.old > 0.0) {
+        let at_first = difference(xa, vec3f(), xb, vec3f());
+        let length = sqrt(at_first.x * at_first.x + at_first.y * at_first.y + at_first.z * at_first.z);
+        rest += by.old * (length - rest);
+    }
     let edge = difference(xa, da, xb, db);
     let length = sqrt(edge.x * edge.x + edge.y * edge.y + edge.z * edge.z);
     let error = (length - rest) + by.alpha * lambda;

@@ -10,10 +10,11 @@ use crate::tethers::Tether;
 pub(crate) fn tethers(x: &[[f32; 4]], d: &mut impl Displacements, tethers: &[Tether]) {
     for tether in tethers {
         let (v, anchor) = (tether.vertex.index(), tether.anchor.index());
-        let mut dv = d.get(v);
-        let [x, y, z, _] = difference(x[v], dv, x[anchor], d.get(anchor));
+        let (xv, mut dv) = (x[v], d.get(v));
+        let [x, y, z, _] = difference(xv, dv, x[anchor], d.get(anchor));
         let length = (x * x + y * y + z * z).sqrt();
-        if length > tether.length {
+        // Whoever holds a vertex by its mass means it.
+        if length > tether.length && xv[3] > 0.0 {
             let back = (length - tether.length) / length;
             dv[0] += x * back;
             dv[1] += y * back;
@@ -34,9 +35,15 @@ mod tests {
             [1.0, 0.0, 0.0, 0.0],
             [1.0, 3.0, 0.0, 1.0],
             [1.0, 0.0, 1.5, 1.0],
+            [9.0, 0.0, 0.0, 0.0],
         ];
-        let mut d = [[0.0; 4], [0.0, 0.0, 4.0, 0.0], [0.0, 0.25, 0.0, 0.0]];
-        let all = [1, 2].map(|v| Tether {
+        let mut d = [
+            [0.0; 4],
+            [0.0, 0.0, 4.0, 0.0],
+            [0.0, 0.25, 0.0, 0.0],
+            [0.0; 4],
+        ];
+        let all = [1, 2, 3].map(|v| Tether {
             vertex: VertexId(v),
             anchor: VertexId(0),
             length: 2.5,
@@ -46,6 +53,7 @@ mod tests {
         assert_eq!(d[1], [0.0, -1.5, 2.0, 0.0]);
         assert_eq!(d[2], [0.0, 0.25, 0.0, 0.0], "it is within reach");
         assert_eq!(d[0], [0.0; 4], "anchors do not move");
+        assert_eq!(d[3], [0.0; 4], "it is held by its mass");
     }
 
     #[test]

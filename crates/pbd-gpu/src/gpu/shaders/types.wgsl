@@ -35,6 +35,7 @@ struct Body {
     tethers: u32,
     stretch_factor: f32,
     stretch_alpha: f32,
+    stretch_old: f32,
     bending_factor: f32,
     bending_alpha: f32,
     kept_velocity: f32,
@@ -73,6 +74,7 @@ struct Projection {
     alpha: f32,
     keeps: bool,
     hold: f32,
+    old: f32,
 }
 
 // Position [m], inverse mass [1/kg]: 0 does not move, -1 is a slot that no triangle uses.
@@ -100,13 +102,13 @@ fn difference(xa: vec4f, da: vec3f, xb: vec4f, db: vec3f) -> vec3f {
 
 fn stretch_projection(body: Body) -> Projection {
     let keeps = (body.flags & KEEPS_STRETCH) != 0u;
-    return Projection(body.stretch_factor, body.stretch_alpha, keeps, 0.0);
+    return Projection(body.stretch_factor, body.stretch_alpha, keeps, 0.0, body.stretch_old);
 }
 
 fn bending_projection(body: Body) -> Projection {
     let keeps = (body.flags & KEEPS_BENDING) != 0u;
     let hold = HOLD / body.stretch_alpha;
-    return Projection(body.bending_factor, body.bending_alpha, keeps, select(FIRM, hold, hold < FIRM));
+    return Projection(body.bending_factor, body.bending_alpha, keeps, select(FIRM, hold, hold < FIRM), 0.0);
 }
 
 // The run of a color, or of OVERFLOW. A pass may go on to colors that only other bodies have; what the
