@@ -85,8 +85,8 @@ pub struct Projection {
     pub alpha: f32,
     /// As in [`SolverParams`](crate::SolverParams).
     pub own_weight: f32,
-    /// The part of the errors that a substep begins with that it leaves, of rigid edges; 0 but where shorter substeps follow
-    /// a long one.
+    /// The part of the errors that a substep begins with that it leaves; 0 but where shorter substeps follow a long one and
+    /// the constraint is rigid.
     pub old: f32,
     /// Whether multipliers are remembered from one iteration to the next. A single iteration or a
     /// rigid constraint needs none.

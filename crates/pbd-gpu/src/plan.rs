@@ -241,6 +241,15 @@ pub struct StepConstants {
     pub residual: Option<f32>,
 }
 
+impl StepConstants {
+    /// Has rigid constraints leave a part of old errors. What is compliant has stored what it gives back.
+    pub(crate) fn keep(&mut self, old: f32) {
+        for projection in [&mut self.stretch, &mut self.bending] {
+            projection.old = if projection.alpha > 0.0 { 0.0 } else { old };
+        }
+    }
+}
+
 /// The arrays of a body that kernels read and write.
 #[derive(Debug)]
 pub struct Body<'a> {

@@ -199,10 +199,10 @@ impl Solver {
         }
         let constants = self.prepare(dt, params);
         let h = constants.h;
-        let old = constants.stretch.old;
         let order = |h| {
             let mut order = self.constants_of(h, 1, params);
-            order.stretch.old = old;
+            order.stretch.old = constants.stretch.old;
+            order.bending.old = constants.bending.old;
             order
         };
         let orders = Orders {
@@ -235,7 +235,7 @@ impl Solver {
     /// Brings the plan up to date and finds the numbers of a frame.
     pub(crate) fn prepare(&mut self, dt: f32, params: &SolverParams) -> StepConstants {
         let mut constants = self.constants(dt, params);
-        constants.stretch.old = self.kept_errors(dt, &constants);
+        constants.keep(self.kept_errors(dt, constants.h));
         let tethers = params.tethers && !self.pins.is_empty() && self.material.stretch.is_rigid();
         if tethers {
             let slots = self.mass.len();
@@ -252,20 +252,16 @@ impl Solver {
         constants
     }
 
-    /// The part of old errors that edges leave in a frame of `dt` \[s\]: as velocities follow from displacements, what a long
-    /// substep's iterations left would be a blow in a short one. It comes back as fast as in a substep as long as the
-    /// longest one lately, which counts for [`AFTERMATH`] of its lengths.
-    fn kept_errors(&mut self, dt: f32, constants: &StepConstants) -> f32 {
-        let (h, longest) = (constants.h, self.longest);
+    /// The part of old errors that rigid constraints leave in a frame of `dt` and substeps of `h` \[s\]: as velocities follow
+    /// from displacements, what a long substep's iterations left would be a blow in a short one. It comes back as fast as in a
+    /// substep as long as the longest one lately, which counts for [`AFTERMATH`] of its lengths.
+    fn kept_errors(&mut self, dt: f32, h: f32) -> f32 {
+        let longest = self.longest;
         if h >= longest {
             self.longest = h;
             return 0.0;
         }
         self.longest -= dt / AFTERMATH;
-        // What is compliant has stored what it gives back.
-        if constants.stretch.alpha > 0.0 {
-            return 0.0;
-        }
         1.0 - h / longest
     }
 

@@ -106,6 +106,7 @@ pub(crate) struct BodyRecord {
     pub(crate) stretch_old: f32,
     pub(crate) bending_factor: f32,
     pub(crate) bending_alpha: f32,
+    pub(crate) bending_old: f32,
     /// What is left of a velocity after a substep's damping.
     pub(crate) kept_velocity: f32,
     /// Coulomb's coefficient.

@@ -90,6 +90,7 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
         stretch_old: constants.stretch.old,
         bending_factor: constants.bending.factor,
         bending_alpha: constants.bending.alpha,
+        bending_old: constants.bending.old,
         kept_velocity: constants.kept_velocity,
         friction: constants.friction,
         flags: keeps(constants.stretch.keeps, KEEPS_STRETCH)

@@ -12,7 +12,7 @@
 //! edges give way, the first comes back no faster than at [`RECOVERY`]: taken back at once by a bending that
 //! is much stiffer than they are it is a blow, since velocities follow from displacements, and as no edge holds it
 //! the next hinge passes it on, larger. What the substep adds is taken back at once in any case, and so is all where
-//! edges hold: there old errors are how a load goes on from hinge to hinge.
+//! edges hold: there old errors are how a load goes on from hinge to hinge. A substep shorter than those before it leaves a part of them, as edges do.
 
 use super::arctangent::arctangent2;
 use super::block::{BLOCK, Lanes, difference};
@@ -111,8 +111,8 @@ fn run<const B: usize>(
             Some(kept) => block.lambda[..kept.len()].copy_from_slice(kept),
             None => block.lambda = zero,
         }
-        // Where edges are firm the bound is out of reach, and what it takes to know that is left out.
-        if projection.hold < FIRM {
+        // Where edges are firm and substeps alike no old error is left, and what it takes to know that is left out.
+        if projection.hold < FIRM || projection.old > 0.0 {
             gather::<B, true>(&mut block, x, d, vertices);
             project::<B, true>(&mut block, projection);
         } else {
@@ -127,7 +127,7 @@ fn run<const B: usize>(
 }
 
 #[inline(always)]
-fn gather<const B: usize, const SOFT_EDGES: bool>(
+fn gather<const B: usize, const LEAVES: bool>(
     block: &mut Block<B>,
     x: &[[f32; 4]],
     d: &mut impl Displacements,
@@ -144,7 +144,7 @@ fn gather<const B: usize, const SOFT_EDGES: bool>(
             for (lanes, c) in block.to[j].iter_mut().zip(to) {
                 lanes[lane] = c;
             }
-            if SOFT_EDGES {
+            if LEAVES {
                 for (k, lanes) in block.moved[j].iter_mut().enumerate() {
                     lanes[lane] = dj[k] - d0[k];
                 }
@@ -169,13 +169,14 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 #[inline(always)]
-fn project<const B: usize, const SOFT_EDGES: bool>(block: &mut Block<B>, projection: Projection) {
+fn project<const B: usize, const LEAVES: bool>(block: &mut Block<B>, projection: Projection) {
     let Projection {
         factor,
         alpha,
         own_weight,
         recovery,
         hold,
+        old,
         ..
     } = projection;
     for i in 0..B {
@@ -203,7 +204,7 @@ fn project<const B: usize, const SOFT_EDGES: bool>(block: &mut Block<B>, project
         let weight = (w0 * g00 + w1 * g11) + (w2 * g22 + w3 * g33);
 
         let mut left = 0.0;
-        if SOFT_EDGES {
+        if LEAVES {
             // What the substep has added to the angle so far: sum g . d.
             let off = |d: [f32; 3], s: f32| [d[0] - s * d1[0], d[1] - s * d1[1], d[2] - s * d1[2]];
             let added = -(f2 * dot(n2, off(d2, s)) + f3 * dot(n3, off(d3, t)));
@@ -213,6 +214,8 @@ fn project<const B: usize, const SOFT_EDGES: bool>(block: &mut Block<B>, project
             let most = recovery * ((1.0 + soft * (1.0 + SOFT * soft)) + held);
             left = if before > most { before - most } else { left };
             left = if before < -most { before + most } else { left };
+            let kept = old * before;
+            left = if kept.abs() > left.abs() { kept } else { left };
         }
         let wish = factor * ((turn - left) + alpha * block.lambda[i]);
         let movable = solid & (weight > 0.0);

@@ -72,6 +72,8 @@ fn project_bending(at: u32, by: Projection) {
     var left = 0.0;
     left = select(left, before - recovery, before > recovery);
     left = select(left, before + recovery, before < -recovery);
+    let kept = by.old * before;
+    left = select(left, kept, abs(kept) > abs(left));
     let wish = by.factor * ((turn - left) + by.alpha * lambda);
     let movable = solid && weight > 0.0;
     let sum = frame.own_weight * weight + by.alpha;

@@ -30,11 +30,12 @@ pub(crate) fn busy() -> (Material, SolverParams) {
     (material, params)
 }
 
-/// A body that does not stretch, held to within reach of its pins.
+/// A body that does not stretch, held to within reach of its pins, and that leaves old errors in short frames.
 pub(crate) fn tethered() -> (Material, SolverParams) {
     let (material, params) = busy();
     let material = Material {
         stretch: Stiffness::Compliance(0.0),
+        bending: Some(Stiffness::Pbd(0.3)),
         ..material
     };
     let params = SolverParams {

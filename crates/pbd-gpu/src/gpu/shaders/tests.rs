@@ -113,7 +113,7 @@ fn structs_lie_in_memory_as_in_rust() {
             "Body",
             size_of::<BodyRecord>(),
             &members!(BodyRecord: first_vertex vertices first_pin pins first_tether tethers stretch_factor stretch_alpha stretch_old
-                bending_factor bending_alpha kept_velocity friction flags first_run stretch_colors
+                bending_factor bending_alpha bending_old kept_velocity friction flags first_run stretch_colors
                 bending_colors patch_tables patches),
         );
         check("Run", size_of::<Run>(), &members!(Run: first len));

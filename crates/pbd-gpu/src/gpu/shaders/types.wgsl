@@ -38,6 +38,7 @@ struct Body {
     stretch_old: f32,
     bending_factor: f32,
     bending_alpha: f32,
+    bending_old: f32,
     kept_velocity: f32,
     friction: f32,
     flags: u32,
@@ -108,7 +109,8 @@ fn stretch_projection(body: Body) -> Projection {
 fn bending_projection(body: Body) -> Projection {
     let keeps = (body.flags & KEEPS_BENDING) != 0u;
     let hold = HOLD / body.stretch_alpha;
-    return Projection(body.bending_factor, body.bending_alpha, keeps, select(FIRM, hold, hold < FIRM), 0.0);
+    let held = select(FIRM, hold, hold < FIRM);
+    return Projection(body.bending_factor, body.bending_alpha, keeps, held, body.bending_old);
 }
 
 // The run of a color, or of OVERFLOW. A pass may go on to colors that only other bodies have; what the
