@@ -187,6 +187,9 @@ pub(crate) fn run(
         } else {
             Effort::Full
         };
+        if arguments.quick {
+            writeln!(out, "A part of what the cases say.")?;
+        }
         let mut stage = Stage::new(effort, device);
         let mut told = Ok(());
         rows.extend(verdicts(&cases, &mut stage, &stamp, |row| {
@@ -256,9 +259,13 @@ mod tests {
     }
 
     /// What does not hold today: the results say by how much. One that is mended leaves this list.
-    const OPEN: [(&str, &str); 3] = [
+    const OPEN: [(&str, &str); 4] = [
         ("T2", "compliance 0, 1e-12 to 1e2"),
         ("T8", "the same at 1e4 and 1e6 m"),
+        (
+            "contradiction",
+            "two pins 10 times as far apart as the sheet is wide, then one let go",
+        ),
         (
             "T20",
             "a sheet at rest, its constraints in any order of colors",

@@ -167,7 +167,7 @@ impl Frame<'_, '_> {
         match pass {
             Pass::Predict => self.lowest = predict::predict(x, d, v, constants),
             Pass::Pins => pins::pins(x, d, body.pins, constants.substeps - substep),
-            Pass::Tethers => tethers::tethers(x, d, body.tethers),
+            Pass::Tethers => tethers::tethers(x, d, body.tethers, constants.h),
             Pass::ResetMultipliers => {
                 if constants.stretch.keeps {
                     body.stretch.all_mut().for_each(Batch::reset_multipliers);

@@ -47,7 +47,7 @@ pub enum Integrator {
     /// so constraints are projected as ever. Needs the state of a substep before: the first substep of a motion, and the
     /// one after anything else has changed positions, velocities, masses or the time step, or after the body has come near the
     /// ground, is one of implicit Euler. It takes nothing of the energy, so what iterations leave of rigid constraints is not damped
-    /// either: a body that is held gains without end by 16 substeps of one iteration, not by 16 of four. Only [`Solver::step`](crate::Solver::step) and
+    /// either: a body that is held gains without end by 16 substeps of one iteration, and several times what there was by 16 of four. It is for bodies with compliance. Only [`Solver::step`](crate::Solver::step) and
     /// [`Solver::step_on`](crate::Solver::step_on) have it; a device refuses it.
     Bdf2,
 }

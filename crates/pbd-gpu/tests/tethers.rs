@@ -217,6 +217,41 @@ proptest! {
     }
 }
 
+/// A sheet that has sagged is far out of reach when it becomes rigid.
+#[test]
+fn what_stretched_before_is_not_thrown_back() {
+    let fastest = |tethers, (iterations, substeps)| {
+        let (mut surface, mut solver) = ribbon(Stiffness::Compliance(0.02), 30.0);
+        for p in &mut surface.positions {
+            p[1] *= 1.5;
+        }
+        let params = SolverParams {
+            iterations,
+            substeps,
+            tethers,
+            ..SolverParams::default()
+        };
+        solver.step(&mut surface, DT, &params).unwrap();
+        solver.set_stretch(Stiffness::Compliance(0.0)).unwrap();
+        let mut most: f64 = 0.0;
+        for _ in 0..120 {
+            solver.step(&mut surface, DT, &params).unwrap();
+            most = most.max(solver.kinetic_energy());
+        }
+        assert_eq!(solver.tethers().is_empty(), !tethers);
+        (most, solver.stretch_error(&surface))
+    };
+    for way in [(1, 16), (10, 1)] {
+        let (without, _) = fastest(false, way);
+        let (with, strain) = fastest(true, way);
+        assert!(
+            with < 1.1 * without,
+            "{with} J, {without} J without tethers"
+        );
+        assert!(strain < 0.05, "{strain} is left, {way:?}");
+    }
+}
+
 #[test]
 fn what_is_let_go_falls() {
     let mut surface = sphere(2, [0.0; 3]);

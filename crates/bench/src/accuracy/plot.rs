@@ -148,7 +148,9 @@ where
     chart
         .configure_mesh()
         .x_desc("ms a frame")
-        .y_desc(name)
+        .y_desc(format!("{name} [mean edges]"))
+        .x_labels(6)
+        .x_label_formatter(&|x| format!("{x:.0e}"))
         .y_label_formatter(&|y| format!("{y:.0e}"))
         .draw()?;
     for Way { name, color, is } in WAYS {

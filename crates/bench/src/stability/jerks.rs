@@ -1,6 +1,6 @@
 //! Parameters that change from one frame to the next.
 
-use super::audit::{EnergyLaw, elastic, mechanical};
+use super::audit::{EnergyLaw, mechanical};
 use super::case::{Case, Worst};
 use super::failure::Failure;
 use super::fuzz::log;
@@ -13,7 +13,7 @@ pub(super) const CASES: [Case; 3] = [
     Case {
         id: "T11",
         torture: "compliance of stretch changes a million times, every 10 frames",
-        law: "energy of what there was and was put in",
+        law: "energy of what there was after the change",
         bound: 1.01,
         run: compliance,
     },
@@ -41,18 +41,19 @@ fn compliance(stage: &mut Stage) -> Result<Worst, Failure> {
         let mut mover = stage.enter(ball(1, 0.6), &elastic_shell(soft, 1e-2))?;
         let mut run = || -> Result<f64, Failure> {
             let mut law = EnergyLaw::start(&mover, &GROUND, 0.0);
+            let mut most = law.ratio;
             for frame in 0..frames {
                 if frame % 10 == 0 {
-                    let before = elastic(&mover.surface, &mover.solver);
                     let now = stiffness(frame / 10 % 2 == 1);
                     mover.solver.set_stretch(Stiffness::Compliance(now))?;
-                    let after = elastic(&mover.surface, &mover.solver);
-                    law.add_work((after - before).max(0.0));
+                    // A change puts energy in or takes it out: what there is after it is all that there is.
+                    law = EnergyLaw::start(&mover, &GROUND, 0.0);
                 }
                 mover.step(FRAME, &GROUND)?;
                 law.look(&mover, &GROUND);
+                most = most.max(law.ratio);
             }
-            Ok(law.ratio)
+            Ok(most)
         };
         let found = run();
         worst.judge(found, || format!("{soft:e} m/N and a millionth"));

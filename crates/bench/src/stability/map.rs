@@ -36,6 +36,15 @@ pub(super) struct Cell {
     pub(super) energy: f64,
 }
 
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a saturating cast of a positive number"
+)]
+fn whole(x: f32) -> u32 {
+    x.ceil() as u32
+}
+
 /// All cells; in short every fourth.
 ///
 /// # Errors
@@ -53,7 +62,9 @@ fn cells(stage: &mut Stage) -> Result<Vec<Cell>, Failure> {
                 let material = elastic_shell(10.0_f32.powi(compliance), 0.1);
                 let mut mover = ribbon(stage, &material, ratio, true)?;
                 let dt = 10.0_f32.powf(-0.5 * rate as f32);
-                let found = energy_over(&mut mover, dt, &params, 200, -1.0);
+                // A quarter of a swing at least.
+                let frames = 200.max(whole(0.5 / dt));
+                let found = energy_over(&mut mover, dt, &params, frames, -1.0);
                 cells.push(Cell {
                     ratio,
                     rate,

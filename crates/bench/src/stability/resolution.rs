@@ -88,7 +88,7 @@ fn fixed_iterations(stage: &mut Stage) -> Result<Worst, Failure> {
         ..Material::default()
     };
     for &squares in stage.pick(&[10][..], &[10, 32, 100]) {
-        let found = come_down(stage, squares, &material, &HANGING, 120);
+        let found = come_down(stage, squares, &material, &HANGING, 120).map(f64::abs);
         worst.judge(found, || format!("{} triangles", 2 * squares * squares));
     }
     Ok(worst)

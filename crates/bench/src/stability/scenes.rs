@@ -8,7 +8,8 @@ use incise_pbd_gpu::{Material, SolverParams, Stiffness};
 /// A frame of 60 a second \[s\].
 pub(super) const FRAME: f32 = 1.0 / 60.0;
 
-/// Ground at height 0, earth's gravity, ten iterations against half of the own weight, as is the default.
+/// Ground at height 0, earth's gravity; one substep of ten iterations, which is harder than the default's 16 of one, and what else
+/// the default has.
 pub(super) const GROUND: SolverParams = SolverParams {
     iterations: 10,
     substeps: 1,

@@ -71,11 +71,12 @@ fn compliances(stage: &mut Stage) -> Result<Worst, Failure> {
         (1, 1, 0.5),
         (10, 1, 0.5),
         (1, 10, 0.5),
+        (1, 16, 0.5),
         (10, 1, 1.0),
         (1, 10, 1.0),
     ];
     for &stretch in &all {
-        for bending in [stretch, 1e-8 / stretch.max(1e-12)] {
+        for bending in [stretch, 1e-8 / stretch.max(1e-12), 1e-4, 1e-2] {
             for (iterations, substeps, own_weight) in ways {
                 let params = SolverParams {
                     iterations,
