@@ -33,7 +33,7 @@ pub(super) const TEXTS: &str = "claim, and what it was found on";
 /// Explains the columns.
 pub(super) const LEGEND: &str = "\
 A claim holds when what was measured is at most the bound. Times are taken in turns with what they are compared to, \
-and the median of the ratios counts; numbers without a unit are ratios or counts.";
+and the median of the ratios counts, not the ratio of the medians shown beside it; numbers without a unit are ratios or counts.";
 
 impl Row {
     pub(super) const NAMES: [&str; 4] = ["skip", "verdict", "bound", "measured"];

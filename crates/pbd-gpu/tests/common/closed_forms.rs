@@ -217,7 +217,7 @@ fn spin(advance: Advance<'_>) {
         "it slows by {} of {conserved} rad",
         conserved - turn
     );
-    assert!(off < 0.01 * turn, "{off} of {turn} rad");
+    assert!(off < 1e-3 * turn, "{off} of {turn} rad");
 }
 
 /// A ladder with a diagonal a bay is a truss that equilibrium determines: its stringers carry all of the weight below, its
@@ -290,7 +290,7 @@ fn catenary(advance: Advance<'_>) {
         expected += Vec3::new(across, slope * across, 0.0);
         let off = (joint(i + 1) - expected).norm();
         assert!(
-            off < 1e-3 * f64::from(length) * f64::from(links),
+            off < 1e-4 * f64::from(length) * f64::from(links),
             "joint {} is {off} m off",
             i + 1
         );
