@@ -1,4 +1,4 @@
-//! Tethers: no vertex of a body that does not stretch is farther from where it is held than the way there along
+//! Tethers: no vertex of a body that does not stretch can be farther from where it is held than the way there along
 //! edges is long.
 //!
 //! Edges at their lengths imply it, so a tether takes nothing from a body whose constraints are met. But a correction

@@ -4,7 +4,7 @@ use super::audit::energy_over;
 use super::case::{Case, Worst};
 use super::failure::Failure;
 use super::masses::ribbon;
-use super::scenes::{HANGING, elastic_shell};
+use super::scenes::{HANGING, elastic_shell, whole};
 use super::stage::Stage;
 use incise_pbd_gpu::SolverParams;
 use serde::Serialize;
@@ -34,15 +34,6 @@ pub(super) struct Cell {
     pub(super) compliance: i32,
     /// The largest energy of what there was; infinite when a position stopped being a number.
     pub(super) energy: f64,
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a saturating cast of a positive number"
-)]
-fn whole(x: f32) -> u32 {
-    x.ceil() as u32
 }
 
 /// All cells; in short every fourth.

@@ -2,7 +2,7 @@
 
 use super::case::{Case, Worst};
 use super::failure::Failure;
-use super::scenes::{FRAME, HANGING, sheet};
+use super::scenes::{FRAME, HANGING, sheet, whole};
 use super::stage::Stage;
 use incise_mesh::VertexId;
 use incise_pbd_gpu::{Material, SolverParams, Stiffness};
@@ -92,13 +92,4 @@ fn fixed_iterations(stage: &mut Stage) -> Result<Worst, Failure> {
         worst.judge(found, || format!("{} triangles", 2 * squares * squares));
     }
     Ok(worst)
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a saturating cast of a positive number"
-)]
-fn whole(x: f32) -> u32 {
-    x.ceil() as u32
 }

@@ -132,3 +132,13 @@ pub(super) fn materials() -> [(&'static str, Material); 3] {
         ("compliance 1e-5", elastic_shell(1e-5, 1e-2)),
     ]
 }
+
+/// The least whole number of steps that are not fewer.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a saturating cast of a positive number"
+)]
+pub(super) fn whole(x: f32) -> u32 {
+    x.ceil() as u32
+}

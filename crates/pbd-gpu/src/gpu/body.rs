@@ -4,9 +4,7 @@ use super::arena::{Arena, with_slack};
 use super::blocks::Blocks;
 use super::context::Context;
 use super::error::GpuError;
-use super::layout::{
-    BodyRecord, Entry, PATCH_LAYERS, RUN_COLORS, RUN_STRIDE, Run, STRETCH, TETHER_ENTRIES,
-};
+use super::layout::{BodyRecord, Entry, PATCH_LAYERS, RUN_COLORS, RUN_STRIDE, Run, STRETCH};
 use super::records::{Places, body_record, inverse_mass, position, push_pin, push_tether};
 use super::runs::Runs;
 use super::stats::Schedule;
@@ -236,20 +234,11 @@ impl DeviceBody {
         uploads: &mut Uploads,
         pins: &[Pin],
     ) -> Result<bool, GpuError> {
-        let room = (self.pins.end - self.pins.start) as usize / 2;
-        if pins.len() > room {
-            let (entries, _) = arenas
-                .entries
-                .allocate(context, 2 * with_slack(pins.len()))?;
-            let before = std::mem::replace(&mut self.pins, entries);
-            arenas.entries.free(before);
-        }
         uploads.entries.clear();
         for pin in pins {
             push_pin(&mut uploads.entries, pin);
         }
-        let offset = u64::from(self.pins.start) * 8;
-        uploads.write(context, arenas.entries.buffer(0), offset);
+        send_list(&mut self.pins, context, arenas, uploads)?;
         let count = u32::try_from(pins.len()).unwrap_or(u32::MAX);
         Ok(std::mem::replace(&mut self.pin_count, count) != count)
     }
@@ -264,19 +253,11 @@ impl DeviceBody {
     ) -> Result<bool, GpuError> {
         let (tethers, generation) = (solver.tethers(), solver.tethers.generation());
         if !tethers.is_empty() && self.tether_generation != generation {
-            let room = (self.tethers.end - self.tethers.start) as usize / TETHER_ENTRIES;
-            if tethers.len() > room {
-                let wanted = with_slack(TETHER_ENTRIES * tethers.len());
-                let (entries, _) = arenas.entries.allocate(context, wanted)?;
-                let before = std::mem::replace(&mut self.tethers, entries);
-                arenas.entries.free(before);
-            }
             uploads.entries.clear();
             for tether in tethers {
                 push_tether(&mut uploads.entries, tether);
             }
-            let offset = u64::from(self.tethers.start) * size_of::<Entry>() as u64;
-            uploads.write(context, arenas.entries.buffer(0), offset);
+            send_list(&mut self.tethers, context, arenas, uploads)?;
             self.tether_generation = generation;
         }
         let count = u32::try_from(tethers.len()).unwrap_or(u32::MAX);
@@ -361,4 +342,21 @@ impl DeviceBody {
         let velocities = bytemuck::cast_slice(&solver.velocities);
         uploads.send(context, buffer, offset, velocities);
     }
+}
+
+/// Sends a list of entries to its rented range, which grows where they have no room in it.
+fn send_list(
+    range: &mut Range<u32>,
+    context: &Context,
+    arenas: &mut Arenas,
+    uploads: &mut Uploads,
+) -> Result<(), GpuError> {
+    let count = uploads.entries.len();
+    if count > range.len() {
+        let (entries, _) = arenas.entries.allocate(context, with_slack(count))?;
+        arenas.entries.free(std::mem::replace(range, entries));
+    }
+    let offset = u64::from(range.start) * size_of::<Entry>() as u64;
+    uploads.write(context, arenas.entries.buffer(0), offset);
+    Ok(())
 }

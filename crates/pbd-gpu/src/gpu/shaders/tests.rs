@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::gpu::layout::{BodyRecord, Entry, FrameUniform, Link, PassUniform, Report, Run};
-use crate::kernels::{arctangent, bending};
+use crate::kernels::{arctangent, bending, tethers};
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Literal, Module, TypeInner};
@@ -184,6 +184,7 @@ fn kernels_and_their_twins_have_the_same_constants() {
             ("RECOVERY", bending::RECOVERY),
             ("HOLD", bending::HOLD),
             ("SOFT", bending::SOFT),
+            ("RETURN", tethers::RETURN),
             ("FIRM", bending::FIRM),
         ] {
             assert_eq!(constant(&module, name), [wanted.to_bits()], "{name}");
