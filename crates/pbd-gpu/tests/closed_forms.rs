@@ -2,13 +2,15 @@
 
 #[path = "common/closed_forms.rs"]
 mod closed_forms;
+#[path = "common/single_steps.rs"]
+mod single_steps;
 
-use closed_forms::LAWS;
 use libtest_mimic::{Arguments, Trial};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let trials = LAWS.map(|(name, law)| {
+    let laws = closed_forms::LAWS.into_iter().chain(single_steps::LAWS);
+    let trials = laws.map(|(name, law)| {
         Trial::test(name, move || {
             law(&mut |surface, solver, dt, params, frames| {
                 for _ in 0..frames {
@@ -18,5 +20,5 @@ fn main() -> ExitCode {
             Ok(())
         })
     });
-    libtest_mimic::run(&Arguments::from_args(), trials.into()).exit_code()
+    libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit_code()
 }

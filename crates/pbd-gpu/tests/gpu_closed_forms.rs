@@ -4,15 +4,17 @@
 mod closed_forms;
 #[path = "common/gpu.rs"]
 mod gpu;
+#[path = "common/single_steps.rs"]
+mod single_steps;
 
-use closed_forms::LAWS;
 use gpu::{Needs, trial};
 use incise_pbd_gpu::{GpuBackend, Schedule};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let mut trials = Vec::new();
-    for (name, law) in LAWS {
+    let laws = closed_forms::LAWS.into_iter().chain(single_steps::LAWS);
+    for (name, law) in laws {
         for schedule in [Schedule::WholeBody, Schedule::Colors] {
             let name = format!("{name} by {}", schedule.name());
             trials.push(trial(&name, Needs::AnyDevice, move |context| {

@@ -34,7 +34,7 @@ pub(crate) const LAWS: [(&str, Law); 10] = [
     ("rest_does_not_depend_on_names_and_order", order),
 ];
 
-fn still(iterations: u32, substeps: u32) -> SolverParams {
+pub(crate) fn still(iterations: u32, substeps: u32) -> SolverParams {
     SolverParams {
         iterations,
         substeps,
@@ -50,7 +50,7 @@ fn falling(iterations: u32, substeps: u32) -> SolverParams {
     }
 }
 
-fn edges(compliance: f32, damping: f32) -> Material {
+pub(crate) fn edges(compliance: f32, damping: f32) -> Material {
     Material {
         stretch: Stiffness::Compliance(compliance),
         bending: None,
@@ -59,13 +59,21 @@ fn edges(compliance: f32, damping: f32) -> Material {
     }
 }
 
-fn body(points: &[[f32; 3]], faces: &[[u32; 3]], material: &Material) -> (Surface, Solver) {
+pub(crate) fn body(
+    points: &[[f32; 3]],
+    faces: &[[u32; 3]],
+    material: &Material,
+) -> (Surface, Solver) {
     let mut surface = Surface::from_triangles(points, faces).expect("a surface");
     let solver = Solver::new(&mut surface, material).expect("a sound surface");
     (surface, solver)
 }
 
-fn hold(surface: &mut Surface, solver: &mut Solver, vertices: impl IntoIterator<Item = u32>) {
+pub(crate) fn hold(
+    surface: &mut Surface,
+    solver: &mut Solver,
+    vertices: impl IntoIterator<Item = u32>,
+) {
     for v in vertices.into_iter().map(VertexId) {
         solver.pin(surface, v).expect("a vertex");
     }
@@ -78,7 +86,7 @@ fn weigh(surface: &mut Surface, solver: &mut Solver, mass: f32) {
 }
 
 /// A square of `n` times `n` squares in the plane of x and y, a meter wide; row 0 is the upper one.
-fn sheet(n: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+pub(crate) fn sheet(n: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let (mut points, mut faces) = (Vec::new(), Vec::new());
     for row in 0..=n {
         for column in 0..=n {
