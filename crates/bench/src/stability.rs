@@ -9,9 +9,11 @@ mod device;
 #[cfg(not(feature = "gpu"))]
 #[path = "stability/no_device.rs"]
 mod device;
+mod devices;
 mod failure;
 mod fuzz;
 mod impacts;
+mod islands;
 mod jerks;
 mod long;
 mod map;
@@ -24,6 +26,7 @@ mod resolution;
 mod row;
 mod scenes;
 mod shapes;
+mod sleep;
 mod sound;
 mod stage;
 mod starts;
@@ -71,9 +74,9 @@ impl StabilityArguments {
     }
 }
 
-/// All cases, as they are printed.
-fn cases() -> impl Iterator<Item = Case> {
-    let parts: [&[Case]; 15] = [
+/// All cases of the processor, or those of a device, as they are printed.
+fn cases(on_device: bool) -> impl Iterator<Item = Case> {
+    let parts: [&[Case]; 18] = [
         &steps::CASES,
         &masses::CASES,
         &resolution::CASES,
@@ -83,9 +86,13 @@ fn cases() -> impl Iterator<Item = Case> {
         &pins::CASES,
         &jerks::CASES,
         &cuts::CASES,
+        &islands::CASES,
         &impacts::CASES,
+        &sleep::CASES,
         &long::CASES,
         &refusals::CASES,
+        // The processor beside itself would say nothing.
+        if on_device { &devices::CASES } else { &[] },
         &alike::CASES,
         &fuzz::CASES,
         &map::CASES,
@@ -93,12 +100,12 @@ fn cases() -> impl Iterator<Item = Case> {
     parts.into_iter().flatten().copied()
 }
 
-/// The cases that are named, all if none is.
-fn chosen(only: &[String]) -> Result<Vec<Case>, String> {
+/// The cases that are named, all if none is: those of the processor, or of a device.
+fn chosen(only: &[String], on_device: bool) -> Result<Vec<Case>, String> {
     let is = |case: &Case, name: &str| case.id.eq_ignore_ascii_case(name.trim());
-    if let Some(name) = (only.iter()).find(|name| !cases().any(|case| is(&case, name))) {
+    if let Some(name) = (only.iter()).find(|name| !cases(true).any(|case| is(&case, name))) {
         let mut ids: Vec<&str> = Vec::new();
-        for case in cases() {
+        for case in cases(true) {
             if !ids.contains(&case.id) {
                 ids.push(case.id);
             }
@@ -106,7 +113,7 @@ fn chosen(only: &[String]) -> Result<Vec<Case>, String> {
         return Err(format!("'{name}' is none of {}", ids.join(", ")));
     }
     let wanted = |case: &Case| only.is_empty() || only.iter().any(|name| is(case, name));
-    Ok(cases().filter(wanted).collect())
+    Ok(cases(on_device).filter(wanted).collect())
 }
 
 /// The pictures of `--plot`, one a backend; with several, their names end with the backend's.
@@ -149,10 +156,16 @@ fn verdicts(
     let mut rows = Vec::new();
     for case in cases {
         let begin = Instant::now();
-        let found = (case.run)(stage);
+        let mut found = (case.run)(stage);
+        let rule = found.as_mut().ok().and_then(|worst| worst.rule.take());
         let row = Row::of(case, found, begin.elapsed().as_secs_f64(), stamp);
         tick(&row);
         rows.push(row);
+        if let Some(rule) = rule {
+            let row = Row::of(&audit::rule_of(case), Ok(*rule), 0.0, stamp);
+            tick(&row);
+            rows.push(row);
+        }
     }
     rows
 }
@@ -162,9 +175,9 @@ pub(crate) fn run(
     arguments: &StabilityArguments,
     out: &mut impl Write,
 ) -> Result<(), Box<dyn Error>> {
-    let cases = chosen(&arguments.only)?;
+    let named = chosen(&arguments.only, true)?;
     let mut json = Json::open(arguments.run.rows.json.as_deref())?;
-    let mut plots = plots(arguments, &cases)?.into_iter();
+    let mut plots = plots(arguments, &named)?.into_iter();
     let mut drawn: Vec<(PictureFile, Vec<Cell>)> = Vec::new();
     let commit = machine::commit();
     let mut rows: Vec<Row> = Vec::new();
@@ -190,14 +203,15 @@ pub(crate) fn run(
         if arguments.quick {
             writeln!(out, "A part of what the cases say.")?;
         }
+        let cases = chosen(&arguments.only, device.is_some())?;
         let mut stage = Stage::new(effort, device);
         let mut told = Ok(());
         rows.extend(verdicts(&cases, &mut stage, &stamp, |row| {
             let verdict = if row.passed { "pass" } else { "FAIL" };
             let line = writeln!(
                 out,
-                "{verdict}  {} ({:.1} s): {}",
-                row.id, row.seconds, row.torture
+                "{verdict}  {} ({:.1} s): {}; {}",
+                row.id, row.seconds, row.torture, row.law
             );
             // A run takes minutes; what is known is shown.
             told = line.and_then(|()| out.flush());
@@ -259,12 +273,21 @@ mod tests {
     }
 
     /// What does not hold today: the results say by how much. One that is mended leaves this list.
-    const OPEN: [(&str, &str); 4] = [
+    const OPEN: [(&str, &str); 7] = [
         ("T2", "compliance 0, 1e-12 to 1e2"),
+        // Ten iterations do not hold a million times the weight on springs: it is next to free in its fall.
+        ("T3", "load on a swinging ribbon, 1 to 1e6 times a vertex"),
+        // One of a millimeter falls by more than its size in a step.
+        ("T8", "bodies of 1 mm to 1 km"),
         ("T8", "the same at 1e4 and 1e6 m"),
         (
             "contradiction",
             "two pins 10 times as far apart as the sheet is wide, then one let go",
+        ),
+        // Five pieces in the paper's constraints creep on faster than sleep allows.
+        (
+            "T12",
+            "cuts through a body that sleeps on the ground: it wakes, and sleeps again",
         ),
         (
             "T20",
@@ -275,7 +298,7 @@ mod tests {
     #[test]
     fn a_part_of_every_case_has_the_verdict_of_the_whole() {
         let mut stage = Stage::new(Effort::Quick, None);
-        let all: Vec<Case> = cases().collect();
+        let all: Vec<Case> = cases(false).collect();
         let rows = verdicts(&all, &mut stage, &stamp(), |_| {});
         let failed: Vec<_> = (rows.iter().filter(|row| !row.passed))
             .map(|row| (row.id, row.torture))
@@ -287,9 +310,9 @@ mod tests {
     fn cases_are_found_by_their_names() {
         let only = |names: &[&str]| {
             let names: Vec<String> = names.iter().map(|&s| s.to_owned()).collect();
-            chosen(&names)
+            chosen(&names, true)
         };
-        assert_eq!(only(&[]).unwrap().len(), cases().count());
+        assert_eq!(only(&[]).unwrap().len(), cases(true).count());
         assert!(only(&["t1", "T2"]).unwrap().len() >= 2);
         let told = only(&["T99"]).unwrap_err();
         for id in ["contradiction", "T13", "map"] {
@@ -309,7 +332,10 @@ mod tests {
             let path = place.path().join("m.svg").display().to_string();
             let words = ["b", "--plot", &path].into_iter();
             let line = <Line as clap::Parser>::parse_from(words.chain(line.split_whitespace()));
-            let opened = plots(&line.arguments, &chosen(&line.arguments.only).unwrap())?;
+            let opened = plots(
+                &line.arguments,
+                &chosen(&line.arguments.only, true).unwrap(),
+            )?;
             let names = std::fs::read_dir(place.path()).unwrap();
             let mut names: Vec<_> = names.map(|f| f.unwrap().file_name()).collect();
             names.sort_unstable();
@@ -329,8 +355,9 @@ mod tests {
                 value: if passed { 0.0 } else { f64::INFINITY },
                 at: String::new(),
                 runs: 1,
+                rule: None,
             };
-            let case = cases().next().unwrap();
+            let case = cases(true).next().unwrap();
             Row {
                 backend,
                 ..Row::of(&case, Ok(worst), 0.0, &stamp())

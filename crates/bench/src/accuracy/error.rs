@@ -15,6 +15,8 @@ pub(super) struct Errors {
     pub(super) force: Option<f64>,
     /// Root mean square of strain, less the reference's; of the frame where it is largest.
     pub(super) strain: f64,
+    /// The largest strain of any edge, less the reference's; of the frame where it is largest.
+    pub(super) largest_strain: f64,
     /// Of the enclosed volume, over that at the start; none for open surfaces.
     pub(super) volume: Option<f64>,
     /// Of the energy at the end, a second, over the largest kinetic energy.
@@ -40,12 +42,15 @@ impl Yardstick<'_> {
         let farthest = pairs()
             .flat_map(|(a, b)| a.x.iter().zip(&b.x))
             .fold(0.0, |far: f64, (a, b)| far.max((a - b).norm()));
-        let strain = |state: &State| {
+        let strains = |state: &State| {
             let strains = model.strains(state);
-            (strains.iter().map(|s| s * s).sum::<f64>() / strains.len().max(1) as f64).sqrt()
+            let mean = strains.iter().map(|s| s * s).sum::<f64>() / strains.len().max(1) as f64;
+            let largest = strains.iter().fold(0.0, |far: f64, s| far.max(s.abs()));
+            [mean.sqrt(), largest]
         };
-        let strain = pairs().fold(0.0, |far: f64, (a, b)| {
-            far.max((strain(a) - strain(b)).abs())
+        let [strain, largest_strain] = pairs().fold([0.0_f64; 2], |far, (a, b)| {
+            let (a, b) = (strains(a), strains(b));
+            [0, 1].map(|k| far[k].max((a[k] - b[k]).abs()))
         });
         let at_start = volume(self.triangles, self.start);
         let volume = (!self.triangles.is_empty()).then(|| {
@@ -59,6 +64,7 @@ impl Yardstick<'_> {
             farthest: farthest / length,
             force: self.force(found, reference),
             strain,
+            largest_strain,
             volume,
             energy: self.energy(found, reference),
         }

@@ -1,21 +1,15 @@
-//! The same answer from any number of threads, in any order of constraints, on every device.
+//! The same answer from any number of threads, and in any order of constraints.
 
-use super::case::{Case, Worst};
+use super::audit::{Rule, keeping};
+use super::case::{Case, Found, Worst};
 use super::failure::Failure;
-use super::scenes::{FRAME, GROUND, HANGING, ball, double_cone, elastic_shell, sheet};
-use super::stage::{Stage, Way};
+use super::scenes::{FRAME, GROUND, HANGING, double_cone, elastic_shell, sheet};
+use super::stage::Stage;
 use crate::directions::Directions;
 use incise_mesh::{Surface, VertexId, cube_sphere};
-use incise_pbd_gpu::{Material, PatchParams, Solver, SolverParams, Stiffness};
+use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness};
 
-pub(super) const CASES: [Case; 4] = [
-    Case {
-        id: "T16",
-        torture: "every way of stepping, beside the processor's own",
-        law: "way from the processor's after half a second [m]",
-        bound: 1e-4,
-        run: beside_the_processor,
-    },
+pub(super) const CASES: [Case; 3] = [
     Case {
         id: "T17",
         torture: "1 to 64 threads; a device twice",
@@ -40,7 +34,7 @@ pub(super) const CASES: [Case; 4] = [
 ];
 
 /// The largest distance along an axis between vertices of two bodies \[m\].
-fn apart(one: &[[f32; 4]], other: &[[f32; 4]]) -> f64 {
+pub(super) fn apart(one: &[[f32; 4]], other: &[[f32; 4]]) -> f64 {
     let pairs = one.iter().zip(other);
     let way = |(a, b): (&[f32; 4], &[f32; 4])| {
         (0..3)
@@ -48,61 +42,6 @@ fn apart(one: &[[f32; 4]], other: &[[f32; 4]]) -> f64 {
             .fold(0.0, f64::max)
     };
     pairs.map(way).fold(0.0, f64::max)
-}
-
-fn beside_the_processor(stage: &mut Stage) -> Result<Worst, Failure> {
-    let mut worst = Worst::default();
-    let materials = [
-        ("compliance 1e-4", elastic_shell(1e-4, 1e-1)),
-        ("PBD", Material::default()),
-    ];
-    let ways: &[Way] = match stage.device {
-        None => &[Way::Own, Way::Patches],
-        Some(_) => &[Way::Own, Way::WholeBody, Way::Colors, Way::Patches],
-    };
-    // Bodies that fit a workgroup and one that does not.
-    for subdivisions in [1, 2, stage.pick(2, 4)] {
-        for (name, material) in materials {
-            for &way in ways {
-                let found = beside(stage, ball(subdivisions, 0.6), &material, way);
-                let triangles = 20 << (2 * subdivisions);
-                worst.judge(found, || {
-                    format!("{triangles} triangles, {name}, {}", way.name())
-                });
-            }
-        }
-    }
-    Ok(worst)
-}
-
-/// How far a body that goes one way is from the same body on the processor after half a second \[m\].
-fn beside(
-    stage: &mut Stage,
-    mut surface: Surface,
-    material: &Material,
-    way: Way,
-) -> Result<f64, Failure> {
-    let mut solver = match way {
-        Way::Patches => Solver::with_patches(&mut surface, material, &PatchParams::default())?,
-        _ => Solver::new(&mut surface, material)?,
-    };
-    crate::motion::start(&mut solver, &surface)?;
-    let own = surface.clone();
-    if let Some(device) = &mut stage.device {
-        device.force(way);
-    }
-    let mut mover = stage.enter_with(own, solver.clone())?;
-    let moved = mover.advance(FRAME, &HANGING, 30);
-    let there = mover.surface.positions.clone();
-    drop(mover);
-    if let Some(device) = &mut stage.device {
-        device.force(Way::Own);
-    }
-    moved?;
-    for _ in 0..30 {
-        solver.step(&mut surface, FRAME, &HANGING)?;
-    }
-    Ok(apart(&there, &surface.positions))
 }
 
 fn threads(stage: &mut Stage) -> Result<Worst, Failure> {
@@ -179,7 +118,7 @@ fn at_rest(
     pins: &[VertexId],
     seed: Option<u64>,
     iterations: u32,
-) -> Result<Vec<[f32; 4]>, Failure> {
+) -> Result<(Vec<[f32; 4]>, Found), Failure> {
     let (surface, place) = match seed {
         Some(seed) => renumbered(surface, seed)?,
         None => (surface.clone(), (0..surface.positions.len()).collect()),
@@ -199,11 +138,9 @@ fn at_rest(
         iterations,
         ..HANGING
     };
-    mover.advance(FRAME, &params, 600)?;
-    Ok(place
-        .iter()
-        .map(|&new| mover.surface.positions[new])
-        .collect())
+    let kept = keeping(&mut mover, FRAME, &params, 600, Rule::above(-2.0))?;
+    let places = place.iter().map(|&new| mover.surface.positions[new]);
+    Ok((places.collect(), kept))
 }
 
 fn in_any_order(
@@ -213,12 +150,11 @@ fn in_any_order(
     iterations: u32,
 ) -> Result<Worst, Failure> {
     let mut worst = Worst::default();
-    let first = at_rest(stage, surface, pins, None, iterations)?;
+    let (first, _) = at_rest(stage, surface, pins, None, iterations)?;
     for seed in 1..=stage.pick(1, 10) {
         let found = at_rest(stage, surface, pins, Some(seed), iterations);
-        worst.judge(found.map(|other| apart(&first, &other)), || {
-            format!("order {seed}")
-        });
+        let found = found.map(|(other, kept)| kept.by(apart(&first, &other)));
+        worst.judge(found, || format!("order {seed}"));
     }
     Ok(worst)
 }

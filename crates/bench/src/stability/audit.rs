@@ -1,38 +1,101 @@
-//! What is asked of a body under torture: its energies, its strain, how far it reaches.
+//! What is asked of a body under torture: its energies, its strain, how far it reaches, how fast it is.
 
+use super::case::{Case, Found, Kept};
 use super::failure::Failure;
 use super::stage::Mover;
 use incise_mesh::{Surface, VertexId};
 use incise_pbd_gpu::{Batch, ConstraintSet, Solver, SolverParams, Stiffness};
 
-/// The largest energy of a body over what there was at first.
+/// What every motion has to keep in which nothing outside does unknown work, and how much of it a case can say.
+///
+/// Of all: energy, and with it that no vertex is faster than ten times what all of the energy would make of the
+/// lightest one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rule {
+    /// Height of no potential energy, the lowest that the body can reach \[m\].
+    floor: f64,
+    /// How far a vertex may come from the origin \[m\]; none where energy may carry it anywhere.
+    reach: Option<f64>,
+    /// Whether what was let alone for [`RECOVERY`] has the lengths that it has at rest.
+    recovers: bool,
+}
+
+/// The rule as a law of a case, beside the case's own.
+pub(super) fn rule_of(case: &Case) -> Case {
+    Case {
+        law: "the rule for all motions: speed, way, strain, energy, the worst of what each may be",
+        bound: 1.0,
+        ..*case
+    }
+}
+
+/// How long a body may take to have its lengths again \[s\]. Runs that are shorter do not ask.
+const RECOVERY: f64 = 5.0;
+/// The largest mean strain of a body that has its lengths.
+const RECOVERED: f64 = 0.05;
+/// The most energy, of what there was.
+const KEPT: f64 = 1.01;
+/// How much faster than with all of the energy nothing may ever be.
+const FASTER: f64 = 10.0;
+
+impl Rule {
+    /// `floor` is the lowest height that vertices can reach \[m\].
+    pub(super) const fn above(floor: f64) -> Self {
+        Self {
+            floor,
+            reach: None,
+            recovers: false,
+        }
+    }
+
+    /// Nothing comes farther from the origin \[m\].
+    pub(super) const fn within(self, reach: f64) -> Self {
+        Self {
+            reach: Some(reach),
+            ..self
+        }
+    }
+
+    /// The body has its lengths again in the end.
+    pub(super) const fn recovering(self) -> Self {
+        Self {
+            recovers: true,
+            ..self
+        }
+    }
+
+    /// As [`Rule::recovering`], if so.
+    pub(super) const fn recovering_if(self, recovers: bool) -> Self {
+        Self { recovers, ..self }
+    }
+}
+
+/// The largest energy of a body over what there was at first, and the rest of the [`Rule`].
 ///
 /// What there was is kinetic and potential energy, and that of constraints with compliance. What is compared
 /// with it leaves the latter out: it is never negative, and of next to rigid constraints it is rounding.
 #[derive(Debug, Clone)]
 pub(super) struct EnergyLaw {
-    /// Height of no potential energy, the lowest that the body can reach \[m\].
-    floor: f64,
+    rule: Rule,
     /// What there was and was put in \[J\].
     budget: f64,
     /// The most that the budget ever was \[J\].
     scale: f64,
     /// The most energy so far, of the budget: 1 and what is beyond it.
-    pub(super) ratio: f64,
+    ratio: f64,
+    kept: Option<Kept>,
 }
 
 impl EnergyLaw {
-    /// Notes what a body has. `floor` is the lowest height that its vertices can reach \[m\].
-    pub(super) fn start(mover: &Mover<'_>, params: &SolverParams, floor: f64) -> Self {
-        let Mover {
-            surface, solver, ..
-        } = mover;
-        let budget = mechanical(surface, solver, params, floor) + elastic(surface, solver);
+    /// Notes what a body has.
+    pub(super) fn start(mover: &Mover<'_>, params: &SolverParams, rule: Rule) -> Self {
+        let budget = total(mover, params, rule.floor);
         Self {
-            floor,
+            rule,
             budget,
             scale: budget,
             ratio: f64::NEG_INFINITY,
+            kept: None,
         }
     }
 
@@ -42,9 +105,15 @@ impl EnergyLaw {
         self.scale = self.scale.max(self.budget);
     }
 
+    /// From now on there is no more than that \[J\].
+    pub(super) fn lower(&mut self, most: f64) {
+        self.budget = self.budget.min(most);
+    }
+
     /// Looks at the body after a frame.
     pub(super) fn look(&mut self, mover: &Mover<'_>, params: &SolverParams) {
-        let now = mechanical(&mover.surface, &mover.solver, params, self.floor);
+        let (surface, solver) = (&mover.surface, &mover.solver);
+        let now = mechanical(surface, solver, params, self.rule.floor);
         // A budget that work has taken from may be next to nothing, or less than it.
         let ratio = 1.0 + (now - self.budget) / self.scale;
         self.ratio = if ratio.is_nan() {
@@ -52,10 +121,43 @@ impl EnergyLaw {
         } else {
             self.ratio.max(ratio)
         };
+        let (mut lightest, mut speed, mut way) = (f64::INFINITY, 0.0_f64, 0.0_f64);
+        for v in surface.topology().vertices() {
+            way = way.max(surface.position(v).norm_squared());
+            if surface.positions[v.index()][3] > 0.0 {
+                lightest = lightest.min(f64::from(solver.masses()[v.index()]));
+                let squares = solver.velocity(v).map(|c| f64::from(c).powi(2));
+                speed = speed.max(squares.iter().sum());
+            }
+        }
+        let most = FASTER * (2.0 * self.scale / lightest).sqrt();
+        self.keep(speed.sqrt() / most, "speed");
+        if let Some(reach) = self.rule.reach {
+            self.keep(way.sqrt() / reach, "way");
+        }
+    }
+
+    fn keep(&mut self, part: f64, of: &'static str) {
+        let next = Kept { part, of };
+        self.kept = Some(self.kept.map_or(next, |known| known.worse(next)));
+    }
+
+    /// What the law came to: judged by energy.
+    pub(super) fn found(&self) -> Found {
+        let found = Found::from(self.ratio);
+        self.kept.map_or(found, |kept| found.with(kept))
+    }
+
+    /// Looks at the body after the last frame of so many seconds.
+    fn end(&mut self, mover: &Mover<'_>, seconds: f64) {
+        // A clock in 32 bits is a little slow or fast.
+        if self.rule.recovers && seconds > RECOVERY * (1.0 - 1e-6) {
+            self.keep(mover.strain() / RECOVERED, "mean strain in the end");
+        }
     }
 }
 
-/// Runs frames under the energy law; returns the largest energy of the budget.
+/// Runs frames under the rule; judged by the largest energy of the budget.
 ///
 /// # Errors
 /// As [`Mover::step`].
@@ -64,14 +166,39 @@ pub(super) fn energy_over(
     dt: f32,
     params: &SolverParams,
     frames: u32,
-    floor: f64,
-) -> Result<f64, Failure> {
-    let mut law = EnergyLaw::start(mover, params, floor);
+    rule: Rule,
+) -> Result<Found, Failure> {
+    let mut law = EnergyLaw::start(mover, params, rule);
     for _ in 0..frames {
         mover.step(dt, params)?;
         law.look(mover, params);
     }
-    Ok(law.ratio)
+    law.end(mover, f64::from(dt) * f64::from(frames));
+    Ok(law.found())
+}
+
+/// As [`energy_over`], for cases that judge something else: energy is a part of the rule then.
+///
+/// # Errors
+/// As [`Mover::step`].
+pub(super) fn keeping(
+    mover: &mut Mover<'_>,
+    dt: f32,
+    params: &SolverParams,
+    frames: u32,
+    rule: Rule,
+) -> Result<Found, Failure> {
+    let found = energy_over(mover, dt, params, frames, rule)?;
+    Ok(found.with(Kept {
+        part: found.value / KEPT,
+        of: "energy",
+    }))
+}
+
+/// All energy of a body \[J\].
+pub(super) fn total(mover: &Mover<'_>, params: &SolverParams, floor: f64) -> f64 {
+    let (surface, solver) = (&mover.surface, &mover.solver);
+    mechanical(surface, solver, params, floor) + elastic(surface, solver)
 }
 
 /// Kinetic energy and that of gravity above `floor` \[J\].

@@ -18,6 +18,61 @@ pub(super) struct Case {
     pub(super) run: fn(&mut Stage) -> Result<Worst, Failure>,
 }
 
+/// What a run came to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Found {
+    /// The number that the case judges.
+    pub(super) value: f64,
+    /// How near the run came to breaking what every motion has to keep, where that was looked at.
+    pub(super) kept: Option<Kept>,
+}
+
+/// A part of the rule for every motion, see [`super::audit::Rule`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Kept {
+    /// The number, of what it may be.
+    pub(super) part: f64,
+    /// What number it is.
+    pub(super) of: &'static str,
+}
+
+impl From<f64> for Found {
+    fn from(value: f64) -> Self {
+        Self { value, kept: None }
+    }
+}
+
+impl Found {
+    /// The same run, judged by another number.
+    pub(super) fn by(self, value: f64) -> Self {
+        Self { value, ..self }
+    }
+
+    /// Two runs as one.
+    pub(super) fn worse(self, other: Self) -> Self {
+        let value = self.value.max(other.value);
+        let all = Self { value, ..self };
+        other.kept.map_or(all, |kept| all.with(kept))
+    }
+
+    /// The same run, in which so much of the rule was kept.
+    pub(super) fn with(self, kept: Kept) -> Self {
+        let kept = Some(self.kept.map_or(kept, |known| known.worse(kept)));
+        Self { kept, ..self }
+    }
+}
+
+impl Kept {
+    /// The one that is nearer to being broken. What is no number is broken.
+    pub(super) fn worse(self, other: Self) -> Self {
+        if other.part > self.part || other.part.is_nan() {
+            other
+        } else {
+            self
+        }
+    }
+}
+
 /// The largest number of a case, and where it was found.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Worst {
@@ -26,6 +81,8 @@ pub(super) struct Worst {
     pub(super) at: String,
     /// How many runs or edits were judged.
     pub(super) runs: u32,
+    /// The same of the rule for every motion, of the runs in which it was looked at.
+    pub(super) rule: Option<Box<Self>>,
 }
 
 impl Default for Worst {
@@ -34,6 +91,7 @@ impl Default for Worst {
             value: f64::NEG_INFINITY,
             at: String::new(),
             runs: 0,
+            rule: None,
         }
     }
 }
@@ -49,10 +107,21 @@ impl Worst {
     }
 
     /// Counts a run and takes its number up. A run that failed is worse than any number.
-    pub(super) fn judge(&mut self, found: Result<f64, Failure>, at: impl Fn() -> String) {
+    pub(super) fn judge(
+        &mut self,
+        found: Result<impl Into<Found>, Failure>,
+        at: impl Fn() -> String,
+    ) {
         self.runs += 1;
-        match found {
-            Ok(value) => self.take(value, &at),
+        match found.map(Into::into) {
+            Ok(Found { value, kept }) => {
+                self.take(value, &at);
+                if let Some(Kept { part, of }) = kept {
+                    let rule = self.rule.get_or_insert_default();
+                    rule.runs += 1;
+                    rule.take(part, || format!("{}: {of}", at()));
+                }
+            }
             Err(failure) => self.take(f64::INFINITY, || format!("{}: {failure}", at())),
         }
     }
@@ -80,10 +149,29 @@ mod tests {
         worst.judge(Ok(f64::NAN), || "d".to_owned());
         assert_eq!((worst.value, worst.at.as_str()), (f64::INFINITY, "d"));
         let mut worst = Worst::default();
-        worst.judge(Err(Failure::Law("broken".to_owned())), || "e".to_owned());
+        let broken: Result<f64, _> = Err(Failure::Law("broken".to_owned()));
+        worst.judge(broken, || "e".to_owned());
         assert_eq!(
             (worst.value, worst.at.as_str()),
             (f64::INFINITY, "e: broken")
+        );
+    }
+
+    #[test]
+    fn the_rule_for_every_motion_is_judged_beside() {
+        let mut worst = Worst::default();
+        let kept = |part| {
+            let of = "way";
+            Found::from(2.0).by(1.0).with(Kept { part, of })
+        };
+        worst.judge(Ok(kept(0.5)), || "a".to_owned());
+        worst.judge(Ok(kept(f64::NAN)), || "b".to_owned());
+        worst.judge(Ok(3.0), || "c".to_owned());
+        let rule = worst.rule.unwrap();
+        assert_eq!((worst.value, worst.runs), (3.0, 3));
+        assert_eq!(
+            (rule.value, rule.at.as_str(), rule.runs),
+            (f64::INFINITY, "b: way", 2)
         );
     }
 }

@@ -104,7 +104,7 @@ pub(super) fn cut(
     params: &CutParams,
 ) -> Result<f64, Failure> {
     cutter.refit(&mover.surface);
-    let before = Sums::of(mover);
+    let before = Sums::of(&mover.surface, &mover.solver);
     let kept = (
         mover.surface.topology().clone(),
         mover.surface.positions.clone(),
@@ -118,7 +118,7 @@ pub(super) fn cut(
             let (sound, followed) =
                 rayon::join(|| sound(surface), || followed(surface, solver, cutter));
             sound.and(followed)?;
-            Ok(before.change(&Sums::of(mover), outcome.report.moved_volume))
+            Ok(before.change(&Sums::of(surface, solver), outcome.report.moved_volume))
         }
         Err(error) => {
             let same = *mover.surface.topology() == kept.0 && mover.surface.positions == kept.1;

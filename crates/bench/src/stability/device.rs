@@ -4,10 +4,15 @@ use super::failure::Failure;
 use super::stage::Way;
 use incise_mesh::Surface;
 use incise_pbd_gpu::{AdapterRequest, GpuBackend, GpuBody, Schedule, Solver, SolverParams};
+use incise_scene::{BackendChoice, BackendRequest};
 
 /// An open GPU.
 #[derive(Debug)]
-pub(super) struct Device(GpuBackend);
+pub(super) struct Device {
+    gpu: GpuBackend,
+    /// What it was opened for.
+    request: AdapterRequest,
+}
 
 /// A body on it.
 pub(super) type Place = GpuBody;
@@ -23,18 +28,57 @@ impl Device {
             allow_software: true,
             ..AdapterRequest::default()
         };
-        Ok(Self(GpuBackend::new(&request)?))
+        Self::of(request)
+    }
+
+    /// Opens the same GPU once more.
+    ///
+    /// # Errors
+    /// As [`Device::open`].
+    pub(super) fn again(&self) -> Result<Self, Failure> {
+        Self::of(self.request.clone())
+    }
+
+    /// Opens the same GPU once more, with the limits of any WebGPU device.
+    ///
+    /// # Errors
+    /// As [`Device::open`].
+    pub(super) fn portable(&self) -> Result<Self, Failure> {
+        Self::of(AdapterRequest {
+            portable_limits: true,
+            ..self.request.clone()
+        })
+    }
+
+    fn of(request: AdapterRequest) -> Result<Self, Failure> {
+        let gpu = GpuBackend::new(&request)?;
+        Ok(Self { gpu, request })
+    }
+
+    /// What opens it for a scene.
+    pub(super) fn backend(&self) -> BackendRequest {
+        BackendRequest {
+            choice: BackendChoice::Gpu,
+            adapter: self.request.name.clone(),
+            allow_software: true,
+            device_from: None,
+        }
+    }
+
+    /// The bytes that bodies have room for before buffers are replaced by larger ones.
+    pub(super) fn reserved(&self) -> u64 {
+        self.gpu.memory().reserved
     }
 
     /// The adapter's name and driver.
     pub(super) fn describe(&self) -> String {
-        let adapter = self.0.adapter();
+        let adapter = self.gpu.adapter();
         format!("{} ({})", adapter.name, adapter.driver)
     }
 
     /// Takes one way for all bodies that can go it.
     pub(super) fn force(&mut self, way: Way) {
-        self.0.force_schedule(match way {
+        self.gpu.force_schedule(match way {
             Way::Own => None,
             Way::WholeBody => Some(Schedule::WholeBody),
             Way::Colors => Some(Schedule::Colors),
@@ -44,15 +88,15 @@ impl Device {
 
     /// Ends it, as a driver that is updated would.
     pub(super) fn lose(&self) {
-        self.0.context().destroy();
+        self.gpu.context().destroy();
     }
 
     pub(super) fn add(&mut self, surface: &Surface, solver: &mut Solver) -> Result<Place, Failure> {
-        Ok(self.0.add(surface, solver)?)
+        Ok(self.gpu.add(surface, solver)?)
     }
 
     pub(super) fn remove(&mut self, place: Place) {
-        self.0.remove(place);
+        self.gpu.remove(place);
     }
 
     /// Steps without waiting.
@@ -63,7 +107,7 @@ impl Device {
         dt: f32,
         params: &SolverParams,
     ) -> Result<(), Failure> {
-        self.0.step([(place, solver)], dt, params)?;
+        self.gpu.step([(place, solver)], dt, params)?;
         Ok(())
     }
 
@@ -74,7 +118,7 @@ impl Device {
         surface: &Surface,
         solver: &mut Solver,
     ) -> Result<(), Failure> {
-        Ok(self.0.update(place, surface, solver)?)
+        Ok(self.gpu.update(place, surface, solver)?)
     }
 
     /// Brings positions and velocities back.
@@ -84,6 +128,6 @@ impl Device {
         surface: &mut Surface,
         solver: &mut Solver,
     ) -> Result<(), Failure> {
-        Ok(self.0.read(place, surface, solver)?)
+        Ok(self.gpu.read(place, surface, solver)?)
     }
 }

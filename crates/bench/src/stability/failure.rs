@@ -1,8 +1,9 @@
 //! Why a case could not be run to its end.
 
 use incise_cut::CutError;
-use incise_mesh::TopologyError;
+use incise_mesh::{TopologyError, UndoError};
 use incise_pbd_gpu::{ConstraintError, StepError};
+use incise_scene::SceneError;
 
 /// Why a case could not be run to its end. Where its law allows none of these, that is a verdict.
 #[derive(Debug, thiserror::Error)]
@@ -15,6 +16,10 @@ pub(super) enum Failure {
     Step(#[from] StepError),
     #[error(transparent)]
     Cut(#[from] CutError),
+    #[error(transparent)]
+    Undo(#[from] UndoError),
+    #[error(transparent)]
+    Scene(#[from] SceneError),
     /// The device's own.
     #[error("{0}")]
     Device(String),

@@ -1,9 +1,10 @@
 //! Bodies, materials, steps and edits at random, the same in every run.
 
-use super::case::{Case, Worst};
+use super::audit::{EnergyLaw, Rule, total};
+use super::case::{Case, Found, Worst};
 use super::cuts::{below, cut, pieces, through};
 use super::failure::Failure;
-use super::scenes::{GROUND, ball, double_cone, place};
+use super::scenes::{GROUND, ball, double_cone, place, whole};
 use super::sound::{followed, sound};
 use super::stage::Stage;
 use crate::directions::Directions;
@@ -11,13 +12,22 @@ use incise_cut::{CutParams, Cutter};
 use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, torus};
 use incise_pbd_gpu::{Density, Material, SolverParams, Stiffness};
 
-pub(super) const CASES: [Case; 1] = [Case {
-    id: "T18",
-    torture: "bodies, materials, steps, pins and cuts at random",
-    law: "topology, colors, tree; change of mass, momentum, volume",
-    bound: 1e-5,
-    run: fuzz,
-}];
+pub(super) const CASES: [Case; 2] = [
+    Case {
+        id: "T18",
+        torture: "bodies, materials, steps, pins and cuts at random",
+        law: "topology, colors, tree; change of mass, momentum, volume",
+        bound: 1e-5,
+        run: fuzz,
+    },
+    Case {
+        id: "T18",
+        torture: "bodies and compliances at random, without damping, let move for seconds",
+        law: "energy of the most in any second before",
+        bound: 1.01,
+        run: trend,
+    },
+];
 
 /// A number between two, its logarithm at random.
 #[expect(
@@ -105,6 +115,44 @@ fn fuzz(stage: &mut Stage) -> Result<Worst, Failure> {
     let mut worst = Worst::default();
     for seed in 0..stage.pick(20, 500) {
         let found = one(stage, &mut Directions(seed));
+        worst.judge(found, || format!("seed {seed}"));
+    }
+    Ok(worst)
+}
+
+/// One body without damping: the most energy in any second of what there was in a second before. Energy
+/// is only known of materials with compliance.
+fn undamped(stage: &mut Stage, directions: &mut Directions) -> Result<Found, Failure> {
+    let surface = shape(directions)?;
+    let compliance =
+        |directions: &mut Directions| Stiffness::Compliance(log(directions, 1e-9, 1e-1));
+    let material = Material {
+        stretch: compliance(directions),
+        bending: (directions.next() > -0.5).then(|| compliance(directions)),
+        damping: 0.0,
+        ..material(directions)
+    };
+    let (dt, params) = steps(directions);
+    let seconds = stage.pick(2, 3);
+    let mut mover = stage.enter(surface, &material)?;
+    crate::motion::start(&mut mover.solver, &mover.surface)?;
+    let mut law = EnergyLaw::start(&mover, &params, Rule::above(0.0));
+    for _ in 0..seconds {
+        let mut most = f64::NEG_INFINITY;
+        for _ in 0..whole(1.0 / dt) {
+            mover.step(dt, &params)?;
+            law.look(&mover, &params);
+            most = most.max(total(&mover, &params, 0.0));
+        }
+        law.lower(most);
+    }
+    Ok(law.found())
+}
+
+fn trend(stage: &mut Stage) -> Result<Worst, Failure> {
+    let mut worst = Worst::default();
+    for seed in 1000..1000 + stage.pick(2, 40) {
+        let found = undamped(stage, &mut Directions(seed));
         worst.judge(found, || format!("seed {seed}"));
     }
     Ok(worst)

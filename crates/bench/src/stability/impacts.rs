@@ -1,7 +1,7 @@
 //! Falls, impacts and squeezing.
 
-use super::audit::{energy_over, fastest};
-use super::case::{Case, Worst};
+use super::audit::{Rule, energy_over, fastest, keeping};
+use super::case::{Case, Found, Worst};
 use super::failure::Failure;
 use super::scenes::{FRAME, GROUND, HANGING, ball, materials, place};
 use super::stage::{Mover, Stage};
@@ -91,7 +91,8 @@ fn falls(stage: &mut Stage) -> Result<Worst, Failure> {
     for name in ["face", "edge", "corner", "needle"] {
         for (kind, material) in materials() {
             let mut mover = stage.enter(falling(name), &material)?;
-            let found = energy_over(&mut mover, FRAME, &GROUND, frames, 0.0);
+            let rule = Rule::above(0.0).within(5.0).recovering();
+            let found = energy_over(&mut mover, FRAME, &GROUND, frames, rule);
             worst.judge(found, || format!("{name}, {kind}"));
         }
     }
@@ -110,25 +111,29 @@ fn thrown<'a>(stage: &'a mut Stage, material: &Material, speed: f32) -> Result<M
 
 fn impact_energy(stage: &mut Stage) -> Result<Worst, Failure> {
     impacts(stage, |mover, frames| {
-        energy_over(mover, FRAME, &GROUND, frames, 0.0)
+        // As far as its speed carries it, and its fall.
+        let seconds = f64::from(FRAME) * f64::from(frames);
+        let way = 1.1 * fastest(&mover.solver) * seconds + 5.0 * seconds.powi(2);
+        let rule = Rule::above(0.0).within(2.0 + way).recovering();
+        energy_over(mover, FRAME, &GROUND, frames, rule)
     })
 }
 
 fn impact_depth(stage: &mut Stage) -> Result<Worst, Failure> {
     impacts(stage, |mover, frames| {
-        let mut deepest = 0.0;
+        let mut deepest = 0.0_f64;
         for _ in 0..frames {
             mover.step(FRAME, &GROUND)?;
             deepest = f64::max(deepest, -f64::from(mover.surface.bounds().min[1]));
         }
-        Ok(deepest)
+        Ok(deepest.into())
     })
 }
 
 /// Judges impacts at every speed, in every material.
 fn impacts(
     stage: &mut Stage,
-    judge: impl Fn(&mut Mover<'_>, u32) -> Result<f64, Failure>,
+    judge: impl Fn(&mut Mover<'_>, u32) -> Result<Found, Failure>,
 ) -> Result<Worst, Failure> {
     let mut worst = Worst::default();
     let frames = stage.pick(60, 300);
@@ -187,8 +192,9 @@ fn rest(stage: &mut Stage) -> Result<Worst, Failure> {
         place(&mut surface, |p| p);
         let mut mover = stage.enter(surface, &material)?;
         let params = SolverParams { ..GROUND };
-        let found = mover.advance(FRAME, &params, minutes * 3600);
-        let found = found.map(|()| fastest(&mover.solver));
+        let rule = Rule::above(0.0).within(2.0).recovering();
+        let found = keeping(&mut mover, FRAME, &params, minutes * 3600, rule);
+        let found = found.map(|found| found.by(fastest(&mover.solver)));
         worst.judge(found, || name.to_owned());
     }
     Ok(worst)

@@ -1,7 +1,7 @@
 //! Parameters that change from one frame to the next.
 
-use super::audit::{EnergyLaw, mechanical};
-use super::case::{Case, Worst};
+use super::audit::{EnergyLaw, Rule, mechanical};
+use super::case::{Case, Found, Worst};
 use super::failure::Failure;
 use super::fuzz::log;
 use super::scenes::{FRAME, GROUND, WEIGHTLESS, ball, elastic_shell};
@@ -39,19 +39,19 @@ fn compliance(stage: &mut Stage) -> Result<Worst, Failure> {
     for soft in [1.0_f32, 1e-2, 1e-4] {
         let stiffness = |stiff: bool| if stiff { soft * 1e-6 } else { soft };
         let mut mover = stage.enter(ball(1, 0.6), &elastic_shell(soft, 1e-2))?;
-        let mut run = || -> Result<f64, Failure> {
-            let mut law = EnergyLaw::start(&mover, &GROUND, 0.0);
-            let mut most = law.ratio;
+        let mut run = || -> Result<Found, Failure> {
+            let mut law = EnergyLaw::start(&mover, &GROUND, Rule::above(0.0));
+            let mut most = law.found();
             for frame in 0..frames {
                 if frame % 10 == 0 {
                     let now = stiffness(frame / 10 % 2 == 1);
                     mover.solver.set_stretch(Stiffness::Compliance(now))?;
                     // A change puts energy in or takes it out: what there is after it is all that there is.
-                    law = EnergyLaw::start(&mover, &GROUND, 0.0);
+                    law = EnergyLaw::start(&mover, &GROUND, Rule::above(0.0));
                 }
                 mover.step(FRAME, &GROUND)?;
                 law.look(&mover, &GROUND);
-                most = most.max(law.ratio);
+                most = most.worse(law.found());
             }
             Ok(most)
         };
@@ -69,13 +69,13 @@ fn gravity(stage: &mut Stage) -> Result<Worst, Failure> {
         ("compliance 1e-5", elastic_shell(1e-5, 1e-2)),
     ] {
         let mut mover = stage.enter(ball(1, 0.6), &material)?;
-        let mut run = || -> Result<f64, Failure> {
+        let mut run = || -> Result<Found, Failure> {
             let weight = |up: bool| SolverParams {
                 gravity: [0.0, if up { 9.81 } else { -9.81 }, 0.0],
                 ..GROUND
             };
             let mut params = weight(false);
-            let mut law = EnergyLaw::start(&mover, &params, 0.0);
+            let mut law = EnergyLaw::start(&mover, &params, Rule::above(0.0).within(20.0));
             for frame in 0..frames {
                 let turned = weight(frame / 7 % 2 == 1);
                 let of = |p: &SolverParams| mechanical(&mover.surface, &mover.solver, p, 0.0);
@@ -85,7 +85,7 @@ fn gravity(stage: &mut Stage) -> Result<Worst, Failure> {
                 mover.step(FRAME, &params)?;
                 law.look(&mover, &params);
             }
-            Ok(law.ratio)
+            Ok(law.found())
         };
         let found = run();
         worst.judge(found, || name.to_owned());
@@ -109,14 +109,14 @@ fn time_steps(stage: &mut Stage) -> Result<Worst, Failure> {
                 super::scenes::pose(&mut mover.surface, |p| p * 1.2);
                 mover.moved()?;
             }
-            let mut run = || -> Result<f64, Failure> {
-                let mut law = EnergyLaw::start(&mover, &params, 0.0);
+            let mut run = || -> Result<Found, Failure> {
+                let mut law = EnergyLaw::start(&mover, &params, Rule::above(0.0).within(5.0));
                 for _ in 0..frames {
                     let dt = log(&mut directions, 1.0 / 600.0, 1.0 / 60.0);
                     mover.step(dt, &params)?;
                     law.look(&mover, &params);
                 }
-                Ok(law.ratio)
+                Ok(law.found())
             };
             // There is no energy to compare with in a body that does not stretch.
             if params == WEIGHTLESS && name == "PBD" {

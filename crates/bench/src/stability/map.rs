@@ -1,6 +1,6 @@
 //! Where in time steps, compliances and mass ratios the solver is stable.
 
-use super::audit::energy_over;
+use super::audit::{Rule, energy_over};
 use super::case::{Case, Worst};
 use super::failure::Failure;
 use super::masses::ribbon;
@@ -55,12 +55,12 @@ fn cells(stage: &mut Stage) -> Result<Vec<Cell>, Failure> {
                 let dt = 10.0_f32.powf(-0.5 * rate as f32);
                 // A quarter of a swing at least.
                 let frames = 200.max(whole(0.5 / dt));
-                let found = energy_over(&mut mover, dt, &params, frames, -1.0);
+                let found = energy_over(&mut mover, dt, &params, frames, Rule::above(-1.0));
                 cells.push(Cell {
                     ratio,
                     rate,
                     compliance,
-                    energy: found.unwrap_or(f64::INFINITY),
+                    energy: found.map_or(f64::INFINITY, |found| found.value),
                 });
             }
         }

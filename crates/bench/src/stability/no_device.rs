@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::stage::Way;
 use incise_mesh::Surface;
 use incise_pbd_gpu::{Solver, SolverParams};
+use incise_scene::BackendRequest;
 
 /// What there is none of.
 #[derive(Debug)]
@@ -21,6 +22,22 @@ impl Device {
     pub(super) fn open(_adapter: Option<&str>) -> Result<Self, Failure> {
         let why = "this build has no GPU support; build it with the feature gpu";
         Err(Failure::Device(why.to_owned()))
+    }
+
+    pub(super) fn again(&self) -> Result<Self, Failure> {
+        match *self {}
+    }
+
+    pub(super) fn portable(&self) -> Result<Self, Failure> {
+        match *self {}
+    }
+
+    pub(super) fn backend(&self) -> BackendRequest {
+        match *self {}
+    }
+
+    pub(super) fn reserved(&self) -> u64 {
+        match *self {}
     }
 
     pub(super) fn describe(&self) -> String {

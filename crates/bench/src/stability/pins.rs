@@ -1,7 +1,7 @@
 //! Pins that leap, turn, come and go, and ask for what cannot be.
 
-use super::audit::{EnergyLaw, farthest};
-use super::case::{Case, Worst};
+use super::audit::{EnergyLaw, Rule, farthest};
+use super::case::{Case, Found, Worst};
 use super::failure::Failure;
 use super::scenes::{FRAME, HANGING, ball, elastic_shell, pose, sheet};
 use super::stage::{Mover, Stage};
@@ -142,12 +142,12 @@ fn comes_and_goes(stage: &mut Stage) -> Result<Worst, Failure> {
     let frames = stage.pick(60, 600);
     for (name, material) in materials() {
         let mut mover = square(stage, &material)?;
-        let mut run = || -> Result<f64, Failure> {
+        let mut run = || -> Result<Found, Failure> {
             pose(&mut mover.surface, |p| Vec3::new(p.x, 0.0, p.y));
             mover.moved()?;
             mover.solver.pin(&mut mover.surface, CORNERS[0])?;
             // A corner that is let go falls, and where it is held next time it hangs lower.
-            let mut law = EnergyLaw::start(&mover, &HANGING, -2.0);
+            let mut law = EnergyLaw::start(&mover, &HANGING, Rule::above(-2.0).within(3.0));
             for frame in 0..frames {
                 if frame % 2 == 0 {
                     mover.solver.pin(&mut mover.surface, CORNERS[1])?;
@@ -157,7 +157,7 @@ fn comes_and_goes(stage: &mut Stage) -> Result<Worst, Failure> {
                 mover.step(FRAME, &HANGING)?;
                 law.look(&mover, &HANGING);
             }
-            Ok(law.ratio)
+            Ok(law.found())
         };
         let found = run();
         worst.judge(found, || name.to_owned());

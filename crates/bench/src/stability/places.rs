@@ -1,7 +1,8 @@
 //! Bodies of millimeters and kilometers, next to the origin and far off, and numbers at the end of their range.
 
-use super::audit::energy_over;
-use super::case::{Case, Worst};
+use super::alike::apart;
+use super::audit::{Rule, energy_over, keeping};
+use super::case::{Case, Found, Worst};
 use super::failure::Failure;
 use super::scenes::{FRAME, GROUND, HANGING, ball, elastic_shell, place};
 use super::stage::Stage;
@@ -41,8 +42,8 @@ pub(super) const CASES: [Case; 4] = [
 
 fn scales(stage: &mut Stage) -> Result<Worst, Failure> {
     let mut worst = Worst::default();
-    let frames = stage.pick(60, 600);
-    for exponent in -3..=3 {
+    let frames = stage.pick(300, 600);
+    for exponent in (-3..=3).step_by(stage.pick(3, 1)) {
         let scale = 10.0_f64.powi(exponent);
         for (name, material) in [
             ("PBD", Material::default()),
@@ -52,7 +53,8 @@ fn scales(stage: &mut Stage) -> Result<Worst, Failure> {
             let mut surface = ball(1, 0.6);
             place(&mut surface, |p| p * scale);
             let mut mover = stage.enter(surface, &material)?;
-            let found = energy_over(&mut mover, FRAME, &GROUND, frames, 0.0);
+            let rule = Rule::above(0.0).within(5.0 * scale).recovering();
+            let found = energy_over(&mut mover, FRAME, &GROUND, frames, rule);
             worst.judge(found, || format!("1e{exponent} m, {name}"));
         }
     }
@@ -107,30 +109,20 @@ fn far(stage: &mut Stage) -> Result<Worst, Failure> {
 
 fn subnormal(stage: &mut Stage) -> Result<Worst, Failure> {
     let mut worst = Worst::default();
-    let mut dropped = |stretch: f32| -> Result<Vec<[f32; 4]>, Failure> {
+    let mut dropped = |stretch: f32| -> Result<(Vec<[f32; 4]>, Found), Failure> {
         let material = Material {
             stretch: Stiffness::Compliance(stretch),
             bending: None,
             ..Material::default()
         };
         let mut mover = stage.enter(ball(1, 0.6), &material)?;
-        mover.advance(FRAME, &GROUND, 60)?;
-        Ok(mover.surface.positions.clone())
+        let rule = Rule::above(0.0).within(3.0);
+        let kept = keeping(&mut mover, FRAME, &GROUND, 60, rule)?;
+        Ok((mover.surface.positions.clone(), kept))
     };
-    let rigid = dropped(0.0)?;
+    let (rigid, _) = dropped(0.0)?;
     for compliance in [1e-36, 1e-38, 1e-40, 1e-45_f32] {
-        let found = dropped(compliance).map(|soft| {
-            let off = |a: &[f32; 4], b: &[f32; 4]| {
-                (0..3)
-                    .map(|k| f64::from((a[k] - b[k]).abs()))
-                    .fold(0.0, f64::max)
-            };
-            rigid
-                .iter()
-                .zip(&soft)
-                .map(|(a, b)| off(a, b))
-                .fold(0.0, f64::max)
-        });
+        let found = dropped(compliance).map(|(soft, kept)| kept.by(apart(&rigid, &soft)));
         worst.judge(found, || format!("{compliance:e} m/N"));
     }
     Ok(worst)

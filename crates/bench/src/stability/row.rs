@@ -39,7 +39,8 @@ pub(super) const TEXTS: &str = "torture, law, and where the worst was found";
 pub(super) const LEGEND: &str = "\
 runs: how many were judged. worst: the largest number of the law's kind in all of them; a case passes when it is at \
 most the bound. none: a run ended in an error where the law allows none, or in a position that is no number, which is \
-worse than any number.";
+worse than any number. The rule for all motions is asked of runs in which nothing outside does unknown work: ten times the \
+speed that all of the energy would give the lightest vertex, a stated way from the origin, a mean strain of 5% after 5 s, 1.01 of the energy.";
 
 impl Row {
     pub(super) const NAMES: [&str; 6] = ["case", "backend", "verdict", "runs", "bound", "worst"];
@@ -54,7 +55,7 @@ impl Row {
         let worst = found.unwrap_or_else(|failure| Worst {
             value: f64::INFINITY,
             at: failure.to_string(),
-            runs: 0,
+            ..Worst::default()
         });
         Self {
             id: case.id,
@@ -133,6 +134,7 @@ mod tests {
             value,
             at: "here".to_owned(),
             runs: 2,
+            rule: None,
         }
     }
 

@@ -1,7 +1,6 @@
 //! What must hold of a surface, its search tree, its constraints and its sums after every edit.
 
 use super::failure::Failure;
-use super::stage::Mover;
 use incise_cut::Cutter;
 use incise_mesh::Surface;
 use incise_pbd_gpu::Solver;
@@ -85,8 +84,7 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    pub(super) fn of(mover: &Mover<'_>) -> Self {
-        let (surface, solver) = (&mover.surface, &mover.solver);
+    pub(super) fn of(surface: &Surface, solver: &Solver) -> Self {
         let bounds = surface.bounds();
         Self {
             mass: solver.total_mass(),

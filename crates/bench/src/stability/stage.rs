@@ -2,9 +2,12 @@
 
 use super::device::{Device, Place};
 use super::failure::Failure;
+use super::islands::Islands;
 use super::map::Cell;
+use super::sleep::CutAsleep;
 use incise_mesh::{Surface, TopologyDelta};
 use incise_pbd_gpu::{Material, Solver, SolverParams};
+use incise_scene::{Scene, SceneParams};
 
 /// How much of a case is run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,6 +50,10 @@ pub(super) struct Stage {
     pub(super) device: Option<Device>,
     /// What ten million substeps of a spinning body came to, once they were made: two laws look at it.
     pub(super) spun: Option<[f64; 2]>,
+    /// What cuts of bodies that sleep came to, once they were made: two laws look at it.
+    pub(super) cut_asleep: Option<CutAsleep>,
+    /// What bodies that were cut down to islands came to, once they were: two laws look at it.
+    pub(super) islands: Option<Islands>,
     /// The stability map, once it was made: it can be drawn.
     pub(super) map: Option<Vec<Cell>>,
 }
@@ -57,6 +64,8 @@ impl Stage {
             effort,
             device,
             spun: None,
+            islands: None,
+            cut_asleep: None,
             map: None,
         }
     }
@@ -67,6 +76,17 @@ impl Stage {
             Effort::Quick => quick,
             Effort::Full => full,
         }
+    }
+
+    /// An empty scene on what executes the cases.
+    ///
+    /// # Errors
+    /// [`Failure`] when the device is not opened a second time.
+    pub(super) fn scene(&self, params: SceneParams) -> Result<Scene, Failure> {
+        Ok(match &self.device {
+            Some(device) => Scene::with_backend(params, &device.backend())?,
+            None => Scene::new(params),
+        })
     }
 
     /// Sets a body up. It may be posed already: rest positions are the surface's own.
@@ -182,6 +202,11 @@ impl Mover<'_> {
             *place = device.add(&self.surface, &mut self.solver)?;
         }
         Ok(())
+    }
+
+    /// The bytes that bodies on the device have room for before buffers are replaced by larger ones; 0 without one.
+    pub(super) fn reserved(&self) -> u64 {
+        (self.device.as_ref()).map_or(0, |(device, _)| device.reserved())
     }
 
     /// Ends the device that the body is on.
