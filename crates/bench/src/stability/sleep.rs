@@ -163,7 +163,7 @@ fn cut_asleep(stage: &mut Stage) -> Result<CutAsleep, Failure> {
         return Ok(known.clone());
     }
     let mut found = CutAsleep::default();
-    let (kinds, cuts) = stage.pick((1, 5), (3, 8));
+    let (kinds, cuts) = stage.pick((1, 6), (3, 8));
     for (name, material) in materials().into_iter().take(kinds) {
         let (mut scene, body, blade) = lay_down(stage, ball(0, 0.6), &material)?;
         let mut directions = Directions(13);

@@ -46,7 +46,7 @@ fn time_steps(stage: &mut Stage) -> Result<Worst, Failure> {
     );
     for &rate in rates {
         // Half a second, which holds the impact, or what fits.
-        let frames = stage.pick(60, if rate > 6000.0 { 12_000 } else { 3000 });
+        let frames = stage.pick(80, if rate > 6000.0 { 12_000 } else { 3000 });
         for (name, material) in materials() {
             for iterations in [1, 10] {
                 let params = SolverParams {
