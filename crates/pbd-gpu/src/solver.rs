@@ -236,10 +236,11 @@ impl Solver {
     pub(crate) fn prepare(&mut self, dt: f32, params: &SolverParams) -> StepConstants {
         let mut constants = self.constants(dt, params);
         constants.keep(self.kept_errors(dt, constants.h));
-        let tethers = params.tethers && !self.pins.is_empty() && self.material.stretch.is_rigid();
+        let tethers = params.tethers && !self.pins.is_empty() && self.is_firm(params.gravity);
         if tethers {
-            let slots = self.mass.len();
-            self.tethers.update(&self.stretch, &self.pins, slots);
+            let (stretches, slots) = (!self.material.stretch.is_rigid(), self.mass.len());
+            self.tethers
+                .update(&self.stretch, stretches, &self.pins, slots);
         }
         let key = PlanKey {
             tethers,
@@ -250,6 +251,16 @@ impl Solver {
         };
         self.plan.update(key, &self.stretch, self.bending.as_ref());
         constants
+    }
+
+    /// Whether edges stretch by nothing that can be seen.
+    fn is_firm(&mut self, gravity: [f32; 3]) -> bool {
+        match self.material.stretch {
+            Stiffness::Compliance(compliance) if compliance > 0.0 => {
+                (self.tethers).are_firm(compliance, gravity, &self.stretch, &self.mass)
+            }
+            stiffness => stiffness.is_rigid(),
+        }
     }
 
     /// The part of old errors that rigid constraints leave in a frame of `dt` and substeps of `h` \[s\]: as velocities follow
@@ -340,7 +351,7 @@ impl Solver {
     }
 
     /// How far vertices may be from pinned ones, as the last step held them to it: empty unless it had
-    /// [`SolverParams::tethers`], edges did not stretch and there were pins.
+    /// [`SolverParams::tethers`], edges stretched by next to nothing and there were pins.
     #[must_use]
     pub fn tethers(&self) -> &[Tether] {
         if self.plan.iteration().first() == Some(&Pass::Tethers) {

@@ -4,7 +4,9 @@ const FLAT: f32 = 1e-5;
 const MAX_TURN: f32 = 0.1;
 const RECOVERY: f32 = 3.0;
 const HOLD: f32 = 10.0;
-const SOFT: f32 = 100.0;
+const FOLLOW: f32 = 0.3;
+const FREE: f32 = 1e4;
+const LIMP: f32 = 100.0;
 const FIRM: f32 = 1e30;
 
 // The built-in ones may round in another order.
@@ -68,10 +70,16 @@ fn project_bending(at: u32, by: Projection) {
     let before = turn - added;
     let soft = by.alpha / weight;
     let held = by.hold * ((x0.w + x1.w) + (x2.w + x3.w));
-    let recovery = (RECOVERY * frame.h) * ((1.0 + soft * (1.0 + SOFT * soft)) + held);
+    let recovery = RECOVERY * frame.h;
+    let limp = held / (LIMP * (recovery * recovery));
+    let share = select(1.0, limp, limp < 1.0);
+    let follow = FOLLOW * (soft * held);
+    let followed = select(FREE, follow, follow < FREE);
+    let free = (followed * followed) * (followed * followed);
+    let returned = recovery * (share * (1.0 + free) + held);
     var left = 0.0;
-    left = select(left, before - recovery, before > recovery);
-    left = select(left, before + recovery, before < -recovery);
+    left = select(left, before - returned, before > returned);
+    left = select(left, before + returned, before < -returned);
     let kept = by.old * before;
     left = select(left, kept, abs(kept) > abs(left));
     let wish = by.factor * ((turn - left) + by.alpha * lambda);

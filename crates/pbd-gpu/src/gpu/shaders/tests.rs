@@ -183,7 +183,9 @@ fn kernels_and_their_twins_have_the_same_constants() {
             ("MAX_TURN", bending::MAX_TURN),
             ("RECOVERY", bending::RECOVERY),
             ("HOLD", bending::HOLD),
-            ("SOFT", bending::SOFT),
+            ("FOLLOW", bending::FOLLOW),
+            ("FREE", bending::FREE),
+            ("LIMP", bending::LIMP),
             ("RETURN", tethers::RETURN),
             ("FIRM", bending::FIRM),
         ] {
