@@ -15,6 +15,9 @@ use incise_mesh::VertexId;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+/// The least that gravity is taken for [m/s^2]: what weighs nothing is thrown about no less.
+const EARTH: f64 = 9.81;
+
 /// A body whose whole weight would stretch one of its edges by no more than this share of its length counts as one that does not stretch.
 const FIRM_STRAIN: f64 = 1e-4;
 
@@ -105,7 +108,7 @@ impl Tethers {
         let load = *self.load.get_or_insert_with(|| load(stretch, masses));
         let gravity = gravity.map(f64::from);
         let pull = gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
-        f64::from(compliance) * pull * load <= FIRM_STRAIN
+        f64::from(compliance) * pull.max(EARTH) * load <= FIRM_STRAIN
     }
 
     /// Finds them again if edges or pins have changed: Dijkstra's algorithm from all pins at once, O(n log n). Edges that stretch

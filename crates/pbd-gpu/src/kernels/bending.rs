@@ -448,11 +448,13 @@ mod tests {
                 "{found} of {expected}, edges of {alpha}"
             );
         }
-        // A compliance that asks for less than the bound gets what it asks for.
+        // A compliance gets what it asks for beside edges that are stiffer than the hinge, and less beside softer ones.
         let soft = Stiffness::Compliance(1e-3);
-        let [free, held] = [0.0, 1e4].map(|alpha| turned(old, 0.0, alpha, soft, h));
-        assert_eq!(free, held, "the pull of a compliance");
+        let [free, stiffer, softer] =
+            [0.0, 10.0, 1e4].map(|alpha| turned(old, 0.0, alpha, soft, h));
+        assert_eq!(free, stiffer, "the pull of a compliance");
         assert!(free > 0.0 && free < limit, "{free} is below the bound");
+        assert!(softer < 0.2 * free, "{softer} of {free}");
     }
 
     #[test]
