@@ -30,7 +30,7 @@ pub(super) const CASES: [Case; 3] = [
     Case {
         id: "T16",
         torture: "cuts of a moving body that outgrow the buffers, with a device's own limits and with any WebGPU device's",
-        law: "way from the processor's 10 frames after each [m]",
+        law: "way from the processor's in any of 10 frames after each, from one state [m]",
         bound: 1e-4,
         run: outgrown,
     },
@@ -149,12 +149,17 @@ fn outgrow(stage: &mut Stage, name: &str, way: Way, worst: &mut Worst) -> Result
         let piece = all[below(&mut directions, all.len())];
         let sweep = through(&mover.surface, piece, &mut directions)?;
         let found = cut(&mut mover, &mut cutter, &sweep, &CutParams::default()).and_then(|_| {
-            let (mut surface, mut solver) = (mover.surface.clone(), mover.solver.clone());
-            mover.advance(FRAME, &GROUND, frames)?;
+            let mut farthest = 0.0_f64;
             for _ in 0..frames {
+                // A hinge of a crumpled body that is half a turn off its rest goes back either way: rounding decides,
+                // and a frame makes a thousand times as much of it. So every frame begins anew with the device's state. What
+                // an edit failed to send is missing in the first one.
+                let (mut surface, mut solver) = (mover.surface.clone(), mover.solver.clone());
+                mover.step(FRAME, &GROUND)?;
                 solver.step(&mut surface, FRAME, &GROUND)?;
+                farthest = farthest.max(apart(&mover.surface.positions, &surface.positions));
             }
-            Ok(apart(&mover.surface.positions, &surface.positions))
+            Ok(farthest)
         });
         let broken = found.is_err();
         worst.judge(found, || format!("{name}, cut {number}"));
