@@ -273,7 +273,11 @@ mod tests {
     }
 
     /// What does not hold today: the results say by how much. One that is mended leaves this list.
-    const OPEN: [(&str, &str); 7] = [
+    ///
+    /// T12's cuts of who sleeps hold here and not in full: after the eighth, a piece of a ball in the paper's constraints
+    /// creeps along the ground for 60 s at the speed that sleep allows, 8e-4 m/s, its edges of 3 mm, whose ends weigh
+    /// 1e-4 of the others, 12% too long. It slows down, by half in 4 s more.
+    const OPEN: [(&str, &str); 6] = [
         // A single iteration of the paper's constraints in steps of 1/15 s leaves a ball crushed.
         ("T1", "time step 1/15 to 1/60000 s"),
         // Ten iterations do not hold a million times the weight on springs: it is next to free in its fall.
@@ -284,11 +288,6 @@ mod tests {
         (
             "contradiction",
             "two pins 10 times as far apart as the sheet is wide, then one let go",
-        ),
-        // Five pieces in the paper's constraints creep on faster than sleep allows.
-        (
-            "T12",
-            "cuts through a body that sleeps on the ground: it wakes, and sleeps again",
         ),
         (
             "T20",

@@ -204,7 +204,7 @@ impl Frame<'_, '_> {
             }
             Pass::Ground => {
                 stats.ground_passes += 1;
-                ground::ground(x, d, constants.ground, constants.friction);
+                ground::ground(x, d, v, constants.ground, constants.friction);
             }
             Pass::Integrate => match integrate::integrate(x, d, v, constants) {
                 Some(farthest) => {

@@ -1,6 +1,7 @@
 // Twin of ground.rs.
 
-// Lifts a vertex onto the ground and takes back its sideways displacement.
+// Lifts a vertex onto the ground and takes back its sideways displacement. What friction has left for the substep's
+// other passes waits in the velocity's fourth entry, of which integrate() makes 0.
 fn lift_vertex(i: u32, friction: f32) {
     let x = load_x(i);
     var d = load_d(i);
@@ -8,8 +9,10 @@ fn lift_vertex(i: u32, friction: f32) {
     if (depth > 0.0 && x.w > 0.0) {
         d.y += depth;
         let sideways = sqrt(d.x * d.x + d.z * d.z);
-        let limit = friction * depth;
-        let kept = select(0.0, 1.0 - limit / sideways, sideways > limit);
+        let limit = velocities[first_vertex + i].w + friction * depth;
+        let slips = sideways > limit;
+        let kept = select(0.0, 1.0 - limit / sideways, slips);
+        velocities[first_vertex + i].w = select(limit - sideways, 0.0, slips);
         d.x *= kept;
         d.z *= kept;
         store_d(i, d);
