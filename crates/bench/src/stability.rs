@@ -275,8 +275,8 @@ mod tests {
     /// What does not hold today: the results say by how much. One that is mended leaves this list.
     ///
     /// T12's cuts of who sleeps hold here and not in full: after the eighth, a piece of a ball in the paper's constraints
-    /// creeps along the ground for 60 s at the speed that sleep allows, 8e-4 m/s, its edges of 3 mm, whose ends weigh
-    /// 1e-4 of the others, 12% too long. It slows down, by half in 4 s more.
+    /// creeps along the ground for 60 s at the speed that sleep allows, 8e-4 m/s. It has edges of 3 mm, 12% too long, with ends
+    /// that weigh 1e-4 of the body's heaviest vertex. Its fastest vertex is at 0.6 of that speed 4 s later.
     const OPEN: [(&str, &str); 6] = [
         // A single iteration of the paper's constraints in steps of 1/15 s leaves a ball crushed.
         ("T1", "time step 1/15 to 1/60000 s"),
