@@ -97,7 +97,7 @@ pub(crate) fn run(
     if let Some(folder) = &arguments.plot {
         output::folder(folder)?;
         // One picture a backend; with several, their names end with the backend's.
-        let backends = &arguments.run.backend;
+        let backends = arguments.run.backends();
         for name in names() {
             for backend in backends.iter().map(|executor| executor.name()) {
                 let file = match backends.len() {
@@ -109,7 +109,7 @@ pub(crate) fn run(
         }
     }
     let mut plots = plots.into_iter();
-    let device = match arguments.run.backend.contains(&Executor::Gpu) {
+    let device = match arguments.run.backends().contains(&Executor::Gpu) {
         true => Some(Device::open(arguments.run.gpu.adapter.as_deref())?),
         false => None,
     };
@@ -130,7 +130,7 @@ pub(crate) fn run(
     }
     let mut rows: Vec<Row> = Vec::new();
     let (mut written, mut drawn) = (Ok(()), Ok(()));
-    let ways = Scheme::ALL.len() * powers(arguments.most).len() * arguments.run.backend.len();
+    let ways = Scheme::ALL.len() * powers(arguments.most).len() * arguments.run.backends().len();
     let ways = if arguments.schemes { 1 } else { ways };
     let progress = Progress::new(names().count() as u64, ways as u64);
     for name in names() {
@@ -156,7 +156,7 @@ pub(crate) fn run(
         })?;
         // What cannot be written does not end a run of hours; the next scene's rows bring these along.
         written = json.write(&rows);
-        for mut plot in plots.by_ref().take(arguments.run.backend.len()) {
+        for mut plot in plots.by_ref().take(arguments.run.backends().len()) {
             drawn = drawn.and(plot.draw(name, &rows[first..]));
         }
     }
@@ -199,7 +199,7 @@ impl Setup<'_> {
             is_held: !scene.pins.is_empty(),
         };
         for executor in [Executor::Cpu, Executor::Gpu] {
-            if !self.arguments.run.backend.contains(&executor) {
+            if !self.arguments.run.backends().contains(&executor) {
                 continue;
             }
             for (scheme, &substeps) in Scheme::ALL

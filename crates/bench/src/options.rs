@@ -39,9 +39,40 @@ pub(crate) struct RunArguments {
         value_delimiter = ',',
         default_value = "cpu"
     )]
-    pub(crate) backend: Vec<Executor>,
+    backend: Vec<Executor>,
     #[command(flatten)]
     pub(crate) gpu: AdapterArguments,
     #[command(flatten)]
     pub(crate) rows: JsonArguments,
+}
+
+impl RunArguments {
+    /// What executes the solver, in the order that was asked for, each once.
+    pub(crate) fn backends(&self) -> Vec<Executor> {
+        let mut each = Vec::new();
+        for &executor in &self.backend {
+            if !each.contains(&executor) {
+                each.push(executor);
+            }
+        }
+        each
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        run: RunArguments,
+    }
+
+    #[test]
+    fn what_is_named_twice_runs_once() {
+        let line = Line::try_parse_from(["bench", "--backend", "gpu,cpu,gpu"]).unwrap();
+        assert_eq!(line.run.backends(), [Executor::Gpu, Executor::Cpu]);
+    }
 }

@@ -198,7 +198,7 @@ pub(crate) fn run(arguments: &SkipArguments, out: &mut impl Write) -> Result<(),
     let commit = machine::commit();
     let mut json = Json::open(run.rows.json.as_deref())?;
     let mut rows: Vec<Row> = Vec::new();
-    for &executor in &run.backend {
+    for executor in run.backends() {
         let device = match executor {
             Executor::Cpu => None,
             Executor::Gpu => Some(Device::open(run.gpu.adapter.as_deref())?),

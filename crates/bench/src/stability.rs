@@ -132,7 +132,7 @@ fn plots(
             "--plot draws what the case map finds: add map to --only, or leave --plot out".into(),
         );
     }
-    let backends = &arguments.run.backend;
+    let backends = arguments.run.backends();
     let open = |executor: &Executor| match backends.len() {
         1 => PictureFile::open(path),
         _ => {
@@ -182,7 +182,7 @@ pub(crate) fn run(
     let commit = machine::commit();
     let mut rows: Vec<Row> = Vec::new();
     let mut written = Ok(());
-    for &executor in &arguments.run.backend {
+    for executor in arguments.run.backends() {
         let device = match executor {
             Executor::Cpu => None,
             Executor::Gpu => Some(Device::open(arguments.run.gpu.adapter.as_deref())?),
