@@ -124,6 +124,14 @@ pub enum StepError {
         /// What was asked for \[s\].
         value: f32,
     },
+    /// Substeps so short, or compliances so large, that `compliance / h^2` is no number any more.
+    #[error(
+        "compliance over the square of a substep of {h} s is no number: take fewer substeps, longer steps or less compliance"
+    )]
+    TooShort {
+        /// The substep \[s\].
+        h: f32,
+    },
     /// No iterations or no substeps.
     #[error("a step needs at least one {name}")]
     NoneOf {

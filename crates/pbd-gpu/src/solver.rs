@@ -197,7 +197,7 @@ impl Solver {
             let vertex = first_non_finite(&surface.positions);
             return Err(StepError::NonFiniteInput { vertex });
         }
-        let constants = self.prepare(dt, params);
+        let constants = self.prepare(dt, params)?;
         let h = constants.h;
         let order = |h| {
             let mut order = self.constants_of(h, 1, params);
@@ -233,14 +233,24 @@ impl Solver {
     }
 
     /// Brings the plan up to date and finds the numbers of a frame.
-    pub(crate) fn prepare(&mut self, dt: f32, params: &SolverParams) -> StepConstants {
+    ///
+    /// # Errors
+    /// [`StepError::TooShort`]; nothing is changed then.
+    pub(crate) fn prepare(
+        &mut self,
+        dt: f32,
+        params: &SolverParams,
+    ) -> Result<StepConstants, StepError> {
         let mut constants = self.constants(dt, params);
+        let alphas = [constants.stretch.alpha, constants.bending.alpha];
+        if !alphas.iter().all(|alpha| alpha.is_finite()) {
+            return Err(StepError::TooShort { h: constants.h });
+        }
         constants.keep(self.kept_errors(dt, constants.h));
-        let tethers = params.tethers && !self.pins.is_empty() && self.is_firm(params.gravity);
+        let tethers = params.tethers && !self.pins.is_empty() && self.material.stretch.is_rigid();
         if tethers {
-            let (stretches, slots) = (!self.material.stretch.is_rigid(), self.mass.len());
-            self.tethers
-                .update(&self.stretch, stretches, &self.pins, slots);
+            let slots = self.mass.len();
+            self.tethers.update(&self.stretch, &self.pins, slots);
         }
         let key = PlanKey {
             tethers,
@@ -250,17 +260,7 @@ impl Solver {
             multipliers: constants.stretch.keeps || constants.bending.keeps,
         };
         self.plan.update(key, &self.stretch, self.bending.as_ref());
-        constants
-    }
-
-    /// Whether edges stretch by nothing that can be seen.
-    fn is_firm(&mut self, gravity: [f32; 3]) -> bool {
-        match self.material.stretch {
-            Stiffness::Compliance(compliance) if compliance > 0.0 => {
-                (self.tethers).are_firm(compliance, gravity, &self.stretch, &self.mass)
-            }
-            stiffness => stiffness.is_rigid(),
-        }
+        Ok(constants)
     }
 
     /// The part of old errors that rigid constraints leave in a frame of `dt` and substeps of `h` \[s\]: as velocities follow
@@ -351,7 +351,7 @@ impl Solver {
     }
 
     /// How far vertices may be from pinned ones, as the last step held them to it: empty unless it had
-    /// [`SolverParams::tethers`], edges stretched by next to nothing and there were pins.
+    /// [`SolverParams::tethers`], edges did not stretch and there were pins.
     #[must_use]
     pub fn tethers(&self) -> &[Tether] {
         if self.plan.iteration().first() == Some(&Pass::Tethers) {

@@ -60,7 +60,6 @@ impl Solver {
             });
         }
         self.mass[v.index()] = mass;
-        self.tethers.reweigh();
         if self.pin_of(v).is_err() {
             surface.positions[v.index()][3] = inverse_mass;
         }

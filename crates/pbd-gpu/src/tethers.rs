@@ -5,24 +5,12 @@
 //! goes from edge to edge, one or two an iteration, while a tether holds at once what hangs on it: without, a fixed number
 //! of iterations leaves a sheet the longer the more triangles it has, and a light one by as many lengths as its load
 //! is heavier (Kim, Chentanez and Mueller 2012, "Long Range Attachments").
-//!
-//! Edges of a compliance so small that they might as well have none are no better off: iterations cannot tell the two
-//! apart. Their tethers are a little longer, by more than such a body ever stretches.
 
 use crate::constraints::StretchSet;
 use crate::plan::Pin;
 use incise_mesh::VertexId;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-
-/// The least that gravity is taken for [m/s^2]: what weighs nothing is thrown about no less.
-const EARTH: f64 = 9.81;
-
-/// A body whose whole weight would stretch one of its edges by no more than this share of its length counts as one that does not stretch.
-const FIRM_STRAIN: f64 = 1e-4;
-
-/// By how much the tethers of such a body are longer than ways, in parts: what a load of ten times its weight may need.
-const SLACK: f64 = 10.0 * FIRM_STRAIN;
 
 /// A vertex and the pinned one that it is nearest to, along edges.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +19,7 @@ pub struct Tether {
     pub vertex: VertexId,
     /// The pinned one.
     pub anchor: VertexId,
-    /// The way between them at rest \[m\], rounded up; a thousandth more where edges have a little compliance.
+    /// The way between them at rest \[m\], rounded up.
     pub length: f32,
 }
 
@@ -43,10 +31,6 @@ const NONE: u32 = u32::MAX;
 pub(crate) struct Tethers {
     list: Vec<Tether>,
     is_current: bool,
-    /// By how much the list's lengths are longer than ways, in parts.
-    slack: f64,
-    /// The body's mass over the mean length of its edges at rest [kg/m]; none where masses or edges have changed.
-    load: Option<f64>,
     generation: u64,
     /// Where a vertex's edges begin in `edges`, shape [vertex slots + 1].
     first: Vec<u32>,
@@ -89,42 +73,13 @@ impl Tethers {
     /// Edges or pins came or went.
     pub(crate) fn invalidate(&mut self) {
         self.is_current = false;
-        self.load = None;
     }
 
-    /// Vertices got another mass.
-    pub(crate) fn reweigh(&mut self) {
-        self.load = None;
-    }
-
-    /// Whether edges of that compliance [m/N] stretch by next to nothing under the body's weight.
-    pub(crate) fn are_firm(
-        &mut self,
-        compliance: f32,
-        gravity: [f32; 3],
-        stretch: &StretchSet,
-        masses: &[f32],
-    ) -> bool {
-        let load = *self.load.get_or_insert_with(|| load(stretch, masses));
-        let gravity = gravity.map(f64::from);
-        let pull = gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
-        f64::from(compliance) * pull.max(EARTH) * load <= FIRM_STRAIN
-    }
-
-    /// Finds them again if edges or pins have changed: Dijkstra's algorithm from all pins at once, O(n log n). Edges that stretch
-    /// a little leave them some slack.
-    pub(crate) fn update(
-        &mut self,
-        stretch: &StretchSet,
-        stretches: bool,
-        pins: &[Pin],
-        vertex_slots: usize,
-    ) {
-        let slack = if stretches { SLACK } else { 0.0 };
-        if self.is_current && self.slack == slack {
+    /// Finds them again if edges or pins have changed: Dijkstra's algorithm from all pins at once, O(n log n).
+    pub(crate) fn update(&mut self, stretch: &StretchSet, pins: &[Pin], vertex_slots: usize) {
+        if self.is_current {
             return;
         }
-        self.slack = slack;
         self.is_current = true;
         self.generation += 1;
         self.list.clear();
@@ -145,7 +100,7 @@ impl Tethers {
                 self.list.push(Tether {
                     vertex: VertexId(vertex),
                     anchor: VertexId(anchor),
-                    length: rounded_up(way * (1.0 + slack)),
+                    length: rounded_up(way),
                 });
             }
             let edges = &self.edges[self.first[v] as usize..self.first[v + 1] as usize];
@@ -185,18 +140,6 @@ impl Tethers {
         // Every list now begins where the one before it did.
         first.rotate_right(1);
         first[0] = 0;
-    }
-}
-
-/// Mass over the mean length of edges at rest [kg/m]; without edges there is nothing to stretch.
-fn load(stretch: &StretchSet, masses: &[f32]) -> f64 {
-    let lengths = || stretch.all().flat_map(|batch| batch.rest());
-    let mass: f64 = masses.iter().map(|&m| f64::from(m)).sum();
-    let whole: f64 = lengths().map(|&length| f64::from(length)).sum();
-    if whole > 0.0 {
-        mass * lengths().count() as f64 / whole
-    } else {
-        0.0
     }
 }
 

@@ -232,6 +232,20 @@ fn bad_bodies_and_frames_are_refused() {
     };
     let refused = solver.step(&mut surface, 0.01, &none).map(|_| ());
     assert_eq!(refused, Err(StepError::NoneOf { name: "iteration" }));
+    // compliance / h^2 is infinite, or 0 / 0.
+    for (compliance, h) in [(1e33, 1e-3), (0.0, 1e-23)] {
+        let before = (surface.positions.clone(), solver.velocities().to_vec());
+        solver
+            .set_stretch(Stiffness::Compliance(compliance))
+            .unwrap();
+        let refused = solver.step(&mut surface, h, &params).map(|_| ());
+        assert_eq!(refused, Err(StepError::TooShort { h }));
+        assert_eq!(
+            (surface.positions.clone(), solver.velocities().to_vec()),
+            before
+        );
+    }
+    solver.set_stretch(Stiffness::Pbd(1.0)).unwrap();
     solver
         .set_velocity(VertexId(3), [f32::MAX, 0.0, 0.0])
         .unwrap();

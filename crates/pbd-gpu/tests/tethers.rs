@@ -122,43 +122,11 @@ fn only_where_edges_do_not_stretch_and_something_is_pinned() {
     assert_eq!(count(rigid, true, false), 0, "they are not asked for");
     assert_eq!(count(rigid, false, true), 0, "nothing is pinned");
     assert_eq!(count(Stiffness::Pbd(0.99), true, true), 0, "it gives way");
-    // The whole weight on one edge stretches it by a part in a hundred million, or a part in ten.
-    let all = 2 * SQUARES as usize;
-    assert_eq!(count(Stiffness::Compliance(1e-9), true, true), all);
     assert_eq!(
-        count(Stiffness::Compliance(1e-2), true, true),
+        count(Stiffness::Compliance(1e-9), true, true),
         0,
         "it gives way"
     );
-}
-
-/// What stretches a little under ten times its weight is left to do so: with tethers it hangs as without.
-#[test]
-fn next_to_rigid_edges_keep_what_they_stretch_by() {
-    let hung = |tethers| {
-        let (mut surface, mut solver) = ribbon(Stiffness::Compliance(1e-5), 1.0);
-        let params = SolverParams {
-            iterations: 200,
-            tethers,
-            gravity: [0.0, -9.81, 0.0],
-            ..SolverParams::default()
-        };
-        for _ in 0..300 {
-            solver.step(&mut surface, DT, &params).unwrap();
-        }
-        assert_eq!(solver.tethers().is_empty(), !tethers);
-        let heavier = SolverParams {
-            gravity: [0.0, -98.1, 0.0],
-            ..params
-        };
-        solver.step(&mut surface, DT, &heavier).unwrap();
-        assert!(
-            solver.tethers().is_empty(),
-            "ten times as heavy it is seen to stretch"
-        );
-        surface.positions
-    };
-    assert_eq!(hung(true), hung(false));
 }
 
 /// The ways from every vertex to the pin nearest to it: relaxed along all edges until nothing changes.

@@ -1,7 +1,7 @@
 //! The same answer from any number of threads, and in any order of constraints.
 
 use super::audit::{Rule, keeping};
-use super::case::{Case, Found, Worst};
+use super::case::{Case, Found, Worst, larger};
 use super::failure::Failure;
 use super::scenes::{FRAME, GROUND, HANGING, double_cone, elastic_shell, sheet};
 use super::stage::Stage;
@@ -39,9 +39,9 @@ pub(super) fn apart(one: &[[f32; 4]], other: &[[f32; 4]]) -> f64 {
     let way = |(a, b): (&[f32; 4], &[f32; 4])| {
         (0..3)
             .map(|k| f64::from((a[k] - b[k]).abs()))
-            .fold(0.0, f64::max)
+            .fold(0.0, larger)
     };
-    pairs.map(way).fold(0.0, f64::max)
+    pairs.map(way).fold(0.0, larger)
 }
 
 fn threads(stage: &mut Stage) -> Result<Worst, Failure> {

@@ -1,6 +1,6 @@
 //! What is asked of a body under torture: its energies, its strain, how far it reaches, how fast it is.
 
-use super::case::{Case, Found, Kept};
+use super::case::{Case, Found, Kept, larger};
 use super::failure::Failure;
 use super::stage::Mover;
 use incise_mesh::{Surface, VertexId};
@@ -9,7 +9,7 @@ use incise_pbd_gpu::{Batch, ConstraintSet, Solver, SolverParams, Stiffness};
 /// What every motion has to keep in which nothing outside does unknown work, and how much of it a case can say.
 ///
 /// Of all: energy, and with it that no vertex is faster than ten times what all of the energy would make of the
-/// lightest one.
+/// lightest one. Where that is all, the rule is no law beside the case's own.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rule {
     /// Height of no potential energy, the lowest that the body can reach \[m\].
@@ -145,7 +145,10 @@ impl EnergyLaw {
     /// What the law came to: judged by energy.
     pub(super) fn found(&self) -> Found {
         let found = Found::from(self.ratio);
-        self.kept.map_or(found, |kept| found.with(kept))
+        // Who keeps energy is not too fast: of speed alone the law beside it says more.
+        let says_more = self.rule.reach.is_some() || self.rule.recovers;
+        let kept = self.kept.filter(|_| says_more);
+        kept.map_or(found, |kept| found.with(kept))
     }
 
     /// Looks at the body after the last frame of so many seconds.
@@ -275,12 +278,12 @@ pub(super) fn fastest(solver: &Solver) -> f64 {
         .velocities()
         .iter()
         .map(speed)
-        .fold(0.0, f64::max)
+        .fold(0.0, larger)
         .sqrt()
 }
 
 /// The farthest vertex from the origin \[m\].
 pub(super) fn farthest(surface: &Surface) -> f64 {
     let all = surface.topology().vertices();
-    all.map(|v| surface.position(v).norm()).fold(0.0, f64::max)
+    all.map(|v| surface.position(v).norm()).fold(0.0, larger)
 }

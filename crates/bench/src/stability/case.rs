@@ -18,6 +18,15 @@ pub(super) struct Case {
     pub(super) run: fn(&mut Stage) -> Result<Worst, Failure>,
 }
 
+/// The larger of two numbers. What is no number is larger than any: `f64::max` would forget it.
+pub(super) fn larger(one: f64, other: f64) -> f64 {
+    if other > one || other.is_nan() {
+        other
+    } else {
+        one
+    }
+}
+
 /// What a run came to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Found {
@@ -50,7 +59,7 @@ impl Found {
 
     /// Two runs as one.
     pub(super) fn worse(self, other: Self) -> Self {
-        let value = self.value.max(other.value);
+        let value = larger(self.value, other.value);
         let all = Self { value, ..self };
         other.kept.map_or(all, |kept| all.with(kept))
     }

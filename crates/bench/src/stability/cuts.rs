@@ -1,6 +1,6 @@
 //! Cuts of bodies in motion, one after the other.
 
-use super::case::{Case, Worst};
+use super::case::{Case, Worst, larger};
 use super::failure::Failure;
 use super::scenes::{FRAME, GROUND, WEIGHTLESS, ball, elastic_shell, pose};
 use super::sound::{Sums, followed, sound};
@@ -268,11 +268,11 @@ fn through_pins(stage: &mut Stage) -> Result<Worst, Failure> {
                 let (now, then) = (mover.surface.positions[v.index()], places[v.index()]);
                 (0..3)
                     .map(|k| f64::from((now[k] - then[k]).abs()))
-                    .fold(0.0, f64::max)
+                    .fold(0.0, larger)
             };
             let pins = mover.solver.pins().iter().map(|pin| pin.vertex);
             // Pins beyond the first vertices are none: new vertices are not pinned.
-            Ok(pins.map(way).fold(0.0, f64::max))
+            Ok(pins.map(way).fold(0.0, larger))
         });
         let broken = found.is_err();
         worst.judge(found, || {

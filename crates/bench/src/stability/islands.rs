@@ -1,7 +1,7 @@
-//! Cuts without end: bodies down to islands, and one that is made whole again each time; the room that is left behind.
+//! Cuts without end: of bodies into pieces and smaller pieces, and of one that is made whole again each time; the room that is left behind.
 
 use super::audit::{EnergyLaw, Rule};
-use super::case::{Case, Worst};
+use super::case::{Case, Worst, larger};
 use super::cuts::{cut, pieces, through};
 use super::failure::Failure;
 use super::scenes::{FRAME, GROUND, ball};
@@ -175,7 +175,7 @@ fn whole_again(stage: &mut Stage) -> Result<Worst, Failure> {
             }
             let now = room(&mover);
             let first = first.get_or_insert(now);
-            Ok((0..3).map(|k| now[k] / first[k]).fold(0.0, f64::max))
+            Ok((0..3).map(|k| now[k] / first[k]).fold(0.0, larger))
         })();
         let broken = found.is_err();
         worst.judge(found, || format!("cut {number}"));

@@ -1,7 +1,7 @@
 //! Pins that leap, turn, come and go, and ask for what cannot be.
 
 use super::audit::{EnergyLaw, Rule, farthest};
-use super::case::{Case, Found, Worst};
+use super::case::{Case, Found, Worst, larger};
 use super::failure::Failure;
 use super::scenes::{FRAME, HANGING, ball, elastic_shell, pose, sheet};
 use super::stage::{Mover, Stage};
@@ -78,10 +78,10 @@ fn all_pinned(stage: &mut Stage) -> Result<Worst, Failure> {
             let way = |(a, b): (&[f32; 4], &[f32; 4])| {
                 (0..3)
                     .map(|k| f64::from((a[k] - b[k]).abs()))
-                    .fold(0.0, f64::max)
+                    .fold(0.0, larger)
             };
             let pairs = before.iter().zip(&mover.surface.positions);
-            pairs.map(way).fold(0.0, f64::max)
+            pairs.map(way).fold(0.0, larger)
         });
         worst.judge(found, || name.to_owned());
     }

@@ -2,7 +2,7 @@
 
 use super::alike::apart;
 use super::audit::{Rule, energy_over, keeping};
-use super::case::{Case, Found, Worst};
+use super::case::{Case, Found, Worst, larger};
 use super::failure::Failure;
 use super::scenes::{FRAME, GROUND, HANGING, ball, elastic_shell, place};
 use super::stage::Stage;
@@ -81,9 +81,7 @@ fn fall(stage: &mut Stage, distance: f64, substeps: u32) -> Result<f64, Failure>
     let way = 9.81 * h * h * n * (n + 1.0) / 2.0;
     let fallen = |v: VertexId| start[v.index()] - mover.surface.position(v).y;
     let all = mover.surface.topology().vertices();
-    Ok(all
-        .map(|v| (fallen(v) / way - 1.0).abs())
-        .fold(0.0, f64::max))
+    Ok(all.map(|v| (fallen(v) / way - 1.0).abs()).fold(0.0, larger))
 }
 
 fn falls(stage: &mut Stage, distances: &[f64]) -> Result<Worst, Failure> {

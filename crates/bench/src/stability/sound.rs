@@ -1,5 +1,6 @@
 //! What must hold of a surface, its search tree, its constraints and its sums after every edit.
 
+use super::case::larger;
 use super::failure::Failure;
 use incise_cut::Cutter;
 use incise_mesh::Surface;
@@ -99,9 +100,9 @@ impl Sums {
     pub(super) fn change(&self, now: &Self, moved: f64) -> f64 {
         let mass = (now.mass - self.mass).abs() / self.mass;
         let change = |k: usize| (now.momentum[k] - self.momentum[k]).abs();
-        let impulse = [0, 1, 2].map(change).into_iter().fold(0.0, f64::max);
+        let impulse = [0, 1, 2].map(change).into_iter().fold(0.0, larger);
         let momentum = impulse / self.momentum_scale.max(f64::MIN_POSITIVE);
-        let volume = ((now.volume - self.volume).abs() - moved).max(0.0) / self.volume_scale;
-        mass.max(momentum).max(volume)
+        let volume = larger(0.0, (now.volume - self.volume).abs() - moved) / self.volume_scale;
+        larger(larger(mass, momentum), volume)
     }
 }

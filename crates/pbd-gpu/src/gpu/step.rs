@@ -47,7 +47,13 @@ impl GpuBackend {
             if told.is_err() {
                 break;
             }
-            let constants = solver.prepare(dt, params);
+            let constants = match solver.prepare(dt, params) {
+                Ok(constants) => constants,
+                Err(error) => {
+                    told = Err(error.into());
+                    break;
+                }
+            };
             frame = FrameUniform {
                 notes_motion: frame.notes_motion,
                 ..frame_record(&constants, params)
