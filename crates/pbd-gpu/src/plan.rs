@@ -3,6 +3,7 @@
 
 use crate::coloring::{LAYERS, MAX_COLORS};
 use crate::constraints::{BendingSet, ConstraintSet, StretchSet};
+use crate::error::StepError;
 use crate::material::Projection;
 use crate::tethers::Tether;
 use incise_mesh::VertexId;
@@ -242,6 +243,17 @@ pub struct StepConstants {
 }
 
 impl StepConstants {
+    /// Whether kernels can reckon with them.
+    ///
+    /// # Errors
+    /// [`StepError::TooShort`].
+    pub(crate) fn check(&self) -> Result<(), StepError> {
+        if self.stretch.alpha.is_finite() && self.bending.alpha.is_finite() {
+            return Ok(());
+        }
+        Err(StepError::TooShort { h: self.h })
+    }
+
     /// Has rigid constraints leave a part of old errors. What is compliant has stored what it gives back.
     pub(crate) fn keep(&mut self, old: f32) {
         for projection in [&mut self.stretch, &mut self.bending] {

@@ -242,9 +242,9 @@ impl Solver {
         params: &SolverParams,
     ) -> Result<StepConstants, StepError> {
         let mut constants = self.constants(dt, params);
-        let alphas = [constants.stretch.alpha, constants.bending.alpha];
-        if !alphas.iter().all(|alpha| alpha.is_finite()) {
-            return Err(StepError::TooShort { h: constants.h });
+        constants.check()?;
+        if params.integrator == Integrator::Bdf2 {
+            (self.constants_of(SHORTER * constants.h, 1, params)).check()?;
         }
         constants.keep(self.kept_errors(dt, constants.h));
         let tethers = params.tethers && !self.pins.is_empty() && self.material.stretch.is_rigid();

@@ -305,20 +305,26 @@ fn catenary(advance: Advance<'_>) {
     }
 }
 
+/// A net of springs of 1 m/N that turns about its center at 2 rad/s, drawn out to so many times its lengths.
+pub(crate) fn spun(stretch: f64) -> (Surface, Solver, Vec3) {
+    let (points, faces) = sheet(3);
+    let (mut surface, mut solver) = body(&points, &faces, &edges(1.0, 0.0));
+    let center = surface.bounds().center();
+    for v in surface.topology().vertices().collect::<Vec<_>>() {
+        let arm = surface.position(v) - center;
+        let velocity = [-2.0 * arm.y as f32, 2.0 * arm.x as f32, 0.0];
+        solver.set_velocity(v, velocity).expect("a vertex");
+        for k in 0..3 {
+            surface.positions[v.index()][k] += ((stretch - 1.0) * arm[k]) as f32;
+        }
+    }
+    (surface, solver, center)
+}
+
 fn drift(advance: Advance<'_>) {
     let mut lost = |h: f32| {
-        let (points, faces) = sheet(3);
-        let (mut surface, mut solver) = body(&points, &faces, &edges(1.0, 0.0));
-        let center = surface.bounds().center();
-        for v in surface.topology().vertices().collect::<Vec<_>>() {
-            let arm = surface.position(v) - center;
-            let velocity = [-2.0 * arm.y as f32, 2.0 * arm.x as f32, 0.0];
-            solver.set_velocity(v, velocity).expect("a vertex");
-            // All in tension.
-            for k in 0..3 {
-                surface.positions[v.index()][k] += 0.2 * arm[k] as f32;
-            }
-        }
+        // All in tension.
+        let (mut surface, mut solver, center) = spun(1.2);
         let before = solver.angular_momentum(&surface, center.into())[2];
         let frames = (0.25 / h).round() as u32;
         advance(&mut surface, &mut solver, h, &still(60, 1), frames);

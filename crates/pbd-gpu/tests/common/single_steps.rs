@@ -5,7 +5,7 @@
     reason = "positions as they are stored"
 )]
 
-use super::closed_forms::{Advance, Law, body, edges, hold, sheet, still};
+use super::closed_forms::{Advance, Law, body, edges, hold, sheet, spun, still};
 use incise_mesh::{Surface, Vec3, VertexId};
 use incise_pbd_gpu::{Solver, SolverParams};
 
@@ -110,25 +110,15 @@ fn springs(solver: &Solver) -> impl Iterator<Item = ([VertexId; 2], f64)> {
 
 /// `L' - L = -h^2 sum of v' x F'`: implicit Euler takes what its forces at the end turn of the motion at the end.
 fn angular_momentum(advance: Advance<'_>) {
-    let (h, compliance) = (0.01_f32, 1.0_f32);
+    let h = 0.01_f32;
     for stretch in [1.2, 0.8] {
-        let (points, faces) = sheet(3);
-        let (mut surface, mut solver) = body(&points, &faces, &edges(compliance, 0.0));
-        let center = surface.bounds().center();
-        for v in surface.topology().vertices().collect::<Vec<_>>() {
-            let arm = surface.position(v) - center;
-            let velocity = [-2.0 * arm.y as f32, 2.0 * arm.x as f32, 0.0];
-            solver.set_velocity(v, velocity).expect("a vertex");
-            for k in 0..3 {
-                surface.positions[v.index()][k] += ((stretch - 1.0) * arm[k]) as f32;
-            }
-        }
+        let (mut surface, mut solver, center) = spun(stretch);
         let about = center.into();
         for step in 0..10 {
             let before = solver.angular_momentum(&surface, about)[2];
             advance(&mut surface, &mut solver, h, &still(60, 1), 1);
             let change = solver.angular_momentum(&surface, about)[2] - before;
-            let forces = pulls(&surface, &solver, compliance.into());
+            let forces = pulls(&surface, &solver, 1.0);
             let turned = surface.topology().vertices().map(|v| {
                 let velocity = Vec3::from(solver.velocity(v).map(f64::from));
                 velocity.cross(&forces[v.index()]).z
