@@ -140,6 +140,13 @@ impl Surface {
         &self.topology
     }
 
+    /// The positions, to be moved, together with the connectivity, for who needs both at once.
+    #[must_use]
+    #[inline]
+    pub fn positions_and_topology(&mut self) -> (&mut [[f32; 4]], &Topology) {
+        (&mut self.positions, &self.topology)
+    }
+
     /// Where `v` is \[m\].
     #[must_use]
     #[inline]

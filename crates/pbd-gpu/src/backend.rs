@@ -5,6 +5,7 @@ use crate::error::StepError;
 use crate::kernels::bending::{Bending, bending_serial};
 use crate::kernels::displacements::{Cell, Displacements, Exclusive};
 use crate::kernels::stretch::{Stretch, stretch_serial};
+use crate::kernels::volume::{self, Rings};
 use crate::kernels::{ground, integrate, pins, predict, tethers};
 use crate::params::StepStats;
 use crate::plan::{Body, Pass, StepConstants, StepPlan};
@@ -32,6 +33,7 @@ pub struct CpuBackend {
     displacements: Vec<Cell>,
     /// Displacements before the iteration at hand, shape [vertex slots]; empty while no residual is stated.
     before: Vec<[f32; 4]>,
+    rings: Rings,
 }
 
 impl Clone for CpuBackend {
@@ -44,7 +46,7 @@ impl Clone for CpuBackend {
 impl CpuBackend {
     /// Room that the backend has taken, in vertices.
     pub(crate) fn capacity(&self) -> usize {
-        self.displacements.capacity() + self.before.capacity()
+        self.displacements.capacity() + self.before.capacity() + self.rings.capacity()
     }
 }
 
@@ -60,13 +62,16 @@ impl Backend for CpuBackend {
         let arch = Arch::new();
         let stretch = body.stretch.all().map(Batch::len);
         let bending = body.bending.iter().flat_map(|set| set.all());
-        let spread = stretch.chain(bending.map(Batch::len)).any(is_spread);
+        let volumes = [body.volumes.spokes.len()];
+        let batches = stretch.chain(bending.map(Batch::len)).chain(volumes);
+        let spread = batches.into_iter().any(is_spread);
         let frame = Frame {
             plan,
             constants,
             body,
             displacements: &mut self.displacements,
             before: &mut self.before,
+            rings: &mut self.rings,
             arch,
             stats: StepStats::default(),
             lowest: f32::INFINITY,
@@ -88,6 +93,7 @@ struct Frame<'a, 'b> {
     body: &'a mut Body<'b>,
     displacements: &'a mut [Cell],
     before: &'a mut Vec<[f32; 4]>,
+    rings: &'a mut Rings,
     arch: Arch,
     stats: StepStats,
     /// The lowest predicted height of the substep \[m\].
@@ -177,6 +183,9 @@ impl Frame<'_, '_> {
                     sets.flat_map(|set| set.all_mut())
                         .for_each(Batch::reset_multipliers);
                 }
+                if constants.volume.keeps {
+                    body.volumes.reset_multipliers();
+                }
             }
             Pass::Stretch { color } => {
                 let part = body.stretch.batches[color].part(constants.stretch.keeps);
@@ -202,6 +211,11 @@ impl Frame<'_, '_> {
                     bending_serial(x, d, part, constants.bending);
                 }
             }
+            Pass::Volumes => {
+                stats.volume_projections += body.volumes.pieces().len() as u64;
+                let piece = (body.topology, &mut *body.volumes);
+                volume::volumes(*arch, x, d.0, piece, constants.volume, self.rings);
+            }
             Pass::Ground => {
                 stats.ground_passes += 1;
                 ground::ground(x, d, v, constants.ground, constants.friction);
@@ -225,9 +239,10 @@ impl Frame<'_, '_> {
 mod tests {
     use super::*;
     use crate::constraints::StretchSet;
-    use crate::material::{Projection, Stiffness};
+    use crate::material::{Projection, Stiffness, VolumeProjection};
     use crate::plan::PlanKey;
-    use incise_mesh::VertexId;
+    use crate::volumes::VolumeSet;
+    use incise_mesh::{Topology, VertexId};
 
     #[test]
     fn a_spring_is_backward_euler_to_the_step() {
@@ -261,6 +276,7 @@ mod tests {
                     recovery: 0.0,
                     hold: 0.0,
                 },
+                volume: VolumeProjection::NONE,
                 ground: f32::NEG_INFINITY,
                 friction: 0.0,
                 residual: None,
@@ -274,6 +290,8 @@ mod tests {
                     velocities: &mut velocities,
                     stretch: &mut stretch,
                     bending: None,
+                    volumes: &mut VolumeSet::default(),
+                    topology: &Topology::default(),
                     pins: &[],
                     tethers: &[],
                 };

@@ -76,6 +76,7 @@ impl Solver {
         self.following.heritage = heritage;
         // New slots that no triangle uses must be known, too, to whoever steps all of them.
         (had..slots).for_each(|i| self.changes.vertex(VertexId::from_index(i)));
+        self.update_volumes(surface);
         self.plan.invalidate();
         self.tethers.invalidate();
         Ok(())

@@ -1,7 +1,7 @@
 //! Position based dynamics of triangle surfaces.
 //!
-//! A [`Solver`] moves one [`Surface`](incise_mesh::Surface): it keeps edges at their lengths and angles
-//! between triangles at theirs, in Gauss-Seidel order by color, and follows edits through their
+//! A [`Solver`] moves one [`Surface`](incise_mesh::Surface): it keeps edges at their lengths, angles
+//! between triangles at theirs and closed pieces at their volume, in Gauss-Seidel order by color, and follows edits through their
 //! [`TopologyDelta`](incise_mesh::TopologyDelta). A [`StepPlan`] is the step as a list; a [`Backend`]
 //! executes it.
 //!
@@ -53,6 +53,7 @@ mod state;
 mod sweep;
 mod tethers;
 mod validate;
+mod volumes;
 
 pub use backend::{Backend, CpuBackend};
 pub use coloring::{LAYERS, MAX_COLORS};
@@ -63,11 +64,12 @@ pub use gpu::{
     AdapterKind, AdapterLimits, AdapterRequest, AdapterSummary, Context, GpuBackend, GpuBody,
     GpuError, GpuMemory, GpuStats, Schedule, adapters,
 };
-pub use material::{Density, Material, Projection, Stiffness};
+pub use material::{Density, Material, Projection, Stiffness, Volume, VolumeProjection};
 pub use params::{Integrator, SolverParams, StepStats};
 pub use patches::{PATCH_VERTICES, PatchParams};
 pub use plan::{Body, Pass, Pin, StepConstants, StepPlan};
 pub use solver::Solver;
 pub use tethers::Tether;
+pub use volumes::{PieceVolume, VolumeSet};
 #[cfg(feature = "gpu")]
 pub use wgpu;

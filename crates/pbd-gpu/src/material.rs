@@ -2,6 +2,7 @@
 
 use crate::error::ConstraintError;
 use crate::kernels::bending::{FIRM, HOLD, RECOVERY};
+use crate::kernels::volume;
 
 /// How a body's mass follows from its shape at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,6 +110,85 @@ impl Projection {
     }
 }
 
+/// What the inside of a body does against a change of its volume, piece by piece. Pieces with a boundary, and those that
+/// enclose nothing at rest, have no inside.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Volume {
+    /// How much of its volume a piece gives way for every pascal that there is more in it than at rest [1/Pa]: the inverse
+    /// bulk modulus, 5e-10 of water. Independent of the size of a piece, the time step and the iterations. 0 keeps the volume.
+    pub compressibility: f32,
+    /// How many times its rest volume a piece strives for: 1 is as at rest, 0 without any, more inflates it
+    /// (Mueller et al. 2007, section 4.4).
+    pub pressure: f32,
+}
+
+impl Default for Volume {
+    /// The volume at rest, kept.
+    fn default() -> Self {
+        Self {
+            compressibility: 0.0,
+            pressure: 1.0,
+        }
+    }
+}
+
+/// A [`Volume`] as the kernels use it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VolumeProjection {
+    /// `compressibility / h^2` of a rest volume of 1 m^3, times `1 + damping h` where velocities are damped.
+    pub alpha: f32,
+    /// As in [`Volume`].
+    pub pressure: f32,
+    /// As in [`SolverParams`](crate::SolverParams).
+    pub own_weight: f32,
+    /// How much of its rest volume an old error may come back by in a substep; more than there is of a compressible one.
+    pub returned: f32,
+    /// As in [`Projection`].
+    pub old: f32,
+    /// As in [`Projection`].
+    pub keeps: bool,
+}
+
+impl VolumeProjection {
+    /// Of a body that has no volumes.
+    pub(crate) const NONE: Self = Self {
+        alpha: 0.0,
+        pressure: 1.0,
+        own_weight: 1.0,
+        returned: 0.0,
+        old: 0.0,
+        keeps: false,
+    };
+}
+
+impl Volume {
+    /// What one projection uses, for `iterations` of a substep of `h` \[s\].
+    pub(crate) fn projection(self, iterations: u32, h: f32) -> VolumeProjection {
+        let is_rigid = self.compressibility == 0.0;
+        VolumeProjection {
+            alpha: self.compressibility / (h * h),
+            pressure: self.pressure,
+            returned: if is_rigid { volume::RECOVERY * h } else { FIRM },
+            keeps: !is_rigid && iterations > 1,
+            ..VolumeProjection::NONE
+        }
+    }
+
+    fn check(self) -> Result<(), ConstraintError> {
+        let numbers = [
+            ("compressibility", self.compressibility),
+            ("pressure", self.pressure),
+        ];
+        match numbers
+            .into_iter()
+            .find(|&(_, n)| !(n.is_finite() && n >= 0.0))
+        {
+            Some((name, value)) => Err(ConstraintError::NegativeCoefficient { name, value }),
+            None => Ok(()),
+        }
+    }
+}
+
 /// What a body is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
@@ -118,6 +198,8 @@ pub struct Material {
     pub stretch: Stiffness,
     /// How interior edges resist a change of angle. `None` costs nothing: no arrays, no passes.
     pub bending: Option<Stiffness>,
+    /// How pieces resist a change of the volume that they enclose. `None` costs nothing.
+    pub volume: Option<Volume>,
     /// The rate at which velocities decay [1/s].
     pub damping: f32,
     /// Coulomb's coefficient against the ground.
@@ -131,6 +213,7 @@ impl Default for Material {
             density: Density::Area(1.0),
             stretch: Stiffness::Pbd(1.0),
             bending: Some(Stiffness::Pbd(0.2)),
+            volume: None,
             damping: 0.0,
             friction: 0.5,
         }
@@ -150,6 +233,9 @@ impl Material {
         self.stretch.check()?;
         if let Some(bending) = self.bending {
             bending.check()?;
+        }
+        if let Some(volume) = self.volume {
+            volume.check()?;
         }
         for (name, value) in [("damping", self.damping), ("friction", self.friction)] {
             if !(value.is_finite() && value >= 0.0) {
@@ -200,6 +286,17 @@ mod tests {
                 value
             }
         );
+        let volume = |change: fn(&mut Volume)| {
+            let mut volume = Volume::default();
+            change(&mut volume);
+            let material = Material {
+                volume: Some(volume),
+                ..Material::default()
+            };
+            material.check().unwrap_err().to_string()
+        };
+        assert!(volume(|v| v.pressure = -1.0).contains("pressure -1"));
+        assert!(volume(|v| v.compressibility = f32::NAN).contains("compressibility NaN"));
         assert!(Material::default().check().is_ok());
     }
 }

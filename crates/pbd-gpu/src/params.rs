@@ -129,6 +129,8 @@ pub struct StepStats {
     pub stretch_projections: u64,
     /// Bending constraints projected.
     pub bending_projections: u64,
+    /// Volume constraints projected.
+    pub volume_projections: u64,
     /// Ground passes that ran.
     pub ground_passes: u32,
     /// Ground passes left out because the body was predicted above the ground.

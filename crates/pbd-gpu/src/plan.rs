@@ -4,14 +4,15 @@
 use crate::coloring::{LAYERS, MAX_COLORS};
 use crate::constraints::{BendingSet, ConstraintSet, StretchSet};
 use crate::error::StepError;
-use crate::material::Projection;
+use crate::material::{Projection, VolumeProjection};
 use crate::tethers::Tether;
-use incise_mesh::VertexId;
+use crate::volumes::VolumeSet;
+use incise_mesh::{Topology, VertexId};
 use std::cmp::Ordering;
 
 /// One pass over vertices or over the constraints of one batch. Passes are ordered as they run in a
 /// substep, so the lists of several bodies can be merged: the iteration begins with the tethers, goes
-/// through the layers of colors, in each first stretch, then bending, and ends on the ground.
+/// through the layers of colors, in each first stretch, then bending, to the volumes, and ends on the ground.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Pass {
     /// Velocities take up gravity and damping, displacements follow; the lowest vertex is noted
@@ -37,6 +38,8 @@ pub enum Pass {
     },
     /// Angles without a color, one by one.
     BendingOverflow,
+    /// Closed pieces get their volumes back.
+    Volumes,
     /// What sank below the ground is lifted and held back by friction. Skipped in a substep in which
     /// the body is predicted above the ground.
     Ground,
@@ -56,8 +59,9 @@ impl Pass {
             Self::StretchOverflow => (1, 0, MAX_COLORS),
             Self::Bending { color } => (1 + color / MAX_COLORS, 1, color),
             Self::BendingOverflow => (1, 1, MAX_COLORS),
-            Self::Ground => (1 + LAYERS, 0, 0),
-            Self::Integrate => (1 + LAYERS, 1, 0),
+            Self::Volumes => (1 + LAYERS, 0, 0),
+            Self::Ground => (1 + LAYERS, 1, 0),
+            Self::Integrate => (1 + LAYERS, 2, 0),
         }
     }
 }
@@ -80,6 +84,7 @@ pub(crate) struct PlanKey {
     pub(crate) iterations: u32,
     pub(crate) pins: bool,
     pub(crate) tethers: bool,
+    pub(crate) volumes: bool,
     pub(crate) ground: bool,
     pub(crate) multipliers: bool,
 }
@@ -184,6 +189,9 @@ impl StepPlan {
             add_batches(&mut self.iteration, bending, color, Pass::BendingOverflow);
         }
         self.iteration.sort_unstable();
+        if key.volumes {
+            self.iteration.push(Pass::Volumes);
+        }
         if key.ground {
             self.iteration.push(Pass::Ground);
         }
@@ -234,6 +242,8 @@ pub struct StepConstants {
     pub stretch: Projection,
     /// How bending constraints are projected.
     pub bending: Projection,
+    /// How volume constraints are projected.
+    pub volume: VolumeProjection,
     /// Height of the ground \[m\], negative infinity without one.
     pub ground: f32,
     /// Coulomb's coefficient.
@@ -248,7 +258,8 @@ impl StepConstants {
     /// # Errors
     /// [`StepError::TooShort`].
     pub(crate) fn check(&self) -> Result<(), StepError> {
-        if self.stretch.alpha.is_finite() && self.bending.alpha.is_finite() {
+        let alphas = [self.stretch.alpha, self.bending.alpha, self.volume.alpha];
+        if alphas.iter().all(|alpha| alpha.is_finite()) {
             return Ok(());
         }
         Err(StepError::TooShort { h: self.h })
@@ -259,6 +270,7 @@ impl StepConstants {
         for projection in [&mut self.stretch, &mut self.bending] {
             projection.old = if projection.alpha > 0.0 { 0.0 } else { old };
         }
+        self.volume.old = if self.volume.alpha > 0.0 { 0.0 } else { old };
     }
 }
 
@@ -273,6 +285,10 @@ pub struct Body<'a> {
     pub stretch: &'a mut StretchSet,
     /// Bending constraints, if the body has them.
     pub bending: Option<&'a mut BendingSet>,
+    /// Volume constraints, none if the body has no volume.
+    pub volumes: &'a mut VolumeSet,
+    /// The surface that they go round.
+    pub topology: &'a Topology,
     /// Pinned vertices, ascending.
     pub pins: &'a [Pin],
     /// How far vertices may be from pinned ones.
@@ -301,6 +317,7 @@ mod tests {
             iterations: 3,
             pins: true,
             tethers: true,
+            volumes: true,
             ground: true,
             multipliers: true,
         };
@@ -308,7 +325,7 @@ mod tests {
         let [prologue, iteration, epilogue] = [plan.prologue(), plan.iteration(), plan.epilogue()];
         let once: Vec<Pass> = [prologue, iteration, epilogue].concat();
         assert!(once.is_sorted_by(|a, b| a < b), "{once:?}");
-        assert_eq!(iteration.len(), 1 + 64 + 1 + 64 + 1 + 1);
+        assert_eq!(iteration.len(), 1 + 64 + 1 + 64 + 1 + 1 + 1);
         let all: Vec<Pass> = plan.passes().collect();
         let expected = [prologue, iteration, iteration, iteration, epilogue].concat();
         assert_eq!(all, expected);

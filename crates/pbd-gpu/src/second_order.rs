@@ -91,6 +91,8 @@ impl History {
                 velocities: &mut *body.velocities,
                 stretch: &mut *body.stretch,
                 bending: body.bending.as_deref_mut(),
+                volumes: &mut *body.volumes,
+                topology: body.topology,
                 pins: &pins,
                 tethers: body.tethers,
             };
@@ -150,6 +152,7 @@ fn add(sum: &mut StepStats, stats: &StepStats, farthest: f32) {
     sum.passes += stats.passes;
     sum.stretch_projections += stats.stretch_projections;
     sum.bending_projections += stats.bending_projections;
+    sum.volume_projections += stats.volume_projections;
     sum.ground_passes += stats.ground_passes;
     sum.ground_passes_skipped += stats.ground_passes_skipped;
     sum.iterations_skipped += stats.iterations_skipped;

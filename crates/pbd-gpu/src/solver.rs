@@ -10,12 +10,13 @@ use crate::edges::{EdgeTable, Lists, Sets};
 use crate::error::{ConstraintError, StepError};
 use crate::kernels::integrate::{are_finite, first_non_finite};
 use crate::mass::masses;
-use crate::material::{Material, Projection, Stiffness};
+use crate::material::{Material, Projection, Stiffness, Volume, VolumeProjection};
 use crate::params::{Integrator, SolverParams, StepStats};
 use crate::patches::{PatchParams, Patches};
 use crate::plan::{Body, Pass, Pin, PlanKey, StepConstants, StepPlan};
 use crate::second_order::{History, Orders, SHORTER};
 use crate::tethers::{Tether, Tethers};
+use crate::volumes::VolumeSet;
 use incise_mesh::{Surface, VertexId};
 
 /// For how many of its own lengths a long substep's errors are there. Measured on a limp ball, ten iterations a frame
@@ -32,6 +33,7 @@ pub struct Solver {
     pub(crate) velocities: Vec<[f32; 4]>,
     pub(crate) stretch: StretchSet,
     pub(crate) bending: Option<BendingSet>,
+    pub(crate) volumes: VolumeSet,
     pub(crate) edges: EdgeTable,
     pub(crate) patches: Option<Patches>,
     pub(crate) pins: Vec<Pin>,
@@ -126,6 +128,7 @@ impl Solver {
             mass,
             stretch,
             bending,
+            volumes: VolumeSet::default(),
             edges,
             patches,
             pins: Vec::new(),
@@ -141,6 +144,7 @@ impl Solver {
             cpu: CpuBackend::default(),
         };
         solver.reserve();
+        solver.update_volumes(surface);
         Ok(solver)
     }
 
@@ -203,17 +207,21 @@ impl Solver {
             let mut order = self.constants_of(h, 1, params);
             order.stretch.old = constants.stretch.old;
             order.bending.old = constants.bending.old;
+            order.volume.old = constants.volume.old;
             order
         };
         let orders = Orders {
             first: order(h),
             second: order(SHORTER * h),
         };
+        let (positions, topology) = surface.positions_and_topology();
         let mut body = Body {
-            positions: &mut surface.positions,
+            positions,
             velocities: &mut self.velocities,
             stretch: &mut self.stretch,
             bending: self.bending.as_mut(),
+            volumes: &mut self.volumes,
+            topology,
             pins: &self.pins,
             tethers: self.tethers.list(),
         };
@@ -256,8 +264,11 @@ impl Solver {
             tethers,
             iterations: params.iterations,
             pins: !self.pins.is_empty(),
+            volumes: !self.volumes.pieces().is_empty(),
             ground: params.ground.is_some(),
-            multipliers: constants.stretch.keeps || constants.bending.keeps,
+            multipliers: constants.stretch.keeps
+                || constants.bending.keeps
+                || constants.volume.keeps,
         };
         self.plan.update(key, &self.stretch, self.bending.as_ref());
         Ok(constants)
@@ -304,6 +315,14 @@ impl Solver {
         };
         let stretch = projection(self.material.stretch);
         let bending = |stiffness| projection(stiffness).beside_edges(stretch.alpha);
+        let volume = |volume: Volume| {
+            let projection = volume.projection(params.iterations, h);
+            VolumeProjection {
+                alpha: projection.alpha * slowed,
+                own_weight: params.own_weight,
+                ..projection
+            }
+        };
         StepConstants {
             h,
             substeps,
@@ -311,6 +330,7 @@ impl Solver {
             kept_velocity: 1.0 / slowed,
             stretch,
             bending: self.material.bending.map_or(rigid, bending),
+            volume: (self.material.volume).map_or(VolumeProjection::NONE, volume),
             ground: params.ground.unwrap_or(f32::NEG_INFINITY),
             friction: self.material.friction,
             // A single iteration has nothing to leave out.
@@ -338,6 +358,38 @@ impl Solver {
         Ok(())
     }
 
+    /// Changes what the body's inside does from the next frame on, be it more pressure, or that it does anything at all.
+    ///
+    /// # Errors
+    /// [`ConstraintError`] when a number is out of its range; nothing is changed then.
+    pub fn set_volume(
+        &mut self,
+        surface: &Surface,
+        volume: Option<Volume>,
+    ) -> Result<(), ConstraintError> {
+        let material = Material {
+            volume,
+            ..self.material
+        };
+        material.check()?;
+        let before = std::mem::replace(&mut self.material, material).volume;
+        if before.is_some() != volume.is_some() {
+            self.update_volumes(surface);
+            self.plan.invalidate();
+            self.changes.everything();
+        }
+        Ok(())
+    }
+
+    /// Finds the volume constraints of the surface as it is now, if the material has any.
+    pub(crate) fn update_volumes(&mut self, surface: &Surface) {
+        if self.material.volume.is_some() {
+            self.volumes.update(surface);
+        } else {
+            self.volumes.clear();
+        }
+    }
+
     /// The stretch constraints.
     #[must_use]
     pub fn stretch(&self) -> &StretchSet {
@@ -348,6 +400,12 @@ impl Solver {
     #[must_use]
     pub fn bending(&self) -> Option<&BendingSet> {
         self.bending.as_ref()
+    }
+
+    /// The volume constraints; none unless the material has volume.
+    #[must_use]
+    pub fn volumes(&self) -> &VolumeSet {
+        &self.volumes
     }
 
     /// How far vertices may be from pinned ones, as the last step held them to it: empty unless it had
@@ -382,6 +440,7 @@ impl Solver {
             + self.cpu.capacity()
             + self.stretch.capacity()
             + self.bending.as_ref().map_or(0, BendingSet::capacity)
+            + self.volumes.capacity()
             + self.pins.capacity()
             + self.dropped_pins.capacity()
             + self.plan.capacity()

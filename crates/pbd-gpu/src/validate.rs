@@ -6,12 +6,13 @@ use crate::error::InvalidConstraints;
 use crate::patches::Patches;
 use crate::rest;
 use crate::solver::Solver;
+use crate::volumes::VolumeSet;
 use incise_mesh::{EdgeKey, Surface, Topology, VertexId};
 
 impl Solver {
     /// Checks that there is one stretch constraint an edge and one bending constraint an interior edge
     /// and no other, with rest values equal to the bit, that no two constraints of a color share a vertex
-    /// and that the color masks say so, that every layer keeps to its patches, and that patches keep to
+    /// and that the color masks say so, that volumes are those of the closed pieces, that every layer keeps to its patches, and that patches keep to
     /// their size and together to the vertices in use. O(n log n); tests call it after every edit.
     ///
     /// # Errors
@@ -43,6 +44,13 @@ impl Solver {
         if let Some(set) = &self.bending {
             check_set(set, bending)?;
             check_layers(set, self.patches.as_ref())?;
+        }
+        let mut wanted = VolumeSet::default();
+        if self.material.volume.is_some() {
+            wanted.update(surface);
+        }
+        if self.volumes.pieces() != wanted.pieces() || self.volumes.spokes != wanted.spokes {
+            return broken("volumes are those of the surface's closed pieces", None);
         }
         if let Some(patches) = &self.patches
             && let Err(rule) = patches.check(surface)

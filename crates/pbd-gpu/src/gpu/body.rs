@@ -9,6 +9,7 @@ use super::records::{Places, body_record, inverse_mass, position, push_pin, push
 use super::runs::Runs;
 use super::stats::Schedule;
 use super::upload::{Target, Uploads};
+use super::volumes::DeviceVolumes;
 use crate::changes::Changes;
 use crate::coloring::MAX_COLORS;
 use crate::constraints::OVERFLOW;
@@ -63,6 +64,7 @@ pub(super) struct DeviceBody {
     pub(super) tether_count: u32,
     /// Which of the solver's tethers the device has, 0 for none.
     tether_generation: u64,
+    pub(super) volumes: DeviceVolumes,
     /// What the device was told last.
     record: BodyRecord,
     pub(super) schedule: Schedule,
@@ -83,6 +85,7 @@ impl DeviceBody {
             tethers: 0..0,
             tether_count: 0,
             tether_generation: 0,
+            volumes: DeviceVolumes::default(),
             record: BodyRecord::zeroed(),
             schedule: Schedule::Colors,
         }
@@ -138,6 +141,7 @@ impl DeviceBody {
         arenas.entries.free(std::mem::take(&mut self.pins));
         arenas.entries.free(std::mem::take(&mut self.tethers));
         self.tether_generation = 0;
+        self.volumes.free(&mut arenas.entries);
     }
 
     /// Follows an edit of surface and solver.
@@ -190,10 +194,12 @@ impl DeviceBody {
                 }
             }
         }
+        let mut counts = self.volumes.update(context, entries, uploads, host)?;
         if moved {
             self.send_tables(context, arenas, uploads);
         }
-        Ok(moved)
+        counts |= moved;
+        Ok(counts)
     }
 
     /// Sends where the runs lie: of each kind those of its colors, and the overflow's at the end.
@@ -284,6 +290,7 @@ impl DeviceBody {
             bending_colors: self.bending.colors(),
             patch_tables: self.patches.each_ref().map(Blocks::table),
             patches: self.patches.each_ref().map(Blocks::len),
+            volumes: self.volumes.places,
         };
         let record = body_record(places, constants);
         let (old, new) = (

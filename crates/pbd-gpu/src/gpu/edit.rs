@@ -5,6 +5,7 @@ use super::body::{Host, POSITIONS, VELOCITIES};
 use super::error::GpuError;
 use super::layout::Report;
 use super::read::report_part;
+use super::shaders::LEAVES;
 use super::stats::Schedule;
 use crate::changes::Changes;
 use crate::error::StepError;
@@ -66,7 +67,12 @@ impl GpuBackend {
         } = self;
         let resident = find_mut(residents, body)?;
         let host = Host { surface, solver };
-        let vertices = surface.positions.len();
+        let leaves = if solver.volumes().pieces().is_empty() {
+            0
+        } else {
+            LEAVES
+        };
+        let vertices = surface.positions.len() + leaves;
         let mut moved = false;
         if changes.everything {
             let has_patches = solver.patches.is_some();
@@ -150,7 +156,7 @@ impl GpuBackend {
     }
 }
 
-/// The schedule of a body: a workgroup steps what it can hold, unless it has patches, whose layers it
+/// The schedule of a body that takes the room of so many vertices: a workgroup steps what it can hold, unless it has patches, whose layers it
 /// does not know.
 fn choose(forced: Option<Schedule>, has_patches: bool, vertices: usize, capacity: u32) -> Schedule {
     let fits = !has_patches && vertices <= capacity as usize;

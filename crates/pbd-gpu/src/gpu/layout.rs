@@ -34,11 +34,21 @@ pub(crate) const PIN_ENTRIES: usize = 2;
 /// Entries that a tether takes: vertex and anchor; length.
 pub(crate) const TETHER_ENTRIES: usize = 2;
 
+/// Entries of a piece with a volume: first chunk and number of chunks; rest and reach; multiplier and its last change; the
+/// vertex from which it is seen.
+pub(crate) const PIECE_ENTRIES: usize = 4;
+
+/// Entries of a chunk of spokes: first spoke and number of spokes; piece; its four sums.
+pub(crate) const CHUNK_ENTRIES: usize = 4;
+
 /// Flag of a body whose stretch constraints remember their multipliers.
 pub(crate) const KEEPS_STRETCH: u32 = 1;
 
 /// Flag of a body whose bending constraints remember their multipliers.
 pub(crate) const KEEPS_BENDING: u32 = 2;
+
+/// Flag of a body whose volume constraints remember their multipliers.
+pub(crate) const KEEPS_VOLUME: u32 = 4;
 
 /// The inverse mass of a slot that no triangle uses. It does not move, as if it were pinned.
 pub(crate) const UNUSED: f32 = -1.0;
@@ -111,7 +121,7 @@ pub(crate) struct BodyRecord {
     pub(crate) kept_velocity: f32,
     /// Coulomb's coefficient.
     pub(crate) friction: f32,
-    /// [`KEEPS_STRETCH`] and [`KEEPS_BENDING`].
+    /// [`KEEPS_STRETCH`], [`KEEPS_BENDING`] and [`KEEPS_VOLUME`].
     pub(crate) flags: u32,
     /// The first of its [`RUNS_PER_BODY`] runs.
     pub(crate) first_run: u32,
@@ -124,6 +134,21 @@ pub(crate) struct BodyRecord {
     pub(crate) patch_tables: [u32; PATCH_LAYERS],
     /// How many patches each layer has.
     pub(crate) patches: [u32; PATCH_LAYERS],
+    /// Where the pieces that have a volume begin among the entries, and how many there are.
+    pub(crate) first_piece: u32,
+    pub(crate) pieces: u32,
+    /// Where their chunks do.
+    pub(crate) first_chunk: u32,
+    pub(crate) chunks: u32,
+    /// Where their spokes do: an entry each, vertex and half-edge.
+    pub(crate) first_spoke: u32,
+    /// Where the surface's half-edges do: an entry each, origin and twin.
+    pub(crate) first_corner: u32,
+    pub(crate) corners: u32,
+    pub(crate) volume_alpha: f32,
+    pub(crate) volume_pressure: f32,
+    pub(crate) volume_returned: f32,
+    pub(crate) volume_old: f32,
 }
 
 /// The constraints of one color of one body.

@@ -24,6 +24,7 @@ mod step;
 mod stopwatch;
 mod uniforms;
 mod upload;
+mod volumes;
 
 pub use adapter::{AdapterKind, AdapterLimits, AdapterRequest, AdapterSummary, adapters};
 pub use backend::{GpuBackend, GpuBody};

@@ -189,6 +189,7 @@ impl Compiler<'_> {
                     self.colors(family.kind, run, &mut out);
                 }
                 None if run[0] == Pass::ResetMultipliers => self.resets(&mut out),
+                None if run[0] == Pass::Volumes => self.volumes(&mut out),
                 None => out.extend(self.vertices(run[0])),
             }
         }
@@ -234,6 +235,29 @@ impl Compiler<'_> {
         }
         for layer in 1..LAYERS {
             out.extend(self.patches(Kernel::ResetPatches, layer));
+        }
+        let pieces: Vec<(u32, u32)> = (self.by_passes())
+            .map(|b| (b.slot, b.body.volumes.places.pieces))
+            .collect();
+        let kernel = Kernel::Pass(EntryPoint::ResetVolumes);
+        out.extend(self.dispatch(kernel, NOTHING, false, &pieces));
+    }
+
+    /// The sums of chunks, what follows from them for pieces, and the way of every vertex.
+    fn volumes(&mut self, out: &mut Vec<Dispatch>) {
+        for entry_point in [
+            EntryPoint::SumVolumes,
+            EntryPoint::StepVolumes,
+            EntryPoint::MoveVolumes,
+        ] {
+            let groups = |b: &Stepped<'_>| match entry_point {
+                EntryPoint::StepVolumes => b.body.volumes.places.pieces,
+                _ => b.body.volumes.places.chunks,
+            };
+            let lanes: Vec<(u32, u32)> = (self.by_passes())
+                .map(|b| (b.slot, groups(b) * self.workgroup))
+                .collect();
+            out.extend(self.dispatch(Kernel::Pass(entry_point), NOTHING, false, &lanes));
         }
     }
 

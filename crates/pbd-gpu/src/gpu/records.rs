@@ -1,6 +1,9 @@
 //! What a body looks like on the device.
 
-use super::layout::{BodyRecord, Entry, KEEPS_BENDING, KEEPS_STRETCH, PATCH_LAYERS, UNUSED};
+use super::layout::{
+    BodyRecord, Entry, KEEPS_BENDING, KEEPS_STRETCH, KEEPS_VOLUME, PATCH_LAYERS, UNUSED,
+};
+use super::volumes::VolumePlaces;
 use crate::constraints::Batch;
 use crate::plan::{Pin, StepConstants};
 use crate::solver::{Solver, inverse};
@@ -73,6 +76,7 @@ pub(super) struct Places {
     pub(super) bending_colors: u32,
     pub(super) patch_tables: [u32; PATCH_LAYERS],
     pub(super) patches: [u32; PATCH_LAYERS],
+    pub(super) volumes: VolumePlaces,
 }
 
 /// The numbers of a body that kernels read.
@@ -94,11 +98,23 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
         kept_velocity: constants.kept_velocity,
         friction: constants.friction,
         flags: keeps(constants.stretch.keeps, KEEPS_STRETCH)
-            | keeps(constants.bending.keeps, KEEPS_BENDING),
+            | keeps(constants.bending.keeps, KEEPS_BENDING)
+            | keeps(constants.volume.keeps, KEEPS_VOLUME),
         first_run: places.first_run,
         stretch_colors: places.stretch_colors,
         bending_colors: places.bending_colors,
         patch_tables: places.patch_tables,
         patches: places.patches,
+        first_piece: places.volumes.first_piece,
+        pieces: places.volumes.pieces,
+        first_chunk: places.volumes.first_chunk,
+        chunks: places.volumes.chunks,
+        first_spoke: places.volumes.first_spoke,
+        first_corner: places.volumes.first_corner,
+        corners: places.volumes.corners,
+        volume_alpha: constants.volume.alpha,
+        volume_pressure: constants.volume.pressure,
+        volume_returned: constants.volume.returned,
+        volume_old: constants.volume.old,
     }
 }

@@ -1,11 +1,12 @@
 //! The sources of the shader modules, composed of one file a kernel and one a schedule.
 
 use super::layout::{
-    BENDING, BENDING_ENTRIES, KEEPS_BENDING, KEEPS_STRETCH, PIN_ENTRIES, RUN_COLORS, STRETCH,
-    STRETCH_ENTRIES, TETHER_ENTRIES,
+    BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, KEEPS_BENDING, KEEPS_STRETCH, KEEPS_VOLUME,
+    PIECE_ENTRIES, PIN_ENTRIES, RUN_COLORS, STRETCH, STRETCH_ENTRIES, TETHER_ENTRIES,
 };
 use crate::coloring::MAX_COLORS;
 use crate::constraints::OVERFLOW;
+use crate::kernels::volume::CHUNK;
 use crate::patches::PATCH_VERTICES;
 
 /// Writes single words.
@@ -16,6 +17,9 @@ pub(crate) fn capacity(bytes: u32) -> u32 {
     // 256 bytes are for what else a workgroup shares.
     (bytes - 256) / 12 / 64 * 64
 }
+
+/// So many vertices fewer fit if the body has volumes: the room of the leaves that their sums are made of.
+pub(crate) const LEAVES: usize = (16 * CHUNK).div_ceil(12);
 
 /// Lanes of a workgroup where nothing speaks for another number.
 #[cfg(test)]
@@ -51,6 +55,14 @@ pub(crate) enum EntryPoint {
     Bending,
     /// A workgroup a body: the pass's colors of its kind in order, then the overflow if asked for.
     Tail,
+    /// A workgroup a chunk of spokes.
+    SumVolumes,
+    /// A workgroup a piece.
+    StepVolumes,
+    /// A workgroup a chunk of spokes.
+    MoveVolumes,
+    /// A lane a piece.
+    ResetVolumes,
     /// A lane a vertex.
     Ground,
     /// A lane a vertex.
@@ -63,7 +75,7 @@ pub(crate) enum EntryPoint {
 
 impl EntryPoint {
     /// All of them, each at the place of its number.
-    pub(crate) const ALL: [Self; 11] = [
+    pub(crate) const ALL: [Self; 15] = [
         Self::Predict,
         Self::Pins,
         Self::Tethers,
@@ -71,6 +83,10 @@ impl EntryPoint {
         Self::Stretch,
         Self::Bending,
         Self::Tail,
+        Self::SumVolumes,
+        Self::StepVolumes,
+        Self::MoveVolumes,
+        Self::ResetVolumes,
         Self::Ground,
         Self::Integrate,
         Self::ResetBounds,
@@ -87,6 +103,10 @@ impl EntryPoint {
             Self::Stretch => "stretch",
             Self::Bending => "bending",
             Self::Tail => "tail",
+            Self::SumVolumes => "sum_volumes",
+            Self::StepVolumes => "step_volumes",
+            Self::MoveVolumes => "move_volumes",
+            Self::ResetVolumes => "reset_volumes",
             Self::Ground => "ground",
             Self::Integrate => "integrate",
             Self::ResetBounds => "reset_bounds",
@@ -114,7 +134,9 @@ const SHARED: [&str; 12] = [
 pub(crate) fn colors(workgroup_size: u32, tail_size: u32) -> String {
     let parts = [
         include_str!("shaders/storage.wgsl"),
+        include_str!("../kernels/volume.wgsl"),
         include_str!("../kernels/bounds.wgsl"),
+        include_str!("shaders/volumes.wgsl"),
         include_str!("shaders/colors.wgsl"),
     ];
     let constants = [("WORKGROUP_SIZE", workgroup_size), ("TAIL_SIZE", tail_size)];
@@ -127,6 +149,7 @@ pub(crate) fn whole_body(workgroup_size: u32, capacity: u32) -> String {
     let constants = [("WORKGROUP_SIZE", workgroup_size), ("CAPACITY", capacity)];
     let parts = [
         include_str!("shaders/workgroup.wgsl"),
+        include_str!("../kernels/volume.wgsl"),
         include_str!("shaders/whole_body.wgsl"),
     ];
     compose(&constants, &parts)
@@ -159,6 +182,10 @@ fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
         ("TETHER_ENTRIES", TETHER_ENTRIES as u32),
         ("KEEPS_STRETCH", KEEPS_STRETCH),
         ("KEEPS_BENDING", KEEPS_BENDING),
+        ("PIECE_ENTRIES", PIECE_ENTRIES as u32),
+        ("CHUNK_ENTRIES", CHUNK_ENTRIES as u32),
+        ("KEEPS_VOLUME", KEEPS_VOLUME),
+        ("CHUNK", CHUNK as u32),
     ];
     let constants = constants
         .iter()

@@ -52,6 +52,8 @@ pub struct GpuStats {
     pub stretch_projections: u64,
     /// Bending constraints projected by the step.
     pub bending_projections: u64,
+    /// Volume constraints projected by the step.
+    pub volume_projections: u64,
     /// Kernels compiled since the last step, for this one included: each when a body first needs it.
     pub kernels_compiled: u32,
     /// Bytes sent to the device for edits and parameters since the last step, those of this step

@@ -57,13 +57,20 @@ impl Uploads {
         self.edits[Target::Positions as usize].extend(edit);
     }
 
+    /// Notes an entry of the constraint arena.
+    pub(super) fn edit_entry(&mut self, entry: u32, value: [u32; 2]) {
+        for (word, value) in (2 * entry..).zip(value) {
+            self.edits[Target::Constraints as usize].extend([word, value]);
+        }
+    }
+
     /// Notes a batch's constraint for the entries from `entry` on.
     pub(super) fn constraint<const N: usize>(&mut self, entry: u32, batch: &Batch<N>, i: usize) {
         let mut entries = std::mem::take(&mut self.entries);
         entries.clear();
         push_constraint(&mut entries, batch, i);
-        for (word, &value) in (2 * entry..).zip(entries.as_flattened()) {
-            self.edits[Target::Constraints as usize].extend([word, value]);
+        for (entry, &value) in (entry..).zip(&entries) {
+            self.edit_entry(entry, value);
         }
         self.entries = entries;
     }

@@ -58,7 +58,7 @@ pub(crate) fn first_non_finite(x: &[[f32; 4]]) -> VertexId {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::Projection;
+    use crate::material::{Projection, VolumeProjection};
 
     #[test]
     fn a_number_that_is_none_is_found() {
@@ -85,6 +85,7 @@ mod tests {
                 recovery: 0.0,
                 hold: 0.0,
             },
+            volume: VolumeProjection::NONE,
             ground: f32::NEG_INFINITY,
             friction: 0.0,
             residual: None,

@@ -21,3 +21,4 @@ pub(crate) mod pins;
 pub(crate) mod predict;
 pub(crate) mod stretch;
 pub(crate) mod tethers;
+pub(crate) mod volume;

@@ -3,7 +3,7 @@
 
 use incise_mesh::Surface;
 use incise_pbd_gpu::{
-    GpuBackend, GpuBody, Material, PatchParams, Schedule, Solver, SolverParams, Stiffness,
+    GpuBackend, GpuBody, Material, PatchParams, Schedule, Solver, SolverParams, Stiffness, Volume,
 };
 
 /// The length of a frame \[s\].
@@ -13,11 +13,15 @@ pub(crate) const DT: f32 = 1.0 / 60.0;
 pub(crate) const SCHEDULES: [Schedule; 3] =
     [Schedule::WholeBody, Schedule::Colors, Schedule::Patches];
 
-/// Everything that a solver does, at once: compliance with multipliers, bending, damping, friction.
+/// Everything that a solver does, at once: compliance with multipliers, bending, pressure, damping, friction.
 pub(crate) fn busy() -> (Material, SolverParams) {
     let material = Material {
         stretch: Stiffness::Compliance(1e-6),
         bending: Some(Stiffness::Compliance(1e-3)),
+        volume: Some(Volume {
+            compressibility: 1e-5,
+            pressure: 1.1,
+        }),
         damping: 0.1,
         ..Material::default()
     };
@@ -30,12 +34,13 @@ pub(crate) fn busy() -> (Material, SolverParams) {
     (material, params)
 }
 
-/// A body that does not stretch, held to within reach of its pins, and that leaves old errors in short frames.
+/// A body that does not stretch and keeps its volume, held to within reach of its pins, and that leaves old errors in short frames.
 pub(crate) fn tethered() -> (Material, SolverParams) {
     let (material, params) = busy();
     let material = Material {
         stretch: Stiffness::Compliance(0.0),
         bending: Some(Stiffness::Pbd(0.3)),
+        volume: Some(Volume::default()),
         ..material
     };
     let params = SolverParams {

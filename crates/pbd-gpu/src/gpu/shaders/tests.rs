@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::gpu::layout::{BodyRecord, Entry, FrameUniform, Link, PassUniform, Report, Run};
-use crate::kernels::{arctangent, bending, tethers};
+use crate::kernels::{arctangent, bending, tethers, volume};
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Literal, Module, TypeInner};
@@ -114,7 +114,8 @@ fn structs_lie_in_memory_as_in_rust() {
             size_of::<BodyRecord>(),
             &members!(BodyRecord: first_vertex vertices first_pin pins first_tether tethers stretch_factor stretch_alpha stretch_old
                 bending_factor bending_alpha bending_old kept_velocity friction flags first_run stretch_colors
-                bending_colors patch_tables patches),
+                bending_colors patch_tables patches first_piece pieces first_chunk chunks first_spoke first_corner corners
+                volume_alpha volume_pressure volume_returned volume_old),
         );
         check("Run", size_of::<Run>(), &members!(Run: first len));
         check("Link", size_of::<Link>(), &members!(Link: first_group body));
@@ -190,6 +191,12 @@ fn kernels_and_their_twins_have_the_same_constants() {
             ("FIRM", bending::FIRM),
         ] {
             assert_eq!(constant(&module, name), [wanted.to_bits()], "{name}");
+        }
+        // A patch does not know the volume of the piece that it is a part of.
+        if module.entry_points[0].name != PATCHES {
+            for (name, wanted) in [("SIXTH", volume::SIXTH), ("THIRD", volume::THIRD)] {
+                assert_eq!(constant(&module, name), [wanted.to_bits()], "{name}");
+            }
         }
         let coefficients = arctangent::COEFFICIENTS.map(f32::to_bits);
         assert_eq!(constant(&module, "COEFFICIENTS"), coefficients);

@@ -47,6 +47,17 @@ struct Body {
     bending_colors: u32,
     patch_tables: array<u32, 3>,
     patches: array<u32, 3>,
+    first_piece: u32,
+    pieces: u32,
+    first_chunk: u32,
+    chunks: u32,
+    first_spoke: u32,
+    first_corner: u32,
+    corners: u32,
+    volume_alpha: f32,
+    volume_pressure: f32,
+    volume_returned: f32,
+    volume_old: f32,
 }
 
 struct Run {
@@ -83,7 +94,8 @@ struct Projection {
 @group(0) @binding(1) var<storage, read_write> velocities: array<vec4f>;
 // A stretch constraint is 2 entries: (a, b), (rest, multiplier). A bending constraint is 3:
 // (v0, v1), (v2, v3), (rest, multiplier). A pin is 2: (vertex, x), (y, z). A tether is 2: (vertex, anchor),
-// (length, 0). Vertices count from the body's first one; numbers are stored as their bits.
+// (length, 0). A piece is 4: (first chunk, chunks), (rest, reach), (multiplier, step), (center, 0). A chunk is 4:
+// (first spoke, spokes), (piece, 0), its four sums. A spoke is (vertex, half-edge), a corner (origin, twin). Vertices count from the body's first one; numbers are stored as their bits.
 @group(0) @binding(3) var<storage, read_write> constraints: array<vec2u>;
 @group(0) @binding(4) var<storage, read> bodies: array<Body>;
 @group(0) @binding(5) var<storage, read> runs: array<Run>;

@@ -41,6 +41,24 @@ fn project_kind(body: Body, kind: u32, colors: u32, layer: u32, lane: u32) {
     }
 }
 
+// The volumes of all pieces. What lanes tell each other of chunks and pieces goes through the buffer.
+fn project_volumes(body: Body, lane: u32) {
+    for (var chunk = 0u; chunk < body.chunks; chunk++) {
+        sum_chunk(body, chunk, lane, WORKGROUP_SIZE);
+        workgroupBarrier();
+    }
+    storageBarrier();
+    for (var piece = 0u; piece < body.pieces; piece++) {
+        step_piece(body, piece, lane, WORKGROUP_SIZE);
+        workgroupBarrier();
+    }
+    storageBarrier();
+    for (var chunk = 0u; chunk < body.chunks; chunk++) {
+        move_chunk(body, chunk, lane, WORKGROUP_SIZE);
+    }
+    workgroupBarrier();
+}
+
 fn predict_body(body: Body, lane: u32) {
     var height = ORDERED_INFINITY;
     for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
@@ -85,6 +103,12 @@ fn whole_body(
         if ((body.flags & KEEPS_BENDING) != 0u) {
             reset_kind(body, BENDING, body.bending_colors, lane);
         }
+        if ((body.flags & KEEPS_VOLUME) != 0u) {
+            for (var piece = lane; piece < body.pieces; piece += WORKGROUP_SIZE) {
+                constraints[body.first_piece + PIECE_ENTRIES * piece + 2u].x = 0u;
+            }
+            storageBarrier();
+        }
         for (var iteration = 0u; iteration < frame.iterations; iteration++) {
             if (body.tethers != 0u) {
                 for (var k = lane; k < body.tethers; k += WORKGROUP_SIZE) {
@@ -95,6 +119,9 @@ fn whole_body(
             for (var layer = 0u; layer < layers; layer++) {
                 project_kind(body, STRETCH, body.stretch_colors, layer, lane);
                 project_kind(body, BENDING, body.bending_colors, layer, lane);
+            }
+            if (body.pieces != 0u) {
+                project_volumes(body, lane);
             }
             if (frame.has_ground != 0u) {
                 if (!is_above_ground(atomicLoad(&lowest))) {

@@ -17,3 +17,17 @@ fn store_d(i: u32, d: vec3f) {
     displacements[at + 1u] = d.y;
     displacements[at + 2u] = d.z;
 }
+
+// What a chunk or a piece sums up lies at the end, which is free in a body with volumes.
+fn load_leaf(i: u32) -> vec4f {
+    let at = 3u * CAPACITY - 4u * CHUNK + 4u * i;
+    return vec4f(displacements[at], displacements[at + 1u], displacements[at + 2u], displacements[at + 3u]);
+}
+
+fn store_leaf(i: u32, leaf: vec4f) {
+    let at = 3u * CAPACITY - 4u * CHUNK + 4u * i;
+    displacements[at] = leaf.x;
+    displacements[at + 1u] = leaf.y;
+    displacements[at + 2u] = leaf.z;
+    displacements[at + 3u] = leaf.w;
+}

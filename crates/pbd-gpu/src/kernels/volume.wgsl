@@ -1,0 +1,161 @@
+// Twin of volume.rs, which tells where the formulas come from and in which order sums are made.
+//
+// Gradients wait in the velocities, which nobody reads from predict() to integrate().
+
+const SIXTH: f32 = 0.16666667;
+const THIRD: f32 = 0.33333334;
+
+struct Around {
+    gradient: vec3f,
+    place: f32,
+}
+
+// The gradient at a spoke, now or at the start of the substep, and that times its place.
+fn around(body: Body, spoke: vec2u, center: u32, begins: bool) -> Around {
+    let xv = load_x(spoke.x);
+    let dv = moved(spoke.x, begins);
+    let corners = body.first_corner;
+    let first = constraints[corners + next_corner(spoke.y)].x;
+    var a = difference(xv, dv, load_x(first), moved(first, begins));
+    var sum = vec3f();
+    var h = spoke.y;
+    // A walk of more steps than there are corners would never end.
+    for (var i = 0u; i < body.corners; i++) {
+        let across = constraints[corners + previous_corner(h)];
+        let b = difference(xv, dv, load_x(across.x), moved(across.x, begins));
+        sum += cross_product(a, b);
+        a = b;
+        h = across.y;
+        if (h == spoke.y) {
+            break;
+        }
+    }
+    let gradient = sum * SIXTH;
+    let back = difference(xv, dv, load_x(center), moved(center, begins));
+    return Around(gradient, -dot_product(gradient, back));
+}
+
+fn moved(i: u32, begins: bool) -> vec3f {
+    if (begins) {
+        return vec3f();
+    }
+    return load_d(i);
+}
+
+fn next_corner(h: u32) -> u32 {
+    return select(h + 1u, h - 2u, h % 3u == 2u);
+}
+
+fn previous_corner(h: u32) -> u32 {
+    return select(h - 1u, h + 2u, h % 3u == 0u);
+}
+
+fn add_leaves(a: vec4f, b: vec4f) -> vec4f {
+    return vec4f(a.x + b.x, a.y + b.y, a.z + b.z, select(a.w, b.w, b.w > a.w));
+}
+
+// Sums the leaves into the first one; all lanes of the workgroup come here.
+fn sum_leaves(lane: u32, lanes: u32) {
+    workgroupBarrier();
+    for (var width = CHUNK / 2u; width > 0u; width /= 2u) {
+        for (var i = lane; i < width; i += lanes) {
+            store_leaf(i, add_leaves(load_leaf(i), load_leaf(i + width)));
+        }
+        workgroupBarrier();
+    }
+}
+
+// Finds the gradients of a chunk and its sums.
+fn sum_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
+    let chunk = body.first_chunk + CHUNK_ENTRIES * number;
+    let spokes = constraints[chunk];
+    let piece = body.first_piece + PIECE_ENTRIES * constraints[chunk + 1u].x;
+    let center = constraints[piece + 3u].x;
+    // What gives way has no old errors.
+    let recovers = body.volume_alpha == 0.0;
+    for (var i = lane; i < CHUNK; i += lanes) {
+        var leaf = vec4f();
+        if (i < spokes.y) {
+            let spoke = constraints[body.first_spoke + spokes.x + i];
+            let now = around(body, spoke, center, false);
+            let g = now.gradient;
+            let w = load_x(spoke.x).w;
+            let square = g.x * g.x + g.y * g.y + g.z * g.z;
+            leaf = vec4f(now.place, now.place, w * square, w * sqrt(square));
+            if (recovers) {
+                leaf.y = around(body, spoke, center, true).place;
+            }
+            let v = first_vertex + spoke.x;
+            velocities[v] = vec4f(g, velocities[v].w);
+        }
+        store_leaf(i, leaf);
+    }
+    sum_leaves(lane, lanes);
+    if (lane == 0u) {
+        let sums = bitcast<vec4u>(load_leaf(0u));
+        constraints[chunk + 2u] = sums.xy;
+        constraints[chunk + 3u] = sums.zw;
+    }
+}
+
+// Sums the chunks of a piece and finds how far it goes against its gradients.
+fn step_piece(body: Body, number: u32, lane: u32, lanes: u32) {
+    let piece = body.first_piece + PIECE_ENTRIES * number;
+    let chunks = constraints[piece];
+    for (var i = lane; i < CHUNK; i += lanes) {
+        var leaf = vec4f();
+        for (var k = i; k < chunks.y; k += CHUNK) {
+            let sums = body.first_chunk + CHUNK_ENTRIES * (chunks.x + k) + 2u;
+            let chunk = vec4u(constraints[sums], constraints[sums + 1u]);
+            leaf = add_leaves(leaf, bitcast<vec4f>(chunk));
+        }
+        store_leaf(i, leaf);
+    }
+    sum_leaves(lane, lanes);
+    if (lane == 0u) {
+        let keeps = (body.flags & KEEPS_VOLUME) != 0u;
+        let numbers = bitcast<vec2f>(constraints[piece + 1u]);
+        let remembered = bitcast<f32>(constraints[piece + 2u].x);
+        let lambda = select(0.0, remembered, keeps);
+        let step = step_of(load_leaf(0u), numbers.x, numbers.y, body, lambda);
+        constraints[piece + 2u] = bitcast<vec2u>(vec2f(lambda - step, step));
+    }
+}
+
+fn step_of(sums: vec4f, rest: f32, reach: f32, body: Body, lambda: f32) -> f32 {
+    let size = abs(rest);
+    let goal = body.volume_pressure * rest;
+    let error = sums.x * THIRD - goal;
+    let before = sums.y * THIRD - goal;
+    let returned = body.volume_returned * size;
+    var left = 0.0;
+    if (error > returned || error < -returned) {
+        left = select(left, before - returned, before > returned);
+        left = select(left, before + returned, before < -returned);
+    }
+    let kept = body.volume_old * before;
+    left = select(left, kept, abs(kept) > abs(left));
+    let alpha = body.volume_alpha * size;
+    let wish = (error - left) + alpha * lambda;
+    let weight = sums.z;
+    let sum = frame.own_weight * weight + alpha;
+    let under = select(sum, weight, weight > sum);
+    let limit = reach / sums.w;
+    var wanted = wish / under;
+    wanted = select(wanted, limit, wanted > limit);
+    wanted = select(wanted, -limit, wanted < -limit);
+    return select(0.0, wanted, weight > 0.0 && sums.w > 0.0);
+}
+
+// Moves the vertices of a chunk.
+fn move_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
+    let chunk = body.first_chunk + CHUNK_ENTRIES * number;
+    let spokes = constraints[chunk];
+    let piece = body.first_piece + PIECE_ENTRIES * constraints[chunk + 1u].x;
+    let step = bitcast<f32>(constraints[piece + 2u].y);
+    for (var i = lane; i < spokes.y; i += lanes) {
+        let v = constraints[body.first_spoke + spokes.x + i].x;
+        let by = -(load_x(v).w * step);
+        store_d(v, load_d(v) + by * velocities[first_vertex + v].xyz);
+    }
+}
