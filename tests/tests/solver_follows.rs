@@ -5,6 +5,7 @@ use incise_cut::{CutMethod, CutParams, Cutter, Sweep};
 use incise_mesh::{Model, Surface, TopologyDelta, build_model};
 use incise_pbd_gpu::{
     ConstraintSet, Density, MAX_COLORS, Material, PatchParams, Solver, SolverParams, Stiffness,
+    Volume,
 };
 use incise_refine::{RefineParams, RefinementLevel};
 use incise_tests::{Blade, Body, any_blade, any_body, any_level, cases, cut_and_check};
@@ -23,6 +24,7 @@ fn materials() -> impl Strategy<Value = Material> {
         density: Density::Area(density),
         stretch,
         bending,
+        volume: Some(Volume::default()),
         ..Material::default()
     })
 }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::sphere;
-use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness};
+use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness, Volume};
 
 fn run(threads: usize) -> Vec<[u32; 4]> {
     let pool = rayon::ThreadPoolBuilder::new()
@@ -12,7 +12,11 @@ fn run(threads: usize) -> Vec<[u32; 4]> {
         .unwrap();
     pool.install(|| {
         let mut surface = sphere(7, [0.0, 1.01, 0.0]);
-        let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
+        let material = Material {
+            volume: Some(Volume::default()),
+            ..Material::default()
+        };
+        let mut solver = Solver::new(&mut surface, &material).unwrap();
         let params = SolverParams {
             ground: Some(0.0),
             ..SolverParams::paper()
@@ -39,6 +43,7 @@ fn a_step_does_not_grow_anything() {
         let material = Material {
             stretch: stiffness,
             bending: Some(stiffness),
+            volume: Some(Volume::default()),
             ..Material::default()
         };
         let mut solver = Solver::new(&mut surface, &material).unwrap();

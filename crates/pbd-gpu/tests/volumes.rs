@@ -1,0 +1,354 @@
+//! Pieces keep the volume that they enclose, by closed forms and laws.
+
+mod common;
+
+use common::{edge_keys, sphere, two_spheres};
+use incise_mesh::{Surface, TriangleId};
+use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness, Volume};
+
+const DT: f32 = 1.0 / 60.0;
+
+/// Edges and angles that do not pull, so that the volume is alone.
+fn limp(volume: Volume) -> Material {
+    Material {
+        stretch: Stiffness::Pbd(0.0),
+        bending: None,
+        volume: Some(volume),
+        ..Material::default()
+    }
+}
+
+fn weightless() -> SolverParams {
+    SolverParams {
+        gravity: [0.0; 3],
+        ..SolverParams::default()
+    }
+}
+
+fn with_pressure(pressure: f32) -> Volume {
+    Volume {
+        pressure,
+        ..Volume::default()
+    }
+}
+
+/// A regular tetrahedron whose vertices are 1 m from its center.
+fn tetrahedron() -> Surface {
+    let c = 1.0 / 3.0_f32.sqrt();
+    let corners = [[c, c, c], [c, -c, -c], [-c, c, -c], [-c, -c, c]];
+    let faces = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
+    Surface::from_triangles(&corners, &faces).unwrap()
+}
+
+#[test]
+fn pressure_inflates_a_ball_to_that_many_volumes() {
+    for (pressure, place) in [(2.0, 0.0), (0.5, 0.0), (1.5, 1000.0)] {
+        let mut surface = sphere(3, [place, 0.0, 0.0]);
+        let rest = surface.volume();
+        let mut solver = Solver::new(&mut surface, &limp(with_pressure(pressure))).unwrap();
+        for _ in 0..60 {
+            solver.step(&mut surface, DT, &weightless()).unwrap();
+        }
+        let times = surface.volume() / rest;
+        // Positions a kilometer away are stored to 6e-5 m.
+        let rounding = if place > 0.0 { 2e-3 } else { 1e-4 };
+        assert!(
+            (times - f64::from(pressure)).abs() < rounding,
+            "{times} of {pressure} volumes at {place} m"
+        );
+        let center = surface.bounds().center();
+        assert!((center.x - f64::from(place)).abs() < 1e-3, "{center}");
+    }
+}
+
+/// All four vertices of a regular tetrahedron move alike, so it is one oscillator: `V = V0 r^3`, pulled back by
+/// `(V - V0) / (compressibility V0)` on all of its mass. Every substep of one iteration is backward Euler of it.
+#[test]
+fn a_tetrahedron_breathes_as_backward_euler_says() {
+    let compressibility = 1e-4_f32;
+    let mut surface = tetrahedron();
+    let rest = surface.volume();
+    let material = limp(Volume {
+        compressibility,
+        pressure: 1.0,
+    });
+    let mut solver = Solver::new(&mut surface, &material).unwrap();
+    let scale = 1.001_f32;
+    for p in &mut surface.positions {
+        p.iter_mut().take(3).for_each(|c| *c *= scale);
+    }
+    solver.mark_all_changed();
+    for iterations in [1, 4] {
+        let params = SolverParams {
+            iterations,
+            substeps: 1,
+            own_weight: 1.0,
+            ..weightless()
+        };
+        let (h, mass) = (f64::from(DT) / 20.0, solver.total_mass());
+        // d V / d r = 3 V0 at r = 1.
+        let square = 9.0 * rest / (f64::from(compressibility) * mass);
+        let mut body = (surface.clone(), solver.clone());
+        let error = |surface: &Surface| surface.volume() / rest - 1.0;
+        let (mut expected, mut before) = (error(&body.0), error(&body.0));
+        let amplitude = expected;
+        for step in 0..100 {
+            let short = DT / 20.0;
+            body.1.step(&mut body.0, short, &params).unwrap();
+            let next = (2.0 * expected - before) / (1.0 + h * h * square);
+            (before, expected) = (expected, next);
+            let found = error(&body.0);
+            // The volume is no linear function of the radius: 3e-3 of it at this amplitude.
+            assert!(
+                (found - expected).abs() < 0.01 * amplitude,
+                "{found}, not {expected}, in step {step} with {iterations} iterations"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_is_inside_pushes_nobody_else() {
+    let mut surface = two_spheres(2);
+    let material = Material {
+        volume: Some(with_pressure(1.3)),
+        ..Material::default()
+    };
+    let mut solver = Solver::new(&mut surface, &material).unwrap();
+    for v in surface.topology().vertices() {
+        let [x, y, z, _] = surface.positions[v.index()];
+        let to = [3.0 * y - z, 1.0 + x * z, 2.0 * z];
+        solver.set_velocity(v, to).unwrap();
+    }
+    let params = SolverParams {
+        iterations: 4,
+        ..weightless()
+    };
+    let momentum = solver.momentum();
+    let mass = solver.total_mass();
+    for _ in 0..60 {
+        solver.step(&mut surface, DT, &params).unwrap();
+    }
+    for (is, was) in solver.momentum().into_iter().zip(momentum) {
+        assert!((is - was).abs() < 1e-4 * mass, "momentum {was} became {is}");
+    }
+}
+
+/// Turned once around, a ball whose volume is all that holds it has as much angular momentum as after the first step: implicit
+/// Euler takes of it in proportion to what pulls, and a kept volume pulls hardly at all in a round body.
+#[test]
+fn a_push_from_inside_turns_nobody() {
+    let mut surface = sphere(3, [0.3, 0.0, 0.0]);
+    let mut solver = Solver::new(&mut surface, &limp(with_pressure(1.5))).unwrap();
+    for _ in 0..30 {
+        solver.step(&mut surface, DT, &weightless()).unwrap();
+    }
+    let spin = solver.angular_momentum(&surface, [0.0; 3]);
+    let moving = solver.total_mass() * 1.0;
+    assert!(
+        spin.iter().all(|l| l.abs() < 1e-4 * moving),
+        "it turns by {spin:?}"
+    );
+}
+
+#[test]
+fn every_closed_piece_has_the_volume_that_it_has_at_rest() {
+    let mut surface = two_spheres(2);
+    let volumes = surface.piece_volumes();
+    // What is stretched when the body is made changes nothing.
+    for p in &mut surface.positions {
+        p[1] *= 1.5;
+    }
+    let material = limp(Volume::default());
+    let solver = Solver::new(&mut surface, &material).unwrap();
+    let pieces = solver.volumes().pieces();
+    assert_eq!(pieces.len(), 2);
+    let mut vertices = 0;
+    for (piece, expected) in pieces.iter().zip(volumes) {
+        let off = (f64::from(piece.rest()) - expected).abs();
+        assert!(off < 1e-6 * expected, "{} of {expected}", piece.rest());
+        vertices += piece.vertices();
+    }
+    assert_eq!(vertices, surface.topology().vertex_count());
+    solver.validate(&surface).unwrap();
+}
+
+#[test]
+fn a_ball_in_a_ball_is_a_cavity_that_keeps_its_size() {
+    let (outer, inner) = (sphere(2, [0.0; 3]), sphere(2, [0.0; 3]));
+    let mut corners: Vec<[f32; 3]> = outer.rest.clone();
+    let offset = u32::try_from(corners.len()).unwrap();
+    corners.extend(inner.rest.iter().map(|p| p.map(|c| c * 0.5)));
+    let of = |s: &Surface| -> Vec<[u32; 3]> {
+        let t = s.topology();
+        t.triangles().map(|f| t.triangle(f).map(|v| v.0)).collect()
+    };
+    let mut faces = of(&outer);
+    faces.extend(
+        of(&inner)
+            .iter()
+            .map(|&[a, b, c]| [a, c, b].map(|v| v + offset)),
+    );
+    let mut surface = Surface::from_triangles(&corners, &faces).unwrap();
+    let volumes = surface.piece_volumes();
+    let mut solver = Solver::new(&mut surface, &limp(with_pressure(1.2))).unwrap();
+    assert!(solver.volumes().pieces()[1].rest() < 0.0);
+    for _ in 0..30 {
+        solver.step(&mut surface, DT, &weightless()).unwrap();
+    }
+    for (now, was) in surface.piece_volumes().iter().zip(volumes) {
+        assert!((now / was - 1.2).abs() < 1e-4, "{now} of {was}");
+    }
+}
+
+#[test]
+fn what_encloses_nothing_has_no_volume() {
+    let square = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+    ];
+    let sheet = [[0, 1, 2], [0, 2, 3]];
+    let pillow = [[0, 1, 2], [0, 2, 3], [0, 2, 1], [0, 3, 2]];
+    // Two tetrahedra that share the vertex 0: no walk around it sees both.
+    let bow_tie = [
+        [0, 2, 1],
+        [0, 1, 3],
+        [1, 2, 3],
+        [2, 0, 3],
+        [0, 4, 5],
+        [0, 6, 4],
+        [4, 6, 5],
+        [5, 6, 0],
+    ];
+    let corners = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [-1.0, 0.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [0.0, 0.0, -1.0],
+    ];
+    let mut bodies = vec![
+        Surface::from_triangles(&square, &sheet).unwrap(),
+        Surface::from_triangles(&corners, &bow_tie).unwrap(),
+    ];
+    bodies.extend(Surface::from_triangles(&square, &pillow));
+    let mut open = sphere(2, [0.0; 3]);
+    open.remove_triangles(&[TriangleId(0)]);
+    bodies.push(open);
+    for mut surface in bodies {
+        let material = Material {
+            volume: Some(Volume::default()),
+            ..Material::default()
+        };
+        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        let keys = edge_keys(&surface).len();
+        let pieces = solver.volumes().pieces().len();
+        // Of the bow tie one half may have one: that which the walk around the common vertex sees.
+        assert!(pieces == 0 || keys == 12 && pieces == 1, "{pieces}");
+        for _ in 0..10 {
+            solver.step(&mut surface, DT, &weightless()).unwrap();
+        }
+        assert!(solver.kinetic_energy() < 1e-6, "nothing pushes");
+    }
+}
+
+#[test]
+fn a_soft_ball_on_the_ground_keeps_its_volume() {
+    let sag = |volume| {
+        let mut surface = sphere(3, [0.0, 1.0, 0.0]);
+        let material = Material {
+            stretch: Stiffness::Compliance(3e-2),
+            bending: None,
+            volume,
+            ..Material::default()
+        };
+        let rest = surface.volume();
+        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        let params = SolverParams {
+            ground: Some(0.0),
+            ..SolverParams::default()
+        };
+        for _ in 0..120 {
+            solver.step(&mut surface, DT, &params).unwrap();
+        }
+        (surface.volume() / rest - 1.0).abs()
+    };
+    let (with, without) = (sag(Some(Volume::default())), sag(None));
+    assert!(with < 1e-3, "{with} of its volume is missing");
+    assert!(without > 0.05, "or nothing would: {without}");
+}
+
+/// Ten volumes at once are asked of an incompressible ball, and then a tenth of one.
+#[test]
+fn what_is_asked_for_at_once_comes_slowly() {
+    let mut surface = sphere(3, [0.0; 3]);
+    let rest = surface.volume();
+    let mut solver = Solver::new(&mut surface, &limp(Volume::default())).unwrap();
+    for pressure in [10.0, 0.1] {
+        let volume = with_pressure(pressure);
+        solver.set_volume(&surface, Some(volume)).unwrap();
+        let mut before = surface.volume() / rest;
+        for _ in 0..240 {
+            solver.step(&mut surface, DT, &weightless()).unwrap();
+            let now = surface.volume() / rest;
+            // Three volumes a second.
+            assert!((now - before).abs() < 0.051, "{before} became {now}");
+            before = now;
+        }
+        assert!((before - f64::from(pressure)).abs() < 1e-3, "{before}");
+        let speed = (2.0 * solver.kinetic_energy() / solver.total_mass()).sqrt();
+        assert!(speed < 1.0, "a radius of 1 m drifts by {speed} m/s");
+    }
+}
+
+#[test]
+fn volume_comes_and_goes_with_the_material() {
+    let mut surface = sphere(3, [0.0; 3]);
+    let mut solver = Solver::new(&mut surface, &limp(Volume::default())).unwrap();
+    let params = weightless();
+    solver.step(&mut surface, DT, &params).unwrap();
+    assert!(solver.stats().volume_projections > 0);
+    solver.set_volume(&surface, None).unwrap();
+    solver.step(&mut surface, DT, &params).unwrap();
+    assert_eq!(solver.stats().volume_projections, 0);
+    let bad = with_pressure(f32::INFINITY);
+    assert!(solver.set_volume(&surface, Some(bad)).is_err());
+    assert_eq!(solver.material().volume, None, "nothing is changed");
+    solver
+        .set_volume(&surface, Some(with_pressure(2.0)))
+        .unwrap();
+    let rest = surface.volume();
+    for _ in 0..60 {
+        solver.step(&mut surface, DT, &params).unwrap();
+    }
+    assert!((surface.volume() / rest - 2.0).abs() < 1e-4);
+}
+
+/// A ball without a radius has no gradient to grow along, one that is turned inside out grows through nothing.
+#[test]
+fn crushed_and_turned_inside_out_it_stays_finite() {
+    for scale in [0.0_f32, 1e-6, 0.01, -1.0] {
+        let mut surface = sphere(2, [0.0; 3]);
+        let material = Material {
+            volume: Some(Volume::default()),
+            ..Material::default()
+        };
+        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        for p in &mut surface.positions {
+            p.iter_mut().take(3).for_each(|c| *c *= scale);
+        }
+        for _ in 0..120 {
+            solver.step(&mut surface, DT, &weightless()).unwrap();
+        }
+        let far = surface
+            .positions
+            .iter()
+            .flat_map(|p| &p[..3])
+            .fold(0.0, |a: f32, c| a.max(c.abs()));
+        assert!(far < 3.0, "thrown {far} m from a ball of 1 m by {scale}");
+    }
+}
