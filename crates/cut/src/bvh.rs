@@ -20,6 +20,7 @@
 
 mod assemble;
 mod build;
+mod cast;
 mod morton;
 mod query;
 mod refit;
@@ -28,6 +29,7 @@ mod tests;
 mod update;
 mod validate;
 
+pub use cast::RayHit;
 pub use validate::InvalidBvh;
 
 use incise_mesh::{Aabb, Surface, TriangleId, VertexId};

@@ -3,6 +3,7 @@
 use crate::error::CutError;
 use incise_mesh::geometry::{area_vector, round, widen};
 use incise_mesh::{Aabb, Vec3};
+use robust::{Coord3D, orient3d};
 
 /// Two triangles spanned by a blade's edge in the previous and the current frame: previous start,
 /// previous end, current end and previous start, current end, current start. They share the
@@ -95,6 +96,26 @@ impl Sweep {
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         Aabb::around(self.corners)
+    }
+
+    /// Whether the straight way between two points meets the sweep, touching it included. Decided by exact signs.
+    #[must_use]
+    pub fn meets(&self, from: [f32; 3], to: [f32; 3]) -> bool {
+        let point = |p: [f32; 3]| {
+            let [x, y, z] = p.map(f64::from);
+            Coord3D { x, y, z }
+        };
+        let [a, b, c, d] = self.corners.map(point);
+        let (p, q) = (point(from), point(to));
+        [[a, b, c], [a, c, d]].into_iter().any(|[a, b, c]| {
+            let sides = [p, q].map(|end| orient3d(a, b, c, end));
+            let turns = [(a, b), (b, c), (c, a)].map(|(s, t)| orient3d(p, q, s, t));
+            let is_one_side =
+                |signs: &[f64]| signs.iter().all(|&s| s >= 0.0) || signs.iter().all(|&s| s <= 0.0);
+            // Where all turns are zero the way lies in the plane, which no cut follows, or there is no triangle.
+            let is_crossed = sides[0] * sides[1] <= 0.0 && turns.iter().any(|&t| t != 0.0);
+            is_crossed && is_one_side(&turns)
+        })
     }
 
     /// The cutting plane of Algorithm 2, lines 15 and 16: a point on it and its unit normal. For a

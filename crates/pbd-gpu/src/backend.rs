@@ -60,7 +60,11 @@ impl Backend for CpuBackend {
         let slots = body.positions.len();
         self.displacements.resize_with(slots, Cell::default);
         let arch = Arch::new();
-        let stretch = body.stretch.all().map(Batch::len);
+        let edges = [Some(&*body.stretch), body.struts.as_deref()];
+        let stretch = edges
+            .into_iter()
+            .flatten()
+            .flat_map(|set| set.all().map(Batch::len));
         let bending = body.bending.iter().flat_map(|set| set.all());
         let volumes = [body.volumes.spokes.len()];
         let batches = stretch.chain(bending.map(Batch::len)).chain(volumes);
@@ -183,6 +187,11 @@ impl Frame<'_, '_> {
                     sets.flat_map(|set| set.all_mut())
                         .for_each(Batch::reset_multipliers);
                 }
+                if constants.struts.keeps {
+                    let sets = body.struts.iter_mut();
+                    sets.flat_map(|set| set.all_mut())
+                        .for_each(Batch::reset_multipliers);
+                }
                 if constants.volume.keeps {
                     body.volumes.reset_multipliers();
                 }
@@ -209,6 +218,20 @@ impl Frame<'_, '_> {
                     let part = set.overflow.part(constants.bending.keeps);
                     stats.bending_projections += part.vertices.len() as u64;
                     bending_serial(x, d, part, constants.bending);
+                }
+            }
+            Pass::Struts { color } => {
+                if let Some(set) = &mut body.struts {
+                    let part = set.batches[color].part(constants.struts.keeps);
+                    stats.strut_projections += part.vertices.len() as u64;
+                    sweep::<Stretch, 2>(*arch, x, d.0, part, constants.struts);
+                }
+            }
+            Pass::StrutsOverflow => {
+                if let Some(set) = &mut body.struts {
+                    let part = set.overflow.part(constants.struts.keeps);
+                    stats.strut_projections += part.vertices.len() as u64;
+                    stretch_serial(x, d, part, constants.struts);
                 }
             }
             Pass::Volumes => {
@@ -260,22 +283,24 @@ mod tests {
                 multipliers: projection.keeps,
                 ..PlanKey::default()
             };
-            plan.update(key, &stretch, None);
+            plan.update(key, &stretch, None, None);
+            let rigid = Projection {
+                factor: 0.0,
+                alpha: 0.0,
+                own_weight: 1.0,
+                old: 0.0,
+                keeps: false,
+                recovery: 0.0,
+                hold: 0.0,
+            };
             let constants = StepConstants {
                 h,
                 substeps: 1,
                 gravity_step: [0.0; 3],
                 kept_velocity: 1.0,
                 stretch: projection,
-                bending: Projection {
-                    factor: 0.0,
-                    alpha: 0.0,
-                    own_weight: 1.0,
-                    old: 0.0,
-                    keeps: false,
-                    recovery: 0.0,
-                    hold: 0.0,
-                },
+                bending: rigid,
+                struts: rigid,
                 volume: VolumeProjection::NONE,
                 ground: f32::NEG_INFINITY,
                 friction: 0.0,
@@ -290,6 +315,7 @@ mod tests {
                     velocities: &mut velocities,
                     stretch: &mut stretch,
                     bending: None,
+                    struts: None,
                     volumes: &mut VolumeSet::default(),
                     topology: &Topology::default(),
                     pins: &[],

@@ -32,6 +32,8 @@ pub(crate) struct Changes {
     pub(crate) stretch: Vec<Slot>,
     /// Places at which another bending constraint stands.
     pub(crate) bending: Vec<Slot>,
+    /// Places at which another strut stands.
+    pub(crate) struts: Vec<Slot>,
     /// Patches of every patching that got or lost a vertex or a constraint.
     pub(crate) patches: [Vec<u32>; LAYERS - 1],
     /// Whether batches may have become longer or shorter.
@@ -187,6 +189,9 @@ impl Solver {
         if let Some(bending) = &mut self.bending {
             bending.log.start();
         }
+        if let Some(struts) = &mut self.struts {
+            struts.log.start();
+        }
         for log in self.patches.iter_mut().flat_map(Patches::logs) {
             log.start();
         }
@@ -229,7 +234,11 @@ impl Solver {
     #[cfg(feature = "gpu")]
     pub(crate) fn changes_concern_surface(&self) -> bool {
         let logs = &self.changes;
-        let constraints = !self.stretch.log.entries.is_empty()
+        let edges = [Some(&self.stretch), self.struts.as_ref()];
+        let constraints = edges
+            .into_iter()
+            .flatten()
+            .any(|set| !set.log.entries.is_empty())
             || self
                 .bending
                 .as_ref()
@@ -272,6 +281,10 @@ impl Solver {
         into.bending.clear();
         if let Some(bending) = &mut self.bending {
             into.lengths |= take_slots(bending, &mut into.bending);
+        }
+        into.struts.clear();
+        if let Some(struts) = &mut self.struts {
+            into.lengths |= take_slots(struts, &mut into.struts);
         }
         into.patches.iter_mut().for_each(Vec::clear);
         let logs = self.patches.iter_mut().flat_map(Patches::logs);

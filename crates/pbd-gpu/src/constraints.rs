@@ -312,6 +312,24 @@ impl<const N: usize> ConstraintSet<N> {
         moved
     }
 
+    /// Removes the constraints that are `gone`; tells whose they were. O(n).
+    pub(crate) fn remove_if(
+        &mut self,
+        mut gone: impl FnMut([VertexId; N]) -> bool,
+        mut tell: impl FnMut([VertexId; N]),
+    ) {
+        for color in (0..self.batches.len()).chain([OVERFLOW]) {
+            // From the last one on: one that takes another's place has been looked at.
+            for index in (0..self.batch(color).len()).rev() {
+                let vertices = self.batch(color).vertices[index];
+                if gone(vertices) {
+                    self.remove(Slot { color, index });
+                    tell(vertices);
+                }
+            }
+        }
+    }
+
     pub(crate) fn batch(&self, color: usize) -> &Batch<N> {
         if color != OVERFLOW {
             &self.batches[color]

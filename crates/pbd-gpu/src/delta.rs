@@ -66,6 +66,7 @@ impl Solver {
         let (had, slots) = (self.mass.len(), surface.topology().vertex_slots());
         self.resize_vertices(slots.max(had));
         self.update_constraints(surface, delta);
+        self.drop_struts(surface);
         self.interpolate_velocities(delta);
         self.restore_pins(delta);
         let mut heritage = std::mem::take(&mut self.following.heritage);
@@ -89,6 +90,9 @@ impl Solver {
         self.stretch.resize_vertices(slots);
         if let Some(bending) = &mut self.bending {
             bending.resize_vertices(slots);
+        }
+        if let Some(struts) = &mut self.struts {
+            struts.resize_vertices(slots);
         }
         if let Some(patches) = &mut self.patches {
             patches.resize_vertices(slots);

@@ -14,6 +14,8 @@ const NONE: u32 = u32::MAX;
 pub(crate) struct EdgeId(u32);
 
 impl EdgeId {
+    /// Of a constraint that is no edge's.
+    pub(crate) const NONE: Self = Self(NONE);
     #[cfg(test)]
     pub(crate) const TEST: Self = Self(0);
 }

@@ -59,6 +59,15 @@ pub enum ConstraintError {
         /// What was asked for.
         value: f32,
     },
+    /// Struts for a body whose material has none.
+    #[error("the body's material has no struts; make the body anew with them")]
+    WithoutStruts,
+    /// A density of struts that is no part of the vertices.
+    #[error("{value} struts a vertex are not between 0 and 1")]
+    BadStruts {
+        /// What was asked for.
+        value: f32,
+    },
     /// Patches too small, too large or without a place for what is there.
     #[error(
         "patches of {vertices} vertices with room for {room} more; give 8 to {most} and less room than that",

@@ -50,6 +50,7 @@ mod rest;
 mod second_order;
 mod solver;
 mod state;
+mod struts;
 mod sweep;
 mod tethers;
 mod validate;
@@ -64,7 +65,7 @@ pub use gpu::{
     AdapterKind, AdapterLimits, AdapterRequest, AdapterSummary, Context, GpuBackend, GpuBody,
     GpuError, GpuMemory, GpuStats, Schedule, adapters,
 };
-pub use material::{Density, Material, Projection, Stiffness, Volume, VolumeProjection};
+pub use material::{Density, Material, Projection, Stiffness, Struts, Volume, VolumeProjection};
 pub use params::{Integrator, SolverParams, StepStats};
 pub use patches::{PATCH_VERTICES, PatchParams};
 pub use plan::{Body, Pass, Pin, StepConstants, StepPlan};

@@ -189,6 +189,26 @@ impl Volume {
     }
 }
 
+/// Struts between vertices that look at each other through a body: a body with them keeps its shape and not its volume alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Struts {
+    /// How many struts there are to be a vertex, 0 to 1. Whoever searches the surface for them reads it; the
+    /// solver does not.
+    pub density: f32,
+    /// How they resist a change of length.
+    pub stiffness: Stiffness,
+}
+
+impl Default for Struts {
+    /// One a vertex, as soft as flesh.
+    fn default() -> Self {
+        Self {
+            density: 1.0,
+            stiffness: Stiffness::Compliance(1e-3),
+        }
+    }
+}
+
 /// What a body is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
@@ -200,6 +220,8 @@ pub struct Material {
     pub bending: Option<Stiffness>,
     /// How pieces resist a change of the volume that they enclose. `None` costs nothing.
     pub volume: Option<Volume>,
+    /// What holds the sides of a body apart. `None` costs nothing.
+    pub struts: Option<Struts>,
     /// The rate at which velocities decay [1/s].
     pub damping: f32,
     /// Coulomb's coefficient against the ground.
@@ -214,6 +236,7 @@ impl Default for Material {
             stretch: Stiffness::Pbd(1.0),
             bending: Some(Stiffness::Pbd(0.2)),
             volume: None,
+            struts: None,
             damping: 0.0,
             friction: 0.5,
         }
@@ -236,6 +259,12 @@ impl Material {
         }
         if let Some(volume) = self.volume {
             volume.check()?;
+        }
+        if let Some(Struts { density, stiffness }) = self.struts {
+            if !(0.0..=1.0).contains(&density) {
+                return Err(ConstraintError::BadStruts { value: density });
+            }
+            stiffness.check()?;
         }
         for (name, value) in [("damping", self.damping), ("friction", self.friction)] {
             if !(value.is_finite() && value >= 0.0) {
@@ -286,6 +315,16 @@ mod tests {
                 value
             }
         );
+        let struts = |density| Material {
+            struts: Some(Struts {
+                density,
+                ..Struts::default()
+            }),
+            ..Material::default()
+        };
+        assert!(struts(1.0).check().is_ok());
+        let bad = struts(1.5).check().unwrap_err();
+        assert_eq!(bad, ConstraintError::BadStruts { value: 1.5 });
         let volume = |change: fn(&mut Volume)| {
             let mut volume = Volume::default();
             change(&mut volume);

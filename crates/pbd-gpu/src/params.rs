@@ -129,6 +129,8 @@ pub struct StepStats {
     pub stretch_projections: u64,
     /// Bending constraints projected.
     pub bending_projections: u64,
+    /// Struts projected.
+    pub strut_projections: u64,
     /// Volume constraints projected.
     pub volume_projections: u64,
     /// Ground passes that ran.

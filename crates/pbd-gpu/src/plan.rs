@@ -12,7 +12,7 @@ use std::cmp::Ordering;
 
 /// One pass over vertices or over the constraints of one batch. Passes are ordered as they run in a
 /// substep, so the lists of several bodies can be merged: the iteration begins with the tethers, goes
-/// through the layers of colors, in each first stretch, then bending, to the volumes, and ends on the ground.
+/// through the layers of colors, in each first stretch, then bending, to struts and volumes, and ends on the ground.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Pass {
     /// Velocities take up gravity and damping, displacements follow; the lowest vertex is noted
@@ -38,6 +38,13 @@ pub enum Pass {
     },
     /// Angles without a color, one by one.
     BendingOverflow,
+    /// Struts of one color get their lengths back.
+    Struts {
+        /// The batch.
+        color: usize,
+    },
+    /// Struts without a color, one by one.
+    StrutsOverflow,
     /// Closed pieces get their volumes back.
     Volumes,
     /// What sank below the ground is lifted and held back by friction. Skipped in a substep in which
@@ -59,9 +66,11 @@ impl Pass {
             Self::StretchOverflow => (1, 0, MAX_COLORS),
             Self::Bending { color } => (1 + color / MAX_COLORS, 1, color),
             Self::BendingOverflow => (1, 1, MAX_COLORS),
-            Self::Volumes => (1 + LAYERS, 0, 0),
-            Self::Ground => (1 + LAYERS, 1, 0),
-            Self::Integrate => (1 + LAYERS, 2, 0),
+            Self::Struts { color } => (1 + LAYERS, 0, color),
+            Self::StrutsOverflow => (1 + LAYERS, 0, MAX_COLORS),
+            Self::Volumes => (1 + LAYERS, 1, 0),
+            Self::Ground => (1 + LAYERS, 2, 0),
+            Self::Integrate => (1 + LAYERS, 3, 0),
         }
     }
 }
@@ -163,6 +172,7 @@ impl StepPlan {
         key: PlanKey,
         stretch: &StretchSet,
         bending: Option<&BendingSet>,
+        struts: Option<&StretchSet>,
     ) {
         if self.is_current && self.key == key {
             return;
@@ -187,6 +197,10 @@ impl StepPlan {
         if let Some(bending) = bending {
             let color = |color| Pass::Bending { color };
             add_batches(&mut self.iteration, bending, color, Pass::BendingOverflow);
+        }
+        if let Some(struts) = struts {
+            let color = |color| Pass::Struts { color };
+            add_batches(&mut self.iteration, struts, color, Pass::StrutsOverflow);
         }
         self.iteration.sort_unstable();
         if key.volumes {
@@ -242,6 +256,8 @@ pub struct StepConstants {
     pub stretch: Projection,
     /// How bending constraints are projected.
     pub bending: Projection,
+    /// How struts are projected.
+    pub struts: Projection,
     /// How volume constraints are projected.
     pub volume: VolumeProjection,
     /// Height of the ground \[m\], negative infinity without one.
@@ -258,16 +274,22 @@ impl StepConstants {
     /// # Errors
     /// [`StepError::TooShort`].
     pub(crate) fn check(&self) -> Result<(), StepError> {
-        let alphas = [self.stretch.alpha, self.bending.alpha, self.volume.alpha];
-        if alphas.iter().all(|alpha| alpha.is_finite()) {
+        let projections = [&self.stretch, &self.bending, &self.struts];
+        let alphas = projections.map(|projection| projection.alpha);
+        if alphas.iter().all(|alpha| alpha.is_finite()) && self.volume.alpha.is_finite() {
             return Ok(());
         }
         Err(StepError::TooShort { h: self.h })
     }
 
+    /// Whether any kind of constraint remembers its multipliers.
+    pub(crate) fn keeps_multipliers(&self) -> bool {
+        self.stretch.keeps || self.bending.keeps || self.struts.keeps || self.volume.keeps
+    }
+
     /// Has rigid constraints leave a part of old errors. What is compliant has stored what it gives back.
     pub(crate) fn keep(&mut self, old: f32) {
-        for projection in [&mut self.stretch, &mut self.bending] {
+        for projection in [&mut self.stretch, &mut self.bending, &mut self.struts] {
             projection.old = if projection.alpha > 0.0 { 0.0 } else { old };
         }
         self.volume.old = if self.volume.alpha > 0.0 { 0.0 } else { old };
@@ -285,6 +307,8 @@ pub struct Body<'a> {
     pub stretch: &'a mut StretchSet,
     /// Bending constraints, if the body has them.
     pub bending: Option<&'a mut BendingSet>,
+    /// Struts, if the body may have them.
+    pub struts: Option<&'a mut StretchSet>,
     /// Volume constraints, none if the body has no volume.
     pub volumes: &'a mut VolumeSet,
     /// The surface that they go round.
@@ -300,18 +324,20 @@ mod tests {
     use super::*;
 
     /// More constraints at one vertex than there are colors, so that every kind of pass comes.
-    fn sets() -> (StretchSet, BendingSet) {
+    fn sets() -> (StretchSet, BendingSet, StretchSet) {
         let (mut stretch, mut bending) = (StretchSet::new(100), BendingSet::new(100));
+        let mut struts = StretchSet::new(100);
         for i in 1..70 {
+            struts.insert([VertexId(i), VertexId(0)], 1.0);
             stretch.insert([VertexId(0), VertexId(i)], 1.0);
             bending.insert([0, i, i + 10, i + 20].map(VertexId), 0.0);
         }
-        (stretch, bending)
+        (stretch, bending, struts)
     }
 
     #[test]
     fn the_lists_are_ascending_and_together_make_the_substep() {
-        let (stretch, bending) = sets();
+        let (stretch, bending, struts) = sets();
         let mut plan = StepPlan::default();
         let key = PlanKey {
             iterations: 3,
@@ -321,11 +347,11 @@ mod tests {
             ground: true,
             multipliers: true,
         };
-        plan.update(key, &stretch, Some(&bending));
+        plan.update(key, &stretch, Some(&bending), Some(&struts));
         let [prologue, iteration, epilogue] = [plan.prologue(), plan.iteration(), plan.epilogue()];
         let once: Vec<Pass> = [prologue, iteration, epilogue].concat();
         assert!(once.is_sorted_by(|a, b| a < b), "{once:?}");
-        assert_eq!(iteration.len(), 1 + 64 + 1 + 64 + 1 + 1 + 1);
+        assert_eq!(iteration.len(), 1 + 3 * (64 + 1) + 1 + 1);
         let all: Vec<Pass> = plan.passes().collect();
         let expected = [prologue, iteration, iteration, iteration, epilogue].concat();
         assert_eq!(all, expected);
@@ -333,21 +359,21 @@ mod tests {
 
     #[test]
     fn a_new_generation_means_new_lists() {
-        let (stretch, bending) = sets();
+        let (stretch, bending, struts) = sets();
         let mut plan = StepPlan::default();
         let key = PlanKey {
             iterations: 2,
             ..PlanKey::default()
         };
-        plan.update(key, &stretch, Some(&bending));
+        plan.update(key, &stretch, Some(&bending), Some(&struts));
         let first = plan.generation();
-        plan.update(key, &stretch, Some(&bending));
+        plan.update(key, &stretch, Some(&bending), Some(&struts));
         assert_eq!(plan.generation(), first, "nothing has changed");
         plan.invalidate();
-        plan.update(key, &stretch, None);
+        plan.update(key, &stretch, None, None);
         assert!(plan.generation() > first, "constraints went");
         let second = plan.generation();
-        plan.update(PlanKey { pins: true, ..key }, &stretch, None);
+        plan.update(PlanKey { pins: true, ..key }, &stretch, None, None);
         assert!(plan.generation() > second, "pins came");
     }
 }

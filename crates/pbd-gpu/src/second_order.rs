@@ -91,6 +91,7 @@ impl History {
                 velocities: &mut *body.velocities,
                 stretch: &mut *body.stretch,
                 bending: body.bending.as_deref_mut(),
+                struts: body.struts.as_deref_mut(),
                 volumes: &mut *body.volumes,
                 topology: body.topology,
                 pins: &pins,
@@ -152,6 +153,7 @@ fn add(sum: &mut StepStats, stats: &StepStats, farthest: f32) {
     sum.passes += stats.passes;
     sum.stretch_projections += stats.stretch_projections;
     sum.bending_projections += stats.bending_projections;
+    sum.strut_projections += stats.strut_projections;
     sum.volume_projections += stats.volume_projections;
     sum.ground_passes += stats.ground_passes;
     sum.ground_passes_skipped += stats.ground_passes_skipped;

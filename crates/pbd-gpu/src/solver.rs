@@ -33,6 +33,9 @@ pub struct Solver {
     pub(crate) velocities: Vec<[f32; 4]>,
     pub(crate) stretch: StretchSet,
     pub(crate) bending: Option<BendingSet>,
+    pub(crate) struts: Option<StretchSet>,
+    /// The vertices whose struts the last edit took.
+    pub(crate) lost_struts: Vec<VertexId>,
     pub(crate) volumes: VolumeSet,
     pub(crate) edges: EdgeTable,
     pub(crate) patches: Option<Patches>,
@@ -128,6 +131,8 @@ impl Solver {
             mass,
             stretch,
             bending,
+            struts: (material.struts).map(|_| StretchSet::with_layers(slots, 1)),
+            lost_struts: Vec::new(),
             volumes: VolumeSet::default(),
             edges,
             patches,
@@ -158,6 +163,9 @@ impl Solver {
         self.stretch.reserve(vertices);
         if let Some(bending) = &mut self.bending {
             bending.reserve(vertices);
+        }
+        if let Some(struts) = &mut self.struts {
+            struts.reserve(vertices);
         }
     }
 
@@ -207,6 +215,7 @@ impl Solver {
             let mut order = self.constants_of(h, 1, params);
             order.stretch.old = constants.stretch.old;
             order.bending.old = constants.bending.old;
+            order.struts.old = constants.struts.old;
             order.volume.old = constants.volume.old;
             order
         };
@@ -220,6 +229,7 @@ impl Solver {
             velocities: &mut self.velocities,
             stretch: &mut self.stretch,
             bending: self.bending.as_mut(),
+            struts: self.struts.as_mut(),
             volumes: &mut self.volumes,
             topology,
             pins: &self.pins,
@@ -266,11 +276,10 @@ impl Solver {
             pins: !self.pins.is_empty(),
             volumes: !self.volumes.pieces().is_empty(),
             ground: params.ground.is_some(),
-            multipliers: constants.stretch.keeps
-                || constants.bending.keeps
-                || constants.volume.keeps,
+            multipliers: constants.keeps_multipliers(),
         };
-        self.plan.update(key, &self.stretch, self.bending.as_ref());
+        let struts = self.struts.as_ref();
+        (self.plan).update(key, &self.stretch, self.bending.as_ref(), struts);
         Ok(constants)
     }
 
@@ -330,6 +339,7 @@ impl Solver {
             kept_velocity: 1.0 / slowed,
             stretch,
             bending: self.material.bending.map_or(rigid, bending),
+            struts: (self.material.struts).map_or(rigid, |struts| projection(struts.stiffness)),
             volume: (self.material.volume).map_or(VolumeProjection::NONE, volume),
             ground: params.ground.unwrap_or(f32::NEG_INFINITY),
             friction: self.material.friction,
@@ -440,6 +450,8 @@ impl Solver {
             + self.cpu.capacity()
             + self.stretch.capacity()
             + self.bending.as_ref().map_or(0, BendingSet::capacity)
+            + self.struts.as_ref().map_or(0, StretchSet::capacity)
+            + self.lost_struts.capacity()
             + self.volumes.capacity()
             + self.pins.capacity()
             + self.dropped_pins.capacity()

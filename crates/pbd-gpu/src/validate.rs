@@ -1,18 +1,19 @@
 //! Constraints against the ones that the surface would get if built from scratch.
 
 use crate::coloring::MAX_COLORS;
-use crate::constraints::{ConstraintSet, Slot};
+use crate::constraints::{Batch, ConstraintSet, Slot};
 use crate::error::InvalidConstraints;
 use crate::patches::Patches;
 use crate::rest;
 use crate::solver::Solver;
+use crate::struts::is_inside;
 use crate::volumes::VolumeSet;
 use incise_mesh::{EdgeKey, Surface, Topology, VertexId};
 
 impl Solver {
     /// Checks that there is one stretch constraint an edge and one bending constraint an interior edge
     /// and no other, with rest values equal to the bit, that no two constraints of a color share a vertex
-    /// and that the color masks say so, that volumes are those of the closed pieces, that every layer keeps to its patches, and that patches keep to
+    /// and that the color masks say so, that struts lie within pieces, that volumes are those of the closed pieces, that every layer keeps to its patches, and that patches keep to
     /// their size and together to the vertices in use. O(n log n); tests call it after every edit.
     ///
     /// # Errors
@@ -44,6 +45,18 @@ impl Solver {
         if let Some(set) = &self.bending {
             check_set(set, bending)?;
             check_layers(set, self.patches.as_ref())?;
+        }
+        if let Some(struts) = &self.struts {
+            let rest = |&[from, to]: &[VertexId; 2]| {
+                let ends = [from.min(to), from.max(to)];
+                ([from, to], rest::length(surface, ends).to_bits())
+            };
+            let wanted = (struts.all()).flat_map(|batch| batch.vertices().iter().map(rest));
+            check_set(struts, wanted.collect())?;
+            let mut ends = struts.all().flat_map(Batch::vertices);
+            if let Some([a, b]) = ends.find(|&&ends| !is_inside(surface, ends)) {
+                return broken("struts lie within a piece", Some(EdgeKey::new(*a, *b)));
+            }
         }
         let mut wanted = VolumeSet::default();
         if self.material.volume.is_some() {

@@ -1,6 +1,7 @@
 //! A soft body: surface, solver and cutter in step with each other.
 
 use crate::error::SceneError;
+use crate::struts::Strutting;
 use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::{Aabb, Surface, Undo};
 use incise_pbd_gpu::{
@@ -18,6 +19,7 @@ pub struct Body {
     surface: Surface,
     solver: Solver,
     cutter: Cutter,
+    strutting: Strutting,
     /// Whether vertices moved since the search tree was fitted.
     stale: bool,
     /// The body's box when it was last known, if it can be told how far anything moved since.
@@ -44,15 +46,18 @@ impl Body {
         material: &Material,
         patches: Option<&PatchParams>,
     ) -> Result<Self, ConstraintError> {
-        let solver = match patches {
+        let mut solver = match patches {
             Some(patches) => Solver::with_patches(&mut surface, material, patches)?,
             None => Solver::new(&mut surface, material)?,
         };
         let cutter = Cutter::new(&surface);
+        let mut strutting = Strutting::default();
+        strutting.fill(&surface, &mut solver, cutter.bvh())?;
         Ok(Self {
             surface,
             solver,
             cutter,
+            strutting,
             stale: false,
             known: None,
         })
@@ -80,10 +85,11 @@ impl Body {
         (&mut self.solver, &mut self.surface)
     }
 
-    /// Stretch and bending constraints together.
+    /// Stretch and bending constraints and struts together.
     #[cfg(feature = "gpu")]
     pub(crate) fn constraints(&self) -> usize {
-        self.solver.stretch().len() + self.solver.bending().map_or(0, |set| set.len())
+        let struts = self.solver.struts().map_or(0, |set| set.len());
+        self.solver.stretch().len() + self.solver.bending().map_or(0, |set| set.len()) + struts
     }
 
     /// The surface and the solver, for who moves no vertex.
@@ -159,7 +165,16 @@ impl Body {
             && !outcome.delta.is_empty()
         {
             self.know();
-            self.solver.apply_delta(&mut self.surface, &outcome.delta)?;
+            let Self {
+                surface,
+                solver,
+                strutting,
+                cutter,
+                ..
+            } = self;
+            strutting.cross(surface, solver, sweep);
+            solver.apply_delta(surface, &outcome.delta)?;
+            strutting.renew(surface, solver, cutter.bvh(), &outcome.delta)?;
         }
         Ok(SweepResult {
             cut,
@@ -172,6 +187,8 @@ impl Body {
         let delta = self.cutter.undo(&mut self.surface, undo)?;
         self.know();
         self.solver.apply_delta(&mut self.surface, &delta)?;
+        let (surface, bvh) = (&self.surface, self.cutter.bvh());
+        self.strutting.fill(surface, &mut self.solver, bvh)?;
         Ok(())
     }
 

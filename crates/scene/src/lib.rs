@@ -37,6 +37,7 @@ mod params;
 mod scene;
 mod sleep;
 mod stats;
+mod struts;
 
 pub use backend::{BackendChoice, BackendReport, BackendRequest};
 pub use blade::{Blade, BladeId};

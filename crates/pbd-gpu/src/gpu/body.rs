@@ -4,7 +4,9 @@ use super::arena::{Arena, with_slack};
 use super::blocks::Blocks;
 use super::context::Context;
 use super::error::GpuError;
-use super::layout::{BodyRecord, Entry, PATCH_LAYERS, RUN_COLORS, RUN_STRIDE, Run, STRETCH};
+use super::layout::{
+    BENDING, BodyRecord, Entry, PATCH_LAYERS, RUN_COLORS, RUN_STRIDE, Run, STRETCH,
+};
 use super::records::{Places, body_record, inverse_mass, position, push_pin, push_tether};
 use super::runs::Runs;
 use super::stats::Schedule;
@@ -54,6 +56,7 @@ pub(super) struct DeviceBody {
     pub(super) vertex_count: u32,
     stretch: Runs,
     bending: Runs,
+    struts: Runs,
     /// By layer; empty unless the body goes by patches.
     patches: [Blocks; PATCH_LAYERS],
     /// Rented entries, slack included.
@@ -79,6 +82,7 @@ impl DeviceBody {
             vertex_count: 0,
             stretch: Runs::default(),
             bending: Runs::default(),
+            struts: Runs::default(),
             patches: std::array::from_fn(|_| Blocks::default()),
             pins: 0..0,
             pin_count: 0,
@@ -121,7 +125,8 @@ impl DeviceBody {
     fn runs(&self, kind: u32) -> &Runs {
         match kind {
             STRETCH => &self.stretch,
-            _ => &self.bending,
+            BENDING => &self.bending,
+            _ => &self.struts,
         }
     }
 
@@ -134,6 +139,7 @@ impl DeviceBody {
     pub(super) fn free(&mut self, arenas: &mut Arenas) {
         self.stretch.free(&mut arenas.entries);
         self.bending.free(&mut arenas.entries);
+        self.struts.free(&mut arenas.entries);
         for blocks in &mut self.patches {
             blocks.free(&mut arenas.entries);
         }
@@ -183,6 +189,10 @@ impl DeviceBody {
             let set = (bending, colors);
             moved |= (self.bending).update(context, entries, uploads, set, &changes.bending)?;
         }
+        if let Some(struts) = solver.struts() {
+            let set = (struts, colors);
+            moved |= (self.struts).update(context, entries, uploads, set, &changes.struts)?;
+        }
         if let Some(patches) = &solver.patches
             && self.schedule == Schedule::Patches
         {
@@ -207,7 +217,7 @@ impl DeviceBody {
         let buffer = arenas.bodies.buffer(RUN_TABLES);
         let run = size_of::<Run>() as u64;
         let mut start = u64::from(self.slot) * u64::from(RUN_STRIDE) * run;
-        for runs in [&self.stretch, &self.bending] {
+        for runs in [&self.stretch, &self.bending, &self.struts] {
             let mut table = Vec::new();
             runs.push_table(&mut table);
             uploads.send(context, buffer, start, bytemuck::cast_slice(&table));
@@ -291,6 +301,7 @@ impl DeviceBody {
             patch_tables: self.patches.each_ref().map(Blocks::table),
             patches: self.patches.each_ref().map(Blocks::len),
             volumes: self.volumes.places,
+            strut_colors: self.struts.colors(),
         };
         let record = body_record(places, constants);
         let (old, new) = (

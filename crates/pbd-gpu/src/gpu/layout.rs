@@ -7,8 +7,8 @@ use bytemuck::{Pod, Zeroable};
 /// Runs of one kind of constraint that a body has: one a color, the overflow last.
 pub(crate) const RUN_COLORS: usize = OVERFLOW + 1;
 
-/// Runs that a body has: [`STRETCH`] first, then [`BENDING`].
-pub(crate) const RUNS_PER_BODY: usize = 2 * RUN_COLORS;
+/// Runs that a body has: [`STRETCH`] first, then [`BENDING`], then [`STRUTS`].
+pub(crate) const RUNS_PER_BODY: usize = 3 * RUN_COLORS;
 /// The same number as the device counts.
 #[expect(clippy::cast_possible_truncation, reason = "some hundred")]
 pub(crate) const RUN_STRIDE: u32 = RUNS_PER_BODY as u32;
@@ -22,7 +22,10 @@ pub(crate) const STRETCH: u32 = 0;
 /// The kind of a pass over bending constraints.
 pub(crate) const BENDING: u32 = 1;
 
-/// Entries of the constraint arena that a stretch constraint takes: its ends; rest and multiplier.
+/// The kind of a pass over struts, which are stretch constraints with a stiffness of their own.
+pub(crate) const STRUTS: u32 = 2;
+
+/// Entries of the constraint arena that a stretch constraint or a strut takes: its ends; rest and multiplier.
 pub(crate) const STRETCH_ENTRIES: usize = 2;
 
 /// Entries that a bending constraint takes: the hinge; the wings; rest and multiplier.
@@ -49,6 +52,9 @@ pub(crate) const KEEPS_BENDING: u32 = 2;
 
 /// Flag of a body whose volume constraints remember their multipliers.
 pub(crate) const KEEPS_VOLUME: u32 = 4;
+
+/// Flag of a body whose struts remember their multipliers.
+pub(crate) const KEEPS_STRUTS: u32 = 8;
 
 /// The inverse mass of a slot that no triangle uses. It does not move, as if it were pinned.
 pub(crate) const UNUSED: f32 = -1.0;
@@ -85,7 +91,7 @@ pub(crate) struct PassUniform {
     pub(crate) first_link: u32,
     /// How many links there are, at least 1.
     pub(crate) links: u32,
-    /// [`STRETCH`] or [`BENDING`].
+    /// [`STRETCH`], [`BENDING`] or [`STRUTS`].
     pub(crate) kind: u32,
     /// The color, or the first one.
     pub(crate) color: u32,
@@ -121,7 +127,7 @@ pub(crate) struct BodyRecord {
     pub(crate) kept_velocity: f32,
     /// Coulomb's coefficient.
     pub(crate) friction: f32,
-    /// [`KEEPS_STRETCH`], [`KEEPS_BENDING`] and [`KEEPS_VOLUME`].
+    /// [`KEEPS_STRETCH`], [`KEEPS_BENDING`], [`KEEPS_VOLUME`] and [`KEEPS_STRUTS`].
     pub(crate) flags: u32,
     /// The first of its [`RUNS_PER_BODY`] runs.
     pub(crate) first_run: u32,
@@ -149,6 +155,11 @@ pub(crate) struct BodyRecord {
     pub(crate) volume_pressure: f32,
     pub(crate) volume_returned: f32,
     pub(crate) volume_old: f32,
+    /// Colors of struts, from color 0 on; 0 without struts.
+    pub(crate) strut_colors: u32,
+    pub(crate) strut_factor: f32,
+    pub(crate) strut_alpha: f32,
+    pub(crate) strut_old: f32,
 }
 
 /// The constraints of one color of one body.

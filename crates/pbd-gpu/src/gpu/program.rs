@@ -4,7 +4,7 @@
 //! arrays, so a dispatch a body would leave it idle most of the time.
 
 use super::body::DeviceBody;
-use super::layout::{BENDING, Link, PassUniform, STRETCH};
+use super::layout::{BENDING, Link, PassUniform, STRETCH, STRUTS};
 use super::pipelines::Kernel;
 use super::shaders::EntryPoint;
 use super::stats::Schedule;
@@ -182,7 +182,8 @@ impl Compiler<'_> {
         for run in passes.chunk_by(together) {
             match family(run[0]) {
                 Some(family) => {
-                    if family.layer != layer {
+                    // Struts come after all layers.
+                    if family.layer != layer && family.kind != STRUTS {
                         layer = family.layer;
                         out.extend(self.patches(Kernel::Patches, layer));
                     }
@@ -216,7 +217,7 @@ impl Compiler<'_> {
 
     /// All multipliers of one kind at once.
     fn resets(&mut self, out: &mut Vec<Dispatch>) {
-        for kind in [STRETCH, BENDING] {
+        for kind in [STRETCH, BENDING, STRUTS] {
             let lanes: Vec<(u32, u32)> = (self.by_passes())
                 .map(|b| (b.slot, b.body.largest_run(kind)))
                 .collect();
@@ -287,8 +288,8 @@ impl Compiler<'_> {
                 .map(|b| (b.slot, b.body.run_len(kind, color)))
                 .collect();
             let kernel = match kind {
-                STRETCH => EntryPoint::Stretch,
-                _ => EntryPoint::Bending,
+                BENDING => EntryPoint::Bending,
+                _ => EntryPoint::Stretch,
             };
             let pass = PassUniform {
                 kind,
@@ -370,6 +371,7 @@ fn family(pass: Pass) -> Option<Family> {
         Pass::StretchOverflow => (STRETCH, 0),
         Pass::Bending { color } => (BENDING, color / MAX_COLORS),
         Pass::BendingOverflow => (BENDING, 0),
+        Pass::Struts { .. } | Pass::StrutsOverflow => (STRUTS, 0),
         _ => return None,
     };
     Some(Family { kind, layer })
@@ -378,7 +380,7 @@ fn family(pass: Pass) -> Option<Family> {
 /// The color of a pass; none for an overflow.
 fn color_of(pass: Pass) -> Option<usize> {
     match pass {
-        Pass::Stretch { color } | Pass::Bending { color } => Some(color),
+        Pass::Stretch { color } | Pass::Bending { color } | Pass::Struts { color } => Some(color),
         _ => None,
     }
 }

@@ -1,7 +1,8 @@
 //! What a body looks like on the device.
 
 use super::layout::{
-    BodyRecord, Entry, KEEPS_BENDING, KEEPS_STRETCH, KEEPS_VOLUME, PATCH_LAYERS, UNUSED,
+    BodyRecord, Entry, KEEPS_BENDING, KEEPS_STRETCH, KEEPS_STRUTS, KEEPS_VOLUME, PATCH_LAYERS,
+    UNUSED,
 };
 use super::volumes::VolumePlaces;
 use crate::constraints::Batch;
@@ -77,6 +78,7 @@ pub(super) struct Places {
     pub(super) patch_tables: [u32; PATCH_LAYERS],
     pub(super) patches: [u32; PATCH_LAYERS],
     pub(super) volumes: VolumePlaces,
+    pub(super) strut_colors: u32,
 }
 
 /// The numbers of a body that kernels read.
@@ -99,7 +101,8 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
         friction: constants.friction,
         flags: keeps(constants.stretch.keeps, KEEPS_STRETCH)
             | keeps(constants.bending.keeps, KEEPS_BENDING)
-            | keeps(constants.volume.keeps, KEEPS_VOLUME),
+            | keeps(constants.volume.keeps, KEEPS_VOLUME)
+            | keeps(constants.struts.keeps, KEEPS_STRUTS),
         first_run: places.first_run,
         stretch_colors: places.stretch_colors,
         bending_colors: places.bending_colors,
@@ -116,5 +119,9 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
         volume_pressure: constants.volume.pressure,
         volume_returned: constants.volume.returned,
         volume_old: constants.volume.old,
+        strut_colors: places.strut_colors,
+        strut_factor: constants.struts.factor,
+        strut_alpha: constants.struts.alpha,
+        strut_old: constants.struts.old,
     }
 }

@@ -1,8 +1,9 @@
 //! The sources of the shader modules, composed of one file a kernel and one a schedule.
 
 use super::layout::{
-    BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, KEEPS_BENDING, KEEPS_STRETCH, KEEPS_VOLUME,
-    PIECE_ENTRIES, PIN_ENTRIES, RUN_COLORS, STRETCH, STRETCH_ENTRIES, TETHER_ENTRIES,
+    BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, KEEPS_BENDING, KEEPS_STRETCH, KEEPS_STRUTS,
+    KEEPS_VOLUME, PIECE_ENTRIES, PIN_ENTRIES, RUN_COLORS, STRETCH, STRETCH_ENTRIES, STRUTS,
+    TETHER_ENTRIES,
 };
 use crate::coloring::MAX_COLORS;
 use crate::constraints::OVERFLOW;
@@ -49,7 +50,7 @@ pub(crate) enum EntryPoint {
     Tethers,
     /// A lane a constraint of the longest run of the pass's colors and, if asked for, the overflow.
     ResetMultipliers,
-    /// A lane a constraint of the pass's color.
+    /// A lane a constraint of the pass's color, be it edges or struts.
     Stretch,
     /// A lane a constraint of the pass's color.
     Bending,
@@ -176,6 +177,7 @@ fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
         ("MAX_COLORS", MAX_COLORS as u32),
         ("STRETCH", STRETCH),
         ("BENDING", BENDING),
+        ("STRUTS", STRUTS),
         ("STRETCH_ENTRIES", STRETCH_ENTRIES as u32),
         ("BENDING_ENTRIES", BENDING_ENTRIES as u32),
         ("PIN_ENTRIES", PIN_ENTRIES as u32),
@@ -185,6 +187,7 @@ fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
         ("PIECE_ENTRIES", PIECE_ENTRIES as u32),
         ("CHUNK_ENTRIES", CHUNK_ENTRIES as u32),
         ("KEEPS_VOLUME", KEEPS_VOLUME),
+        ("KEEPS_STRUTS", KEEPS_STRUTS),
         ("CHUNK", CHUNK as u32),
     ];
     let constants = constants

@@ -52,6 +52,8 @@ pub struct GpuStats {
     pub stretch_projections: u64,
     /// Bending constraints projected by the step.
     pub bending_projections: u64,
+    /// Struts projected by the step.
+    pub strut_projections: u64,
     /// Volume constraints projected by the step.
     pub volume_projections: u64,
     /// Kernels compiled since the last step, for this one included: each when a body first needs it.

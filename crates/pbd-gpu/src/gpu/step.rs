@@ -140,6 +140,7 @@ impl GpuBackend {
         let times = u64::from(constants.substeps) * u64::from(solver.plan().iterations());
         stats.stretch_projections += times * solver.stretch().len() as u64;
         stats.bending_projections += times * solver.bending().map_or(0, |set| set.len() as u64);
+        stats.strut_projections += times * solver.struts().map_or(0, |set| set.len() as u64);
         stats.volume_projections += times * solver.volumes().pieces().len() as u64;
         self.program_is_stale |= stale;
         let Self {

@@ -62,29 +62,23 @@ mod tests {
 
     #[test]
     fn a_number_that_is_none_is_found() {
+        let rigid = Projection {
+            factor: 1.0,
+            alpha: 0.0,
+            own_weight: 1.0,
+            old: 0.0,
+            keeps: false,
+            recovery: 0.0,
+            hold: 0.0,
+        };
         let constants = StepConstants {
             h: 0.01,
             substeps: 1,
             gravity_step: [0.0; 3],
             kept_velocity: 1.0,
-            stretch: Projection {
-                factor: 1.0,
-                alpha: 0.0,
-                own_weight: 1.0,
-                old: 0.0,
-                keeps: false,
-                recovery: 0.0,
-                hold: 0.0,
-            },
-            bending: Projection {
-                factor: 1.0,
-                alpha: 0.0,
-                own_weight: 1.0,
-                old: 0.0,
-                keeps: false,
-                recovery: 0.0,
-                hold: 0.0,
-            },
+            stretch: rigid,
+            bending: rigid,
+            struts: rigid,
             volume: VolumeProjection::NONE,
             ground: f32::NEG_INFINITY,
             friction: 0.0,

@@ -3,7 +3,8 @@
 
 use incise_mesh::Surface;
 use incise_pbd_gpu::{
-    GpuBackend, GpuBody, Material, PatchParams, Schedule, Solver, SolverParams, Stiffness, Volume,
+    GpuBackend, GpuBody, Material, PatchParams, Schedule, Solver, SolverParams, Stiffness, Struts,
+    Volume,
 };
 
 /// The length of a frame \[s\].
@@ -22,6 +23,7 @@ pub(crate) fn busy() -> (Material, SolverParams) {
             compressibility: 1e-5,
             pressure: 1.1,
         }),
+        struts: Some(Struts::default()),
         damping: 0.1,
         ..Material::default()
     };
@@ -61,7 +63,15 @@ pub(crate) fn solver_for(surface: &mut Surface, material: &Material, schedule: S
     } else {
         Solver::new(surface, material)
     };
-    solver.expect("the body is sound")
+    let mut solver = solver.expect("the body is sound");
+    if material.struts.is_some() {
+        // Anywhere: some 3 at a vertex, and short ones among them.
+        let all: Vec<_> = surface.topology().vertices().collect();
+        let ends = (0..all.len()).map(|i| [all[i], all[(i * i + 7) % all.len()]]);
+        let ends: Vec<_> = ends.step_by(2).collect();
+        (solver.add_struts(surface, &ends)).expect("vertices of the body");
+    }
+    solver
 }
 
 /// A pair of equal bodies.

@@ -87,10 +87,10 @@ fn stretch(
     let work = find_work(group_number(group, groups));
     let body = bodies[work.body];
     first_vertex = body.first_vertex;
-    let run = run_of(body, STRETCH, current.color);
+    let run = run_of(body, current.kind, current.color);
     let k = work.first_lane + lane;
     if (k < run.len) {
-        project_stretch(run.first + STRETCH_ENTRIES * k, stretch_projection(body));
+        project_stretch(run.first + STRETCH_ENTRIES * k, edge_projection(body, current.kind));
     }
 }
 

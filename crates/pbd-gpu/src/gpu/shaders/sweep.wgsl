@@ -1,15 +1,15 @@
 // The constraints of a run with the numbers first, first + stride, first + 2 stride and so on.
 
 fn sweep(kind: u32, body: Body, run: Run, first: u32, stride: u32) {
-    if (kind == STRETCH) {
-        let by = stretch_projection(body);
-        for (var k = first; k < run.len; k += stride) {
-            project_stretch(run.first + STRETCH_ENTRIES * k, by);
-        }
-    } else {
+    if (kind == BENDING) {
         let by = bending_projection(body);
         for (var k = first; k < run.len; k += stride) {
             project_bending(run.first + BENDING_ENTRIES * k, by);
+        }
+    } else {
+        let by = edge_projection(body, kind);
+        for (var k = first; k < run.len; k += stride) {
+            project_stretch(run.first + STRETCH_ENTRIES * k, by);
         }
     }
 }
@@ -17,7 +17,7 @@ fn sweep(kind: u32, body: Body, run: Run, first: u32, stride: u32) {
 // The multiplier of a constraint of a run becomes zero, if the run has so many.
 fn reset_constraint(kind: u32, run: Run, k: u32) {
     if (k < run.len) {
-        let entries = select(BENDING_ENTRIES, STRETCH_ENTRIES, kind == STRETCH);
+        let entries = select(STRETCH_ENTRIES, BENDING_ENTRIES, kind == BENDING);
         constraints[run.first + entries * k + entries - 1u].y = 0u;
     }
 }

@@ -58,6 +58,10 @@ struct Body {
     volume_pressure: f32,
     volume_returned: f32,
     volume_old: f32,
+    strut_colors: u32,
+    strut_factor: f32,
+    strut_alpha: f32,
+    strut_old: f32,
 }
 
 struct Run {
@@ -92,7 +96,7 @@ struct Projection {
 // Position [m], inverse mass [1/kg]: 0 does not move, -1 is a slot that no triangle uses.
 @group(0) @binding(0) var<storage, read_write> positions: array<vec4f>;
 @group(0) @binding(1) var<storage, read_write> velocities: array<vec4f>;
-// A stretch constraint is 2 entries: (a, b), (rest, multiplier). A bending constraint is 3:
+// A stretch constraint or a strut is 2 entries: (a, b), (rest, multiplier). A bending constraint is 3:
 // (v0, v1), (v2, v3), (rest, multiplier). A pin is 2: (vertex, x), (y, z). A tether is 2: (vertex, anchor),
 // (length, 0). A piece is 4: (first chunk, chunks), (rest, reach), (multiplier, step), (center, 0). A chunk is 4:
 // (first spoke, spokes), (piece, 0), its four sums. A spoke is (vertex, half-edge), a corner (origin, twin). Vertices count from the body's first one; numbers are stored as their bits.
@@ -118,6 +122,15 @@ fn stretch_projection(body: Body) -> Projection {
     return Projection(body.stretch_factor, body.stretch_alpha, keeps, 0.0, body.stretch_old);
 }
 
+// Of edges of the surface or through the body.
+fn edge_projection(body: Body, kind: u32) -> Projection {
+    if (kind == STRETCH) {
+        return stretch_projection(body);
+    }
+    let keeps = (body.flags & KEEPS_STRUTS) != 0u;
+    return Projection(body.strut_factor, body.strut_alpha, keeps, 0.0, body.strut_old);
+}
+
 fn bending_projection(body: Body) -> Projection {
     let keeps = (body.flags & KEEPS_BENDING) != 0u;
     let hold = HOLD / body.stretch_alpha;
@@ -125,11 +138,14 @@ fn bending_projection(body: Body) -> Projection {
     return Projection(body.bending_factor, body.bending_alpha, keeps, held, body.bending_old);
 }
 
+fn colors_of(body: Body, kind: u32) -> u32 {
+    return select(select(body.strut_colors, body.bending_colors, kind == BENDING), body.stretch_colors, kind == STRETCH);
+}
+
 // The run of a color, or of OVERFLOW. A pass may go on to colors that only other bodies have; what the
 // body's table holds there is not the body's.
 fn run_of(body: Body, kind: u32, color: u32) -> Run {
-    let colors = select(body.bending_colors, body.stretch_colors, kind == STRETCH);
-    if (color >= colors && color != OVERFLOW) {
+    if (color >= colors_of(body, kind) && color != OVERFLOW) {
         return Run(0u, 0u);
     }
     return runs[body.first_run + kind * RUN_COLORS + color];

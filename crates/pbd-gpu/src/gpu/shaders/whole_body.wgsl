@@ -103,6 +103,9 @@ fn whole_body(
         if ((body.flags & KEEPS_BENDING) != 0u) {
             reset_kind(body, BENDING, body.bending_colors, lane);
         }
+        if ((body.flags & KEEPS_STRUTS) != 0u) {
+            reset_kind(body, STRUTS, body.strut_colors, lane);
+        }
         if ((body.flags & KEEPS_VOLUME) != 0u) {
             for (var piece = lane; piece < body.pieces; piece += WORKGROUP_SIZE) {
                 constraints[body.first_piece + PIECE_ENTRIES * piece + 2u].x = 0u;
@@ -120,6 +123,7 @@ fn whole_body(
                 project_kind(body, STRETCH, body.stretch_colors, layer, lane);
                 project_kind(body, BENDING, body.bending_colors, layer, lane);
             }
+            project_kind(body, STRUTS, body.strut_colors, 0u, lane);
             if (body.pieces != 0u) {
                 project_volumes(body, lane);
             }

@@ -1,0 +1,189 @@
+//! Struts hold the sides of a body apart, as long as no blade comes between.
+
+use incise_mesh::{Model, Surface, VertexId, build_model, cube_sphere};
+use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness, Struts, Volume};
+use incise_scene::{BodyId, Scene, SceneParams};
+
+fn strutted(density: f32) -> Material {
+    Material {
+        stretch: Stiffness::Compliance(1e-4),
+        bending: None,
+        struts: Some(Struts {
+            density,
+            stiffness: Stiffness::Compliance(1e-3),
+        }),
+        ..Material::default()
+    }
+}
+
+fn weightless() -> SceneParams {
+    SceneParams {
+        solver: SolverParams {
+            gravity: [0.0; 3],
+            ..SolverParams::default()
+        },
+        sleep: None,
+        ..SceneParams::default()
+    }
+}
+
+fn ends(solver: &Solver) -> Vec<[VertexId; 2]> {
+    let sets = solver.struts().into_iter();
+    let batches = sets.flat_map(|set| set.batches().iter().chain([set.overflow()]));
+    batches
+        .flat_map(|batch| batch.vertices().iter().copied())
+        .collect()
+}
+
+fn piece_of(surface: &Surface, v: VertexId) -> u32 {
+    surface.piece(surface.topology().outgoing(v).triangle())
+}
+
+/// A ball of 1 m with a blade that has cut it at the height `y` in one frame.
+fn cut_ball(density: f32, y: f32) -> (Scene, BodyId) {
+    let mut scene = Scene::new(weightless());
+    let id = scene
+        .add_body(cube_sphere(12, 1.0), &strutted(density))
+        .unwrap();
+    let blade = scene.add_blade([[-2.0, y, -2.0], [-2.0, y, 2.0]]);
+    scene.step().unwrap();
+    scene.move_blade(blade, [[2.0, y, -2.0], [2.0, y, 2.0]]);
+    assert_eq!(scene.step().unwrap().cuts, 1);
+    (scene, id)
+}
+
+#[test]
+fn their_number_follows_the_density_and_none_costs_nothing() {
+    let surface = build_model(Model::Sphere768);
+    let vertices = surface.topology().vertex_count() as f32;
+    for density in [0.0, 0.25, 1.0] {
+        let mut scene = Scene::new(weightless());
+        let id = scene.add_body(surface.clone(), &strutted(density)).unwrap();
+        scene.step().unwrap();
+        let solver = scene.body(id).solver();
+        let share = ends(solver).len() as f32 / vertices;
+        assert!((share - density).abs() < 0.02, "{share}, not {density}");
+        let projected = solver.stats().strut_projections;
+        assert_eq!(projected == 0, density == 0.0, "{projected}");
+    }
+}
+
+#[test]
+fn a_blade_takes_what_it_crosses_and_caps_get_their_own() {
+    for density in [0.3, 1.0] {
+        let (mut scene, id) = cut_ball(density, 0.1);
+        let body = scene.body(id);
+        let (surface, solver) = (body.surface(), body.solver());
+        solver.validate(surface).unwrap();
+        let ends = ends(solver);
+        let crossed = ends.iter().filter(|ends| {
+            let [a, b] = ends.map(|v| surface.position(v).y - 0.1);
+            a * b < -1e-6
+        });
+        assert_eq!(crossed.count(), 0, "nothing joins the halves");
+        let pieces = ends.iter().map(|ends| ends.map(|v| piece_of(surface, v)));
+        assert!(pieces.clone().all(|[a, b]| a == b));
+        for half in [0, 1] {
+            let own = pieces.clone().filter(|&[a, _]| a == half).count();
+            let all = surface.topology().vertices();
+            let vertices = all.filter(|&v| piece_of(surface, v) == half).count();
+            let share = own as f32 / vertices as f32;
+            // Vertices in the rim's corner look at neighbors.
+            assert!(share > 0.75 * density, "{share} a vertex of half {half}");
+        }
+        let undo = scene.outcomes()[0].1.undo.clone().unwrap();
+        scene.undo(id, undo).unwrap();
+        let body = scene.body(id);
+        body.solver().validate(body.surface()).unwrap();
+        let vertices = body.surface().topology().vertex_count() as f32;
+        let share = self::ends(body.solver()).len() as f32 / vertices;
+        assert!((share - density).abs() < 0.03, "{share} after the undo");
+    }
+}
+
+/// The halves 0.5 s after the cut, one of them pushed or not: what the other one does, to the bit.
+fn beside_a_half(pushed: bool) -> Vec<[u32; 4]> {
+    let (mut scene, id) = cut_ball(1.0, 0.1);
+    let (solver, surface) = scene.edit(id).unwrap().solver_mut();
+    let all = surface.topology().vertices();
+    let first = piece_of(surface, VertexId(0));
+    let (near, far): (Vec<_>, Vec<_>) = all.partition(|&v| piece_of(surface, v) == first);
+    if pushed {
+        for v in near {
+            solver.set_velocity(v, [0.5, 1.0, 0.0]).unwrap();
+        }
+    }
+    for _ in 0..30 {
+        scene.step().unwrap();
+    }
+    let positions = &scene.body(id).surface().positions;
+    far.iter()
+        .map(|v| positions[v.index()].map(f32::to_bits))
+        .collect()
+}
+
+#[test]
+fn the_halves_do_not_feel_each_other() {
+    assert!(beside_a_half(true) == beside_a_half(false));
+}
+
+/// How high a soft body stands on the ground after 3 s, before and after it has been cut upright.
+fn height(model: Model, material: &Material) -> [f32; 2] {
+    let surface = build_model(model);
+    let low = surface.bounds().min[1];
+    let params = SceneParams {
+        solver: SolverParams {
+            ground: Some(low),
+            ..SolverParams::default()
+        },
+        ..weightless()
+    };
+    let mut scene = Scene::new(params);
+    let id = scene.add_body(surface, material).unwrap();
+    let blade = scene.add_blade([[0.0, -9.0, -9.0], [0.0, 9.0, -9.0]]);
+    let mut heights = [0.0; 2];
+    for height in &mut heights {
+        for _ in 0..180 {
+            scene.step().unwrap();
+        }
+        *height = scene.body(id).surface().bounds().max[1] - low;
+        scene.move_blade(blade, [[0.0, -9.0, 9.0], [0.0, 9.0, 9.0]]);
+    }
+    assert!(scene.body(id).pieces().len() > 1, "it is cut");
+    heights
+}
+
+#[test]
+fn a_body_with_struts_stands_before_and_after_a_cut() {
+    let surface = build_model(Model::Sphere768);
+    let whole = surface.bounds().max[1] - surface.bounds().min[1];
+    let soft = Material {
+        stretch: Stiffness::Compliance(1e-2),
+        ..strutted(1.0)
+    };
+    let inflated = Material {
+        volume: Some(Volume::default()),
+        ..soft
+    };
+    let [with, after] = height(Model::Sphere768, &soft);
+    let [both, both_after] = height(Model::Sphere768, &inflated);
+    let [without, _] = height(
+        Model::Sphere768,
+        &Material {
+            struts: None,
+            ..soft
+        },
+    );
+    assert!(
+        with > 0.9 * whole && both > 0.9 * whole,
+        "{with}, {both} of {whole} m"
+    );
+    assert!(
+        after > 0.85 * whole && both_after > 0.85 * whole,
+        "{after}, {both_after}"
+    );
+    assert!(
+        without < 0.8 * whole,
+        "or it would stand by itself: {without}"
+    );
+}
