@@ -22,6 +22,7 @@ mod assemble;
 mod build;
 mod cast;
 mod morton;
+mod nearest;
 mod query;
 mod refit;
 #[cfg(test)]
@@ -30,6 +31,7 @@ mod update;
 mod validate;
 
 pub use cast::RayHit;
+pub use nearest::NearestPoint;
 pub use validate::InvalidBvh;
 
 use incise_mesh::{Aabb, Surface, TriangleId, VertexId};

@@ -89,6 +89,51 @@ proptest! {
     }
 }
 
+proptest! {
+    #[test]
+    fn the_nearest_point_is_nearest_and_on_the_right_side(
+        to in [-2.0f64..2.0, -2.0..2.0, -1.0..1.0],
+        reach in 0.05f64..1.5,
+    ) {
+        let surface = torus(1.0, 0.4, 24, 12);
+        let bvh = Bvh::build(&surface);
+        let to = Vec3::from(to);
+        let found = bvh.nearest(&surface, to, reach, |_| true);
+        // A fine grid over every triangle.
+        let mut expected = f64::INFINITY;
+        for t in surface.topology().triangles() {
+            let [a, b, c] = surface.triangle_positions(t);
+            for i in 0..=16 {
+                for j in 0..=16 - i {
+                    let (u, v) = (f64::from(i) / 16.0, f64::from(j) / 16.0);
+                    expected = expected.min((a * (1.0 - u - v) + b * u + c * v - to).norm());
+                }
+            }
+        }
+        match found {
+            None => prop_assert!(expected > reach - 1e-9, "{expected} within {reach}"),
+            Some(found) => {
+                let distance = found.distance.abs();
+                prop_assert!(distance <= expected + 1e-9 && distance <= reach + 1e-9);
+                prop_assert!(expected < distance + 0.02, "the grid is that fine");
+                let corners = surface.triangle_positions(found.triangle);
+                let at: Vec3 = corners.iter().zip(found.weights).map(|(p, w)| p * w).sum();
+                prop_assert!((at - found.point).norm() < 1e-12);
+                prop_assert!(((to - at).norm() - distance).abs() < 1e-12);
+                // An odd number of crossings along any way out is inside.
+                let way = Vec3::new(0.31, 0.73, 0.52);
+                let mut crossings = 0;
+                for t in surface.topology().triangles() {
+                    crossings += i32::from(bvh.cast(&surface, to, way, |s| s == t).is_some());
+                }
+                if distance > 1e-6 {
+                    prop_assert_eq!(found.distance < 0.0, crossings % 2 == 1);
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn a_way_beside_a_sweep_or_before_it_misses() {
     let sweep = Sweep::new(

@@ -6,7 +6,7 @@ use crate::kernels::bending::{Bending, bending_serial};
 use crate::kernels::displacements::{Cell, Displacements, Exclusive};
 use crate::kernels::stretch::{Stretch, stretch_serial};
 use crate::kernels::volume::{self, Rings};
-use crate::kernels::{ground, integrate, pins, predict, tethers};
+use crate::kernels::{contacts, ground, integrate, pins, predict, tethers};
 use crate::params::StepStats;
 use crate::plan::{Body, Pass, StepConstants, StepPlan};
 use crate::sweep::{is_spread, sweep};
@@ -192,6 +192,7 @@ impl Frame<'_, '_> {
                     sets.flat_map(|set| set.all_mut())
                         .for_each(Batch::reset_multipliers);
                 }
+                body.contacts.reset();
                 if constants.volume.keeps {
                     body.volumes.reset_multipliers();
                 }
@@ -234,6 +235,13 @@ impl Frame<'_, '_> {
                     stretch_serial(x, d, part, constants.struts);
                 }
             }
+            Pass::Contacts => {
+                stats.contact_projections += body.contacts.len() as u64;
+                for color in &mut body.contacts.colors {
+                    let keeps = self.plan.iterations() > 1;
+                    contacts::contacts(x, d, color, (constants.friction, keeps));
+                }
+            }
             Pass::Volumes => {
                 stats.volume_projections += body.volumes.pieces().len() as u64;
                 let piece = (body.topology, &mut *body.volumes);
@@ -262,6 +270,7 @@ impl Frame<'_, '_> {
 mod tests {
     use super::*;
     use crate::constraints::StretchSet;
+    use crate::contacts::ContactSet;
     use crate::material::{Projection, Stiffness, VolumeProjection};
     use crate::plan::PlanKey;
     use crate::volumes::VolumeSet;
@@ -316,6 +325,7 @@ mod tests {
                     stretch: &mut stretch,
                     bending: None,
                     struts: None,
+                    contacts: &mut ContactSet::default(),
                     volumes: &mut VolumeSet::default(),
                     topology: &Topology::default(),
                     pins: &[],

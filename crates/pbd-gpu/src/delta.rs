@@ -78,6 +78,7 @@ impl Solver {
         // New slots that no triangle uses must be known, too, to whoever steps all of them.
         (had..slots).for_each(|i| self.changes.vertex(VertexId::from_index(i)));
         self.update_volumes(surface);
+        self.contacts.clear();
         self.plan.invalidate();
         self.tethers.invalidate();
         Ok(())

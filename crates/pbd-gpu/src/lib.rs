@@ -32,6 +32,7 @@ mod coloring;
 mod common;
 mod concerned;
 mod constraints;
+mod contacts;
 mod delta;
 mod edges;
 mod error;
@@ -59,6 +60,7 @@ mod volumes;
 pub use backend::{Backend, CpuBackend};
 pub use coloring::{LAYERS, MAX_COLORS};
 pub use constraints::{Batch, BendingSet, ConstraintSet, StretchSet};
+pub use contacts::{Contact, ContactSet};
 pub use error::{ConstraintError, InvalidConstraints, StepError};
 #[cfg(feature = "gpu")]
 pub use gpu::{

@@ -131,6 +131,8 @@ pub struct StepStats {
     pub bending_projections: u64,
     /// Struts projected.
     pub strut_projections: u64,
+    /// Contacts looked at, whether they touched or not.
+    pub contact_projections: u64,
     /// Volume constraints projected.
     pub volume_projections: u64,
     /// Ground passes that ran.

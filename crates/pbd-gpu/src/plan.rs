@@ -3,6 +3,7 @@
 
 use crate::coloring::{LAYERS, MAX_COLORS};
 use crate::constraints::{BendingSet, ConstraintSet, StretchSet};
+use crate::contacts::ContactSet;
 use crate::error::StepError;
 use crate::material::{Projection, VolumeProjection};
 use crate::tethers::Tether;
@@ -12,7 +13,7 @@ use std::cmp::Ordering;
 
 /// One pass over vertices or over the constraints of one batch. Passes are ordered as they run in a
 /// substep, so the lists of several bodies can be merged: the iteration begins with the tethers, goes
-/// through the layers of colors, in each first stretch, then bending, to struts and volumes, and ends on the ground.
+/// through the layers of colors, in each first stretch, then bending, to struts, volumes and contacts, and ends on the ground.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Pass {
     /// Velocities take up gravity and damping, displacements follow; the lowest vertex is noted
@@ -47,6 +48,8 @@ pub enum Pass {
     StrutsOverflow,
     /// Closed pieces get their volumes back.
     Volumes,
+    /// Vertices and triangles that touch are pushed apart, color by color.
+    Contacts,
     /// What sank below the ground is lifted and held back by friction. Skipped in a substep in which
     /// the body is predicted above the ground.
     Ground,
@@ -69,8 +72,9 @@ impl Pass {
             Self::Struts { color } => (1 + LAYERS, 0, color),
             Self::StrutsOverflow => (1 + LAYERS, 0, MAX_COLORS),
             Self::Volumes => (1 + LAYERS, 1, 0),
-            Self::Ground => (1 + LAYERS, 2, 0),
-            Self::Integrate => (1 + LAYERS, 3, 0),
+            Self::Contacts => (1 + LAYERS, 2, 0),
+            Self::Ground => (1 + LAYERS, 3, 0),
+            Self::Integrate => (1 + LAYERS, 4, 0),
         }
     }
 }
@@ -94,6 +98,7 @@ pub(crate) struct PlanKey {
     pub(crate) pins: bool,
     pub(crate) tethers: bool,
     pub(crate) volumes: bool,
+    pub(crate) contacts: bool,
     pub(crate) ground: bool,
     pub(crate) multipliers: bool,
 }
@@ -206,6 +211,9 @@ impl StepPlan {
         if key.volumes {
             self.iteration.push(Pass::Volumes);
         }
+        if key.contacts {
+            self.iteration.push(Pass::Contacts);
+        }
         if key.ground {
             self.iteration.push(Pass::Ground);
         }
@@ -311,7 +319,9 @@ pub struct Body<'a> {
     pub struts: Option<&'a mut StretchSet>,
     /// Volume constraints, none if the body has no volume.
     pub volumes: &'a mut VolumeSet,
-    /// The surface that they go round.
+    /// Contacts of the frame.
+    pub contacts: &'a mut ContactSet,
+    /// The surface that volumes are enclosed by.
     pub topology: &'a Topology,
     /// Pinned vertices, ascending.
     pub pins: &'a [Pin],
@@ -344,6 +354,7 @@ mod tests {
             pins: true,
             tethers: true,
             volumes: true,
+            contacts: true,
             ground: true,
             multipliers: true,
         };
@@ -351,7 +362,7 @@ mod tests {
         let [prologue, iteration, epilogue] = [plan.prologue(), plan.iteration(), plan.epilogue()];
         let once: Vec<Pass> = [prologue, iteration, epilogue].concat();
         assert!(once.is_sorted_by(|a, b| a < b), "{once:?}");
-        assert_eq!(iteration.len(), 1 + 3 * (64 + 1) + 1 + 1);
+        assert_eq!(iteration.len(), 1 + 3 * (64 + 1) + 1 + 1 + 1);
         let all: Vec<Pass> = plan.passes().collect();
         let expected = [prologue, iteration, iteration, iteration, epilogue].concat();
         assert_eq!(all, expected);

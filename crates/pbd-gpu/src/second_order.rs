@@ -92,6 +92,7 @@ impl History {
                 stretch: &mut *body.stretch,
                 bending: body.bending.as_deref_mut(),
                 struts: body.struts.as_deref_mut(),
+                contacts: &mut *body.contacts,
                 volumes: &mut *body.volumes,
                 topology: body.topology,
                 pins: &pins,
@@ -154,6 +155,7 @@ fn add(sum: &mut StepStats, stats: &StepStats, farthest: f32) {
     sum.stretch_projections += stats.stretch_projections;
     sum.bending_projections += stats.bending_projections;
     sum.strut_projections += stats.strut_projections;
+    sum.contact_projections += stats.contact_projections;
     sum.volume_projections += stats.volume_projections;
     sum.ground_passes += stats.ground_passes;
     sum.ground_passes_skipped += stats.ground_passes_skipped;

@@ -5,6 +5,7 @@ use crate::changes::VertexLogs;
 use crate::coloring::LAYERS;
 use crate::concerned::NONE;
 use crate::constraints::{BendingSet, StretchSet, room_beside};
+use crate::contacts::ContactSet;
 use crate::delta::{DroppedPin, Following};
 use crate::edges::{EdgeTable, Lists, Sets};
 use crate::error::{ConstraintError, StepError};
@@ -37,6 +38,7 @@ pub struct Solver {
     /// The vertices whose struts the last edit took.
     pub(crate) lost_struts: Vec<VertexId>,
     pub(crate) volumes: VolumeSet,
+    pub(crate) contacts: ContactSet,
     pub(crate) edges: EdgeTable,
     pub(crate) patches: Option<Patches>,
     pub(crate) pins: Vec<Pin>,
@@ -134,6 +136,7 @@ impl Solver {
             struts: (material.struts).map(|_| StretchSet::with_layers(slots, 1)),
             lost_struts: Vec::new(),
             volumes: VolumeSet::default(),
+            contacts: ContactSet::default(),
             edges,
             patches,
             pins: Vec::new(),
@@ -231,6 +234,7 @@ impl Solver {
             bending: self.bending.as_mut(),
             struts: self.struts.as_mut(),
             volumes: &mut self.volumes,
+            contacts: &mut self.contacts,
             topology,
             pins: &self.pins,
             tethers: self.tethers.list(),
@@ -275,8 +279,10 @@ impl Solver {
             iterations: params.iterations,
             pins: !self.pins.is_empty(),
             volumes: !self.volumes.pieces().is_empty(),
+            contacts: !self.contacts.is_empty(),
             ground: params.ground.is_some(),
-            multipliers: constants.keeps_multipliers(),
+            multipliers: constants.keeps_multipliers()
+                || params.iterations > 1 && !self.contacts.is_empty(),
         };
         let struts = self.struts.as_ref();
         (self.plan).update(key, &self.stretch, self.bending.as_ref(), struts);
@@ -453,6 +459,7 @@ impl Solver {
             + self.struts.as_ref().map_or(0, StretchSet::capacity)
             + self.lost_struts.capacity()
             + self.volumes.capacity()
+            + self.contacts.capacity()
             + self.pins.capacity()
             + self.dropped_pins.capacity()
             + self.plan.capacity()

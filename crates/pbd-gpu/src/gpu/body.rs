@@ -2,6 +2,7 @@
 
 use super::arena::{Arena, with_slack};
 use super::blocks::Blocks;
+use super::contacts::DeviceContacts;
 use super::context::Context;
 use super::error::GpuError;
 use super::layout::{
@@ -68,6 +69,7 @@ pub(super) struct DeviceBody {
     /// Which of the solver's tethers the device has, 0 for none.
     tether_generation: u64,
     pub(super) volumes: DeviceVolumes,
+    pub(super) contacts: DeviceContacts,
     /// What the device was told last.
     record: BodyRecord,
     pub(super) schedule: Schedule,
@@ -90,6 +92,7 @@ impl DeviceBody {
             tether_count: 0,
             tether_generation: 0,
             volumes: DeviceVolumes::default(),
+            contacts: DeviceContacts::default(),
             record: BodyRecord::zeroed(),
             schedule: Schedule::Colors,
         }
@@ -148,6 +151,7 @@ impl DeviceBody {
         arenas.entries.free(std::mem::take(&mut self.tethers));
         self.tether_generation = 0;
         self.volumes.free(&mut arenas.entries);
+        self.contacts.free(arenas);
     }
 
     /// Follows an edit of surface and solver.
@@ -280,6 +284,18 @@ impl DeviceBody {
         Ok(std::mem::replace(&mut self.tether_count, count) != count)
     }
 
+    /// Sends the solver's contacts if they were set anew; tells whether there is more room for them or none any more.
+    pub(super) fn update_contacts(
+        &mut self,
+        context: &Context,
+        arenas: &mut Arenas,
+        uploads: &mut Uploads,
+        solver: &Solver,
+    ) -> Result<bool, GpuError> {
+        let contacts = (self.slot, solver.contacts());
+        self.contacts.update(context, arenas, uploads, contacts)
+    }
+
     /// Sends the body's numbers if they differ from those that the device has.
     pub(super) fn update_record(
         &mut self,
@@ -302,6 +318,7 @@ impl DeviceBody {
             patches: self.patches.each_ref().map(Blocks::len),
             volumes: self.volumes.places,
             strut_colors: self.struts.colors(),
+            contacts: self.contacts.count,
         };
         let record = body_record(places, constants);
         let (old, new) = (

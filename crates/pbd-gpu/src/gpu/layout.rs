@@ -7,8 +7,8 @@ use bytemuck::{Pod, Zeroable};
 /// Runs of one kind of constraint that a body has: one a color, the overflow last.
 pub(crate) const RUN_COLORS: usize = OVERFLOW + 1;
 
-/// Runs that a body has: [`STRETCH`] first, then [`BENDING`], then [`STRUTS`].
-pub(crate) const RUNS_PER_BODY: usize = 3 * RUN_COLORS;
+/// Runs that a body has: [`STRETCH`] first, then [`BENDING`], [`STRUTS`] and [`CONTACTS`].
+pub(crate) const RUNS_PER_BODY: usize = 4 * RUN_COLORS;
 /// The same number as the device counts.
 #[expect(clippy::cast_possible_truncation, reason = "some hundred")]
 pub(crate) const RUN_STRIDE: u32 = RUNS_PER_BODY as u32;
@@ -24,6 +24,12 @@ pub(crate) const BENDING: u32 = 1;
 
 /// The kind of a pass over struts, which are stretch constraints with a stiffness of their own.
 pub(crate) const STRUTS: u32 = 2;
+
+/// The kind of a pass over contacts.
+pub(crate) const CONTACTS: u32 = 3;
+
+/// Entries that a contact takes, as its [record](crate::contacts::ContactRecord) lies in memory.
+pub(crate) const CONTACT_ENTRIES: usize = size_of::<crate::contacts::ContactRecord>() / 8;
 
 /// Entries of the constraint arena that a stretch constraint or a strut takes: its ends; rest and multiplier.
 pub(crate) const STRETCH_ENTRIES: usize = 2;
@@ -91,7 +97,7 @@ pub(crate) struct PassUniform {
     pub(crate) first_link: u32,
     /// How many links there are, at least 1.
     pub(crate) links: u32,
-    /// [`STRETCH`], [`BENDING`] or [`STRUTS`].
+    /// [`STRETCH`], [`BENDING`], [`STRUTS`] or [`CONTACTS`].
     pub(crate) kind: u32,
     /// The color, or the first one.
     pub(crate) color: u32,
@@ -160,6 +166,8 @@ pub(crate) struct BodyRecord {
     pub(crate) strut_factor: f32,
     pub(crate) strut_alpha: f32,
     pub(crate) strut_old: f32,
+    /// How many contacts there are.
+    pub(crate) contacts: u32,
 }
 
 /// The constraints of one color of one body.

@@ -7,6 +7,7 @@ mod blocks;
 mod body;
 mod calibrate;
 mod checkpoint;
+mod contacts;
 mod context;
 mod edit;
 mod error;

@@ -4,7 +4,7 @@
 //! arrays, so a dispatch a body would leave it idle most of the time.
 
 use super::body::DeviceBody;
-use super::layout::{BENDING, Link, PassUniform, STRETCH, STRUTS};
+use super::layout::{BENDING, CONTACTS, Link, PassUniform, STRETCH, STRUTS};
 use super::pipelines::Kernel;
 use super::shaders::EntryPoint;
 use super::stats::Schedule;
@@ -25,6 +25,14 @@ const NOTHING: PassUniform = PassUniform {
     with_overflow: 0,
     substep: 0,
     pad: 0,
+};
+
+/// Contacts of all colors and those without one.
+const ALL_CONTACTS: PassUniform = PassUniform {
+    kind: CONTACTS,
+    colors: narrow(MAX_COLORS),
+    with_overflow: 1,
+    ..NOTHING
 };
 
 /// One dispatch.
@@ -190,6 +198,7 @@ impl Compiler<'_> {
                     self.colors(family.kind, run, &mut out);
                 }
                 None if run[0] == Pass::ResetMultipliers => self.resets(&mut out),
+                None if run[0] == Pass::Contacts => self.contacts(&mut out),
                 None if run[0] == Pass::Volumes => self.volumes(&mut out),
                 None => out.extend(self.vertices(run[0])),
             }
@@ -237,11 +246,30 @@ impl Compiler<'_> {
         for layer in 1..LAYERS {
             out.extend(self.patches(Kernel::ResetPatches, layer));
         }
+        let contacts: Vec<(u32, u32)> = (self.by_passes())
+            .map(|b| {
+                (
+                    b.slot,
+                    b.body.contacts.count.min(1) * b.body.contacts.room(),
+                )
+            })
+            .collect();
+        let kernel = Kernel::Pass(EntryPoint::ResetMultipliers);
+        out.extend(self.dispatch(kernel, ALL_CONTACTS, false, &contacts));
         let pieces: Vec<(u32, u32)> = (self.by_passes())
             .map(|b| (b.slot, b.body.volumes.places.pieces))
             .collect();
         let kernel = Kernel::Pass(EntryPoint::ResetVolumes);
         out.extend(self.dispatch(kernel, NOTHING, false, &pieces));
+    }
+
+    /// The contacts of all colors, of which each has few.
+    fn contacts(&mut self, out: &mut Vec<Dispatch>) {
+        let lanes: Vec<(u32, u32)> = (self.by_passes())
+            .map(|b| (b.slot, b.body.contacts.count.min(1) * self.workgroup))
+            .collect();
+        let kernel = Kernel::Pass(EntryPoint::Tail);
+        out.extend(self.dispatch(kernel, ALL_CONTACTS, false, &lanes));
     }
 
     /// The sums of chunks, what follows from them for pieces, and the way of every vertex.
@@ -385,6 +413,14 @@ fn color_of(pass: Pass) -> Option<usize> {
     }
 }
 
-fn narrow(count: usize) -> u32 {
-    u32::try_from(count).unwrap_or(u32::MAX)
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "more than that many are more than a device has room for"
+)]
+const fn narrow(count: usize) -> u32 {
+    if count < u32::MAX as usize {
+        count as u32
+    } else {
+        u32::MAX
+    }
 }

@@ -79,6 +79,7 @@ pub(super) struct Places {
     pub(super) patches: [u32; PATCH_LAYERS],
     pub(super) volumes: VolumePlaces,
     pub(super) strut_colors: u32,
+    pub(super) contacts: u32,
 }
 
 /// The numbers of a body that kernels read.
@@ -123,5 +124,6 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
         strut_factor: constants.struts.factor,
         strut_alpha: constants.struts.alpha,
         strut_old: constants.struts.old,
+        contacts: places.contacts,
     }
 }

@@ -1,9 +1,9 @@
 //! The sources of the shader modules, composed of one file a kernel and one a schedule.
 
 use super::layout::{
-    BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, KEEPS_BENDING, KEEPS_STRETCH, KEEPS_STRUTS,
-    KEEPS_VOLUME, PIECE_ENTRIES, PIN_ENTRIES, RUN_COLORS, STRETCH, STRETCH_ENTRIES, STRUTS,
-    TETHER_ENTRIES,
+    BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, CONTACT_ENTRIES, CONTACTS, KEEPS_BENDING,
+    KEEPS_STRETCH, KEEPS_STRUTS, KEEPS_VOLUME, PIECE_ENTRIES, PIN_ENTRIES, RUN_COLORS, STRETCH,
+    STRETCH_ENTRIES, STRUTS, TETHER_ENTRIES,
 };
 use crate::coloring::MAX_COLORS;
 use crate::constraints::OVERFLOW;
@@ -116,7 +116,7 @@ impl EntryPoint {
     }
 }
 
-const SHARED: [&str; 12] = [
+const SHARED: [&str; 13] = [
     include_str!("shaders/types.wgsl"),
     include_str!("shaders/bits.wgsl"),
     include_str!("shaders/links.wgsl"),
@@ -126,6 +126,7 @@ const SHARED: [&str; 12] = [
     include_str!("../kernels/stretch.wgsl"),
     include_str!("../kernels/arctangent.wgsl"),
     include_str!("../kernels/bending.wgsl"),
+    include_str!("../kernels/contacts.wgsl"),
     include_str!("../kernels/ground.wgsl"),
     include_str!("../kernels/integrate.wgsl"),
     include_str!("shaders/sweep.wgsl"),
@@ -178,6 +179,8 @@ fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
         ("STRETCH", STRETCH),
         ("BENDING", BENDING),
         ("STRUTS", STRUTS),
+        ("CONTACTS", CONTACTS),
+        ("CONTACT_ENTRIES", CONTACT_ENTRIES as u32),
         ("STRETCH_ENTRIES", STRETCH_ENTRIES as u32),
         ("BENDING_ENTRIES", BENDING_ENTRIES as u32),
         ("PIN_ENTRIES", PIN_ENTRIES as u32),

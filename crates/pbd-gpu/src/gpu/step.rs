@@ -153,6 +153,9 @@ impl GpuBackend {
         self.program_is_stale |= resident
             .body
             .update_tethers(context, arenas, uploads, solver)?;
+        self.program_is_stale |= resident
+            .body
+            .update_contacts(context, arenas, uploads, solver)?;
         resident
             .body
             .update_record(context, arenas, uploads, constants);

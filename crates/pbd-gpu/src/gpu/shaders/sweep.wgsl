@@ -6,6 +6,10 @@ fn sweep(kind: u32, body: Body, run: Run, first: u32, stride: u32) {
         for (var k = first; k < run.len; k += stride) {
             project_bending(run.first + BENDING_ENTRIES * k, by);
         }
+    } else if (kind == CONTACTS) {
+        for (var k = first; k < run.len; k += stride) {
+            project_contact(run.first + CONTACT_ENTRIES * k, body.friction);
+        }
     } else {
         let by = edge_projection(body, kind);
         for (var k = first; k < run.len; k += stride) {
@@ -17,7 +21,7 @@ fn sweep(kind: u32, body: Body, run: Run, first: u32, stride: u32) {
 // The multiplier of a constraint of a run becomes zero, if the run has so many.
 fn reset_constraint(kind: u32, run: Run, k: u32) {
     if (k < run.len) {
-        let entries = select(STRETCH_ENTRIES, BENDING_ENTRIES, kind == BENDING);
+        let entries = select(select(STRETCH_ENTRIES, BENDING_ENTRIES, kind == BENDING), CONTACT_ENTRIES, kind == CONTACTS);
         constraints[run.first + entries * k + entries - 1u].y = 0u;
     }
 }

@@ -103,6 +103,9 @@ fn whole_body(
         if ((body.flags & KEEPS_BENDING) != 0u) {
             reset_kind(body, BENDING, body.bending_colors, lane);
         }
+        if (body.contacts != 0u && frame.iterations > 1u) {
+            reset_kind(body, CONTACTS, MAX_COLORS, lane);
+        }
         if ((body.flags & KEEPS_STRUTS) != 0u) {
             reset_kind(body, STRUTS, body.strut_colors, lane);
         }
@@ -126,6 +129,9 @@ fn whole_body(
             project_kind(body, STRUTS, body.strut_colors, 0u, lane);
             if (body.pieces != 0u) {
                 project_volumes(body, lane);
+            }
+            if (body.contacts != 0u) {
+                project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);
             }
             if (frame.has_ground != 0u) {
                 if (!is_above_ground(atomicLoad(&lowest))) {

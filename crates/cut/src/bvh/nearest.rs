@@ -1,0 +1,178 @@
+//! What is nearest to a point?
+
+use super::{Bvh, MAX_HEIGHT};
+use incise_mesh::geometry::widen;
+use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
+
+/// The point of a triangle that is nearest to another one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NearestPoint {
+    /// The triangle.
+    pub triangle: TriangleId,
+    /// What its corners weigh at the point, 0 to 1; they sum to 1.
+    pub weights: [f64; 3],
+    /// Where the point is \[m\].
+    pub point: Vec3,
+    /// The distance \[m\], positive on the side that the triangle's normal points to.
+    pub distance: f64,
+}
+
+impl Bvh {
+    /// The point nearest to `to` within `reach` \[m\], on triangles that `counts`. Where several triangles share it, an edge or
+    /// a corner, it is that of the one whose plane `to` is farthest off, which tells the two sides apart there (Baerentzen
+    /// and Aanaes 2005 have normals for it). O(log n) for points near a tree of well-shaped triangles.
+    #[must_use]
+    pub fn nearest(
+        &self,
+        surface: &Surface,
+        to: Vec3,
+        reach: f64,
+        counts: impl Fn(TriangleId) -> bool,
+    ) -> Option<NearestPoint> {
+        let mut best: Option<(Candidate, TriangleId)> = None;
+        let mut least = reach * reach;
+        let mut at = 0;
+        let mut others = [(0, 0.0); MAX_HEIGHT];
+        let mut depth = 0;
+        while let Some(node) = self.nodes.get(at as usize) {
+            if !node.is_leaf() {
+                let [left, right] = [node.index, node.index + 1]
+                    .map(|child| (child, square_to(&self.nodes[child as usize].bounds, to)));
+                let (near, far) = if right.1 < left.1 {
+                    (right, left)
+                } else {
+                    (left, right)
+                };
+                if near.1 <= least {
+                    others[depth] = far;
+                    depth += 1;
+                    at = near.0;
+                    continue;
+                }
+            } else if square_to(&node.bounds, to) <= least {
+                let block = &self.blocks[node.index as usize];
+                for &triangle in &block.triangles[..node.count as usize] {
+                    if !counts(triangle) {
+                        continue;
+                    }
+                    let found = Candidate::on(surface.triangle_positions(triangle), to);
+                    let is_better = best
+                        .as_ref()
+                        .is_none_or(|(other, number)| found.is_before(other, triangle < *number));
+                    if found.square <= least * (1.0 + TIE) && is_better {
+                        least = least.min(found.square);
+                        best = Some((found, triangle));
+                    }
+                }
+            }
+            // The next one that may hold something nearer.
+            loop {
+                if depth == 0 {
+                    return best.map(|(found, triangle)| found.told(triangle));
+                }
+                depth -= 1;
+                if others[depth].1 <= least * (1.0 + TIE) {
+                    at = others[depth].0;
+                    break;
+                }
+            }
+        }
+        None
+    }
+}
+
+/// Squares of distances that differ by no more than this part of them are of one point.
+const TIE: f64 = 1e-9;
+
+/// The nearest point of one triangle.
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    weights: [f64; 3],
+    point: Vec3,
+    /// The square of the distance \[m^2\].
+    square: f64,
+    /// How far above the triangle's plane `to` is \[m\].
+    height: f64,
+}
+
+impl Candidate {
+    /// The nearest point of a triangle by its regions (Ericson 2005, section 5.1.5).
+    fn on([a, b, c]: [Vec3; 3], to: Vec3) -> Self {
+        let (ab, ac, ap) = (b - a, c - a, to - a);
+        let normal = ab.cross(&ac);
+        let height = normal.try_normalize(0.0).map_or(0.0, |n| n.dot(&ap));
+        let weights = nearest_weights(ab, ac, ap);
+        let point = a * weights[0] + b * weights[1] + c * weights[2];
+        Self {
+            weights,
+            point,
+            square: (to - point).norm_squared(),
+            height,
+        }
+    }
+
+    fn is_before(&self, other: &Self, has_smaller_number: bool) -> bool {
+        let is_tie = (self.square - other.square).abs() <= TIE * other.square;
+        if !is_tie {
+            return self.square < other.square;
+        }
+        let (height, other) = (self.height.abs(), other.height.abs());
+        height > other || height == other && has_smaller_number
+    }
+
+    fn told(self, triangle: TriangleId) -> NearestPoint {
+        NearestPoint {
+            triangle,
+            weights: self.weights,
+            point: self.point,
+            distance: self.square.sqrt().copysign(self.height),
+        }
+    }
+}
+
+fn nearest_weights(ab: Vec3, ac: Vec3, ap: Vec3) -> [f64; 3] {
+    let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return [1.0, 0.0, 0.0];
+    }
+    let bp = ap - ab;
+    let (d3, d4) = (ab.dot(&bp), ac.dot(&bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return [0.0, 1.0, 0.0];
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        let t = d1 / (d1 - d3);
+        return [1.0 - t, t, 0.0];
+    }
+    let cp = ap - ac;
+    let (d5, d6) = (ab.dot(&cp), ac.dot(&cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return [0.0, 0.0, 1.0];
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        let t = d2 / (d2 - d6);
+        return [1.0 - t, 0.0, t];
+    }
+    let va = d3 * d6 - d5 * d4;
+    let (e, f) = (d4 - d3, d5 - d6);
+    if va <= 0.0 && e >= 0.0 && f >= 0.0 {
+        let t = e / (e + f);
+        return [0.0, 1.0 - t, t];
+    }
+    let sum = va + vb + vc;
+    if sum > 0.0 {
+        [va / sum, vb / sum, vc / sum]
+    } else {
+        [1.0, 0.0, 0.0]
+    }
+}
+
+/// The square of the distance from a box to a point \[m^2\].
+fn square_to(bounds: &Aabb, to: Vec3) -> f64 {
+    let (min, max) = (widen(bounds.min), widen(bounds.max));
+    (0..3)
+        .map(|k| (min[k] - to[k]).max(to[k] - max[k]).max(0.0).powi(2))
+        .sum()
+}

@@ -1,0 +1,84 @@
+//! The contacts of a body on the device.
+
+use super::arena::with_slack;
+use super::body::{Arenas, RUN_TABLES};
+use super::context::Context;
+use super::error::GpuError;
+use super::layout::{CONTACT_ENTRIES, CONTACTS, Entry, RUN_COLORS, RUN_STRIDE, Run};
+use super::upload::Uploads;
+use crate::constraints::OVERFLOW;
+use crate::contacts::{ContactSet, UNCOLORED};
+use std::ops::Range;
+
+/// The contacts color by color, without slack between: they are others in every frame.
+#[derive(Debug, Default)]
+pub(super) struct DeviceContacts {
+    /// Rented entries, slack included.
+    list: Range<u32>,
+    /// Which of the solver's contacts the device has, 0 for none.
+    generation: u64,
+    pub(super) count: u32,
+}
+
+impl DeviceContacts {
+    /// How many there is room for.
+    pub(super) fn room(&self) -> u32 {
+        (self.list.end - self.list.start) / entries(1)
+    }
+
+    /// Gives everything back.
+    pub(super) fn free(&mut self, arenas: &mut Arenas) {
+        arenas.entries.free(std::mem::take(&mut self.list));
+        *self = Self::default();
+    }
+
+    /// Sends the solver's contacts if they are others than the device has, for the body at `slot`. Returns whether a program
+    /// has to be made for them.
+    pub(super) fn update(
+        &mut self,
+        context: &Context,
+        arenas: &mut Arenas,
+        uploads: &mut Uploads,
+        (slot, set): (u32, &ContactSet),
+    ) -> Result<bool, GpuError> {
+        if set.generation() == self.generation {
+            return Ok(false);
+        }
+        let (before, had) = (self.room(), self.count > 0);
+        let count = set.len();
+        if count > self.room() as usize {
+            let wanted = with_slack(count) * entries(1);
+            let (list, _) = arenas.entries.allocate(context, wanted)?;
+            arenas.entries.free(std::mem::replace(&mut self.list, list));
+        }
+        uploads.entries.clear();
+        let mut table = [Run::default(); RUN_COLORS];
+        for (color, contacts) in set.colors.iter().enumerate() {
+            let run = Run {
+                first: self.list.start + narrow(uploads.entries.len()),
+                len: narrow(contacts.len()),
+            };
+            table[if color == UNCOLORED { OVERFLOW } else { color }] = run;
+            let words: &[Entry] = bytemuck::cast_slice(contacts);
+            uploads.entries.extend(words);
+        }
+        let offset = u64::from(self.list.start) * size_of::<Entry>() as u64;
+        uploads.write(context, arenas.entries.buffer(0), offset);
+        let first = u64::from(slot * RUN_STRIDE) + u64::from(CONTACTS) * RUN_COLORS as u64;
+        let table_at = first * size_of::<Run>() as u64;
+        let buffer = arenas.bodies.buffer(RUN_TABLES);
+        uploads.send(context, buffer, table_at, bytemuck::cast_slice(&table));
+        self.count = narrow(count);
+        self.generation = set.generation();
+        Ok(self.room() != before || (count > 0) != had)
+    }
+}
+
+/// Entries of so many contacts.
+fn entries(count: u32) -> u32 {
+    count * narrow(CONTACT_ENTRIES)
+}
+
+fn narrow(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
+}

@@ -1,0 +1,52 @@
+// Twin of contacts.rs.
+
+// Pushes the vertex and the triangle of the contact at an entry of the constraints apart.
+fn project_contact(at: u32, friction: f32) {
+    let first = constraints[at];
+    let second = constraints[at + 1u];
+    let weights = bitcast<vec2f>(constraints[at + 2u]);
+    let mixed = bitcast<vec2f>(constraints[at + 3u]);
+    let rest = bitcast<vec2f>(constraints[at + 4u]);
+    let last = bitcast<vec2f>(constraints[at + 5u]);
+    let wa = weights.x;
+    let wb = weights.y;
+    let wc = mixed.x;
+    let n = vec3f(mixed.y, rest.x, rest.y);
+    let xv = load_x(first.x);
+    let xa = load_x(first.y);
+    let xb = load_x(second.x);
+    let xc = load_x(second.y);
+    let dv = load_d(first.x);
+    let da = load_d(first.y);
+    let db = load_d(second.x);
+    let dc = load_d(second.y);
+
+    let ra = difference(xv, dv, xa, da);
+    let rb = difference(xv, dv, xb, db);
+    let rc = difference(xv, dv, xc, dc);
+    let way = wa * ra + wb * rb + wc * rc;
+    let depth = last.x + (way.x * n.x + way.y * n.y + way.z * n.z);
+    let sa = wa * xa.w;
+    let sb = wb * xb.w;
+    let sc = wc * xc.w;
+    let weight = (xv.w + wa * sa) + (wb * sb + wc * sc);
+    if (!(depth > 0.0 && weight > 0.0)) {
+        return;
+    }
+    let past = dv - (wa * da + wb * db + wc * dc);
+    let along = past.x * n.x + past.y * n.y + past.z * n.z;
+    let slide = past - along * n;
+    let length = sqrt(slide.x * slide.x + slide.y * slide.y + slide.z * slide.z);
+    let keeps = frame.iterations > 1u;
+    let limit = select(0.0, last.y, keeps) + friction * depth;
+    let slips = length > limit;
+    if (keeps) {
+        constraints[at + 5u].y = bitcast<u32>(select(limit - length, 0.0, slips));
+    }
+    let back = select(1.0, limit / length, slips);
+    let push = (depth * n - back * slide) / weight;
+    store_d(first.x, dv + xv.w * push);
+    store_d(first.y, da + (-sa) * push);
+    store_d(second.x, db + (-sb) * push);
+    store_d(second.y, dc + (-sc) * push);
+}
