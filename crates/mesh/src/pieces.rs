@@ -10,6 +10,11 @@ pub(crate) struct Pieces {
 }
 
 impl Pieces {
+    /// How many have triangles.
+    pub(crate) fn len(&self) -> usize {
+        self.counts.len()
+    }
+
     /// The triangles of `piece`.
     pub(crate) fn count(&self, piece: u32) -> u32 {
         self.find(piece).map_or(0, |at| self.counts[at].1)

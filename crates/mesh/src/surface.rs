@@ -183,6 +183,13 @@ impl Surface {
         self.pieces.bound()
     }
 
+    /// How many pieces have triangles. O(1).
+    #[must_use]
+    #[inline]
+    pub fn piece_count(&self) -> usize {
+        self.pieces.len()
+    }
+
     /// The triangles of a piece; 0 of a number not in use. O(log p) for p pieces.
     #[must_use]
     #[inline]

@@ -239,7 +239,8 @@ impl Frame<'_, '_> {
                 stats.contact_projections += body.contacts.len() as u64;
                 for color in &mut body.contacts.colors {
                     let keeps = self.plan.iterations() > 1;
-                    contacts::contacts(x, d, color, (constants.friction, keeps));
+                    let time = (substep + 1) as f32 * constants.h;
+                    contacts::contacts(x, d, color, (constants.friction, keeps), time);
                 }
             }
             Pass::Volumes => {

@@ -20,8 +20,10 @@ pub struct Contact {
     pub weights: [f32; 3],
     /// The way out: a unit vector.
     pub normal: [f32; 3],
-    /// How far along the normal the vertex stays from that point \[m\].
+    /// How far along the normal the vertex stays from that point at the beginning of the frame \[m\].
     pub gap: f32,
+    /// How fast that grows, where the two are to part [m/s]. What it does to them is that velocity.
+    pub rise: f32,
 }
 
 /// A contact as kernels read it, on the processor and on a device.
@@ -31,7 +33,9 @@ pub struct Contact {
 pub(crate) struct ContactRecord {
     /// The vertex, then the triangle's corners.
     pub(crate) vertices: [u32; 4],
-    pub(crate) weights: [f32; 3],
+    /// Of the second and the third corner; the first one has what is left of 1.
+    pub(crate) weights: [f32; 2],
+    pub(crate) rise: f32,
     pub(crate) normal: [f32; 3],
     pub(crate) gap: f32,
     /// What friction has left of the substep \[m\].
@@ -101,7 +105,8 @@ impl ContactSet {
             let color = self.masks.claim(0, &vertices).unwrap_or(UNCOLORED);
             self.colors[color].push(ContactRecord {
                 vertices: vertices.map(|v| v.0),
-                weights: contact.weights,
+                weights: [contact.weights[1], contact.weights[2]],
+                rise: contact.rise,
                 normal: contact.normal,
                 gap: contact.gap,
                 held: 0.0,
@@ -137,8 +142,9 @@ impl Solver {
             if let Some(&vertex) = vertices.find(|&&v| !self.is_vertex(v)) {
                 return Err(ConstraintError::UnknownVertex { vertex });
             }
-            let mut numbers = contact.weights.iter().chain(&contact.normal);
-            if !numbers.all(|n| n.is_finite()) || !contact.gap.is_finite() {
+            let plane = [contact.gap, contact.rise];
+            let mut numbers = (contact.weights.iter().chain(&contact.normal)).chain(&plane);
+            if !numbers.all(|n| n.is_finite()) {
                 let vertex = contact.vertex;
                 return Err(ConstraintError::NonFiniteValue { vertex });
             }
@@ -165,6 +171,7 @@ mod tests {
             weights: [1.0, 0.0, 0.0],
             normal: [0.0, 1.0, 0.0],
             gap: 0.0,
+            rise: 0.0,
         };
         let contacts: Vec<Contact> = (1..100).map(contact).collect();
         for _ in 0..3 {

@@ -16,6 +16,7 @@ use crate::params::{Integrator, SolverParams, StepStats};
 use crate::patches::{PatchParams, Patches};
 use crate::plan::{Body, Pass, Pin, PlanKey, StepConstants, StepPlan};
 use crate::second_order::{History, Orders, SHORTER};
+use crate::struts::OWN_WEIGHT;
 use crate::tethers::{Tether, Tethers};
 use crate::volumes::VolumeSet;
 use incise_mesh::{Surface, VertexId};
@@ -345,7 +346,10 @@ impl Solver {
             kept_velocity: 1.0 / slowed,
             stretch,
             bending: self.material.bending.map_or(rigid, bending),
-            struts: (self.material.struts).map_or(rigid, |struts| projection(struts.stiffness)),
+            struts: (self.material.struts).map_or(rigid, |struts| Projection {
+                own_weight: OWN_WEIGHT,
+                ..projection(struts.stiffness)
+            }),
             volume: (self.material.volume).map_or(VolumeProjection::NONE, volume),
             ground: params.ground.unwrap_or(f32::NEG_INFINITY),
             friction: self.material.friction,

@@ -35,6 +35,7 @@ fn contacts(surface: &Surface, dice: &mut Dice, count: usize) -> Vec<Contact> {
                 weights: [a, b, 1.0 - a - b],
                 normal: normal.map(|c| c / norm),
                 gap: 0.02 * part(),
+                rise: 0.1 * part(),
             });
         }
     }

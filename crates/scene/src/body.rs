@@ -1,5 +1,6 @@
 //! A soft body: surface, solver and cutter in step with each other.
 
+use crate::contacts::{ContactParams, Reach, Touching};
 use crate::error::SceneError;
 use crate::struts::Strutting;
 use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
@@ -20,6 +21,7 @@ pub struct Body {
     solver: Solver,
     cutter: Cutter,
     strutting: Strutting,
+    touching: Touching,
     /// Whether vertices moved since the search tree was fitted.
     stale: bool,
     /// The body's box when it was last known, if it can be told how far anything moved since.
@@ -58,6 +60,7 @@ impl Body {
             solver,
             cutter,
             strutting,
+            touching: Touching::default(),
             stale: false,
             known: None,
         })
@@ -190,6 +193,28 @@ impl Body {
         let (surface, bvh) = (&self.surface, self.cutter.bvh());
         self.strutting.fill(surface, &mut self.solver, bvh)?;
         Ok(())
+    }
+
+    /// Whether anything of the body may touch anything else of it.
+    pub(crate) fn may_touch(&self, params: &ContactParams) -> bool {
+        params.own || self.surface.piece_count() > 1
+    }
+
+    /// Finds the contacts of the next frame; says how many there are. The search tree must fit.
+    pub(crate) fn find_contacts(&mut self, reach: &Reach) -> Result<usize, SceneError> {
+        let Self {
+            surface,
+            solver,
+            touching,
+            cutter,
+            ..
+        } = self;
+        touching.find(surface, solver, cutter.bvh(), reach)
+    }
+
+    /// Has no contacts any more.
+    pub(crate) fn drop_contacts(&mut self) -> Result<(), SceneError> {
+        Ok(self.solver.set_contacts(&[])?)
     }
 
     pub(crate) fn step(&mut self, dt: f32, params: &SolverParams) -> Result<StepStats, StepError> {

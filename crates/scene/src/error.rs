@@ -25,6 +25,12 @@ pub enum SceneError {
     /// A cut cannot be taken back; nothing has changed.
     #[error("undo: {0}")]
     Undo(#[from] UndoError),
+    /// A thickness that keeps nothing apart.
+    #[error("a thickness of contacts of {value} edges is not a finite number above 0")]
+    BadContacts {
+        /// What was asked for.
+        value: f32,
+    },
     /// A body cannot be stepped.
     #[error("body {}: {error}", .body.0)]
     Step {

@@ -2,6 +2,7 @@
 
 use crate::blade::Blade;
 use crate::body::BodyId;
+use crate::contacts::Reach;
 use crate::error::SceneError;
 use crate::params::SceneParams;
 use crate::scene::{Refusal, Scene};
@@ -58,6 +59,7 @@ impl Scene {
         self.sleep.begin_frame(&self.params);
         self.stats.woken = self.sleep.take_woken();
         self.stats.asleep = self.sleep.sleepers();
+        self.find_contacts()?;
         self.step_device()?;
         for (i, body) in self.bodies.iter_mut().enumerate() {
             let on_device = self.device.as_ref().is_some_and(|d| d.holds(i));
@@ -83,18 +85,67 @@ impl Scene {
         }
         self.let_sleep();
         self.stats.fell_back = self.backend.take_news();
-        self.stats.solver = begin.elapsed().saturating_sub(self.stats.update);
+        let others = self.stats.update + self.stats.contact_detection;
+        self.stats.solver = begin.elapsed().saturating_sub(others);
         Ok(&self.stats)
+    }
+
+    /// Finds what touches in every body that is awake. Those on a device are brought home for it.
+    fn find_contacts(&mut self) -> Result<(), SceneError> {
+        let begin = Instant::now();
+        let params = self.params.contacts;
+        for i in 0..self.bodies.len() {
+            let Some(body) = &mut self.bodies[i] else {
+                continue;
+            };
+            if self.sleep.is_asleep(i) {
+                continue;
+            }
+            let Some(params) = params.filter(|params| body.may_touch(params)) else {
+                body.drop_contacts()?;
+                continue;
+            };
+            if let Some(device) = &mut self.device
+                && let Err(error) = device.read(i, body)
+            {
+                self.recover(None, error)?;
+            }
+            let Some(body) = &mut self.bodies[i] else {
+                continue;
+            };
+            let SceneParams { dt, solver, .. } = &self.params;
+            let g = solver.gravity.map(f64::from);
+            let pull = g.iter().map(|g| g * g).sum::<f64>().sqrt();
+            let reach = Reach {
+                params,
+                dt: *dt,
+                gained: pull * f64::from(*dt),
+            };
+            let refit = u32::from(body.refit());
+            self.stats.refits += refit;
+            self.stats.refits_skipped = self.stats.refits_skipped.saturating_sub(refit);
+            self.stats.contact_searches += 1;
+            self.stats.contacts += body.find_contacts(&reach)?;
+        }
+        self.stats.contact_detection = begin.elapsed();
+        Ok(())
     }
 
     /// What is wrong with the frame itself is the fault of no body and of no device.
     fn check_frame(&self) -> Result<(), SceneError> {
         let SceneParams {
-            dt, solver, sleep, ..
+            dt,
+            solver,
+            sleep,
+            contacts,
+            ..
         } = &self.params;
         solver.check(*dt).map_err(SceneError::Frame)?;
         if let Some(sleep) = sleep {
             sleep.check()?;
+        }
+        if let Some(contacts) = contacts {
+            contacts.check()?;
         }
         if let Some(device) = &self.device
             && solver.integrator != Integrator::Euler

@@ -26,6 +26,7 @@
 mod backend;
 mod blade;
 mod body;
+mod contacts;
 #[cfg(feature = "gpu")]
 mod device;
 #[cfg(not(feature = "gpu"))]
@@ -42,6 +43,7 @@ mod struts;
 pub use backend::{BackendChoice, BackendReport, BackendRequest};
 pub use blade::{Blade, BladeId};
 pub use body::{Body, BodyId};
+pub use contacts::ContactParams;
 pub use error::SceneError;
 pub use params::SceneParams;
 pub use scene::{Refusal, Scene};

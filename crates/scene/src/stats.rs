@@ -28,6 +28,10 @@ pub struct FrameStats {
     pub cuts: u32,
     /// Cuts refused, see [`crate::Scene::refusals`].
     pub refused: u32,
+    /// Contacts that were found between pieces, see [`crate::SceneParams::contacts`].
+    pub contacts: usize,
+    /// Bodies whose pieces were compared with each other. Those in one piece, asleep or without contacts were not.
+    pub contact_searches: u32,
     /// Bodies that slept through the frame: nothing was done for them. See [`crate::SleepParams`].
     pub asleep: u32,
     /// Bodies that fell asleep at the end of the frame.
@@ -71,6 +75,8 @@ pub struct FrameStats {
     pub constraints: Duration,
     /// Time of telling the device what was edited.
     pub update: Duration,
+    /// Time of finding contacts.
+    pub contact_detection: Duration,
     /// Time of the solver on the processor, and of handing work to the device.
     pub solver: Duration,
 }
@@ -86,6 +92,6 @@ impl FrameStats {
     /// Time of the whole frame's work.
     #[must_use]
     pub fn total(&self) -> Duration {
-        self.cutting() + self.solver
+        self.cutting() + self.contact_detection + self.solver
     }
 }

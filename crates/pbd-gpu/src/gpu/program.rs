@@ -269,7 +269,7 @@ impl Compiler<'_> {
             .map(|b| (b.slot, b.body.contacts.count.min(1) * self.workgroup))
             .collect();
         let kernel = Kernel::Pass(EntryPoint::Tail);
-        out.extend(self.dispatch(kernel, ALL_CONTACTS, false, &lanes));
+        out.extend(self.dispatch(kernel, ALL_CONTACTS, true, &lanes));
     }
 
     /// The sums of chunks, what follows from them for pieces, and the way of every vertex.

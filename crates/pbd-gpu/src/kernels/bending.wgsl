@@ -84,7 +84,7 @@ fn project_bending(at: u32, by: Projection) {
     left = select(left, kept, abs(kept) > abs(left));
     let wish = by.factor * ((turn - left) + by.alpha * lambda);
     let movable = solid && weight > 0.0;
-    let sum = frame.own_weight * weight + by.alpha;
+    let sum = by.own_weight * weight + by.alpha;
     let under = select(sum, weight, weight > sum);
     let most = MAX_TURN / weight;
     var wanted = wish / under;

@@ -5,7 +5,7 @@ use super::block::difference;
 use super::displacements::Displacements;
 use crate::contacts::ContactRecord;
 
-/// Pushes vertices and triangles apart that are too near, one contact after the other. What friction has left is kept for
+/// Pushes vertices and triangles apart that are too near at a time of the frame \[s\], one contact after the other. What friction has left is kept for
 /// other iterations of the substep if there are any.
 #[inline(always)]
 pub(crate) fn contacts(
@@ -13,10 +13,12 @@ pub(crate) fn contacts(
     d: &mut impl Displacements,
     contacts: &mut [ContactRecord],
     (friction, keeps): (f32, bool),
+    time: f32,
 ) {
     for contact in contacts {
         let [v, a, b, c] = contact.vertices.map(|v| v as usize);
-        let [wa, wb, wc] = contact.weights;
+        let [wb, wc] = contact.weights;
+        let wa = (1.0 - wb) - wc;
         let n = contact.normal;
         let (xv, xa, xb, xc) = (x[v], x[a], x[b], x[c]);
         let (dv, da, db, dc) = (d.get(v), d.get(a), d.get(b), d.get(c));
@@ -27,7 +29,8 @@ pub(crate) fn contacts(
             difference(xv, dv, xc, dc),
         );
         let way = |k: usize| wa * ra[k] + wb * rb[k] + wc * rc[k];
-        let depth = contact.gap + (way(0) * n[0] + way(1) * n[1] + way(2) * n[2]);
+        let gap = contact.gap + contact.rise * time;
+        let depth = gap + (way(0) * n[0] + way(1) * n[1] + way(2) * n[2]);
         let shares = [xv[3], wa * xa[3], wb * xb[3], wc * xc[3]];
         let weight = (shares[0] + wa * shares[1]) + (wb * shares[2] + wc * shares[3]);
         if !(depth > 0.0 && weight > 0.0) {
@@ -75,7 +78,8 @@ mod tests {
         ];
         let contact = ContactRecord {
             vertices: [0, 1, 2, 3],
-            weights: [1.0 / 3.0; 3],
+            weights: [1.0 / 3.0; 2],
+            rise: 0.0,
             normal: [0.0, 1.0, 0.0],
             gap: 0.05,
             held: 0.0,
@@ -87,7 +91,7 @@ mod tests {
     fn who_comes_too_near_is_pushed_apart_by_mass() {
         let (x, contact) = pair();
         let mut d = [[0.0, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
-        contacts(&x, &mut d, &mut [contact], (0.0, false));
+        contacts(&x, &mut d, &mut [contact], (0.0, false), 0.0);
         // 0.15 m too near; inverse masses 1/2 and 3 (1/3)^2.
         let step = 0.15 / (0.5 + 1.0 / 3.0);
         assert!((d[0][1] - (-0.2 + 0.5 * step)).abs() < 1e-6, "{d:?}");
@@ -95,9 +99,17 @@ mod tests {
             assert!((corner[1] + step / 3.0).abs() < 1e-6, "{d:?}");
         }
         let before = d;
-        contacts(&x, &mut d, &mut [contact], (0.0, false));
+        contacts(&x, &mut d, &mut [contact], (0.0, false), 0.0);
         let off = (d[0][1] - before[0][1]).abs();
         assert!(off < 1e-6, "once apart nothing is pushed");
+        let rising = ContactRecord {
+            rise: 2.0,
+            ..contact
+        };
+        contacts(&x, &mut d, &mut [rising], (0.0, false), 0.01);
+        let step = 0.02 / (0.5 + 1.0 / 3.0);
+        let pushed = d[0][1] - before[0][1];
+        assert!((pushed - 0.5 * step).abs() < 1e-6, "the gap has grown");
     }
 
     #[test]
@@ -106,7 +118,7 @@ mod tests {
             let (x, contact) = pair();
             let mut d = [[slide, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
             let mut list = [contact];
-            contacts(&x, &mut d, &mut list, (0.5, true));
+            contacts(&x, &mut d, &mut list, (0.5, true), 0.0);
             let point = (d[1][0] + d[2][0] + d[3][0]) / 3.0;
             assert!((d[0][0] - point - left).abs() < 1e-6, "{d:?}");
             let momentum = 2.0 * d[0][0] + d[1][0] + d[2][0] + d[3][0];

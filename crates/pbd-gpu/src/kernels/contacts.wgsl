@@ -8,9 +8,9 @@ fn project_contact(at: u32, friction: f32) {
     let mixed = bitcast<vec2f>(constraints[at + 3u]);
     let rest = bitcast<vec2f>(constraints[at + 4u]);
     let last = bitcast<vec2f>(constraints[at + 5u]);
-    let wa = weights.x;
-    let wb = weights.y;
-    let wc = mixed.x;
+    let wb = weights.x;
+    let wc = weights.y;
+    let wa = (1.0 - wb) - wc;
     let n = vec3f(mixed.y, rest.x, rest.y);
     let xv = load_x(first.x);
     let xa = load_x(first.y);
@@ -25,7 +25,8 @@ fn project_contact(at: u32, friction: f32) {
     let rb = difference(xv, dv, xb, db);
     let rc = difference(xv, dv, xc, dc);
     let way = wa * ra + wb * rb + wc * rc;
-    let depth = last.x + (way.x * n.x + way.y * n.y + way.z * n.z);
+    let gap = last.x + mixed.x * (f32(substep_at + 1u) * frame.h);
+    let depth = gap + (way.x * n.x + way.y * n.y + way.z * n.z);
     let sa = wa * xa.w;
     let sb = wb * xb.w;
     let sc = wc * xc.w;

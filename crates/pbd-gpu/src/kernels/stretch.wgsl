@@ -20,7 +20,7 @@ fn project_stretch(at: u32, by: Projection) {
     let length = sqrt(edge.x * edge.x + edge.y * edge.y + edge.z * edge.z);
     let error = (length - rest) + by.alpha * lambda;
     let own = xa.w + xb.w;
-    let sum = frame.own_weight * own + by.alpha;
+    let sum = by.own_weight * own + by.alpha;
     let weight = select(sum, own, own > sum);
     // A length of zero has no direction; two pinned ends do not move.
     let under = length * weight;

@@ -124,6 +124,7 @@ fn tail(
     }
     let body = bodies[work.body];
     first_vertex = body.first_vertex;
+    substep_at = current.substep;
     for (var color = current.color; color < current.color + current.colors; color++) {
         let run = run_of(body, current.kind, color);
         if (run.len != 0u) {

@@ -3,6 +3,7 @@
 use super::*;
 use crate::gpu::layout::{BodyRecord, Entry, FrameUniform, Link, PassUniform, Report, Run};
 use crate::kernels::{arctangent, bending, tethers, volume};
+use crate::struts;
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Literal, Module, TypeInner};
@@ -189,6 +190,7 @@ fn kernels_and_their_twins_have_the_same_constants() {
             ("LIMP", bending::LIMP),
             ("RETURN", tethers::RETURN),
             ("FIRM", bending::FIRM),
+            ("STRUT_OWN_WEIGHT", struts::OWN_WEIGHT),
         ] {
             assert_eq!(constant(&module, name), [wanted.to_bits()], "{name}");
         }

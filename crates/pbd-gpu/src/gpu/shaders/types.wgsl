@@ -92,6 +92,7 @@ struct Projection {
     keeps: bool,
     hold: f32,
     old: f32,
+    own_weight: f32,
 }
 
 // Position [m], inverse mass [1/kg]: 0 does not move, -1 is a slot that no triangle uses.
@@ -113,6 +114,9 @@ struct Projection {
 // Where the vertices of the body at hand begin; an entry point sets it before it calls a kernel.
 var<private> first_vertex: u32;
 
+// Number of the substep in its frame; an entry point sets it before it looks at contacts.
+var<private> substep_at: u32;
+
 // Where b is as seen from a [m]: the twin of block.rs.
 fn difference(xa: vec4f, da: vec3f, xb: vec4f, db: vec3f) -> vec3f {
     return (xb.xyz - xa.xyz) + (db - da);
@@ -120,8 +124,11 @@ fn difference(xa: vec4f, da: vec3f, xb: vec4f, db: vec3f) -> vec3f {
 
 fn stretch_projection(body: Body) -> Projection {
     let keeps = (body.flags & KEEPS_STRETCH) != 0u;
-    return Projection(body.stretch_factor, body.stretch_alpha, keeps, 0.0, body.stretch_old);
+    return Projection(body.stretch_factor, body.stretch_alpha, keeps, 0.0, body.stretch_old, frame.own_weight);
 }
+
+// See struts.rs.
+const STRUT_OWN_WEIGHT: f32 = 10.0;
 
 // Of edges of the surface or through the body.
 fn edge_projection(body: Body, kind: u32) -> Projection {
@@ -129,14 +136,14 @@ fn edge_projection(body: Body, kind: u32) -> Projection {
         return stretch_projection(body);
     }
     let keeps = (body.flags & KEEPS_STRUTS) != 0u;
-    return Projection(body.strut_factor, body.strut_alpha, keeps, 0.0, body.strut_old);
+    return Projection(body.strut_factor, body.strut_alpha, keeps, 0.0, body.strut_old, STRUT_OWN_WEIGHT);
 }
 
 fn bending_projection(body: Body) -> Projection {
     let keeps = (body.flags & KEEPS_BENDING) != 0u;
     let hold = HOLD / body.stretch_alpha;
     let held = select(FIRM, hold, hold < FIRM);
-    return Projection(body.bending_factor, body.bending_alpha, keeps, held, body.bending_old);
+    return Projection(body.bending_factor, body.bending_alpha, keeps, held, body.bending_old, frame.own_weight);
 }
 
 fn colors_of(body: Body, kind: u32) -> u32 {

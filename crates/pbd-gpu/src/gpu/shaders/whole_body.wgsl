@@ -89,6 +89,7 @@ fn whole_body(
     }
     workgroupBarrier();
     for (var substep = 0u; substep < frame.substeps; substep++) {
+        substep_at = substep;
         predict_body(body, lane);
         workgroupBarrier();
         if (body.pins != 0u) {

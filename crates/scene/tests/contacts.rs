@@ -1,0 +1,274 @@
+//! Pieces of a body stop at each other.
+
+use incise_cut::Bvh;
+use incise_mesh::{Surface, TriangleId, VertexId, cube_sphere};
+use incise_pbd_gpu::{Density, Material, SolverParams, Stiffness, Struts, Volume};
+use incise_scene::{Body, BodyId, ContactParams, Scene, SceneError, SceneParams};
+
+/// A body that keeps its shape.
+fn firm(friction: f32) -> Material {
+    Material {
+        density: Density::Area(1.0),
+        stretch: Stiffness::Compliance(0.0),
+        bending: None,
+        volume: Some(Volume::default()),
+        struts: Some(Struts {
+            density: 1.0,
+            stiffness: Stiffness::Compliance(1e-6),
+        }),
+        damping: 0.0,
+        friction,
+    }
+}
+
+fn params(gravity: [f32; 3], ground: Option<f32>) -> SceneParams {
+    SceneParams {
+        solver: SolverParams {
+            gravity,
+            ground,
+            ..SolverParams::default()
+        },
+        contacts: Some(ContactParams::default()),
+        sleep: None,
+        ..SceneParams::default()
+    }
+}
+
+/// Surfaces as the components of one.
+fn together(parts: &[Surface]) -> Surface {
+    let (mut corners, mut faces) = (Vec::new(), Vec::new());
+    for part in parts {
+        let offset = u32::try_from(corners.len()).unwrap();
+        corners.extend_from_slice(&part.rest);
+        let topology = part.topology();
+        let of = |t: TriangleId| topology.triangle(t).map(|v| v.0 + offset);
+        faces.extend(topology.triangles().map(of));
+    }
+    Surface::from_triangles(&corners, &faces).unwrap()
+}
+
+fn moved(surface: &Surface, by: [f32; 3], scale: [f32; 3]) -> Surface {
+    let mut out = surface.clone();
+    for p in &mut out.rest {
+        *p = [0, 1, 2].map(|k| p[k] * scale[k] + by[k]);
+    }
+    out
+}
+
+/// A cube of 2 m, its corners rounded off by nothing, of n x n squares a side.
+fn cube(n: u32) -> Surface {
+    let mut surface = cube_sphere(n, 1.0);
+    for p in &mut surface.rest {
+        let largest = p.iter().fold(0.0_f32, |a, c| a.max(c.abs()));
+        *p = p.map(|c| c / largest);
+    }
+    surface
+}
+
+fn piece_of(surface: &Surface, v: VertexId) -> u32 {
+    surface.piece(surface.topology().outgoing(v).triangle())
+}
+
+/// How deep any vertex is in another piece \[m\].
+fn deepest(surface: &Surface) -> f64 {
+    let bvh = Bvh::build(surface);
+    let mut deepest = 0.0_f64;
+    for v in surface.topology().vertices() {
+        let own = piece_of(surface, v);
+        let at = surface.position(v);
+        let found = bvh.nearest(surface, at, 10.0, |t| surface.piece(t) != own);
+        deepest = deepest.max(found.map_or(0.0, |found| -found.distance));
+    }
+    deepest
+}
+
+/// The highest and lowest points of a piece.
+fn heights(body: &Body, piece: u32) -> [f32; 2] {
+    let surface = body.surface();
+    let all = surface.topology().vertices();
+    let of_piece = all.filter(|&v| piece_of(surface, v) == piece);
+    of_piece.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], v| {
+        let y = surface.positions[v.index()][1];
+        [low.min(y), high.max(y)]
+    })
+}
+
+/// Pins all of a piece.
+fn hold(scene: &mut Scene, id: BodyId, piece: u32) {
+    let (solver, surface) = scene.edit(id).unwrap().solver_mut();
+    for v in of_piece(surface, piece) {
+        solver.pin(surface, v).unwrap();
+    }
+}
+
+fn of_piece(surface: &Surface, piece: u32) -> Vec<VertexId> {
+    let all = surface.topology().vertices();
+    all.filter(|&v| piece_of(surface, v) == piece).collect()
+}
+
+fn throw(scene: &mut Scene, id: BodyId, piece: u32, velocity: [f32; 3]) {
+    let (solver, surface) = scene.edit(id).unwrap().solver_mut();
+    for v in of_piece(surface, piece) {
+        solver.set_velocity(v, velocity).unwrap();
+    }
+}
+
+#[test]
+fn a_ball_rests_on_another_one_instead_of_in_it() {
+    let ball = cube_sphere(6, 1.0);
+    let body = together(&[
+        moved(&ball, [0.0, 1.0, 0.0], [1.0; 3]),
+        moved(&ball, [0.02, 3.05, 0.01], [1.0; 3]),
+    ]);
+    for contacts in [Some(ContactParams::default()), None] {
+        let params = SceneParams {
+            contacts,
+            ..params([0.0, -9.81, 0.0], Some(0.0))
+        };
+        let mut scene = Scene::new(params);
+        let id = scene.add_body(body.clone(), &firm(1.0)).unwrap();
+        // On its top it stays for a while; it has not fallen to the ground within 0.8 s.
+        for _ in 0..48 {
+            scene.step().unwrap();
+        }
+        let [low, _] = heights(scene.body(id), 1);
+        let is_stopped = low > 1.0;
+        assert_eq!(is_stopped, contacts.is_some(), "it is {low} m high");
+        let deep = deepest(scene.body(id).surface());
+        assert_eq!(deep < 0.02, contacts.is_some(), "{deep} m in each other");
+    }
+}
+
+#[test]
+fn what_meets_keeps_its_momentum() {
+    let ball = cube_sphere(6, 1.0);
+    let body = together(&[ball.clone(), moved(&ball, [2.5, 0.4, 0.1], [1.0; 3])]);
+    let mut scene = Scene::new(params([0.0; 3], None));
+    let id = scene.add_body(body, &firm(0.5)).unwrap();
+    throw(&mut scene, id, 0, [3.0, 0.0, 0.0]);
+    let solver = scene.body(id).solver();
+    let (before, energy) = (solver.momentum(), solver.kinetic_energy());
+    let mut deep = 0.0_f64;
+    let mut touched = 0;
+    for _ in 0..60 {
+        touched += scene.step().unwrap().contacts;
+        deep = deep.max(deepest(scene.body(id).surface()));
+    }
+    assert!(
+        touched > 0 && deep < 0.02,
+        "{touched} contacts, {deep} m deep"
+    );
+    let body = scene.body(id);
+    let mass = body.solver().total_mass();
+    for (is, was) in body.solver().momentum().into_iter().zip(before) {
+        assert!((is - was).abs() < 1e-3 * mass, "{was} became {is}");
+    }
+    assert!(body.solver().kinetic_energy() < energy, "none is made");
+    let mut pushed = [0.0; 3];
+    for v in body.surface().topology().vertices() {
+        if piece_of(body.surface(), v) == 1 {
+            let (velocity, mass) = (body.solver().velocity(v), body.solver().masses()[v.index()]);
+            (0..3).for_each(|k| pushed[k] += velocity[k] * mass);
+        }
+    }
+    assert!(pushed[0] > 0.5, "the other one goes on: {pushed:?}");
+}
+
+#[test]
+fn nothing_gets_through_at_ten_diagonals_a_second() {
+    let ball = cube_sphere(5, 1.0);
+    // A plate of a tenth of the ball's size, held by all of its vertices.
+    let plate = moved(&cube(8), [0.0; 3], [2.0, 0.1, 2.0]);
+    for offset in [0.0, 0.13, 0.7] {
+        let above = moved(&ball, [offset, 3.0, offset / 3.0], [1.0; 3]);
+        let body = together(&[plate.clone(), above]);
+        let speed = 10.0 * 2.0 * 3.0_f32.sqrt();
+        let mut scene = Scene::new(params([0.0; 3], None));
+        let id = scene.add_body(body, &firm(0.0)).unwrap();
+        hold(&mut scene, id, 0);
+        throw(&mut scene, id, 1, [0.0, -speed, 0.0]);
+        let mut lowest = f32::INFINITY;
+        for _ in 0..30 {
+            scene.step().unwrap();
+            lowest = lowest.min(heights(scene.body(id), 1)[0]);
+        }
+        assert!(
+            lowest > 0.0,
+            "it came down to {lowest} m, the top being 0.1 m"
+        );
+    }
+}
+
+/// How far a block slides down a slope of the tangent `slope` in half a second \[m\].
+fn slid(friction: f32, slope: f32) -> f32 {
+    let block = moved(&cube(3), [-0.5, 0.22, 0.0], [0.2; 3]);
+    let plate = moved(&cube(6), [0.0, -0.1, 0.0], [2.0, 0.1, 2.0]);
+    let g = 9.81 / (1.0 + slope * slope).sqrt();
+    // The slope is horizontal, and what is down is aslant.
+    let mut scene = Scene::new(params([g * slope, -g, 0.0], None));
+    let id = (scene.add_body(together(&[plate, block]), &firm(friction))).unwrap();
+    hold(&mut scene, id, 0);
+    let along = |scene: &Scene| {
+        let surface = scene.body(id).surface();
+        let block = of_piece(surface, 1);
+        let sum: f32 = block.iter().map(|v| surface.positions[v.index()][0]).sum();
+        sum / block.len() as f32
+    };
+    let start = along(&scene);
+    for _ in 0..30 {
+        scene.step().unwrap();
+    }
+    along(&scene) - start
+}
+
+#[test]
+fn a_block_slides_where_the_slope_is_steeper_than_friction() {
+    let found = slid(0.5, 0.4);
+    assert!(found < 0.01, "it holds, but for {found} m");
+    for friction in [0.0, 0.3] {
+        let slope = 0.6_f32;
+        let a = 9.81 * (slope - friction) / (1.0 + slope * slope).sqrt();
+        let (found, expected) = (slid(friction, slope), a * 0.125);
+        assert!(
+            (found / expected - 1.0).abs() < 0.1,
+            "{found}, not {expected} m"
+        );
+    }
+}
+
+#[test]
+fn halves_of_a_cut_part_slowly_and_stay_apart() {
+    let mut scene = Scene::new(params([0.0; 3], None));
+    let id = scene.add_body(cube_sphere(8, 1.0), &firm(0.5)).unwrap();
+    let blade = scene.add_blade([[-2.0, 0.1, -2.0], [-2.0, 0.1, 2.0]]);
+    scene.step().unwrap();
+    assert_eq!(scene.stats().contact_searches, 0, "it is in one piece");
+    scene.move_blade(blade, [[2.0, 0.1, -2.0], [2.0, 0.1, 2.0]]);
+    scene.step().unwrap();
+    assert!(scene.stats().contacts > 100, "caps lie on each other");
+    let mut fastest = 0.0_f64;
+    for _ in 0..60 {
+        scene.step().unwrap();
+        let solver = scene.body(id).solver();
+        fastest = fastest.max((2.0 * solver.kinetic_energy() / solver.total_mass()).sqrt());
+    }
+    // Five thicknesses a second are 0.1 m/s.
+    assert!(fastest < 0.1, "thrown apart by {fastest} m/s");
+    let surface = scene.body(id).surface();
+    assert!(deepest(surface) < 1e-3);
+}
+
+#[test]
+fn a_thickness_is_a_positive_number() {
+    for thickness in [0.0, -1.0, f32::NAN] {
+        let contacts = ContactParams {
+            thickness,
+            ..ContactParams::default()
+        };
+        let mut scene = Scene::new(SceneParams {
+            contacts: Some(contacts),
+            ..SceneParams::default()
+        });
+        assert!(matches!(scene.step(), Err(SceneError::BadContacts { .. })));
+    }
+}
