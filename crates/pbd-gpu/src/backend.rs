@@ -6,7 +6,7 @@ use crate::kernels::bending::{Bending, bending_serial};
 use crate::kernels::displacements::{Cell, Displacements, Exclusive};
 use crate::kernels::stretch::{Stretch, stretch_serial};
 use crate::kernels::volume::{self, Rings};
-use crate::kernels::{contacts, ground, integrate, pins, predict, tethers};
+use crate::kernels::{colliders, contacts, ground, integrate, pins, predict, tethers};
 use crate::params::StepStats;
 use crate::plan::{Body, Pass, StepConstants, StepPlan};
 use crate::sweep::{is_spread, sweep};
@@ -248,6 +248,9 @@ impl Frame<'_, '_> {
                 let piece = (body.topology, &mut *body.volumes);
                 volume::volumes(*arch, x, d.0, piece, constants.volume, self.rings);
             }
+            Pass::Colliders => {
+                colliders::colliders(x, d, v, body.colliders, constants.friction);
+            }
             Pass::Ground => {
                 stats.ground_passes += 1;
                 ground::ground(x, d, v, constants.ground, constants.friction);
@@ -327,6 +330,7 @@ mod tests {
                     bending: None,
                     struts: None,
                     contacts: &mut ContactSet::default(),
+                    colliders: &[],
                     volumes: &mut VolumeSet::default(),
                     topology: &Topology::default(),
                     pins: &[],

@@ -59,6 +59,14 @@ pub enum ConstraintError {
         /// What was asked for.
         value: f32,
     },
+    /// A collider that is no shape.
+    #[error(
+        "collider {number} has a number that is not finite, a size that is not above 0, or a direction of no length"
+    )]
+    BadCollider {
+        /// Its place in the list.
+        number: usize,
+    },
     /// Struts for a body whose material has none.
     #[error("the body's material has no struts; make the body anew with them")]
     WithoutStruts,

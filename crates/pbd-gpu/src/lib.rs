@@ -26,6 +26,7 @@
 
 mod backend;
 mod changes;
+mod colliders;
 mod coloring;
 #[cfg(test)]
 #[path = "../tests/common/mod.rs"]
@@ -58,6 +59,7 @@ mod validate;
 mod volumes;
 
 pub use backend::{Backend, CpuBackend};
+pub use colliders::Collider;
 pub use coloring::{LAYERS, MAX_COLORS};
 pub use constraints::{Batch, BendingSet, ConstraintSet, StretchSet};
 pub use contacts::{Contact, ContactSet};

@@ -1,6 +1,7 @@
 //! The step as a list: what runs in which order. Backends only execute it, so they cannot differ in
 //! order.
 
+use crate::colliders::ColliderRecord;
 use crate::coloring::{LAYERS, MAX_COLORS};
 use crate::constraints::{BendingSet, ConstraintSet, StretchSet};
 use crate::contacts::ContactSet;
@@ -13,7 +14,8 @@ use std::cmp::Ordering;
 
 /// One pass over vertices or over the constraints of one batch. Passes are ordered as they run in a
 /// substep, so the lists of several bodies can be merged: the iteration begins with the tethers, goes
-/// through the layers of colors, in each first stretch, then bending, to struts, volumes and contacts, and ends on the ground.
+/// through the layers of colors, in each first stretch, then bending, goes on with struts, volumes and contacts, and ends
+/// at colliders and on the ground.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Pass {
     /// Velocities take up gravity and damping, displacements follow; the lowest vertex is noted
@@ -50,6 +52,8 @@ pub enum Pass {
     Volumes,
     /// Vertices and triangles that touch are pushed apart, color by color.
     Contacts,
+    /// What is in a collider is pushed out and held back by friction.
+    Colliders,
     /// What sank below the ground is lifted and held back by friction. Skipped in a substep in which
     /// the body is predicted above the ground.
     Ground,
@@ -73,8 +77,9 @@ impl Pass {
             Self::StrutsOverflow => (1 + LAYERS, 0, MAX_COLORS),
             Self::Volumes => (1 + LAYERS, 1, 0),
             Self::Contacts => (1 + LAYERS, 2, 0),
-            Self::Ground => (1 + LAYERS, 3, 0),
-            Self::Integrate => (1 + LAYERS, 4, 0),
+            Self::Colliders => (1 + LAYERS, 3, 0),
+            Self::Ground => (1 + LAYERS, 4, 0),
+            Self::Integrate => (1 + LAYERS, 5, 0),
         }
     }
 }
@@ -99,6 +104,7 @@ pub(crate) struct PlanKey {
     pub(crate) tethers: bool,
     pub(crate) volumes: bool,
     pub(crate) contacts: bool,
+    pub(crate) colliders: bool,
     pub(crate) ground: bool,
     pub(crate) multipliers: bool,
 }
@@ -214,6 +220,9 @@ impl StepPlan {
         if key.contacts {
             self.iteration.push(Pass::Contacts);
         }
+        if key.colliders {
+            self.iteration.push(Pass::Colliders);
+        }
         if key.ground {
             self.iteration.push(Pass::Ground);
         }
@@ -321,6 +330,8 @@ pub struct Body<'a> {
     pub volumes: &'a mut VolumeSet,
     /// Contacts of the frame.
     pub contacts: &'a mut ContactSet,
+    /// What vertices stay out of.
+    pub(crate) colliders: &'a [ColliderRecord],
     /// The surface that volumes are enclosed by.
     pub topology: &'a Topology,
     /// Pinned vertices, ascending.
@@ -355,6 +366,7 @@ mod tests {
             tethers: true,
             volumes: true,
             contacts: true,
+            colliders: true,
             ground: true,
             multipliers: true,
         };
@@ -362,7 +374,7 @@ mod tests {
         let [prologue, iteration, epilogue] = [plan.prologue(), plan.iteration(), plan.epilogue()];
         let once: Vec<Pass> = [prologue, iteration, epilogue].concat();
         assert!(once.is_sorted_by(|a, b| a < b), "{once:?}");
-        assert_eq!(iteration.len(), 1 + 3 * (64 + 1) + 1 + 1 + 1);
+        assert_eq!(iteration.len(), 1 + 3 * (64 + 1) + 1 + 1 + 1 + 1);
         let all: Vec<Pass> = plan.passes().collect();
         let expected = [prologue, iteration, iteration, iteration, epilogue].concat();
         assert_eq!(all, expected);

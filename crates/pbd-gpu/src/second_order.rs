@@ -92,6 +92,7 @@ impl History {
                 stretch: &mut *body.stretch,
                 bending: body.bending.as_deref_mut(),
                 struts: body.struts.as_deref_mut(),
+                colliders: body.colliders,
                 contacts: &mut *body.contacts,
                 volumes: &mut *body.volumes,
                 topology: body.topology,

@@ -2,6 +2,7 @@
 
 use crate::backend::{Backend, CpuBackend};
 use crate::changes::VertexLogs;
+use crate::colliders::Colliders;
 use crate::coloring::LAYERS;
 use crate::concerned::NONE;
 use crate::constraints::{BendingSet, StretchSet, room_beside};
@@ -40,6 +41,7 @@ pub struct Solver {
     pub(crate) lost_struts: Vec<VertexId>,
     pub(crate) volumes: VolumeSet,
     pub(crate) contacts: ContactSet,
+    pub(crate) colliders: Colliders,
     pub(crate) edges: EdgeTable,
     pub(crate) patches: Option<Patches>,
     pub(crate) pins: Vec<Pin>,
@@ -138,6 +140,7 @@ impl Solver {
             lost_struts: Vec::new(),
             volumes: VolumeSet::default(),
             contacts: ContactSet::default(),
+            colliders: Colliders::default(),
             edges,
             patches,
             pins: Vec::new(),
@@ -236,6 +239,7 @@ impl Solver {
             struts: self.struts.as_mut(),
             volumes: &mut self.volumes,
             contacts: &mut self.contacts,
+            colliders: &self.colliders.records,
             topology,
             pins: &self.pins,
             tethers: self.tethers.list(),
@@ -281,6 +285,7 @@ impl Solver {
             pins: !self.pins.is_empty(),
             volumes: !self.volumes.pieces().is_empty(),
             contacts: !self.contacts.is_empty(),
+            colliders: !self.colliders.records.is_empty(),
             ground: params.ground.is_some(),
             multipliers: constants.keeps_multipliers()
                 || params.iterations > 1 && !self.contacts.is_empty(),

@@ -1,4 +1,4 @@
-//! Contacts on the device are those on the CPU, to the bit, as they come and go.
+//! Contacts and colliders on the device are those on the CPU, to the bit, as they come and go.
 
 #[path = "common/gpu.rs"]
 mod gpu;
@@ -7,7 +7,7 @@ mod twin;
 
 use gpu::{Needs, trial};
 use incise_mesh::{Model, Surface, TriangleId, build_model};
-use incise_pbd_gpu::{Contact, Context, GpuBackend, Schedule, SolverParams};
+use incise_pbd_gpu::{Collider, Contact, Context, GpuBackend, Schedule, SolverParams};
 use std::process::ExitCode;
 use twin::{Dice, SCHEDULES, Twin, busy};
 
@@ -42,6 +42,30 @@ fn contacts(surface: &Surface, dice: &mut Dice, count: usize) -> Vec<Contact> {
     out
 }
 
+/// One of each kind, in some frames; all of them reach into a ball of 0.5 m.
+fn colliders(frame: u32) -> Vec<Collider> {
+    let all = [
+        Collider::Plane {
+            point: [0.0, -0.45, 0.0],
+            normal: [0.1, 1.0, 0.0],
+        },
+        Collider::Sphere {
+            center: [0.6, 0.0, 0.1],
+            radius: 0.2,
+        },
+        Collider::Capsule {
+            ends: [[-0.5, -0.5, 0.5], [-0.5, 0.5, 0.4]],
+            radius: 0.15,
+        },
+        Collider::Box {
+            center: [0.0, 0.1, -0.6],
+            half: [0.3, 0.1, 0.2],
+            axes: [[1.0, 0.2, 0.0], [0.0, 1.0, 0.5]],
+        },
+    ];
+    all[..[0, 4, 4, 2, 1, 0][frame as usize % 6]].to_vec()
+}
+
 fn equal(context: Context, model: Model, schedule: Schedule) {
     let mut gpu = GpuBackend::on(context).expect("a device");
     let (material, params) = busy();
@@ -60,6 +84,9 @@ fn equal(context: Context, model: Model, schedule: Schedule) {
         twin.solver
             .set_contacts(&list)
             .expect("vertices of the body");
+        let list = colliders(frame);
+        twin.cpu.set_colliders(&list).expect("sound ones");
+        twin.solver.set_colliders(&list).expect("sound ones");
         twin.step(&mut gpu, &params);
         let projected = twin.cpu.stats().contact_projections;
         assert_eq!(projected > 0, count > 0, "{projected} of {count}");

@@ -56,9 +56,11 @@ impl Scene {
     pub fn advance(&mut self) -> Result<&FrameStats, SceneError> {
         let begin = Instant::now();
         self.check_frame()?;
+        self.wake_at_colliders();
         self.sleep.begin_frame(&self.params);
         self.stats.woken = self.sleep.take_woken();
         self.stats.asleep = self.sleep.sleepers();
+        self.hand_out_colliders()?;
         self.find_contacts()?;
         self.step_device()?;
         for (i, body) in self.bodies.iter_mut().enumerate() {

@@ -26,6 +26,7 @@
 mod backend;
 mod blade;
 mod body;
+mod colliders;
 mod contacts;
 #[cfg(feature = "gpu")]
 mod device;

@@ -10,7 +10,7 @@ use crate::sleep::Sleep;
 use crate::stats::FrameStats;
 use incise_cut::{CutError, CutOutcome};
 use incise_mesh::{Surface, VertexId};
-use incise_pbd_gpu::{Material, PatchParams};
+use incise_pbd_gpu::{Collider, Material, PatchParams};
 
 /// A cut that could not be done. The body is as it was.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,6 +29,11 @@ pub(crate) type Bodies = [Option<Box<Body>>];
 pub struct Scene {
     /// How frames are stepped; may change between frames.
     pub params: SceneParams,
+    /// What all bodies stay out of; may change between frames. Bodies near one that came, went or changed wake. Of a
+    /// body that the processor steps those that are far are left out.
+    pub colliders: Vec<Collider>,
+    /// Those of the frame before.
+    pub(crate) known_colliders: Vec<Collider>,
     pub(crate) bodies: Vec<Option<Box<Body>>>,
     pub(crate) blades: Vec<Blade>,
     pub(crate) stats: FrameStats,

@@ -28,6 +28,8 @@ pub struct FrameStats {
     pub cuts: u32,
     /// Cuts refused, see [`crate::Scene::refusals`].
     pub refused: u32,
+    /// Colliders that bodies were tested against, each as often as there were bodies near it.
+    pub colliders: usize,
     /// Contacts that were found between pieces, see [`crate::SceneParams::contacts`].
     pub contacts: usize,
     /// Bodies whose pieces were compared with each other. Those in one piece, asleep or without contacts were not.

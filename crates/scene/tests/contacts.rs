@@ -2,8 +2,8 @@
 
 use incise_cut::Bvh;
 use incise_mesh::{Surface, TriangleId, VertexId, cube_sphere};
-use incise_pbd_gpu::{Density, Material, SolverParams, Stiffness, Struts, Volume};
-use incise_scene::{Body, BodyId, ContactParams, Scene, SceneError, SceneParams};
+use incise_pbd_gpu::{Collider, Density, Material, SolverParams, Stiffness, Struts, Volume};
+use incise_scene::{Body, BodyId, ContactParams, Scene, SceneError, SceneParams, SleepParams};
 
 /// A body that keeps its shape.
 fn firm(friction: f32) -> Material {
@@ -256,6 +256,67 @@ fn halves_of_a_cut_part_slowly_and_stay_apart() {
     assert!(fastest < 0.1, "thrown apart by {fastest} m/s");
     let surface = scene.body(id).surface();
     assert!(deepest(surface) < 1e-3);
+}
+
+#[test]
+fn bodies_stay_out_of_colliders_and_sleep_on_them() {
+    let ball = cube_sphere(6, 0.5);
+    let all = [
+        Collider::Plane {
+            point: [0.0, 0.2, 0.0],
+            normal: [0.0, 1.0, 0.0],
+        },
+        Collider::Box {
+            center: [0.0, -0.3, 0.0],
+            half: [2.0, 0.5, 2.0],
+            axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        },
+        Collider::Sphere {
+            center: [0.0, -19.8, 0.0],
+            radius: 20.0,
+        },
+        Collider::Capsule {
+            ends: [[-3.0, -9.8, 0.0], [3.0, -9.8, 0.0]],
+            radius: 10.0,
+        },
+    ];
+    for collider in all {
+        let mut scene = Scene::new(SceneParams {
+            contacts: None,
+            sleep: Some(SleepParams::default()),
+            ..params([0.0, -9.81, 0.0], None)
+        });
+        // One that is far is not looked at.
+        let far = Collider::Sphere {
+            center: [100.0, 0.0, 0.0],
+            radius: 1.0,
+        };
+        scene.colliders = vec![far, collider];
+        let body = moved(&ball, [0.0, 1.0, 0.0], [1.0; 3]);
+        let material = Material {
+            damping: 1.0,
+            ..firm(1.0)
+        };
+        let id = scene.add_body(together(&[body]), &material).unwrap();
+        let mut lowest = f32::INFINITY;
+        for frame in 0..1800 {
+            scene.step().unwrap();
+            assert!(scene.stats().colliders <= 1, "in frame {frame}");
+            lowest = lowest.min(heights(scene.body(id), 0)[0]);
+        }
+        assert!(lowest > 0.199, "it got to {lowest} m in {collider:?}");
+        assert!(
+            lowest < 0.21,
+            "it has come down: {lowest} m at {collider:?}"
+        );
+        assert!(scene.is_asleep(id), "it rests on {collider:?}");
+        scene.colliders.clear();
+        for _ in 0..30 {
+            scene.step().unwrap();
+        }
+        let low = heights(scene.body(id), 0)[0];
+        assert!(low < -0.5, "it falls when that goes: {low} m");
+    }
 }
 
 #[test]

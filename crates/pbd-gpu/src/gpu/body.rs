@@ -14,6 +14,7 @@ use super::stats::Schedule;
 use super::upload::{Target, Uploads};
 use super::volumes::DeviceVolumes;
 use crate::changes::Changes;
+use crate::colliders::Colliders;
 use crate::coloring::MAX_COLORS;
 use crate::constraints::OVERFLOW;
 use crate::plan::{Pin, StepConstants};
@@ -70,6 +71,11 @@ pub(super) struct DeviceBody {
     tether_generation: u64,
     pub(super) volumes: DeviceVolumes,
     pub(super) contacts: DeviceContacts,
+    /// Rented entries, slack included.
+    colliders: Range<u32>,
+    pub(super) collider_count: u32,
+    /// Which of the solver's colliders the device has, 0 for none.
+    collider_generation: u64,
     /// What the device was told last.
     record: BodyRecord,
     pub(super) schedule: Schedule,
@@ -93,6 +99,9 @@ impl DeviceBody {
             tether_generation: 0,
             volumes: DeviceVolumes::default(),
             contacts: DeviceContacts::default(),
+            colliders: 0..0,
+            collider_count: 0,
+            collider_generation: 0,
             record: BodyRecord::zeroed(),
             schedule: Schedule::Colors,
         }
@@ -152,6 +161,8 @@ impl DeviceBody {
         self.tether_generation = 0;
         self.volumes.free(&mut arenas.entries);
         self.contacts.free(arenas);
+        arenas.entries.free(std::mem::take(&mut self.colliders));
+        (self.collider_count, self.collider_generation) = (0, 0);
     }
 
     /// Follows an edit of surface and solver.
@@ -296,6 +307,32 @@ impl DeviceBody {
         self.contacts.update(context, arenas, uploads, contacts)
     }
 
+    /// Sends the colliders if they were set anew; tells whether there are some now and were none, or the other way round.
+    pub(super) fn update_colliders(
+        &mut self,
+        context: &Context,
+        arenas: &mut Arenas,
+        uploads: &mut Uploads,
+        solver: &Solver,
+    ) -> Result<bool, GpuError> {
+        let Colliders {
+            records,
+            generation,
+            ..
+        } = &solver.colliders;
+        if self.collider_generation == *generation {
+            return Ok(false);
+        }
+        uploads.entries.clear();
+        let entries: &[Entry] = bytemuck::cast_slice(records);
+        uploads.entries.extend(entries);
+        send_list(&mut self.colliders, context, arenas, uploads)?;
+        self.collider_generation = *generation;
+        let count = u32::try_from(records.len()).unwrap_or(u32::MAX);
+        let before = std::mem::replace(&mut self.collider_count, count);
+        Ok((before > 0) != (count > 0))
+    }
+
     /// Sends the body's numbers if they differ from those that the device has.
     pub(super) fn update_record(
         &mut self,
@@ -319,6 +356,8 @@ impl DeviceBody {
             volumes: self.volumes.places,
             strut_colors: self.struts.colors(),
             contacts: self.contacts.count,
+            first_collider: self.colliders.start,
+            colliders: self.collider_count,
         };
         let record = body_record(places, constants);
         let (old, new) = (

@@ -31,6 +31,9 @@ pub(crate) const CONTACTS: u32 = 3;
 /// Entries that a contact takes, as its [record](crate::contacts::ContactRecord) lies in memory.
 pub(crate) const CONTACT_ENTRIES: usize = size_of::<crate::contacts::ContactRecord>() / 8;
 
+/// Entries that a collider takes, as its [record](crate::colliders::ColliderRecord) lies in memory.
+pub(crate) const COLLIDER_ENTRIES: usize = size_of::<crate::colliders::ColliderRecord>() / 8;
+
 /// Entries of the constraint arena that a stretch constraint or a strut takes: its ends; rest and multiplier.
 pub(crate) const STRETCH_ENTRIES: usize = 2;
 
@@ -168,6 +171,9 @@ pub(crate) struct BodyRecord {
     pub(crate) strut_old: f32,
     /// How many contacts there are.
     pub(crate) contacts: u32,
+    /// Where the colliders begin among the entries, and how many there are.
+    pub(crate) first_collider: u32,
+    pub(crate) colliders: u32,
 }
 
 /// The constraints of one color of one body.

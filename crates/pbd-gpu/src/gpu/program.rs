@@ -212,12 +212,14 @@ impl Compiler<'_> {
             Pass::Predict => (EntryPoint::Predict, true),
             Pass::Pins => (EntryPoint::Pins, true),
             Pass::Tethers => (EntryPoint::Tethers, false),
+            Pass::Colliders => (EntryPoint::Colliders, false),
             Pass::Ground => (EntryPoint::Ground, true),
             _ => (EntryPoint::Integrate, true),
         };
         let lanes_of = |b: &Stepped<'_>| match pass {
             Pass::Pins => b.body.pin_count,
             Pass::Tethers => b.body.tether_count,
+            Pass::Colliders if b.body.collider_count == 0 => 0,
             _ => b.body.vertex_count,
         };
         let lanes: Vec<(u32, u32)> = (self.by_passes()).map(|b| (b.slot, lanes_of(b))).collect();

@@ -80,6 +80,8 @@ pub(super) struct Places {
     pub(super) volumes: VolumePlaces,
     pub(super) strut_colors: u32,
     pub(super) contacts: u32,
+    pub(super) first_collider: u32,
+    pub(super) colliders: u32,
 }
 
 /// The numbers of a body that kernels read.
@@ -125,5 +127,7 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
         strut_alpha: constants.struts.alpha,
         strut_old: constants.struts.old,
         contacts: places.contacts,
+        first_collider: places.first_collider,
+        colliders: places.colliders,
     }
 }

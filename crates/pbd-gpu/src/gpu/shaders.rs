@@ -1,10 +1,11 @@
 //! The sources of the shader modules, composed of one file a kernel and one a schedule.
 
 use super::layout::{
-    BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, CONTACT_ENTRIES, CONTACTS, KEEPS_BENDING,
-    KEEPS_STRETCH, KEEPS_STRUTS, KEEPS_VOLUME, PIECE_ENTRIES, PIN_ENTRIES, RUN_COLORS, STRETCH,
-    STRETCH_ENTRIES, STRUTS, TETHER_ENTRIES,
+    BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, COLLIDER_ENTRIES, CONTACT_ENTRIES, CONTACTS,
+    KEEPS_BENDING, KEEPS_STRETCH, KEEPS_STRUTS, KEEPS_VOLUME, PIECE_ENTRIES, PIN_ENTRIES,
+    RUN_COLORS, STRETCH, STRETCH_ENTRIES, STRUTS, TETHER_ENTRIES,
 };
+use crate::colliders::{PLANE, ROUND};
 use crate::coloring::MAX_COLORS;
 use crate::constraints::OVERFLOW;
 use crate::kernels::volume::CHUNK;
@@ -65,6 +66,8 @@ pub(crate) enum EntryPoint {
     /// A lane a piece.
     ResetVolumes,
     /// A lane a vertex.
+    Colliders,
+    /// A lane a vertex.
     Ground,
     /// A lane a vertex.
     Integrate,
@@ -76,7 +79,7 @@ pub(crate) enum EntryPoint {
 
 impl EntryPoint {
     /// All of them, each at the place of its number.
-    pub(crate) const ALL: [Self; 15] = [
+    pub(crate) const ALL: [Self; 16] = [
         Self::Predict,
         Self::Pins,
         Self::Tethers,
@@ -88,6 +91,7 @@ impl EntryPoint {
         Self::StepVolumes,
         Self::MoveVolumes,
         Self::ResetVolumes,
+        Self::Colliders,
         Self::Ground,
         Self::Integrate,
         Self::ResetBounds,
@@ -108,6 +112,7 @@ impl EntryPoint {
             Self::StepVolumes => "step_volumes",
             Self::MoveVolumes => "move_volumes",
             Self::ResetVolumes => "reset_volumes",
+            Self::Colliders => "colliders",
             Self::Ground => "ground",
             Self::Integrate => "integrate",
             Self::ResetBounds => "reset_bounds",
@@ -116,7 +121,7 @@ impl EntryPoint {
     }
 }
 
-const SHARED: [&str; 13] = [
+const SHARED: [&str; 14] = [
     include_str!("shaders/types.wgsl"),
     include_str!("shaders/bits.wgsl"),
     include_str!("shaders/links.wgsl"),
@@ -127,6 +132,7 @@ const SHARED: [&str; 13] = [
     include_str!("../kernels/arctangent.wgsl"),
     include_str!("../kernels/bending.wgsl"),
     include_str!("../kernels/contacts.wgsl"),
+    include_str!("../kernels/colliders.wgsl"),
     include_str!("../kernels/ground.wgsl"),
     include_str!("../kernels/integrate.wgsl"),
     include_str!("shaders/sweep.wgsl"),
@@ -181,6 +187,9 @@ fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
         ("STRUTS", STRUTS),
         ("CONTACTS", CONTACTS),
         ("CONTACT_ENTRIES", CONTACT_ENTRIES as u32),
+        ("COLLIDER_ENTRIES", COLLIDER_ENTRIES as u32),
+        ("PLANE", PLANE),
+        ("ROUND", ROUND),
         ("STRETCH_ENTRIES", STRETCH_ENTRIES as u32),
         ("BENDING_ENTRIES", BENDING_ENTRIES as u32),
         ("PIN_ENTRIES", PIN_ENTRIES as u32),

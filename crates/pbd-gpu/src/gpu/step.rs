@@ -156,6 +156,9 @@ impl GpuBackend {
         self.program_is_stale |= resident
             .body
             .update_contacts(context, arenas, uploads, solver)?;
+        self.program_is_stale |= resident
+            .body
+            .update_colliders(context, arenas, uploads, solver)?;
         resident
             .body
             .update_record(context, arenas, uploads, constants);

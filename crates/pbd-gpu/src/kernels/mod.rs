@@ -14,6 +14,7 @@ pub(crate) mod bending;
 pub(crate) mod block;
 #[cfg(test)]
 pub(crate) mod bounds;
+pub(crate) mod colliders;
 pub(crate) mod contacts;
 pub(crate) mod displacements;
 pub(crate) mod ground;

@@ -138,6 +138,21 @@ fn tail(
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
+fn colliders(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let work = find_work(group_number(group, groups));
+    let body = bodies[work.body];
+    first_vertex = body.first_vertex;
+    let i = work.first_lane + lane;
+    if (i < body.vertices) {
+        push_out(i, body.first_collider, body.colliders, body.friction);
+    }
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
 fn ground(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,

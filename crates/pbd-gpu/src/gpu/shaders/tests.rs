@@ -116,7 +116,7 @@ fn structs_lie_in_memory_as_in_rust() {
             &members!(BodyRecord: first_vertex vertices first_pin pins first_tether tethers stretch_factor stretch_alpha stretch_old
                 bending_factor bending_alpha bending_old kept_velocity friction flags first_run stretch_colors
                 bending_colors patch_tables patches first_piece pieces first_chunk chunks first_spoke first_corner corners
-                volume_alpha volume_pressure volume_returned volume_old strut_colors strut_factor strut_alpha strut_old contacts),
+                volume_alpha volume_pressure volume_returned volume_old strut_colors strut_factor strut_alpha strut_old contacts first_collider colliders),
         );
         check("Run", size_of::<Run>(), &members!(Run: first len));
         check("Link", size_of::<Link>(), &members!(Link: first_group body));

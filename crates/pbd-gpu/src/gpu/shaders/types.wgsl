@@ -63,6 +63,8 @@ struct Body {
     strut_alpha: f32,
     strut_old: f32,
     contacts: u32,
+    first_collider: u32,
+    colliders: u32,
 }
 
 struct Run {
@@ -101,7 +103,7 @@ struct Projection {
 // A stretch constraint or a strut is 2 entries: (a, b), (rest, multiplier). A bending constraint is 3:
 // (v0, v1), (v2, v3), (rest, multiplier). A pin is 2: (vertex, x), (y, z). A tether is 2: (vertex, anchor),
 // (length, 0). A piece is 4: (first chunk, chunks), (rest, reach), (multiplier, step), (center, 0). A chunk is 4:
-// (first spoke, spokes), (piece, 0), its four sums. A spoke is (vertex, half-edge), a corner (origin, twin), a contact 6 as in contacts.rs. Vertices count from the body's first one; numbers are stored as their bits.
+// (first spoke, spokes), (piece, 0), its four sums. A spoke is (vertex, half-edge), a corner (origin, twin), a contact 6 as in contacts.rs, a collider 8 as in colliders.rs. Vertices count from the body's first one; numbers are stored as their bits.
 @group(0) @binding(3) var<storage, read_write> constraints: array<vec2u>;
 @group(0) @binding(4) var<storage, read> bodies: array<Body>;
 @group(0) @binding(5) var<storage, read> runs: array<Run>;

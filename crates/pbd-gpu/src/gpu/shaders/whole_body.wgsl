@@ -134,6 +134,12 @@ fn whole_body(
             if (body.contacts != 0u) {
                 project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);
             }
+            if (body.colliders != 0u) {
+                for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
+                    push_out(i, body.first_collider, body.colliders, body.friction);
+                }
+                workgroupBarrier();
+            }
             if (frame.has_ground != 0u) {
                 if (!is_above_ground(atomicLoad(&lowest))) {
                     for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {

@@ -1,0 +1,187 @@
+//! Colliders, with the [ground](super::ground)'s friction: bounded by all that a substep pushed a vertex out.
+
+use super::displacements::Displacements;
+use crate::colliders::{ColliderRecord, PLANE, ROUND};
+
+/// Pushes vertices out of colliders, one collider after the other. What friction has left waits in the fourth entry of the
+/// velocity.
+#[inline(always)]
+pub(crate) fn colliders(
+    x: &[[f32; 4]],
+    d: &mut impl Displacements,
+    v: &mut [[f32; 4]],
+    colliders: &[ColliderRecord],
+    friction: f32,
+) {
+    for (i, (x, v)) in x.iter().zip(v).enumerate() {
+        if x[3] > 0.0 {
+            let mut di = d.get(i);
+            for collider in colliders {
+                let p = [0, 1, 2].map(|k: usize| (x[k] - collider.at[k]) + di[k]);
+                let (distance, n) = way_out(p, collider);
+                if distance < 0.0 {
+                    push(&mut di, &mut v[3], n, -distance, friction);
+                }
+            }
+            d.set(i, di);
+        }
+    }
+}
+
+/// Pushes a displacement out by `depth` and holds back what slides.
+#[inline(always)]
+fn push(d: &mut [f32; 4], held: &mut f32, n: [f32; 3], depth: f32, friction: f32) {
+    let along = d[0] * n[0] + d[1] * n[1] + d[2] * n[2];
+    let slide = [0, 1, 2].map(|k: usize| d[k] - along * n[k]);
+    let length = (slide[0] * slide[0] + slide[1] * slide[1] + slide[2] * slide[2]).sqrt();
+    let limit = *held + friction * depth;
+    let slips = length > limit;
+    *held = if slips { 0.0 } else { limit - length };
+    let kept = if slips { 1.0 - limit / length } else { 0.0 };
+    let normal = along + depth;
+    for k in 0..3 {
+        d[k] = normal * n[k] + kept * slide[k];
+    }
+}
+
+/// The distance of a point, seen from the collider's place, negative inside \[m\]; and the way out, a unit vector.
+#[inline(always)]
+fn way_out(p: [f32; 3], c: &ColliderRecord) -> (f32, [f32; 3]) {
+    if c.kind == PLANE {
+        return (dot(c.along, p), c.along);
+    }
+    if c.kind == ROUND {
+        let share = dot(c.axes[0], p);
+        let share = if share < 0.0 { 0.0 } else { share };
+        let share = if share > 1.0 { 1.0 } else { share };
+        let from = [0, 1, 2].map(|k: usize| p[k] - share * c.along[k]);
+        let length = dot(from, from).sqrt();
+        // In the very middle every way is as good.
+        let n = if length > 0.0 {
+            from.map(|c| c / length)
+        } else {
+            [0.0, 1.0, 0.0]
+        };
+        return (length - c.radius, n);
+    }
+    let [u, v] = c.axes;
+    let w = [
+        u[1] * v[2] - u[2] * v[1],
+        u[2] * v[0] - u[0] * v[2],
+        u[0] * v[1] - u[1] * v[0],
+    ];
+    let local = [dot(u, p), dot(v, p), dot(w, p)];
+    let beyond = [0, 1, 2].map(|k: usize| local[k].abs() - c.along[k]);
+    // Out by the nearest side. Who is outside is not pushed, however near an edge.
+    let first = beyond[1] > beyond[0];
+    let least = if first { beyond[1] } else { beyond[0] };
+    let axis = if first { v } else { u };
+    let side = if first { local[1] } else { local[0] };
+    let last = beyond[2] > least;
+    let least = if last { beyond[2] } else { least };
+    let axis = if last { w } else { axis };
+    let side = if last { local[2] } else { side };
+    let sign = if side < 0.0 { -1.0 } else { 1.0 };
+    (least, axis.map(|c| sign * c))
+}
+
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::colliders::Collider;
+
+    fn out(collider: Collider, p: [f32; 3]) -> (f32, [f32; 3]) {
+        let record = collider.record().unwrap();
+        way_out([0, 1, 2].map(|k: usize| p[k] - record.at[k]), &record)
+    }
+
+    fn assert_out(collider: Collider, p: [f32; 3], distance: f32, n: [f32; 3]) {
+        let found = out(collider, p);
+        assert!((found.0 - distance).abs() < 1e-6, "{found:?}");
+        let off = [0, 1, 2].map(|k: usize| (found.1[k] - n[k]).abs());
+        assert!(off.into_iter().all(|c| c < 1e-6), "{found:?}");
+    }
+
+    #[test]
+    fn the_way_out_is_the_shortest() {
+        let plane = Collider::Plane {
+            point: [1.0, 2.0, 3.0],
+            normal: [0.0, 5.0, 0.0],
+        };
+        assert_out(plane, [9.0, 1.5, -7.0], -0.5, [0.0, 1.0, 0.0]);
+        let sphere = Collider::Sphere {
+            center: [1.0, 0.0, 0.0],
+            radius: 2.0,
+        };
+        assert_out(sphere, [1.0, 0.0, -1.5], -0.5, [0.0, 0.0, -1.0]);
+        assert_out(sphere, [1.0, 0.0, 0.0], -2.0, [0.0, 1.0, 0.0]);
+        let capsule = Collider::Capsule {
+            ends: [[0.0; 3], [4.0, 0.0, 0.0]],
+            radius: 1.0,
+        };
+        assert_out(capsule, [3.0, 0.0, 0.75], -0.25, [0.0, 0.0, 1.0]);
+        assert_out(capsule, [4.5, 0.0, 0.0], -0.5, [1.0, 0.0, 0.0]);
+        assert_out(capsule, [-3.0, 0.0, 0.0], 2.0, [-1.0, 0.0, 0.0]);
+        // A box turned by a quarter about z, whose second axis is given aslant.
+        let turned = Collider::Box {
+            center: [0.0, 0.0, 1.0],
+            half: [3.0, 1.0, 2.0],
+            axes: [[0.0, 2.0, 0.0], [-1.0, 7.0, 0.0]],
+        };
+        assert_out(turned, [0.9, 2.0, 1.0], -0.1, [1.0, 0.0, 0.0]);
+        assert_out(turned, [0.0, -2.9, 1.0], -0.1, [0.0, -1.0, 0.0]);
+        assert_out(turned, [0.0, 0.0, 2.5], -0.5, [0.0, 0.0, 1.0]);
+        assert!(out(turned, [2.0, 0.0, 1.0]).0 > 0.0, "it is outside");
+    }
+
+    #[test]
+    fn friction_is_limited_by_the_push() {
+        let floor = Collider::Plane {
+            point: [0.0; 3],
+            normal: [0.0, 1.0, 0.0],
+        };
+        let record = [floor.record().unwrap()];
+        let x = [[0.0, 0.5, 0.0, 1.0]; 2];
+        let mut d = [[0.3, -0.75, 0.4, 0.0], [0.3, -1.5, 0.4, 0.0]];
+        let mut v = [[0.0; 4]; 2];
+        colliders(&x, &mut d, &mut v, &record, 0.5);
+        for (d, expected) in d.iter().zip([[0.225, -0.5, 0.3], [0.0, -0.5, 0.0]]) {
+            for k in 0..3 {
+                assert!((d[k] - expected[k]).abs() < 1e-6, "{d:?}");
+            }
+        }
+        assert_eq!(v[0][3], 0.0, "all of it was taken");
+        assert!((v[1][3] - 0.0).abs() < 1e-6, "as much as slid");
+    }
+
+    #[test]
+    fn what_is_no_shape_is_refused() {
+        let none = [
+            Collider::Plane {
+                point: [0.0; 3],
+                normal: [0.0; 3],
+            },
+            Collider::Sphere {
+                center: [f32::NAN, 0.0, 0.0],
+                radius: 1.0,
+            },
+            Collider::Capsule {
+                ends: [[0.0; 3]; 2],
+                radius: -1.0,
+            },
+            Collider::Box {
+                center: [0.0; 3],
+                half: [1.0; 3],
+                axes: [[1.0, 0.0, 0.0]; 2],
+            },
+        ];
+        for collider in none {
+            assert_eq!(collider.record(), None, "{collider:?}");
+        }
+    }
+}
