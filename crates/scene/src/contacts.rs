@@ -19,6 +19,11 @@ const SAFETY: f64 = 2.0;
 /// does not part any faster.
 const APART: f64 = 5.0;
 
+/// A contact is the same still if its vertex has moved no farther than this along the triangle and off it, in thicknesses,
+/// and the triangle has turned by no more than that angle \[rad\].
+const AGAIN: f64 = 0.1;
+const TURNED: f64 = 0.02;
+
 /// How pieces touch. Friction is the material's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactParams {
@@ -72,6 +77,29 @@ pub(crate) struct Touching {
     /// Pairs of places whose boxes meet, both ways, ascending.
     pairs: Vec<(u32, u32)>,
     contacts: Vec<Contact>,
+    /// What was found, by contact, and in the frame before.
+    found: Vec<Touch>,
+    before: Vec<Touch>,
+    /// By vertex: its place in `before`.
+    known: Vec<u32>,
+}
+
+/// A contact as it was found, so that who rests finds the same again: were it looked for anew, triangles that are as near
+/// would take turns, and what rests would tremble.
+#[derive(Debug, Clone, Copy)]
+struct Touch {
+    vertex: VertexId,
+    triangle: TriangleId,
+    corners: [VertexId; 3],
+    weights: [f64; 3],
+    /// The way out.
+    out: Vec3,
+    /// How far the vertex is to stay \[m\]. Grows while there is a contact, up to the thickness.
+    goal: f64,
+    /// Where the vertex was, as seen from the point \[m\].
+    at: Vec3,
+    /// The triangle's normal then.
+    facing: Vec3,
 }
 
 impl Clone for Touching {
@@ -103,6 +131,7 @@ impl Touching {
     ) -> Result<usize, SceneError> {
         let thickness = f64::from(reach.params.thickness) * solver.mean_rest_length();
         self.contacts.clear();
+        self.remember(surface.positions.len());
         self.measure(surface, solver, thickness, reach);
         self.pair();
         if !self.pairs.is_empty() || reach.params.own {
@@ -110,6 +139,19 @@ impl Touching {
         }
         solver.set_contacts(&self.contacts)?;
         Ok(self.contacts.len())
+    }
+
+    /// Makes what was found what was found before.
+    fn remember(&mut self, vertex_slots: usize) {
+        std::mem::swap(&mut self.found, &mut self.before);
+        self.found.clear();
+        self.known.clear();
+        self.known.resize(vertex_slots, u32::MAX);
+        for (i, touch) in (0..).zip(&self.before) {
+            if let Some(known) = self.known.get_mut(touch.vertex.index()) {
+                *known = i;
+            }
+        }
     }
 
     /// Finds the boxes and speeds of all pieces.
@@ -190,19 +232,90 @@ impl Touching {
                 towards = Some(towards.map_or(other.speed, |speed| speed.max(other.speed)));
             }
             let Some(towards) = towards else { continue };
-            let within = thickness + way + SAFETY * towards * dt;
-            let found = bvh.nearest(surface, at, within, |t| {
-                surface.piece(t) != number || own && is_apart(surface, v, t)
-            });
-            if let Some(found) = found {
-                let thickness = thickness_at(surface, v, &found, thickness);
+            let before = self.before.get(self.known[v.index()] as usize).copied();
+            let kept = before.filter(|touch| touch.holds(surface, at, thickness));
+            let touch = kept.or_else(|| {
+                let within = thickness + way + SAFETY * towards * dt;
+                let found = bvh.nearest(surface, at, within, |t| {
+                    surface.piece(t) != number || own && is_apart(surface, v, t)
+                })?;
                 let velocity = relative_velocity(surface, solver, v, &found);
-                let plane = plane(surface, at, &found, velocity * dt);
-                self.contacts
-                    .push(contact(surface, v, &found, plane, thickness));
+                let mut touch = Touch::new(surface, (v, at), &found, velocity * dt);
+                if let Some(before) = before {
+                    touch.goal = touch.goal.max(before.goal);
+                }
+                Some(touch)
+            });
+            if let Some(mut touch) = touch {
+                let thickness = thickness_at(surface, &touch, thickness);
+                touch.goal = touch.goal.min(thickness);
+                let rise = APART * (thickness - touch.goal).min(2.0 * thickness);
+                self.contacts.push(touch.contact(rise));
+                touch.goal += rise * dt;
+                self.found.push(touch);
             }
         }
     }
+}
+
+impl Touch {
+    fn new(
+        surface: &Surface,
+        (vertex, at): (VertexId, Vec3),
+        found: &NearestPoint,
+        moves: Vec3,
+    ) -> Self {
+        let (out, goal) = plane(surface, at, found, moves);
+        Self {
+            vertex,
+            triangle: found.triangle,
+            corners: surface.topology().triangle(found.triangle),
+            weights: found.weights,
+            out,
+            goal,
+            at: at - found.point,
+            facing: facing(surface, found.triangle),
+        }
+    }
+
+    /// Whether the vertex is at `at`, as seen from the triangle, next to where it was, and touches it still.
+    fn holds(&self, surface: &Surface, at: Vec3, thickness: f64) -> bool {
+        if surface.topology().outgoing(self.vertex).is_null()
+            || !surface.topology().is_triangle(self.triangle)
+            || surface.topology().triangle(self.triangle) != self.corners
+        {
+            return false;
+        }
+        let corners = self.corners.iter().zip(self.weights);
+        let point: Vec3 = corners
+            .map(|(&c, weight)| surface.position(c) * weight)
+            .sum();
+        let now = at - point;
+        (now - self.at).norm() <= AGAIN * thickness
+            && now.dot(&self.out) <= (1.0 + AGAIN) * thickness
+            && (facing(surface, self.triangle) - self.facing).norm() <= TURNED
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "what was found is rounded once to storage"
+    )]
+    fn contact(&self, rise: f64) -> Contact {
+        Contact {
+            vertex: self.vertex,
+            corners: self.corners,
+            weights: self.weights.map(|w| w as f32),
+            normal: [self.out.x as f32, self.out.y as f32, self.out.z as f32],
+            gap: self.goal as f32,
+            rise: rise as f32,
+        }
+    }
+}
+
+/// A triangle's unit normal; zero of one without area.
+fn facing(surface: &Surface, t: TriangleId) -> Vec3 {
+    let normal = area_vector(surface.triangle_positions(t));
+    normal.try_normalize(0.0).unwrap_or_default()
 }
 
 /// How fast a vertex is as seen from where it is nearest [m/s].
@@ -223,8 +336,7 @@ fn relative_velocity(
 /// whichever leaves the vertex more room where it is moving \[m\]. Either plane keeps the two apart; but straight
 /// from an edge what slides past is held up, and along a normal what falls past.
 fn plane(surface: &Surface, at: Vec3, found: &NearestPoint, moves: Vec3) -> (Vec3, f64) {
-    let corners = surface.triangle_positions(found.triangle);
-    let normal = area_vector(corners).try_normalize(0.0).unwrap_or_default();
+    let normal = facing(surface, found.triangle);
     let way = at - found.point;
     let height = normal.dot(&way);
     // A way of a few roundings has no direction.
@@ -240,42 +352,15 @@ fn plane(surface: &Surface, at: Vec3, found: &NearestPoint, moves: Vec3) -> (Vec
     }
 }
 
-/// How far a vertex is to stay from where it is nearest \[m\].
-fn thickness_at(surface: &Surface, v: VertexId, found: &NearestPoint, thickness: f64) -> f64 {
-    let piece = |t: TriangleId| surface.piece(t);
-    let is_own = piece(surface.topology().outgoing(v).triangle()) == piece(found.triangle);
-    // A fold that is thinner than that at rest is to stay one.
-    if is_own {
-        let corners = surface.topology().triangle(found.triangle);
-        let rest = corners.map(|c| surface.rest_position(c));
-        let point: Vec3 = rest.iter().zip(found.weights).map(|(p, w)| p * w).sum();
-        thickness.min((surface.rest_position(v) - point).norm() / 2.0)
-    } else {
-        thickness
+/// How far a vertex is to stay from what it touches \[m\]: a fold that is thinner than that at rest is to stay one.
+fn thickness_at(surface: &Surface, touch: &Touch, thickness: f64) -> f64 {
+    let piece = |v: VertexId| surface.piece(surface.topology().outgoing(v).triangle());
+    if piece(touch.vertex) != piece(touch.corners[0]) {
+        return thickness;
     }
-}
-
-/// A contact that keeps a vertex on its side of a plane, as far off as it is or a thickness; what is nearer than that parts.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "what was found is rounded once to storage"
-)]
-fn contact(
-    surface: &Surface,
-    v: VertexId,
-    found: &NearestPoint,
-    (out, height): (Vec3, f64),
-    thickness: f64,
-) -> Contact {
-    let missing = (thickness - found.distance).clamp(0.0, 2.0 * thickness);
-    Contact {
-        vertex: v,
-        corners: surface.topology().triangle(found.triangle),
-        weights: found.weights.map(|w| w as f32),
-        normal: [out.x as f32, out.y as f32, out.z as f32],
-        gap: height.min(thickness) as f32,
-        rise: (APART * missing) as f32,
-    }
+    let corners = touch.corners.iter().zip(touch.weights);
+    let point: Vec3 = corners.map(|(&c, w)| surface.rest_position(c) * w).sum();
+    thickness.min((surface.rest_position(touch.vertex) - point).norm() / 2.0)
 }
 
 /// Whether no edge joins a vertex and a triangle.
