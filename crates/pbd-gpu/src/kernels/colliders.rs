@@ -17,8 +17,8 @@ pub(crate) fn colliders(
         if x[3] > 0.0 {
             let mut di = d.get(i);
             for collider in colliders {
-                let p = [0, 1, 2].map(|k: usize| (x[k] - collider.at[k]) + di[k]);
-                let (distance, n) = way_out(p, collider);
+                let q = [0, 1, 2].map(|k: usize| x[k] - collider.at[k]);
+                let (distance, n) = way_out(q, [di[0], di[1], di[2]], collider);
                 if distance < 0.0 {
                     push(&mut di, &mut v[3], n, -distance, friction);
                 }
@@ -44,25 +44,32 @@ fn push(d: &mut [f32; 4], held: &mut f32, n: [f32; 3], depth: f32, friction: f32
     }
 }
 
-/// The distance of a point, seen from the collider's place, negative inside \[m\]; and the way out, a unit vector.
+/// The distance of a point that is at `q`, seen from the collider's place, and has moved by `d`, negative inside \[m\]; and
+/// the way out, a unit vector. What `d` changes is added to what is there without it: a substep's way is lost in the
+/// rounding of a large collider's coordinates.
 #[inline(always)]
-fn way_out(p: [f32; 3], c: &ColliderRecord) -> (f32, [f32; 3]) {
+fn way_out(q: [f32; 3], d: [f32; 3], c: &ColliderRecord) -> (f32, [f32; 3]) {
     if c.kind == PLANE {
-        return (dot(c.along, p), c.along);
+        return (dot(c.along, q) + dot(c.along, d), c.along);
     }
+    let p = [0, 1, 2].map(|k: usize| q[k] + d[k]);
     if c.kind == ROUND {
         let share = dot(c.axes[0], p);
         let share = if share < 0.0 { 0.0 } else { share };
         let share = if share > 1.0 { 1.0 } else { share };
-        let from = [0, 1, 2].map(|k: usize| p[k] - share * c.along[k]);
-        let length = dot(from, from).sqrt();
+        let before = [0, 1, 2].map(|k: usize| q[k] - share * c.along[k]);
+        let from = [0, 1, 2].map(|k: usize| before[k] + d[k]);
+        let (first, length) = (dot(before, before).sqrt(), dot(from, from).sqrt());
+        let sum = first + length;
+        let grown = 2.0 * dot(before, d) + dot(d, d);
+        let grown = if sum > 0.0 { grown / sum } else { 0.0 };
         // In the very middle every way is as good.
         let n = if length > 0.0 {
             from.map(|c| c / length)
         } else {
             [0.0, 1.0, 0.0]
         };
-        return (length - c.radius, n);
+        return ((first - c.radius) + grown, n);
     }
     let [u, v] = c.axes;
     let w = [
@@ -71,7 +78,14 @@ fn way_out(p: [f32; 3], c: &ColliderRecord) -> (f32, [f32; 3]) {
         u[0] * v[1] - u[1] * v[0],
     ];
     let local = [dot(u, p), dot(v, p), dot(w, p)];
-    let beyond = [0, 1, 2].map(|k: usize| local[k].abs() - c.along[k]);
+    let (before, way) = (
+        [dot(u, q), dot(v, q), dot(w, q)],
+        [dot(u, d), dot(v, d), dot(w, d)],
+    );
+    let beyond = [0, 1, 2].map(|k: usize| {
+        let sign = if local[k] < 0.0 { -1.0 } else { 1.0 };
+        (sign * before[k] - c.along[k]) + sign * way[k]
+    });
     // Out by the nearest side. Who is outside is not pushed, however near an edge.
     let first = beyond[1] > beyond[0];
     let least = if first { beyond[1] } else { beyond[0] };
@@ -97,7 +111,9 @@ mod tests {
 
     fn out(collider: Collider, p: [f32; 3]) -> (f32, [f32; 3]) {
         let record = collider.record().unwrap();
-        way_out([0, 1, 2].map(|k: usize| p[k] - record.at[k]), &record)
+        let d = [0.03, -0.02, 0.01];
+        let q = [0, 1, 2].map(|k: usize| (p[k] - record.at[k]) - d[k]);
+        way_out(q, d, &record)
     }
 
     fn assert_out(collider: Collider, p: [f32; 3], distance: f32, n: [f32; 3]) {

@@ -24,8 +24,7 @@ fn push_out(i: u32, first: u32, count: u32, friction: f32) {
     var d = load_d(i);
     for (var k = 0u; k < count; k++) {
         let at = first + COLLIDER_ENTRIES * k;
-        let p = (x.xyz - collider_vector(at, 2u)) + d;
-        let out = way_out(p, at);
+        let out = way_out(x.xyz - collider_vector(at, 2u), d, at);
         if (out.distance < 0.0) {
             let n = out.normal;
             let depth = -out.distance;
@@ -42,26 +41,35 @@ fn push_out(i: u32, first: u32, count: u32, friction: f32) {
     store_d(i, d);
 }
 
-fn way_out(p: vec3f, at: u32) -> WayOut {
+fn way_out(q: vec3f, d: vec3f, at: u32) -> WayOut {
     let kind = constraints[at].x;
     let along = collider_vector(at, 5u);
     if (kind == PLANE) {
-        return WayOut(dot_product(along, p), along);
+        return WayOut(dot_product(along, q) + dot_product(along, d), along);
     }
+    let p = q + d;
     let u = collider_vector(at, 8u);
     if (kind == ROUND) {
         var share = dot_product(u, p);
         share = select(share, 0.0, share < 0.0);
         share = select(share, 1.0, share > 1.0);
-        let beside = p - share * along;
+        let before = q - share * along;
+        let beside = before + d;
+        let first = sqrt(dot_product(before, before));
         let length = sqrt(dot_product(beside, beside));
+        let sum = first + length;
+        let more = 2.0 * dot_product(before, d) + dot_product(d, d);
+        let grown = select(0.0, more / sum, sum > 0.0);
         let radius = collider_number(at, 1u);
-        return WayOut(length - radius, select(vec3f(0.0, 1.0, 0.0), beside / length, length > 0.0));
+        return WayOut((first - radius) + grown, select(vec3f(0.0, 1.0, 0.0), beside / length, length > 0.0));
     }
     let v = collider_vector(at, 11u);
     let w = cross_product(u, v);
     let local = vec3f(dot_product(u, p), dot_product(v, p), dot_product(w, p));
-    let beyond = abs(local) - along;
+    let before = vec3f(dot_product(u, q), dot_product(v, q), dot_product(w, q));
+    let way = vec3f(dot_product(u, d), dot_product(v, d), dot_product(w, d));
+    let signs = select(vec3f(1.0), vec3f(-1.0), local < vec3f(0.0));
+    let beyond = (signs * before - along) + signs * way;
     let first = beyond.y > beyond.x;
     let nearer = select(beyond.x, beyond.y, first);
     let last = beyond.z > nearer;
