@@ -17,6 +17,7 @@ use crate::changes::Changes;
 use crate::colliders::Colliders;
 use crate::coloring::MAX_COLORS;
 use crate::constraints::OVERFLOW;
+use crate::kernels::volume::CHUNK;
 use crate::plan::{Pin, StepConstants};
 use crate::solver::Solver;
 use bytemuck::Zeroable;
@@ -40,6 +41,10 @@ pub(super) const DISPLACEMENTS: usize = 2;
 pub(super) const RECORDS: usize = 0;
 pub(super) const RUN_TABLES: usize = 1;
 pub(super) const REPORTS: usize = 2;
+
+/// Leaves of the trees that volumes are summed by, as the device counts.
+#[expect(clippy::cast_possible_truncation, reason = "some hundred")]
+const CHUNK_LANES: u32 = CHUNK as u32;
 
 /// A body on the host.
 #[derive(Debug, Clone, Copy)]
@@ -132,6 +137,32 @@ impl DeviceBody {
         let runs = self.runs(kind);
         let colors = (0..runs.colors() as usize).map(|color| runs.len(color));
         colors.max().unwrap_or(0).max(runs.overflow_len())
+    }
+
+    /// About how many rounds the loops of an invocation make in a substep, where a workgroup of so many lanes steps the
+    /// whole body.
+    pub(super) fn rounds(&self, lanes: u32, iterations: u32) -> u64 {
+        let per_lane = |count: u32| u64::from(count.div_ceil(lanes)) + 1;
+        let runs = [&self.stretch, &self.bending, &self.struts].into_iter();
+        let colors = runs.map(|runs| {
+            let colors = (0..runs.colors() as usize).map(|color| per_lane(runs.len(color)));
+            colors.sum::<u64>() + u64::from(runs.overflow_len())
+        });
+        let vertices = per_lane(self.vertex_count);
+        let places = &self.volumes.places;
+        // Twice around every vertex with its six triangles and some more; sums as trees.
+        let leaves = u64::from(places.chunks + places.pieces) * 2 * per_lane(CHUNK_LANES);
+        let volumes = if places.pieces > 0 {
+            15 * vertices + leaves
+        } else {
+            0
+        };
+        let contacts = u64::from(self.contacts.count) + 64;
+        let colliders = vertices * u64::from(1 + self.collider_count);
+        let tethers = per_lane(self.tether_count);
+        let iteration =
+            2 * colors.sum::<u64>() + volumes + contacts + colliders + tethers + vertices;
+        3 * vertices + u64::from(iterations) * iteration
     }
 
     fn runs(&self, kind: u32) -> &Runs {

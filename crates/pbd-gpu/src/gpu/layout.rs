@@ -104,7 +104,7 @@ pub(crate) struct PassUniform {
     pub(crate) kind: u32,
     /// The color, or the first one.
     pub(crate) color: u32,
-    /// How many colors from `color` on `tail` and `reset_multipliers` take.
+    /// How many colors from `color` on `tail` and `reset_multipliers` take; substeps that `whole_body` does.
     pub(crate) colors: u32,
     /// Whether these two take the overflow too: 0 or 1.
     pub(crate) with_overflow: u32,

@@ -45,9 +45,12 @@ pub(super) struct Lanes {
     /// Where one workgroup loops over small colors.
     tail: u32,
     /// Where one workgroup steps a body.
-    whole_body: u32,
+    pub(super) whole_body: u32,
     /// Where one workgroup has a patch.
     patch: u32,
+    /// How many rounds all loops of an invocation may make together. Mesa's llvmpipe ends every loop after its first round
+    /// once 65,535 were made, whosever they were, and does not say so.
+    pub(super) rounds: u64,
 }
 
 impl Lanes {
@@ -62,12 +65,14 @@ impl Lanes {
                 tail: 8,
                 whole_body: 8,
                 patch: 8,
+                rounds: 1 << 15,
             },
             _ => Self {
                 pass: 256,
                 tail: 256,
                 whole_body: 256,
                 patch: 64,
+                rounds: u64::MAX,
             },
         }
     }

@@ -5,7 +5,7 @@
 
 use super::body::DeviceBody;
 use super::layout::{BENDING, CONTACTS, Link, PassUniform, STRETCH, STRUTS};
-use super::pipelines::Kernel;
+use super::pipelines::{Kernel, Lanes};
 use super::shaders::EntryPoint;
 use super::stats::Schedule;
 use crate::coloring::{LAYERS, MAX_COLORS};
@@ -58,8 +58,8 @@ pub(super) struct Stepped<'a> {
 /// All dispatches of a frame.
 #[derive(Debug, Default)]
 pub(super) struct Program {
-    /// Bodies that a workgroup steps alone.
-    pub(super) whole: Option<Dispatch>,
+    /// Bodies that a workgroup steps alone: one dispatch a frame, or several where the device ends loops early.
+    pub(super) whole: Vec<Dispatch>,
     /// Once a substep, then `iterations` times, then once.
     pub(super) prologue: Vec<Dispatch>,
     pub(super) iteration: Vec<Dispatch>,
@@ -81,17 +81,17 @@ struct Compiler<'a> {
 
 impl Program {
     /// Makes the program of some bodies for workgroups of `workgroup` lanes.
-    pub(super) fn compile(bodies: &[Stepped<'_>], substeps: u32, workgroup: u32) -> Self {
+    pub(super) fn compile(bodies: &[Stepped<'_>], substeps: u32, lanes: Lanes) -> Self {
         let mut compiler = Compiler {
             bodies,
-            workgroup,
+            workgroup: lanes.pass,
             program: Self {
                 substeps,
                 iterations: bodies.first().map_or(0, |b| b.plan.iterations()),
                 ..Self::default()
             },
         };
-        compiler.whole_bodies();
+        compiler.whole_bodies(lanes);
         let prologue = compiler.merged(StepPlan::prologue);
         compiler.program.prologue = compiler.dispatches(&prologue);
         let iteration = compiler.merged(StepPlan::iteration);
@@ -120,7 +120,7 @@ impl Program {
             + u64::from(self.iterations) * count(&self.iteration)
             + count(&self.epilogue);
         let bounds = self.bounds.iter().flatten().count() * usize::from(with_bounds);
-        let once = usize::from(self.whole.is_some()) + bounds;
+        let once = self.whole.len() + bounds;
         let all = u64::from(self.substeps).saturating_mul(substep);
         u32::try_from(all.saturating_add(once as u64)).unwrap_or(u32::MAX)
     }
@@ -153,12 +153,29 @@ impl Compiler<'_> {
         passes
     }
 
-    fn whole_bodies(&mut self) {
-        let whole = |b: &&Stepped<'_>| b.body.schedule == Schedule::WholeBody;
-        let lanes: Vec<(u32, u32)> = (self.bodies.iter().filter(whole))
-            .map(|b| (b.slot, self.workgroup))
-            .collect();
-        self.program.whole = self.dispatch(Kernel::WholeBody, NOTHING, false, &lanes);
+    fn whole_bodies(&mut self, lanes: Lanes) {
+        let bodies = self.bodies.iter();
+        let whole = || {
+            let bodies = bodies.clone();
+            bodies.filter(|b| b.body.schedule == Schedule::WholeBody)
+        };
+        let links: Vec<(u32, u32)> = whole().map(|b| (b.slot, self.workgroup)).collect();
+        let (substeps, iterations) = (self.program.substeps, self.program.iterations);
+        let most = whole()
+            .map(|b| b.body.rounds(lanes.whole_body, iterations))
+            .max();
+        let at_once =
+            (lanes.rounds / u64::from(most.unwrap_or(1))).clamp(1, u64::from(substeps.max(1)));
+        let at_once = u32::try_from(at_once).unwrap_or(u32::MAX);
+        for substep in (0..substeps).step_by(at_once as usize) {
+            let pass = PassUniform {
+                substep,
+                colors: at_once.min(substeps - substep),
+                ..NOTHING
+            };
+            let dispatch = self.dispatch(Kernel::WholeBody, pass, false, &links);
+            self.program.whole.extend(dispatch);
+        }
     }
 
     fn bounds(&mut self) {
@@ -380,7 +397,7 @@ impl Compiler<'_> {
             self.program.passes.push(PassUniform {
                 first_link,
                 links,
-                substep,
+                substep: pass.substep + substep,
                 ..pass
             });
         }

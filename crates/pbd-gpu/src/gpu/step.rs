@@ -181,7 +181,7 @@ impl GpuBackend {
                 })
             })
             .collect();
-        self.program = Program::compile(&stepped, substeps, self.pipelines.lanes.pass);
+        self.program = Program::compile(&stepped, substeps, self.pipelines.lanes);
         self.program_of.clone_from(&self.stepped);
         self.make_program()?;
         self.program_is_stale = false;

@@ -1,4 +1,4 @@
-// One dispatch a frame: a workgroup steps its body through all substeps.
+// One dispatch a frame: a workgroup steps its body through all substeps, or so many as a pass's colors say.
 //
 // A vertex, and a constraint of one color, are always worked on by the same lane, so barriers are
 // needed only where lanes meet: around pins and tethers and between colors. Loops that hold barriers end at
@@ -88,7 +88,8 @@ fn whole_body(
         atomicStore(&lowest, ORDERED_INFINITY);
     }
     workgroupBarrier();
-    for (var substep = 0u; substep < frame.substeps; substep++) {
+    let end = min(current.substep + current.colors, frame.substeps);
+    for (var substep = current.substep; substep < end; substep++) {
         substep_at = substep;
         predict_body(body, lane);
         workgroupBarrier();
