@@ -44,6 +44,7 @@ fn material(stretch: f32, bending: Option<f32>) -> Material {
         density: Density::Area(1.0),
         stretch: Stiffness::Compliance(stretch),
         bending: bending.map(Stiffness::Compliance),
+        volume: None,
         damping: 0.0,
         friction: 0.0,
     }
