@@ -31,6 +31,7 @@ mod sound;
 mod stage;
 mod starts;
 mod steps;
+mod volumes;
 
 use crate::backend::Executor;
 use crate::columns::{self, count};
@@ -76,7 +77,7 @@ impl StabilityArguments {
 
 /// All cases of the processor, or those of a device, as they are printed.
 fn cases(on_device: bool) -> impl Iterator<Item = Case> {
-    let parts: [&[Case]; 18] = [
+    let parts: [&[Case]; 19] = [
         &steps::CASES,
         &masses::CASES,
         &resolution::CASES,
@@ -87,6 +88,7 @@ fn cases(on_device: bool) -> impl Iterator<Item = Case> {
         &jerks::CASES,
         &cuts::CASES,
         &islands::CASES,
+        &volumes::CASES,
         &impacts::CASES,
         &sleep::CASES,
         &long::CASES,
