@@ -186,7 +186,7 @@ fn gap(compressibility: f32, wrong: f64, h: f32) -> f64 {
         ..SolverParams::paper()
     };
     let mut model = Model::of(&solver, &surface, &params).unwrap();
-    assert_eq!(model.volumes.pieces.len(), 1);
+    assert_eq!(model.volumes.pieces.len(), 1, "a ball is one piece");
     model.volumes.compressibility *= wrong;
     let start = State::of(&solver, &surface);
     let mut state = start.clone();
