@@ -282,8 +282,8 @@ mod tests {
     ///
     /// So do the armadillo's two cuts with its volume kept: in full its pieces lose up to 97% of it. A cut leaves vertices that weigh
     /// a hundredth of the others and less, whose part of the gradient over the mass is a thousand times theirs: they are given the
-    /// volume that is missing, as far as one projection may move a vertex, and their edges take it away again. And its mean strain
-    /// at rest, 19% of compliance 1e-5 after ten iterations, 7% without volume.
+    /// volume that is missing, as far as one projection may move a vertex, and their edges take it away again. The default's 16
+    /// substeps leave 0.13%. And its mean strain at rest, 19% of compliance 1e-5 after ten iterations, 7% without volume.
     const OPEN: [(&str, &str); 7] = [
         // A single iteration of the paper's constraints in steps of 1/15 s leaves a ball crushed.
         ("T1", "time step 1/15 to 1/60000 s"),
