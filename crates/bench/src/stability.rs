@@ -292,15 +292,15 @@ mod tests {
         // Small ones fall by an edge of theirs and more in a step, and stay crushed.
         ("T8", "bodies of 1 mm to 1 km"),
         ("T8", "the same at 1e4 and 1e6 m"),
+        (
+            "contradiction",
+            "two pins 10 times as far apart as the sheet is wide, then one let go",
+        ),
         // What nothing else holds collapses to a point by pressure 0, and its vertices fly through each other and apart: they
         // are free. By the second time they are 300 m away, where 32 bits know a volume to 150 of those at rest.
         (
             "T10",
             "the same without weight in a ball that nothing else holds",
-        ),
-        (
-            "contradiction",
-            "two pins 10 times as far apart as the sheet is wide, then one let go",
         ),
         (
             "T20",
