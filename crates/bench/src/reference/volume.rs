@@ -90,12 +90,15 @@ impl Piece {
             / 6.0
     }
 
-    /// How far the constraint function may be off by the rounding of its terms, in roundings.
+    /// How far the constraint function may be off by the rounding of its terms and of their sums, in roundings.
     pub(super) fn roughness(&self, x: &[Vector3<f64>]) -> f64 {
-        let size = |(_, arm, normal): ([usize; 3], Vector3<f64>, Vector3<f64>)| {
-            arm.norm_squared() * normal.norm_squared()
-        };
-        self.cones(x).map(size).sum::<f64>().sqrt() * self.scale()
+        let (mut squares, mut sum) = (0.0, 0.0);
+        for (_, arm, normal) in self.cones(x) {
+            squares += arm.norm_squared() * normal.norm_squared();
+            sum += arm.dot(&normal).abs() / 6.0;
+        }
+        let added = sum * sum * self.triangles.len() as f64;
+        (squares + added).sqrt() * self.scale()
     }
 
     /// The second derivatives of the volume, as sides add them up: those by the side's two ends \[m\].
