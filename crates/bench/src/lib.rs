@@ -31,5 +31,6 @@ mod reference;
 
 #[cfg(feature = "reference")]
 pub use reference::{
-    Constraints, Measure, Model, ReferenceError, Residuals, State, StepReport, Stepper, edge, hinge,
+    Constraints, Measure, Model, Piece, ReferenceError, Residuals, State, StepReport, Stepper,
+    Volumes, edge, hinge,
 };

@@ -93,6 +93,9 @@ struct TableArguments {
     /// How surfaces are opened.
     #[arg(long, value_enum, default_value_t = method::MethodChoice::Exact)]
     method: method::MethodChoice,
+    /// Every closed piece keeps the volume that it has at rest, which the paper's bodies do not.
+    #[arg(long)]
+    volume: bool,
     /// Models to run, separated by commas.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     only: Vec<String>,
@@ -191,6 +194,19 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn a_table_keeps_volumes_only_if_asked() {
+        let keeps = |line: &str| {
+            let parsed = Arguments::try_parse_from(line.split_whitespace()).unwrap();
+            match parsed.command {
+                Some(Command::Table(table)) => table.volume,
+                _ => parsed.table.volume,
+            }
+        };
+        assert!(!keeps("b") && !keeps("b table --json x"));
+        assert!(keeps("b --volume") && keeps("b table --volume"));
     }
 
     #[test]

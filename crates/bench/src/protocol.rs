@@ -18,7 +18,7 @@ use crate::{TableArguments, motion};
 use incise_cut::Sweep;
 use incise_mesh::geometry::{area_vector, round};
 use incise_mesh::{AngleStats, Surface, Vec3};
-use incise_pbd_gpu::SolverParams;
+use incise_pbd_gpu::{Material, SolverParams, Volume};
 use incise_scene::{BackendRequest, BladeId, Body, BodyId, FrameStats, Scene, SceneParams};
 use serde::Serialize;
 use std::error::Error;
@@ -70,6 +70,8 @@ pub(crate) struct Row {
     pub(crate) method: &'static str,
     pub(crate) level: f64,
     pub(crate) seed: u64,
+    /// Whether pieces keep their volumes.
+    pub(crate) volume: bool,
 }
 
 /// What a run measured.
@@ -155,6 +157,7 @@ pub(crate) fn run(
         method: arguments.method.name(),
         level: arguments.level.z(),
         seed: arguments.seed,
+        volume: arguments.volume,
     })
 }
 
@@ -276,7 +279,11 @@ fn set_up(
     request: &BackendRequest,
 ) -> Result<(Scene, BodyId), Box<dyn Error>> {
     let mut scene = Scene::with_backend(params(arguments), request)?;
-    let body = scene.add_body(loaded.surface.clone(), &motion::material())?;
+    let material = Material {
+        volume: arguments.volume.then(Volume::default),
+        ..motion::material()
+    };
+    let body = scene.add_body(loaded.surface.clone(), &material)?;
     let (solver, surface) = scene.edit(body)?.solver_mut();
     motion::start(solver, surface)?;
     Ok((scene, body))

@@ -13,7 +13,8 @@
 //! (Chen et al., "Primal Extended Position Based Dynamics", 2023).
 //!
 //! Compliance 0 is a multiplier like any other: the method of multipliers closes rigid constraints to
-//! rounding, so there is no least compliance. Within it, Newton's method with line search on Hessians that are
+//! rounding, so there is no least compliance. The volume of a closed piece is one constraint over all of its vertices: its part of the matrix
+//! that is dense has rank one and is added to the sparse rest by Woodbury's formula. Within it, Newton's method with line search on Hessians that are
 //! made positive where they are not, a constraint at a time.
 
 mod edge;
@@ -28,6 +29,7 @@ mod residuals;
 mod step;
 #[cfg(test)]
 mod tests;
+mod volume;
 
 pub use edge::edge;
 pub use error::ReferenceError;
@@ -36,3 +38,4 @@ pub use measure::Measure;
 pub use model::{Constraints, Model, State};
 pub use residuals::Residuals;
 pub use step::{StepReport, Stepper};
+pub use volume::{Piece, Volumes};

@@ -1,5 +1,5 @@
 //! What a scene does not need, and that it costs nothing: sleeping bodies, features that are absent, blades that cut nothing,
-//! iterations that move nothing, a device that nobody asks.
+//! iterations that move nothing, a device that nobody asks. And what it costs to keep volumes.
 
 mod bare;
 mod blades;
@@ -14,6 +14,7 @@ mod early;
 mod minimal;
 mod row;
 mod sleeping;
+mod volumes;
 
 use crate::backend::Executor;
 use crate::columns::{self, count};
@@ -44,10 +45,11 @@ pub(crate) struct SkipArguments {
 }
 
 /// What claims are about, in the order of the table; what a backend has no claim about is passed over there.
-const NAMES: [&str; 8] = [
+const NAMES: [&str; 9] = [
     "device",
     "sleep",
     "absent",
+    "volume",
     "blade-at-rest",
     "far-blade",
     "early-out",
@@ -168,6 +170,7 @@ fn on_the_processor(effort: Effort) -> Vec<Measurement<'static>> {
     let mut out = vec![drivers::measurement(effort)];
     out.extend(sleeping::measurements(effort));
     out.extend(bare::measurements(effort));
+    out.extend(volumes::measurements(effort));
     out.extend(blades::measurements(effort));
     out.extend(early::measurements(effort));
     out
@@ -255,6 +258,7 @@ mod tests {
             assert_eq!(wanted(&[]), all.len());
             assert_eq!(wanted(&["device"]), 1);
             assert_eq!(wanted(&["early-out"]), 2 * effort.models.len());
+            assert_eq!(wanted(&["volume"]), effort.models.len());
             assert_eq!(
                 wanted(&["far-blade", "blade-at-rest"]),
                 2 * effort.models.len()

@@ -31,6 +31,7 @@ mod sound;
 mod stage;
 mod starts;
 mod steps;
+mod volumes;
 
 use crate::backend::Executor;
 use crate::columns::{self, count};
@@ -76,7 +77,7 @@ impl StabilityArguments {
 
 /// All cases of the processor, or those of a device, as they are printed.
 fn cases(on_device: bool) -> impl Iterator<Item = Case> {
-    let parts: [&[Case]; 18] = [
+    let parts: [&[Case]; 19] = [
         &steps::CASES,
         &masses::CASES,
         &resolution::CASES,
@@ -87,6 +88,7 @@ fn cases(on_device: bool) -> impl Iterator<Item = Case> {
         &jerks::CASES,
         &cuts::CASES,
         &islands::CASES,
+        &volumes::CASES,
         &impacts::CASES,
         &sleep::CASES,
         &long::CASES,
@@ -277,7 +279,12 @@ mod tests {
     /// T12's cuts of who sleeps hold here and not in full: after the eighth, a piece of a ball in the paper's constraints
     /// creeps along the ground for 60 s at the speed that sleep allows, 8e-4 m/s. It has edges of 3 mm, 12% too long, with ends
     /// that weigh 1e-4 of the body's heaviest vertex. Its fastest vertex is at 0.6 of that speed 4 s later.
-    const OPEN: [(&str, &str); 6] = [
+    ///
+    /// So do the armadillo's two cuts with its volume kept: in full its pieces lose up to 97% of it. A cut leaves vertices that weigh
+    /// a hundredth of the others and less, whose part of the gradient over the mass is a thousand times theirs: they are given the
+    /// volume that is missing, as far as one projection may move a vertex, and their edges take it away again. The default's 16
+    /// substeps leave 0.13%. And its mean strain at rest, 19% of compliance 1e-5 after ten iterations, 7% without volume.
+    const OPEN: [(&str, &str); 7] = [
         // A single iteration of the paper's constraints in steps of 1/15 s leaves a ball crushed.
         ("T1", "time step 1/15 to 1/60000 s"),
         // Ten iterations do not hold a million times the weight on springs: it is next to free in its fall.
@@ -288,6 +295,12 @@ mod tests {
         (
             "contradiction",
             "two pins 10 times as far apart as the sheet is wide, then one let go",
+        ),
+        // What nothing else holds collapses to a point by pressure 0, and its vertices fly through each other and apart: they
+        // are free. By the second time they are 300 m away, where 32 bits know a volume to 150 of those at rest.
+        (
+            "T10",
+            "the same without weight in a ball that nothing else holds",
         ),
         (
             "T20",

@@ -5,8 +5,8 @@ use incise_bench::{Model, State, hinge};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-/// Multipliers of edges and of hinges, in the order of a model's constraints.
-pub(super) type Multipliers = [Vec<f64>; 2];
+/// Multipliers of edges, of hinges and of pieces, in the order of a model's constraints.
+pub(super) type Multipliers = [Vec<f64>; 3];
 
 impl Body {
     /// The multipliers that the last substep ended with. None where constraints give way and it kept none.
@@ -22,6 +22,12 @@ impl Body {
         let bending: Vec<f64> = bending
             .flat_map(|batch| wide(batch.multipliers()))
             .collect();
+        // A model's constraint function is the volume over the root of that at rest.
+        let pieces = &model.volumes.pieces;
+        let volume = wide(self.solver.volumes().multipliers()).into_iter();
+        let volume = volume
+            .zip(pieces)
+            .map(|(lambda, piece)| lambda * piece.rest().abs().sqrt());
         Some([
             complete(
                 stretch,
@@ -32,6 +38,11 @@ impl Body {
                 bending,
                 model.bending.vertices.len(),
                 model.bending.compliance,
+            )?,
+            complete(
+                volume.collect(),
+                pieces.len(),
+                model.volumes.compressibility,
             )?,
         ])
     }
@@ -48,7 +59,7 @@ fn complete(found: Vec<f64>, count: usize, compliance: f64) -> Option<Vec<f64>> 
 
 /// `C + alpha lambda` at the end of a substep of `h` \[s\] from a state, over `C` of its prediction: 0 where the second equation of a
 /// substep is solved, and 1 where nothing was done. Every constraint counts by the root of `w + alpha`, `w` being the sum of `|grad C|^2 / m`,
-/// so that edges and angles can be added up. None where the prediction is right already.
+/// so that edges, angles and volumes can be added up. None where the prediction is right already.
 pub(super) fn dual(
     model: &Model,
     start: &State,
@@ -57,7 +68,11 @@ pub(super) fn dual(
     multipliers: &Multipliers,
 ) -> Option<f64> {
     let slowed = 1.0 + model.damping * h;
-    let alphas = [&model.stretch.compliance, &model.bending.compliance];
+    let alphas = [
+        model.stretch.compliance,
+        model.bending.compliance,
+        model.volumes.compressibility,
+    ];
     let alphas = alphas.map(|compliance| compliance / (h * h) * slowed);
     let weights = model.weights(start);
     let size = |x: &[Vector3<f64>], part: f64| {
@@ -83,8 +98,8 @@ pub(super) fn dual(
     (first > 0.0).then(|| size(end, 1.0) / first)
 }
 
-/// How far edges \[m\] and hinges \[rad\] are from rest; none where a hinge has no angle.
-fn errors(model: &Model, x: &[Vector3<f64>]) -> [Vec<Option<f64>>; 2] {
+/// How far edges \[m\], hinges \[rad\] and volumes [m^1.5] are from rest; none where a hinge has no angle.
+fn errors(model: &Model, x: &[Vector3<f64>]) -> [Vec<Option<f64>>; 3] {
     let edges = model.stretch.vertices.iter().zip(&model.stretch.rest);
     let edges = edges.map(|(&[a, b], rest)| Some((x[b] - x[a]).norm() - rest));
     let hinges = model.bending.vertices.iter().zip(&model.bending.rest);
@@ -93,7 +108,8 @@ fn errors(model: &Model, x: &[Vector3<f64>]) -> [Vec<Option<f64>>; 2] {
         // Angles that differ by a turn are the same.
         Some(turn - (turn / TAU).round() * TAU)
     });
-    [edges.collect(), hinges.collect()]
+    let pieces = model.volume_errors(x).into_iter().map(Some);
+    [edges.collect(), hinges.collect(), pieces.collect()]
 }
 
 #[cfg(test)]
@@ -130,7 +146,7 @@ mod tests {
         let lower = upper / (2.0 + alpha);
         let y = [-1.1 - upper + lower, -2.1 - lower];
         let end = [0.0, y[0], y[1]].map(|y| Vector3::new(0.0, y, 0.0));
-        let multipliers = [vec![upper, lower], Vec::new()];
+        let multipliers = [vec![upper, lower], Vec::new(), Vec::new()];
         // The lower equation holds; the upper one held until the upper mass came down by the lower multiplier.
         let expected = lower.abs() / 0.1;
         let found = dual(&model, &start, h, &end, &multipliers).unwrap();
@@ -142,12 +158,12 @@ mod tests {
         let (model, start) = chain(0.02);
         let h = 0.1;
         let predicted = [0.0, -1.1, -2.1].map(|y| Vector3::new(0.0, y, 0.0));
-        let zero = [vec![0.0; 2], Vec::new()];
+        let zero = [vec![0.0; 2], Vec::new(), Vec::new()];
         let found = dual(&model, &start, h, &predicted, &zero).unwrap();
         assert!((found - 1.0).abs() < 1e-12, "{found}");
         // At rest the springs carry 20 N and 10 N.
         let hung = [0.0, -1.4, -2.6].map(|y| Vector3::new(0.0, y, 0.0));
-        let forces = [vec![-20.0 * h * h, -10.0 * h * h], Vec::new()];
+        let forces = [vec![-20.0 * h * h, -10.0 * h * h], Vec::new(), Vec::new()];
         let found = dual(&model, &start, h, &hung, &forces).unwrap();
         assert!(found < 1e-12, "{found}");
         let weightless = Model {

@@ -2,6 +2,7 @@
 
 use super::scene::DT;
 use incise_bench::{Model, State};
+use nalgebra::Vector3;
 use serde::Serialize;
 
 /// Differences of a motion from a reference, over all frame ends; metrics e1 and e5 to e8.
@@ -21,6 +22,8 @@ pub(super) struct Errors {
     pub(super) volume: Option<f64>,
     /// Of the energy at the end, a second, over the largest kinetic energy.
     pub(super) energy: f64,
+    /// Of how far the lowest vertex comes down in any frame, over that way; none where nothing is held or falls.
+    pub(super) sag: Option<f64>,
 }
 
 /// What of a scene errors need besides its model.
@@ -67,7 +70,23 @@ impl Yardstick<'_> {
             largest_strain,
             volume,
             energy: self.energy(found, reference),
+            sag: self.sag_error(found, reference),
         }
+    }
+
+    /// How far the lowest vertex comes down, in the frame where it is farthest \[m\]: no phase of an oscillation counts in it.
+    /// None where nothing is held or comes down.
+    pub(super) fn sag(&self, states: &[State]) -> Option<f64> {
+        let down = self.model.gravity.try_normalize(0.0)?;
+        let way = |(x, start): (&Vector3<f64>, &Vector3<f64>)| down.dot(&(x - start));
+        let ways = (states.iter()).flat_map(|state| state.x.iter().zip(&self.start.x).map(way));
+        let farthest = ways.fold(0.0, f64::max);
+        (self.is_held && farthest > 0.0).then_some(farthest)
+    }
+
+    fn sag_error(&self, found: &[State], reference: &[State]) -> Option<f64> {
+        let (found, reference) = (self.sag(found)?, self.sag(reference)?);
+        Some((found / reference - 1.0).abs())
     }
 
     /// The force on what is held follows from the momentum of what is not.

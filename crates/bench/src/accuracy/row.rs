@@ -52,8 +52,8 @@ impl Row {
 /// Rows as a table for other programs.
 pub(super) fn csv(rows: &[Row]) -> String {
     let mut text = "scene,backend,scheme,substeps,iterations,ms_per_frame,ms_encode,ms_device,projections_per_frame,solver_position,\
-        solver_farthest,solver_force,solver_strain,solver_largest_strain,solver_volume,solver_energy,total_position,total_farthest,\
-        total_force,total_strain,total_largest_strain,total_volume,total_energy,energy_gap,decrement,primal,dual,uncertainty,commit\n"
+        solver_farthest,solver_force,solver_strain,solver_largest_strain,solver_volume,solver_energy,solver_sag,total_position,total_farthest,\
+        total_force,total_strain,total_largest_strain,total_volume,total_energy,total_sag,energy_gap,decrement,primal,dual,uncertainty,commit\n"
         .to_owned();
     for row in rows {
         let mut cells = vec![
@@ -76,6 +76,7 @@ pub(super) fn csv(rows: &[Row]) -> String {
                 number(errors.map(|e| e.largest_strain)),
                 number(errors.and_then(|e| e.volume)),
                 number(errors.map(|e| e.energy)),
+                number(errors.and_then(|e| e.sag)),
             ]);
         }
         cells.extend([

@@ -123,7 +123,7 @@ impl Scene {
         }
         let model = Model::of(&body.solver, &body.surface, &self.params(1, 1))?;
         let state = State::of(&body.solver, &body.surface);
-        let [edges, hinges] = model.weights(&state);
+        let [edges, hinges, _] = model.weights(&state);
         let stretch = share(edges, model.stretch.compliance / (h * h));
         let bending = share(hinges, model.bending.compliance / (h * h));
         self.body_of(&Material {

@@ -4,17 +4,18 @@ use super::scene::Scene;
 use super::shapes::{bar, sheet, zigzag};
 use incise_cut::Sweep;
 use incise_mesh::{Model, Surface, VertexId, build_model};
-use incise_pbd_gpu::{Density, Material, Stiffness};
+use incise_pbd_gpu::{Density, Material, Stiffness, Volume};
 use std::error::Error;
 use std::f32::consts::PI;
 
 /// The names of all scenes, in the order of the table.
-pub(super) const NAMES: [&str; 10] = [
+pub(super) const NAMES: [&str; 11] = [
     "chain",
     "sheet-1e2",
     "sheet-1e4",
     "sheet-1e6",
     "bar",
+    "bar-volume",
     "bunny",
     "drop",
     "ribbon",
@@ -29,7 +30,8 @@ pub(super) fn scene(name: &'static str) -> Result<Scene, Box<dyn Error>> {
         "sheet-1e2" => hung(name, 1e-2),
         "sheet-1e4" => hung(name, 1e-4),
         "sheet-1e6" => hung(name, 1e-6),
-        "bar" => pinned_bar(),
+        "bar" => pinned_bar(name, None),
+        "bar-volume" => pinned_bar(name, Some(Volume::default())),
         "bunny" => stretched(),
         "drop" => drop(),
         "ribbon" => ribbon(),
@@ -44,6 +46,7 @@ fn material(stretch: f32, bending: Option<f32>) -> Material {
         density: Density::Area(1.0),
         stretch: Stiffness::Compliance(stretch),
         bending: bending.map(Stiffness::Compliance),
+        volume: None,
         damping: 0.0,
         friction: 0.0,
     }
@@ -71,13 +74,20 @@ fn hung(name: &'static str, stretch: f32) -> Result<Scene, Box<dyn Error>> {
     })
 }
 
-/// A bar that is held at one end.
-fn pinned_bar() -> Result<Scene, Box<dyn Error>> {
+/// A bar that is held at one end, with an inside or without.
+fn pinned_bar(name: &'static str, volume: Option<Volume>) -> Result<Scene, Box<dyn Error>> {
     let surface = bar([16, 4, 4], 0.0625)?;
     let pins = vertices_where(&surface, |[x, _, _]| x == 0.0);
     Ok(Scene {
         pins,
-        ..Scene::new("bar", surface, material(1e-5, Some(1e-2)))
+        ..Scene::new(
+            name,
+            surface,
+            Material {
+                volume,
+                ..material(1e-5, Some(1e-2))
+            },
+        )
     })
 }
 

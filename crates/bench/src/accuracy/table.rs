@@ -1,12 +1,13 @@
 //! What people read.
 
+use super::error::Yardstick;
 use super::front::{BUDGETS, Point, TARGETS, error_at, least_gain, time_to, totals};
 use super::ladder::{Exact, Ladder};
 use super::row::Row;
 use super::scene::{Body, Scene};
 use super::scenes;
 use crate::columns::{columns, paragraphs};
-use incise_bench::ReferenceError;
+use incise_bench::{ReferenceError, State};
 use std::error::Error;
 use std::io::{self, Write};
 
@@ -15,8 +16,9 @@ const LEGEND: &str = "\
 Runs that no other one is both faster and nearer than. steps: substeps a frame x iterations a substep. proj: projections a frame. \
 ms: median time of a frame. solver: positions off those of converged steps of the same size, which the solver's \
 iterations are to reach; total: off those that ever smaller steps tend to. Both are root mean squares over vertices and frames, over \
-the mean rest length. force, strain, volume, energy: totals too: of the force that holds the body, over it; of the root mean \
-square strain; of the enclosed volume, over it; of the energy at the end, a second, over the largest kinetic one. \
+the mean rest length. force, strain, volume, energy, sag: totals too: of the force that holds the body, over it; of the root mean \
+square strain; of the enclosed volume, over it; of the energy at the end, a second, over the largest kinetic one; sag: of how far the lowest vertex comes \
+down in any frame, over that way. \
 ~: less than ten times what the reference itself may be off by, and so hardly known. -: there is none: no reference of that many \
 substeps, nothing held, no closed surface.";
 
@@ -56,7 +58,19 @@ pub(super) fn reference(
         ladder.seconds
     )?;
     match exact {
-        Ok(exact) => writeln!(out, "  its own uncertainty: {:.1e}", exact.uncertainty)?,
+        Ok(exact) => {
+            writeln!(out, "  its own uncertainty: {:.1e}", exact.uncertainty)?;
+            let start = State::of(&body.solver, &body.surface);
+            let yardstick = Yardstick {
+                model: &ladder.model,
+                triangles: &[],
+                start: &start,
+                is_held: !scene.pins.is_empty(),
+            };
+            if let Some(way) = yardstick.sag(&exact.states) {
+                writeln!(out, "  its lowest vertex comes down by {way:.5} m")?;
+            }
+        }
         Err(error) => writeln!(out, "  no total errors: {error}")?,
     }
     Ok(())
@@ -107,6 +121,7 @@ fn scene_on(out: &mut impl Write, rows: &[Row], backend: &str) -> io::Result<()>
         "strain",
         "volume",
         "energy",
+        "sag",
     ];
     let mut cells = vec![header.map(str::to_owned)];
     for [time, error] in best {
@@ -143,6 +158,7 @@ fn scene_on(out: &mut impl Write, rows: &[Row], backend: &str) -> io::Result<()>
             brief(Some(total.strain)),
             brief(total.volume),
             brief(Some(total.energy)),
+            brief(total.sag),
         ]);
     }
     write!(out, "{}", columns(&cells, 2))

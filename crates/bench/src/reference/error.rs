@@ -30,6 +30,16 @@ pub enum ReferenceError {
         /// How many vertices there are.
         vertices: usize,
     },
+    /// A piece that is to keep a volume has a boundary.
+    #[error(
+        "the edge from vertex {from} to {to} has not two triangles, one each way; a piece without a closed surface has no volume"
+    )]
+    Open {
+        /// Where the edge begins.
+        from: usize,
+        /// Where it ends.
+        to: usize,
+    },
     /// A vertex that can move was told where to be.
     #[error("vertex {vertex} has a mass, so it cannot be put anywhere; only one without is held")]
     NotHeld {

@@ -4,6 +4,7 @@
 use super::error::ReferenceError;
 use super::measure::Blocks;
 use super::model::Model;
+use super::volume::Piece;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::cholesky::{
@@ -12,7 +13,7 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat};
 use faer::{Conj, Mat, Par, Side, Spec};
-use nalgebra::Vector3;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 
 /// A vertex of an element and a coordinate.
 type Place = (usize, usize);
@@ -30,6 +31,20 @@ pub(super) struct System {
     factor: Vec<f64>,
     memory: MemBuffer,
     right: Mat<f64>,
+    /// What is added to the sparse matrix: the products of columns with themselves. Each is over all vertices, zeros where
+    /// nothing moves.
+    columns: Vec<Vec<Vector3<f64>>>,
+    /// What the last factor needs of them.
+    low_rank: Option<LowRank>,
+}
+
+/// The inverse of a sparse matrix plus products of columns with themselves, by Woodbury's formula.
+struct LowRank {
+    columns: Vec<Vec<Vector3<f64>>>,
+    /// The inverse of the sparse matrix times the columns.
+    solved: Vec<Vec<Vector3<f64>>>,
+    /// One plus the products of these with the columns, factored.
+    small: Cholesky<f64, Dyn>,
 }
 
 impl System {
@@ -53,6 +68,9 @@ impl System {
         }
         for vertices in &model.bending.vertices {
             entries(vertices.map(|v| numbers[v]), &mut note);
+        }
+        for side in model.volumes.pieces.iter().flat_map(Piece::sides) {
+            entries([side[0], side[1]].map(|v| numbers[v]), &mut note);
         }
         let unknowns = 3 * moving;
         let failed = ReferenceError::NotFactored { unknowns };
@@ -79,15 +97,29 @@ impl System {
             sorting,
             symbolic,
             memory,
+            columns: Vec::new(),
+            low_rank: None,
         })
     }
 
     /// Forgets the entries.
     pub(super) fn clear(&mut self) {
         self.values.clear();
+        self.columns.clear();
     }
 
-    /// Adds the next element's entries; elements come in the order of [`System::new`]: vertices, edges, hinges.
+    /// Adds the product of a column with itself, which is dense. It is over all vertices.
+    pub(super) fn add_column(&mut self, mut column: Vec<Vector3<f64>>) {
+        for (number, entry) in self.numbers.iter().zip(&mut column) {
+            if number.is_none() {
+                *entry = Vector3::zeros();
+            }
+        }
+        self.columns.push(column);
+    }
+
+    /// Adds the next element's entries; elements come in the order of [`System::new`]: vertices, edges, hinges,
+    /// sides of pieces.
     pub(super) fn add<const N: usize>(&mut self, vertices: [usize; N], blocks: &Blocks<N>) {
         let (numbers, values) = (&self.numbers, &mut self.values);
         entries(vertices.map(|v| numbers[v]), |_, _, (a, i), (b, j)| {
@@ -111,12 +143,58 @@ impl System {
             MemStack::new(&mut self.memory),
             Spec::default(),
         );
-        llt.is_ok()
+        llt.is_ok() && self.factor_columns()
+    }
+
+    /// Prepares what is added to the sparse matrix, whose factor is there; false if all together is not positive.
+    fn factor_columns(&mut self) -> bool {
+        self.low_rank = None;
+        if self.columns.is_empty() {
+            return true;
+        }
+        let columns = std::mem::take(&mut self.columns);
+        let solved: Option<Vec<_>> = columns.iter().map(|u| self.solve_sparse(u)).collect();
+        let Some(solved) = solved else {
+            return false;
+        };
+        let small = DMatrix::from_fn(columns.len(), columns.len(), |i, j| {
+            let one = if i == j { 1.0 } else { 0.0 };
+            one + dot(&columns[i], &solved[j])
+        });
+        let Some(small) = Cholesky::new(small) else {
+            return false;
+        };
+        self.low_rank = Some(LowRank {
+            columns,
+            solved,
+            small,
+        });
+        true
     }
 
     /// Solves with the last factor for a right side over all vertices, zeros where nothing moves; none if the numbers are
     /// too large.
     pub(super) fn solve(&mut self, right: &[Vector3<f64>]) -> Option<Vec<Vector3<f64>>> {
+        let mut out = self.solve_sparse(right)?;
+        if let Some(LowRank {
+            columns,
+            solved,
+            small,
+        }) = &self.low_rank
+        {
+            let along = columns.iter().map(|u| dot(u, &out));
+            let shares = small.solve(&DVector::from_iterator(columns.len(), along));
+            for (solved, share) in solved.iter().zip(&shares) {
+                for (out, solved) in out.iter_mut().zip(solved) {
+                    *out -= solved * *share;
+                }
+            }
+        }
+        Some(out)
+    }
+
+    /// The same of the sparse matrix alone.
+    fn solve_sparse(&mut self, right: &[Vector3<f64>]) -> Option<Vec<Vector3<f64>>> {
         let mut out = vec![Vector3::zeros(); right.len()];
         if self.moving == 0 {
             return Some(out);
@@ -156,8 +234,18 @@ impl System {
                 out[vertices[c / 3]][c % 3] += t.val * by[vertices[r / 3]][r % 3];
             }
         }
+        for column in &self.columns {
+            let along = dot(column, by);
+            for (out, column) in out.iter_mut().zip(column) {
+                *out += column * along;
+            }
+        }
         out
     }
+}
+
+fn dot(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
 }
 
 /// Names the entries of an element that stand in the lower triangle: row and column, and which those are in the

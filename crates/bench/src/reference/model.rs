@@ -1,6 +1,7 @@
 //! What a reference moves: masses and constraints, as plain arrays.
 
 use super::error::ReferenceError;
+use super::volume::{Piece, Volumes};
 use incise_mesh::Surface;
 use incise_pbd_gpu::{ConstraintSet, Solver, SolverParams, Stiffness};
 use nalgebra::Vector3;
@@ -25,6 +26,8 @@ pub struct Model {
     pub stretch: Constraints<2>,
     /// Hinges that keep their angles \[rad\].
     pub bending: Constraints<4>,
+    /// Pieces that keep their volumes.
+    pub volumes: Volumes,
     /// Acceleration of everything [m/s^2].
     pub gravity: Vector3<f64>,
     /// The rate at which velocities decay [1/s].
@@ -76,6 +79,7 @@ impl Model {
             mass,
             stretch: constraints(solver.stretch(), compliance(material.stretch)?),
             bending,
+            volumes: volumes(solver, surface)?,
             gravity: params.gravity.map(f64::from).into(),
             damping: material.damping.into(),
             ground: params.ground.map(f64::from),
@@ -108,6 +112,27 @@ fn compliance(stiffness: Stiffness) -> Result<f64, ReferenceError> {
         Stiffness::Pbd(k) if k >= 1.0 => Ok(0.0),
         Stiffness::Pbd(k) => Err(ReferenceError::NoEnergy { k }),
     }
+}
+
+/// The volumes that a solver keeps.
+fn volumes(solver: &Solver, surface: &Surface) -> Result<Volumes, ReferenceError> {
+    let Some(volume) = solver.material().volume else {
+        return Ok(Volumes::default());
+    };
+    let topology = surface.topology();
+    let of = |number: u32| -> Vec<[usize; 3]> {
+        let triangles = topology.triangles().filter(|&t| surface.piece(t) == number);
+        triangles
+            .map(|t| topology.triangle(t).map(|v| v.index()))
+            .collect()
+    };
+    let pieces = solver.volumes().pieces().iter();
+    let pieces = pieces.map(|piece| Piece::new(of(piece.piece()), piece.rest().into()));
+    Ok(Volumes {
+        pieces: pieces.collect::<Result<_, _>>()?,
+        compressibility: volume.compressibility.into(),
+        pressure: volume.pressure.into(),
+    })
 }
 
 fn constraints<const N: usize>(set: &ConstraintSet<N>, compliance: f64) -> Constraints<N> {

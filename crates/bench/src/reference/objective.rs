@@ -9,6 +9,7 @@ use super::hinge::Hinge;
 use super::matrix::System;
 use super::measure::{Kind, energy_hessian};
 use super::model::{Constraints, Model};
+use super::volume::{Piece, side_blocks};
 use nalgebra::{Matrix3, Vector3};
 
 /// A constraint gives way by no less than this share of what inertia does, `h^2 sum of |grad C|^2 / m`; multipliers do
@@ -24,7 +25,7 @@ const ROUNDING: f64 = f64::EPSILON;
 /// Multipliers of one kind of constraints, all of shape \[constraints\].
 #[derive(Debug, Clone, Default)]
 pub(super) struct Multipliers {
-    /// The forces: \[N\] for edges and the ground, [N m] for hinges.
+    /// The forces: \[N\] for edges and the ground, [N m] for hinges, [Pa m^1.5] for pieces.
     pub(super) lambda: Vec<f64>,
     compliance: f64,
     /// What is added to the compliance.
@@ -58,6 +59,8 @@ pub(super) struct Objective<'a> {
     pub(super) stretch: Multipliers,
     pub(super) bending: Multipliers,
     pub(super) ground: Multipliers,
+    /// Of pieces, for their constraint functions as [`Piece`](super::volume::Piece) scales them.
+    pub(super) volume: Multipliers,
     /// What rounding of positions makes of a decrement, about.
     pub(super) rounding: f64,
 }
@@ -83,6 +86,18 @@ impl<'a> Objective<'a> {
             }
         }
         square += ground.stiffness.iter().sum::<f64>();
+        let mut rough = 0.0;
+        let mut volume = Multipliers {
+            compliance: model.volumes.compressibility,
+            ..Multipliers::default()
+        };
+        for piece in &model.volumes.pieces {
+            volume.add(h, piece.weight(x, &model.mass));
+            let slopes: f64 = piece.gradient(x).iter().map(Vector3::norm_squared).sum();
+            let stiffness = volume.stiffness.last().copied().unwrap_or(0.0);
+            square += slopes * stiffness;
+            rough += piece.roughness(x).powi(2) * stiffness;
+        }
         let extent = (x.iter().chain(&goal)).fold(0.0, |far: f64, p| far.max(p.amax()));
         Self {
             model,
@@ -92,7 +107,8 @@ impl<'a> Objective<'a> {
             stretch,
             bending,
             ground,
-            rounding: ROUNDING * extent * square.sqrt(),
+            volume,
+            rounding: ROUNDING * (extent * extent * square + rough).sqrt(),
         }
     }
 
@@ -114,7 +130,17 @@ impl<'a> Objective<'a> {
             let (sunk, stiffness) = self.sunk(v, x);
             sum += sunk * sunk * stiffness / 2.0;
         }
+        for (p, off) in self.off_volume(x) {
+            sum += off * off * self.volume.stiffness[p] / 2.0;
+        }
         sum
+    }
+
+    /// By piece, how far its volume is from where its multiplier wants it.
+    fn off_volume(&self, x: &[Vector3<f64>]) -> impl Iterator<Item = (usize, f64)> {
+        let push = &self.volume;
+        let errors = self.model.volume_errors(x).into_iter().enumerate();
+        errors.map(|(p, error)| (p, error - push.mu[p] * push.lambda[p]))
     }
 
     /// The gradient \[N\].
@@ -156,6 +182,9 @@ impl<'a> Objective<'a> {
         }
         into.add::<Edge, 2>(&model.stretch, &self.stretch, x);
         into.add::<Hinge, 4>(&model.bending, &self.bending, x);
+        for (p, off) in self.off_volume(x) {
+            into.add_piece(&model.volumes.pieces[p], off, self.volume.stiffness[p], x);
+        }
         for (gradient, &mass) in into.gradient.iter_mut().zip(&model.mass) {
             if mass <= 0.0 {
                 *gradient = Vector3::zeros();
@@ -181,6 +210,7 @@ impl<'a> Objective<'a> {
         self.stretch.stiffen();
         self.bending.stiffen();
         self.ground.stiffen();
+        self.volume.stiffen();
         self.rounding /= STIFFEN.sqrt();
     }
 
@@ -194,6 +224,10 @@ impl<'a> Objective<'a> {
                 let (sunk, stiffness) = self.sunk(v, x);
                 square += self.ground.set(v, -sunk * stiffness);
             }
+        }
+        let off: Vec<_> = self.off_volume(x).collect();
+        for (p, off) in off {
+            square += self.volume.set(p, -off * self.volume.stiffness[p]);
         }
         square.sqrt()
     }
@@ -331,6 +365,27 @@ impl Sums<'_> {
             }
             matrix.system.add(vertices, &hessian);
         }
+    }
+}
+
+impl Sums<'_> {
+    /// What a piece adds that is so far `off`: the sides' part of its second derivatives is sparse, the gradient's is a
+    /// column.
+    fn add_piece(&mut self, piece: &Piece, off: f64, stiffness: f64, x: &[Vector3<f64>]) {
+        let mut gradient = piece.gradient(x);
+        for (sum, slope) in self.gradient.iter_mut().zip(&gradient) {
+            *sum += slope * (off * stiffness);
+        }
+        let Some(Matrix { system, positive }) = &mut self.matrix else {
+            return;
+        };
+        let twisted = off * stiffness * piece.scale();
+        for &side in piece.sides() {
+            let blocks = side_blocks(&Piece::twist(side, x), twisted, *positive);
+            system.add([side[0], side[1]], &blocks);
+        }
+        gradient.iter_mut().for_each(|g| *g *= stiffness.sqrt());
+        system.add_column(gradient);
     }
 }
 

@@ -4,6 +4,7 @@ use super::edge::Edge;
 use super::hinge::Hinge;
 use super::measure::Kind;
 use super::model::{Constraints, Model, State};
+use super::volume::Volumes;
 use nalgebra::Vector3;
 
 impl Model {
@@ -22,6 +23,14 @@ impl Model {
         gravity
             + energy::<Edge, 2>(&self.stretch, &state.x)
             + energy::<Hinge, 4>(&self.bending, &state.x)
+            + volume_energy(self, &state.x)
+    }
+
+    /// The volume that every piece encloses [m^3], shape \[pieces\].
+    #[must_use]
+    pub fn enclosed(&self, state: &State) -> Vec<f64> {
+        let pieces = self.volumes.pieces.iter();
+        pieces.map(|piece| piece.volume(&state.x)).collect()
     }
 
     /// Linear momentum of all that moves [kg m/s].
@@ -39,15 +48,38 @@ impl Model {
             .collect()
     }
 
-    /// By edge and by hinge, the sum of `|grad C|^2 / m`, which XPBD's projections weigh against the compliance over
-    /// the square of the substep. 0 where there is no gradient.
+    /// By edge, by hinge and by piece, the sum of `|grad C|^2 / m`, which XPBD's projections weigh against the compliance over
+    /// the square of the substep. 0 where there is no gradient. `C` of a piece is as [`Model::volume_errors`] has it.
     #[must_use]
-    pub fn weights(&self, state: &State) -> [Vec<f64>; 2] {
+    pub fn weights(&self, state: &State) -> [Vec<f64>; 3] {
+        let pieces = self.volumes.pieces.iter();
         [
             weights::<Edge, 2>(self, &self.stretch, &state.x),
             weights::<Hinge, 4>(self, &self.bending, &state.x),
+            pieces.map(|p| p.weight(&state.x, &self.mass)).collect(),
         ]
     }
+
+    /// How far the volume of every piece is from what it strives for, over the root of its rest volume [m^1.5], shape \[pieces\]:
+    /// so the compliance of all is the compressibility.
+    #[must_use]
+    pub fn volume_errors(&self, x: &[Vector3<f64>]) -> Vec<f64> {
+        let Volumes {
+            pieces, pressure, ..
+        } = &self.volumes;
+        pieces
+            .iter()
+            .map(|piece| piece.error(x, *pressure))
+            .collect()
+    }
+}
+
+fn volume_energy(model: &Model, x: &[Vector3<f64>]) -> f64 {
+    if model.volumes.compressibility <= 0.0 {
+        return 0.0;
+    }
+    let errors = model.volume_errors(x).into_iter();
+    errors.map(|error| error * error).sum::<f64>() / (2.0 * model.volumes.compressibility)
 }
 
 fn energy<K: Kind<N>, const N: usize>(constraints: &Constraints<N>, x: &[Vector3<f64>]) -> f64 {

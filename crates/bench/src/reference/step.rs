@@ -70,6 +70,8 @@ pub struct StepReport {
     pub bending: Vec<f64>,
     /// What the ground pushes with \[N\], shape \[vertices\]; empty without ground.
     pub ground: Vec<f64>,
+    /// By how much the pressure in a piece is above that around it \[Pa\], shape \[pieces\].
+    pub pressure: Vec<f64>,
 }
 
 /// Where a step leads, with what it is the minimum of.
@@ -120,6 +122,10 @@ impl<'a> Stepper<'a> {
             stretch: objective.stretch.lambda,
             bending: objective.bending.lambda,
             ground: objective.ground.lambda,
+            pressure: (objective.volume.lambda.iter())
+                .zip(&self.model.volumes.pieces)
+                .map(|(lambda, piece)| lambda * piece.scale())
+                .collect(),
             ..report
         })
     }
@@ -325,8 +331,26 @@ fn check(model: &Model) -> Result<(), ReferenceError> {
     if model.ground.is_some_and(|height| !height.is_finite()) {
         return bad("the ground");
     }
-    check_kind(&model.stretch, model.mass.len())?;
-    check_kind(&model.bending, model.mass.len())
+    let volumes = &model.volumes;
+    if !good(volumes.compressibility) {
+        return bad("a compressibility");
+    }
+    if !volumes.pressure.is_finite() {
+        return bad("a pressure");
+    }
+    let vertices = model.mass.len();
+    for (constraint, piece) in volumes.pieces.iter().enumerate() {
+        let mut all = piece.triangles().iter().flatten();
+        if let Some(&vertex) = all.find(|&&v| v >= vertices) {
+            return Err(ReferenceError::VertexOutOfRange {
+                constraint,
+                vertex,
+                vertices,
+            });
+        }
+    }
+    check_kind(&model.stretch, vertices)?;
+    check_kind(&model.bending, vertices)
 }
 
 fn check_kind<const N: usize>(

@@ -7,6 +7,7 @@ use super::measure::{Kind, Measure, energy_hessian};
 use super::model::{Constraints, Model, State};
 use super::objective::Objective;
 use super::step::Stepper;
+use super::volume::{Piece, Volumes};
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -208,9 +209,26 @@ fn small() -> (Model, Vec<Vector3<f64>>, Vec<Vector3<f64>>) {
     (model, x, goal)
 }
 
+/// The same as a closed piece of more volume than at rest.
+fn with_volume(compressibility: f64) -> (Model, Vec<Vector3<f64>>, Vec<Vector3<f64>>) {
+    let (mut model, x, goal) = small();
+    let triangles = vec![[0, 1, 2], [1, 0, 3], [2, 1, 3], [0, 2, 3]];
+    model.volumes = Volumes {
+        pieces: vec![Piece::new(triangles, 0.05).unwrap()],
+        compressibility,
+        pressure: 1.2,
+    };
+    (model, x, goal)
+}
+
 #[test]
 fn the_objective_has_the_gradient_and_matrix_of_differences() {
-    let (model, x, goal) = small();
+    check_objective(small());
+    check_objective(with_volume(1e-3));
+    check_objective(with_volume(0.0));
+}
+
+fn check_objective((model, x, goal): (Model, Vec<Vector3<f64>>, Vec<Vector3<f64>>)) {
     let mut objective = Objective::new(&model, 0.1, &x, goal);
     let lack = objective.update(&x);
     assert!(lack > 0.0, "the hinge is rigid and bent");
@@ -238,6 +256,31 @@ fn the_objective_has_the_gradient_and_matrix_of_differences() {
             let slope = (up[i] - down[i]) / (2.0 * step);
             let off = (slope - column[i]).amax();
             assert!(off < 1e-6 * steepest, "matrix {i}, {v} {k}: {off:e}");
+        }
+    }
+}
+
+/// Woodbury's formula against the matrix itself, made positive.
+#[test]
+fn a_system_with_a_dense_part_is_solved() {
+    for compressibility in [1e-3, 0.0] {
+        let (model, x, goal) = with_volume(compressibility);
+        let objective = Objective::new(&model, 0.1, &x, goal);
+        let mut system = System::new(&model).unwrap();
+        let mut gradient = objective.derivatives(&x, &mut system, true);
+        let mut product = System::new(&model).unwrap();
+        objective.derivatives(&x, &mut product, true);
+        assert!(system.factor(), "it was made positive");
+        for _ in 0..2 {
+            let solved = system.solve(&gradient).unwrap();
+            let back = product.multiply(&solved, &model);
+            let scale = gradient.iter().fold(0.0, |far: f64, g| far.max(g.amax()));
+            for (v, (back, right)) in back.iter().zip(&gradient).enumerate() {
+                let off = (back - right).amax() / scale;
+                assert!(off < 1e-9, "vertex {v}: {off:e} at {compressibility}");
+            }
+            // A factor serves for other right sides.
+            gradient.swap(2, 3);
         }
     }
 }

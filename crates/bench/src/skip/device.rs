@@ -5,7 +5,9 @@ use super::row::Finding;
 use super::sleeping::lull;
 use super::{Effort, Measurement, add, params, us};
 use incise_mesh::{Model, build_model};
-use incise_pbd_gpu::{AdapterRequest, GpuBackend, Material, Schedule, Solver, SolverParams};
+use incise_pbd_gpu::{
+    AdapterRequest, GpuBackend, Material, Schedule, Solver, SolverParams, Volume,
+};
 use incise_scene::{BackendChoice, BackendRequest, Scene, SleepParams};
 use std::error::Error;
 
@@ -38,11 +40,17 @@ impl Device {
     }
 
     pub(super) fn measurements(&self, effort: Effort) -> Vec<Measurement<'_>> {
-        vec![
+        let mut all = vec![
             Measurement::new(&["kernels"], "edges alone", || Ok([self.kernels()?])),
             Measurement::new(&["readback", "kernels"], "Bunny", || self.unasked()),
             Measurement::new(&["sleep"], "Bunny", move || self.asleep(effort.pairs)),
-        ]
+        ];
+        all.extend(effort.models.iter().map(|&model| {
+            Measurement::new(&["volume"], model.name(), move || {
+                Ok([self.volume(model, effort.pairs)?])
+            })
+        }));
+        all
     }
 
     fn scene(&self, sleep: Option<SleepParams>) -> Result<Scene, Box<dyn Error>> {
@@ -147,6 +155,33 @@ impl Device {
                 measured: asked as f64,
             },
         ])
+    }
+
+    /// A body with volume, beside the same without.
+    fn volume(&self, model: Model, count: u32) -> Result<Finding, Box<dyn Error>> {
+        let scene = |volume| -> Result<Scene, Box<dyn Error>> {
+            let mut scene = self.scene(None)?;
+            let material = Material {
+                volume,
+                ..Material::default()
+            };
+            scene.add_body(build_model(model), &material)?;
+            Ok(scene)
+        };
+        let (mut with, mut without) = (scene(Some(Volume::default()))?, scene(None)?);
+        let frame = |scene: &mut Scene| -> Result<(), Box<dyn Error>> {
+            scene.step()?;
+            Ok(scene.wait()?)
+        };
+        let found = pairs(count, || frame(&mut with), || frame(&mut without))?;
+        let [with, without] = found.seconds.map(us);
+        Ok(Finding {
+            skip: "volume",
+            claim: "time of a frame with its volume kept, of that without, until the device is done",
+            at: format!("{}: {with} of {without} us", model.name()),
+            bound: 2.0,
+            measured: found.ratio,
+        })
     }
 }
 

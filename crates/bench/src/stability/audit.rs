@@ -171,10 +171,25 @@ pub(super) fn energy_over(
     frames: u32,
     rule: Rule,
 ) -> Result<Found, Failure> {
+    energy_watched(mover, (dt, params), frames, rule, |_, _| Ok(()))
+}
+
+/// As [`energy_over`]; `watch` is shown every frame's end, with its number.
+///
+/// # Errors
+/// As [`Mover::step`], and those of `watch`.
+pub(super) fn energy_watched(
+    mover: &mut Mover<'_>,
+    (dt, params): (f32, &SolverParams),
+    frames: u32,
+    rule: Rule,
+    mut watch: impl FnMut(&Mover<'_>, u32) -> Result<(), Failure>,
+) -> Result<Found, Failure> {
     let mut law = EnergyLaw::start(mover, params, rule);
-    for _ in 0..frames {
+    for frame in 0..frames {
         mover.step(dt, params)?;
         law.look(mover, params);
+        watch(mover, frame)?;
     }
     law.end(mover, f64::from(dt) * f64::from(frames));
     Ok(law.found())
@@ -191,11 +206,17 @@ pub(super) fn keeping(
     frames: u32,
     rule: Rule,
 ) -> Result<Found, Failure> {
-    let found = energy_over(mover, dt, params, frames, rule)?;
-    Ok(found.with(Kept {
-        part: found.value / KEPT,
-        of: "energy",
-    }))
+    Ok(energy_over(mover, dt, params, frames, rule)?.with_energy())
+}
+
+impl Found {
+    /// What is judged by its energy, with that as a part of the rule.
+    pub(super) fn with_energy(self) -> Self {
+        self.with(Kept {
+            part: self.value / KEPT,
+            of: "energy",
+        })
+    }
 }
 
 /// All energy of a body \[J\].

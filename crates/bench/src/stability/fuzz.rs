@@ -67,6 +67,7 @@ fn material(directions: &mut Directions) -> Material {
         density: Density::Area(log(directions, 1e-2, 1e2)),
         stretch: stiffness(directions),
         bending: (directions.next() > -0.5).then(|| stiffness(directions)),
+        volume: None,
         damping: log(directions, 1e-3, 1.0),
         friction: log(directions, 1e-3, 1.0),
     }

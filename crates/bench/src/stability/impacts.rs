@@ -147,34 +147,41 @@ fn impacts(
     Ok(worst)
 }
 
+/// Pins the ends of a ball at a height of 1 m, lets them pass each other in two seconds, and lets go.
+///
+/// # Errors
+/// As [`Mover::step`].
+pub(super) fn squeeze(mover: &mut Mover<'_>) -> Result<(), Failure> {
+    let topology = mover.surface.topology();
+    let ends: Vec<(VertexId, Vec3)> = topology
+        .vertices()
+        .map(|v| (v, mover.surface.position(v)))
+        .filter(|(_, p)| (p.y - 1.0).abs() > 0.3)
+        .collect();
+    for &(v, _) in &ends {
+        mover.solver.pin(&mut mover.surface, v)?;
+    }
+    for frame in 0..120_u8 {
+        // From 1 to -1.
+        let share = 1.0 - f64::from(frame) / 60.0;
+        for &(v, p) in &ends {
+            let to = Vec3::new(p.x, 1.0 + (p.y - 1.0) * share, p.z);
+            (mover.solver).set_pin_target(v, incise_mesh::geometry::round(to))?;
+        }
+        mover.step(FRAME, &HANGING)?;
+    }
+    for &(v, _) in &ends {
+        mover.solver.unpin(&mut mover.surface, v)?;
+    }
+    Ok(())
+}
+
 fn squeezed(stage: &mut Stage) -> Result<Worst, Failure> {
     let mut worst = Worst::default();
     for (name, material) in materials() {
         let mut mover = stage.enter(ball(2, 1.0), &material)?;
         let mut run = || -> Result<f64, Failure> {
-            let topology = mover.surface.topology();
-            let ends: Vec<(VertexId, Vec3)> = topology
-                .vertices()
-                .map(|v| (v, mover.surface.position(v)))
-                .filter(|(_, p)| (p.y - 1.0).abs() > 0.3)
-                .collect();
-            for &(v, _) in &ends {
-                mover.solver.pin(&mut mover.surface, v)?;
-            }
-            for frame in 0..120_u8 {
-                // From 1 to -1: the ends pass each other.
-                let share = 1.0 - f64::from(frame) / 60.0;
-                for &(v, p) in &ends {
-                    let to = Vec3::new(p.x, 1.0 + (p.y - 1.0) * share, p.z);
-                    mover
-                        .solver
-                        .set_pin_target(v, incise_mesh::geometry::round(to))?;
-                }
-                mover.step(FRAME, &HANGING)?;
-            }
-            for &(v, _) in &ends {
-                mover.solver.unpin(&mut mover.surface, v)?;
-            }
+            squeeze(&mut mover)?;
             mover.advance(FRAME, &GROUND, 600)?;
             Ok(mover.strain())
         };
