@@ -96,6 +96,12 @@ struct TableArguments {
     /// Every closed piece keeps the volume that it has at rest, which the paper's bodies do not.
     #[arg(long)]
     volume: bool,
+    /// Struts hold the sides of bodies apart, one a vertex.
+    #[arg(long)]
+    struts: bool,
+    /// Pieces touch each other instead of passing through each other.
+    #[arg(long)]
+    contacts: bool,
     /// Models to run, separated by commas.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     only: Vec<String>,
@@ -197,16 +203,19 @@ mod tests {
     }
 
     #[test]
-    fn a_table_keeps_volumes_only_if_asked() {
-        let keeps = |line: &str| {
+    fn a_table_has_what_the_paper_has_not_only_if_asked() {
+        let has = |line: &str| {
             let parsed = Arguments::try_parse_from(line.split_whitespace()).unwrap();
-            match parsed.command {
-                Some(Command::Table(table)) => table.volume,
-                _ => parsed.table.volume,
-            }
+            let table = match parsed.command {
+                Some(Command::Table(table)) => table,
+                _ => parsed.table,
+            };
+            [table.volume, table.struts, table.contacts]
         };
-        assert!(!keeps("b") && !keeps("b table --json x"));
-        assert!(keeps("b --volume") && keeps("b table --volume"));
+        assert_eq!(has("b"), [false; 3]);
+        assert_eq!(has("b table --json x"), [false; 3]);
+        assert_eq!(has("b --volume"), [true, false, false]);
+        assert_eq!(has("b table --volume --struts --contacts"), [true; 3]);
     }
 
     #[test]

@@ -18,8 +18,10 @@ use crate::{TableArguments, motion};
 use incise_cut::Sweep;
 use incise_mesh::geometry::{area_vector, round};
 use incise_mesh::{AngleStats, Surface, Vec3};
-use incise_pbd_gpu::{Material, SolverParams, Volume};
-use incise_scene::{BackendRequest, BladeId, Body, BodyId, FrameStats, Scene, SceneParams};
+use incise_pbd_gpu::{Material, SolverParams, Struts, Volume};
+use incise_scene::{
+    BackendRequest, BladeId, Body, BodyId, ContactParams, FrameStats, Scene, SceneParams,
+};
 use serde::Serialize;
 use std::error::Error;
 use std::time::{Duration, Instant};
@@ -72,6 +74,10 @@ pub(crate) struct Row {
     pub(crate) seed: u64,
     /// Whether pieces keep their volumes.
     pub(crate) volume: bool,
+    /// Whether struts hold bodies from inside.
+    pub(crate) struts: bool,
+    /// Whether pieces touch each other.
+    pub(crate) contacts: bool,
 }
 
 /// What a run measured.
@@ -158,6 +164,8 @@ pub(crate) fn run(
         level: arguments.level.z(),
         seed: arguments.seed,
         volume: arguments.volume,
+        struts: arguments.struts,
+        contacts: arguments.contacts,
     })
 }
 
@@ -281,6 +289,7 @@ fn set_up(
     let mut scene = Scene::with_backend(params(arguments), request)?;
     let material = Material {
         volume: arguments.volume.then(Volume::default),
+        struts: arguments.struts.then(Struts::default),
         ..motion::material()
     };
     let body = scene.add_body(loaded.surface.clone(), &material)?;
@@ -303,6 +312,7 @@ pub(crate) fn params(arguments: &TableArguments) -> SceneParams {
         skip_far_sweeps: false,
         // A readback in between would be timed with a frame that has none.
         checkpoint: 0,
+        contacts: arguments.contacts.then(ContactParams::default),
         // The paper steps whatever it has, at rest or not.
         sleep: None,
     }

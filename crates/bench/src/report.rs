@@ -42,15 +42,11 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
         arguments.method.name(),
         arguments.level,
         arguments.seed,
-        if arguments.volume {
-            ", volumes kept"
-        } else {
-            ""
-        }
+        beyond(arguments)
     )?;
     write!(out, "{}", paragraphs(LEGEND))?;
-    if arguments.volume {
-        write!(out, "{}", paragraphs(VOLUME_LEGEND))?;
+    if !beyond(arguments).is_empty() {
+        write!(out, "{}", paragraphs(BEYOND_LEGEND))?;
     }
     if let Some(why) = fallback {
         writeln!(out, "All on the CPU: {why}.")?;
@@ -92,14 +88,27 @@ second (PBD + CS); time of a cut is detection, topology, refinement and constrai
 by the paper's number and by how many times better this one is. Stretch error: mean over frames, edges weighted by length. \
 Volume lost: by all cuts together, of the body at rest. Cap angle: the smallest of all cap triangles.";
 
-const VOLUME_LEGEND: &str = "\
-Every closed piece keeps the volume that it has at rest (--volume), which the paper's bodies do not: the numbers beside the paper's \
-are of more work a frame.";
+const BEYOND_LEGEND: &str = "\
+Every closed piece keeps the volume that it has at rest (--volume), struts hold its sides apart (--struts), pieces touch each other \
+(--contacts): what was asked for of that the paper's bodies do not, and the numbers beside the paper's are of more work a frame.";
 
 const DEVICE_LEGEND: &str = "\
 On a device a frame ends when the device is done with it; the first, in which kernels are compiled, is left out. Sweeps that miss the \
 device's box of the body are skipped there. The time of a cut runs from the readback to the update of the device. Stretch error: once a second. \
 Heap allocations are those of the device's interface too.";
+
+/// What the table has that the paper's has not, for the line that says how it was made.
+fn beyond(arguments: &TableArguments) -> String {
+    let all = [
+        (arguments.volume, ", volumes kept"),
+        (arguments.struts, ", with struts"),
+        (arguments.contacts, ", pieces touching"),
+    ];
+    all.iter()
+        .filter(|(is_on, _)| *is_on)
+        .map(|&(_, text)| text)
+        .collect()
+}
 
 /// The backend of all runs, and why it is the CPU if another was asked for. What `auto` measures is
 /// measured once, so that all runs are on the same backend.
@@ -209,29 +218,30 @@ mod tests {
     }
 
     #[test]
-    fn a_table_of_bodies_that_keep_their_volumes_says_so() {
+    fn a_table_says_what_the_paper_has_not() {
         let place = tempfile::tempdir().unwrap();
-        for volume in [false, true] {
-            let path = place.path().join(format!("{volume}.json"));
+        let all = [
+            ("--volume", "volume", "volumes kept"),
+            ("--struts", "struts", "with struts"),
+            ("--contacts", "contacts", "pieces touching"),
+        ];
+        for asked in [0, 1, 3] {
+            let path = place.path().join(format!("{asked}.json"));
             let file = path.display().to_string();
-            let mut words = vec![
-                "b",
-                "--only",
-                "Sphere80",
-                "--seconds",
-                "1.1",
-                "--json",
-                &file,
-            ];
-            words.extend(volume.then_some("--volume"));
+            let line = ["b", "--only", "Sphere80", "--seconds", "1.1", "--json"];
+            let mut words = line.to_vec();
+            words.push(&file);
+            words.extend(all[..asked].iter().map(|of| of.0));
             let mut out = Vec::new();
             run(&Line::parse_from(words).table, &mut out).unwrap();
             let told = String::from_utf8(out).unwrap();
-            assert_eq!(told.contains("volumes kept"), volume, "{told}");
             let rows = std::fs::read_to_string(&path).unwrap();
             let rows: serde_json::Value = serde_json::from_str(&rows).unwrap();
-            assert_eq!(rows[0]["volume"], volume, "{rows}");
             assert_eq!(rows[0]["cuts"], 1, "{rows}");
+            for (i, (_, name, text)) in all.into_iter().enumerate() {
+                assert_eq!(told.contains(text), i < asked, "{told}");
+                assert_eq!(rows[0][name], i < asked, "{rows}");
+            }
         }
     }
 }

@@ -47,6 +47,7 @@ fn material(stretch: f32, bending: Option<f32>) -> Material {
         stretch: Stiffness::Compliance(stretch),
         bending: bending.map(Stiffness::Compliance),
         volume: None,
+        struts: None,
         damping: 0.0,
         friction: 0.0,
     }

@@ -68,6 +68,7 @@ fn material(directions: &mut Directions) -> Material {
         stretch: stiffness(directions),
         bending: (directions.next() > -0.5).then(|| stiffness(directions)),
         volume: None,
+        struts: None,
         damping: log(directions, 1e-3, 1.0),
         friction: log(directions, 1e-3, 1.0),
     }
