@@ -1,6 +1,6 @@
 //! The kernels as the device has them, each made when a program first needs it.
 
-use super::adapter::AdapterKind;
+use super::adapter::{AdapterKind, AdapterSummary};
 use super::context::Context;
 use super::error::GpuError;
 use super::shaders::{self, EntryPoint};
@@ -58,14 +58,15 @@ impl Lanes {
     /// software device computes some 8 lanes at once and the others one after the other, with a change
     /// of stacks at every barrier: 8 instead of 64 make a body's workgroup 1.5 to 5 times as fast on
     /// lavapipe.
-    const fn of(kind: AdapterKind) -> Self {
-        match kind {
+    fn of(adapter: &AdapterSummary) -> Self {
+        let ends_loops = adapter.name.contains("llvmpipe");
+        match adapter.kind {
             AdapterKind::Software => Self {
                 pass: 64,
                 tail: 8,
                 whole_body: 8,
                 patch: 8,
-                rounds: 1 << 15,
+                rounds: if ends_loops { 1 << 15 } else { u64::MAX },
             },
             _ => Self {
                 pass: 256,
@@ -101,7 +102,7 @@ impl Pipelines {
         Ok(Self {
             layouts,
             layout,
-            lanes: Lanes::of(context.adapter().kind),
+            lanes: Lanes::of(context.adapter()),
             capacity: shaders::capacity(limits.max_compute_workgroup_storage_size),
             modules: [const { None }; 3],
             made: [const { None }; Kernel::COUNT],

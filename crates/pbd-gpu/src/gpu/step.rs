@@ -127,10 +127,17 @@ impl GpuBackend {
         constants: &StepConstants,
         stats: &mut GpuStats,
     ) -> Result<(), GpuError> {
+        let lanes = self.pipelines.lanes;
         let resident = self.resident_mut(body)?;
+        let before = resident.body.schedule;
         let stale = resident.plan.generation() != solver.plan().generation();
         if stale {
             resident.plan.clone_from(solver.plan());
+        }
+        let rounds = (resident.body).rounds(lanes.whole_body, solver.plan().iterations());
+        if resident.body.schedule == Schedule::WholeBody && rounds > lanes.rounds {
+            // Not even a substep can be done in one. Its runs lie as passes by color expect them.
+            resident.body.schedule = Schedule::Colors;
         }
         match resident.body.schedule {
             Schedule::WholeBody => stats.whole_bodies += 1,
@@ -142,7 +149,8 @@ impl GpuBackend {
         stats.bending_projections += times * solver.bending().map_or(0, |set| set.len() as u64);
         stats.strut_projections += times * solver.struts().map_or(0, |set| set.len() as u64);
         stats.volume_projections += times * solver.volumes().pieces().len() as u64;
-        self.program_is_stale |= stale;
+        let schedule = resident.body.schedule;
+        self.program_is_stale |= stale || schedule != before;
         let Self {
             context,
             arenas,
