@@ -3,6 +3,7 @@
 mod alike;
 mod audit;
 mod case;
+mod contacts;
 mod cuts;
 #[cfg(feature = "gpu")]
 mod device;
@@ -77,7 +78,7 @@ impl StabilityArguments {
 
 /// All cases of the processor, or those of a device, as they are printed.
 fn cases(on_device: bool) -> impl Iterator<Item = Case> {
-    let parts: [&[Case]; 19] = [
+    let parts: [&[Case]; 20] = [
         &steps::CASES,
         &masses::CASES,
         &resolution::CASES,
@@ -89,6 +90,7 @@ fn cases(on_device: bool) -> impl Iterator<Item = Case> {
         &cuts::CASES,
         &islands::CASES,
         &volumes::CASES,
+        &contacts::CASES,
         &impacts::CASES,
         &sleep::CASES,
         &long::CASES,

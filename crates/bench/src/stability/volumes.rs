@@ -12,20 +12,34 @@ use incise_cut::{CutParams, Cutter};
 use incise_mesh::{Model, Surface, TriangleId, Vec3, build_model};
 use incise_pbd_gpu::{Material, PieceVolume, SolverParams, Stiffness, Volume};
 
-pub(super) const CASES: [Case; 6] = [
+pub(super) const CASES: [Case; 8] = [
     Case {
         id: "volume",
         torture: "a ball, a bunny and an armadillo that keep their volumes lie on the ground for 15 s",
         law: "change of a piece's volume in the last second, of that at rest",
         bound: 0.01,
-        run: at_rest,
+        run: |stage| at_rest(stage, &GROUND),
     },
     Case {
         id: "volume",
         torture: "the same, cut twice meanwhile",
         law: "change of a piece's volume in the last second, of that at rest",
         bound: 0.01,
-        run: cut_twice,
+        run: |stage| cut_twice(stage, &GROUND),
+    },
+    Case {
+        id: "volume",
+        torture: "the ball, the bunny and the armadillo on the ground by the default's substeps",
+        law: "change of a piece's volume in the last second, of that at rest",
+        bound: 0.01,
+        run: |stage| at_rest(stage, &SUBSTEPS),
+    },
+    Case {
+        id: "volume",
+        torture: "these cut twice meanwhile",
+        law: "change of a piece's volume in the last second, of that at rest",
+        bound: 0.01,
+        run: |stage| cut_twice(stage, &SUBSTEPS),
     },
     Case {
         id: "T10",
@@ -135,13 +149,24 @@ fn bodies(
     Ok(worst)
 }
 
+/// What the solver does unless it is told otherwise, on the ground.
+const SUBSTEPS: SolverParams = SolverParams {
+    iterations: 1,
+    substeps: 16,
+    ..GROUND
+};
+
 /// Nothing that lies on the ground comes farther.
 const LYING: Rule = Rule::above(0.0).within(5.0).recovering();
 
 /// Lets a body lie; judged by energy, with the largest error of the last second beside it.
-fn lies(mover: &mut Mover<'_>, frames: u32) -> Result<(Found, f64), Failure> {
+fn lies(
+    mover: &mut Mover<'_>,
+    params: &SolverParams,
+    frames: u32,
+) -> Result<(Found, f64), Failure> {
     let mut most = 0.0;
-    let found = energy_watched(mover, (FRAME, &GROUND), frames, LYING, |mover, frame| {
+    let found = energy_watched(mover, (FRAME, params), frames, LYING, |mover, frame| {
         if frame + SECOND >= frames {
             most = larger(most, error(mover)?);
         }
@@ -150,10 +175,10 @@ fn lies(mover: &mut Mover<'_>, frames: u32) -> Result<(Found, f64), Failure> {
     Ok((found, most))
 }
 
-fn at_rest(stage: &mut Stage) -> Result<Worst, Failure> {
+fn at_rest(stage: &mut Stage, params: &SolverParams) -> Result<Worst, Failure> {
     let frames = SECOND * stage.pick(3, 15);
     bodies(stage, |mover| {
-        let (found, most) = lies(mover, frames)?;
+        let (found, most) = lies(mover, params, frames)?;
         Ok(found.with_energy().by(most))
     })
 }
@@ -182,17 +207,17 @@ fn cut_through(
     Err(Failure::Law(why))
 }
 
-fn cut_twice(stage: &mut Stage) -> Result<Worst, Failure> {
+fn cut_twice(stage: &mut Stage, params: &SolverParams) -> Result<Worst, Failure> {
     let third = SECOND * stage.pick(2, 5);
     bodies(stage, |mover| {
         let mut cutter = Cutter::new(&mover.surface);
         let mut directions = Directions(23);
         for _ in 0..2 {
-            mover.advance(FRAME, &GROUND, third)?;
+            mover.advance(FRAME, params, third)?;
             cut_through(mover, &mut cutter, &mut directions)?;
         }
         // What was out of shape when it was cut has a volume to get back, so energy is no law.
-        let (found, most) = lies(mover, third)?;
+        let (found, most) = lies(mover, params, third)?;
         Ok(found.by(most))
     })
 }

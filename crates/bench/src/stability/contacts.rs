@@ -1,0 +1,223 @@
+//! Pieces that touch: stacks that come to rest, pieces that fall on others too fast to be seen between two frames.
+
+use super::case::{Case, Worst, larger};
+use super::cuts::pieces;
+use super::failure::Failure;
+use super::scenes::{FRAME, place};
+use super::stage::Stage;
+use incise_cut::Bvh;
+use incise_mesh::{Surface, TriangleId, Vec3, VertexId, cube_sphere, icosphere};
+use incise_pbd_gpu::{Material, SolverParams, Stiffness, Struts, Volume};
+use incise_scene::{BodyId, ContactParams, Scene, SceneParams, SleepParams};
+
+pub(super) const CASES: [Case; 3] = [
+    Case {
+        id: "contacts",
+        torture: "a block cut into ten slices that lie on each other, by the default's substeps",
+        law: "time until they sleep [s]",
+        bound: 60.0,
+        run: |stage| stack(stage, |found| found.seconds),
+    },
+    Case {
+        id: "contacts",
+        torture: "a block cut into ten slices that lie on each other, by the default's substeps",
+        law: "deepest vertex in another piece, of a mean edge, at the end of a second",
+        bound: 0.1,
+        run: |stage| stack(stage, |found| found.depth),
+    },
+    Case {
+        id: "contacts",
+        torture: "a ball hits a held plate of a tenth of its size by 10 of its diagonals a second",
+        law: "deepest vertex below the plate's upper side, of its thickness",
+        bound: 0.5,
+        run: tunnel,
+    },
+];
+
+/// Slices of a stack.
+const SLICES: u32 = 10;
+
+/// The longest that anybody waits for a stack to sleep \[frames\]: a second more than the law allows.
+const PATIENCE: u32 = 3660;
+
+/// Bodies that hold their shape, a stiff and a soft one, and one that has nothing but its skin and its volume.
+fn materials() -> [(&'static str, Material); 3] {
+    let with = |stretch, struts| Material {
+        stretch: Stiffness::Compliance(stretch),
+        volume: Some(Volume::default()),
+        struts,
+        damping: 1.0,
+        friction: 0.7,
+        ..Material::default()
+    };
+    [
+        ("stiff, with struts", with(0.0, Some(Struts::default()))),
+        ("soft, with struts", with(1e-4, Some(Struts::default()))),
+        ("skin and volume", with(1e-5, None)),
+    ]
+}
+
+fn params(gravity: f32, ground: Option<f32>) -> SceneParams {
+    SceneParams {
+        dt: FRAME,
+        solver: SolverParams {
+            gravity: [0.0, gravity, 0.0],
+            ground,
+            ..SolverParams::default()
+        },
+        contacts: Some(ContactParams::default()),
+        sleep: Some(SleepParams::default()),
+        ..SceneParams::default()
+    }
+}
+
+/// A block of those sides \[m\], n x n squares a side.
+fn block(squares: u32, sides: [f64; 3]) -> Surface {
+    let mut surface = cube_sphere(squares, 1.0);
+    place(&mut surface, |p| {
+        let cube = p / p.amax();
+        Vec3::from(sides).component_mul(&cube) / 2.0
+    });
+    surface
+}
+
+fn piece_of(surface: &Surface, v: VertexId) -> u32 {
+    surface.piece(surface.topology().outgoing(v).triangle())
+}
+
+/// How deep any vertex is in another piece \[m\].
+fn deepest(surface: &Surface) -> f64 {
+    let bvh = Bvh::build(surface);
+    let reach = surface.bounds().diagonal();
+    let mut deepest = 0.0;
+    for v in surface.topology().vertices() {
+        let own = piece_of(surface, v);
+        let others = |t| surface.piece(t) != own;
+        if let Some(found) = bvh.nearest(surface, surface.position(v), reach, others) {
+            deepest = larger(deepest, -found.distance);
+        }
+    }
+    deepest
+}
+
+/// What a stack did.
+struct Stacked {
+    /// Until it slept \[s\].
+    seconds: f64,
+    /// \[mean edges\]
+    depth: f64,
+}
+
+/// Cuts a block into slices, one a frame, and lets them lie.
+fn lie(stage: &Stage, material: &Material) -> Result<Stacked, Failure> {
+    let mut surface = block(stage.pick(6, 10), [1.0, 3.0, 1.0]);
+    place(&mut surface, |p| p + Vec3::new(0.0, 1.5, 0.0));
+    let mut scene = stage.scene(params(-9.81, Some(0.0)))?;
+    let body = scene.add_body(surface, material)?;
+    let blade = scene.add_blade([[-9.0, 9.0, -9.0], [-9.0, 9.0, 9.0]]);
+    for slice in 1..SLICES {
+        // Not through the rows of vertices, which would be slices of their own.
+        let y = 0.3 * slice as f32 + 0.007;
+        scene.jump_blade(blade, [[-9.0, y, -9.0], [-9.0, y, 9.0]]);
+        scene.move_blade(blade, [[9.0, y, -9.0], [9.0, y, 9.0]]);
+        scene.step()?;
+    }
+    scene.read(body)?;
+    let made = pieces(scene.body(body).surface()).len();
+    if made != SLICES as usize {
+        return Err(Failure::Law(format!("{made} slices of {SLICES}")));
+    }
+    let (mut frames, mut depth) = (0, 0.0);
+    while !scene.is_asleep(body) && frames < PATIENCE {
+        scene.step()?;
+        frames += 1;
+        if frames % 60 == 0 {
+            scene.read(body)?;
+            let body = scene.body(body);
+            let edge = body.solver().mean_rest_length();
+            depth = larger(depth, deepest(body.surface()) / edge);
+        }
+    }
+    Ok(Stacked {
+        seconds: f64::from(frames) * f64::from(FRAME),
+        depth,
+    })
+}
+
+fn stack(stage: &mut Stage, law: fn(&Stacked) -> f64) -> Result<Worst, Failure> {
+    let mut worst = Worst::default();
+    let all = materials();
+    for (name, material) in stage.pick(&all[..1], &all) {
+        let found = lie(stage, material);
+        worst.judge(found.map(|found| law(&found)), || (*name).to_owned());
+    }
+    Ok(worst)
+}
+
+/// Surfaces as the components of one.
+fn together(parts: [&Surface; 2]) -> Result<Surface, Failure> {
+    let (mut corners, mut faces) = (Vec::new(), Vec::new());
+    for part in parts {
+        let offset = u32::try_from(corners.len()).unwrap_or(u32::MAX);
+        corners.extend_from_slice(&part.rest);
+        let topology = part.topology();
+        let of = |t: TriangleId| topology.triangle(t).map(|v| v.0 + offset);
+        faces.extend(topology.triangles().map(of));
+    }
+    Surface::from_triangles(&corners, &faces).map_err(|error| Failure::Law(error.to_string()))
+}
+
+/// Gives a body's pieces their part: the first is held, the second falls.
+fn set_up(scene: &mut Scene, body: BodyId, speed: f32) -> Result<(), Failure> {
+    let (solver, surface) = scene.edit(body)?.solver_mut();
+    let all: Vec<VertexId> = surface.topology().vertices().collect();
+    for v in all {
+        if piece_of(surface, v) == 0 {
+            solver.pin(surface, v)?;
+        } else {
+            solver.set_velocity(v, [0.0, -speed, 0.0])?;
+        }
+    }
+    Ok(())
+}
+
+fn tunnel(stage: &mut Stage) -> Result<Worst, Failure> {
+    let mut worst = Worst::default();
+    let scales = [1.0, 1e-2, 1e2];
+    for &scale in stage.pick(&scales[..1], &scales) {
+        for offset in [0.0, 0.21, 0.37, 0.8] {
+            let mut plate = block(8, [4.0, 0.2, 4.0]);
+            let mut ball = icosphere(stage.pick(1, 3), 1.0);
+            place(&mut ball, |p| p + Vec3::new(offset, 3.0, offset / 3.0));
+            for part in [&mut plate, &mut ball] {
+                place(part, |p| p * scale);
+            }
+            let speed = 10.0 * 2.0 * 3.0_f64.sqrt() * scale;
+            for (name, material) in materials() {
+                let run = || -> Result<f64, Failure> {
+                    let mut scene = stage.scene(params(0.0, None))?;
+                    let body = scene.add_body(together([&plate, &ball])?, &material)?;
+                    #[expect(clippy::cast_possible_truncation, reason = "a speed of storage")]
+                    set_up(&mut scene, body, speed as f32)?;
+                    let mut deep = 0.0;
+                    for _ in 0..60 {
+                        scene.step()?;
+                        scene.read(body)?;
+                        let surface = scene.body(body).surface();
+                        let ball = surface.topology().vertices();
+                        for v in ball.filter(|&v| piece_of(surface, v) == 1) {
+                            let p = surface.position(v) / scale;
+                            if p.x.abs() < 2.0 && p.z.abs() < 2.0 {
+                                deep = larger(deep, (0.1 - p.y) / 0.2);
+                            }
+                        }
+                    }
+                    Ok(deep)
+                };
+                let found = run();
+                worst.judge(found, || format!("{name}, {offset} m aside, scale {scale}"));
+            }
+        }
+    }
+    Ok(worst)
+}
