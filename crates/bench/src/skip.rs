@@ -11,6 +11,7 @@ mod device;
 mod device;
 mod drivers;
 mod early;
+mod inside;
 mod minimal;
 mod row;
 mod sleeping;
@@ -45,11 +46,13 @@ pub(crate) struct SkipArguments {
 }
 
 /// What claims are about, in the order of the table; what a backend has no claim about is passed over there.
-const NAMES: [&str; 9] = [
+const NAMES: [&str; 11] = [
     "device",
     "sleep",
     "absent",
     "volume",
+    "struts",
+    "contacts",
     "blade-at-rest",
     "far-blade",
     "early-out",
@@ -171,6 +174,7 @@ fn on_the_processor(effort: Effort) -> Vec<Measurement<'static>> {
     out.extend(sleeping::measurements(effort));
     out.extend(bare::measurements(effort));
     out.extend(volumes::measurements(effort));
+    out.extend(inside::measurements(effort));
     out.extend(blades::measurements(effort));
     out.extend(early::measurements(effort));
     out
@@ -259,6 +263,7 @@ mod tests {
             assert_eq!(wanted(&["device"]), 1);
             assert_eq!(wanted(&["early-out"]), 2 * effort.models.len());
             assert_eq!(wanted(&["volume"]), effort.models.len());
+            assert_eq!(wanted(&["struts", "contacts"]), 3 * effort.models.len());
             assert_eq!(
                 wanted(&["far-blade", "blade-at-rest"]),
                 2 * effort.models.len()

@@ -82,6 +82,8 @@ pub(crate) struct Touching {
     before: Vec<Touch>,
     /// By vertex: its place in `before`.
     known: Vec<u32>,
+    /// The vertex at hand and its neighbors, with whose triangles it does not touch.
+    ring: Vec<VertexId>,
 }
 
 /// A contact as it was found, so that who rests finds the same again: were it looked for anew, triangles that are as near
@@ -236,8 +238,18 @@ impl Touching {
             let kept = before.filter(|touch| touch.holds(surface, at, thickness));
             let touch = kept.or_else(|| {
                 let within = thickness + way + SAFETY * towards * dt;
+                self.ring.clear();
+                if own {
+                    self.ring.push(v);
+                    for h in topology.outgoing_fan(v) {
+                        self.ring
+                            .extend([topology.target(h), topology.origin(h.prev())]);
+                    }
+                }
+                let ring = &self.ring;
                 let found = bvh.nearest(surface, at, within, |t| {
-                    surface.piece(t) != number || own && is_apart(surface, v, t)
+                    surface.piece(t) != number
+                        || own && !topology.triangle(t).iter().any(|c| ring.contains(c))
                 })?;
                 let velocity = relative_velocity(surface, solver, v, &found);
                 let mut touch = Touch::new(surface, (v, at), &found, velocity * dt);
@@ -361,13 +373,6 @@ fn thickness_at(surface: &Surface, touch: &Touch, thickness: f64) -> f64 {
     let corners = touch.corners.iter().zip(touch.weights);
     let point: Vec3 = corners.map(|(&c, w)| surface.rest_position(c) * w).sum();
     thickness.min((surface.rest_position(touch.vertex) - point).norm() / 2.0)
-}
-
-/// Whether no edge joins a vertex and a triangle.
-fn is_apart(surface: &Surface, v: VertexId, t: TriangleId) -> bool {
-    let topology = surface.topology();
-    let mut corners = topology.triangle(t).into_iter();
-    corners.all(|c| c != v && !topology.are_adjacent(v, c))
 }
 
 #[expect(

@@ -5,7 +5,7 @@ use crate::colliders::{ColliderRecord, PLANE, ROUND};
 
 /// Pushes vertices out of colliders, one collider after the other. What friction has left waits in the fourth entry of the
 /// velocity.
-#[inline(always)]
+#[inline(never)]
 pub(crate) fn colliders(
     x: &[[f32; 4]],
     d: &mut impl Displacements,

@@ -7,7 +7,7 @@ use crate::contacts::ContactRecord;
 
 /// Pushes vertices and triangles apart that are too near at a time of the frame \[s\], one contact after the other. What friction has left is kept for
 /// other iterations of the substep if there are any.
-#[inline(always)]
+#[inline(never)]
 pub(crate) fn contacts(
     x: &[[f32; 4]],
     d: &mut impl Displacements,

@@ -64,8 +64,8 @@ struct Places<'a> {
     center: usize,
 }
 
-/// Projects the volume of every piece.
-#[inline(always)]
+/// Projects the volume of every piece. By itself, so that the passes which every body has are compiled as if there were no others.
+#[inline(never)]
 pub(crate) fn volumes(
     arch: Arch,
     x: &[[f32; 4]],
@@ -121,7 +121,7 @@ fn sum<const BEFORE: bool>(
     if is_spread(spokes.len()) {
         gather.spread(arch);
     } else {
-        gather.call();
+        arch.dispatch(gather);
     }
     total_of(&rings.partial)
 }
