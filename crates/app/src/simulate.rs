@@ -9,8 +9,10 @@ use crate::pieces::{self, Piece};
 use clap::ValueEnum;
 use incise_cut::Sweep;
 use incise_mesh::{Surface, read_mesh};
-use incise_pbd_gpu::{Material, SolverParams};
-use incise_scene::{BackendChoice, BackendRequest, BodyId, Scene, SceneError, SceneParams};
+use incise_pbd_gpu::{Material, SolverParams, Struts, Volume};
+use incise_scene::{
+    BackendChoice, BackendRequest, BodyId, ContactParams, Scene, SceneError, SceneParams,
+};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -36,6 +38,15 @@ pub(crate) struct SimulateArguments {
     /// Height of a ground that nothing sinks below.
     #[arg(long, value_name = "H", value_parser = numbers::<1>, allow_hyphen_values = true)]
     ground: Option<Numbers<1>>,
+    /// Every closed piece keeps the volume that it has at rest.
+    #[arg(long)]
+    volume: bool,
+    /// Struts through the body hold its sides apart: so many a vertex, 0 to 1.
+    #[arg(long, value_name = "DENSITY", value_parser = numbers::<1>)]
+    struts: Option<Numbers<1>>,
+    /// Pieces touch each other instead of passing through each other.
+    #[arg(long)]
+    contacts: bool,
     /// Cut along the plane `nx x + ny y + nz z = d`.
     #[arg(long, value_name = "NX,NY,NZ,D", value_parser = numbers::<4>, allow_hyphen_values = true)]
     plane: Option<Numbers<4>>,
@@ -158,6 +169,7 @@ impl SimulateArguments {
                 ground: self.ground.map(|Numbers([height])| narrow(height)),
                 ..SolverParams::default()
             },
+            contacts: self.contacts.then(ContactParams::default),
             ..SceneParams::default()
         };
         let request = BackendRequest {
@@ -172,6 +184,17 @@ impl SimulateArguments {
         Scene::with_backend(params, &request)
     }
 
+    fn material(&self) -> Material {
+        Material {
+            volume: self.volume.then(Volume::default),
+            struts: self.struts.map(|Numbers([density])| Struts {
+                density: narrow(density),
+                ..Struts::default()
+            }),
+            ..Material::default()
+        }
+    }
+
     fn simulate(
         &self,
         surface: Surface,
@@ -184,9 +207,7 @@ impl SimulateArguments {
             source,
         };
         let mut scene = self.scene().map_err(failed)?;
-        let body = scene
-            .add_body(surface, &Material::default())
-            .map_err(failed)?;
+        let body = scene.add_body(surface, &self.material()).map_err(failed)?;
         let mut triangles_hit = None;
         for frame in 0..frames {
             let cuts = cut_at == Some(frame);

@@ -162,3 +162,54 @@ fn what_cannot_be_had_is_said() {
     }
     assert!(!out.exists(), "nothing is written");
 }
+
+#[test]
+fn halves_keep_their_volume_and_lie_on_each_other() {
+    let (folder, input) = with_sphere();
+    let out = folder.path().join("out");
+    let run = |more: &[&str]| {
+        let arguments = [
+            "simulate",
+            text(&input),
+            "--seconds",
+            "1",
+            "--ground",
+            "-0.6",
+            "--plane",
+            "0,1,0,0.05",
+            "-o",
+            text(&out),
+        ];
+        let done = incise(&[&arguments[..], more].concat());
+        assert_eq!(done.status.code(), Some(0), "{done:?}");
+        [0, 1].map(|number| piece(&out, number))
+    };
+    let whole = build_model(Model::Sphere80).volume();
+    let kept = |halves: &[Surface; 2]| halves.iter().map(Surface::volume).sum::<f64>() / whole;
+    let lowest = |halves: &[Surface; 2]| {
+        let lows = halves.each_ref().map(|half| half.bounds().min[1]);
+        lows[0].max(lows[1])
+    };
+    let all = run(&["--volume", "--struts", "1", "--contacts"]);
+    assert!((kept(&all) - 1.0).abs() < 0.01, "{}", kept(&all));
+    assert!(lowest(&all) > -0.3, "one is on top: {}", lowest(&all));
+    let none = run(&[]);
+    assert!(
+        lowest(&none) < -0.5,
+        "both on the ground: {}",
+        lowest(&none)
+    );
+    let bad = incise(&[
+        "simulate",
+        text(&input),
+        "--seconds",
+        "1",
+        "--struts",
+        "2",
+        "-o",
+        text(&out),
+    ]);
+    assert_eq!(bad.status.code(), Some(1), "{bad:?}");
+    let told = String::from_utf8(bad.stderr).unwrap();
+    assert!(told.contains("2 struts a vertex"), "{told}");
+}
