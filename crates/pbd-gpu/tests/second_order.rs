@@ -26,6 +26,8 @@ fn spring() -> (Surface, Solver, VertexId) {
         bending: None,
         damping: 0.0,
         friction: 0.0,
+        volume: None,
+        struts: None,
     };
     let mut solver = Solver::new(&mut surface, &material).unwrap();
     for v in [0, 1].map(VertexId) {

@@ -48,7 +48,7 @@ fn cut_ball(density: f32, y: f32) -> (Scene, BodyId) {
     let blade = scene.add_blade([[-2.0, y, -2.0], [-2.0, y, 2.0]]);
     scene.step().unwrap();
     scene.move_blade(blade, [[2.0, y, -2.0], [2.0, y, 2.0]]);
-    assert_eq!(scene.step().unwrap().cuts, 1);
+    assert_eq!(scene.step().unwrap().cuts, 1, "the blade cuts");
     (scene, id)
 }
 

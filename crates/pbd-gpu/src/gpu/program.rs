@@ -165,7 +165,7 @@ impl Compiler<'_> {
             .map(|b| b.body.rounds(lanes.whole_body, iterations))
             .max();
         let at_once =
-            (lanes.rounds / u64::from(most.unwrap_or(1))).clamp(1, u64::from(substeps.max(1)));
+            (lanes.rounds / most.unwrap_or(1).max(1)).clamp(1, u64::from(substeps.max(1)));
         let at_once = u32::try_from(at_once).unwrap_or(u32::MAX);
         for substep in (0..substeps).step_by(at_once as usize) {
             let pass = PassUniform {
