@@ -48,6 +48,7 @@ mod momentum;
 mod params;
 mod patches;
 mod plan;
+mod prepare;
 mod rest;
 mod second_order;
 mod solver;

@@ -68,8 +68,8 @@ struct Piece {
     speed: f64,
 }
 
-/// What a search needs, kept from frame to frame for its memory.
-#[derive(Debug, Default)]
+/// What a search found and needs, kept from frame to frame.
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Touching {
     pieces: Vec<Piece>,
     /// By piece number: its place in `pieces`.
@@ -102,13 +102,6 @@ struct Touch {
     at: Vec3,
     /// The triangle's normal then.
     facing: Vec3,
-}
-
-impl Clone for Touching {
-    /// Scratch memory is not worth copying.
-    fn clone(&self) -> Self {
-        Self::default()
-    }
 }
 
 /// The numbers of a frame.

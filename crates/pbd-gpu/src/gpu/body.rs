@@ -5,20 +5,17 @@ use super::blocks::Blocks;
 use super::contacts::DeviceContacts;
 use super::context::Context;
 use super::error::GpuError;
-use super::layout::{
-    BENDING, BodyRecord, Entry, PATCH_LAYERS, RUN_COLORS, RUN_STRIDE, Run, STRETCH,
-};
-use super::records::{Places, body_record, inverse_mass, position, push_pin, push_tether};
+use super::layout::{BENDING, BodyRecord, PATCH_LAYERS, RUN_COLORS, RUN_STRIDE, Run, STRETCH};
+use super::records::{Places, body_record, inverse_mass, position};
 use super::runs::Runs;
 use super::stats::Schedule;
 use super::upload::{Target, Uploads};
 use super::volumes::DeviceVolumes;
 use crate::changes::Changes;
-use crate::colliders::Colliders;
 use crate::coloring::MAX_COLORS;
 use crate::constraints::OVERFLOW;
 use crate::kernels::volume::CHUNK;
-use crate::plan::{Pin, StepConstants};
+use crate::plan::StepConstants;
 use crate::solver::Solver;
 use bytemuck::Zeroable;
 use incise_mesh::Surface;
@@ -67,20 +64,20 @@ pub(super) struct DeviceBody {
     /// By layer; empty unless the body goes by patches.
     patches: [Blocks; PATCH_LAYERS],
     /// Rented entries, slack included.
-    pins: Range<u32>,
+    pub(super) pins: Range<u32>,
     pub(super) pin_count: u32,
     /// Rented entries, slack included.
-    tethers: Range<u32>,
+    pub(super) tethers: Range<u32>,
     pub(super) tether_count: u32,
     /// Which of the solver's tethers the device has, 0 for none.
-    tether_generation: u64,
+    pub(super) tether_generation: u64,
     pub(super) volumes: DeviceVolumes,
     pub(super) contacts: DeviceContacts,
     /// Rented entries, slack included.
-    colliders: Range<u32>,
+    pub(super) colliders: Range<u32>,
     pub(super) collider_count: u32,
     /// Which of the solver's colliders the device has, 0 for none.
-    collider_generation: u64,
+    pub(super) collider_generation: u64,
     /// What the device was told last.
     record: BodyRecord,
     pub(super) schedule: Schedule,
@@ -288,82 +285,6 @@ impl DeviceBody {
         }
     }
 
-    /// Sends the pins; tells whether there are more or fewer of them now.
-    pub(super) fn update_pins(
-        &mut self,
-        context: &Context,
-        arenas: &mut Arenas,
-        uploads: &mut Uploads,
-        pins: &[Pin],
-    ) -> Result<bool, GpuError> {
-        uploads.entries.clear();
-        for pin in pins {
-            push_pin(&mut uploads.entries, pin);
-        }
-        send_list(&mut self.pins, context, arenas, uploads)?;
-        let count = u32::try_from(pins.len()).unwrap_or(u32::MAX);
-        Ok(std::mem::replace(&mut self.pin_count, count) != count)
-    }
-
-    /// Sends the tethers of the solver's plan if they were found anew; tells whether there are more or fewer now.
-    pub(super) fn update_tethers(
-        &mut self,
-        context: &Context,
-        arenas: &mut Arenas,
-        uploads: &mut Uploads,
-        solver: &Solver,
-    ) -> Result<bool, GpuError> {
-        let (tethers, generation) = (solver.tethers(), solver.tethers.generation());
-        if !tethers.is_empty() && self.tether_generation != generation {
-            uploads.entries.clear();
-            for tether in tethers {
-                push_tether(&mut uploads.entries, tether);
-            }
-            send_list(&mut self.tethers, context, arenas, uploads)?;
-            self.tether_generation = generation;
-        }
-        let count = u32::try_from(tethers.len()).unwrap_or(u32::MAX);
-        Ok(std::mem::replace(&mut self.tether_count, count) != count)
-    }
-
-    /// Sends the solver's contacts if they were set anew; tells whether there is more room for them or none any more.
-    pub(super) fn update_contacts(
-        &mut self,
-        context: &Context,
-        arenas: &mut Arenas,
-        uploads: &mut Uploads,
-        solver: &Solver,
-    ) -> Result<bool, GpuError> {
-        let contacts = (self.slot, solver.contacts());
-        self.contacts.update(context, arenas, uploads, contacts)
-    }
-
-    /// Sends the colliders if they were set anew; tells whether there are some now and were none, or the other way round.
-    pub(super) fn update_colliders(
-        &mut self,
-        context: &Context,
-        arenas: &mut Arenas,
-        uploads: &mut Uploads,
-        solver: &Solver,
-    ) -> Result<bool, GpuError> {
-        let Colliders {
-            records,
-            generation,
-            ..
-        } = &solver.colliders;
-        if self.collider_generation == *generation {
-            return Ok(false);
-        }
-        uploads.entries.clear();
-        let entries: &[Entry] = bytemuck::cast_slice(records);
-        uploads.entries.extend(entries);
-        send_list(&mut self.colliders, context, arenas, uploads)?;
-        self.collider_generation = *generation;
-        let count = u32::try_from(records.len()).unwrap_or(u32::MAX);
-        let before = std::mem::replace(&mut self.collider_count, count);
-        Ok((before > 0) != (count > 0))
-    }
-
     /// Sends the body's numbers if they differ from those that the device has.
     pub(super) fn update_record(
         &mut self,
@@ -447,21 +368,4 @@ impl DeviceBody {
         let velocities = bytemuck::cast_slice(&solver.velocities);
         uploads.send(context, buffer, offset, velocities);
     }
-}
-
-/// Sends a list of entries to its rented range, which grows where they have no room in it.
-fn send_list(
-    range: &mut Range<u32>,
-    context: &Context,
-    arenas: &mut Arenas,
-    uploads: &mut Uploads,
-) -> Result<(), GpuError> {
-    let count = uploads.entries.len();
-    if count > range.len() {
-        let (entries, _) = arenas.entries.allocate(context, with_slack(count))?;
-        arenas.entries.free(std::mem::replace(range, entries));
-    }
-    let offset = u64::from(range.start) * size_of::<Entry>() as u64;
-    uploads.write(context, arenas.entries.buffer(0), offset);
-    Ok(())
 }

@@ -4,19 +4,15 @@
 //! arrays, so a dispatch a body would leave it idle most of the time.
 
 use super::body::DeviceBody;
-use super::layout::{BENDING, CONTACTS, Link, PassUniform, STRETCH, STRUTS};
+use super::layout::{BENDING, Link, PassUniform, STRETCH, STRUTS};
 use super::pipelines::{Kernel, Lanes};
 use super::shaders::EntryPoint;
 use super::stats::Schedule;
-use crate::coloring::{LAYERS, MAX_COLORS};
+use crate::coloring::MAX_COLORS;
 use crate::plan::{Pass, StepPlan};
 
-/// A color of at most so many constraints in every body is small: looping over it costs a workgroup
-/// less than a dispatch of its own.
-const SMALL_COLOR: u32 = 256;
-
 /// A pass over whatever its links say.
-const NOTHING: PassUniform = PassUniform {
+pub(super) const NOTHING: PassUniform = PassUniform {
     first_link: 0,
     links: 0,
     kind: STRETCH,
@@ -25,14 +21,6 @@ const NOTHING: PassUniform = PassUniform {
     with_overflow: 0,
     substep: 0,
     pad: 0,
-};
-
-/// Contacts of all colors and those without one.
-const ALL_CONTACTS: PassUniform = PassUniform {
-    kind: CONTACTS,
-    colors: narrow(MAX_COLORS),
-    with_overflow: 1,
-    ..NOTHING
 };
 
 /// One dispatch.
@@ -73,9 +61,9 @@ pub(super) struct Program {
 }
 
 /// Makes programs.
-struct Compiler<'a> {
+pub(super) struct Compiler<'a> {
     bodies: &'a [Stepped<'a>],
-    workgroup: u32,
+    pub(super) workgroup: u32,
     program: Program,
 }
 
@@ -140,7 +128,7 @@ impl Program {
 
 impl Compiler<'_> {
     /// Those that go pass by pass, by patches too.
-    fn by_passes(&self) -> impl Iterator<Item = &Stepped<'_>> {
+    pub(super) fn by_passes(&self) -> impl Iterator<Item = &Stepped<'_>> {
         (self.bodies.iter()).filter(|b| b.body.schedule != Schedule::WholeBody)
     }
 
@@ -223,151 +211,8 @@ impl Compiler<'_> {
         out
     }
 
-    /// A pass over vertices, pins or tethers.
-    fn vertices(&mut self, pass: Pass) -> Option<Dispatch> {
-        let (kernel, by_substep) = match pass {
-            Pass::Predict => (EntryPoint::Predict, true),
-            Pass::Pins => (EntryPoint::Pins, true),
-            Pass::Tethers => (EntryPoint::Tethers, false),
-            Pass::Colliders => (EntryPoint::Colliders, false),
-            Pass::Ground => (EntryPoint::Ground, true),
-            _ => (EntryPoint::Integrate, true),
-        };
-        let lanes_of = |b: &Stepped<'_>| match pass {
-            Pass::Pins => b.body.pin_count,
-            Pass::Tethers => b.body.tether_count,
-            Pass::Colliders if b.body.collider_count == 0 => 0,
-            _ => b.body.vertex_count,
-        };
-        let lanes: Vec<(u32, u32)> = (self.by_passes()).map(|b| (b.slot, lanes_of(b))).collect();
-        self.dispatch(Kernel::Pass(kernel), NOTHING, by_substep, &lanes)
-    }
-
-    /// All multipliers of one kind at once.
-    fn resets(&mut self, out: &mut Vec<Dispatch>) {
-        for kind in [STRETCH, BENDING, STRUTS] {
-            let lanes: Vec<(u32, u32)> = (self.by_passes())
-                .map(|b| (b.slot, b.body.largest_run(kind)))
-                .collect();
-            let pass = PassUniform {
-                kind,
-                colors: self
-                    .by_passes()
-                    .map(|b| b.body.colors(kind))
-                    .max()
-                    .unwrap_or(0),
-                with_overflow: 1,
-                ..NOTHING
-            };
-            let kernel = Kernel::Pass(EntryPoint::ResetMultipliers);
-            out.extend(self.dispatch(kernel, pass, false, &lanes));
-        }
-        for layer in 1..LAYERS {
-            out.extend(self.patches(Kernel::ResetPatches, layer));
-        }
-        let contacts: Vec<(u32, u32)> = (self.by_passes())
-            .map(|b| {
-                (
-                    b.slot,
-                    b.body.contacts.count.min(1) * b.body.contacts.room(),
-                )
-            })
-            .collect();
-        let kernel = Kernel::Pass(EntryPoint::ResetMultipliers);
-        out.extend(self.dispatch(kernel, ALL_CONTACTS, false, &contacts));
-        let pieces: Vec<(u32, u32)> = (self.by_passes())
-            .map(|b| (b.slot, b.body.volumes.places.pieces))
-            .collect();
-        let kernel = Kernel::Pass(EntryPoint::ResetVolumes);
-        out.extend(self.dispatch(kernel, NOTHING, false, &pieces));
-    }
-
-    /// The contacts of all colors, of which each has few.
-    fn contacts(&mut self, out: &mut Vec<Dispatch>) {
-        let lanes: Vec<(u32, u32)> = (self.by_passes())
-            .map(|b| (b.slot, b.body.contacts.count.min(1) * self.workgroup))
-            .collect();
-        let kernel = Kernel::Pass(EntryPoint::Tail);
-        out.extend(self.dispatch(kernel, ALL_CONTACTS, true, &lanes));
-    }
-
-    /// The sums of chunks, what follows from them for pieces, and the way of every vertex.
-    fn volumes(&mut self, out: &mut Vec<Dispatch>) {
-        for entry_point in [
-            EntryPoint::SumVolumes,
-            EntryPoint::StepVolumes,
-            EntryPoint::MoveVolumes,
-        ] {
-            let groups = |b: &Stepped<'_>| match entry_point {
-                EntryPoint::StepVolumes => b.body.volumes.places.pieces,
-                _ => b.body.volumes.places.chunks,
-            };
-            let lanes: Vec<(u32, u32)> = (self.by_passes())
-                .map(|b| (b.slot, groups(b) * self.workgroup))
-                .collect();
-            out.extend(self.dispatch(Kernel::Pass(entry_point), NOTHING, false, &lanes));
-        }
-    }
-
-    /// A workgroup a patch of a layer.
-    fn patches(&mut self, kernel: Kernel, layer: usize) -> Option<Dispatch> {
-        let lanes: Vec<(u32, u32)> = (self.by_passes())
-            .map(|b| (b.slot, b.body.patches(layer - 1) * self.workgroup))
-            .collect();
-        let pass = PassUniform {
-            color: narrow(layer - 1),
-            ..NOTHING
-        };
-        self.dispatch(kernel, pass, false, &lanes)
-    }
-
-    /// Passes over the colors of one kind and layer: large ones get a dispatch each, what follows the
-    /// last large one shares one.
-    fn colors(&mut self, kind: u32, run: &[Pass], out: &mut Vec<Dispatch>) {
-        let is_large = |pass: &Pass| match color_of(*pass) {
-            Some(color) => (self.by_passes()).any(|b| b.body.run_len(kind, color) > SMALL_COLOR),
-            None => false,
-        };
-        let large = run.iter().rposition(is_large).map_or(0, |last| last + 1);
-        let (large, small) = run.split_at(large);
-        for color in large.iter().filter_map(|&pass| color_of(pass)) {
-            let lanes: Vec<(u32, u32)> = (self.by_passes())
-                .map(|b| (b.slot, b.body.run_len(kind, color)))
-                .collect();
-            let kernel = match kind {
-                BENDING => EntryPoint::Bending,
-                _ => EntryPoint::Stretch,
-            };
-            let pass = PassUniform {
-                kind,
-                color: narrow(color),
-                ..NOTHING
-            };
-            out.extend(self.dispatch(Kernel::Pass(kernel), pass, false, &lanes));
-        }
-        let colors: Vec<usize> = small.iter().filter_map(|&pass| color_of(pass)).collect();
-        let with_overflow = small.iter().any(|&pass| color_of(pass).is_none());
-        let first = colors.first().copied().unwrap_or(0);
-        let end = colors.last().map_or(0, |&last| last + 1);
-        let holds = |b: &Stepped<'_>| {
-            let any = (first..end).any(|color| b.body.run_len(kind, color) > 0);
-            any || with_overflow && b.body.overflow_len(kind) > 0
-        };
-        let lanes: Vec<(u32, u32)> = (self.by_passes())
-            .map(|b| (b.slot, if holds(b) { self.workgroup } else { 0 }))
-            .collect();
-        let pass = PassUniform {
-            kind,
-            color: narrow(first),
-            colors: narrow(end - first),
-            with_overflow: u32::from(with_overflow),
-            ..NOTHING
-        };
-        out.extend(self.dispatch(Kernel::Pass(EntryPoint::Tail), pass, false, &lanes));
-    }
-
     /// A dispatch over bodies with so many lanes each; none if there is nothing to do.
-    fn dispatch(
+    pub(super) fn dispatch(
         &mut self,
         kernel: Kernel,
         pass: PassUniform,
@@ -425,7 +270,7 @@ fn family(pass: Pass) -> Option<Family> {
 }
 
 /// The color of a pass; none for an overflow.
-fn color_of(pass: Pass) -> Option<usize> {
+pub(super) fn color_of(pass: Pass) -> Option<usize> {
     match pass {
         Pass::Stretch { color } | Pass::Bending { color } | Pass::Struts { color } => Some(color),
         _ => None,
@@ -436,7 +281,7 @@ fn color_of(pass: Pass) -> Option<usize> {
     clippy::cast_possible_truncation,
     reason = "more than that many are more than a device has room for"
 )]
-const fn narrow(count: usize) -> u32 {
+pub(super) const fn narrow(count: usize) -> u32 {
     if count < u32::MAX as usize {
         count as u32
     } else {
