@@ -5,13 +5,16 @@ use crate::solver::Solver;
 use incise_mesh::Aabb;
 
 /// A solid shape at a place. It pushes bodies and is pushed by none; friction is the body's.
+///
+/// Vertices are kept out of it, where they are at the end of each substep: triangles much larger than the shape may lie across it, and what moves
+/// past it within a substep is not stopped. One that appears within a body, or jumps into it, pushes all of it out at once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Collider {
     /// Everything on the far side of a plane.
     Plane {
         /// A point on it \[m\].
         point: [f32; 3],
-        /// Out of the solid; of any length but 0.
+        /// Out of the solid; of any length whose square is a number above 0.
         normal: [f32; 3],
     },
     /// A ball.
@@ -90,6 +93,12 @@ impl Collider {
                 around(center, [diagonal; 3])
             }
         }
+    }
+
+    /// Whether it is a shape: its numbers are finite, its sizes above 0, and its directions have a length.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        self.record().is_some()
     }
 
     /// The record, if all numbers are finite and directions are directions.

@@ -17,7 +17,7 @@ impl Scene {
 
     /// Gives every body that is awake its colliders.
     pub(crate) fn hand_out_colliders(&mut self) -> Result<(), SceneError> {
-        let mut near = Vec::new();
+        let near = &mut self.near_colliders;
         for (i, body) in self.bodies.iter_mut().enumerate() {
             let Some(body) = body else { continue };
             if self.sleep.is_asleep(i) {
@@ -32,7 +32,7 @@ impl Scene {
                 near.extend(self.colliders.iter().filter(comes_to).copied());
             }
             self.stats.colliders += near.len();
-            body.parts().1.set_colliders(&near)?;
+            body.parts().1.set_colliders(near)?;
         }
         Ok(())
     }

@@ -1,7 +1,8 @@
 //! Which vertices touch which triangles: what the pieces of a body have to do with each other, found anew in every frame.
 //!
 //! Boxes first: a piece whose box, grown by what may move in a frame, meets no other one is not looked at. Of the others
-//! every vertex in such a box gets the nearest triangle within reach. A vertex stays on its side of what it was nearest
+//! every vertex in such a box gets the nearest triangle within reach that faces it: a thin piece's other side does not, so nothing is
+//! pushed out through it. A vertex stays on its side of what it was nearest
 //! to when the frame began, so nothing gets through however fast it is; pieces that lie in each other already part
 //! slowly, since to push them apart at once would throw them.
 
@@ -24,7 +25,8 @@ const APART: f64 = 5.0;
 const AGAIN: f64 = 0.1;
 const TURNED: f64 = 0.02;
 
-/// How pieces touch. Friction is the material's.
+/// How pieces touch. Friction is the material's. A surface has one outside: open sheets touch each other only where those meet, and a
+/// vertex is compared with triangles, not edges with edges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactParams {
     /// How far surfaces stay from each other, in mean lengths of the body's edges at rest.
@@ -240,20 +242,20 @@ impl Touching {
                     }
                 }
                 let ring = &self.ring;
+                let outward = outward(surface, v);
                 let found = bvh.nearest(surface, at, within, |t| {
-                    surface.piece(t) != number
-                        || own && !topology.triangle(t).iter().any(|c| ring.contains(c))
+                    let is_other = surface.piece(t) != number
+                        || own && !topology.triangle(t).iter().any(|c| ring.contains(c));
+                    is_other && outward.dot(&normal(surface, t)) < 0.0
                 })?;
                 let velocity = relative_velocity(surface, solver, v, &found);
-                let mut touch = Touch::new(surface, (v, at), &found, velocity * dt);
-                if let Some(before) = before {
-                    touch.goal = touch.goal.max(before.goal);
-                }
-                Some(touch)
+                Some(Touch::new(surface, (v, at), &found, velocity * dt))
             });
             if let Some(mut touch) = touch {
                 let thickness = thickness_at(surface, &touch, thickness);
-                touch.goal = touch.goal.min(thickness);
+                // Who cannot follow is not pushed the harder for it.
+                let near = touch.height(surface, at) + AGAIN * thickness;
+                touch.goal = touch.goal.min(near).min(thickness);
                 let rise = APART * (thickness - touch.goal).min(2.0 * thickness);
                 self.contacts.push(touch.contact(rise));
                 touch.goal += rise * dt;
@@ -301,6 +303,20 @@ impl Touch {
             && (facing(surface, self.triangle) - self.facing).norm() <= TURNED
     }
 
+    /// From the point to `at` \[m\].
+    fn way(&self, surface: &Surface, at: Vec3) -> Vec3 {
+        let corners = self.corners.iter().zip(self.weights);
+        let point: Vec3 = corners
+            .map(|(&c, weight)| surface.position(c) * weight)
+            .sum();
+        at - point
+    }
+
+    /// How far the vertex is off along the way out \[m\].
+    fn height(&self, surface: &Surface, at: Vec3) -> f64 {
+        self.way(surface, at).dot(&self.out)
+    }
+
     #[expect(
         clippy::cast_possible_truncation,
         reason = "what was found is rounded once to storage"
@@ -319,8 +335,18 @@ impl Touch {
 
 /// A triangle's unit normal; zero of one without area.
 fn facing(surface: &Surface, t: TriangleId) -> Vec3 {
-    let normal = area_vector(surface.triangle_positions(t));
-    normal.try_normalize(0.0).unwrap_or_default()
+    normal(surface, t).try_normalize(0.0).unwrap_or_default()
+}
+
+/// Along a triangle's normal [m^2].
+fn normal(surface: &Surface, t: TriangleId) -> Vec3 {
+    area_vector(surface.triangle_positions(t))
+}
+
+/// Out of the body at a vertex [m^2].
+fn outward(surface: &Surface, v: VertexId) -> Vec3 {
+    let fan = surface.topology().outgoing_fan(v);
+    fan.map(|h| normal(surface, h.triangle())).sum()
 }
 
 /// How fast a vertex is as seen from where it is nearest [m/s].

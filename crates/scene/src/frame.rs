@@ -9,7 +9,7 @@ use crate::scene::{Refusal, Scene};
 use crate::stats::FrameStats;
 use incise_cut::{CutParams, Sweep};
 use incise_mesh::Aabb;
-use incise_pbd_gpu::{Integrator, StepError};
+use incise_pbd_gpu::{Collider, ConstraintError, Integrator, StepError};
 use std::time::Instant;
 
 impl Scene {
@@ -148,6 +148,10 @@ impl Scene {
         }
         if let Some(contacts) = contacts {
             contacts.check()?;
+        }
+        let is_bad = |collider: &Collider| !collider.is_sound();
+        if let Some(number) = self.colliders.iter().position(is_bad) {
+            return Err(ConstraintError::BadCollider { number }.into());
         }
         if let Some(device) = &self.device
             && solver.integrator != Integrator::Euler

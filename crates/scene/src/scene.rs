@@ -34,6 +34,8 @@ pub struct Scene {
     pub colliders: Vec<Collider>,
     /// Those of the frame before.
     pub(crate) known_colliders: Vec<Collider>,
+    /// Those near the body at hand. Its content matters to nobody between bodies.
+    pub(crate) near_colliders: Vec<Collider>,
     pub(crate) bodies: Vec<Option<Box<Body>>>,
     pub(crate) blades: Vec<Blade>,
     pub(crate) stats: FrameStats,
