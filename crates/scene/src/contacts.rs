@@ -1,8 +1,8 @@
 //! Which vertices touch which triangles: what the pieces of a body have to do with each other, found anew in every frame.
 //!
 //! Boxes first: a piece whose box, grown by what may move in a frame, meets no other one is not looked at. Of the others
-//! every vertex in such a box gets the nearest triangle within reach that faces it: a thin piece's other side does not, so nothing is
-//! pushed out through it. A vertex stays on its side of what it was nearest
+//! every vertex in such a box gets the nearest triangle within reach that faces it or that it is in front of: it is behind a thin piece's
+//! other side, which does not face it, so nothing is pushed out through that. A vertex stays on its side of what it was nearest
 //! to when the frame began, so nothing gets through however fast it is; pieces that lie in each other already part
 //! slowly, since to push them apart at once would throw them.
 
@@ -244,9 +244,14 @@ impl Touching {
                 let ring = &self.ring;
                 let outward = outward(surface, v);
                 let found = bvh.nearest(surface, at, within, |t| {
-                    let is_other = surface.piece(t) != number
-                        || own && !topology.triangle(t).iter().any(|c| ring.contains(c));
-                    is_other && outward.dot(&normal(surface, t)) < 0.0
+                    let corners = topology.triangle(t);
+                    let normal = normal(surface, t);
+                    let faces = outward.dot(&normal) < 0.0;
+                    if surface.piece(t) != number {
+                        faces || normal.dot(&(at - surface.position(corners[0]))) > 0.0
+                    } else {
+                        own && faces && !corners.iter().any(|c| ring.contains(c))
+                    }
                 })?;
                 let velocity = relative_velocity(surface, solver, v, &found);
                 Some(Touch::new(surface, (v, at), &found, velocity * dt))
