@@ -1,8 +1,8 @@
 //! Which vertices touch which triangles: what the pieces of a body have to do with each other, found anew in every frame.
 //!
 //! Boxes first: a piece whose box, grown by what may move in a frame, meets no other one is not looked at. Of the others
-//! every vertex in such a box gets the nearest triangle within reach that faces it or that it is in front of: it is behind a thin piece's
-//! other side, which does not face it, so nothing is pushed out through that. A vertex stays on its side of what it was nearest
+//! every vertex in such a box gets the nearest triangle within reach that faces it, so that nothing is pushed out through the
+//! other side of a thin piece. A vertex stays on its side of what it was nearest
 //! to when the frame began, so nothing gets through however fast it is; pieces that lie in each other already part
 //! slowly, since to push them apart at once would throw them.
 
@@ -243,16 +243,18 @@ impl Touching {
                 }
                 let ring = &self.ring;
                 let outward = outward(surface, v);
-                let found = bvh.nearest(surface, at, within, |t| {
-                    let corners = topology.triangle(t);
-                    let normal = normal(surface, t);
-                    let faces = outward.dot(&normal) < 0.0;
-                    if surface.piece(t) != number {
-                        faces || normal.dot(&(at - surface.position(corners[0]))) > 0.0
-                    } else {
-                        own && faces && !corners.iter().any(|c| ring.contains(c))
-                    }
-                })?;
+                let faces = |t| outward.dot(&normal(surface, t)) < 0.0;
+                let is_fold =
+                    |t| own && faces(t) && !topology.triangle(t).iter().any(|c| ring.contains(c));
+                let is_other = |t| surface.piece(t) != number;
+                let facing = |t| is_other(t) && faces(t) || is_fold(t);
+                let mut found = bvh.nearest(surface, at, within, facing)?;
+                if found.distance < 0.0 {
+                    // Inside of what faces it, or outside of what does not: a collapsed skin comes from behind.
+                    let all = |t| is_other(t) || is_fold(t);
+                    let any = bvh.nearest(surface, at, -found.distance, all);
+                    found = any.filter(|any| any.distance > 0.0).unwrap_or(found);
+                }
                 let velocity = relative_velocity(surface, solver, v, &found);
                 Some(Touch::new(surface, (v, at), &found, velocity * dt))
             });
