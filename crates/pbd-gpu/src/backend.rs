@@ -297,23 +297,14 @@ mod tests {
                 ..PlanKey::default()
             };
             plan.update(key, &stretch, None, None);
-            let rigid = Projection {
-                factor: 0.0,
-                alpha: 0.0,
-                own_weight: 1.0,
-                old: 0.0,
-                keeps: false,
-                recovery: 0.0,
-                hold: 0.0,
-            };
             let constants = StepConstants {
                 h,
                 substeps: 1,
                 gravity_step: [0.0; 3],
                 kept_velocity: 1.0,
                 stretch: projection,
-                bending: rigid,
-                struts: rigid,
+                bending: Projection::NONE,
+                struts: Projection::NONE,
                 volume: VolumeProjection::NONE,
                 ground: f32::NEG_INFINITY,
                 friction: 0.0,

@@ -100,6 +100,17 @@ pub struct Projection {
 }
 
 impl Projection {
+    /// Of constraints that a body does not have.
+    pub(crate) const NONE: Self = Self {
+        factor: 0.0,
+        alpha: 0.0,
+        own_weight: 1.0,
+        old: 0.0,
+        keeps: false,
+        recovery: 0.0,
+        hold: 0.0,
+    };
+
     /// Bending beside edges of that `alpha`.
     pub(crate) fn beside_edges(self, alpha: f32) -> Self {
         let hold = HOLD / alpha;

@@ -73,15 +73,6 @@ impl Solver {
         substeps: u32,
         params: &SolverParams,
     ) -> StepConstants {
-        let rigid = Projection {
-            factor: 0.0,
-            alpha: 0.0,
-            own_weight: 1.0,
-            old: 0.0,
-            keeps: false,
-            recovery: 0.0,
-            hold: 0.0,
-        };
         let slowed = 1.0 + self.material.damping * h;
         // Damping holds back what constraints push as it does what gravity pulls: else it would hold up a soft
         // body that hangs at rest.
@@ -109,8 +100,8 @@ impl Solver {
             gravity_step: params.gravity.map(|g| g * h),
             kept_velocity: 1.0 / slowed,
             stretch,
-            bending: self.material.bending.map_or(rigid, bending),
-            struts: (self.material.struts).map_or(rigid, |struts| Projection {
+            bending: self.material.bending.map_or(Projection::NONE, bending),
+            struts: (self.material.struts).map_or(Projection::NONE, |struts| Projection {
                 own_weight: OWN_WEIGHT,
                 ..projection(struts.stiffness)
             }),

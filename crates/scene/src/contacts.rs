@@ -3,8 +3,8 @@
 //! Boxes first: a piece whose box, grown by what may move in a frame, meets no other one is not looked at. Of the others
 //! every vertex in such a box gets the nearest triangle within reach that faces it, so that nothing is pushed out through the
 //! other side of a thin piece. A vertex stays on its side of what it was nearest
-//! to when the frame began, so nothing gets through however fast it is; pieces that lie in each other already part
-//! slowly, since to push them apart at once would throw them.
+//! to when the frame began, as far as anything of it gets no more than [`SAFETY`] times as fast within the frame; pieces that lie in each
+//! other already part slowly, since to push them apart at once would throw them.
 
 use crate::error::SceneError;
 use incise_cut::{Bvh, NearestPoint};
@@ -300,11 +300,7 @@ impl Touch {
         {
             return false;
         }
-        let corners = self.corners.iter().zip(self.weights);
-        let point: Vec3 = corners
-            .map(|(&c, weight)| surface.position(c) * weight)
-            .sum();
-        let now = at - point;
+        let now = self.way(surface, at);
         (now - self.at).norm() <= AGAIN * thickness
             && now.dot(&self.out) <= (1.0 + AGAIN) * thickness
             && (facing(surface, self.triangle) - self.facing).norm() <= TURNED
