@@ -31,7 +31,7 @@ mod update;
 mod validate;
 
 pub use cast::RayHit;
-pub use nearest::NearestPoint;
+pub use nearest::{NearestPoint, NodeReaches};
 pub use validate::InvalidBvh;
 
 use incise_mesh::{Aabb, Surface, TriangleId, VertexId};

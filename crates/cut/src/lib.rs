@@ -30,7 +30,7 @@ mod params;
 mod rebuild;
 mod sweep;
 
-pub use bvh::{Bvh, InvalidBvh, NearestPoint, RayHit};
+pub use bvh::{Bvh, InvalidBvh, NearestPoint, NodeReaches, RayHit};
 pub use cutter::{CutOutcome, CutReport, Cutter};
 pub use error::CutError;
 pub use inside::starts_inside;

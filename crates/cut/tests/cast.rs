@@ -1,6 +1,6 @@
 //! Rays through a body against looking at every triangle, and a way against a sweep.
 
-use incise_cut::{Bvh, Sweep};
+use incise_cut::{Bvh, CutParams, Cutter, NodeReaches, Sweep};
 use incise_mesh::{Aabb, Surface, TriangleId, Vec3, VertexId, cube_sphere, torus};
 use proptest::prelude::*;
 
@@ -129,6 +129,49 @@ proptest! {
                 if distance > 1e-6 {
                     prop_assert_eq!(found.distance < 0.0, crossings % 2 == 1);
                 }
+            }
+        }
+    }
+}
+
+proptest! {
+    /// What is farther than its own reach is not found, nor what is of the piece that is left out, and a good guess changes nothing.
+    #[test]
+    fn the_nearest_in_reach_is_that_of_all_triangles_one_by_one(
+        to in [-1.6f64..1.6, -1.6..1.6, -0.6..0.6],
+        more in 0.0f64..0.2,
+        seed in 0u32..1000,
+    ) {
+        let mut surface = torus(1.0, 0.4, 24, 12);
+        let mut cutter = Cutter::new(&surface);
+        for (normal, d) in [([1.0, 0.2, 0.1], 0.03), ([0.1, 1.0, 0.2], -0.02)] {
+            let sweep = Sweep::across_box(normal, d, &surface.bounds()).unwrap();
+            cutter.cut(&mut surface, &sweep, &CutParams::default()).unwrap();
+        }
+        prop_assert_eq!(surface.piece_count(), 4);
+        let bvh = cutter.bvh();
+        let to = Vec3::from(to);
+        let own = |t: TriangleId| {
+            f64::from((t.0.wrapping_mul(2_654_435_761) ^ seed.wrapping_mul(97)) % 64) / 256.0
+        };
+        let mut reaches = NodeReaches::default();
+        reaches.find(bvh, &surface, own);
+        let counts = |t: TriangleId| !t.0.is_multiple_of(3);
+        for but in [None, Some(1), Some(2)] {
+            let others = surface.topology().triangles();
+            let others = others.filter(|&t| counts(t) && Some(surface.piece(t)) != but);
+            let each = others.filter_map(|t| {
+                let found = bvh.nearest(&surface, to, own(t) + more, |other| other == t)?;
+                Some(found.distance.abs())
+            });
+            let expected = each.min_by(f64::total_cmp);
+            for first in [None, Some(TriangleId(seed)), Some(TriangleId(seed / 3))] {
+                let search = (&reaches, but);
+                let found = bvh.nearest_in_reach(&surface, (to, more), search, first, counts);
+                let found = found.map(|found| found.distance.abs());
+                prop_assert_eq!(found.is_some(), expected.is_some());
+                let off = found.zip(expected).map_or(0.0, |(a, b)| (a - b).abs());
+                prop_assert!(off < 1e-9, "{found:?}, not {expected:?}");
             }
         }
     }

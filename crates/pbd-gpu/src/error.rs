@@ -67,6 +67,14 @@ pub enum ConstraintError {
         /// Its place in the list.
         number: usize,
     },
+    /// A contact that is none.
+    #[error(
+        "the contact of {vertex} has a number that is not finite, a normal that has not length 1, weights that do not sum to 1, or the vertex for a corner"
+    )]
+    BadContact {
+        /// Its vertex.
+        vertex: VertexId,
+    },
     /// Struts for a body whose material has none.
     #[error("the body's material has no struts; make the body anew with them")]
     WithoutStruts,

@@ -63,7 +63,7 @@ pub use backend::{Backend, CpuBackend};
 pub use colliders::Collider;
 pub use coloring::{LAYERS, MAX_COLORS};
 pub use constraints::{Batch, BendingSet, ConstraintSet, StretchSet};
-pub use contacts::{Contact, ContactSet};
+pub use contacts::{Above, Contact, ContactSet};
 pub use error::{ConstraintError, InvalidConstraints, StepError};
 #[cfg(feature = "gpu")]
 pub use gpu::{

@@ -7,7 +7,7 @@ mod twin;
 
 use gpu::{Needs, trial};
 use incise_mesh::{Model, Surface, TriangleId, build_model};
-use incise_pbd_gpu::{Collider, Contact, Context, GpuBackend, Schedule, SolverParams};
+use incise_pbd_gpu::{Above, Collider, Contact, Context, GpuBackend, Schedule, SolverParams};
 use std::process::ExitCode;
 use twin::{Dice, SCHEDULES, Twin, busy};
 
@@ -28,11 +28,20 @@ fn contacts(surface: &Surface, dice: &mut Dice, count: usize) -> Vec<Contact> {
         let (a, b) = (part() / 2.0, part() / 2.0);
         let normal = [part() - 0.5, part() - 0.5, part() - 0.5];
         let norm = normal.iter().map(|c| c * c).sum::<f32>().sqrt();
+        let above = if part() < 0.25 {
+            Above::Plane {
+                height: part() - 0.5,
+            }
+        } else {
+            Above::Triangle {
+                corners,
+                weights: [a, b, 1.0 - a - b],
+            }
+        };
         if !corners.contains(&v) && norm > 0.1 {
             out.push(Contact {
                 vertex: v,
-                corners,
-                weights: [a, b, 1.0 - a - b],
+                above,
                 normal: normal.map(|c| c / norm),
                 gap: 0.02 * part(),
                 rise: 0.1 * part(),

@@ -200,8 +200,8 @@ impl Body {
         params.own || self.surface.piece_count() > 1
     }
 
-    /// Finds the contacts of the next frame; says how many there are. The search tree must fit.
-    pub(crate) fn find_contacts(&mut self, reach: &Reach) -> Result<usize, SceneError> {
+    /// Finds the contacts of the next frame; says how many there are. The search tree must fit if [`Body::may_touch`].
+    pub(crate) fn find_contacts(&mut self, reach: &Reach<'_>) -> Result<usize, SceneError> {
         let Self {
             surface,
             solver,

@@ -25,8 +25,11 @@ pub enum SceneError {
     /// A cut cannot be taken back; nothing has changed.
     #[error("undo: {0}")]
     Undo(#[from] UndoError),
-    /// A thickness that keeps nothing apart.
-    #[error("a thickness of contacts of {value} edges is not a finite number above 0")]
+    /// A thickness that keeps nothing apart, or everything.
+    #[error(
+        "a thickness of contacts of {value} edges is not above 0 and at most {}",
+        crate::ContactParams::THICKEST
+    )]
     BadContacts {
         /// What was asked for.
         value: f32,

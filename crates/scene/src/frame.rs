@@ -57,6 +57,7 @@ impl Scene {
         let begin = Instant::now();
         self.check_frame()?;
         self.wake_at_colliders();
+        self.find_flats();
         self.sleep.begin_frame(&self.params);
         self.stats.woken = self.sleep.take_woken();
         self.stats.asleep = self.sleep.sleepers();
@@ -103,7 +104,8 @@ impl Scene {
             if self.sleep.is_asleep(i) {
                 continue;
             }
-            let Some(params) = params.filter(|params| body.may_touch(params)) else {
+            let own = params.is_some_and(|params| body.may_touch(&params));
+            let Some(params) = params.filter(|_| own || !self.flats.is_empty()) else {
                 body.drop_contacts()?;
                 continue;
             };
@@ -120,12 +122,17 @@ impl Scene {
             let pull = g.iter().map(|g| g * g).sum::<f64>().sqrt();
             let reach = Reach {
                 params,
-                dt: *dt,
+                dt: f64::from(*dt),
                 gained: pull * f64::from(*dt),
+                ground: solver.ground,
+                colliders: &self.colliders,
+                flats: &self.flats,
             };
-            let refit = u32::from(body.refit());
-            self.stats.refits += refit;
-            self.stats.refits_skipped = self.stats.refits_skipped.saturating_sub(refit);
+            if own {
+                let refit = u32::from(body.refit());
+                self.stats.refits += refit;
+                self.stats.refits_skipped = self.stats.refits_skipped.saturating_sub(refit);
+            }
             self.stats.contact_searches += 1;
             self.stats.contacts += body.find_contacts(&reach)?;
         }

@@ -3,6 +3,7 @@
 use crate::backend::BackendState;
 use crate::blade::{Blade, BladeId};
 use crate::body::{Body, BodyId};
+use crate::contacts::Flat;
 use crate::device::Device;
 use crate::error::SceneError;
 use crate::params::SceneParams;
@@ -34,7 +35,10 @@ pub struct Scene {
     pub colliders: Vec<Collider>,
     /// Those of the frame before.
     pub(crate) known_colliders: Vec<Collider>,
-    /// Those near the body at hand. Its content matters to nobody between bodies.
+    /// The flats of blades, and those of the frame before.
+    pub(crate) flats: Vec<Flat>,
+    pub(crate) known_flats: Vec<Flat>,
+    /// Colliders near the body at hand. Its content matters to nobody between bodies.
     pub(crate) near_colliders: Vec<Collider>,
     pub(crate) bodies: Vec<Option<Box<Body>>>,
     pub(crate) blades: Vec<Blade>,
@@ -263,12 +267,27 @@ impl Scene {
         &self.blades[id.0]
     }
 
+    /// All blades, in the order in which they were added.
+    pub fn blades(&self) -> impl Iterator<Item = BladeId> + use<> {
+        (0..self.blades.len()).map(BladeId)
+    }
+
     /// Restricts a blade to one piece of the bodies, or frees it.
     ///
     /// # Panics
     /// When the id is another scene's.
     pub fn set_blade_piece(&mut self, id: BladeId, only_piece: Option<u32>) {
         self.blades[id.0].only_piece = only_piece;
+    }
+
+    /// Gives a blade a flat: a parallelogram from its edge to its back, so far away \[m\], that bodies touch from both sides where
+    /// [`crate::SceneParams::contacts`] says how; pieces lie against it while it is between them, and it pushes them before it.
+    /// It rubs as one that does not move along itself. `None`, as at first, leaves the edge alone.
+    ///
+    /// # Panics
+    /// When the id is another scene's.
+    pub fn set_blade_back(&mut self, id: BladeId, back: Option<[f32; 3]>) {
+        self.blades[id.0].back = back;
     }
 
     /// Moves a blade: the next frame cuts along the way.

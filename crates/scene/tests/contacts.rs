@@ -210,6 +210,34 @@ fn nothing_gets_through_at_ten_diagonals_a_second() {
     }
 }
 
+#[test]
+fn a_pin_is_not_dragged_through_a_piece_within_a_frame() {
+    let plate = moved(&cube(8), [0.0; 3], [2.0, 0.1, 2.0]);
+    let above = moved(&cube_sphere(5, 1.0), [0.1, 1.4, 0.2], [1.0; 3]);
+    let mut scene = Scene::new(params([0.0; 3], None));
+    let id = (scene.add_body(together(&[plate, above]), &firm(0.0))).unwrap();
+    scene.step().unwrap();
+    hold(&mut scene, id, 1);
+    let pins = scene.body(id).solver().pins().to_vec();
+    for pin in pins {
+        let [x, y, z] = pin.target;
+        let to = [x, y - 2.0, z];
+        scene.set_pin_target(id, pin.vertex, to).unwrap();
+    }
+    // All of the ball is 2 m lower a frame later, and the plate with it.
+    for _ in 0..3 {
+        scene.step().unwrap();
+    }
+    let [_, top] = heights(scene.body(id), 0);
+    let [bottom, _] = heights(scene.body(id), 1);
+    assert!(
+        bottom < -1.0,
+        "the ball is where it was dragged: {bottom} m"
+    );
+    assert!(rising(scene.body(id), 0) < 0.0, "the plate goes before it");
+    assert!(top < 0.0, "its top is at {top} m");
+}
+
 /// How far a block slides down a slope of the tangent `slope` in half a second \[m\].
 fn slid(friction: f32, slope: f32) -> f32 {
     let block = moved(&cube(3), [-0.5, 0.22, 0.0], [0.2; 3]);

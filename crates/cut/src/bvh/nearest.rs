@@ -1,7 +1,6 @@
 //! What is nearest to a point?
 
-use super::{Bvh, MAX_HEIGHT};
-use incise_mesh::geometry::widen;
+use super::{Bvh, MAX_HEIGHT, NONE};
 use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
 
 /// The point of a triangle that is nearest to another one.
@@ -17,6 +16,79 @@ pub struct NearestPoint {
     pub distance: f64,
 }
 
+/// Of every node of a tree the piece that all of its triangles are of, and how far from a point the farthest of them counts
+/// as near: so a search passes by a whole piece, and looks far for what is fast alone.
+#[derive(Debug, Clone, Default)]
+pub struct NodeReaches {
+    /// By node.
+    nodes: Vec<NodeReach>,
+    /// By triangle slot \[m\].
+    triangles: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct NodeReach {
+    /// [`NONE`] for a node of several pieces.
+    piece: u32,
+    /// \[m\]
+    reach: f64,
+}
+
+impl NodeReaches {
+    /// Finds them for a tree from the reach of each triangle \[m\], O(n). They are the tree's until it is updated or built anew.
+    pub fn find(&mut self, bvh: &Bvh, surface: &Surface, reach: impl Fn(TriangleId) -> f64) {
+        let nowhere = NodeReach {
+            piece: NONE,
+            reach: 0.0,
+        };
+        self.nodes.clear();
+        self.nodes.resize(bvh.nodes.len(), nowhere);
+        self.triangles.clear();
+        self.triangles.resize(bvh.places.len(), 0.0);
+        if !bvh.nodes.is_empty() {
+            self.find_below(bvh, surface, &reach, 0);
+        }
+    }
+
+    /// Room that has been taken, in triangles.
+    #[must_use]
+    pub fn capacity(&self) -> usize {
+        self.nodes.capacity() + self.triangles.capacity()
+    }
+
+    fn find_below(
+        &mut self,
+        bvh: &Bvh,
+        surface: &Surface,
+        reach: &impl Fn(TriangleId) -> f64,
+        at: u32,
+    ) -> NodeReach {
+        let node = &bvh.nodes[at as usize];
+        let both = |a: NodeReach, b: NodeReach| NodeReach {
+            piece: if a.piece == b.piece { a.piece } else { NONE },
+            reach: a.reach.max(b.reach),
+        };
+        let found = if node.is_leaf() {
+            let block = &bvh.blocks[node.index as usize];
+            let triangles = block.triangles[..node.count as usize].iter();
+            let each = triangles.map(|&t| {
+                let (piece, reach) = (surface.piece(t), reach(t));
+                self.triangles[t.index()] = reach;
+                NodeReach { piece, reach }
+            });
+            each.reduce(both)
+        } else {
+            let [left, right] = [node.index, node.index + 1]
+                .map(|child| self.find_below(bvh, surface, reach, child));
+            Some(both(left, right))
+        };
+        if let Some(found) = found {
+            self.nodes[at as usize] = found;
+        }
+        self.nodes[at as usize]
+    }
+}
+
 impl Bvh {
     /// The point nearest to `to` within `reach` \[m\], on triangles that `counts`. Where several triangles share it, an edge or
     /// a corner, it is that of the one whose plane `to` is farthest off, which tells the two sides apart there (Baerentzen
@@ -29,15 +101,66 @@ impl Bvh {
         reach: f64,
         counts: impl Fn(TriangleId) -> bool,
     ) -> Option<NearestPoint> {
-        let mut best: Option<(Candidate, TriangleId)> = None;
-        let mut least = reach * reach;
+        self.nearest_below(
+            surface,
+            (to, reach),
+            None,
+            counts,
+            |_| Some(reach),
+            |_| reach,
+        )
+    }
+
+    /// As [`Bvh::nearest`] on triangles whose own reach \[m\] and `more` come to the point, and of other pieces than
+    /// `but`, if one is given. The nearer `first` is, one that was the nearest before, say, the sooner the others are
+    /// out of the question.
+    #[must_use]
+    pub fn nearest_in_reach(
+        &self,
+        surface: &Surface,
+        (to, more): (Vec3, f64),
+        (reaches, but): (&NodeReaches, Option<u32>),
+        first: Option<TriangleId>,
+        counts: impl Fn(TriangleId) -> bool,
+    ) -> Option<NearestPoint> {
+        let but = but.unwrap_or(NONE);
+        let node = |at: u32| {
+            let node = reaches.nodes.get(at as usize)?;
+            (node.piece != but || but == NONE).then_some(node.reach + more)
+        };
+        let most = node(0)?;
+        let counts = |t| (but == NONE || surface.piece(t) != but) && counts(t);
+        let reach = |t: TriangleId| reaches.triangles[t.index()] + more;
+        let first = first.filter(|&t| surface.topology().is_triangle(t) && counts(t));
+        let first = first.map(|t| (Candidate::on(surface.triangle_positions(t), to), t));
+        let first = first.filter(|(found, t)| found.square <= reach(*t).powi(2));
+        self.nearest_below(surface, (to, most), first, counts, node, reach)
+    }
+
+    /// Looks into those nodes alone that have a reach, and no farther than that; nor than that of a triangle.
+    fn nearest_below(
+        &self,
+        surface: &Surface,
+        (to, reach): (Vec3, f64),
+        first: Option<(Candidate, TriangleId)>,
+        counts: impl Fn(TriangleId) -> bool,
+        reach_of: impl Fn(u32) -> Option<f64>,
+        reach_of_triangle: impl Fn(TriangleId) -> f64,
+    ) -> Option<NearestPoint> {
+        let mut best = first;
+        let mut least = best
+            .as_ref()
+            .map_or(reach * reach, |(found, _)| found.square);
         let mut at = 0;
         let mut others = [(0, 0.0); MAX_HEIGHT];
         let mut depth = 0;
         while let Some(node) = self.nodes.get(at as usize) {
             if !node.is_leaf() {
-                let [left, right] = [node.index, node.index + 1]
-                    .map(|child| (child, square_to(&self.nodes[child as usize].bounds, to)));
+                let [left, right] = [node.index, node.index + 1].map(|child| {
+                    let square = square_to(&self.nodes[child as usize].bounds, to);
+                    let is_near = reach_of(child).is_some_and(|reach| square <= reach * reach);
+                    (child, if is_near { square } else { f64::INFINITY })
+                });
                 let (near, far) = if right.1 < left.1 {
                     (right, left)
                 } else {
@@ -56,6 +179,9 @@ impl Bvh {
                         continue;
                     }
                     let found = Candidate::on(surface.triangle_positions(triangle), to);
+                    if found.square > reach_of_triangle(triangle).powi(2) {
+                        continue;
+                    }
                     let is_better = best
                         .as_ref()
                         .is_none_or(|(other, number)| found.is_before(other, triangle < *number));
@@ -170,9 +296,15 @@ fn nearest_weights(ab: Vec3, ac: Vec3, ap: Vec3) -> [f64; 3] {
 }
 
 /// The square of the distance from a box to a point \[m^2\].
+#[inline]
 fn square_to(bounds: &Aabb, to: Vec3) -> f64 {
-    let (min, max) = (widen(bounds.min), widen(bounds.max));
-    (0..3)
-        .map(|k| (min[k] - to[k]).max(to[k] - max[k]).max(0.0).powi(2))
-        .sum()
+    let off = |k: usize| {
+        let (below, above) = (
+            f64::from(bounds.min[k]) - to[k],
+            to[k] - f64::from(bounds.max[k]),
+        );
+        below.max(above).max(0.0)
+    };
+    let [x, y, z] = [off(0), off(1), off(2)];
+    x * x + y * y + z * z
 }

@@ -8,6 +8,7 @@ use super::layout::{
 use crate::colliders::{PLANE, ROUND};
 use crate::coloring::MAX_COLORS;
 use crate::constraints::OVERFLOW;
+use crate::contacts::NO_CORNER;
 use crate::kernels::volume::CHUNK;
 use crate::patches::PATCH_VERTICES;
 
@@ -187,6 +188,7 @@ fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
         ("STRUTS", STRUTS),
         ("CONTACTS", CONTACTS),
         ("CONTACT_ENTRIES", CONTACT_ENTRIES as u32),
+        ("NO_CORNER", NO_CORNER),
         ("COLLIDER_ENTRIES", COLLIDER_ENTRIES as u32),
         ("PLANE", PLANE),
         ("ROUND", ROUND),

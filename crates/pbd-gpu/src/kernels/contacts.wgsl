@@ -1,5 +1,33 @@
 // Twin of contacts.rs.
 
+// Lifts the vertex of the contact at an entry to its side of a plane, which holds it back where it slides.
+fn lift_above_plane(at: u32, v: u32, n: vec3f, gap: f32, friction: f32) {
+    let x = load_x(v);
+    let d = load_d(v);
+    let place = x.xyz + d;
+    let depth = gap - (place.x * n.x + place.y * n.y + place.z * n.z);
+    if (!(depth > 0.0 && x.w > 0.0)) {
+        return;
+    }
+    let along = d.x * n.x + d.y * n.y + d.z * n.z;
+    let slide = d - along * n;
+    let back = held_back(at, slide, friction * depth);
+    store_d(v, d + (depth * n - back * slide));
+}
+
+// The part of a slide that friction takes, if a push adds so much to what it may take.
+fn held_back(at: u32, slide: vec3f, more: f32) -> f32 {
+    let length = sqrt(slide.x * slide.x + slide.y * slide.y + slide.z * slide.z);
+    let keeps = frame.iterations > 1u;
+    let held = bitcast<f32>(constraints[at + 5u].y);
+    let limit = select(0.0, held, keeps) + more;
+    let slips = length > limit;
+    if (keeps) {
+        constraints[at + 5u].y = bitcast<u32>(select(limit - length, 0.0, slips));
+    }
+    return select(1.0, limit / length, slips);
+}
+
 // Pushes the vertex and the triangle of the contact at an entry of the constraints apart.
 fn project_contact(at: u32, friction: f32) {
     let first = constraints[at];
@@ -8,6 +36,11 @@ fn project_contact(at: u32, friction: f32) {
     let mixed = bitcast<vec2f>(constraints[at + 3u]);
     let rest = bitcast<vec2f>(constraints[at + 4u]);
     let last = bitcast<vec2f>(constraints[at + 5u]);
+    if (first.y == NO_CORNER) {
+        let gap = last.x + mixed.x * (f32(substep_at + 1u) * frame.h);
+        lift_above_plane(at, first.x, vec3f(mixed.y, rest.x, rest.y), gap, friction);
+        return;
+    }
     let wb = weights.x;
     let wc = weights.y;
     let wa = (1.0 - wb) - wc;
@@ -37,14 +70,7 @@ fn project_contact(at: u32, friction: f32) {
     let past = dv - (wa * da + wb * db + wc * dc);
     let along = past.x * n.x + past.y * n.y + past.z * n.z;
     let slide = past - along * n;
-    let length = sqrt(slide.x * slide.x + slide.y * slide.y + slide.z * slide.z);
-    let keeps = frame.iterations > 1u;
-    let limit = select(0.0, last.y, keeps) + friction * depth;
-    let slips = length > limit;
-    if (keeps) {
-        constraints[at + 5u].y = bitcast<u32>(select(limit - length, 0.0, slips));
-    }
-    let back = select(1.0, limit / length, slips);
+    let back = held_back(at, slide, friction * depth);
     let push = (depth * n - back * slide) / weight;
     store_d(first.x, dv + xv.w * push);
     store_d(first.y, da + (-sa) * push);
