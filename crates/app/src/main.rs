@@ -6,6 +6,7 @@
 mod check;
 mod clock;
 mod cut;
+mod cut_options;
 mod devices;
 mod failure;
 mod fill;
