@@ -107,7 +107,8 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         let _ = writeln!(io::stderr(), "incise: {}: {warning}", path.display());
     }
     let (triangles, volume) = (surface.topology().triangle_count(), surface.volume());
-    let cut = options.cut(&mut surface, path)?;
+    let sweep = options.sweep(&surface)?;
+    let cut = options.cut(&mut surface, &sweep, path)?;
     let (outcome, params) = (cut.outcome, options.params());
     let cap = AngleStats::of(outcome.cap.iter().map(|&t| surface.triangle_positions(t)));
     let is_flat = |&&t: &&TriangleId| is_flat(surface.triangle_positions(t));

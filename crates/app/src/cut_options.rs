@@ -65,7 +65,6 @@ pub(crate) struct CutPlan<'a> {
 
 /// What a cut came to.
 pub(crate) struct Cut {
-    pub(crate) sweep: Sweep,
     pub(crate) outcome: CutOutcome,
     /// Time that the search tree took.
     pub(crate) search_tree: Duration,
@@ -128,8 +127,15 @@ fn grading(text: &str) -> Result<f64, String> {
 
 impl CutOptions {
     /// Whether there is anything to cut along.
+    #[cfg(feature = "gpu")]
     pub(crate) fn is_cut(&self) -> bool {
         self.plane.is_some() || self.blade.is_some()
+    }
+
+    /// Whether it is cut along a plane, which goes on without end.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn is_plane(&self) -> bool {
+        self.plane.is_some()
     }
 
     /// The options, if they go together.
@@ -213,24 +219,33 @@ impl CutPlan<'_> {
         }
     }
 
-    /// Cuts a surface that was read from `path`.
-    pub(crate) fn cut(self, surface: &mut Surface, path: &Path) -> Result<Cut, Failure> {
+    /// What cuts a surface.
+    pub(crate) fn sweep(self, surface: &Surface) -> Result<Sweep, Failure> {
         let sweep = self.options.sweep(surface).map_err(Failure::Sweep)?;
         if crosses_itself(&sweep) {
             return Err(Failure::SweepCrossesItself);
         }
+        Ok(sweep)
+    }
+
+    /// Cuts a surface that was read from `path`.
+    pub(crate) fn cut(
+        self,
+        surface: &mut Surface,
+        sweep: &Sweep,
+        path: &Path,
+    ) -> Result<Cut, Failure> {
         let (search_tree, mut cutter) = timed(|| Cutter::new(surface));
-        let outcome = cutter.cut(surface, &sweep, &self.params());
+        let outcome = cutter.cut(surface, sweep, &self.params());
         let outcome = outcome.map_err(|source| Failure::Cut {
             path: path.to_owned(),
             source,
         })?;
-        if outcome.report.hits == 0 && starts_inside(surface, &sweep) {
+        if outcome.report.hits == 0 && starts_inside(surface, sweep) {
             let path = path.to_owned();
             return Err(Failure::SweepInside { path });
         }
         Ok(Cut {
-            sweep,
             outcome,
             search_tree,
         })

@@ -90,9 +90,9 @@ impl Default for Light {
     fn default() -> Self {
         Self {
             direction: [-0.45, 0.65, 0.75],
-            key: 0.72,
-            fill: 0.26,
-            ambient: 0.30,
+            key: 0.86,
+            fill: 0.17,
+            ambient: 0.25,
         }
     }
 }

@@ -70,7 +70,7 @@ fn surface_fragment(in: Facet, @builtin(front_facing) is_front: bool) -> @locati
     let own = to_light(unpack4x8unorm(in.color)).rgb;
     let base = select(mix(own, body.inside.rgb, body.inside.a), own, is_front);
     let normal = normalize(in.normal) * select(-1.0, 1.0, is_front);
-    let light = view.sky.w * (0.75 + 0.25 * dot(normal, view.sky.xyz))
+    let light = view.sky.w * (0.7 + 0.3 * dot(normal, view.sky.xyz))
         + view.key.w * max(dot(normal, view.key.xyz), 0.0)
         + view.fill.w * max(dot(normal, view.fill.xyz), 0.0);
     // No more light than the picture takes, or edges on bright facets would be thinner.
