@@ -10,6 +10,7 @@ use crate::json::{all_lossy, lossy};
 use crate::numbers::positive;
 use crate::pieces::check_target;
 use bodies::Bodies;
+use incise_mesh::Aabb;
 use incise_pbd_gpu::{AdapterRequest, Context};
 use incise_render::{
     Background, BodyView, Camera, Color, Content, Line, Offscreen, Overlay, Picture, RenderError,
@@ -216,20 +217,22 @@ impl RenderArguments {
         Offscreen::new(renderer, width, height)?.picture(renderer, &view, &content)
     }
 
+    /// The camera asked for. A plane that is shown is in the picture; a blade's sweep may be much larger than the body.
     fn camera(&self, bodies: &Bodies, sheets: &[[[f32; 3]; 4]], aspect: f64) -> Camera {
+        let sheets = if self.cut.is_plane() { sheets } else { &[] };
+        let points = || bodies.points(sheets);
         let Some(Viewpoint { angles, distance }) = self.look.camera else {
-            return Camera::default().frame(bodies.points(sheets), aspect);
+            return Camera::default().frame(points(), aspect);
         };
         let [azimuth, elevation] = angles;
         let camera = Camera::looking(azimuth, elevation);
         match distance {
-            None => camera.frame(bodies.points(sheets), aspect),
+            None => camera.frame(points(), aspect),
             Some(distance) => {
-                let bounds = incise_mesh::Aabb::around(bodies.points(sheets));
-                let near = camera.fit(&bounds, aspect);
+                let bounds = Aabb::around(points());
                 Camera {
                     distance: distance * bounds.diagonal(),
-                    ..near
+                    ..camera.fit(&bounds, aspect)
                 }
             }
         }

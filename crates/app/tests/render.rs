@@ -12,7 +12,7 @@ mod gpu;
 
 use common::{cut, incise, text};
 use gpu::{Needs, trial};
-use incise_mesh::{Model, Surface, TriangleId, build_model, icosphere, write_obj};
+use incise_mesh::{Model, TriangleId, build_model, icosphere, write_obj};
 use incise_pbd_gpu::Context;
 use libtest_mimic::Trial;
 use std::path::Path;
@@ -121,6 +121,8 @@ fn ball(folder: &Path) -> String {
 
 const CAPS: [&str; 2] = ["--cap-color", "#f00"];
 
+const GREEN: [&str; 4] = ["--color", "#0c0", "--cap-color", "#0c0"];
+
 fn a_cut_ball_shows_its_cap(_: Context) {
     let folder = tempfile::tempdir().expect("a folder");
     let (folder, ball) = (folder.path(), ball(folder.path()));
@@ -207,16 +209,13 @@ fn caps_of_files(_: Context) {
 fn pieces_have_their_colors(_: Context) {
     let folder = tempfile::tempdir().expect("a folder");
     let (folder, ball) = (folder.path(), ball(folder.path()));
-    let cut = [
-        "--plane",
-        "1,0,0,0",
-        "--color",
-        "#0c0",
-        "--cap-color",
-        "#0c0",
-    ];
     let green = |more: &[&str]| {
-        let options = [&cut[..], &["--camera", "0,0,2"], more].concat();
+        let options = [
+            &["--plane", "1,0,0,0", "--camera", "0,0,2"],
+            &GREEN[..],
+            more,
+        ]
+        .concat();
         render(folder, &[&ball], &options).0.count(is_green)
     };
     let all = green(&[]);
@@ -233,18 +232,10 @@ fn pieces_have_their_colors(_: Context) {
 fn a_sweep_is_seen_through(_: Context) {
     let folder = tempfile::tempdir().expect("a folder");
     let (folder, ball) = (folder.path(), ball(folder.path()));
-    let view = [
-        "--camera",
-        "0,0,2",
-        "--color",
-        "#0c0",
-        "--cap-color",
-        "#0c0",
-    ];
     let plane = ["--plane", "0,0.5,1,0.3"];
     let blade = ["--blade", "-1,0.2,-1,-1,0.2,1", "--to", "1,0.2,-1,1,0.2,1"];
     for (by, camera) in [(&plane[..], "0,0,2"), (&blade, "0,40,2")] {
-        let options = [by, &view[2..], &["--camera", camera]].concat();
+        let options = [by, &GREEN, &["--camera", camera]].concat();
         let without = render(folder, &[&ball], &options).0;
         let with = render(
             folder,
@@ -374,8 +365,7 @@ fn what_cannot_be_drawn() {
     refused(&["nothing.obj"], 1, "nothing.obj");
     // The input's place is no place for a picture.
     let mesh = folder.path().join("mesh.png");
-    let surface: Surface = build_model(Model::Sphere20);
-    write_obj(&mesh, &surface).expect("a folder");
+    write_obj(&mesh, &build_model(Model::Sphere20)).expect("a folder");
     let before = std::fs::read(&mesh).expect("a file");
     refused(&[text(&mesh), "-o", text(&mesh)], 3, "overwrite the input");
     assert_eq!(std::fs::read(&mesh).expect("a file"), before);

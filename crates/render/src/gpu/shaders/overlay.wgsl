@@ -5,7 +5,8 @@
 const LIFT: f32 = 2e-3;
 
 struct Veil {
-    @builtin(position) position: vec4<f32>,
+    // A sheet in a surface covers the same pixels, though other shaders draw it.
+    @builtin(position) @invariant position: vec4<f32>,
     @location(0) color: vec4<f32>,
 }
 

@@ -16,7 +16,7 @@ struct Body {
 @group(1) @binding(3) var<storage, read> colors: array<u32>;
 
 struct Facet {
-    @builtin(position) position: vec4<f32>,
+    @builtin(position) @invariant position: vec4<f32>,
     // Three numbers that are 0 on an edge each and 1 on the corner across.
     @location(0) place: vec3<f32>,
     @location(1) @interpolate(flat) normal: vec3<f32>,
