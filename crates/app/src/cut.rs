@@ -1,16 +1,12 @@
 //! `incise cut`: a mesh along a plane or a blade's sweep, one file a piece.
 
 use crate::clock::{milliseconds, timed};
+use crate::cut_options::CutOptions;
 use crate::failure::Failure;
 use crate::json::{all_lossy, lossy};
-use crate::numbers::{Numbers, numbers};
 use crate::pieces::{self, Piece};
-use clap::ValueEnum;
-use incise_cut::{CutError, CutMethod, CutParams, Cutter, Sweep, starts_inside};
-use incise_mesh::geometry::area_vector;
 use incise_mesh::geometry::is_flat;
-use incise_mesh::{AngleStats, Surface, TriangleId, Warning, read_mesh};
-use incise_refine::{RefineMethod, RefineParams, RefinementLevel};
+use incise_mesh::{AngleStats, TriangleId, Warning, read_mesh};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -23,107 +19,14 @@ use std::path::PathBuf;
 pub(crate) struct CutArguments {
     /// The mesh: obj, ply, stl, glb or gltf.
     input: PathBuf,
-    /// Cut along the plane `nx x + ny y + nz z = d`.
-    #[arg(long, value_name = "NX,NY,NZ,D", value_parser = numbers::<4>, allow_hyphen_values = true)]
-    plane: Option<Numbers<4>>,
-    /// Cut along the sweep of a blade's edge: from here, start and end ...
-    ///
-    /// The sweep is two triangles. Where the four corners do not lie in one plane it is folded along the diagonal from
-    /// the start of --blade to the end of --to.
-    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = numbers::<6>, allow_hyphen_values = true, requires = "to")]
-    blade: Option<Numbers<6>>,
-    /// ... to here, in the same order.
-    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = numbers::<6>, allow_hyphen_values = true, requires = "blade", conflicts_with = "plane")]
-    to: Option<Numbers<6>>,
-    /// How fine caps get: 2x-coarser, 1.5x-coarser, original, 1.5x-finer, 2x-finer, or z times the surface's edges.
-    /// The rim's own edges stay, so a small cap has little to make coarser.
-    #[arg(long, default_value = "original")]
-    level: RefinementLevel,
-    /// The exact method: by how much the caps' edges get longer with every unit off the rim. 0 keeps the
-    /// surface's edge length at the rim to the middle; 0.3 makes caps that cost their outline and not their area.
-    /// [default: 0]
-    #[arg(long, value_name = "G", value_parser = grading, allow_hyphen_values = true)]
-    grading: Option<f64>,
-    /// Refuse the cut when a cap needs more triangles than this.
-    #[arg(long, value_name = "N", default_value_t = RefineParams::default().max_triangles)]
-    max_triangles: usize,
-    /// How the mesh is opened.
-    #[arg(long, value_enum, default_value_t = Method::Exact)]
-    method: Method,
-    /// How caps are refined; by default `delaunay` with the exact method and `paper` with `rebuild`, which knows no other.
-    #[arg(long, value_enum, value_name = "REFINEMENT")]
-    refine_method: Option<Refinement>,
-    /// The exact method: edges along the rim that are shorter than this part of the surface's edges are
-    /// contracted. 0 keeps the exact geometry and leaves slivers, which a solver pays for; below 0.5.
-    /// [default: 0.1]
-    #[arg(long, value_name = "S", value_parser = snap, allow_hyphen_values = true)]
-    snap: Option<f64>,
-    /// The exact method: slivers that the blade leaves in the old surface beside the rim go, where the surface moves by no
-    /// more than this part of its edges for that. 0 leaves them, 0.1 about halves them; below 0.5.
-    /// [default: 0]
-    #[arg(long, value_name = "T", value_parser = remesh, allow_hyphen_values = true)]
-    remesh: Option<f64>,
+    #[command(flatten)]
+    cut: CutOptions,
     /// Where the pieces go.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Print JSON.
     #[arg(long)]
     json: bool,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Method {
-    /// Split the hit triangles along the sweep and close any cross-section: no surface is lost.
-    Exact,
-    /// The paper's: delete the hit triangles, rebuild the rim, patch and refine the hole.
-    Rebuild,
-}
-
-impl Method {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Exact => "exact",
-            Self::Rebuild => "rebuild",
-        }
-    }
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Refinement {
-    /// A core of equilateral triangles and a band around it.
-    Delaunay,
-    /// The paper's: ears cut off, then triangles divided and edges swapped. One edge length for each part of the section.
-    Paper,
-}
-
-impl Refinement {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Delaunay => "delaunay",
-            Self::Paper => "paper",
-        }
-    }
-}
-
-/// A share of an edge, from 0 up to 0.5.
-fn snap(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|s| (0.0..0.5).contains(s));
-    number.ok_or_else(|| String::from("snap is a part of an edge: at least 0 and below 0.5"))
-}
-
-/// A share of an edge, from 0 up to 0.5.
-fn remesh(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|t| (0.0..0.5).contains(t));
-    number.ok_or_else(|| String::from("remesh is a part of an edge: at least 0 and below 0.5"))
-}
-
-/// How targets grow: nothing or more.
-fn grading(text: &str) -> Result<f64, String> {
-    let number = text
-        .parse()
-        .ok()
-        .filter(|g: &f64| *g >= 0.0 && g.is_finite());
-    number.ok_or_else(|| String::from("a grading is 0 or a positive number"))
 }
 
 /// The report as JSON.
@@ -189,8 +92,8 @@ struct Times {
 
 /// Cuts and writes.
 pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), Failure> {
-    let refinement = arguments.check()?;
     let path = &arguments.input;
+    let options = arguments.cut.check()?;
     let (read, surface) = timed(|| {
         let data = read_mesh(path)?;
         data.into_surface().map_err(|source| Failure::NotFit {
@@ -204,39 +107,9 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         let _ = writeln!(io::stderr(), "incise: {}: {warning}", path.display());
     }
     let (triangles, volume) = (surface.topology().triangle_count(), surface.volume());
-    let sweep = arguments.sweep(&surface).map_err(Failure::Sweep)?;
-    if crosses_itself(&sweep) {
-        return Err(Failure::SweepCrossesItself);
-    }
-    let params = CutParams {
-        method: match arguments.method {
-            Method::Exact => CutMethod::Exact,
-            Method::Rebuild => CutMethod::Rebuild,
-        },
-        snap: arguments.snap.unwrap_or(CutParams::default().snap),
-        remesh: (arguments.remesh).unwrap_or(CutParams::default().remesh),
-        refine: RefineParams {
-            method: match refinement {
-                Refinement::Delaunay => RefineMethod::Delaunay,
-                Refinement::Paper => RefineMethod::Paper,
-            },
-            level: arguments.level,
-            grading: arguments.grading.unwrap_or_default(),
-            max_triangles: arguments.max_triangles,
-            ..RefineParams::default()
-        },
-        ..CutParams::default()
-    };
-    let (search_tree, mut cutter) = timed(|| Cutter::new(&surface));
-    let outcome = cutter
-        .cut(&mut surface, &sweep, &params)
-        .map_err(|source| Failure::Cut {
-            path: path.clone(),
-            source,
-        })?;
-    if outcome.report.hits == 0 && starts_inside(&surface, &sweep) {
-        return Err(Failure::SweepInside { path: path.clone() });
-    }
+    let sweep = options.sweep(&surface)?;
+    let cut = options.cut(&mut surface, &sweep, path)?;
+    let (outcome, params) = (cut.outcome, options.params());
     let cap = AngleStats::of(outcome.cap.iter().map(|&t| surface.triangle_positions(t)));
     let is_flat = |&&t: &&TriangleId| is_flat(surface.triangle_positions(t));
     let flat = outcome.cap.iter().filter(is_flat).count();
@@ -244,11 +117,11 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
     let written = written?;
     let report = Report {
         input: path.clone(),
-        method: arguments.method.name(),
-        refine_method: refinement.name(),
+        method: options.method(),
+        refine_method: options.refinement(),
         snap: params.snap,
         remesh: params.remesh,
-        level: arguments.level.z(),
+        level: params.refine.level.z(),
         grading: params.refine.grading,
         warnings,
         triangles,
@@ -271,7 +144,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         removed: written.removed,
         milliseconds: Times {
             read: milliseconds(read),
-            search_tree: milliseconds(search_tree),
+            search_tree: milliseconds(cut.search_tree),
             search_tree_update: milliseconds(outcome.report.search_tree),
             detection: milliseconds(outcome.report.detection),
             split: milliseconds(outcome.report.split),
@@ -287,57 +160,12 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         serde_json::to_writer_pretty(&mut *out, &report).map_err(io::Error::from)?;
         writeln!(out)?;
     } else {
-        print(&report, out)?;
+        print(&report, options.is_exact(), out)?;
     }
     Ok(())
 }
 
-impl CutArguments {
-    /// How caps are refined, if the options go together.
-    fn check(&self) -> Result<Refinement, Failure> {
-        let refuse = |option, with| Err(Failure::NotWith { option, with });
-        let rebuild = "--method rebuild";
-        match (self.method, self.refine_method) {
-            (Method::Rebuild, _) if self.snap.is_some() => refuse("--snap", rebuild),
-            (Method::Rebuild, _) if self.remesh.is_some() => refuse("--remesh", rebuild),
-            (Method::Rebuild, _) if self.grading.is_some() => refuse("--grading", rebuild),
-            (Method::Rebuild, Some(Refinement::Delaunay)) => refuse(
-                "--refine-method delaunay",
-                "--method rebuild, whose refinement is the paper's",
-            ),
-            (Method::Rebuild, _) => Ok(Refinement::Paper),
-            (Method::Exact, Some(Refinement::Paper)) if self.grading.is_some() => refuse(
-                "--grading",
-                "--refine-method paper, which has one edge length for each part of the section",
-            ),
-            (Method::Exact, given) => Ok(given.unwrap_or(Refinement::Delaunay)),
-        }
-    }
-
-    fn sweep(&self, surface: &Surface) -> Result<Sweep, CutError> {
-        if let Some(Numbers([x, y, z, d])) = self.plane {
-            return Sweep::across_box([x, y, z], d, &surface.bounds());
-        }
-        let edge = |numbers: Option<Numbers<6>>| {
-            let Numbers([a, b, c, d, e, f]) = numbers.unwrap_or(Numbers([0.0; 6]));
-            [[a, b, c], [d, e, f]].map(|p| incise_mesh::geometry::round(p.into()))
-        };
-        Sweep::new(edge(self.blade), edge(self.to))
-    }
-}
-
-/// Cosine of the angle between the normals of a sweep's triangles from which on they lie on each other: a
-/// blade that bends that much has its ends exchanged.
-const FOLDED: f64 = -0.999;
-
-/// Whether the sweep's two triangles lie on each other. They could be cut along, but what was meant is the
-/// blade's way without the crossing.
-fn crosses_itself(sweep: &Sweep) -> bool {
-    let [first, second] = sweep.triangles().map(area_vector);
-    first.dot(&second) < FOLDED * first.norm() * second.norm()
-}
-
-fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
+fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io::Result<()> {
     writeln!(
         out,
         "{}: {} triangles, volume {:.6e}",
@@ -364,7 +192,6 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
                 report.cap_flat_triangles
             )?;
         }
-        let is_exact = report.method == Method::Exact.name();
         if is_exact && report.snap > 0.0 {
             writeln!(
                 out,

@@ -109,6 +109,30 @@ pub(crate) enum Failure {
         /// Why.
         source: std::io::Error,
     },
+    /// A piece that there is not: the command line is wrong.
+    #[cfg(feature = "gpu")]
+    #[error("--without {piece}: there are {pieces} pieces, numbered from 0")]
+    NoPiece {
+        /// Its number.
+        piece: usize,
+        /// How many there are.
+        pieces: usize,
+    },
+    /// The picture's name says another format: the command line is wrong.
+    #[cfg(feature = "gpu")]
+    #[error("{}: only .png is written; choose another name", path.display())]
+    PictureFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// There is no device to draw with.
+    #[cfg(feature = "gpu")]
+    #[error(transparent)]
+    Device(#[from] incise_pbd_gpu::GpuError),
+    /// There is no picture.
+    #[cfg(feature = "gpu")]
+    #[error(transparent)]
+    Render(#[from] incise_render::RenderError),
     /// The program was built without the feature `gpu`.
     #[cfg(not(feature = "gpu"))]
     #[error("this build has no GPU support; build it with the feature gpu")]
@@ -122,6 +146,10 @@ impl Failure {
     /// What the program ends with: 2 for a wrong command line, 3 for an output that cannot be written, 1
     /// for all that is due to the input or the machine.
     pub(crate) fn exit_code(&self) -> u8 {
+        #[cfg(feature = "gpu")]
+        if let Some(code) = self.exit_code_of_picture() {
+            return code;
+        }
         match self {
             Self::Sweep(_)
             | Self::NotWith { .. }
@@ -135,6 +163,19 @@ impl Failure {
             | Self::Remove { .. }
             | Self::Output(_) => 3,
             _ => 1,
+        }
+    }
+
+    /// The same for what goes wrong with pictures alone.
+    #[cfg(feature = "gpu")]
+    fn exit_code_of_picture(&self) -> Option<u8> {
+        use incise_render::RenderError;
+        match self {
+            Self::NoPiece { .. }
+            | Self::PictureFormat { .. }
+            | Self::Render(RenderError::Size { .. }) => Some(2),
+            Self::Render(RenderError::Write { .. }) => Some(3),
+            _ => None,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The program: cuts, checks, fills and simulates meshes, and lists devices.
+//! The program: cuts, checks, fills, draws and simulates meshes, and lists devices.
 //!
 //! Exit codes: 0 done, 1 the input cannot be used or there is no device, 2 the command line is wrong, 3 the
 //! output cannot be written.
@@ -6,12 +6,15 @@
 mod check;
 mod clock;
 mod cut;
+mod cut_options;
 mod devices;
 mod failure;
 mod fill;
 mod json;
 mod numbers;
 mod pieces;
+#[cfg(feature = "gpu")]
+mod render;
 mod simulate;
 
 use clap::{Parser, Subcommand};
@@ -37,6 +40,8 @@ enum Command {
     Cut(cut::CutArguments),
     Devices(devices::DevicesArguments),
     Fill(fill::FillArguments),
+    #[cfg(feature = "gpu")]
+    Render(render::RenderArguments),
     Simulate(simulate::SimulateArguments),
 }
 
@@ -48,6 +53,8 @@ fn main() -> ExitCode {
         Command::Cut(arguments) => cut::run(arguments, &mut out),
         Command::Devices(arguments) => devices::run(arguments, &mut out),
         Command::Fill(arguments) => fill::run(arguments, &mut out),
+        #[cfg(feature = "gpu")]
+        Command::Render(arguments) => render::run(arguments, &mut out),
         Command::Simulate(arguments) => simulate::run(arguments, &mut out),
     };
     // What was printed comes before the reason why it ended.

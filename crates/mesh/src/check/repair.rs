@@ -5,7 +5,7 @@ use super::links::Links;
 use super::tally::Tally;
 use super::{Defect, NotFit};
 use crate::geometry::{Aabb, widen};
-use crate::ids::VertexId;
+use crate::ids::{TriangleId, VertexId};
 use crate::io::{MeshData, Warning};
 use crate::quality::EdgeStats;
 use crate::surface::{CornerAttributes, Surface};
@@ -28,7 +28,7 @@ pub(super) struct Repaired {
 impl MeshData {
     /// The mesh as a surface at rest that can be cut, with all warnings: repaired where there is
     /// only one repair (duplicate or collapsed triangles, windings, parts that touch in a point or
-    /// that the file keeps apart), and with the corners' attributes.
+    /// that the file keeps apart), and with the corners' attributes and the triangles' materials.
     ///
     /// # Errors
     /// [`NotFit`] when the mesh has boundaries, edges of more than two triangles, components with
@@ -66,6 +66,12 @@ impl MeshData {
             uv: repaired.gather(&self.corners.uv),
             normal: repaired.gather(&self.corners.normal),
         };
+        for (t, &source) in repaired.sources.iter().enumerate() {
+            match self.materials.get(source as usize) {
+                None | Some(0) => {}
+                Some(&material) => surface.set_material(TriangleId::from_index(t), material),
+            }
+        }
         let mut warnings = self.warnings;
         warnings.extend(repaired.warnings);
         Ok((surface, warnings))

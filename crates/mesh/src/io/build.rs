@@ -37,11 +37,15 @@ pub(super) struct Builder {
     /// 1 where the file counts its indices from 1.
     pub(super) index_base: i64,
     pub(super) warnings: Vec<Warning>,
+    /// The material of the faces that come next.
+    pub(super) material: u32,
     positions: Vec<[f32; 3]>,
     uv: Vec<[f32; 2]>,
     normals: Vec<[f32; 3]>,
     corners: Vec<Corner>,
     faces: Vec<(usize, Place)>,
+    /// Shape \[faces\].
+    materials: Vec<u32>,
     sorted: Vec<u32>,
 }
 
@@ -97,6 +101,7 @@ impl Builder {
         }
         self.corners.extend_from_slice(corners);
         self.faces.push((self.corners.len(), at));
+        self.materials.push(self.material);
         Ok(())
     }
 
@@ -105,7 +110,7 @@ impl Builder {
             return Err(ParseError::NoFaces);
         }
         self.check_references()?;
-        let corners = self.triangle_corners();
+        let (corners, materials) = self.triangle_corners();
         if corners.len() / 3 > MAX_TRIANGLES || self.positions.len() > MAX_TRIANGLES {
             return Err(ParseError::TooLarge);
         }
@@ -125,6 +130,7 @@ impl Builder {
             positions,
             triangles,
             corners: attributes,
+            materials,
             file_vertices: tuples.len(),
             warnings: self.warnings,
             file_components,
@@ -154,23 +160,31 @@ impl Builder {
         Ok(())
     }
 
-    /// The corners of the triangles that the faces make, three each.
-    fn triangle_corners(&mut self) -> Vec<Corner> {
+    /// The corners of the triangles that the faces make, three each, and the triangles' materials: none where all
+    /// are 0.
+    fn triangle_corners(&mut self) -> (Vec<Corner>, Vec<u32>) {
+        let of_faces = std::mem::take(&mut self.materials);
+        let has_materials = of_faces.iter().any(|&m| m != 0);
         if self.corners.len() == 3 * self.faces.len() {
-            return std::mem::take(&mut self.corners);
+            let materials = if has_materials { of_faces } else { Vec::new() };
+            return (std::mem::take(&mut self.corners), materials);
         }
         let mut out = Vec::with_capacity(self.corners.len());
+        let mut materials = Vec::new();
         let (mut points, mut triangles) = (Vec::new(), Vec::new());
         let mut first = 0;
-        for &(end, _) in &self.faces {
+        for (&(end, _), &material) in self.faces.iter().zip(&of_faces) {
             let face = &self.corners[first..end];
             points.clear();
             points.extend(face.iter().map(|c| self.positions[c.position as usize]));
             triangulate(&points, &mut triangles);
             out.extend(triangles.iter().flatten().map(|&i| face[i]));
+            if has_materials {
+                materials.resize(out.len() / 3, material);
+            }
             first = end;
         }
-        out
+        (out, materials)
     }
 
     /// The used positions, equal ones once, and the new number of every position.

@@ -19,6 +19,9 @@ pub struct MeshData {
     pub triangles: Vec<[u32; 3]>,
     /// What the corners carry, if the file has it.
     pub corners: CornerAttributes,
+    /// Every triangle's material, shape \[triangles\]: N of an OBJ file's `usemtl material_N`, as
+    /// [`write_obj`](crate::write_obj) names them, else 0. Empty where all are 0.
+    pub materials: Vec<u32>,
     /// Vertices as a renderer counts them: distinct tuples of the file's position, texture and
     /// normal index that faces use. For STL, which has no indices, distinct positions.
     pub file_vertices: usize,

@@ -1,13 +1,12 @@
-//! Wavefront OBJ: `v`, `vt`, `vn` and `f`; grouping and materials are passed over.
+//! Wavefront OBJ: `v`, `vt`, `vn` and `f`, and materials by the names that this crate writes; grouping and other
+//! materials are passed over.
 
 use crate::io::build::{Builder, Corner, NONE};
 use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, Place};
 
 /// Statements that say nothing about the shape of a triangle mesh.
-const IGNORED: [&[u8]; 8] = [
-    b"g", b"o", b"s", b"usemtl", b"mtllib", b"usemap", b"maplib", b"vp",
-];
+const IGNORED: [&[u8]; 7] = [b"g", b"o", b"s", b"mtllib", b"usemap", b"maplib", b"vp"];
 
 /// Reads an OBJ file. Faces may come before their vertices; relative indices count back from their
 /// own line; `w` and vertex colors are ignored.
@@ -62,6 +61,7 @@ pub fn read_obj(bytes: &[u8]) -> Result<MeshData, ParseError> {
                 }
                 builder.face(&face, at)?;
             }
+            b"usemtl" => builder.material = words.next().map_or(0, material),
             _ if IGNORED.contains(&keyword) => {}
             _ if keyword[0].is_ascii_alphabetic() => skipped += 1,
             _ => {
@@ -132,6 +132,15 @@ fn number_of(word: Option<&[u8]>, at: Place, expected: &'static str) -> Result<f
     word.and_then(|word| std::str::from_utf8(word).ok())
         .and_then(|word| word.parse().ok())
         .ok_or(ParseError::Syntax { at, expected })
+}
+
+/// The number in a name that [`write_obj`](crate::write_obj) gives to a material; 0 for any other.
+fn material(name: &[u8]) -> u32 {
+    let digits = name.strip_prefix(b"material_");
+    digits
+        .and_then(|digits| std::str::from_utf8(digits).ok())
+        .and_then(|digits| digits.parse().ok())
+        .unwrap_or(0)
 }
 
 /// A corner written `v`, `v/vt`, `v//vn` or `v/vt/vn`.
@@ -241,6 +250,18 @@ mod tests {
             error("v 0 0").to_string(),
             "line 1: expected three coordinates after v"
         );
+    }
+
+    #[test]
+    fn materials_are_those_that_have_a_number() {
+        let v = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+        let materials = |text: &str| read_obj(format!("{v}{text}").as_bytes()).unwrap().materials;
+        assert_eq!(materials("usemtl material_0\nf 1 2 3\nf 1 3 4"), [0; 0]);
+        assert_eq!(materials("f 1 2 3\nusemtl material_7\nf 1 3 4"), [0, 7]);
+        let quad = "usemtl material_7\nf 1 2 3 4\nusemtl wood\nf 4 3 2";
+        assert_eq!(materials(quad), [7, 7, 0]);
+        let odd = "usemtl material_7\nf 1 2 3\nusemtl\nf 1 3 4\nusemtl material_x\nf 1 2 4";
+        assert_eq!(materials(odd), [7, 0, 0]);
     }
 
     #[test]

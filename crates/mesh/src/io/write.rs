@@ -237,7 +237,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.obj");
         write_obj(&path, &surface).unwrap();
-        assert_eq!(read_mesh(&path).unwrap().triangles.len(), 4);
+        let (read, _) = read_mesh(&path).unwrap().into_surface().unwrap();
+        let materials: Vec<u32> = (0..4).map(|t| read.material(TriangleId(t))).collect();
+        assert_eq!(materials, [0, 7, 7, 0]);
     }
 
     #[test]

@@ -1,0 +1,337 @@
+//! What is drawn: meshes that were read or made, whole or in pieces.
+
+use crate::cut_options::CutPlan;
+use crate::failure::Failure;
+use incise_cut::{CutParams, Sweep};
+use incise_mesh::geometry::{round, widen};
+use incise_mesh::{Aabb, Model, Surface, TriangleId, Vec3, build_model, read_mesh};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// How much of the diagonal a plane that is shown reaches out of the body's box on every side.
+const PLANE_MARGIN: f64 = 0.06;
+
+/// Everything in a picture.
+pub(super) struct Bodies {
+    pub(super) bodies: Vec<Body>,
+    pieces: usize,
+}
+
+/// One mesh.
+pub(super) struct Body {
+    pub(super) surface: Surface,
+    /// What cut it.
+    sweep: Option<Sweep>,
+    /// As it was read.
+    bounds: Aabb,
+    /// The number of every piece among all that are drawn, by the surface's own; none of those that are left out.
+    pieces: Vec<Option<usize>>,
+}
+
+impl Body {
+    /// The number of a triangle's piece, unless it is left out.
+    pub(super) fn piece_of(&self, t: TriangleId) -> Option<usize> {
+        self.pieces[self.surface.piece(t) as usize]
+    }
+
+    /// Whether a triangle was made by a cut.
+    pub(super) fn is_cap(&self, t: TriangleId) -> bool {
+        self.surface.material(t) == CutParams::default().cap_material
+    }
+
+    /// Triangles that are drawn.
+    fn shown(&self) -> impl Iterator<Item = TriangleId> {
+        let triangles = self.surface.topology().triangles();
+        triangles.filter(|&t| self.piece_of(t).is_some())
+    }
+}
+
+impl Bodies {
+    /// Reads all inputs, and cuts them if there is a plan for it.
+    pub(super) fn read(inputs: &[PathBuf], plan: Option<CutPlan<'_>>) -> Result<Self, Failure> {
+        let (mut bodies, mut pieces) = (Vec::new(), 0);
+        for input in inputs {
+            let mut surface = surface(input, plan.is_some())?;
+            let bounds = surface.bounds();
+            let mut sweep = None;
+            if let Some(plan) = plan {
+                let along = plan.sweep(&surface)?;
+                plan.cut(&mut surface, &along, input)?;
+                sweep = Some(along);
+            }
+            let numbers = (0..surface.piece_bound()).map(|piece| {
+                let has_triangles = surface.piece_triangles(piece) > 0;
+                pieces += usize::from(has_triangles);
+                has_triangles.then(|| pieces - 1)
+            });
+            bodies.push(Body {
+                pieces: numbers.collect(),
+                sweep,
+                bounds,
+                surface,
+            });
+        }
+        Ok(Self { bodies, pieces })
+    }
+
+    /// How many pieces there are, those that are left out too.
+    pub(super) fn pieces(&self) -> usize {
+        self.pieces
+    }
+
+    /// Leaves pieces out.
+    pub(super) fn leave_out(&mut self, without: &[usize]) -> Result<(), Failure> {
+        let pieces = self.pieces;
+        if let Some(&piece) = without.iter().find(|&&piece| piece >= pieces) {
+            return Err(Failure::NoPiece { piece, pieces });
+        }
+        for piece in self.bodies.iter_mut().flat_map(|body| &mut body.pieces) {
+            *piece = piece.filter(|number| !without.contains(number));
+        }
+        Ok(())
+    }
+
+    /// Moves pieces apart by a part of the diagonal of all.
+    pub(super) fn explode(&mut self, part: f64) {
+        let boxes = self.bodies.iter().map(|body| body.bounds);
+        let whole = boxes.fold(Aabb::default(), Aabb::union);
+        for body in &mut self.bodies {
+            let centers = centers(&body.surface);
+            let moves = centers.iter().map(|&center| match &body.sweep {
+                None => (center - whole.center()) * part,
+                Some(sweep) => {
+                    let (point, normal) = sweep.plane();
+                    let side = (center - point).dot(&normal).signum();
+                    normal * (side * part * whole.diagonal() / 2.0)
+                }
+            });
+            move_pieces(&mut body.surface, &moves.collect::<Vec<_>>());
+        }
+    }
+
+    /// Triangles that are drawn, and those of caps among them.
+    pub(super) fn count(&self) -> (usize, usize) {
+        let mut counts = (0, 0);
+        for body in &self.bodies {
+            for t in body.shown() {
+                counts.0 += 1;
+                counts.1 += usize::from(body.is_cap(t));
+            }
+        }
+        counts
+    }
+
+    /// What the picture is to show: corners of triangles that are drawn, and of sheets.
+    pub(super) fn points(&self, sheets: &[[[f32; 3]; 4]]) -> impl Iterator<Item = [f32; 3]> {
+        let corners = self.bodies.iter().flat_map(|body| {
+            let corners = body
+                .shown()
+                .flat_map(|t| body.surface.topology().triangle(t));
+            corners.map(|v| {
+                let [x, y, z, _] = body.surface.positions[v.index()];
+                [x, y, z]
+            })
+        });
+        corners.chain(sheets.iter().flatten().copied())
+    }
+
+    /// What cut the bodies, four corners each: all of a blade's sweep or, of a plane, what is in the body's box.
+    pub(super) fn sheets(&self, is_plane: bool) -> Vec<[[f32; 3]; 4]> {
+        let of = |body: &Body| {
+            let sweep = body.sweep.as_ref()?;
+            if is_plane {
+                section(sweep, &body.bounds)
+            } else {
+                Some(sweep.corners())
+            }
+        };
+        self.bodies.iter().filter_map(of).collect()
+    }
+}
+
+/// A mesh by the name of its file, or a model by its own. What is to be cut has to be fit for it, anything else may have
+/// holes.
+fn surface(input: &Path, is_to_be_cut: bool) -> Result<Surface, Failure> {
+    let named = |model: &Model| {
+        let name = input.to_str();
+        name.is_some_and(|name| name.eq_ignore_ascii_case(model.name()))
+    };
+    if let Some(model) = Model::ALL.into_iter().find(named)
+        && !input.exists()
+    {
+        return Ok(build_model(model));
+    }
+    let data = read_mesh(input)?;
+    let surface = if is_to_be_cut {
+        data.into_surface()
+    } else {
+        data.into_open_surface()
+    };
+    let (surface, warnings) = surface.map_err(|source| Failure::NotFit {
+        path: input.to_owned(),
+        source,
+    })?;
+    for warning in &warnings {
+        // Without an error output nobody is told.
+        let _ = writeln!(io::stderr(), "incise: {}: {warning}", input.display());
+    }
+    Ok(surface)
+}
+
+/// The middle of every piece's triangle corners.
+fn centers(surface: &Surface) -> Vec<Vec3> {
+    let mut sums = vec![(Vec3::zeros(), 0.0); surface.piece_bound() as usize];
+    for t in surface.topology().triangles() {
+        let (sum, count) = &mut sums[surface.piece(t) as usize];
+        *sum += surface.triangle_positions(t).iter().sum::<Vec3>();
+        *count += 3.0;
+    }
+    sums.iter()
+        .map(|(sum, count)| sum / f64::max(*count, 1.0))
+        .collect()
+}
+
+/// Moves every piece by its own way.
+fn move_pieces(surface: &mut Surface, moves: &[Vec3]) {
+    let mut piece_of = vec![None; surface.topology().vertex_slots()];
+    for t in surface.topology().triangles() {
+        for v in surface.topology().triangle(t) {
+            piece_of[v.index()] = Some(surface.piece(t));
+        }
+    }
+    for (position, piece) in surface.positions.iter_mut().zip(piece_of) {
+        let Some(piece) = piece else { continue };
+        let [x, y, z, weight] = *position;
+        let [x, y, z] = round(widen([x, y, z]) + moves[piece as usize]);
+        *position = [x, y, z, weight];
+    }
+}
+
+/// The rectangle around what a sweep's plane has of a box, a little larger; none of a plane that misses the box.
+fn section(sweep: &Sweep, bounds: &Aabb) -> Option<[[f32; 3]; 4]> {
+    let (point, normal) = sweep.plane();
+    let u = normal.cross(&Vec3::ith(normal.iamin(), 1.0)).normalize();
+    let v = normal.cross(&u);
+    let corner = |i: usize| {
+        let side = |k: usize| {
+            if i >> k & 1 == 0 {
+                bounds.min[k]
+            } else {
+                bounds.max[k]
+            }
+        };
+        widen([0, 1, 2].map(side)) - point
+    };
+    let mut low = [f64::INFINITY; 2];
+    let mut high = [f64::NEG_INFINITY; 2];
+    // An edge of the box goes from a corner in the direction of one axis.
+    for (i, k) in (0..8)
+        .flat_map(|i| (0..3).map(move |k| (i, k)))
+        .filter(|(i, k)| i >> k & 1 == 0)
+    {
+        let (a, b) = (corner(i), corner(i | 1 << k));
+        let (from, to) = (a.dot(&normal), b.dot(&normal));
+        if from.min(to) > 0.0 || from.max(to) < 0.0 || from == to {
+            continue;
+        }
+        let p = a + (b - a) * (from / (from - to));
+        for (k, x) in [p.dot(&u), p.dot(&v)].into_iter().enumerate() {
+            (low[k], high[k]) = (low[k].min(x), high[k].max(x));
+        }
+    }
+    if low[0] > high[0] {
+        return None;
+    }
+    let margin = PLANE_MARGIN * bounds.diagonal();
+    let [low, high] = [low.map(|x| x - margin), high.map(|x| x + margin)];
+    let corner = |s: f64, t: f64| round(point + u * s + v * t);
+    Some([
+        corner(low[0], low[1]),
+        corner(high[0], low[1]),
+        corner(high[0], high[1]),
+        corner(low[0], high[1]),
+    ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plane_is_shown_where_it_meets_the_box() {
+        let bounds = Aabb::around([[-1.0; 3], [1.0, 2.0, 3.0]]);
+        let of = |normal, d| section(&Sweep::across_box(normal, d, &bounds).unwrap(), &bounds);
+        for (normal, d) in [
+            ([0.0, 1.0, 0.0], 0.5),
+            ([0.3, -0.4, 0.7], 0.2),
+            ([1.0; 3], -2.9),
+        ] {
+            let corners = of(normal, d).expect("it meets the box").map(widen);
+            let normal = Vec3::from(normal);
+            for p in corners {
+                assert!((p.dot(&normal) - d).abs() < 1e-5, "{p} is on the plane");
+            }
+            let [a, b, c, e] = corners;
+            assert!((b - a).dot(&(e - a)).abs() < 1e-5, "a right angle");
+            assert!((a + c - b - e).norm() < 1e-5, "opposite sides are alike");
+        }
+        // Through the middle of the box, along a side: that side and a margin.
+        let [a, b, c, _] = of([0.0, 1.0, 0.0], 0.5)
+            .expect("it meets the box")
+            .map(widen);
+        let mut sides = [(b - a).norm(), (c - b).norm()];
+        sides.sort_by(f64::total_cmp);
+        let margin = 2.0 * PLANE_MARGIN * bounds.diagonal();
+        assert!((sides[0] - 2.0 - margin).abs() < 1e-5 && (sides[1] - 4.0 - margin).abs() < 1e-5);
+        assert_eq!(of([0.0, 1.0, 0.0], 2.5), None);
+    }
+
+    #[test]
+    fn pieces_move_apart_along_the_normal_by_what_is_asked() {
+        let mut surface = build_model(Model::Sphere80);
+        let bounds = surface.bounds();
+        let sweep = Sweep::across_box([0.0, 2.0, 0.0], 0.1, &bounds).unwrap();
+        let mut cutter = incise_cut::Cutter::new(&surface);
+        let cut = cutter.cut(&mut surface, &sweep, &CutParams::default());
+        assert_eq!(cut.unwrap().delta.pieces_added.len(), 1);
+        let body = Body {
+            pieces: vec![Some(0), Some(1)],
+            sweep: Some(sweep),
+            bounds,
+            surface,
+        };
+        let mut bodies = Bodies {
+            bodies: vec![body],
+            pieces: 2,
+        };
+        let before = centers(&bodies.bodies[0].surface);
+        bodies.explode(0.25);
+        let after = centers(&bodies.bodies[0].surface);
+        let gap = |centers: &[Vec3]| (centers[0] - centers[1]).y.abs();
+        let moved = gap(&after) - gap(&before);
+        assert!((moved - 0.25 * bounds.diagonal()).abs() < 1e-5, "{moved}");
+        for (a, b) in before.iter().zip(&after) {
+            assert!(
+                (a - b).x.abs() + (a - b).z.abs() < 1e-6,
+                "along the normal alone"
+            );
+        }
+        // Without a cut all is as much larger as it is asked to be.
+        bodies.bodies[0].sweep = None;
+        let middle = bounds.center();
+        bodies.explode(1.0);
+        for (a, b) in after.iter().zip(&centers(&bodies.bodies[0].surface)) {
+            assert!(((b - middle) - 2.0 * (a - middle)).norm() < 1e-5);
+        }
+        assert!(bodies.leave_out(&[1]).is_ok());
+        let (triangles, caps) = bodies.count();
+        assert!(0 < caps && caps < triangles);
+        assert!(matches!(
+            bodies.leave_out(&[0, 2]),
+            Err(Failure::NoPiece {
+                piece: 2,
+                pieces: 2
+            })
+        ));
+    }
+}

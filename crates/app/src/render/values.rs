@@ -1,0 +1,121 @@
+//! Values of options that pictures have.
+
+use crate::numbers::numbers;
+use incise_render::{Background, Color};
+
+/// Pixels across and along.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Size(pub(super) [u32; 2]);
+
+/// From where a picture is taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Viewpoint {
+    /// Azimuth and elevation \[rad\].
+    pub(super) angles: [f64; 2],
+    /// How far away, in diagonals of what is seen.
+    pub(super) distance: Option<f64>,
+}
+
+/// Two whole numbers with an x between them.
+pub(super) fn size(text: &str) -> Result<Size, String> {
+    let side = |text: &str| text.trim().parse().ok().filter(|&side: &u32| side > 0);
+    let sides = text.split_once(['x', 'X']);
+    let sides = sides.and_then(|(width, height)| Some([side(width)?, side(height)?]));
+    sides.map(Size).ok_or_else(|| {
+        format!("'{text}' is no size: expected width x height in pixels, as 960x720")
+    })
+}
+
+/// Two or three numbers.
+pub(super) fn viewpoint(text: &str) -> Result<Viewpoint, String> {
+    let (angles, distance) = match text.split(',').count() {
+        3 => {
+            let [azimuth, elevation, distance] = numbers::<3>(text)?.0;
+            ([azimuth, elevation], Some(distance))
+        }
+        _ => (numbers::<2>(text)?.0, None),
+    };
+    if angles[1].abs() > 90.0 {
+        return Err(format!(
+            "an elevation of {} degrees: expected -90 to 90",
+            angles[1]
+        ));
+    }
+    if distance.is_some_and(|distance| distance <= 0.0) {
+        return Err(String::from("the distance is not positive"));
+    }
+    Ok(Viewpoint {
+        angles: angles.map(f64::to_radians),
+        distance,
+    })
+}
+
+/// One color or two.
+pub(super) fn backdrop(text: &str) -> Result<Background, String> {
+    let color = |text: &str| text.trim().parse::<Color>().map_err(|e| e.to_string());
+    Ok(match text.split_once(',') {
+        None => Background::Plain(color(text)?),
+        Some((top, bottom)) => Background::Gradient {
+            top: color(top)?,
+            bottom: color(bottom)?,
+        },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_two_sides() {
+        assert_eq!(size("960x720"), Ok(Size([960, 720])));
+        assert_eq!(size("1 X 2"), Ok(Size([1, 2])));
+        for bad in [
+            "",
+            "960",
+            "0x1",
+            "1x0",
+            "-1x1",
+            "1x2x3",
+            "1.5x2",
+            "axb",
+            "4294967296x1",
+        ] {
+            let error = size(bad).unwrap_err();
+            assert!(error.contains("960x720"), "{error}");
+        }
+    }
+
+    #[test]
+    fn viewpoints_have_two_angles_and_maybe_a_distance() {
+        let turn = std::f64::consts::FRAC_PI_2;
+        let [found, far] = ["90,-90", "-90, 0, 2.5"].map(|text| viewpoint(text).unwrap());
+        assert_eq!((found.angles, found.distance), ([turn, -turn], None));
+        assert_eq!((far.angles, far.distance), ([-turn, 0.0], Some(2.5)));
+        for (bad, said) in [
+            ("1", "expected 2"),
+            ("1,2,3,4", "expected 2"),
+            ("1,x", "'x', is not a number"),
+            ("1,2,nan", "is not finite"),
+            ("0,91", "-90 to 90"),
+            ("0,0,0", "not positive"),
+        ] {
+            let error = viewpoint(bad).unwrap_err();
+            assert!(error.contains(said), "{bad}: {error}");
+        }
+    }
+
+    #[test]
+    fn backgrounds_have_one_color_or_two() {
+        let (white, black) = (Color::rgb(255, 255, 255), Color::rgb(0, 0, 0));
+        assert_eq!(backdrop("#fff"), Ok(Background::Plain(white)));
+        let (top, bottom) = (white, black);
+        assert_eq!(
+            backdrop("fff, 000"),
+            Ok(Background::Gradient { top, bottom })
+        );
+        for bad in ["", "#fff,", ",#fff", "#fff,#000,#fff", "white"] {
+            assert!(backdrop(bad).is_err(), "{bad}");
+        }
+    }
+}
