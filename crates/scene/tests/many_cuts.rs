@@ -1,0 +1,165 @@
+//! A body with an inside goes through many cuts, some of which are taken back.
+
+use incise_mesh::geometry::area_vector;
+use incise_mesh::{Aabb, Surface, cube_sphere};
+use incise_pbd_gpu::{Material, SolverParams, Stiffness, Struts, Volume};
+use incise_scene::{BladeId, Body, BodyId, ContactParams, Scene, SceneParams};
+
+/// Numbers in -1 to 1, the same in every run (Steele et al. 2014).
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) as f32 / u64::MAX as f32 * 2.0 - 1.0
+    }
+}
+
+fn scene() -> (Scene, BodyId, BladeId) {
+    let mut scene = Scene::new(SceneParams {
+        solver: SolverParams {
+            substeps: 2,
+            ground: Some(-1.5),
+            ..SolverParams::default()
+        },
+        contacts: Some(ContactParams {
+            own: true,
+            ..ContactParams::default()
+        }),
+        ..SceneParams::default()
+    });
+    let material = Material {
+        volume: Some(Volume::default()),
+        struts: Some(Struts {
+            density: 0.5,
+            stiffness: Stiffness::Compliance(1e-5),
+        }),
+        ..Material::default()
+    };
+    let id = scene.add_body(cube_sphere(3, 1.0), &material).unwrap();
+    let blade = scene.add_blade([[0.0; 3], [0.0, 0.0, 1.0]]);
+    (scene, id, blade)
+}
+
+/// Two poses of a blade whose edge goes through all of a box from above, at an angle.
+fn sweep(bounds: &Aabb, dice: &mut Dice) -> [[[f32; 3]; 2]; 2] {
+    let middle = [0, 1, 2].map(|k| (bounds.min[k] + bounds.max[k]) / 2.0);
+    let half = [0, 1, 2].map(|k| (bounds.max[k] - bounds.min[k]) / 2.0);
+    let (turn, aside) = (dice.roll() * 3.2, dice.roll() * 0.7);
+    let (sin, cos) = turn.sin_cos();
+    // Along the ground across the body, aside of its middle at right angles to that.
+    let width = half[0].max(half[2]);
+    let at = |along: f32, y: f32| {
+        [
+            middle[0] + cos * along - sin * aside * width,
+            y,
+            middle[2] + sin * along + cos * aside * width,
+        ]
+    };
+    let far = 4.0 * (half[0] + half[2]);
+    let (above, below) = (bounds.max[1] + half[1], bounds.min[1] - half[1]);
+    [above, below].map(|y| [at(-far, y), at(far, y)])
+}
+
+/// The piece with the most triangles.
+fn largest(body: &Body) -> u32 {
+    let surface = body.surface();
+    let mut counts = vec![0; surface.piece_bound() as usize];
+    for t in surface.topology().triangles() {
+        counts[surface.piece(t) as usize] += 1;
+    }
+    (0..).zip(counts).max_by_key(|&(_, count)| count).unwrap().0
+}
+
+/// The box around a piece.
+fn bounds(surface: &Surface, piece: u32) -> Aabb {
+    let mut bounds = Aabb::default();
+    for t in surface.topology().triangles() {
+        for v in surface.topology().triangle(t) {
+            for k in (0..3).filter(|_| surface.piece(t) == piece) {
+                let c = surface.positions[v.index()][k];
+                bounds.min[k] = bounds.min[k].min(c);
+                bounds.max[k] = bounds.max[k].max(c);
+            }
+        }
+    }
+    bounds
+}
+
+fn check(scene: &Scene, id: BodyId) {
+    let body = scene.body(id);
+    let (surface, solver) = (body.surface(), body.solver());
+    assert!(surface.topology().is_closed());
+    solver.validate(surface).unwrap();
+    let solids: Vec<u32> = (solver.volumes().pieces().iter())
+        .map(|volume| volume.piece())
+        .collect();
+    for piece in body.pieces() {
+        let triangles = surface.topology().triangles();
+        let own: Vec<_> = triangles.filter(|&t| surface.piece(t) == piece).collect();
+        let corners = |t| {
+            surface
+                .topology()
+                .triangle(t)
+                .map(|v| surface.rest_position(v))
+        };
+        let areas = own.iter().map(|&t| area_vector(corners(t)).norm() / 2.0);
+        let area: f64 = areas.sum();
+        let ball = area.powf(1.5) / (6.0 * std::f64::consts::PI.sqrt());
+        let round = surface.rest_volume_of(own.into_iter()).abs() / ball;
+        assert!(
+            solids.contains(&piece) || round < 2e-6,
+            "piece {piece} keeps no volume, of {round} of a ball with its area"
+        );
+    }
+    let struts = solver.struts().unwrap();
+    let batches = struts.batches().iter().chain([struts.overflow()]);
+    let ends = batches.flat_map(|batch| batch.vertices());
+    let pieces =
+        ends.map(|ends| ends.map(|v| surface.piece(surface.topology().outgoing(v).triangle())));
+    for [a, b] in pieces {
+        assert_eq!(a, b, "a strut goes from piece {a} to {b}");
+    }
+    let bounds = surface.bounds();
+    let numbers = bounds.min.into_iter().chain(bounds.max);
+    assert!(numbers.clone().all(f32::is_finite), "{bounds:?}");
+    assert!(
+        numbers.map(f32::abs).fold(0.0, f32::max) < 50.0,
+        "nobody flies off: {bounds:?}"
+    );
+}
+
+#[test]
+fn a_body_with_an_inside_stays_one_through_many_cuts() {
+    let (mut scene, id, blade) = scene();
+    let mut dice = Dice(7);
+    let (mut cuts, mut undone) = (0, 0);
+    for round in 0..24 {
+        // Through all at first, then through the largest: or they would be thousands.
+        let largest = largest(scene.body(id));
+        let [from, to] = sweep(&bounds(scene.body(id).surface(), largest), &mut dice);
+        scene.set_blade_piece(blade, (round >= 3).then_some(largest));
+        scene.jump_blade(blade, from);
+        scene.set_blade_back(blade, (round % 5 == 0).then_some([0.0, 1.0, 0.0]));
+        scene.move_blade(blade, to);
+        let done = scene.step().unwrap().cuts;
+        cuts += done;
+        if round % 4 == 3 && done > 0 {
+            // At once: a frame later its halves have moved.
+            let (_, outcome) = scene.outcomes().last().unwrap();
+            let undo = outcome.undo.clone().unwrap();
+            scene.undo(id, undo).unwrap();
+            undone += 1;
+        }
+        check(&scene, id);
+        scene.step().unwrap();
+    }
+    assert!(cuts > 15 && undone > 2, "{cuts} cuts, {undone} undone");
+    for _ in 0..30 {
+        scene.step().unwrap();
+    }
+    check(&scene, id);
+}
