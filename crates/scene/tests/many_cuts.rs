@@ -92,7 +92,7 @@ fn bounds(surface: &Surface, piece: u32) -> Aabb {
 fn check(scene: &Scene, id: BodyId) {
     let body = scene.body(id);
     let (surface, solver) = (body.surface(), body.solver());
-    assert!(surface.topology().is_closed());
+    assert!(surface.topology().is_closed(), "nothing is open");
     solver.validate(surface).unwrap();
     let solids: Vec<u32> = (solver.volumes().pieces().iter())
         .map(|volume| volume.piece())
