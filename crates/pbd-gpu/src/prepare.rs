@@ -24,6 +24,12 @@ impl Solver {
     ) -> Result<StepConstants, StepError> {
         let mut constants = self.constants(dt, params);
         constants.check()?;
+        let sizes = self.volumes.pieces().iter().map(|piece| piece.rest().abs());
+        let largest = sizes.fold(0.0, f32::max);
+        // What kernels reckon with is that of a piece.
+        if !(constants.volume.alpha * largest).is_finite() {
+            return Err(StepError::TooShort { h: constants.h });
+        }
         if params.integrator == Integrator::Bdf2 {
             (self.constants_of(SHORTER * constants.h, 1, params)).check()?;
         }

@@ -4,7 +4,7 @@ mod common;
 
 use common::{edge_keys, sphere, two_spheres};
 use incise_mesh::{Surface, TriangleId};
-use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness, Volume};
+use incise_pbd_gpu::{Material, Solver, SolverParams, StepError, Stiffness, Volume};
 
 const DT: f32 = 1.0 / 60.0;
 
@@ -253,6 +253,31 @@ fn what_encloses_nothing_has_no_volume() {
             solver.step(&mut surface, DT, &weightless()).unwrap();
         }
         assert!(solver.kinetic_energy() < 1e-6, "nothing pushes");
+    }
+}
+
+#[test]
+fn a_compressibility_that_is_no_number_of_a_large_piece_is_refused() {
+    // 1e30 / h^2 is a number, times 4e9 m^3 it is none.
+    let mut surface = sphere(2, [0.0; 3]);
+    for (p, rest) in surface.positions.iter_mut().zip(&mut surface.rest) {
+        *rest = rest.map(|c| c * 1e3);
+        p[..3].copy_from_slice(rest);
+    }
+    let material = |compressibility| Material {
+        volume: Some(Volume {
+            compressibility,
+            ..Volume::default()
+        }),
+        ..Material::default()
+    };
+    for (compressibility, is_refused) in [(1e20, false), (1e30, true)] {
+        let mut solver = Solver::new(&mut surface, &material(compressibility)).unwrap();
+        let before = surface.positions.clone();
+        let done = solver.step(&mut surface, DT, &weightless()).map(|_| ());
+        let is_short = matches!(done, Err(StepError::TooShort { .. }));
+        assert_eq!(is_short, is_refused, "{done:?}");
+        assert!(!is_refused || surface.positions == before, "nothing moves");
     }
 }
 
