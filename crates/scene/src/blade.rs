@@ -14,8 +14,8 @@ pub struct BladeId(pub(crate) usize);
 pub struct Blade {
     edge: [[f32; 3]; 2],
     previous: [[f32; 3]; 2],
-    /// Where the flat was when bodies touched it last.
-    touched: [[f32; 3]; 2],
+    /// The edge and the back when bodies touched the flat last; none if there was none.
+    touched: Option<([[f32; 3]; 2], [f32; 3])>,
     /// The way from the edge to the back of the blade \[m\], if it has a flat that pieces touch, see
     /// [`Scene::set_blade_back`].
     pub back: Option<[f32; 3]>,
@@ -28,7 +28,7 @@ impl Blade {
         Self {
             edge,
             previous: edge,
-            touched: edge,
+            touched: None,
             back: None,
             only_piece: None,
         }
@@ -48,7 +48,7 @@ impl Blade {
     pub(crate) fn jump_to(&mut self, edge: [[f32; 3]; 2]) {
         self.edge = edge;
         self.previous = edge;
-        self.touched = edge;
+        self.touched = None;
     }
 
     /// The sweep since the last frame; none when the blade is at rest or moved along itself.
@@ -69,7 +69,8 @@ impl Blade {
 
     /// The flat and its way since bodies touched it last; none without a back, or one of no area.
     fn flat(&self) -> Option<Flat> {
-        Flat::new([self.touched, self.edge], self.back?)
+        let now = (self.edge, self.back?);
+        Flat::new([self.touched.unwrap_or(now), now])
     }
 }
 
@@ -84,7 +85,7 @@ impl Scene {
                 .extend(self.blades.iter().filter_map(Blade::flat));
         }
         for blade in &mut self.blades {
-            blade.touched = blade.edge;
+            blade.touched = blade.back.map(|back| (blade.edge, back));
         }
         let is_still = |flat: &Flat| !flat.moves();
         if self.flats == self.known_flats && self.flats.iter().all(is_still) {

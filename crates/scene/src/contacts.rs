@@ -4,8 +4,8 @@
 //! Boxes first: a piece whose box, grown by what may move in a frame, meets no other one is not looked at. Of the others
 //! every vertex in such a box gets the nearest triangle within reach that faces it, so that nothing is pushed out through the
 //! other side of a thin piece. A vertex stays on its side of what it was nearest
-//! to when the frame began, as far as anything of it gets no more than [`SAFETY`] times as fast within the frame; pieces that lie in each
-//! other already part slowly, since to push them apart at once would throw them.
+//! to when the frame began, as far as anything of it gets no more than [`SAFETY`] times as fast within the frame. Pieces that lie in each
+//! other a little part slowly, since to push them apart at once would throw them; deep in each other they stay.
 
 mod flat;
 mod pieces;

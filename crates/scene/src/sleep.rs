@@ -4,6 +4,7 @@
 //! woken it goes on with the bits that it would have had. So all that sleeping can lose is what would have moved
 //! by itself, slower than [`SleepParams::speed`].
 
+use crate::contacts::ContactParams;
 use crate::error::SceneError;
 use crate::params::SceneParams;
 use incise_mesh::Aabb;
@@ -89,6 +90,7 @@ const JITTER: f32 = 0.2;
 struct Terms {
     dt: f32,
     solver: SolverParams,
+    contacts: Option<ContactParams>,
     sleep: Option<SleepParams>,
 }
 
@@ -192,6 +194,7 @@ impl Sleep {
         let mut terms = Terms {
             dt: params.dt,
             solver: params.solver,
+            contacts: params.contacts,
             sleep: params.sleep,
         };
         if let Some(known) = self.terms

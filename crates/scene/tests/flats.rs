@@ -53,6 +53,19 @@ fn extent(surface: &Surface, piece: u32, k: usize) -> [f32; 2] {
     })
 }
 
+/// How fast the middle of a piece's mass goes up [m/s].
+fn rising(scene: &Scene, id: BodyId, piece: u32) -> f32 {
+    let (surface, solver) = (scene.body(id).surface(), scene.body(id).solver());
+    let (mut momentum, mut mass) = (0.0, 0.0);
+    for v in surface.topology().vertices() {
+        if surface.piece(surface.topology().outgoing(v).triangle()) == piece {
+            momentum += solver.masses()[v.index()] * solver.velocity(v)[1];
+            mass += solver.masses()[v.index()];
+        }
+    }
+    momentum / mass
+}
+
 /// A cube of 2 m falls by 0.2 m onto a flat at height 0 from an edge at x = -3 to the back.
 fn block_over_a_flat(back: Option<[f32; 3]>) -> (Scene, BodyId) {
     let mut scene = scene([0.0, -9.81, 0.0]);
@@ -114,6 +127,70 @@ fn a_flat_that_comes_pushes_what_is_before_it_and_one_that_goes_drops_it() {
     }
     let [fallen, _] = extent(scene.body(id).surface(), 0, 1);
     assert!(fallen < low - 1.0, "from {low} to {fallen} m");
+}
+
+#[test]
+fn a_flat_that_turns_takes_along_what_lies_on_it_and_its_ends_may_change_places() {
+    for step in [0.1_f32, 0.5, 1.0] {
+        let (mut scene, id) = block_over_a_flat(Some([6.0, 0.0, 0.0]));
+        scene.params.solver.gravity = [0.0; 3];
+        let blade = scene.blades().next().unwrap();
+        let mut angle = 0.0_f32;
+        while angle < 40.0 {
+            angle += step;
+            let (sin, cos) = angle.to_radians().sin_cos();
+            scene.set_blade_back(blade, Some([6.0 * cos, 6.0 * sin, 0.0]));
+            scene.step().unwrap();
+        }
+        // Above the plane through the edge at (-3, 0).
+        let (sin, cos) = angle.to_radians().sin_cos();
+        let positions = &scene.body(id).surface().positions;
+        let heights = positions.iter().map(|[x, y, ..]| y * cos - (x + 3.0) * sin);
+        let lowest = heights.fold(f32::INFINITY, f32::min);
+        assert!(lowest > 0.0, "{lowest} m, {step} degrees a frame");
+    }
+    let (mut scene, id) = block_over_a_flat(Some([6.0, 0.0, 0.0]));
+    let blade = scene.blades().next().unwrap();
+    for frame in 0..180 {
+        if frame == 120 {
+            scene.move_blade(blade, [[-3.0, 0.0, 3.0], [-3.0, 0.0, -3.0]]);
+        }
+        scene.step().unwrap();
+    }
+    let [low, _] = extent(scene.body(id).surface(), 0, 1);
+    let apart = thickness(&scene, id);
+    assert!(low > 0.9 * apart && low < 2.0 * apart, "{low} m");
+}
+
+#[test]
+fn a_thick_flat_between_lips_throws_nobody() {
+    for (y, edges) in [(0.1, 0.1), (0.7, 0.1), (0.7, 0.3), (0.7, 1.0)] {
+        let mut scene = scene([0.0; 3]);
+        scene.params.contacts = Some(ContactParams {
+            thickness: edges,
+            ..ContactParams::default()
+        });
+        let id = scene.add_body(cube_sphere(6, 1.0), &firm()).unwrap();
+        let blade = scene.add_blade([[-2.0, y, -2.0], [-2.0, y, 2.0]]);
+        scene.set_blade_back(blade, Some([-6.0, 0.0, 0.0]));
+        scene.step().unwrap();
+        scene.move_blade(blade, [[2.0, y, -2.0], [2.0, y, 2.0]]);
+        assert_eq!(scene.step().unwrap().cuts, 1);
+        let mut fastest = 0.0_f32;
+        for _ in 0..60 {
+            scene.step().unwrap();
+            for piece in [0, 1] {
+                fastest = fastest.max(rising(&scene, id, piece).abs());
+            }
+        }
+        // With its weight no piece would hop by the two thicknesses that are between them.
+        let apart = f64::from(2.0 * edges) * scene.body(id).solver().mean_rest_length();
+        let most = (2.0 * 9.81 * apart).sqrt();
+        assert!(
+            f64::from(fastest) < most,
+            "{fastest} of {most} m/s at {y}, {edges}"
+        );
+    }
 }
 
 #[test]

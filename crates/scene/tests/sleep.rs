@@ -2,7 +2,9 @@
 
 use incise_mesh::{Model, Surface, VertexId, build_model};
 use incise_pbd_gpu::{Material, SolverParams, Stiffness};
-use incise_scene::{BladeId, BodyId, FrameStats, Scene, SceneError, SceneParams, SleepParams};
+use incise_scene::{
+    BladeId, BodyId, ContactParams, FrameStats, Scene, SceneError, SceneParams, SleepParams,
+};
 
 /// Frames after which a body that is at rest from the start sleeps.
 const UNTIL_ASLEEP: u32 = 10 + SleepParams::LAG;
@@ -248,11 +250,12 @@ fn a_target_elsewhere_wakes_and_the_same_one_does_not() {
 
 #[test]
 fn another_kind_of_frame_wakes_all() {
-    let changes: [fn(&mut SceneParams); 5] = [
+    let changes: [fn(&mut SceneParams); 6] = [
         |p| p.solver.gravity = [0.0, -1.0, 0.0],
         |p| p.solver.ground = Some(0.2),
         |p| p.solver.iterations += 1,
         |p| p.dt *= 0.5,
+        |p| p.contacts = Some(ContactParams::default()),
         |p| p.sleep = None,
     ];
     for (i, change) in changes.into_iter().enumerate() {

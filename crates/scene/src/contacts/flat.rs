@@ -1,8 +1,9 @@
 //! The flat of a blade: what pieces lie against while the blade is between them.
 
-use super::APART;
+use super::touch::outward;
+use super::{AGAIN, APART};
 use incise_mesh::geometry::widen;
-use incise_mesh::{Aabb, Vec3, VertexId};
+use incise_mesh::{Aabb, Surface, Vec3, VertexId};
 use incise_pbd_gpu::{Above, Contact};
 
 /// A vertex whose surface looks at a flat by less than this cosine is on the side that it lies on.
@@ -58,10 +59,14 @@ impl Pose {
 }
 
 impl Flat {
-    /// The flat of a blade that came from one edge to another; none if it has no area.
-    pub(crate) fn new(edges: [[[f32; 3]; 2]; 2], back: [f32; 3]) -> Option<Self> {
-        let [before, now] = edges.map(|edge| Pose::new(edge, back));
-        let (before, now) = (before?, now?);
+    /// The flat of a blade that came from one edge and back to others; none if either has no area. Its sides stay
+    /// what they were, whichever way its edge is named.
+    pub(crate) fn new(poses: [([[f32; 3]; 2], [f32; 3]); 2]) -> Option<Self> {
+        let [before, now] = poses.map(|(edge, back)| Pose::new(edge, back));
+        let (before, mut now) = (before?, now?);
+        if before.normal.dot(&now.normal) < 0.0 {
+            now.normal = -now.normal;
+        }
         Some(Self { before, now })
     }
 
@@ -94,15 +99,16 @@ impl Flat {
     }
 
     /// The contact of a vertex at a place that may move so far within the frame \[m\], none if it does not get here. A vertex
-    /// stays on the side that it is on; one that is no farther than a thickness off is on the side that its surface looks
-    /// away from, since both lips of a cut begin at the blade.
+    /// stays on the side that it is on; one that is no farther than a thickness off is where the vertices around it are or, since
+    /// both lips of a cut begin at the blade, on the side that its surface looks away from.
     pub(super) fn contact(
         &self,
-        (vertex, at, outward): (VertexId, Vec3, impl Fn() -> Vec3),
+        (surface, vertex): (&Surface, VertexId),
         way: f64,
         thickness: f64,
         dt: f64,
     ) -> Option<Contact> {
+        let at = surface.position(vertex);
         let (from, to) = (self.before.height(at), self.now.height(at));
         let gets_there = from.abs().min(to.abs()) <= way || from * to < 0.0;
         let is_beside = |pose: &Pose| pose.is_beside(at, thickness);
@@ -111,9 +117,12 @@ impl Flat {
         }
         let mut side = if from < 0.0 { -1.0 } else { 1.0 };
         if from.abs() <= thickness {
-            let outward = outward().try_normalize(0.0).unwrap_or_default();
-            let looks = outward.dot(&self.now.normal);
-            if looks.abs() >= SIDEWAYS {
+            let around = mean_around(surface, vertex, |p| self.before.height(p));
+            let outward = outward(surface, vertex).try_normalize(0.0);
+            let looks = outward.unwrap_or_default().dot(&self.before.normal);
+            if around.abs() > AGAIN * thickness {
+                side = around.signum();
+            } else if looks.abs() >= SIDEWAYS {
                 side = -looks.signum();
             }
         }
@@ -129,6 +138,16 @@ impl Flat {
             APART * missing + side * (from - to) / dt,
         ))
     }
+}
+
+/// The mean of something over the vertices around one.
+fn mean_around(surface: &Surface, v: VertexId, of: impl Fn(Vec3) -> f64) -> f64 {
+    let topology = surface.topology();
+    let fan = topology.outgoing_fan(v);
+    let (sum, count) = fan.fold((0.0, 0.0), |(sum, count), h| {
+        (sum + of(surface.position(topology.target(h))), count + 1.0)
+    });
+    sum / count
 }
 
 #[expect(

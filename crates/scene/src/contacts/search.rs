@@ -134,15 +134,9 @@ impl Search<'_> {
     fn touch_flats(&self, v: VertexId, row: &mut Row) {
         let reach = self.reach;
         let touches = |flat: &Flat| {
-            let at = self.surface.position(v);
             let speed = self.velocities.of(v).norm();
             let way = self.thickness + (SAFETY * speed + reach.gained) * reach.dt;
-            flat.contact(
-                (v, at, || outward(self.surface, v)),
-                way,
-                self.thickness,
-                reach.dt,
-            )
+            flat.contact((self.surface, v), way, self.thickness, reach.dt)
         };
         row.contacts.extend(reach.flats.iter().filter_map(touches));
     }
