@@ -8,9 +8,9 @@ mod common;
 
 use common::gpu::{Needs, run, trial};
 use common::{Bits, add, bits, on, params};
-use incise_mesh::{Model, VertexId};
-use incise_pbd_gpu::Context;
-use incise_scene::{BladeId, BodyId, Scene, SceneParams};
+use incise_mesh::{Model, VertexId, build_model};
+use incise_pbd_gpu::{Context, Material, Struts, Volume};
+use incise_scene::{BladeId, BodyId, ContactParams, Scene, SceneParams};
 use std::process::ExitCode;
 
 /// Bodies of one, a few and many workgroups.
@@ -21,6 +21,11 @@ fn main() -> ExitCode {
     let any = Needs::AnyDevice;
     run(vec![
         trial("a_scene_has_the_bits_of_the_cpu", Needs::Strict, same_bits),
+        trial(
+            "what_touches_has_the_bits_of_the_cpu",
+            Needs::Strict,
+            touching,
+        ),
         trial("two_runs_have_the_same_bits", any, two_runs),
         trial("bodies_do_not_touch_each_other", any, alone),
         trial("a_blade_at_rest_reads_nothing", any, at_rest),
@@ -112,6 +117,45 @@ fn same_bits(context: Context) {
         assert_eq!(device.len(), cpu.len());
         assert_eq!(differ, None, "body {i} differs at this vertex");
     }
+}
+
+/// A ball with an inside falls on a flat, is cut above it by another blade, and its pieces come to lie on each other and the ground.
+fn play_touching(mut scene: Scene) -> Bits {
+    scene.params.contacts = Some(ContactParams {
+        own: true,
+        ..ContactParams::default()
+    });
+    let material = Material {
+        volume: Some(Volume::default()),
+        struts: Some(Struts::default()),
+        ..Material::default()
+    };
+    let ball = build_model(Model::Sphere768);
+    let id = scene.add_body(ball, &material).unwrap();
+    let low = scene.add_blade([[-2.0, -0.9, -2.0], [-2.0, -0.9, 2.0]]);
+    scene.set_blade_back(low, Some([4.0, 0.0, 0.0]));
+    let high = scene.add_blade([[-2.0, 0.1, -2.0], [-2.0, 0.2, 2.0]]);
+    scene.set_blade_back(high, Some([-1.0, 0.0, 0.1]));
+    let mut most = 0;
+    for frame in 0..60 {
+        match frame {
+            10 => scene.move_blade(high, [[2.0, -0.1, -2.0], [2.0, 0.0, 2.0]]),
+            // Along its back, past all that is on it.
+            30 => scene.move_blade(low, [[2.5, -0.9, -2.0], [2.5, -0.9, 2.0]]),
+            _ => {}
+        }
+        most = most.max(scene.step().unwrap().contacts);
+    }
+    assert!(most > 50, "{most} contacts");
+    assert_eq!(scene.body(id).pieces().len(), 2);
+    bits(&mut scene, id)
+}
+
+fn touching(context: Context) {
+    let on_device = play_touching(on(context, params()));
+    let on_cpu = play_touching(Scene::new(params()));
+    let differ = on_device.iter().zip(&on_cpu).position(|(a, b)| a != b);
+    assert_eq!((on_device.len(), differ), (on_cpu.len(), None));
 }
 
 fn two_runs(context: Context) {
