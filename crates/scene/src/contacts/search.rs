@@ -12,6 +12,9 @@ use rayon::prelude::*;
 /// So many vertex slots are one row.
 const ROW: usize = 512;
 
+/// Fewer rows than that are no work for two: threads take some ten microseconds to wake.
+const SPREAD_FROM: usize = 4;
+
 /// What one row found, kept from frame to frame for its room.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Row {
@@ -43,17 +46,28 @@ impl Search<'_> {
     pub(super) fn run(&self, rows: &mut Vec<Row>) {
         let slots = self.surface.positions.len();
         rows.resize_with(slots.div_ceil(ROW), Row::default);
-        rows.par_iter_mut().enumerate().for_each(|(i, row)| {
-            row.contacts.clear();
-            row.found.clear();
-            for slot in i * ROW..slots.min((i + 1) * ROW) {
-                let v = VertexId(narrow(slot));
-                if !self.surface.topology().outgoing(v).is_null() {
-                    self.touch_pieces(v, row);
-                    self.touch_flats(v, row);
-                }
+        if rows.len() < SPREAD_FROM {
+            rows.iter_mut()
+                .enumerate()
+                .for_each(|(i, row)| self.fill(i, row));
+        } else {
+            rows.par_iter_mut()
+                .enumerate()
+                .for_each(|(i, row)| self.fill(i, row));
+        }
+    }
+
+    fn fill(&self, i: usize, row: &mut Row) {
+        row.contacts.clear();
+        row.found.clear();
+        let slots = self.surface.positions.len();
+        for slot in i * ROW..slots.min((i + 1) * ROW) {
+            let v = VertexId(narrow(slot));
+            if !self.surface.topology().outgoing(v).is_null() {
+                self.touch_pieces(v, row);
+                self.touch_flats(v, row);
             }
-        });
+        }
     }
 
     /// Finds the triangle that a vertex touches, if any.
