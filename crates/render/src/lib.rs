@@ -2,7 +2,7 @@
 //!
 //! - [`Camera`]: where the eye is, what it frames, and the ray through a pixel.
 //! - [`Color`] and [`Picture`]: pixels on the host, which are put together and written as PNG.
-//! - [`Letters`]: text, in a font that is part of the program.
+//! - [`Letters`]: text, in a font that is part of the program. [`Panels`]: pictures with labels, in rows.
 //! - [`Renderer`]: the pipelines of a device. It draws [`BodyView`]s, which follow a surface or use a solver's
 //!   positions in place, and [`Overlay`]s of translucent sheets and lines.
 //! - [`Offscreen`]: a texture to draw on, and the way back to the host.
@@ -34,6 +34,7 @@ mod error;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod letters;
+mod panels;
 mod picture;
 
 pub use camera::{Camera, Ray};
@@ -45,4 +46,5 @@ pub use gpu::{
     Wireframe,
 };
 pub use letters::{LetterLine, Letters};
+pub use panels::Panels;
 pub use picture::Picture;
