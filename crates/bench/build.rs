@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The crates that the program is made of.
-const CRATES: [&str; 6] = ["mesh", "refine", "cut", "pbd-gpu", "scene", "bench"];
+const CRATES: [&str; 7] = [
+    "mesh", "refine", "cut", "pbd-gpu", "render", "scene", "bench",
+];
 
 fn main() {
     let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../..");

@@ -125,6 +125,15 @@ pub(crate) enum Failure {
         /// The file.
         path: PathBuf,
     },
+    /// A figure of the gallery cannot be made of the built-in models.
+    #[cfg(feature = "gpu")]
+    #[error("{figure}: {source}; leave it out with --only")]
+    Figure {
+        /// Its name.
+        figure: &'static str,
+        /// Why.
+        source: crate::gallery::FigureError,
+    },
     /// There is no device to draw with.
     #[cfg(feature = "gpu")]
     #[error(transparent)]

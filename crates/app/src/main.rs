@@ -1,8 +1,10 @@
-//! The program: cuts, checks, fills, draws and simulates meshes, and lists devices.
+//! The program: cuts, checks, fills, draws and simulates meshes, draws the paper's figures, and lists devices.
 //!
 //! Exit codes: 0 done, 1 the input cannot be used or there is no device, 2 the command line is wrong, 3 the
 //! output cannot be written.
 
+#[cfg(feature = "gpu")]
+mod apart;
 mod check;
 mod clock;
 mod cut;
@@ -10,6 +12,8 @@ mod cut_options;
 mod devices;
 mod failure;
 mod fill;
+#[cfg(feature = "gpu")]
+mod gallery;
 mod json;
 mod numbers;
 mod pieces;
@@ -41,6 +45,8 @@ enum Command {
     Devices(devices::DevicesArguments),
     Fill(fill::FillArguments),
     #[cfg(feature = "gpu")]
+    Gallery(gallery::GalleryArguments),
+    #[cfg(feature = "gpu")]
     Render(render::RenderArguments),
     Simulate(simulate::SimulateArguments),
 }
@@ -53,6 +59,8 @@ fn main() -> ExitCode {
         Command::Cut(arguments) => cut::run(arguments, &mut out),
         Command::Devices(arguments) => devices::run(arguments, &mut out),
         Command::Fill(arguments) => fill::run(arguments, &mut out),
+        #[cfg(feature = "gpu")]
+        Command::Gallery(arguments) => gallery::run(arguments, &mut out),
         #[cfg(feature = "gpu")]
         Command::Render(arguments) => render::run(arguments, &mut out),
         Command::Simulate(arguments) => simulate::run(arguments, &mut out),

@@ -7,6 +7,7 @@ mod backend;
 mod columns;
 mod cut;
 mod directions;
+mod front;
 mod json;
 mod machine;
 mod method;
@@ -14,6 +15,8 @@ mod models;
 mod motion;
 mod options;
 mod output;
+mod pace;
+mod page;
 mod paper;
 mod picture;
 mod printout;
@@ -34,6 +37,7 @@ use clap::{Args, Parser, Subcommand};
 use incise_refine::RefinementLevel;
 use options::{AdapterArguments, JsonArguments, ModelArguments};
 use printout::Printout;
+use std::error::Error;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
@@ -66,6 +70,8 @@ enum Command {
     Stability(stability::StabilityArguments),
     /// What a scene does not need, and what that costs: each claim with its bound.
     Skip(skip::SkipArguments),
+    /// One page of all results, for a browser and for paper.
+    Report(page::ReportArguments),
 }
 
 /// What the table is made of.
@@ -157,7 +163,25 @@ impl Arguments {
             Some(Command::Accuracy(accuracy)) => accuracy.writes_files(),
             Some(Command::Stability(stability)) => stability.writes_files(),
             Some(Command::Skip(skip)) => rows(&skip.run.rows),
+            Some(Command::Report(_)) => true,
         }
+    }
+}
+
+/// Does what the command line says.
+fn run(arguments: Arguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    match arguments.command {
+        Some(Command::Solver(solver)) => solver::run(&solver, out),
+        Some(Command::Step(step)) => step::run(&step, out),
+        Some(Command::Cut(cut)) => cut::run(&cut, out),
+        Some(Command::Refine(refine)) => refine::run(&refine, out),
+        #[cfg(feature = "reference")]
+        Some(Command::Accuracy(accuracy)) => accuracy::run(&accuracy, out),
+        Some(Command::Stability(stability)) => stability::run(&stability, out),
+        Some(Command::Skip(skip)) => skip::run(&skip, out),
+        Some(Command::Report(report)) => page::run(&report, out),
+        Some(Command::Table(table)) => report::run(&table, out),
+        None => report::run(&arguments.table, out),
     }
 }
 
@@ -168,18 +192,7 @@ fn main() -> ExitCode {
     // and frames are shown to allocate nothing.
     rayon::scope(|_| {
         let mut out = Printout::new(io::stdout().lock(), goes_on);
-        let done = match arguments.command {
-            Some(Command::Solver(solver)) => solver::run(&solver, &mut out),
-            Some(Command::Step(step)) => step::run(&step, &mut out),
-            Some(Command::Cut(cut)) => cut::run(&cut, &mut out),
-            Some(Command::Refine(refine)) => refine::run(&refine, &mut out),
-            #[cfg(feature = "reference")]
-            Some(Command::Accuracy(accuracy)) => accuracy::run(&accuracy, &mut out),
-            Some(Command::Stability(stability)) => stability::run(&stability, &mut out),
-            Some(Command::Skip(skip)) => skip::run(&skip, &mut out),
-            Some(Command::Table(table)) => report::run(&table, &mut out),
-            None => report::run(&arguments.table, &mut out),
-        };
+        let done = run(arguments, &mut out);
         match done {
             Ok(()) => ExitCode::SUCCESS,
             Err(_) if out.was_left() => ExitCode::SUCCESS,
@@ -333,9 +346,19 @@ mod tests {
             "b refine --tradeoff --csv x",
             "b stability --plot x",
             "b skip --json x",
+            "b report -o x",
         ] {
             assert!(writes(line), "{line}");
         }
+    }
+
+    #[test]
+    fn a_report_knows_its_benches() {
+        let parse = |line: &str| Arguments::try_parse_from(line.split_whitespace());
+        assert!(parse("b report -o x --take a.json b.json --gallery g").is_ok());
+        assert!(parse("b report -o x --run table,skip --quick").is_ok());
+        assert!(parse("b report").is_err(), "nowhere to go");
+        assert!(parse("b report -o x --run solver").is_err(), "no rows");
     }
 
     #[test]

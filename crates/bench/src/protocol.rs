@@ -13,6 +13,7 @@
 use crate::allocations;
 use crate::directions::Directions;
 use crate::models::Loaded;
+use crate::pace::Pace;
 use crate::statistics::{mean, percentile_99};
 use crate::{TableArguments, motion};
 use incise_cut::Sweep;
@@ -53,6 +54,9 @@ pub(crate) struct Row {
     pub(crate) skips_far_sweeps: bool,
     pub(crate) pbd_fps: f64,
     pub(crate) pbd_cs_fps: f64,
+    /// The same of every simulated second; none of one without a frame that was timed.
+    pub(crate) pbd_fps_by_second: Vec<Option<f64>>,
+    pub(crate) pbd_cs_fps_by_second: Vec<Option<f64>>,
     pub(crate) fps_difference_percent: f64,
     pub(crate) cut_ms_mean: f64,
     pub(crate) cut_ms_p99: f64,
@@ -86,6 +90,7 @@ struct Run {
     /// Frames that were timed.
     frames: u32,
     work: Duration,
+    pace: Pace,
     device: Option<String>,
     schedule: Option<&'static str>,
     bytes_uploaded: Vec<f64>,
@@ -146,6 +151,8 @@ pub(crate) fn run(
         device: pbd.device.clone().unwrap_or_else(|| machine.to_owned()),
         pbd_fps: pbd.fps(),
         pbd_cs_fps: cs.fps(),
+        pbd_fps_by_second: pbd.pace.rates(),
+        pbd_cs_fps_by_second: cs.pace.rates(),
         fps_difference_percent: (1.0 - cs.fps() / pbd.fps()) * 100.0,
         cut_ms_mean: mean(&cut_ms),
         cut_ms_p99: percentile_99(&cut_ms),
@@ -193,6 +200,7 @@ fn run_scene(
     let mut run = Run {
         device: report.device.filter(|_| on_device),
         cap_min_angle: f64::INFINITY,
+        pace: Pace::of(frames(arguments), a_second),
         ..Run::default()
     };
     // A refused slice is tried again in the next frame, in the next direction.
@@ -238,6 +246,7 @@ fn run_scene(
         work += begin.elapsed();
         if frame > 1 || !on_device {
             run.work += work;
+            run.pace.note(frame, work);
             run.frames += 1;
         } else {
             run.schedule = schedule(scene.stats());

@@ -26,6 +26,9 @@ pub enum RenderError {
         /// How many bytes there are.
         bytes: usize,
     },
+    /// The font that is part of the program is none, which only a broken build has.
+    #[error("the built-in font is broken; build the program again")]
+    Font,
     /// A picture cannot be packed as PNG.
     #[error("a picture cannot be packed: {0}")]
     Png(#[from] png::EncodingError),

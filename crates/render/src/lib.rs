@@ -2,6 +2,7 @@
 //!
 //! - [`Camera`]: where the eye is, what it frames, and the ray through a pixel.
 //! - [`Color`] and [`Picture`]: pixels on the host, which are put together and written as PNG.
+//! - [`Letters`]: text, in a font that is part of the program. [`Panels`]: pictures with labels, in rows.
 //! - [`Renderer`]: the pipelines of a device. It draws [`BodyView`]s, which follow a surface or use a solver's
 //!   positions in place, and [`Overlay`]s of translucent sheets and lines.
 //! - [`Offscreen`]: a texture to draw on, and the way back to the host.
@@ -32,6 +33,8 @@ mod color;
 mod error;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod letters;
+mod panels;
 mod picture;
 
 pub use camera::{Camera, Ray};
@@ -42,4 +45,6 @@ pub use gpu::{
     Background, BodyView, Canvas, Content, Light, Line, Offscreen, Overlay, Renderer, Sheet, View,
     Wireframe,
 };
+pub use letters::{LetterLine, Letters};
+pub use panels::Panels;
 pub use picture::Picture;

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 /// The longest side of a picture: its bytes are then still fewer than 2^32.
-const MAX_SIDE: u32 = (1 << 15) - 1;
+pub(crate) const MAX_SIDE: u32 = (1 << 15) - 1;
 
 /// A picture: rows from the top, pixels from the left, sRGB with 8 bits a channel, alpha not multiplied in.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -110,6 +110,21 @@ impl Picture {
         }
     }
 
+    /// Mixes a color into the pixel at column `x` and row `y`, `part` of it, 0 to 1. Outside of the picture there is
+    /// nothing to mix with.
+    pub(crate) fn mix(&mut self, x: i64, y: i64, color: Color, part: f32) {
+        let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else {
+            return;
+        };
+        if x >= self.width || y >= self.height {
+            return;
+        }
+        let at = 4 * (y as usize * self.width as usize + x as usize);
+        for (old, new) in self.pixels[at..at + 4].iter_mut().zip(color.0) {
+            *old = between(*old, new, part);
+        }
+    }
+
     /// The picture as the bytes of a PNG file, marked as sRGB.
     ///
     /// # Errors
@@ -137,6 +152,17 @@ impl Picture {
             source,
         })
     }
+}
+
+/// A channel on the way from one value to another.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a saturating cast of a channel between two others"
+)]
+fn between(from: u8, to: u8, part: f32) -> u8 {
+    let (from, to) = (f32::from(from), f32::from(to));
+    (from + (to - from) * part.clamp(0.0, 1.0)).round() as u8
 }
 
 /// Refuses sides without pixels and sides longer than `limit`.

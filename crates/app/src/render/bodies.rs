@@ -1,5 +1,6 @@
 //! What is drawn: meshes that were read or made, whole or in pieces.
 
+use crate::apart::{centers, move_pieces};
 use crate::cut_options::CutPlan;
 use crate::failure::Failure;
 use incise_cut::{CutParams, Sweep};
@@ -176,35 +177,6 @@ fn surface(input: &Path, is_to_be_cut: bool) -> Result<Surface, Failure> {
         let _ = writeln!(io::stderr(), "incise: {}: {warning}", input.display());
     }
     Ok(surface)
-}
-
-/// The middle of every piece's triangle corners.
-fn centers(surface: &Surface) -> Vec<Vec3> {
-    let mut sums = vec![(Vec3::zeros(), 0.0); surface.piece_bound() as usize];
-    for t in surface.topology().triangles() {
-        let (sum, count) = &mut sums[surface.piece(t) as usize];
-        *sum += surface.triangle_positions(t).iter().sum::<Vec3>();
-        *count += 3.0;
-    }
-    sums.iter()
-        .map(|(sum, count)| sum / f64::max(*count, 1.0))
-        .collect()
-}
-
-/// Moves every piece by its own way.
-fn move_pieces(surface: &mut Surface, moves: &[Vec3]) {
-    let mut piece_of = vec![None; surface.topology().vertex_slots()];
-    for t in surface.topology().triangles() {
-        for v in surface.topology().triangle(t) {
-            piece_of[v.index()] = Some(surface.piece(t));
-        }
-    }
-    for (position, piece) in surface.positions.iter_mut().zip(piece_of) {
-        let Some(piece) = piece else { continue };
-        let [x, y, z, weight] = *position;
-        let [x, y, z] = round(widen([x, y, z]) + moves[piece as usize]);
-        *position = [x, y, z, weight];
-    }
 }
 
 /// The rectangle around what a sweep's plane has of a box, a little larger; none of a plane that misses the box.

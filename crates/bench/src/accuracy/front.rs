@@ -1,27 +1,12 @@
-//! The runs that no other run beats, and what they say.
+//! What the runs that no other run beats say.
 
 use super::row::Row;
+use crate::front::{Point, front};
 
 /// Errors that tables say the time to.
 pub(super) const TARGETS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 /// Times that tables say the error at \[ms\].
 pub(super) const BUDGETS: [f64; 4] = [1.0, 4.0, 8.0, 16.0];
-
-/// A point of a plane of time \[ms\] and error.
-pub(super) type Point = [f64; 2];
-
-/// The points that no other one is both faster and nearer than, from fast to slow.
-pub(super) fn front(points: impl Iterator<Item = Point>) -> Vec<Point> {
-    let mut points: Vec<Point> = points.filter(|p| p.iter().all(|x| x.is_finite())).collect();
-    points.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    let mut best = f64::INFINITY;
-    points.retain(|p| {
-        let is_better = p[1] < best;
-        best = best.min(p[1]);
-        is_better
-    });
-    points
-}
 
 /// The least time to an error \[ms\].
 pub(super) fn time_to(front: &[Point], error: f64) -> Option<f64> {

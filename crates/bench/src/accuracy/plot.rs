@@ -1,7 +1,7 @@
 //! Time against error as a picture, and the rows behind it.
 
-use super::front::{Point, front};
 use super::row::{Row, csv};
+use crate::front::{Point, front};
 use crate::output::{OutputError, OutputFile};
 use crate::picture::{FONT, Fault, Picture, PictureFile};
 use plotters::backend::DrawingBackend;

@@ -1,12 +1,13 @@
 //! What people read.
 
 use super::error::Yardstick;
-use super::front::{BUDGETS, Point, TARGETS, error_at, least_gain, time_to, totals};
+use super::front::{BUDGETS, TARGETS, error_at, least_gain, time_to, totals};
 use super::ladder::{Exact, Ladder};
 use super::row::Row;
 use super::scene::{Body, Scene};
 use super::scenes;
 use crate::columns::{columns, paragraphs};
+use crate::front::Point;
 use incise_bench::{ReferenceError, State};
 use std::error::Error;
 use std::io::{self, Write};

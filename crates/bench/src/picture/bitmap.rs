@@ -1,7 +1,7 @@
 //! A backend of pixels. Lines and areas are plotters' own rasterizer's; letters are drawn from a font that is part of the
 //! program, where plotters' own bitmaps ask for fonts of the system.
 
-use ab_glyph::{Font, FontRef, InvalidFont, PxScale, ScaleFont, point};
+use incise_render::{Letters, RenderError};
 use plotters::backend::DrawingBackend;
 use plotters_backend::text_anchor::{HPos, VPos};
 use plotters_backend::{
@@ -9,7 +9,6 @@ use plotters_backend::{
 };
 use std::convert::Infallible;
 
-const LETTERS: &[u8] = include_bytes!("../../fonts/DejaVuSans-ascii.ttf");
 /// A font's size over its em, as the SVG backend has it.
 const SIZE_OVER_EM: f64 = 1.24;
 /// From a text's anchor down to its baseline \[em\], as the SVG backend has it.
@@ -23,7 +22,7 @@ pub(super) const FINE: u32 = 2;
 pub(super) struct Bitmap<'a> {
     size: (u32, u32),
     canvas: Canvas<'a>,
-    font: FontRef<'static>,
+    letters: Letters,
 }
 
 /// Pixels of three bytes each, row by row from above.
@@ -36,15 +35,15 @@ impl<'a> Bitmap<'a> {
     /// Draws a picture of that size onto pixels, three bytes each and [`FINE`] by [`FINE`] for each of the picture's.
     ///
     /// # Errors
-    /// [`InvalidFont`], which only a broken build has.
-    pub(super) fn on(pixels: &'a mut [u8], size: (u32, u32)) -> Result<Self, InvalidFont> {
+    /// [`RenderError::Font`], which only a broken build has.
+    pub(super) fn on(pixels: &'a mut [u8], size: (u32, u32)) -> Result<Self, RenderError> {
         Ok(Self {
             size,
             canvas: Canvas {
                 size: (FINE * size.0, FINE * size.1),
                 pixels,
             },
-            font: FontRef::try_from_slice(LETTERS)?,
+            letters: Letters::new()?,
         })
     }
 }
@@ -207,24 +206,12 @@ impl DrawingBackend for Bitmap<'_> {
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Done {
         let at = fine(at);
         let em = em(style.size() * f64::from(FINE));
-        // Scales are heights from the deepest to the highest line of a font.
-        let height = self.font.height_unscaled() / self.font.units_per_em().unwrap_or(1.0);
-        let font = self.font.clone();
-        let font = font.as_scaled(PxScale::from(em * height));
-        let (mut glyphs, mut caret, mut last) = (Vec::new(), 0.0, None);
-        for letter in text.chars() {
-            let mut glyph = font.scaled_glyph(letter);
-            caret += last.map_or(0.0, |last| font.kern(last, glyph.id));
-            glyph.position = point(caret, 0.0);
-            caret += font.h_advance(glyph.id);
-            last = Some(glyph.id);
-            glyphs.push(glyph);
-        }
+        let line = self.letters.line(text, em);
         let anchor = style.anchor();
         let left = match anchor.h_pos {
             HPos::Left => 0.0,
-            HPos::Center => -caret / 2.0,
-            HPos::Right => -caret,
+            HPos::Center => -line.width() / 2.0,
+            HPos::Right => -line.width(),
         };
         let baseline = match anchor.v_pos {
             VPos::Top => TOP * em,
@@ -232,22 +219,13 @@ impl DrawingBackend for Bitmap<'_> {
             VPos::Bottom => -CENTER * em,
         };
         let (transform, color) = (style.transform(), style.color());
-        for glyph in glyphs {
-            let Some(outline) = font.outline_glyph(glyph) else {
-                continue;
-            };
-            let corner = outline.px_bounds().min;
-            let corner = [left.round() + corner.x, baseline.round() + corner.y].map(pixel);
-            outline.draw(|x, y, covered| {
-                let [x, y] = [
-                    corner[0].saturating_add_unsigned(x),
-                    corner[1].saturating_add_unsigned(y),
-                ];
-                let (x, y) = transform.transform(x, y);
-                self.canvas
-                    .mix((at.0 + x, at.1 + y), color, f64::from(covered));
-            });
-        }
+        let corner = [left, baseline].map(|x| pixel(x.round()));
+        let canvas = &mut self.canvas;
+        line.draw(|[x, y], covered| {
+            let [x, y] = [corner[0].saturating_add(x), corner[1].saturating_add(y)];
+            let (x, y) = transform.transform(x, y);
+            canvas.mix((at.0 + x, at.1 + y), color, f64::from(covered));
+        });
         Ok(())
     }
 }

@@ -1,0 +1,170 @@
+//! `incise gallery`: the paper's figures, made of the built-in models by both methods.
+
+mod boundary;
+mod catalog;
+mod draw;
+mod figure;
+mod levels;
+mod refinement;
+mod slice;
+mod slices;
+mod sweep;
+
+pub(crate) use figure::FigureError;
+
+use crate::failure::Failure;
+use catalog::{ALL, Entry};
+use clap::builder::PossibleValuesParser;
+use draw::Draftsman;
+use figure::{Facts, Row};
+use incise_pbd_gpu::{AdapterRequest, Context};
+use incise_render::{Picture, RenderError, Renderer};
+use serde::Serialize;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// Draws the paper's figures of its models, cut by the paper's method and by the exact one, as DIR/fig1.png and on, and
+/// writes what they show to DIR/index.json.
+#[derive(clap::Args)]
+pub(crate) struct GalleryArguments {
+    /// Where the pictures go.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// How wide and high each panel of a figure is, in pixels.
+    #[arg(long, value_name = "N", default_value_t = 320, value_parser = clap::value_parser!(u32).range(64..=2048))]
+    size: u32,
+    /// Figures to draw, separated by commas.
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',', ignore_case = true,
+          value_parser = PossibleValuesParser::new(ALL.iter().map(|entry| entry.name)))]
+    only: Vec<String>,
+    /// A part of the name of the GPU to take, see `incise devices`; without one the first that there is, software too.
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Print the index.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What the pictures show, as JSON.
+#[derive(Serialize)]
+struct Index {
+    /// What drew them.
+    device: String,
+    /// Pixels along a side of a panel.
+    panel: u32,
+    figures: Vec<Figure>,
+}
+
+#[derive(Serialize)]
+struct Figure {
+    name: &'static str,
+    file: String,
+    caption: &'static str,
+    width: u32,
+    height: u32,
+    rows: Vec<FigureRow>,
+}
+
+#[derive(Serialize)]
+struct FigureRow {
+    title: String,
+    panels: Vec<FigurePanel>,
+}
+
+#[derive(Serialize)]
+struct FigurePanel {
+    label: String,
+    #[serde(flatten)]
+    facts: Facts,
+}
+
+/// Draws and writes.
+pub(crate) fn run(arguments: &GalleryArguments, out: &mut impl Write) -> Result<(), Failure> {
+    let folder = &arguments.output;
+    std::fs::create_dir_all(folder).map_err(|source| Failure::Folder {
+        path: folder.clone(),
+        source,
+    })?;
+    let context = Context::open(&AdapterRequest {
+        name: arguments.adapter.clone(),
+        allow_software: true,
+        ..AdapterRequest::default()
+    })?;
+    let renderer = Renderer::offscreen(context.device(), context.queue())?;
+    let draftsman = Draftsman::new(&renderer, arguments.size)?;
+    let mut index = Index {
+        device: context.adapter().name.clone(),
+        panel: arguments.size,
+        figures: Vec::new(),
+    };
+    for entry in arguments.entries() {
+        let rows = (entry.make)().map_err(|error| error.of(entry.name))?;
+        let picture = draftsman.figure(&rows)?;
+        context.check()?;
+        let file = format!("{}.png", entry.name);
+        picture.write_png(&folder.join(&file))?;
+        let figure = Figure::of(entry, file, rows, &picture);
+        if !arguments.json {
+            let Figure {
+                file,
+                width,
+                height,
+                ..
+            } = &figure;
+            writeln!(
+                out,
+                "{}: {width} x {height} pixels",
+                folder.join(file).display()
+            )?;
+        }
+        index.figures.push(figure);
+    }
+    let mut text = serde_json::to_string_pretty(&index).map_err(io::Error::from)?;
+    text.push('\n');
+    write_index(&folder.join("index.json"), &text)?;
+    if arguments.json {
+        write!(out, "{text}")?;
+    }
+    Ok(())
+}
+
+impl GalleryArguments {
+    /// The figures that are asked for, in the paper's order.
+    fn entries(&self) -> impl Iterator<Item = &'static Entry> {
+        let is_named = |entry: &&Entry| {
+            let mut names = self.only.iter();
+            self.only.is_empty() || names.any(|name| name.eq_ignore_ascii_case(entry.name))
+        };
+        ALL.iter().filter(is_named)
+    }
+}
+
+impl Figure {
+    fn of(entry: &Entry, file: String, rows: Vec<Row>, picture: &Picture) -> Self {
+        let rows = rows.into_iter().map(|row| FigureRow {
+            title: row.title,
+            panels: (row.panels.into_iter())
+                .map(|panel| FigurePanel {
+                    label: panel.label,
+                    facts: panel.facts,
+                })
+                .collect(),
+        });
+        Self {
+            name: entry.name,
+            file,
+            caption: entry.caption,
+            width: picture.width(),
+            height: picture.height(),
+            rows: rows.collect(),
+        }
+    }
+}
+
+fn write_index(path: &Path, text: &str) -> Result<(), Failure> {
+    let written = std::fs::write(path, text).map_err(|source| RenderError::Write {
+        path: path.to_owned(),
+        source,
+    });
+    Ok(written?)
+}
