@@ -124,7 +124,14 @@ fn found() -> Vec<(AdapterSummary, wgpu::Adapter)> {
     // must not behave unlike a release build.
     descriptor.flags = InstanceFlags::VALIDATION_INDIRECT_CALL.with_env();
     let instance = wgpu::Instance::new(descriptor);
-    let mut adapters: Vec<_> = pollster::block_on(instance.enumerate_adapters(Backends::all()))
+    sorted(pollster::block_on(
+        instance.enumerate_adapters(Backends::all()),
+    ))
+}
+
+/// Adapters in the order of [`adapters`].
+fn sorted(adapters: Vec<wgpu::Adapter>) -> Vec<(AdapterSummary, wgpu::Adapter)> {
+    let mut adapters: Vec<_> = adapters
         .into_iter()
         .map(|adapter| (AdapterSummary::new(&adapter), adapter))
         .collect();
@@ -170,7 +177,21 @@ fn kind(device_type: DeviceType, name: &str) -> AdapterKind {
 pub(crate) fn choose(
     request: &AdapterRequest,
 ) -> Result<(AdapterSummary, wgpu::Adapter), GpuError> {
-    let found = found();
+    choose_from(found(), request)
+}
+
+/// The same of adapters that somebody else has found.
+pub(crate) fn choose_among(
+    adapters: Vec<wgpu::Adapter>,
+    request: &AdapterRequest,
+) -> Result<(AdapterSummary, wgpu::Adapter), GpuError> {
+    choose_from(sorted(adapters), request)
+}
+
+fn choose_from(
+    found: Vec<(AdapterSummary, wgpu::Adapter)>,
+    request: &AdapterRequest,
+) -> Result<(AdapterSummary, wgpu::Adapter), GpuError> {
     let names: Vec<String> = found.iter().map(|(s, _)| s.name.clone()).collect();
     let mut refusal = None;
     for (summary, adapter) in found {
