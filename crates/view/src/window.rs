@@ -38,7 +38,7 @@ const MOST_STEPS: u32 = 3;
 const NOTCH: f64 = 40.0;
 
 /// What the pieces of a body are saved with; says what it did, or why it could not.
-pub type Save = Box<dyn FnMut(&Surface) -> Result<String, String>>;
+pub(crate) type Save = Box<dyn FnMut(&Surface) -> Result<String, String>>;
 
 /// What to show, and how.
 pub struct Options {
@@ -55,7 +55,7 @@ pub struct Options {
     /// Where the recording goes when it is saved.
     pub record_to: PathBuf,
     /// Saves the pieces.
-    pub save: Save,
+    pub save: Box<dyn FnMut(&Surface) -> Result<String, String>>,
 }
 
 impl std::fmt::Debug for Options {
@@ -500,6 +500,7 @@ impl Open {
         let context = self.egui.egui_ctx().clone();
         let mut asked = panel::Asked::of(&self.session);
         let output = context.run_ui(input, |ui| panel::show(ui, self, &mut asked));
+        self.screen.take_textures(output.textures_delta);
         let repaint = output
             .viewport_output
             .values()
@@ -509,7 +510,6 @@ impl Open {
             .handle_platform_output(&self.window, output.platform_output);
         let ui = screen::Ui {
             shapes: context.tessellate(output.shapes, output.pixels_per_point),
-            textures: output.textures_delta,
             scale: output.pixels_per_point,
         };
         self.picture

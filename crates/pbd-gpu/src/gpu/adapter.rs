@@ -177,20 +177,22 @@ fn kind(device_type: DeviceType, name: &str) -> AdapterKind {
 pub(crate) fn choose(
     request: &AdapterRequest,
 ) -> Result<(AdapterSummary, wgpu::Adapter), GpuError> {
-    choose_from(found(), request)
+    choose_from(found(), request, |_| true)
 }
 
-/// The same of adapters that somebody else has found.
+/// The same of adapters that somebody else has found, and of those the first that is fit. No more are asked.
 pub(crate) fn choose_among(
     adapters: Vec<wgpu::Adapter>,
     request: &AdapterRequest,
+    is_fit: impl Fn(&wgpu::Adapter) -> bool,
 ) -> Result<(AdapterSummary, wgpu::Adapter), GpuError> {
-    choose_from(sorted(adapters), request)
+    choose_from(sorted(adapters), request, is_fit)
 }
 
 fn choose_from(
     found: Vec<(AdapterSummary, wgpu::Adapter)>,
     request: &AdapterRequest,
+    is_fit: impl Fn(&wgpu::Adapter) -> bool,
 ) -> Result<(AdapterSummary, wgpu::Adapter), GpuError> {
     let names: Vec<String> = found.iter().map(|(s, _)| s.name.clone()).collect();
     let mut refusal = None;
@@ -199,7 +201,8 @@ fn choose_from(
             continue;
         }
         match check_limits(&summary.name, &adapter.limits(), request.storage_binding) {
-            Ok(()) => return Ok((summary, adapter)),
+            Ok(()) if is_fit(&adapter) => return Ok((summary, adapter)),
+            Ok(()) => {}
             Err(error) => refusal = refusal.or(Some(error)),
         }
     }

@@ -69,8 +69,8 @@ impl Context {
         Self::open_chosen(request, summary, &adapter)
     }
 
-    /// As [`Context::open`], of adapters that somebody else has found: those that can draw in a window, say. Returns the
-    /// one that was opened too.
+    /// As [`Context::open`], of adapters that somebody else has found and the first of them that `is_fit`: that can draw
+    /// in a window, say. Returns it too. Those after it are not asked: there are drivers that crash at such questions.
     ///
     /// # Errors
     ///
@@ -78,8 +78,9 @@ impl Context {
     pub fn open_among(
         adapters: Vec<wgpu::Adapter>,
         request: &AdapterRequest,
+        is_fit: impl Fn(&wgpu::Adapter) -> bool,
     ) -> Result<(Self, wgpu::Adapter), GpuError> {
-        let (summary, adapter) = choose_among(adapters, request)?;
+        let (summary, adapter) = choose_among(adapters, request, is_fit)?;
         let context = Self::open_chosen(request, summary, &adapter)?;
         Ok((context, adapter))
     }

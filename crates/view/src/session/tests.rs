@@ -170,7 +170,8 @@ fn settings_hold_from_the_next_frame_on_and_for_the_next_cut() {
     s.apply(Command::Set(settings));
     assert!(s.notice().is_some_and(|n| n.text.contains("anew")));
     let body = s.scene().body(s.body());
-    assert!(body.solver().bending().is_none() && body.solver().volumes().all().next().is_none());
+    assert!(body.solver().bending().is_none());
+    assert!(body.solver().volumes().pieces().is_empty());
     assert_eq!(s.pins().map(|(v, _)| v).collect::<Vec<_>>(), [v]);
     s.frame();
     assert_eq!(pieces(&s), 2);

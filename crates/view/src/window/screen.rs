@@ -23,7 +23,6 @@ pub(super) struct Screen {
 /// What lies over the picture.
 pub(super) struct Ui {
     pub(super) shapes: Vec<egui::ClippedPrimitive>,
-    pub(super) textures: egui::TexturesDelta,
     /// Pixels a point.
     pub(super) scale: f32,
 }
@@ -44,13 +43,9 @@ impl Screen {
             .map_err(|error| ViewError::NoSurface {
                 message: error.to_string(),
             })?;
-        let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
-        adapters.retain(|adapter| adapter.is_surface_supported(&surface));
-        if adapters.is_empty() {
-            let message = "no driver supports the display".to_owned();
-            return Err(ViewError::NoSurface { message });
-        }
-        let (context, adapter) = Context::open_among(adapters, request)?;
+        let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+        let draws = |adapter: &wgpu::Adapter| adapter.is_surface_supported(&surface);
+        let (context, adapter) = Context::open_among(adapters, request, draws)?;
         let device = context.device();
         let (width, height) = (size.width.max(1), size.height.max(1));
         let limit = device.limits().max_texture_dimension_2d;
@@ -121,6 +116,11 @@ impl Screen {
         self.configure()
     }
 
+    /// Takes over what has changed of the panel's textures; the next picture is drawn with it.
+    pub(super) fn take_textures(&mut self, textures: egui::TexturesDelta) {
+        self.textures.append(textures);
+    }
+
     fn configure(&self) -> Result<(), ViewError> {
         let device = self.context.device();
         let configure = || self.surface.configure(device, &self.config);
@@ -136,7 +136,6 @@ impl Screen {
     ) -> Result<(), ViewError> {
         use wgpu::CurrentSurfaceTexture as Now;
         self.context.check()?;
-        self.textures.append(ui.textures);
         let mut now = self.surface.get_current_texture();
         if matches!(now, Now::Outdated | Now::Lost | Now::Suboptimal(_)) {
             drop(now);
@@ -154,7 +153,7 @@ impl Screen {
         let label = Some("window");
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
         (self.renderer).encode(&mut encoder, &self.canvas, &target, view, content)?;
-        let textures = std::mem::take(&mut self.textures);
+        let textures = &mut self.textures;
         self.context.scoped("drawing the window", || {
             for (id, changes) in &textures.set {
                 for change in changes {
@@ -188,10 +187,18 @@ impl Screen {
             for id in &textures.free {
                 self.ui.free_texture(id);
             }
+            textures.clear();
             commands.push(encoder.finish());
             queue.submit(commands);
             queue.present(texture);
         })?;
         Ok(())
+    }
+}
+
+impl Drop for Screen {
+    /// Changes of textures that nobody draws with any more are to be cleared, else they panic.
+    fn drop(&mut self) {
+        self.textures.clear();
     }
 }
