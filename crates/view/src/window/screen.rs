@@ -2,7 +2,7 @@
 
 use crate::error::ViewError;
 use incise_pbd_gpu::wgpu;
-use incise_pbd_gpu::{AdapterRequest, Context, GpuError};
+use incise_pbd_gpu::{AdapterKind, AdapterRequest, Context, GpuError};
 use incise_render::{Canvas, Content, Renderer, View};
 use std::sync::Arc;
 use winit::event_loop::ActiveEventLoop;
@@ -65,7 +65,11 @@ impl Screen {
         }
         let made = context.scoped("a window's surface", || surface.configure(device, &config));
         made?;
-        let samples = Renderer::supported_samples(device, config.format);
+        // Every sample costs a processor that draws as much as a pixel.
+        let samples = match context.adapter().kind {
+            AdapterKind::Software => 1,
+            _ => Renderer::supported_samples(device, config.format),
+        };
         let renderer = Renderer::new(device, context.queue(), config.format, samples)?;
         let canvas = Canvas::new(&renderer, config.width, config.height)?;
         let options = egui_wgpu::RendererOptions::default();
