@@ -142,6 +142,19 @@ pub(crate) enum Failure {
     #[cfg(feature = "gpu")]
     #[error(transparent)]
     Render(#[from] incise_render::RenderError),
+    /// There is no window, or what is in it has failed.
+    #[cfg(feature = "view")]
+    #[error(transparent)]
+    View(#[from] incise_view::ViewError),
+    /// The recording is none, or cannot be read.
+    #[cfg(feature = "view")]
+    #[error("{}: {source}", path.display())]
+    Recording {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: incise_view::RecordingError,
+    },
     /// The program was built without the feature `gpu`.
     #[cfg(not(feature = "gpu"))]
     #[error("this build has no GPU support; build it with the feature gpu")]

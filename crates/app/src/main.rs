@@ -1,4 +1,4 @@
-//! The program: cuts, checks, fills, draws and simulates meshes, draws the paper's figures, and lists devices.
+//! The program: cuts, checks, fills, draws, shows and simulates meshes, draws the paper's figures, and lists devices.
 //!
 //! Exit codes: 0 done, 1 the input cannot be used or there is no device, 2 the command line is wrong, 3 the
 //! output cannot be written.
@@ -14,12 +14,16 @@ mod failure;
 mod fill;
 #[cfg(feature = "gpu")]
 mod gallery;
+#[cfg(feature = "gpu")]
+mod input;
 mod json;
 mod numbers;
 mod pieces;
 #[cfg(feature = "gpu")]
 mod render;
 mod simulate;
+#[cfg(feature = "view")]
+mod view;
 
 use clap::{Parser, Subcommand};
 use failure::Failure;
@@ -49,6 +53,8 @@ enum Command {
     #[cfg(feature = "gpu")]
     Render(render::RenderArguments),
     Simulate(simulate::SimulateArguments),
+    #[cfg(feature = "view")]
+    View(view::ViewArguments),
 }
 
 fn main() -> ExitCode {
@@ -64,6 +70,8 @@ fn main() -> ExitCode {
         #[cfg(feature = "gpu")]
         Command::Render(arguments) => render::run(arguments, &mut out),
         Command::Simulate(arguments) => simulate::run(arguments, &mut out),
+        #[cfg(feature = "view")]
+        Command::View(arguments) => view::run(arguments),
     };
     // What was printed comes before the reason why it ended.
     let flushed = out.flush().map_err(Failure::Output);

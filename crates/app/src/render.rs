@@ -19,7 +19,8 @@ use incise_render::{
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
-use values::{Size, Viewpoint, backdrop, size, viewpoint};
+pub(crate) use values::{Size, size};
+use values::{Viewpoint, backdrop, viewpoint};
 
 /// Draws meshes and writes the picture as PNG. With --plane or --blade they are cut first; the triangles of caps have
 /// a color of their own, also in files that `incise cut` wrote.

@@ -68,13 +68,23 @@ pub(crate) struct SimulateArguments {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Backend {
+pub(crate) enum Backend {
     /// The processor.
     Cpu,
     /// A GPU.
     Gpu,
     /// A GPU if there is a real one and the body is large enough to gain, else the processor.
     Auto,
+}
+
+impl Backend {
+    pub(crate) fn choice(self) -> BackendChoice {
+        match self {
+            Self::Cpu => BackendChoice::Cpu,
+            Self::Gpu => BackendChoice::Gpu,
+            Self::Auto => BackendChoice::Auto,
+        }
+    }
 }
 
 /// The report as JSON.
@@ -173,11 +183,7 @@ impl SimulateArguments {
             ..SceneParams::default()
         };
         let request = BackendRequest {
-            choice: match self.backend {
-                Backend::Cpu => BackendChoice::Cpu,
-                Backend::Gpu => BackendChoice::Gpu,
-                Backend::Auto => BackendChoice::Auto,
-            },
+            choice: self.backend.choice(),
             adapter: self.adapter.clone(),
             ..BackendRequest::default()
         };

@@ -3,8 +3,8 @@
 use crate::contacts::{ContactParams, Reach, Touching};
 use crate::error::SceneError;
 use crate::struts::Strutting;
-use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
-use incise_mesh::{Aabb, Surface, Undo};
+use incise_cut::{CutError, CutOutcome, CutParams, Cutter, RayHit, Sweep};
+use incise_mesh::{Aabb, Surface, Undo, Vec3};
 use incise_pbd_gpu::{
     ConstraintError, Material, PatchParams, Solver, SolverParams, StepError, StepStats,
 };
@@ -183,6 +183,12 @@ impl Body {
             cut,
             constraints: begin.elapsed(),
         })
+    }
+
+    /// The first triangle that a ray meets. The search tree must fit.
+    pub(crate) fn cast(&self, origin: Vec3, direction: Vec3) -> Option<RayHit> {
+        let bvh = self.cutter.bvh();
+        bvh.cast(&self.surface, origin, direction, |_| true)
     }
 
     /// Takes a cut back; constraints and masses follow. The search tree must fit.

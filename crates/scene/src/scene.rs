@@ -9,8 +9,8 @@ use crate::error::SceneError;
 use crate::params::SceneParams;
 use crate::sleep::Sleep;
 use crate::stats::FrameStats;
-use incise_cut::{CutError, CutOutcome};
-use incise_mesh::{Surface, VertexId};
+use incise_cut::{CutError, CutOutcome, RayHit};
+use incise_mesh::{Surface, Vec3, VertexId};
 use incise_pbd_gpu::{Collider, Material, PatchParams};
 
 /// A cut that could not be done. The body is as it was.
@@ -208,6 +208,26 @@ impl Scene {
         let body = self.edit(id)?;
         body.refit();
         body.undo(undo)
+    }
+
+    /// The triangle of a body that a ray meets first, where the body is now: what is under a pointer. Nothing moves or wakes.
+    ///
+    /// # Errors
+    /// As [`Scene::read`].
+    ///
+    /// # Panics
+    /// When the id is another scene's, or the body was removed.
+    pub fn cast(
+        &mut self,
+        id: BodyId,
+        origin: Vec3,
+        direction: Vec3,
+    ) -> Result<Option<RayHit>, SceneError> {
+        self.read(id)?;
+        Ok(self.bodies[id.0].as_mut().and_then(|body| {
+            body.refit();
+            body.cast(origin, direction)
+        }))
     }
 
     /// Where a pinned vertex is to be at the end of the next frame \[m\]. Unlike [`Scene::edit`] this

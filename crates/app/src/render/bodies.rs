@@ -3,11 +3,11 @@
 use crate::apart::{centers, move_pieces};
 use crate::cut_options::CutPlan;
 use crate::failure::Failure;
+use crate::input::surface;
 use incise_cut::{CutParams, Sweep};
 use incise_mesh::geometry::{round, widen};
-use incise_mesh::{Aabb, Model, Surface, TriangleId, Vec3, build_model, read_mesh};
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
+use std::path::PathBuf;
 
 /// How much of the diagonal a plane that is shown reaches out of the body's box on every side.
 const PLANE_MARGIN: f64 = 0.06;
@@ -150,35 +150,6 @@ impl Bodies {
     }
 }
 
-/// A mesh by the name of its file, or a model by its own. What is to be cut has to be fit for it, anything else may have
-/// holes.
-fn surface(input: &Path, is_to_be_cut: bool) -> Result<Surface, Failure> {
-    let named = |model: &Model| {
-        let name = input.to_str();
-        name.is_some_and(|name| name.eq_ignore_ascii_case(model.name()))
-    };
-    if let Some(model) = Model::ALL.into_iter().find(named)
-        && !input.exists()
-    {
-        return Ok(build_model(model));
-    }
-    let data = read_mesh(input)?;
-    let surface = if is_to_be_cut {
-        data.into_surface()
-    } else {
-        data.into_open_surface()
-    };
-    let (surface, warnings) = surface.map_err(|source| Failure::NotFit {
-        path: input.to_owned(),
-        source,
-    })?;
-    for warning in &warnings {
-        // Without an error output nobody is told.
-        let _ = writeln!(io::stderr(), "incise: {}: {warning}", input.display());
-    }
-    Ok(surface)
-}
-
 /// The rectangle around what a sweep's plane has of a box, a little larger; none of a plane that misses the box.
 fn section(sweep: &Sweep, bounds: &Aabb) -> Option<[[f32; 3]; 4]> {
     let (point, normal) = sweep.plane();
@@ -228,6 +199,7 @@ fn section(sweep: &Sweep, bounds: &Aabb) -> Option<[[f32; 3]; 4]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use incise_mesh::{Model, build_model};
 
     #[test]
     fn a_plane_is_shown_where_it_meets_the_box() {

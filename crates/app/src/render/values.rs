@@ -5,7 +5,7 @@ use incise_render::{Background, Color};
 
 /// Pixels across and along.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Size(pub(super) [u32; 2]);
+pub(crate) struct Size(pub(crate) [u32; 2]);
 
 /// From where a picture is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,7 +17,7 @@ pub(super) struct Viewpoint {
 }
 
 /// Two whole numbers with an x between them.
-pub(super) fn size(text: &str) -> Result<Size, String> {
+pub(crate) fn size(text: &str) -> Result<Size, String> {
     let side = |text: &str| text.trim().parse().ok().filter(|&side: &u32| side > 0);
     let sides = text.split_once(['x', 'X']);
     let sides = sides.and_then(|(width, height)| Some([side(width)?, side(height)?]));

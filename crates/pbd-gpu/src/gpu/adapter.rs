@@ -124,7 +124,14 @@ fn found() -> Vec<(AdapterSummary, wgpu::Adapter)> {
     // must not behave unlike a release build.
     descriptor.flags = InstanceFlags::VALIDATION_INDIRECT_CALL.with_env();
     let instance = wgpu::Instance::new(descriptor);
-    let mut adapters: Vec<_> = pollster::block_on(instance.enumerate_adapters(Backends::all()))
+    sorted(pollster::block_on(
+        instance.enumerate_adapters(Backends::all()),
+    ))
+}
+
+/// Adapters in the order of [`adapters`].
+fn sorted(adapters: Vec<wgpu::Adapter>) -> Vec<(AdapterSummary, wgpu::Adapter)> {
+    let mut adapters: Vec<_> = adapters
         .into_iter()
         .map(|adapter| (AdapterSummary::new(&adapter), adapter))
         .collect();
@@ -170,7 +177,23 @@ fn kind(device_type: DeviceType, name: &str) -> AdapterKind {
 pub(crate) fn choose(
     request: &AdapterRequest,
 ) -> Result<(AdapterSummary, wgpu::Adapter), GpuError> {
-    let found = found();
+    choose_from(found(), request, |_| true)
+}
+
+/// The same of adapters that somebody else has found, and of those the first that is fit. No more are asked.
+pub(crate) fn choose_among(
+    adapters: Vec<wgpu::Adapter>,
+    request: &AdapterRequest,
+    is_fit: impl Fn(&wgpu::Adapter) -> bool,
+) -> Result<(AdapterSummary, wgpu::Adapter), GpuError> {
+    choose_from(sorted(adapters), request, is_fit)
+}
+
+fn choose_from(
+    found: Vec<(AdapterSummary, wgpu::Adapter)>,
+    request: &AdapterRequest,
+    is_fit: impl Fn(&wgpu::Adapter) -> bool,
+) -> Result<(AdapterSummary, wgpu::Adapter), GpuError> {
     let names: Vec<String> = found.iter().map(|(s, _)| s.name.clone()).collect();
     let mut refusal = None;
     for (summary, adapter) in found {
@@ -178,7 +201,8 @@ pub(crate) fn choose(
             continue;
         }
         match check_limits(&summary.name, &adapter.limits(), request.storage_binding) {
-            Ok(()) => return Ok((summary, adapter)),
+            Ok(()) if is_fit(&adapter) => return Ok((summary, adapter)),
+            Ok(()) => {}
             Err(error) => refusal = refusal.or(Some(error)),
         }
     }

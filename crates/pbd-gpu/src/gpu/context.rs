@@ -4,7 +4,9 @@
 //! panics. Here nothing panics: calls are made within [`Context::scoped`], and whatever is reported
 //! outside of it waits in [`Faults`] for the next [`Context::check`].
 
-use super::adapter::{AdapterRequest, AdapterSummary, check_limits, choose, limits_to_open};
+use super::adapter::{
+    AdapterRequest, AdapterSummary, check_limits, choose, choose_among, limits_to_open,
+};
 use super::error::GpuError;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -64,6 +66,30 @@ impl Context {
     /// for can do enough, [`GpuError::Request`] if the driver opens no device.
     pub fn open(request: &AdapterRequest) -> Result<Self, GpuError> {
         let (summary, adapter) = choose(request)?;
+        Self::open_chosen(request, summary, &adapter)
+    }
+
+    /// As [`Context::open`], of adapters that somebody else has found and the first of them that `is_fit`: that can draw
+    /// in a window, say. Returns it too. Those after it are not asked: there are drivers that crash at such questions.
+    ///
+    /// # Errors
+    ///
+    /// As [`Context::open`].
+    pub fn open_among(
+        adapters: Vec<wgpu::Adapter>,
+        request: &AdapterRequest,
+        is_fit: impl Fn(&wgpu::Adapter) -> bool,
+    ) -> Result<(Self, wgpu::Adapter), GpuError> {
+        let (summary, adapter) = choose_among(adapters, request, is_fit)?;
+        let context = Self::open_chosen(request, summary, &adapter)?;
+        Ok((context, adapter))
+    }
+
+    fn open_chosen(
+        request: &AdapterRequest,
+        summary: AdapterSummary,
+        adapter: &wgpu::Adapter,
+    ) -> Result<Self, GpuError> {
         let limits = limits_to_open(request, &adapter.limits());
         check_limits(&summary.name, &limits, request.storage_binding)?;
         let descriptor = wgpu::DeviceDescriptor {

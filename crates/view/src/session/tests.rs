@@ -1,0 +1,289 @@
+//! Sessions without a window.
+
+use super::*;
+use crate::recording::Progress;
+use incise_mesh::{Model, build_model, icosphere};
+use incise_refine::RefinementLevel;
+use incise_scene::SceneParams;
+
+fn session() -> Session {
+    let scene = Scene::new(SceneParams::default());
+    Session::new(icosphere(2, 0.5), scene).expect("a sphere can be simulated")
+}
+
+/// A cut across the whole body at this height.
+fn across(height: f32) -> Command {
+    Command::Slice {
+        from: [[-2.0, height, -2.0], [-2.0, height, 2.0]],
+        to: [[2.0, height, -2.0], [2.0, height, 2.0]],
+    }
+}
+
+fn pieces(session: &Session) -> usize {
+    session.surface().piece_count()
+}
+
+#[test]
+fn a_slice_is_done_at_once_undone_and_done_again() {
+    let mut s = session();
+    let whole = s.surface().clone();
+    s.apply(across(0.05));
+    assert_eq!((pieces(&s), s.undoable(), s.redoable()), (2, 1, 0));
+    let cut = s.surface().clone();
+    s.apply(Command::Undo);
+    assert_eq!((pieces(&s), s.undoable(), s.redoable()), (1, 0, 1));
+    assert_eq!(s.surface().topology(), whole.topology());
+    s.apply(Command::Redo);
+    assert_eq!((pieces(&s), s.undoable(), s.redoable()), (2, 1, 0));
+    let again = s.surface();
+    assert_eq!(again.topology(), cut.topology());
+    for v in cut.topology().vertices() {
+        assert!((again.position(v) - cut.position(v)).norm() < 1e-6);
+    }
+    // Two cuts are taken back after motion, the last one first.
+    s.apply(across(-0.2));
+    assert_eq!(pieces(&s), 3);
+    for _ in 0..10 {
+        s.frame();
+    }
+    s.apply(Command::Undo);
+    s.frame();
+    s.apply(Command::Undo);
+    assert_eq!((pieces(&s), s.undoable(), s.redoable()), (1, 0, 2));
+    s.apply(Command::Undo);
+    assert!(!s.notice().unwrap().is_refusal, "there is nothing to undo");
+    s.apply(across(0.0));
+    assert_eq!(s.redoable(), 0, "another cut was made");
+}
+
+#[test]
+fn a_cut_shows_in_the_frame_after_it() {
+    let mut s = session();
+    s.apply(across(0.0));
+    s.frame();
+    assert_eq!((s.last().stats.cuts, s.last().stats.sweeps_skipped), (1, 1));
+    assert!(s.last().stats.hits > 0);
+    assert_eq!(s.last_cut().map(|stats| stats.cuts), Some(1));
+    s.frame();
+    assert_eq!(s.last().stats.cuts, 0);
+    assert_eq!(s.frames(), 2);
+}
+
+#[test]
+fn what_cannot_be_cut_is_said_and_changes_nothing() {
+    let mut s = session();
+    let before = s.fingerprint().unwrap();
+    s.apply(Command::Slice {
+        from: [[-2.0, 0.0, -2.0], [-2.0, 0.0, 2.0]],
+        to: [[0.0, 0.0, -2.0], [0.0, 0.0, 2.0]],
+    });
+    let notice = s.notice().expect("the cut was refused");
+    assert!(
+        notice.is_refusal && notice.text.contains("inside"),
+        "{notice:?}"
+    );
+    s.apply(across(9.0));
+    let notice = s.notice().expect("the cut missed");
+    assert!(
+        !notice.is_refusal && notice.text.contains("misses"),
+        "{notice:?}"
+    );
+    assert_eq!(s.fingerprint().unwrap(), before);
+    assert_eq!(s.undoable(), 0);
+}
+
+#[test]
+fn a_held_blade_cuts_in_the_frame_in_which_it_comes_out() {
+    let mut s = session();
+    s.apply(Command::Set(Settings {
+        gravity: false,
+        ..Settings::default()
+    }));
+    let edge = |x: f32| [[x, 0.02, -2.0], [x, 0.02, 2.0]];
+    let mut cuts = Vec::new();
+    for i in -5..=5_i16 {
+        s.apply(Command::Blade {
+            edge: edge(f32::from(i) * 0.15),
+        });
+        s.frame();
+        let (_, is_inside) = s.held_blade().unwrap();
+        assert_eq!(is_inside, (-3..=3).contains(&i), "at {i}");
+        cuts.push(s.last().stats.cuts);
+    }
+    assert_eq!(cuts.iter().sum::<u32>(), 1);
+    assert_eq!(cuts[9], 1, "{cuts:?}");
+    s.apply(Command::LiftBlade);
+    assert_eq!((pieces(&s), s.undoable()), (2, 1));
+    assert_eq!(s.held_blade(), None);
+}
+
+#[test]
+fn a_vertex_is_pulled_and_let_go() {
+    let mut s = session();
+    let picked = s.pick(Vec3::new(0.0, 5.0, 0.0), Vec3::new(0.0, -1.0, 0.0));
+    let picked = picked.unwrap().expect("it looks down on the ball");
+    assert!((picked.point.y - 0.5).abs() < 0.05, "{picked:?}");
+    let v = picked.vertex;
+    s.apply(Command::Grab { vertex: v.0 });
+    let start = s.surface().position(v);
+    let to = round_up(start, 0.4);
+    for _ in 0..60 {
+        s.apply(Command::Drag { to });
+        s.frame();
+    }
+    assert!((s.surface().position(v).y - f64::from(to[1])).abs() < 1e-5);
+    assert!(s.surface().bounds().min[1] > -0.45, "the ball hangs on it");
+    s.apply(Command::Release);
+    assert_eq!((s.held_vertex(), s.pins().count()), (None, 0));
+    // A pinned one stays pinned, and a cut that takes it is no harm.
+    s.apply(Command::Pin { vertex: v.0 });
+    s.apply(Command::Grab { vertex: v.0 });
+    s.apply(Command::Release);
+    assert_eq!(s.pins().map(|(v, _)| v).collect::<Vec<_>>(), [v]);
+    s.apply(Command::Pin { vertex: v.0 });
+    assert_eq!(s.pins().count(), 0);
+    s.apply(Command::Grab { vertex: 99_999 });
+    assert_eq!(s.held_vertex(), None);
+}
+
+fn round_up(p: Vec3, by: f64) -> [f32; 3] {
+    incise_mesh::geometry::round(p + Vec3::new(0.0, by, 0.0))
+}
+
+#[test]
+fn settings_hold_from_the_next_frame_on_and_for_the_next_cut() {
+    let mut s = session();
+    s.apply(across(0.1));
+    let coarse = s.surface().topology().triangle_count();
+    s.apply(Command::Undo);
+    let mut settings = Settings {
+        level: RefinementLevel::Finer2,
+        substeps: 4,
+        stretch: 0.5,
+        volume: None,
+        ..Settings::default()
+    };
+    s.apply(Command::Set(settings));
+    s.apply(across(0.1));
+    assert!(s.surface().topology().triangle_count() > coarse);
+    assert_eq!(s.scene().params.solver.substeps, 4);
+    let v = VertexId(0);
+    s.apply(Command::Pin { vertex: v.0 });
+    // Other bending makes the body anew: pins and the way back stay.
+    settings.bending = None;
+    s.apply(Command::Set(settings));
+    assert!(s.notice().is_some_and(|n| n.text.contains("anew")));
+    let body = s.scene().body(s.body());
+    assert!(body.solver().bending().is_none());
+    assert!(body.solver().volumes().pieces().is_empty());
+    assert_eq!(s.pins().map(|(v, _)| v).collect::<Vec<_>>(), [v]);
+    s.frame();
+    assert_eq!(pieces(&s), 2);
+    s.apply(Command::Undo);
+    assert_eq!(pieces(&s), 1, "{:?}", s.notice());
+    s.apply(Command::Reset);
+    assert_eq!((s.undoable(), s.pins().count()), (0, 0));
+    let whole = icosphere(2, 0.5);
+    assert!(
+        s.surface()
+            .positions
+            .iter()
+            .zip(&whole.positions)
+            .all(|(p, q)| p[..3] == q[..3])
+    );
+}
+
+/// A session with a bit of everything.
+fn play(s: &mut Session) {
+    let grab = 3;
+    for i in 0..90_u16 {
+        match i {
+            4 => s.apply(across(0.1)),
+            10 => s.apply(Command::Grab { vertex: grab }),
+            11..30 => s.apply(Command::Drag {
+                to: [0.1 * f32::from(i), 0.3, 0.7],
+            }),
+            30 => s.apply(Command::Release),
+            40 => s.apply(Command::Undo),
+            42 => s.apply(Command::Set(Settings {
+                bending: Some(0.7),
+                level: RefinementLevel::Z(0.8),
+                ..Settings::default()
+            })),
+            45 => s.apply(Command::Slice {
+                from: [[-0.3, 3.0, -2.0], [0.3, -3.0, -2.0]],
+                to: [[-0.3, 3.0, 2.0], [0.3, -3.0, 2.0]],
+            }),
+            50..60 => s.apply(Command::Blade {
+                edge: [
+                    [f32::from(i) * 0.3 - 16.5, -0.1, -2.0],
+                    [f32::from(i) * 0.3 - 16.5, -0.2, 2.0],
+                ],
+            }),
+            60 => s.apply(Command::LiftBlade),
+            70 => s.apply(Command::Pin { vertex: 1 }),
+            _ => {}
+        }
+        if i % 7 == 0 {
+            // To look at it changes nothing.
+            let _ = s.pick(Vec3::new(0.0, 5.0, 0.0), Vec3::new(0.0, -1.0, 0.0));
+        }
+        s.frame();
+    }
+}
+
+#[test]
+fn a_recording_leads_to_the_same_bits() {
+    for model in [Model::Sphere768, Model::Sphere80] {
+        let scene = || Scene::new(SceneParams::default());
+        let mut s = Session::new(build_model(model), scene()).unwrap();
+        play(&mut s);
+        let recording = s.finished_recording().unwrap();
+        let mut text = Vec::new();
+        recording.write(&mut text).unwrap();
+        let again = Recording::read(&*text).unwrap();
+        assert_eq!(again, recording, "floats keep their bits");
+        let mut replay = again.replay(&build_model(model)).unwrap();
+        let mut other =
+            Session::with_settings(build_model(model), scene(), recording.settings()).unwrap();
+        let over = loop {
+            match replay.follow(&mut other).unwrap() {
+                Progress::Running => other.frame(),
+                Progress::Over(is_same) => break is_same,
+            }
+        };
+        assert_eq!(over, Some(true), "{}", model.name());
+        assert_eq!(other.frames(), s.frames());
+        assert_eq!(other.surface().positions, s.surface().positions);
+    }
+}
+
+#[test]
+fn a_recording_is_of_one_body_and_in_order() {
+    let mut s = session();
+    s.apply(across(0.0));
+    s.frame();
+    s.apply(Command::Undo);
+    let mut text = Vec::new();
+    s.finished_recording().unwrap().write(&mut text).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    let read = |text: &str| Recording::read(text.as_bytes());
+    assert!(
+        read(&text)
+            .unwrap()
+            .replay(&build_model(Model::Sphere20))
+            .is_err()
+    );
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), 4);
+    for bad in [
+        vec![],
+        vec![lines[1]],
+        vec![lines[0], lines[2], lines[1]],
+        vec![lines[0], lines[0]],
+        vec![lines[0], "{}"],
+    ] {
+        let error = read(&bad.join("\n")).unwrap_err().to_string();
+        assert!(error.contains("line"), "{error}");
+    }
+}
