@@ -196,8 +196,8 @@ mod tests {
 
     #[test]
     fn long_labels_stay_below_their_panel() {
-        let mut sheet = Panels::new([60, 60], 2, 1).unwrap();
-        let panel = Picture::new(60, 60, PAPER).unwrap();
+        let mut sheet = Panels::new([200, 200], 2, 1).unwrap();
+        let panel = Picture::new(200, 200, PAPER).unwrap();
         sheet.put(
             [0, 0],
             &panel,
@@ -205,8 +205,8 @@ mod tests {
         );
         let [right, top] = sheet.corner(1, 0);
         let picture = sheet.into_picture();
-        assert!(ink(&picture, [0, top + 60], [right, 15]) > 20);
-        assert_eq!(ink(&picture, [right, top], [60, 75]), 0);
+        assert!(ink(&picture, [0, top + 200], [right, 15]) > 20);
+        assert_eq!(ink(&picture, [right, top], [200, 215]), 0);
     }
 
     #[test]

@@ -28,6 +28,9 @@ const COLORS: [RGBColor; 8] = [
     RGBColor(190, 80, 140),
 ];
 
+/// How many times the largest number the upright axis goes up to where names stand above all lines.
+const ROOM: f64 = 12.0;
+
 /// Points of one color.
 #[derive(Debug, Clone)]
 pub(super) struct Series {
@@ -76,7 +79,7 @@ impl Chart<'_> {
         } else {
             let margin = 0.03 * (across.end - across.start).max(1.0);
             let across = across.start - margin..across.end + margin;
-            self.on(area, across, &|x| format!("{x:.0}"))
+            self.on(area, across, &|x| plain(*x))
         }
     }
 
@@ -113,7 +116,9 @@ impl Chart<'_> {
         X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
     {
         let along = self.range(|p| p.1).unwrap_or(0.1..1.0);
-        let along = along.start / 1.5..along.end * 1.5;
+        // Names stand where lines fall off; lines that do not need room above them.
+        let room = if self.log_across { 1.5 } else { ROOM };
+        let along = along.start / 1.5..along.end * room;
         let mut chart = ChartBuilder::on(area)
             .margin(12)
             .x_label_area_size(42)
@@ -173,6 +178,11 @@ impl Picture for Half<'_> {
     }
 }
 
+/// A number at an axis that is not logarithmic.
+fn plain(x: f64) -> String {
+    format!("{x:.1}").trim_end_matches(".0").to_owned()
+}
+
 /// A number at an axis.
 fn short(x: f64) -> String {
     if (0.001..100_000.0).contains(&x) {
@@ -229,6 +239,7 @@ mod tests {
     #[test]
     fn axes_have_short_numbers() {
         let texts = [0.0001, 0.005, 0.05, 0.5, 5.0, 5e4, 2e6].map(short);
+        assert_eq!([0.5, 2.0, 15.0].map(plain), ["0.5", "2", "15"]);
         assert_eq!(texts, ["1e-4", "0.005", "0.05", "0.5", "5", "50000", "2e6"]);
     }
 }
