@@ -24,4 +24,4 @@ pub use pointer::{Button, Eye, Pointer, Tool, slice};
 pub use recording::{Entry, Progress, Recording, RecordingError, Replay};
 pub use session::{Frame, Notice, Picked, Session};
 #[cfg(feature = "window")]
-pub use window::{Options, run};
+pub use window::{Options, Save, run};

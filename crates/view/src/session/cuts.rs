@@ -63,7 +63,7 @@ impl Session {
     fn cut_along(&mut self, from: Edge, to: Edge) -> Result<(), SceneError> {
         self.scene.jump_blade(self.blade, from);
         self.scene.move_blade(self.blade, to);
-        let done = self.scene.cut().map(|stats| *stats);
+        let done = self.scene.cut().copied();
         add_cuts(&mut self.since.stats, &done?);
         self.take_outcomes(from, to);
         if let Some(refusal) = self.scene.refusals().first() {
