@@ -349,7 +349,8 @@ fn a_blade_and_a_vertex(display: &Display) {
     // It falls when it is let go, so it is looked at while it is held.
     seat.input(MOTION_NOTIFY_EVENT, 0, [250, 350]);
     seat.input(BUTTON_PRESS_EVENT, 1, [0, 0]);
-    seat.input(MOTION_NOTIFY_EVENT, 0, [250, 200]);
+    // The ball hangs below the vertex that is held.
+    seat.input(MOTION_NOTIFY_EVENT, 0, [250, 60]);
     seat.wait(|seat| (seat.look().height(is_blue) + 60 < before).then_some(()));
     seat.input(BUTTON_RELEASE_EVENT, 1, [0, 0]);
     seat.key('r');
