@@ -122,11 +122,19 @@ impl Scene {
         if self.bodies[id.0].is_some() {
             self.read(id)?;
         }
+        Ok(self.discard_body(id))
+    }
+
+    /// As [`Scene::remove_body`], as it was when it was last read: for one that cannot be read any more, say.
+    ///
+    /// # Panics
+    /// When the id is another scene's.
+    pub fn discard_body(&mut self, id: BodyId) -> Option<Body> {
         if let Some(device) = &mut self.device {
             device.remove(id.0);
         }
         self.sleep.remove(id.0);
-        Ok(self.bodies[id.0].take().map(|body| *body))
+        self.bodies[id.0].take().map(|body| *body)
     }
 
     /// Adds a blade with its edge from start to end \[m\].

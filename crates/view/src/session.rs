@@ -231,7 +231,7 @@ impl Session {
         let pins: Vec<_> = old.solver().pins().iter().map(|pin| pin.vertex).collect();
         let surface = old.surface().clone();
         let body = self.scene.add_body(surface, &settings.material())?;
-        self.replace(body)?;
+        self.replace(body);
         let (solver, surface) = self.scene.edit(self.body)?.solver_mut();
         for v in pins {
             solver.pin(surface, v)?;
@@ -239,12 +239,12 @@ impl Session {
         Ok(())
     }
 
-    fn replace(&mut self, body: BodyId) -> Result<(), SceneError> {
-        let removed = self.scene.remove_body(self.body);
+    fn replace(&mut self, body: BodyId) {
+        // It may be one that cannot be read any more.
+        let _old = self.scene.discard_body(self.body);
         self.body = body;
         self.topology += 1;
         self.positions += 1;
-        removed.map(|_| ())
     }
 
     fn reset(&mut self) -> Result<(), SceneError> {
@@ -255,8 +255,7 @@ impl Session {
         self.cuts = Cuts::default();
         self.last_cut = None;
         self.notice = None;
-        // What cannot be read any more is to go all the same.
-        let _ = self.replace(body);
+        self.replace(body);
         Ok(())
     }
 

@@ -181,6 +181,11 @@ impl ApplicationHandler for App {
             Ok(_) if open.is_over => events.exit(),
             Ok(None) => {}
             Ok(Some(wait)) => events.set_control_flow(wait),
+            // A body that has left the numbers can be reset.
+            Err(ViewError::Scene(error)) => {
+                open.told = Some((error.to_string(), true));
+                open.window.request_redraw();
+            }
             Err(failure) => self.fail(events, failure),
         }
     }
@@ -261,9 +266,9 @@ impl App {
             _ => Scene::with_context(params, &request, screen.second_context()?)?,
         };
         let drawn = if is_software {
-            format!("no GPU: {name} draws on the processor, which is slow in large windows")
+            format!("{name}; there is no GPU, so large windows are slow")
         } else {
-            format!("{name} draws")
+            name.clone()
         };
         Ok((scene, drawn))
     }
@@ -515,7 +520,7 @@ impl Open {
         self.picture
             .update(&self.screen, &mut self.session, self.look, &self.eye)?;
         let view = self.picture.view(&self.eye, self.look);
-        let drawn = self.picture.content(self.look);
+        let drawn = self.picture.content();
         self.screen.draw(&view, &drawn.content(), ui)?;
         self.times.picture(begin.elapsed());
         for action in asked.actions {

@@ -56,10 +56,8 @@ impl Picture {
         eye: &Eye,
     ) -> Result<(), ViewError> {
         let renderer = screen.renderer();
-        if look.batches {
-            // Lines are made by the processor.
-            session.read()?;
-        }
+        // Lines are made by the processor. Of a body that cannot be read, it has said so, there are none.
+        let has_batches = look.batches && session.read().is_ok();
         self.has_ground = session.settings().ground;
         let surface = session.surface();
         let topology = (session.topology_version(), look.pieces, look.caps);
@@ -91,7 +89,7 @@ impl Picture {
                 }
             }
         }
-        self.batches = if look.batches {
+        self.batches = if has_batches {
             Some(batches(screen, session, eye)?)
         } else {
             None
@@ -106,12 +104,12 @@ impl Picture {
         }
     }
 
-    pub(super) fn content(&self, look: Look) -> Drawn<'_> {
+    pub(super) fn content(&self) -> Drawn<'_> {
         let mut overlays = Vec::new();
         if self.has_ground {
             overlays.push(&self.ground);
         }
-        overlays.extend(self.batches.as_ref().filter(|_| look.batches));
+        overlays.extend(&self.batches);
         Drawn {
             bodies: [&self.body],
             overlays,
