@@ -1,7 +1,7 @@
 //! `incise check`: what a mesh is, and whether it can be cut.
 
 use crate::failure::Failure;
-use crate::json::lossy;
+use crate::json::{lossy, write_report};
 use incise_mesh::{MeshReport, NotFit, check, read_mesh};
 use serde::Serialize;
 use std::fmt::Display;
@@ -40,8 +40,7 @@ pub(crate) fn run(arguments: &CheckArguments, out: &mut impl Write) -> Result<()
             fit,
             report: &report,
         };
-        serde_json::to_writer_pretty(&mut *out, &json).map_err(io::Error::from)?;
-        writeln!(out)?;
+        write_report(&json, out)?;
     } else {
         print(path, &report, out)?;
     }

@@ -3,7 +3,7 @@
 use crate::clock::{milliseconds, timed};
 use crate::cut_options::CutOptions;
 use crate::failure::Failure;
-use crate::json::{all_lossy, lossy};
+use crate::json::{all_lossy, lossy, write_report};
 use crate::pieces::{self, Piece};
 use incise_mesh::geometry::is_flat;
 use incise_mesh::{AngleStats, TriangleId, Warning, read_mesh};
@@ -157,8 +157,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         },
     };
     if arguments.json {
-        serde_json::to_writer_pretty(&mut *out, &report).map_err(io::Error::from)?;
-        writeln!(out)?;
+        write_report(&report, out)?;
     } else {
         print(&report, options.is_exact(), out)?;
     }

@@ -29,6 +29,7 @@ mod list {
 #[cfg(feature = "gpu")]
 mod list {
     use crate::failure::Failure;
+    use crate::json::write_report;
     use incise_pbd_gpu::{AdapterSummary, adapters};
     use serde::Serialize;
     use std::fmt::Display;
@@ -56,8 +57,7 @@ mod list {
         let devices = adapters();
         if json {
             let devices: Vec<JsonDevice<'_>> = devices.iter().map(as_json).collect();
-            serde_json::to_writer_pretty(&mut *out, &devices).map_err(io::Error::from)?;
-            writeln!(out)?;
+            write_report(&devices, out)?;
             return Ok(());
         }
         if devices.is_empty() {

@@ -2,7 +2,7 @@
 
 use crate::clock::{milliseconds, timed};
 use crate::failure::Failure;
-use crate::json::lossy;
+use crate::json::{lossy, write_report};
 use crate::pieces::check_target;
 use incise_mesh::{Surface, Warning, WriteError, read_mesh, write_obj, write_ply};
 use incise_refine::{FilledHole, HoleParams, RefinementLevel, fill_holes};
@@ -139,8 +139,7 @@ pub(crate) fn run(arguments: &FillArguments, out: &mut impl Write) -> Result<(),
         },
     };
     if arguments.json {
-        serde_json::to_writer_pretty(&mut *out, &report).map_err(io::Error::from)?;
-        writeln!(out)?;
+        write_report(&report, out)?;
     } else {
         print(&report, out)?;
     }

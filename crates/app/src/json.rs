@@ -1,8 +1,15 @@
-//! Paths in JSON.
+//! Reports as JSON, and the paths in them.
 
-use serde::Serializer;
 use serde::ser::SerializeSeq;
+use serde::{Serialize, Serializer};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+
+/// Writes a report and ends the line.
+pub(crate) fn write_report(report: &impl Serialize, out: &mut impl Write) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *out, report)?;
+    writeln!(out)
+}
 
 /// A path as text. JSON has no other: what is not Unicode in it becomes U+FFFD, as on a terminal.
 pub(crate) fn lossy<S: Serializer>(

@@ -6,7 +6,7 @@ mod values;
 use crate::clock::{milliseconds, timed};
 use crate::cut_options::CutOptions;
 use crate::failure::Failure;
-use crate::json::{all_lossy, lossy};
+use crate::json::{all_lossy, lossy, write_report};
 use crate::numbers::positive;
 use crate::pieces::check_target;
 use bodies::Bodies;
@@ -176,8 +176,7 @@ pub(crate) fn run(arguments: &RenderArguments, out: &mut impl Write) -> Result<(
         },
     };
     if arguments.json {
-        serde_json::to_writer_pretty(&mut *out, &report).map_err(io::Error::from)?;
-        writeln!(out)?;
+        write_report(&report, out)?;
     } else {
         print(&report, out)?;
     }

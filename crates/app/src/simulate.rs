@@ -3,7 +3,7 @@
 
 use crate::clock::{milliseconds, timed};
 use crate::failure::Failure;
-use crate::json::{all_lossy, lossy};
+use crate::json::{all_lossy, lossy, write_report};
 use crate::numbers::{Numbers, numbers, positive};
 use crate::pieces::{self, Piece};
 use clap::ValueEnum;
@@ -161,8 +161,7 @@ pub(crate) fn run(arguments: &SimulateArguments, out: &mut impl Write) -> Result
         },
     };
     if arguments.json {
-        serde_json::to_writer_pretty(&mut *out, &report).map_err(io::Error::from)?;
-        writeln!(out)?;
+        write_report(&report, out)?;
     } else {
         print(&report, out)?;
     }

@@ -93,7 +93,7 @@ impl Scene {
         }
         for flat in self.flats.iter().chain(&self.known_flats) {
             // What lies on a flat is up to a thickness off.
-            let bounds = doubled(flat.bounds());
+            let bounds = widened(flat.bounds());
             for i in 0..self.bodies.len() {
                 if self.sleep.is_asleep(i) && !self.sleep.is_far(i, &bounds) {
                     self.sleep.wake(i);
@@ -103,8 +103,8 @@ impl Scene {
     }
 }
 
-/// A box twice as large in each direction, and no flatter than a part of its diagonal.
-fn doubled(bounds: Aabb) -> Aabb {
+/// A box and half of its longest side around: that of a flat may have no height.
+fn widened(bounds: Aabb) -> Aabb {
     let sides = [0, 1, 2].map(|k| bounds.max[k] - bounds.min[k]);
     let longest = sides.into_iter().fold(0.0, f32::max);
     Aabb {

@@ -1,8 +1,9 @@
 //! Pieces as others see them: where they may get to within a frame, and whom they may meet there.
 
-use super::{Reach, SAFETY, Velocities, narrow};
+use super::{Flat, Reach, SAFETY, Velocities, narrow};
 use incise_mesh::geometry::widen;
 use incise_mesh::{Aabb, Surface, Vec3, VertexId};
+use incise_pbd_gpu::Collider;
 
 /// A piece.
 #[derive(Debug, Clone, Copy)]
@@ -57,8 +58,8 @@ impl Pieces {
             let on_ground = reach
                 .ground
                 .is_some_and(|ground| piece.grown.min[1] <= ground);
-            let at_collider = |c: &incise_pbd_gpu::Collider| c.bounds().overlaps(&piece.grown);
-            let at_flat = |flat: &super::Flat| flat.bounds().overlaps(&piece.grown);
+            let at_collider = |c: &Collider| c.bounds().overlaps(&piece.grown);
+            let at_flat = |flat: &Flat| flat.bounds().overlaps(&piece.grown);
             piece.is_held |= on_ground
                 || reach.colliders.iter().any(at_collider)
                 || reach.flats.iter().any(at_flat);
