@@ -1,7 +1,8 @@
 //! `incise check`: what a mesh is, and whether it can be cut.
 
 use crate::failure::Failure;
-use crate::json::{lossy, write_report};
+use crate::json::lossy;
+use crate::teller::Teller;
 use incise_mesh::{MeshReport, NotFit, check, read_mesh};
 use serde::Serialize;
 use std::fmt::Display;
@@ -29,21 +30,18 @@ struct JsonReport<'a> {
 }
 
 /// Prints the report of a file.
-pub(crate) fn run(arguments: &CheckArguments, out: &mut impl Write) -> Result<(), Failure> {
+pub(crate) fn run(
+    arguments: &CheckArguments,
+    teller: &mut Teller<impl Write>,
+) -> Result<(), Failure> {
     let path = &arguments.file;
     let report = check(&read_mesh(path)?);
-    if arguments.json {
-        let fit = report.fit_to_cut().is_ok();
-        let file = path;
-        let json = JsonReport {
-            file,
-            fit,
-            report: &report,
-        };
-        write_report(&json, out)?;
-    } else {
-        print(path, &report, out)?;
-    }
+    let json = JsonReport {
+        file: path,
+        fit: report.fit_to_cut().is_ok(),
+        report: &report,
+    };
+    teller.report(&json, arguments.json, |_, out| print(path, &report, out))?;
     report.fit_to_cut().map_err(|defects| Failure::NotFit {
         path: path.clone(),
         source: NotFit {

@@ -3,17 +3,19 @@
 use crate::clock::{milliseconds, timed};
 use crate::cut_options::CutOptions;
 use crate::failure::Failure;
-use crate::json::{all_lossy, lossy, write_report};
+use crate::json::{all_lossy, lossy};
 use crate::pieces::{self, Piece};
+use crate::teller::Teller;
 use incise_mesh::geometry::is_flat;
 use incise_mesh::{AngleStats, TriangleId, Warning, read_mesh};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-/// Cuts a mesh and writes its pieces to `DIR/piece_000.obj` and on, one closed component a file. Files of
-/// that name from an earlier run are overwritten, and removed where there are fewer pieces now. A cut that is refused
-/// writes nothing and leaves them as they are.
+/// Cuts a mesh along a plane or a blade's sweep and writes its pieces.
+///
+/// They go to `DIR/piece_000.obj` and on, one closed component a file. Files of that name from an earlier run are
+/// overwritten, and removed where there are fewer pieces now. A cut that is refused writes nothing and leaves them as they are.
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("cutter").required(true).args(["plane", "blade"]))]
 pub(crate) struct CutArguments {
@@ -91,9 +93,14 @@ struct Times {
 }
 
 /// Cuts and writes.
-pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), Failure> {
+pub(crate) fn run(
+    arguments: &CutArguments,
+    teller: &mut Teller<impl Write>,
+) -> Result<(), Failure> {
     let path = &arguments.input;
     let options = arguments.cut.check()?;
+    let progress = teller.stages(3);
+    progress.begin("read");
     let (read, surface) = timed(|| {
         let data = read_mesh(path)?;
         data.into_surface().map_err(|source| Failure::NotFit {
@@ -102,10 +109,12 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         })
     });
     let (mut surface, warnings) = surface?;
+    progress.step();
     for warning in &warnings {
         // Without an error output only the JSON tells.
-        let _ = writeln!(io::stderr(), "incise: {}: {warning}", path.display());
+        let _ = progress.aside(|| writeln!(io::stderr(), "incise: {}: {warning}", path.display()));
     }
+    progress.begin("cut");
     let (triangles, volume) = (surface.topology().triangle_count(), surface.volume());
     let sweep = options.sweep(&surface)?;
     let cut = options.cut(&mut surface, &sweep, path)?;
@@ -113,8 +122,11 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
     let cap = AngleStats::of(outcome.cap.iter().map(|&t| surface.triangle_positions(t)));
     let is_flat = |&&t: &&TriangleId| is_flat(surface.triangle_positions(t));
     let flat = outcome.cap.iter().filter(is_flat).count();
+    progress.step();
+    progress.begin("write");
     let (write, written) = timed(|| pieces::write(&surface, path, &arguments.output));
     let written = written?;
+    progress.end();
     let report = Report {
         input: path.clone(),
         method: options.method(),
@@ -156,12 +168,10 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
             write: milliseconds(write),
         },
     };
-    if arguments.json {
-        write_report(&report, out)?;
-    } else {
-        print(&report, options.is_exact(), out)?;
-    }
-    Ok(())
+    let told = teller.report(&report, arguments.json, |report, out| {
+        print(report, options.is_exact(), out)
+    });
+    Ok(told?)
 }
 
 fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io::Result<()> {

@@ -1,6 +1,7 @@
 //! `incise devices`: which GPUs there are, and whether bodies can be stepped on them.
 
 use crate::failure::Failure;
+use crate::teller::Teller;
 use std::io::Write;
 
 /// Lists the GPU devices of this machine, real ones first, and says whether incise can use them.
@@ -12,16 +13,20 @@ pub(crate) struct DevicesArguments {
 }
 
 /// Prints the devices.
-pub(crate) fn run(arguments: &DevicesArguments, out: &mut impl Write) -> Result<(), Failure> {
-    list::run(arguments.json, out)
+pub(crate) fn run(
+    arguments: &DevicesArguments,
+    teller: &mut Teller<impl Write>,
+) -> Result<(), Failure> {
+    list::run(arguments.json, teller)
 }
 
 #[cfg(not(feature = "gpu"))]
 mod list {
     use crate::failure::Failure;
+    use crate::teller::Teller;
     use std::io::Write;
 
-    pub(super) fn run(_json: bool, _out: &mut impl Write) -> Result<(), Failure> {
+    pub(super) fn run(_json: bool, _teller: &mut Teller<impl Write>) -> Result<(), Failure> {
         Err(Failure::NoGpuSupport)
     }
 }
@@ -29,7 +34,7 @@ mod list {
 #[cfg(feature = "gpu")]
 mod list {
     use crate::failure::Failure;
-    use crate::json::write_report;
+    use crate::teller::Teller;
     use incise_pbd_gpu::{AdapterSummary, adapters};
     use serde::Serialize;
     use std::fmt::Display;
@@ -53,23 +58,19 @@ mod list {
         refusal: Option<String>,
     }
 
-    pub(super) fn run(json: bool, out: &mut impl Write) -> Result<(), Failure> {
+    pub(super) fn run(json: bool, teller: &mut Teller<impl Write>) -> Result<(), Failure> {
         let devices = adapters();
-        if json {
-            let devices: Vec<JsonDevice<'_>> = devices.iter().map(as_json).collect();
-            write_report(&devices, out)?;
-            return Ok(());
-        }
-        if devices.is_empty() {
-            writeln!(
-                out,
-                "no GPU device; bodies are stepped on the CPU. A driver adds one, on Debian the packages mesa-vulkan-drivers and libvulkan1"
-            )?;
-        }
-        for device in &devices {
-            print(device, out)?;
-        }
-        Ok(())
+        let report: Vec<JsonDevice<'_>> = devices.iter().map(as_json).collect();
+        let told = teller.report(&report, json, |_, out| {
+            if devices.is_empty() {
+                writeln!(
+                    out,
+                    "no GPU device; bodies are stepped on the CPU. A driver adds one, on Debian the packages mesa-vulkan-drivers and libvulkan1"
+                )?;
+            }
+            devices.iter().try_for_each(|device| print(device, out))
+        });
+        Ok(told?)
     }
 
     fn as_json(device: &AdapterSummary) -> JsonDevice<'_> {

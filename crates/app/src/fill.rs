@@ -2,8 +2,9 @@
 
 use crate::clock::{milliseconds, timed};
 use crate::failure::Failure;
-use crate::json::{lossy, write_report};
+use crate::json::lossy;
 use crate::pieces::check_target;
+use crate::teller::Teller;
 use incise_mesh::{Surface, Warning, WriteError, read_mesh, write_obj, write_ply};
 use incise_refine::{FilledHole, HoleParams, RefinementLevel, fill_holes};
 use serde::Serialize;
@@ -91,9 +92,14 @@ struct Times {
 }
 
 /// Fills and writes.
-pub(crate) fn run(arguments: &FillArguments, out: &mut impl Write) -> Result<(), Failure> {
+pub(crate) fn run(
+    arguments: &FillArguments,
+    teller: &mut Teller<impl Write>,
+) -> Result<(), Failure> {
     let (input, output) = (&arguments.input, &arguments.output);
     let write = writer(output)?;
+    let progress = teller.stages(3);
+    progress.begin("read");
     let (read, surface) = timed(|| {
         let data = read_mesh(input)?;
         data.into_open_surface().map_err(|source| Failure::NotFit {
@@ -103,6 +109,8 @@ pub(crate) fn run(arguments: &FillArguments, out: &mut impl Write) -> Result<(),
     });
     let (mut surface, warnings) = surface?;
     check_target(output, input)?;
+    progress.step();
+    progress.begin("fill");
     let triangles_before = surface.topology().triangle_count();
     let params = HoleParams {
         level: arguments.level,
@@ -116,8 +124,11 @@ pub(crate) fn run(arguments: &FillArguments, out: &mut impl Write) -> Result<(),
         path: input.clone(),
         source,
     })?;
+    progress.step();
+    progress.begin("write");
     let (write, written) = timed(|| write(output, &surface));
     written?;
+    progress.end();
     let report = Report {
         input: input.clone(),
         output: output.clone(),
@@ -138,12 +149,7 @@ pub(crate) fn run(arguments: &FillArguments, out: &mut impl Write) -> Result<(),
             write: milliseconds(write),
         },
     };
-    if arguments.json {
-        write_report(&report, out)?;
-    } else {
-        print(&report, out)?;
-    }
-    Ok(())
+    Ok(teller.report(&report, arguments.json, print)?)
 }
 
 /// Writes a mesh in one of the formats.

@@ -13,6 +13,8 @@ mod sweep;
 pub(crate) use figure::FigureError;
 
 use crate::failure::Failure;
+use crate::json::write_report;
+use crate::teller::Teller;
 use catalog::{ALL, Entry};
 use clap::builder::PossibleValuesParser;
 use draw::Draftsman;
@@ -20,11 +22,12 @@ use figure::{Facts, Row};
 use incise_pbd_gpu::{AdapterRequest, Context};
 use incise_render::{Picture, RenderError, Renderer};
 use serde::Serialize;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Draws the paper's figures of its models, cut by the paper's method and by the exact one, as DIR/fig1.png and on, and
-/// writes what they show to DIR/index.json.
+/// Draws the paper's figures, cut by the paper's method and by the exact one.
+///
+/// They are of the built-in models and go to `DIR/fig1.png` and on; what they show is written to `DIR/index.json`.
 #[derive(clap::Args)]
 pub(crate) struct GalleryArguments {
     /// Where the pictures go.
@@ -79,7 +82,10 @@ struct FigurePanel {
 }
 
 /// Draws and writes.
-pub(crate) fn run(arguments: &GalleryArguments, out: &mut impl Write) -> Result<(), Failure> {
+pub(crate) fn run(
+    arguments: &GalleryArguments,
+    teller: &mut Teller<impl Write>,
+) -> Result<(), Failure> {
     let folder = &arguments.output;
     std::fs::create_dir_all(folder).map_err(|source| Failure::Folder {
         path: folder.clone(),
@@ -97,35 +103,34 @@ pub(crate) fn run(arguments: &GalleryArguments, out: &mut impl Write) -> Result<
         panel: arguments.size,
         figures: Vec::new(),
     };
+    let figures = arguments.entries().count();
+    let progress = teller.progress(u32::try_from(figures).unwrap_or(u32::MAX), 1);
     for entry in arguments.entries() {
+        progress.begin(entry.name);
         let rows = (entry.make)().map_err(|error| error.of(entry.name))?;
         let picture = draftsman.figure(&rows)?;
         context.check()?;
         let file = format!("{}.png", entry.name);
         picture.write_png(&folder.join(&file))?;
         let figure = Figure::of(entry, file, rows, &picture);
-        if !arguments.json {
+        index.figures.push(figure);
+        progress.step();
+    }
+    progress.end();
+    write_index(&folder.join("index.json"), &index)?;
+    let told = teller.report(&index, arguments.json, |index, out| {
+        index.figures.iter().try_for_each(|figure| {
             let Figure {
                 file,
                 width,
                 height,
                 ..
-            } = &figure;
-            writeln!(
-                out,
-                "{}: {width} x {height} pixels",
-                folder.join(file).display()
-            )?;
-        }
-        index.figures.push(figure);
-    }
-    let mut text = serde_json::to_string_pretty(&index).map_err(io::Error::from)?;
-    text.push('\n');
-    write_index(&folder.join("index.json"), &text)?;
-    if arguments.json {
-        write!(out, "{text}")?;
-    }
-    Ok(())
+            } = figure;
+            let path = folder.join(file);
+            writeln!(out, "{}: {width} x {height} pixels", path.display())
+        })
+    });
+    Ok(told?)
 }
 
 impl GalleryArguments {
@@ -161,8 +166,10 @@ impl Figure {
     }
 }
 
-fn write_index(path: &Path, text: &str) -> Result<(), Failure> {
-    let written = std::fs::write(path, text).map_err(|source| RenderError::Write {
+fn write_index(path: &Path, index: &Index) -> Result<(), Failure> {
+    let mut text = Vec::new();
+    let written = write_report(index, &mut text).and_then(|()| std::fs::write(path, text));
+    let written = written.map_err(|source| RenderError::Write {
         path: path.to_owned(),
         source,
     });

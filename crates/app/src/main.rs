@@ -22,25 +22,38 @@ mod pieces;
 #[cfg(feature = "gpu")]
 mod render;
 mod simulate;
+mod teller;
 #[cfg(feature = "view")]
 mod view;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
+use clap_complete::{Shell, generate};
 use failure::Failure;
 use std::io::{self, BufWriter, Write};
 use std::process::ExitCode;
+use teller::Teller;
 
 /// Cuts soft bodies: closed triangle surfaces.
 #[derive(Parser)]
-#[command(
-    version,
-    after_help = "Exit codes: 0 done, 1 the input cannot be used or there is no device, 2 the command line is wrong, \
-                  3 the output cannot be written."
-)]
+#[command(version, after_help = AFTER_HELP)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
+    /// Print nothing but warnings and errors, and what --json asks for.
+    #[arg(short, long, global = true)]
+    quiet: bool,
 }
+
+const AFTER_HELP: &str = "\
+Examples:
+  incise check bunny.obj
+  incise cut bunny.obj --plane 0,1,0.2,0.05 -o pieces
+  incise render pieces/piece_000.obj -o piece.png
+  incise simulate bunny.obj --seconds 2 --ground 0 --volume --struts 1 -o pieces
+  incise view bunny.obj
+
+Exit codes: 0 done, 1 the input cannot be used or there is no device, 2 the command line is wrong, 3 the output cannot \
+be written.";
 
 #[derive(Subcommand)]
 enum Command {
@@ -55,26 +68,35 @@ enum Command {
     Simulate(simulate::SimulateArguments),
     #[cfg(feature = "view")]
     View(view::ViewArguments),
+    /// Prints what makes a shell complete commands and options.
+    ///
+    /// For bash, for example: incise completions bash > ~/.local/share/bash-completion/completions/incise
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
 }
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let mut out = BufWriter::new(io::stdout().lock());
+    let out = BufWriter::new(io::stdout().lock());
+    let mut teller = Teller::new(out, arguments.quiet);
     let done = match &arguments.command {
-        Command::Check(arguments) => check::run(arguments, &mut out),
-        Command::Cut(arguments) => cut::run(arguments, &mut out),
-        Command::Devices(arguments) => devices::run(arguments, &mut out),
-        Command::Fill(arguments) => fill::run(arguments, &mut out),
+        Command::Check(arguments) => check::run(arguments, &mut teller),
+        Command::Cut(arguments) => cut::run(arguments, &mut teller),
+        Command::Devices(arguments) => devices::run(arguments, &mut teller),
+        Command::Fill(arguments) => fill::run(arguments, &mut teller),
         #[cfg(feature = "gpu")]
-        Command::Gallery(arguments) => gallery::run(arguments, &mut out),
+        Command::Gallery(arguments) => gallery::run(arguments, &mut teller),
         #[cfg(feature = "gpu")]
-        Command::Render(arguments) => render::run(arguments, &mut out),
-        Command::Simulate(arguments) => simulate::run(arguments, &mut out),
+        Command::Render(arguments) => render::run(arguments, &mut teller),
+        Command::Simulate(arguments) => simulate::run(arguments, &mut teller),
         #[cfg(feature = "view")]
         Command::View(arguments) => view::run(arguments),
+        Command::Completions { shell } => complete(*shell, teller.output()),
     };
     // What was printed comes before the reason why it ended.
-    let flushed = out.flush().map_err(Failure::Output);
+    let flushed = teller.flush().map_err(Failure::Output);
     match done.and(flushed) {
         Ok(()) => ExitCode::SUCCESS,
         // Who reads the output has seen enough.
@@ -85,4 +107,12 @@ fn main() -> ExitCode {
             ExitCode::from(failure.exit_code())
         }
     }
+}
+
+/// Writes a shell's completions.
+fn complete(shell: Shell, out: &mut impl Write) -> Result<(), Failure> {
+    // Into memory first: its writer panics where nobody reads.
+    let mut script = Vec::new();
+    generate(shell, &mut Arguments::command(), "incise", &mut script);
+    Ok(out.write_all(&script)?)
 }

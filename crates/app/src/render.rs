@@ -6,9 +6,10 @@ mod values;
 use crate::clock::{milliseconds, timed};
 use crate::cut_options::CutOptions;
 use crate::failure::Failure;
-use crate::json::{all_lossy, lossy, write_report};
+use crate::json::{all_lossy, lossy};
 use crate::numbers::positive;
 use crate::pieces::check_target;
+use crate::teller::Teller;
 use bodies::Bodies;
 use incise_mesh::Aabb;
 use incise_pbd_gpu::{AdapterRequest, Context};
@@ -22,8 +23,9 @@ use std::path::PathBuf;
 pub(crate) use values::{Size, size};
 use values::{Viewpoint, backdrop, viewpoint};
 
-/// Draws meshes and writes the picture as PNG. With --plane or --blade they are cut first; the triangles of caps have
-/// a color of their own, also in files that `incise cut` wrote.
+/// Draws meshes, cut first if asked to, and writes the picture as PNG.
+///
+/// The triangles of caps have a color of their own, also in files that `incise cut` wrote.
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("cutter").args(["plane", "blade"]))]
 pub(crate) struct RenderArguments {
@@ -118,7 +120,10 @@ struct Times {
 }
 
 /// Draws and writes.
-pub(crate) fn run(arguments: &RenderArguments, out: &mut impl Write) -> Result<(), Failure> {
+pub(crate) fn run(
+    arguments: &RenderArguments,
+    teller: &mut Teller<impl Write>,
+) -> Result<(), Failure> {
     let output = &arguments.output;
     if !output
         .extension()
@@ -133,6 +138,8 @@ pub(crate) fn run(arguments: &RenderArguments, out: &mut impl Write) -> Result<(
         check_target(output, input)?;
     }
     let look = &arguments.look;
+    let progress = teller.stages(3);
+    progress.begin("read and cut");
     let (prepare, bodies) = timed(|| {
         let mut bodies = Bodies::read(&arguments.inputs, plan)?;
         bodies.leave_out(&look.without)?;
@@ -140,6 +147,8 @@ pub(crate) fn run(arguments: &RenderArguments, out: &mut impl Write) -> Result<(
         Ok::<_, Failure>(bodies)
     });
     let bodies = bodies?;
+    progress.step();
+    progress.begin("draw");
     let (open, context) = timed(|| {
         Context::open(&AdapterRequest {
             name: arguments.adapter.clone(),
@@ -155,8 +164,11 @@ pub(crate) fn run(arguments: &RenderArguments, out: &mut impl Write) -> Result<(
     });
     let (samples, picture) = drawn?;
     context.check()?;
+    progress.step();
+    progress.begin("write");
     let (write, written) = timed(|| picture.write_png(output));
     written?;
+    progress.end();
     let (triangles, cap_triangles) = bodies.count();
     let report = Report {
         inputs: arguments.inputs.clone(),
@@ -175,12 +187,7 @@ pub(crate) fn run(arguments: &RenderArguments, out: &mut impl Write) -> Result<(
             write: milliseconds(write),
         },
     };
-    if arguments.json {
-        write_report(&report, out)?;
-    } else {
-        print(&report, out)?;
-    }
-    Ok(())
+    Ok(teller.report(&report, arguments.json, print)?)
 }
 
 impl RenderArguments {

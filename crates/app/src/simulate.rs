@@ -3,9 +3,10 @@
 
 use crate::clock::{milliseconds, timed};
 use crate::failure::Failure;
-use crate::json::{all_lossy, lossy, write_report};
+use crate::json::{all_lossy, lossy};
 use crate::numbers::{Numbers, numbers, positive};
 use crate::pieces::{self, Piece};
+use crate::teller::Teller;
 use clap::ValueEnum;
 use incise_cut::Sweep;
 use incise_mesh::{Surface, read_mesh};
@@ -17,8 +18,10 @@ use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-/// Lets a mesh fall as a soft shell and writes where it is then to `DIR/piece_000.obj` and on, one file a
-/// piece. Files of that name from an earlier run are overwritten or removed. The y axis points up.
+/// Lets a mesh fall as a soft body, cuts it on the way if asked to, and writes its pieces.
+///
+/// They go to `DIR/piece_000.obj` and on, one file a piece. Files of that name from an earlier run are overwritten or
+/// removed. The y axis points up. A body is a shell unless --volume or --struts give it an inside.
 #[derive(clap::Args)]
 pub(crate) struct SimulateArguments {
     /// The mesh: obj, ply, stl, glb or gltf; units are meters.
@@ -123,7 +126,10 @@ struct Simulated {
 }
 
 /// Simulates and writes.
-pub(crate) fn run(arguments: &SimulateArguments, out: &mut impl Write) -> Result<(), Failure> {
+pub(crate) fn run(
+    arguments: &SimulateArguments,
+    teller: &mut Teller<impl Write>,
+) -> Result<(), Failure> {
     let path = &arguments.input;
     let frames = whole(arguments.seconds / arguments.dt).max(1);
     let cut_at = arguments
@@ -137,7 +143,7 @@ pub(crate) fn run(arguments: &SimulateArguments, out: &mut impl Write) -> Result
         path: path.clone(),
         source,
     })?;
-    let (simulate, simulated) = timed(|| arguments.simulate(surface, frames, cut_at));
+    let (simulate, simulated) = timed(|| arguments.simulate(surface, frames, cut_at, teller));
     let simulated = simulated?;
     let surface = simulated.scene.body(simulated.body).surface();
     let (write, written) = timed(|| pieces::write(surface, path, &arguments.output));
@@ -160,12 +166,7 @@ pub(crate) fn run(arguments: &SimulateArguments, out: &mut impl Write) -> Result
             write: milliseconds(write),
         },
     };
-    if arguments.json {
-        write_report(&report, out)?;
-    } else {
-        print(&report, out)?;
-    }
-    Ok(())
+    Ok(teller.report(&report, arguments.json, print)?)
 }
 
 impl SimulateArguments {
@@ -205,6 +206,7 @@ impl SimulateArguments {
         surface: Surface,
         frames: u32,
         cut_at: Option<u32>,
+        teller: &Teller<impl Write>,
     ) -> Result<Simulated, Failure> {
         let path = &self.input;
         let failed = |source| Failure::Scene {
@@ -214,7 +216,12 @@ impl SimulateArguments {
         let mut scene = self.scene().map_err(failed)?;
         let body = scene.add_body(surface, &self.material()).map_err(failed)?;
         let mut triangles_hit = None;
+        let a_second = whole(1.0 / self.dt).clamp(1, frames);
+        let progress = teller.progress(frames.div_ceil(a_second), a_second);
         for frame in 0..frames {
+            if frame % a_second == 0 {
+                progress.begin(&format!("from {:.3} s", f64::from(frame) * self.dt));
+            }
             let cuts = cut_at == Some(frame);
             if cuts {
                 scene.read(body).map_err(failed)?;
@@ -222,7 +229,7 @@ impl SimulateArguments {
             }
             let stats = *scene.step().map_err(failed)?;
             if stats.fell_back {
-                say_why(&scene);
+                progress.aside(|| say_why(&scene));
             }
             if cuts {
                 triangles_hit = Some(stats.hits);
@@ -233,7 +240,9 @@ impl SimulateArguments {
                     });
                 }
             }
+            progress.step();
         }
+        progress.end();
         scene.read(body).map_err(failed)?;
         Ok(Simulated {
             scene,

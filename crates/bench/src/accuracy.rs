@@ -27,13 +27,13 @@ use crate::json::Json;
 use crate::machine;
 use crate::options::RunArguments;
 use crate::output;
-use crate::progress::Progress;
 use clap::Args;
 use device::Device;
 use error::Yardstick;
 use incise_bench::State;
 use incise_mesh::TriangleId;
 use incise_pbd_gpu::SolverParams;
+use incise_progress::Progress;
 use ladder::Ladder;
 use plot::PlotFiles;
 use row::Row;
@@ -50,7 +50,7 @@ pub(crate) struct AccuracyArguments {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = scenes::NAMES)]
     only: Vec<String>,
     #[command(flatten)]
-    run: RunArguments,
+    pub(crate) run: RunArguments,
     /// The most substeps, and the most iterations: powers of two up to that.
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=64))]
     most: u32,
@@ -69,9 +69,9 @@ pub(crate) struct AccuracyArguments {
 }
 
 impl AccuracyArguments {
-    /// Whether the run is for files as well as for a reader.
-    pub(crate) fn writes_files(&self) -> bool {
-        self.run.rows.json.is_some() || self.plot.is_some()
+    /// Whether the run is for more files than that of its rows.
+    pub(crate) fn writes_more(&self) -> bool {
+        self.plot.is_some()
     }
 }
 
@@ -132,7 +132,7 @@ pub(crate) fn run(
     let (mut written, mut drawn) = (Ok(()), Ok(()));
     let ways = Scheme::ALL.len() * powers(arguments.most).len() * arguments.run.backends().len();
     let ways = if arguments.schemes { 1 } else { ways };
-    let progress = Progress::new(names().count() as u64, ways as u64);
+    let progress = arguments.run.rows.progress(names().count(), ways as u64);
     for name in names() {
         progress.begin(name);
         let scene = scenes::scene(name)?;

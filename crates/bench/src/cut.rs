@@ -10,7 +10,7 @@ mod times;
 
 use crate::json::Json;
 use crate::method::MethodChoice;
-use crate::options::{JsonArguments, ModelArguments};
+use crate::options::{ModelArguments, OutputArguments};
 use crate::{columns, machine, subject};
 use clap::Args;
 use incise_refine::RefinementLevel;
@@ -50,7 +50,7 @@ pub(crate) struct CutArguments {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
-    pub(crate) rows: JsonArguments,
+    pub(crate) rows: OutputArguments,
 }
 
 /// Measures and prints.
@@ -76,15 +76,17 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
     let mut json = Json::open(arguments.rows.json.as_deref())?;
     table::header(out)?;
     let mut records = Vec::new();
+    let progress = arguments.rows.progress(subjects.len(), 1);
     for subject in &subjects {
+        progress.begin(&subject.name);
         let rows = planes::measure(subject, &params, arguments.planes, &stamp)?;
-        for row in rows {
-            table::row(out, &row)?;
-            records.push(Record::Cut(Box::new(row)));
-        }
+        progress.aside(|| rows.iter().try_for_each(|row| table::row(out, row)))?;
+        records.extend(rows.into_iter().map(|row| Record::Cut(Box::new(row))));
+        progress.step();
         // After every model: what a long run has measured is not lost with it. What cannot be written now may be at the end.
         let _ = json.write(&records);
     }
+    progress.end();
     write!(out, "{}", columns::paragraphs(table::LEGEND))?;
     for slope in Slope::of_families(&records, &stamp) {
         table::slope(out, &slope)?;

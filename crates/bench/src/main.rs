@@ -20,7 +20,6 @@ mod page;
 mod paper;
 mod picture;
 mod printout;
-mod progress;
 mod protocol;
 mod refine;
 mod report;
@@ -33,9 +32,10 @@ mod subdivide;
 mod subject;
 
 use backend::BackendChoice;
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser, Subcommand};
+use clap_complete::{Shell, generate};
 use incise_refine::RefinementLevel;
-use options::{AdapterArguments, JsonArguments, ModelArguments};
+use options::{AdapterArguments, ModelArguments, OutputArguments};
 use printout::Printout;
 use std::error::Error;
 use std::io::{self, Write};
@@ -72,6 +72,11 @@ enum Command {
     Skip(skip::SkipArguments),
     /// One page of all results, for a browser and for paper.
     Report(page::ReportArguments),
+    /// Prints what makes a shell complete the options of this program.
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
 }
 
 /// What the table is made of.
@@ -115,7 +120,7 @@ struct TableArguments {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
-    rows: JsonArguments,
+    rows: OutputArguments,
 }
 
 /// Which model the solver is measured on.
@@ -134,6 +139,8 @@ struct SolverArguments {
     /// Frames of each measurement; the fastest counts.
     #[arg(long, default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
+    #[command(flatten)]
+    rows: OutputArguments,
 }
 
 /// A positive number, or a fraction of two.
@@ -151,19 +158,40 @@ fn positive(text: &str) -> Result<f64, String> {
 impl Arguments {
     /// Whether the run is for files as well as for a reader.
     fn writes_files(&self) -> bool {
-        let rows = |rows: &JsonArguments| rows.json.is_some();
+        let has_rows = self.output().is_some_and(|rows| rows.json.is_some());
+        has_rows
+            || match &self.command {
+                Some(Command::Refine(refine)) => refine.writes_more(),
+                #[cfg(feature = "reference")]
+                Some(Command::Accuracy(accuracy)) => accuracy.writes_more(),
+                Some(Command::Stability(stability)) => stability.writes_more(),
+                Some(Command::Report(_)) => true,
+                _ => false,
+            }
+    }
+
+    /// Whether nothing but errors is printed.
+    fn is_quiet(&self) -> bool {
         match &self.command {
-            None => rows(&self.table.rows),
-            Some(Command::Table(table)) => rows(&table.rows),
-            Some(Command::Solver(_)) => false,
-            Some(Command::Step(step)) => rows(&step.rows),
-            Some(Command::Cut(cut)) => rows(&cut.rows),
-            Some(Command::Refine(refine)) => refine.writes_files(),
+            Some(Command::Report(report)) => report.quiet,
+            _ => self.output().is_some_and(|rows| rows.quiet),
+        }
+    }
+
+    /// Where a bench's rows go.
+    fn output(&self) -> Option<&OutputArguments> {
+        match &self.command {
+            None => Some(&self.table.rows),
+            Some(Command::Table(table)) => Some(&table.rows),
+            Some(Command::Solver(solver)) => Some(&solver.rows),
+            Some(Command::Step(step)) => Some(&step.rows),
+            Some(Command::Cut(cut)) => Some(&cut.rows),
+            Some(Command::Refine(refine)) => Some(&refine.rows),
             #[cfg(feature = "reference")]
-            Some(Command::Accuracy(accuracy)) => accuracy.writes_files(),
-            Some(Command::Stability(stability)) => stability.writes_files(),
-            Some(Command::Skip(skip)) => rows(&skip.run.rows),
-            Some(Command::Report(_)) => true,
+            Some(Command::Accuracy(accuracy)) => Some(&accuracy.run.rows),
+            Some(Command::Stability(stability)) => Some(&stability.run.rows),
+            Some(Command::Skip(skip)) => Some(&skip.run.rows),
+            Some(Command::Report(_) | Command::Completions { .. }) => None,
         }
     }
 }
@@ -180,6 +208,17 @@ fn run(arguments: Arguments, out: &mut impl Write) -> Result<(), Box<dyn Error>>
         Some(Command::Stability(stability)) => stability::run(&stability, out),
         Some(Command::Skip(skip)) => skip::run(&skip, out),
         Some(Command::Report(report)) => page::run(&report, out),
+        Some(Command::Completions { shell }) => {
+            // Into memory first: its writer panics where nobody reads.
+            let mut script = Vec::new();
+            generate(
+                shell,
+                &mut Arguments::command(),
+                "incise-bench",
+                &mut script,
+            );
+            Ok(out.write_all(&script)?)
+        }
         Some(Command::Table(table)) => report::run(&table, out),
         None => report::run(&arguments.table, out),
     }
@@ -191,7 +230,12 @@ fn main() -> ExitCode {
     // Inside the pool: work that comes from outside is queued in memory that grows now and then,
     // and frames are shown to allocate nothing.
     rayon::scope(|_| {
-        let mut out = Printout::new(io::stdout().lock(), goes_on);
+        let to: Box<dyn Write> = if arguments.is_quiet() {
+            Box::new(io::sink())
+        } else {
+            Box::new(io::stdout().lock())
+        };
+        let mut out = Printout::new(to, goes_on);
         let done = run(arguments, &mut out);
         match done {
             Ok(()) => ExitCode::SUCCESS,
@@ -208,7 +252,6 @@ fn main() -> ExitCode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_command_line_is_consistent() {

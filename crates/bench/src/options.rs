@@ -2,14 +2,30 @@
 
 use crate::backend::Executor;
 use clap::Args;
+use incise_progress::{Progress, Shown};
 use std::path::PathBuf;
 
-/// Where rows go besides the terminal.
-#[derive(Args, Clone, Debug)]
-pub(crate) struct JsonArguments {
+/// Where rows go, and what is told meanwhile.
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct OutputArguments {
     /// Also write the rows as JSON, one object a row; a long run writes them as they come.
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
+    /// Print nothing but warnings and errors: neither rows nor progress.
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+}
+
+impl OutputArguments {
+    /// The progress of a run of so many parts, each of so many steps.
+    pub(crate) fn progress(&self, parts: usize, steps: u64) -> Progress {
+        let shown = if self.quiet {
+            Shown::Never
+        } else {
+            Shown::Everywhere
+        };
+        Progress::new(parts as u64, steps, shown)
+    }
 }
 
 /// Which GPU.
@@ -43,7 +59,7 @@ pub(crate) struct RunArguments {
     #[command(flatten)]
     pub(crate) gpu: AdapterArguments,
     #[command(flatten)]
-    pub(crate) rows: JsonArguments,
+    pub(crate) rows: OutputArguments,
 }
 
 impl RunArguments {

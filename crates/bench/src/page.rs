@@ -44,6 +44,9 @@ pub(crate) struct ReportArguments {
     /// Run a part of every bench: seconds instead of minutes.
     #[arg(long)]
     quick: bool,
+    /// Print nothing but warnings and errors: neither rows nor progress.
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
 }
 
 /// What is shown.
@@ -75,7 +78,7 @@ pub(crate) fn run(arguments: &ReportArguments, out: &mut impl Write) -> Result<(
         // Those of an earlier run are none of this one.
         drop(OutputFile::open(&rows)?);
         std::fs::write(&rows, "[]")?;
-        if let Err(fault) = measure::measure(name, arguments.quick, &rows, out) {
+        if let Err(fault) = measure::measure(name, arguments, &rows, out) {
             content.told.insert(name, fault.to_string());
         }
         match rows::read(&rows) {

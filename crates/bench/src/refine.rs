@@ -11,10 +11,9 @@ mod row;
 mod tradeoff;
 
 use crate::json::Json;
-use crate::options::{JsonArguments, ModelArguments};
+use crate::options::{ModelArguments, OutputArguments};
 use crate::output::{OutputError, OutputFile};
 use crate::picture::PictureFile;
-use crate::progress::Progress;
 use crate::{columns, machine, subject};
 use clap::Args;
 use incise_refine::RefinementLevel;
@@ -74,13 +73,13 @@ pub(crate) struct RefineArguments {
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["tradeoff", "rims"])]
     peers: Vec<PathBuf>,
     #[command(flatten)]
-    rows: JsonArguments,
+    pub(crate) rows: OutputArguments,
 }
 
 impl RefineArguments {
-    /// Whether the run is for files as well as for a reader.
-    pub(crate) fn writes_files(&self) -> bool {
-        self.rows.json.is_some() || self.csv.is_some() || self.plot.is_some() || self.rims.is_some()
+    /// Whether the run is for more files than that of its rows.
+    pub(crate) fn writes_more(&self) -> bool {
+        self.csv.is_some() || self.plot.is_some() || self.rims.is_some()
     }
 }
 
@@ -133,7 +132,7 @@ pub(crate) fn run(arguments: &RefineArguments, out: &mut impl Write) -> Result<(
     }
     let mut rows: Vec<Row> = Vec::new();
     let mut written = Ok(());
-    let progress = Progress::new(subjects.len() as u64, 1);
+    let progress = arguments.rows.progress(subjects.len(), 1);
     for subject in &subjects {
         progress.begin(&subject.name);
         let rims = rims::of(subject, &arguments.levels, arguments.planes, &stamp)?;

@@ -2,7 +2,6 @@
 
 use crate::columns::{folded, paragraphs};
 use crate::json::Json;
-use crate::progress::Progress;
 use crate::protocol::{Row, frames, params, run as run_protocol};
 use crate::{TableArguments, machine, models, paper};
 use incise_mesh::Model;
@@ -21,7 +20,7 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
     let (machine, commit) = (machine::machine(), machine::commit());
     let (request, fallback) = backend(arguments)?;
     let mut json = Json::open(arguments.rows.json.as_deref())?;
-    let progress = Progress::new(loaded.len() as u64, 2 * u64::from(frames(arguments)));
+    let progress = (arguments.rows).progress(loaded.len(), 2 * u64::from(frames(arguments)));
     let mut rows = Vec::new();
     for model in &loaded {
         progress.begin(model.model.name());

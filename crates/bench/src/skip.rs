@@ -21,8 +21,7 @@ use crate::backend::Executor;
 use crate::columns::{self, count};
 use crate::json::Json;
 use crate::machine;
-use crate::options::RunArguments;
-use crate::progress::Progress;
+use crate::options::{OutputArguments, RunArguments};
 use clap::Args;
 use device::Device;
 use incise_mesh::{Model, Surface, build_model};
@@ -181,11 +180,11 @@ fn on_the_processor(effort: Effort) -> Vec<Measurement<'static>> {
 }
 
 /// Measures what is wanted on one backend.
-fn measure(measurements: Vec<Measurement<'_>>, only: &[String]) -> Found {
+fn measure(measurements: Vec<Measurement<'_>>, only: &[String], rows: &OutputArguments) -> Found {
     let wanted: Vec<_> = (measurements.into_iter())
         .filter(|measurement| measurement.is_wanted(only))
         .collect();
-    let progress = Progress::new(wanted.len() as u64, 1);
+    let progress = rows.progress(wanted.len(), 1);
     let mut out = Vec::new();
     for mut measurement in wanted {
         let Measurement { skips, on, .. } = &measurement;
@@ -217,7 +216,7 @@ pub(crate) fn run(arguments: &SkipArguments, out: &mut impl Write) -> Result<(),
             None => on_the_processor(effort),
             Some(device) => device.measurements(effort),
         };
-        let findings = measure(measurements, only)?;
+        let findings = measure(measurements, only, &run.rows)?;
         rows.extend(
             findings
                 .into_iter()
@@ -274,7 +273,12 @@ mod tests {
 
     #[test]
     fn what_is_measured_is_what_was_named() {
-        let found = measure(on_the_processor(QUICK), &["device".to_owned()]).unwrap();
+        let found = measure(
+            on_the_processor(QUICK),
+            &["device".to_owned()],
+            &OutputArguments::default(),
+        )
+        .unwrap();
         let skips: Vec<&str> = found.iter().map(|finding| finding.skip).collect();
         assert_eq!(skips, ["device"]);
     }

@@ -1,8 +1,10 @@
 //! The solver alone: projections a second, and frames a second of both kinds.
 
+use crate::json::Json;
 use crate::{SolverArguments, machine, models};
 use incise_mesh::Surface;
 use incise_pbd_gpu::{ConstraintError, Material, Solver, SolverParams, StepError};
+use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::time::Instant;
@@ -10,9 +12,28 @@ use std::time::Instant;
 /// Iterations of a measured frame.
 const ITERATIONS: u32 = 10;
 
+/// A measurement, as JSON.
+#[derive(Debug, Serialize)]
+struct Row {
+    model: &'static str,
+    source: String,
+    triangles: usize,
+    iterations: u32,
+    /// Frames of which the fastest counts.
+    frames: u32,
+    threads: usize,
+    constraints: &'static str,
+    ms_per_frame: f64,
+    projections_per_second: f64,
+    machine: String,
+    commit: String,
+}
+
 /// Measures and prints.
 pub(crate) fn run(arguments: &SolverArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
-    writeln!(out, "{}, commit {}", machine::machine(), machine::commit())?;
+    let (machine, commit) = (machine::machine(), machine::commit());
+    let mut json = Json::open(arguments.rows.json.as_deref())?;
+    writeln!(out, "{machine}, commit {commit}")?;
     let stretch_only = Material {
         bending: None,
         ..Material::default()
@@ -21,15 +42,21 @@ pub(crate) fn run(arguments: &SolverArguments, out: &mut impl Write) -> Result<(
     let models = models::load(arguments.from.models.as_deref(), &arguments.only)?;
     let used = models.iter().map(|l| (l.model.name(), l.source.as_str()));
     models::tell_built_in(arguments.from.models.as_deref(), used);
+    let mut rows = Vec::new();
+    let progress = arguments.rows.progress(models.len(), 4);
     for loaded in models {
-        writeln!(
-            out,
-            "{} ({}), {} triangles, {ITERATIONS} iterations, fastest of {} frames",
+        let (model, triangles) = (
             loaded.model.name(),
-            loaded.source,
             loaded.surface.topology().triangle_count(),
-            arguments.frames
-        )?;
+        );
+        progress.begin(model);
+        progress.aside(|| {
+            writeln!(
+                out,
+                "{model} ({}), {triangles} triangles, {ITERATIONS} iterations, fastest of {} frames",
+                loaded.source, arguments.frames
+            )
+        })?;
         for threads in [1, cores] {
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
@@ -40,17 +67,34 @@ pub(crate) fn run(arguments: &SolverArguments, out: &mut impl Write) -> Result<(
             ] {
                 let (seconds, projections) =
                     pool.install(|| measure(&loaded.surface, &material, arguments.frames))?;
-                writeln!(
-                    out,
-                    "  {threads} threads, {name:20} {:8.3} ms a frame, {:6.1} FPS, {:6.1} M projections/s",
-                    seconds * 1e3,
-                    1.0 / seconds,
-                    projections / seconds / 1e6
-                )?;
+                progress.aside(|| {
+                    writeln!(
+                        out,
+                        "  {threads} threads, {name:20} {:8.3} ms a frame, {:6.1} FPS, {:6.1} M projections/s",
+                        seconds * 1e3,
+                        1.0 / seconds,
+                        projections / seconds / 1e6
+                    )
+                })?;
+                progress.step();
+                rows.push(Row {
+                    model,
+                    source: loaded.source.clone(),
+                    triangles,
+                    iterations: ITERATIONS,
+                    frames: arguments.frames,
+                    threads,
+                    constraints: name,
+                    ms_per_frame: seconds * 1e3,
+                    projections_per_second: projections / seconds,
+                    machine: machine.clone(),
+                    commit: commit.clone(),
+                });
             }
         }
     }
-    Ok(())
+    progress.end();
+    Ok(json.write(&rows)?)
 }
 
 /// Why a model cannot be measured.

@@ -44,6 +44,7 @@ use crate::picture::PictureFile;
 use case::Case;
 use clap::Args;
 use device::Device;
+use incise_progress::Progress;
 use map::Cell;
 use plot::Map;
 use row::{Row, Stamp};
@@ -57,7 +58,7 @@ use std::time::Instant;
 #[derive(Args, Clone)]
 pub(crate) struct StabilityArguments {
     #[command(flatten)]
-    run: RunArguments,
+    pub(crate) run: RunArguments,
     /// Cases to run, separated by commas: T1 to T20, or the names of those beside them.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     only: Vec<String>,
@@ -70,9 +71,9 @@ pub(crate) struct StabilityArguments {
 }
 
 impl StabilityArguments {
-    /// Whether the run is for files as well as for a reader.
-    pub(crate) fn writes_files(&self) -> bool {
-        self.run.rows.json.is_some() || self.plot.is_some()
+    /// Whether the run is for more files than that of its rows.
+    pub(crate) fn writes_more(&self) -> bool {
+        self.plot.is_some()
     }
 }
 
@@ -155,10 +156,12 @@ fn verdicts(
     cases: &[Case],
     stage: &mut Stage,
     stamp: &Stamp,
+    progress: &Progress,
     mut tick: impl FnMut(&Row),
 ) -> Vec<Row> {
     let mut rows = Vec::new();
     for case in cases {
+        progress.begin(case.id);
         let begin = Instant::now();
         let mut found = (case.run)(stage);
         let rule = found.as_mut().ok().and_then(|worst| worst.rule.take());
@@ -170,6 +173,7 @@ fn verdicts(
             tick(&row);
             rows.push(row);
         }
+        progress.step();
     }
     rows
 }
@@ -209,17 +213,21 @@ pub(crate) fn run(
         }
         let cases = chosen(&arguments.only, device.is_some())?;
         let mut stage = Stage::new(effort, device);
+        let progress = arguments.run.rows.progress(cases.len(), 1);
         let mut told = Ok(());
-        rows.extend(verdicts(&cases, &mut stage, &stamp, |row| {
+        rows.extend(verdicts(&cases, &mut stage, &stamp, &progress, |row| {
             let verdict = if row.passed { "pass" } else { "FAIL" };
-            let line = writeln!(
-                out,
-                "{verdict}  {} ({:.1} s): {}; {}",
-                row.id, row.seconds, row.torture, row.law
-            );
             // A run takes minutes; what is known is shown.
-            told = line.and_then(|()| out.flush());
+            told = progress.aside(|| {
+                writeln!(
+                    out,
+                    "{verdict}  {} ({:.1} s): {}; {}",
+                    row.id, row.seconds, row.torture, row.law
+                )?;
+                out.flush()
+            });
         }));
+        progress.end();
         told?;
         drawn.extend(plots.next().zip(stage.map.take()));
         written = json.write(&rows);
@@ -267,6 +275,7 @@ fn disagreements(rows: &[Row]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use incise_progress::Shown;
 
     fn stamp() -> Stamp {
         Stamp {
@@ -314,7 +323,13 @@ mod tests {
     fn a_part_of_every_case_has_the_verdict_of_the_whole() {
         let mut stage = Stage::new(Effort::Quick, None);
         let all: Vec<Case> = cases(false).collect();
-        let rows = verdicts(&all, &mut stage, &stamp(), |_| {});
+        let rows = verdicts(
+            &all,
+            &mut stage,
+            &stamp(),
+            &Progress::new(1, 1, Shown::Never),
+            |_| {},
+        );
         let failed: Vec<_> = (rows.iter().filter(|row| !row.passed))
             .map(|row| (row.id, row.torture))
             .collect();

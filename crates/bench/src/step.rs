@@ -20,7 +20,7 @@ mod table;
 
 use crate::backend::BackendChoice;
 use crate::json::Json;
-use crate::options::{AdapterArguments, JsonArguments, ModelArguments};
+use crate::options::{AdapterArguments, ModelArguments, OutputArguments};
 use crate::{columns, machine};
 use case::Setup;
 use clap::{Args, ValueEnum};
@@ -68,7 +68,7 @@ pub(crate) struct StepArguments {
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     bodies: u32,
     #[command(flatten)]
-    pub(crate) rows: JsonArguments,
+    pub(crate) rows: OutputArguments,
 }
 
 /// How a body's step is cut into dispatches.
@@ -125,16 +125,18 @@ pub(crate) fn run(arguments: &StepArguments, out: &mut impl Write) -> Result<(),
     )?;
     table::header(out)?;
     let mut rows = Vec::new();
+    let progress = arguments.rows.progress(subjects.len(), 1);
     for subject in &subjects {
+        progress.begin(&subject.name());
         let mut of_subject = stage.rows(subject, &setup)?;
         row::compare(&mut of_subject);
-        for row in &of_subject {
-            table::row(out, row)?;
-        }
+        progress.aside(|| of_subject.iter().try_for_each(|row| table::row(out, row)))?;
         rows.extend(of_subject);
+        progress.step();
         // After every model: what a long run has measured is not lost with it.
         written = json.write(&rows);
     }
+    progress.end();
     write!(out, "{}", columns::paragraphs(table::LEGEND))?;
     Ok(written?)
 }

@@ -1,5 +1,6 @@
 //! Benches that are run for the page.
 
+use super::ReportArguments;
 use crate::Arguments;
 use clap::Parser;
 use std::error::Error;
@@ -12,13 +13,16 @@ use std::path::Path;
 /// What the bench says, also when it ends with claims that do not hold; its rows are written then.
 pub(super) fn measure(
     name: &str,
-    is_quick: bool,
+    how: &ReportArguments,
     file: &Path,
     out: &mut impl Write,
 ) -> Result<(), Box<dyn Error>> {
     writeln!(out, "report: {name}")?;
     let words = ["incise-bench", name];
-    let words = words.iter().chain(if is_quick { quick(name) } else { &[] });
+    let words = words
+        .iter()
+        .chain(if how.quick { quick(name) } else { &[] });
+    let words = words.chain(how.quiet.then_some(&"--quiet"));
     let words = words.map(|&word| word.into());
     let rows = ["--json".into(), file.as_os_str().to_owned()];
     crate::run(Arguments::try_parse_from(words.chain(rows))?, out)

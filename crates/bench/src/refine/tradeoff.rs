@@ -7,7 +7,6 @@ use super::rims::{self, Rims};
 use super::row::Stamp;
 use super::{Files, RefineArguments};
 use crate::columns;
-use crate::progress::Progress;
 use crate::report::measured;
 use crate::statistics::{mean, median};
 use crate::subject::Subject;
@@ -176,7 +175,7 @@ pub(super) fn run(
         .map(|level| (level.z(), vec![Sum::default(); ways.len()]))
         .collect();
     let (mut failures, mut nested) = (Vec::new(), 0);
-    let progress = Progress::new(subjects.len() as u64, 1);
+    let progress = arguments.rows.progress(subjects.len(), 1);
     for subject in subjects {
         progress.begin(&subject.name);
         let mut sums = all.clone();
