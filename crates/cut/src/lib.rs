@@ -6,18 +6,23 @@
 //! [`incise_mesh::TopologyDelta`], which solvers and renderers follow. A [`Journal`] keeps cuts to do
 //! them again.
 //!
+//! How `examples/slice_sphere.rs` begins:
+//!
 //! ```
 //! use incise_cut::{CutParams, Cutter, Sweep};
-//! use incise_mesh::Surface;
+//! use incise_mesh::{cube_sphere, write_obj};
 //!
-//! let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-//! let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-//! let mut body = Surface::from_triangles(&corners, &faces)?;
-//! let sweep = Sweep::across_box([1.0, 0.1, 0.0], 0.4, &body.bounds())?;
-//! let outcome = Cutter::new(&body).cut(&mut body, &sweep, &CutParams::default())?;
-//! assert_eq!(outcome.delta.pieces_added.len(), 1);
-//! assert!(body.topology().is_closed());
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let mut body = cube_sphere(16, 0.5);
+//!     let mut cutter = Cutter::new(&body);
+//!     let plane = Sweep::across_box([0.0, 1.0, 0.2], 0.1, &body.bounds())?; // a blade larger than the body
+//!     let outcome = cutter.cut(&mut body, &plane, &CutParams::default())?;
+//!     println!("{} cap triangles", outcome.cap.len());
+//!     assert_eq!(body.piece_volumes().len(), 2, "two pieces");
+//!     assert!(body.topology().is_closed(), "both lips are closed");
+//!     // and on
+//! # Ok(())
+//! }
 //! ```
 
 mod bvh;

@@ -6,15 +6,23 @@
 //! - [`Edit`]: a local change in place that leaves no trace unless finished, and its [`Undo`].
 //! - [`TopologyDelta`]: an edit as data, which solvers, search trees and renderers follow.
 //!
-//! ```
-//! use incise_mesh::Surface;
+//! How `examples/edit_torus.rs` begins:
 //!
-//! let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-//! let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-//! let tetrahedron = Surface::from_triangles(&corners, &faces)?;
-//! assert!(tetrahedron.topology().is_closed());
-//! assert_eq!(tetrahedron.volume(), 1.0 / 6.0);
-//! # Ok::<(), incise_mesh::TopologyError>(())
+//! ```
+//! use incise_mesh::{TriangleId, check, read_mesh, torus};
+//!
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let mut body = torus(0.4, 0.15, 48, 24);
+//!     let whole = body.clone();
+//!     let mut edit = body.edit(); // dropped unfinished, it leaves no trace
+//!     edit.remove_triangle(TriangleId(2));
+//!     let (delta, undo) = edit.finish(); // what changed, for solvers and search trees, and the way back
+//!     assert!(delta.vertices_removed.is_empty(), "none is left idle");
+//!     assert_eq!(body.topology().boundary_loops().len(), 1, "a hole");
+//!     undo.revert(&mut body)?;
+//!     // and on
+//! # Ok(())
+//! }
 //! ```
 
 mod check;

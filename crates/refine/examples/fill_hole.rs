@@ -1,21 +1,21 @@
 //! Fills the hole inside a wavy rim at the five levels and prints what that costs.
+//!
+//! `cargo run -p incise-refine --example fill_hole`
+
+#![expect(clippy::print_stdout, reason = "an example shows what it computes")]
 
 use incise_mesh::geometry::{area_vector, corner_angles};
 use incise_refine::{RefineParams, RefinementLevel, fill};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-#[expect(clippy::print_stdout, reason = "an example shows what it computes")]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // Counterclockwise seen from above, not in one plane, not convex.
-    let rim: Vec<_> = (0..60)
-        .map(|i| f64::from(i) * TAU / 60.0)
-        .map(|a| {
-            let radius = 1.0 + 0.25 * (3.0 * a).cos();
-            Vector3::new(radius * a.cos(), radius * a.sin(), 0.1 * (2.0 * a).sin())
-        })
-        .collect();
-    println!("a rim of {} vertices", rim.len());
+    let angles = (0..60).map(|i| f64::from(i) * TAU / 60.0);
+    let wave = |a: f64| Vector3::new(a.cos(), a.sin(), 0.1 * (2.0 * a).sin());
+    let rim: Vec<_> = angles.map(wave).collect(); // counterclockwise seen from above
+    let patch = fill(&rim, Vector3::z(), &RefineParams::default(), |_, _| false)?;
+    assert_eq!(patch.points[..60], rim[..], "the rim stays, in its order");
+
     for level in RefinementLevel::FIVE {
         let params = RefineParams {
             level,

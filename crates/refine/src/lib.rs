@@ -8,19 +8,23 @@
 //! The paper is "Cutting Simulation in Unity 3D Using Position Based Dynamics with Various
 //! Refinement Levels", Applied Sciences 2022.
 //!
+//! How `examples/fill_hole.rs` begins:
+//!
 //! ```
+//! use incise_mesh::geometry::{area_vector, corner_angles};
 //! use incise_refine::{RefineParams, RefinementLevel, fill};
 //! use nalgebra::Vector3;
+//! use std::f64::consts::TAU;
 //!
-//! let rim: Vec<_> = (0..24)
-//!     .map(|i| f64::from(i) * std::f64::consts::TAU / 24.0)
-//!     .map(|a| Vector3::new(a.cos(), a.sin(), 0.0))
-//!     .collect();
-//! let params = RefineParams { level: RefinementLevel::Original, ..RefineParams::default() };
-//! let patch = fill(&rim, Vector3::z(), &params, |_, _| false)?;
-//! assert_eq!(&patch.points[..24], &rim[..]);
-//! assert_eq!(patch.triangles.len(), 24 - 2 + 2 * patch.inner.len());
-//! # Ok::<(), incise_refine::RefineError>(())
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let angles = (0..60).map(|i| f64::from(i) * TAU / 60.0);
+//!     let wave = |a: f64| Vector3::new(a.cos(), a.sin(), 0.1 * (2.0 * a).sin());
+//!     let rim: Vec<_> = angles.map(wave).collect(); // counterclockwise seen from above
+//!     let patch = fill(&rim, Vector3::z(), &RefineParams::default(), |_, _| false)?;
+//!     assert_eq!(patch.points[..60], rim[..], "the rim stays, in its order");
+//!     // and on
+//! # Ok(())
+//! }
 //! ```
 //!
 //! [`fill_holes`] closes every hole of a surface, whatever the shape of its rim, with triangles of the

@@ -11,20 +11,28 @@
 //! moves there is drawn without a trip through the host. What draws is behind the feature `gpu`, which is on by
 //! default.
 //!
+//! How `examples/picture.rs` begins:
+//!
 #![cfg_attr(feature = "gpu", doc = "```no_run")]
 #![cfg_attr(not(feature = "gpu"), doc = "```ignore")]
 //! use incise_mesh::{Model, build_model};
-//! use incise_render::{BodyView, Camera, Color, Content, Offscreen, Renderer, View};
+//! use incise_render::{BodyView, Camera, Color, Content, Offscreen, Overlay, Renderer, Sheet, View};
 //!
-//! # fn show(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), incise_render::RenderError> {
-//! let bunny = build_model(Model::Bunny);
-//! let renderer = Renderer::offscreen(device, queue)?;
-//! let body = BodyView::of(&renderer, &bunny, |_| Some(Color::rgb(170, 185, 200)))?;
-//! let camera = Camera::default().fit(&bunny.bounds(), 4.0 / 3.0);
-//! let content = Content { bodies: &[&body], overlays: &[] };
-//! let picture = Offscreen::new(&renderer, 800, 600)?.picture(&renderer, &View::of(camera), &content)?;
-//! picture.write_png("bunny.png".as_ref())?;
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let (device, queue) = device()?; // of wgpu
+//!     let renderer = Renderer::offscreen(&device, &queue)?;
+//!     let rabbit = build_model(Model::Bunny);
+//!     let body = BodyView::of(&renderer, &rabbit, |_| Some(Color::rgb(154, 174, 198)))?;
+//!     let sheet = Sheet {
+//!         corners: [[0.0, -0.5, -0.5], [0.0, -0.5, 0.7], [0.0, 0.9, 0.0]],
+//!         color: Color::rgb(60, 120, 200).with_alpha(90),
+//!     };
+//!     let overlay = Overlay::new(&renderer, &[sheet], &[])?;
+//!     // and on
 //! # Ok(())
+//! }
+//! # fn device() -> Result<(wgpu::Device, wgpu::Queue), Box<dyn std::error::Error>> {
+//! #     unreachable!("this is not run")
 //! # }
 //! ```
 

@@ -7,20 +7,23 @@
 //! [`Scene::new`] steps on the processor, [`Scene::with_backend`] on a device or on whichever is faster.
 //! A body on a device stays there: [`Scene::read`] brings the host's copy of it up to date.
 //!
+//! How `examples/slice_in_motion.rs` begins:
+//!
 //! ```
 //! use incise_mesh::{Model, build_model};
-//! use incise_pbd_gpu::Material;
-//! use incise_scene::{Scene, SceneParams};
+//! use incise_pbd_gpu::{Material, Volume};
+//! use incise_scene::{ContactParams, Scene, SceneError, SceneParams};
 //!
-//! let mut scene = Scene::new(SceneParams::default());
-//! let body = scene.add_body(build_model(Model::Sphere80), &Material::default())?;
-//! let blade = scene.add_blade([[-2.0, 0.1, -2.0], [-2.0, 0.1, 2.0]]);
-//! scene.step()?;
-//! scene.move_blade(blade, [[2.0, 0.1, -2.0], [2.0, 0.1, 2.0]]);
-//! assert_eq!(scene.step()?.cuts, 1);
-//! scene.read(body)?; // nothing to do on the processor
-//! assert_eq!(scene.body(body).pieces().len(), 2);
-//! # Ok::<(), incise_scene::SceneError>(())
+//! fn main() -> Result<(), SceneError> {
+//!     let mut scene = Scene::new(SceneParams::default());
+//!     let body = scene.add_body(build_model(Model::Sphere768), &Material::default())?;
+//!     let blade = scene.add_blade([[-2.0, 0.1, -2.0], [-2.0, 0.1, 2.0]]); // left of it
+//!     scene.step()?;
+//!     scene.move_blade(blade, [[2.0, 0.1, -2.0], [2.0, 0.1, 2.0]]); // and right of it
+//!     println!("{:?}", scene.step()?);
+//!     // and on
+//! # Ok(())
+//! }
 //! ```
 
 mod backend;

@@ -5,6 +5,25 @@
 //! - [`Pointer`] and [`Eye`]: what gestures mean, and from where the body is seen.
 //! - [`keys`]: the keyboard.
 //!
+//! How `examples/recorded_slice.rs` begins:
+//!
+//! ```
+//! use incise_mesh::{Model, build_model};
+//! use incise_scene::{Scene, SceneParams};
+//! use incise_view::{Command, Progress, Session};
+//!
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let ball = build_model(Model::Sphere768);
+//!     let mut session = Session::new(ball.clone(), Scene::new(SceneParams::default()))?;
+//!     let from = [[-2.0, 0.0, -2.0], [-2.0, 0.0, 2.0]]; // a blade's edge, left of the ball
+//!     let to = from.map(|[x, _, z]| [-x, 0.2, z]); // and right of it
+//!     session.apply(Command::Slice { from, to });
+//!     (0..60).for_each(|_| session.frame());
+//!     // and on
+//! # Ok(())
+//! }
+//! ```
+//!
 //! The window is behind the feature `window`, which is on by default.
 
 mod command;
