@@ -2,8 +2,18 @@
 
 use incise_cut::{CutError, CutMethod, CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, icosphere};
-use incise_refine::{RefineParams, RefinementLevel};
+use incise_refine::RefinementLevel;
 use incise_tests::{Blade, Body, Deformation, Shape, cut_and_check};
+
+/// Caps that are coarser than the surface, and this snapping.
+fn coarser(snap: f64) -> CutParams {
+    let mut params = CutParams {
+        snap,
+        ..CutParams::default()
+    };
+    params.refine.level = RefinementLevel::Coarser2;
+    params
+}
 
 /// An old vertex stood for the point of a loose edge: walls and cap cancelled, and the piece beyond
 /// the plane was gone. The Euler characteristic knows.
@@ -23,11 +33,7 @@ fn a_tip_of_loose_edges_does_not_vanish() {
     let blade = Blade::Plane(normal, 0.883_901_180_654_020_9);
     let params = CutParams {
         method: CutMethod::Rebuild,
-        refine: RefineParams {
-            level: RefinementLevel::Coarser2,
-            ..RefineParams::default()
-        },
-        ..CutParams::default()
+        ..coarser(0.1)
     };
     let mut surface = body.build();
     let sweep = blade.sweep(&surface).expect("a plane");
@@ -246,14 +252,7 @@ fn points_beside_a_crease_are_where_their_parents_say() {
     ];
     for (blade, snap) in blades {
         let sweep = blade.sweep(&surface).expect("a sweep");
-        let params = CutParams {
-            snap,
-            refine: RefineParams {
-                level: RefinementLevel::Coarser2,
-                ..RefineParams::default()
-            },
-            ..CutParams::default()
-        };
+        let params = coarser(snap);
         let cut = cut_and_check(&mut surface, &mut cutter, &sweep, &params);
         cut.expect("a full slice");
     }
@@ -281,14 +280,7 @@ fn a_crease_in_the_plane_of_a_triangle_is_met_where_it_runs() {
         Blade::InFace(35327),
     ] {
         let sweep = blade.sweep(&surface).expect("a sweep");
-        let params = CutParams {
-            snap: 0.0,
-            refine: RefineParams {
-                level: RefinementLevel::Coarser2,
-                ..RefineParams::default()
-            },
-            ..CutParams::default()
-        };
+        let params = coarser(0.0);
         let cut = cut_and_check(&mut surface, &mut cutter, &sweep, &params);
         cut.expect("a full slice");
     }

@@ -91,11 +91,7 @@ pub(crate) fn run(
         path: folder.clone(),
         source,
     })?;
-    let context = Context::open(&AdapterRequest {
-        name: arguments.adapter.clone(),
-        allow_software: true,
-        ..AdapterRequest::default()
-    })?;
+    let context = Context::open(&AdapterRequest::any(arguments.adapter.clone()))?;
     let renderer = Renderer::offscreen(context.device(), context.queue())?;
     let draftsman = Draftsman::new(&renderer, arguments.size)?;
     let mut index = Index {

@@ -149,13 +149,7 @@ pub(crate) fn run(
     let bodies = bodies?;
     progress.step();
     progress.begin("draw");
-    let (open, context) = timed(|| {
-        Context::open(&AdapterRequest {
-            name: arguments.adapter.clone(),
-            allow_software: true,
-            ..AdapterRequest::default()
-        })
-    });
+    let (open, context) = timed(|| Context::open(&AdapterRequest::any(arguments.adapter.clone())));
     let context = context?;
     let (draw, drawn) = timed(|| {
         let renderer = Renderer::offscreen(context.device(), context.queue())?;

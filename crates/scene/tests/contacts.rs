@@ -1,25 +1,13 @@
 //! Pieces of a body stop at each other.
 
+#[path = "common/firm.rs"]
+mod firm;
+
+use firm::firm;
 use incise_cut::Bvh;
 use incise_mesh::{Surface, TriangleId, VertexId, cube_sphere};
-use incise_pbd_gpu::{Collider, Density, Material, SolverParams, Stiffness, Struts, Volume};
+use incise_pbd_gpu::{Collider, Material, SolverParams, Struts};
 use incise_scene::{Body, BodyId, ContactParams, Scene, SceneError, SceneParams, SleepParams};
-
-/// A body that keeps its shape.
-fn firm(friction: f32) -> Material {
-    Material {
-        density: Density::Area(1.0),
-        stretch: Stiffness::Compliance(0.0),
-        bending: None,
-        volume: Some(Volume::default()),
-        struts: Some(Struts {
-            density: 1.0,
-            stiffness: Stiffness::Compliance(1e-6),
-        }),
-        damping: 0.0,
-        friction,
-    }
-}
 
 fn params(gravity: [f32; 3], ground: Option<f32>) -> SceneParams {
     SceneParams {
@@ -137,7 +125,7 @@ fn a_ball_rests_on_another_one_instead_of_in_it() {
             ..params([0.0, -9.81, 0.0], Some(0.0))
         };
         let mut scene = Scene::new(params);
-        let id = scene.add_body(body.clone(), &firm(1.0)).unwrap();
+        let id = scene.add_body(body.clone(), &firm(1.0, 0.0)).unwrap();
         // On its top it stays for a while; it has not fallen to the ground within 0.8 s.
         for _ in 0..48 {
             scene.step().unwrap();
@@ -155,7 +143,7 @@ fn what_meets_keeps_its_momentum() {
     let ball = cube_sphere(6, 1.0);
     let body = together(&[ball.clone(), moved(&ball, [2.5, 0.4, 0.1], [1.0; 3])]);
     let mut scene = Scene::new(params([0.0; 3], None));
-    let id = scene.add_body(body, &firm(0.5)).unwrap();
+    let id = scene.add_body(body, &firm(0.5, 0.0)).unwrap();
     throw(&mut scene, id, 0, [3.0, 0.0, 0.0]);
     let solver = scene.body(id).solver();
     let (before, energy) = (solver.momentum(), solver.kinetic_energy());
@@ -195,7 +183,7 @@ fn nothing_gets_through_at_ten_diagonals_a_second() {
         let body = together(&[plate.clone(), above]);
         let speed = 10.0 * 2.0 * 3.0_f32.sqrt();
         let mut scene = Scene::new(params([0.0; 3], None));
-        let id = scene.add_body(body, &firm(0.0)).unwrap();
+        let id = scene.add_body(body, &firm(0.0, 0.0)).unwrap();
         hold(&mut scene, id, 0);
         throw(&mut scene, id, 1, [0.0, -speed, 0.0]);
         let mut lowest = f32::INFINITY;
@@ -215,7 +203,7 @@ fn a_pin_is_not_dragged_through_a_piece_within_a_frame() {
     let plate = moved(&cube(8), [0.0; 3], [2.0, 0.1, 2.0]);
     let above = moved(&cube_sphere(5, 1.0), [0.1, 1.4, 0.2], [1.0; 3]);
     let mut scene = Scene::new(params([0.0; 3], None));
-    let id = (scene.add_body(together(&[plate, above]), &firm(0.0))).unwrap();
+    let id = (scene.add_body(together(&[plate, above]), &firm(0.0, 0.0))).unwrap();
     scene.step().unwrap();
     hold(&mut scene, id, 1);
     let pins = scene.body(id).solver().pins().to_vec();
@@ -245,7 +233,7 @@ fn slid(friction: f32, slope: f32) -> f32 {
     let g = 9.81 / (1.0 + slope * slope).sqrt();
     // The slope is horizontal, and what is down is aslant.
     let mut scene = Scene::new(params([g * slope, -g, 0.0], None));
-    let id = (scene.add_body(together(&[plate, block]), &firm(friction))).unwrap();
+    let id = (scene.add_body(together(&[plate, block]), &firm(friction, 0.0))).unwrap();
     hold(&mut scene, id, 0);
     let along = |scene: &Scene| {
         let surface = scene.body(id).surface();
@@ -278,7 +266,9 @@ fn a_block_slides_where_the_slope_is_steeper_than_friction() {
 #[test]
 fn halves_of_a_cut_part_slowly_and_stay_apart() {
     let mut scene = Scene::new(params([0.0; 3], None));
-    let id = scene.add_body(cube_sphere(8, 1.0), &firm(0.5)).unwrap();
+    let id = scene
+        .add_body(cube_sphere(8, 1.0), &firm(0.5, 0.0))
+        .unwrap();
     let blade = scene.add_blade([[-2.0, 0.1, -2.0], [-2.0, 0.1, 2.0]]);
     scene.step().unwrap();
     assert_eq!(scene.stats().contact_searches, 0, "it is in one piece");
@@ -342,7 +332,7 @@ fn bodies_stay_out_of_colliders_and_sleep_on_flat_ones() {
         scene.colliders = vec![far, collider];
         let material = Material {
             damping: 1.0,
-            ..firm(1.0)
+            ..firm(1.0, 0.0)
         };
         let body = together(std::slice::from_ref(&block));
         let id = scene.add_body(body, &material).unwrap();
@@ -376,7 +366,9 @@ fn bodies_stay_out_of_colliders_and_sleep_on_flat_ones() {
 #[test]
 fn a_collider_that_is_none_is_refused_before_anything_moves() {
     let mut scene = Scene::new(params([0.0, -9.81, 0.0], None));
-    let id = scene.add_body(cube_sphere(3, 0.5), &firm(0.5)).unwrap();
+    let id = scene
+        .add_body(cube_sphere(3, 0.5), &firm(0.5, 0.0))
+        .unwrap();
     let far = |radius| Collider::Sphere {
         center: [1e3; 3],
         radius,
@@ -424,7 +416,7 @@ fn halves_that_roll_are_not_thrown() {
         let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(-1.0)));
         let material = Material {
             damping: 1.0,
-            ..firm(0.5)
+            ..firm(0.5, 0.0)
         };
         let id = scene.add_body(cube_sphere(8, 0.5), &material).unwrap();
         let y = 0.013 + 0.011 * i as f32;

@@ -1,25 +1,15 @@
 //! Bodies lie against the flats of blades.
 
+#[path = "common/firm.rs"]
+mod firm;
+
+use firm::firm;
 use incise_mesh::{Surface, VertexId, cube_sphere};
-use incise_pbd_gpu::{Density, Material, SolverParams, Stiffness, Struts, Volume};
+use incise_pbd_gpu::SolverParams;
 use incise_scene::{BodyId, ContactParams, Scene, SceneParams, SleepParams};
 
-/// A body that keeps its shape.
-fn firm() -> Material {
-    Material {
-        density: Density::Area(1.0),
-        stretch: Stiffness::Compliance(0.0),
-        bending: None,
-        volume: Some(Volume::default()),
-        struts: Some(Struts {
-            density: 1.0,
-            stiffness: Stiffness::Compliance(1e-6),
-        }),
-        // Its sides would swing like drums.
-        damping: 1.0,
-        friction: 0.5,
-    }
-}
+/// Of bodies whose sides would swing like drums.
+const DAMPING: f32 = 1.0;
 
 fn scene(gravity: [f32; 3]) -> Scene {
     Scene::new(SceneParams {
@@ -76,7 +66,7 @@ fn block_over_a_flat(back: Option<[f32; 3]>) -> (Scene, BodyId) {
         rest[1] += 1.2;
         p[..3].copy_from_slice(rest);
     }
-    let id = scene.add_body(block, &firm()).unwrap();
+    let id = scene.add_body(block, &firm(0.5, DAMPING)).unwrap();
     let blade = scene.add_blade([[-3.0, 0.0, -3.0], [-3.0, 0.0, 3.0]]);
     scene.set_blade_back(blade, back);
     (scene, id)
@@ -170,7 +160,9 @@ fn a_thick_flat_between_lips_throws_nobody() {
             thickness: edges,
             ..ContactParams::default()
         });
-        let id = scene.add_body(cube_sphere(6, 1.0), &firm()).unwrap();
+        let id = scene
+            .add_body(cube_sphere(6, 1.0), &firm(0.5, DAMPING))
+            .unwrap();
         let blade = scene.add_blade([[-2.0, y, -2.0], [-2.0, y, 2.0]]);
         scene.set_blade_back(blade, Some([-6.0, 0.0, 0.0]));
         scene.step().unwrap();
@@ -196,7 +188,9 @@ fn a_thick_flat_between_lips_throws_nobody() {
 #[test]
 fn lips_of_a_cut_lie_on_both_sides_of_the_blade() {
     let mut scene = scene([0.0; 3]);
-    let id = scene.add_body(cube_sphere(8, 1.0), &firm()).unwrap();
+    let id = scene
+        .add_body(cube_sphere(8, 1.0), &firm(0.5, DAMPING))
+        .unwrap();
     let blade = scene.add_blade([[-2.0, 0.1, -2.0], [-2.0, 0.1, 2.0]]);
     scene.set_blade_back(blade, Some([-6.0, 0.0, 0.0]));
     scene.step().unwrap();
@@ -226,7 +220,9 @@ fn lips_of_a_cut_lie_on_both_sides_of_the_blade() {
 fn nothing_gets_through_a_flat_at_ten_diagonals_a_second() {
     for back in [[6.0_f32, 0.0, 0.0], [-6.0, 0.0, 0.0]] {
         let mut scene = scene([0.0; 3]);
-        let id = scene.add_body(cube_sphere(5, 1.0), &firm()).unwrap();
+        let id = scene
+            .add_body(cube_sphere(5, 1.0), &firm(0.5, DAMPING))
+            .unwrap();
         let (solver, surface) = scene.edit(id).unwrap().solver_mut();
         for v in surface.topology().vertices().collect::<Vec<_>>() {
             let down = [0.0, -20.0 * 3.0_f32.sqrt(), 0.0];

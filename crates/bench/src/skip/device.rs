@@ -28,7 +28,7 @@ impl Device {
     /// Why there is none.
     pub(super) fn open(adapter: Option<&str>) -> Result<Self, Box<dyn Error>> {
         let name = adapter.map(str::to_owned);
-        let gpu = GpuBackend::new(&request(name.clone()))?;
+        let gpu = GpuBackend::new(&AdapterRequest::any(name.clone()))?;
         let adapter = gpu.adapter();
         let described = format!("{} ({})", adapter.name, adapter.driver);
         Ok(Self { name, described })
@@ -65,7 +65,7 @@ impl Device {
     }
 
     fn kernels(&self) -> Result<Finding, Box<dyn Error>> {
-        let mut gpu = GpuBackend::new(&request(self.name.clone()))?;
+        let mut gpu = GpuBackend::new(&AdapterRequest::any(self.name.clone()))?;
         gpu.force_schedule(Some(Schedule::Colors));
         let mut surface = build_model(Model::Bunny);
         let material = Material {
@@ -182,13 +182,5 @@ impl Device {
             bound: 2.0,
             measured: found.ratio,
         })
-    }
-}
-
-fn request(name: Option<String>) -> AdapterRequest {
-    AdapterRequest {
-        name,
-        allow_software: true,
-        ..AdapterRequest::default()
     }
 }

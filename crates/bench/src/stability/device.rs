@@ -23,11 +23,7 @@ impl Device {
     /// # Errors
     /// Why there is none.
     pub(super) fn open(adapter: Option<&str>) -> Result<Self, Failure> {
-        let request = AdapterRequest {
-            name: adapter.map(str::to_owned),
-            allow_software: true,
-            ..AdapterRequest::default()
-        };
+        let request = AdapterRequest::any(adapter.map(str::to_owned));
         Self::of(request)
     }
 

@@ -50,11 +50,7 @@ impl Device {
     /// # Errors
     /// Why there is none.
     pub(super) fn open(adapter: Option<&str>) -> Result<Self, String> {
-        let request = AdapterRequest {
-            name: adapter.map(str::to_owned),
-            allow_software: true,
-            ..AdapterRequest::default()
-        };
+        let request = AdapterRequest::any(adapter.map(str::to_owned));
         let gpu = GpuBackend::new(&request).map_err(|error| error.to_string())?;
         let adapter = gpu.adapter().clone();
         let is_software = adapter.kind == AdapterKind::Software;

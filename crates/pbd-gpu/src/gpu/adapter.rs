@@ -18,6 +18,18 @@ pub struct AdapterRequest {
     pub portable_limits: bool,
 }
 
+impl AdapterRequest {
+    /// The adapter of this name, else the best there is, one that computes on the CPU if there is no other.
+    #[must_use]
+    pub fn any(name: Option<String>) -> Self {
+        Self {
+            name,
+            allow_software: true,
+            ..Self::default()
+        }
+    }
+}
+
 /// What an adapter is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]

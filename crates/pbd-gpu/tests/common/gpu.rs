@@ -21,11 +21,7 @@ pub enum Needs {
 impl Needs {
     /// The request for such a device.
     pub fn request(self) -> AdapterRequest {
-        AdapterRequest {
-            name: (self == Self::Strict).then(|| STRICT.to_owned()),
-            allow_software: true,
-            ..AdapterRequest::default()
-        }
+        AdapterRequest::any((self == Self::Strict).then(|| STRICT.to_owned()))
     }
 
     fn is_met(self) -> bool {
