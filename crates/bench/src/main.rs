@@ -396,6 +396,40 @@ mod tests {
     }
 
     #[test]
+    fn every_bench_can_be_quiet() {
+        let benches = [
+            "",
+            "table",
+            "solver",
+            "step",
+            "cut",
+            "refine",
+            "stability",
+            "skip",
+            "report -o x",
+        ];
+        let reference = cfg!(feature = "reference").then_some("accuracy");
+        for bench in benches.into_iter().chain(reference) {
+            for (more, expected) in [("", false), ("-q", true), ("--quiet", true)] {
+                let line = format!("b {bench} {more}");
+                let parsed = Arguments::try_parse_from(line.split_whitespace());
+                assert_eq!(parsed.unwrap().is_quiet(), expected, "{line}");
+            }
+        }
+    }
+
+    #[test]
+    fn shells_complete_every_bench() {
+        let mut out = Vec::new();
+        let line = Arguments::try_parse_from(["b", "completions", "bash"]).unwrap();
+        run(line, &mut out).unwrap();
+        let script = String::from_utf8(out).unwrap();
+        for word in ["incise-bench", "stability", "max-triangles"] {
+            assert!(script.contains(word), "{word}");
+        }
+    }
+
+    #[test]
     fn a_report_knows_its_benches() {
         let parse = |line: &str| Arguments::try_parse_from(line.split_whitespace());
         assert!(parse("b report -o x --take a.json b.json --gallery g").is_ok());

@@ -14,7 +14,7 @@ pub enum Shown {
     Never,
     /// On terminals only: what takes seconds at most, and would only fill a log.
     OnTerminals,
-    /// On terminals as a bar, elsewhere as lines.
+    /// On terminals as a bar, elsewhere as lines, one for each of several parts.
     Everywhere,
 }
 
@@ -52,7 +52,9 @@ impl Progress {
         self.begun.set(self.begun.get() + 1);
         self.bar.set_message(part.to_owned());
         self.bar.tick();
-        if self.bar.is_hidden() && self.shown == Shown::Everywhere {
+        // A part that is all there is has a beginning that everybody knows.
+        let is_told = self.shown == Shown::Everywhere && self.parts > 1;
+        if is_told && self.bar.is_hidden() {
             // Without an error output nobody waits for it.
             let _ = writeln!(io::stderr(), "{}/{} {part}", self.begun.get(), self.parts);
         }
