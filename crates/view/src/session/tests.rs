@@ -169,10 +169,21 @@ fn settings_hold_from_the_next_frame_on_and_for_the_next_cut() {
     assert_eq!(s.scene().params.solver.substeps, 4);
     let v = VertexId(0);
     s.apply(Command::Pin { vertex: v.0 });
-    // Other bending makes the body anew: pins and the way back stay.
-    settings.bending = None;
+    // Other bending and other struts make the body anew: pins and the way back stay.
+    let struts = |s: &Session| {
+        s.scene()
+            .body(s.body())
+            .solver()
+            .struts()
+            .map(|set| set.len())
+    };
+    assert!(struts(&s).is_some_and(|count| count > 0));
+    settings.struts = None;
     s.apply(Command::Set(settings));
     assert!(s.notice().is_some_and(|n| n.text.contains("anew")));
+    assert_eq!(struts(&s), None);
+    settings.bending = None;
+    s.apply(Command::Set(settings));
     let body = s.scene().body(s.body());
     assert!(body.solver().bending().is_none());
     assert!(body.solver().volumes().pieces().is_empty());
@@ -286,4 +297,60 @@ fn a_recording_is_of_one_body_and_in_order() {
         let error = read(&bad.join("\n")).unwrap_err().to_string();
         assert!(error.contains("line"), "{error}");
     }
+}
+
+/// How much of its height a body of many vertices has left after 2 s, and of its volume.
+fn left(model: Model, struts: Option<f32>) -> [f64; 2] {
+    let surface = build_model(model);
+    let measure = |surface: &Surface| {
+        let bounds = surface.bounds();
+        let volume = surface.piece_volumes().iter().sum::<f64>();
+        [f64::from(bounds.max[1] - bounds.min[1]), volume]
+    };
+    let whole = measure(&surface);
+    let settings = Settings {
+        struts,
+        ..Settings::default()
+    };
+    let scene = Scene::new(SceneParams::default());
+    let mut s = Session::with_settings(surface, scene, settings).unwrap();
+    for _ in 0..120 {
+        s.frame();
+    }
+    let now = measure(s.surface());
+    [0, 1].map(|k| now[k] / whole[k])
+}
+
+#[test]
+fn a_large_body_does_not_sink_in_on_the_ground() {
+    let model = Model::Banana;
+    let [height, volume] = left(model, Settings::default().struts);
+    assert!(height > 0.8, "{height} of its height is left");
+    assert!(
+        (volume - 1.0).abs() < 0.01,
+        "{volume} of its volume is left"
+    );
+    let [height, _] = left(model, None);
+    assert!(height < 0.6, "or nothing would: {height}");
+}
+
+#[test]
+fn recordings_from_before_there_were_struts_have_none() {
+    let mut s = session();
+    s.apply(Command::Set(Settings::default()));
+    let mut text = Vec::new();
+    s.recording().write(&mut text).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    assert_eq!(text.matches(",\"struts\":1.0").count(), 2, "{text}");
+    let old = text.replace(",\"struts\":1.0", "");
+    let old = Recording::read(old.as_bytes()).unwrap();
+    assert_eq!(old.settings().struts, None);
+    let Entry::Given { command, .. } = old.entries()[1] else {
+        panic!("{old:?}");
+    };
+    let without = Settings {
+        struts: None,
+        ..Settings::default()
+    };
+    assert_eq!(command, Command::Set(without));
 }

@@ -160,6 +160,9 @@ fn body(ui: &mut Ui, settings: &mut Settings) {
         .on_hover_text("a change makes the body anew where it is, at rest");
     optional(ui, "volume", &mut settings.volume, 1.0, 3.0)
         .on_hover_text("how many times its rest volume a piece strives for");
+    optional(ui, "struts", &mut settings.struts, 1.0, 1.0).on_hover_text(
+        "how many struts through the body a vertex has, so that it does not sink in; a change makes the body anew where it is, at rest",
+    );
     ui.horizontal(|ui| {
         ui.checkbox(&mut settings.gravity, "gravity");
         ui.checkbox(&mut settings.ground, "ground");
