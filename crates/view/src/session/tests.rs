@@ -1,7 +1,7 @@
 //! Sessions without a window.
 
 use super::*;
-use crate::recording::Progress;
+use crate::recording::{Entry, Progress};
 use incise_mesh::{Model, build_model, icosphere};
 use incise_refine::RefinementLevel;
 use incise_scene::SceneParams;
