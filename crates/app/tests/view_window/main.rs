@@ -16,7 +16,7 @@ use display::{Display, NO_XVFB, has_xvfb};
 use gpu::{Needs, trial};
 use libtest_mimic::{Completion, Failed, Trial};
 use pixels::{is_blue, is_red, is_yellow};
-use refusals::{without_display, without_driver};
+use refusals::{driver_without_windows, without_display, without_driver};
 use seat::Seat;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -49,13 +49,22 @@ fn main() -> ExitCode {
             without_display()
         }),
         on_display("without_a_driver_there_is_no_window", without_driver),
+        on_display_with(
+            "a_driver_that_crashes_at_windows_is_not_asked",
+            Needs::Strict,
+            driver_without_windows,
+        ),
     ];
     gpu::run(trials)
 }
 
 /// A test that needs a display, and a device that draws on it.
 fn on_display(name: &str, test: fn(&Display)) -> Trial {
-    let with_device = trial(name, Needs::AnyDevice, move |_| match Display::start() {
+    on_display_with(name, Needs::AnyDevice, test)
+}
+
+fn on_display_with(name: &str, needs: Needs, test: fn(&Display)) -> Trial {
+    let with_device = trial(name, needs, move |_| match Display::start() {
         Some(display) => test(&display),
         None => panic!("{NO_XVFB}"),
     });

@@ -35,3 +35,15 @@ pub(super) fn without_driver(display: &Display) {
     });
     assert!(said.contains("mesa-vulkan-drivers"), "{said}");
 }
+
+pub(super) fn driver_without_windows(display: &Display) {
+    let said = refusal(|command| {
+        command
+            .args(["--adapter", "SwiftShader"])
+            .env("DISPLAY", &display.name)
+    });
+    assert!(
+        said.contains("SwiftShader") && said.contains("incise devices"),
+        "{said}"
+    );
+}
