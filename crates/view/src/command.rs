@@ -26,8 +26,10 @@ pub enum Command {
         /// Where the edge is to be.
         edge: Edge,
     },
-    /// Puts the held blade away.
+    /// Puts the held blade away as if it had not moved since the last frame.
     LiftBlade,
+    /// Cuts along what the held blade has passed since the last frame, and puts it away.
+    FinishBlade,
     /// Takes hold of a vertex.
     Grab {
         /// Which.

@@ -8,6 +8,7 @@ mod state;
 
 use crate::command::{Command, Settings};
 use crate::recording::Recording;
+pub use blade::BladePlace;
 use blade::Stroke;
 use cuts::Cuts;
 use grip::Grip;
@@ -127,13 +128,13 @@ impl Session {
             Command::Slice { from, to } => self.slice(from, to),
             Command::Blade { edge } => {
                 self.cuts.forget_undone();
-                self.hold_blade(edge);
-                Ok(())
+                self.hold_blade(edge)
             }
             Command::LiftBlade => {
                 self.stroke = None;
                 Ok(())
             }
+            Command::FinishBlade => self.finish_blade(),
             Command::Grab { vertex } => self.grab(VertexId(vertex)),
             Command::Drag { to } => {
                 self.drag(to);
@@ -171,7 +172,7 @@ impl Session {
 
     fn try_frame(&mut self) -> Result<(), SceneError> {
         self.follow_grip()?;
-        self.aim_stroke();
+        self.aim_stroke()?;
         self.scene.cut()?;
         if let Some([from, to]) = self.end_stroke() {
             self.take_outcomes(from, to);

@@ -1,5 +1,7 @@
 //! Sessions without a window.
 
+mod blade;
+
 use super::*;
 use crate::recording::{Entry, Progress};
 use incise_mesh::{Model, build_model, icosphere};
@@ -90,31 +92,6 @@ fn what_cannot_be_cut_is_said_and_changes_nothing() {
     );
     assert_eq!(s.fingerprint().unwrap(), before);
     assert_eq!(s.undoable(), 0);
-}
-
-#[test]
-fn a_held_blade_cuts_in_the_frame_in_which_it_comes_out() {
-    let mut s = session();
-    s.apply(Command::Set(Settings {
-        gravity: false,
-        ..Settings::default()
-    }));
-    let edge = |x: f32| [[x, 0.02, -2.0], [x, 0.02, 2.0]];
-    let mut cuts = Vec::new();
-    for i in -5..=5_i16 {
-        s.apply(Command::Blade {
-            edge: edge(f32::from(i) * 0.15),
-        });
-        s.frame();
-        let (_, is_inside) = s.held_blade().unwrap();
-        assert_eq!(is_inside, (-3..=3).contains(&i), "at {i}");
-        cuts.push(s.last().stats.cuts);
-    }
-    assert_eq!(cuts.iter().sum::<u32>(), 1);
-    assert_eq!(cuts[9], 1, "{cuts:?}");
-    s.apply(Command::LiftBlade);
-    assert_eq!((pieces(&s), s.undoable()), (2, 1));
-    assert_eq!(s.held_blade(), None);
 }
 
 #[test]

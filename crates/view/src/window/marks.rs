@@ -2,6 +2,7 @@
 
 use super::Open;
 use super::panel::narrow;
+use crate::session::BladePlace;
 use egui::{Color32, Stroke, Ui};
 
 const LINE: Color32 = Color32::from_rgb(200, 48, 40);
@@ -29,10 +30,13 @@ pub(super) fn show(ui: &Ui, open: &Open) {
         painter.line_segment(ends, Stroke::new(4.0, Color32::WHITE.gamma_multiply(0.6)));
         painter.line_segment(ends, Stroke::new(2.0, LINE));
     }
-    if let Some(([[_, from], [_, to]], is_inside)) = open.session.held_blade()
+    if let Some(([[_, from], [_, to]], place)) = open.session.held_blade()
         && let (Some(from), Some(to)) = (project(from), project(to))
     {
-        let color = if is_inside { LINE } else { PIN };
+        let color = match place {
+            BladePlace::Outside => PIN,
+            BladePlace::Inside | BladePlace::Begun => LINE,
+        };
         painter.line_segment([from, to], Stroke::new(2.0, color));
         painter.circle(to, 5.0, color, Stroke::new(1.5, Color32::WHITE));
     }

@@ -6,7 +6,7 @@ use super::{Look, Open, marks, picture};
 use crate::command::{Method, Settings};
 use crate::keys::{Action, KEYS, MOUSE};
 use crate::pointer::Tool;
-use crate::session::Session;
+use crate::session::{BladePlace, Session};
 use egui::{Align2, Button, Color32, Grid, RichText, ScrollArea, Slider, Ui};
 use incise_refine::RefinementLevel;
 use winit::window::Window;
@@ -52,6 +52,9 @@ pub(super) fn show(ui: &mut Ui, open: &Open, asked: &mut Asked) {
             .show(ui, |ui| {
                 ScrollArea::vertical().show(ui, |ui| contents(ui, open, asked));
             });
+    }
+    if !open.look.panel {
+        status(ui, open);
     }
     marks::show(ui, open);
     if open.look.help {
@@ -100,6 +103,14 @@ fn section(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
         .show_unindented(ui, contents);
 }
 
+/// The same in a corner of the picture, where there is no panel.
+fn status(ui: &Ui, open: &Open) {
+    egui::Area::new(egui::Id::unique("status"))
+        .anchor(Align2::LEFT_BOTTOM, [8.0, -8.0])
+        .interactable(false)
+        .show(ui.ctx(), |ui| tell(ui, open));
+}
+
 /// What there is to tell.
 fn tell(ui: &mut Ui, open: &Open) {
     let mut line = |text: &str, is_refusal: bool| {
@@ -116,8 +127,16 @@ fn tell(ui: &mut Ui, open: &Open) {
     if let Some((text, is_refusal)) = &open.told {
         line(text, *is_refusal);
     }
-    if let Some((_, true)) = open.session.held_blade() {
-        line("the blade is inside; it cuts when it comes out", false);
+    if let Some((_, place)) = open.session.held_blade() {
+        match place {
+            BladePlace::Begun => line(
+                "the blade was put into the body: take it out, then move it right through",
+                false,
+            ),
+            _ if open.paused => line("paused: the blade cuts when it is let go", false),
+            BladePlace::Outside => {}
+            BladePlace::Inside => line("the blade is inside: it cuts when it comes out", false),
+        }
     }
     if open.replay.is_some() {
         line("replaying", false);
