@@ -40,6 +40,7 @@ mod error;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod inherit;
+mod keepsake;
 mod kernels;
 mod mass;
 mod material;

@@ -3,6 +3,7 @@
 mod blade;
 
 use super::*;
+use crate::command::Method;
 use crate::recording::{Entry, Progress};
 use incise_mesh::{Model, build_model, icosphere};
 use incise_refine::RefinementLevel;
@@ -56,6 +57,46 @@ fn a_slice_is_done_at_once_undone_and_done_again() {
     assert!(!s.notice().unwrap().is_refusal, "there is nothing to undo");
     s.apply(across(0.0));
     assert_eq!(s.redoable(), 0, "another cut was made");
+}
+
+/// Where everything is, how fast, and what it weighs, to the bit.
+fn bits(session: &Session) -> Vec<[u32; 8]> {
+    let solver = session.scene().body(session.body()).solver();
+    let moved = solver.masses().iter().zip(solver.velocities());
+    let all = session.surface().positions.iter().zip(moved);
+    all.map(|(&[x, y, z, w], (&mass, &[u, v, n, _]))| [x, y, z, w, mass, u, v, n].map(f32::to_bits))
+        .collect()
+}
+
+#[test]
+fn what_is_done_again_while_time_stands_still_is_the_same_to_the_bit() {
+    for method in [Method::Exact, Method::Rebuild] {
+        let mut s = session();
+        s.apply(Command::Set(Settings {
+            method,
+            ..Settings::default()
+        }));
+        s.apply(Command::Pin { vertex: 5 });
+        for _ in 0..30 {
+            s.frame();
+        }
+        let whole = bits(&s);
+        s.apply(across(0.05));
+        let once = bits(&s);
+        s.apply(across(-0.2));
+        assert_eq!(pieces(&s), 3, "{method:?}");
+        let twice = bits(&s);
+        for _ in 0..2 {
+            s.apply(Command::Undo);
+            assert!(bits(&s) == once, "{method:?}: one cut taken back");
+            s.apply(Command::Undo);
+            assert!(bits(&s) == whole, "{method:?}: both cuts taken back");
+            s.apply(Command::Redo);
+            assert!(bits(&s) == once, "{method:?}: one cut done again");
+            s.apply(Command::Redo);
+            assert!(bits(&s) == twice, "{method:?}: both cuts done again");
+        }
+    }
 }
 
 #[test]
