@@ -11,6 +11,7 @@ mod gpu;
 mod pixels;
 mod refusals;
 mod seat;
+mod sized;
 
 use display::{Display, NO_XVFB, has_xvfb};
 use gpu::{Needs, trial};
@@ -44,6 +45,16 @@ fn main() -> ExitCode {
         on_display(
             "pieces_and_recordings_are_saved_and_replayed",
             a_replay_is_the_same,
+        ),
+        on_display("a_pinned_body_hangs", a_pin),
+        on_display("the_paper_s_method_cuts_too", the_other_method),
+        on_display(
+            "a_resized_window_is_filled_and_cut_where_the_pointer_is",
+            sized::a_resized_window,
+        ),
+        on_display(
+            "all_of_the_panel_can_be_reached",
+            sized::a_panel_that_is_too_high,
         ),
         trial("without_a_display_there_is_no_window", any, |_| {
             without_display()
@@ -186,5 +197,58 @@ fn a_replay_is_the_same(display: &Display) {
         std::thread::sleep(Duration::from_millis(500));
         (std::fs::read_to_string(&again).ok()? == first).then_some(())
     });
+    seat.quit();
+}
+
+fn a_pin(display: &Display) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut seat = Seat::start(display, folder.path(), &[]);
+    // At its first place, above the ground.
+    seat.key(' ');
+    seat.key('r');
+    let mut last = 0;
+    let first = seat.wait(|seat| {
+        let now = seat.look().height(is_blue);
+        (std::mem::replace(&mut last, now) == now).then_some(now)
+    });
+    let [top, _] = seat.look().rows(is_blue).expect("the ball is seen");
+    let [x, _] = seat.look().center(is_blue);
+    let at = [x, top + 6].map(|c| u16::try_from(c).expect("on the screen"));
+    seat.key('4');
+    seat.input(MOTION_NOTIFY_EVENT, 0, at);
+    seat.input(BUTTON_PRESS_EVENT, 1, [0, 0]);
+    seat.input(BUTTON_RELEASE_EVENT, 1, [0, 0]);
+    seat.key(' ');
+    for _ in 0..60 {
+        let now = seat.look().height(is_blue);
+        assert!(now.abs_diff(first) < 30, "from {first} to {now}");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    seat.key('u');
+    seat.wait(|seat| (seat.look().height(is_blue) > first + 40).then_some(()));
+    seat.quit();
+}
+
+fn the_other_method(display: &Display) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut seat = Seat::start(display, folder.path(), &[]);
+    seat.key('m');
+    seat.drag(1, [20, 230], [490, 330]);
+    seat.wait(|seat| {
+        let cut = seat.look();
+        (cut.count(is_yellow) > 1500 && cut.count(is_blue) > 1500).then_some(())
+    });
+    seat.wait(|seat| (seat.look().count(is_red) > 60).then_some(()));
+    seat.key('o');
+    let recording = folder.path().join("recording.jsonl");
+    let said = seat.wait(|_| {
+        let text = std::fs::read_to_string(&recording).ok()?;
+        text.lines().last()?.contains("state").then_some(text)
+    });
+    let at = |text: &str| {
+        said.find(text)
+            .unwrap_or_else(|| panic!("no {text} in {said}"))
+    };
+    assert!(at("\"rebuild\"") < at("\"slice\""), "{said}");
     seat.quit();
 }

@@ -11,6 +11,16 @@ impl Pixels {
         self.colors.iter().filter(|&&c| is_counted(c)).count()
     }
 
+    /// How many of the four corners count.
+    pub(super) fn corners(&self, is_counted: fn([u8; 3]) -> bool) -> usize {
+        let (all, width) = (self.colors.len(), self.width);
+        let corners = [0, width - 1, all - width, all - 1];
+        corners
+            .into_iter()
+            .filter(|&i| is_counted(self.colors[i]))
+            .count()
+    }
+
     /// How many pixels differ from those of another picture.
     pub(super) fn differ(&self, other: &Self) -> usize {
         let pairs = self.colors.iter().zip(&other.colors);
@@ -21,13 +31,28 @@ impl Pixels {
 
     /// The mean row of pixels that count.
     pub(super) fn height(&self, is_counted: fn([u8; 3]) -> bool) -> usize {
-        let rows = self.colors.chunks(self.width).enumerate();
-        let of_row = |row: &[[u8; 3]]| row.iter().filter(|&&c| is_counted(c)).count();
-        let (sum, count) = rows.fold((0, 0), |(sum, count), (y, row)| {
-            let n = of_row(row);
-            (sum + y * n, count + n)
-        });
-        sum / count.max(1)
+        self.center(is_counted)[1]
+    }
+
+    /// The mean column and row of pixels that count.
+    pub(super) fn center(&self, is_counted: fn([u8; 3]) -> bool) -> [usize; 2] {
+        let places = self.places(is_counted);
+        let (sum, count) = places.fold(([0, 0], 0), |([a, b], n), [x, y]| ([a + x, b + y], n + 1));
+        sum.map(|sum| sum / count.max(1))
+    }
+
+    /// The first and the last row with pixels that count.
+    pub(super) fn rows(&self, is_counted: fn([u8; 3]) -> bool) -> Option<[usize; 2]> {
+        let mut rows = self.places(is_counted).map(|[_, y]| y);
+        let first = rows.next()?;
+        Some([first, rows.last().unwrap_or(first)])
+    }
+
+    /// Columns and rows of pixels that count, row by row.
+    fn places(&self, is_counted: fn([u8; 3]) -> bool) -> impl Iterator<Item = [usize; 2]> + '_ {
+        let all = self.colors.iter().enumerate();
+        let counted = all.filter(move |&(_, &color)| is_counted(color));
+        counted.map(|(i, _)| [i % self.width, i / self.width])
     }
 }
 

@@ -7,8 +7,8 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{
-    BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, ConnectionExt, ImageFormat, InputFocus,
-    KEY_PRESS_EVENT, KEY_RELEASE_EVENT, MOTION_NOTIFY_EVENT, Window,
+    BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, ConfigureWindowAux, ConnectionExt, ImageFormat,
+    InputFocus, KEY_PRESS_EVENT, KEY_RELEASE_EVENT, MOTION_NOTIFY_EVENT, Window,
 };
 use x11rb::protocol::xtest::ConnectionExt as XTest;
 use x11rb::rust_connection::RustConnection;
@@ -26,7 +26,9 @@ pub(super) struct Seat {
     x: RustConnection,
     root: Window,
     window: Window,
+    size: [u16; 2],
 }
+
 impl Seat {
     pub(super) fn start(display: &Display, folder: &Path, more: &[&str]) -> Self {
         let size = format!("{}x{}", SIZE[0], SIZE[1]);
@@ -47,6 +49,7 @@ impl Seat {
             x,
             root,
             window: root,
+            size: SIZE,
         };
         seat.window = seat.wait(|seat| {
             let children = seat.x.query_tree(seat.root).ok()?.reply().ok()?.children;
@@ -59,13 +62,7 @@ impl Seat {
                 shape.is_some_and(|shape| [shape.width, shape.height] == SIZE)
             })
         });
-        // There is no window manager to give it the keyboard, and no key before it is mapped.
-        seat.wait(|seat| {
-            let focus = seat
-                .x
-                .set_input_focus(InputFocus::PARENT, seat.window, 0_u32);
-            focus.ok()?.check().ok()
-        });
+        seat.focus();
         seat.wait(|seat| (seat.look().count(is_blue) > 8000).then_some(()));
         seat
     }
@@ -122,18 +119,60 @@ impl Seat {
         self.input(KEY_RELEASE_EVENT, code, [0, 0]);
     }
 
+    /// Gives the window another size, as somebody who pulls at its corner does.
+    pub(super) fn resize(&mut self, size: [u16; 2]) {
+        let [width, height] = size.map(u32::from);
+        let shape = ConfigureWindowAux::new().width(width).height(height);
+        let asked = self.x.configure_window(self.window, &shape);
+        asked.expect("a display").check().expect("a window");
+        self.size = size;
+    }
+
+    /// Takes the window out of sight.
+    pub(super) fn hide(&self) {
+        let asked = self.x.unmap_window(self.window);
+        asked.expect("a display").check().expect("a window");
+    }
+
+    /// Brings it back.
+    pub(super) fn show(&mut self) {
+        let asked = self.x.map_window(self.window);
+        asked.expect("a display").check().expect("a window");
+        self.focus();
+    }
+
+    /// Gives it the keyboard: there is no window manager to do so. It takes no key before it is mapped.
+    fn focus(&mut self) {
+        self.wait(|seat| {
+            let focus = seat
+                .x
+                .set_input_focus(InputFocus::PARENT, seat.window, 0_u32);
+            focus.ok()?.check().ok()
+        });
+    }
+
+    /// How wide the picture beside the panel is.
+    pub(super) fn width(&self) -> u16 {
+        self.size[0] - PANEL
+    }
+
+    /// The picture beside the panel.
     pub(super) fn look(&self) -> Pixels {
-        let width = SIZE[0] - PANEL - 4;
-        let image = self
-            .x
-            .get_image(ImageFormat::Z_PIXMAP, self.root, 0, 0, width, SIZE[1], !0);
+        self.look_at(0, self.width() - 4)
+    }
+
+    /// All rows of the window from a column on.
+    pub(super) fn look_at(&self, from: u16, width: u16) -> Pixels {
+        let (height, from) = (self.size[1], i16::try_from(from).expect("on the screen"));
+        let (x, format) = (&self.x, ImageFormat::Z_PIXMAP);
+        let image = x.get_image(format, self.root, from, 0, width, height, !0);
         let image = image.expect("a display").reply().expect("a picture");
         let pixels = image.data.as_chunks::<4>().0.iter();
         let picture = Pixels {
             width: usize::from(width),
             colors: pixels.map(|&[b, g, r, _]| [r, g, b]).collect(),
         };
-        assert_eq!(picture.colors.len(), picture.width * usize::from(SIZE[1]));
+        assert_eq!(picture.colors.len(), picture.width * usize::from(height));
         picture
     }
 

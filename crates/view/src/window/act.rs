@@ -1,7 +1,7 @@
 //! What is done at the press of a key or of a button in the panel.
 
 use super::{Open, panel};
-use crate::command::Command;
+use crate::command::{Command, Method};
 use crate::error::ViewError;
 use crate::keys::Action;
 use incise_refine::RefinementLevel;
@@ -39,6 +39,12 @@ impl Open {
             Action::PieceColors => self.look.pieces ^= true,
             Action::CapColors => self.look.caps ^= true,
             Action::Batches => self.look.batches ^= true,
+            Action::Method => {
+                settings.method = match settings.method {
+                    Method::Exact => Method::Rebuild,
+                    Method::Rebuild => Method::Exact,
+                }
+            }
             Action::Coarser => settings.level = next_level(settings.level, false),
             Action::Finer => settings.level = next_level(settings.level, true),
             Action::FewerSubsteps => settings.substeps = (settings.substeps - 1).max(1),
