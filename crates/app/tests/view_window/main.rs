@@ -46,6 +46,10 @@ fn main() -> ExitCode {
             "pieces_and_recordings_are_saved_and_replayed",
             a_replay_is_the_same,
         ),
+        on_display(
+            "without_the_panel_a_refusal_stands_in_the_corner",
+            a_refusal,
+        ),
         on_display("a_pinned_body_hangs", a_pin),
         on_display("the_paper_s_method_cuts_too", the_other_method),
         on_display(
@@ -197,6 +201,23 @@ fn a_replay_is_the_same(display: &Display) {
         std::thread::sleep(Duration::from_millis(500));
         (std::fs::read_to_string(&again).ok()? == first).then_some(())
     });
+    seat.quit();
+}
+
+fn a_refusal(display: &Display) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut seat = Seat::start(display, folder.path(), &[]);
+    seat.key('h');
+    // From beside the ball into it. What says so is red, as the line is while it is drawn, and as a cap would be.
+    seat.drag(1, [20, 250], [400, 300]);
+    let height = usize::from(seat::SIZE[1]);
+    let seen = seat.wait(|seat| {
+        let seen = seat.look();
+        let [first, _] = seen.rows(is_red)?;
+        (first + 80 > height && seen.count(is_red) > 100).then_some(seen)
+    });
+    // Letters have a few pixels of any warm color, a piece has thousands.
+    assert!(seen.count(is_yellow) < 200, "nothing is cut");
     seat.quit();
 }
 

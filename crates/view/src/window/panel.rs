@@ -108,7 +108,11 @@ fn status(ui: &Ui, open: &Open) {
     egui::Area::new(egui::Id::unique("status"))
         .anchor(Align2::LEFT_BOTTOM, [8.0, -8.0])
         .interactable(false)
-        .show(ui.ctx(), |ui| tell(ui, open));
+        .show(ui.ctx(), |ui| {
+            // Else it stays as narrow as it was with nothing to tell.
+            ui.set_min_width(WIDTH);
+            tell(ui, open);
+        });
 }
 
 /// What there is to tell.
