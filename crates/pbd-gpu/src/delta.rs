@@ -46,7 +46,8 @@ impl Solver {
     /// is moved along, or about any axis, by more than four times the highest speed that there was, so
     /// kinetic energy stays bounded: no speed is more than twelve times that one.
     ///
-    /// The delta of an undo is followed like any other: restored vertices get their velocity from those
+    /// The delta of an undo is followed like any other, but that of an edit that made vertices gives, before anything
+    /// has moved, masses and velocities back to the bit, as the undo does with the surface. Else restored vertices get their velocity from those
     /// that moved in their place, and slots that the surface no longer has are given up. Pins that went
     /// with their vertices come back with them, to hold them where they did. They are kept for that as long as the
     /// solver is; those of vertices that an edit had made are not, since nothing brings these back.

@@ -55,11 +55,17 @@ pub(crate) fn settle(
     numbers.resize(solver.mass.len(), crate::concerned::NONE);
     concerned.find(solver, surface, delta, &mut numbers);
     solver.numbers = numbers;
-    for sharing in [Sharing::Piece, Sharing::Family, Sharing::All] {
-        shares.divide(concerned, delta, sharing);
-        if sharing == Sharing::All || shares.masses.iter().all(|&mass| mass > 0.0) {
-            shares.hand_over(concerned, solver, surface);
-            break;
+    let is_undo = !delta.removed_from.is_empty();
+    if !is_undo {
+        solver.keep(surface, delta, concerned);
+    }
+    if !(is_undo && solver.give_back(surface, delta, concerned)) {
+        for sharing in [Sharing::Piece, Sharing::Family, Sharing::All] {
+            shares.divide(concerned, delta, sharing);
+            if sharing == Sharing::All || shares.masses.iter().all(|&mass| mass > 0.0) {
+                shares.hand_over(concerned, solver, surface);
+                break;
+            }
         }
     }
     for v in &concerned.vertices[concerned.stay..] {
@@ -69,6 +75,9 @@ pub(crate) fn settle(
         if let Some(position) = surface.positions.get_mut(v.index()) {
             position[3] = 0.0;
         }
+    }
+    if !is_undo {
+        solver.keep_after(surface, delta, concerned);
     }
 }
 

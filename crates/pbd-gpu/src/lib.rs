@@ -42,6 +42,7 @@ mod error;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod inherit;
+mod keepsake;
 mod kernels;
 mod mass;
 mod material;

@@ -10,6 +10,7 @@ use crate::contacts::ContactSet;
 use crate::delta::{DroppedPin, Following};
 use crate::edges::{EdgeTable, Lists, Sets};
 use crate::error::{ConstraintError, StepError};
+use crate::keepsake::Keepsake;
 use crate::kernels::integrate::{are_finite, first_non_finite};
 use crate::mass::masses;
 use crate::material::{Material, Stiffness, Volume};
@@ -42,6 +43,8 @@ pub struct Solver {
     pub(crate) pins: Vec<Pin>,
     /// Pins that went with their vertices, the newest last.
     pub(crate) dropped_pins: Vec<DroppedPin>,
+    /// What the last edits shared out, the newest last, as long as nothing moves.
+    pub(crate) keepsakes: Vec<Keepsake>,
     pub(crate) tethers: Tethers,
     pub(crate) plan: StepPlan,
     pub(crate) changes: VertexLogs,
@@ -140,6 +143,7 @@ impl Solver {
             patches,
             pins: Vec::new(),
             dropped_pins: Vec::new(),
+            keepsakes: Vec::new(),
             tethers: Tethers::default(),
             plan: StepPlan::default(),
             changes: VertexLogs::default(),
@@ -362,6 +366,7 @@ impl Solver {
             + self.contacts.capacity()
             + self.pins.capacity()
             + self.dropped_pins.capacity()
+            + self.keepsakes.iter().map(Keepsake::capacity).sum::<usize>()
             + self.plan.capacity()
             + self.tethers.capacity()
             + self.history.capacity()

@@ -114,6 +114,53 @@ proptest! {
     }
 }
 
+/// Everything that a vertex slot has, to the bit.
+fn bits(surface: &Surface, solver: &Solver) -> Vec<[u32; 9]> {
+    let slots = (surface.positions.iter()).zip(solver.masses().iter().zip(solver.velocities()));
+    slots
+        .map(|(&[x, y, z, w], (&mass, &[u, v, n, o]))| {
+            [x, y, z, w, mass, u, v, n, o].map(f32::to_bits)
+        })
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+
+    #[test]
+    fn what_has_not_moved_gets_back_what_it_had_and_the_same_edit_again_is_the_same(
+        edits in prop::collection::vec((1_u8..3, any::<u16>(), 0.1_f32..0.9), 1..8),
+        patched: bool,
+    ) {
+        let mut surface = sphere(2, [0.0, 2.0, 0.0]);
+        let mut solver = solver(&mut surface, Density::Area(2.0), patched);
+        spin(&surface, &mut solver);
+        let params = SolverParams::paper();
+        solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+        solver.pin(&mut surface, VertexId(7)).unwrap();
+        let mut states = vec![bits(&surface, &solver)];
+        for turn in 0..2 {
+            let mut undos: Vec<Undo> = Vec::new();
+            for (i, &(kind, at, t)) in edits.iter().enumerate() {
+                let (remove, addition) = replacement(&surface, kind, at, t).unwrap();
+                let (delta, undo) = replace_for_now(&mut surface, &remove, &addition);
+                solver.apply_delta(&mut surface, &delta).unwrap();
+                undos.push(undo);
+                if turn == 0 {
+                    states.push(bits(&surface, &solver));
+                }
+                prop_assert!(bits(&surface, &solver) == states[i + 1], "edit {}", i);
+            }
+            while let Some(undo) = undos.pop() {
+                let back = undo.revert(&mut surface).unwrap();
+                solver.apply_delta(&mut surface, &back).unwrap();
+                solver.validate(&surface).unwrap();
+                prop_assert!(bits(&surface, &solver) == states[undos.len()], "undo {}", undos.len());
+            }
+        }
+    }
+}
+
 /// Takes a vertex away and puts another in its place, or none.
 fn without(surface: &mut Surface, v: VertexId, new: bool) -> (TopologyDelta, Undo) {
     let plan = if new {

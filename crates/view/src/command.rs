@@ -1,7 +1,7 @@
 //! What can be done to a session, as data.
 
 use incise_cut::{CutMethod, CutParams, Sweep};
-use incise_pbd_gpu::{Material, SolverParams, Stiffness, Volume};
+use incise_pbd_gpu::{Material, SolverParams, Stiffness, Struts, Volume};
 use incise_refine::RefinementLevel;
 use incise_scene::{ContactParams, SceneParams};
 use serde::{Deserialize, Serialize};
@@ -26,8 +26,10 @@ pub enum Command {
         /// Where the edge is to be.
         edge: Edge,
     },
-    /// Puts the held blade away.
+    /// Puts the held blade away as if it had not moved since the last frame.
     LiftBlade,
+    /// Cuts along what the held blade has passed since the last frame, and puts it away.
+    FinishBlade,
     /// Takes hold of a vertex.
     Grab {
         /// Which.
@@ -86,6 +88,9 @@ pub struct Settings {
     pub bending: Option<f32>,
     /// How many times its rest volume a piece strives for; none without volume.
     pub volume: Option<f32>,
+    /// How many struts through the body a vertex has, 0 to 1; none without struts, as in recordings from before there were any.
+    #[serde(default)]
+    pub struts: Option<f32>,
     /// Whether things fall.
     pub gravity: bool,
     /// Whether there is a ground.
@@ -95,7 +100,7 @@ pub struct Settings {
 }
 
 impl Default for Settings {
-    /// A ball that is firm and keeps its volume, on a ground.
+    /// A body that is firm and keeps its volume and its shape, on a ground.
     fn default() -> Self {
         Self {
             method: Method::Exact,
@@ -105,6 +110,7 @@ impl Default for Settings {
             stretch: 1.0,
             bending: Some(0.2),
             volume: Some(1.0),
+            struts: Some(1.0),
             gravity: true,
             ground: true,
             contacts: true,
@@ -119,6 +125,10 @@ impl Settings {
             stretch: Stiffness::Pbd(self.stretch),
             bending: self.bending.map(Stiffness::Pbd),
             volume: self.volume(),
+            struts: self.struts.map(|density| Struts {
+                density,
+                ..Struts::default()
+            }),
             ..Material::default()
         }
     }
@@ -132,7 +142,7 @@ impl Settings {
 
     /// Whether a body of `other` has to be made anew for these.
     pub(crate) fn needs_new_body(&self, other: &Self) -> bool {
-        self.bending != other.bending
+        self.bending != other.bending || self.struts != other.struts
     }
 
     /// How bodies are cut.

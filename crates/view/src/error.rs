@@ -31,6 +31,14 @@ pub enum ViewError {
         /// What the system said.
         message: String,
     },
+    /// The only device that was asked for, or that there is, may not even be asked whether it draws in a window.
+    #[error(
+        "{adapter} cannot draw in a window here; take another adapter, `incise devices` lists them, or leave the choice to the program"
+    )]
+    NotInWindows {
+        /// Its name.
+        adapter: String,
+    },
     /// There is no device, or it has failed.
     #[error(transparent)]
     Device(#[from] GpuError),

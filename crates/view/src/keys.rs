@@ -29,6 +29,8 @@ pub enum Action {
     CapColors,
     /// Edges in the colors of their batches.
     Batches,
+    /// How cuts open the mesh: exactly, or the paper's way.
+    Method,
     /// A level coarser.
     Coarser,
     /// A level finer.
@@ -69,7 +71,7 @@ const fn key(name: &'static str, action: Action, about: &'static str) -> Key {
 }
 
 /// All keys, in the order in which they are shown.
-pub const KEYS: [Key; 25] = [
+pub const KEYS: [Key; 26] = [
     key(
         "1",
         Action::Take(Tool::Slice),
@@ -98,6 +100,7 @@ pub const KEYS: [Key; 25] = [
         Action::Batches,
         "constraints in the colors of their batches",
     ),
+    key("m", Action::Method, "method: exact or the paper's"),
     key("[", Action::Coarser, "coarser caps"),
     key("]", Action::Finer, "finer caps"),
     key("-", Action::FewerSubsteps, "a substep less"),

@@ -41,6 +41,6 @@ pub use command::{Command, Edge, Method, Settings};
 pub use error::ViewError;
 pub use pointer::{Button, Eye, Pointer, Tool, slice};
 pub use recording::{Entry, Progress, Recording, RecordingError, Replay};
-pub use session::{Frame, Notice, Picked, Session};
+pub use session::{BladePlace, Frame, Notice, Picked, Session};
 #[cfg(feature = "window")]
 pub use window::{Options, Save, run};

@@ -273,7 +273,7 @@ impl Pointer {
         };
         match gesture {
             Gesture::Turn | Gesture::Shift => {}
-            Gesture::Blade => session.apply(Command::LiftBlade),
+            Gesture::Blade => session.apply(Command::FinishBlade),
             Gesture::Pull { .. } => session.apply(Command::Release),
             Gesture::Line { from, is_whole } => {
                 let length = (self.at[0] - from[0]).hypot(self.at[1] - from[1]);

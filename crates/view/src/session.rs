@@ -3,14 +3,16 @@
 mod blade;
 mod cuts;
 mod grip;
+mod settings;
+mod state;
 
 use crate::command::{Command, Settings};
-use crate::recording::{Entry, Recording};
+use crate::recording::Recording;
+pub use blade::BladePlace;
 use blade::Stroke;
 use cuts::Cuts;
 use grip::Grip;
-use incise_mesh::{Aabb, Surface, Vec3, VertexId};
-use incise_pbd_gpu::Stiffness;
+use incise_mesh::{Surface, Vec3, VertexId};
 use incise_scene::{BladeId, BodyId, FrameStats, Scene, SceneError};
 use std::time::{Duration, Instant};
 
@@ -126,13 +128,13 @@ impl Session {
             Command::Slice { from, to } => self.slice(from, to),
             Command::Blade { edge } => {
                 self.cuts.forget_undone();
-                self.hold_blade(edge);
-                Ok(())
+                self.hold_blade(edge)
             }
             Command::LiftBlade => {
                 self.stroke = None;
                 Ok(())
             }
+            Command::FinishBlade => self.finish_blade(),
             Command::Grab { vertex } => self.grab(VertexId(vertex)),
             Command::Drag { to } => {
                 self.drag(to);
@@ -170,7 +172,7 @@ impl Session {
 
     fn try_frame(&mut self) -> Result<(), SceneError> {
         self.follow_grip()?;
-        self.aim_stroke();
+        self.aim_stroke()?;
         self.scene.cut()?;
         if let Some([from, to]) = self.end_stroke() {
             self.take_outcomes(from, to);
@@ -203,206 +205,6 @@ impl Session {
             text,
             is_refusal: true,
         });
-    }
-
-    fn set(&mut self, settings: Settings) -> Result<(), SceneError> {
-        if settings.needs_new_body(&self.settings) {
-            self.release()?;
-            self.renew(&settings)?;
-            self.say("the body was made anew where it is, at rest".to_owned());
-        } else if settings.material() != self.settings.material() {
-            let (solver, surface) = self.scene.edit(self.body)?.solver_mut();
-            solver.set_stretch(Stiffness::Pbd(settings.stretch))?;
-            solver.set_volume(surface, settings.volume())?;
-        }
-        let params = settings.scene(self.ground);
-        if params != self.scene.params {
-            self.scene.params = params;
-            self.scene.wake(self.body);
-        }
-        self.settings = settings;
-        Ok(())
-    }
-
-    /// Makes the body anew from where it is. Its pins stay, its cuts can still be undone.
-    fn renew(&mut self, settings: &Settings) -> Result<(), SceneError> {
-        self.scene.read(self.body)?;
-        let old = self.scene.body(self.body);
-        let pins: Vec<_> = old.solver().pins().iter().map(|pin| pin.vertex).collect();
-        let surface = old.surface().clone();
-        let body = self.scene.add_body(surface, &settings.material())?;
-        self.replace(body);
-        let (solver, surface) = self.scene.edit(self.body)?.solver_mut();
-        for v in pins {
-            solver.pin(surface, v)?;
-        }
-        Ok(())
-    }
-
-    fn replace(&mut self, body: BodyId) {
-        // It may be one that cannot be read any more.
-        let _old = self.scene.discard_body(self.body);
-        self.body = body;
-        self.topology += 1;
-        self.positions += 1;
-    }
-
-    fn reset(&mut self) -> Result<(), SceneError> {
-        let first = self.first.clone();
-        let body = self.scene.add_body(first, &self.settings.material())?;
-        self.stroke = None;
-        self.grip = None;
-        self.cuts = Cuts::default();
-        self.last_cut = None;
-        self.notice = None;
-        self.replace(body);
-        Ok(())
-    }
-
-    /// What a ray meets first.
-    ///
-    /// # Errors
-    /// As [`Scene::cast`].
-    pub fn pick(&mut self, origin: Vec3, direction: Vec3) -> Result<Option<Picked>, SceneError> {
-        let Some(hit) = self.scene.cast(self.body, origin, direction)? else {
-            return Ok(None);
-        };
-        let corners = self.surface().topology().triangle(hit.triangle);
-        let point = origin + direction * hit.distance;
-        let nearest = (0..3).max_by(|&i, &j| hit.weights[i].total_cmp(&hit.weights[j]));
-        Ok(nearest.map(|i| Picked {
-            vertex: corners[i],
-            point,
-        }))
-    }
-
-    /// The body as the host knows it; up to date after [`Session::read`].
-    #[must_use]
-    pub fn surface(&self) -> &Surface {
-        self.scene.body(self.body).surface()
-    }
-
-    /// Brings the host's copy of the body up to date.
-    ///
-    /// # Errors
-    /// As [`Scene::read`].
-    pub fn read(&mut self) -> Result<(), SceneError> {
-        self.scene.read(self.body)
-    }
-
-    /// The body's box, where it is now \[m\]. Waits for a device.
-    ///
-    /// # Errors
-    /// As [`Scene::read`].
-    pub fn bounds(&mut self) -> Result<Aabb, SceneError> {
-        self.read()?;
-        Ok(self.surface().bounds())
-    }
-
-    /// The scene.
-    #[must_use]
-    pub fn scene(&self) -> &Scene {
-        &self.scene
-    }
-
-    /// The body in the [scene](Self::scene).
-    #[must_use]
-    pub fn body(&self) -> BodyId {
-        self.body
-    }
-
-    /// Whether the body sleeps, so that frames change nothing.
-    #[must_use]
-    pub fn is_asleep(&self) -> bool {
-        self.scene.is_asleep(self.body) && self.stroke.is_none()
-    }
-
-    /// What was chosen.
-    #[must_use]
-    pub fn settings(&self) -> &Settings {
-        &self.settings
-    }
-
-    /// Height of the ground \[m\].
-    #[must_use]
-    pub fn ground(&self) -> f32 {
-        self.ground
-    }
-
-    /// The diagonal of the body's box at first \[m\].
-    #[must_use]
-    pub fn diagonal(&self) -> f32 {
-        self.diagonal
-    }
-
-    /// Frames so far.
-    #[must_use]
-    pub fn frames(&self) -> u64 {
-        self.frame
-    }
-
-    /// What the last frame did.
-    #[must_use]
-    pub fn last(&self) -> &Frame {
-        &self.last
-    }
-
-    /// What the last frame in which anything was cut did.
-    #[must_use]
-    pub fn last_cut(&self) -> Option<&FrameStats> {
-        self.last_cut.as_ref()
-    }
-
-    /// What is to be told.
-    #[must_use]
-    pub fn notice(&self) -> Option<&Notice> {
-        self.notice.as_ref()
-    }
-
-    /// Takes the notice away.
-    pub fn dismiss(&mut self) {
-        self.notice = None;
-    }
-
-    /// A number that is another one when the body has other triangles.
-    #[must_use]
-    pub fn topology_version(&self) -> u64 {
-        self.topology
-    }
-
-    /// A number that is another one when the body may be elsewhere.
-    #[must_use]
-    pub fn positions_version(&self) -> u64 {
-        self.positions
-    }
-
-    /// Everything that was done so far.
-    #[must_use]
-    pub fn recording(&self) -> &Recording {
-        &self.recording
-    }
-
-    /// A number that tells apart where everything is, to the bit.
-    ///
-    /// # Errors
-    /// As [`Scene::read`].
-    pub fn fingerprint(&mut self) -> Result<u64, SceneError> {
-        self.read()?;
-        Ok(crate::recording::number(self.surface()))
-    }
-
-    /// The recording with its end: the frame it is in now, and where everything is.
-    ///
-    /// # Errors
-    /// As [`Scene::read`].
-    pub fn finished_recording(&mut self) -> Result<Recording, SceneError> {
-        let mut recording = self.recording.clone();
-        let state = self.fingerprint()?;
-        recording.push(Entry::End {
-            frame: self.frame,
-            state,
-        });
-        Ok(recording)
     }
 }
 

@@ -50,7 +50,9 @@ impl Session {
 
     pub(super) fn slice(&mut self, from: Edge, to: Edge) -> Result<(), SceneError> {
         self.cuts.forget_undone();
-        self.cut_along(from, to)?;
+        let inside = "the line ends inside the body, and only full slices are cut: draw it right across, or hold Shift to cut \
+                      as far as the body goes";
+        self.cut_along(from, to, inside)?;
         let stats = self.scene.stats();
         if stats.cuts > 0 {
             self.notice = None;
@@ -60,7 +62,13 @@ impl Session {
         Ok(())
     }
 
-    fn cut_along(&mut self, from: Edge, to: Edge) -> Result<(), SceneError> {
+    /// Cuts at once. Of a sweep that ends inside the body it says `inside`.
+    pub(super) fn cut_along(
+        &mut self,
+        from: Edge,
+        to: Edge,
+        inside: &str,
+    ) -> Result<(), SceneError> {
         self.scene.jump_blade(self.blade, from);
         self.scene.move_blade(self.blade, to);
         let done = self.scene.cut().copied();
@@ -68,11 +76,7 @@ impl Session {
         self.take_outcomes(from, to);
         if let Some(refusal) = self.scene.refusals().first() {
             self.refuse(match refusal.error {
-                CutError::PartialCut { .. } => {
-                    "the line ends inside the body, and only full slices are cut: draw it right across, or hold Shift to cut \
-                     as far as the body goes"
-                        .to_owned()
-                }
+                CutError::PartialCut { .. } => inside.to_owned(),
                 error => error.to_string(),
             });
         }
@@ -116,8 +120,9 @@ impl Session {
             self.say("there is no cut to do again".to_owned());
             return Ok(());
         };
+        let inside = "that cut would end inside the body, where the body is now";
         let now = std::mem::replace(&mut self.scene.params.cut, way.params);
-        let done = self.cut_along(way.from, way.to);
+        let done = self.cut_along(way.from, way.to, inside);
         self.scene.params.cut = now;
         if done.is_ok() && self.scene.outcomes().is_empty() && self.scene.refusals().is_empty() {
             self.say("the body is no longer where that cut was".to_owned());

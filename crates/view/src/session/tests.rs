@@ -1,7 +1,10 @@
 //! Sessions without a window.
 
+mod blade;
+
 use super::*;
-use crate::recording::Progress;
+use crate::command::Method;
+use crate::recording::{Entry, Progress};
 use incise_mesh::{Model, build_model, icosphere};
 use incise_refine::RefinementLevel;
 use incise_scene::SceneParams;
@@ -56,6 +59,46 @@ fn a_slice_is_done_at_once_undone_and_done_again() {
     assert_eq!(s.redoable(), 0, "another cut was made");
 }
 
+/// Where everything is, how fast, and what it weighs, to the bit.
+fn bits(session: &Session) -> Vec<[u32; 8]> {
+    let solver = session.scene().body(session.body()).solver();
+    let moved = solver.masses().iter().zip(solver.velocities());
+    let all = session.surface().positions.iter().zip(moved);
+    all.map(|(&[x, y, z, w], (&mass, &[u, v, n, _]))| [x, y, z, w, mass, u, v, n].map(f32::to_bits))
+        .collect()
+}
+
+#[test]
+fn what_is_done_again_while_time_stands_still_is_the_same_to_the_bit() {
+    for method in [Method::Exact, Method::Rebuild] {
+        let mut s = session();
+        s.apply(Command::Set(Settings {
+            method,
+            ..Settings::default()
+        }));
+        s.apply(Command::Pin { vertex: 5 });
+        for _ in 0..30 {
+            s.frame();
+        }
+        let whole = bits(&s);
+        s.apply(across(0.05));
+        let once = bits(&s);
+        s.apply(across(-0.2));
+        assert_eq!(pieces(&s), 3, "{method:?}");
+        let twice = bits(&s);
+        for _ in 0..2 {
+            s.apply(Command::Undo);
+            assert!(bits(&s) == once, "{method:?}: one cut taken back");
+            s.apply(Command::Undo);
+            assert!(bits(&s) == whole, "{method:?}: both cuts taken back");
+            s.apply(Command::Redo);
+            assert!(bits(&s) == once, "{method:?}: one cut done again");
+            s.apply(Command::Redo);
+            assert!(bits(&s) == twice, "{method:?}: both cuts done again");
+        }
+    }
+}
+
 #[test]
 fn a_cut_shows_in_the_frame_after_it() {
     let mut s = session();
@@ -90,31 +133,6 @@ fn what_cannot_be_cut_is_said_and_changes_nothing() {
     );
     assert_eq!(s.fingerprint().unwrap(), before);
     assert_eq!(s.undoable(), 0);
-}
-
-#[test]
-fn a_held_blade_cuts_in_the_frame_in_which_it_comes_out() {
-    let mut s = session();
-    s.apply(Command::Set(Settings {
-        gravity: false,
-        ..Settings::default()
-    }));
-    let edge = |x: f32| [[x, 0.02, -2.0], [x, 0.02, 2.0]];
-    let mut cuts = Vec::new();
-    for i in -5..=5_i16 {
-        s.apply(Command::Blade {
-            edge: edge(f32::from(i) * 0.15),
-        });
-        s.frame();
-        let (_, is_inside) = s.held_blade().unwrap();
-        assert_eq!(is_inside, (-3..=3).contains(&i), "at {i}");
-        cuts.push(s.last().stats.cuts);
-    }
-    assert_eq!(cuts.iter().sum::<u32>(), 1);
-    assert_eq!(cuts[9], 1, "{cuts:?}");
-    s.apply(Command::LiftBlade);
-    assert_eq!((pieces(&s), s.undoable()), (2, 1));
-    assert_eq!(s.held_blade(), None);
 }
 
 #[test]
@@ -169,10 +187,21 @@ fn settings_hold_from_the_next_frame_on_and_for_the_next_cut() {
     assert_eq!(s.scene().params.solver.substeps, 4);
     let v = VertexId(0);
     s.apply(Command::Pin { vertex: v.0 });
-    // Other bending makes the body anew: pins and the way back stay.
-    settings.bending = None;
+    // Other bending and other struts make the body anew: pins and the way back stay.
+    let struts = |s: &Session| {
+        s.scene()
+            .body(s.body())
+            .solver()
+            .struts()
+            .map(|set| set.len())
+    };
+    assert!(struts(&s).is_some_and(|count| count > 0));
+    settings.struts = None;
     s.apply(Command::Set(settings));
     assert!(s.notice().is_some_and(|n| n.text.contains("anew")));
+    assert_eq!(struts(&s), None);
+    settings.bending = None;
+    s.apply(Command::Set(settings));
     let body = s.scene().body(s.body());
     assert!(body.solver().bending().is_none());
     assert!(body.solver().volumes().pieces().is_empty());
@@ -286,4 +315,60 @@ fn a_recording_is_of_one_body_and_in_order() {
         let error = read(&bad.join("\n")).unwrap_err().to_string();
         assert!(error.contains("line"), "{error}");
     }
+}
+
+/// How much of its height a body of many vertices has left after 2 s, and of its volume.
+fn left(model: Model, struts: Option<f32>) -> [f64; 2] {
+    let surface = build_model(model);
+    let measure = |surface: &Surface| {
+        let bounds = surface.bounds();
+        let volume = surface.piece_volumes().iter().sum::<f64>();
+        [f64::from(bounds.max[1] - bounds.min[1]), volume]
+    };
+    let whole = measure(&surface);
+    let settings = Settings {
+        struts,
+        ..Settings::default()
+    };
+    let scene = Scene::new(SceneParams::default());
+    let mut s = Session::with_settings(surface, scene, settings).unwrap();
+    for _ in 0..120 {
+        s.frame();
+    }
+    let now = measure(s.surface());
+    [0, 1].map(|k| now[k] / whole[k])
+}
+
+#[test]
+fn a_large_body_does_not_sink_in_on_the_ground() {
+    let model = Model::Banana;
+    let [height, volume] = left(model, Settings::default().struts);
+    assert!(height > 0.8, "{height} of its height is left");
+    assert!(
+        (volume - 1.0).abs() < 0.01,
+        "{volume} of its volume is left"
+    );
+    let [height, _] = left(model, None);
+    assert!(height < 0.6, "or nothing would: {height}");
+}
+
+#[test]
+fn recordings_from_before_there_were_struts_have_none() {
+    let mut s = session();
+    s.apply(Command::Set(Settings::default()));
+    let mut text = Vec::new();
+    s.recording().write(&mut text).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    assert_eq!(text.matches(",\"struts\":1.0").count(), 2, "{text}");
+    let old = text.replace(",\"struts\":1.0", "");
+    let old = Recording::read(old.as_bytes()).unwrap();
+    assert_eq!(old.settings().struts, None);
+    let Entry::Given { command, .. } = old.entries()[1] else {
+        panic!("{old:?}");
+    };
+    let without = Settings {
+        struts: None,
+        ..Settings::default()
+    };
+    assert_eq!(command, Command::Set(without));
 }

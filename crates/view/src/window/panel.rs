@@ -1,13 +1,14 @@
-//! What stands beside the picture and over it.
+//! What stands beside the picture.
 
-use super::{Look, Open, graph, picture};
+mod frames;
+
+use super::{Look, Open, marks, picture};
 use crate::command::{Method, Settings};
 use crate::keys::{Action, KEYS, MOUSE};
 use crate::pointer::Tool;
-use crate::session::Session;
-use egui::{Align2, Button, Color32, Grid, RichText, ScrollArea, Slider, Stroke, Ui};
+use crate::session::{BladePlace, Session};
+use egui::{Align2, Button, Color32, Grid, RichText, ScrollArea, Slider, Ui};
 use incise_refine::RefinementLevel;
-use incise_scene::FrameStats;
 use winit::window::Window;
 
 /// How wide the panel is \[points\].
@@ -16,8 +17,6 @@ pub(super) const WIDTH: f32 = 292.0;
 /// Most substeps and iterations that can be chosen.
 pub(super) const MOST: u32 = 64;
 
-const LINE: Color32 = Color32::from_rgb(200, 48, 40);
-const PIN: Color32 = Color32::from_rgb(36, 96, 180);
 const REFUSED: Color32 = Color32::from_rgb(176, 40, 30);
 
 /// What was asked for in the panel.
@@ -54,7 +53,10 @@ pub(super) fn show(ui: &mut Ui, open: &Open, asked: &mut Asked) {
                 ScrollArea::vertical().show(ui, |ui| contents(ui, open, asked));
             });
     }
-    marks(ui, open);
+    if !open.look.panel {
+        status(ui, open);
+    }
+    marks::show(ui, open);
     if open.look.help {
         help(ui);
     }
@@ -92,13 +94,25 @@ fn contents(ui: &mut Ui, open: &Open, asked: &mut Asked) {
     section(ui, "Cut", |ui| cut(ui, &mut asked.settings));
     section(ui, "Body", |ui| body(ui, &mut asked.settings));
     section(ui, "Look", |ui| look(ui, open, &mut asked.actions));
-    section(ui, "Frames", |ui| frames(ui, open));
+    section(ui, "Frames", |ui| frames::show(ui, open));
 }
 
 fn section(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
     egui::CollapsingHeader::new(RichText::new(name).strong())
         .default_open(true)
         .show_unindented(ui, contents);
+}
+
+/// The same in a corner of the picture, where there is no panel.
+fn status(ui: &Ui, open: &Open) {
+    egui::Area::new(egui::Id::unique("status"))
+        .anchor(Align2::LEFT_BOTTOM, [8.0, -8.0])
+        .interactable(false)
+        .show(ui.ctx(), |ui| {
+            // Else it stays as narrow as it was with nothing to tell.
+            ui.set_min_width(WIDTH);
+            tell(ui, open);
+        });
 }
 
 /// What there is to tell.
@@ -117,8 +131,16 @@ fn tell(ui: &mut Ui, open: &Open) {
     if let Some((text, is_refusal)) = &open.told {
         line(text, *is_refusal);
     }
-    if let Some((_, true)) = open.session.held_blade() {
-        line("the blade is inside; it cuts when it comes out", false);
+    if let Some((_, place)) = open.session.held_blade() {
+        match place {
+            BladePlace::Begun => line(
+                "the blade was put into the body: take it out, then move it right through",
+                false,
+            ),
+            _ if open.paused => line("paused: the blade cuts when it is let go", false),
+            BladePlace::Outside => {}
+            BladePlace::Inside => line("the blade is inside: it cuts when it comes out", false),
+        }
     }
     if open.replay.is_some() {
         line("replaying", false);
@@ -160,6 +182,9 @@ fn body(ui: &mut Ui, settings: &mut Settings) {
         .on_hover_text("a change makes the body anew where it is, at rest");
     optional(ui, "volume", &mut settings.volume, 1.0, 3.0)
         .on_hover_text("how many times its rest volume a piece strives for");
+    optional(ui, "struts", &mut settings.struts, 1.0, 1.0).on_hover_text(
+        "how many struts through the body a vertex has, so that it does not sink in; a change makes the body anew where it is, at rest",
+    );
     ui.horizontal(|ui| {
         ui.checkbox(&mut settings.gravity, "gravity");
         ui.checkbox(&mut settings.ground, "ground");
@@ -222,135 +247,6 @@ fn legend(ui: &mut Ui, session: &Session) {
             ui.label(RichText::new(batch.len().to_string()).small().color(color));
         }
     });
-}
-
-fn frames(ui: &mut Ui, open: &Open) {
-    let (session, stats) = (&open.session, &open.session.last().stats);
-    open.times.show(ui);
-    let [mean, most] = open.times.summary();
-    ui.horizontal_wrapped(|ui| {
-        ui.label(format!("frame {mean:.2} ms, most {most:.1};"));
-        ui.colored_label(graph::CUTS, "cuts");
-        ui.label(format!("; picture {:.1} ms", open.times.of_picture()));
-    });
-    let surface = session.surface();
-    let topology = surface.topology();
-    let scene = session.scene();
-    let report = scene.backend_report();
-    let on_device = report.on_device.contains(&session.body());
-    let mover = report.device.filter(|_| on_device);
-    let rows = [
-        ("frame", format!("{}{}", session.frames(), rest(open))),
-        ("pieces", surface.piece_count().to_string()),
-        (
-            "mesh",
-            format!(
-                "{} vertices, {} triangles",
-                topology.vertex_count(),
-                topology.triangle_count()
-            ),
-        ),
-        (
-            "moved by",
-            mover.unwrap_or_else(|| "the processor".to_owned()),
-        ),
-        ("drawn by", open.device.clone()),
-    ];
-    table(ui, "about", &rows);
-    ui.label(RichText::new("The last frame ran, and skipped").strong());
-    table(ui, "ran", &ran(stats));
-    if let Some(cut) = session.last_cut() {
-        ui.label(RichText::new("The last cut").strong());
-        table(ui, "cut", &of_cut(cut));
-    }
-}
-
-fn rest(open: &Open) -> &'static str {
-    if open.paused {
-        ", paused"
-    } else if open.session.is_asleep() {
-        ", asleep"
-    } else {
-        ""
-    }
-}
-
-fn ran(stats: &FrameStats) -> [(&'static str, String); 7] {
-    let pair = |ran: u32, skipped: u32| format!("{ran}, {skipped} skipped");
-    [
-        ("sweeps", pair(stats.sweeps, stats.sweeps_skipped)),
-        ("searches", pair(stats.detections, stats.detections_skipped)),
-        ("refits", pair(stats.refits, stats.refits_skipped)),
-        ("readbacks", pair(stats.readbacks, stats.readbacks_skipped)),
-        (
-            "ground passes",
-            format!("{} skipped", stats.ground_passes_skipped),
-        ),
-        (
-            "contacts",
-            format!("{} in {} searches", stats.contacts, stats.contact_searches),
-        ),
-        (
-            "solver",
-            format!("{:.2} ms", stats.solver.as_secs_f64() * 1e3),
-        ),
-    ]
-}
-
-fn of_cut(stats: &FrameStats) -> [(&'static str, String); 6] {
-    let ms = |time: std::time::Duration| format!("{:.2} ms", time.as_secs_f64() * 1e3);
-    [
-        ("hit", format!("{} of {}", stats.hits, stats.candidates)),
-        ("detection", ms(stats.detection)),
-        ("topology", ms(stats.topology)),
-        ("caps", ms(stats.refinement)),
-        ("constraints", ms(stats.constraints)),
-        ("all of it", ms(stats.cutting())),
-    ]
-}
-
-fn table(ui: &mut Ui, id: &str, rows: &[(&'static str, String)]) {
-    Grid::new(id)
-        .num_columns(2)
-        .spacing([10.0, 2.0])
-        .show(ui, |ui| {
-            for (name, value) in rows {
-                ui.label(RichText::new(*name).weak());
-                ui.add(egui::Label::new(value).wrap());
-                ui.end_row();
-            }
-        });
-}
-
-/// The line that is drawn, the blade, and pins.
-fn marks(ui: &Ui, open: &Open) {
-    let scale = f64::from(ui.ctx().pixels_per_point());
-    let painter = ui.ctx().layer_painter(egui::LayerId::background());
-    let point = |[x, y]: [f64; 2]| egui::Pos2::from([x / scale, y / scale].map(narrow));
-    let camera = open.eye.shown();
-    let project = |p: [f32; 3]| {
-        let p = incise_mesh::geometry::widen(p);
-        camera.project(p, open.eye.size).map(point)
-    };
-    let held = open.session.held_vertex();
-    for (v, p) in open.session.pins() {
-        if let Some(at) = project(p) {
-            let color = if held == Some(v) { LINE } else { PIN };
-            painter.circle(at, 4.5, color, Stroke::new(1.5, Color32::WHITE));
-        }
-    }
-    if let Some(ends) = open.pointer.line() {
-        let ends = ends.map(point);
-        painter.line_segment(ends, Stroke::new(4.0, Color32::WHITE.gamma_multiply(0.6)));
-        painter.line_segment(ends, Stroke::new(2.0, LINE));
-    }
-    if let Some(([[_, from], [_, to]], is_inside)) = open.session.held_blade()
-        && let (Some(from), Some(to)) = (project(from), project(to))
-    {
-        let color = if is_inside { LINE } else { PIN };
-        painter.line_segment([from, to], Stroke::new(2.0, color));
-        painter.circle(to, 5.0, color, Stroke::new(1.5, Color32::WHITE));
-    }
 }
 
 fn help(ui: &Ui) {

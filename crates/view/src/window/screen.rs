@@ -4,6 +4,7 @@ use crate::error::ViewError;
 use incise_pbd_gpu::wgpu;
 use incise_pbd_gpu::{AdapterKind, AdapterRequest, Context, GpuError};
 use incise_render::{Canvas, Content, Renderer, View};
+use std::cell::RefCell;
 use std::sync::Arc;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;
@@ -44,8 +45,20 @@ impl Screen {
                 message: error.to_string(),
             })?;
         let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
-        let draws = |adapter: &wgpu::Adapter| adapter.is_surface_supported(&surface);
-        let (context, adapter) = Context::open_among(adapters, request, draws)?;
+        let unasked = RefCell::new(None);
+        let draws = |adapter: &wgpu::Adapter| {
+            let name = adapter.get_info().name;
+            if crashes_when_asked(&name) {
+                unasked.replace(Some(name));
+                return false;
+            }
+            adapter.is_surface_supported(&surface)
+        };
+        let opened = Context::open_among(adapters, request, draws);
+        let (context, adapter) = opened.map_err(|error| match (error, unasked.take()) {
+            (GpuError::NoAdapter { .. }, Some(adapter)) => ViewError::NotInWindows { adapter },
+            (error, _) => error.into(),
+        })?;
         let device = context.device();
         let (width, height) = (size.width.max(1), size.height.max(1));
         let limit = device.limits().max_texture_dimension_2d;
@@ -198,6 +211,12 @@ impl Screen {
         })?;
         Ok(())
     }
+}
+
+/// Whether a driver of that name may not be asked if it draws in a window. `SwiftShader` as browsers bring it has nothing for
+/// windows of X or Wayland; where another driver has, the system takes the question for both, and `SwiftShader` crashes.
+fn crashes_when_asked(adapter: &str) -> bool {
+    !cfg!(windows) && adapter.to_lowercase().contains("swiftshader")
 }
 
 impl Drop for Screen {
