@@ -1,7 +1,7 @@
 //! A scene gives the same bits on one thread and on two.
 
 use incise_mesh::{Model, Surface, VertexId, build_model, icosphere};
-use incise_pbd_gpu::{Material, SolverParams};
+use incise_pbd_gpu::{Material, SolverParams, Struts, Volume};
 use incise_scene::{Scene, SceneParams};
 
 /// The solver spreads colors of at least this many constraints over threads.
@@ -18,7 +18,7 @@ struct Bits {
 }
 
 /// Drops a body on the ground and cuts it twice on the way.
-fn run(threads: usize, body: &Surface) -> Bits {
+fn run(threads: usize, body: &Surface, material: &Material) -> Bits {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
@@ -32,7 +32,7 @@ fn run(threads: usize, body: &Surface) -> Bits {
             ..SceneParams::default()
         });
         let id = scene
-            .add_body(body.clone(), &Material::default())
+            .add_body(body.clone(), material)
             .expect("the body can be simulated");
         let largest = |scene: &Scene| {
             let stretch = scene.body(id).solver().stretch();
@@ -79,20 +79,27 @@ fn bits<const N: usize>(values: &[[f32; N]]) -> Vec<[u32; N]> {
     values.iter().map(|v| v.map(f32::to_bits)).collect()
 }
 
+fn is_alike(body: &Surface, material: &Material) {
+    let [one, two] = [1, 2].map(|threads| run(threads, body, material));
+    assert!(one == two, "two threads differ from one");
+}
+
 #[test]
 fn a_sphere_is_cut_alike_on_one_thread_and_two() {
-    let body = icosphere(5, 0.5);
-    assert!(
-        run(1, &body) == run(2, &body),
-        "two threads differ from one"
-    );
+    is_alike(&icosphere(5, 0.5), &Material::default());
 }
 
 #[test]
 fn the_armadillo_is_cut_alike_on_one_thread_and_two() {
-    let body = build_model(Model::Armadillo);
-    assert!(
-        run(1, &body) == run(2, &body),
-        "two threads differ from one"
-    );
+    is_alike(&build_model(Model::Armadillo), &Material::default());
+}
+
+#[test]
+fn a_body_with_an_inside_is_cut_alike_on_one_thread_and_two() {
+    let material = Material {
+        volume: Some(Volume::default()),
+        struts: Some(Struts::default()),
+        ..Material::default()
+    };
+    is_alike(&icosphere(5, 0.5), &material);
 }

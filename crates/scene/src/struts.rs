@@ -3,6 +3,10 @@
 use incise_cut::{Bvh, Sweep};
 use incise_mesh::{Surface, TopologyDelta, VertexId};
 use incise_pbd_gpu::{ConstraintError, Solver};
+use rayon::prelude::*;
+
+/// So many rays are worth the way to another thread.
+const RAYS: usize = 64;
 
 /// Room to gather vertices and ends; its content matters to nobody between calls.
 #[derive(Debug, Default)]
@@ -96,10 +100,12 @@ impl Strutting {
         let density = density(solver);
         self.lost.sort_unstable();
         self.lost.dedup();
-        let chosen = self.lost.iter().filter(|&&v| is_chosen(v, density));
+        self.lost.retain(|&v| is_chosen(v, density));
         self.ends.clear();
+        // By all threads: a ray through a large body takes ten times as long as all else that a new strut asks for.
+        let ends = self.lost.par_iter().with_min_len(RAYS);
         self.ends
-            .extend(chosen.filter_map(|&v| Some([v, bvh.across(surface, v)?])));
+            .par_extend(ends.filter_map(|&v| Some([v, bvh.across(surface, v)?])));
         if !self.ends.is_empty() {
             solver.add_struts(surface, &self.ends)?;
         }
