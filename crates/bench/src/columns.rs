@@ -122,6 +122,15 @@ fn length(text: &str) -> usize {
     text.chars().count()
 }
 
+/// A number, or a dash for what a run without a cut cannot tell.
+pub(crate) fn measured(x: f64, digits: usize) -> String {
+    if x.is_finite() {
+        format!("{x:.digits$}")
+    } else {
+        "-".to_owned()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

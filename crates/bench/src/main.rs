@@ -17,12 +17,9 @@ mod options;
 mod output;
 mod pace;
 mod page;
-mod paper;
 mod picture;
 mod printout;
-mod protocol;
 mod refine;
-mod report;
 mod skip;
 mod solver;
 mod stability;
@@ -30,12 +27,11 @@ mod statistics;
 mod step;
 mod subdivide;
 mod subject;
+mod table;
 
-use backend::BackendChoice;
-use clap::{Args, CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::{Shell, generate};
-use incise_refine::RefinementLevel;
-use options::{AdapterArguments, ModelArguments, OutputArguments};
+use options::OutputArguments;
 use printout::Printout;
 use std::error::Error;
 use std::io::{self, Write};
@@ -48,15 +44,15 @@ struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
-    table: TableArguments,
+    table: table::TableArguments,
 }
 
 #[derive(Subcommand)]
 enum Command {
     /// The paper's Table 1: frame rates with and without cutting, and the time of a cut.
-    Table(TableArguments),
+    Table(table::TableArguments),
     /// Projections a second of the solver alone, on one thread and on all.
-    Solver(SolverArguments),
+    Solver(solver::SolverArguments),
     /// Time of a frame of every model, and of spheres of up to a million triangles, on every backend.
     Step(step::StepArguments),
     /// Times of a cut, step by step, of every model, finer armadillos and spheres of up to a million triangles.
@@ -77,82 +73,6 @@ enum Command {
         /// The shell.
         shell: Shell,
     },
-}
-
-/// What the table is made of.
-#[derive(Args, Clone)]
-struct TableArguments {
-    #[command(flatten)]
-    from: ModelArguments,
-    /// What executes the solver.
-    #[arg(long, value_enum, default_value_t = BackendChoice::Cpu)]
-    backend: BackendChoice,
-    #[command(flatten)]
-    gpu: AdapterArguments,
-    /// Simulated seconds of each run.
-    #[arg(long, default_value_t = 15.0, value_parser = positive)]
-    seconds: f64,
-    /// Seconds of a frame, as a number or a fraction.
-    #[arg(long, default_value = "1/60", value_parser = positive)]
-    dt: f64,
-    /// Iterations of the solver a frame.
-    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]
-    iterations: u32,
-    /// Refinement level of the caps: one of the five names, or z.
-    #[arg(long, default_value = "1")]
-    level: RefinementLevel,
-    /// How surfaces are opened.
-    #[arg(long, value_enum, default_value_t = method::MethodChoice::Exact)]
-    method: method::MethodChoice,
-    /// Every closed piece keeps the volume that it has at rest, which the paper's bodies do not.
-    #[arg(long)]
-    volume: bool,
-    /// Struts hold the sides of bodies apart, one a vertex.
-    #[arg(long)]
-    struts: bool,
-    /// Pieces touch each other instead of passing through each other.
-    #[arg(long)]
-    contacts: bool,
-    /// Models to run, separated by commas.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    only: Vec<String>,
-    /// Where the directions of the slices start.
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    #[command(flatten)]
-    rows: OutputArguments,
-}
-
-/// Which model the solver is measured on.
-#[derive(Args, Clone)]
-struct SolverArguments {
-    #[command(flatten)]
-    from: ModelArguments,
-    /// Models to run, separated by commas.
-    #[arg(
-        long,
-        value_name = "NAMES",
-        value_delimiter = ',',
-        default_value = "Armadillo"
-    )]
-    only: Vec<String>,
-    /// Frames of each measurement; the fastest counts.
-    #[arg(long, default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..))]
-    frames: u32,
-    #[command(flatten)]
-    rows: OutputArguments,
-}
-
-/// A positive number, or a fraction of two.
-fn positive(text: &str) -> Result<f64, String> {
-    let number = |s: &str| s.trim().parse::<f64>().ok();
-    let value = match text.split_once('/') {
-        Some((above, below)) => number(above).zip(number(below)).map(|(a, b)| a / b),
-        None => number(text),
-    };
-    value
-        .filter(|v| v.is_finite() && *v > 0.0)
-        .ok_or_else(|| format!("'{text}' is not a positive number or fraction"))
 }
 
 impl Arguments {
@@ -219,8 +139,8 @@ fn run(arguments: Arguments, out: &mut impl Write) -> Result<(), Box<dyn Error>>
             );
             Ok(out.write_all(&script)?)
         }
-        Some(Command::Table(table)) => report::run(&table, out),
-        None => report::run(&arguments.table, out),
+        Some(Command::Table(table)) => table::run(&table, out),
+        None => table::run(&arguments.table, out),
     }
 }
 
@@ -436,14 +356,5 @@ mod tests {
         assert!(parse("b report -o x --run table,skip --quick").is_ok());
         assert!(parse("b report").is_err(), "nowhere to go");
         assert!(parse("b report -o x --run solver").is_err(), "no rows");
-    }
-
-    #[test]
-    fn a_time_step_is_a_number_or_a_fraction() {
-        assert_eq!(positive("1/60"), Ok(1.0 / 60.0));
-        assert_eq!(positive("0.5"), Ok(0.5));
-        for bad in ["0", "-1", "1/0", "a", "1/2/3", "nan"] {
-            assert!(positive(bad).is_err(), "{bad}");
-        }
     }
 }

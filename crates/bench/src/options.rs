@@ -28,6 +28,18 @@ impl OutputArguments {
     }
 }
 
+/// A positive number, or a fraction of two.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    let number = |s: &str| s.trim().parse::<f64>().ok();
+    let value = match text.split_once('/') {
+        Some((above, below)) => number(above).zip(number(below)).map(|(a, b)| a / b),
+        None => number(text),
+    };
+    value
+        .filter(|v| v.is_finite() && *v > 0.0)
+        .ok_or_else(|| format!("'{text}' is not a positive number or fraction"))
+}
+
 /// Which GPU.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct AdapterArguments {
@@ -90,5 +102,14 @@ mod tests {
     fn what_is_named_twice_runs_once() {
         let line = Line::try_parse_from(["bench", "--backend", "gpu,cpu,gpu"]).unwrap();
         assert_eq!(line.run.backends(), [Executor::Gpu, Executor::Cpu]);
+    }
+
+    #[test]
+    fn a_time_step_is_a_number_or_a_fraction() {
+        assert_eq!(positive("1/60"), Ok(1.0 / 60.0));
+        assert_eq!(positive("0.5"), Ok(0.5));
+        for bad in ["0", "-1", "1/0", "a", "1/2/3", "nan"] {
+            assert!(positive(bad).is_err(), "{bad}");
+        }
     }
 }

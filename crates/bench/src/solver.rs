@@ -1,13 +1,35 @@
 //! The solver alone: projections a second, and frames a second of both kinds.
 
 use crate::json::Json;
-use crate::{SolverArguments, machine, models};
+use crate::options::{ModelArguments, OutputArguments};
+use crate::{machine, models};
+use clap::Args;
 use incise_mesh::Surface;
 use incise_pbd_gpu::{ConstraintError, Material, Solver, SolverParams, StepError};
 use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::time::Instant;
+
+/// Which model the solver is measured on.
+#[derive(Args, Clone)]
+pub(crate) struct SolverArguments {
+    #[command(flatten)]
+    from: ModelArguments,
+    /// Models to run, separated by commas.
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "Armadillo"
+    )]
+    only: Vec<String>,
+    /// Frames of each measurement; the fastest counts.
+    #[arg(long, default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..))]
+    frames: u32,
+    #[command(flatten)]
+    pub(crate) rows: OutputArguments,
+}
 
 /// Iterations of a measured frame.
 const ITERATIONS: u32 = 10;

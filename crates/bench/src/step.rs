@@ -62,7 +62,7 @@ pub(crate) struct StepArguments {
     #[arg(long, conflicts_with = "seconds_per_row", value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
     /// Seconds of each measurement, about.
-    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = crate::positive)]
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = crate::options::positive)]
     seconds_per_row: f64,
     /// Bodies that are stepped together, all of one model.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]

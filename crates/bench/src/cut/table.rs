@@ -2,7 +2,7 @@
 
 use super::row::{Latency, Record, Row, Slope};
 use super::times::Times;
-use crate::report::measured;
+use crate::columns::measured;
 use std::io::{self, Write};
 
 /// What stands in the columns.

@@ -2,12 +2,12 @@
 
 /// A number with so many digits behind the point, or a dash for what cannot be told.
 pub(super) fn digits(x: f64, digits: usize) -> String {
-    crate::report::measured(x, digits)
+    crate::columns::measured(x, digits)
 }
 
 /// The same of a number that there may be.
 pub(super) fn measured(x: Option<f64>, digits: usize) -> String {
-    crate::report::measured(x.unwrap_or(f64::NAN), digits)
+    crate::columns::measured(x.unwrap_or(f64::NAN), digits)
 }
 
 /// How many times something is.

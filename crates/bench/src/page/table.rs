@@ -5,7 +5,7 @@ use super::error::PageError;
 use super::html::Html;
 use super::numbers::{digits, factor, measured};
 use super::rows::TableRow;
-use crate::paper::{self, PaperRow};
+use crate::table::paper::{self, PaperRow};
 use incise_mesh::Model;
 use plotters::chart::SeriesLabelPosition;
 

@@ -4,7 +4,7 @@ use super::cover::percentile;
 use super::ours::Ours;
 use super::peers::{Peer, Pool, Theirs};
 use super::row::Stamp;
-use crate::report::measured;
+use crate::columns::measured;
 use crate::statistics::{mean, median};
 use serde::Serialize;
 

@@ -1,6 +1,6 @@
 //! What is known of a model's covers.
 
-use crate::report::measured;
+use crate::columns::measured;
 use serde::Serialize;
 
 /// What stands in the columns.

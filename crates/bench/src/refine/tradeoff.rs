@@ -7,7 +7,7 @@ use super::rims::{self, Rims};
 use super::row::Stamp;
 use super::{Files, RefineArguments};
 use crate::columns;
-use crate::report::measured;
+use crate::columns::measured;
 use crate::statistics::{mean, median};
 use crate::subject::Subject;
 use incise_mesh::Vec3;

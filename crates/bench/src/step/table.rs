@@ -1,7 +1,7 @@
 //! The rows for people.
 
 use super::row::Row;
-use crate::report::measured;
+use crate::columns::measured;
 use std::io::{self, Write};
 
 /// What stands in the columns.

@@ -1,13 +1,67 @@
-//! The table for people and for programs.
+//! The paper's table, for people and for programs.
 
-use crate::columns::{folded, paragraphs};
+pub(crate) mod paper;
+mod protocol;
+mod row;
+
+use crate::backend::BackendChoice as BackendArgument;
+use crate::columns::{folded, measured, paragraphs};
 use crate::json::Json;
-use crate::protocol::{Row, frames, params, run as run_protocol};
-use crate::{TableArguments, machine, models, paper};
+use crate::method::MethodChoice;
+use crate::options::{AdapterArguments, ModelArguments, OutputArguments, positive};
+use crate::{machine, models};
+use clap::Args;
 use incise_mesh::Model;
+use incise_refine::RefinementLevel;
 use incise_scene::{BackendChoice, BackendRequest, Scene, SceneError};
+use protocol::{frames, params, run as run_protocol};
+use row::Row;
 use std::error::Error;
 use std::io::Write;
+
+/// What the table is made of.
+#[derive(Args, Clone)]
+pub(crate) struct TableArguments {
+    #[command(flatten)]
+    from: ModelArguments,
+    /// What executes the solver.
+    #[arg(long, value_enum, default_value_t = BackendArgument::Cpu)]
+    backend: BackendArgument,
+    #[command(flatten)]
+    gpu: AdapterArguments,
+    /// Simulated seconds of each run.
+    #[arg(long, default_value_t = 15.0, value_parser = positive)]
+    seconds: f64,
+    /// Seconds of a frame, as a number or a fraction.
+    #[arg(long, default_value = "1/60", value_parser = positive)]
+    dt: f64,
+    /// Iterations of the solver a frame.
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]
+    iterations: u32,
+    /// Refinement level of the caps: one of the five names, or z.
+    #[arg(long, default_value = "1")]
+    level: RefinementLevel,
+    /// How surfaces are opened.
+    #[arg(long, value_enum, default_value_t = MethodChoice::Exact)]
+    method: MethodChoice,
+    /// Every closed piece keeps the volume that it has at rest, which the paper's bodies do not.
+    #[arg(long)]
+    pub(crate) volume: bool,
+    /// Struts hold the sides of bodies apart, one a vertex.
+    #[arg(long)]
+    pub(crate) struts: bool,
+    /// Pieces touch each other instead of passing through each other.
+    #[arg(long)]
+    pub(crate) contacts: bool,
+    /// Models to run, separated by commas.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    only: Vec<String>,
+    /// Where the directions of the slices start.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    pub(crate) rows: OutputArguments,
+}
 
 /// Runs the table and prints it.
 pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
@@ -194,15 +248,6 @@ fn line(model: Model, row: &Row) -> [String; 21] {
         format!("{:.2}", row.volume_error_percent),
         measured(row.cap_min_angle_deg, 1),
     ]
-}
-
-/// A number, or a dash for what a run without a cut cannot tell.
-pub(crate) fn measured(x: f64, digits: usize) -> String {
-    if x.is_finite() {
-        format!("{x:.digits$}")
-    } else {
-        "-".to_owned()
-    }
 }
 
 #[cfg(test)]
