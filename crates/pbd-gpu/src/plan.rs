@@ -215,6 +215,12 @@ impl StepPlan {
         }
         self.iteration.sort_unstable();
         if key.volumes {
+            // What contacts take from a piece it gets back within the substep, and so all of it. Were they to come after
+            // volumes alone, it would be an old error in the next one, and pieces that lie on each other would lose more
+            // than `kernels/volume.rs` returns of those.
+            if key.contacts {
+                self.iteration.push(Pass::Contacts);
+            }
             self.iteration.push(Pass::Volumes);
         }
         if key.contacts {
