@@ -3,6 +3,7 @@
 mod blade;
 mod cuts;
 mod grip;
+mod moment;
 mod settings;
 mod state;
 
@@ -172,10 +173,14 @@ impl Session {
 
     fn try_frame(&mut self) -> Result<(), SceneError> {
         self.follow_grip()?;
-        self.aim_stroke()?;
-        self.scene.cut()?;
-        if let Some([from, to]) = self.end_stroke() {
-            self.take_outcomes(from, to);
+        if self.aim_stroke()? {
+            let moment = self.moment()?;
+            self.scene.cut()?;
+            if let Some(way) = self.end_stroke() {
+                self.take_outcome(way, moment);
+            }
+        } else {
+            self.scene.cut()?;
         }
         self.scene.advance()?;
         if self.scene.stats().fell_back {

@@ -27,8 +27,6 @@ pub(super) struct Stroke {
     start: Edge,
     now: Edge,
     place: BladePlace,
-    /// Whether this frame cuts along it.
-    is_aimed: bool,
 }
 
 impl Session {
@@ -49,7 +47,6 @@ impl Session {
             start: edge,
             now: edge,
             place,
-            is_aimed: false,
         });
         Ok(())
     }
@@ -92,10 +89,11 @@ impl Session {
         Ok(hit.is_some_and(|hit| hit.distance <= way.norm()))
     }
 
-    /// Has the frame cut along the blade's way. A body may have come to where the blade was outside of it.
-    pub(super) fn aim_stroke(&mut self) -> Result<(), SceneError> {
+    /// Has the frame cut along the blade's way, and says whether it does. A body may have come to where the blade was outside
+    /// of it.
+    pub(super) fn aim_stroke(&mut self) -> Result<bool, SceneError> {
         let Some(mut stroke) = self.stroke else {
-            return Ok(());
+            return Ok(false);
         };
         if stroke.place == BladePlace::Begun || self.meets_body(stroke.start)? {
             stroke.start = stroke.now;
@@ -105,19 +103,19 @@ impl Session {
                 BladePlace::Outside
             };
         }
-        stroke.is_aimed = stroke.start != stroke.now;
-        if stroke.is_aimed {
+        let is_aimed = stroke.start != stroke.now;
+        if is_aimed {
             self.scene.jump_blade(self.blade, stroke.start);
             self.scene.move_blade(self.blade, stroke.now);
         }
         self.stroke = Some(stroke);
-        Ok(())
+        Ok(is_aimed)
     }
 
-    /// The way along which the frame has cut, if it has. What the blade has cut it need not cut again.
+    /// The way along which the frame has cut. What the blade has cut it need not cut again.
     pub(super) fn end_stroke(&mut self) -> Option<[Edge; 2]> {
         let refusal = self.scene.refusals().first().map(|r| r.error);
-        let stroke = self.stroke.as_mut().filter(|stroke| stroke.is_aimed)?;
+        let stroke = self.stroke.as_mut()?;
         let way = [stroke.start, stroke.now];
         stroke.place = match refusal {
             None => BladePlace::Outside,

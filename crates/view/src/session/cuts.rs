@@ -1,5 +1,9 @@
 //! Cuts at once, and cuts taken back.
+//!
+//! A cut that is taken back takes the body back to where it was before it: pieces that have parted would else be joined across
+//! the room, and fly. Doing it again goes there too, so that it is the same cut, however long ago.
 
+use super::moment::Moment;
 use super::{Session, add_cuts};
 use crate::command::Edge;
 use incise_cut::{CutError, CutParams};
@@ -10,13 +14,15 @@ use incise_scene::SceneError;
 #[derive(Debug, Default)]
 pub(super) struct Cuts {
     done: Vec<Done>,
-    undone: Vec<Way>,
+    undone: Vec<(Way, Moment)>,
 }
 
 /// A cut that was done.
 #[derive(Debug)]
 struct Done {
     way: Way,
+    /// Before it.
+    moment: Moment,
     undo: Undo,
 }
 
@@ -69,11 +75,12 @@ impl Session {
         to: Edge,
         inside: &str,
     ) -> Result<(), SceneError> {
+        let moment = self.moment()?;
         self.scene.jump_blade(self.blade, from);
         self.scene.move_blade(self.blade, to);
         let done = self.scene.cut().copied();
         add_cuts(&mut self.since.stats, &done?);
-        self.take_outcomes(from, to);
+        self.take_outcome([from, to], moment);
         if let Some(refusal) = self.scene.refusals().first() {
             self.refuse(match refusal.error {
                 CutError::PartialCut { .. } => inside.to_owned(),
@@ -84,16 +91,16 @@ impl Session {
     }
 
     /// Notes what the scene has just cut along this way.
-    pub(super) fn take_outcomes(&mut self, from: Edge, to: Edge) {
-        for (_, outcome) in self.scene.outcomes() {
-            self.topology += 1;
-            self.positions += 1;
-            let Some(undo) = outcome.undo.clone() else {
-                continue;
-            };
+    pub(super) fn take_outcome(&mut self, [from, to]: [Edge; 2], moment: Moment) {
+        let Some((_, outcome)) = self.scene.outcomes().first() else {
+            return;
+        };
+        self.topology += 1;
+        self.positions += 1;
+        if let Some(undo) = outcome.undo.clone() {
             let params = self.scene.params.cut;
             let way = Way { from, to, params };
-            self.cuts.done.push(Done { way, undo });
+            self.cuts.done.push(Done { way, moment, undo });
         }
     }
 
@@ -108,25 +115,23 @@ impl Session {
             self.cuts.done.push(done);
             return Err(error);
         }
-        self.cuts.undone.push(done.way);
         self.topology += 1;
-        self.positions += 1;
-        Ok(())
+        let back = self.go_back(&done.moment);
+        self.cuts.undone.push((done.way, done.moment));
+        back
     }
 
     pub(super) fn redo(&mut self) -> Result<(), SceneError> {
         self.release()?;
-        let Some(way) = self.cuts.undone.pop() else {
+        let Some((way, moment)) = self.cuts.undone.pop() else {
             self.say("there is no cut to do again".to_owned());
             return Ok(());
         };
-        let inside = "that cut would end inside the body, where the body is now";
+        self.go_back(&moment)?;
+        let inside = "that cut would end inside the body";
         let now = std::mem::replace(&mut self.scene.params.cut, way.params);
         let done = self.cut_along(way.from, way.to, inside);
         self.scene.params.cut = now;
-        if done.is_ok() && self.scene.outcomes().is_empty() && self.scene.refusals().is_empty() {
-            self.say("the body is no longer where that cut was".to_owned());
-        }
         done
     }
 }

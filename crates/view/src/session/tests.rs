@@ -99,6 +99,44 @@ fn what_is_done_again_while_time_stands_still_is_the_same_to_the_bit() {
     }
 }
 
+/// Pieces that had parted were joined across the room, and flew.
+#[test]
+fn who_takes_a_cut_back_or_does_it_again_goes_back_to_it() {
+    let mut s = session();
+    let places = |s: &Session| s.surface().positions.clone();
+    for _ in 0..20 {
+        s.frame();
+    }
+    let whole = places(&s);
+    s.apply(across(0.1));
+    let cut = places(&s);
+    let parts = s.surface().piece_volumes();
+    for _ in 0..120 {
+        s.frame();
+    }
+    let near = |a: &[[f32; 4]], b: &[[f32; 4]]| {
+        let mut pairs = a.iter().zip(b);
+        pairs.all(|(a, b)| a[..3] == b[..3]) && a.len() == b.len()
+    };
+    for _ in 0..2 {
+        s.apply(Command::Undo);
+        let used = whole.len();
+        assert!(near(&places(&s)[..used], &whole), "as before the cut");
+        let stretch = s.scene().body(s.body()).solver().stretch_error(s.surface());
+        for _ in 0..60 {
+            s.frame();
+        }
+        assert!(stretch < 0.01, "nothing is torn: {stretch}");
+        s.apply(Command::Redo);
+        assert!(near(&places(&s), &cut), "as after the cut");
+        assert_eq!(s.surface().piece_volumes(), parts);
+        assert_eq!((s.undoable(), s.redoable()), (1, 0));
+        for _ in 0..60 {
+            s.frame();
+        }
+    }
+}
+
 #[test]
 fn a_cut_shows_in_the_frame_after_it() {
     let mut s = session();
