@@ -1,7 +1,7 @@
 //! Why the program stops.
 
 use incise_cut::CutError;
-use incise_mesh::{NotFit, ReadError, WriteError};
+use incise_mesh::{Defect, NotFit, ReadError, WriteError};
 use incise_refine::HoleError;
 use incise_scene::SceneError;
 use std::path::PathBuf;
@@ -12,8 +12,19 @@ pub(crate) enum Failure {
     /// The input is not a mesh.
     #[error(transparent)]
     Read(#[from] ReadError),
+    /// There is no such file, and no such model.
+    #[cfg(feature = "gpu")]
+    #[error(
+        "{}: there is no such file and no such model; name a mesh (obj, ply, stl, glb or gltf), or one of {}",
+        path.display(),
+        incise_mesh::Model::ALL.map(incise_mesh::Model::name).join(", ")
+    )]
+    NoInput {
+        /// What was named.
+        path: PathBuf,
+    },
     /// The input is no body that can be cut.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}{}", path.display(), what_to_do(source))]
     NotFit {
         /// The file.
         path: PathBuf,
@@ -70,6 +81,20 @@ pub(crate) enum Failure {
     /// The body is to be cut when everything is over: the command line is wrong.
     #[error("--at is not before the end; raise --seconds")]
     CutAfterEnd,
+    /// The body would begin in the ground, and be shot out of it: the command line is wrong.
+    #[error(
+        "{}: its lowest point is at {lowest}, below the ground at {ground}, which would shoot it out; give --ground {lowest} \
+         or less",
+        path.display()
+    )]
+    BelowGround {
+        /// The file.
+        path: PathBuf,
+        /// Where the mesh begins \[m\].
+        lowest: f32,
+        /// Where the ground is \[m\].
+        ground: f32,
+    },
     /// The body cannot be moved, or there is no device to move it.
     #[error("{}: {source}", path.display())]
     Scene {
@@ -164,6 +189,14 @@ pub(crate) enum Failure {
     Output(#[from] std::io::Error),
 }
 
+/// Which command mends a mesh.
+fn what_to_do(why: &NotFit) -> &'static str {
+    match why.defects.as_slice() {
+        [Defect::OpenEdge { gap: None, .. }] => " with `incise fill`",
+        _ => "",
+    }
+}
+
 impl Failure {
     /// What the program ends with: 2 for a wrong command line, 3 for an output that cannot be written, 1
     /// for all that is due to the input or the machine.
@@ -177,6 +210,7 @@ impl Failure {
             | Self::NotWith { .. }
             | Self::SweepCrossesItself
             | Self::CutAfterEnd
+            | Self::BelowGround { .. }
             | Self::OutputFormat { .. } => 2,
             Self::Folder { .. }
             | Self::TargetIsInput { .. }

@@ -17,6 +17,10 @@ pub(crate) fn surface(input: &Path, is_to_be_cut: bool) -> Result<Surface, Failu
     {
         return Ok(build_model(model));
     }
+    if !input.exists() && input.extension().is_none() {
+        let path = input.to_owned();
+        return Err(Failure::NoInput { path });
+    }
     let data = read_mesh(input)?;
     let surface = if is_to_be_cut {
         data.into_surface()

@@ -49,7 +49,7 @@ Examples:
   incise check bunny.obj
   incise cut bunny.obj --plane 0,1,0.2,0.05 -o pieces
   incise render pieces/piece_000.obj -o piece.png
-  incise simulate bunny.obj --seconds 2 --ground 0 --volume --struts 1 -o pieces
+  incise simulate bunny.obj --seconds 2 --ground -0.5 --volume --struts 1 -o pieces
   incise view bunny.obj
 
 Exit codes: 0 done, 1 the input cannot be used or there is no device, 2 the command line is wrong, 3 the output cannot \

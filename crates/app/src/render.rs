@@ -101,6 +101,8 @@ struct Report {
     device: String,
     /// Samples of a pixel.
     samples: u32,
+    /// Triangles that the cut crossed; none without a cut.
+    triangles_hit: Option<usize>,
     pieces: usize,
     /// Triangles in the picture, those of caps among them.
     triangles: usize,
@@ -171,6 +173,7 @@ pub(crate) fn run(
         height: picture.height(),
         device: context.adapter().name.clone(),
         samples,
+        triangles_hit: bodies.hits,
         pieces: bodies.pieces(),
         triangles,
         cap_triangles,
@@ -271,6 +274,9 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
         report.cap_triangles,
         report.pieces
     )?;
+    if report.triangles_hit == Some(0) {
+        writeln!(out, "  the cut misses what is drawn")?;
+    }
     let t = &report.milliseconds;
     writeln!(
         out,

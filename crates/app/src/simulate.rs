@@ -38,7 +38,7 @@ pub(crate) struct SimulateArguments {
     /// Substeps of a frame.
     #[arg(long, value_name = "N", default_value_t = SolverParams::default().substeps, value_parser = clap::value_parser!(u32).range(1..))]
     substeps: u32,
-    /// Height of a ground that nothing sinks below.
+    /// Height of a ground that nothing sinks below; the mesh has to begin above it.
     #[arg(long, value_name = "H", value_parser = numbers::<1>, allow_hyphen_values = true)]
     ground: Option<Numbers<1>>,
     /// Every closed piece keeps the volume that it has at rest.
@@ -143,6 +143,17 @@ pub(crate) fn run(
         path: path.clone(),
         source,
     })?;
+    let lowest = surface.bounds().min[1];
+    if let Some(ground) = arguments.ground()
+        && lowest < ground
+    {
+        let path = path.clone();
+        return Err(Failure::BelowGround {
+            path,
+            lowest,
+            ground,
+        });
+    }
     let (simulate, simulated) = timed(|| arguments.simulate(surface, frames, cut_at, teller));
     let simulated = simulated?;
     let surface = simulated.scene.body(simulated.body).surface();
@@ -170,13 +181,17 @@ pub(crate) fn run(
 }
 
 impl SimulateArguments {
+    fn ground(&self) -> Option<f32> {
+        self.ground.map(|Numbers([height])| narrow(height))
+    }
+
     fn scene(&self) -> Result<Scene, SceneError> {
         let params = SceneParams {
             dt: narrow(self.dt),
             solver: SolverParams {
                 iterations: self.iterations,
                 substeps: self.substeps,
-                ground: self.ground.map(|Numbers([height])| narrow(height)),
+                ground: self.ground(),
                 ..SolverParams::default()
             },
             contacts: self.contacts.then(ContactParams::default),

@@ -213,3 +213,29 @@ fn halves_keep_their_volume_and_lie_on_each_other() {
     let told = String::from_utf8(bad.stderr).unwrap();
     assert!(told.contains("2 struts a vertex"), "{told}");
 }
+
+/// It was shot into the air: half a meter of it lay in the ground.
+#[test]
+fn a_body_that_begins_in_the_ground_is_refused() {
+    let (folder, input) = with_sphere();
+    let out = folder.path().join("out");
+    let run = |ground: &str| {
+        let words = [
+            "simulate",
+            text(&input),
+            "--seconds",
+            "0.1",
+            "--ground",
+            ground,
+            "-o",
+            text(&out),
+        ];
+        incise(&words)
+    };
+    let refused = run("0");
+    assert_eq!(refused.status.code(), Some(2), "{refused:?}");
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert!(said.contains("give --ground -0.5 or less"), "{said}");
+    assert!(!out.exists(), "nothing is written");
+    assert_eq!(run("-0.5").status.code(), Some(0), "it stands on it");
+}

@@ -235,7 +235,7 @@ impl Frame<'_, '_> {
                     stretch_serial(x, d, part, constants.struts);
                 }
             }
-            Pass::Contacts => {
+            Pass::ContactsBeforeVolumes | Pass::Contacts => {
                 stats.contact_projections += body.contacts.len() as u64;
                 for color in &mut body.contacts.colors {
                     let keeps = self.plan.iterations() > 1;

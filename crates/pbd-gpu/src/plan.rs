@@ -48,6 +48,10 @@ pub enum Pass {
     },
     /// Struts without a color, one by one.
     StrutsOverflow,
+    /// What touches is pushed apart in a body that has volumes too: what this takes from a piece it gets back within the
+    /// substep. Were contacts to come after volumes alone, it would be an old error in the next one, and pieces that lie on
+    /// each other would lose more than `kernels/volume.rs` returns of those.
+    ContactsBeforeVolumes,
     /// Closed pieces get their volumes back.
     Volumes,
     /// Vertices and triangles that touch are pushed apart, color by color.
@@ -75,11 +79,12 @@ impl Pass {
             Self::BendingOverflow => (1, 1, MAX_COLORS),
             Self::Struts { color } => (1 + LAYERS, 0, color),
             Self::StrutsOverflow => (1 + LAYERS, 0, MAX_COLORS),
-            Self::Volumes => (1 + LAYERS, 1, 0),
-            Self::Contacts => (1 + LAYERS, 2, 0),
-            Self::Colliders => (1 + LAYERS, 3, 0),
-            Self::Ground => (1 + LAYERS, 4, 0),
-            Self::Integrate => (1 + LAYERS, 5, 0),
+            Self::ContactsBeforeVolumes => (1 + LAYERS, 1, 0),
+            Self::Volumes => (1 + LAYERS, 2, 0),
+            Self::Contacts => (1 + LAYERS, 3, 0),
+            Self::Colliders => (1 + LAYERS, 4, 0),
+            Self::Ground => (1 + LAYERS, 5, 0),
+            Self::Integrate => (1 + LAYERS, 6, 0),
         }
     }
 }
@@ -215,11 +220,8 @@ impl StepPlan {
         }
         self.iteration.sort_unstable();
         if key.volumes {
-            // What contacts take from a piece it gets back within the substep, and so all of it. Were they to come after
-            // volumes alone, it would be an old error in the next one, and pieces that lie on each other would lose more
-            // than `kernels/volume.rs` returns of those.
             if key.contacts {
-                self.iteration.push(Pass::Contacts);
+                self.iteration.push(Pass::ContactsBeforeVolumes);
             }
             self.iteration.push(Pass::Volumes);
         }
@@ -380,10 +382,17 @@ mod tests {
         let [prologue, iteration, epilogue] = [plan.prologue(), plan.iteration(), plan.epilogue()];
         let once: Vec<Pass> = [prologue, iteration, epilogue].concat();
         assert!(once.is_sorted_by(|a, b| a < b), "{once:?}");
-        assert_eq!(iteration.len(), 1 + 3 * (64 + 1) + 1 + 1 + 1 + 1);
+        assert_eq!(iteration.len(), 1 + 3 * (64 + 1) + 1 + 1 + 1 + 1 + 1);
         let all: Vec<Pass> = plan.passes().collect();
         let expected = [prologue, iteration, iteration, iteration, epilogue].concat();
         assert_eq!(all, expected);
+        let hollow = PlanKey {
+            volumes: false,
+            ..key
+        };
+        plan.update(hollow, &stretch, Some(&bending), Some(&struts));
+        let before = plan.iteration().contains(&Pass::ContactsBeforeVolumes);
+        assert!(!before, "nothing is to be given back");
     }
 
     #[test]

@@ -278,6 +278,20 @@ impl Solver {
         Ok(())
     }
 
+    /// Changes the rate at which velocities decay [1/s] from the next frame on.
+    ///
+    /// # Errors
+    /// [`ConstraintError`] when the number is out of its range; nothing is changed then.
+    pub fn set_damping(&mut self, damping: f32) -> Result<(), ConstraintError> {
+        let material = Material {
+            damping,
+            ..self.material
+        };
+        material.check()?;
+        self.material = material;
+        Ok(())
+    }
+
     /// Changes what the body's inside does from the next frame on, be it more pressure, or that it does anything at all.
     ///
     /// # Errors

@@ -54,6 +54,30 @@ fn a_load_counts_and_stays_with_its_vertex() {
 }
 
 #[test]
+fn damping_can_be_changed_between_frames() {
+    let fallen = |material: &Material, change: Option<f32>| {
+        let mut surface = sphere(1, [0.0; 3]);
+        let mut solver = Solver::new(&mut surface, material).unwrap();
+        if let Some(damping) = change {
+            solver.set_damping(damping).unwrap();
+        }
+        for _ in 0..10 {
+            (solver.step(&mut surface, 0.01, &SolverParams::paper())).unwrap();
+        }
+        let refused = solver.set_damping(-1.0);
+        assert!(refused.is_err(), "a rate is not negative");
+        surface.positions
+    };
+    let damped = Material {
+        damping: 2.0,
+        ..Material::default()
+    };
+    let changed = fallen(&Material::default(), Some(2.0));
+    assert_eq!(changed, fallen(&damped, None));
+    assert_ne!(changed, fallen(&Material::default(), None), "it is felt");
+}
+
+#[test]
 fn stretch_can_be_changed_between_frames() {
     let mut surface = sphere(1, [0.0; 3]);
     let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();

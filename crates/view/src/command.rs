@@ -91,6 +91,10 @@ pub struct Settings {
     /// How many struts through the body a vertex has, 0 to 1; none without struts, as in recordings from before there were any.
     #[serde(default)]
     pub struts: Option<f32>,
+    /// The rate at which velocities decay [1/s], so that what could roll comes to rest; 0 in recordings from before there was
+    /// any.
+    #[serde(default)]
+    pub damping: f32,
     /// Whether things fall.
     pub gravity: bool,
     /// Whether there is a ground.
@@ -111,6 +115,7 @@ impl Default for Settings {
             bending: Some(0.2),
             volume: Some(1.0),
             struts: Some(1.0),
+            damping: 1.0,
             gravity: true,
             ground: true,
             contacts: true,
@@ -129,6 +134,7 @@ impl Settings {
                 density,
                 ..Struts::default()
             }),
+            damping: self.damping,
             ..Material::default()
         }
     }

@@ -93,8 +93,11 @@ pub fn run(options: Options) -> Result<(), ViewError> {
         .as_ref()
         .map_or_else(Settings::default, Recording::settings);
     let replay = replay.map(|r| r.replay(&options.surface)).transpose()?;
-    let events = EventLoop::new().map_err(|error| ViewError::NoDisplay {
-        message: error.to_string(),
+    let events = EventLoop::new().map_err(|error| {
+        // Before the reason stands where in the library it was found.
+        let message = error.to_string();
+        let message = message.rsplit(": ").next().unwrap_or_default().to_owned();
+        ViewError::NoDisplay { message }
     })?;
     let mut app = App::new(options, settings, replay);
     let ended = events.run_app(&mut app);

@@ -16,6 +16,8 @@ const PLANE_MARGIN: f64 = 0.06;
 pub(super) struct Bodies {
     pub(super) bodies: Vec<Body>,
     pieces: usize,
+    /// Triangles that the cut crossed; none without a cut.
+    pub(super) hits: Option<usize>,
 }
 
 /// One mesh.
@@ -51,13 +53,15 @@ impl Bodies {
     /// Reads all inputs, and cuts them if there is a plan for it.
     pub(super) fn read(inputs: &[PathBuf], plan: Option<CutPlan<'_>>) -> Result<Self, Failure> {
         let (mut bodies, mut pieces) = (Vec::new(), 0);
+        let mut hits = plan.map(|_| 0);
         for input in inputs {
             let mut surface = surface(input, plan.is_some())?;
             let bounds = surface.bounds();
             let mut sweep = None;
             if let Some(plan) = plan {
                 let along = plan.sweep(&surface)?;
-                plan.cut(&mut surface, &along, input)?;
+                let cut = plan.cut(&mut surface, &along, input)?;
+                hits = hits.map(|hits| hits + cut.outcome.report.hits);
                 sweep = Some(along);
             }
             let numbers = (0..surface.piece_bound()).map(|piece| {
@@ -72,7 +76,11 @@ impl Bodies {
                 surface,
             });
         }
-        Ok(Self { bodies, pieces })
+        Ok(Self {
+            bodies,
+            pieces,
+            hits,
+        })
     }
 
     /// How many pieces there are, those that are left out too.
@@ -247,6 +255,7 @@ mod tests {
         let mut bodies = Bodies {
             bodies: vec![body],
             pieces: 2,
+            hits: None,
         };
         let before = centers(&bodies.bodies[0].surface);
         bodies.explode(0.25);

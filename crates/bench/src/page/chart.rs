@@ -148,7 +148,8 @@ impl Chart<'_> {
             .configure_series_labels()
             .position(self.names.clone())
             .border_style(RGBColor(150, 150, 150))
-            .background_style(WHITE.mix(0.85))
+            // Lines that run below it are seen.
+            .background_style(WHITE.mix(0.4))
             .draw()
     }
 }

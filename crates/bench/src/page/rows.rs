@@ -97,6 +97,13 @@ pub(super) struct TableRow {
     pub(super) method: Option<String>,
     pub(super) seconds: f64,
     pub(super) iterations: u64,
+    /// Whether pieces keep their volumes, have struts, touch each other: not in files from before they could.
+    #[serde(default)]
+    pub(super) volume: bool,
+    #[serde(default)]
+    pub(super) struts: bool,
+    #[serde(default)]
+    pub(super) contacts: bool,
 }
 
 /// A row of `cut`: a model, or what is told of several.

@@ -15,6 +15,22 @@ fn paper(name: &str) -> Option<PaperRow> {
     model.map(paper::row)
 }
 
+/// What bodies have that the paper's have not, as a sentence.
+fn beyond(row: &TableRow) -> String {
+    let all = [
+        (row.volume, "pieces keep their volumes"),
+        (row.struts, "struts hold their sides apart"),
+        (row.contacts, "pieces touch each other"),
+    ];
+    let has = all.iter().filter(|(is_on, _)| *is_on);
+    let has: Vec<&str> = has.map(|&(_, text)| text).collect();
+    if has.is_empty() {
+        String::new()
+    } else {
+        format!(" Unlike the paper's, which costs time: {}.", has.join(", "))
+    }
+}
+
 /// A table of one run, beside the paper's, and its frame rates over time.
 pub(super) fn show(html: &mut Html, rows: &[TableRow]) -> Result<(), PageError> {
     let Some(first) = rows.first() else {
@@ -25,8 +41,10 @@ pub(super) fn show(html: &mut Html, rows: &[TableRow]) -> Result<(), PageError> 
     html.subheading(&format!("{method} on the {}", first.backend));
     html.paragraph(&format!(
         "{} simulated seconds, {} iterations a frame; a slice every second in PBD + CS. x says how many times better than the \
-         paper, whose machine is another one.",
-        first.seconds, first.iterations
+         paper, whose machine is another one.{}",
+        first.seconds,
+        first.iterations,
+        beyond(first)
     ));
     let lines: Vec<_> = rows.iter().map(|row| (rates(row), false)).collect();
     let names = [

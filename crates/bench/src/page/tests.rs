@@ -125,6 +125,22 @@ fn frame_rates_over_time_are_drawn_where_rows_have_them() {
     assert_eq!(page.matches("<svg").count(), 2);
     assert!(page.contains("Figure 11a") && page.contains("Figure 11b"));
     assert!(!page.contains("an earlier version wrote them"));
+    assert!(!page.contains("Unlike the paper's"), "it is as the paper's");
+}
+
+#[test]
+fn a_table_of_bodies_with_an_inside_says_so() {
+    let text = std::fs::read_to_string(shipped("table_exact.json")).unwrap();
+    let mut rows: serde_json::Value = serde_json::from_str(&text).unwrap();
+    for row in rows.as_array_mut().unwrap() {
+        row["volume"] = true.into();
+        row["contacts"] = true.into();
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = write(folder.path(), "table.json", &rows.to_string());
+    let page = content(&[path]).page().unwrap();
+    let said = "pieces keep their volumes, pieces touch each other.";
+    assert!(page.contains(said), "{page}");
 }
 
 #[test]

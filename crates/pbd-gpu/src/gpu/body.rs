@@ -154,7 +154,9 @@ impl DeviceBody {
         } else {
             0
         };
-        let contacts = u64::from(self.contacts.count) + 64;
+        // Twice where there are volumes, before them and after.
+        let sweeps = 1 + u64::from(places.pieces > 0);
+        let contacts = sweeps * (u64::from(self.contacts.count) + 64);
         let colliders = vertices * u64::from(1 + self.collider_count);
         let tethers = per_lane(self.tether_count);
         let iteration =

@@ -79,10 +79,13 @@ impl Compiler<'_> {
         out.extend(self.dispatch(kernel, NOTHING, false, &pieces));
     }
 
-    /// The contacts of all colors, of which each has few.
-    pub(super) fn contacts(&mut self, out: &mut Vec<Dispatch>) {
+    /// The contacts of all colors, of which each has few: of all bodies, or of those that have volumes.
+    pub(super) fn contacts(&mut self, with_volumes: bool, out: &mut Vec<Dispatch>) {
+        let is_meant = |b: &Stepped<'_>| {
+            b.body.contacts.count > 0 && (!with_volumes || b.body.volumes.places.pieces > 0)
+        };
         let lanes: Vec<(u32, u32)> = (self.by_passes())
-            .map(|b| (b.slot, b.body.contacts.count.min(1) * self.workgroup))
+            .map(|b| (b.slot, u32::from(is_meant(b)) * self.workgroup))
             .collect();
         let kernel = Kernel::Pass(EntryPoint::Tail);
         out.extend(self.dispatch(kernel, ALL_CONTACTS, true, &lanes));

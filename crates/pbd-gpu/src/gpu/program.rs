@@ -203,7 +203,8 @@ impl Compiler<'_> {
                     self.colors(family.kind, run, &mut out);
                 }
                 None if run[0] == Pass::ResetMultipliers => self.resets(&mut out),
-                None if run[0] == Pass::Contacts => self.contacts(&mut out),
+                None if run[0] == Pass::ContactsBeforeVolumes => self.contacts(true, &mut out),
+                None if run[0] == Pass::Contacts => self.contacts(false, &mut out),
                 None if run[0] == Pass::Volumes => self.volumes(&mut out),
                 None => out.extend(self.vertices(run[0])),
             }

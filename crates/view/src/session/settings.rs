@@ -15,6 +15,7 @@ impl Session {
         } else if settings.material() != self.settings.material() {
             let (solver, surface) = self.scene.edit(self.body)?.solver_mut();
             solver.set_stretch(Stiffness::Pbd(settings.stretch))?;
+            solver.set_damping(settings.damping)?;
             solver.set_volume(surface, settings.volume())?;
         }
         let params = settings.scene(self.ground);

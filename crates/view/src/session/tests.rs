@@ -391,14 +391,15 @@ fn a_large_body_does_not_sink_in_on_the_ground() {
 }
 
 #[test]
-fn recordings_from_before_there_were_struts_have_none() {
+fn recordings_from_before_there_were_struts_and_damping_have_none() {
     let mut s = session();
     s.apply(Command::Set(Settings::default()));
     let mut text = Vec::new();
     s.recording().write(&mut text).unwrap();
     let text = String::from_utf8(text).unwrap();
-    assert_eq!(text.matches(",\"struts\":1.0").count(), 2, "{text}");
-    let old = text.replace(",\"struts\":1.0", "");
+    let new = ",\"struts\":1.0,\"damping\":1.0";
+    assert_eq!(text.matches(new).count(), 2, "{text}");
+    let old = text.replace(new, "");
     let old = Recording::read(old.as_bytes()).unwrap();
     assert_eq!(old.settings().struts, None);
     let Entry::Given { command, .. } = old.entries()[1] else {
@@ -406,7 +407,24 @@ fn recordings_from_before_there_were_struts_have_none() {
     };
     let without = Settings {
         struts: None,
+        damping: 0.0,
         ..Settings::default()
     };
     assert_eq!(command, Command::Set(without));
+}
+
+/// It rolled about for ever: sweeps in the order of colors turn what is pressed against the ground.
+#[test]
+fn a_ball_that_nobody_touches_comes_to_rest_where_it_was() {
+    let mut s = session();
+    let began = s.bounds().unwrap().center();
+    let mut frames = 0;
+    while !s.is_asleep() {
+        s.frame();
+        frames += 1;
+        assert!(frames < 1800, "it falls asleep within half a minute");
+    }
+    let way = s.bounds().unwrap().center() - began;
+    let aside = way.x.hypot(way.z);
+    assert!(aside < 0.1 * f64::from(s.diagonal()), "{aside} m");
 }

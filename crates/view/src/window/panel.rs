@@ -168,7 +168,7 @@ fn cut(ui: &mut Ui, settings: &mut Settings) {
         }
     });
     let mut z = settings.level.z();
-    let slider = Slider::new(&mut z, 0.2..=4.0).logarithmic(true).text("z");
+    let slider = Slider::new(&mut z, 0.05..=20.0).logarithmic(true).text("z");
     if ui.add(slider).changed() {
         settings.level = RefinementLevel::Z(z);
     }
@@ -185,6 +185,7 @@ fn body(ui: &mut Ui, settings: &mut Settings) {
     optional(ui, "struts", &mut settings.struts, 1.0, 1.0).on_hover_text(
         "how many struts through the body a vertex has, so that it does not sink in; a change makes the body anew where it is, at rest",
     );
+    ui.add(Slider::new(&mut settings.damping, 0.0..=10.0).text("damping [1/s]"));
     ui.horizontal(|ui| {
         ui.checkbox(&mut settings.gravity, "gravity");
         ui.checkbox(&mut settings.ground, "ground");

@@ -130,6 +130,9 @@ fn whole_body(
             }
             project_kind(body, STRUTS, body.strut_colors, 0u, lane);
             if (body.pieces != 0u) {
+                if (body.contacts != 0u) {
+                    project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);
+                }
                 project_volumes(body, lane);
             }
             if (body.contacts != 0u) {
