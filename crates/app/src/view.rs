@@ -29,6 +29,9 @@ pub(crate) struct ViewArguments {
     /// How large the window is.
     #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = size)]
     size: Size,
+    /// Begin with time standing still; Space lets it go on.
+    #[arg(long)]
+    paused: bool,
     /// Where pieces go when they are saved.
     #[arg(short, long, value_name = "DIR", default_value = "pieces")]
     output: PathBuf,
@@ -57,6 +60,7 @@ pub(crate) fn run(arguments: &ViewArguments) -> Result<(), Failure> {
             ..BackendRequest::default()
         },
         size: pixels,
+        paused: arguments.paused,
         replay,
         record_to: arguments.record.clone(),
         save: Box::new(move |surface| {

@@ -6,6 +6,7 @@ mod events;
 mod frames;
 mod graph;
 mod marks;
+mod pace;
 mod panel;
 mod picture;
 mod screen;
@@ -19,6 +20,7 @@ use app::App;
 use graph::Times;
 use incise_mesh::Surface;
 use incise_scene::BackendRequest;
+use pace::Pace;
 use picture::Picture;
 use screen::Screen;
 use std::path::PathBuf;
@@ -40,6 +42,8 @@ pub struct Options {
     pub backend: BackendRequest,
     /// Pixels across and along.
     pub size: [u32; 2],
+    /// Whether time stands still at first.
+    pub paused: bool,
     /// What to do again.
     pub replay: Option<Recording>,
     /// Where the recording goes when it is saved.
@@ -122,6 +126,7 @@ struct Open {
     /// What draws and what moves, and why.
     device: String,
     paused: bool,
+    pace: Pace,
     replay: Option<Replay>,
     /// When the last picture was begun.
     last: Instant,

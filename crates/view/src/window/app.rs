@@ -1,5 +1,6 @@
 //! The program as the system sees it: the window is opened, and events are handed to it.
 
+use super::pace::Pace;
 use super::picture::Picture;
 use super::screen::Screen;
 use super::{Look, Open, Options, Times, panel};
@@ -117,7 +118,8 @@ impl App {
             look: Look::default(),
             times: Times::default(),
             device,
-            paused: false,
+            paused: self.options.paused,
+            pace: Pace::new(Instant::now()),
             replay: self.replay.take(),
             last: Instant::now(),
             owed: Duration::ZERO,

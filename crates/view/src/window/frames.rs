@@ -21,6 +21,12 @@ impl Open {
             self.paused = true;
             self.told = Some(match is_same {
                 Some(true) => ("the replay is over: the same to the bit".to_owned(), false),
+                // Devices contract and reassociate; only the processor is held to its bits.
+                Some(false) if self.is_on_device() => (
+                    "the replay is over; on a device it differs by rounding and what comes of it"
+                        .to_owned(),
+                    false,
+                ),
                 Some(false) => ("the replay is over and differs".to_owned(), true),
                 None => ("the replay is over".to_owned(), false),
             });
@@ -30,6 +36,12 @@ impl Open {
         let frame = self.session.last();
         self.times.push(frame.time, frame.stats.cutting());
         Ok(())
+    }
+
+    /// Whether a device moves the body.
+    pub(super) fn is_on_device(&self) -> bool {
+        let report = self.session.scene().backend_report();
+        report.on_device.contains(&self.session.body())
     }
 
     /// Whether time goes on.
@@ -43,7 +55,9 @@ impl Open {
         let now = Instant::now();
         let passed = now - std::mem::replace(&mut self.last, now);
         let dt = Duration::from_secs_f32(SceneParams::default().dt);
-        if !self.is_moving() {
+        let is_moving = self.is_moving();
+        (self.pace).note(now, self.session.frames(), dt, is_moving);
+        if !is_moving {
             self.owed = dt;
             return Ok(());
         }

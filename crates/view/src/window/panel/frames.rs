@@ -8,18 +8,19 @@ pub(super) fn show(ui: &mut Ui, open: &Open) {
     let (session, stats) = (&open.session, &open.session.last().stats);
     open.times.show(ui);
     let [mean, most] = open.times.summary();
-    ui.horizontal_wrapped(|ui| {
-        ui.label(format!("frame {mean:.2} ms, most {most:.1};"));
+    ui.horizontal(|ui| {
+        ui.label("time of a frame, and of its");
         ui.colored_label(graph::CUTS, "cuts");
-        ui.label(format!("; picture {:.1} ms", open.times.of_picture()));
     });
     let surface = session.surface();
     let topology = surface.topology();
     let scene = session.scene();
-    let report = scene.backend_report();
-    let on_device = report.on_device.contains(&session.body());
-    let mover = report.device.filter(|_| on_device);
+    let mover = scene.backend_report().device;
+    let mover = mover.filter(|_| open.is_on_device());
     let rows = [
+        ("a frame", format!("{mean:.2} ms, at most {most:.1} ms")),
+        ("a picture", format!("{:.1} ms", open.times.of_picture())),
+        ("speed", open.pace.text()),
         ("frame", format!("{}{}", session.frames(), rest(open))),
         ("pieces", surface.piece_count().to_string()),
         (
