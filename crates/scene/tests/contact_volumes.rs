@@ -4,7 +4,7 @@
 mod firm;
 
 use firm::firm;
-use incise_mesh::{Model, build_model};
+use incise_mesh::{Model, Surface, TriangleId, VertexId, build_model, cube_sphere};
 use incise_pbd_gpu::SolverParams;
 use incise_scene::{ContactParams, Scene, SceneParams};
 
@@ -40,4 +40,51 @@ fn pieces_that_fall_onto_each_other_keep_their_volumes() {
         }
     }
     assert!(touching > 1000, "they touch: {touching}");
+}
+
+/// Five blocks of 0.6 x 0.19 x 0.6 m on each other.
+fn column() -> Surface {
+    let (mut corners, mut faces) = (Vec::new(), Vec::new());
+    for i in 0..5_u8 {
+        let ball = cube_sphere(6, 1.0);
+        let first = u32::try_from(corners.len()).unwrap();
+        let height = 0.5 + 0.2 * f32::from(i);
+        corners.extend(ball.rest.iter().map(|r| {
+            let most = r.iter().fold(0.0_f32, |a, c| a.max(c.abs()));
+            let [x, y, z] = r.map(|c| c / most);
+            [0.3 * x, 0.095 * y + height, 0.3 * z]
+        }));
+        let topology = ball.topology();
+        let of = |t: TriangleId| topology.triangle(t).map(|v| v.0 + first);
+        faces.extend(topology.triangles().map(of));
+    }
+    Surface::from_triangles(&corners, &faces).unwrap()
+}
+
+/// Four of five were turned inside out and stayed so.
+#[test]
+fn a_column_that_hits_the_ground_has_its_volumes_again() {
+    let mut scene = Scene::new(SceneParams {
+        solver: SolverParams {
+            ground: Some(0.0),
+            ..SolverParams::default()
+        },
+        contacts: Some(ContactParams::default()),
+        ..SceneParams::default()
+    });
+    let id = scene.add_body(column(), &firm(0.5, 0.0)).unwrap();
+    let whole = scene.body(id).surface().piece_volumes();
+    let (solver, surface) = scene.edit(id).unwrap().solver_mut();
+    let vertices: Vec<VertexId> = surface.topology().vertices().collect();
+    for v in vertices {
+        solver.set_velocity(v, [0.0, -14.0, 0.0]).unwrap();
+    }
+    for _ in 0..180 {
+        scene.step().unwrap();
+    }
+    let volumes = scene.body(id).surface().piece_volumes();
+    for (now, whole) in volumes.iter().zip(&whole) {
+        let kept = now / whole;
+        assert!((kept - 1.0).abs() < 0.01, "{kept} is left");
+    }
 }
