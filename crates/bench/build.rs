@@ -1,10 +1,10 @@
-//! Notes the commit that the program is built from, for what it measures to be found again.
+//! Records the commit of the build, which every row of results names.
 
 use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The crates that the program is made of.
+/// The crates of the program.
 const CRATES: [&str; 7] = [
     "mesh", "refine", "cut", "pbd-gpu", "render", "scene", "bench",
 ];
@@ -12,7 +12,7 @@ const CRATES: [&str; 7] = [
 fn main() {
     let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../..");
     let sources = sources();
-    // Any of them makes another program, which is compiled again then: to ask git costs nothing beside it.
+    // A change of any of them recompiles the program; asking git costs little beside it.
     for source in &sources {
         tell("rerun-if-changed", &root.join(source).display().to_string());
     }
@@ -20,7 +20,7 @@ fn main() {
     tell("rustc-env", &format!("INCISE_COMMIT={commit}"));
 }
 
-/// What the program is built from, of the workspace. Another file, as the README, makes no other program.
+/// Returns the sources of the program; other files of the workspace do not change it.
 fn sources() -> Vec<String> {
     let of_crate = |name| ["src", "Cargo.toml"].map(|part| format!("crates/{name}/{part}"));
     let shared = ["Cargo.toml", "Cargo.lock", "crates/bench/build.rs"];
@@ -34,9 +34,9 @@ fn tell(key: &str, value: &str) {
     println!("cargo::{key}={value}");
 }
 
-/// The commit, with a mark where sources differ from it; none where the workspace is no repository.
+/// Returns the commit, marked for modified sources; none outside of a repository.
 fn commit(root: &Path, sources: &[String]) -> Option<String> {
-    // A copy without its history may lie in a repository of something else.
+    // A copy without its history may lie in another repository.
     let top = git(root, &["rev-parse", "--show-toplevel"])?;
     if Path::new(&top).canonicalize().ok()? != root.canonicalize().ok()? {
         return None;
@@ -56,7 +56,7 @@ fn commit(root: &Path, sources: &[String]) -> Option<String> {
     })
 }
 
-/// Has the commit asked for again when it is another: after a commit, a merge, a checkout.
+/// Reruns the script after a commit, a merge or a checkout.
 fn watch(root: &Path) {
     let branch = git(root, &["symbolic-ref", "--quiet", "HEAD"]);
     let names = ["HEAD", "logs/HEAD"].map(str::to_owned);
@@ -64,7 +64,7 @@ fn watch(root: &Path) {
         let Some(path) = git(root, &["rev-parse", "--git-path", &name]) else {
             continue;
         };
-        // A file that is not there would be looked for in every build, and taken for a change.
+        // An absent file counts as a change in every build.
         let path = root.join(path);
         if path.exists() {
             tell("rerun-if-changed", &path.display().to_string());
@@ -72,9 +72,9 @@ fn watch(root: &Path) {
     }
 }
 
-/// What git answers; nothing where it is not there or refuses.
+/// Returns the output of git; none on an error.
 fn git(root: &Path, arguments: &[&str]) -> Option<String> {
-    // Others may be at work in the same repository.
+    // Other processes may use the repository.
     let answer = Command::new("git")
         .arg("--no-optional-locks")
         .arg("-C")

@@ -1,4 +1,4 @@
-//! `cargo +nightly fuzz run cut`: see the README.
+//! libFuzzer target: runs a decoded [`Case`] with `cargo +nightly fuzz run cut`.
 #![no_main]
 
 use incise_fuzz::Case;

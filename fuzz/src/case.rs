@@ -1,56 +1,57 @@
-//! Bytes to bodies, sweeps and steps.
+//! Decodes a fuzz case from bytes: a body and the cuts, undos and deformations applied to it.
 
 use arbitrary::{Arbitrary, Result, Unstructured};
-use incise_mesh::Model;
+use incise_models::Model;
 use incise_refine::{RefineMethod, RefinementLevel};
 use incise_tests::{Blade, Body, Deformation, Shape};
 
-/// Steps of a case at most: bodies grow with every cut.
-const MOST_STEPS: usize = 8;
+/// Maximum number of steps of a case, since bodies grow with every cut.
+const MAX_STEPS: usize = 8;
 
-/// A body and what is done to it.
+/// A body with a list of operations.
 #[derive(Debug, Clone)]
 pub struct Case {
     /// The body, of about size 1.
     pub body: Body,
-    /// The body is so many times as large, a power of ten.
+    /// Scale of the body as a power of ten.
     pub exponent: i32,
-    /// Where the body is \[its diagonals\].
-    pub place: [f64; 3],
-    /// What is done, in this order.
+    /// Position of the body, relative to its diagonal.
+    pub offset: [f64; 3],
+    /// The operations in order.
     pub steps: Vec<Step>,
 }
 
-/// One thing that is done.
+/// An operation on the body.
 #[derive(Debug, Clone, Copy)]
 pub enum Step {
     /// A cut.
     Cut {
-        /// Along what.
-        knife: Knife,
-        /// How fine caps get.
+        /// Sweep of the cut.
+        sweep: SweepCase,
+        /// Refinement level of the caps.
         level: RefinementLevel,
-        /// Which rim edges are too short.
+        /// Snapping distance, relative to the local edge length.
         snap: f64,
-        /// How large slivers around the rim may be that go.
+        /// Maximum displacement by remeshing, relative to the local edge length.
         remesh: f64,
-        /// How caps come about.
+        /// Refinement method of the caps.
         method: RefineMethod,
-        /// Only the piece with this number, modulo how many there are.
+        /// Index of the only piece to cut, modulo the number of pieces.
         only: Option<u32>,
     },
-    /// The last cut that is not taken back yet is.
+    /// Undoes the last cut that is not undone.
     Undo,
-    /// The body bends by a wave of so many diagonals; the rest position stays.
+    /// Bends the body by a wave of this amplitude, relative to its diagonal; rest positions stay.
     Bend([f64; 3]),
 }
 
-/// What a cut goes along.
+/// Description of a sweep.
 #[derive(Debug, Clone, Copy)]
-pub enum Knife {
+pub enum SweepCase {
     /// A plane or a part of one, chosen to hit vertices, edges and faces.
     Blade(Blade),
-    /// A sweep with these corners around the body's middle \[diagonals\], folded or crossing itself.
+    /// A sweep with these corners around the body's center, relative to the body's diagonal. It may
+    /// be folded or cross itself.
     Corners([[f64; 3]; 4]),
 }
 
@@ -62,21 +63,21 @@ impl<'a> Arbitrary<'a> for Case {
             _ => 0,
         };
         let reach = [0.0, 0.0, 0.0, 1.0, 100.0, 1e4][u.choose_index(6)?];
-        let place = vector(u)?.map(|x| reach * x);
+        let offset = vector(u)?.map(|x| reach * x);
         let mut steps = Vec::new();
-        while steps.len() < MOST_STEPS && !u.is_empty() {
+        while steps.len() < MAX_STEPS && !u.is_empty() {
             steps.push(step(u)?);
         }
         Ok(Self {
             body,
             exponent,
-            place,
+            offset,
             steps,
         })
     }
 }
 
-/// From -1 to 1.
+/// Returns a number from -1 to 1.
 fn signed(u: &mut Unstructured<'_>) -> Result<f64> {
     // Half of all numbers have few bits, so that points coincide and planes meet vertices.
     if u.ratio(1, 2)? {
@@ -86,7 +87,7 @@ fn signed(u: &mut Unstructured<'_>) -> Result<f64> {
     }
 }
 
-/// From `from` to `to`.
+/// Returns a number from `from` to `to`.
 fn between(u: &mut Unstructured<'_>, from: f64, to: f64) -> Result<f64> {
     Ok(from + (to - from) * (signed(u)? + 1.0) / 2.0)
 }
@@ -95,7 +96,7 @@ fn vector(u: &mut Unstructured<'_>) -> Result<[f64; 3]> {
     Ok([signed(u)?, signed(u)?, signed(u)?])
 }
 
-/// Along an axis where there is nothing better.
+/// Returns a vector of at least 0.1 in length; the y axis if the decoded one is shorter.
 fn direction(u: &mut Unstructured<'_>) -> Result<[f64; 3]> {
     let v = vector(u)?;
     let is_long = v.iter().any(|x| x.abs() > 0.1);
@@ -116,7 +117,7 @@ fn body(u: &mut Unstructured<'_>) -> Result<Body> {
             phase: vector(u)?.map(|x| std::f64::consts::PI * x),
         },
         2 => Deformation::Noise(between(u, 0.0, 0.3)?),
-        _ => Deformation::Wild(between(u, 0.02, 1.5)?),
+        _ => Deformation::SelfIntersecting(between(u, 0.02, 1.5)?),
     };
     let lattice = match u.int_in_range(0..=3)? {
         0 => Some(u.int_in_range(4..=12)?),
@@ -133,7 +134,7 @@ fn body(u: &mut Unstructured<'_>) -> Result<Body> {
 fn step(u: &mut Unstructured<'_>) -> Result<Step> {
     Ok(match u.int_in_range(0..=9)? {
         0..=6 => Step::Cut {
-            knife: knife(u)?,
+            sweep: sweep(u)?,
             level: match u.int_in_range(0..=7)? {
                 i @ 0..=4 => RefinementLevel::FIVE[i],
                 _ => RefinementLevel::Z(between(u, 0.5, 3.0)?),
@@ -161,9 +162,9 @@ fn step(u: &mut Unstructured<'_>) -> Result<Step> {
     })
 }
 
-fn knife(u: &mut Unstructured<'_>) -> Result<Knife> {
+fn sweep(u: &mut Unstructured<'_>) -> Result<SweepCase> {
     let axis = u.int_in_range(0..=2)?;
-    Ok(Knife::Blade(match u.int_in_range(0..=9)? {
+    Ok(SweepCase::Blade(match u.int_in_range(0..=9)? {
         0 | 1 => Blade::Plane(direction(u)?, 0.95 * signed(u)?),
         2 => Blade::AxisThroughVertex(axis, u.arbitrary()?),
         3 => Blade::ThroughVertices(u.arbitrary()?),
@@ -178,7 +179,7 @@ fn knife(u: &mut Unstructured<'_>) -> Result<Knife> {
             for corner in &mut corners {
                 *corner = vector(u)?.map(|x| reach * x);
             }
-            return Ok(Knife::Corners(corners));
+            return Ok(SweepCase::Corners(corners));
         }
     }))
 }

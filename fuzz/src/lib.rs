@@ -1,9 +1,11 @@
-//! A body and what is done to it, made of bytes: whatever a fuzzer comes up with is a case. After every
-//! step the laws of `incise-tests` hold, and nothing but a sweep that ends inside the body is refused.
+//! Fuzz cases: a body with cuts, undos and deformations, decoded from bytes.
+//!
+//! After every step the invariants of `incise-tests` hold, and only sweeps that end inside the body
+//! may fail.
 #![forbid(unsafe_code)]
 #![warn(missing_docs, clippy::missing_assert_message)]
 
 mod case;
 mod run;
 
-pub use case::{Case, Knife, Step};
+pub use case::{Case, Step, SweepCase};

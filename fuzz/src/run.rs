@@ -1,34 +1,34 @@
-//! A case, step by step.
+//! Runs a fuzz case and checks invariants after every step.
 
-use crate::case::{Case, Knife, Step};
-use incise_cut::{CutError, CutParams, Cutter, Sweep};
-use incise_mesh::geometry::round;
+use crate::case::{Case, Step, SweepCase};
+use incise_cut::{CutError, CutMethod, CutParams, Cutter, ExactParams, Sweep};
+use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Undo, Vec3};
 use incise_refine::RefineParams;
-use incise_tests::{assert_same_bits, assert_sound, cut_and_check};
+use incise_tests::{assert_closed_manifold, assert_same_bits, cut_and_check};
 
-/// A cut that can be taken back.
+/// A cut that can be undone.
 struct Done {
     before: Surface,
     undo: Undo,
-    /// Whether the body has moved since.
+    /// True if the body has moved since.
     moved: bool,
 }
 
 impl Case {
-    /// Does it all.
+    /// Runs all steps, then undoes all cuts.
     ///
     /// # Panics
-    /// When a law does not hold, or a cut is refused that should not be.
+    /// If an invariant does not hold, or a cut fails that should not.
     pub fn run(&self) {
         let mut surface = self.surface();
-        assert_sound(&surface);
+        assert_closed_manifold(&surface);
         let mut cutter = Cutter::new(&surface);
         let mut done: Vec<Done> = Vec::new();
         for step in &self.steps {
             match *step {
                 Step::Cut {
-                    knife,
+                    sweep,
                     level,
                     snap,
                     remesh,
@@ -36,8 +36,7 @@ impl Case {
                     only,
                 } => {
                     let params = CutParams {
-                        snap,
-                        remesh,
+                        method: CutMethod::Exact(ExactParams { snap, remesh }),
                         only_piece: only.and_then(|n| piece(&surface, n)),
                         refine: RefineParams {
                             method,
@@ -47,7 +46,7 @@ impl Case {
                         ..CutParams::default()
                     };
                     let before = surface.clone();
-                    let undo = cut(&mut surface, &mut cutter, &knife, &params);
+                    let undo = cut(&mut surface, &mut cutter, &sweep, &params);
                     done.extend(undo.map(|undo| Done {
                         before,
                         undo,
@@ -56,7 +55,7 @@ impl Case {
                 }
                 Step::Undo => {
                     if let Some(last) = done.pop() {
-                        take_back(&mut surface, &mut cutter, last);
+                        undo_cut(&mut surface, &mut cutter, last);
                     }
                 }
                 Step::Bend(by) => {
@@ -66,22 +65,21 @@ impl Case {
                 }
             }
         }
-        // All the way back.
         while let Some(last) = done.pop() {
-            take_back(&mut surface, &mut cutter, last);
+            undo_cut(&mut surface, &mut cutter, last);
         }
     }
 
     /// The body where the case puts it.
     fn surface(&self) -> Surface {
         let mut surface = self.body.build();
-        let shift = Vec3::from(self.place) * surface.bounds().diagonal();
+        let shift = Vec3::from(self.offset) * surface.bounds().diagonal();
         let scale = 10.0_f64.powi(self.exponent);
         let vertices: Vec<_> = surface.topology().vertices().collect();
         for v in vertices {
-            let [x, y, z] = round((surface.position(v) + shift) * scale);
-            surface.positions[v.index()] = [x, y, z, surface.positions[v.index()][3]];
-            surface.rest[v.index()] = [x, y, z];
+            let [x, y, z] = to_f32((surface.position(v) + shift) * scale);
+            surface.positions_mut()[v.index()] = [x, y, z, surface.positions()[v.index()][3]];
+            surface.rest_positions_mut()[v.index()] = [x, y, z];
         }
         surface
     }
@@ -97,35 +95,35 @@ fn piece(surface: &Surface, n: u32) -> Option<u32> {
 fn cut(
     surface: &mut Surface,
     cutter: &mut Cutter,
-    knife: &Knife,
+    case: &SweepCase,
     params: &CutParams,
 ) -> Option<Undo> {
-    let sweep = match knife {
-        Knife::Blade(blade) => blade.sweep(surface),
-        Knife::Corners(corners) => around(*corners, surface),
+    let sweep = match case {
+        SweepCase::Blade(blade) => blade.sweep(surface),
+        SweepCase::Corners(corners) => around(*corners, surface),
     };
-    let is_full = matches!(knife, Knife::Blade(blade) if blade.is_full_plane());
+    let is_full = matches!(case, SweepCase::Blade(blade) if blade.is_full_plane());
     match cut_and_check(surface, cutter, &sweep.ok()?, params) {
         Ok(outcome) => outcome.undo,
         Err(CutError::PartialCut { .. }) if !is_full => None,
-        Err(error) => panic!("{knife:?} was refused: {error}"),
+        Err(error) => panic!("{case:?} was refused: {error}"),
     }
 }
 
 fn around(corners: [[f64; 3]; 4], surface: &Surface) -> Result<Sweep, CutError> {
     let bounds = surface.bounds();
-    let at = |c: [f64; 3]| round(bounds.center() + Vec3::from(c) * bounds.diagonal());
+    let at = |c: [f64; 3]| to_f32(bounds.center() + Vec3::from(c) * bounds.diagonal());
     let [a, b, c, d] = corners.map(at);
     Sweep::new([a, b], [d, c])
 }
 
-fn take_back(surface: &mut Surface, cutter: &mut Cutter, done: Done) {
+fn undo_cut(surface: &mut Surface, cutter: &mut Cutter, done: Done) {
     let undone = cutter.undo(surface, done.undo);
     undone.expect("the last cut can be taken back");
     let tree = cutter.bvh().validate(surface);
-    tree.expect("the search tree fits the surface");
+    tree.expect("the BVH matches the surface");
     if done.moved {
-        assert_sound(surface);
+        assert_closed_manifold(surface);
         let (was, is) = (done.before.topology(), surface.topology());
         assert_eq!(was, is, "the old triangles are there");
     } else {
@@ -142,8 +140,8 @@ fn bend(surface: &mut Surface, by: [f64; 3]) {
         let p = surface.position(v);
         let at = (p - center) / diagonal;
         let wave = Vec3::from_fn(|k, _| by[k] * (7.0 * at[(k + 1) % 3]).sin());
-        let [x, y, z] = round(p + wave * diagonal);
-        surface.positions[v.index()] = [x, y, z, surface.positions[v.index()][3]];
+        let [x, y, z] = to_f32(p + wave * diagonal);
+        surface.positions_mut()[v.index()] = [x, y, z, surface.positions()[v.index()][3]];
     }
 }
 
@@ -152,9 +150,9 @@ mod tests {
     use super::*;
     use arbitrary::{Arbitrary, Unstructured};
 
-    /// Bytes at random, so that a case that does not even begin is seen without a fuzzer.
+    /// Runs cases from random bytes, which checks the harness without a fuzzer.
     #[test]
-    fn random_bytes_are_cases_that_keep_the_laws() {
+    fn random_cases_keep_the_invariants() {
         let mut state = 1_u64;
         let mut cuts = 0;
         for _ in 0..60 {

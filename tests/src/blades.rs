@@ -1,38 +1,37 @@
-//! Sweeps at random, with everything that can go wrong about them.
+//! Random sweeps, including degenerate ones.
 
 use incise_cut::{CutError, Sweep};
-use incise_mesh::geometry::{Vec3, area_vector, round, widen};
+use incise_mesh::geometry::{Vec3, area_vector, to_f32, to_f64};
 use incise_mesh::{Surface, TriangleId, VertexId};
 use incise_refine::RefinementLevel;
 use proptest::prelude::*;
 
-/// A way to sweep through a surface. Vertices and triangles are named by any number, which is taken
-/// modulo how many the surface has.
+/// Description of a sweep. Indices of vertices and triangles are taken modulo their number.
 #[derive(Debug, Clone, Copy)]
 pub enum Blade {
-    /// A plane along any direction, at this part of the body's half extent from its middle.
+    /// A plane with any normal, at this fraction of the half extent from the center.
     Plane([f64; 3], f64),
-    /// A plane across an axis, exactly through a vertex.
+    /// A plane perpendicular to an axis, exactly through a vertex.
     AxisThroughVertex(usize, u32),
-    /// The plane through three vertices; exact where coordinates lie on a lattice.
+    /// The plane through three vertices; exact for coordinates on a lattice.
     ThroughVertices([u32; 3]),
-    /// A plane in this direction through the edge at a triangle's corner.
+    /// A plane along this direction through an edge of a triangle.
     ThroughEdge(u32, usize, [f64; 3]),
     /// The plane of a triangle.
     InFace(u32),
-    /// A plane along any direction that touches the body's outermost vertex.
+    /// A plane with any normal that touches the outermost vertex.
     Grazing([f64; 3]),
-    /// A plane of which one corner is bent out by this part of the body.
+    /// A plane with one corner moved out by this fraction of the body.
     Bent([f64; 3], f64, f64),
     /// A part of a plane; it may end inside the body.
     Short([f64; 3], f64, f64),
 }
 
 impl Blade {
-    /// The sweep through `surface`.
+    /// Returns the sweep through `surface`.
     ///
     /// # Errors
-    /// [`CutError`] when what was chosen spans no plane.
+    /// [`CutError`] if the chosen points span no plane.
     pub fn sweep(&self, surface: &Surface) -> Result<Sweep, CutError> {
         let bounds = surface.bounds();
         let topology = surface.topology();
@@ -40,11 +39,11 @@ impl Blade {
         let triangles: Vec<TriangleId> = topology.triangles().collect();
         let at = |i: u32| surface.position(vertices[i as usize % vertices.len()]);
         let triangle = |i: u32| surface.triangle_positions(triangles[i as usize % triangles.len()]);
-        let plane = |n: Vec3, p: Vec3| Sweep::across_box(n.into(), n.dot(&p), &bounds);
+        let plane = |n: Vec3, p: Vec3| Sweep::from_plane(n.into(), n.dot(&p), &bounds);
         let middle = |n: Vec3, part: f64| {
-            let size = widen(bounds.max) - widen(bounds.min);
+            let size = to_f64(bounds.max) - to_f64(bounds.min);
             let extent = n.abs().dot(&size) / 2.0;
-            Sweep::across_box(n.into(), n.dot(&bounds.center()) + part * extent, &bounds)
+            Sweep::from_plane(n.into(), n.dot(&bounds.center()) + part * extent, &bounds)
         };
         match *self {
             Self::Plane(n, part) => middle(n.into(), part),
@@ -67,12 +66,12 @@ impl Blade {
             Self::Bent(n, part, bend) => {
                 let [a, b, c, d] = square(&middle(n.into(), part)?);
                 let out = Vec3::from(n).normalize() * (bend * bounds.diagonal());
-                Sweep::new([round(a), round(b)], [round(d + out), round(c)])
+                Sweep::new([to_f32(a), to_f32(b)], [to_f32(d + out), to_f32(c)])
             }
             Self::Short(n, part, length) => {
                 let [a, b, c, d] = square(&middle(n.into(), part)?);
                 let (c, d) = (b + (c - b) * length, a + (d - a) * length);
-                Sweep::new([round(a), round(b)], [round(d), round(c)])
+                Sweep::new([to_f32(a), to_f32(b)], [to_f32(d), to_f32(c)])
             }
         }
     }
@@ -85,8 +84,8 @@ impl Blade {
     }
 }
 
-/// The square around the circle inside a plane's triangle, one side along the triangle's first, which
-/// touches the circle.
+/// The square around the circle inside a plane's triangle, one side along the triangle's first,
+/// which touches the circle.
 fn square(plane: &Sweep) -> [Vec3; 4] {
     let [[a, b, c], _] = plane.triangles();
     // An equilateral triangle is three times as high as the circle's radius.
@@ -96,8 +95,8 @@ fn square(plane: &Sweep) -> [Vec3; 4] {
     [left, right, right + up, left + up]
 }
 
-/// How often the sides of a triangle are doubled at most to make a sweep of them.
-const MOST_DOUBLINGS: f64 = 14.0;
+/// Maximum number of times that the sides of a triangle are doubled to span a sweep.
+const MAX_DOUBLINGS: f64 = 14.0;
 
 /// A sweep in the plane of three points, far over the body on all sides. The corners are sums of
 /// whole multiples of the sides, so lattice points give a plane exactly through all three.
@@ -108,11 +107,11 @@ fn span(surface: &Surface, points: [Vec3; 3]) -> Result<Sweep, CutError> {
     let reach = 2.0 * surface.bounds().diagonal();
     // Points in a line span no plane; nearly in a line, its far corners would be mostly rounding.
     let exponent = (reach / height).log2().ceil();
-    if exponent.is_nan() || exponent > MOST_DOUBLINGS {
+    if exponent.is_nan() || exponent > MAX_DOUBLINGS {
         return Err(CutError::BladeDegenerate);
     }
     let k = exponent.max(1.0).exp2();
-    let corner = |s: f64, t: f64| round(a + u * (s * k) + v * (t * k));
+    let corner = |s: f64, t: f64| to_f32(a + u * (s * k) + v * (t * k));
     Sweep::new(
         [corner(-1.0, -1.0), corner(1.0, -1.0)],
         [corner(-1.0, 1.0), corner(1.0, 1.0)],

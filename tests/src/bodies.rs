@@ -1,11 +1,12 @@
-//! Closed bodies at random.
+//! Random closed bodies.
 
-use incise_mesh::geometry::{Vec3, round, widen};
-use incise_mesh::{Model, Surface, build_model, cube_sphere, icosphere, torus};
+use incise_mesh::geometry::{Vec3, to_f32, to_f64};
+use incise_mesh::{Surface, cube_sphere, icosphere, torus};
+use incise_models::{Model, build_model};
 use proptest::prelude::*;
 use std::sync::OnceLock;
 
-/// What a body is made from, at a size of about 1.
+/// Shape of a body of size about 1.
 #[derive(Debug, Clone, Copy)]
 pub enum Shape {
     /// 20 x 4^n triangles.
@@ -14,44 +15,43 @@ pub enum Shape {
     CubeSphere(u32),
     /// 2 m n triangles and one handle.
     Torus(u32, u32),
-    /// One of the models of the table.
+    /// One of the built-in models.
     Model(Model),
 }
 
-/// How a body is made irregular.
+/// Deformation of a body.
 #[derive(Debug, Clone, Copy)]
 pub enum Deformation {
-    /// Not at all: many vertices, edges and triangles lie exactly in common planes.
+    /// None: many vertices, edges and triangles are exactly coplanar.
     None,
-    /// Stretched along the axes, then bent by waves that move points less apart than they are:
-    /// nothing meets itself that did not.
+    /// Stretched along the axes, then bent by contractive waves, which cause no self-intersection.
     Waves {
         /// Factors along the axes.
         stretch: [f64; 3],
         /// Phases of the waves.
         phase: [f64; 3],
     },
-    /// Every vertex moved at random by at most this part of its shortest edge.
+    /// Vertices moved at random by at most this fraction of their shortest edge.
     Noise(f64),
-    /// Every vertex moved at random by at most this: the surface passes through itself.
-    Wild(f64),
+    /// Vertices moved at random by at most this \[m\], which causes self-intersections.
+    SelfIntersecting(f64),
 }
 
-/// A closed body, named so that a failing one can be read and built again.
+/// Description of a closed body, from which a failing one can be rebuilt.
 #[derive(Debug, Clone, Copy)]
 pub struct Body {
-    /// From what.
+    /// The undeformed shape.
     pub shape: Shape,
-    /// Made irregular how.
+    /// The deformation.
     pub deformation: Deformation,
-    /// Coordinates are rounded to multiples of 2^-n: planes through vertices are then exact, and
+    /// Rounds coordinates to multiples of 2^-n, so that planes through vertices are exact and
     /// vertices may coincide.
     pub lattice: Option<u32>,
-    /// Seeds the noise, the order of vertices and of triangles, and where triangles begin.
+    /// Seed of the noise, of the order of vertices and triangles, and of first corners.
     pub seed: u64,
 }
 
-/// A small generator (`SplitMix64`), so that a body depends on its seed alone.
+/// The random number generator `SplitMix64`.
 struct Random(u64);
 
 impl Random {
@@ -91,14 +91,14 @@ impl Shape {
 }
 
 impl Body {
-    /// The body as a surface at rest. Corner attributes are made up, so that their way through a cut
-    /// is tested too.
+    /// The body as a surface at rest. Corner attributes are made up, so that their way through a
+    /// cut is tested too.
     #[must_use]
     pub fn build(&self) -> Surface {
         let base = self.shape.build();
         let topology = base.topology();
         let mut random = Random(self.seed);
-        let mut points: Vec<Vec3> = (base.rest.iter().map(|&p| widen(p))).collect();
+        let mut points: Vec<Vec3> = (base.rest_positions().iter().map(|&p| to_f64(p))).collect();
         match self.deformation {
             Deformation::None => {}
             Deformation::Waves { stretch, phase } => {
@@ -121,7 +121,7 @@ impl Body {
                     *p += random_vector(&mut random) * reach;
                 }
             }
-            Deformation::Wild(reach) => {
+            Deformation::SelfIntersecting(reach) => {
                 for p in &mut points {
                     *p += random_vector(&mut random) * reach;
                 }
@@ -148,22 +148,23 @@ impl Body {
         for (new, &old) in (0..).zip(&order) {
             number[old] = new;
         }
-        let positions: Vec<[f32; 3]> = order.iter().map(|&old| round(points[old])).collect();
+        let positions: Vec<[f32; 3]> = order.iter().map(|&old| to_f32(points[old])).collect();
         let faces: Vec<[u32; 3]> = (faces.iter())
             .map(|face| face.map(|v| number[v as usize]))
             .collect();
         let mut surface =
             Surface::from_triangles(&positions, &faces).expect("its shape is a manifold");
-        surface.corners.uv = (surface.topology().corners().iter())
-            .map(|v| {
-                let [x, y, z] = positions[v.index()];
-                [x + 0.5 * z, y]
-            })
-            .collect();
+        let uvs = surface.topology().corners().iter().map(|v| {
+            let [x, y, z] = positions[v.index()];
+            [x + 0.5 * z, y]
+        });
+        let uvs = uvs.collect();
+        surface.set_corner_uvs(uvs).expect("one value a corner");
         surface
     }
 
-    /// Whether its triangles are small against it, so that cutting whole triangles moves little volume.
+    /// Whether its triangles are small against it, so that cutting whole triangles moves little
+    /// volume.
     #[must_use]
     pub fn is_fine(&self) -> bool {
         match self.shape {
@@ -185,7 +186,7 @@ pub fn shells(n: u32) -> Surface {
     for (radius, is_cavity) in [(0.5, false), (0.35, true), (0.2, false)] {
         let shell = icosphere(n, radius);
         let first = u32::try_from(positions.len()).expect("ids have 32 bits");
-        positions.extend(&shell.rest);
+        positions.extend(shell.rest_positions());
         let topology = shell.topology();
         faces.extend(topology.triangles().map(|t| {
             let [a, b, c] = topology.triangle(t).map(|v| v.0 + first);
@@ -262,7 +263,7 @@ pub fn any_body() -> impl Strategy<Value = Body> {
 }
 
 /// Bodies that pass through themselves everywhere.
-pub fn wild_body() -> impl Strategy<Value = Body> {
+pub fn self_intersecting_body() -> impl Strategy<Value = Body> {
     let reach = prop_oneof![0.02..0.2_f64, 0.2..1.5_f64];
-    body(small_shape(), reach.prop_map(Deformation::Wild))
+    body(small_shape(), reach.prop_map(Deformation::SelfIntersecting))
 }

@@ -1,27 +1,27 @@
-//! What the workspace's tests share: bodies and cuts at random, and the laws that every cut obeys.
+//! Random bodies and cuts for the tests of the workspace, and the invariants of every cut.
 
 mod blades;
 mod bodies;
-/// Tests that need a device: one file for this package and for `incise-pbd-gpu`, which is below it.
-#[cfg(feature = "gpu")]
-#[path = "../../crates/pbd-gpu/tests/common/gpu.rs"]
-pub mod gpu;
-mod laws;
+mod invariants;
 mod planes;
-mod reference;
+mod reference_table;
 
 pub use blades::{Blade, any_blade, any_level, flat_blade};
-pub use bodies::{Body, Deformation, Shape, any_body, large_body, shells, small_body, wild_body};
-pub use laws::{
-    assert_same_bits, assert_section_is_covered, assert_sound, cut_and_check, euler_characteristics,
+pub use bodies::{
+    Body, Deformation, Shape, any_body, large_body, self_intersecting_body, shells, small_body,
+};
+pub use invariants::{
+    assert_caps_cover_section, assert_closed_manifold, assert_same_bits, cut_and_check,
+    euler_characteristics, exact_params,
 };
 pub use planes::{LARGE, Planes};
-pub use reference::{Reference, reference_cuts, shared_folder};
+pub use reference_table::{Reference, reference_cuts, shared_folder};
 
 use proptest::test_runner::{Config, RngSeed};
 
-/// A property's configuration: the same cases in every run, so that a failure is there again
-/// tomorrow. `PROPTEST_CASES` and `PROPTEST_RNG_SEED` look further.
+/// Returns a configuration of properties with the same cases in every run.
+///
+/// `PROPTEST_CASES` and `PROPTEST_RNG_SEED` change number and seed.
 #[must_use]
 pub fn cases(count: u32) -> Config {
     let mut config = Config {

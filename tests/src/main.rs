@@ -1,9 +1,10 @@
-//! How often a cut fails: many planes through ten bodies, or through every mesh of a folder, and every law
-//! after each cut.
+//! The program `incise-invariants`: cuts bodies along many planes, checks all invariants after each
+//! cut and counts failures.
 
 use clap::Parser;
-use incise_cut::CutParams;
-use incise_mesh::{Model, Surface, build_model, read_mesh, torus};
+use incise_cut::{CutMethod, CutParams, ExactParams};
+use incise_mesh::{Surface, read_mesh, torus};
+use incise_models::{Model, build_model};
 use incise_tests::{Body, Deformation, Planes, Shape, shells};
 use rayon::prelude::*;
 use std::error::Error;
@@ -12,34 +13,37 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Cuts bodies along planes that are spread evenly, exactly, with the default snapping and with remeshing
-/// too, and counts cuts that were refused and cuts after which a law of `tests/src/laws` does not hold. Exits
-/// with 1 if there were any.
+/// Counts failed cuts and broken invariants over evenly distributed planes.
+///
+/// Cuts each body by the exact method without snapping, with the default snapping, and with
+/// remeshing. Exits with 1 if a cut failed or broke an invariant.
 #[derive(Parser)]
 struct Arguments {
-    /// Planes for each body.
+    /// Number of planes per body.
     #[arg(long, value_name = "N", default_value_t = 2000)]
     planes: usize,
-    /// Cut every mesh of this folder that is a closed surface, instead of the built-in bodies.
+    /// Cuts the closed surfaces of this folder instead of the built-in bodies.
     #[arg(long, value_name = "DIR")]
     models: Option<PathBuf>,
-    /// Only bodies whose names contain one of these, separated by commas.
+    /// Cuts only bodies whose names contain one of these, separated by commas.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     only: Vec<String>,
-    /// Leave out larger bodies.
+    /// Skips bodies with more triangles.
     #[arg(long, value_name = "N", default_value_t = 40_000)]
     max_triangles: usize,
-    /// Cut a third time, with snapping and this much remeshing in local edge lengths; 0 does not.
+    /// Remeshing of the third cut, in local edge lengths; 0 skips it.
     #[arg(long, value_name = "T", default_value_t = 0.1)]
     remesh: f64,
 }
 
-/// What became of many cuts.
+/// Counts of cuts by result.
 #[derive(Debug, Default, Clone, Copy)]
 struct Tally {
     done: usize,
     missed: usize,
+    /// Cuts that returned an error.
     refused: usize,
+    /// Cuts that broke an invariant.
     broken: usize,
 }
 
@@ -59,11 +63,11 @@ impl Tally {
 }
 
 /// A body to cut.
-struct Subject {
+struct TestBody {
     name: String,
     surface: Surface,
-    /// Whether it is known not to pass through itself.
-    is_tame: bool,
+    /// True if it is known not to intersect itself.
+    is_embedded: bool,
 }
 
 fn main() -> ExitCode {
@@ -71,39 +75,39 @@ fn main() -> ExitCode {
         Ok(0) => ExitCode::SUCCESS,
         Ok(_) => ExitCode::FAILURE,
         Err(error) => {
-            // Without an error output the exit code has to do.
-            let _ = writeln!(io::stderr(), "incise-laws: {error}");
+            // Without standard error the exit code remains.
+            let _ = writeln!(io::stderr(), "incise-invariants: {error}");
             ExitCode::from(2)
         }
     }
 }
 
-/// Cuts and prints; returns how many cuts failed.
+/// Cuts and prints; returns the number of failures.
 fn run(arguments: &Arguments, out: &mut impl Write) -> Result<usize, Box<dyn Error>> {
-    let mut subjects = match &arguments.models {
+    let mut bodies = match &arguments.models {
         Some(folder) => meshes(folder)?,
         None => built_in(),
     };
-    subjects.retain(|s| {
+    bodies.retain(|s| {
         let is_named = arguments.only.iter().any(|part| s.name.contains(part));
         s.surface.topology().triangle_count() <= arguments.max_triangles
             && (arguments.only.is_empty() || is_named)
     });
-    if subjects.is_empty() {
-        return Err("no body is left to cut: see --models, --only and --max-triangles".into());
+    if bodies.is_empty() {
+        return Err("no body to cut; change --models, --only or --max-triangles".into());
     }
-    let mut ways = vec![(0.0, 0.0), (0.1, 0.0)];
+    let mut settings = vec![(0.0, 0.0), (0.1, 0.0)];
     if arguments.remesh != 0.0 {
-        ways.push((0.1, arguments.remesh));
+        settings.push((0.1, arguments.remesh));
     }
     let mut all = Tally::default();
-    for subject in &subjects {
-        let tally = cut(subject, arguments.planes, &ways);
+    for body_to_cut in &bodies {
+        let tally = cut(body_to_cut, arguments.planes, &settings);
         writeln!(
             out,
-            "{:<28} {:>7} triangles: {:>5} cuts, {:>4} planes beside it, {} refused, laws broken: {}",
-            subject.name,
-            subject.surface.topology().triangle_count(),
+            "{:<28} {:>7} triangles: {:>5} cuts, {:>4} misses, {} refused, {} invariants broken",
+            body_to_cut.name,
+            body_to_cut.surface.topology().triangle_count(),
             tally.done + tally.failed(),
             tally.missed,
             tally.refused,
@@ -114,32 +118,31 @@ fn run(arguments: &Arguments, out: &mut impl Write) -> Result<usize, Box<dyn Err
     }
     writeln!(
         out,
-        "Failed: {} of {} cuts of {} bodies; laws broken: {}.",
+        "Failed: {} of {} cuts of {} bodies; {} invariants broken.",
         all.failed(),
         all.done + all.failed(),
-        subjects.len(),
+        bodies.len(),
         all.broken
     )?;
     Ok(all.failed())
 }
 
-/// Cuts a subject with each of these values of snap and remesh.
-fn cut(subject: &Subject, planes: usize, ways: &[(f64, f64)]) -> Tally {
+/// Cuts a body along all planes with each pair of snap and remesh.
+fn cut(body_to_cut: &TestBody, planes: usize, settings: &[(f64, f64)]) -> Tally {
     let body = Planes {
-        whole: &subject.surface,
-        is_tame: subject.is_tame,
-        every_law: true,
+        whole: &body_to_cut.surface,
+        is_embedded: body_to_cut.is_embedded,
+        all_invariants: true,
     };
     let one = |(i, (snap, remesh))| {
         let params = CutParams {
-            snap,
-            remesh,
+            method: CutMethod::Exact(ExactParams { snap, remesh }),
             ..CutParams::default()
         };
-        // Laws are assertions; what they say goes to the error output with the plane after it.
-        let fate = catch_unwind(AssertUnwindSafe(|| body.cut_with(i, &params)));
+        // Invariants are assertions, whose messages go to standard error.
+        let result = catch_unwind(AssertUnwindSafe(|| body.cut_with(i, &params)));
         let mut tally = Tally::default();
-        let complaint = match fate {
+        let message = match result {
             Ok(Ok(true)) => return Tally { done: 1, ..tally },
             Ok(Ok(false)) => return Tally { missed: 1, ..tally },
             Ok(Err(error)) => {
@@ -148,62 +151,62 @@ fn cut(subject: &Subject, planes: usize, ways: &[(f64, f64)]) -> Tally {
             }
             Err(_) => {
                 tally.broken = 1;
-                "a law does not hold".to_owned()
+                "an invariant is broken".to_owned()
             }
         };
-        let name = &subject.name;
+        let name = &body_to_cut.name;
         let _ = writeln!(
             io::stderr(),
-            "{name}, plane {i}, snap {snap}, remesh {remesh}: {complaint}"
+            "{name}, plane {i}, snap {snap}, remesh {remesh}: {message}"
         );
         tally
     };
     let cuts = (0..planes)
         .into_par_iter()
-        .flat_map_iter(|i| ways.iter().map(move |&way| (i, way)));
+        .flat_map_iter(|i| settings.iter().map(move |&pair| (i, pair)));
     cuts.map(one).reduce(Tally::default, Tally::sum)
 }
 
-/// The seven models, a body with a handle, one in shells and one that passes through itself.
-fn built_in() -> Vec<Subject> {
-    let mut out: Vec<Subject> = (Model::ALL.into_iter())
-        .map(|model| Subject {
+/// Returns the seven models, a torus, nested shells and a self-intersecting body.
+fn built_in() -> Vec<TestBody> {
+    let mut out: Vec<TestBody> = (Model::ALL.into_iter())
+        .map(|model| TestBody {
             name: model.name().to_owned(),
             surface: build_model(model),
-            is_tame: true,
+            is_embedded: true,
         })
         .collect();
-    let wild = Body {
+    let self_intersecting = Body {
         shape: Shape::Icosphere(3),
-        deformation: Deformation::Wild(0.2),
+        deformation: Deformation::SelfIntersecting(0.2),
         lattice: None,
         seed: 1,
     };
     let more = [
         ("Torus", torus(0.4, 0.15, 48, 24), true),
         ("Shells", shells(3), true),
-        ("Wild", wild.build(), false),
+        ("Self-intersecting", self_intersecting.build(), false),
     ];
-    out.extend(more.map(|(name, surface, is_tame)| Subject {
+    out.extend(more.map(|(name, surface, is_embedded)| TestBody {
         name: name.to_owned(),
         surface,
-        is_tame,
+        is_embedded,
     }));
     out
 }
 
-/// Every closed surface of a folder, by name. Whether scans pass through themselves is not known.
-fn meshes(folder: &Path) -> io::Result<Vec<Subject>> {
+/// Returns the closed surfaces of a folder by name, which may intersect themselves.
+fn meshes(folder: &Path) -> io::Result<Vec<TestBody>> {
     let entries: io::Result<Vec<_>> = std::fs::read_dir(folder)?.collect();
     let mut paths: Vec<PathBuf> = entries?.into_iter().map(|entry| entry.path()).collect();
     paths.sort();
     let closed = paths.into_iter().filter_map(|path| {
         let (surface, _) = read_mesh(&path).ok()?.into_surface().ok()?;
         let name = path.file_name()?.to_string_lossy().into_owned();
-        Some(Subject {
+        Some(TestBody {
             name,
             surface,
-            is_tame: false,
+            is_embedded: false,
         })
     });
     Ok(closed.collect())

@@ -1,27 +1,26 @@
-//! One body and many planes, each through the whole of it.
+//! Cuts of one body along many evenly distributed planes.
 
-use crate::{assert_section_is_covered, assert_sound, cut_and_check};
-use incise_cut::{CutError, CutParams, Cutter, Sweep};
-use incise_mesh::geometry::widen;
+use crate::{assert_caps_cover_section, assert_closed_manifold, cut_and_check, exact_params};
+use incise_cut::{CutError, CutMethod, CutParams, Cutter, ExactParams, Sweep};
+use incise_mesh::geometry::to_f64;
 use incise_mesh::{Surface, Vec3};
 
-/// Bodies of fewer triangles are held to every law; larger ones to those that look at each triangle once.
+/// Number of triangles from which tests check only the invariants of linear cost.
 pub const LARGE: usize = 20_000;
 
-/// A body that is cut by plane after plane and is whole again before the next.
+/// A body of which copies are cut along planes.
 #[derive(Debug, Clone, Copy)]
 pub struct Planes<'a> {
     /// The body.
     pub whole: &'a Surface,
-    /// Whether the body does not pass through itself, so that caps cover the section once.
-    pub is_tame: bool,
-    /// Whether every law is looked at.
-    pub every_law: bool,
+    /// True if the body does not intersect itself, so that caps cover the section once.
+    pub is_embedded: bool,
+    /// Checks all invariants, not only those of linear cost.
+    pub all_invariants: bool,
 }
 
 impl Planes<'_> {
-    /// Plane number `i` of a fixed sequence (R-sequence, Roberts 2018), in which directions and places
-    /// are spread evenly: no two runs and no two machines cut differently.
+    /// Returns plane `i` of a fixed low-discrepancy sequence (R-sequence, Roberts 2018).
     ///
     /// # Errors
     /// [`CutError`] for a body without size.
@@ -33,59 +32,63 @@ impl Planes<'_> {
         let place = 2.0 * part(0.549_700_477_901_964_3) - 1.0;
         let normal = Vec3::new(radius * cos, radius * sin, z);
         let bounds = self.whole.bounds();
-        let extent = normal.abs().dot(&(widen(bounds.max) - widen(bounds.min))) / 2.0;
+        let extent = normal.abs().dot(&(to_f64(bounds.max) - to_f64(bounds.min))) / 2.0;
         let d = normal.dot(&bounds.center()) + 0.95 * place * extent;
-        Sweep::across_box(normal.into(), d, &bounds)
+        Sweep::from_plane(normal.into(), d, &bounds)
     }
 
-    /// Cuts a copy along plane number `i` without remeshing; whether the plane met it.
+    /// Cuts a copy along plane `i` without remeshing; returns true if the plane intersects it.
     ///
     /// # Errors
     /// As [`Planes::cut_with`].
     ///
     /// # Panics
-    /// When a law does not hold.
+    /// If an invariant does not hold.
     pub fn cut(&self, i: usize, snap: f64) -> Result<bool, CutError> {
         let params = CutParams {
-            snap,
+            method: CutMethod::Exact(ExactParams {
+                snap,
+                ..ExactParams::default()
+            }),
             ..CutParams::default()
         };
         self.cut_with(i, &params)
     }
 
-    /// Cuts a copy along plane number `i`; whether the plane met it.
+    /// Cuts a copy along plane `i`; returns true if the plane intersects it.
     ///
     /// # Errors
     /// [`CutError`]: planes go all the way through, so there should be none.
     ///
     /// # Panics
-    /// When a law does not hold.
+    /// If an invariant does not hold.
     pub fn cut_with(&self, i: usize, params: &CutParams) -> Result<bool, CutError> {
         let sweep = self.sweep(i)?;
         let mut surface = self.whole.clone();
         let mut cutter = Cutter::new(self.whole);
-        let outcome = if self.every_law {
+        let outcome = if self.all_invariants {
             cut_and_check(&mut surface, &mut cutter, &sweep, params)?
         } else {
             let outcome = cutter.cut(&mut surface, &sweep, params)?;
-            assert_sound(&surface);
+            assert_closed_manifold(&surface);
             outcome
         };
         let change = relative_change(self.whole, &surface);
-        let is_exact = params.snap == 0.0 && params.remesh == 0.0;
+        let exact = exact_params(params);
+        let is_exact = exact.snap == 0.0 && exact.remesh == 0.0;
         let bound = if is_exact { 1e-5 } else { 2e-3 };
         assert!(
             change <= bound,
             "the volume changed by {change} of itself, at most {bound} may"
         );
-        if params.snap == 0.0 && self.is_tame && !outcome.delta.is_empty() {
-            assert_section_is_covered(self.whole, &surface, &sweep, params, &outcome);
+        if exact.snap == 0.0 && self.is_embedded && !outcome.is_miss() {
+            assert_caps_cover_section(self.whole, &surface, &sweep, params, &outcome);
         }
-        Ok(!outcome.delta.is_empty())
+        Ok(!outcome.is_miss())
     }
 }
 
-/// How much volume came or went, relative to what the pieces have without signs.
+/// Returns the change of volume relative to the sum of unsigned volumes of the pieces.
 fn relative_change(before: &Surface, after: &Surface) -> f64 {
     let volumes = after.piece_volumes();
     let sum: f64 = volumes.iter().map(|v| v.abs()).sum();

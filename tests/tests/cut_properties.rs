@@ -1,18 +1,18 @@
-//! Random bodies, sweeps and levels: whatever is cut stays closed, oriented and manifold.
+//! The paper's method on random bodies, sweeps and levels: results are closed manifolds.
 
-use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter};
+use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter, PaperParams};
 use incise_mesh::Surface;
 use incise_mesh::geometry::{Vec3, area_vector};
 use incise_refine::{RefineParams, RefinementLevel};
 use incise_tests::{
-    Blade, Body, any_blade, any_body, any_level, assert_sound, cases, cut_and_check,
-    euler_characteristics, flat_blade, large_body, wild_body,
+    Blade, Body, any_blade, any_body, any_level, assert_closed_manifold, cases, cut_and_check,
+    euler_characteristics, flat_blade, large_body, self_intersecting_body,
 };
 use proptest::prelude::*;
 
 fn params(level: RefinementLevel) -> CutParams {
     CutParams {
-        method: CutMethod::Rebuild,
+        method: CutMethod::Paper(PaperParams::default()),
         refine: RefineParams {
             level,
             ..RefineParams::default()
@@ -21,10 +21,10 @@ fn params(level: RefinementLevel) -> CutParams {
     }
 }
 
-/// Cuts again and again. Full planes must cut unless the cross-section has a hole.
+/// Cuts repeatedly. Full planes must cut unless the cross-section has a hole.
 fn cut_in_turn(body: &Body, blades: &[(Blade, RefinementLevel)]) {
     let mut surface = body.build();
-    assert_sound(&surface);
+    assert_closed_manifold(&surface);
     let genus_0 = euler_characteristics(&surface).values().all(|&x| x == 2);
     let mut cutter = Cutter::new(&surface);
     for (blade, level) in blades {
@@ -49,19 +49,19 @@ fn cut_in_turn(body: &Body, blades: &[(Blade, RefinementLevel)]) {
     }
 }
 
-/// What a cut replaced, for bounds on what it may move.
-struct Replaced {
-    /// The mean edge of the triangles that went [m].
+/// Sizes of the removed triangles of a cut, for bounds of displacement.
+struct RemovedSizes {
+    /// Mean edge length of the removed triangles \[m\].
     mean_edge: f64,
-    /// Their longest edge [m].
+    /// Their longest edge \[m\].
     longest_edge: f64,
-    /// Their area [m^2].
+    /// Their area \[m^2\].
     strip: f64,
-    /// Half of the area of both caps [m^2].
+    /// Half of the area of both caps \[m^2\].
     section: f64,
 }
 
-impl Replaced {
+impl RemovedSizes {
     fn of(before: &Surface, after: &Surface, outcome: &CutOutcome) -> Self {
         let area = |p: [Vec3; 3]| area_vector(p).norm() / 2.0;
         let caps = outcome.cap.iter();
@@ -116,10 +116,12 @@ proptest! {
         cut_in_turn(&body, &blades);
     }
 
-    /// Hit triangles reach an edge from the plane, and so does all that takes their place. What changes
-    /// sides lies between that and the plane, over the section and over the strip of hit triangles.
+    /// Removed triangles and their replacements are within one edge length of the plane.
+    ///
+    /// The volume that changes sides is bounded by that distance times the areas of section and
+    /// removed triangles.
     #[test]
-    fn a_plane_moves_nothing_beyond_an_edge_of_it(
+    fn a_plane_changes_nothing_beyond_one_edge_length(
         body in large_body(),
         blade in flat_blade(),
         level in any_level(),
@@ -131,7 +133,7 @@ proptest! {
         let Ok(outcome) = cut_and_check(&mut surface, &mut cutter, &sweep, &params(level)) else {
             return Ok(());
         };
-        let replaced = Replaced::of(&before, &surface, &outcome);
+        let replaced = RemovedSizes::of(&before, &surface, &outcome);
         let (origin, normal) = sweep.plane();
         for added in &outcome.delta.vertices_added {
             let height = normal.dot(&(surface.position(added.vertex) - origin)).abs();
@@ -149,8 +151,8 @@ proptest! {
     }
 
     #[test]
-    fn sweeps_through_what_passes_through_itself(
-        body in wild_body(),
+    fn sweeps_through_self_intersecting_bodies(
+        body in self_intersecting_body(),
         blades in prop::collection::vec((any_blade(), any_level()), 1..=4),
     ) {
         cut_in_turn(&body, &blades);

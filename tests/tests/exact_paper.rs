@@ -1,17 +1,21 @@
-//! The exact method with the paper's refinement of caps: every law of an exact cut holds.
+//! The exact method with the paper's refinement of caps: all invariants of an exact cut hold.
 
-use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
-use incise_mesh::{Model, Surface, build_model, icosphere, torus};
+use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter, ExactParams, Sweep};
+use incise_mesh::{Surface, icosphere, torus};
+use incise_models::{Model, build_model};
 use incise_refine::{RefineMethod, RefineParams, RefinementLevel};
 use incise_tests::{
-    any_blade, any_body, any_level, assert_section_is_covered, cases, cut_and_check,
-    euler_characteristics, shells, wild_body,
+    any_blade, any_body, any_level, assert_caps_cover_section, cases, cut_and_check,
+    euler_characteristics, exact_params, self_intersecting_body, shells,
 };
 use proptest::prelude::*;
 
 fn params(method: RefineMethod, level: RefinementLevel, snap: f64) -> CutParams {
     CutParams {
-        snap,
+        method: CutMethod::Exact(ExactParams {
+            snap,
+            ..ExactParams::default()
+        }),
         refine: RefineParams {
             method,
             level,
@@ -21,9 +25,9 @@ fn params(method: RefineMethod, level: RefinementLevel, snap: f64) -> CutParams 
     }
 }
 
-/// Cuts a copy along a plane, with all laws, and asserts that the caps' edges along the rim are those of the default.
+/// Cuts a copy along a plane and asserts all invariants and the rim edges of the default method.
 fn slice(body: &Surface, normal: [f64; 3], d: f64, params: &CutParams) -> (Surface, CutOutcome) {
-    let sweep = Sweep::across_box(normal, d, &body.bounds()).expect("a plane");
+    let sweep = Sweep::from_plane(normal, d, &body.bounds()).expect("a plane");
     let cut = |params: &CutParams| {
         let mut surface = body.clone();
         let outcome = cut_and_check(&mut surface, &mut Cutter::new(body), &sweep, params);
@@ -31,8 +35,8 @@ fn slice(body: &Surface, normal: [f64; 3], d: f64, params: &CutParams) -> (Surfa
     };
     let (surface, outcome) = cut(params);
     assert!(outcome.report.refined, "the rounds were enough");
-    if params.snap == 0.0 {
-        assert_section_is_covered(body, &surface, &sweep, params, &outcome);
+    if exact_params(params).snap == 0.0 {
+        assert_caps_cover_section(body, &surface, &sweep, params, &outcome);
     }
     let mut default = *params;
     default.refine.method = RefineMethod::Delaunay;
@@ -45,7 +49,7 @@ fn slice(body: &Surface, normal: [f64; 3], d: f64, params: &CutParams) -> (Surfa
     (surface, outcome)
 }
 
-/// The edges between caps and the rest, as bits.
+/// Returns the edges between caps and other triangles as bits.
 fn rim(surface: &Surface, outcome: &CutOutcome) -> Vec<[[u32; 4]; 2]> {
     let topology = surface.topology();
     let is_cap = |h: incise_mesh::HalfEdge| outcome.cap.contains(&h.triangle());
@@ -54,7 +58,7 @@ fn rim(surface: &Surface, outcome: &CutOutcome) -> Vec<[[u32; 4]; 2]> {
     let mut edges: Vec<_> = at_rim
         .map(|h| {
             [topology.origin(h), topology.target(h)]
-                .map(|v| surface.positions[v.index()].map(f32::to_bits))
+                .map(|v| surface.positions()[v.index()].map(f32::to_bits))
         })
         .collect();
     edges.sort_unstable();
@@ -65,7 +69,7 @@ fn rim(surface: &Surface, outcome: &CutOutcome) -> Vec<[[u32; 4]; 2]> {
 fn built_in_bodies_are_cut_at_every_level() {
     let bodies = [
         (icosphere(3, 0.5), [0.3, 1.0, 0.2], 0.03, 1),
-        // Across the hole two discs beside each other, along it one disc with a hole.
+        // A plane across the torus's hole gives two discs, one along it a disc with a hole.
         (torus(0.4, 0.15, 32, 16), [1.0, 0.1, 0.05], 0.01, 2),
         (build_model(Model::Bunny), [0.2, 1.0, 0.1], 0.02, 1),
     ];
@@ -83,7 +87,7 @@ fn built_in_bodies_are_cut_at_every_level() {
     }
 }
 
-/// The plane in which a torus lies goes through an outline with a hole; that of shells through many.
+/// The plane of a torus gives a section with one hole, a plane through nested shells many.
 #[test]
 fn nested_sections_are_refined_too() {
     let flat = torus(0.4, 0.15, 32, 16);
@@ -97,11 +101,12 @@ fn nested_sections_are_refined_too() {
             .values()
             .map(|x| 2 - x)
             .sum();
-        // Across, a torus becomes two arches without a handle; along, two rings with one each.
+        // Across, a torus becomes two pieces of genus 0; along, two of genus 1.
         if handles == 4 {
             nested += 1;
             let points = outcome.delta.vertices_added.iter();
-            let inner = points.filter(|v| matches!(v.origin, incise_mesh::Origin::OnCap { .. }));
+            let inner =
+                points.filter(|v| matches!(v.origin, incise_mesh::VertexOrigin::OnCap { .. }));
             assert!(inner.count() > 100, "the ring is refined");
         }
     }
@@ -114,13 +119,17 @@ fn nested_sections_are_refined_too() {
     }
 }
 
+fn any_snap() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(0.0), Just(0.1), 0.0..0.5_f64]
+}
+
 proptest! {
     #![proptest_config(cases(200))]
 
     #[test]
-    fn whatever_is_cut_however(
-        body in prop_oneof![3 => any_body().boxed(), 1 => wild_body().boxed()],
-        blades in prop::collection::vec((any_blade(), any_level(), prop_oneof![Just(0.0), Just(0.1), 0.0..0.5_f64]), 1..=3),
+    fn invariants_hold_for_random_bodies_and_sweeps(
+        body in prop_oneof![3 => any_body().boxed(), 1 => self_intersecting_body().boxed()],
+        blades in prop::collection::vec((any_blade(), any_level(), any_snap()), 1..=3),
     ) {
         let mut surface = body.build();
         let mut cutter = Cutter::new(&surface);

@@ -1,10 +1,13 @@
-//! Remeshing around the rim: every law of a cut holds, slivers go, and the surface moves no farther than
-//! was asked for and is said.
+//! Remeshing around the rim: invariants of a cut, removed slivers, and the bound of displacements.
 
-use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
+use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter, ExactParams, Sweep};
 use incise_mesh::geometry::{area_vector, corner_angles};
-use incise_mesh::{Model, Surface, TriangleId, Vec3, VertexId, build_model, icosphere};
-use incise_tests::{Planes, any_blade, any_body, any_level, cases, cut_and_check, wild_body};
+use incise_mesh::{Surface, TriangleId, Vec3, VertexId, icosphere};
+use incise_models::{Model, build_model};
+use incise_tests::{
+    Planes, any_blade, any_body, any_level, cases, cut_and_check, exact_params,
+    self_intersecting_body,
+};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 
@@ -16,30 +19,41 @@ struct Twice {
     tolerance: f64,
 }
 
-/// Cuts and asserts every law of a cut; none where the sweep misses or may not cut.
+/// Returns parameters of the exact method.
+fn remeshing(snap: f64, remesh: f64) -> CutParams {
+    CutParams {
+        method: CutMethod::Exact(ExactParams { snap, remesh }),
+        ..CutParams::default()
+    }
+}
+
+/// Cuts twice and asserts all invariants; `None` if the sweep misses or ends inside.
 fn cut_twice(before: &Surface, sweep: &Sweep, params: &CutParams) -> Option<Twice> {
     let cut = |params: &CutParams| -> Option<(Surface, CutOutcome)> {
         let mut surface = before.clone();
         let mut cutter = Cutter::new(before);
         match cut_and_check(&mut surface, &mut cutter, sweep, params) {
-            Ok(outcome) => (!outcome.delta.is_empty()).then_some((surface, outcome)),
+            Ok(outcome) => (!outcome.is_miss()).then_some((surface, outcome)),
             Err(CutError::PartialCut { .. }) => None,
             Err(error) => panic!("{sweep:?} was refused: {error}"),
         }
     };
     let off = CutParams {
-        remesh: 0.0,
+        method: CutMethod::Exact(ExactParams {
+            remesh: 0.0,
+            ..exact_params(params)
+        }),
         ..*params
     };
     Some(Twice {
         before: before.clone(),
         plain: cut(&off)?,
         remeshed: cut(params)?,
-        tolerance: params.remesh,
+        tolerance: exact_params(params).remesh,
     })
 }
 
-/// The triangles that are no cap's.
+/// Returns the triangles that do not belong to caps.
 fn old_surface((surface, outcome): &(Surface, CutOutcome)) -> impl Iterator<Item = TriangleId> {
     let caps: BTreeSet<TriangleId> = outcome.cap.iter().copied().collect();
     let triangles = surface.topology().triangles();
@@ -52,18 +66,18 @@ fn pieces(surface: &Surface) -> usize {
     pieces.len()
 }
 
-/// The smallest angle of a triangle \[degrees\].
+/// Returns the smallest angle of a triangle \[degrees\].
 fn smallest_angle(surface: &Surface, t: TriangleId) -> f64 {
     let angles = corner_angles(surface.triangle_positions(t));
     angles.into_iter().fold(f64::MAX, f64::min).to_degrees()
 }
 
 impl Twice {
-    /// The triangles in which the old surface of one cut differs from that of the other.
+    /// Returns the triangles outside of caps that differ between the two cuts.
     fn differing(&self) -> [Vec<[Vec3; 3]>; 2] {
-        // Vertices of the rim may have other ids: they are told by where they are.
+        // Rim vertices may have other ids, so they are compared by position.
         let at = |s: &Surface, t: TriangleId| {
-            let bits = |v: VertexId| s.positions[v.index()].map(f32::to_bits);
+            let bits = |v: VertexId| s.positions()[v.index()].map(f32::to_bits);
             let mut corners = s.topology().triangle(t).map(bits);
             let first = (0..3).min_by_key(|&i| corners[i]).unwrap_or_default();
             corners.rotate_left(first);
@@ -83,7 +97,7 @@ impl Twice {
         })
     }
 
-    /// Rounding of stored positions \[m\].
+    /// Returns the rounding error of stored positions \[m\].
     fn rounding(&self) -> f64 {
         let bounds = self.before.bounds();
         let coordinates = bounds.min.iter().chain(&bounds.max);
@@ -91,7 +105,7 @@ impl Twice {
         16.0 * f64::from(f32::EPSILON) * largest
     }
 
-    /// Asserts what remeshing promises.
+    /// Asserts the bounds of remeshing: displacement, volume and number of pieces.
     fn check(&self) {
         let report = &self.remeshed.1.report;
         let off = &self.plain.1.report;
@@ -100,7 +114,7 @@ impl Twice {
             (0, 0, 0.0),
             "nothing was asked for"
         );
-        self.assert_the_rest_is_untouched();
+        self.assert_other_vertices_are_unchanged();
         assert_eq!(
             pieces(&self.remeshed.0),
             pieces(&self.plain.0),
@@ -155,8 +169,8 @@ impl Twice {
         );
     }
 
-    /// Triangles without a corner that the blade or snapping touched are what they were.
-    fn assert_the_rest_is_untouched(&self) {
+    /// Asserts that triangles without a corner next to the cut are unchanged.
+    fn assert_other_vertices_are_unchanged(&self) {
         let touched: BTreeSet<VertexId> = (self.plain.1.delta.triangles_removed.iter())
             .flat_map(|entry| entry.1)
             .collect();
@@ -168,20 +182,20 @@ impl Twice {
             }
         }
         for v in before.vertices().filter(|v| !touched.contains(v)) {
-            let places = [&self.before, &self.remeshed.0].map(|s| s.positions[v.index()]);
+            let places = [&self.before, &self.remeshed.0].map(|s| s.positions()[v.index()]);
             assert_eq!(places[0], places[1], "{v} is not of the ring");
         }
     }
 }
 
-/// Some points of a triangle.
+/// Returns sample points of a triangle.
 fn samples([a, b, c]: &[Vec3; 3]) -> impl Iterator<Item = Vec3> {
     let (a, b, c) = (*a, *b, *c);
     let parts = (0..=4).flat_map(|i| (0..=4 - i).map(move |j| (f64::from(i), f64::from(j))));
     parts.map(move |(i, j)| a + (b - a) * (i / 4.0) + (c - a) * (j / 4.0))
 }
 
-/// How far a point is from a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
+/// Returns the distance of a point from a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
 fn distance(p: Vec3, [a, b, c]: &[Vec3; 3]) -> f64 {
     let on_edge = |a: &Vec3, b: &Vec3| {
         let along = b - a;
@@ -227,7 +241,7 @@ proptest! {
     ) {
         let before = body.build();
         let Ok(sweep) = blade.sweep(&before) else { return Ok(()) };
-        let mut params = CutParams { snap, remesh, ..CutParams::default() };
+        let mut params = remeshing(snap, remesh);
         params.refine.level = level;
         if let Some(twice) = cut_twice(&before, &sweep, &params) {
             twice.check();
@@ -235,23 +249,23 @@ proptest! {
     }
 
     #[test]
-    fn bodies_that_pass_through_themselves(
-        body in wild_body(),
+    fn self_intersecting_bodies(
+        body in self_intersecting_body(),
         blade in any_blade(),
         snap in any_snap(),
         remesh in any_remesh(),
     ) {
         let before = body.build();
         let Ok(sweep) = blade.sweep(&before) else { return Ok(()) };
-        let params = CutParams { snap, remesh, ..CutParams::default() };
+        let params = remeshing(snap, remesh);
         if let Some(twice) = cut_twice(&before, &sweep, &params) {
             twice.check();
         }
     }
 
-    /// Bodies that were moved out of their rest shape and are cut again and again.
+    /// Deformed bodies are cut repeatedly.
     #[test]
-    fn bent_bodies_in_turn(
+    fn deformed_bodies_cut_repeatedly(
         body in any_body(),
         blades in prop::collection::vec((any_blade(), any_snap(), any_remesh()), 1..=4),
         wave in 0.05..0.3_f64,
@@ -261,12 +275,12 @@ proptest! {
         for v in vertices {
             let p = surface.rest_position(v);
             let bend = Vec3::new(1.0 + p.y * p.z, (3.0 * p.x).sin() - 2.0, 1.0 + p.x * p.x) * wave;
-            let [x, y, z] = incise_mesh::geometry::round(p + bend);
-            surface.positions[v.index()] = [x, y, z, 1.0];
+            let [x, y, z] = incise_mesh::geometry::to_f32(p + bend);
+            surface.positions_mut()[v.index()] = [x, y, z, 1.0];
         }
         for (blade, snap, remesh) in blades {
             let Ok(sweep) = blade.sweep(&surface) else { continue };
-            let params = CutParams { snap, remesh, ..CutParams::default() };
+            let params = remeshing(snap, remesh);
             if let Some(twice) = cut_twice(&surface, &sweep, &params) {
                 twice.check();
                 surface = twice.remeshed.0;
@@ -275,7 +289,7 @@ proptest! {
     }
 }
 
-/// The triangles of the old surface with a corner on the rim whose smallest angle is below this.
+/// Counts triangles outside of caps with a corner on the rim and an angle below `degrees`.
 fn slivers(cut: &(Surface, CutOutcome), degrees: f64) -> usize {
     let (surface, outcome) = cut;
     let topology = surface.topology();
@@ -288,10 +302,10 @@ fn slivers(cut: &(Surface, CutOutcome), degrees: f64) -> usize {
 }
 
 #[test]
-fn far_fewer_slivers_are_left() {
+fn slivers_are_rare() {
     for (model, share) in [
         (Model::Bunny, 0.5),
-        // Its arms have hardly an edge that is no feature.
+        // Almost all edges of its arms are sharp features.
         (Model::Octopus, 0.85),
         (Model::Banana, 0.35),
         (Model::Armadillo, 0.6),
@@ -299,15 +313,18 @@ fn far_fewer_slivers_are_left() {
         let whole = build_model(model);
         let planes = Planes {
             whole: &whole,
-            is_tame: false,
-            every_law: false,
+            is_embedded: false,
+            all_invariants: false,
         };
         let mut sums = [0, 0];
         for i in 0..24 {
             let sweep = planes.sweep(i).expect("the model has a size");
             for (sum, remesh) in sums.iter_mut().zip([0.0, 0.1]) {
                 let params = CutParams {
-                    remesh,
+                    method: CutMethod::Exact(ExactParams {
+                        remesh,
+                        ..ExactParams::default()
+                    }),
                     ..CutParams::default()
                 };
                 let mut surface = whole.clone();
@@ -324,10 +341,12 @@ fn far_fewer_slivers_are_left() {
     }
 }
 
-/// Where loops of the section cross each other every loop has a cap of its own. A merge along the rim would part two that
-/// cross by a hair, and one cap would join what was apart.
+/// Crossing loops of a section have separate caps.
+///
+/// Merging rim vertices could separate loops that barely cross; a common cap would then join
+/// pieces.
 #[test]
-fn no_piece_joins_another_where_loops_cross() {
+fn crossing_loops_join_no_pieces() {
     let ball = icosphere(4, 0.5);
     let mut random = 1u64;
     let mut noise = || {
@@ -339,17 +358,20 @@ fn no_piece_joins_another_where_loops_cross() {
     let mut whole = ball.clone();
     for v in ball.topology().vertices() {
         let moved = ball.position(v) + Vec3::new(noise(), noise(), noise()) * 0.1;
-        let [x, y, z] = incise_mesh::geometry::round(moved);
-        whole.positions[v.index()] = [x, y, z, 1.0];
-        whole.rest[v.index()] = [x, y, z];
+        let [x, y, z] = incise_mesh::geometry::to_f32(moved);
+        whole.positions_mut()[v.index()] = [x, y, z, 1.0];
+        whole.rest_positions_mut()[v.index()] = [x, y, z];
     }
     let mut loops = 0;
     for _ in 0..150 {
         let normal = [noise(), noise(), noise()];
-        let sweep = Sweep::across_box(normal, 0.2 * noise(), &whole.bounds()).expect("a plane");
+        let sweep = Sweep::from_plane(normal, 0.2 * noise(), &whole.bounds()).expect("a plane");
         let cut = |remesh| {
             let params = CutParams {
-                remesh,
+                method: CutMethod::Exact(ExactParams {
+                    remesh,
+                    ..ExactParams::default()
+                }),
                 ..CutParams::default()
             };
             let mut surface = whole.clone();

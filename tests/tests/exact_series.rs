@@ -1,10 +1,11 @@
-//! Hundreds of cuts in a row, every law after each; and volumes by sampling the body that was cut.
+//! Hundreds of successive cuts with all invariants, and volumes by point sampling.
 
-use incise_cut::{CutParams, Cutter, Sweep};
-use incise_mesh::geometry::widen;
-use incise_mesh::{Model, Surface, Vec3, build_model, icosphere, torus};
+use incise_cut::{CutMethod, CutParams, Cutter, ExactParams, Sweep};
+use incise_mesh::geometry::to_f64;
+use incise_mesh::{Surface, Vec3, icosphere, torus};
+use incise_models::{Model, build_model};
 use incise_refine::{RefineParams, RefinementLevel};
-use incise_tests::{assert_sound, cut_and_check, euler_characteristics, shells};
+use incise_tests::{assert_closed_manifold, cut_and_check, euler_characteristics, shells};
 
 /// A small generator (`SplitMix64`).
 struct Random(u64);
@@ -18,14 +19,14 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// From 0 to 1.
+    /// Returns a number from 0 to 1.
     fn part(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
 
     fn point(&mut self, surface: &Surface) -> Vec3 {
         let bounds = surface.bounds();
-        let (min, max) = (widen(bounds.min), widen(bounds.max));
+        let (min, max) = (to_f64(bounds.min), to_f64(bounds.max));
         min + (max - min).map(|size| size * self.part())
     }
 
@@ -38,7 +39,7 @@ impl Random {
         }
     }
 
-    /// A plane through a random triangle, of a piece or of all.
+    /// Returns a plane through a random triangle of one piece or of the body.
     fn sweep(&mut self, surface: &Surface, only: Option<u32>) -> Sweep {
         let bounds = surface.bounds();
         let triangles: Vec<_> = (surface.topology().triangles())
@@ -49,11 +50,11 @@ impl Random {
         let [a, b, c] = surface.triangle_positions(t);
         let at = (a + b + c) / 3.0;
         let normal = self.direction();
-        Sweep::across_box(normal.into(), normal.dot(&at), &bounds).expect("a plane")
+        Sweep::from_plane(normal.into(), normal.dot(&at), &bounds).expect("a plane")
     }
 }
 
-/// Cuts in a row, all of the body or only the piece with the most volume, until there are 200.
+/// Cuts 200 times, either the whole body or only its largest piece.
 fn cut_200_times(whole: &Surface, snap: f64, seed: u64) {
     let mut random = Random(seed);
     let mut surface = whole.clone();
@@ -65,10 +66,13 @@ fn cut_200_times(whole: &Surface, snap: f64, seed: u64) {
         let largest = (0..).zip(&volumes).max_by(|a, b| a.1.total_cmp(b.1));
         let largest = largest.expect("a body has a piece").0;
         let params = CutParams {
-            snap,
-            // Whole slices double the pieces; a few of them are enough.
+            method: CutMethod::Exact(ExactParams {
+                snap,
+                ..ExactParams::default()
+            }),
+            // Cuts of all pieces double their number; a few are enough.
             only_piece: (cuts % 40 != 39).then_some(largest),
-            // Coarse, so that the surface does not grow more than the laws' time allows.
+            // Coarse caps bound the cost of checking the invariants.
             refine: RefineParams {
                 level: RefinementLevel::Coarser2,
                 ..RefineParams::default()
@@ -79,9 +83,9 @@ fn cut_200_times(whole: &Surface, snap: f64, seed: u64) {
         let result = cut_and_check(&mut surface, &mut cutter, &sweep, &params);
         let outcome = result.expect("a full slice cuts");
         moved += outcome.report.moved_volume;
-        cuts += usize::from(!outcome.delta.is_empty());
+        cuts += usize::from(!outcome.is_miss());
     }
-    assert_sound(&surface);
+    assert_closed_manifold(&surface);
     let error = (surface.volume() - whole.volume()).abs();
     let bound = moved + 1e-5 * whole.volume();
     assert!(
@@ -98,13 +102,13 @@ fn the_bunny_is_cut_200_times() {
 }
 
 #[test]
-#[ignore = "as long as all others together: for a run at night, with --include-ignored"]
+#[ignore = "takes as long as all other tests together; run it with --include-ignored"]
 fn the_bunny_is_cut_200_times_exactly() {
     cut_200_times(&build_model(Model::Bunny), 0.0, 2);
 }
 
 #[test]
-#[ignore = "as long as all others together: for a run at night, with --include-ignored"]
+#[ignore = "takes as long as all other tests together; run it with --include-ignored"]
 fn a_torus_is_cut_200_times() {
     cut_200_times(&torus(0.4, 0.15, 24, 12), 0.1, 3);
 }
@@ -114,7 +118,7 @@ fn a_torus_is_cut_200_times_exactly() {
     cut_200_times(&torus(0.4, 0.15, 24, 12), 0.0, 4);
 }
 
-/// How often the surface runs around a point: its solid angle (van Oosterom and Strackee 1983).
+/// Returns the winding number around a point by solid angles (van Oosterom and Strackee 1983).
 fn winding(surface: &Surface, only: Option<u32>, at: Vec3) -> f64 {
     let triangles = surface.topology().triangles();
     let triangles = triangles.filter(|&t| only.is_none_or(|piece| surface.piece(t) == piece));
@@ -129,10 +133,11 @@ fn winding(surface: &Surface, only: Option<u32>, at: Vec3) -> f64 {
     angle / (2.0 * std::f64::consts::TAU)
 }
 
-/// A point is in a piece if it was in the body and is on the piece's side of the plane. Points are drawn
-/// at random; the winding number of the input and the plane's sign say what holds.
+/// A point is in a piece if it was in the body and is on the piece's side of the plane.
+///
+/// Random points are tested by the winding number of the input and the side of the plane.
 #[test]
-fn pieces_hold_the_points_that_the_body_held() {
+fn pieces_contain_the_points_of_the_body() {
     let bodies = [
         shells(2),
         torus(0.4, 0.15, 16, 8),
@@ -146,12 +151,15 @@ fn pieces_hold_the_points_that_the_body_held() {
             let (origin, normal) = sweep.plane();
             let mut surface = body.clone();
             let params = CutParams {
-                snap: 0.0,
+                method: CutMethod::Exact(ExactParams {
+                    snap: 0.0,
+                    ..ExactParams::default()
+                }),
                 ..CutParams::default()
             };
             let mut cutter = Cutter::new(&body);
             let cut = cut_and_check(&mut surface, &mut cutter, &sweep, &params);
-            cut.expect("a full slice cuts");
+            let _ = cut.expect("a full slice cuts");
             let pieces: Vec<u32> = euler_characteristics(&surface).into_keys().collect();
             let side = |piece: &u32| {
                 let triangles = surface.topology().triangles();
@@ -165,7 +173,7 @@ fn pieces_hold_the_points_that_the_body_held() {
                 let at = random.point(&body);
                 let height = normal.dot(&(at - origin));
                 let was = winding(&body, None, at);
-                // Near a surface the flat cap or rounding decides.
+                // Points near the surface are skipped: flat caps and rounding decide there.
                 if height.abs() < 1e-5 || (was - was.round()).abs() > 1e-6 {
                     continue;
                 }

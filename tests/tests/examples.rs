@@ -1,12 +1,14 @@
-//! Every library crate has a short example, and the front page of its documentation begins as that does.
+//! Every library crate has a README that is its front page, and a short example.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Libraries that are taken alone. The programs and what only they share have no example.
-const LIBRARIES: [&str; 7] = [
-    "mesh", "refine", "cut", "pbd-gpu", "render", "scene", "view",
+/// Libraries that are used alone.
+const LIBRARIES: [&str; 9] = [
+    "cut", "incise", "mesh", "models", "pbd-gpu", "refine", "render", "scene", "view",
 ];
+/// Programs, and crates that only this workspace uses.
+const OTHERS: [&str; 4] = ["app", "bench", "progress", "test-support"];
 
 fn crates() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates")
@@ -16,60 +18,43 @@ fn read(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// The lines of an example's code, without its head and without empty ones.
-fn code(text: &str) -> Vec<&str> {
-    let is_code =
-        |line: &&str| !line.is_empty() && !line.starts_with("//!") && !line.starts_with("#!");
-    text.lines().filter(is_code).collect()
-}
-
-/// The lines that readers see of the first code in a crate's documentation.
-fn front(text: &str) -> Vec<&str> {
-    let is_fence = |line: &&str| line.starts_with("//! ```") || line.contains("doc = \"```");
-    let lines = text.lines().skip_while(|line| !is_fence(line));
-    let block = lines
-        .skip_while(is_fence)
-        .take_while(|line| !is_fence(line));
-    let seen = block.map(|line| line.trim_start_matches("//!"));
-    let seen = seen.map(|line| line.strip_prefix(' ').unwrap_or(line));
-    seen.filter(|line| !line.is_empty() && !line.starts_with("# "))
-        .collect()
-}
-
 #[test]
-fn every_library_has_a_short_example_that_its_front_page_shows() {
+fn the_readme_of_a_library_is_its_front_page_and_begins_with_code() {
     for name in LIBRARIES {
-        let folder = crates().join(name);
-        let entries = fs::read_dir(folder.join("examples")).expect("a folder of examples");
-        let files: Vec<PathBuf> = entries.map(|e| e.expect("it is there").path()).collect();
-        let [file] = files.as_slice() else {
-            panic!("{name}: one example, not {files:?}");
-        };
-        let text = read(file);
-        assert!(text.lines().count() < 60, "{}: too long", file.display());
-        let page = read(&folder.join("src/lib.rs"));
-        let shown = front(&page);
-        let [begin @ .., end, brace] = shown.as_slice() else {
-            panic!("{name}: nothing is shown");
-        };
-        assert_eq!([end.trim(), brace.trim()], ["// and on", "}"], "{name}");
-        assert!(begin.len() >= 10, "{name}: ten lines, not {begin:#?}");
-        assert_eq!(begin, &code(&text)[..begin.len()], "{name}");
-        let base = file.file_name().expect("a file").to_string_lossy();
+        let library = read(&crates().join(name).join("src/lib.rs"));
+        assert!(library.contains("include_str!(\"../README.md\")"), "{name}");
+        let readme = read(&crates().join(name).join("README.md"));
+        let first_screen: Vec<&str> = readme.lines().take(40).collect();
         assert!(
-            page.contains(&format!("`examples/{base}`")),
-            "{name} names it"
+            first_screen.iter().any(|line| line.starts_with("```rust")),
+            "{name}: an example on the first screen"
         );
     }
 }
 
 #[test]
-fn no_library_is_forgotten() {
-    let programs = ["app", "bench", "progress"];
+fn a_library_has_one_short_example_that_its_readme_names() {
+    for name in LIBRARIES.into_iter().filter(|&name| name != "models") {
+        let folder = crates().join(name);
+        let entries = fs::read_dir(folder.join("examples")).expect("a folder of examples");
+        let files: Vec<PathBuf> = entries.map(|e| e.expect("an entry").path()).collect();
+        let [file] = files.as_slice() else {
+            panic!("{name}: one example, not {files:?}");
+        };
+        let line_count = read(file).lines().count();
+        assert!(line_count < 60, "{}: {line_count} lines", file.display());
+        let example = file.file_stem().expect("a file").to_string_lossy();
+        let readme = read(&folder.join("README.md"));
+        assert!(readme.contains(&format!("--example {example}")), "{name}");
+    }
+}
+
+#[test]
+fn every_crate_is_listed() {
     for entry in fs::read_dir(crates()).expect("the crates") {
-        let name = entry.expect("it is there").file_name();
+        let name = entry.expect("an entry").file_name();
         let name = name.to_string_lossy();
-        let known = LIBRARIES.iter().chain(&programs);
+        let known = LIBRARIES.iter().chain(&OTHERS);
         assert!(
             known.into_iter().any(|k| *k == name),
             "{name}: list it here"

@@ -1,18 +1,20 @@
-//! Two seconds of every built-in model with a cut in the middle, on the device as on the processor: to
-//! the bit on a strict device under every schedule, within rounding on any other.
+//! Two seconds of every built-in model with a cut in between, on the GPU and on the CPU.
+//!
+//! The bits are equal on a strict adapter in every schedule, and within rounding on any other.
 
 use incise_cut::Sweep;
-use incise_mesh::geometry::round;
-use incise_mesh::{Model, Surface, Vec3, VertexId, build_model};
+use incise_mesh::geometry::to_f32;
+use incise_mesh::{Surface, Vec3, VertexId};
+use incise_models::{Model, build_model};
 use incise_pbd_gpu::{Context, Material, PatchParams, Schedule, SolverParams};
 use incise_scene::{BackendChoice, BackendRequest, BodyId, Scene, SceneError, SceneParams};
-use incise_tests::gpu::{Needs, run, trial};
+use incise_test_support::gpu::{Needs, run, trial};
 use libtest_mimic::Trial;
 use std::process::ExitCode;
 
 const FRAMES: u32 = 120;
 const CUT: u32 = 60;
-/// Vertices that one workgroup of every device has room for: 16 KiB of three numbers each.
+/// Vertices that fit in the 16 KiB of workgroup memory of every adapter.
 const ONE_WORKGROUP: usize = 1365;
 
 fn main() -> ExitCode {
@@ -35,8 +37,7 @@ fn main() -> ExitCode {
     run(trials)
 }
 
-/// Ten iterations, fewer of large models: a software device is slow, and frames and cuts tell more
-/// than iterations do.
+/// Returns ten iterations, and fewer for large models, because software adapters are slow.
 fn iterations(model: Model) -> u32 {
     match model {
         Model::Armadillo => 2,
@@ -47,7 +48,7 @@ fn iterations(model: Model) -> u32 {
 
 fn params(model: Model) -> SceneParams {
     SceneParams {
-        // Hollow bodies cannot carry themselves, see the README: weightless, as in the table.
+        // Without gravity as in the table, since hollow bodies collapse.
         solver: SolverParams {
             gravity: [0.0; 3],
             iterations: iterations(model),
@@ -57,21 +58,21 @@ fn params(model: Model) -> SceneParams {
     }
 }
 
-/// A scene on the device, and the same scene on the processor.
+/// Returns a scene on the GPU and the same scene on the CPU.
 fn scenes(context: Context, model: Model, schedule: Schedule) -> [(Scene, BodyId); 2] {
     let request = BackendRequest {
         choice: BackendChoice::Gpu,
         ..BackendRequest::default()
     };
-    let device = Scene::with_context(params(model), &request, context).expect("a device");
-    [device, Scene::new(params(model))].map(|mut scene| {
+    let gpu = Scene::with_context(params(model), &request, context).expect("a device");
+    [gpu, Scene::new(params(model))].map(|mut scene| {
         scene.force_schedule(Some(schedule));
-        let id = add(&mut scene, model, schedule).expect("a model is sound");
+        let id = add(&mut scene, model, schedule).expect("a valid model");
         (scene, id)
     })
 }
 
-/// A body that turns and is squeezed.
+/// Adds a rotating, compressed body.
 fn add(scene: &mut Scene, model: Model, schedule: Schedule) -> Result<BodyId, SceneError> {
     let (surface, material) = (build_model(model), Material::default());
     let center = surface.bounds().center();
@@ -85,30 +86,38 @@ fn add(scene: &mut Scene, model: Model, schedule: Schedule) -> Result<BodyId, Sc
     for v in vertices {
         let r = surface.position(v) - center;
         let velocity = Vec3::new(0.5 * r.z + 0.3, -0.25 * r.y, -0.5 * r.x);
-        solver.set_velocity(v, round(velocity))?;
+        solver.set_velocity(v, to_f32(velocity))?;
     }
     Ok(id)
 }
 
 /// Slices the body through its middle.
 fn slice(scene: &mut Scene, id: BodyId) -> Result<(), SceneError> {
-    scene.read(id)?;
-    let bounds = scene.body(id).surface().bounds();
+    scene.read_back(id)?;
+    let bounds = scene
+        .body(id)
+        .expect("an id of this scene")
+        .surface()
+        .bounds();
     let normal = Vec3::new(0.2, 1.0, 0.1);
-    let sweep = Sweep::across_box(normal.into(), normal.dot(&bounds.center()), &bounds)
+    let sweep = Sweep::from_plane(normal.into(), normal.dot(&bounds.center()), &bounds)
         .expect("the normal is finite");
     let [a, b, c, d] = sweep.corners();
     let blade = scene.add_blade([a, b]);
-    scene.move_blade(blade, [d, c]);
+    scene
+        .move_blade(blade, [d, c])
+        .expect("an id of this scene");
     let stats = *scene.cut()?;
-    assert_eq!(stats.cuts, 1, "{:?}", scene.refusals());
+    assert_eq!(stats.cuts, 1, "{:?}", scene.failed_cuts());
     scene.advance()?;
     Ok(())
 }
 
 fn to_the_bit(context: Context, model: Model, schedule: Schedule) {
-    let [(mut device, on_device), (mut cpu, on_cpu)] = scenes(context, model, schedule);
-    let used = device.gpu().zip(device.gpu_body(on_device));
+    let [(mut gpu, gpu_id), (mut cpu, cpu_id)] = scenes(context, model, schedule);
+    let used = gpu
+        .gpu()
+        .zip(gpu.gpu_body(gpu_id).expect("an id of this scene"));
     let used = used.map(|(gpu, body)| gpu.schedule(body));
     assert_eq!(
         used,
@@ -116,7 +125,7 @@ fn to_the_bit(context: Context, model: Model, schedule: Schedule) {
         "the schedule is the one to be tested"
     );
     for frame in 0..FRAMES {
-        for (scene, id) in [(&mut device, on_device), (&mut cpu, on_cpu)] {
+        for (scene, id) in [(&mut gpu, gpu_id), (&mut cpu, cpu_id)] {
             if frame == CUT {
                 slice(scene, id).expect("a frame with a cut");
             } else {
@@ -124,17 +133,27 @@ fn to_the_bit(context: Context, model: Model, schedule: Schedule) {
             }
         }
         if frame == CUT {
-            compare(&mut device, on_device, &cpu, on_cpu, frame);
+            compare(&mut gpu, gpu_id, &cpu, cpu_id, frame);
         }
     }
-    assert!(cpu.body(on_cpu).pieces().len() > 1, "it was cut");
-    compare(&mut device, on_device, &cpu, on_cpu, FRAMES);
+    assert!(
+        cpu.body(cpu_id)
+            .expect("an id of this scene")
+            .pieces()
+            .len()
+            > 1,
+        "it was cut"
+    );
+    compare(&mut gpu, gpu_id, &cpu, cpu_id, FRAMES);
 }
 
-/// Holds both to the same bits, in positions and velocities.
-fn compare(device: &mut Scene, on_device: BodyId, cpu: &Scene, on_cpu: BodyId, frame: u32) {
-    device.read(on_device).expect("a state");
-    let (a, b) = (device.body(on_device), cpu.body(on_cpu));
+/// Asserts that positions and velocities have the same bits.
+fn compare(gpu: &mut Scene, gpu_id: BodyId, cpu: &Scene, cpu_id: BodyId, frame: u32) {
+    gpu.read_back(gpu_id).expect("a state");
+    let (a, b) = (
+        gpu.body(gpu_id).expect("an id of this scene"),
+        cpu.body(cpu_id).expect("an id of this scene"),
+    );
     assert_eq!(
         a.surface().topology(),
         b.surface().topology(),
@@ -142,11 +161,7 @@ fn compare(device: &mut Scene, on_device: BodyId, cpu: &Scene, on_cpu: BodyId, f
     );
     let bits = |v: &[f32; 4]| v.map(f32::to_bits);
     for (what, a, b) in [
-        (
-            "position",
-            &a.surface().positions[..],
-            &b.surface().positions[..],
-        ),
+        ("position", a.surface().positions(), b.surface().positions()),
         ("velocity", a.solver().velocities(), b.solver().velocities()),
     ] {
         let differ = a.iter().zip(b).position(|(a, b)| bits(a) != bits(b));
@@ -157,24 +172,32 @@ fn compare(device: &mut Scene, on_device: BodyId, cpu: &Scene, on_cpu: BodyId, f
     }
 }
 
-/// Frames after which a device that rounds otherwise is still close.
+/// Number of frames of the comparison on adapters with other rounding.
 const FEW: u32 = 3;
-/// How close: so many roundings of a coordinate. A vertex is moved by a dozen constraints at most ten
-/// times a frame, 360 times in all, each time rounded once or twice more or less than on the processor.
+/// Tolerance in roundings of a coordinate.
+///
+/// At most a dozen constraints move a vertex ten times a frame, 360 times in all, each with one or
+/// two roundings more or less than on the CPU.
 const ROUNDINGS: f32 = 360.0;
 
 fn within_rounding(context: Context, model: Model) {
-    let [(mut device, on_device), (mut cpu, on_cpu)] = scenes(context, model, Schedule::Colors);
+    let [(mut gpu, gpu_id), (mut cpu, cpu_id)] = scenes(context, model, Schedule::Colors);
     for _ in 0..FEW {
-        device.step().expect("a frame");
+        gpu.step().expect("a frame");
         cpu.step().expect("a frame");
     }
-    device.read(on_device).expect("a state");
-    let of = |scene: &Scene, id: BodyId| -> Surface { scene.body(id).surface().clone() };
-    let (a, b) = (of(&device, on_device), of(&cpu, on_cpu));
-    let coordinates = b.positions.iter().flat_map(|p| &p[..3]);
+    gpu.read_back(gpu_id).expect("a state");
+    let of = |scene: &Scene, id: BodyId| -> Surface {
+        scene
+            .body(id)
+            .expect("an id of this scene")
+            .surface()
+            .clone()
+    };
+    let (a, b) = (of(&gpu, gpu_id), of(&cpu, cpu_id));
+    let coordinates = b.positions().iter().flat_map(|p| &p[..3]);
     let size = coordinates.fold(0.0, |m: f32, c| m.max(c.abs()));
-    let pairs = a.positions.iter().zip(&b.positions);
+    let pairs = a.positions().iter().zip(b.positions());
     let differences = pairs.flat_map(|(a, b)| (0..3).map(|k| (a[k] - b[k]).abs()));
     let worst = differences.fold(0.0, f32::max);
     let bound = ROUNDINGS * f32::EPSILON * size;

@@ -1,7 +1,8 @@
-//! 231 plane cuts against volumes and components that an independent boolean library computed. The
-//! table lies in a folder beside the workspace; without it one ignored test says so.
+//! The paper's method on 231 plane cuts, compared with an independent boolean library.
+//!
+//! The table is in a folder beside the workspace; without it one test is reported as ignored.
 
-use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter, Sweep};
+use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter, PaperParams, Sweep};
 use incise_mesh::geometry::{Vec3, area_vector};
 use incise_mesh::{Surface, read_mesh};
 use incise_refine::{RefineParams, RefinementLevel};
@@ -11,8 +12,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Whether the cross-section has a hole, which the rebuild method refuses: every plane that passes
-/// the cavity, and the one that passes all around a tunnel of the plate.
+/// Returns true if the cross-section has a hole, which the paper's method refuses.
 fn has_hole(mesh: &str, plane: usize) -> bool {
     mesh == "torture/ok_hollow_sphere.obj" || (mesh, plane) == ("torture/ok_plate_genus16.obj", 9)
 }
@@ -43,9 +43,9 @@ fn test(path: &Path, mesh: &str, rows: &[Reference]) -> Result<(), Failed> {
 
 fn cut(whole: &Surface, mesh: &str, row: &Reference, level: RefinementLevel) -> Result<(), String> {
     let mut surface = whole.clone();
-    let sweep = Sweep::across_box(row.normal, row.d, &surface.bounds()).expect("a plane");
+    let sweep = Sweep::from_plane(row.normal, row.d, &surface.bounds()).expect("a plane");
     let params = CutParams {
-        method: CutMethod::Rebuild,
+        method: CutMethod::Paper(PaperParams::default()),
         refine: RefineParams {
             level,
             ..RefineParams::default()
@@ -81,8 +81,9 @@ fn cut(whole: &Surface, mesh: &str, row: &Reference, level: RefinementLevel) -> 
     Ok(())
 }
 
-/// How much volume the method may move: whole hit triangles go, so a side may end up to an edge from
-/// the plane, over the section and over the strip of hit triangles.
+/// Returns the bound of the volume error.
+///
+/// The method removes whole intersected triangles, so a side may end one edge from the plane.
 fn error_bound(whole: &Surface, row: &Reference, outcome: &CutOutcome) -> f64 {
     let removed = &outcome.delta.triangles_removed;
     let (mut perimeters, mut strip) = (0.0, 0.0);
@@ -95,7 +96,7 @@ fn error_bound(whole: &Surface, row: &Reference, outcome: &CutOutcome) -> f64 {
     mean_edge * (row.section_area + strip)
 }
 
-/// The center of the volume of every piece.
+/// Returns the center of volume of every piece.
 fn centers_of_volume(surface: &Surface) -> BTreeMap<u32, Vec3> {
     let mut moments: BTreeMap<u32, (f64, Vec3)> = BTreeMap::new();
     let apex = surface.bounds().center();

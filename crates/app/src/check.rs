@@ -1,53 +1,58 @@
-//! `incise check`: what a mesh is, and whether it can be cut.
+//! `incise check`: prints the properties of a mesh and the reasons that it cannot be cut.
 
 use crate::failure::Failure;
+use crate::input::{read_unrepaired, refuse};
 use crate::json::lossy;
-use crate::teller::Teller;
-use incise_mesh::{MeshReport, NotFit, check, read_mesh};
+use crate::reporter::Reporter;
+use incise_mesh::{Defect, MeshReport, NotCuttable, check};
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Says what a mesh is and whether it can be cut; exits with 1 when not.
+/// Prints the properties of a mesh; exits with 1 if it cannot be cut.
 #[derive(clap::Args)]
+#[command(after_long_help = AFTER_HELP)]
 pub(crate) struct CheckArguments {
-    /// The mesh: obj, ply, stl, glb or gltf.
+    /// The mesh (obj, ply, stl, glb or gltf), or a built-in model such as Bunny.
+    #[arg(value_name = "FILE|MODEL")]
     file: PathBuf,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
+
+const AFTER_HELP: &str = "\
+Examples:
+  incise check scan.ply
+  incise check scan.ply --json
+
+JSON report (--json): file, cuttable, counts of vertices, triangles, edges and components, genus,
+closed, manifold, oriented, area, volume, bounds, angles, edge lengths, warnings and defects.";
 
 /// The report as JSON.
 #[derive(Serialize)]
 struct JsonReport<'a> {
     #[serde(serialize_with = "lossy")]
     file: &'a Path,
-    fit: bool,
+    cuttable: bool,
     #[serde(flatten)]
     report: &'a MeshReport,
 }
 
-/// Prints the report of a file.
+/// Runs the command.
 pub(crate) fn run(
     arguments: &CheckArguments,
-    teller: &mut Teller<impl Write>,
+    reporter: &mut Reporter<impl Write>,
 ) -> Result<(), Failure> {
     let path = &arguments.file;
-    let report = check(&read_mesh(path)?);
+    let data = read_unrepaired(path)?;
+    let report = check(&data);
     let json = JsonReport {
         file: path,
-        fit: report.fit_to_cut().is_ok(),
+        cuttable: report.is_cuttable().is_ok(),
         report: &report,
     };
-    teller.report(&json, arguments.json, |_, out| print(path, &report, out))?;
-    report.fit_to_cut().map_err(|defects| Failure::NotFit {
-        path: path.clone(),
-        source: NotFit {
-            defects: defects.to_vec(),
-        },
-    })
+    reporter.report(&json, |_, out| print(path, &report, out))?;
+    let refused = |defects: &[Defect]| refuse(path, NotCuttable::from(defects), &data);
+    report.is_cuttable().map_err(refused)
 }
 
 fn print(path: &Path, report: &MeshReport, out: &mut impl Write) -> io::Result<()> {
@@ -100,10 +105,10 @@ fn print(path: &Path, report: &MeshReport, out: &mut impl Write) -> io::Result<(
     for defect in &report.defects {
         line("defect", defect)?;
     }
-    line("fit to cut", &yes_no(report.fit_to_cut().is_ok()))
+    line("cuttable", &yes_no(report.is_cuttable().is_ok()))
 }
 
-/// Seven significant digits, which is what 32-bit coordinates have.
+/// Formats seven significant digits, the precision of 32-bit coordinates.
 fn significant(value: f64) -> String {
     if value == 0.0 || (1e-4..1e7).contains(&value.abs()) {
         let digits = format!("{value:.6e}");

@@ -1,15 +1,15 @@
-//! How long things take.
+//! Wall-clock times of a command's stages.
 
 use std::time::{Duration, Instant};
 
-/// Does something and tells how long it took.
+/// Runs `work` and returns its wall-clock time with its result.
 pub(crate) fn timed<T>(work: impl FnOnce() -> T) -> (Duration, T) {
     let begin = Instant::now();
     let out = work();
     (begin.elapsed(), out)
 }
 
-/// For people and JSON.
+/// Returns a duration in milliseconds.
 pub(crate) fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }

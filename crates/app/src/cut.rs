@@ -1,35 +1,69 @@
-//! `incise cut`: a mesh along a plane or a blade's sweep, one file a piece.
+//! `incise cut`: cuts a mesh along a plane or a blade's sweep and writes one file per piece.
 
 use crate::clock::{milliseconds, timed};
 use crate::cut_options::CutOptions;
 use crate::failure::Failure;
+use crate::input::read_closed;
 use crate::json::{all_lossy, lossy};
-use crate::pieces::{self, Piece};
-use crate::teller::Teller;
+use crate::numbers::counted;
+use crate::pieces::{self, Piece, output_path};
+use crate::reporter::Reporter;
 use incise_mesh::geometry::is_flat;
-use incise_mesh::{AngleStats, TriangleId, Warning, read_mesh};
+use incise_mesh::{AngleStats, TriangleId, Warning};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
 /// Cuts a mesh along a plane or a blade's sweep and writes its pieces.
 ///
-/// They go to `DIR/piece_000.obj` and on, one closed component a file. Files of that name from an earlier run are
-/// overwritten, and removed where there are fewer pieces now. A cut that is refused writes nothing and leaves them as they are.
+/// Writes one closed component per file: `DIR/piece_000.obj` and so on. Files of these
+/// names from an earlier run are overwritten or removed. A refused cut writes nothing.
 #[derive(clap::Args)]
-#[command(group = clap::ArgGroup::new("cutter").required(true).args(["plane", "blade"]))]
+#[command(
+    group = clap::ArgGroup::new("cutter").required(true).args(["plane", "blade"]),
+    after_long_help = AFTER_HELP
+)]
 pub(crate) struct CutArguments {
-    /// The mesh: obj, ply, stl, glb or gltf.
+    /// The mesh (obj, ply, stl, glb or gltf), or a built-in model such as Bunny.
+    #[arg(value_name = "FILE|MODEL")]
     input: PathBuf,
     #[command(flatten)]
     cut: CutOptions,
-    /// Where the pieces go.
-    #[arg(short, long, value_name = "DIR")]
+    /// The folder for the pieces.
+    #[arg(short, long, value_name = "DIR", value_parser = output_path())]
     output: PathBuf,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
+
+const AFTER_HELP: &str = "\
+Examples:
+  Two halves of a built-in model:
+    incise cut Bunny --plane 0,1,0.2,0.05 -o pieces
+  A blade's edge along the z axis that moves along x, caps refined with shorter edges:
+    incise cut scan.ply --blade -1,0,-1,-1,0,1 --to 1,0,-1,1,0,1 --level 1.5x-finer -o pieces
+  Exact volumes, a report for a script:
+    incise cut part.stl --plane 1,0.1,0,0.037 --snap 0 --json -o pieces
+
+Levels (--level), ratio of a cap's edge length to that of the surface at the rim:
+  2x-coarser = 2, 1.5x-coarser = 1.5, original = 1, 1.5x-finer = 0.667, 2x-finer = 0.5
+
+JSON report (--json), lengths in the input's unit:
+  input, method, refine_method, snap, remesh, level, grading
+                         the input and the parameters of the cut
+  warnings               repairs made while reading
+  triangles, volume      of the input
+  triangles_hit, loops   triangles that the sweep crosses; 0 if it misses; loops of the section
+  snapped_vertices, merged_points, short_rim_edges
+                         vertices moved into the rim, points merged, rim edges left short (--snap)
+  flipped_edges, collapsed_vertices, collapsed_points, moved_surface
+                         changes by --remesh, and the largest distance that the surface moved
+  moved_volume           volume moved across the sweep by --snap and --remesh
+  cap_triangles, cap_flat_triangles, cap_min_angle_deg, cap_median_angle_deg
+                         triangles of the caps, those without area, their angles [degrees]
+  pieces                 file, vertices, triangles, area, volume, cavity of each piece
+  removed                pieces of an earlier run that were removed
+  milliseconds           time of each stage
+
+Exit code 4: the cut misses the mesh, and the pieces are those of the uncut mesh.";
 
 /// The report as JSON.
 #[derive(Serialize)]
@@ -42,46 +76,46 @@ struct Report {
     remesh: f64,
     level: f64,
     grading: f64,
-    /// What was repaired or passed over when the mesh was read.
+    /// Repairs made while reading.
     warnings: Vec<Warning>,
     triangles: usize,
     volume: f64,
     triangles_hit: usize,
     loops: usize,
-    /// The exact method: vertices of the mesh that were taken into the rim.
+    /// Vertices of the mesh that snapping moved into the rim.
     snapped_vertices: usize,
-    /// The exact method: intersection points that were merged into others.
+    /// Intersection points that snapping merged.
     merged_points: usize,
-    /// The exact method: rim edges that stay shorter than asked for.
+    /// Rim edges shorter than the snapping distance.
     short_rim_edges: usize,
-    /// The exact method: edges beside the rim that remeshing flipped.
+    /// Edges that remeshing flipped.
     flipped_edges: usize,
-    /// The exact method: vertices beside the rim that remeshing contracted onto others.
+    /// Vertices that remeshing contracted onto others.
     collapsed_vertices: usize,
-    /// The exact method: intersection points that remeshing merged into others.
+    /// Rim points that remeshing merged.
     collapsed_points: usize,
-    /// The exact method: no point of the surface was moved farther by remeshing, in the input's unit.
+    /// Largest distance that remeshing moved the surface, in the input's unit.
     moved_surface: f64,
-    /// The exact method: what snapping and remeshing moved, in cubes of the input's unit.
+    /// Volume moved by snapping and remeshing, in cubes of the input's unit.
     moved_volume: f64,
     cap_triangles: usize,
-    /// Triangles of the caps without area.
+    /// Cap triangles without area.
     cap_flat_triangles: usize,
     cap_min_angle_deg: f64,
     cap_median_angle_deg: f64,
     pieces: Vec<Piece>,
-    /// Pieces of an earlier run that are there no more.
+    /// Removed pieces of an earlier run.
     #[serde(serialize_with = "all_lossy")]
     removed: Vec<PathBuf>,
     milliseconds: Times,
 }
 
-/// Time of each stage \[ms\].
+/// Times of the stages \[ms\].
 #[derive(Serialize)]
 struct Times {
     read: f64,
-    search_tree: f64,
-    search_tree_update: f64,
+    bvh_build: f64,
+    bvh_update: f64,
     detection: f64,
     split: f64,
     remeshing: f64,
@@ -92,34 +126,28 @@ struct Times {
     write: f64,
 }
 
-/// Cuts and writes.
+/// Runs the command.
 pub(crate) fn run(
     arguments: &CutArguments,
-    teller: &mut Teller<impl Write>,
+    reporter: &mut Reporter<impl Write>,
 ) -> Result<(), Failure> {
     let path = &arguments.input;
     let options = arguments.cut.check()?;
-    let progress = teller.stages(3);
+    let progress = reporter.stages(3);
     progress.begin("read");
-    let (read, surface) = timed(|| {
-        let data = read_mesh(path)?;
-        data.into_surface().map_err(|source| Failure::NotFit {
-            path: path.clone(),
-            source,
-        })
-    });
+    let (read, surface) = timed(|| read_closed(path));
     let (mut surface, warnings) = surface?;
     progress.step();
     for warning in &warnings {
-        // Without an error output only the JSON tells.
-        let _ = progress.aside(|| writeln!(io::stderr(), "incise: {}: {warning}", path.display()));
+        progress.suspend(|| reporter.warn(format_args!("{}: {warning}", path.display())));
     }
     progress.begin("cut");
     let (triangles, volume) = (surface.topology().triangle_count(), surface.volume());
-    let sweep = options.sweep(&surface)?;
+    let sweep = options.sweep(&surface, path)?;
     let cut = options.cut(&mut surface, &sweep, path)?;
     let (outcome, params) = (cut.outcome, options.params());
-    let cap = AngleStats::of(outcome.cap.iter().map(|&t| surface.triangle_positions(t)));
+    let cap =
+        AngleStats::from_triangles(outcome.cap.iter().map(|&t| surface.triangle_positions(t)));
     let is_flat = |&&t: &&TriangleId| is_flat(surface.triangle_positions(t));
     let flat = outcome.cap.iter().filter(is_flat).count();
     progress.step();
@@ -131,8 +159,8 @@ pub(crate) fn run(
         input: path.clone(),
         method: options.method(),
         refine_method: options.refinement(),
-        snap: params.snap,
-        remesh: params.remesh,
+        snap: options.exact().snap,
+        remesh: options.exact().remesh,
         level: params.refine.level.z(),
         grading: params.refine.grading,
         warnings,
@@ -156,8 +184,8 @@ pub(crate) fn run(
         removed: written.removed,
         milliseconds: Times {
             read: milliseconds(read),
-            search_tree: milliseconds(cut.search_tree),
-            search_tree_update: milliseconds(outcome.report.search_tree),
+            bvh_build: milliseconds(cut.bvh_build),
+            bvh_update: milliseconds(outcome.report.bvh_update),
             detection: milliseconds(outcome.report.detection),
             split: milliseconds(outcome.report.split),
             remeshing: milliseconds(outcome.report.remeshing),
@@ -168,54 +196,65 @@ pub(crate) fn run(
             write: milliseconds(write),
         },
     };
-    let told = teller.report(&report, arguments.json, |report, out| {
+    reporter.report(&report, |report, out| {
         print(report, options.is_exact(), out)
-    });
-    Ok(told?)
+    })?;
+    if report.triangles_hit == 0 {
+        return Err(Failure::Missed {
+            path: path.clone(),
+            bounds: surface.bounds(),
+            output: "the files hold the uncut mesh",
+        });
+    }
+    Ok(())
 }
 
 fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io::Result<()> {
     writeln!(
         out,
-        "{}: {} triangles, volume {:.6e}",
+        "{}: {}, volume {:.6e}",
         report.input.display(),
-        report.triangles,
+        counted(report.triangles, "triangle"),
         report.volume
     )?;
-    if report.triangles_hit == 0 {
-        writeln!(out, "  the cut misses the mesh")?;
-    } else {
+    if report.triangles_hit > 0 {
         writeln!(
             out,
-            "  {} triangles hit in {} loops; {} cap triangles, smallest angle {:.1}, median {:.1} degrees",
-            report.triangles_hit,
-            report.loops,
-            report.cap_triangles,
+            "  {} hit in {}; {}, smallest angle {:.1}, median {:.1} \
+             degrees",
+            counted(report.triangles_hit, "triangle"),
+            counted(report.loops, "loop"),
+            counted(report.cap_triangles, "cap triangle"),
             report.cap_min_angle_deg,
             report.cap_median_angle_deg
         )?;
         if report.cap_flat_triangles > 0 {
             writeln!(
                 out,
-                "  {} cap triangles have no area: the cut passes a vertex by a hair; move the plane or the blade a little",
-                report.cap_flat_triangles
+                "  {} without area: the cut passes very close to a vertex; move the \
+                 plane or the blade a little",
+                counted(report.cap_flat_triangles, "cap triangle")
             )?;
         }
         if is_exact && report.snap > 0.0 {
             writeln!(
                 out,
-                "  snap {}: {} vertices and {} points moved; {} short rim edges left",
-                report.snap, report.snapped_vertices, report.merged_points, report.short_rim_edges
+                "  snap {}: {} and {} moved; {} left",
+                report.snap,
+                counted(report.snapped_vertices, "vertex"),
+                counted(report.merged_points, "point"),
+                counted(report.short_rim_edges, "short rim edge")
             )?;
         }
         if is_exact && report.remesh > 0.0 {
             writeln!(
                 out,
-                "  remesh {}: {} edges flipped, {} vertices and {} rim points contracted; the surface moved by {:.1e} at most",
+                "  remesh {}: {} flipped, {} and {} contracted; the \
+                 surface moved by {:.1e} at most",
                 report.remesh,
-                report.flipped_edges,
-                report.collapsed_vertices,
-                report.collapsed_points,
+                counted(report.flipped_edges, "edge"),
+                counted(report.collapsed_vertices, "vertex"),
+                counted(report.collapsed_points, "rim point"),
                 report.moved_surface
             )?;
         }
@@ -225,8 +264,8 @@ fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io::Result<()
     }
     writeln!(
         out,
-        "  {} pieces, {} method, {} refinement",
-        report.pieces.len(),
+        "  {}, {} method, {} refinement",
+        counted(report.pieces.len(), "piece"),
         report.method,
         report.refine_method
     )?;
@@ -234,10 +273,11 @@ fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io::Result<()
     let t = &report.milliseconds;
     writeln!(
         out,
-        "  ms: read {:.2}, search tree {:.2} and {:.2}, detection {:.2}, split {:.2}, remeshing {:.2}, cap {:.2}, refinement {:.2}, separation {:.2}, commit {:.2}, write {:.2}",
+        "  ms: read {:.2}, BVH build {:.2}, BVH update {:.2}, detection {:.2}, split {:.2}, \
+         remeshing {:.2}, cap {:.2}, refinement {:.2}, separation {:.2}, commit {:.2}, write {:.2}",
         t.read,
-        t.search_tree,
-        t.search_tree_update,
+        t.bvh_build,
+        t.bvh_update,
         t.detection,
         t.split,
         t.remeshing,

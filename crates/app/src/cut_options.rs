@@ -1,97 +1,144 @@
-//! How a command that cuts is to cut: its options, and the cut itself.
+//! Command-line options of a cut, and the cut itself, for `cut`, `render` and `simulate`.
 
 use crate::clock::timed;
 use crate::failure::Failure;
 use crate::numbers::{Numbers, numbers};
 use clap::ValueEnum;
-use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter, Sweep, starts_inside};
-use incise_mesh::Surface;
+use incise_cut::{
+    CutError, CutMethod, CutOutcome, CutParams, Cutter, ExactParams, PaperParams, Sweep,
+    blade_starts_inside,
+};
 use incise_mesh::geometry::area_vector;
+use incise_mesh::{Aabb, Surface};
 use incise_refine::{RefineMethod, RefineParams, RefinementLevel};
 use std::path::Path;
 use std::time::Duration;
 
-/// Options of a cut. A command that takes them has a group `cutter` of `plane` and `blade`.
+/// Options of a cut. Commands with them need a group `cutter` of `plane` and `blade`.
 #[derive(clap::Args)]
 pub(crate) struct CutOptions {
     /// Cut along the plane `nx x + ny y + nz z = d`.
     #[arg(long, value_name = "NX,NY,NZ,D", value_parser = numbers::<4>, allow_hyphen_values = true)]
     plane: Option<Numbers<4>>,
-    /// Cut along the sweep of a blade's edge: from here, start and end ...
+    /// Cut along the sweep of a blade's edge: start and end of the edge before the sweep.
     ///
-    /// The sweep is two triangles. Where the four corners do not lie in one plane it is folded along the diagonal from
-    /// the start of --blade to the end of --to.
-    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = numbers::<6>, allow_hyphen_values = true, requires = "to")]
+    /// The sweep is two triangles that share the diagonal from the start of --blade to the end of
+    /// --to.
+    #[arg(
+        long,
+        value_name = "X,Y,Z,X,Y,Z",
+        value_parser = numbers::<6>,
+        allow_hyphen_values = true,
+        requires = "to"
+    )]
     blade: Option<Numbers<6>>,
-    /// ... to here, in the same order.
-    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = numbers::<6>, allow_hyphen_values = true, requires = "blade", conflicts_with = "plane")]
+    /// Start and end of the blade's edge after the sweep.
+    #[arg(
+        long,
+        value_name = "X,Y,Z,X,Y,Z",
+        value_parser = numbers::<6>,
+        allow_hyphen_values = true,
+        requires = "blade",
+        conflicts_with = "plane"
+    )]
     to: Option<Numbers<6>>,
-    /// How fine caps get: 2x-coarser, 1.5x-coarser, original, 1.5x-finer, 2x-finer, or z times the surface's edges.
-    /// The rim's own edges stay, so a small cap has little to make coarser.
-    #[arg(long, default_value = "original", requires = "cutter")]
+    /// Ratio of the caps' edge length to that of the surface at the rim: 2x-coarser (2),
+    /// 1.5x-coarser (1.5), original (1), 1.5x-finer (0.667), 2x-finer (0.5), or any positive
+    /// number. Rim edges are not refined.
+    #[arg(
+        long,
+        value_name = "Z",
+        default_value = "original",
+        allow_hyphen_values = true,
+        requires = "cutter"
+    )]
     level: RefinementLevel,
-    /// The exact method: by how much the caps' edges get longer with every unit off the rim. 0 keeps the
-    /// surface's edge length at the rim to the middle; 0.3 makes caps that cost their outline and not their area.
-    /// [default: 0]
-    #[arg(long, value_name = "G", value_parser = grading, allow_hyphen_values = true, requires = "cutter")]
+    /// Growth of the caps' edge length per unit of distance from the rim (exact method). With 0.3
+    /// the number of cap triangles grows with the outline, not with the area. [default: 0]
+    #[arg(
+        long,
+        value_name = "G",
+        value_parser = grading,
+        allow_hyphen_values = true,
+        requires = "cutter"
+    )]
     grading: Option<f64>,
-    /// Refuse the cut when a cap needs more triangles than this.
-    #[arg(long, value_name = "N", default_value_t = RefineParams::default().max_triangles, requires = "cutter")]
+    /// Maximum number of triangles per cap. A cut that needs more is refused.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = RefineParams::default().max_triangles,
+        requires = "cutter"
+    )]
     max_triangles: usize,
-    /// How the mesh is opened.
+    /// Cut method.
     #[arg(long, value_enum, default_value_t = Method::Exact, requires = "cutter")]
     method: Method,
-    /// How caps are refined; by default `delaunay` with the exact method and `paper` with `rebuild`, which knows no other.
+    /// Refinement method of the caps. The exact method supports both, `delaunay` by default; the
+    /// paper's method supports `paper` only.
     #[arg(long, value_enum, value_name = "REFINEMENT", requires = "cutter")]
     refine_method: Option<Refinement>,
-    /// The exact method: edges along the rim that are shorter than this part of the surface's edges are
-    /// contracted. 0 keeps the exact geometry and leaves slivers, which a solver pays for; below 0.5.
-    /// [default: 0.1]
-    #[arg(long, value_name = "S", value_parser = snap, allow_hyphen_values = true, requires = "cutter")]
+    /// Collapse rim edges shorter than this fraction of the local edge length, from 0 up to, not
+    /// including, 0.5 (exact method). 0 keeps the exact geometry and leaves slivers. [default: 0.1]
+    #[arg(
+        long,
+        value_name = "S",
+        value_parser = part_of_an_edge,
+        allow_hyphen_values = true,
+        requires = "cutter"
+    )]
     snap: Option<f64>,
-    /// The exact method: slivers that the blade leaves in the old surface beside the rim go, where the surface moves by no
-    /// more than this part of its edges for that. 0 leaves them, 0.1 about halves them; below 0.5.
-    /// [default: 0]
-    #[arg(long, value_name = "T", value_parser = remesh, allow_hyphen_values = true, requires = "cutter")]
+    /// Remove slivers next to the cut (exact method). The surface moves by at most this fraction of
+    /// the local edge length, from 0 up to, not including, 0.5. 0.1 removes about half of the
+    /// slivers. [default: 0]
+    #[arg(
+        long,
+        value_name = "T",
+        value_parser = part_of_an_edge,
+        allow_hyphen_values = true,
+        requires = "cutter"
+    )]
     remesh: Option<f64>,
 }
 
-/// Options that go together.
+/// Validated options of a cut: no two exclude each other.
 #[derive(Clone, Copy)]
 pub(crate) struct CutPlan<'a> {
     options: &'a CutOptions,
     refinement: Refinement,
 }
 
-/// What a cut came to.
+/// The outcome of a cut, with the time of building its BVH.
 pub(crate) struct Cut {
     pub(crate) outcome: CutOutcome,
-    /// Time that the search tree took.
-    pub(crate) search_tree: Duration,
+    /// Time of building the BVH.
+    pub(crate) bvh_build: Duration,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Method {
-    /// Split the hit triangles along the sweep and close any cross-section: no surface is lost.
+    /// Split the triangles that the sweep crosses. Closes any cross-section and loses no surface.
     Exact,
-    /// The paper's: delete the hit triangles, rebuild the rim, patch and refine the hole.
-    Rebuild,
+    /// The paper's method: delete the triangles that the sweep crosses, rebuild the rim, fill the
+    /// hole.
+    Paper,
 }
 
 impl Method {
     fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
-            Self::Rebuild => "rebuild",
+            Self::Paper => "paper",
         }
     }
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Refinement {
-    /// A core of equilateral triangles and a band around it.
+    /// A core of equilateral triangles and a graded band around it.
     Delaunay,
-    /// The paper's: ears cut off, then triangles divided and edges swapped. One edge length for each part of the section.
+    /// The paper's: ear clipping, then centroid splits and edge swaps, with one edge length per
+    /// component of the section.
     Paper,
 }
 
@@ -104,19 +151,13 @@ impl Refinement {
     }
 }
 
-/// A share of an edge, from 0 up to 0.5.
-fn snap(text: &str) -> Result<f64, String> {
+/// Parses a part of an edge length, from 0 up to 0.5.
+fn part_of_an_edge(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|s| (0.0..0.5).contains(s));
-    number.ok_or_else(|| String::from("snap is a part of an edge: at least 0 and below 0.5"))
+    number.ok_or_else(|| String::from("expected a part of an edge: at least 0 and below 0.5"))
 }
 
-/// A share of an edge, from 0 up to 0.5.
-fn remesh(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|t| (0.0..0.5).contains(t));
-    number.ok_or_else(|| String::from("remesh is a part of an edge: at least 0 and below 0.5"))
-}
-
-/// How targets grow: nothing or more.
+/// Parses a growth rate, 0 or more.
 fn grading(text: &str) -> Result<f64, String> {
     let number = text
         .parse()
@@ -126,19 +167,19 @@ fn grading(text: &str) -> Result<f64, String> {
 }
 
 impl CutOptions {
-    /// Whether there is anything to cut along.
+    /// Returns true if the command line names a plane or a blade.
     #[cfg(feature = "gpu")]
     pub(crate) fn is_cut(&self) -> bool {
         self.plane.is_some() || self.blade.is_some()
     }
 
-    /// Whether it is cut along a plane, which goes on without end.
+    /// Returns true if the cut is along an infinite plane.
     #[cfg(feature = "gpu")]
     pub(crate) fn is_plane(&self) -> bool {
         self.plane.is_some()
     }
 
-    /// The options, if they go together.
+    /// Checks that no two options exclude each other.
     pub(crate) fn check(&self) -> Result<CutPlan<'_>, Failure> {
         Ok(CutPlan {
             options: self,
@@ -146,19 +187,19 @@ impl CutOptions {
         })
     }
 
-    /// How caps are refined, if the options go together.
+    /// Returns the refinement, or the two options that exclude each other.
     fn checked_refinement(&self) -> Result<Refinement, Failure> {
         let refuse = |option, with| Err(Failure::NotWith { option, with });
-        let rebuild = "--method rebuild";
+        let paper = "--method paper";
         match (self.method, self.refine_method) {
-            (Method::Rebuild, _) if self.snap.is_some() => refuse("--snap", rebuild),
-            (Method::Rebuild, _) if self.remesh.is_some() => refuse("--remesh", rebuild),
-            (Method::Rebuild, _) if self.grading.is_some() => refuse("--grading", rebuild),
-            (Method::Rebuild, Some(Refinement::Delaunay)) => refuse(
+            (Method::Paper, _) if self.snap.is_some() => refuse("--snap", paper),
+            (Method::Paper, _) if self.remesh.is_some() => refuse("--remesh", paper),
+            (Method::Paper, _) if self.grading.is_some() => refuse("--grading", paper),
+            (Method::Paper, Some(Refinement::Delaunay)) => refuse(
                 "--refine-method delaunay",
-                "--method rebuild, whose refinement is the paper's",
+                "--method paper, whose refinement is the paper's",
             ),
-            (Method::Rebuild, _) => Ok(Refinement::Paper),
+            (Method::Paper, _) => Ok(Refinement::Paper),
             (Method::Exact, Some(Refinement::Paper)) if self.grading.is_some() => refuse(
                 "--grading",
                 "--refine-method paper, which has one edge length for each part of the section",
@@ -167,44 +208,42 @@ impl CutOptions {
         }
     }
 
-    fn sweep(&self, surface: &Surface) -> Result<Sweep, CutError> {
-        if let Some(Numbers([x, y, z, d])) = self.plane {
-            return Sweep::across_box([x, y, z], d, &surface.bounds());
+    fn sweep(&self, surface: &Surface, path: &Path) -> Result<Sweep, Failure> {
+        if let Some(plane) = self.plane {
+            return plane_sweep(plane, surface.bounds(), path);
         }
         let edge = |numbers: Option<Numbers<6>>| {
             let Numbers([a, b, c, d, e, f]) = numbers.unwrap_or(Numbers([0.0; 6]));
-            [[a, b, c], [d, e, f]].map(|p| incise_mesh::geometry::round(p.into()))
+            [[a, b, c], [d, e, f]].map(|p| incise_mesh::geometry::to_f32(p.into()))
         };
-        Sweep::new(edge(self.blade), edge(self.to))
+        Sweep::new(edge(self.blade), edge(self.to)).map_err(Failure::Sweep)
     }
 }
 
 impl CutPlan<'_> {
-    /// The method's name.
+    /// Returns the name of the method.
     pub(crate) fn method(self) -> &'static str {
         self.options.method.name()
     }
 
-    /// Whether the method is the exact one, which has options of its own.
+    /// Returns true for the exact method.
     pub(crate) fn is_exact(self) -> bool {
         matches!(self.options.method, Method::Exact)
     }
 
-    /// The refinement's name.
+    /// Returns the name of the refinement.
     pub(crate) fn refinement(self) -> &'static str {
         self.refinement.name()
     }
 
-    /// The options as the cutter takes them.
+    /// Returns the parameters for the cutter.
     pub(crate) fn params(self) -> CutParams {
-        let (options, default) = (self.options, CutParams::default());
+        let options = self.options;
         CutParams {
             method: match options.method {
-                Method::Exact => CutMethod::Exact,
-                Method::Rebuild => CutMethod::Rebuild,
+                Method::Exact => CutMethod::Exact(self.exact()),
+                Method::Paper => CutMethod::Paper(PaperParams::default()),
             },
-            snap: options.snap.unwrap_or(default.snap),
-            remesh: options.remesh.unwrap_or(default.remesh),
             refine: RefineParams {
                 method: match self.refinement {
                     Refinement::Delaunay => RefineMethod::Delaunay,
@@ -215,49 +254,70 @@ impl CutPlan<'_> {
                 max_triangles: options.max_triangles,
                 ..RefineParams::default()
             },
-            ..default
+            ..CutParams::default()
         }
     }
 
-    /// What cuts a surface.
-    pub(crate) fn sweep(self, surface: &Surface) -> Result<Sweep, Failure> {
-        let sweep = self.options.sweep(surface).map_err(Failure::Sweep)?;
+    /// Returns the exact method's parameters; its defaults with the paper's method.
+    pub(crate) fn exact(self) -> ExactParams {
+        let default = ExactParams::default();
+        ExactParams {
+            snap: self.options.snap.unwrap_or(default.snap),
+            remesh: self.options.remesh.unwrap_or(default.remesh),
+        }
+    }
+
+    /// Returns the sweep through a surface.
+    ///
+    /// `path` names it in errors.
+    pub(crate) fn sweep(self, surface: &Surface, path: &Path) -> Result<Sweep, Failure> {
+        let sweep = self.options.sweep(surface, path)?;
         if crosses_itself(&sweep) {
             return Err(Failure::SweepCrossesItself);
         }
         Ok(sweep)
     }
 
-    /// Cuts a surface that was read from `path`.
+    /// Cuts a surface; `path` names it in errors.
     pub(crate) fn cut(
         self,
         surface: &mut Surface,
         sweep: &Sweep,
         path: &Path,
     ) -> Result<Cut, Failure> {
-        let (search_tree, mut cutter) = timed(|| Cutter::new(surface));
+        let (bvh_build, mut cutter) = timed(|| Cutter::new(surface));
         let outcome = cutter.cut(surface, sweep, &self.params());
         let outcome = outcome.map_err(|source| Failure::Cut {
             path: path.to_owned(),
             source,
         })?;
-        if outcome.report.hits == 0 && starts_inside(surface, sweep) {
+        if outcome.report.hits == 0 && blade_starts_inside(surface, sweep) {
             let path = path.to_owned();
             return Err(Failure::SweepInside { path });
         }
-        Ok(Cut {
-            outcome,
-            search_tree,
-        })
+        Ok(Cut { outcome, bvh_build })
     }
 }
 
-/// Cosine of the angle between the normals of a sweep's triangles from which on they lie on each other: a
-/// blade that bends that much has its ends exchanged.
+/// Returns the sweep of a plane of the command line through a bounding box.
+pub(crate) fn plane_sweep(plane: Numbers<4>, bounds: Aabb, path: &Path) -> Result<Sweep, Failure> {
+    let Numbers([x, y, z, d]) = plane;
+    Sweep::from_plane([x, y, z], d, &bounds).map_err(|error| match error {
+        // The plane's numbers are finite, so the box is too large.
+        CutError::SweepNotFinite { .. } => Failure::TooLarge {
+            path: path.to_owned(),
+            bounds,
+        },
+        error => Failure::Sweep(error),
+    })
+}
+
+/// Cosine of the angle between the normals of a folded sweep's triangles. A blade bends that much
+/// only if its ends are exchanged.
 const FOLDED: f64 = -0.999;
 
-/// Whether the sweep's two triangles lie on each other. They could be cut along, but what was meant is the
-/// blade's way without the crossing.
+/// Returns true if the sweep's two triangles lie on each other. Such a sweep could be cut along,
+/// but its user meant the sweep without the fold.
 fn crosses_itself(sweep: &Sweep) -> bool {
     let [first, second] = sweep.triangles().map(area_vector);
     first.dot(&second) < FOLDED * first.norm() * second.norm()

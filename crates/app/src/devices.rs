@@ -1,40 +1,26 @@
-//! `incise devices`: which GPUs there are, and whether bodies can be stepped on them.
+//! `incise devices`: lists the GPUs, their limits, and whether incise can use them.
 
-use crate::failure::Failure;
-use crate::teller::Teller;
-use std::io::Write;
-
-/// Lists the GPU devices of this machine, real ones first, and says whether incise can use them.
+/// Lists the GPUs of this machine, hardware ones first, and says whether incise can use them.
 #[derive(clap::Args)]
-pub(crate) struct DevicesArguments {
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
-}
+pub(crate) struct DevicesArguments {}
 
-/// Prints the devices.
-pub(crate) fn run(
-    arguments: &DevicesArguments,
-    teller: &mut Teller<impl Write>,
-) -> Result<(), Failure> {
-    list::run(arguments.json, teller)
-}
-
+/// Returns an error: this build has no GPU support.
 #[cfg(not(feature = "gpu"))]
-mod list {
-    use crate::failure::Failure;
-    use crate::teller::Teller;
-    use std::io::Write;
-
-    pub(super) fn run(_json: bool, _teller: &mut Teller<impl Write>) -> Result<(), Failure> {
-        Err(Failure::NoGpuSupport)
-    }
+pub(crate) fn run(
+    _arguments: &DevicesArguments,
+    _reporter: &mut crate::reporter::Reporter<impl std::io::Write>,
+) -> Result<(), crate::failure::Failure> {
+    Err(crate::failure::Failure::NoGpuSupport)
 }
 
 #[cfg(feature = "gpu")]
+pub(crate) use list::run;
+
+#[cfg(feature = "gpu")]
 mod list {
+    use super::DevicesArguments;
     use crate::failure::Failure;
-    use crate::teller::Teller;
+    use crate::reporter::Reporter;
     use incise_pbd_gpu::{AdapterSummary, adapters};
     use serde::Serialize;
     use std::fmt::Display;
@@ -58,19 +44,24 @@ mod list {
         refusal: Option<String>,
     }
 
-    pub(super) fn run(json: bool, teller: &mut Teller<impl Write>) -> Result<(), Failure> {
+    /// Runs the command.
+    pub(crate) fn run(
+        _arguments: &DevicesArguments,
+        reporter: &mut Reporter<impl Write>,
+    ) -> Result<(), Failure> {
         let devices = adapters();
         let report: Vec<JsonDevice<'_>> = devices.iter().map(as_json).collect();
-        let told = teller.report(&report, json, |_, out| {
+        let written = reporter.report(&report, |_, out| {
             if devices.is_empty() {
                 writeln!(
                     out,
-                    "no GPU device; bodies are stepped on the CPU. A driver adds one, on Debian the packages mesa-vulkan-drivers and libvulkan1"
+                    "no GPU; bodies are stepped on the CPU. Install a driver: on Debian the \
+                     packages mesa-vulkan-drivers and libvulkan1"
                 )?;
             }
             devices.iter().try_for_each(|device| print(device, out))
         });
-        Ok(told?)
+        Ok(written?)
     }
 
     fn as_json(device: &AdapterSummary) -> JsonDevice<'_> {
@@ -116,7 +107,7 @@ mod list {
         }
     }
 
-    /// Bytes in the largest unit of which there are at least two.
+    /// Formats bytes in the largest unit of which there are at least two.
     fn size(bytes: u64) -> String {
         let units = [("GiB", 30), ("MiB", 20), ("KiB", 10)];
         let unit = units.iter().find(|(_, shift)| bytes >> shift >= 2);
@@ -131,7 +122,7 @@ mod list {
         use super::size;
 
         #[test]
-        fn sizes_have_a_unit() {
+        fn sizes_use_the_largest_unit() {
             assert_eq!(size(128 << 20), "128 MiB");
             assert_eq!(size(1 << 30), "1024 MiB");
             assert_eq!(size((2 << 30) - 1), "2047 MiB");

@@ -1,124 +1,183 @@
-//! Why the program stops.
+//! Errors that end a command, and their exit codes.
 
+use crate::input::OpenMeshAdvice;
+#[cfg(feature = "gpu")]
+use crate::numbers::counted;
 use incise_cut::CutError;
-use incise_mesh::{Defect, NotFit, ReadError, WriteError};
+use incise_mesh::{Aabb, NotCuttable, ReadError, WriteError};
+use incise_models::Model;
 use incise_refine::HoleError;
 use incise_scene::SceneError;
 use std::path::PathBuf;
 
-/// Why a command could not be done.
+/// The exit code of unusable input, or of a machine without a GPU.
+const UNUSABLE_INPUT: u8 = 1;
+/// The exit code of a wrong command line.
+pub(crate) const WRONG_COMMAND_LINE: u8 = 2;
+/// The exit code of an output that cannot be written.
+const UNWRITABLE_OUTPUT: u8 = 3;
+/// The exit code of a cut that misses the mesh.
+const MISSED: u8 = 4;
+
+/// An error that ends a command.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
     /// The input is not a mesh.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// There is no such file, and no such model.
-    #[cfg(feature = "gpu")]
+    /// The input names neither a file nor a model.
     #[error(
-        "{}: there is no such file and no such model; name a mesh (obj, ply, stl, glb or gltf), or one of {}",
+        "{}: no such file or model; name a mesh (obj, ply, stl, glb or gltf) or one of {}",
         path.display(),
-        incise_mesh::Model::ALL.map(incise_mesh::Model::name).join(", ")
+        Model::ALL.map(Model::name).join(", ")
     )]
     NoInput {
-        /// What was named.
+        /// The name.
         path: PathBuf,
     },
-    /// The input is no body that can be cut.
-    #[error("{}: {source}{}", path.display(), what_to_do(source))]
-    NotFit {
+    /// The input names no file, but its name without the extension is that of a model.
+    #[error(
+        "{}: no such file; the built-in model is called {model}, without extension",
+        path.display()
+    )]
+    NoFileButModel {
         /// The file.
         path: PathBuf,
-        /// Why.
-        source: NotFit,
+        /// The model's name.
+        model: &'static str,
     },
-    /// The plane or the blade is none: the command line is wrong.
-    #[error("the cut: {0}")]
+    /// The input is a folder.
+    #[error("{}: this is a folder; name a mesh (obj, ply, stl, glb or gltf)", path.display())]
+    InputIsFolder {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The bounding box of the input is so large that a plane through it leaves 32 bits.
+    #[error(
+        "{}: its coordinates reach from {:?} to {:?}, too large for a cut by a plane; scale the \
+         mesh",
+        path.display(), bounds.min, bounds.max
+    )]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Bounding box of the mesh \[m\].
+        bounds: Aabb,
+    },
+    /// The input is not a closed, oriented manifold.
+    #[error("{}: {source}{advice}", path.display())]
+    NotCuttable {
+        /// The file.
+        path: PathBuf,
+        /// All defects.
+        source: NotCuttable,
+        /// How to close an open mesh.
+        advice: OpenMeshAdvice,
+    },
+    /// The plane or blade of the command line defines no sweep.
+    #[error("invalid cut: {0}")]
     Sweep(CutError),
-    /// Two options that do not go together: the command line is wrong.
-    #[error("{option} does not go with {with}; leave one of the two out")]
+    /// Two options of the command line exclude each other.
+    #[error("{option} cannot be combined with {with}; omit one of the two")]
     NotWith {
         /// One option.
         option: &'static str,
-        /// The other, and why.
+        /// The other, and the reason.
         with: &'static str,
     },
-    /// The blade's ends have changed places, so that its sweep crosses itself: the command line is wrong.
+    /// The sweep of the command line's blade crosses itself: its ends are swapped.
     #[error(
-        "the cut: the sweep from --blade to --to crosses itself; name the blade's two ends in the same order in both"
+        "invalid cut: the sweep from --blade to --to crosses itself; give the blade's two ends in \
+         the same order in both"
     )]
     SweepCrossesItself,
-    /// The blade moves inside solid matter.
+    /// The sweep lies inside the body.
     #[error(
-        "{}: the blade's sweep lies inside the body and does not reach its surface; make the sweep larger",
+        "{}: the blade's sweep lies inside the body and does not reach its surface; make the sweep \
+         larger",
         path.display()
     )]
     SweepInside {
         /// The file.
         path: PathBuf,
     },
-    /// The input cannot be cut there.
+    /// The sweep misses the mesh.
+    #[error(
+        "{}: the cut misses the mesh, whose bounding box is {:?} to {:?}; {output}; move the plane \
+         or the blade",
+        path.display(), bounds.min, bounds.max
+    )]
+    Missed {
+        /// The file.
+        path: PathBuf,
+        /// Bounding box of the mesh at the time of the cut \[m\].
+        bounds: Aabb,
+        /// The content of the output.
+        output: &'static str,
+    },
+    /// The cut cannot be made.
     #[error("{}: {source}", path.display())]
     Cut {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: CutError,
     },
-    /// The input's holes cannot be closed.
+    /// The holes cannot be closed.
     #[error("{}: {source}", path.display())]
     Fill {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: HoleError,
     },
-    /// The output's name says no format that is written: the command line is wrong.
-    #[error("{}: only .obj and .ply are written; choose one of them", path.display())]
+    /// The output's extension is not that of a supported format.
+    #[error("{}: only .obj and .ply can be written; choose one of them", path.display())]
     OutputFormat {
         /// The file.
         path: PathBuf,
     },
-    /// The body is to be cut when everything is over: the command line is wrong.
-    #[error("--at is not before the end; raise --seconds")]
+    /// The time of the cut is after the end of the simulation.
+    #[error("--at is not before the end of the simulation; increase --seconds")]
     CutAfterEnd,
-    /// The body would begin in the ground, and be shot out of it: the command line is wrong.
+    /// The mesh starts below the ground, which would eject it.
     #[error(
-        "{}: its lowest point is at {lowest}, below the ground at {ground}, which would shoot it out; give --ground {lowest} \
-         or less",
+        "{}: its lowest point is at {lowest}, below the ground at {ground}, which would eject \
+         it; give --ground {lowest} or less",
         path.display()
     )]
     BelowGround {
         /// The file.
         path: PathBuf,
-        /// Where the mesh begins \[m\].
+        /// The mesh's lowest coordinate \[m\].
         lowest: f32,
-        /// Where the ground is \[m\].
+        /// The height of the ground \[m\].
         ground: f32,
     },
-    /// The body cannot be moved, or there is no device to move it.
+    /// The body cannot be simulated, or there is no GPU for it.
     #[error("{}: {source}", path.display())]
     Scene {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: SceneError,
     },
-    /// The output folder cannot be made.
-    #[error("{}: {source}", path.display())]
+    /// The output folder cannot be created.
+    #[error("{}: the folder cannot be created: {source}", path.display())]
     Folder {
         /// The folder.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: std::io::Error,
     },
-    /// What is written would take the input's place.
+    /// The output would overwrite the input.
     #[error("{}: this would overwrite the input; choose another folder or name", path.display())]
     TargetIsInput {
         /// The file.
         path: PathBuf,
     },
-    /// Where a file is to go there is a folder.
-    #[error("{}: a file is to go here, and it is a folder; choose another output", path.display())]
+    /// The output file's name is that of a folder.
+    #[error("{}: the output file is a folder; choose another name", path.display())]
     TargetIsFolder {
         /// The file.
         path: PathBuf,
@@ -131,53 +190,53 @@ pub(crate) enum Failure {
     Remove {
         /// The piece's file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: std::io::Error,
     },
-    /// A piece that there is not: the command line is wrong.
+    /// The command line names a piece that does not exist.
     #[cfg(feature = "gpu")]
-    #[error("--without {piece}: there are {pieces} pieces, numbered from 0")]
+    #[error("--without {piece}: the image has {}, numbered from 0", counted(*pieces, "piece"))]
     NoPiece {
         /// Its number.
         piece: usize,
-        /// How many there are.
+        /// The number of pieces.
         pieces: usize,
     },
-    /// The picture's name says another format: the command line is wrong.
+    /// The image's extension is not that of PNG.
     #[cfg(feature = "gpu")]
-    #[error("{}: only .png is written; choose another name", path.display())]
-    PictureFormat {
+    #[error("{}: only .png can be written; choose another name", path.display())]
+    ImageFormat {
         /// The file.
         path: PathBuf,
     },
     /// A figure of the gallery cannot be made of the built-in models.
     #[cfg(feature = "gpu")]
-    #[error("{figure}: {source}; leave it out with --only")]
+    #[error("{figure}: {source}; omit it with --only")]
     Figure {
-        /// Its name.
+        /// The figure's name.
         figure: &'static str,
-        /// Why.
+        /// The reason.
         source: crate::gallery::FigureError,
     },
-    /// There is no device to draw with.
+    /// No GPU can draw.
     #[cfg(feature = "gpu")]
     #[error(transparent)]
     Device(#[from] incise_pbd_gpu::GpuError),
-    /// There is no picture.
+    /// The image cannot be drawn or written.
     #[cfg(feature = "gpu")]
     #[error(transparent)]
     Render(#[from] incise_render::RenderError),
-    /// There is no window, or what is in it has failed.
+    /// The window cannot be opened, or its session has failed.
     #[cfg(feature = "view")]
     #[error(transparent)]
     View(#[from] incise_view::ViewError),
-    /// The recording is none, or cannot be read.
+    /// The recording cannot be read.
     #[cfg(feature = "view")]
     #[error("{}: {source}", path.display())]
     Recording {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: incise_view::RecordingError,
     },
     /// The program was built without the feature `gpu`.
@@ -189,20 +248,11 @@ pub(crate) enum Failure {
     Output(#[from] std::io::Error),
 }
 
-/// Which command mends a mesh.
-fn what_to_do(why: &NotFit) -> &'static str {
-    match why.defects.as_slice() {
-        [Defect::OpenEdge { gap: None, .. }] => " with `incise fill`",
-        _ => "",
-    }
-}
-
 impl Failure {
-    /// What the program ends with: 2 for a wrong command line, 3 for an output that cannot be written, 1
-    /// for all that is due to the input or the machine.
+    /// Returns the exit code of the program.
     pub(crate) fn exit_code(&self) -> u8 {
         #[cfg(feature = "gpu")]
-        if let Some(code) = self.exit_code_of_picture() {
+        if let Some(code) = self.exit_code_of_image() {
             return code;
         }
         match self {
@@ -211,26 +261,26 @@ impl Failure {
             | Self::SweepCrossesItself
             | Self::CutAfterEnd
             | Self::BelowGround { .. }
-            | Self::OutputFormat { .. } => 2,
+            | Self::OutputFormat { .. } => WRONG_COMMAND_LINE,
             Self::Folder { .. }
             | Self::TargetIsInput { .. }
             | Self::TargetIsFolder { .. }
             | Self::Write(_)
             | Self::Remove { .. }
-            | Self::Output(_) => 3,
-            _ => 1,
+            | Self::Output(_) => UNWRITABLE_OUTPUT,
+            Self::Missed { .. } => MISSED,
+            _ => UNUSABLE_INPUT,
         }
     }
 
-    /// The same for what goes wrong with pictures alone.
     #[cfg(feature = "gpu")]
-    fn exit_code_of_picture(&self) -> Option<u8> {
+    fn exit_code_of_image(&self) -> Option<u8> {
         use incise_render::RenderError;
         match self {
             Self::NoPiece { .. }
-            | Self::PictureFormat { .. }
-            | Self::Render(RenderError::Size { .. }) => Some(2),
-            Self::Render(RenderError::Write { .. }) => Some(3),
+            | Self::ImageFormat { .. }
+            | Self::Render(RenderError::InvalidSize { .. }) => Some(WRONG_COMMAND_LINE),
+            Self::Render(RenderError::Write { .. }) => Some(UNWRITABLE_OUTPUT),
             _ => None,
         }
     }

@@ -1,41 +1,58 @@
-//! `incise fill`: the holes of a mesh, closed.
+//! `incise fill`: closes the holes of a mesh.
 
 use crate::clock::{milliseconds, timed};
 use crate::failure::Failure;
+use crate::input::{FLAT_VOLUME, components_without_volume, read_open};
 use crate::json::lossy;
-use crate::pieces::check_target;
-use crate::teller::Teller;
-use incise_mesh::{Surface, Warning, WriteError, read_mesh, write_obj, write_ply};
-use incise_refine::{FilledHole, HoleParams, RefinementLevel, fill_holes};
+use crate::numbers::counted;
+use crate::pieces::{check_target, output_path};
+use crate::reporter::Reporter;
+use incise_mesh::{Surface, TriangleId, Warning, WriteError, write_obj, write_ply};
+use incise_refine::{HoleParams, HoleReport, RefinementLevel, fill_holes};
 use serde::Serialize;
+use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Closes every hole of a mesh and writes it. The outer boundary of an open sheet is a hole too.
 #[derive(clap::Args)]
+#[command(after_long_help = AFTER_HELP)]
 pub(crate) struct FillArguments {
-    /// The mesh: obj, ply, stl, glb or gltf.
+    /// The mesh (obj, ply, stl, glb or gltf), or a built-in model such as Bunny.
+    #[arg(value_name = "FILE|MODEL")]
     input: PathBuf,
-    /// Where the closed mesh goes: obj or ply.
-    #[arg(short, long, value_name = "FILE")]
+    /// The file for the closed mesh: obj or ply.
+    #[arg(short, long, value_name = "FILE", value_parser = output_path())]
     output: PathBuf,
-    /// How fine patches get, against the edges around each hole: 2x-coarser, 1.5x-coarser, original,
-    /// 1.5x-finer, 2x-finer, or z.
-    #[arg(long, value_name = "Z", default_value = "original")]
+    /// Ratio of the patches' edge length to that around each hole: 2x-coarser, 1.5x-coarser,
+    /// original, 1.5x-finer, 2x-finer, or a number.
+    #[arg(
+        long,
+        value_name = "Z",
+        default_value = "original",
+        allow_hyphen_values = true
+    )]
     level: RefinementLevel,
-    /// Let patches go on as smoothly as they can from the surface around. Flat ends stay flat.
+    /// Fair the patches: they continue the surrounding surface smoothly. Planar holes stay planar.
     #[arg(long)]
     fair: bool,
-    /// Leave holes with more edges open.
+    /// Maximum number of rim edges of a hole. Larger holes are left open.
     #[arg(long, value_name = "N")]
     max_edges: Option<usize>,
-    /// Refuse when the patches need more triangles than this.
+    /// Maximum number of triangles of all patches. A fill that needs more is refused.
     #[arg(long, value_name = "N", default_value_t = HoleParams::default().max_triangles)]
     max_triangles: usize,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
+
+const AFTER_HELP: &str = "\
+Examples:
+  incise fill scan.ply -o closed.ply
+  incise fill scan.ply --fair --level 1.5x-finer -o closed.obj
+
+JSON report (--json): input, output, level, fair, triangles_before, warnings, left_open, vertices,
+triangles, closed, area, volume, milliseconds, and for each of the holes rim_edges, at, triangles,
+inserted_vertices, planar, faired, self_crossing, flat_triangles, slivers, min_angle_deg,
+median_angle_deg, mean_edge, target.";
 
 /// The report as JSON.
 #[derive(Serialize)]
@@ -46,36 +63,71 @@ struct Report {
     output: PathBuf,
     level: f64,
     fair: bool,
-    /// Triangles of the input, repaired.
+    /// Triangles of the repaired input.
     triangles_before: usize,
-    warnings: Vec<Warning>,
+    warnings: Vec<FillWarning>,
     holes: Vec<Hole>,
-    /// Holes with more edges than were to be closed.
+    /// Holes left open by --max-edges.
     left_open: usize,
     vertices: usize,
     triangles: usize,
     closed: bool,
     area: f64,
-    /// Meaningless unless the mesh is closed; negative when its normals point inward.
+    /// Defined for closed meshes only.
     volume: f64,
     milliseconds: Times,
 }
 
-/// A hole that was closed.
+/// A warning about the input or about the filled mesh.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum FillWarning {
+    /// A repair of the input.
+    Mesh(Warning),
+    /// A property of closed components that `incise cut` refuses, or that is rarely intended.
+    Components {
+        /// `zero_volume` or `negative_volume`.
+        kind: &'static str,
+        /// Number of components.
+        count: usize,
+    },
+}
+
+impl fmt::Display for FillWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Mesh(warning) => warning.fmt(f),
+            Self::Components {
+                kind: "zero_volume",
+                count,
+            } => write!(
+                f,
+                "closed components without volume, which cannot be cut: {count}; remove them or \
+                 give them thickness"
+            ),
+            Self::Components { count, .. } => write!(
+                f,
+                "closed components with negative volume: {count}; each is a cavity or inside out"
+            ),
+        }
+    }
+}
+
+/// A closed hole.
 #[derive(Serialize)]
 struct Hole {
     rim_edges: usize,
-    /// A point of the rim.
+    /// A point of the rim, in the input's unit.
     at: [f32; 3],
     triangles: usize,
     inserted_vertices: usize,
     planar: bool,
     faired: bool,
-    /// Whether the patch passes through itself, as it must where its rim crosses itself in a plane.
+    /// Whether the patch intersects itself.
     self_crossing: bool,
-    /// Triangles without area.
+    /// Patch triangles without area.
     flat_triangles: usize,
-    /// Others with an angle below 5 degrees.
+    /// Other patch triangles with an angle below 5 degrees.
     slivers: usize,
     min_angle_deg: f64,
     median_angle_deg: f64,
@@ -83,7 +135,7 @@ struct Hole {
     target: f64,
 }
 
-/// Time of each stage \[ms\].
+/// Times of the stages \[ms\].
 #[derive(Serialize)]
 struct Times {
     read: f64,
@@ -91,22 +143,16 @@ struct Times {
     write: f64,
 }
 
-/// Fills and writes.
+/// Runs the command.
 pub(crate) fn run(
     arguments: &FillArguments,
-    teller: &mut Teller<impl Write>,
+    reporter: &mut Reporter<impl Write>,
 ) -> Result<(), Failure> {
     let (input, output) = (&arguments.input, &arguments.output);
     let write = writer(output)?;
-    let progress = teller.stages(3);
+    let progress = reporter.stages(3);
     progress.begin("read");
-    let (read, surface) = timed(|| {
-        let data = read_mesh(input)?;
-        data.into_open_surface().map_err(|source| Failure::NotFit {
-            path: input.clone(),
-            source,
-        })
-    });
+    let (read, surface) = timed(|| read_open(input));
     let (mut surface, warnings) = surface?;
     check_target(output, input)?;
     progress.step();
@@ -115,7 +161,7 @@ pub(crate) fn run(
     let params = HoleParams {
         level: arguments.level,
         fair: arguments.fair,
-        max_edges: arguments.max_edges.unwrap_or(usize::MAX),
+        max_rim_edges: arguments.max_edges.unwrap_or(usize::MAX),
         max_triangles: arguments.max_triangles,
         ..HoleParams::default()
     };
@@ -125,6 +171,15 @@ pub(crate) fn run(
         source,
     })?;
     progress.step();
+    let holes = filled.holes.iter().map(|h| Hole::of(h, &surface)).collect();
+    let mut warnings: Vec<FillWarning> = warnings.into_iter().map(FillWarning::Mesh).collect();
+    if surface.topology().is_closed() && surface.volume() < 0.0 && flip(&mut surface) {
+        warnings.push(FillWarning::Mesh(Warning::Inverted));
+    }
+    warnings.extend(warnings_of_components(&surface));
+    for warning in &warnings {
+        progress.suspend(|| reporter.warn(format_args!("{}: {warning}", input.display())));
+    }
     progress.begin("write");
     let (write, written) = timed(|| write(output, &surface));
     written?;
@@ -136,7 +191,7 @@ pub(crate) fn run(
         fair: arguments.fair,
         triangles_before,
         warnings,
-        holes: filled.holes.iter().map(|h| Hole::of(h, &surface)).collect(),
+        holes,
         left_open: filled.left_open,
         vertices: surface.topology().vertices().count(),
         triangles: surface.topology().triangle_count(),
@@ -149,13 +204,13 @@ pub(crate) fn run(
             write: milliseconds(write),
         },
     };
-    Ok(teller.report(&report, arguments.json, print)?)
+    Ok(reporter.report(&report, print)?)
 }
 
-/// Writes a mesh in one of the formats.
+/// A function that writes a mesh in one format.
 type Writer = fn(&Path, &Surface) -> Result<(), WriteError>;
 
-/// What writes a file of this name.
+/// Returns the writer for a file's extension.
 fn writer(path: &Path) -> Result<Writer, Failure> {
     let extension = path
         .extension()
@@ -169,23 +224,74 @@ fn writer(path: &Path) -> Result<Writer, Failure> {
     }
 }
 
+/// Warns of closed components without volume, and of those with negative volume.
+fn warnings_of_components(surface: &Surface) -> impl Iterator<Item = FillWarning> {
+    let is_inverted = |part: &Surface| {
+        let limit = -FLAT_VOLUME * part.area().powf(1.5);
+        part.topology().is_closed() && part.volume() < limit
+    };
+    let parts = surface.extract_pieces();
+    let inverted = parts.filter(|(_, part)| is_inverted(part)).count();
+    let counts = [
+        ("zero_volume", components_without_volume(surface)),
+        ("negative_volume", inverted),
+    ];
+    let found = counts.into_iter().filter(|&(_, count)| count > 0);
+    found.map(|(kind, count)| FillWarning::Components { kind, count })
+}
+
+/// Flips every triangle of a closed surface. Returns false, and changes nothing, if the surface is
+/// not a manifold.
+fn flip(surface: &mut Surface) -> bool {
+    surface.compact();
+    let position = |&[x, y, z, _]: &[f32; 4]| [x, y, z];
+    let positions: Vec<[f32; 3]> = surface.positions().iter().map(position).collect();
+    let topology = surface.topology();
+    let turned = |t: TriangleId| {
+        let [a, b, c] = topology.triangle(t).map(|v| v.0);
+        [a, c, b]
+    };
+    let triangles: Vec<[u32; 3]> = topology.triangles().map(turned).collect();
+    let Ok(mut flipped) = Surface::from_triangles(&positions, &triangles) else {
+        return false;
+    };
+    for t in surface.topology().triangles() {
+        flipped.set_material(t, surface.material(t));
+    }
+    let has_attributes = [
+        flipped.set_corner_uvs(turn_corners(surface.corner_uvs())),
+        flipped.set_corner_normals(turn_corners(surface.corner_normals())),
+    ];
+    if has_attributes.iter().any(Result::is_err) {
+        return false;
+    }
+    *surface = flipped;
+    true
+}
+
+/// Exchanges the last two corners of every triangle.
+fn turn_corners<T: Copy>(values: &[T]) -> Vec<T> {
+    let triangles = values.as_chunks::<3>().0.iter();
+    triangles.flat_map(|&[a, b, c]| [a, c, b]).collect()
+}
+
 impl Hole {
-    fn of(hole: &FilledHole, surface: &Surface) -> Self {
-        let [x, y, z, _] = surface.positions[hole.vertex.index()];
+    fn of(hole: &HoleReport, surface: &Surface) -> Self {
+        let [x, y, z, _] = surface.positions()[hole.rim_vertex.index()];
         Self {
-            rim_edges: hole.rim,
+            rim_edges: hole.rim_edges,
             at: [x, y, z],
             triangles: hole.triangles.len(),
-            inserted_vertices: hole.inserted,
+            inserted_vertices: hole.new_vertices,
             planar: hole.planar,
             faired: hole.faired,
-            self_crossing: hole.self_crossing,
-            flat_triangles: hole.flat,
+            self_crossing: hole.self_intersecting,
+            flat_triangles: hole.flat_triangles,
             slivers: hole.slivers,
             min_angle_deg: hole.angles.min,
             median_angle_deg: hole.angles.median,
             mean_edge: hole.mean_edge,
-            target: hole.target,
+            target: hole.target_edge,
         }
     }
 }
@@ -193,26 +299,24 @@ impl Hole {
 fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
     writeln!(
         out,
-        "{}: {} triangles, {} holes closed, {} left open",
+        "{}: {}, {} closed, {} left open",
         report.input.display(),
-        report.triangles_before,
-        report.holes.len(),
+        counted(report.triangles_before, "triangle"),
+        counted(report.holes.len(), "hole"),
         report.left_open
     )?;
-    for warning in &report.warnings {
-        writeln!(out, "  {warning}")?;
-    }
     for hole in &report.holes {
         writeln!(
             out,
-            "  {} edges at {:?}: {} triangles{}{}{}, smallest angle {:.1}, median {:.1} degrees, edges {:.2} times the target",
-            hole.rim_edges,
+            "  {} at {:?}: {}{}{}{}, smallest angle {:.1}, median {:.1} degrees, \
+             edges {:.2} times the target",
+            counted(hole.rim_edges, "edge"),
             hole.at,
-            hole.triangles,
-            if hole.planar { ", plane" } else { "" },
+            counted(hole.triangles, "triangle"),
+            if hole.planar { ", planar" } else { "" },
             if hole.faired { ", faired" } else { "" },
             if hole.self_crossing {
-                ", crosses itself"
+                ", intersects itself"
             } else {
                 ""
             },
@@ -223,15 +327,16 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
         if hole.flat_triangles > 0 {
             writeln!(
                 out,
-                "    {} of them have no area: the rim lies on a line or doubles back there; weld its vertices or remodel it",
-                hole.flat_triangles
+                "    {} without area: the rim lies on a line or doubles back; weld its \
+                 vertices or remodel it",
+                counted(hole.flat_triangles, "triangle")
             )?;
         }
         if hole.slivers > 0 {
             writeln!(
                 out,
-                "    {} of them are slivers with an angle below 5 degrees",
-                hole.slivers
+                "    {} with an angle below 5 degrees",
+                counted(hole.slivers, "sliver")
             )?;
         }
     }
@@ -242,10 +347,10 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
     };
     writeln!(
         out,
-        "  {}: {} vertices, {} triangles, area {:.6e}, {state}",
+        "  {}: {}, {}, area {:.6e}, {state}",
         report.output.display(),
-        report.vertices,
-        report.triangles,
+        counted(report.vertices, "vertex"),
+        counted(report.triangles, "triangle"),
         report.area
     )?;
     let t = &report.milliseconds;

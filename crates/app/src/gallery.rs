@@ -1,4 +1,4 @@
-//! `incise gallery`: the paper's figures, made of the built-in models by both methods.
+//! `incise gallery`: draws the paper's figures from the built-in models, by both methods.
 
 mod boundary;
 mod catalog;
@@ -14,46 +14,51 @@ pub(crate) use figure::FigureError;
 
 use crate::failure::Failure;
 use crate::json::write_report;
-use crate::teller::Teller;
+use crate::pieces::output_path;
+use crate::reporter::Reporter;
 use catalog::{ALL, Entry};
 use clap::builder::PossibleValuesParser;
-use draw::Draftsman;
+use draw::FigureRenderer;
 use figure::{Facts, Row};
 use incise_pbd_gpu::{AdapterRequest, Context};
-use incise_render::{Picture, RenderError, Renderer};
+use incise_render::{Image, RenderError, Renderer};
 use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Draws the paper's figures, cut by the paper's method and by the exact one.
+/// Draws the paper's figures, cut by the paper's and by the exact method.
 ///
-/// They are of the built-in models and go to `DIR/fig1.png` and on; what they show is written to `DIR/index.json`.
+/// Writes DIR/fig1.png and so on from the built-in models, and DIR/index.json with the parameters
+/// and triangle counts of every panel.
 #[derive(clap::Args)]
 pub(crate) struct GalleryArguments {
-    /// Where the pictures go.
-    #[arg(short, long, value_name = "DIR")]
+    /// The folder for the images.
+    #[arg(short, long, value_name = "DIR", value_parser = output_path())]
     output: PathBuf,
-    /// How wide and high each panel of a figure is, in pixels.
-    #[arg(long, value_name = "N", default_value_t = 320, value_parser = clap::value_parser!(u32).range(64..=2048))]
+    /// Side of each panel [pixels].
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 320,
+        value_parser = clap::value_parser!(u32).range(64..=2048)
+    )]
     size: u32,
     /// Figures to draw, separated by commas.
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', ignore_case = true,
           value_parser = PossibleValuesParser::new(ALL.iter().map(|entry| entry.name)))]
     only: Vec<String>,
-    /// A part of the name of the GPU to take, see `incise devices`; without one the first that there is, software too.
+    /// GPU to use: a part of its name, as listed by `incise devices`. By default the first one,
+    /// software adapters included.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// Print the index.
-    #[arg(long)]
-    json: bool,
 }
 
-/// What the pictures show, as JSON.
+/// The contents of the figures, as JSON.
 #[derive(Serialize)]
 struct Index {
-    /// What drew them.
+    /// Name of the GPU.
     device: String,
-    /// Pixels along a side of a panel.
+    /// Side of a panel [pixels].
     panel: u32,
     figures: Vec<Figure>,
 }
@@ -81,10 +86,10 @@ struct FigurePanel {
     facts: Facts,
 }
 
-/// Draws and writes.
+/// Runs the command.
 pub(crate) fn run(
     arguments: &GalleryArguments,
-    teller: &mut Teller<impl Write>,
+    reporter: &mut Reporter<impl Write>,
 ) -> Result<(), Failure> {
     let folder = &arguments.output;
     std::fs::create_dir_all(folder).map_err(|source| Failure::Folder {
@@ -93,18 +98,18 @@ pub(crate) fn run(
     })?;
     let context = Context::open(&AdapterRequest::any(arguments.adapter.clone()))?;
     let renderer = Renderer::offscreen(context.device(), context.queue())?;
-    let draftsman = Draftsman::new(&renderer, arguments.size)?;
+    let figures_renderer = FigureRenderer::new(&renderer, arguments.size)?;
     let mut index = Index {
         device: context.adapter().name.clone(),
         panel: arguments.size,
         figures: Vec::new(),
     };
     let figures = arguments.entries().count();
-    let progress = teller.progress(u32::try_from(figures).unwrap_or(u32::MAX), 1);
+    let progress = reporter.progress(u32::try_from(figures).unwrap_or(u32::MAX), 1);
     for entry in arguments.entries() {
         progress.begin(entry.name);
-        let rows = (entry.make)().map_err(|error| error.of(entry.name))?;
-        let picture = draftsman.figure(&rows)?;
+        let rows = (entry.make)().map_err(|error| error.in_figure(entry.name))?;
+        let picture = figures_renderer.figure(&rows)?;
         context.check()?;
         let file = format!("{}.png", entry.name);
         picture.write_png(&folder.join(&file))?;
@@ -114,7 +119,7 @@ pub(crate) fn run(
     }
     progress.end();
     write_index(&folder.join("index.json"), &index)?;
-    let told = teller.report(&index, arguments.json, |index, out| {
+    let written = reporter.report(&index, |index, out| {
         index.figures.iter().try_for_each(|figure| {
             let Figure {
                 file,
@@ -126,11 +131,11 @@ pub(crate) fn run(
             writeln!(out, "{}: {width} x {height} pixels", path.display())
         })
     });
-    Ok(told?)
+    Ok(written?)
 }
 
 impl GalleryArguments {
-    /// The figures that are asked for, in the paper's order.
+    /// Returns the selected figures, in the paper's order.
     fn entries(&self) -> impl Iterator<Item = &'static Entry> {
         let is_named = |entry: &&Entry| {
             let mut names = self.only.iter();
@@ -141,7 +146,7 @@ impl GalleryArguments {
 }
 
 impl Figure {
-    fn of(entry: &Entry, file: String, rows: Vec<Row>, picture: &Picture) -> Self {
+    fn of(entry: &Entry, file: String, rows: Vec<Row>, picture: &Image) -> Self {
         let rows = rows.into_iter().map(|row| FigureRow {
             title: row.title,
             panels: (row.panels.into_iter())

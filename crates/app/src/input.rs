@@ -1,39 +1,179 @@
-//! Meshes and models by name.
+//! Input meshes: a file, or a built-in model by its name.
 
 use crate::failure::Failure;
-use incise_mesh::{Model, Surface, build_model, read_mesh};
-use std::io::{self, Write};
+use incise_mesh::{
+    Defect, MeshData, NotCuttable, ParseError, ReadError, Surface, Warning, read_mesh,
+};
+use incise_models::{Model, build_model};
+use incise_refine::{HoleParams, fill_holes};
+use std::fmt;
 use std::path::Path;
 
-/// A mesh by the name of its file, or a model by its own. What is to be cut has to be fit for it, anything else may have
-/// holes.
-pub(crate) fn surface(input: &Path, is_to_be_cut: bool) -> Result<Surface, Failure> {
-    let named = |model: &Model| {
+/// Reads a closed mesh that can be cut, with the warnings of its repair.
+pub(crate) fn read_closed(input: &Path) -> Result<(Surface, Vec<Warning>), Failure> {
+    match model_of(input) {
+        Some(model) => Ok((build_model(model), Vec::new())),
+        None => {
+            let data = read_data(input)?;
+            let surface = data.clone().into_surface();
+            surface.map_err(|source| refuse(input, source, &data))
+        }
+    }
+}
+
+/// Reads the data of a mesh, with its defects.
+pub(crate) fn read_unrepaired(input: &Path) -> Result<MeshData, Failure> {
+    let Some(model) = model_of(input) else {
+        return read_data(input);
+    };
+    let data = to_data(&build_model(model));
+    Ok(data.map_err(|source| ReadError::Parse {
+        path: input.to_owned(),
+        source,
+    })?)
+}
+
+/// Reads a mesh that may have holes, with the warnings of its repair.
+pub(crate) fn read_open(input: &Path) -> Result<(Surface, Vec<Warning>), Failure> {
+    match model_of(input) {
+        Some(model) => Ok((build_model(model), Vec::new())),
+        None => {
+            let surface = read_data(input)?.into_open_surface();
+            surface.map_err(|source| Failure::NotCuttable {
+                path: input.to_owned(),
+                source,
+                advice: OpenMeshAdvice::None,
+            })
+        }
+    }
+}
+
+/// Volume of a closed component, relative to its area to the 3/2, below which it is a flat sheet of
+/// two sides. A cube has 0.07.
+pub(crate) const FLAT_VOLUME: f64 = 1e-6;
+
+/// A way to make an open mesh cuttable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum OpenMeshAdvice {
+    /// Fill the holes with `incise fill`.
+    Fill,
+    /// Give every component thickness: filled, none encloses a volume.
+    Thicken,
+    /// Give these components thickness before `incise fill`.
+    ThickenSome {
+        /// Number of components that enclose no volume when filled.
+        count: usize,
+    },
+    /// No advice.
+    None,
+}
+
+impl fmt::Display for OpenMeshAdvice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fill => write!(f, " with `incise fill`"),
+            Self::Thicken => write!(
+                f,
+                "; an open sheet without volume has no inside, also with its holes closed: give \
+                 it thickness (Solidify in Blender)"
+            ),
+            Self::ThickenSome { count } => write!(
+                f,
+                " with `incise fill`, after removing the open sheets without volume or giving \
+                 them thickness (Solidify in Blender): {count}"
+            ),
+            Self::None => Ok(()),
+        }
+    }
+}
+
+/// Returns the error for a mesh that cannot be cut, with advice for an open mesh.
+pub(crate) fn refuse(input: &Path, source: NotCuttable, data: &MeshData) -> Failure {
+    let is_open = |defect: &Defect| matches!(defect, Defect::OpenEdge { gap: None, .. });
+    let advice = if source.defects.iter().all(is_open) {
+        advice_for_open(data.clone())
+    } else {
+        OpenMeshAdvice::None
+    };
+    Failure::NotCuttable {
+        path: input.to_owned(),
+        source,
+        advice,
+    }
+}
+
+/// Fills all holes and returns the advice that the result gives.
+fn advice_for_open(data: MeshData) -> OpenMeshAdvice {
+    let Ok((mut surface, _)) = data.into_open_surface() else {
+        return OpenMeshAdvice::None;
+    };
+    let Ok(filled) = fill_holes(&mut surface, &HoleParams::default()) else {
+        return OpenMeshAdvice::None;
+    };
+    let is_simple = filled.holes.iter().all(|hole| !hole.self_intersecting);
+    if !is_simple || !surface.topology().is_closed() {
+        return OpenMeshAdvice::None;
+    }
+    match components_without_volume(&surface) {
+        0 if to_data(&surface).is_ok_and(|data| data.into_surface().is_ok()) => {
+            OpenMeshAdvice::Fill
+        }
+        0 => OpenMeshAdvice::None,
+        count if count == surface.piece_count() => OpenMeshAdvice::Thicken,
+        count => OpenMeshAdvice::ThickenSome { count },
+    }
+}
+
+/// Returns the number of closed components that enclose no volume, up to rounding.
+pub(crate) fn components_without_volume(surface: &Surface) -> usize {
+    let is_flat = |part: &Surface| {
+        part.topology().is_closed() && part.volume().abs() <= FLAT_VOLUME * part.area().powf(1.5)
+    };
+    let parts = surface.extract_pieces();
+    parts.filter(|(_, part)| is_flat(part)).count()
+}
+
+/// Returns the positions and triangles of a surface as the data of a mesh file.
+fn to_data(surface: &Surface) -> Result<MeshData, ParseError> {
+    let position = |&[x, y, z, _]: &[f32; 4]| [x, y, z];
+    let positions: Vec<[f32; 3]> = surface.positions().iter().map(position).collect();
+    let topology = surface.topology();
+    let corners = |t| topology.triangle(t).map(|v| v.0);
+    let triangles: Vec<[u32; 3]> = topology.triangles().map(corners).collect();
+    MeshData::from_triangles(&positions, &triangles)
+}
+
+/// Reads a file. The error of a name that is no file says which model may be meant.
+fn read_data(input: &Path) -> Result<MeshData, Failure> {
+    let path = || input.to_owned();
+    if input.is_dir() {
+        return Err(Failure::InputIsFolder { path: path() });
+    }
+    if !input.exists() {
+        let stem = input.with_extension("");
+        if let Some(model) = named_model(&stem) {
+            return Err(Failure::NoFileButModel {
+                path: path(),
+                model: model.name(),
+            });
+        }
+        if input.extension().is_none() {
+            return Err(Failure::NoInput { path: path() });
+        }
+    }
+    Ok(read_mesh(input)?)
+}
+
+/// Returns the model of this name. A file of the same name comes first.
+fn model_of(input: &Path) -> Option<Model> {
+    named_model(input).filter(|_| !input.exists())
+}
+
+/// Returns the model of this name, in any case.
+fn named_model(input: &Path) -> Option<Model> {
+    let is_named = |model: &Model| {
         let name = input.to_str();
         name.is_some_and(|name| name.eq_ignore_ascii_case(model.name()))
     };
-    if let Some(model) = Model::ALL.into_iter().find(named)
-        && !input.exists()
-    {
-        return Ok(build_model(model));
-    }
-    if !input.exists() && input.extension().is_none() {
-        let path = input.to_owned();
-        return Err(Failure::NoInput { path });
-    }
-    let data = read_mesh(input)?;
-    let surface = if is_to_be_cut {
-        data.into_surface()
-    } else {
-        data.into_open_surface()
-    };
-    let (surface, warnings) = surface.map_err(|source| Failure::NotFit {
-        path: input.to_owned(),
-        source,
-    })?;
-    for warning in &warnings {
-        // Without an error output nobody is told.
-        let _ = writeln!(io::stderr(), "incise: {}: {warning}", input.display());
-    }
-    Ok(surface)
+    Model::ALL.into_iter().find(is_named)
 }

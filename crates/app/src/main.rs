@@ -1,47 +1,50 @@
-//! The program: cuts, checks, fills, draws, shows and simulates meshes, draws the paper's figures, and lists devices.
+//! The program `incise`: its subcommands check, cut, fill, simulate, render and view meshes.
 //!
-//! Exit codes: 0 done, 1 the input cannot be used or there is no device, 2 the command line is wrong, 3 the
-//! output cannot be written.
+//! Exit codes: 0 done, 1 unusable input or no GPU, 2 wrong command line, 3 unwritable output, 4 the
+//! cut misses the mesh.
 
-#[cfg(feature = "gpu")]
-mod apart;
 mod check;
 mod clock;
 mod cut;
 mod cut_options;
 mod devices;
+#[cfg(feature = "gpu")]
+mod explode;
 mod failure;
 mod fill;
 #[cfg(feature = "gpu")]
 mod gallery;
-#[cfg(feature = "gpu")]
 mod input;
 mod json;
 mod numbers;
 mod pieces;
 #[cfg(feature = "gpu")]
 mod render;
+mod reporter;
 mod simulate;
-mod teller;
 #[cfg(feature = "view")]
 mod view;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::{Shell, generate};
-use failure::Failure;
+use failure::{Failure, WRONG_COMMAND_LINE};
+use json::ErrorReport;
+use reporter::{OutputOptions, Reporter};
 use std::io::{self, BufWriter, Write};
 use std::process::ExitCode;
-use teller::Teller;
 
-/// Cuts soft bodies: closed triangle surfaces.
+/// Cuts closed triangle meshes, and checks, fills, simulates and draws them.
 #[derive(Parser)]
 #[command(version, after_help = AFTER_HELP)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
-    /// Print nothing but warnings and errors, and what --json asks for.
+    /// Print nothing but warnings, errors and the JSON report.
     #[arg(short, long, global = true)]
     quiet: bool,
+    /// Print the report as JSON, and an error as JSON on the standard error; no progress.
+    #[arg(long, global = true)]
+    json: bool,
 }
 
 const AFTER_HELP: &str = "\
@@ -49,11 +52,15 @@ Examples:
   incise check bunny.obj
   incise cut bunny.obj --plane 0,1,0.2,0.05 -o pieces
   incise render pieces/piece_000.obj -o piece.png
-  incise simulate bunny.obj --seconds 2 --ground -0.5 --volume --struts 1 -o pieces
+  incise simulate bunny.obj --seconds 2 --ground -0.5 --volume --interior-springs 1 -o pieces
   incise view bunny.obj
 
-Exit codes: 0 done, 1 the input cannot be used or there is no device, 2 the command line is wrong, 3 the output cannot \
-be written.";
+Exit codes:
+  0  done
+  1  the input cannot be used, or there is no GPU
+  2  the command line is wrong
+  3  the output cannot be written
+  4  the cut misses the mesh; the uncut mesh is written or drawn";
 
 #[derive(Subcommand)]
 enum Command {
@@ -68,9 +75,9 @@ enum Command {
     Simulate(simulate::SimulateArguments),
     #[cfg(feature = "view")]
     View(view::ViewArguments),
-    /// Prints what makes a shell complete commands and options.
+    /// Prints a completion script for a shell.
     ///
-    /// For bash, for example: incise completions bash > ~/.local/share/bash-completion/completions/incise
+    /// For bash: incise completions bash > ~/.local/share/bash-completion/completions/incise
     Completions {
         /// The shell.
         shell: Shell,
@@ -78,40 +85,69 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    let out = BufWriter::new(io::stdout().lock());
-    let mut teller = Teller::new(out, arguments.quiet);
-    let done = match &arguments.command {
-        Command::Check(arguments) => check::run(arguments, &mut teller),
-        Command::Cut(arguments) => cut::run(arguments, &mut teller),
-        Command::Devices(arguments) => devices::run(arguments, &mut teller),
-        Command::Fill(arguments) => fill::run(arguments, &mut teller),
-        #[cfg(feature = "gpu")]
-        Command::Gallery(arguments) => gallery::run(arguments, &mut teller),
-        #[cfg(feature = "gpu")]
-        Command::Render(arguments) => render::run(arguments, &mut teller),
-        Command::Simulate(arguments) => simulate::run(arguments, &mut teller),
-        #[cfg(feature = "view")]
-        Command::View(arguments) => view::run(arguments),
-        Command::Completions { shell } => complete(*shell, teller.output()),
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return refuse_command_line(&error),
     };
-    // What was printed comes before the reason why it ended.
-    let flushed = teller.flush().map_err(Failure::Output);
+    let options = OutputOptions {
+        is_quiet: arguments.quiet,
+        is_json: arguments.json,
+    };
+    let mut reporter = Reporter::new(BufWriter::new(io::stdout().lock()), options);
+    let done = run(&arguments.command, &mut reporter);
+    // The report comes before the error that ended the command.
+    let flushed = reporter.flush().map_err(Failure::Output);
     match done.and(flushed) {
         Ok(()) => ExitCode::SUCCESS,
-        // Who reads the output has seen enough.
+        // The reader of a pipe has closed it.
         Err(Failure::Output(e)) if e.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(failure) => {
-            // Without an error output the exit code has to do.
-            let _ = writeln!(io::stderr(), "incise: {failure}");
+            let error = failure.to_string();
+            if options.is_json {
+                ErrorReport::new(&error, failure.exit_code(), reporter.warnings()).print();
+            } else {
+                reporter::print_message(error);
+            }
             ExitCode::from(failure.exit_code())
         }
     }
 }
 
-/// Writes a shell's completions.
+fn run(command: &Command, reporter: &mut Reporter<impl Write>) -> Result<(), Failure> {
+    match command {
+        Command::Check(arguments) => check::run(arguments, reporter),
+        Command::Cut(arguments) => cut::run(arguments, reporter),
+        Command::Devices(arguments) => devices::run(arguments, reporter),
+        Command::Fill(arguments) => fill::run(arguments, reporter),
+        #[cfg(feature = "gpu")]
+        Command::Gallery(arguments) => gallery::run(arguments, reporter),
+        #[cfg(feature = "gpu")]
+        Command::Render(arguments) => render::run(arguments, reporter),
+        Command::Simulate(arguments) => simulate::run(arguments, reporter),
+        #[cfg(feature = "view")]
+        Command::View(arguments) => view::run(arguments, reporter),
+        Command::Completions { shell } => complete(*shell, reporter.output()),
+    }
+}
+
+/// Prints help, the version or the error of a command line, and returns the exit code.
+fn refuse_command_line(error: &clap::Error) -> ExitCode {
+    let is_json = std::env::args_os().any(|argument| argument == "--json");
+    if is_json && error.use_stderr() {
+        let text = error.to_string();
+        let text = text.strip_prefix("error: ").unwrap_or(&text);
+        let (text, _) = text
+            .split_once("\n\nFor more information")
+            .unwrap_or((text, ""));
+        ErrorReport::new(text, WRONG_COMMAND_LINE, Vec::new()).print();
+        return ExitCode::from(WRONG_COMMAND_LINE);
+    }
+    error.exit()
+}
+
+/// Writes the completion script of a shell.
 fn complete(shell: Shell, out: &mut impl Write) -> Result<(), Failure> {
-    // Into memory first: its writer panics where nobody reads.
+    // Into memory first: the generator panics on a closed pipe.
     let mut script = Vec::new();
     generate(shell, &mut Arguments::command(), "incise", &mut script);
     Ok(out.write_all(&script)?)

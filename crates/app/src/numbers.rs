@@ -1,10 +1,10 @@
-//! Numbers of a command line.
+//! Numbers on the command line and in reports.
 
-/// N numbers of a command line.
+/// N numbers, separated by commas on the command line.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Numbers<const N: usize>(pub(crate) [f64; N]);
 
-/// Finite numbers between commas. An error says which is none.
+/// Parses N finite numbers between commas; an error names the first bad one.
 pub(crate) fn numbers<const N: usize>(text: &str) -> Result<Numbers<N>, String> {
     let mut values = Vec::with_capacity(N);
     for (i, part) in text.split(',').map(str::trim).enumerate() {
@@ -27,7 +27,7 @@ pub(crate) fn numbers<const N: usize>(text: &str) -> Result<Numbers<N>, String> 
     })
 }
 
-/// A positive number, or a fraction of two.
+/// Parses a positive number, or a fraction of two.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
     let number = |s: &str| s.trim().parse::<f64>().ok();
     let value = match text.split_once('/') {
@@ -39,12 +39,28 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("'{text}' is not a positive number or fraction"))
 }
 
+/// Returns a count and its noun, in the plural unless there is one: `1 piece`, `2 pieces`.
+pub(crate) fn counted(count: usize, noun: &str) -> String {
+    match (count, noun) {
+        (1, _) => format!("1 {noun}"),
+        (_, "vertex") => format!("{count} vertices"),
+        _ => format!("{count} {noun}s"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn fractions_are_numbers() {
+    fn one_is_singular() {
+        assert_eq!(counted(1, "piece"), "1 piece");
+        assert_eq!(counted(0, "cap triangle"), "0 cap triangles");
+        assert_eq!(counted(2, "vertex"), "2 vertices");
+    }
+
+    #[test]
+    fn positive_accepts_fractions() {
         assert_eq!(positive("1/60"), Ok(1.0 / 60.0));
         for bad in ["0", "-1", "1/0", "a", "1/2/3", "nan"] {
             assert!(positive(bad).is_err(), "{bad}");
@@ -52,9 +68,9 @@ mod tests {
     }
 
     #[test]
-    fn there_are_as_many_numbers_as_are_needed() {
+    fn numbers_need_the_exact_count() {
         assert_eq!(numbers::<3>("1, -2,3e1").unwrap().0, [1.0, -2.0, 30.0]);
-        for (bad, said) in [
+        for (bad, message) in [
             ("1,2", "found 2 numbers"),
             ("1,2,3,4", "found 4 numbers"),
             ("1,2,inf", "number 3, 'inf', is not finite"),
@@ -63,7 +79,7 @@ mod tests {
             ("", "number 1, '', is not a number"),
         ] {
             let error = numbers::<3>(bad).unwrap_err();
-            assert!(error.starts_with(said), "{bad}: {error}");
+            assert!(error.starts_with(message), "{bad}: {error}");
             assert!(error.contains("expected 3 finite numbers"), "{error}");
         }
     }

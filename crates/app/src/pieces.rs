@@ -1,14 +1,27 @@
-//! The pieces of a body as files.
+//! Writes the pieces of a body, one file each.
 
 use crate::failure::Failure;
 use crate::json::lossy;
+use crate::numbers::counted;
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use incise_mesh::{Surface, write_obj};
 use serde::Serialize;
 use std::ffi::OsStr;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// A piece as it was written.
+/// Returns the parser of a command's output, a file or folder; it refuses `-`.
+pub(crate) fn output_path() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| {
+        if path == Path::new("-") {
+            Err("writing to standard output is not supported; name a file or folder")
+        } else {
+            Ok(path)
+        }
+    })
+}
+
+/// A written piece.
 #[derive(Serialize)]
 pub(crate) struct Piece {
     #[serde(serialize_with = "lossy")]
@@ -16,21 +29,23 @@ pub(crate) struct Piece {
     vertices: usize,
     triangles: usize,
     area: f64,
-    /// Negative when the piece is a cavity.
+    /// Negative for a cavity.
     volume: f64,
-    /// Whether it bounds a hole inside another piece: its normals point inward.
+    /// Whether the piece is the wall of a cavity: its normals point inward.
     cavity: bool,
 }
 
-/// What was done to the output folder.
+/// Changes to the output folder.
 pub(crate) struct Written {
     pub(crate) pieces: Vec<Piece>,
-    /// Pieces of an earlier run that are there no more.
+    /// Removed pieces of an earlier run.
     pub(crate) removed: Vec<PathBuf>,
 }
 
-/// Writes every piece, after looking whether all of them can be: a refusal leaves nothing behind. Then
-/// removes pieces of an earlier run that had more of them: else the folder would hold parts of two bodies.
+/// Writes every piece and removes surplus pieces of an earlier run.
+///
+/// All targets are checked first, so that a refusal leaves the folder as it was. Surplus files are
+/// removed so that the folder never holds pieces of two bodies.
 pub(crate) fn write(surface: &Surface, input: &Path, folder: &Path) -> Result<Written, Failure> {
     let parts: Vec<(u32, Surface)> = surface.extract_pieces().collect();
     let file = |i: usize| folder.join(format!("piece_{i:03}.obj"));
@@ -44,7 +59,7 @@ pub(crate) fn write(surface: &Surface, input: &Path, folder: &Path) -> Result<Wr
         path: folder.to_owned(),
         source,
     })?;
-    // A path like `new/..` leads nowhere until `new` is there.
+    // A path like `new/..` does not resolve before `new` exists.
     check()?;
     let volumes = surface.piece_volumes();
     let mut pieces = Vec::with_capacity(parts.len());
@@ -70,9 +85,9 @@ pub(crate) fn write(surface: &Surface, input: &Path, folder: &Path) -> Result<Wr
     Ok(Written { pieces, removed })
 }
 
-/// Files of the folder that have a piece's name with a number from `count` on.
+/// Returns the piece files of the folder with numbers from `count` on.
 fn left_over(folder: &Path, count: usize) -> Vec<PathBuf> {
-    // A folder that is not there yet has none.
+    // A folder that does not exist yet has none.
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let of_piece = entries.filter(|entry| {
         let name = entry.file_name();
@@ -84,19 +99,19 @@ fn left_over(folder: &Path, count: usize) -> Vec<PathBuf> {
     paths
 }
 
-/// The number in a name that this program gives to a piece.
+/// Returns the number of a piece from its file name.
 fn piece_number(name: &OsStr) -> Option<usize> {
     let name = name.to_str()?;
     let digits = name.strip_prefix("piece_")?.strip_suffix(".obj")?;
     let number: usize = digits.parse().ok()?;
-    // Nothing else that reads as a number, such as +12 or 0012.
+    // Other spellings of a number, such as +12 or 0012, are not ours.
     (digits == format!("{number:03}")).then_some(number)
 }
 
-/// Refuses a folder and the input, whatever way leads there.
+/// Refuses a folder, and the input under any of its paths.
 pub(crate) fn check_target(path: &Path, input: &Path) -> Result<(), Failure> {
     let path = path.to_owned();
-    // What is not there yet, or cannot be looked at, is left to the writer.
+    // The writer reports a path that cannot be resolved.
     let Ok(target) = path.canonicalize() else {
         return Ok(());
     };
@@ -109,22 +124,22 @@ pub(crate) fn check_target(path: &Path, input: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A line a piece, and what became of those of an earlier run.
+/// Prints a line per piece and per removed file.
 pub(crate) fn print(pieces: &[Piece], removed: &[PathBuf], out: &mut impl Write) -> io::Result<()> {
     for piece in pieces {
         writeln!(
             out,
-            "  {}: {} vertices, {} triangles, area {:.6e}, volume {:.6e}{}",
+            "  {}: {}, {}, area {:.6e}, volume {:.6e}{}",
             piece.file.display(),
-            piece.vertices,
-            piece.triangles,
+            counted(piece.vertices, "vertex"),
+            counted(piece.triangles, "triangle"),
             piece.area,
             piece.volume,
-            if piece.cavity { ", a cavity" } else { "" }
+            if piece.cavity { ", cavity" } else { "" }
         )?;
     }
     for path in removed {
-        writeln!(out, "  {}: of an earlier run, removed", path.display())?;
+        writeln!(out, "  {}: removed, of an earlier run", path.display())?;
     }
     Ok(())
 }
@@ -134,7 +149,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_names_of_pieces_have_a_number() {
+    fn piece_numbers_have_one_spelling() {
         let number = |name: &str| piece_number(OsStr::new(name));
         for (name, expected) in [
             ("piece_000.obj", 0),

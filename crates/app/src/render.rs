@@ -1,4 +1,4 @@
-//! `incise render`: meshes as a picture, cut on the way if asked to.
+//! `incise render`: draws meshes, optionally cut, as a PNG.
 
 mod bodies;
 mod values;
@@ -7,15 +7,15 @@ use crate::clock::{milliseconds, timed};
 use crate::cut_options::CutOptions;
 use crate::failure::Failure;
 use crate::json::{all_lossy, lossy};
-use crate::numbers::positive;
-use crate::pieces::check_target;
-use crate::teller::Teller;
-use bodies::Bodies;
+use crate::numbers::{counted, positive};
+use crate::pieces::{check_target, output_path};
+use crate::reporter::Reporter;
+use bodies::{Bodies, InputWarning};
 use incise_mesh::Aabb;
 use incise_pbd_gpu::{AdapterRequest, Context};
 use incise_render::{
-    Background, BodyView, Camera, Color, Content, Line, Offscreen, Overlay, Picture, RenderError,
-    Renderer, Sheet, View, Wireframe,
+    Background, BodyView, Camera, Color, DrawList, Image, Line, Offscreen, Overlay,
+    OverlayTriangle, RenderError, Renderer, View, Wireframe,
 };
 use serde::Serialize;
 use std::io::{self, Write};
@@ -23,40 +23,57 @@ use std::path::PathBuf;
 pub(crate) use values::{Size, size};
 use values::{Viewpoint, backdrop, viewpoint};
 
-/// Draws meshes, cut first if asked to, and writes the picture as PNG.
+/// Draws meshes, optionally cut, and writes the image as PNG.
 ///
-/// The triangles of caps have a color of their own, also in files that `incise cut` wrote.
+/// Caps have their own color, also in files that `incise cut` wrote.
 #[derive(clap::Args)]
-#[command(group = clap::ArgGroup::new("cutter").args(["plane", "blade"]))]
+#[command(
+    group = clap::ArgGroup::new("cutter").args(["plane", "blade"]),
+    after_long_help = AFTER_HELP
+)]
 pub(crate) struct RenderArguments {
-    /// Meshes (obj, ply, stl, glb or gltf), or built-in models: Sphere20, Sphere80, Sphere768, Bunny, Octopus, Banana or
-    /// Armadillo. A file goes before a model of the same name.
+    /// Meshes (obj, ply, stl, glb or gltf), or built-in models: Sphere20, Sphere80, Sphere768,
+    /// Bunny, Octopus, Banana or Armadillo. A file of the same name takes precedence.
     #[arg(required = true, value_name = "FILE|MODEL")]
     inputs: Vec<PathBuf>,
-    /// Where the picture goes.
-    #[arg(short, long, value_name = "PNG")]
+    /// The file for the image.
+    #[arg(short, long, value_name = "PNG", value_parser = output_path())]
     output: PathBuf,
     #[command(flatten)]
     cut: CutOptions,
     #[command(flatten)]
     look: LookOptions,
-    /// A part of the name of the GPU to take, see `incise devices`; without one the first that there is, software too.
+    /// GPU to use: a part of its name, as listed by `incise devices`. By default the first one,
+    /// software adapters included.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
-/// How the picture looks.
+const AFTER_HELP: &str = "\
+Examples:
+  incise render scan.ply --wireframe -o scan.png
+  incise render Armadillo --plane 0.45,1,0.35,0.06 --explode 0.12 --level 2x-coarser -o cut.png
+
+JSON report (--json): inputs, warnings, output, width, height, device, samples, triangles_hit,
+pieces, triangles, cap_triangles, milliseconds.
+
+Exit code 4: the cut misses every mesh; the uncut meshes are drawn.";
+
+/// Appearance of the image.
 #[derive(clap::Args)]
 struct LookOptions {
-    /// How large the picture is.
+    /// Size of the image [pixels].
     #[arg(long, value_name = "WxH", default_value = "960x720", value_parser = size)]
     size: Size,
-    /// From where: degrees around the y axis, 0 from positive z and 90 from positive x, and degrees above the horizon.
-    /// Then how far away, in diagonals; without it all there is to see fills the picture.
-    #[arg(long, value_name = "AZIMUTH,ELEVATION[,DISTANCE]", value_parser = viewpoint, allow_hyphen_values = true)]
+    /// Position of the camera: azimuth around the y axis (0 on positive z, 90 on positive x) and
+    /// elevation [degrees], and distance [diagonals of the scene]. Without a distance the scene
+    /// fills the image.
+    #[arg(
+        long,
+        value_name = "AZIMUTH,ELEVATION[,DISTANCE]",
+        value_parser = viewpoint,
+        allow_hyphen_values = true
+    )]
     camera: Option<Viewpoint>,
     /// Draw the edges of triangles.
     #[arg(long)]
@@ -67,25 +84,26 @@ struct LookOptions {
     /// The color of caps.
     #[arg(long, value_name = "COLOR", default_value_t = Color::rgb(222, 92, 66))]
     cap_color: Color,
-    /// Give each piece a color of its own, but for its caps.
+    /// Color each piece differently; caps keep their color.
     #[arg(long)]
     color_pieces: bool,
-    /// What is behind: one color, or those of the upper and the lower edge.
+    /// Background: one color, or the colors of the upper and the lower edge.
     #[arg(long, value_name = "COLOR[,COLOR]", value_parser = backdrop)]
     background: Option<Background>,
-    /// Move pieces apart by so many diagonals: along the cut's normal or, without a cut, from the middle of all.
+    /// Move pieces apart by this many diagonals: along the cut's normal or, without a cut, away
+    /// from the center.
     #[arg(long, value_name = "X", value_parser = positive, allow_hyphen_values = true)]
     explode: Option<f64>,
-    /// Leave pieces out. They are numbered from 0 in the order of the inputs and, of each, in that in which `incise cut`
-    /// writes them.
+    /// Hide pieces. They are numbered from 0, input by input, in the order of the files that
+    /// `incise cut` writes.
     #[arg(long, value_name = "N,..", value_delimiter = ',')]
     without: Vec<usize>,
-    /// Draw what cuts, translucent: the blade's sweep, or the part of the plane that is in the body's box.
+    /// Draw the blade's sweep, or the part of the plane within the body's box, translucent.
     #[arg(long, requires = "cutter")]
     show_sweep: bool,
 }
 
-/// The sweep's color.
+/// Color of the sweep.
 const SWEEP: Color = Color::rgb(70, 130, 210);
 
 /// The report as JSON.
@@ -93,38 +111,40 @@ const SWEEP: Color = Color::rgb(70, 130, 210);
 struct Report {
     #[serde(serialize_with = "all_lossy")]
     inputs: Vec<PathBuf>,
+    /// Repairs made while reading.
+    warnings: Vec<InputWarning>,
     #[serde(serialize_with = "lossy")]
     output: PathBuf,
     width: u32,
     height: u32,
-    /// What drew it.
+    /// Name of the GPU.
     device: String,
-    /// Samples of a pixel.
+    /// Samples per pixel.
     samples: u32,
-    /// Triangles that the cut crossed; none without a cut.
+    /// Triangles that the sweep crosses; none without a cut.
     triangles_hit: Option<usize>,
     pieces: usize,
-    /// Triangles in the picture, those of caps among them.
+    /// Visible triangles, caps included.
     triangles: usize,
     cap_triangles: usize,
     milliseconds: Times,
 }
 
-/// Time of each stage \[ms\].
+/// Times of the stages \[ms\].
 #[derive(Serialize)]
 struct Times {
-    /// Reading and cutting.
+    /// Time of reading and cutting.
     prepare: f64,
-    /// Opening the device.
+    /// Time of opening the GPU.
     open: f64,
     draw: f64,
     write: f64,
 }
 
-/// Draws and writes.
+/// Runs the command.
 pub(crate) fn run(
     arguments: &RenderArguments,
-    teller: &mut Teller<impl Write>,
+    reporter: &mut Reporter<impl Write>,
 ) -> Result<(), Failure> {
     let output = &arguments.output;
     if !output
@@ -132,7 +152,7 @@ pub(crate) fn run(
         .is_some_and(|e| e.eq_ignore_ascii_case("png"))
     {
         let path = output.clone();
-        return Err(Failure::PictureFormat { path });
+        return Err(Failure::ImageFormat { path });
     }
     let options = &arguments.cut;
     let plan = options.is_cut().then(|| options.check()).transpose()?;
@@ -140,15 +160,15 @@ pub(crate) fn run(
         check_target(output, input)?;
     }
     let look = &arguments.look;
-    let progress = teller.stages(3);
+    let progress = reporter.stages(3);
     progress.begin("read and cut");
     let (prepare, bodies) = timed(|| {
-        let mut bodies = Bodies::read(&arguments.inputs, plan)?;
-        bodies.leave_out(&look.without)?;
+        let mut bodies = Bodies::read(&arguments.inputs, plan, reporter)?;
+        bodies.hide(&look.without)?;
         bodies.explode(look.explode.unwrap_or(0.0));
         Ok::<_, Failure>(bodies)
     });
-    let bodies = bodies?;
+    let mut bodies = bodies?;
     progress.step();
     progress.begin("draw");
     let (open, context) = timed(|| Context::open(&AdapterRequest::any(arguments.adapter.clone())));
@@ -168,6 +188,7 @@ pub(crate) fn run(
     let (triangles, cap_triangles) = bodies.count();
     let report = Report {
         inputs: arguments.inputs.clone(),
+        warnings: std::mem::take(&mut bodies.warnings),
         output: output.clone(),
         width: picture.width(),
         height: picture.height(),
@@ -184,19 +205,28 @@ pub(crate) fn run(
             write: milliseconds(write),
         },
     };
-    Ok(teller.report(&report, arguments.json, print)?)
+    reporter.report(&report, print)?;
+    if bodies.hits == Some(0) {
+        let path = arguments.inputs[0].clone();
+        return Err(Failure::Missed {
+            path,
+            bounds: bodies.bounds(),
+            output: "the image shows it uncut",
+        });
+    }
+    Ok(())
 }
 
 impl RenderArguments {
-    fn draw(&self, renderer: &Renderer, bodies: &Bodies) -> Result<Picture, RenderError> {
+    fn draw(&self, renderer: &Renderer, bodies: &Bodies) -> Result<Image, RenderError> {
         let look = &self.look;
         let Size([width, height]) = look.size;
         let views = bodies.bodies.iter().map(|body| {
-            BodyView::of(renderer, &body.surface, |t| {
+            BodyView::from_surface(renderer, &body.surface, |t| {
                 let piece = body.piece_of(t)?;
                 Some(match (body.is_cap(t), look.color_pieces) {
                     (true, _) => look.cap_color,
-                    (false, true) => Color::of_piece(piece),
+                    (false, true) => Color::for_piece(piece),
                     (false, false) => look.color,
                 })
             })
@@ -212,16 +242,17 @@ impl RenderArguments {
         let view = View {
             background: look.background.unwrap_or_default(),
             wireframe: look.wireframe.then(Wireframe::default),
-            ..View::of(self.camera(bodies, &sheets, aspect))
+            ..View::from_camera(self.camera(bodies, &sheets, aspect))
         };
-        let content = Content {
+        let content = DrawList {
             bodies: &views.iter().collect::<Vec<_>>(),
             overlays: &[&overlay],
         };
-        Offscreen::new(renderer, width, height)?.picture(renderer, &view, &content)
+        Offscreen::new(renderer, width, height)?.render(renderer, &view, &content)
     }
 
-    /// The camera asked for. A plane that is shown is in the picture; a blade's sweep may be much larger than the body.
+    /// Returns the camera. The image contains a visible plane, but not a blade's sweep, which may
+    /// be much larger than the body.
     fn camera(&self, bodies: &Bodies, sheets: &[[[f32; 3]; 4]], aspect: f64) -> Camera {
         let sheets = if self.cut.is_plane() { sheets } else { &[] };
         let points = || bodies.points(sheets);
@@ -229,7 +260,7 @@ impl RenderArguments {
             return Camera::default().frame(points(), aspect);
         };
         let [azimuth, elevation] = angles;
-        let camera = Camera::looking(azimuth, elevation);
+        let camera = Camera::from_angles(azimuth, elevation);
         match distance {
             None => camera.frame(points(), aspect),
             Some(distance) => {
@@ -243,10 +274,10 @@ impl RenderArguments {
     }
 }
 
-/// Sheets of four corners and their outlines, translucent.
+/// Returns translucent quadrilaterals with outlines.
 fn overlay(renderer: &Renderer, sheets: &[[[f32; 3]; 4]]) -> Result<Overlay, RenderError> {
     let triangles = sheets.iter().flat_map(|&[a, b, c, d]| {
-        [[a, b, c], [a, c, d]].map(|corners| Sheet {
+        [[a, b, c], [a, c, d]].map(|corners| OverlayTriangle {
             corners,
             color: SWEEP.with_alpha(70),
         })
@@ -258,25 +289,23 @@ fn overlay(renderer: &Renderer, sheets: &[[[f32; 3]; 4]]) -> Result<Overlay, Ren
             width: 1.5,
         })
     });
-    let (triangles, lines): (Vec<Sheet>, Vec<Line>) = (triangles.collect(), lines.collect());
+    let (triangles, lines): (Vec<OverlayTriangle>, Vec<Line>) =
+        (triangles.collect(), lines.collect());
     Overlay::new(renderer, &triangles, &lines)
 }
 
 fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
     writeln!(
         out,
-        "{}: {} x {} pixels of {} samples, {} triangles, {} of them caps, {} pieces",
+        "{}: {} x {} pixels of {} samples, {}, {} of them caps, {}",
         report.output.display(),
         report.width,
         report.height,
         report.samples,
-        report.triangles,
+        counted(report.triangles, "triangle"),
         report.cap_triangles,
-        report.pieces
+        counted(report.pieces, "piece")
     )?;
-    if report.triangles_hit == Some(0) {
-        writeln!(out, "  the cut misses what is drawn")?;
-    }
     let t = &report.milliseconds;
     writeln!(
         out,

@@ -1,16 +1,17 @@
-//! `incise simulate`: lets a mesh fall as a soft body, cuts it on the way if asked to, and writes its
-//! pieces.
+//! `incise simulate`: drops a mesh as a soft body, optionally cuts it, and writes its pieces.
 
 use crate::clock::{milliseconds, timed};
+use crate::cut_options::plane_sweep;
 use crate::failure::Failure;
+use crate::input::read_closed;
 use crate::json::{all_lossy, lossy};
-use crate::numbers::{Numbers, numbers, positive};
-use crate::pieces::{self, Piece};
-use crate::teller::Teller;
+use crate::numbers::{Numbers, counted, numbers, positive};
+use crate::pieces::{self, Piece, output_path};
+use crate::reporter::Reporter;
 use clap::ValueEnum;
-use incise_cut::Sweep;
-use incise_mesh::{Surface, read_mesh};
-use incise_pbd_gpu::{Material, SolverParams, Struts, Volume};
+use incise_mesh::geometry::round_to_f32;
+use incise_mesh::{Aabb, Surface, Warning};
+use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Volume};
 use incise_scene::{
     BackendChoice, BackendRequest, BodyId, ContactParams, Scene, SceneError, SceneParams,
 };
@@ -18,65 +19,87 @@ use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-/// Lets a mesh fall as a soft body, cuts it on the way if asked to, and writes its pieces.
+/// Drops a mesh as a soft body, optionally cuts it at a given time, and writes its pieces.
 ///
-/// They go to `DIR/piece_000.obj` and on, one file a piece. Files of that name from an earlier run are overwritten or
-/// removed. The y axis points up. A body is a shell unless --volume or --struts give it an inside.
+/// Writes one piece per file: `DIR/piece_000.obj` and so on. Files of these names from
+/// an earlier run are overwritten or removed. The y axis points up. Without --volume or
+/// --interior-springs the body is a shell, which collapses under its weight.
 #[derive(clap::Args)]
+#[command(after_long_help = AFTER_HELP)]
 pub(crate) struct SimulateArguments {
-    /// The mesh: obj, ply, stl, glb or gltf; units are meters.
+    /// The mesh (obj, ply, stl, glb or gltf; units are meters), or a built-in model such as Bunny.
+    #[arg(value_name = "FILE|MODEL")]
     input: PathBuf,
-    /// Simulated time.
+    /// Simulated time [s].
     #[arg(long, value_name = "S", value_parser = positive)]
     seconds: f64,
-    /// Time of a frame, as a number or a fraction.
+    /// Time step of a frame, as a number or a fraction [s].
     #[arg(long, value_name = "S", default_value = "1/60", value_parser = positive)]
     dt: f64,
-    /// Iterations of the solver a substep.
-    #[arg(long, value_name = "N", default_value_t = SolverParams::default().iterations, value_parser = clap::value_parser!(u32).range(1..))]
+    /// Solver iterations per substep.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = SolverParams::default().iterations,
+        value_parser = clap::value_parser!(u32).range(1..)
+    )]
     iterations: u32,
-    /// Substeps of a frame.
-    #[arg(long, value_name = "N", default_value_t = SolverParams::default().substeps, value_parser = clap::value_parser!(u32).range(1..))]
+    /// Substeps per frame.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = SolverParams::default().substeps,
+        value_parser = clap::value_parser!(u32).range(1..)
+    )]
     substeps: u32,
-    /// Height of a ground that nothing sinks below; the mesh has to begin above it.
+    /// Height of the ground plane [m]; the mesh must begin above it.
     #[arg(long, value_name = "H", value_parser = numbers::<1>, allow_hyphen_values = true)]
     ground: Option<Numbers<1>>,
-    /// Every closed piece keeps the volume that it has at rest.
+    /// Preserve the rest volume of every closed piece.
     #[arg(long)]
     volume: bool,
-    /// Struts through the body hold its sides apart: so many a vertex, 0 to 1.
+    /// Connect opposite sides by springs through the body: springs per vertex, 0 to 1.
     #[arg(long, value_name = "DENSITY", value_parser = numbers::<1>)]
-    struts: Option<Numbers<1>>,
-    /// Pieces touch each other instead of passing through each other.
+    interior_springs: Option<Numbers<1>>,
+    /// Resolve contacts between the pieces of the body.
     #[arg(long)]
     contacts: bool,
     /// Cut along the plane `nx x + ny y + nz z = d`.
     #[arg(long, value_name = "NX,NY,NZ,D", value_parser = numbers::<4>, allow_hyphen_values = true)]
     plane: Option<Numbers<4>>,
-    /// When to cut; at once by default.
+    /// Time of the cut [s]; 0 by default.
     #[arg(long, value_name = "S", value_parser = positive, requires = "plane")]
     at: Option<f64>,
-    /// What moves the body.
+    /// Backend that steps the body.
     #[arg(long, value_enum, default_value_t = Backend::Cpu)]
     backend: Backend,
-    /// A part of the name of the GPU to take, see `incise devices`.
+    /// GPU to use: a part of its name, as listed by `incise devices`.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// Where the pieces go.
-    #[arg(short, long, value_name = "DIR")]
+    /// The folder for the pieces.
+    #[arg(short, long, value_name = "DIR", value_parser = output_path())]
     output: PathBuf,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
+const AFTER_HELP: &str = "\
+Examples:
+  incise simulate Bunny --seconds 2 --ground -0.5 --volume --interior-springs 1 -o pieces
+  incise simulate Bunny --seconds 2 --volume --contacts --plane 0,1,0.2,-1 --at 0.5 -o pieces
+
+JSON report (--json): input, warnings, backend, device, fallback_reason, frames, dt, iterations,
+substeps, triangles_hit, pieces (file, vertices, triangles, area, volume, cavity of each), removed,
+milliseconds.
+
+Exit code 4: the cut misses the body, and the pieces are those of the uncut body.";
+
+/// The backend that steps a body.
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum Backend {
-    /// The processor.
+    /// The CPU.
     Cpu,
     /// A GPU.
     Gpu,
-    /// A GPU if there is a real one and the body is large enough to gain, else the processor.
+    /// A hardware GPU for bodies that it steps faster, else the CPU.
     Auto,
 }
 
@@ -95,40 +118,46 @@ impl Backend {
 struct Report {
     #[serde(serialize_with = "lossy")]
     input: PathBuf,
+    /// Repairs made while reading.
+    warnings: Vec<Warning>,
     backend: &'static str,
-    /// What the body was on at the end; none for the processor.
+    /// The GPU that held the body at the end; none for the CPU.
     device: Option<String>,
+    /// Why the CPU continued in place of a GPU; none if it did not.
+    fallback_reason: Option<String>,
     frames: u32,
     dt: f64,
     iterations: u32,
     substeps: u32,
-    /// Triangles that the cut crossed; none without a cut.
+    /// Triangles that the sweep crosses; none without a cut.
     triangles_hit: Option<usize>,
     pieces: Vec<Piece>,
-    /// Pieces of an earlier run that are there no more.
+    /// Removed pieces of an earlier run.
     #[serde(serialize_with = "all_lossy")]
     removed: Vec<PathBuf>,
     milliseconds: Times,
 }
 
-/// Time of each stage \[ms\].
+/// Times of the stages \[ms\].
 #[derive(Serialize)]
 struct Times {
     simulate: f64,
     write: f64,
 }
 
-/// What a simulation came to.
+/// The result of a simulation.
 struct Simulated {
     scene: Scene,
     body: BodyId,
     triangles_hit: Option<usize>,
+    /// Bounding box at the time of the cut, else empty.
+    bounds_at_cut: Aabb,
 }
 
-/// Simulates and writes.
+/// Runs the command.
 pub(crate) fn run(
     arguments: &SimulateArguments,
-    teller: &mut Teller<impl Write>,
+    reporter: &mut Reporter<impl Write>,
 ) -> Result<(), Failure> {
     let path = &arguments.input;
     let frames = whole(arguments.seconds / arguments.dt).max(1);
@@ -138,11 +167,10 @@ pub(crate) fn run(
     if cut_at.is_some_and(|frame| frame >= frames) {
         return Err(Failure::CutAfterEnd);
     }
-    let data = read_mesh(path)?;
-    let (surface, _) = data.into_surface().map_err(|source| Failure::NotFit {
-        path: path.clone(),
-        source,
-    })?;
+    let (surface, warnings) = read_closed(path)?;
+    for warning in &warnings {
+        reporter.warn(format_args!("{}: {warning}", path.display()));
+    }
     let lowest = surface.bounds().min[1];
     if let Some(ground) = arguments.ground()
         && lowest < ground
@@ -154,17 +182,24 @@ pub(crate) fn run(
             ground,
         });
     }
-    let (simulate, simulated) = timed(|| arguments.simulate(surface, frames, cut_at, teller));
+    let (simulate, simulated) = timed(|| arguments.simulate(surface, frames, cut_at, reporter));
     let simulated = simulated?;
-    let surface = simulated.scene.body(simulated.body).surface();
+    let failed = |source| Failure::Scene {
+        path: path.clone(),
+        source,
+    };
+    let body = simulated.scene.body(simulated.body).map_err(failed)?;
+    let surface = body.surface();
     let (write, written) = timed(|| pieces::write(surface, path, &arguments.output));
     let written = written?;
     let backend = simulated.scene.backend_report();
-    let is_on_device = backend.on_device.contains(&simulated.body);
+    let is_on_device = backend.gpu_bodies.contains(&simulated.body);
     let report = Report {
         input: path.clone(),
+        warnings,
         backend: backend.choice.name(),
-        device: backend.device.filter(|_| is_on_device),
+        device: backend.adapter.filter(|_| is_on_device),
+        fallback_reason: backend.fallback_reason.map(|reason| reason.to_string()),
         frames,
         dt: arguments.dt,
         iterations: arguments.iterations,
@@ -177,17 +212,25 @@ pub(crate) fn run(
             write: milliseconds(write),
         },
     };
-    Ok(teller.report(&report, arguments.json, print)?)
+    reporter.report(&report, print)?;
+    if report.triangles_hit == Some(0) {
+        return Err(Failure::Missed {
+            path: path.clone(),
+            bounds: simulated.bounds_at_cut,
+            output: "the files hold the uncut body",
+        });
+    }
+    Ok(())
 }
 
 impl SimulateArguments {
     fn ground(&self) -> Option<f32> {
-        self.ground.map(|Numbers([height])| narrow(height))
+        self.ground.map(|Numbers([height])| round_to_f32(height))
     }
 
     fn scene(&self) -> Result<Scene, SceneError> {
         let params = SceneParams {
-            dt: narrow(self.dt),
+            dt: round_to_f32(self.dt),
             solver: SolverParams {
                 iterations: self.iterations,
                 substeps: self.substeps,
@@ -208,10 +251,12 @@ impl SimulateArguments {
     fn material(&self) -> Material {
         Material {
             volume: self.volume.then(Volume::default),
-            struts: self.struts.map(|Numbers([density])| Struts {
-                density: narrow(density),
-                ..Struts::default()
-            }),
+            interior_springs: self
+                .interior_springs
+                .map(|Numbers([density])| InteriorSprings {
+                    density: round_to_f32(density),
+                    ..InteriorSprings::default()
+                }),
             ..Material::default()
         }
     }
@@ -221,7 +266,7 @@ impl SimulateArguments {
         surface: Surface,
         frames: u32,
         cut_at: Option<u32>,
-        teller: &Teller<impl Write>,
+        reporter: &Reporter<impl Write>,
     ) -> Result<Simulated, Failure> {
         let path = &self.input;
         let failed = |source| Failure::Scene {
@@ -230,25 +275,25 @@ impl SimulateArguments {
         };
         let mut scene = self.scene().map_err(failed)?;
         let body = scene.add_body(surface, &self.material()).map_err(failed)?;
-        let mut triangles_hit = None;
+        let (mut triangles_hit, mut bounds_at_cut) = (None, Aabb::default());
         let a_second = whole(1.0 / self.dt).clamp(1, frames);
-        let progress = teller.progress(frames.div_ceil(a_second), a_second);
+        let progress = reporter.progress(frames.div_ceil(a_second), a_second);
         for frame in 0..frames {
             if frame % a_second == 0 {
                 progress.begin(&format!("from {:.3} s", f64::from(frame) * self.dt));
             }
             let cuts = cut_at == Some(frame);
             if cuts {
-                scene.read(body).map_err(failed)?;
-                self.aim(&mut scene, body)?;
+                scene.read_back(body).map_err(failed)?;
+                bounds_at_cut = self.aim(&mut scene, body)?;
             }
             let stats = *scene.step().map_err(failed)?;
             if stats.fell_back {
-                progress.aside(|| say_why(&scene));
+                progress.suspend(|| warn_of_fallback(&scene, reporter));
             }
             if cuts {
-                triangles_hit = Some(stats.hits);
-                if let Some(refusal) = scene.refusals().first() {
+                triangles_hit = Some(stats.hit_triangles);
+                if let Some(refusal) = scene.failed_cuts().first() {
                     return Err(Failure::Cut {
                         path: path.clone(),
                         source: refusal.error,
@@ -258,49 +303,57 @@ impl SimulateArguments {
             progress.step();
         }
         progress.end();
-        scene.read(body).map_err(failed)?;
+        scene.read_back(body).map_err(failed)?;
         Ok(Simulated {
             scene,
             body,
             triangles_hit,
+            bounds_at_cut,
         })
     }
 
-    /// Has a blade sweep through the body, where it is now, in the next frame.
-    fn aim(&self, scene: &mut Scene, body: BodyId) -> Result<(), Failure> {
-        let Some(Numbers([x, y, z, d])) = self.plane else {
-            return Ok(());
+    /// Adds a blade that sweeps along the plane through the whole body in the next frame, and
+    /// returns the body's bounding box.
+    fn aim(&self, scene: &mut Scene, body: BodyId) -> Result<Aabb, Failure> {
+        let Some(plane) = self.plane else {
+            return Ok(Aabb::default());
         };
-        let bounds = scene.body(body).surface().bounds();
-        let sweep = Sweep::across_box([x, y, z], d, &bounds).map_err(Failure::Sweep)?;
+        let failed = |source| Failure::Scene {
+            path: self.input.clone(),
+            source,
+        };
+        let bounds = scene.body(body).map_err(failed)?.surface().bounds();
+        let sweep = plane_sweep(plane, bounds, &self.input)?;
         let [start, end, end_after, start_after] = sweep.corners();
         let blade = scene.add_blade([start, end]);
-        scene.move_blade(blade, [start_after, end_after]);
-        Ok(())
+        let moved = scene.move_blade(blade, [start_after, end_after]);
+        moved.map_err(failed)?;
+        Ok(bounds)
     }
 }
 
-/// Tells people why the processor does what a GPU was to do.
-fn say_why(scene: &Scene) {
+/// Warns that the scene continues on the CPU.
+fn warn_of_fallback(scene: &Scene, reporter: &Reporter<impl Write>) {
     let report = scene.backend_report();
-    let why = report.fallback.unwrap_or_default();
-    // Without an error output nobody wants to know.
-    let _ = writeln!(io::stderr(), "incise: going on with the CPU: {why}");
+    if let Some(why) = report.fallback_reason {
+        reporter.warn(format_args!("continuing on the CPU: {why}"));
+    }
 }
 
 fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
     writeln!(
         out,
-        "{}: {} frames of {:.6} s on {}",
+        "{}: {} of {:.6} s on {}",
         report.input.display(),
-        report.frames,
+        counted(
+            usize::try_from(report.frames).unwrap_or(usize::MAX),
+            "frame"
+        ),
         report.dt,
         report.device.as_deref().unwrap_or("the CPU")
     )?;
-    match report.triangles_hit {
-        Some(0) => writeln!(out, "  the cut misses the body")?,
-        Some(hits) => writeln!(out, "  {hits} triangles hit")?,
-        None => {}
+    if let Some(hits @ 1..) = report.triangles_hit {
+        writeln!(out, "  {} hit", counted(hits, "triangle"))?;
     }
     pieces::print(&report.pieces, &report.removed, out)?;
     let t = &report.milliseconds;
@@ -318,9 +371,4 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
 )]
 fn whole(x: f64) -> u32 {
     x.round() as u32
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
-fn narrow(x: f64) -> f32 {
-    x as f32
 }

@@ -1,56 +1,77 @@
-//! `incise view`: a window to cut, pull and watch a soft body in.
+//! `incise view`: opens a window to cut and drag a soft body.
 
 use crate::failure::Failure;
-use crate::input::surface;
+use crate::input::read_closed;
+use crate::numbers::counted;
 use crate::pieces;
 use crate::render::{Size, size};
+use crate::reporter::Reporter;
 use crate::simulate::Backend;
 use incise_scene::BackendRequest;
-use incise_view::{Options, Recording, RecordingError};
+use incise_view::{Recording, RecordingError, WindowOptions};
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Write};
 use std::path::{Path, PathBuf};
 
-/// Opens a window with a soft body in it, to cut it, pull it and watch it; `?` there shows the keys.
+/// Opens a window to cut and drag a soft body. Press ? there for the keys.
 ///
-/// Slices are full ones: a line that ends inside the body cuts nothing, and a blade cuts when it comes out.
+/// Cuts are full slices: a line that ends inside the body is refused, and a blade cuts when it
+/// leaves the body.
 #[derive(clap::Args)]
 pub(crate) struct ViewArguments {
-    /// A closed mesh (obj, ply, stl, glb or gltf; units are meters), or a built-in model: Sphere20, Sphere80, Sphere768,
-    /// Bunny, Octopus, Banana or Armadillo. A file goes before a model of the same name.
+    /// A closed mesh (obj, ply, stl, glb or gltf; units are meters), or a built-in model: Sphere20,
+    /// Sphere80, Sphere768, Bunny, Octopus, Banana or Armadillo. A file of the same name takes
+    /// precedence.
     #[arg(value_name = "FILE|MODEL", default_value = "Sphere768")]
     input: PathBuf,
-    /// What moves the body.
+    /// Backend that steps the body.
     #[arg(long, value_enum, default_value_t = Backend::Auto)]
     backend: Backend,
-    /// A part of the name of the GPU to take, see `incise devices`; it draws too.
+    /// GPU that steps and draws: a part of its name, as listed by `incise devices`.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// How large the window is.
+    /// Size of the window [pixels].
     #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = size)]
     size: Size,
-    /// Begin with time standing still; Space lets it go on.
+    /// Start paused; Space resumes.
     #[arg(long)]
     paused: bool,
-    /// Where pieces go when they are saved.
-    #[arg(short, long, value_name = "DIR", default_value = "pieces")]
+    /// Folder for saved pieces.
+    #[arg(
+        short,
+        long,
+        value_name = "DIR",
+        default_value = "pieces",
+        value_parser = pieces::output_path()
+    )]
     output: PathBuf,
-    /// Where the recording goes when it is saved.
-    #[arg(long, value_name = "FILE", default_value = "recording.jsonl")]
+    /// File for the saved recording.
+    #[arg(
+        long,
+        value_name = "FILE",
+        default_value = "recording.jsonl",
+        value_parser = pieces::output_path()
+    )]
     record: PathBuf,
-    /// Does a recording of the same body again.
+    /// Replay a recording of the same body.
     #[arg(long, value_name = "FILE")]
     replay: Option<PathBuf>,
 }
 
-/// Shows the window until it is closed.
-pub(crate) fn run(arguments: &ViewArguments) -> Result<(), Failure> {
+/// Runs the command until the window is closed.
+pub(crate) fn run(
+    arguments: &ViewArguments,
+    reporter: &Reporter<impl Write>,
+) -> Result<(), Failure> {
     let input = arguments.input.clone();
-    let body = surface(&input, true)?;
+    let (body, warnings) = read_closed(&input)?;
+    for warning in &warnings {
+        reporter.warn(format_args!("{}: {warning}", input.display()));
+    }
     let replay = arguments.replay.as_deref().map(recording).transpose()?;
     let output = arguments.output.clone();
     let Size(pixels) = arguments.size;
-    let options = Options {
+    let options = WindowOptions {
         title: format!("incise: {}", input.display()),
         surface: body,
         backend: BackendRequest {
@@ -65,9 +86,9 @@ pub(crate) fn run(arguments: &ViewArguments) -> Result<(), Failure> {
         record_to: arguments.record.clone(),
         save: Box::new(move |surface| {
             let written = pieces::write(surface, &input, &output);
-            let written = written.map_err(|failure| failure.to_string())?;
+            let written = written?;
             let (count, folder) = (written.pieces.len(), output.display());
-            Ok(format!("{folder}: {count} pieces"))
+            Ok(format!("{folder}: {}", counted(count, "piece")))
         }),
     };
     Ok(incise_view::run(options)?)

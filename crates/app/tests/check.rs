@@ -1,4 +1,4 @@
-//! `incise check`, run as a user runs it.
+//! Tests of `incise check`: report, JSON fields, errors and exit codes.
 
 use serde_json::Value;
 use std::path::PathBuf;
@@ -40,7 +40,7 @@ fn open() -> &'static str {
 }
 
 #[test]
-fn a_fit_mesh_is_described() {
+fn a_cuttable_mesh_is_described() {
     let (code, out, err) = check(TETRAHEDRON, &[]);
     assert_eq!((code, err.as_str()), (Some(0), ""));
     for (name, value) in [
@@ -50,7 +50,7 @@ fn a_fit_mesh_is_described() {
         ("genus", "0"),
         ("closed", "yes"),
         ("volume", "0.1666667"),
-        ("fit to cut", "yes"),
+        ("cuttable", "yes"),
     ] {
         assert!(
             out.lines().any(|line| line
@@ -63,11 +63,11 @@ fn a_fit_mesh_is_described() {
 }
 
 #[test]
-fn an_open_mesh_says_what_is_wrong() {
+fn defects_of_an_open_mesh_are_listed() {
     let (code, out, err) = check(open(), &[]);
     assert_eq!(code, Some(1));
     assert!(err.contains("open edges: 3"), "{err}");
-    assert!(out.contains("fit to cut            no"), "{out}");
+    assert!(out.contains("cuttable              no"), "{out}");
 }
 
 #[test]
@@ -83,7 +83,7 @@ fn json_has_every_field_under_its_name() {
         .collect();
     let mut expected = [
         "file",
-        "fit",
+        "cuttable",
         "vertices",
         "file_vertices",
         "triangles",
@@ -111,7 +111,7 @@ fn json_has_every_field_under_its_name() {
     let mut names = names;
     names.sort_unstable();
     assert_eq!(names, expected);
-    assert_eq!(json["fit"], true);
+    assert_eq!(json["cuttable"], true);
     assert_eq!(json["bounds"]["max"], serde_json::json!([1.0, 1.0, 1.0]));
     assert_eq!(json["edge_lengths"]["min"], 1.0);
 
@@ -119,7 +119,7 @@ fn json_has_every_field_under_its_name() {
     assert_eq!(code, Some(1));
     assert!(err.contains("open edges"), "{err}");
     let json: Value = serde_json::from_str(&out).unwrap();
-    assert_eq!(json["fit"], false);
+    assert_eq!(json["cuttable"], false);
     assert_eq!(json["genus"], Value::Null);
     assert_eq!(json["defects"][0]["kind"], "open_edge");
     assert_eq!(json["defects"][0]["count"], 3);
@@ -143,6 +143,39 @@ fn a_missing_file_is_named() {
         String::from_utf8(output.stderr)
             .unwrap()
             .contains("not_there.ply")
+    );
+}
+
+#[test]
+fn a_built_in_model_needs_no_file() {
+    let output = incise(&["check", "bunny", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        (&json["triangles"], &json["cuttable"]),
+        (&1500.into(), &true.into())
+    );
+}
+
+#[test]
+fn inputs_that_are_no_meshes_are_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("empty.ply"), "").unwrap();
+    std::fs::create_dir(path("folder.obj")).unwrap();
+    for (name, said) in [
+        ("empty.ply", "the file is empty"),
+        ("folder.obj", "this is a folder"),
+    ] {
+        let output = incise(&["check", path(name).to_str().unwrap()]);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{error}");
+        assert!(error.contains(said), "{error}");
+    }
+    let error = String::from_utf8(incise(&["check", "Bunny.obj"]).stderr).unwrap();
+    assert!(
+        error.contains("the built-in model is called Bunny"),
+        "{error}"
     );
 }
 

@@ -1,9 +1,10 @@
-//! The binary's `cut`, as a user runs it: what is cut, and what is refused.
+//! Tests of `incise cut`: cuts by both methods, refused cuts and exit codes.
 
 mod common;
 
 use common::{cut, hollow_sphere, incise, text};
-use incise_mesh::{Model, build_model, write_obj};
+use incise_mesh::write_obj;
+use incise_models::{Model, build_model};
 
 #[test]
 fn a_plane_makes_two_closed_pieces_at_every_level() {
@@ -47,7 +48,7 @@ fn a_plane_makes_two_closed_pieces_at_every_level() {
 }
 
 #[test]
-fn a_blade_cuts_what_it_sweeps_and_not_half() {
+fn a_blade_cuts_along_its_sweep_and_a_partial_cut_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("sphere.obj");
     write_obj(&input, &build_model(Model::Sphere80)).unwrap();
@@ -88,7 +89,11 @@ fn a_wrong_command_line_exits_with_2_and_a_wrong_input_with_1() {
     assert_eq!(code(&["--plane", "0,0,0,1"]), Some(2), "no normal");
     assert_eq!(code(&["--plane", "1,0,0,nan"]), Some(2), "not finite");
     assert_eq!(code(&["--blade", "0,0,0,1,1,1"]), Some(2), "to nowhere");
-    assert_eq!(code(&["--plane", "1,0,0,0", "--level", "0"]), Some(2));
+    for level in ["0", "-1"] {
+        let (code, _, error) = cut(&input, &output, &["--plane", "1,0,0,0", "--level", level]);
+        assert_eq!(code, Some(2), "{error}");
+        assert!(error.contains("is not a refinement level"), "{error}");
+    }
     assert_eq!(
         code(&["--plane", "1,0,0,0", "--to", "0,0,0,1,1,1"]),
         Some(2)
@@ -114,7 +119,23 @@ fn a_wrong_command_line_exits_with_2_and_a_wrong_input_with_1() {
         text(&output),
     ]);
     assert_eq!(status.status.code(), Some(1));
-    assert_eq!(code(&["--plane", "1,0,0,9"]), Some(0), "a miss is no error");
+    let (code, _, error) = cut(&input, &output, &["--plane", "1,0,0,9"]);
+    assert_eq!(code, Some(4), "a miss has a code of its own");
+    assert!(error.contains("bounding box is [-0.4253254"), "{error}");
+}
+
+/// A box at the end of the range of 32-bit coordinates is an error of the input.
+#[test]
+fn a_mesh_too_large_for_a_plane_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("large.obj");
+    let tetrahedron = "v 0 0 0\nv 3e38 0 0\nv 0 3e38 0\nv 0 0 3e38\n\
+                       f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    std::fs::write(&input, tetrahedron).unwrap();
+    let output = folder.path().join("out");
+    let (code, _, error) = cut(&input, &output, &["--plane", "1,0,0,1"]);
+    assert_eq!(code, Some(1), "{error}");
+    assert!(error.contains("scale the mesh"), "{error}");
 }
 
 fn sum_of_volumes(report: &serde_json::Value) -> f64 {
@@ -205,7 +226,7 @@ fn a_plane_through_a_cavity_is_cut_exactly_and_refused_by_the_paper_s_method() {
     let (code, _, error) = cut(
         &input,
         &output,
-        &[&plane[..], &["--method", "rebuild"]].concat(),
+        &[&plane[..], &["--method", "paper"]].concat(),
     );
     assert_eq!(code, Some(1), "{error}");
     assert!(error.contains("has a hole"), "{error}");
@@ -220,7 +241,10 @@ fn a_plane_through_a_cavity_is_cut_exactly_and_refused_by_the_paper_s_method() {
     for piece in ["piece_000.obj", "piece_001.obj"] {
         let check = incise(&["check", text(&output.join(piece)), "--json"]);
         let check: serde_json::Value = serde_json::from_slice(&check.stdout).unwrap();
-        assert_eq!((&check["fit"], &check["genus"]), (&true.into(), &0.into()));
+        assert_eq!(
+            (&check["cuttable"], &check["genus"]),
+            (&true.into(), &0.into())
+        );
     }
 }
 
@@ -231,7 +255,7 @@ fn a_partial_cut_is_refused_by_both_methods_and_says_what_to_do() {
     write_obj(&input, &build_model(Model::Sphere768)).unwrap();
     let output = folder.path().join("out");
     let blade = ["--blade", "-2,0.1,-2,-2,0.1,2", "--to", "0,0.1,-2,0,0.1,2"];
-    for method in ["exact", "rebuild"] {
+    for method in ["exact", "paper"] {
         let (code, _, error) = cut(
             &input,
             &output,
@@ -242,7 +266,7 @@ fn a_partial_cut_is_refused_by_both_methods_and_says_what_to_do() {
         assert!(!output.exists(), "{method}: nothing is written");
     }
     let whole = ["--blade", "-2,0.1,-2,-2,0.3,2", "--to", "2,0.2,-2,2,0.1,2"];
-    for method in ["exact", "rebuild"] {
+    for method in ["exact", "paper"] {
         let (code, report, error) = cut(
             &input,
             &output,
@@ -285,7 +309,7 @@ fn a_sweep_inside_the_body_is_no_miss_and_one_in_its_cavity_is() {
         "--to",
         "0.2,-0.1,0.1,0.2,0.1,0.1",
     ];
-    for method in ["exact", "rebuild"] {
+    for method in ["exact", "paper"] {
         let (code, _, error) = cut(
             &input,
             &output,
@@ -311,14 +335,14 @@ fn a_sweep_inside_the_body_is_no_miss_and_one_in_its_cavity_is() {
         let (code, report, error) = cut(&input, &output, &miss);
         assert_eq!(
             (code, &report["triangles_hit"]),
-            (Some(0), &0.into()),
+            (Some(4), &0.into()),
             "{error}"
         );
     }
 }
 
 #[test]
-fn a_blade_whose_ends_change_places_is_told_from_one_without_area() {
+fn a_blade_with_swapped_ends_is_a_distinct_error() {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("sphere.obj");
     write_obj(&input, &build_model(Model::Sphere80)).unwrap();
@@ -337,15 +361,15 @@ fn a_blade_whose_ends_change_places_is_told_from_one_without_area() {
 }
 
 #[test]
-fn help_and_text_say_what_snapping_does() {
+fn help_and_report_describe_snapping() {
     let help = incise(&["cut", "--help"]);
     let help = String::from_utf8(help.stdout).unwrap();
     for word in [
         "--snap",
         "--method",
         "exact",
-        "rebuild",
-        "below 0.5",
+        "paper",
+        "0 up to, not including, 0.5",
         "diagonal from",
         "--max-triangles",
         "default: 0.1",
@@ -368,4 +392,58 @@ fn help_and_text_say_what_snapping_does() {
     assert!(lines.contains("snap 0.1:"), "{lines}");
     assert!(lines.contains("short rim edges left"), "{lines}");
     assert!(lines.contains("2 pieces, exact method"), "{lines}");
+}
+
+#[test]
+fn a_built_in_model_needs_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("out");
+    let plane = ["--plane", "0,1,0.2,0.05"];
+    let (code, report, error) = cut("bunny".as_ref(), &output, &plane);
+    assert_eq!((code, error.as_str()), (Some(0), ""));
+    assert_eq!(report["triangles"], 1500);
+    assert_eq!(report["pieces"].as_array().unwrap().len(), 2);
+    let (code, _, error) = cut("rabbit".as_ref(), &output, &plane);
+    assert_eq!(code, Some(1));
+    assert!(error.contains("Bunny"), "{error}");
+}
+
+/// Errors recommend `incise fill` only where its result can be cut.
+#[test]
+fn fill_is_recommended_where_it_helps() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("out");
+    let error = |name: &str, text: &str| {
+        let input = folder.path().join(name);
+        std::fs::write(&input, text).unwrap();
+        let (code, _, error) = cut(&input, &output, &["--plane", "1,0,0,0.2"]);
+        assert_eq!(code, Some(1), "{error}");
+        error
+    };
+    let tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n";
+    assert!(error("open.obj", tetrahedron).contains("incise fill"));
+    let sheet = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+    let told = error("sheet.obj", sheet);
+    assert!(!told.contains("incise fill"), "{told}");
+    assert!(
+        told.contains("has no inside") && told.contains("thickness"),
+        "{told}"
+    );
+    let mut with_sheet = Vec::new();
+    write_obj(
+        &folder.path().join("ball.obj"),
+        &build_model(Model::Sphere80),
+    )
+    .unwrap();
+    let ball = std::fs::read_to_string(folder.path().join("ball.obj")).unwrap();
+    // The last face is gone: the sphere has a hole.
+    with_sheet.extend(ball.trim_end().rsplit_once('\n').map(|(open, _)| open));
+    with_sheet.push("v 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nf -4 -3 -2 -1\n");
+    let told = error("ball_and_sheet.obj", &with_sheet.join("\n"));
+    assert!(
+        told.contains("sheets without volume") && told.ends_with(": 1"),
+        "{told}"
+    );
+    let fan = format!("{tetrahedron}v 1 1 1\nf 1 2 5\n");
+    assert!(!error("fan.obj", &fan).contains("incise fill"));
 }

@@ -1,9 +1,10 @@
-//! The binary's `cut`: options that go together and do not, and what it leaves and says.
+//! Tests of `incise cut`: combinations of options, warnings, and files left by refused cuts.
 
 mod common;
 
 use common::{cut, hollow_sphere, incise, text};
-use incise_mesh::{Model, build_model, write_obj};
+use incise_mesh::write_obj;
+use incise_models::{Model, build_model};
 
 fn sum_of_volumes(report: &serde_json::Value) -> f64 {
     let pieces = report["pieces"].as_array().unwrap().iter();
@@ -11,7 +12,7 @@ fn sum_of_volumes(report: &serde_json::Value) -> f64 {
 }
 
 #[test]
-fn caps_are_refined_either_way_and_the_rebuild_method_knows_the_paper_s_only() {
+fn the_exact_method_supports_both_refinements_and_the_paper_method_one() {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("hollow.obj");
     write_obj(&input, &hollow_sphere()).unwrap();
@@ -36,15 +37,15 @@ fn caps_are_refined_either_way_and_the_rebuild_method_knows_the_paper_s_only() {
     }
     assert_eq!(caps[0], caps[1], "delaunay is the default");
     assert_ne!(caps[0], caps[2], "the paper's triangles are others");
-    let (code, _, error) = run(&["--method", "rebuild", "--refine-method", "delaunay"]);
+    let (code, _, error) = run(&["--method", "paper", "--refine-method", "delaunay"]);
     assert_eq!(code, Some(2), "{error}");
     assert!(
-        error.contains("does not go with --method rebuild"),
+        error.contains("cannot be combined with --method paper"),
         "{error}"
     );
     let ball = folder.path().join("sphere.obj");
     write_obj(&ball, &build_model(Model::Sphere80)).unwrap();
-    let plane = ["--plane", "1,0.1,0.2,0.01", "--method", "rebuild"];
+    let plane = ["--plane", "1,0.1,0.2,0.01", "--method", "paper"];
     for more in [&[][..], &["--refine-method", "paper"]] {
         let (code, report, error) = cut(&ball, &output, &[&plane[..], more].concat());
         assert_eq!(code, Some(0), "{error}");
@@ -60,16 +61,16 @@ fn options_of_the_exact_method_are_refused_with_the_others() {
     let output = folder.path().join("out");
     for (options, said) in [
         (
-            ["--method", "rebuild", "--snap", "0.1"],
-            "--snap does not go with --method rebuild",
+            ["--method", "paper", "--snap", "0.1"],
+            "--snap cannot be combined with --method paper",
         ),
         (
-            ["--method", "rebuild", "--grading", "0"],
-            "--grading does not go with --method rebuild",
+            ["--method", "paper", "--grading", "0"],
+            "--grading cannot be combined with --method paper",
         ),
         (
             ["--refine-method", "paper", "--grading", "0.3"],
-            "--grading does not go with --refine-method paper",
+            "--grading cannot be combined with --refine-method paper",
         ),
     ] {
         let plane = ["--plane", "1,0.1,0.2,0.01"];
@@ -81,7 +82,7 @@ fn options_of_the_exact_method_are_refused_with_the_others() {
 }
 
 #[test]
-fn what_reading_repaired_is_said_and_in_the_report() {
+fn repairs_are_warned_of_and_reported() {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("inverted.obj");
     write_obj(&input, &build_model(Model::Sphere80)).unwrap();
@@ -98,14 +99,21 @@ fn what_reading_repaired_is_said_and_in_the_report() {
     let output = folder.path().join("out");
     let (code, report, said) = cut(&input, &output, &["--plane", "1,0.1,0.2,0.01"]);
     assert_eq!(code, Some(0), "{said}");
-    assert!(
-        said.contains("the mesh was inside out and was flipped"),
-        "{said}"
-    );
+    assert_eq!(said, "", "the report has the warnings");
     assert_eq!(report["warnings"][0]["kind"], "inverted", "{report}");
     let checked = incise(&["check", text(&input), "--json"]);
     let checked: serde_json::Value = serde_json::from_slice(&checked.stdout).unwrap();
     assert_eq!(report["warnings"], checked["warnings"]);
+    let plane = ["--plane", "1,0.1,0.2,9", "-o", text(&output)];
+    let told = incise(&[&["cut", text(&input)], &plane[..]].concat()).stderr;
+    let flipped = "the mesh was inside out and was flipped";
+    assert!(String::from_utf8(told).unwrap().contains(flipped));
+    let told = incise(&[&["--json", "cut", text(&input)], &plane[..]].concat()).stderr;
+    let told: serde_json::Value = serde_json::from_slice(&told).unwrap();
+    assert!(
+        told["warnings"][0].as_str().unwrap().contains(flipped),
+        "{told}"
+    );
 }
 
 #[test]

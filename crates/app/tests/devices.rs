@@ -1,8 +1,8 @@
-//! `incise devices`, run as a user runs it.
+//! Tests of `incise devices`: text, JSON, and machines without a GPU.
 
 use std::process::{Command, Output};
 
-/// Runs it with the drivers that there are, or with none.
+/// Runs the command with the installed GPU drivers, or with none.
 fn devices(options: &[&str], drivers: bool) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_incise"));
     command.arg("devices").args(options);
@@ -16,7 +16,7 @@ fn devices(options: &[&str], drivers: bool) -> Output {
 
 #[cfg(not(feature = "gpu"))]
 #[test]
-fn a_build_without_gpu_support_says_so() {
+fn a_build_without_gpu_support_is_an_error() {
     for options in [&[][..], &["--json"]] {
         let output = devices(options, true);
         assert_eq!(output.status.code(), Some(1));
@@ -79,7 +79,7 @@ mod listed {
     }
 
     #[test]
-    fn a_person_sees_every_device_and_whether_it_is_usable() {
+    fn text_lists_every_device_and_whether_it_is_usable() {
         let out = text(&[], true);
         let found = adapters();
         for adapter in &found {
@@ -92,9 +92,12 @@ mod listed {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn no_device_is_no_failure() {
+    fn a_machine_without_a_gpu_is_no_error() {
         let out = text(&[], false);
-        assert!(out.contains("no GPU device"), "{out}");
+        assert!(
+            out.contains("no GPU; bodies are stepped on the CPU"),
+            "{out}"
+        );
         assert!(out.contains("mesa-vulkan-drivers"), "{out}");
         assert_eq!(text(&["--json"], false), "[]\n");
     }

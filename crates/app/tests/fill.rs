@@ -1,4 +1,4 @@
-//! `incise fill`, run as a user runs it.
+//! Tests of `incise fill`: reports, fairing, limits and errors.
 
 use incise_mesh::{Surface, TriangleId, check, icosphere, read_mesh, write_obj};
 use serde_json::Value;
@@ -14,7 +14,7 @@ fn incise(folder: &TempDir, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-/// A folder with a sphere without a cap and a triangle.
+/// Writes a sphere with two holes, a large cap and one triangle, to a new folder.
 fn open_sphere() -> (TempDir, Surface) {
     let mut body = icosphere(3, 1.0);
     let topology = body.topology();
@@ -50,11 +50,11 @@ fn refusal(folder: &TempDir, arguments: &[&str], code: i32) -> String {
 }
 
 fn is_fit(path: &Path) -> bool {
-    check(&read_mesh(path).unwrap()).fit_to_cut().is_ok()
+    check(&read_mesh(path).unwrap()).is_cuttable().is_ok()
 }
 
 #[test]
-fn holes_are_closed_and_told_one_by_one() {
+fn the_report_lists_every_closed_hole() {
     let (folder, body) = open_sphere();
     let output = incise(&folder, &["fill", "open.obj", "-o", "out.obj"]);
     assert_eq!(output.status.code(), Some(0));
@@ -64,7 +64,7 @@ fn holes_are_closed_and_told_one_by_one() {
     assert_eq!(text.lines().next(), Some(head.as_str()));
     assert!(
         text.lines()
-            .any(|l| l.starts_with("  3 edges at [") && l.contains(", plane,")),
+            .any(|l| l.starts_with("  3 edges at [") && l.contains(", planar,")),
         "{text}"
     );
     assert!(text.contains("closed, volume"), "{text}");
@@ -115,7 +115,7 @@ fn a_faired_cap_is_rounder_and_either_format_is_written() {
 }
 
 #[test]
-fn large_holes_stay_open_if_asked_to() {
+fn holes_above_max_edges_stay_open() {
     let (folder, _) = open_sphere();
     let report = json(
         &folder,
@@ -137,7 +137,7 @@ fn large_holes_stay_open_if_asked_to() {
 }
 
 #[test]
-fn what_cannot_be_done_is_said() {
+fn refusals_name_the_reason() {
     let (folder, _) = open_sphere();
     let error = refusal(
         &folder,
@@ -156,7 +156,7 @@ fn what_cannot_be_done_is_said() {
         &["fill", "open.obj", "-o", "out.obj", "--level", "0"],
         2,
     );
-    assert!(error.contains("no refinement level"), "{error}");
+    assert!(error.contains("is not a refinement level"), "{error}");
     let error = refusal(&folder, &["fill", "open.obj", "-o", "out.stl"], 2);
     assert!(
         error.contains("out.stl") && error.contains(".ply"),
@@ -172,9 +172,9 @@ fn what_cannot_be_done_is_said() {
     assert!(error.contains("more than two triangles"), "{error}");
 }
 
-/// A body whose vertices nearly meet is no body with holes: what to do is said.
+/// Gaps between nearly coincident vertices are not holes: the error recommends to weld them.
 #[test]
-fn an_unwelded_body_is_to_be_welded() {
+fn welding_is_recommended_for_an_unwelded_body() {
     let body = icosphere(2, 1.0);
     let topology = body.topology();
     let mut text = String::new();
@@ -189,27 +189,62 @@ fn an_unwelded_body_is_to_be_welded() {
     std::fs::write(folder.path().join("soup.obj"), text).unwrap();
     let output = incise(&folder, &["fill", "soup.obj", "-o", "out.obj"]);
     assert_eq!(output.status.code(), Some(0));
-    let text = String::from_utf8(output.stdout).unwrap();
+    let text = String::from_utf8(output.stderr).unwrap();
     assert!(text.contains("weld vertices"), "{text}");
-    let text = incise(&folder, &["fill", "open.obj", "-o", "out.obj"]).stdout;
+    let text = incise(&folder, &["fill", "open.obj", "-o", "out.obj"]).stderr;
     let text = String::from_utf8(text).unwrap();
     assert!(!text.contains("weld vertices"), "{text}");
 }
 
-/// A patch on a rim that lies on a line has no area, and the report says so.
+/// A patch on a collinear rim has no area; the report counts its triangles.
 #[test]
-fn triangles_without_area_are_named() {
+fn triangles_without_area_are_reported() {
     let folder = tempfile::tempdir().unwrap();
-    // A tetrahedron with a vertex amid one edge that only one of its two triangles knows.
-    let text = "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nv 1 0 0\nf 1 3 5\nf 5 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    // A tetrahedron with a T-junction: a vertex on an edge that only one of its triangles has.
+    let text = "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nv 1 0 0\n\
+                f 1 3 5\nf 5 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
     std::fs::write(folder.path().join("crack.obj"), text).unwrap();
     let output = incise(&folder, &["fill", "crack.obj", "-o", "out.obj"]);
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(
-        text.contains("1 holes closed") && text.contains("1 of them have no area"),
+        text.contains("1 hole closed") && text.contains("1 triangle without area"),
         "{text}"
     );
     let report = json(&folder, &["fill", "crack.obj", "-o", "out.obj", "--json"]);
     assert_eq!(report["holes"][0]["flat_triangles"], 1);
     assert_eq!(report["closed"], true);
+}
+
+/// A filled mesh is written with outward normals, and components without volume are counted.
+#[test]
+fn the_filled_mesh_points_outward_and_flat_components_are_warned_of() {
+    let (folder, _) = open_sphere();
+    let text = std::fs::read_to_string(folder.path().join("open.obj")).unwrap();
+    let turned = text.lines().map(|line| {
+        let mut parts: Vec<&str> = line.split(' ').collect();
+        if parts[0] == "f" {
+            parts.swap(1, 2);
+        }
+        parts.join(" ") + "\n"
+    });
+    let turned: String = turned.collect();
+    std::fs::write(folder.path().join("turned.obj"), &turned).unwrap();
+    let report = json(&folder, &["fill", "turned.obj", "-o", "out.obj", "--json"]);
+    assert!(report["volume"].as_f64().unwrap() > 0.0, "{report}");
+    assert_eq!(report["warnings"][0]["kind"], "inverted", "{report}");
+    let written = read_mesh(&folder.path().join("out.obj")).unwrap();
+    let (written, warnings) = written.into_surface().unwrap();
+    assert!(written.volume() > 0.0 && warnings.is_empty());
+
+    let with_sheet = text + "v 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nf -4 -3 -2 -1\n";
+    std::fs::write(folder.path().join("sheet.obj"), with_sheet).unwrap();
+    let report = json(&folder, &["fill", "sheet.obj", "-o", "out.obj", "--json"]);
+    let last = report["warnings"].as_array().unwrap().last().unwrap();
+    assert_eq!(
+        *last,
+        serde_json::json!({ "kind": "zero_volume", "count": 1 })
+    );
+    let quiet = incise(&folder, &["-q", "fill", "sheet.obj", "-o", "out.obj"]);
+    let told = String::from_utf8(quiet.stderr).unwrap();
+    assert!(told.contains("components without volume"), "{told}");
 }

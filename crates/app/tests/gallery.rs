@@ -1,4 +1,4 @@
-//! The binary's `gallery`, as a user runs it.
+//! Tests of `incise gallery`: every figure, its index, determinism and errors.
 
 #![expect(
     clippy::missing_assert_message,
@@ -7,20 +7,18 @@
 
 #[expect(dead_code, reason = "some of it is for cuts alone")]
 mod common;
-#[path = "../../pbd-gpu/tests/common/gpu.rs"]
-mod gpu;
 
 use common::{incise, text};
-use gpu::{Needs, trial};
 use incise_pbd_gpu::Context;
-use incise_render::Panels;
+use incise_render::FigureGrid;
+use incise_test_support::gpu::{Needs, trial};
 use libtest_mimic::Trial;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// All figures of the paper that are pictures of models.
+/// Names of all figures of the paper that show models.
 const NAMES: [&str; 14] = [
     "fig1", "fig2", "fig3", "fig4", "fig5", "fig6", "fig7", "fig8", "fig9", "fig10", "figA1",
     "figA2", "figA3", "figA4",
@@ -34,23 +32,23 @@ fn main() -> ExitCode {
             Ok(())
         })
     };
-    gpu::run(vec![
+    incise_test_support::gpu::run(vec![
         trial("every_figure_is_made", any, every_figure_is_made),
         trial(
-            "fine_levels_are_seen_at_the_usual_size",
+            "fine_levels_differ_at_the_default_size",
             any,
             fine_levels_are_seen,
         ),
-        trial("the_same_call_gives_the_same_bytes", any, the_same_again),
-        refused("a_figure_that_there_is_not_is_refused", no_such_figure),
-        refused("without_a_device_there_is_no_gallery", without_a_device),
+        trial("repeated_runs_write_the_same_bytes", any, the_same_again),
+        refused("an_unknown_figure_is_an_error", no_such_figure),
+        refused("without_a_gpu_the_gallery_is_an_error", without_a_device),
     ])
 }
 
-/// A panel's entry in the index, and its pixels.
+/// Index entry and pixels of a panel.
 type Panel = (Value, Vec<[u8; 4]>);
 
-/// Draws figures with panels of so many pixels, and reads the index.
+/// Draws figures with panels of `size` by `size` pixels and returns the index.
 fn gallery(folder: &Path, size: u32, only: &str) -> Value {
     let size = size.to_string();
     let mut arguments = vec!["gallery", "-o", text(folder), "--size", &size, "--json"];
@@ -65,7 +63,7 @@ fn gallery(folder: &Path, size: u32, only: &str) -> Value {
     serde_json::from_slice(&file).expect("JSON")
 }
 
-/// Width, height and all pixels of a picture.
+/// Returns width, height and all pixels of an image.
 fn pixels(path: &Path) -> (u32, u32, Vec<[u8; 4]>) {
     let file = std::io::BufReader::new(std::fs::File::open(path).expect("a picture"));
     let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
@@ -74,7 +72,7 @@ fn pixels(path: &Path) -> (u32, u32, Vec<[u8; 4]>) {
     (info.width, info.height, bytes.as_chunks().0.to_vec())
 }
 
-/// A figure's rows of panels, each with its index entry and its pixels.
+/// Returns the rows of panels of a figure.
 fn panels(folder: &Path, size: u32, figure: &Value) -> Vec<Vec<Panel>> {
     let rows = figure["rows"].as_array().expect("rows");
     let row = |row: &Value| row["panels"].as_array().expect("panels").clone();
@@ -83,13 +81,13 @@ fn panels(folder: &Path, size: u32, figure: &Value) -> Vec<Vec<Panel>> {
     let columns = count(rows.iter().map(Vec::len).max().expect("a row"));
     let file = figure["file"].as_str().expect("a name");
     let (width, height, all) = pixels(&folder.join(file));
-    let promised = Panels::size([size; 2], columns, count(rows.len()));
+    let promised = FigureGrid::size([size; 2], columns, count(rows.len()));
     assert_eq!([width, height], promised, "{file}");
     assert_eq!(
         (&figure["width"], &figure["height"]),
         (&width.into(), &height.into())
     );
-    let sheet = Panels::new([size; 2], columns, count(rows.len())).expect("a size");
+    let sheet = FigureGrid::new([size; 2], columns, count(rows.len())).expect("a size");
     let cut = |c: usize, r: usize| {
         let [left, top] = sheet
             .corner(count(c), count(r))
@@ -106,7 +104,7 @@ fn panels(folder: &Path, size: u32, figure: &Value) -> Vec<Vec<Panel>> {
     rows.map(|(r, row)| with_pixels(r, row)).collect()
 }
 
-/// How many pixels something is drawn on.
+/// Returns the number of pixels that differ from the background.
 fn drawn(panel: &[[u8; 4]]) -> usize {
     panel.iter().filter(|&&pixel| pixel != [255; 4]).count()
 }
@@ -134,9 +132,9 @@ fn every_figure_is_made(_: Context) {
         for row in &rows {
             let different: BTreeSet<&Vec<[u8; 4]>> = row.iter().map(|(_, pixels)| pixels).collect();
             let alike = match name {
-                // The paper's, too: this model is too small for larger triangles.
+                // By the paper's method too: this model is too small for larger triangles.
                 "fig7" => 2,
-                // Edges fade where triangles are a pixel wide.
+                // Edges are invisible where triangles are a pixel wide.
                 "figA4" => 3,
                 _ => 0,
             };
@@ -146,7 +144,7 @@ fn every_figure_is_made(_: Context) {
             );
         }
         match name {
-            "fig3" => the_second_half_is_gone(&rows),
+            "fig3" => assert_second_half_removed(&rows),
             "fig1" | "fig2" | "fig5" | "fig6" => {}
             _ => levels_differ(name, &rows),
         }
@@ -160,7 +158,7 @@ fn every_figure_is_made(_: Context) {
     };
     for figure in &figures[1..] {
         let both: Vec<String> = methods(figure).into_iter().collect();
-        assert_eq!(both, ["exact", "rebuild"], "{}", figure["name"]);
+        assert_eq!(both, ["exact", "paper"], "{}", figure["name"]);
     }
 }
 
@@ -173,8 +171,8 @@ fn fine_levels_are_seen(_: Context) {
     }
 }
 
-/// The first panel has all of the sphere, the others from the same place a half of it.
-fn the_second_half_is_gone(rows: &[Vec<Panel>]) {
+/// Asserts that the first panel shows the whole sphere and the others half of it.
+fn assert_second_half_removed(rows: &[Vec<Panel>]) {
     for row in rows {
         let whole = drawn(&row[0].1);
         assert_eq!(row[0].0["second_half_removed"], false);
@@ -186,7 +184,7 @@ fn the_second_half_is_gone(rows: &[Vec<Panel>]) {
     }
 }
 
-/// Finer levels have more triangles, as far as the rim leaves a choice.
+/// Asserts that finer levels have more triangles, unless the rim alone determines the cap.
 fn levels_differ(name: &str, rows: &[Vec<Panel>]) {
     for row in rows {
         let caps: Vec<u64> = row
@@ -207,8 +205,8 @@ fn levels_differ(name: &str, rows: &[Vec<Panel>]) {
                 "2x-finer"
             ]
         );
-        // A section of Sphere20 is so small that points of the exact method's rim decide alone.
-        let is_free = name != "fig7" || row[0].0["method"] == "rebuild";
+        // Sections of Sphere20 are small: with the exact method their rim determines the cap.
+        let is_free = name != "fig7" || row[0].0["method"] == "paper";
         assert!(
             !is_free || caps[2] < caps[3] && caps[3] < caps[4],
             "{name} {caps:?}"
@@ -217,7 +215,7 @@ fn levels_differ(name: &str, rows: &[Vec<Panel>]) {
             row.iter()
                 .all(|(panel, _)| panel["second_half_removed"] == true)
         );
-        if name != "fig7" && row[0].0["method"] == "rebuild" {
+        if name != "fig7" && row[0].0["method"] == "paper" {
             assert!(caps.is_sorted_by(|a, b| a < b), "{name} {caps:?}");
         }
     }

@@ -1,9 +1,10 @@
-//! The files that the binary's `cut` writes.
+//! Tests of the piece files that `incise cut` writes: names, overwriting, attributes, cavities.
 
 mod common;
 
 use common::{cut, hollow_sphere, incise, text};
-use incise_mesh::{Model, build_model, write_obj};
+use incise_mesh::write_obj;
+use incise_models::{Model, build_model};
 use std::path::Path;
 use std::process::Command;
 
@@ -26,7 +27,7 @@ fn neither_the_input_nor_a_folder_is_overwritten() {
         let error = String::from_utf8(output.stderr).unwrap();
         (output.status.code(), error)
     };
-    // The input's own folder, by another way.
+    // The input's folder under another path.
     let out = folder.path().join("out");
     std::fs::create_dir(&out).unwrap();
     for target in [folder.path(), &out.join(".."), &out.join("new/../..")] {
@@ -46,7 +47,7 @@ fn neither_the_input_nor_a_folder_is_overwritten() {
 // Other systems' file systems may take Unicode only.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_path_that_is_not_unicode_still_gives_whole_json() {
+fn json_is_valid_for_paths_that_are_not_unicode() {
     use std::ffi::OsStr;
     use std::os::unix::ffi::OsStrExt;
     let folder = tempfile::tempdir().unwrap();
@@ -83,7 +84,7 @@ fn a_path_that_is_not_unicode_still_gives_whole_json() {
 }
 
 #[test]
-fn a_cavity_is_called_one() {
+fn a_cavity_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("hollow.obj");
     write_obj(&input, &hollow_sphere()).unwrap();
@@ -122,8 +123,10 @@ fn pieces_keep_texture_coordinates_and_normals_and_caps_have_their_own_material(
     let input = folder.path().join("sphere.obj");
     let mut sphere = build_model(Model::Sphere80);
     let corners = sphere.topology().triangle_slots() * 3;
-    sphere.corners.uv = vec![[0.25, 0.75]; corners];
-    sphere.corners.normal = vec![[0.0, 0.0, 1.0]; corners];
+    sphere.set_corner_uvs(vec![[0.25, 0.75]; corners]).unwrap();
+    sphere
+        .set_corner_normals(vec![[0.0, 0.0, 1.0]; corners])
+        .unwrap();
     write_obj(&input, &sphere).unwrap();
     let output = folder.path().join("out");
     let (code, report, error) = cut(&input, &output, &["--plane", "1,0.1,0.2,0.03"]);
@@ -154,7 +157,7 @@ fn pieces_keep_texture_coordinates_and_normals_and_caps_have_their_own_material(
 }
 
 #[test]
-fn pieces_of_an_earlier_run_go_and_nothing_else() {
+fn only_pieces_of_an_earlier_run_are_removed() {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("hollow.obj");
     write_obj(&input, &hollow_sphere()).unwrap();
@@ -167,7 +170,7 @@ fn pieces_of_an_earlier_run_go_and_nothing_else() {
         names.sort();
         names
     };
-    // Beside the cavity: three pieces.
+    // The plane misses the cavity: two halves and the cavity.
     let (code, report, error) = cut(&input, &output, &["--plane", "1,0,0,0.25"]);
     assert_eq!(
         (code, &report["removed"]),
@@ -180,13 +183,13 @@ fn pieces_of_an_earlier_run_go_and_nothing_else() {
     }
     std::fs::create_dir(output.join("piece_100.obj")).unwrap();
     std::fs::write(output.join("piece_1000.obj"), "").unwrap();
-    // A refused cut leaves what was there.
+    // A refused cut leaves existing files.
     let plane = ["--plane", "1,0.1,0.2,0.01"];
     let before = names();
-    let refused = [&plane[..], &["--method", "rebuild"]].concat();
+    let refused = [&plane[..], &["--method", "paper"]].concat();
     assert_eq!(cut(&input, &output, &refused).0, Some(1));
     assert_eq!(names(), before);
-    // Through the cavity: two.
+    // The plane crosses the cavity: two pieces.
     let (code, report, error) = cut(&input, &output, &plane);
     assert_eq!(code, Some(0), "{error}");
     let removed: Vec<&str> = (report["removed"].as_array().unwrap().iter())
@@ -220,7 +223,7 @@ fn pieces_of_an_earlier_run_go_and_nothing_else() {
 }
 
 #[test]
-fn an_input_that_looks_like_a_piece_of_an_earlier_run_stays() {
+fn an_input_named_like_a_piece_is_not_removed() {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("piece_007.obj");
     write_obj(&input, &build_model(Model::Sphere80)).unwrap();
@@ -249,5 +252,5 @@ fn an_output_that_cannot_be_written_exits_with_3() {
     ];
     assert_eq!(incise(&simulate).status.code(), Some(3));
     let help = String::from_utf8(incise(&["--help"]).stdout).unwrap();
-    assert!(help.contains("3 the output cannot be written"), "{help}");
+    assert!(help.contains("3  the output cannot be written"), "{help}");
 }

@@ -1,4 +1,4 @@
-//! The binary's `render`, as a user runs it.
+//! Tests of `incise render`: colors, cuts, cameras and errors.
 
 #![expect(
     clippy::missing_assert_message,
@@ -7,18 +7,17 @@
 
 #[expect(dead_code, reason = "some of it is for cuts alone")]
 mod common;
-#[path = "../../pbd-gpu/tests/common/gpu.rs"]
-mod gpu;
 
 use common::{cut, incise, text};
-use gpu::{Needs, trial};
-use incise_mesh::{Model, TriangleId, build_model, icosphere, write_obj};
+use incise_mesh::{TriangleId, icosphere, write_obj};
+use incise_models::{Model, build_model};
 use incise_pbd_gpu::Context;
+use incise_test_support::gpu::{Needs, trial};
 use libtest_mimic::Trial;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// A test by its name.
+/// A test with its name.
 type Named<T> = (&'static str, T);
 
 fn main() -> ExitCode {
@@ -27,18 +26,21 @@ fn main() -> ExitCode {
         ("a_cut_ball_shows_its_cap", a_cut_ball_shows_its_cap),
         ("caps_of_files_have_their_color", caps_of_files),
         ("pieces_have_their_colors", pieces_have_their_colors),
-        ("a_sweep_is_seen_through", a_sweep_is_seen_through),
+        ("a_sweep_is_translucent", a_sweep_is_translucent),
         (
             "edges_and_viewpoints_change_the_picture",
             edges_and_viewpoints,
         ),
-        ("a_file_goes_before_a_model_of_its_name", a_file_goes_first),
+        (
+            "a_file_takes_precedence_over_a_model_of_its_name",
+            a_file_goes_first,
+        ),
         ("open_meshes_are_drawn_and_not_cut", open_meshes),
     ];
     let mut trials: Vec<Trial> = drawn.map(|(name, test)| trial(name, any, test)).into();
     let refused: [Named<fn()>; 2] = [
-        ("what_cannot_be_drawn_is_refused", what_cannot_be_drawn),
-        ("without_a_device_there_is_no_picture", without_a_device),
+        ("invalid_input_is_an_error", invalid_input),
+        ("without_a_gpu_rendering_is_an_error", without_a_device),
     ];
     trials.extend(refused.map(|(name, test)| {
         Trial::test(name, move || {
@@ -46,10 +48,10 @@ fn main() -> ExitCode {
             Ok(())
         })
     }));
-    gpu::run(trials)
+    incise_test_support::gpu::run(trials)
 }
 
-/// Red, green and blue of all pixels, and how many are in a row.
+/// RGB of all pixels, and the width of the image.
 struct Pixels {
     width: usize,
     colors: Vec<[u8; 3]>,
@@ -82,7 +84,7 @@ impl Pixels {
     }
 }
 
-/// Much more red than anything else.
+/// Returns true for a color that is mostly red.
 fn is_red([r, g, b]: [u8; 3]) -> bool {
     u16::from(r) > 2 * u16::from(g) && u16::from(r) > 2 * u16::from(b)
 }
@@ -91,7 +93,7 @@ fn is_green([r, g, b]: [u8; 3]) -> bool {
     u16::from(g) > 2 * u16::from(r) && u16::from(g) > 2 * u16::from(b)
 }
 
-/// Draws at a size that is small, on white.
+/// Renders a small image on white.
 fn render(folder: &Path, inputs: &[&str], more: &[&str]) -> (Pixels, serde_json::Value) {
     let picture = folder.join("picture.png");
     let mut arguments = vec![
@@ -112,7 +114,7 @@ fn render(folder: &Path, inputs: &[&str], more: &[&str]) -> (Pixels, serde_json:
     (Pixels::read(&picture), report)
 }
 
-/// A file with a fine ball of radius 0.5.
+/// Writes a fine ball of radius 0.5 and returns its path.
 fn ball(folder: &Path) -> String {
     let path = folder.join("ball.obj");
     write_obj(&path, &icosphere(3, 0.5)).expect("a folder");
@@ -126,7 +128,7 @@ const GREEN: [&str; 4] = ["--color", "#0c0", "--cap-color", "#0c0"];
 fn a_cut_ball_shows_its_cap(_: Context) {
     let folder = tempfile::tempdir().expect("a folder");
     let (folder, ball) = (folder.path(), ball(folder.path()));
-    // The upper half is left out, and the eye looks down on the lower one.
+    // The upper half is hidden, and the camera looks down on the lower one.
     let half = ["--plane", "0,1,0,0.1", "--camera", "20,80"];
     let of = |piece, caps: &str| {
         let more = ["--without", piece, "--cap-color", caps, "--color", "#00f"];
@@ -140,7 +142,8 @@ fn a_cut_ball_shows_its_cap(_: Context) {
     let [caps, other] = seen.each_ref().map(|(picture, _)| picture.count(is_red));
     let (cap, none) = (caps.max(other), caps.min(other));
     assert_eq!(none, 0, "the upper half's cap looks down");
-    // The cap is a disc of radius sqrt(0.25 - 0.01) in a ball of radius 0.5, seen nearly from above.
+    // The cap is a disc of radius sqrt(0.25 - 0.01) in a ball of radius 0.5, viewed almost
+    // from above.
     let lower = if caps > other { &seen[0].0 } else { &seen[1].0 };
     assert!(is_red(lower.middle()));
     let body = lower.count(|color| color != [255; 3]);
@@ -157,7 +160,7 @@ fn a_cut_ball_shows_its_cap(_: Context) {
             "caps have the color that they are given"
         );
     }
-    // Apart, the lower one's is seen.
+    // With the pieces moved apart, the cap of the lower one is visible.
     let apart = [
         "--plane",
         "0,1,0,0.1",
@@ -229,7 +232,7 @@ fn pieces_have_their_colors(_: Context) {
     assert_eq!(green(&["--without", "0,1"]), 0, "nothing is left");
 }
 
-fn a_sweep_is_seen_through(_: Context) {
+fn a_sweep_is_translucent(_: Context) {
     let folder = tempfile::tempdir().expect("a folder");
     let (folder, ball) = (folder.path(), ball(folder.path()));
     let plane = ["--plane", "0,0.5,1,0.3"];
@@ -300,7 +303,7 @@ fn a_file_goes_first(_: Context) {
     };
     let report: serde_json::Value = serde_json::from_slice(&run("octopus").stdout).expect("JSON");
     assert_eq!(report["triangles"], Model::Octopus.triangles());
-    // A name without an ending is no format, but it is the file that is meant.
+    // A file name without extension has no format, but takes precedence over the model.
     let output = run(name);
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{error}");
@@ -331,7 +334,7 @@ fn open_meshes(_: Context) {
     assert!(!target.exists());
 }
 
-fn what_cannot_be_drawn() {
+fn invalid_input() {
     let folder = tempfile::tempdir().expect("a folder");
     let target = folder.path().join("a.png");
     let refused = |more: &[&str], code, said: &str| {
@@ -346,24 +349,24 @@ fn what_cannot_be_drawn() {
         assert!(error.contains(said), "{more:?}: {error}");
         assert!(!target.exists(), "{more:?}");
     };
-    refused(&["--size", "0x10"], 2, "no size");
+    refused(&["--size", "0x10"], 2, "not a size");
     refused(&["--camera", "0,100"], 2, "-90 to 90");
     refused(&["--color", "red"], 2, "#rrggbb");
     refused(&["--background", "#fff,"], 2, "#rrggbb");
     refused(&["--explode", "-1"], 2, "not a positive number");
     refused(&["--show-sweep"], 2, "--plane");
     refused(&["--level", "2x-finer"], 2, "--plane");
-    refused(&["--plane", "0,0,0,1"], 2, "the cut");
-    refused(&["--without", "1"], 2, "there are 1 pieces");
+    refused(&["--plane", "0,0,0,1"], 2, "no area");
+    refused(&["--without", "1"], 2, "the image has 1 piece,");
     refused(
-        &["--plane", "1,0,0,0", "--method", "rebuild", "--snap", "0.1"],
+        &["--plane", "1,0,0,0", "--method", "paper", "--snap", "0.1"],
         2,
-        "does not go with",
+        "cannot be combined with",
     );
     refused(&["-o", "a.jpg"], 2, "only .png");
     refused(&["-o", "none/such/folder.png"], 3, "folder.png");
     refused(&["nothing.obj"], 1, "nothing.obj");
-    // The input's place is no place for a picture.
+    // The image must not overwrite the input.
     let mesh = folder.path().join("mesh.png");
     write_obj(&mesh, &build_model(Model::Sphere20)).expect("a folder");
     let before = std::fs::read(&mesh).expect("a file");
@@ -383,7 +386,7 @@ fn without_a_device() {
         .output();
     let output = output.expect("it runs");
     let error = String::from_utf8_lossy(&output.stderr);
-    // A machine may have devices that need no such file.
+    // Some GPUs need no driver file of this kind.
     if output.status.code() != Some(0) {
         assert_eq!(output.status.code(), Some(1), "{error}");
         assert!(error.contains("install a driver"), "{error}");

@@ -1,6 +1,7 @@
-//! The binary's `simulate`, as a user runs it.
+//! Tests of `incise simulate`: free fall, cuts, backends, volumes and errors.
 
-use incise_mesh::{Model, Surface, build_model, read_mesh, write_obj};
+use incise_mesh::{Surface, read_mesh, write_obj};
+use incise_models::{Model, build_model};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -12,7 +13,7 @@ fn incise(arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-/// Runs it with no driver of any GPU.
+/// Runs the program without GPU drivers.
 fn without_drivers(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_incise"));
     for name in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
@@ -25,7 +26,7 @@ fn text(path: &Path) -> &str {
     path.to_str().unwrap()
 }
 
-/// A folder with a sphere, radius 0.5 around the origin.
+/// Writes a sphere of radius 0.5 around the origin to a new folder.
 fn with_sphere() -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("sphere.obj");
@@ -39,7 +40,7 @@ fn piece(folder: &Path, number: u32) -> Surface {
 }
 
 #[test]
-fn a_body_falls_as_far_as_it_should() {
+fn free_fall_equals_its_closed_form() {
     let (folder, input) = with_sphere();
     let out = folder.path().join("out");
     let done = incise(&[
@@ -57,7 +58,7 @@ fn a_body_falls_as_far_as_it_should() {
     assert_eq!(done.status.code(), Some(0), "{done:?}");
     assert_eq!(done.stderr, b"");
     let surface = piece(&out, 0);
-    // Velocities first, then positions: g h^2 n (n + 1) / 2.
+    // Symplectic Euler: g h^2 n (n + 1) / 2.
     let expected = -9.81 / (400.0 * 400.0) * 200.0 * 201.0 / 2.0;
     let middle = surface.bounds().center().y;
     assert!((middle - expected).abs() < 1e-3, "{middle}, not {expected}");
@@ -99,7 +100,7 @@ fn a_body_is_cut_on_its_way_to_the_ground() {
 }
 
 #[test]
-fn auto_without_a_device_says_so_once_and_gives_the_same() {
+fn auto_without_a_gpu_warns_once_and_gives_the_cpu_result() {
     let (folder, input) = with_sphere();
     let [on_cpu, on_auto] = ["cpu", "auto"].map(|backend| {
         let out = folder.path().join(backend);
@@ -122,12 +123,12 @@ fn auto_without_a_device_says_so_once_and_gives_the_same() {
     });
     assert_eq!(on_cpu.0, "");
     let said = on_auto.0;
-    assert_eq!(said.matches("going on with the CPU").count(), 1, "{said}");
+    assert_eq!(said.matches("continuing on the CPU").count(), 1, "{said}");
     assert_eq!(on_cpu.1, on_auto.1);
 }
 
 #[test]
-fn what_cannot_be_had_is_said() {
+fn refusals_name_the_reason() {
     let (folder, input) = with_sphere();
     let out = folder.path().join("out");
     let base = [
@@ -164,7 +165,7 @@ fn what_cannot_be_had_is_said() {
 }
 
 #[test]
-fn halves_keep_their_volume_and_lie_on_each_other() {
+fn halves_keep_their_volume_and_rest_on_each_other() {
     let (folder, input) = with_sphere();
     let out = folder.path().join("out");
     let run = |more: &[&str]| {
@@ -190,7 +191,7 @@ fn halves_keep_their_volume_and_lie_on_each_other() {
         let lows = halves.each_ref().map(|half| half.bounds().min[1]);
         lows[0].max(lows[1])
     };
-    let all = run(&["--volume", "--struts", "1", "--contacts"]);
+    let all = run(&["--volume", "--interior-springs", "1", "--contacts"]);
     assert!((kept(&all) - 1.0).abs() < 0.01, "{}", kept(&all));
     assert!(lowest(&all) > -0.3, "one is on top: {}", lowest(&all));
     let none = run(&[]);
@@ -204,19 +205,19 @@ fn halves_keep_their_volume_and_lie_on_each_other() {
         text(&input),
         "--seconds",
         "1",
-        "--struts",
+        "--interior-springs",
         "2",
         "-o",
         text(&out),
     ]);
     assert_eq!(bad.status.code(), Some(1), "{bad:?}");
     let told = String::from_utf8(bad.stderr).unwrap();
-    assert!(told.contains("2 struts a vertex"), "{told}");
+    assert!(told.contains("2 interior springs per vertex"), "{told}");
 }
 
-/// It was shot into the air: half a meter of it lay in the ground.
+/// The ground would eject the part of the body below it.
 #[test]
-fn a_body_that_begins_in_the_ground_is_refused() {
+fn a_body_that_starts_below_the_ground_is_refused() {
     let (folder, input) = with_sphere();
     let out = folder.path().join("out");
     let run = |ground: &str| {

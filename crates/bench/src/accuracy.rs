@@ -1,23 +1,26 @@
-//! Work and precision: what a frame costs for a given error, scene by scene.
+//! `incise-bench accuracy`: time per frame against error, scene by scene (work-precision fronts).
 
 mod cuts;
 #[cfg(feature = "gpu")]
 mod device;
 #[cfg(not(feature = "gpu"))]
-#[path = "accuracy/no_device.rs"]
-mod device;
-mod dual;
+mod device {
+    use super::run::Run;
+    use super::scene::Body;
+    use incise_pbd_gpu::SolverParams;
+
+    crate::no_gpu::absent_device! {
+        name() -> &str;
+        run(&Body, &SolverParams, u32) -> Result<Run, crate::no_gpu::NoGpu>;
+    }
+}
+mod convergence;
 mod error;
-mod front;
-mod ladder;
 mod plot;
-mod row;
 mod run;
 mod scene;
 mod scenes;
-mod schemes;
 mod shapes;
-mod substep;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -27,23 +30,23 @@ use crate::json::Json;
 use crate::machine;
 use crate::options::RunArguments;
 use crate::output;
+use crate::work_precision::Row;
 use clap::Args;
+use convergence::Convergence;
 use device::Device;
-use error::Yardstick;
+use error::ErrorMeasure;
 use incise_bench::State;
 use incise_mesh::TriangleId;
 use incise_pbd_gpu::SolverParams;
 use incise_progress::Progress;
-use ladder::Ladder;
 use plot::PlotFiles;
-use row::Row;
 use run::Run;
 use scene::{Body, DT, Scene, Scheme};
 use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Which scenes are stepped and how often.
+/// Measures time per frame against error.
 #[derive(Args, Clone)]
 pub(crate) struct AccuracyArguments {
     /// Scenes to run, separated by commas.
@@ -51,40 +54,50 @@ pub(crate) struct AccuracyArguments {
     only: Vec<String>,
     #[command(flatten)]
     pub(crate) run: RunArguments,
-    /// The most substeps, and the most iterations: powers of two up to that.
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=64))]
+    /// Largest number of substeps and of iterations; all powers of two up to it run.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 64,
+        value_parser = clap::value_parser!(u32).range(1..=64)
+    )]
     most: u32,
-    /// The most iterations a frame, those of all substeps together.
-    #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(1..))]
+    /// Largest number of iterations per frame, over all substeps.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 4096,
+        value_parser = clap::value_parser!(u32).range(1..)
+    )]
     most_iterations: u32,
-    /// Measure what cuts are off by instead: round bodies against closed forms.
-    #[arg(long, conflicts_with_all = ["only", "backend", "adapter", "most", "most_iterations", "plot"])]
+    /// Measure the error of cuts instead: round bodies against closed forms.
+    #[arg(
+        long,
+        conflicts_with_all = ["only", "backend", "adapter", "most", "most_iterations", "plot"]
+    )]
     cuts: bool,
-    /// Print total errors of ways that the solver has and of ways that it has not, at equal projections, instead.
-    #[arg(long, conflicts_with_all = ["backend", "adapter", "most", "most_iterations", "plot", "cuts", "json"])]
-    schemes: bool,
-    /// Also draw a picture of every scene, as SVG and PNG, with the rows behind it as CSV.
+    /// Also draw every scene as SVG and PNG, with its rows as CSV.
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
 }
 
 impl AccuracyArguments {
-    /// Whether the run is for more files than that of its rows.
+    /// Returns whether the run writes more files than its rows.
     pub(crate) fn writes_more(&self) -> bool {
         self.plot.is_some()
     }
 }
 
-/// What all runs have in common.
+/// The setup that all runs share.
 struct Setup<'a> {
     arguments: &'a AccuracyArguments,
     machine: String,
     commit: String,
-    /// None where nothing runs there.
+    /// The GPU; none if no run uses it.
     device: Option<Device>,
 }
 
-/// Measures and prints.
+/// Runs the scenes, prints and writes their rows.
 pub(crate) fn run(
     arguments: &AccuracyArguments,
     out: &mut impl Write,
@@ -96,7 +109,7 @@ pub(crate) fn run(
     let mut plots = Vec::new();
     if let Some(folder) = &arguments.plot {
         output::folder(folder)?;
-        // One picture a backend; with several, their names end with the backend's.
+        // One picture per backend; with several, the backend ends the name.
         let backends = arguments.run.backends();
         for name in names() {
             for backend in backends.iter().map(|executor| executor.name()) {
@@ -131,50 +144,35 @@ pub(crate) fn run(
     let mut rows: Vec<Row> = Vec::new();
     let (mut written, mut drawn) = (Ok(()), Ok(()));
     let ways = Scheme::ALL.len() * powers(arguments.most).len() * arguments.run.backends().len();
-    let ways = if arguments.schemes { 1 } else { ways };
     let progress = arguments.run.rows.progress(names().count(), ways as u64);
     for name in names() {
         progress.begin(name);
         let scene = scenes::scene(name)?;
-        if arguments.schemes {
-            let body = scene.body()?;
-            let ladder = Ladder::climb(&scene, &body, &[])?;
-            let exact = ladder.exact();
-            progress.step();
-            progress.aside(|| -> Result<(), Box<dyn Error>> {
-                table::reference(out, &scene, &body, &ladder, exact.as_ref())?;
-                let start = State::of(&body.solver, &body.surface);
-                schemes::run(&ladder.model, &start, &exact?.states, out)
-            })?;
-            continue;
-        }
         let first = rows.len();
         setup.measure(&scene, &mut rows, &progress, out)?;
-        progress.aside(|| {
+        progress.suspend(|| {
             table::scene(out, &rows[first..])?;
             out.flush()
         })?;
-        // What cannot be written does not end a run of hours; the next scene's rows bring these along.
+        // A failed write does not end a run of hours; the next write has these rows too.
         written = json.write(&rows);
         for mut plot in plots.by_ref().take(arguments.run.backends().len()) {
             drawn = drawn.and(plot.draw(name, &rows[first..]));
         }
     }
     progress.end();
-    if !arguments.schemes {
-        table::summary(out, &rows)?;
-    }
+    table::summary(out, &rows)?;
     drawn?;
     Ok(written?)
 }
 
-/// Powers of two.
+/// Returns the powers of two up to `most`.
 fn powers(most: u32) -> Vec<u32> {
     (0..).map(|k| 1 << k).take_while(|&n| n <= most).collect()
 }
 
 impl Setup<'_> {
-    /// All runs of a scene.
+    /// Makes all runs of a scene.
     fn measure(
         &mut self,
         scene: &Scene,
@@ -184,16 +182,16 @@ impl Setup<'_> {
     ) -> Result<(), Box<dyn Error>> {
         let body = scene.body()?;
         let numbers = powers(self.arguments.most);
-        let ladder = Ladder::climb(scene, &body, &numbers)?;
-        let exact = ladder.exact();
-        progress.aside(|| {
-            table::reference(out, scene, &body, &ladder, exact.as_ref())?;
+        let convergence = Convergence::compute(scene, &body, &numbers)?;
+        let exact = convergence.exact();
+        progress.suspend(|| {
+            table::reference(out, scene, &body, &convergence, exact.as_ref())?;
             out.flush()
         })?;
         let start = State::of(&body.solver, &body.surface);
         let triangles = closed_triangles(&body);
-        let yardstick = Yardstick {
-            model: &ladder.model,
+        let measure = ErrorMeasure {
+            model: &convergence.model,
             triangles: &triangles,
             start: &start,
             is_held: !scene.pins.is_empty(),
@@ -207,7 +205,7 @@ impl Setup<'_> {
                 .flat_map(|s| numbers.iter().map(move |n| (s, n)))
             {
                 progress.step();
-                // A device has no second order.
+                // The GPU has no second-order integrator.
                 if (executor, scheme) == (Executor::Gpu, Scheme::Second) {
                     continue;
                 }
@@ -217,15 +215,9 @@ impl Setup<'_> {
                     .take_while(|&&iterations| substeps * iterations <= most)
                     .map(|&iterations| scene.params_by(scheme, substeps, iterations))
                     .collect();
-                // They do not depend on who steps, but for rounding.
-                let left = match executor {
-                    Executor::Cpu => substep::left(&body, &ladder, &ways),
-                    Executor::Gpu => None,
-                };
-                for (way, params) in ways.into_iter().enumerate() {
+                for params in ways {
                     let mut row = self.row(scene, executor, scheme);
                     (row.substeps, row.iterations) = (params.substeps, params.iterations);
-                    row.residuals = left.as_ref().map(|all| all[way]);
                     match self.step(executor, &body, &params, scene.frames) {
                         Ok(run) => {
                             row.ms_per_frame = run.seconds * 1e3;
@@ -233,13 +225,15 @@ impl Setup<'_> {
                             row.ms_device = run.device.map(|seconds| seconds * 1e3);
                             row.projections_per_frame = run.projections;
                             let states = &run.states;
-                            row.solver_error = (ladder.known(scheme, substeps))
-                                .map(|reference| yardstick.errors(states, reference));
-                            row.total_error = (exact.as_ref().ok())
-                                .map(|exact| yardstick.errors(states, &exact.states));
-                            row.uncertainty = exact.as_ref().ok().map(|exact| exact.uncertainty);
+                            if let Some(reference) = convergence.known(scheme, substeps) {
+                                measure.errors(states, reference).store_solver(&mut row);
+                            }
+                            if let Ok(exact) = &exact {
+                                measure.errors(states, &exact.states).store_total(&mut row);
+                                row.uncertainty = Some(exact.uncertainty);
+                            }
                         }
-                        Err(error) => row.refusal = Some(error),
+                        Err(error) => row.refusal = Some(error.to_string()),
                     }
                     rows.push(row);
                 }
@@ -254,33 +248,33 @@ impl Setup<'_> {
         body: &Body,
         params: &SolverParams,
         frames: u32,
-    ) -> Result<Run, String> {
+    ) -> Result<Run, Box<dyn Error>> {
         match (executor, &mut self.device) {
-            (Executor::Gpu, Some(device)) => device.run(body, params, frames),
-            _ => run::on_processor(body, params, frames).map_err(|error| error.to_string()),
+            (Executor::Gpu, Some(device)) => Ok(device.run(body, params, frames)?),
+            _ => Ok(run::on_cpu(body, params, frames)?),
         }
     }
 
-    /// A row without numbers.
+    /// Returns a row without measurements.
     fn row(&self, scene: &Scene, executor: Executor, scheme: Scheme) -> Row {
         let (backend, device) = match (executor, &self.device) {
             (Executor::Gpu, Some(device)) => ("gpu", device.name()),
             _ => ("cpu", self.machine.as_str()),
         };
         Row {
-            scene: scene.name,
-            backend,
+            scene: scene.name.to_owned(),
+            backend: backend.to_owned(),
             device: device.to_owned(),
-            scheme: scheme.name(),
+            scheme: scheme.name().to_owned(),
             machine: self.machine.clone(),
             commit: self.commit.clone(),
-            version: env!("CARGO_PKG_VERSION"),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
             ..Row::default()
         }
     }
 }
 
-/// The triangles of a surface without a boundary.
+/// Returns the triangles of a closed surface, none of an open one.
 fn closed_triangles(body: &Body) -> Vec<[usize; 3]> {
     let topology = body.surface.topology();
     let is_open = |t: TriangleId| t.half_edges().iter().any(|&h| topology.twin(h).is_null());

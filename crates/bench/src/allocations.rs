@@ -1,4 +1,4 @@
-//! Counts heap allocations, to show that a frame without a cut makes none.
+//! Counts heap allocations: a frame without a cut makes none.
 
 use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
 use std::alloc::System;
@@ -6,7 +6,7 @@ use std::alloc::System;
 #[global_allocator]
 static GLOBAL: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// Allocations and reallocations of this process so far.
+/// Returns the number of allocations and reallocations of this process.
 pub(crate) fn count() -> usize {
     let stats = GLOBAL.stats();
     stats.allocations + stats.reallocations

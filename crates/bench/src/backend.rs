@@ -1,20 +1,20 @@
-//! What executes the solver, as the command line names it.
+//! Backends of the command line.
 
 use clap::ValueEnum;
 
-/// What executes the solver.
+/// A backend of the solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum BackendChoice {
-    /// The processor.
+    /// The CPU.
     Cpu,
-    /// A GPU, or software that acts as one where there is none.
+    /// A GPU; a software adapter if there is no other.
     Gpu,
-    /// A real GPU for bodies that are large enough to gain, the processor for all others.
+    /// A hardware GPU for bodies that are faster on it, the CPU for all others.
     Auto,
 }
 
 impl BackendChoice {
-    /// The name on the command line and in tables.
+    /// Returns the name on the command line and in tables.
     pub(crate) fn name(self) -> &'static str {
         incise_scene::BackendChoice::from(self).name()
     }
@@ -30,17 +30,17 @@ impl From<BackendChoice> for incise_scene::BackendChoice {
     }
 }
 
-/// What executes the solver where nothing may choose by itself.
+/// A backend of benches that compare backends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Executor {
-    /// The processor.
+    /// The CPU.
     Cpu,
-    /// A GPU, or software that acts as one where there is none.
+    /// A GPU; a software adapter if there is no other.
     Gpu,
 }
 
 impl Executor {
-    /// The name on the command line and in tables.
+    /// Returns the name on the command line and in tables.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Cpu => BackendChoice::Cpu.name(),

@@ -1,72 +1,71 @@
-//! What a cut costs, step by step, on models from 20 triangles to a million.
+//! `incise-bench cut`: the time of a cut, stage by stage, from 20 triangles to a million.
 
+mod body;
 mod latency;
-mod outcome;
 mod planes;
-mod row;
-mod specimen;
-mod table;
-mod times;
+pub(crate) mod row;
+pub(crate) mod times;
 
 use crate::json::Json;
 use crate::method::MethodChoice;
 use crate::options::{ModelArguments, OutputArguments};
-use crate::{columns, machine, subject};
+use crate::text_table::{paragraphs, text_table};
+use crate::{machine, workload};
 use clap::Args;
 use incise_refine::RefinementLevel;
 use row::{Record, Slope, Stamp};
 use std::error::Error;
 use std::io::Write;
 
-/// What is cut, how and how often.
+/// Measures cuts of models, finer armadillos and spheres.
 #[derive(Args, Clone)]
 pub(crate) struct CutArguments {
     #[command(flatten)]
     from: ModelArguments,
-    /// Models to cut, separated by commas: those of the table, finer armadillos as Armadillo120000,
-    /// and spheres as Sphere3072.
+    /// Models to cut, separated by commas: those of the table, finer armadillos such as
+    /// Armadillo120000, and spheres such as Sphere3072.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     only: Vec<String>,
-    /// How surfaces are opened.
+    /// Cut method.
     #[arg(long, value_enum, default_value_t = MethodChoice::Exact)]
     method: MethodChoice,
-    /// Seeded planes for each model, besides the one through the middle.
+    /// Number of seeded planes per model, besides the one through the middle.
     #[arg(long, value_name = "N", default_value_t = 100)]
     planes: u32,
-    /// Leave out larger models.
+    /// Omit larger models.
     #[arg(long, value_name = "N", default_value_t = 1_400_000)]
     max_triangles: usize,
-    /// Cuts that a body has behind it at last when latencies are compared; 0 compares none. The body is Sphere49152,
-    /// so that --only has to name it, or nothing.
+    /// Number of earlier cuts at which latencies are compared; 0 compares none. The body is
+    /// Sphere49152, so that --only has to name it, or nothing.
     #[arg(long, value_name = "N", default_value_t = 1000)]
     cuts: u32,
     /// Refinement level of the caps: one of the five names, or z.
     #[arg(long, default_value = "1")]
     level: RefinementLevel,
-    /// By how much the length of the caps' edges grows with every meter off the rim.
+    /// Growth of the caps' edge length per meter of distance from the boundary.
     #[arg(long, default_value_t = 0.0)]
     grading: f64,
-    /// Where the directions of the planes start.
+    /// Seed of the planes.
     #[arg(long, default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
     pub(crate) rows: OutputArguments,
 }
 
-/// Measures and prints.
+/// Measures all workloads, prints and writes the records.
 pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
     let folder = arguments.from.models.as_deref();
-    let subjects = subject::list(folder, &arguments.only, arguments.max_triangles)?;
+    let workloads = workload::workloads(folder, &arguments.only, arguments.max_triangles)?;
     let mut params = arguments.method.params(arguments.level);
     params.refine.grading = arguments.grading;
     let stamp = Stamp {
-        method: arguments.method.name(),
+        method: arguments.method.name().to_owned(),
         level: arguments.level.z(),
         grading: arguments.grading,
         seed: arguments.seed,
         machine: machine::machine(),
         commit: machine::commit(),
-        version: env!("CARGO_PKG_VERSION"),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
     };
     writeln!(
         out,
@@ -74,66 +73,41 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         stamp.machine, stamp.commit, stamp.method, arguments.level, stamp.grading, stamp.seed
     )?;
     let mut json = Json::open(arguments.rows.json.as_deref())?;
-    table::header(out)?;
     let mut records = Vec::new();
-    let progress = arguments.rows.progress(subjects.len(), 1);
-    for subject in &subjects {
-        progress.begin(&subject.name);
-        let rows = planes::measure(subject, &params, arguments.planes, &stamp)?;
-        progress.aside(|| rows.iter().try_for_each(|row| table::row(out, row)))?;
-        records.extend(rows.into_iter().map(|row| Record::Cut(Box::new(row))));
+    let progress = arguments.rows.progress(workloads.len(), 1);
+    for workload in &workloads {
+        progress.begin(&workload.name);
+        for row in planes::measure(workload, &params, arguments.planes, &stamp)? {
+            records.push(Record::Cut(Box::new(row)));
+        }
         progress.step();
-        // After every model: what a long run has measured is not lost with it. What cannot be written now may be at the end.
+        // An interrupted run keeps its rows; the last write reports a failure.
         let _ = json.write(&records);
     }
     progress.end();
-    write!(out, "{}", columns::paragraphs(table::LEGEND))?;
-    for slope in Slope::of_families(&records, &stamp) {
-        table::slope(out, &slope)?;
-        records.push(Record::Slope(slope));
+    let rows: Vec<_> = records.iter().filter_map(Record::row).collect();
+    write!(out, "{}", text_table(row::COLUMNS, &rows))?;
+    write!(out, "{}", paragraphs(row::LEGEND))?;
+    let slopes = Slope::of_families(&records, &stamp);
+    records.extend(slopes.into_iter().map(Record::Slope));
+    let is_latency = |name: &String| name.trim().eq_ignore_ascii_case(latency::MODEL);
+    let is_wanted = arguments.only.is_empty() || arguments.only.iter().any(is_latency);
+    if arguments.cuts > 0 && is_wanted {
+        let rows = latency::measure(&params, arguments.cuts, &stamp)?;
+        records.extend(rows.into_iter().map(|row| Record::Latency(Box::new(row))));
     }
-    if arguments.cuts > 0 && is_wanted(&arguments.only, latency::MODEL) {
-        for latency in latency::measure(&params, arguments.cuts, &stamp)? {
-            table::latency(out, &latency)?;
-            records.push(Record::Latency(Box::new(latency)));
+    let (mut done, mut failed) = (0, 0);
+    for record in &records {
+        if let Some(sentence) = record.sentence() {
+            write!(out, "{}", paragraphs(&sentence))?;
         }
+        let (model, cuts, failures) = record.failures();
+        for failure in failures {
+            writeln!(out, "Failed cut of {model}: {failure}.")?;
+        }
+        done += cuts;
+        failed += failures.len();
     }
-    table::failures(out, &records)?;
+    writeln!(out, "Failed: {failed} of {} cuts.", done + failed)?;
     Ok(json.write(&records)?)
-}
-
-/// Whether `only` names a model, or nothing.
-fn is_wanted(only: &[String], model: &str) -> bool {
-    only.is_empty()
-        || only
-            .iter()
-            .any(|name| name.trim().eq_ignore_ascii_case(model))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn latencies_are_compared_where_their_body_is_asked_for() {
-        let wanted = |only: &[&str]| {
-            let only: Vec<String> = only.iter().map(|&s| s.to_owned()).collect();
-            is_wanted(&only, latency::MODEL)
-        };
-        assert!(
-            wanted(&[]) && wanted(&["bunny", " sphere49152"]),
-            "named, or all"
-        );
-        assert!(
-            !wanted(&["Bunny"]) && !wanted(&["Sphere4915"]),
-            "another one"
-        );
-        // The name is that of a model which can be asked for.
-        let only = [latency::MODEL.to_owned()];
-        let subjects = subject::list(None, &only, 100_000).unwrap();
-        assert_eq!(
-            subjects[0].surface().unwrap().topology().triangle_count(),
-            49_152
-        );
-    }
 }

@@ -1,18 +1,19 @@
-//! Directions at random.
+//! Seeded directions and planes.
 
-use incise_mesh::Vec3;
+use incise_cut::{CutError, Sweep};
+use incise_mesh::{Surface, Vec3};
 
-/// The direction of a plane through the middle of a model: along no axis and no edge.
-pub(crate) const GENERIC: [f64; 3] = [0.32, 0.91, 0.26];
-/// How far from the middle seeded planes lie at most, of the way to where the body ends.
-pub(crate) const SPREAD: f64 = 0.8;
+/// Normal of the plane through the middle of a model: along no axis and no edge.
+const GENERIC: [f64; 3] = [0.32, 0.91, 0.26];
+/// Largest distance of seeded planes from the middle, relative to the body's half extent.
+const SPREAD: f64 = 0.8;
 
 /// Seeded directions (splitmix64, Steele et al. 2014).
 #[derive(Debug, Clone)]
 pub(crate) struct Directions(pub(crate) u64);
 
 impl Directions {
-    /// A number from -1 to 1.
+    /// Returns a number from -1 to 1.
     pub(crate) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -22,7 +23,7 @@ impl Directions {
         f64::from(u32::try_from(z >> 32).unwrap_or(u32::MAX)) / f64::from(u32::MAX) * 2.0 - 1.0
     }
 
-    /// A direction, all equally likely.
+    /// Returns a direction, uniformly distributed.
     pub(crate) fn next_unit(&mut self) -> Vec3 {
         loop {
             let v = Vec3::new(self.next(), self.next(), self.next());
@@ -31,6 +32,48 @@ impl Directions {
                 return v / length;
             }
         }
+    }
+}
+
+/// A plane relative to a body.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RelativePlane {
+    pub(crate) normal: Vec3,
+    /// -1 and 1 are the ends of the body along the normal.
+    part: f64,
+}
+
+impl RelativePlane {
+    /// Returns the plane through the middle of a body.
+    pub(crate) fn middle() -> Self {
+        let normal = Vec3::from(GENERIC).normalize();
+        Self { normal, part: 0.0 }
+    }
+
+    /// Returns `count` seeded planes.
+    pub(crate) fn seeded(seed: u64, count: u32) -> Vec<Self> {
+        let mut directions = Directions(seed);
+        let next = |_| Self {
+            normal: directions.next_unit(),
+            part: SPREAD * directions.next(),
+        };
+        (0..count).map(next).collect()
+    }
+
+    /// Returns the sweep through a surface, and the plane's distance from the origin \[m\].
+    ///
+    /// # Errors
+    /// As [`Sweep::from_plane`].
+    pub(crate) fn sweep(&self, surface: &Surface) -> Result<(Sweep, f64), CutError> {
+        let vertices = surface.topology().vertices();
+        let heights = vertices.map(|v| self.normal.dot(&surface.position(v)));
+        let [low, high] = heights
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| {
+                [low.min(height), high.max(height)]
+            });
+        let d = f64::midpoint(low, high) + self.part * (high - low) / 2.0;
+        let sweep = Sweep::from_plane(self.normal.into(), d, &surface.bounds())?;
+        Ok((sweep, d))
     }
 }
 

@@ -1,10 +1,10 @@
-//! Rows as JSON.
+//! Rows as JSON files.
 
 use crate::output::{OutputError, OutputFile};
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
 use std::path::Path;
 
-/// The file of `--json`, if there is one.
+/// The file of `--json`, if any.
 #[derive(Debug)]
 pub(crate) struct Json(Option<OutputFile>);
 
@@ -17,7 +17,7 @@ impl Json {
         Ok(Self(path.map(OutputFile::open).transpose()?))
     }
 
-    /// Writes rows, in the place of those that were written before.
+    /// Writes rows; they replace those written before.
     ///
     /// # Errors
     /// As [`OutputFile::write`].
@@ -26,8 +26,13 @@ impl Json {
             return Ok(());
         };
         let text = serde_json::to_string_pretty(rows);
-        let mut text = text.map_err(|fault| file.lost(fault.into()))?;
+        let mut text = text.map_err(|source| file.lost(source.into()))?;
         text.push('\n');
         file.write(text)
     }
+}
+
+/// Reads a number; `null` stands for one that is not finite and becomes NaN.
+pub(crate) fn nan_if_null<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
 }

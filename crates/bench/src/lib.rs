@@ -1,17 +1,15 @@
-//! What the benchmark measures errors against: the mechanics of the solver, solved until nothing is left to
-//! solve, in 64 bits.
+//! The benchmark's reference: the solver's equations of motion, solved to rounding in 64 bits.
 //!
-//! It is behind the feature `reference`, on by default: its sparse linear algebra takes most of the time of a
-//! build from nothing.
-//!
-//! [`Model::of`] and [`State::of`] take a body from a solver, a [`Stepper`] moves it. Models of plain arrays do as well:
+//! The feature `reference`, on by default, builds it; its sparse linear algebra takes minutes to
+//! compile. [`Model::of`] and [`State::of`] copy a body from a solver, and a [`Stepper`] moves it.
+//! Models of plain arrays work too:
 //!
 //! ```
 //! # #[cfg(feature = "reference")] {
 //! use incise_bench::{Constraints, Model, State, Stepper};
 //! use nalgebra::Vector3;
 //!
-//! // 2 kg hang from a nail by a spring of 1 mm a newton.
+//! // 2 kg hang from a pin by a spring of 1 mm/N.
 //! let stretch = Constraints { vertices: vec![[0, 1]], rest: vec![1.0], compliance: 1e-3 };
 //! let gravity = Vector3::new(0.0, -10.0, 0.0);
 //! let model = Model { mass: vec![0.0, 2.0], stretch, gravity, ..Model::default() };
@@ -31,6 +29,6 @@ mod reference;
 
 #[cfg(feature = "reference")]
 pub use reference::{
-    Constraints, Measure, Model, Piece, ReferenceError, Residuals, State, StepReport, Stepper,
-    Volumes, edge, hinge,
+    Constraints, Measure, Model, Piece, ReferenceError, State, StepReport, Stepper, Volumes, edge,
+    hinge,
 };

@@ -1,6 +1,6 @@
-//! What a number was measured on.
+//! Machine and commit of a measurement.
 
-/// The processor's name and its number of threads.
+/// Returns the CPU's name and its number of threads.
 pub(crate) fn machine() -> String {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
@@ -11,8 +11,8 @@ pub(crate) fn machine() -> String {
     format!("{name}, {threads} threads")
 }
 
-/// The commit that the program was built from, with a mark when its sources differed from it; `unknown` when they
-/// were no repository.
+/// Returns the commit of the build, marked `-dirty` for modified sources; `unknown` outside of a
+/// repository.
 pub(crate) fn commit() -> String {
     env!("INCISE_COMMIT").to_owned()
 }
@@ -22,7 +22,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_commit_is_twelve_digits_and_a_mark_or_unknown() {
+    fn a_commit_has_twelve_digits_or_is_unknown() {
         let commit = commit();
         let digits = commit.strip_suffix("-dirty").unwrap_or(&commit);
         let is_hash = digits.len() >= 12 && digits.chars().all(|c| c.is_ascii_hexdigit());

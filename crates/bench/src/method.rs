@@ -1,33 +1,33 @@
-//! How surfaces are opened, as the command line names it.
+//! Cut methods of the command line.
 
 use clap::ValueEnum;
-use incise_cut::{CutMethod, CutParams};
+use incise_cut::{CutMethod, CutParams, PaperParams};
 use incise_refine::{RefineParams, RefinementLevel};
 
-/// How surfaces are opened.
+/// A cut method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodChoice {
-    /// Hit triangles are split: nothing is lost, any cross-section is closed.
+    /// Splits hit triangles, keeps the volume, closes any cross-section.
     Exact,
-    /// The paper's: hit triangles are deleted and the rim is built anew.
-    Rebuild,
+    /// The paper's method: deletes hit triangles and rebuilds the rim.
+    Paper,
 }
 
 impl MethodChoice {
-    /// Its name for tables.
+    /// Returns the name in tables.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
-            Self::Rebuild => "rebuild",
+            Self::Paper => "paper",
         }
     }
 
-    /// How to cut with it.
+    /// Returns the parameters of a cut.
     pub(crate) fn params(self, level: RefinementLevel) -> CutParams {
         CutParams {
             method: match self {
-                Self::Exact => CutMethod::Exact,
-                Self::Rebuild => CutMethod::Rebuild,
+                Self::Exact => CutMethod::default(),
+                Self::Paper => CutMethod::Paper(PaperParams::default()),
             },
             refine: RefineParams {
                 level,

@@ -1,31 +1,32 @@
-//! Where a model comes from: built in, or a file of the user's folder.
+//! The seven models: built in, or from files.
 
-use incise_mesh::{MeshData, Model, Surface, build_model, read_mesh};
+use incise_mesh::{MeshData, Surface, read_mesh};
+use incise_models::{Model, build_model};
 use std::error::Error;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// The source of a model that is no file.
+/// Source of a built-in model.
 pub(crate) const BUILT_IN: &str = "built-in";
 
-/// A model ready to run.
+/// A model with its surface.
 pub(crate) struct Loaded {
     pub(crate) model: Model,
     /// `built-in`, or the file's name.
     pub(crate) source: String,
-    /// As a renderer counts them.
+    /// Number of vertices with normals and texture seams, as a renderer counts them.
     pub(crate) vertices: usize,
     pub(crate) surface: Surface,
 }
 
-/// The model of a name, in any case.
+/// Returns the model of a name, in any case.
 pub(crate) fn named(name: &str) -> Option<Model> {
     Model::ALL
         .into_iter()
         .find(|m| m.name().eq_ignore_ascii_case(name.trim()))
 }
 
-/// The models that `only` names (all when empty), from `folder` where it has a file for one.
+/// Loads the models that `only` names, or all; from `folder` where it has a file.
 pub(crate) fn load(folder: Option<&Path>, only: &[String]) -> Result<Vec<Loaded>, Box<dyn Error>> {
     let mut wanted = Vec::new();
     for name in only {
@@ -45,14 +46,13 @@ pub(crate) fn load(folder: Option<&Path>, only: &[String]) -> Result<Vec<Loaded>
         .collect()
 }
 
-/// Says on the error output which of the models used, told by name and source, a folder was to have and has no file
-/// for.
-pub(crate) fn tell_built_in<'a>(
+/// Prints the models, given by name and source, that a folder has no file for.
+pub(crate) fn warn_built_in<'a>(
     folder: Option<&Path>,
     used: impl Iterator<Item = (&'a str, &'a str)>,
 ) {
     if let Some(told) = folder.and_then(|folder| built_in_of(folder, used)) {
-        // Without an error output the column of sources has to do.
+        // Without an error output the column of sources tells.
         let _ = writeln!(io::stderr(), "incise-bench: {told}");
     }
 }
@@ -65,8 +65,8 @@ fn built_in_of<'a>(
     let names: Vec<&str> = built_in.iter().map(|&(name, _)| name).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "{}: {} for {}: built-in models are taken; a file's name has to begin with the model's, and \
-             to end with obj, ply, stl, glb or gltf",
+            "{}: {} for {}: built-in models are taken; a file's name has to begin with the \
+             model's and to end with obj, ply, stl, glb or gltf",
             folder.display(),
             if files.is_empty() {
                 "no usable file at all"
@@ -88,8 +88,8 @@ fn built_in(model: Model) -> Loaded {
     }
 }
 
-/// The file of `folder` whose name begins with the model's, closest to the paper's triangle count,
-/// then to its vertex count, then first by name. Without one the built-in model.
+/// Loads the file whose name begins with the model's and whose triangle count is closest to the
+/// paper's, then vertex count, then name; the built-in model without one.
 fn from_folder(folder: &Path, model: Model) -> Result<Loaded, Box<dyn Error>> {
     let mut candidates = Vec::new();
     for path in files(folder)? {
@@ -148,8 +148,8 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     Ok(paths)
 }
 
-/// A name without case and punctuation: `sphere_20.obj` is Sphere20's, `sphere_20k.obj` too, which
-/// the triangle count then tells apart.
+/// Removes case and punctuation: `sphere_20.obj` matches Sphere20, and so does `sphere_20k.obj`,
+/// which has another triangle count.
 fn plain(name: &str) -> String {
     name.chars()
         .filter(char::is_ascii_alphanumeric)

@@ -1,6 +1,6 @@
-//! The body of every measurement: of what it is made and how it moves at the start.
+//! Material and initial motion of the bodies of most benches.
 
-use incise_mesh::geometry::round;
+use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, VertexId};
 use incise_pbd_gpu::{ConstraintError, Material, Solver, Stiffness};
 
@@ -9,7 +9,7 @@ const SPIN: f64 = 1.0;
 /// Rate at which the body is squeezed along its vertical axis \[1/s\].
 const SQUEEZE: f64 = 0.25;
 
-/// A skin that does not stretch and resists bending.
+/// Returns the material of a shell that does not stretch and resists bending.
 pub(crate) fn material() -> Material {
     Material {
         bending: Some(Stiffness::Pbd(0.5)),
@@ -17,7 +17,7 @@ pub(crate) fn material() -> Material {
     }
 }
 
-/// Gives a body its spin and squeeze.
+/// Sets the velocities of a spin and a squeeze.
 ///
 /// # Errors
 /// None for a surface and its solver.
@@ -27,7 +27,7 @@ pub(crate) fn start(solver: &mut Solver, surface: &Surface) -> Result<(), Constr
     for v in vertices {
         let r = surface.position(v) - center;
         let velocity = Vec3::new(SPIN * r.z, -SQUEEZE * r.y, -SPIN * r.x);
-        solver.set_velocity(v, round(velocity))?;
+        solver.set_velocity(v, to_f32(velocity))?;
     }
     Ok(())
 }

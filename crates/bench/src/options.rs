@@ -1,14 +1,14 @@
-//! Options that several benches have.
+//! Options that several benches share.
 
 use crate::backend::Executor;
 use clap::Args;
-use incise_progress::{Progress, Shown};
+use incise_progress::{Progress, Visibility};
 use std::path::PathBuf;
 
-/// Where rows go, and what is told meanwhile.
+/// Output of rows and progress.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct OutputArguments {
-    /// Also write the rows as JSON, one object a row; a long run writes them as they come.
+    /// Also write the rows as one JSON array, an object per row; long runs write it repeatedly.
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
     /// Print nothing but warnings and errors: neither rows nor progress.
@@ -17,18 +17,18 @@ pub(crate) struct OutputArguments {
 }
 
 impl OutputArguments {
-    /// The progress of a run of so many parts, each of so many steps.
+    /// Returns the progress of a run of `parts`, each of `steps`.
     pub(crate) fn progress(&self, parts: usize, steps: u64) -> Progress {
         let shown = if self.quiet {
-            Shown::Never
+            Visibility::Never
         } else {
-            Shown::Everywhere
+            Visibility::Everywhere
         };
         Progress::new(parts as u64, steps, shown)
     }
 }
 
-/// A positive number, or a fraction of two.
+/// Parses a positive number or a fraction.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
     let number = |s: &str| s.trim().parse::<f64>().ok();
     let value = match text.split_once('/') {
@@ -40,26 +40,26 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("'{text}' is not a positive number or fraction"))
 }
 
-/// Which GPU.
+/// Choice of the GPU.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct AdapterArguments {
-    /// A part of the name of the GPU to take.
+    /// Part of the name of the GPU.
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
 }
 
-/// Where models come from.
+/// Source of models.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ModelArguments {
-    /// A folder with real models (bunny*.obj, armadillo*.ply, ...) to use instead of built-in ones.
+    /// Folder of models (bunny*.obj, armadillo*.ply, ...) that replace the built-in ones.
     #[arg(long, value_name = "DIR")]
     pub(crate) models: Option<PathBuf>,
 }
 
-/// What executes a bench that compares, and where its rows go.
+/// Backends and output of a bench that compares backends.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct RunArguments {
-    /// What executes the solver, separated by commas: everything runs on each.
+    /// Backends of the solver, separated by commas; everything runs on each.
     #[arg(
         long,
         value_enum,
@@ -75,7 +75,7 @@ pub(crate) struct RunArguments {
 }
 
 impl RunArguments {
-    /// What executes the solver, in the order that was asked for, each once.
+    /// Returns the backends in the given order, each once.
     pub(crate) fn backends(&self) -> Vec<Executor> {
         let mut each = Vec::new();
         for &executor in &self.backend {
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_named_twice_runs_once() {
+    fn a_backend_named_twice_runs_once() {
         let line = Line::try_parse_from(["bench", "--backend", "gpu,cpu,gpu"]).unwrap();
         assert_eq!(line.run.backends(), [Executor::Gpu, Executor::Cpu]);
     }

@@ -1,40 +1,39 @@
-//! Files that results are kept in. They are opened before anything is measured: a run of hours must not end with a path
-//! that nothing can be written to.
+//! Output files, opened before a run of hours so that a bad path is reported at once.
 
 use std::fs::{self, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why results cannot be kept.
+/// An error of writing results.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum OutputError {
-    /// A file cannot be made or opened.
-    #[error("{}: cannot be written: {fault}; nothing was measured, name a file that can be", path.display())]
+    /// A file cannot be created or opened.
+    #[error("{}: cannot be written: {source}; nothing was measured", path.display())]
     File {
         /// The file.
         path: PathBuf,
-        /// What the system says.
-        fault: io::Error,
+        /// The system's error.
+        source: io::Error,
     },
-    /// A folder cannot be made.
-    #[error("{}: no folder, and none can be made: {fault}; nothing was measured, name another", path.display())]
+    /// A folder cannot be created.
+    #[error("{}: cannot be created: {source}; nothing was measured", path.display())]
     Folder {
         /// The folder.
         path: PathBuf,
-        /// What the system says.
-        fault: io::Error,
+        /// The system's error.
+        source: io::Error,
     },
-    /// Results cannot be written to a file that was open before.
-    #[error("{}: not written: {fault}; what was measured is printed, free its place before the next run", path.display())]
+    /// An open file cannot be written.
+    #[error("{}: not written: {source}; the results are printed only", path.display())]
     Lost {
         /// The file.
         path: PathBuf,
-        /// What the system says.
-        fault: io::Error,
+        /// The system's error.
+        source: io::Error,
     },
 }
 
-/// A file that can be written to. One that had to be made and was never written goes again.
+/// A writable file. A new file that is never written is removed again.
 #[derive(Debug)]
 pub(crate) struct OutputFile {
     path: PathBuf,
@@ -42,7 +41,7 @@ pub(crate) struct OutputFile {
 }
 
 impl OutputFile {
-    /// Makes the file, and its folder, if they are not there; what is in it stays until something is written.
+    /// Creates the file and its folder if they are absent; old content stays until a write.
     ///
     /// # Errors
     /// [`OutputError::Folder`], [`OutputError::File`].
@@ -56,9 +55,9 @@ impl OutputFile {
             .create(true)
             .truncate(false)
             .open(path);
-        opened.map_err(|fault| OutputError::File {
+        opened.map_err(|source| OutputError::File {
             path: path.to_owned(),
-            fault,
+            source,
         })?;
         Ok(Self {
             path: path.to_owned(),
@@ -66,21 +65,21 @@ impl OutputFile {
         })
     }
 
-    /// Writes all of the file, in the place of what was there.
+    /// Replaces the content.
     ///
     /// # Errors
     /// [`OutputError::Lost`].
     pub(crate) fn write(&mut self, content: impl AsRef<[u8]>) -> Result<(), OutputError> {
-        fs::write(&self.path, content).map_err(|fault| self.lost(fault))?;
+        fs::write(&self.path, content).map_err(|source| self.lost(source))?;
         self.is_new = false;
         Ok(())
     }
 
-    /// That something could not be written.
-    pub(crate) fn lost(&self, fault: io::Error) -> OutputError {
+    /// Returns the error of a failed write.
+    pub(crate) fn lost(&self, source: io::Error) -> OutputError {
         OutputError::Lost {
             path: self.path.clone(),
-            fault,
+            source,
         }
     }
 }
@@ -88,20 +87,20 @@ impl OutputFile {
 impl Drop for OutputFile {
     fn drop(&mut self) {
         if self.is_new {
-            // An empty file that cannot be removed harms nobody.
+            // An empty file that cannot be removed does no harm.
             let _ = fs::remove_file(&self.path);
         }
     }
 }
 
-/// Makes a folder, and those that it is in, if it is not there.
+/// Creates a folder and its parents if they are absent.
 ///
 /// # Errors
 /// [`OutputError::Folder`].
 pub(crate) fn folder(path: &Path) -> Result<(), OutputError> {
-    fs::create_dir_all(path).map_err(|fault| OutputError::Folder {
+    fs::create_dir_all(path).map_err(|source| OutputError::Folder {
         path: path.to_owned(),
-        fault,
+        source,
     })
 }
 
@@ -146,15 +145,5 @@ mod tests {
             below.to_string().contains("nothing was measured"),
             "{below}"
         );
-    }
-
-    #[test]
-    fn what_cannot_be_written_any_more_is_told() {
-        let place = tempfile::tempdir().unwrap();
-        let path = place.path().join("folder/rows.json");
-        let mut file = OutputFile::open(&path).unwrap();
-        fs::remove_dir_all(path.parent().unwrap()).unwrap();
-        let lost = file.write("[]").unwrap_err();
-        assert!(matches!(lost, OutputError::Lost { .. }), "{lost}");
     }
 }

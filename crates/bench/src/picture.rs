@@ -1,47 +1,45 @@
-//! Pictures as files: every one as SVG, and as PNG beside it for what shows no SVG.
-
-mod bitmap;
+//! Plots as files: SVG and PNG.
 
 use crate::output::{OutputError, OutputFile};
-use bitmap::{Bitmap, FINE};
-use plotters::backend::{DrawingBackend, SVGBackend};
+use incise_render::DEJAVU_SANS;
+use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
-use plotters::style::WHITE;
+use plotters::style::{FontStyle, WHITE, register_font};
 use std::path::Path;
 
-/// The font of all text in pictures: the reader's own in an SVG, that of the program in a PNG.
+/// Font of all text: the viewer's in an SVG, the embedded one in a PNG.
 pub(crate) const FONT: &str = "sans-serif";
 
-/// Why a picture cannot be drawn.
+/// An error of drawing or writing a picture.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum PictureError {
-    /// A chart does not come about.
-    #[error("a picture cannot be drawn: {0}; the rows are unharmed")]
+    /// An error of the plotting backend.
+    #[error("a picture cannot be drawn: {0}; the rows are not affected")]
     Chart(String),
-    /// Pixels cannot be packed.
-    #[error("a picture cannot be packed: {0}; the rows are unharmed")]
+    /// An error of the PNG encoder.
+    #[error("a picture cannot be encoded: {0}; the rows are not affected")]
     Png(#[from] png::EncodingError),
-    /// A file cannot be written.
+    /// An error of a file.
     #[error(transparent)]
     Output(#[from] OutputError),
 }
 
-/// What a backend says when it cannot draw.
+/// The drawing error of a backend.
 pub(crate) type Fault<B> = DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>;
 
-/// Something to draw, on any backend.
-pub(crate) trait Picture {
-    /// Width and height \[px\].
-    const SIZE: (u32, u32);
-
-    /// Draws on a white area of that size.
+/// An image for any backend.
+pub(crate) trait Image {
+    /// Draws on a white area.
+    ///
+    /// # Errors
+    /// An error of the backend.
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), Fault<B>>
     where
         B::ErrorType: 'static;
 }
 
-/// Where a picture goes.
+/// The SVG and PNG files of a picture.
 #[derive(Debug)]
 pub(crate) struct PictureFile {
     svg: OutputFile,
@@ -49,7 +47,7 @@ pub(crate) struct PictureFile {
 }
 
 impl PictureFile {
-    /// Opens both files before there is anything to draw; they end with `svg` and `png`, whatever the path does.
+    /// Opens both files before the run; `svg` and `png` replace the path's extension.
     ///
     /// # Errors
     /// As [`OutputFile::open`].
@@ -60,30 +58,35 @@ impl PictureFile {
         })
     }
 
-    /// Draws, in the place of what was there.
+    /// Draws a picture of `size` \[px\] and replaces the files.
     ///
     /// # Errors
     /// [`PictureError`].
-    pub(crate) fn draw(&mut self, picture: &impl Picture) -> Result<(), PictureError> {
-        self.svg.write(svg(picture)?)?;
-        Ok(self.png.write(png(picture)?)?)
+    pub(crate) fn draw(
+        &mut self,
+        size: (u32, u32),
+        picture: &impl Image,
+    ) -> Result<(), PictureError> {
+        self.svg.write(svg(size, picture)?)?;
+        Ok(self.png.write(png(size, picture)?)?)
     }
 }
 
-/// A picture as lines and letters.
-pub(crate) fn svg<P: Picture>(picture: &P) -> Result<String, PictureError> {
+/// Draws a picture of `size` \[px\] as SVG.
+///
+/// # Errors
+/// [`PictureError::Chart`].
+pub(crate) fn svg(size: (u32, u32), picture: &impl Image) -> Result<String, PictureError> {
     let mut text = String::new();
-    draw(SVGBackend::with_string(&mut text, P::SIZE), picture)?;
+    draw(SVGBackend::with_string(&mut text, size), picture)?;
     Ok(text)
 }
 
-/// A picture as a file of pixels.
-fn png<P: Picture>(picture: &P) -> Result<Vec<u8>, PictureError> {
-    let (width, height) = (FINE * P::SIZE.0, FINE * P::SIZE.1);
+/// Draws a picture as a PNG file.
+fn png(size: (u32, u32), picture: &impl Image) -> Result<Vec<u8>, PictureError> {
+    let (width, height) = size;
     let mut pixels = vec![0; 3 * width as usize * height as usize];
-    let bitmap = Bitmap::on(&mut pixels, P::SIZE);
-    let bitmap = bitmap.map_err(|fault| PictureError::Chart(fault.to_string()))?;
-    draw(bitmap, picture)?;
+    draw(BitMapBackend::with_buffer(&mut pixels, size), picture)?;
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, width, height);
     encoder.set_color(png::ColorType::Rgb);
@@ -94,11 +97,13 @@ fn png<P: Picture>(picture: &P) -> Result<Vec<u8>, PictureError> {
     Ok(file)
 }
 
-fn draw<B: DrawingBackend>(backend: B, picture: &impl Picture) -> Result<(), PictureError>
+fn draw<B: DrawingBackend>(backend: B, picture: &impl Image) -> Result<(), PictureError>
 where
     B::ErrorType: 'static,
 {
     let failed = |fault: Fault<B>| PictureError::Chart(fault.to_string());
+    register_font(FONT, FontStyle::Normal, DEJAVU_SANS)
+        .map_err(|_| PictureError::Chart("the embedded font is broken".to_owned()))?;
     let root = backend.into_drawing_area();
     root.fill(&WHITE).map_err(failed)?;
     picture.draw(&root).map_err(failed)?;
@@ -114,9 +119,7 @@ mod tests {
     /// A red square, and a text to the right of it.
     struct Sign;
 
-    impl Picture for Sign {
-        const SIZE: (u32, u32) = (60, 20);
-
+    impl Image for Sign {
         fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), Fault<B>>
         where
             B::ErrorType: 'static,
@@ -131,7 +134,7 @@ mod tests {
     fn both_files_show_the_same() {
         let place = tempfile::tempdir().unwrap();
         let mut file = PictureFile::open(&place.path().join("sign.png")).unwrap();
-        file.draw(&Sign).unwrap();
+        file.draw((60, 20), &Sign).unwrap();
         let svg = std::fs::read_to_string(place.path().join("sign.svg")).unwrap();
         assert!(svg.contains("HIH") && svg.contains("#FF0000"), "{svg}");
         let png = std::fs::File::open(place.path().join("sign.png")).unwrap();
@@ -140,10 +143,10 @@ mod tests {
             .unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         let shape = reader.next_frame(&mut pixels).unwrap();
-        assert_eq!((shape.width, shape.height), (120, 40));
-        let at = |x: usize, y: usize| &pixels[3 * (120 * 2 * y + 2 * x)..][..3];
+        assert_eq!((shape.width, shape.height), (60, 20));
+        let at = |x: usize, y: usize| &pixels[3 * (60 * y + x)..][..3];
         assert_eq!((at(5, 10), at(11, 10)), (&[255, 0, 0][..], &[255; 3][..]));
-        // The letters are there although no font was looked for: three upright strokes and more are black.
+        // The embedded font draws the letters: three upright strokes and more are black.
         let black = (12..60).filter(|&x| at(x, 10).iter().all(|&c| c < 100));
         assert!(black.count() >= 3, "no letters");
     }

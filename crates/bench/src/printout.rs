@@ -1,19 +1,20 @@
-//! What people read, and what becomes of it when they stop reading.
+//! Standard output that may be closed early.
 
 use std::io::{self, ErrorKind, Write};
 
-/// A writer that knows whether anybody reads. `incise-bench stability | head` has seen enough after ten lines: the run
-/// ends there, which is no fault, unless it writes files too and so has more to do than to print.
+/// A writer that ends the run without an error when its pipe is closed, as by `| head`.
+///
+/// A run that writes files too goes on without printing.
 #[derive(Debug)]
 pub(crate) struct Printout<W> {
     to: W,
-    /// Whether the run is for files as well.
+    /// Whether the run writes files too.
     goes_on: bool,
     has_reader: bool,
 }
 
 impl<W: Write> Printout<W> {
-    /// Prints to `to`; a run that `goes_on` does not end with its reader.
+    /// Prints to `to`; a run that `goes_on` does not end with a closed pipe.
     pub(crate) fn new(to: W, goes_on: bool) -> Self {
         Self {
             to,
@@ -22,17 +23,17 @@ impl<W: Write> Printout<W> {
         }
     }
 
-    /// Whether the run ended since nobody reads it.
+    /// Returns whether a closed pipe ended the run.
     pub(crate) fn was_left(&self) -> bool {
         !self.has_reader && !self.goes_on
     }
 
-    /// What a write says, or that all was written where nobody waits for it.
+    /// Returns the result of a write; a write to a closed pipe succeeds if the run goes on.
     fn seen<T>(&mut self, done: io::Result<T>, unseen: T) -> io::Result<T> {
         match done {
-            Err(fault) if fault.kind() == ErrorKind::BrokenPipe => {
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => {
                 self.has_reader = false;
-                if self.goes_on { Ok(unseen) } else { Err(fault) }
+                if self.goes_on { Ok(unseen) } else { Err(error) }
             }
             done => done,
         }
@@ -84,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn other_faults_are_faults() {
+    fn other_errors_are_errors() {
         struct Full;
         impl Write for Full {
             fn write(&mut self, _: &[u8]) -> io::Result<usize> {

@@ -1,7 +1,9 @@
-//! The solver alone: projections a second, and frames a second of both kinds.
+//! `incise-bench solver`: projections and frames per second of the solver alone.
 
 use crate::json::Json;
+use crate::numbers::fixed;
 use crate::options::{ModelArguments, OutputArguments};
+use crate::text_table::{Column, text_table};
 use crate::{machine, models};
 use clap::Args;
 use incise_mesh::Surface;
@@ -11,7 +13,7 @@ use std::error::Error;
 use std::io::Write;
 use std::time::Instant;
 
-/// Which model the solver is measured on.
+/// Measures the solver alone.
 #[derive(Args, Clone)]
 pub(crate) struct SolverArguments {
     #[command(flatten)]
@@ -24,24 +26,24 @@ pub(crate) struct SolverArguments {
         default_value = "Armadillo"
     )]
     only: Vec<String>,
-    /// Frames of each measurement; the fastest counts.
+    /// Frames per measurement; the fastest counts.
     #[arg(long, default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
     #[command(flatten)]
     pub(crate) rows: OutputArguments,
 }
 
-/// Iterations of a measured frame.
+/// Iterations per frame.
 const ITERATIONS: u32 = 10;
 
-/// A measurement, as JSON.
+/// A row of the table and of the JSON.
 #[derive(Debug, Serialize)]
 struct Row {
     model: &'static str,
     source: String,
     triangles: usize,
     iterations: u32,
-    /// Frames of which the fastest counts.
+    /// Measured frames; the fastest counts.
     frames: u32,
     threads: usize,
     constraints: &'static str,
@@ -51,11 +53,22 @@ struct Row {
     commit: String,
 }
 
-/// Measures and prints.
+const COLUMNS: &[Column<Row>] = &[
+    ("model", |row| row.model.to_owned()),
+    ("triangles", |row| row.triangles.to_string()),
+    ("constraints", |row| row.constraints.to_owned()),
+    ("threads", |row| row.threads.to_string()),
+    ("ms", |row| fixed(row.ms_per_frame, 3)),
+    ("FPS", |row| fixed(1e3 / row.ms_per_frame, 1)),
+    ("M proj/s", |row| fixed(row.projections_per_second / 1e6, 1)),
+    ("source", |row| row.source.clone()),
+];
+
+/// Measures all models, prints and writes the rows.
 pub(crate) fn run(arguments: &SolverArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
     let (machine, commit) = (machine::machine(), machine::commit());
     let mut json = Json::open(arguments.rows.json.as_deref())?;
-    writeln!(out, "{machine}, commit {commit}")?;
+    writeln!(out, "{machine}, commit {commit}; {ITERATIONS} iterations")?;
     let stretch_only = Material {
         bending: None,
         ..Material::default()
@@ -63,50 +76,30 @@ pub(crate) fn run(arguments: &SolverArguments, out: &mut impl Write) -> Result<(
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let models = models::load(arguments.from.models.as_deref(), &arguments.only)?;
     let used = models.iter().map(|l| (l.model.name(), l.source.as_str()));
-    models::tell_built_in(arguments.from.models.as_deref(), used);
+    models::warn_built_in(arguments.from.models.as_deref(), used);
     let mut rows = Vec::new();
     let progress = arguments.rows.progress(models.len(), 4);
     for loaded in models {
-        let (model, triangles) = (
-            loaded.model.name(),
-            loaded.surface.topology().triangle_count(),
-        );
-        progress.begin(model);
-        progress.aside(|| {
-            writeln!(
-                out,
-                "{model} ({}), {triangles} triangles, {ITERATIONS} iterations, fastest of {} frames",
-                loaded.source, arguments.frames
-            )
-        })?;
+        progress.begin(loaded.model.name());
         for threads in [1, cores] {
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .build()?;
-            for (name, material) in [
+            for (constraints, material) in [
                 ("stretch", stretch_only),
                 ("stretch and bending", Material::default()),
             ] {
                 let (seconds, projections) =
                     pool.install(|| measure(&loaded.surface, &material, arguments.frames))?;
-                progress.aside(|| {
-                    writeln!(
-                        out,
-                        "  {threads} threads, {name:20} {:8.3} ms a frame, {:6.1} FPS, {:6.1} M projections/s",
-                        seconds * 1e3,
-                        1.0 / seconds,
-                        projections / seconds / 1e6
-                    )
-                })?;
                 progress.step();
                 rows.push(Row {
-                    model,
+                    model: loaded.model.name(),
                     source: loaded.source.clone(),
-                    triangles,
+                    triangles: loaded.surface.topology().triangle_count(),
                     iterations: ITERATIONS,
                     frames: arguments.frames,
                     threads,
-                    constraints: name,
+                    constraints,
                     ms_per_frame: seconds * 1e3,
                     projections_per_second: projections / seconds,
                     machine: machine.clone(),
@@ -116,10 +109,12 @@ pub(crate) fn run(arguments: &SolverArguments, out: &mut impl Write) -> Result<(
         }
     }
     progress.end();
+    write!(out, "{}", text_table(COLUMNS, &rows))?;
+    writeln!(out, "ms: the fastest of {} frames.", arguments.frames)?;
     Ok(json.write(&rows)?)
 }
 
-/// Why a model cannot be measured.
+/// An error of a measurement.
 #[derive(Debug, thiserror::Error)]
 enum MeasureError {
     #[error(transparent)]
@@ -128,7 +123,7 @@ enum MeasureError {
     Step(#[from] StepError),
 }
 
-/// The fastest frame's time \[s\] and its projections.
+/// Returns the time of the fastest frame \[s\] and its projections.
 fn measure(
     surface: &Surface,
     material: &Material,

@@ -1,31 +1,34 @@
-//! What many measurements come to.
+//! Means, medians, percentiles and slopes of measurements.
 
-/// The mean; not a number when there are none.
+/// Returns the mean; NaN without values.
 #[expect(
     clippy::cast_precision_loss,
-    reason = "a run has far fewer than 2^53 cuts"
+    reason = "a run has far fewer than 2^53 values"
 )]
 pub(crate) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// The smallest value that 99% of the sorted values do not exceed.
-pub(crate) fn percentile_99(sorted: &[f64]) -> f64 {
-    let rank = (sorted.len() * 99).div_ceil(100);
-    sorted
-        .get(rank.wrapping_sub(1))
-        .copied()
-        .unwrap_or(f64::NAN)
+/// Returns the smallest value that `percent` of the sorted values do not exceed; NaN without
+/// values.
+pub(crate) fn percentile(sorted: &[f64], percent: usize) -> f64 {
+    let rank = (sorted.len() * percent).div_ceil(100);
+    let value = sorted.get(rank.saturating_sub(1));
+    value.copied().unwrap_or(f64::NAN)
 }
 
-/// The middle of the sorted values, the lower one of two; not a number when there are none.
-pub(crate) fn median(sorted: &[f64]) -> f64 {
-    let middle = sorted.len().wrapping_sub(1) / 2;
-    sorted.get(middle).copied().unwrap_or(f64::NAN)
+/// Sorts values.
+pub(crate) fn sorted(mut values: Vec<f64>) -> Vec<f64> {
+    values.sort_unstable_by(f64::total_cmp);
+    values
 }
 
-/// The slope of the straight line that fits points best (least squares); not a number when that is
-/// any line.
+/// Returns the median, the lower of two; NaN without values.
+pub(crate) fn median(values: Vec<f64>) -> f64 {
+    percentile(&sorted(values), 50)
+}
+
+/// Returns the slope of the least-squares line; NaN for fewer than two places.
 pub(crate) fn slope(points: &[[f64; 2]]) -> f64 {
     let [x, y] = [0, 1].map(|k| mean(&points.iter().map(|p| p[k]).collect::<Vec<f64>>()));
     let along: f64 = points.iter().map(|p| (p[0] - x) * (p[0] - x)).sum();
@@ -38,29 +41,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_99th_percentile_of_few_values_is_the_largest() {
-        assert_eq!(percentile_99(&[1.0, 2.0, 3.0]), 3.0);
+    fn percentiles_are_values() {
+        assert_eq!(percentile(&[1.0, 2.0, 3.0], 99), 3.0);
         let hundred: Vec<f64> = (1..=100).map(f64::from).collect();
-        assert_eq!(percentile_99(&hundred), 99.0);
-        assert!(percentile_99(&[]).is_nan());
-    }
-
-    #[test]
-    fn the_median_has_half_of_the_values_on_each_side() {
-        assert_eq!(median(&[1.0, 5.0, 9.0]), 5.0);
-        assert_eq!(median(&[1.0, 5.0, 9.0, 10.0]), 5.0);
-        assert!(median(&[]).is_nan());
+        assert_eq!(percentile(&hundred, 99), 99.0);
+        assert_eq!(median(vec![9.0, 1.0, 5.0]), 5.0);
+        assert_eq!(median(vec![9.0, 1.0, 5.0, 10.0]), 5.0);
+        assert!(median(Vec::new()).is_nan());
     }
 
     #[test]
     fn a_line_has_its_slope() {
         let noise = [0.1, -0.1, -0.1, 0.1];
-        let points = [0.0, 1.0, 2.0, 3.0].map(|x: f64| [x, 2.0 - 0.5 * x]);
-        assert!((slope(&points) + 0.5).abs() < 1e-15);
+        let points = [0, 1, 2, 3].map(|i| [f64::from(i), 2.0 - 0.5 * f64::from(i)]);
         let noisy = [0, 1, 2, 3].map(|i: usize| [points[i][0], points[i][1] + noise[i]]);
         assert!(
             (slope(&noisy) + 0.5).abs() < 1e-15,
-            "this noise has no slope"
+            "the noise has no slope"
         );
         assert!(slope(&points[..1]).is_nan());
     }

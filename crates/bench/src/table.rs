@@ -1,17 +1,17 @@
-//! The paper's table, for people and for programs.
+//! `incise-bench table`: the paper's Table 1 and Figure 11 on seven models.
 
 pub(crate) mod paper;
 mod protocol;
-mod row;
+pub(crate) mod row;
 
 use crate::backend::BackendChoice as BackendArgument;
-use crate::columns::{folded, measured, paragraphs};
 use crate::json::Json;
 use crate::method::MethodChoice;
+use crate::numbers::fixed;
 use crate::options::{AdapterArguments, ModelArguments, OutputArguments, positive};
+use crate::text_table::{paragraphs, text_table};
 use crate::{machine, models};
 use clap::Args;
-use incise_mesh::Model;
 use incise_refine::RefinementLevel;
 use incise_scene::{BackendChoice, BackendRequest, Scene, SceneError};
 use protocol::{frames, params, run as run_protocol};
@@ -19,58 +19,58 @@ use row::Row;
 use std::error::Error;
 use std::io::Write;
 
-/// What the table is made of.
+/// Runs the paper's protocol on seven models.
 #[derive(Args, Clone)]
 pub(crate) struct TableArguments {
     #[command(flatten)]
     from: ModelArguments,
-    /// What executes the solver.
+    /// Backend of the solver.
     #[arg(long, value_enum, default_value_t = BackendArgument::Cpu)]
     backend: BackendArgument,
     #[command(flatten)]
     gpu: AdapterArguments,
-    /// Simulated seconds of each run.
+    /// Simulated seconds per run.
     #[arg(long, default_value_t = 15.0, value_parser = positive)]
     seconds: f64,
-    /// Seconds of a frame, as a number or a fraction.
+    /// Length of a frame in seconds, as a number or a fraction.
     #[arg(long, default_value = "1/60", value_parser = positive)]
     dt: f64,
-    /// Iterations of the solver a frame.
+    /// Solver iterations per frame.
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]
     iterations: u32,
     /// Refinement level of the caps: one of the five names, or z.
     #[arg(long, default_value = "1")]
     level: RefinementLevel,
-    /// How surfaces are opened.
+    /// Cut method.
     #[arg(long, value_enum, default_value_t = MethodChoice::Exact)]
     method: MethodChoice,
-    /// Every closed piece keeps the volume that it has at rest, which the paper's bodies do not.
+    /// Add volume constraints; the paper's bodies have none.
     #[arg(long)]
     pub(crate) volume: bool,
-    /// Struts hold the sides of bodies apart, one a vertex.
+    /// Add interior springs, one per vertex; the paper's bodies have none.
     #[arg(long)]
-    pub(crate) struts: bool,
-    /// Pieces touch each other instead of passing through each other.
+    pub(crate) interior_springs: bool,
+    /// Resolve contacts between pieces; the paper's pieces pass through each other.
     #[arg(long)]
     pub(crate) contacts: bool,
     /// Models to run, separated by commas.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     only: Vec<String>,
-    /// Where the directions of the slices start.
+    /// Seed of the directions of slices.
     #[arg(long, default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
     pub(crate) rows: OutputArguments,
 }
 
-/// Runs the table and prints it.
+/// Runs the protocol on all models, prints and writes the rows.
 pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
     if frames(arguments) == 0 {
         return Err("the simulated time is shorter than half a frame: raise --seconds".into());
     }
     let loaded = models::load(arguments.from.models.as_deref(), &arguments.only)?;
     let used = loaded.iter().map(|l| (l.model.name(), l.source.as_str()));
-    models::tell_built_in(arguments.from.models.as_deref(), used);
+    models::warn_built_in(arguments.from.models.as_deref(), used);
     let (machine, commit) = (machine::machine(), machine::commit());
     let (request, fallback) = backend(arguments)?;
     let mut json = Json::open(arguments.rows.json.as_deref())?;
@@ -79,16 +79,16 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
     for model in &loaded {
         progress.begin(model.model.name());
         let tick = || progress.step();
-        rows.push((
-            model.model,
-            run_protocol(model, arguments, &request, &machine, &commit, &tick)?,
-        ));
+        rows.push(run_protocol(
+            model, arguments, &request, &machine, &commit, &tick,
+        )?);
     }
     progress.end();
-    write!(out, "{}", table(&rows))?;
+    write!(out, "{}", text_table(row::COLUMNS, &rows))?;
     writeln!(
         out,
-        "\n{machine}, commit {commit}; {} s at dt {:.6} s, {} iterations, method {}, level {}, seed {}{}",
+        "\n{machine}, commit {commit}; {} s at dt {:.6} s, {} iterations, method {}, level {}, \
+         seed {}{}",
         arguments.seconds,
         arguments.dt,
         arguments.iterations,
@@ -104,9 +104,7 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
     if let Some(why) = fallback {
         writeln!(out, "All on the CPU: {why}.")?;
     }
-    let on_device: Vec<&Row> = (rows.iter().map(|(_, row)| row))
-        .filter(|row| row.schedule.is_some())
-        .collect();
+    let on_device: Vec<&Row> = (rows.iter().filter(|row| row.schedule.is_some())).collect();
     if !on_device.is_empty() {
         write!(out, "{}", paragraphs(DEVICE_LEGEND))?;
     }
@@ -116,46 +114,46 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
             "{} on {}, schedule {}; a cut sends {} KiB and reads {} KiB.",
             row.model,
             row.device,
-            row.schedule.unwrap_or_default(),
+            row.schedule.as_deref().unwrap_or_default(),
             kibibytes(row.bytes_uploaded_a_cut),
             kibibytes(row.bytes_read_a_cut)
         )?;
     }
-    let allocations: usize = rows.iter().map(|(_, row)| row.allocations).sum();
+    let allocations: usize = rows.iter().map(|row| row.allocations).sum();
     writeln!(
         out,
         "Heap allocations in all frames without a cut: {allocations}."
     )?;
-    for (_, row) in &rows {
+    for row in &rows {
         for reason in &row.cuts_refused {
             writeln!(out, "Refused cut of {}: {reason}.", row.model)?;
         }
     }
-    let rows: Vec<&Row> = rows.iter().map(|(_, row)| row).collect();
     Ok(json.write(&rows)?)
 }
 
 const LEGEND: &str = "\
-Frames a second of the solver alone (PBD) and with a moving blade that slices the largest piece once a \
-second (PBD + CS); time of a cut is detection, topology, refinement and constraint update. Each is followed \
-by the paper's number and by how many times better this one is. Stretch error: mean over frames, edges weighted by length. \
-Volume lost: by all cuts together, of the body at rest. Cap angle: the smallest of all cap triangles.";
+Frames per second of the solver alone (PBD), and with a moving blade that slices the largest piece \
+once a second (PBD+CS). cut ms: detection, topology, refinement and update of constraints. paper: \
+the paper's number; x: ratio to it, above 1 where incise is better. stretch %: mean over frames, \
+edges weighted by length. volume %: rest volume lost in all cuts together. cap angle: the smallest \
+angle of all cap triangles.";
 
 const BEYOND_LEGEND: &str = "\
-Every closed piece keeps the volume that it has at rest (--volume), struts hold its sides apart (--struts), pieces touch each other \
-(--contacts): what was asked for of that the paper's bodies do not, and the numbers beside the paper's are of more work a frame.";
+--volume, --interior-springs and --contacts add constraints that the paper's bodies lack, so a \
+frame does more work than the paper's.";
 
 const DEVICE_LEGEND: &str = "\
-On a device a frame ends when the device is done with it; the first, in which kernels are compiled, is left out. Sweeps that miss the \
-device's box of the body are skipped there. The time of a cut runs from the readback to the update of the device. Stretch error: once a second. \
-Heap allocations are those of the device's interface too.";
+On a GPU a frame ends when the GPU is done. The first frame, which compiles kernels, is not timed. \
+Sweeps that miss the body's box are skipped. The time of a cut includes readback and upload. \
+Stretch errors are sampled once a second. Heap allocations include those of the driver.";
 
-/// What the table has that the paper's has not, for the line that says how it was made.
+/// Names the enabled options that the paper's bodies lack.
 fn beyond(arguments: &TableArguments) -> String {
     let all = [
-        (arguments.volume, ", volumes kept"),
-        (arguments.struts, ", with struts"),
-        (arguments.contacts, ", pieces touching"),
+        (arguments.volume, ", with volumes"),
+        (arguments.interior_springs, ", with interior springs"),
+        (arguments.contacts, ", with contacts"),
     ];
     all.iter()
         .filter(|(is_on, _)| *is_on)
@@ -163,91 +161,26 @@ fn beyond(arguments: &TableArguments) -> String {
         .collect()
 }
 
-/// The backend of all runs, and why it is the CPU if another was asked for. What `auto` measures is
-/// measured once, so that all runs are on the same backend.
+/// Returns the backend of all runs, and the reason for a fallback to the CPU. `auto` is calibrated
+/// once, so that all runs use the same backend.
 fn backend(arguments: &TableArguments) -> Result<(BackendRequest, Option<String>), SceneError> {
     let mut request = BackendRequest {
         choice: arguments.backend.into(),
         adapter: arguments.gpu.adapter.clone(),
         allow_software: true,
-        device_from: None,
+        min_gpu_constraints: None,
     };
     let report = Scene::with_backend(params(arguments), &request)?.backend_report();
-    request.device_from = report.device_from;
-    if report.device.is_none() {
+    request.min_gpu_constraints = report.min_gpu_constraints;
+    if report.adapter.is_none() {
         request.choice = BackendChoice::Cpu;
     }
-    Ok((request, report.fallback))
+    let why = report.fallback_reason.map(|reason| reason.to_string());
+    Ok((request, why))
 }
 
 fn kibibytes(bytes: Option<f64>) -> String {
-    measured(bytes.unwrap_or(f64::NAN) / 1024.0, 1)
-}
-
-const HEADER: [&str; 21] = [
-    "model",
-    "source",
-    "vertices",
-    "particles",
-    "triangles",
-    "PBD FPS",
-    "paper",
-    "x",
-    "PBD+CS FPS",
-    "paper",
-    "x",
-    "diff %",
-    "paper",
-    "x",
-    "cut ms",
-    "paper",
-    "x",
-    "p99 ms",
-    "stretch %",
-    "volume %",
-    "cap angle",
-];
-
-fn table(rows: &[(Model, Row)]) -> String {
-    let mut cells = vec![HEADER.map(str::to_owned)];
-    cells.extend(rows.iter().map(|(model, row)| line(*model, row)));
-    folded(&cells, 2)
-}
-
-fn line(model: Model, row: &Row) -> [String; 21] {
-    let paper = paper::row(model);
-    let times = |x: f64| {
-        if !x.is_finite() || x < 0.0 {
-            "-".to_owned()
-        } else if x < 10.0 {
-            format!("{x:.1}")
-        } else {
-            format!("{x:.0}")
-        }
-    };
-    [
-        row.model.to_owned(),
-        row.source.clone(),
-        row.vertices.to_string(),
-        row.particles.to_string(),
-        row.triangles.to_string(),
-        format!("{:.1}", row.pbd_fps),
-        paper.pbd_fps.to_string(),
-        times(row.pbd_fps / paper.pbd_fps),
-        format!("{:.1}", row.pbd_cs_fps),
-        paper.pbd_cs_fps.to_string(),
-        times(row.pbd_cs_fps / paper.pbd_cs_fps),
-        format!("{:.1}", row.fps_difference_percent),
-        paper.difference_percent.to_string(),
-        times(paper.difference_percent / row.fps_difference_percent),
-        measured(row.cut_ms_mean, 3),
-        paper.cut_ms.to_string(),
-        times(paper.cut_ms / row.cut_ms_mean),
-        measured(row.cut_ms_p99, 3),
-        format!("{:.3}", row.stretch_error_percent),
-        format!("{:.2}", row.volume_error_percent),
-        measured(row.cap_min_angle_deg, 1),
-    ]
+    fixed(bytes.map(|bytes| bytes / 1024.0), 1)
 }
 
 #[cfg(test)]
@@ -262,12 +195,16 @@ mod tests {
     }
 
     #[test]
-    fn a_table_says_what_the_paper_has_not() {
+    fn a_table_names_its_additions_to_the_paper() {
         let place = tempfile::tempdir().unwrap();
         let all = [
-            ("--volume", "volume", "volumes kept"),
-            ("--struts", "struts", "with struts"),
-            ("--contacts", "contacts", "pieces touching"),
+            ("--volume", "volume", "with volumes"),
+            (
+                "--interior-springs",
+                "interior_springs",
+                "with interior springs",
+            ),
+            ("--contacts", "contacts", "with contacts"),
         ];
         for asked in [0, 1, 3] {
             let path = place.path().join(format!("{asked}.json"));

@@ -1,4 +1,4 @@
-//! A strip that is held at one end bends as a beam does, finely divided, whichever way its squares are.
+//! Bending of a clamped strip in the reference against beam theory, for every diagonal pattern.
 
 mod common;
 
@@ -6,7 +6,7 @@ use common::{G, gravity, run};
 use incise_bench::{Constraints, Model, State};
 use nalgebra::Vector3;
 
-/// Which diagonals the rectangles of a strip have.
+/// Diagonals of the rectangles of a strip.
 #[derive(Debug, Clone, Copy)]
 enum Diagonals {
     Rising,
@@ -24,11 +24,12 @@ impl Diagonals {
     }
 }
 
-/// How far the free end of a strip of 1 m by 0.5 m and 1 N/m comes down \[m\], by its flexural rigidity [N m^2].
+/// How far the free end of a strip of 1 m by 0.5 m and 1 N/m comes down \[m\], by its flexural
+/// rigidity [N m^2].
 ///
-/// A rectangle has one hinge across and one along its diagonal, of which each takes half of the turn: rigidity is
-/// their distance by twice their compliance. So the first hinge stands for the strip from a quarter of a rectangle
-/// before it on, and it is there that the strip is clamped.
+/// A rectangle has one hinge across and one along its diagonal, of which each takes half of the
+/// turn: rigidity is their distance by twice their compliance. So the first hinge stands for the
+/// strip from a quarter of a rectangle before it on, and it is there that the strip is clamped.
 fn tip(rectangles: usize, diagonals: Diagonals, rigidity: f64) -> f64 {
     let wide = 1.0 / (rectangles as f64 - 0.75);
     let x: Vec<Vector3<f64>> = (0..=rectangles)
@@ -86,8 +87,9 @@ fn tip(rectangles: usize, diagonals: Diagonals, rigidity: f64) -> f64 {
     -f64::midpoint(a, b)
 }
 
-/// The same of a beam that bends and does not stretch: `rigidity theta'' = -(1 - s) cos theta`, theta its slope downward,
-/// clamped at s = 0 and free at s = 1. Found by shooting with steps of the fourth order.
+/// The same of a beam that bends and does not stretch: `rigidity theta'' = -(1 - s) cos theta`,
+/// theta its slope downward, clamped at s = 0 and free at s = 1. Found by shooting with steps of
+/// the fourth order.
 fn heavy_elastica(rigidity: f64) -> f64 {
     let rate = |s: f64, [theta, turn, _]: [f64; 3]| {
         [turn, -(1.0 - s) * theta.cos() / rigidity, theta.sin()]

@@ -1,5 +1,4 @@
-//! What holds for every body that the reference moves, whatever its shape: its equations, momentum, order,
-//! symmetry and rest.
+//! Invariants of the reference for any body: equations, momentum, order, symmetry and rest.
 
 mod common;
 
@@ -78,7 +77,8 @@ fn a_step_fulfills_both_equations_and_the_laws_of_momentum() {
         let (mut model, mut state) = strip();
         model.bending.compliance *= compliance / 2e-3;
         let h = 0.01;
-        // Positions of 2 m are off by 4e-16 m, and what is rigid is held by 1e4 m / h^2 of softness.
+        // Positions of 2 m are off by 4e-16 m, and what is rigid is held by 1e4 m / h^2 of
+        // softness.
         let exact = if compliance > 0.0 { 1e-10 } else { 1e-6 };
         let mut stepper = Stepper::new(&model).unwrap();
         let start = momentum(&model, &state);

@@ -1,4 +1,4 @@
-//! The reference against what is known in closed form: continuous motion and the exact laws of its own steps.
+//! The reference against closed forms: continuous motions, and exact recurrences of its steps.
 
 mod common;
 
@@ -192,7 +192,8 @@ fn a_chain_between_two_nails_is_the_discrete_catenary() {
             "link {i}: {slope}, not {expected}"
         );
     }
-    // And far finer it would be the catenary: L = 2 c sinh(a / c), c the pull over weight per length.
+    // And far finer it would be the catenary: L = 2 c sinh(a / c), c the pull over weight per
+    // length.
     let c = pull / (G * 10.0);
     let length = 2.0 * c * (0.4 / c).sinh();
     assert!((length - 1.6).abs() < 0.01, "{length} m");

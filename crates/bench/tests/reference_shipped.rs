@@ -1,4 +1,4 @@
-//! The shipped solver, given all the iterations that it can use, against the reference.
+//! The solver with many iterations against the reference.
 
 use incise_bench::{Model, ReferenceError, State, Stepper};
 use incise_mesh::{Surface, VertexId, icosphere};
@@ -40,8 +40,9 @@ impl Compliances {
     }
 }
 
-/// The sheet thrown while two corners are held; the largest distance of a vertex between the shipped solver and the
-/// reference after `steps` of `h` \[s\], over the length of an edge. The reference bends `wrong` times as easily.
+/// The sheet thrown while two corners are held; the largest distance of a vertex between the
+/// shipped solver and the reference after `steps` of `h` \[s\], over the length of an edge. The
+/// reference bends `wrong` times as easily.
 fn gap(compliances: Compliances, wrong: f64, h: f32, steps: u32) -> f64 {
     let n = 6;
     let mut surface = sheet(n);
@@ -92,8 +93,8 @@ const MATERIALS: [Compliances; 4] = [
 
 #[test]
 fn a_converged_step_is_that_of_the_reference() {
-    // Projections push along the gradients of their way, not along those of its end. The difference goes
-    // faster with the substep than what a step moves; that of another body would stay.
+    // Projections push along the gradients of their way, not along those of its end. The difference
+    // goes faster with the substep than what a step moves; that of another body would stay.
     for material in MATERIALS {
         let [coarse, fine] = [60.0, 480.0].map(|rate| gap(material, 1.0, 1.0 / rate, 1));
         assert!(coarse < 5e-4, "{coarse:e} edges of {material:?}");

@@ -1,4 +1,4 @@
-//! The reference's volumes: closed forms of a tetrahedron, and the shipped solver.
+//! Volume constraints of the reference against closed forms of a tetrahedron and the solver.
 
 mod common;
 
@@ -8,7 +8,7 @@ use incise_mesh::icosphere;
 use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness, Volume};
 use nalgebra::Vector3;
 
-/// The corners of a regular tetrahedron, so far from its center \[m\].
+/// The corners of a regular tetrahedron, by their distance from its center \[m\].
 fn corners(radius: f64) -> Vec<Vector3<f64>> {
     let c = radius / 3.0_f64.sqrt();
     vec![
@@ -78,8 +78,8 @@ fn the_numbers_of_a_tetrahedron_are_its_own() {
     assert!(((x[1] - x[0]).norm() - EDGE).abs() < 1e-15);
 }
 
-/// All four corners move alike, so it is one oscillator, as long as no rounding grows that makes it flat: `m r'' = -d/dr (s r^3 - s)^2 / (2 c s)` with `s` the share
-/// and four masses.
+/// All four corners move alike, so it is one oscillator, as long as no rounding grows that makes it
+/// flat: `m r'' = -d/dr (s r^3 - s)^2 / (2 c s)` with `s` the share and four masses.
 #[test]
 fn a_tetrahedron_breathes_as_backward_euler_says() {
     for (compressibility, start, h) in
@@ -106,7 +106,8 @@ fn a_tetrahedron_breathes_as_backward_euler_says() {
     }
 }
 
-/// Where edges pull as hard as the volume pushes (edges that are pressed buckle, so it is more than at rest): `6 k (e r - e) e = p 3 s r^2` with `p = (P - r^3) / c`.
+/// Where edges pull as hard as the volume pushes (edges that are pressed buckle, so it is more than
+/// at rest): `6 k (e r - e) e = p 3 s r^2` with `p = (P - r^3) / c`.
 #[test]
 fn pressure_inflates_until_the_edges_hold() {
     for (compressibility, pressure, compliance) in [
@@ -161,8 +162,8 @@ fn a_rigid_volume_is_kept_in_a_throw() {
     }
 }
 
-/// The largest distance of a vertex between the shipped solver, given all the iterations that it can use, and the
-/// reference after one step of `h` \[s\], over the way that was made.
+/// The largest distance of a vertex between the shipped solver, given all the iterations that it
+/// can use, and the reference after one step of `h` \[s\], over the way that was made.
 fn gap(compressibility: f32, wrong: f64, h: f32) -> f64 {
     let mut surface = icosphere(1, 0.5);
     let material = Material {

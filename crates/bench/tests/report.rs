@@ -1,5 +1,5 @@
-//! The page of `incise-bench report` as a browser shows it. Without one these show as ignored; with `INCISE_REQUIRE_GPU`
-//! set, as in CI, they fail instead.
+//! The page of `incise-bench report` in a browser. Without one these tests show as ignored; with
+//! `INCISE_REQUIRE_GPU` set, as in CI, they fail.
 
 #![expect(
     clippy::missing_assert_message,
@@ -169,7 +169,7 @@ fn shown(browser: &str) {
     let all = (WIDTH * HEIGHT) as usize;
     assert!(dark < all / 10, "paper is white: {dark} of {all}");
     let dom = browse(browser, folder, &["--dump-dom".to_owned()]);
-    for word in ["Armadillo", "7 of 80 laws fail", "<svg", "</html>"] {
+    for word in ["Armadillo", "7 of 80 invariants fail", "<svg", "</html>"] {
         assert!(dom.contains(word), "{word}");
     }
     for word in ["ERR_", "parsererror", "NaN", "undefined"] {

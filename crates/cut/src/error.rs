@@ -1,69 +1,70 @@
-//! Why a cut cannot be done. The surface is then what it was.
+//! [`CutError`]: reasons for which a cut is refused.
 
-use incise_mesh::{TopologyError, TriangleId, VertexId};
+use incise_mesh::{TriangleId, VertexId};
 use incise_refine::RefineError;
 
-/// Why a cut cannot be done. The surface is then bit for bit what it was.
+/// A refused cut. The surface is then bit for bit what it was.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CutError {
     /// The sweep has no area.
     #[error(
-        "the sweep has no area: the blade has no length or did not move across it, or the plane has no normal"
+        "the sweep has no area: the blade has no length or moved along its edge, or the plane's \
+         normal is zero"
     )]
     BladeDegenerate,
-    /// The snapping distance is not from 0 up to 0.5.
-    #[error("snap must be at least 0 and below 0.5 of an edge, not {snap}")]
-    SnapOutOfRange {
-        /// The distance [local edge lengths].
-        snap: f64,
-    },
-    /// The tolerance of remeshing is not from 0 up to 0.5.
-    #[error("remesh must be at least 0 and below 0.5 of an edge, not {remesh}")]
-    RemeshOutOfRange {
-        /// The tolerance [local edge lengths].
-        remesh: f64,
+    /// A parameter of the method is negative, too large or not a number.
+    #[error("{parameter} is {value}; it must be at least 0 and below {limit}")]
+    ParameterOutOfRange {
+        /// The field of [`crate::ExactParams`] or [`crate::PaperParams`].
+        parameter: &'static str,
+        /// Its value.
+        value: f64,
+        /// The upper bound, which is excluded.
+        limit: f64,
     },
     /// A coordinate of the sweep is NaN or infinite.
-    #[error("corner {corner} of the sweep is not finite")]
+    #[error("corner {corner} of the sweep is not finite; pass finite positions of the blade")]
     SweepNotFinite {
-        /// Which of the four.
+        /// Number of the corner, 0 to 3.
         corner: usize,
     },
-    /// A corner of the sweep is so far out that rounding would decide where the body is cut.
+    /// A corner of the sweep is so far away that rounding would move the cut.
     #[error(
-        "corner {corner} of the sweep is {times:.1e} times as far out as the body, and rounding would move the cut: \
-         make the sweep smaller, 5e8 times is the most; for a plane, Sweep::across_box makes one that fits"
+        "corner {corner} of the sweep has coordinates {times:.1e} times those of the body, at most \
+         5e8 times is possible; make the sweep smaller, or use Sweep::from_plane"
     )]
     SweepTooLarge {
-        /// Which of the four.
+        /// Number of the corner, 0 to 3.
         corner: usize,
-        /// Its largest coordinate over the body's.
+        /// Ratio of its largest coordinate to the body's.
         times: f64,
     },
     /// A coordinate of the surface is NaN or infinite.
-    #[error("vertex {vertex} is not finite")]
+    #[error("vertex {vertex} has a coordinate that is NaN or infinite; repair it and refit")]
     VertexNotFinite {
         /// The vertex.
         vertex: VertexId,
     },
     /// The surface has a boundary where the sweep crosses it.
-    #[error("the surface is open at {triangle}; only closed surfaces can be cut")]
+    #[error("the surface is open at triangle {triangle}; close its holes before a cut")]
     OpenSurface {
         /// The triangle at the boundary.
         triangle: TriangleId,
     },
-    /// The sweep crosses a triangle that the search tree holds to be elsewhere.
+    /// Vertices have moved since the BVH was fitted.
+    #[error("vertices have moved since the BVH was fitted; call Cutter::refit before Cutter::cut")]
+    StaleBvh,
+    /// The surface was edited by something else than the cutter, or it is another one.
     #[error(
-        "the search tree does not know where triangle {triangle} is: refit it after vertices have moved"
+        "the surface was edited since the BVH was built, or it is another one; call Cutter::refit \
+         with it, or make a Cutter for each surface"
     )]
-    StaleSearchTree {
-        /// The triangle.
-        triangle: TriangleId,
-    },
+    SurfaceEdited,
     /// The sweep ends inside the body.
     #[error(
-        "the sweep ends inside the body at triangle {triangle}: only full slices can be cut, make the sweep larger"
+        "the sweep ends inside the body at triangle {triangle}; only full slices can be cut, so \
+         make the sweep larger"
     )]
     PartialCut {
         /// The triangle in which it ends.
@@ -75,24 +76,24 @@ pub enum CutError {
         /// The vertex.
         vertex: VertexId,
     },
-    /// A loop of the cross-section lies inside another: the paper's method knows simple loops only.
+    /// A loop of the cross-section lies inside another: the paper's method has simple loops only.
     #[error(
-        "the cross-section has a hole at triangle {triangle}; the rebuild method handles simple loops only"
+        "the cross-section has a hole at triangle {triangle}, and the paper's method fills simple \
+         loops only; use CutMethod::Exact"
     )]
     NestedSection {
         /// A triangle on the inner loop.
         triangle: TriangleId,
     },
-    /// The cap cannot be made.
-    #[error("the cap cannot be made: {0}")]
+    /// The cap cannot be meshed.
+    #[error("the cap cannot be meshed: {0}")]
     Refine(#[from] RefineError),
-    /// The rebuilt surface would not be a manifold.
-    #[error("the rebuilt surface would not be a closed manifold at {vertex}")]
+    /// The paper's method would not leave a manifold.
+    #[error(
+        "the cut surface would not be a closed manifold at vertex {vertex}; use CutMethod::Exact"
+    )]
     NotManifold {
-        /// A vertex where it fails.
+        /// A vertex at which it fails.
         vertex: VertexId,
     },
-    /// The new triangles do not fit the surface.
-    #[error("the new triangles do not fit the surface: {0}")]
-    Topology(#[from] TopologyError),
 }

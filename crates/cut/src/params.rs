@@ -1,51 +1,20 @@
-//! What a user of a cut can choose.
+//! Parameters of [`crate::Cutter::cut`]: the shared ones, and those of each method.
 
+use crate::error::CutError;
 use incise_refine::RefineParams;
 
-/// How a surface is opened.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[non_exhaustive]
-pub enum CutMethod {
-    /// Split the triangles that the blade hits along the sweep: no surface is lost, any cross-section is
-    /// closed, and the time is that of what the blade touches.
-    #[default]
-    Exact,
-    /// The paper's: delete the triangles that the blade hits, rebuild the rim from the intersection
-    /// points, patch and refine the hole (Algorithms 2, 3, A2, 4 and A3). [`incise_refine::RefineMethod`] is not
-    /// asked: caps are always the paper's.
-    Rebuild,
-}
-
-/// How to cut. Lengths are relative to the mean edge of the triangles that the blade hits, so that
-/// one set of numbers serves models of any size.
+/// Parameters of a cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CutParams {
-    /// How the surface is opened.
+    /// The method that opens the surface, with its own parameters.
     pub method: CutMethod,
-    /// How caps are refined. With [`incise_refine::RefineMethod::Paper`] the exact method's caps are made by the
-    /// paper's listings, on the same rims.
+    /// The refinement of caps. With [`incise_refine::RefineMethod::Paper`] the exact method's caps
+    /// follow the paper's listings. The paper's method ignores [`RefineParams::method`]: its caps
+    /// always follow the listings.
     pub refine: RefineParams,
-    /// The exact method's shortest edges along the rim [local edge lengths], 0 up to 0.5: an intersection
-    /// point closer to a vertex than this takes the vertex into the rim, two that are closer to each other
-    /// merge. No piece comes or goes by that. 0 keeps the exact geometry and leaves slivers.
-    pub snap: f64,
-    /// The exact method: by how far the old surface may move around the rim so that slivers that the blade made in
-    /// it go, by flipped edges and contracted vertices [local edge lengths], 0 up to 0.5. Rim and cap stay where
-    /// they are. The default 0 leaves the surface as it was split and snapped.
-    pub remesh: f64,
     /// The material of caps.
     pub cap_material: u32,
-    /// The paper's method: intersection points closer than this merge (the alpha of Algorithm 2, line 24) \[mean edges\].
-    /// Larger values make rims more even and move more volume. The paper gives no number; at the
-    /// default 0.5 a rim's mean edge is about that of the surface.
-    pub min_distance: f64,
-    /// The paper's method: a rim edge with an end closer to the plane than this stays (the beta of Algorithm 3) [mean
-    /// edges]; the paper gives no number.
-    pub beta: f64,
-    /// The paper's method: an ear of the new boundary is closed below this angle (Algorithm 3, line 31) \[degrees\]. The
-    /// paper's is 120.
-    pub ear_angle: f64,
-    /// Cut only this piece of the surface; the sweep passes through the others.
+    /// Cuts only this piece of the surface; the sweep passes through the others.
     pub only_piece: Option<u32>,
 }
 
@@ -54,13 +23,110 @@ impl Default for CutParams {
         Self {
             method: CutMethod::default(),
             refine: RefineParams::default(),
+            cap_material: 1,
+            only_piece: None,
+        }
+    }
+}
+
+/// A method to open a surface along a sweep. The default is [`Self::Exact`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CutMethod {
+    /// Splits the hit triangles along the sweep. The surface loses no area, a cross-section may
+    /// have any shape, and the time depends on the triangles near the sweep only.
+    Exact(ExactParams),
+    /// Deletes the hit triangles, rebuilds the boundary from the intersection points, patches and
+    /// refines the hole (the paper's Algorithms 2, 3, A2, 4 and A3).
+    Paper(PaperParams),
+}
+
+impl CutMethod {
+    /// Checks the ranges of the parameters.
+    ///
+    /// # Errors
+    /// [`CutError::ParameterOutOfRange`].
+    pub(crate) fn check(&self) -> Result<(), CutError> {
+        match *self {
+            Self::Exact(ExactParams { snap, remesh }) => {
+                check("snap", snap, 0.5)?;
+                check("remesh", remesh, 0.5)
+            }
+            Self::Paper(paper) => {
+                check("min_distance", paper.min_distance, f64::INFINITY)?;
+                check("beta", paper.beta, f64::INFINITY)?;
+                check("ear_angle", paper.ear_angle, f64::INFINITY)
+            }
+        }
+    }
+}
+
+/// Checks that a parameter is at least 0 and below `limit`.
+fn check(parameter: &'static str, value: f64, limit: f64) -> Result<(), CutError> {
+    if (0.0..limit).contains(&value) {
+        return Ok(());
+    }
+    Err(CutError::ParameterOutOfRange {
+        parameter,
+        value,
+        limit,
+    })
+}
+
+impl Default for CutMethod {
+    fn default() -> Self {
+        Self::Exact(ExactParams::default())
+    }
+}
+
+/// Parameters of [`CutMethod::Exact`]. Lengths are relative to the edges around each point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExactParams {
+    /// Minimum length of edges along the rim \[local edge lengths\], at least 0 and below 0.5.
+    ///
+    /// An intersection point closer to a vertex moves that vertex into the rim. Two points closer
+    /// to each other merge. Neither joins nor removes a piece. At 0 the geometry is exact and
+    /// slivers remain.
+    pub snap: f64,
+    /// Maximum displacement of the old surface by remeshing \[local edge lengths\], at least 0 and
+    /// below 0.5.
+    ///
+    /// Remeshing removes slivers next to the cut by edge flips and edge collapses; rim and cap
+    /// stay in place. At 0, the default, there is no remeshing.
+    pub remesh: f64,
+}
+
+impl Default for ExactParams {
+    fn default() -> Self {
+        Self {
             snap: 0.1,
             remesh: 0.0,
-            cap_material: 1,
+        }
+    }
+}
+
+/// Parameters of [`CutMethod::Paper`]. Lengths are relative to the mean edge of the hit triangles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PaperParams {
+    /// Distance below which intersection points merge \[mean edges\]: the alpha of Algorithm 2,
+    /// line 24.
+    ///
+    /// Larger values make rims more even and move more volume. The paper gives no number; at the
+    /// default 0.5 a rim's mean edge is about that of the surface.
+    pub min_distance: f64,
+    /// Distance from the plane below which an edge of the old boundary stays \[mean edges\]: the
+    /// beta of Algorithm 3. The paper gives no number.
+    pub beta: f64,
+    /// Angle below which an ear of the new boundary is closed \[degrees\]: Algorithm 3, line 31.
+    /// The paper's value is 120.
+    pub ear_angle: f64,
+}
+
+impl Default for PaperParams {
+    fn default() -> Self {
+        Self {
             min_distance: 0.5,
             beta: 0.15,
             ear_angle: 120.0,
-            only_piece: None,
         }
     }
 }

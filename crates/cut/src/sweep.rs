@@ -1,24 +1,26 @@
 //! The surface that a blade's edge sweeps between two frames (the paper's Figure 1).
 
 use crate::error::CutError;
-use incise_mesh::geometry::{area_vector, round, widen};
+use incise_mesh::geometry::{area_vector, to_f32, to_f64};
 use incise_mesh::{Aabb, Vec3};
 use robust::{Coord3D, orient3d};
 
-/// Two triangles spanned by a blade's edge in the previous and the current frame: previous start,
-/// previous end, current end and previous start, current end, current start. They share the
-/// diagonal and need not lie in one plane. Of a blade that turned over they may lie on each other: what is
-/// there is cut twice, and a piece without volume stays between.
+/// The two triangles that a blade's edge spans between two frames.
+///
+/// Their corners are previous start, previous end, current end, and previous start, current end,
+/// current start. They share the diagonal and need not lie in one plane. If the blade turned over
+/// they overlap: the overlap is cut twice, and a piece without volume is left between.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sweep {
     corners: [[f32; 3]; 4],
 }
 
 impl Sweep {
-    /// The sweep of a blade's edge (start, end) \[m\] from `previous` to `current`.
+    /// Makes the sweep of a blade's edge (start, end) \[m\] from `previous` to `current`.
     ///
     /// # Errors
-    /// [`CutError::SweepNotFinite`], and [`CutError::BladeDegenerate`] when neither triangle has an area.
+    /// [`CutError::SweepNotFinite`], and [`CutError::BladeDegenerate`] when neither triangle has an
+    /// area.
     pub fn new(previous: [[f32; 3]; 2], current: [[f32; 3]; 2]) -> Result<Self, CutError> {
         let corners = [previous[0], previous[1], current[1], current[0]];
         if let Some(corner) = corners
@@ -39,14 +41,15 @@ impl Sweep {
         Ok(sweep)
     }
 
-    /// A flat sweep along the plane `normal . x = d` that cuts everything in `bounds`: one large
-    /// triangle, since four rounded corners would not lie in one plane. The last corner is the third
-    /// once more, so the second triangle has no area and nothing crosses it.
+    /// Makes a flat sweep along the plane `normal . x = d` that cuts everything in `bounds`.
+    ///
+    /// It is one large triangle, since four rounded corners would not lie in one plane. The last
+    /// corner repeats the third, so the second triangle has no area.
     ///
     /// # Errors
     /// [`CutError::BladeDegenerate`] for a normal without a direction, [`CutError::SweepNotFinite`]
     /// for numbers that are not finite or boxes at the end of the range of `f32`.
-    pub fn across_box(normal: [f64; 3], d: f64, bounds: &Aabb) -> Result<Self, CutError> {
+    pub fn from_plane(normal: [f64; 3], d: f64, bounds: &Aabb) -> Result<Self, CutError> {
         let normal = Vec3::from(normal);
         // Scaled first, so that neither tiny nor huge normals under- or overflow.
         let largest = normal.amax();
@@ -62,45 +65,48 @@ impl Sweep {
         let d = d / largest / length;
         let center = bounds.center();
         let reach = bounds.diagonal().max(f64::from(f32::MIN_POSITIVE));
-        // A plane that misses the box by far would leave the range of coordinates: any that misses
-        // it cuts the same.
+        // A plane far off the box would leave the range of coordinates; any plane off it misses.
         let distance = (d - n.dot(&center)).clamp(-2.0 * reach, 2.0 * reach);
         let on_plane = center + n * distance;
         let side = Vec3::ith(n.iamin(), 1.0);
         let u = n.cross(&side).normalize();
         let v = n.cross(&u);
-        // The box lies within half a diagonal of its middle, and so does its shadow on the plane; the
-        // circle inside the triangle is half as wide again.
-        let inside = 0.75 * reach;
-        let corner = |s: f64, t: f64| round(on_plane + (u * s + v * t) * inside);
+        // The projection of the box has a radius of at most half a diagonal; the incircle of the
+        // triangle is half as wide again.
+        let inradius = 0.75 * reach;
+        let corner = |s: f64, t: f64| to_f32(on_plane + (u * s + v * t) * inradius);
         let root = 3.0_f64.sqrt();
         let top = corner(0.0, 2.0);
         Self::new([corner(-root, -1.0), corner(root, -1.0)], [top, top])
     }
 
-    /// The four corners \[m\]: previous start, previous end, current end, current start. Of a plane
-    /// across a box the last two are one.
+    /// Returns the corners \[m\]: previous start, previous end, current end, current start.
+    ///
+    /// Those of [`Self::from_plane`] end with the same corner twice.
     #[must_use]
     pub const fn corners(&self) -> [[f32; 3]; 4] {
         self.corners
     }
 
-    /// The two triangles \[m\]. The shared diagonal runs from the first to the third corner.
+    /// Returns the two triangles \[m\]. The shared diagonal runs from the first to the third
+    /// corner.
     #[must_use]
     pub fn triangles(&self) -> [[Vec3; 3]; 2] {
-        let [a, b, c, d] = self.corners.map(widen);
+        let [a, b, c, d] = self.corners.map(to_f64);
         [[a, b, c], [a, c, d]]
     }
 
-    /// The box around the sweep.
+    /// Returns the bounding box.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         Aabb::around(self.corners)
     }
 
-    /// Whether the straight way between two points meets the sweep, touching it included. Decided by exact signs.
+    /// Returns whether the segment between two points intersects or touches the sweep.
+    ///
+    /// Decided by exact predicates.
     #[must_use]
-    pub fn meets(&self, from: [f32; 3], to: [f32; 3]) -> bool {
+    pub fn intersects_segment(&self, from: [f32; 3], to: [f32; 3]) -> bool {
         let point = |p: [f32; 3]| {
             let [x, y, z] = p.map(f64::from);
             Coord3D { x, y, z }
@@ -112,17 +118,20 @@ impl Sweep {
             let turns = [(a, b), (b, c), (c, a)].map(|(s, t)| orient3d(p, q, s, t));
             let is_one_side =
                 |signs: &[f64]| signs.iter().all(|&s| s >= 0.0) || signs.iter().all(|&s| s <= 0.0);
-            // Where all turns are zero the way lies in the plane, which no cut follows, or there is no triangle.
+            // All turns are zero if the segment lies in the plane, where nothing is cut, or if the
+            // triangle has no area.
             let is_crossed = sides[0] * sides[1] <= 0.0 && turns.iter().any(|&t| t != 0.0);
             is_crossed && is_one_side(&turns)
         })
     }
 
-    /// The cutting plane of Algorithm 2, lines 15 and 16: a point on it and its unit normal. For a
-    /// bent sweep, the mean of the two triangles weighted by area; where they cancel, the first one's.
+    /// Returns the cutting plane of Algorithm 2, lines 15 and 16: a point and the unit normal.
+    ///
+    /// The normal of a bent sweep is the mean of the two triangles' weighted by area, or the first
+    /// one's if they cancel.
     #[must_use]
     pub fn plane(&self) -> (Vec3, Vec3) {
-        let [a, b, c, d] = self.corners.map(widen);
+        let [a, b, c, d] = self.corners.map(to_f64);
         let sum = (c - a).cross(&(d - b));
         let normal = sum.try_normalize(0.0);
         let normal = normal.unwrap_or_else(|| area_vector([a, b, c]).normalize());
@@ -139,7 +148,7 @@ mod tests {
         for scale in [1e-15f32, 1.0, 1e9] {
             let bounds = Aabb::around([[-scale; 3], [2.0 * scale, scale, scale]]);
             let n = [0.3, -2.0, 0.5];
-            let sweep = Sweep::across_box(n, 0.1 * f64::from(scale), &bounds).unwrap();
+            let sweep = Sweep::from_plane(n, 0.1 * f64::from(scale), &bounds).unwrap();
             let (p, unit) = sweep.plane();
             assert!((unit - Vec3::from(n).normalize()).norm() < 1e-6);
             assert!(
@@ -153,12 +162,12 @@ mod tests {
         let bounds = Aabb::around([[-1.0, 3.0, 0.5], [2.0, 4.0, 7.0]]);
         for n in [[1.0, 0.0, 0.0], [0.3, -2.0, 0.5], [-1.0, 1.0, 1.0]] {
             let n = Vec3::from(n).normalize();
-            let sweep = Sweep::across_box(n.into(), n.dot(&bounds.center()), &bounds).unwrap();
+            let sweep = Sweep::from_plane(n.into(), n.dot(&bounds.center()), &bounds).unwrap();
             let [[a, b, c], none] = sweep.triangles();
             assert_eq!(none[1], none[2], "the second triangle has no area");
             for i in 0..8 {
                 let pick = |k: usize| [bounds.min, bounds.max][i >> k & 1][k];
-                let corner = widen(std::array::from_fn(pick));
+                let corner = to_f64(std::array::from_fn(pick));
                 for (p, q) in [(a, b), (b, c), (c, a)] {
                     // Along the normal nothing changes, so the corner need not be on the plane.
                     let inside = (q - p).cross(&(corner - p)).dot(&n) / (q - p).norm();
@@ -173,7 +182,7 @@ mod tests {
         for scale in [1e-20f32, 1.0] {
             let bounds = Aabb::around([[-scale; 3], [scale; 3]]);
             for d in [-1e300, -1e9, 0.01, 1e39] {
-                let sweep = Sweep::across_box([0.3, 1.0, 0.2], d, &bounds).unwrap();
+                let sweep = Sweep::from_plane([0.3, 1.0, 0.2], d, &bounds).unwrap();
                 assert_eq!(sweep.bounds().overlaps(&bounds), d == 0.01 && scale == 1.0);
             }
         }
@@ -182,7 +191,7 @@ mod tests {
     #[test]
     fn a_sweep_without_area_is_refused() {
         let bounds = Aabb::around([[0.0; 3], [1.0; 3]]);
-        let none = Sweep::across_box([0.0; 3], 1.0, &bounds);
+        let none = Sweep::from_plane([0.0; 3], 1.0, &bounds);
         assert_eq!(none, Err(CutError::BladeDegenerate));
         let edge = [[0.0; 3], [1.0, 0.0, 0.0]];
         assert_eq!(Sweep::new(edge, edge), Err(CutError::BladeDegenerate));

@@ -1,66 +1,228 @@
-//! The search tree against looking at every triangle.
+//! The BVH of a `Cutter` through cuts, undo and motion, compared with a fresh one and brute force.
 
-use incise_cut::{Bvh, Sweep};
-use incise_mesh::{Surface, TriangleId, Vec3, torus};
+use incise_cut::{CutMethod, CutParams, Cutter, PaperParams, Sweep};
+use incise_mesh::{Bvh, Surface, TriangleId, VertexId, cube_sphere, torus};
+use incise_refine::{RefineParams, RefinementLevel};
 use proptest::prelude::*;
+use std::cell::Cell;
 
-/// Every triangle that straddles the plane, and every one whose box reaches it.
-fn brute_force(surface: &Surface, n: Vec3, d: f64) -> (Vec<TriangleId>, Vec<TriangleId>) {
-    let (mut straddles, mut reaches) = (Vec::new(), Vec::new());
-    for t in surface.topology().triangles() {
-        let corners = surface.triangle_positions(t);
-        let heights = corners.map(|p| n.dot(&p) - d);
-        if heights.iter().any(|&h| h > 1e-6) && heights.iter().any(|&h| h < -1e-6) {
-            straddles.push(t);
+/// Random numbers (splitmix64), so that a test depends on its seed alone.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self, below: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        usize::try_from((z ^ (z >> 31)) % below as u64).unwrap()
+    }
+
+    /// From -1 to 1.
+    fn unit(&mut self) -> f32 {
+        self.next(2001) as f32 / 1000.0 - 1.0
+    }
+
+    fn sweep(&mut self, surface: &Surface) -> Sweep {
+        let n = [self.unit(), self.unit(), self.unit() + 0.0005].map(f64::from);
+        let bounds = surface.bounds();
+        let d = f64::from(self.unit()) * bounds.diagonal() / 4.0;
+        let length = n.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let center = bounds.center();
+        let at = n[0] * center.x + n[1] * center.y + n[2] * center.z;
+        Sweep::from_plane(n, at + d * length, &bounds).unwrap()
+    }
+
+    fn small_sweep(&mut self) -> Sweep {
+        let corner = [self.unit(), self.unit(), self.unit()];
+        let to = |s: &mut Self| [0, 1, 2].map(|k| corner[k] + 0.2 * s.unit() + 0.001 * k as f32);
+        let (a, b, c) = (to(self), to(self), to(self));
+        Sweep::new([corner, a], [b, c]).unwrap()
+    }
+}
+
+/// Each triangle of a surface as a surface of its own, with its BVH.
+struct SingleTriangles(Vec<(TriangleId, Surface, Bvh)>);
+
+impl SingleTriangles {
+    fn new(surface: &Surface) -> Self {
+        let single = |t: TriangleId| {
+            let corners = surface.topology().triangle(t);
+            let corners = corners.map(|v| {
+                let [x, y, z, _] = surface.positions()[v.index()];
+                [x, y, z]
+            });
+            let alone = Surface::from_triangles(&corners, &[[0, 1, 2]]).unwrap();
+            let bvh = Bvh::build(&alone);
+            (t, alone, bvh)
+        };
+        Self(surface.topology().triangles().map(single).collect())
+    }
+
+    /// Compares a query of `bvh` with one over each triangle alone.
+    fn assert_same_query(&self, bvh: &Bvh, surface: &Surface, sweep: &Sweep) {
+        let mut found = Vec::new();
+        bvh.query(surface, &sweep.triangles(), &mut found);
+        found.sort_unstable();
+        let mut one = Vec::new();
+        let expected = self.0.iter().filter_map(|(t, alone, bvh)| {
+            one.clear();
+            bvh.query(alone, &sweep.triangles(), &mut one);
+            (!one.is_empty()).then_some(*t)
+        });
+        let expected: Vec<TriangleId> = expected.collect();
+        assert_eq!(
+            found, expected,
+            "a query finds the same triangles as brute force"
+        );
+    }
+}
+
+/// Returns the number of boxes that a query tests.
+fn visits(bvh: &Bvh, surface: &Surface, sweep: &Sweep) -> usize {
+    let count = Cell::new(0);
+    let reach = sweep.bounds();
+    let touches = |b: &incise_mesh::Aabb| {
+        count.set(count.get() + 1);
+        b.overlaps(&reach)
+    };
+    bvh.traverse(surface, touches, &mut Vec::new());
+    count.get()
+}
+
+/// Cuts slices off and moves all pieces apart after every 20 cuts.
+#[test]
+fn a_hundred_cuts_keep_height_and_query_cost() {
+    let mut surface = cube_sphere(32, 1.0);
+    let mut cutter = Cutter::new(&surface);
+    let mut random = Random(4);
+    let mut cuts = 0;
+    for _ in 0..600 {
+        let sweep = random.sweep(&surface);
+        let params = CutParams {
+            only_piece: Some(u32::try_from(random.next(surface.piece_bound() as usize)).unwrap()),
+            refine: RefineParams {
+                level: RefinementLevel::Z(3.0),
+                ..RefineParams::default()
+            },
+            ..CutParams::default()
+        };
+        let Ok(outcome) = cutter.cut(&mut surface, &sweep, &params) else {
+            continue;
+        };
+        if outcome.is_miss() {
+            continue;
         }
-        let [low, high] = [f64::min, f64::max]
-            .map(|pick| Vec3::from_fn(|k, _| corners.iter().map(|p| p[k]).reduce(pick).unwrap()));
-        let reach = n.abs().dot(&((high - low) / 2.0));
-        if (n.dot(&((high + low) / 2.0)) - d).abs() <= reach + 1e-6 {
-            reaches.push(t);
+        cuts += 1;
+        cutter.bvh().validate(&surface).unwrap();
+        if cuts % 20 == 0 {
+            push_apart(&mut surface);
+            cutter.refit(&surface);
+            cutter.bvh().validate(&surface).unwrap();
         }
     }
-    (straddles, reaches)
+    assert!(cuts >= 100, "{cuts} cuts");
+    let fresh = Bvh::build(&surface);
+    let (height, fresh_height) = (cutter.bvh().height(), fresh.height());
+    assert!(
+        height <= fresh_height + 10,
+        "{height} levels, {fresh_height} when fresh"
+    );
+    let single = SingleTriangles::new(&surface);
+    let (mut old, mut new) = (0, 0);
+    for _ in 0..200 {
+        let sweep = random.small_sweep();
+        old += visits(cutter.bvh(), &surface, &sweep);
+        new += visits(&fresh, &surface, &sweep);
+        single.assert_same_query(cutter.bvh(), &surface, &sweep);
+    }
+    assert!(2 * old <= 3 * new, "{old} boxes, {new} in a fresh tree");
+}
+
+/// Moves every piece away from the center.
+fn push_apart(surface: &mut Surface) {
+    let count = surface.piece_bound() as usize;
+    let mut sums = vec![([0.0_f32; 3], 0.0_f32); count];
+    let triangles: Vec<TriangleId> = surface.topology().triangles().collect();
+    for &t in &triangles {
+        let corners = surface
+            .topology()
+            .triangle(t)
+            .map(|v| surface.positions()[v.index()]);
+        let (sum, of) = &mut sums[surface.piece(t) as usize];
+        for (k, x) in sum.iter_mut().enumerate() {
+            *x += corners.iter().map(|p| p[k]).fold(f32::INFINITY, f32::min);
+        }
+        *of += 1.0;
+    }
+    let mut moved = vec![false; surface.positions().len()];
+    for t in triangles {
+        let (sum, of) = sums[surface.piece(t) as usize];
+        for v in surface.topology().triangle(t) {
+            if !std::mem::replace(&mut moved[v.index()], true) {
+                for (k, x) in sum.iter().enumerate() {
+                    surface.positions_mut()[v.index()][k] += 0.05 * x / of;
+                }
+            }
+        }
+    }
+}
+
+fn around(surface: &Surface, v: VertexId) -> Vec<TriangleId> {
+    let fan = surface.topology().outgoing_fan(v);
+    fan.map(|h| h.triangle()).collect()
 }
 
 proptest! {
-    #[test]
-    fn a_query_finds_all_and_little_more(
-        n in [-1.0f64..1.0, -1.0..1.0, -1.0..1.0],
-        d in -1.5f64..1.5,
-        push in [0.01f32..0.3, 0.01..0.3, 0.01..0.3],
-    ) {
-        prop_assume!(Vec3::from(n).norm() > 0.1);
-        let mut surface = torus(1.0, 0.4, 40, 20);
-        let mut bvh = Bvh::build(&surface);
-        bvh.validate(&surface).unwrap();
-        for (i, p) in surface.positions.iter_mut().enumerate() {
-            p[i % 3] += push[i % 3];
-        }
-        prop_assert!(bvh.validate(&surface).is_err(), "it no longer fits");
-        bvh.refit(&surface);
-        bvh.validate(&surface).unwrap();
-        let length = Vec3::from(n).norm();
-        let sweep = Sweep::across_box(n, d * length, &surface.bounds()).unwrap();
-        let mut found = Vec::new();
-        bvh.query(&surface, &sweep, &mut found);
-        found.sort_unstable();
-        let (straddles, reaches) = brute_force(&surface, Vec3::from(n) / length, d);
-        prop_assert!(straddles.iter().all(|t| found.binary_search(t).is_ok()));
-        prop_assert!(found.iter().all(|t| reaches.binary_search(t).is_ok()));
-    }
-}
+    #![proptest_config(ProptestConfig::with_cases(48))]
 
-#[test]
-fn an_empty_surface_has_an_empty_tree() {
-    let surface = Surface::default();
-    let bvh = Bvh::build(&surface);
-    bvh.validate(&surface).unwrap();
-    let sweep = Sweep::new(
-        [[0.0; 3], [1.0, 0.0, 0.0]],
-        [[0.0, 1.0, 0.0], [1.0, 1.0, 0.0]],
-    );
-    let mut found = Vec::new();
-    bvh.query(&surface, &sweep.unwrap(), &mut found);
-    assert!(found.is_empty());
+    /// Cuts, moves some vertices and moves all of them, in any order.
+    #[test]
+    fn queries_equal_brute_force_after_cuts_undo_and_motion(
+        seed in any::<u64>(),
+        steps in 1..12_usize,
+    ) {
+        let mut random = Random(seed);
+        let mut surface = if seed % 2 == 0 { torus(1.0, 0.4, 24, 12) } else { cube_sphere(8, 0.9) };
+        let mut cutter = Cutter::new(&surface);
+        for _ in 0..steps {
+            match random.next(3) {
+                0 => {
+                    let sweep = random.sweep(&surface);
+                    let paper = CutMethod::Paper(PaperParams::default());
+                    let method = [CutMethod::default(), paper][random.next(2)];
+                    let params = CutParams { method, ..CutParams::default() };
+                    // A cut that fails changes nothing.
+                    let done = cutter.cut(&mut surface, &sweep, &params);
+                    cutter.bvh().validate(&surface).unwrap();
+                    if let Some(undo) = done.ok().and_then(|outcome| outcome.undo)
+                        && random.next(2) == 0
+                    {
+                        cutter.undo(&mut surface, undo).unwrap();
+                    }
+                }
+                1 => {
+                    let vertices: Vec<VertexId> = surface.topology().vertices().collect();
+                    let mut moved = Vec::new();
+                    for _ in 0..random.next(9) {
+                        let v = vertices[random.next(vertices.len())];
+                        surface.positions_mut()[v.index()][random.next(3)] += 0.1 * random.unit();
+                        moved.extend(around(&surface, v));
+                    }
+                    cutter.refit_moved(&surface, &moved);
+                }
+                _ => {
+                    for p in surface.positions_mut() {
+                        p[random.next(3)] += 0.02 * random.unit();
+                    }
+                    prop_assert!(cutter.bvh().validate(&surface).is_err(), "boxes are stale");
+                    cutter.refit(&surface);
+                }
+            }
+            cutter.bvh().validate(&surface).unwrap();
+            let single = SingleTriangles::new(&surface);
+            single.assert_same_query(cutter.bvh(), &surface, &random.sweep(&surface));
+            single.assert_same_query(cutter.bvh(), &surface, &random.small_sweep());
+        }
+    }
 }

@@ -1,11 +1,14 @@
-//! The exact method on its own: laws of single cuts.
+//! Invariants of single cuts by the exact method.
 
-use incise_cut::{CutError, CutParams, Cutter, Sweep};
+use incise_cut::{CutError, CutMethod, CutParams, Cutter, ExactParams, Sweep};
 use incise_mesh::{Surface, cube_sphere, icosphere, torus};
 
 fn params(snap: f64) -> CutParams {
     CutParams {
-        snap,
+        method: CutMethod::Exact(ExactParams {
+            snap,
+            ..ExactParams::default()
+        }),
         ..CutParams::default()
     }
 }
@@ -33,7 +36,7 @@ fn a_ball_in_halves() {
         for n in 0..5 {
             let whole = icosphere(n, 0.5);
             let mut body = whole.clone();
-            let sweep = Sweep::across_box([0.3, 0.7, 0.6], 0.01, &body.bounds()).unwrap();
+            let sweep = Sweep::from_plane([0.3, 0.7, 0.6], 0.01, &body.bounds()).unwrap();
             let outcome = Cutter::new(&body)
                 .cut(&mut body, &sweep, &params(snap))
                 .unwrap();
@@ -104,11 +107,11 @@ fn a_body_that_stands_on_the_plane_is_not_cut() {
             let [x, y, z, d] = plane.map(|n| n * side);
             for snap in [0.0, 0.1] {
                 let mut body = whole.clone();
-                let sweep = Sweep::across_box([x, y, z], d, &body.bounds()).unwrap();
+                let sweep = Sweep::from_plane([x, y, z], d, &body.bounds()).unwrap();
                 let outcome = Cutter::new(&body)
                     .cut(&mut body, &sweep, &params(snap))
                     .unwrap();
-                assert!(outcome.delta.is_empty(), "{plane:?} cuts");
+                assert!(outcome.is_miss(), "{plane:?} cuts");
                 assert_eq!(outcome.report.hits, 0);
                 assert_eq!(body, whole);
             }
@@ -123,7 +126,7 @@ fn a_plane_along_a_step_cuts_what_stands_on_it() {
         for side in [1.0, -1.0] {
             let [x, y, z, d] = plane.map(|n| n * side);
             let mut body = whole.clone();
-            let sweep = Sweep::across_box([x, y, z], d, &body.bounds()).unwrap();
+            let sweep = Sweep::from_plane([x, y, z], d, &body.bounds()).unwrap();
             let outcome = Cutter::new(&body)
                 .cut(&mut body, &sweep, &params(0.0))
                 .unwrap();
@@ -155,7 +158,7 @@ fn planes_through_vertices_and_edges() {
         ] {
             for snap in [0.0, 0.1] {
                 let mut body = whole.clone();
-                let sweep = Sweep::across_box(normal, 0.0, &body.bounds()).unwrap();
+                let sweep = Sweep::from_plane(normal, 0.0, &body.bounds()).unwrap();
                 let outcome = Cutter::new(&body)
                     .cut(&mut body, &sweep, &params(snap))
                     .unwrap();

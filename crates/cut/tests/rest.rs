@@ -1,16 +1,16 @@
-//! What a cap is in the body at rest, when the body was cut out of shape.
+//! Rest positions of caps after cuts of a deformed body.
 
 use incise_cut::{CutOutcome, CutParams, Cutter, Sweep};
-use incise_mesh::geometry::{angle_between, area_vector, round};
-use incise_mesh::{Origin, Surface, TriangleId, Vec3, VertexId, icosphere};
+use incise_mesh::geometry::{angle_between, area_vector, to_f32};
+use incise_mesh::{Surface, TriangleId, Vec3, VertexId, VertexOrigin, icosphere};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The body with every position moved; rest positions stay.
 fn moved(mut body: Surface, map: impl Fn(Vec3) -> Vec3) -> Surface {
     let vertices: Vec<_> = body.topology().vertices().collect();
     for v in vertices {
-        let [x, y, z] = round(map(body.rest_position(v)));
-        body.positions[v.index()] = [x, y, z, body.positions[v.index()][3]];
+        let [x, y, z] = to_f32(map(body.rest_position(v)));
+        body.positions_mut()[v.index()] = [x, y, z, body.positions()[v.index()][3]];
     }
     body
 }
@@ -28,19 +28,21 @@ fn cut(body: &mut Surface, sweep: &Sweep) -> CutOutcome {
     let outcome = Cutter::new(body).cut(body, sweep, &CutParams::default());
     let outcome = outcome.unwrap();
     assert!(!outcome.cap.is_empty(), "the body is cut");
-    body.topology().validate().unwrap();
+    body.validate().unwrap();
     outcome
 }
 
 /// Vertices inside of caps, and the means of their parents' rest positions.
 fn means(body: &Surface, outcome: &CutOutcome) -> BTreeMap<VertexId, Vec3> {
     let added = outcome.delta.vertices_added.iter();
-    let on_cap = added.filter(|a| matches!(a.origin, Origin::OnCap { .. }));
+    let on_cap = added.filter(|a| matches!(a.origin, VertexOrigin::OnCap { .. }));
     on_cap
         .map(|a| {
             (
                 a.vertex,
-                a.origin.interpolate(|v| body.rest[v.index()]).into(),
+                a.origin
+                    .interpolate(|v| body.rest_positions()[v.index()])
+                    .into(),
             )
         })
         .collect()
@@ -86,16 +88,19 @@ fn assert_smooth(body: &Surface, outcome: &CutOutcome) {
         );
         assert!(smooth[1] < 0.5 * linear[1], "{smooth:?} {linear:?}");
     }
-    // The two lips have the same rest positions at the same places.
+    // The two sides have the same rest positions at the same places.
     let of = |cap: &[TriangleId]| -> BTreeSet<([u32; 3], [u32; 3])> {
         let corners = cap.iter().flat_map(|&t| body.topology().triangle(t));
         let bits = |v: VertexId| {
-            let [x, y, z, _] = body.positions[v.index()].map(f32::to_bits);
-            ([x, y, z], body.rest[v.index()].map(f32::to_bits))
+            let [x, y, z, _] = body.positions()[v.index()].map(f32::to_bits);
+            (
+                [x, y, z],
+                body.rest_positions()[v.index()].map(f32::to_bits),
+            )
         };
         corners.map(bits).collect()
     };
-    assert!(of(lower) == of(upper), "the lips differ at rest");
+    assert!(of(lower) == of(upper), "the sides differ at rest");
     // None is outside of the rim's.
     let corners = outcome
         .cap
@@ -103,12 +108,12 @@ fn assert_smooth(body: &Surface, outcome: &CutOutcome) {
         .flat_map(|&t| body.topology().triangle(t));
     let rim: BTreeSet<_> = corners.filter(|v| !means.contains_key(v)).collect();
     for k in 0..3 {
-        let along = rim.iter().map(|v| body.rest[v.index()][k]);
+        let along = rim.iter().map(|v| body.rest_positions()[v.index()][k]);
         let (low, high) = along.fold((f32::MAX, f32::MIN), |(low, high), x| {
             (low.min(x), high.max(x))
         });
         for v in means.keys() {
-            let x = body.rest[v.index()][k];
+            let x = body.rest_positions()[v.index()][k];
             assert!(
                 low <= x && x <= high,
                 "{v} is at {x}, the rim {low} to {high}"
@@ -122,7 +127,7 @@ fn the_rest_shape_of_a_bent_body_has_no_creases() {
     for normal in [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.3, 0.7, 0.6]] {
         let mut body = moved(icosphere(4, 0.5), bent);
         let before = body.clone();
-        let sweep = Sweep::across_box(normal, 0.03, &body.bounds()).unwrap();
+        let sweep = Sweep::from_plane(normal, 0.03, &body.bounds()).unwrap();
         let outcome = cut(&mut body, &sweep);
         assert_smooth(&body, &outcome);
         outcome.undo.unwrap().revert(&mut body).unwrap();
@@ -158,14 +163,14 @@ fn in_a_body_that_was_turned_the_cap_is_flat_at_rest() {
         Vec3::new(cos * x + sin * z, p.y + 0.2, cos * z - sin * x)
     };
     let mut body = moved(icosphere(4, 0.5), turn);
-    let sweep = Sweep::across_box([0.3, 0.7, 0.6], 0.03, &body.bounds()).unwrap();
+    let sweep = Sweep::from_plane([0.3, 0.7, 0.6], 0.03, &body.bounds()).unwrap();
     let outcome = cut(&mut body, &sweep);
     let means = means(&body, &outcome);
     assert!(!means.is_empty(), "there are inner vertices");
     for (&v, &mean) in &means {
         assert_eq!(
-            body.rest[v.index()],
-            round(mean),
+            body.rest_positions()[v.index()],
+            to_f32(mean),
             "{v} is its parents' mean"
         );
         let off = (body.rest_position(v) - back(body.position(v))).amax();

@@ -1,4 +1,4 @@
-//! Edits a torus and takes the edit back; then checks a mesh if one is named, and says what it is.
+//! Edits a torus and undoes the edit; then checks the mesh file named as argument.
 //!
 //! `cargo run -p incise-mesh --example edit_torus -- scan.ply`
 
@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let whole = body.clone();
     let mut edit = body.edit(); // dropped unfinished, it leaves no trace
     edit.remove_triangle(TriangleId(2));
-    let (delta, undo) = edit.finish(); // what changed, for solvers and search trees, and the way back
+    let (delta, undo) = edit.finish(); // what changed, for solvers and BVHs, and its undo
     assert!(delta.vertices_removed.is_empty(), "none is left idle");
     assert_eq!(body.topology().boundary_loops().len(), 1, "a hole");
     undo.revert(&mut body)?;
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             println!("  {warning}");
         }
         let (surface, _) = data.into_surface()?; // or every defect, and where
-        println!("  {:.4} m^3, fit to cut", surface.volume());
+        println!("  {:.4} m^3, can be cut", surface.volume());
     }
     Ok(())
 }

@@ -1,15 +1,14 @@
-//! What a mesh is, and whether it can be cut.
+//! Checks and repairs of mesh data before it becomes a surface.
 //!
-//! [`check`] measures the mesh as it was read. [`MeshData::into_surface`] repairs what has only one
-//! repair and refuses the rest ([`MeshData::into_open_surface`] the same but for boundaries):
+//! [`check`] measures a mesh as read. [`MeshData::into_surface`] repairs whatever has a unique
+//! repair and rejects the rest. [`MeshData::into_open_surface`] also accepts boundaries.
 //!
-//! - taken out: triangles whose corners coincide, triangles that repeat another one;
-//! - flipped: triangles wound against the majority of their component, and everything when the
-//!   volume is negative;
-//! - split: vertices where parts touch in a point;
-//! - kept apart: bodies that touch along edges or faces, where the file's own indices tell them apart;
-//! - refused: boundaries, edges of more than two triangles, surfaces with one side, components
-//!   without volume.
+//! - Removed: triangles with coincident corners, duplicate triangles.
+//! - Flipped: triangles against the majority of their component, and all if the volume is negative.
+//! - Split: vertices at which parts touch in a point.
+//! - Kept separate: bodies that touch along edges or faces but have separate indices in the file.
+//! - Rejected: boundaries, edges of more than two triangles, one-sided surfaces, components without
+//!   volume.
 
 mod gaps;
 mod links;
@@ -17,7 +16,7 @@ mod repair;
 mod tally;
 mod winding;
 
-use crate::geometry::{Aabb, Vec3, area_vector, widen};
+use crate::geometry::{Aabb, Vec3, area_vector, to_f64};
 use crate::ids::{TriangleId, VertexId};
 use crate::io::{MeshData, Warning};
 use crate::measure::cone_volume;
@@ -25,56 +24,58 @@ use crate::partition::Partition;
 use crate::quality::{AngleStats, EdgeStats};
 use links::Links;
 use robust::{Coord, orient2d};
-use serde::Serialize;
 use std::fmt;
 
-/// Why a mesh cannot be cut. Vertices and triangles are those of the [`MeshData`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
+/// A reason why a mesh cannot be cut. Ids are those of the [`MeshData`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(tag = "kind", rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Defect {
-    /// No triangle is left when those with coincident corners are out.
+    /// No triangle remains without those with coincident corners.
     Empty,
-    /// Edges with one triangle.
+    /// Edges have only one triangle.
     OpenEdge {
-        /// The first one's first end.
+        /// One end of the first such edge.
         a: VertexId,
-        /// Its second end.
+        /// Its other end.
         b: VertexId,
-        /// Where `a` is \[m\].
+        /// Position of `a` \[m\].
         at: [f32; 3],
-        /// How many.
+        /// Number of such edges.
         count: usize,
-        /// Within which distance most of their ends have another vertex beside them \[m\], if they do: what belongs
-        /// together is not at the same place then.
+        /// Distance within which most of their ends have another vertex \[m\], if there is one.
+        ///
+        /// Vertices that belong together then differ in position.
         gap: Option<f64>,
     },
-    /// Edges with more than two triangles.
+    /// Edges have more than two triangles.
     NonManifoldEdge {
-        /// The first one's first end.
+        /// One end of the first such edge.
         a: VertexId,
-        /// Its second end.
+        /// Its other end.
         b: VertexId,
-        /// Where `a` is \[m\].
+        /// Position of `a` \[m\].
         at: [f32; 3],
-        /// How many.
+        /// Number of such edges.
         count: usize,
-        /// How far apart coordinates of 32 bits are where the mesh is \[m\], if that is so far from the origin that
-        /// vertices of its own may have become one.
+        /// Spacing of 32-bit coordinates at the mesh \[m\], if it may have merged vertices.
+        ///
+        /// That happens to meshes far from the origin.
         rounding: Option<f64>,
     },
-    /// Components with only one side, as a Möbius strip.
+    /// Components are one-sided, like a Möbius strip.
     NonOrientable {
-        /// A triangle that cannot agree with all its neighbors.
+        /// A triangle that conflicts with a neighbor in either orientation.
         triangle: TriangleId,
-        /// How many components.
+        /// Number of such components.
         count: usize,
     },
-    /// Closed components that enclose nothing.
+    /// Closed components enclose no volume.
     ZeroVolume {
-        /// The first one's first triangle.
+        /// First triangle of the first such component.
         triangle: TriangleId,
-        /// How many.
+        /// Number of such components.
         count: usize,
     },
 }
@@ -101,9 +102,9 @@ impl fmt::Display for Defect {
                 gap: Some(gap),
             } => write!(
                 f,
-                "open edges: {count}, first {a}-{b} at {at:?}, most with other vertices beside their ends, up to {gap:.1e} \
-                 away; weld vertices that are so near to each other (Merge by Distance in Blender, Merge Close \
-                 Vertices in MeshLab)"
+                "open edges: {count}, first {a}-{b} at {at:?}; most of their ends have another \
+                 vertex within {gap:.1e}; weld vertices within that distance (Merge by Distance in \
+                 Blender, Merge Close Vertices in MeshLab)"
             ),
             Self::NonManifoldEdge {
                 a,
@@ -124,13 +125,13 @@ impl fmt::Display for Defect {
                 rounding: Some(rounding),
             } => write!(
                 f,
-                "edges with more than two triangles: {count}, first {a}-{b} at {at:?}; so far from the origin \
-                 coordinates are {rounding:.1e} apart, and vertices nearer than that have become one: move the mesh \
-                 to the origin"
+                "edges with more than two triangles: {count}, first {a}-{b} at {at:?}; so far \
+                 from the origin, coordinates are {rounding:.1e} apart and closer vertices were \
+                 merged; move the mesh to the origin"
             ),
             Self::NonOrientable { triangle, count } => write!(
                 f,
-                "components with only one side: {count}, seen at {triangle}; remodel them"
+                "one-sided components: {count}, first at {triangle}; remodel them"
             ),
             Self::ZeroVolume { triangle, count } => write!(
                 f,
@@ -140,87 +141,96 @@ impl fmt::Display for Defect {
     }
 }
 
-/// A mesh that cannot be cut, and every reason.
+/// The error of a mesh that cannot be cut, with all reasons.
 #[derive(Debug, Clone, PartialEq)]
-pub struct NotFit {
+#[non_exhaustive]
+pub struct NotCuttable {
     /// The reasons; never empty.
     pub defects: Vec<Defect>,
 }
 
-impl fmt::Display for NotFit {
+impl From<&[Defect]> for NotCuttable {
+    fn from(defects: &[Defect]) -> Self {
+        Self {
+            defects: defects.to_vec(),
+        }
+    }
+}
+
+impl fmt::Display for NotCuttable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, defect) in self.defects.iter().enumerate() {
-            let separator = if i == 0 {
-                "not fit to cut: "
-            } else {
-                "; also "
-            };
+            let separator = if i == 0 { "cannot be cut: " } else { "; also " };
             write!(f, "{separator}{defect}")?;
         }
         Ok(())
     }
 }
 
-impl std::error::Error for NotFit {}
+impl std::error::Error for NotCuttable {}
 
-/// What a mesh is, measured as it was read and welded. Triangles that name a vertex twice count as
-/// triangles and have no part in edges, components and what follows from them.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// Measures and defects of a mesh as read and welded.
+///
+/// Triangles that repeat a vertex count as triangles, but not in edges, components and derived
+/// numbers.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct MeshReport {
-    /// Welded vertices that faces use.
+    /// Number of welded vertices that faces use.
     pub vertices: usize,
-    /// Vertices as a renderer counts them, see [`MeshData::file_vertices`].
+    /// Number of vertices that a renderer needs, see [`MeshData::file_vertices`].
     pub file_vertices: usize,
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: usize,
-    /// Edges.
+    /// Number of edges.
     pub edges: usize,
-    /// Parts that share no vertex.
+    /// Number of parts that share no vertex.
     pub components: usize,
-    /// Vertices - edges + triangles.
+    /// Euler characteristic: vertices - edges + triangles.
     pub euler_characteristic: i64,
-    /// Handles of all components together, where the mesh is closed, manifold and oriented.
+    /// Total genus, if the mesh is closed, manifold and oriented.
     pub genus: Option<i64>,
-    /// Whether no edge is open.
+    /// Whether every edge has at least two triangles.
     pub closed: bool,
-    /// Whether no edge has more than two triangles and around each vertex there is one fan.
+    /// Whether no edge has more than two triangles and every vertex has one fan.
     pub manifold: bool,
-    /// Whether triangles run along their common edges in opposite directions.
+    /// Whether adjacent triangles have consistent orientations.
     pub oriented: bool,
-    /// Edges with one triangle.
+    /// Number of edges with one triangle.
     pub open_edges: usize,
-    /// Edges with more than two triangles.
+    /// Number of edges with more than two triangles.
     pub nonmanifold_edges: usize,
-    /// Vertices where more than one fan of triangles meets.
+    /// Number of vertices with more than one fan of triangles.
     pub nonmanifold_vertices: usize,
-    /// Directed edges that more than one triangle runs along.
+    /// Number of directed edges of more than one triangle.
     pub winding_conflicts: usize,
-    /// Triangles without area, by an exact test.
+    /// Number of triangles without area, by an exact test.
     pub degenerate_triangles: usize,
     /// Area \[m^2\].
     pub area: f64,
     /// Volume \[m^3\]; meaningless unless the mesh is closed and oriented.
     pub volume: f64,
-    /// The box around the vertices that faces use \[m\].
+    /// Bounding box of the vertices that faces use \[m\].
     pub bounds: Aabb,
     /// Angles \[degrees\].
     pub angles: AngleStats,
     /// Edge lengths \[m\].
     pub edge_lengths: EdgeStats,
-    /// What the reader passed over, then what [`MeshData::into_surface`] repairs.
+    /// Warnings of the reader, and repairs of [`MeshData::into_surface`].
     pub warnings: Vec<Warning>,
-    /// What [`MeshData::into_surface`] cannot repair.
+    /// Defects that [`MeshData::into_surface`] cannot repair.
     pub defects: Vec<Defect>,
 }
 
 impl MeshReport {
-    /// Whether the mesh, repaired, is a body that can be cut: closed, manifold, oriented and with a
-    /// volume. [`MeshData::into_surface`] succeeds exactly then.
+    /// Returns whether the repaired mesh is closed, manifold, oriented and has a volume.
+    ///
+    /// [`MeshData::into_surface`] succeeds exactly then.
     ///
     /// # Errors
     /// The defects.
-    pub fn fit_to_cut(&self) -> Result<(), &[Defect]> {
+    pub fn is_cuttable(&self) -> Result<(), &[Defect]> {
         if self.defects.is_empty() {
             Ok(())
         } else {
@@ -232,7 +242,7 @@ impl MeshReport {
 /// Measures a mesh.
 #[must_use]
 pub fn check(data: &MeshData) -> MeshReport {
-    let corners = |t: &[u32; 3]| t.map(|v| widen(data.positions[v as usize]));
+    let corners = |t: &[u32; 3]| t.map(|v| to_f64(data.positions[v as usize]));
     let sound: Vec<[u32; 3]> = data
         .triangles
         .iter()
@@ -295,14 +305,14 @@ pub fn check(data: &MeshData) -> MeshReport {
             .map(|t| cone_volume(corners(t), center))
             .sum(),
         bounds,
-        angles: AngleStats::of(data.triangles.iter().map(corners)),
-        edge_lengths: EdgeStats::of(data.triangles.iter().map(corners)),
+        angles: AngleStats::from_triangles(data.triangles.iter().map(corners)),
+        edge_lengths: EdgeStats::from_triangles(data.triangles.iter().map(corners)),
         warnings: [data.warnings.as_slice(), &repaired.warnings].concat(),
         defects: repaired.defects,
     }
 }
 
-/// Whether the corners lie on a line: exactly then they do so along every axis.
+/// Returns whether the corners are collinear, which holds exactly if it does in each projection.
 fn is_degenerate(corners: [Vec3; 3]) -> bool {
     (0..3).all(|axis| {
         let [a, b, c] = corners.map(|p| Coord {

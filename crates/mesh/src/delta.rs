@@ -1,50 +1,54 @@
-//! A change of topology as data.
+//! A change of topology as data, which solvers, BVHs and renderers follow.
 
 use crate::ids::{TriangleId, VertexId};
 
-/// Where a vertex that an edit made came from. Positions, rest positions, velocities and whatever
-/// else a vertex carries are interpolated from it.
+/// The origin of a vertex that an edit created.
+///
+/// Positions, rest positions, velocities and other attributes are interpolated from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub enum Origin {
+pub enum VertexOrigin {
     /// On the edge from `a` to `b`, at `a + t (b - a)`.
     OnEdge {
-        /// The edge's first vertex.
+        /// First vertex of the edge.
         a: VertexId,
-        /// The edge's second vertex.
+        /// Second vertex of the edge.
         b: VertexId,
-        /// Where between them, 0 to 1.
+        /// Position between them, 0 to 1.
         t: f32,
     },
-    /// Inside a triangle that the edit found: where a corner of the blade pierced it.
+    /// Inside an existing triangle, which a corner of the blade pierced.
     InFace {
-        /// The triangle's corners.
+        /// Corners of the triangle.
         corners: [VertexId; 3],
-        /// Their weights, 0 to 1, which sum to 1 but for rounding.
+        /// Weights of the corners, 0 to 1; their sum is 1 within rounding.
         weights: [f32; 3],
     },
-    /// Inside a cap, between three vertices made before it. Its rest position is set: where the rim's rest
-    /// positions are no affine function of the place in the cap, it may be smoother than their mean.
+    /// Inside a cap, between three earlier vertices.
+    ///
+    /// Its rest position is stored: it may differ from the parents' mean where the rest positions
+    /// along the rim are not affine.
     OnCap {
-        /// The three vertices, some of which may be new themselves.
+        /// The parents, which may be new vertices themselves.
         parents: [VertexId; 3],
-        /// Their weights, 0 to 1, which sum to 1 but for rounding.
+        /// Weights of the parents, 0 to 1; their sum is 1 within rounding.
         weights: [f32; 3],
     },
-    /// There before an edit that has been undone, and back again. The parents moved in its place
-    /// meanwhile: vertices that the edit had made from it, else neighbors; a vertex without any is its
-    /// own parent. Velocities and the like follow them. Its position and rest position are set and
-    /// need not lie between theirs.
+    /// Restored by an undo.
+    ///
+    /// The parents moved in its place meanwhile: vertices that the edit created from it, else
+    /// neighbors, else itself. Velocities are interpolated from them. The position and rest
+    /// position are stored and need not lie between theirs.
     Restored {
         /// The vertices that moved in its place.
         parents: [VertexId; 3],
-        /// Their weights, 0 to 1, which sum to 1 but for rounding.
+        /// Weights of the parents, 0 to 1; their sum is 1 within rounding.
         weights: [f32; 3],
     },
 }
 
-impl Origin {
-    /// The parents and their weights, which sum to 1.
+impl VertexOrigin {
+    /// Returns the parents and their weights, whose sum is 1.
     #[must_use]
     pub fn weights(&self) -> [(VertexId, f64); 3] {
         match *self {
@@ -55,7 +59,7 @@ impl Origin {
             }
             | Self::OnCap { parents, weights }
             | Self::Restored { parents, weights } => {
-                // Made to sum to 1 here: thirds of f32 do not.
+                // Normalized here, because thirds of f32 do not sum to 1.
                 let weights = weights.map(f64::from);
                 let sum: f64 = weights.iter().sum();
                 let shares = if sum > 0.0 {
@@ -68,7 +72,7 @@ impl Origin {
         }
     }
 
-    /// The value at the new vertex of what `at` gives at its parents.
+    /// Interpolates the values that `at` returns for the parents.
     pub fn interpolate<const N: usize>(&self, at: impl Fn(VertexId) -> [f32; N]) -> [f64; N] {
         let mut sum = [0.0; N];
         for (v, weight) in self.weights() {
@@ -80,57 +84,64 @@ impl Origin {
     }
 }
 
-/// A vertex that an edit made.
+/// A vertex that an edit created.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AddedVertex {
-    /// Its id.
+    /// The vertex.
     pub vertex: VertexId,
-    /// Where it came from. Parents that were removed by the same edit keep their data until the
-    /// next one.
-    pub origin: Origin,
-    /// The piece that it belongs to.
+    /// Origin of the vertex. Parents that the same edit removed keep their data until the next
+    /// edit.
+    pub origin: VertexOrigin,
+    /// Piece number of the vertex.
     pub piece: u32,
 }
 
-/// One edit of a surface, in full: what a solver, a BVH or a renderer needs to follow it.
+/// One edit of a surface: the input of a solver, BVH or renderer that follows it.
 ///
-/// Removals come first: a slot that was freed may be used again by the same edit.
+/// Apply removals first, because the same edit may reuse a freed slot.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TopologyDelta {
-    /// Triangles that went, with the vertices that they had. One that got other corners went and came.
+    /// Removed triangles with their former vertices.
+    ///
+    /// A triangle whose corners changed is removed and added.
     pub triangles_removed: Vec<(TriangleId, [VertexId; 3])>,
-    /// Triangles that came.
+    /// Added triangles.
     pub triangles_added: Vec<TriangleId>,
-    /// Vertices that went, ascending. Their data stays readable until the next edit: an edit never
-    /// reuses a vertex slot that it freed itself.
+    /// Removed vertices, ascending.
+    ///
+    /// Their data stays readable until the next edit, which never reuses a slot that it freed
+    /// itself.
     pub vertices_removed: Vec<VertexId>,
-    /// Where the vertices that went were \[m\], shape [`vertices_removed`](Self::vertices_removed), if
-    /// the surface does not know it any more: an undo gives their slots up. Empty else.
-    pub removed_from: Vec<[f32; 3]>,
-    /// Vertices that came, parents before children.
+    /// Last positions of removed vertices \[m\], shape
+    /// [`vertices_removed`](Self::vertices_removed).
+    ///
+    /// Empty unless an undo gave their slots up.
+    pub removed_positions: Vec<[f32; 3]>,
+    /// Added vertices, parents before children.
     pub vertices_added: Vec<AddedVertex>,
-    /// Pieces that the edit made out of one, each with the piece that it was part of before. A piece
-    /// of which nothing was there and that an undo brings back names itself.
+    /// New pieces, each with the piece that it was split from.
+    ///
+    /// A piece that an undo restores from nothing is its own parent.
     pub pieces_added: Vec<(u32, u32)>,
-    /// Pieces that are no more: nothing of them was left, or an undo gave their triangles back to the
-    /// pieces that they came from.
+    /// Removed pieces: without triangles, or merged again by an undo.
     pub pieces_removed: Vec<u32>,
 }
 
 impl TopologyDelta {
-    /// Whether nothing changed.
+    /// Returns whether nothing changed.
     #[must_use]
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.triangles_removed.is_empty() && self.triangles_added.is_empty()
     }
 
-    /// Where a vertex that went was \[m\], if the delta says so; else the surface still does.
-    /// O(log k) for k vertices that went.
+    /// Returns the last position of a removed vertex \[m\], if the delta stores it.
+    ///
+    /// Otherwise the surface still has it. O(log k) for k removed vertices.
     #[must_use]
-    pub fn place_of_removed(&self, v: VertexId) -> Option<[f32; 3]> {
+    pub fn removed_position(&self, v: VertexId) -> Option<[f32; 3]> {
         let i = self.vertices_removed.binary_search(&v).ok()?;
-        self.removed_from.get(i).copied()
+        self.removed_positions.get(i).copied()
     }
 }
 
@@ -141,7 +152,7 @@ mod tests {
     #[test]
     fn weights_sum_to_one_and_thirds_are_thirds() {
         let parents = [1, 2, 3].map(VertexId);
-        let on_cap = |weights| Origin::OnCap { parents, weights };
+        let on_cap = |weights| VertexOrigin::OnCap { parents, weights };
         let third = on_cap([1.0 / 3.0; 3]).weights();
         assert_eq!(third, parents.map(|v| (v, 1.0 / 3.0)));
         let mixed = on_cap([0.2, 0.7, 0.1]).weights();

@@ -1,9 +1,10 @@
-//! Local edits that can be taken back: an [`Edit`] in progress, an [`Undo`] of one that is done.
+//! Transactional local edits: an [`Edit`] in progress, an [`Undo`] of a finished one.
 //!
-//! An edit works in place and logs what it overwrites. Unfinished it leaves no trace; finished it
-//! gives the change as a [`TopologyDelta`](crate::TopologyDelta) and the log as an [`Undo`]. The
-//! cost is that of the change, whatever the size of the surface.
+//! An edit works in place and logs what it overwrites. Dropped, it restores the surface; finished,
+//! it returns the change as a [`TopologyDelta`](crate::TopologyDelta) and the log as an [`Undo`].
+//! Its cost depends on the size of the change only.
 
+mod edges;
 mod finish;
 mod log;
 mod relatives;
@@ -11,11 +12,12 @@ mod relatives;
 mod tests;
 mod undo;
 
+pub use edges::EdgeError;
 pub use undo::{Undo, UndoError};
 
-use crate::delta::Origin;
+use crate::delta::VertexOrigin;
 use crate::history::Step;
-use crate::ids::{HalfEdge, TriangleId, VertexId};
+use crate::ids::{HalfEdge, TriangleId, VertexId, index_u32};
 use crate::surface::Surface;
 use log::Log;
 
@@ -23,7 +25,7 @@ impl Surface {
     /// Begins an edit. O(1).
     pub fn edit(&mut self) -> Edit<'_> {
         Edit {
-            log: Log::of(self),
+            log: Log::new(self),
             surface: self,
             vertices: Vec::new(),
             pieces: Vec::new(),
@@ -32,12 +34,14 @@ impl Surface {
     }
 }
 
-/// An edit in progress. [`Edit::finish`] makes it count; dropped without it, the surface is bit for
-/// bit what it was: arrays, their lengths and the lists of free slots.
+/// An edit in progress, applied by [`Edit::finish`].
 ///
-/// Between two calls the surface need not be a manifold; what must hold at the end is the caller's
-/// to see to. [`Topology::outgoing`](crate::Topology::outgoing), and with it every walk around a
-/// vertex, is right again only after the finish.
+/// Dropped without a finish, it restores the surface bit for bit: arrays, their lengths and the
+/// lists of free slots.
+///
+/// Between two calls the surface need not be a manifold; the caller ensures that it is one at the
+/// end. [`Topology::outgoing`](crate::Topology::outgoing), and traversal around vertices with it,
+/// is valid again only after the finish.
 ///
 /// ```
 /// use incise_mesh::{Surface, TriangleId};
@@ -66,25 +70,30 @@ impl Surface {
 pub struct Edit<'a> {
     surface: &'a mut Surface,
     log: Log,
-    /// Vertices that were made, with their origins.
-    vertices: Vec<(VertexId, Origin)>,
-    /// Piece numbers that were taken, each with its parent.
+    /// Created vertices with their origins.
+    vertices: Vec<(VertexId, VertexOrigin)>,
+    /// Allocated piece numbers, each with its parent.
     pieces: Vec<(u32, u32)>,
     open: bool,
 }
 
 impl Edit<'_> {
-    /// The surface as edited so far.
+    /// Returns the surface as edited so far.
     #[must_use]
     pub fn surface(&self) -> &Surface {
         self.surface
     }
 
-    /// Makes a vertex. One that no triangle uses at the end is removed again.
+    /// Adds a vertex. It is removed again if no triangle uses it at the end.
     ///
-    /// Parents are vertices that triangles used before this edit, or that it made before this one and
-    /// that triangles use at the end.
-    pub fn add_vertex(&mut self, position: [f32; 4], rest: [f32; 3], origin: Origin) -> VertexId {
+    /// Parents must have been used by triangles before this edit, or be earlier vertices of this
+    /// edit that triangles use at the end.
+    pub fn add_vertex(
+        &mut self,
+        position: [f32; 4],
+        rest: [f32; 3],
+        origin: VertexOrigin,
+    ) -> VertexId {
         let surface = &mut *self.surface;
         let free = &mut surface.topology.free_vertices;
         let v = if let Some(v) = self.log.free_vertices.pop(free) {
@@ -107,11 +116,13 @@ impl Edit<'_> {
         v
     }
 
-    /// Makes a triangle without neighbors; corner attributes are zero. Corners are vertices that
-    /// triangles use or that this edit made. A new piece number comes from [`Self::new_piece`].
+    /// Adds a triangle without neighbors, with zero corner attributes.
+    ///
+    /// Corners are vertices that triangles use or that this edit added. A new piece number comes
+    /// from [`Self::new_piece`].
     ///
     /// # Panics
-    /// When the vertices repeat or have no slot: that is a mistake of the caller, not of its input.
+    /// If vertices repeat or have no slot.
     pub fn add_triangle(
         &mut self,
         corners: [VertexId; 3],
@@ -157,10 +168,10 @@ impl Edit<'_> {
         t
     }
 
-    /// Frees a triangle; its neighbors have a boundary there. The slot may be used again at once.
+    /// Frees a triangle, whose neighbors get boundaries there. The slot may be reused at once.
     ///
     /// # Panics
-    /// When the slot is free: that is a mistake of the caller, not of its input.
+    /// If the slot is free.
     pub fn remove_triangle(&mut self, t: TriangleId) {
         assert!(self.surface.topology.is_triangle(t), "{t} is no triangle");
         for h in t.half_edges() {
@@ -173,8 +184,9 @@ impl Edit<'_> {
         self.surface.history.step(Step::RemoveTriangle, t.0);
     }
 
-    /// Puts the corner at `h` to `v`. Neighbors stay what they are, so all corners of an edge must
-    /// move or be joined anew.
+    /// Moves the corner at `h` to vertex `v`.
+    ///
+    /// Neighbors do not change, so all corners of an edge must move, or be paired again.
     pub fn set_corner(&mut self, h: HalfEdge, v: VertexId) {
         let topology = &mut self.surface.topology;
         self.log.origin.set(&mut topology.origin, h.0, v);
@@ -185,8 +197,8 @@ impl Edit<'_> {
         self.surface.history.pair(v.0, 0);
     }
 
-    /// Makes two half-edges twins of each other. Former twins of theirs have a boundary there.
-    pub fn join(&mut self, a: HalfEdge, b: HalfEdge) {
+    /// Makes two half-edges twins. Their former twins become boundaries.
+    pub fn set_twins(&mut self, a: HalfEdge, b: HalfEdge) {
         let twins = [a, b].map(|h| self.surface.topology.twin(h));
         if twins != [b, a] {
             self.part(a);
@@ -199,7 +211,7 @@ impl Edit<'_> {
         self.surface.history.pair(b.0, 0);
     }
 
-    /// Sets the texture coordinates of the corner at `h`; does nothing on a surface without any.
+    /// Sets the texture coordinates of the corner at `h`, if the surface has any.
     pub fn set_uv(&mut self, h: HalfEdge, uv: [f32; 2]) {
         if h.index() < self.surface.corners.uv.len() {
             self.log.uv.set(&mut self.surface.corners.uv, h.0, uv);
@@ -208,7 +220,7 @@ impl Edit<'_> {
         }
     }
 
-    /// Sets the shading normal of the corner at `h`; does nothing on a surface without any.
+    /// Sets the shading normal of the corner at `h`, if the surface has any.
     pub fn set_normal(&mut self, h: HalfEdge, normal: [f32; 3]) {
         if h.index() < self.surface.corners.normal.len() {
             let normals = &mut self.surface.corners.normal;
@@ -218,10 +230,10 @@ impl Edit<'_> {
         }
     }
 
-    /// Moves a triangle to another piece: one that is there or one from [`Self::new_piece`].
+    /// Moves a triangle to another piece: an existing one or one from [`Self::new_piece`].
     ///
     /// # Panics
-    /// When the slot is free: that is a mistake of the caller, not of its input.
+    /// If the slot is free.
     pub fn set_piece(&mut self, t: TriangleId, piece: u32) {
         let surface = &mut *self.surface;
         assert!(surface.topology.is_triangle(t), "{t} is no triangle");
@@ -235,11 +247,12 @@ impl Edit<'_> {
         }
     }
 
-    /// Moves triangles to another piece, as [`Self::set_piece`] does one. No slot may be free: only a
-    /// debug build looks, since that look takes as long as all the rest.
+    /// Moves triangles to another piece, like [`Self::set_piece`].
+    ///
+    /// No slot may be free. Only debug builds check, because the check would double the time.
     pub fn set_pieces(&mut self, triangles: impl Iterator<Item = TriangleId>, piece: u32) {
         let surface = &mut *self.surface;
-        // Most come from the same piece as the one before.
+        // Consecutive triangles mostly come from the same piece.
         let (mut old, mut count) = (piece, 0);
         for t in triangles {
             debug_assert!(surface.topology.is_triangle(t), "{t} is no triangle");
@@ -258,12 +271,14 @@ impl Edit<'_> {
         surface.history.pair(piece, 0);
     }
 
-    /// Makes triangles that are joined to each other: `twins[3 i + k]` is the half-edge across side k of
-    /// triangle i, counted the same way, `u32::MAX` at the patch's boundary. Corner attributes are zero.
-    /// Appends the new triangles to `out`.
+    /// Adds triangles with their connectivity and zero corner attributes, and appends them to
+    /// `out`.
+    ///
+    /// `twins[3 i + k]` is the twin of side k of triangle i in the same numbering, `u32::MAX` on
+    /// the patch's boundary.
     ///
     /// # Panics
-    /// When `twins` does not fit to `corners`: that is a mistake of the caller, not of its input.
+    /// If the lengths of `twins` or `pieces` do not match `corners`.
     pub fn add_patch(
         &mut self,
         corners: &[[VertexId; 3]],
@@ -285,7 +300,7 @@ impl Edit<'_> {
             out.push(self.add_triangle(triangle, piece, material));
         }
         self.append(&corners[reused..], &pieces[reused..], material, out);
-        // In new slots the half-edges stand as in the patch.
+        // In new slots, half-edges have the patch's order.
         let scattered = 3 * reused;
         let offset = out.get(first + reused).map_or(0, |t| 3 * t.index());
         let id = |h: usize| {
@@ -309,7 +324,7 @@ impl Edit<'_> {
         }
     }
 
-    /// Makes triangles in new slots.
+    /// Adds triangles in new slots.
     fn append(
         &mut self,
         corners: &[[VertexId; 3]],
@@ -339,13 +354,14 @@ impl Edit<'_> {
             surface.history.pair(c.0, material);
         }
         for run in pieces.chunk_by(|a, b| a == b) {
-            let count = u32::try_from(run.len()).expect("triangles have 32-bit ids");
+            let count = index_u32(run.len());
             surface.pieces.grow(run[0], count);
         }
     }
 
-    /// A piece number that was never used before, for what is part of piece `parent` so far. The
-    /// delta has it if a triangle has it at the end. O(1).
+    /// Allocates a piece number for a part of piece `parent`. O(1).
+    ///
+    /// The delta lists it if a triangle has it at the end.
     pub fn new_piece(&mut self, parent: u32) -> u32 {
         let piece = self.surface.pieces.take_number();
         self.pieces.push((piece, parent));
@@ -353,7 +369,7 @@ impl Edit<'_> {
         piece
     }
 
-    /// Makes the edges of `h` and of its twin, if it has one, boundaries.
+    /// Unpairs `h` and its twin, if it has one.
     fn part(&mut self, h: HalfEdge) {
         let twin = &mut self.surface.topology.twin;
         let other = twin[h.index()];

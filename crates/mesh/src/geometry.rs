@@ -1,37 +1,49 @@
-//! Small formulas on points, in f64: what is stored in f32 is summed and compared here.
+//! Formulas on points, in 64 bits: coordinates are stored in 32 bits and computed in 64.
 
 use nalgebra::Vector3;
 
 /// A point or direction in f64 \[m\].
 pub type Vec3 = Vector3<f64>;
 
-/// A stored point, widened.
+/// Converts a stored point to 64 bits.
 #[must_use]
 #[inline]
-pub fn widen(p: [f32; 3]) -> Vec3 {
+pub fn to_f64(p: [f32; 3]) -> Vec3 {
     Vec3::new(f64::from(p[0]), f64::from(p[1]), f64::from(p[2]))
 }
 
-/// A point rounded once to storage.
+/// Rounds a point once to 32-bit storage.
 #[must_use]
 #[expect(
     clippy::cast_possible_truncation,
     reason = "this is the one rounding of a computed coordinate"
 )]
 #[inline]
-pub fn round(p: Vec3) -> [f32; 3] {
+pub fn to_f32(p: Vec3) -> [f32; 3] {
     [p.x as f32, p.y as f32, p.z as f32]
 }
 
-/// The vector along a triangle's outward normal, as long as twice its area \[m^2\].
+/// Rounds a number once to 32-bit storage; a number that is too large becomes infinite.
+#[must_use]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "this is the one rounding of a computed number"
+)]
+#[inline]
+pub const fn round_to_f32(x: f64) -> f32 {
+    x as f32
+}
+
+/// Returns the outward normal of a triangle, with twice its area as length \[m^2\].
 #[must_use]
 #[inline]
 pub fn area_vector([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).cross(&(c - a))
 }
 
-/// Whether a triangle has no area to the rounding of stored positions: its height is no more than that part of its
-/// longest side.
+/// Returns whether a triangle has no area within the rounding of stored positions.
+///
+/// Its height is then at most that share of its longest side.
 #[must_use]
 pub fn is_flat([a, b, c]: [Vec3; 3]) -> bool {
     let sides = [b - a, c - b, a - c].map(|side| side.norm_squared());
@@ -39,14 +51,15 @@ pub fn is_flat([a, b, c]: [Vec3; 3]) -> bool {
     area_vector([a, b, c]).norm() <= f64::from(f32::EPSILON) * longest
 }
 
-/// The angle between two vectors \[rad\], 0 when either has no length. The arctangent form keeps its
-/// digits near 0 and pi, where the arccosine loses half of them.
+/// Returns the angle between two vectors \[rad\], 0 if either is zero.
+///
+/// The arctangent keeps its digits near 0 and pi, where the arccosine loses half of them.
 #[must_use]
 pub fn angle_between(u: Vec3, v: Vec3) -> f64 {
     u.cross(&v).norm().atan2(u.dot(&v))
 }
 
-/// The angles at a triangle's corners \[rad\]. A corner beside an edge of no length gets 0.
+/// Returns the angles at a triangle's corners \[rad\]; 0 beside an edge of zero length.
 #[must_use]
 pub fn corner_angles([a, b, c]: [Vec3; 3]) -> [f64; 3] {
     [
@@ -56,12 +69,13 @@ pub fn corner_angles([a, b, c]: [Vec3; 3]) -> [f64; 3] {
     ]
 }
 
-/// An axis-aligned box. The default is empty: it holds nothing and leaves any box as it is.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+/// An axis-aligned bounding box. The default is empty.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Aabb {
-    /// The smallest coordinates.
+    /// Minimum coordinates.
     pub min: [f32; 3],
-    /// The largest coordinates.
+    /// Maximum coordinates.
     pub max: [f32; 3],
 }
 
@@ -75,7 +89,7 @@ impl Default for Aabb {
 }
 
 impl Aabb {
-    /// The smallest box around `points`.
+    /// Returns the bounding box of `points`.
     #[must_use]
     pub fn around(points: impl IntoIterator<Item = [f32; 3]>) -> Self {
         let mut out = Self::default();
@@ -85,7 +99,7 @@ impl Aabb {
         out
     }
 
-    /// Grows the box to hold `p`.
+    /// Extends the box to contain `p`.
     #[inline]
     pub fn grow(&mut self, p: [f32; 3]) {
         for (k, x) in p.into_iter().enumerate() {
@@ -94,7 +108,7 @@ impl Aabb {
         }
     }
 
-    /// The smallest box around both.
+    /// Returns the bounding box of both boxes.
     #[must_use]
     #[inline]
     pub fn union(mut self, other: Self) -> Self {
@@ -103,28 +117,28 @@ impl Aabb {
         self
     }
 
-    /// Whether the boxes share a point; touching counts.
+    /// Returns whether the boxes share a point; contact counts.
     #[must_use]
     #[inline]
     pub fn overlaps(&self, other: &Self) -> bool {
         (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
     }
 
-    /// The middle of the box \[m\].
+    /// Returns the center of the box \[m\].
     #[must_use]
     #[inline]
     pub fn center(&self) -> Vec3 {
-        (widen(self.min) + widen(self.max)) / 2.0
+        (to_f64(self.min) + to_f64(self.max)) / 2.0
     }
 
-    /// The length of the diagonal \[m\]; 0 for an empty box.
+    /// Returns the length of the diagonal \[m\]; 0 for an empty box.
     #[must_use]
     #[inline]
     pub fn diagonal(&self) -> f64 {
         if self.min[0] > self.max[0] {
             return 0.0;
         }
-        (widen(self.max) - widen(self.min)).norm()
+        (to_f64(self.max) - to_f64(self.min)).norm()
     }
 }
 

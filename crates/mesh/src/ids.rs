@@ -1,24 +1,40 @@
-//! Ids: one `u32` newtype per kind of element, printed with its letter, null as all ones.
+//! Element ids: a `u32` newtype for each kind, printed with its letter; null is `u32::MAX`.
 
 use bytemuck::{Pod, Zeroable};
-use serde::Serialize;
 use std::fmt;
+
+/// Converts an index or a count to the 32 bits of stored ids.
+///
+/// # Panics
+/// If `index` exceeds `u32::MAX`. No array of a surface or of its constraints is that long, because
+/// half-edge ids have 32 bits.
+#[must_use]
+#[inline]
+#[expect(clippy::cast_possible_truncation, reason = "checked one line above")]
+pub const fn index_u32(index: usize) -> u32 {
+    assert!(
+        index <= u32::MAX as usize,
+        "arrays have at most 2^32 elements"
+    );
+    index as u32
+}
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident, $letter:literal) => {
         $(#[$doc])*
-        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Pod, Zeroable, Serialize)]
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Pod, Zeroable)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize))]
         #[repr(transparent)]
         pub struct $name(pub u32);
 
         impl $name {
-            /// No element. Never an index.
+            /// The null id.
             pub const NULL: Self = Self(u32::MAX);
 
-            /// The id of the element at `index` of its array.
+            /// Returns the id of the element at `index` of its array.
             ///
             /// # Panics
-            /// When `index` is not below `u32::MAX`: no array of this crate grows that long.
+            /// If `index` is not below `u32::MAX`.
             #[must_use]
             #[inline]
             pub fn from_index(index: usize) -> Self {
@@ -29,14 +45,14 @@ macro_rules! id {
                     .expect("arrays have fewer than 2^32 - 1 elements")
             }
 
-            /// Where the element's data stands in an array of its kind.
+            /// Returns the element's index in arrays of its kind.
             #[must_use]
             #[inline]
             pub const fn index(self) -> usize {
                 self.0 as usize
             }
 
-            /// Whether this is no element.
+            /// Returns whether the id is null.
             #[must_use]
             #[inline]
             pub const fn is_null(self) -> bool {
@@ -63,24 +79,25 @@ macro_rules! id {
 }
 
 id!(
-    /// A vertex of the surface, and the particle of the same number.
+    /// A vertex of a surface, and the particle with the same index.
     VertexId,
     "v"
 );
 id!(
-    /// A triangle of the surface.
+    /// A triangle of a surface.
     TriangleId,
     "t"
 );
 id!(
-    /// A directed edge of a triangle, and the corner at its origin: half-edge `3t + i` runs from
-    /// corner `i` of triangle `t` to the next corner.
+    /// A directed edge of a triangle, and the corner at its origin.
+    ///
+    /// Half-edge `3t + i` runs from corner `i` of triangle `t` to the next corner.
     HalfEdge,
     "h"
 );
 
 impl TriangleId {
-    /// The triangle's half-edges, in order.
+    /// Returns the triangle's half-edges, in order.
     #[must_use]
     #[inline]
     pub const fn half_edges(self) -> [HalfEdge; 3] {
@@ -93,14 +110,14 @@ impl TriangleId {
 }
 
 impl HalfEdge {
-    /// The triangle that this half-edge bounds.
+    /// Returns the triangle of the half-edge.
     #[must_use]
     #[inline]
     pub const fn triangle(self) -> TriangleId {
         TriangleId(self.0 / 3)
     }
 
-    /// The next half-edge around the triangle, counterclockwise.
+    /// Returns the next half-edge of the triangle, counterclockwise.
     #[must_use]
     #[inline]
     pub const fn next(self) -> Self {
@@ -111,7 +128,7 @@ impl HalfEdge {
         }
     }
 
-    /// The previous half-edge around the triangle.
+    /// Returns the previous half-edge of the triangle.
     #[must_use]
     #[inline]
     pub const fn prev(self) -> Self {
@@ -123,12 +140,12 @@ impl HalfEdge {
     }
 }
 
-/// An undirected edge as its two vertices, the smaller first. One number, so that it sorts and hashes.
+/// An undirected edge as its two vertices, the smaller first, packed in one number.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct EdgeKey(u64);
 
 impl EdgeKey {
-    /// The key of the edge between `a` and `b`, in either order.
+    /// Returns the key of the edge between `a` and `b`, in either order.
     #[must_use]
     #[inline]
     pub const fn new(a: VertexId, b: VertexId) -> Self {
@@ -136,7 +153,7 @@ impl EdgeKey {
         Self(((low as u64) << 32) | high as u64)
     }
 
-    /// The edge's vertices, the smaller first.
+    /// Returns the edge's vertices, the smaller first.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
@@ -169,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn an_edge_key_forgets_direction_and_keeps_vertices() {
+    fn an_edge_key_is_undirected() {
         let (a, b) = (VertexId(7), VertexId(3));
         assert_eq!(EdgeKey::new(a, b), EdgeKey::new(b, a));
         assert_eq!(EdgeKey::new(a, b).vertices(), [b, a]);

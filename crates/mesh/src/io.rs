@@ -1,13 +1,14 @@
-//! Files in and out: OBJ, PLY, STL and glTF are read, OBJ and PLY are written.
+//! Mesh files: reads OBJ, PLY, STL and glTF, writes OBJ and PLY.
 //!
-//! A reader makes [`MeshData`], which is what the file says and requires nothing of it;
-//! [`MeshData::into_surface`] then requires a body that can be cut. The readers are small enough to
-//! be our own, so that every error names its line or element and no file, however broken, makes one
-//! panic, allocate out of proportion to what it holds, or read a file outside its own folder.
+//! A reader returns [`MeshData`], the welded content of the file; [`MeshData::into_surface`] then
+//! requires a body that can be cut. Every error names its line or element. No file, however broken,
+//! causes a panic, allocates out of proportion to its size, or makes a reader open a file outside
+//! its folder.
 
 mod build;
 mod data;
 mod error;
+#[cfg(feature = "gltf")]
 mod gltf;
 mod obj;
 mod ply;
@@ -16,7 +17,8 @@ mod stl;
 mod write;
 
 pub use data::{MeshData, Warning};
-pub use error::{ParseError, Place, ReadError, WriteError};
+pub use error::{ParseError, ReadError, SourceLocation, WriteError};
+#[cfg(feature = "gltf")]
 pub use gltf::read_gltf;
 pub use obj::read_obj;
 pub use ply::read_ply;
@@ -25,11 +27,10 @@ pub use write::{write_obj, write_ply};
 
 use std::path::Path;
 
-/// Reads a mesh. The file's extension, in any case, is its format: `obj`, `ply`, `stl`, `glb` or
-/// `gltf`.
+/// Reads a mesh in the format of the file's extension: `obj`, `ply`, `stl`, `glb` or `gltf`.
 ///
 /// # Errors
-/// [`ReadError`], which names the file and, where there is one, the line or element.
+/// [`ReadError`] with the file and, if known, the line or element.
 pub fn read_mesh(path: &Path) -> Result<MeshData, ReadError> {
     let extension = path
         .extension()
@@ -38,7 +39,13 @@ pub fn read_mesh(path: &Path) -> Result<MeshData, ReadError> {
         Some("obj") => |bytes, _| read_obj(bytes),
         Some("ply") => |bytes, _| read_ply(bytes),
         Some("stl") => |bytes, _| read_stl(bytes),
+        #[cfg(feature = "gltf")]
         Some("glb" | "gltf") => |bytes, folder| read_gltf(bytes, Some(folder)),
+        #[cfg(not(feature = "gltf"))]
+        Some("glb" | "gltf") => |_, _| {
+            let what = "glTF without the feature `gltf` of incise-mesh";
+            Err(ParseError::Unsupported { what })
+        },
         _ => {
             return Err(ReadError::UnknownExtension {
                 path: path.to_owned(),
@@ -49,6 +56,12 @@ pub fn read_mesh(path: &Path) -> Result<MeshData, ReadError> {
         path: path.to_owned(),
         source,
     })?;
+    if bytes.is_empty() {
+        return Err(ReadError::Parse {
+            path: path.to_owned(),
+            source: ParseError::Empty,
+        });
+    }
     let folder = path.parent().unwrap_or(Path::new(""));
     parse(&bytes, folder).map_err(|source| ReadError::Parse {
         path: path.to_owned(),
@@ -57,4 +70,4 @@ pub fn read_mesh(path: &Path) -> Result<MeshData, ReadError> {
 }
 
 #[cfg(test)]
-mod fuzz;
+mod tests;

@@ -1,11 +1,11 @@
-//! Area, volume and moments of a surface, summed in f64.
+//! Area, volume and mean edge of a surface, summed in 64 bits.
 
 use crate::geometry::{Vec3, area_vector};
 use crate::ids::TriangleId;
 use crate::surface::Surface;
 
 impl Surface {
-    /// The area of the whole surface \[m^2\].
+    /// Returns the area of the whole surface \[m^2\].
     #[must_use]
     pub fn area(&self) -> f64 {
         self.topology()
@@ -14,14 +14,15 @@ impl Surface {
             .sum()
     }
 
-    /// The volume that the whole surface encloses \[m^3\], positive when normals point outward.
+    /// Returns the enclosed volume \[m^3\], positive for outward normals.
+    ///
     /// Cavities count negative. Meaningless for a surface with boundaries.
     #[must_use]
     pub fn volume(&self) -> f64 {
         self.volume_of(self.topology().triangles())
     }
 
-    /// The volume of every piece \[m^3\], indexed by piece number; 0 for numbers not in use.
+    /// Returns the volume of every piece \[m^3\] by piece number; 0 for unused numbers.
     #[must_use]
     pub fn piece_volumes(&self) -> Vec<f64> {
         let mut volumes = vec![0.0; self.piece_bound() as usize];
@@ -32,8 +33,9 @@ impl Surface {
         volumes
     }
 
-    /// The volume under `triangles` \[m^3\]: their cones from the middle of the surface's box, which
-    /// keeps the sum's terms as small as the surface however far from the origin it is.
+    /// Returns the volume between `triangles` and the center of the surface's bounding box \[m^3\].
+    ///
+    /// The center keeps the terms of the sum small for surfaces far from the origin.
     #[must_use]
     pub fn volume_of(&self, triangles: impl Iterator<Item = TriangleId>) -> f64 {
         let center = self.bounds().center();
@@ -42,7 +44,7 @@ impl Surface {
             .sum()
     }
 
-    /// The volume under `triangles` at rest \[m^3\], see [`Surface::volume_of`]. Closed surfaces only.
+    /// Returns the volume of `triangles` in the rest shape \[m^3\], see [`Surface::volume_of`].
     #[must_use]
     pub fn rest_volume_of(&self, triangles: impl Iterator<Item = TriangleId>) -> f64 {
         let corner = |t: TriangleId| self.topology().triangle(t).map(|v| self.rest_position(v));
@@ -55,7 +57,8 @@ impl Surface {
             .sum()
     }
 
-    /// A third of the rest area of every triangle, at each of its corners \[m^2\], shape \[vertex slots\].
+    /// Returns a third of the rest area of the triangles at each vertex \[m^2\], shape \[vertex
+    /// slots\].
     #[must_use]
     pub fn lumped_rest_areas(&self) -> Vec<f64> {
         let mut areas = vec![0.0; self.topology().vertex_slots()];
@@ -69,7 +72,7 @@ impl Surface {
         areas
     }
 
-    /// The mean length of all edges \[m\]; 0 without edges.
+    /// Returns the mean edge length \[m\]; 0 without edges.
     #[must_use]
     pub fn mean_edge_length(&self) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
@@ -83,7 +86,7 @@ impl Surface {
     }
 }
 
-/// The signed volume of the cone from `apex` over a triangle \[m^3\].
+/// Returns the signed volume of the tetrahedron of `apex` and a triangle \[m^3\].
 pub(crate) fn cone_volume([a, b, c]: [Vec3; 3], apex: Vec3) -> f64 {
     (a - apex).dot(&(b - apex).cross(&(c - apex))) / 6.0
 }

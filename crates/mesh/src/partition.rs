@@ -1,6 +1,8 @@
-//! Disjoint sets over the numbers below n.
+//! Disjoint sets (union-find) over the numbers below n.
 
-/// Disjoint sets, each named by its smallest member, so that names do not depend on the order of
+use crate::ids::index_u32;
+
+/// Disjoint sets, each identified by its smallest member, which does not depend on the order of
 /// joins.
 #[derive(Debug)]
 pub(crate) struct Partition {
@@ -8,15 +10,15 @@ pub(crate) struct Partition {
 }
 
 impl Partition {
-    /// Every number below `count` alone.
+    /// Creates a set for every number below `count`.
     pub(crate) fn new(count: usize) -> Self {
-        let count = u32::try_from(count).expect("elements have 32-bit ids");
+        let count = index_u32(count);
         Self {
             parent: (0..count).collect(),
         }
     }
 
-    /// The smallest member of the set that holds `i`.
+    /// Returns the smallest member of the set that contains `i`.
     pub(crate) fn find(&mut self, mut i: u32) -> u32 {
         while self.parent[i as usize] != i {
             let next = self.parent[i as usize];
@@ -26,7 +28,7 @@ impl Partition {
         i
     }
 
-    /// Makes one set of the two that hold `a` and `b`.
+    /// Merges the sets of `a` and `b`.
     pub(crate) fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.find(a), self.find(b));
         self.parent[a.max(b) as usize] = a.min(b);

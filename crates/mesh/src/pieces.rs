@@ -1,26 +1,26 @@
-//! How many triangles every piece has, and which piece numbers were given.
+//! Triangle counts of pieces, and the allocation of piece numbers.
 
-/// Pieces and their triangles. Kept up to date by every edit, so that nobody has to count.
+/// The triangle count of every piece, updated by every edit.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct Pieces {
-    /// Number and triangles, ascending; a piece without triangles is not listed.
+    /// Piece number and count, ascending, for pieces with triangles.
     counts: Vec<(u32, u32)>,
-    /// Above every number that was ever in use.
+    /// Upper bound of all numbers ever used, exclusive.
     bound: u32,
 }
 
 impl Pieces {
-    /// How many have triangles.
+    /// Returns the number of pieces with triangles.
     pub(crate) fn len(&self) -> usize {
         self.counts.len()
     }
 
-    /// The triangles of `piece`.
+    /// Returns the number of triangles of `piece`.
     pub(crate) fn count(&self, piece: u32) -> u32 {
         self.find(piece).map_or(0, |at| self.counts[at].1)
     }
 
-    /// One triangle more of `piece`.
+    /// Counts one more triangle of `piece`.
     pub(crate) fn add(&mut self, piece: u32) {
         match self.find(piece) {
             Ok(at) => self.counts[at].1 += 1,
@@ -29,7 +29,7 @@ impl Pieces {
         self.bound = self.bound.max(piece.saturating_add(1));
     }
 
-    /// `count` triangles more of `piece`.
+    /// Counts `count` more triangles of `piece`.
     pub(crate) fn grow(&mut self, piece: u32, count: u32) {
         if count > 0 {
             self.add(piece);
@@ -39,7 +39,7 @@ impl Pieces {
         }
     }
 
-    /// `count` triangles of `from` are now `to`'s.
+    /// Moves `count` triangles from piece `from` to `to`.
     pub(crate) fn shift(&mut self, from: u32, to: u32, count: u32) {
         self.grow(to, count);
         if let Ok(at) = self.find(from) {
@@ -50,7 +50,7 @@ impl Pieces {
         }
     }
 
-    /// One triangle less of `piece`.
+    /// Counts one triangle of `piece` less.
     pub(crate) fn remove(&mut self, piece: u32) {
         if let Ok(at) = self.find(piece) {
             self.counts[at].1 -= 1;
@@ -60,17 +60,17 @@ impl Pieces {
         }
     }
 
-    /// One more than the largest number that was ever in use.
+    /// Returns the upper bound of all numbers ever used, exclusive.
     pub(crate) fn bound(&self) -> u32 {
         self.bound
     }
 
-    /// Sets the bound: one that an undone edit or another surface had.
+    /// Sets the bound, for an undo or a copied part.
     pub(crate) fn set_bound(&mut self, bound: u32) {
         self.bound = bound;
     }
 
-    /// The next number, in use from now on.
+    /// Allocates the next number.
     pub(crate) fn take_number(&mut self) -> u32 {
         let number = self.bound;
         self.bound = self.bound.saturating_add(1);

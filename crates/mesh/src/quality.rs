@@ -1,26 +1,28 @@
-//! How good triangles are: statistics of angles and edge lengths.
+//! Triangle quality: statistics of angles and edge lengths.
 
 use crate::geometry::{Vec3, corner_angles};
-use serde::Serialize;
 
-/// Angles at the corners of triangles \[degrees\].
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+/// Statistics of the angles of triangles \[degrees\].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct AngleStats {
-    /// The smallest.
+    /// Minimum.
     pub min: f64,
-    /// A twentieth of all angles is no larger.
+    /// 5th percentile.
     pub percentile_5: f64,
-    /// Half of all angles are no larger.
+    /// Median.
     pub median: f64,
-    /// The largest.
+    /// Maximum.
     pub max: f64,
 }
 
 impl AngleStats {
-    /// The statistics of `triangles`; zeros when there are none. A corner beside an edge of no
-    /// length has the angle 0.
+    /// Computes the statistics of `triangles`; zeros without triangles.
+    ///
+    /// A corner beside an edge of zero length has the angle 0.
     #[must_use]
-    pub fn of(triangles: impl IntoIterator<Item = [Vec3; 3]>) -> Self {
+    pub fn from_triangles(triangles: impl IntoIterator<Item = [Vec3; 3]>) -> Self {
         let mut angles: Vec<f64> = triangles
             .into_iter()
             .flat_map(corner_angles)
@@ -30,7 +32,7 @@ impl AngleStats {
             return Self::default();
         }
         angles.sort_unstable_by(f64::total_cmp);
-        // Nearest rank: the smallest angle that at least this part of all does not exceed.
+        // Nearest-rank percentile.
         let rank = |part: usize, of: usize| angles[(angles.len() * part).div_ceil(of) - 1];
         Self {
             min: angles[0],
@@ -41,22 +43,25 @@ impl AngleStats {
     }
 }
 
-/// Lengths of the sides of triangles \[m\]. An edge between two triangles counts twice, a boundary
-/// edge once.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+/// Statistics of the side lengths of triangles \[m\].
+///
+/// An edge between two triangles counts twice, a boundary edge once.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct EdgeStats {
-    /// The shortest.
+    /// Minimum.
     pub min: f64,
-    /// The mean.
+    /// Mean.
     pub mean: f64,
-    /// The longest.
+    /// Maximum.
     pub max: f64,
 }
 
 impl EdgeStats {
-    /// The statistics of `triangles`; zeros when there are none.
+    /// Computes the statistics of `triangles`; zeros without triangles.
     #[must_use]
-    pub fn of(triangles: impl IntoIterator<Item = [Vec3; 3]>) -> Self {
+    pub fn from_triangles(triangles: impl IntoIterator<Item = [Vec3; 3]>) -> Self {
         let (mut min, mut max) = (f64::INFINITY, 0.0f64);
         let (mut sum, mut count) = (0.0, 0.0);
         for [a, b, c] in triangles {
@@ -90,17 +95,17 @@ mod tests {
             Vec3::new(3.0, 0.0, 0.0),
             Vec3::new(0.0, 4.0, 0.0),
         ];
-        let angles = AngleStats::of([t]);
+        let angles = AngleStats::from_triangles([t]);
         assert!((angles.max - 90.0).abs() < 1e-12);
         assert!((angles.min - (3.0f64 / 4.0).atan().to_degrees()).abs() < 1e-12);
         assert_eq!(angles.percentile_5, angles.min);
-        let edges = EdgeStats::of([t, t]);
+        let edges = EdgeStats::from_triangles([t, t]);
         assert_eq!((edges.min, edges.mean, edges.max), (3.0, 4.0, 5.0));
     }
 
     #[test]
     fn nothing_has_zeros() {
-        assert_eq!(AngleStats::of([]), AngleStats::default());
-        assert_eq!(EdgeStats::of([]), EdgeStats::default());
+        assert_eq!(AngleStats::from_triangles([]), AngleStats::default());
+        assert_eq!(EdgeStats::from_triangles([]), EdgeStats::default());
     }
 }

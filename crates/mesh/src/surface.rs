@@ -1,55 +1,40 @@
-//! A surface: connectivity and the arrays that go with it.
+//! A triangle surface: connectivity and attribute arrays.
 
-use crate::geometry::{Aabb, Vec3, widen};
+use crate::geometry::{Aabb, Vec3};
 use crate::history::{History, Step};
 use crate::ids::{HalfEdge, TriangleId, VertexId};
 use crate::pieces::Pieces;
 use crate::topology::{Topology, TopologyError, copy};
 
+mod attributes;
 mod parts;
+mod validate;
 
-/// What corners carry beside their vertex. A seam is where the corners of one vertex differ; it
-/// never splits the vertex. Each array is empty or has three entries a triangle slot.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct CornerAttributes {
-    /// Texture coordinates, shape \[3 x triangle slots\].
-    pub uv: Vec<[f32; 2]>,
-    /// Shading normals, shape \[3 x triangle slots\].
-    pub normal: Vec<[f32; 3]>,
-}
+pub use attributes::{AttributeLengthError, CornerAttributes};
+pub use validate::InvalidSurface;
 
-impl CornerAttributes {
-    /// Gives new triangle slots zeros in the arrays that are there.
-    pub(crate) fn fit(&mut self, triangle_slots: usize) {
-        if !self.uv.is_empty() {
-            self.uv.resize(3 * triangle_slots, [0.0; 2]);
-        }
-        if !self.normal.is_empty() {
-            self.normal.resize(3 * triangle_slots, [0.0; 3]);
-        }
-    }
-}
-
-/// A triangle surface as a structure of arrays, one array an attribute. One surface holds any
-/// number of pieces (bodies after a cut): every triangle has the number of its piece.
+/// A triangle surface as a structure of arrays.
 ///
-/// Surfaces are equal when their arrays are, however they came to be what they are. A new surface has
-/// room for a quarter more than it holds, so that its first edits do not move whole arrays, and so has
-/// a copy of it; [`Surface::reserve`] makes more.
+/// A surface has any number of pieces (bodies after a cut); every triangle has a piece number.
+///
+/// Surfaces are equal if their arrays are equal. A new surface and every clone reserve a quarter of
+/// their size, so that the first edits do not reallocate; see [`Surface::reserve`].
 #[derive(Debug, Default)]
 pub struct Surface {
     pub(crate) topology: Topology,
     /// Position \[m\] and inverse mass \[1/kg\], 0 = pinned, shape \[vertex slots\].
-    pub positions: Vec<[f32; 4]>,
+    pub(crate) positions: Vec<[f32; 4]>,
     /// Rest position \[m\], shape \[vertex slots\].
-    pub rest: Vec<[f32; 3]>,
+    pub(crate) rest: Vec<[f32; 3]>,
     /// Attributes of corners.
-    pub corners: CornerAttributes,
-    /// Shape \[triangle slots\], like `material`.
+    pub(crate) corners: CornerAttributes,
+    /// Piece number, shape \[triangle slots\].
     pub(crate) piece: Vec<u32>,
     pub(crate) material: Vec<u32>,
     pub(crate) pieces: Pieces,
     pub(crate) history: History,
+    /// The stamp of the last access to positions for writing, see [`Surface::motion_version`].
+    pub(crate) motion: u64,
 }
 
 impl Clone for Surface {
@@ -66,6 +51,7 @@ impl Clone for Surface {
             material: copy(&self.material),
             pieces: self.pieces.clone(),
             history: self.history,
+            motion: self.motion,
         }
     }
 }
@@ -83,11 +69,13 @@ impl PartialEq for Surface {
 }
 
 impl Surface {
-    /// A surface at rest: rest positions are `positions`, inverse masses 1, one piece a connected
-    /// component, numbered in order of their first triangle.
+    /// Builds a surface at rest, with inverse masses of 1.
+    ///
+    /// Rest positions equal `positions`. Each connected component is a piece, in the order of their
+    /// first triangles.
     ///
     /// # Errors
-    /// [`TopologyError`] when the triangles do not make an oriented manifold (boundaries are allowed).
+    /// [`TopologyError`] if the triangles do not form an oriented manifold; boundaries are allowed.
     pub fn from_triangles(
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
@@ -112,13 +100,13 @@ impl Surface {
             rest: positions.to_vec(),
             corners: CornerAttributes::default(),
             piece,
+            motion: 0,
         };
         surface.reserve(positions.len() / 4, triangles.len() / 4);
         Ok(surface)
     }
 
-    /// Makes room for so many vertices and triangles more, so that edits up to this size do not move
-    /// whole arrays.
+    /// Reserves memory for additional vertices and triangles, so that edits do not reallocate.
     pub fn reserve(&mut self, vertices: usize, triangles: usize) {
         self.topology.reserve(vertices, triangles);
         self.positions.reserve(vertices);
@@ -133,85 +121,64 @@ impl Surface {
         }
     }
 
-    /// The connectivity.
+    /// Returns the connectivity.
     #[must_use]
     #[inline]
     pub fn topology(&self) -> &Topology {
         &self.topology
     }
 
-    /// The positions, to be moved, together with the connectivity, for who needs both at once.
-    #[must_use]
-    #[inline]
-    pub fn positions_and_topology(&mut self) -> (&mut [[f32; 4]], &Topology) {
-        (&mut self.positions, &self.topology)
-    }
-
-    /// Where `v` is \[m\].
-    #[must_use]
-    #[inline]
-    pub fn position(&self, v: VertexId) -> Vec3 {
-        let [x, y, z, _] = self.positions[v.index()];
-        widen([x, y, z])
-    }
-
-    /// Where `v` is at rest \[m\].
-    #[must_use]
-    #[inline]
-    pub fn rest_position(&self, v: VertexId) -> Vec3 {
-        widen(self.rest[v.index()])
-    }
-
-    /// Where the corners of `t` are \[m\].
+    /// Returns the corner positions of `t` \[m\].
     #[must_use]
     #[inline]
     pub fn triangle_positions(&self, t: TriangleId) -> [Vec3; 3] {
         self.topology.triangle(t).map(|v| self.position(v))
     }
 
-    /// The piece that `t` belongs to.
+    /// Returns the piece number of `t`.
     #[must_use]
     #[inline]
     pub fn piece(&self, t: TriangleId) -> u32 {
         self.piece[t.index()]
     }
 
-    /// One more than the largest piece number that was ever in use. O(1).
+    /// Returns an upper bound of all piece numbers ever used, exclusive. O(1).
     #[must_use]
     #[inline]
     pub fn piece_bound(&self) -> u32 {
         self.pieces.bound()
     }
 
-    /// How many pieces have triangles. O(1).
+    /// Returns the number of pieces with triangles. O(1).
     #[must_use]
     #[inline]
     pub fn piece_count(&self) -> usize {
         self.pieces.len()
     }
 
-    /// The triangles of a piece; 0 of a number not in use. O(log p) for p pieces.
+    /// Returns the number of triangles of a piece; 0 for an unused number. O(log p) for p pieces.
     #[must_use]
     #[inline]
     pub fn piece_triangles(&self, piece: u32) -> usize {
         self.pieces.count(piece) as usize
     }
 
-    /// The material of `t`: a number that means what its user says. 0 unless set.
+    /// Returns the material number of `t`, whose meaning is up to the caller; 0 by default.
     #[must_use]
     #[inline]
     pub fn material(&self, t: TriangleId) -> u32 {
         self.material[t.index()]
     }
 
-    /// A fingerprint of how the surface was made and of every edit since, in order; motion does not
-    /// count. The same on every machine. An undo puts the old one back.
+    /// Returns a fingerprint of the construction and of all edits since, in order.
+    ///
+    /// Motion does not change it. It is equal on every machine, and an undo restores it.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
         self.history.value()
     }
 
-    /// The box around the vertices that triangles use.
+    /// Returns the bounding box of the vertices that triangles use.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         Aabb::around(self.topology.vertices().map(|v| {
@@ -220,8 +187,9 @@ impl Surface {
         }))
     }
 
-    /// Vertices as a renderer counts them: one for each distinct set of corner attributes of a
-    /// vertex that triangles use. This is the paper's "Number of Vertices".
+    /// Returns the number of vertices that a renderer needs: the paper's "Number of Vertices".
+    ///
+    /// It counts each distinct set of corner attributes of a used vertex.
     #[must_use]
     pub fn seam_split_vertices(&self) -> usize {
         let mut corners: Vec<_> = self
@@ -248,7 +216,7 @@ impl Surface {
         corners.len()
     }
 
-    /// Makes a vertex that no triangle uses yet.
+    /// Adds an unused vertex.
     pub fn add_vertex(&mut self, position: [f32; 4], rest: [f32; 3]) -> VertexId {
         let v = self.topology.add_vertex();
         if v.index() == self.positions.len() {
@@ -264,10 +232,10 @@ impl Surface {
         v
     }
 
-    /// Makes a triangle of `piece` without neighbors; corner attributes are zero.
+    /// Adds a triangle without neighbors, with zero corner attributes.
     ///
     /// # Errors
-    /// [`TopologyError`] when the vertices repeat or do not exist.
+    /// [`TopologyError`] if the vertices repeat or do not exist.
     pub fn add_triangle(
         &mut self,
         corners: [VertexId; 3],
@@ -298,10 +266,10 @@ impl Surface {
         Ok(t)
     }
 
-    /// Joins boundary half-edges, see [`Topology::stitch`].
+    /// Pairs boundary half-edges, see [`Topology::stitch`].
     ///
     /// # Errors
-    /// [`TopologyError`]; nothing is joined then.
+    /// [`TopologyError`]; nothing is paired then.
     pub fn stitch(&mut self, half_edges: &[HalfEdge]) -> Result<(), TopologyError> {
         self.topology.stitch(half_edges)?;
         for h in half_edges {
@@ -323,7 +291,7 @@ impl Surface {
     /// Frees unused vertices, see [`Topology::remove_vertices`]; their data stays readable.
     ///
     /// # Panics
-    /// When a triangle still uses one.
+    /// If a triangle uses one of them.
     pub fn remove_vertices(&mut self, vertices: &[VertexId]) {
         self.topology.remove_vertices(vertices);
         for v in vertices {
@@ -344,7 +312,7 @@ impl Surface {
         }
     }
 
-    /// Gives a triangle another material.
+    /// Sets the material number of a triangle.
     pub fn set_material(&mut self, t: TriangleId, material: u32) {
         self.material[t.index()] = material;
         self.history.step(Step::SetMaterial, t.0);

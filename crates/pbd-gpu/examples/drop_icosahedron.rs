@@ -1,4 +1,4 @@
-//! Drops an icosahedron on the ground and prints where it is ten times a second.
+//! Drops an icosahedron on the ground and prints height, energy and edge error ten times a second.
 //!
 //! `cargo run -p incise-pbd-gpu --example drop_icosahedron`
 
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for frame in 0..120 {
         if frame % 6 == 0 {
             println!(
-                "{:.1} s: lowest {:.3} m, {:.3} J, edges off by {:.1e}",
+                "{:.1} s: lowest {:.3} m, {:.3} J, edge error {:.1e}",
                 f64::from(frame) / 60.0,
                 heavier.bounds().min[1],
                 solver.kinetic_energy(),

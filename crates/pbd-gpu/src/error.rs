@@ -1,12 +1,12 @@
-//! What can be wrong with a body, a frame or a set of constraints.
+//! Errors of materials, constraints and steps.
 
 use incise_mesh::{EdgeKey, TriangleId, VertexId};
 
-/// Why constraints cannot be made of a surface and a material, or follow its change.
+/// An error of creating or changing a solver.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ConstraintError {
-    /// A position or rest position is not a number.
+    /// A position or rest position is not finite.
     #[error(
         "{vertex} has a position or rest position that is not finite; repair the surface first"
     )]
@@ -15,180 +15,95 @@ pub enum ConstraintError {
         vertex: VertexId,
     },
     /// The ends of an edge have the same rest position.
-    #[error("the edge {a}-{b} has no length at rest; merge its ends")]
+    #[error("the edge {a}-{b} has no rest length; merge its ends")]
     ZeroRestLength {
         /// One end.
         a: VertexId,
         /// The other end.
         b: VertexId,
     },
-    /// A compliance below zero or not a number.
-    #[error("compliance {value} is not a finite number of at least 0")]
+    /// A compliance is negative or not finite.
+    #[error("compliance {value} is negative or not finite")]
     NegativeCompliance {
-        /// What was asked for.
+        /// Requested value.
         value: f32,
     },
-    /// A stiffness outside of 0 to 1.
+    /// A stiffness is outside of 0 to 1.
     #[error("stiffness {value} is not between 0 and 1")]
     StiffnessOutOfRange {
-        /// What was asked for.
+        /// Requested value.
         value: f32,
     },
-    /// A density that gives no mass.
+    /// A density is not positive or not finite.
     #[error("density {value} is not a finite number above 0")]
     BadDensity {
-        /// What was asked for.
+        /// Requested value.
         value: f32,
     },
-    /// A volume density for a surface that encloses nothing.
+    /// A volume density was given, but the surface encloses no volume.
     #[error(
-        "the surface encloses {volume} m^3 at rest; give an area density or turn it inside out"
+        "the surface encloses {volume} m^3 at rest; use an area density, or reverse its triangles"
     )]
     NoVolume {
         /// The rest volume [m^3].
         volume: f64,
     },
-    /// No triangle of the surface has an area, so there is nothing to hang mass on.
-    #[error("the surface has no area at rest")]
+    /// The surface has no area, from which masses follow.
+    #[error("the surface has no rest area; repair its degenerate triangles first")]
     NoArea,
-    /// A damping or friction below zero or not a number.
-    #[error("{name} {value} is not a finite number of at least 0")]
+    /// A coefficient is negative or not finite.
+    #[error("{name} {value} is negative or not finite")]
     NegativeCoefficient {
-        /// Which one.
+        /// Name of the coefficient.
         name: &'static str,
-        /// What was asked for.
+        /// Requested value.
         value: f32,
     },
-    /// A collider that is no shape.
+    /// A collider is not a valid shape.
     #[error(
-        "collider {number} has a number that is not finite, a size that is not above 0, or a direction of no length"
+        "collider {number} has a number that is not finite, a size that is not positive, or a zero \
+         direction"
     )]
     BadCollider {
-        /// Its place in the list.
+        /// Index of the collider in the list.
         number: usize,
     },
-    /// A contact that is none.
+    /// A contact is not valid.
     #[error(
-        "the contact of {vertex} has a number that is not finite, a normal that has not length 1, weights that do not sum to 1, or the vertex for a corner"
+        "the contact of {vertex} has a number that is not finite, a normal that is not of length \
+         1, weights that do not sum to 1, or the vertex as a corner"
     )]
     BadContact {
-        /// Its vertex.
+        /// Vertex of the contact.
         vertex: VertexId,
     },
-    /// Struts for a body whose material has none.
-    #[error("the body's material has no struts; make the body anew with them")]
-    WithoutStruts,
-    /// A density of struts that is no part of the vertices.
-    #[error("{value} struts a vertex are not between 0 and 1")]
-    BadStruts {
-        /// What was asked for.
+    /// The material has no interior springs.
+    #[error(
+        "the material has no interior springs; create the body again with a material that does"
+    )]
+    NoInteriorSprings,
+    /// The density of interior springs is outside of 0 to 1.
+    #[error("{value} interior springs per vertex are not between 0 and 1")]
+    BadSpringDensity {
+        /// Requested value.
         value: f32,
     },
-    /// Patches too small, too large or without a place for what is there.
+    /// The size of patches is out of range.
     #[error(
-        "patches of {vertices} vertices with room for {room} more; give 8 to {most} and less room than that",
-        most = crate::PATCH_VERTICES
+        "patches of {vertices} vertices with {room} of them free; use 8 to {max} vertices, not all \
+         of them free",
+        max = crate::PATCH_VERTICES
     )]
     BadPatches {
-        /// The most vertices asked for.
+        /// Requested maximum number of vertices.
         vertices: u32,
-        /// The free places asked for.
+        /// Requested number of free places.
         room: u32,
     },
-    /// A vertex that no triangle uses, or that does not exist.
-    #[error("{vertex} is not a vertex of the body")]
-    UnknownVertex {
-        /// The vertex.
-        vertex: VertexId,
-    },
-    /// A target or velocity that is not a number.
-    #[error("the value for {vertex} is not finite")]
-    NonFiniteValue {
-        /// The vertex.
-        vertex: VertexId,
-    },
-    /// A mass that a vertex cannot have.
-    #[error("mass {value} of {vertex} is not a number above 0 with an inverse")]
-    BadMass {
-        /// The vertex.
-        vertex: VertexId,
-        /// What was asked for \[kg\].
-        value: f32,
-    },
-    /// A target for a vertex that is not pinned.
-    #[error("{vertex} is not pinned; pin it before giving it a target")]
-    NotPinned {
-        /// The vertex.
-        vertex: VertexId,
-    },
-    /// A delta removes a triangle that the solver does not know, so it has missed an earlier delta.
+    /// The surface has another number of vertex slots than the solver.
     #[error(
-        "the delta removes {triangle}, which the solver does not know; apply every delta once, in order"
-    )]
-    DeltaMismatch {
-        /// The triangle.
-        triangle: TriangleId,
-    },
-    /// A delta adds a triangle that the surface does not have.
-    #[error(
-        "the delta adds {triangle}, which the surface does not have; apply a delta to the surface it was made from"
-    )]
-    DeltaUnknownTriangle {
-        /// The triangle.
-        triangle: TriangleId,
-    },
-}
-
-/// Why a frame could not be stepped.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum StepError {
-    /// A time step that is not a positive number.
-    #[error("time step {value} s is not a finite number above 0")]
-    BadTimeStep {
-        /// What was asked for \[s\].
-        value: f32,
-    },
-    /// Substeps so short, or compliances so large, that `compliance / h^2` is no number any more.
-    #[error(
-        "compliance over the square of a substep of {h} s is no number: take fewer substeps, longer steps or less compliance"
-    )]
-    TooShort {
-        /// The substep \[s\].
-        h: f32,
-    },
-    /// No iterations or no substeps.
-    #[error("a step needs at least one {name}")]
-    NoneOf {
-        /// Of what there must be one.
-        name: &'static str,
-    },
-    /// Gravity or the height of the ground is not a number.
-    #[error("{name} is not finite")]
-    NonFiniteParameter {
-        /// Which one.
-        name: &'static str,
-    },
-    /// A residual that no motion can be compared with.
-    #[error(
-        "residual {value} m is not a finite number of 0 or more; give none to do all iterations"
-    )]
-    BadResidual {
-        /// What was asked for \[m\].
-        value: f32,
-    },
-    /// A part of its own weight that a constraint cannot be projected against.
-    #[error("the own weight {value} is not from 1/2 to 1")]
-    BadOwnWeight {
-        /// What was asked for.
-        value: f32,
-    },
-    /// A device steps by implicit Euler only.
-    #[error("a device steps by implicit Euler; step on the CPU, or take Integrator::Euler")]
-    NotOnDevice,
-    /// The surface was edited and the solver has not been told.
-    #[error(
-        "the surface has {surface} vertex slots, the solver {solver}; apply the delta of the edit first"
+        "the surface has {surface} vertex slots, the solver {solver}; pass the surface that the \
+         solver was made for, and apply the delta of every edit"
     )]
     SurfaceMismatch {
         /// Vertex slots of the surface.
@@ -196,31 +111,137 @@ pub enum StepError {
         /// Vertex slots of the solver.
         solver: usize,
     },
-    /// A position is not a number before the step.
-    #[error("{vertex} has a position that is not finite; set it again, nothing was stepped")]
+    /// The vertex does not exist or has no triangle.
+    #[error("{vertex} is not a vertex of the body")]
+    UnknownVertex {
+        /// The vertex.
+        vertex: VertexId,
+    },
+    /// A target or velocity is not finite.
+    #[error("the value for {vertex} is not finite")]
+    NonFiniteValue {
+        /// The vertex.
+        vertex: VertexId,
+    },
+    /// A mass or its inverse is not positive and finite.
+    #[error("mass {value} of {vertex} is not positive, or it or its inverse is not finite")]
+    BadMass {
+        /// The vertex.
+        vertex: VertexId,
+        /// Requested mass \[kg\].
+        value: f32,
+    },
+    /// The vertex is not pinned.
+    #[error("{vertex} is not pinned; pin it first")]
+    NotPinned {
+        /// The vertex.
+        vertex: VertexId,
+    },
+    /// A delta removes a triangle that is not in the solver, so an earlier delta was not applied.
+    #[error(
+        "the delta removes {triangle}, which is not in the solver; apply every delta once, in order"
+    )]
+    DeltaMismatch {
+        /// The triangle.
+        triangle: TriangleId,
+    },
+    /// A delta adds a triangle that is not in the surface.
+    #[error(
+        "the delta adds {triangle}, which is not in the surface; apply a delta with the surface \
+         that it was made from"
+    )]
+    DeltaUnknownTriangle {
+        /// The triangle.
+        triangle: TriangleId,
+    },
+}
+
+/// An error of stepping a frame.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepError {
+    /// The time step is not positive or not finite.
+    #[error("time step {value} s is not a finite number above 0")]
+    BadTimeStep {
+        /// Requested time step \[s\].
+        value: f32,
+    },
+    /// `compliance / h^2` overflows.
+    #[error(
+        "compliance over the square of a substep of {h} s overflows; use fewer substeps, longer \
+         steps or less compliance"
+    )]
+    SubstepTooShort {
+        /// Length of the substep \[s\].
+        h: f32,
+    },
+    /// The number of iterations or substeps is 0.
+    #[error("a step needs at least one {name}")]
+    ZeroCount {
+        /// `iteration` or `substep`.
+        name: &'static str,
+    },
+    /// Gravity or the height of the ground is not finite.
+    #[error("{name} is not finite")]
+    NonFiniteParameter {
+        /// Name of the parameter.
+        name: &'static str,
+    },
+    /// The residual is negative or not finite.
+    #[error("residual {value} m is negative or not finite; use None to run all iterations")]
+    BadResidual {
+        /// Requested residual \[m\].
+        value: f32,
+    },
+    /// The diagonal scale is outside of 1/2 to 1.
+    #[error("diagonal scale {value} is not between 1/2 and 1")]
+    DiagonalScaleOutOfRange {
+        /// Requested value.
+        value: f32,
+    },
+    /// The GPU backend supports implicit Euler only.
+    #[error(
+        "the GPU backend supports implicit Euler only; use Integrator::Euler, or step on the CPU"
+    )]
+    UnsupportedOnGpu,
+    /// The surface was edited, but the delta was not applied to the solver.
+    #[error(
+        "the surface has {surface} vertex slots, the solver {solver}; apply the delta of the edit \
+         first"
+    )]
+    SurfaceMismatch {
+        /// Vertex slots of the surface.
+        surface: usize,
+        /// Vertex slots of the solver.
+        solver: usize,
+    },
+    /// A position is not finite before the step.
+    #[error("{vertex} has a position that is not finite; nothing was stepped")]
     NonFiniteInput {
         /// The first such vertex.
         vertex: VertexId,
     },
-    /// A position stopped being a number. The body must be set up again.
+    /// A position became infinite or NaN. The solver must be created again.
     #[error(
-        "{vertex} left the numbers in substep {substep}; use smaller steps or check its velocity"
+        "the position of {vertex} became infinite or NaN in substep {substep}; use shorter steps, \
+         or check its velocity"
     )]
     NonFinitePosition {
         /// The first such vertex.
         vertex: VertexId,
-        /// In which substep of the frame.
+        /// Substep of the frame.
         substep: u32,
     },
 }
 
-/// How the constraints differ from those that the surface would get if built from scratch, found by
+/// A difference to the constraints of a solver built from scratch, from
 /// [`Solver::validate`](crate::Solver::validate).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 #[error("{rule} does not hold at {edge:?}")]
 pub struct InvalidConstraints {
     /// The broken rule.
     pub rule: &'static str,
-    /// The edge of the constraint, if one is to blame.
+    /// The edge of the first constraint that breaks it, if any.
     pub edge: Option<EdgeKey>,
 }

@@ -1,19 +1,18 @@
-//! Mass, shared out by rest area.
+//! Distributes the mass of a body over its vertices by rest area.
 
 use crate::error::ConstraintError;
 use crate::material::{Density, Material};
 use incise_mesh::{HalfEdge, Surface, VertexId};
 
-/// The least share of mass that a vertex gets, against the mean one. A vertex between triangles
-/// without area would else weigh nothing and fly.
-const LEAST_SHARE: f64 = 1e-4;
+/// Minimum share of a vertex relative to the mean, so that degenerate triangles have some mass.
+const MIN_SHARE: f64 = 1e-4;
 
-/// Turns areas into shares that sum to 1, none below [`LEAST_SHARE`] of the mean.
+/// Converts areas to shares that sum to 1, none below [`MIN_SHARE`] of the mean.
 pub(crate) fn shares_of(areas: &mut [f64]) {
     let mean = areas.iter().sum::<f64>() / areas.len() as f64;
-    let least = if mean > 0.0 { mean * LEAST_SHARE } else { 1.0 };
+    let min = if mean > 0.0 { mean * MIN_SHARE } else { 1.0 };
     for area in &mut *areas {
-        *area = area.max(least);
+        *area = area.max(min);
     }
     let sum: f64 = areas.iter().sum();
     for area in areas {
@@ -21,14 +20,14 @@ pub(crate) fn shares_of(areas: &mut [f64]) {
     }
 }
 
-/// A third of a triangle's rest area \[m^2\].
+/// Returns a third of a triangle's rest area \[m^2\].
 #[inline]
 pub(crate) fn third_of_area(surface: &Surface, corners: [VertexId; 3]) -> f64 {
     let [a, b, c] = corners.map(|v| surface.rest_position(v));
     (b - a).cross(&(c - a)).norm() / 6.0
 }
 
-/// A third of the rest area of the triangles around `v` \[m^2\], in one fan where several meet.
+/// Returns a third of the rest area of one fan of triangles at `v` \[m^2\].
 pub(crate) fn lumped_area(surface: &Surface, v: VertexId) -> f64 {
     let topology = surface.topology();
     let third = |h: HalfEdge| third_of_area(surface, topology.triangle(h.triangle()));
@@ -41,7 +40,7 @@ pub(crate) fn lumped_area(surface: &Surface, v: VertexId) -> f64 {
             return sum;
         }
     }
-    // A boundary: the others lie on the other side of the first one.
+    // At a boundary the rest of the fan lies on the other side of the first half-edge.
     at = first;
     while !at.is_null() {
         let twin = topology.twin(at);
@@ -54,7 +53,7 @@ pub(crate) fn lumped_area(surface: &Surface, v: VertexId) -> f64 {
     sum
 }
 
-/// The rest volume [m^3].
+/// Returns the rest volume [m^3].
 fn rest_volume(surface: &Surface) -> f64 {
     let topology = surface.topology();
     let Some(first) = topology.vertices().next() else {
@@ -72,7 +71,7 @@ fn rest_volume(surface: &Surface) -> f64 {
         .sum()
 }
 
-/// The mass of every vertex \[kg\], shape [vertex slots]; 0 where no triangle is.
+/// Returns the mass of every vertex \[kg\], 0 for unused slots, shape [vertex slots].
 #[expect(
     clippy::cast_possible_truncation,
     reason = "a computed mass is rounded once to storage"

@@ -1,18 +1,15 @@
-//! Closed forms, on the CPU.
-
-#[path = "common/closed_forms.rs"]
-mod closed_forms;
-#[path = "common/single_steps.rs"]
-mod single_steps;
+//! Tests of solver results with closed forms, on the CPU.
 
 use libtest_mimic::{Arguments, Trial};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let laws = closed_forms::LAWS.into_iter().chain(single_steps::LAWS);
-    let trials = laws.map(|(name, law)| {
+    let cases = incise_test_support::closed_forms::CASES
+        .into_iter()
+        .chain(incise_test_support::single_steps::CASES);
+    let trials = cases.map(|(name, test)| {
         Trial::test(name, move || {
-            law(&mut |surface, solver, dt, params, frames| {
+            test(&mut |surface, solver, dt, params, frames| {
                 for _ in 0..frames {
                     solver.step(surface, dt, params).expect("a step");
                 }

@@ -1,16 +1,15 @@
-//! A cut in two: mass and momentum go to both halves.
+//! Mass and momentum are distributed to both halves of a cut.
 
-mod common;
-
-use common::{Addition, NEW, on_cap, replace, sphere};
 use incise_mesh::{Surface, TriangleId, VertexId};
 use incise_pbd_gpu::{Density, Material, Solver, SolverParams};
+use incise_test_support::edits::{Addition, NEW, on_cap, replace};
+use incise_test_support::surfaces::sphere;
 
 /// The removed triangles and the caps of a cut along the equator. Both halves get a vertex in the
 /// middle of their cap.
 fn equator(surface: &Surface) -> (Vec<TriangleId>, Addition) {
     let topology = surface.topology();
-    let height = |v: VertexId| surface.rest[v.index()][1] - 2.0;
+    let height = |v: VertexId| surface.rest_positions()[v.index()][1] - 2.0;
     let removed: Vec<TriangleId> = topology
         .triangles()
         .filter(|&t| topology.triangle(t).iter().any(|&v| height(v).abs() < 1e-3))
@@ -52,7 +51,7 @@ fn sums_of(solver: &Solver, surface: &Surface, piece: u32) -> (f64, f64) {
 }
 
 #[test]
-fn both_halves_inherit() {
+fn both_halves_get_mass_and_momentum() {
     let mut surface = sphere(3, [0.0, 2.0, 0.0]);
     let material = Material {
         density: Density::Volume(500.0),
@@ -60,7 +59,7 @@ fn both_halves_inherit() {
     };
     let mut solver = Solver::new(&mut surface, &material).unwrap();
     for v in surface.topology().vertices() {
-        let y = surface.positions[v.index()][1];
+        let y = surface.positions()[v.index()][1];
         solver.set_velocity(v, [y, 1.0 - y * y, 0.5]).unwrap();
     }
     let (mass, momentum) = (solver.total_mass(), solver.momentum());
@@ -83,12 +82,15 @@ fn both_halves_inherit() {
     }
     let halves = [0, 1].map(|piece| sums_of(&solver, &surface, piece));
     for (half, _) in halves {
-        // Which half the equator's own vertices fall to is a matter of order.
+        // The order of vertices decides to which half those on the equator belong.
         assert!((half / mass - 0.5).abs() < 0.1, "{half} kg of {mass} kg");
     }
     for v in delta.vertices_removed {
         assert_eq!(
-            (solver.masses()[v.index()], surface.positions[v.index()][3]),
+            (
+                solver.masses()[v.index()],
+                surface.positions()[v.index()][3]
+            ),
             (0.0, 0.0)
         );
     }

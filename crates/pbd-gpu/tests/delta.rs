@@ -1,10 +1,10 @@
-//! Constraints, mass and momentum across edits.
+//! Constraints, mass and momentum after topology edits.
 
-mod common;
-
-use common::{Addition, double_cone, flip, renew, replace, sphere, split, two_spheres};
 use incise_mesh::{HalfEdge, Surface, TopologyDelta, TriangleId, VertexId};
+use incise_models::double_cone;
 use incise_pbd_gpu::{ConstraintError, Density, Material, Solver, SolverParams};
+use incise_test_support::edits::{Addition, flip, replace, replace_vertex, split};
+use incise_test_support::surfaces::{sphere, two_spheres};
 use proptest::prelude::*;
 
 fn assert_same_sums(solver: &Solver, before: (f64, [f64; 3])) {
@@ -34,13 +34,13 @@ fn edit(surface: &mut Surface, kind: u8, at: usize, t: f32) -> Option<TopologyDe
     match kind {
         0 => flip(surface, h),
         1 => split(surface, h, t),
-        _ => renew(surface, surface.topology().origin(h)),
+        _ => replace_vertex(surface, surface.topology().origin(h)),
     }
 }
 
 fn spin(surface: &Surface, solver: &mut Solver) {
     for v in surface.topology().vertices() {
-        let [x, y, z, _] = surface.positions[v.index()];
+        let [x, y, z, _] = surface.positions()[v.index()];
         solver.set_velocity(v, [y - z, 0.5 - x, x + z]).unwrap();
     }
 }
@@ -66,13 +66,13 @@ proptest! {
             }
         }
         for v in surface.topology().vertices() {
-            prop_assert!(surface.positions[v.index()][3] > 0.0, "{v} has no mass");
+            prop_assert!(surface.positions()[v.index()][3] > 0.0, "{v} has no mass");
         }
         solver.step(&mut surface, 1.0 / 60.0, &SolverParams::paper()).unwrap();
     }
 
     #[test]
-    fn removed_triangles_can_come_back(
+    fn removed_triangles_can_be_restored(
         picks in prop::collection::vec(any::<u16>(), 1..60),
     ) {
         let mut surface = sphere(2, [0.0, 2.0, 0.0]);
@@ -105,15 +105,15 @@ proptest! {
 }
 
 #[test]
-fn an_edit_leaves_the_rest_alone() {
+fn an_edit_keeps_other_constraints() {
     let mut surface = two_spheres(2);
     let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
     spin(&surface, &mut solver);
     let old = solver.clone();
-    let positions = surface.positions.clone();
+    let positions = surface.positions().to_vec();
     let h = HalfEdge(30);
     let delta = split(&mut surface, h, 0.25).unwrap();
-    let concerned: Vec<VertexId> = delta
+    let affected: Vec<VertexId> = delta
         .triangles_removed
         .iter()
         .flat_map(|&(_, corners)| corners)
@@ -121,8 +121,8 @@ fn an_edit_leaves_the_rest_alone() {
     solver.apply_delta(&mut surface, &delta).unwrap();
     for (i, position) in positions.iter().enumerate() {
         let v = VertexId::from_index(i);
-        if !concerned.contains(&v) {
-            assert_eq!(surface.positions[i], *position, "{v}");
+        if !affected.contains(&v) {
+            assert_eq!(surface.positions()[i], *position, "{v}");
             assert_eq!(solver.velocity(v), old.velocity(v), "{v}");
             assert_eq!(solver.masses()[i], old.masses()[i], "{v}");
         }
@@ -136,7 +136,7 @@ fn an_edit_leaves_the_rest_alone() {
 }
 
 #[test]
-fn mass_goes_with_the_piece() {
+fn mass_stays_in_its_piece() {
     let mut surface = two_spheres(2);
     let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
     let mass_of = |surface: &Surface, solver: &Solver, piece: u32| -> f64 {
@@ -154,7 +154,7 @@ fn mass_goes_with_the_piece() {
     let before = [0, 1].map(|piece| mass_of(&surface, &solver, piece));
     let (first, second) = (VertexId(2), VertexId(80));
     for v in [first, second] {
-        let delta = renew(&mut surface, v).unwrap();
+        let delta = replace_vertex(&mut surface, v).unwrap();
         solver.apply_delta(&mut surface, &delta).unwrap();
     }
     for (piece, before) in (0..).zip(before) {
@@ -167,7 +167,7 @@ fn mass_goes_with_the_piece() {
 }
 
 #[test]
-fn pins_stay_and_go_with_their_vertices() {
+fn pins_are_removed_with_their_vertices() {
     let mut surface = sphere(2, [0.0; 3]);
     let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
     let (kept, lost) = (VertexId(10), VertexId(2));
@@ -176,15 +176,15 @@ fn pins_stay_and_go_with_their_vertices() {
     let h = surface.topology().outgoing(kept);
     let delta = split(&mut surface, h, 0.5).unwrap();
     solver.apply_delta(&mut surface, &delta).unwrap();
-    assert_eq!(surface.positions[kept.index()][3], 0.0);
-    let delta = renew(&mut surface, lost).unwrap();
+    assert_eq!(surface.positions()[kept.index()][3], 0.0);
+    let delta = replace_vertex(&mut surface, lost).unwrap();
     solver.apply_delta(&mut surface, &delta).unwrap();
     let pinned: Vec<VertexId> = solver.pins().iter().map(|pin| pin.vertex).collect();
     assert_eq!(pinned, [kept]);
 }
 
 #[test]
-fn high_valence_overflows_and_still_works() {
+fn constraints_at_a_high_valence_overflow() {
     let mut surface = double_cone(100);
     let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
     solver.validate(&surface).unwrap();
@@ -198,7 +198,7 @@ fn high_valence_overflows_and_still_works() {
         solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
     }
     assert!(solver.stretch_error(&surface) < 0.05);
-    let delta = renew(&mut surface, VertexId(0)).unwrap();
+    let delta = replace_vertex(&mut surface, VertexId(0)).unwrap();
     solver.apply_delta(&mut surface, &delta).unwrap();
     solver.validate(&surface).unwrap();
 }

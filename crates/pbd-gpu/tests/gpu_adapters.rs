@@ -1,17 +1,12 @@
-//! Devices that are found and opened, and those that are not.
+//! Enumeration and opening of adapters, and their errors.
 #![expect(
     clippy::missing_assert_message,
     reason = "these are tests, which the lint knows by an attribute only"
 )]
 
-#[path = "common/foreign.rs"]
-mod foreign;
-#[path = "common/gpu.rs"]
-mod gpu;
-
-use foreign::{open, same_adapter};
-use gpu::{Needs, run, trial};
 use incise_pbd_gpu::{AdapterKind, AdapterRequest, Context, GpuError, adapters, wgpu};
+use incise_test_support::external_device::{open, same_adapter};
+use incise_test_support::gpu::{Needs, run, trial};
 use libtest_mimic::Trial;
 use std::process::{Command, ExitCode};
 
@@ -53,7 +48,7 @@ fn main() -> ExitCode {
     ])
 }
 
-/// A test of what the loader does with environment variables, which is so on Linux only.
+/// Returns a test of the loader's environment variables, which exist on Linux only.
 fn on_linux(name: &str, test: fn()) -> Trial {
     Trial::test(name, move || {
         test();
@@ -76,7 +71,7 @@ fn no_drivers() {
     assert!(output.status.success(), "{output:?}");
 }
 
-/// The child's part: exits with success if the machine shows no adapter and says what to install.
+/// Run in a child process: succeeds if there is no adapter and the error says what to install.
 fn without_drivers() -> ExitCode {
     assert_eq!(adapters(), Vec::new(), "the loader finds no driver");
     for name in [None, Some("llvmpipe".to_owned())] {
@@ -196,7 +191,7 @@ fn portable() {
         storage_binding: (128 << 20) + 4,
         ..portable_request()
     };
-    // An adapter that has more is opened with less, so the device is what is too small.
+    // The adapter is opened with lower limits, so the device is too small.
     let error = Context::open(&request).expect_err("a portable binding is smaller");
     assert!(
         matches!(error, GpuError::LimitTooSmall { need, .. } if need == request.storage_binding),

@@ -1,25 +1,22 @@
-//! Many bodies on one device: each moves as if it were alone, and nothing is read or taken that nobody
-//! asked for.
+//! Many bodies on one GPU: they are independent, and only requested data is read back.
 
 #![expect(
     clippy::missing_assert_message,
     reason = "these are tests, which the lint knows by an attribute only"
 )]
 
-mod common;
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/twin.rs"]
-mod twin;
-
-use common::{sphere, split};
-use gpu::{Needs, trial};
-use incise_mesh::{HalfEdge, Model, Surface, VertexId, build_model};
+use incise_mesh::{HalfEdge, Surface, VertexId};
+use incise_models::{Model, build_model};
 use incise_pbd_gpu::{
     Context, GpuBackend, GpuBody, GpuError, Material, Schedule, Solver, SolverParams,
 };
+use incise_test_support::cpu_gpu_pair::{
+    DT, SCHEDULES, assert_same, solver_for, with_most_features,
+};
+use incise_test_support::edits::split;
+use incise_test_support::gpu::{Needs, trial};
+use incise_test_support::surfaces::sphere;
 use std::process::ExitCode;
-use twin::{DT, SCHEDULES, assert_same, busy, solver_for};
 
 fn main() -> ExitCode {
     let any = Needs::AnyDevice;
@@ -31,7 +28,7 @@ fn main() -> ExitCode {
         trial("what_comes_by_the_way_undoes_no_edit", any, by_the_way),
     ];
     for schedule in SCHEDULES {
-        let name = |law: &str| format!("{law} by {}", schedule.name());
+        let name = |test: &str| format!("{test} by {}", schedule.name());
         trials.push(trial(&name("twice_the_same_bits"), any, move |c| {
             twice(c, schedule);
         }));
@@ -39,10 +36,10 @@ fn main() -> ExitCode {
             momentum(c, schedule);
         }));
     }
-    gpu::run(trials)
+    incise_test_support::gpu::run(trials)
 }
 
-/// A body on the device and its copy on the host.
+/// A GPU body and its CPU copy.
 struct Hosted {
     surface: Surface,
     solver: Solver,
@@ -51,7 +48,7 @@ struct Hosted {
 
 impl Hosted {
     fn add(gpu: &mut GpuBackend, mut surface: Surface, schedule: Schedule) -> Self {
-        let solver = solver_for(&mut surface, &busy().0, schedule);
+        let solver = solver_for(&mut surface, &with_most_features().0, schedule);
         Self::take_in(gpu, surface, solver, schedule)
     }
 
@@ -75,7 +72,8 @@ impl Hosted {
     }
 
     fn step(&mut self, gpu: &mut GpuBackend) -> Result<(), GpuError> {
-        gpu.step([self.stepped()], DT, &busy().1).map(|_| ())
+        gpu.step([self.stepped()], DT, &with_most_features().1)
+            .map(|_| ())
     }
 
     fn read(&mut self, gpu: &mut GpuBackend) -> Result<(), GpuError> {
@@ -91,11 +89,11 @@ impl Hosted {
     }
 }
 
-/// Bodies of all schedules and sizes in one submission, and each one's double by itself; some come, go,
-/// or rest for a frame.
+/// Bodies of all schedules and sizes in one submission, and each one's double by itself; some come,
+/// go, or rest for a frame.
 fn together_as_alone(context: Context) {
-    let (_, params) = busy();
-    let mut gpu = GpuBackend::on(context).expect("a device");
+    let (_, params) = with_most_features();
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
     let mut next = 0;
     let mut double = |gpu: &mut GpuBackend| {
         let schedule = SCHEDULES[next % 3];
@@ -132,7 +130,7 @@ fn together_as_alone(context: Context) {
 }
 
 fn gone(context: Context) {
-    let mut gpu = GpuBackend::on(context).expect("a device");
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
     let mut first = Hosted::add(&mut gpu, sphere(1, [0.0; 3]), Schedule::Colors);
     gpu.remove(first.body);
     gpu.remove(first.body);
@@ -164,12 +162,14 @@ fn gone(context: Context) {
 }
 
 fn reads(context: Context) {
-    let mut gpu = GpuBackend::on(context).expect("a device");
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
     let mut bodies = SCHEDULES.map(|schedule| Hosted::add(&mut gpu, sphere(2, [0.0; 3]), schedule));
-    let vertices = bodies[0].surface.positions.len() as u64;
+    let vertices = bodies[0].surface.positions().len() as u64;
     let read_before = |gpu: &mut GpuBackend, bodies: &mut [Hosted; 3]| {
         let all = bodies.iter_mut().map(Hosted::stepped);
-        gpu.step(all, DT, &busy().1).expect("a step").bytes_read
+        gpu.step(all, DT, &with_most_features().1)
+            .expect("a step")
+            .bytes_read
     };
     for _ in 0..5 {
         assert_eq!(read_before(&mut gpu, &mut bodies), 0);
@@ -184,7 +184,7 @@ fn reads(context: Context) {
     let state = 32 * vertices + 48;
     assert_eq!(read_before(&mut gpu, &mut bodies), 3 * state);
     assert_eq!(read_before(&mut gpu, &mut bodies), 0, "nobody reads again");
-    // What was asked for and not fetched does not count.
+    // A requested state that was not read back does not count.
     gpu.prefetch(bodies[0].body).expect("it is there");
     for _ in 0..2 {
         assert_eq!(read_before(&mut gpu, &mut bodies), 0);
@@ -192,7 +192,7 @@ fn reads(context: Context) {
 }
 
 fn prefetched(context: Context) {
-    let mut gpu = GpuBackend::on(context).expect("a device");
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
     for schedule in SCHEDULES {
         let surface = sphere(2, [0.0; 3]);
         let mut asked = Hosted::add(&mut gpu, surface.clone(), schedule);
@@ -208,7 +208,7 @@ fn prefetched(context: Context) {
                 hosted.step(&mut gpu).expect("a step");
             }
             let boxes = [&asked, &other].map(|h| gpu.bounds(h.body).expect("a box"));
-            // What is set on the host between the copy and its arrival is not lost.
+            // Velocities that are set on the CPU while the copy is pending are kept.
             let v = VertexId(frame);
             for hosted in [&mut asked, &mut other] {
                 hosted.solver.set_velocity(v, [1.0; 3]).expect("a vertex");
@@ -227,7 +227,7 @@ fn prefetched(context: Context) {
 }
 
 fn by_the_way(context: Context) {
-    let mut gpu = GpuBackend::on(context).expect("a device");
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
     let [kicked, pinned] = [1, 7].map(VertexId);
     let [mut asked, mut other] =
         [0, 1].map(|_| Hosted::add(&mut gpu, sphere(1, [0.0; 3]), Schedule::Colors));
@@ -250,13 +250,13 @@ fn by_the_way(context: Context) {
         solver,
         body,
     } = &mut asked;
-    let before = surface.positions.clone();
+    let before = surface.positions().to_vec();
     let wrong = gpu.collect(*body, surface, &mut other.solver);
     assert_eq!(wrong, Err(GpuError::ForeignSolver));
-    assert_eq!(surface.positions, before);
+    assert_eq!(surface.positions(), before);
     // A pin that is dragged in every frame keeps nothing away.
     assert_eq!(gpu.collect(*body, surface, solver), Ok(true));
-    assert_ne!(surface.positions, before);
+    assert_ne!(surface.positions(), before);
     for hosted in [&mut asked, &mut other] {
         hosted.step(&mut gpu).expect("a step");
         hosted.read(&mut gpu).expect("a state");
@@ -266,11 +266,11 @@ fn by_the_way(context: Context) {
     gpu.prefetch(asked.body).expect("it is there");
     asked.step(&mut gpu).expect("a step");
     gpu.wait().expect("it ends");
-    asked.surface.positions[0][0] = 7.0;
+    asked.surface.positions_mut()[0][0] = 7.0;
     asked.solver.mark_all_changed();
     let late = gpu.collect(asked.body, &mut asked.surface, &mut asked.solver);
     assert_eq!(late, Err(GpuError::StaleBody));
-    assert_eq!(asked.surface.positions[0][0], 7.0);
+    assert_eq!(asked.surface.positions()[0][0], 7.0);
 }
 
 fn twice(context: Context, schedule: Schedule) {
@@ -296,7 +296,7 @@ fn twice(context: Context, schedule: Schedule) {
     };
     let other = Context::open(&Needs::AnyDevice.request()).expect("it opens twice");
     let runs = [context, other].map(|context| {
-        let mut gpu = GpuBackend::on(context).expect("a device");
+        let mut gpu = GpuBackend::from_context(context).expect("a device");
         [run(&mut gpu), run(&mut gpu)]
     });
     let [[first, second], [third, _]] = runs;
@@ -304,9 +304,9 @@ fn twice(context: Context, schedule: Schedule) {
     first.assert_same(&third, "on a device opened anew");
 }
 
-/// A body that spins and was squeezed, with nothing around it. Constraints push two vertices or four by
-/// amounts that cancel; what rounding leaves of it is stated against the momentum that the body would
-/// have if all of it went as fast as its fastest vertex.
+/// A spinning, compressed body keeps its momentum.
+///
+/// The tolerance is relative to the total mass times the highest speed.
 fn momentum(context: Context, schedule: Schedule) {
     let params = SolverParams {
         gravity: [0.0; 3],
@@ -314,14 +314,14 @@ fn momentum(context: Context, schedule: Schedule) {
     };
     let mut surface = sphere(3, [0.0; 3]);
     let solver = solver_for(&mut surface, &Material::default(), schedule);
-    for p in &mut surface.positions {
+    for p in surface.positions_mut() {
         p[1] *= 0.7;
     }
-    let mut gpu = GpuBackend::on(context).expect("a device");
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
     let mut hosted = Hosted::take_in(&mut gpu, surface, solver, schedule);
     let mut fastest = 0.0_f64;
     for v in hosted.surface.topology().vertices() {
-        let [x, y, z, _] = hosted.surface.positions[v.index()];
+        let [x, y, z, _] = hosted.surface.positions()[v.index()];
         let velocity = [1.0 + 2.0 * z, 0.5 * y, -2.0 * x];
         let square: f32 = velocity.iter().map(|c| c * c).sum();
         fastest = fastest.max(f64::from(square).sqrt());

@@ -1,26 +1,21 @@
-//! Closed forms, on a device, in every schedule that bodies so small can have.
+//! Tests of solver results with closed forms, on the GPU in every schedule.
 
-#[path = "common/closed_forms.rs"]
-mod closed_forms;
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/single_steps.rs"]
-mod single_steps;
-
-use gpu::{Needs, trial};
 use incise_pbd_gpu::{GpuBackend, Schedule};
+use incise_test_support::gpu::{Needs, trial};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let mut trials = Vec::new();
-    let laws = closed_forms::LAWS.into_iter().chain(single_steps::LAWS);
-    for (name, law) in laws {
+    let cases = incise_test_support::closed_forms::CASES
+        .into_iter()
+        .chain(incise_test_support::single_steps::CASES);
+    for (name, test) in cases {
         for schedule in [Schedule::WholeBody, Schedule::Colors] {
             let name = format!("{name} by {}", schedule.name());
             trials.push(trial(&name, Needs::AnyDevice, move |context| {
-                let mut gpu = GpuBackend::on(context).expect("a device");
+                let mut gpu = GpuBackend::from_context(context).expect("a device");
                 gpu.force_schedule(Some(schedule));
-                law(&mut |surface, solver, dt, params, frames| {
+                test(&mut |surface, solver, dt, params, frames| {
                     solver.mark_all_changed();
                     let body = gpu.add(surface, solver).expect("room");
                     for _ in 0..frames {
@@ -33,5 +28,5 @@ fn main() -> ExitCode {
             }));
         }
     }
-    gpu::run(trials)
+    incise_test_support::gpu::run(trials)
 }

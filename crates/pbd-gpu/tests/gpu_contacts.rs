@@ -1,39 +1,38 @@
-//! Contacts and colliders on the device are those on the CPU, to the bit, as they come and go.
+//! Contacts and colliders on the GPU match the CPU bit for bit while they come and go.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/twin.rs"]
-mod twin;
-
-use gpu::{Needs, trial};
-use incise_mesh::{Model, Surface, TriangleId, build_model};
-use incise_pbd_gpu::{Above, Collider, Contact, Context, GpuBackend, Schedule, SolverParams};
+use incise_mesh::{Surface, TriangleId};
+use incise_models::{Model, build_model};
+use incise_pbd_gpu::{
+    Collider, Contact, ContactTarget, Context, GpuBackend, Schedule, SolverParams,
+};
+use incise_test_support::cpu_gpu_pair::{CpuGpuPair, SCHEDULES, with_most_features};
+use incise_test_support::gpu::{Needs, trial};
+use incise_test_support::random::Random;
 use std::process::ExitCode;
-use twin::{Dice, SCHEDULES, Twin, busy};
 
-/// So many contacts anywhere, whether it makes sense or not; some have more neighbors than there are colors.
-fn contacts(surface: &Surface, dice: &mut Dice, count: usize) -> Vec<Contact> {
+/// Returns random contacts, in which one vertex has more contacts than there are colors.
+fn contacts(surface: &Surface, random: &mut Random, count: usize) -> Vec<Contact> {
     let topology = surface.topology();
     let vertices: Vec<_> = topology.vertices().collect();
     let triangles: Vec<TriangleId> = topology.triangles().collect();
     let mut out = Vec::new();
     while out.len() < count {
-        let v = vertices[if dice.below(2) == 0 {
+        let v = vertices[if random.below(2) == 0 {
             3
         } else {
-            dice.below(vertices.len())
+            random.below(vertices.len())
         }];
-        let corners = topology.triangle(triangles[dice.below(triangles.len())]);
-        let mut part = || dice.part();
+        let corners = topology.triangle(triangles[random.below(triangles.len())]);
+        let mut part = || random.fraction();
         let (a, b) = (part() / 2.0, part() / 2.0);
         let normal = [part() - 0.5, part() - 0.5, part() - 0.5];
         let norm = normal.iter().map(|c| c * c).sum::<f32>().sqrt();
-        let above = if part() < 0.25 {
-            Above::Plane {
+        let target = if part() < 0.25 {
+            ContactTarget::Plane {
                 height: part() - 0.5,
             }
         } else {
-            Above::Triangle {
+            ContactTarget::Triangle {
                 corners,
                 weights: [a, b, 1.0 - a - b],
             }
@@ -41,17 +40,17 @@ fn contacts(surface: &Surface, dice: &mut Dice, count: usize) -> Vec<Contact> {
         if !corners.contains(&v) && norm > 0.1 {
             out.push(Contact {
                 vertex: v,
-                above,
+                target,
                 normal: normal.map(|c| c / norm),
                 gap: 0.02 * part(),
-                rise: 0.1 * part(),
+                gap_rate: 0.1 * part(),
             });
         }
     }
     out
 }
 
-/// One of each kind, in some frames; all of them reach into a ball of 0.5 m.
+/// Returns the colliders of a frame: none, or one of each kind, all within a ball of 0.5 m.
 fn colliders(frame: u32) -> Vec<Collider> {
     let all = [
         Collider::Plane {
@@ -76,10 +75,10 @@ fn colliders(frame: u32) -> Vec<Collider> {
 }
 
 fn equal(context: Context, model: Model, schedule: Schedule) {
-    let mut gpu = GpuBackend::on(context).expect("a device");
-    let (material, params) = busy();
-    let mut dice = Dice::new(5);
-    let mut twin = Twin::add(&mut gpu, build_model(model), &material, schedule);
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
+    let (material, params) = with_most_features();
+    let mut random = Random::new(5);
+    let mut twin = CpuGpuPair::add(&mut gpu, build_model(model), &material, schedule);
     for frame in 0..12 {
         let iterations = 1 + frame % 2;
         let params = SolverParams {
@@ -88,14 +87,14 @@ fn equal(context: Context, model: Model, schedule: Schedule) {
         };
         // None at first and in between, then more than there was room for.
         let count = [0, 5, 40, 0, 200, 3][frame as usize % 6];
-        let list = contacts(&twin.on_cpu, &mut dice, count);
+        let list = contacts(&twin.on_cpu, &mut random, count);
         twin.cpu.set_contacts(&list).expect("vertices of the body");
         twin.solver
             .set_contacts(&list)
             .expect("vertices of the body");
         let list = colliders(frame);
-        twin.cpu.set_colliders(&list).expect("sound ones");
-        twin.solver.set_colliders(&list).expect("sound ones");
+        twin.cpu.set_colliders(&list).expect("valid colliders");
+        twin.solver.set_colliders(&list).expect("valid colliders");
         twin.step(&mut gpu, &params);
         let projected = twin.cpu.stats().contact_projections;
         assert_eq!(projected > 0, count > 0, "{projected} of {count}");
@@ -113,5 +112,5 @@ fn main() -> ExitCode {
             }));
         }
     }
-    gpu::run(trials)
+    incise_test_support::gpu::run(trials)
 }

@@ -1,40 +1,47 @@
-//! Edits reach the device: what followed them equals what was uploaded from scratch, and they cost what
-//! they touched.
+//! Uploads of edits equal a full upload, and their size is that of the changed data.
 
 #![expect(
     clippy::missing_assert_message,
     reason = "these are tests, which the lint knows by an attribute only"
 )]
 
-mod common;
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/twin.rs"]
-mod twin;
-
-use common::{close, flip, renew, renewed, replace_for_now, sphere, split};
-use gpu::{Needs, trial};
 use incise_mesh::{HalfEdge, Surface, TopologyDelta, TriangleId, VertexId, icosphere, torus};
 use incise_pbd_gpu::{Context, GpuBackend, Material, PatchParams, Schedule, Solver, SolverParams};
+use incise_test_support::cpu_gpu_pair::{
+    CpuGpuPair, DT, SCHEDULES, assert_same, with_attachments, with_most_features,
+};
+use incise_test_support::edits::{
+    flip, remove_vertex, replace_vertex, replace_with_undo, split, vertex_replacement,
+};
+use incise_test_support::gpu::{Needs, trial};
+use incise_test_support::random::Random;
+use incise_test_support::surfaces::sphere;
 use std::cell::{Cell, RefCell};
 use std::process::ExitCode;
-use twin::{DT, Dice, SCHEDULES, Twin, assert_same, busy, tethered};
 
 fn main() -> ExitCode {
     let mut trials = Vec::new();
     for schedule in SCHEDULES {
-        let name = |law: &str| format!("{law} by {}", schedule.name());
+        let name = |test: &str| format!("{test} by {}", schedule.name());
         let strict = Needs::Strict;
-        trials.push(trial(&name("edited_equals_uploaded"), strict, move |c| {
-            edited_equals_uploaded(c, schedule, busy());
-        }));
-        trials.push(trial(&name("tethered_equals_uploaded"), strict, move |c| {
-            edited_equals_uploaded(c, schedule, tethered());
-        }));
+        trials.push(trial(
+            &name("an_edit_equals_a_full_upload"),
+            strict,
+            move |c| {
+                edited_equals_uploaded(c, schedule, with_most_features());
+            },
+        ));
+        trials.push(trial(
+            &name("an_edit_with_attachments_equals_a_full_upload"),
+            strict,
+            move |c| {
+                edited_equals_uploaded(c, schedule, with_attachments());
+            },
+        ));
         trials.push(trial(&name("ten_thousand_deltas"), strict, move |c| {
             ten_thousand_deltas(c, schedule);
         }));
-        trials.push(trial(&name("pins_come_back_by_undo"), strict, move |c| {
+        trials.push(trial(&name("an_undo_restores_pins"), strict, move |c| {
             pins_come_back_by_undo(c, schedule);
         }));
         if schedule != Schedule::WholeBody {
@@ -46,10 +53,10 @@ fn main() -> ExitCode {
     }
     let name = "a_body_may_outgrow_its_workgroup";
     trials.push(trial(name, Needs::Strict, outgrown));
-    gpu::run(trials)
+    incise_test_support::gpu::run(trials)
 }
 
-/// What a random edit is made of.
+/// Parameters of a random edit.
 #[derive(Debug, Clone, Copy)]
 struct Throw {
     kind: usize,
@@ -58,17 +65,17 @@ struct Throw {
 }
 
 impl Throw {
-    fn new(dice: &mut Dice) -> Self {
+    fn new(dice: &mut Random) -> Self {
         Self {
             kind: dice.below(10),
             at: dice.below(1 << 30),
-            t: dice.part(),
+            t: dice.fraction(),
         }
     }
 }
 
-/// Changes the topology, if the edit that was thrown is possible there. Bodies keep between 80 and 240
-/// triangles.
+/// Changes the topology, if the edit that was thrown is possible there. Bodies keep between 80 and
+/// 240 triangles.
 fn cut(surface: &mut Surface, throw: Throw) -> Option<TopologyDelta> {
     let Throw { kind, at, t } = throw;
     let topology = surface.topology();
@@ -81,13 +88,13 @@ fn cut(surface: &mut Surface, throw: Throw) -> Option<TopologyDelta> {
     match kind {
         0..=2 => flip(surface, h),
         3..=5 if triangles < 240 => split(surface, h, t),
-        6 | 7 if triangles > 80 => close(surface, v),
-        _ => renew(surface, v),
+        6 | 7 if triangles > 80 => remove_vertex(surface, v),
+        _ => replace_vertex(surface, v),
     }
 }
 
-/// Cuts both bodies; says whether that was possible.
-fn cut_both(twin: &mut Twin, throw: Throw) -> bool {
+/// Cuts both bodies; returns whether that was possible.
+fn cut_both(twin: &mut CpuGpuPair, throw: Throw) -> bool {
     twin.edit(|surface, solver| {
         let delta = cut(surface, throw);
         if let Some(delta) = &delta {
@@ -97,12 +104,12 @@ fn cut_both(twin: &mut Twin, throw: Throw) -> bool {
     })
 }
 
-/// Edits both bodies in one of all ways.
-fn edit_both(twin: &mut Twin, dice: &mut Dice) {
+/// Applies one kind of edit to both bodies.
+fn edit_both(twin: &mut CpuGpuPair, dice: &mut Random) {
     let throw = Throw::new(dice);
     let vertices: Vec<VertexId> = twin.on_cpu.topology().vertices().collect();
     let v = vertices[dice.below(vertices.len())];
-    let to = [dice.part(), -dice.part(), dice.part()];
+    let to = [dice.fraction(), -dice.fraction(), dice.fraction()];
     match dice.below(8) {
         0 => twin.edit(|surface, solver| solver.pin(surface, v).expect("a vertex")),
         1 => twin.edit(|_, solver| solver.set_velocity(v, to).expect("a vertex")),
@@ -113,7 +120,7 @@ fn edit_both(twin: &mut Twin, dice: &mut Dice) {
             }
         }),
         4 => twin.edit(|surface, solver| {
-            let p = &mut surface.positions[v.index()];
+            let p = &mut surface.positions_mut()[v.index()];
             *p = [p[0] + 0.1 * to[0], p[1] + 0.1, p[2], p[3]];
             solver.mark_all_changed();
         }),
@@ -128,22 +135,22 @@ fn edited_equals_uploaded(
     schedule: Schedule,
     (material, params): (Material, SolverParams),
 ) {
-    let mut gpu = GpuBackend::on(context).expect("a device");
-    let mut dice = Dice::new(1);
-    let mut twin = Twin::add(&mut gpu, sphere(2, [0.0; 3]), &material, schedule);
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
+    let mut dice = Random::new(1);
+    let mut twin = CpuGpuPair::add(&mut gpu, sphere(2, [0.0; 3]), &material, schedule);
     let mut pulled = 0;
     for round in 0..120 {
         // A long frame, then short ones.
         let dt = DT * [1.0, 0.2, 0.35, 0.1][round % 4];
-        // Now and then without tethers, where there were some.
+        // Now and then without attachments, where there were some.
         let params = SolverParams {
-            tethers: params.tethers && round % 5 != 0,
+            attachments: params.attachments && round % 5 != 0,
             ..params
         };
         for _ in 0..=dice.below(4) {
             edit_both(&mut twin, &mut dice);
         }
-        // A part of the edits is told along with those that follow.
+        // Some edits are uploaded together with later ones.
         if dice.below(3) == 0 {
             twin.update(&mut gpu);
             edit_both(&mut twin, &mut dice);
@@ -169,7 +176,7 @@ fn edited_equals_uploaded(
         gpu.step(all, dt, &params).expect("a step");
         let when = format!("in round {round}");
         twin.assert_equal(&mut gpu, &when);
-        pulled += twin.solver.tethers().len();
+        pulled += twin.solver.attachments().len();
         for (body, surface, solver) in &mut others {
             gpu.read(*body, surface, solver).expect("a state");
             assert_same((surface, solver), (&twin.on_gpu, &twin.solver), &when);
@@ -177,15 +184,19 @@ fn edited_equals_uploaded(
         }
     }
     assert_eq!(gpu.schedule(twin.body), Ok(schedule));
-    assert_eq!(pulled > 0, params.tethers, "what was compared had tethers");
+    assert_eq!(
+        pulled > 0,
+        params.attachments,
+        "what was compared had attachments"
+    );
 }
 
 fn ten_thousand_deltas(context: Context, schedule: Schedule) {
     const DELTAS: usize = 10_000;
-    let (material, params) = busy();
-    let mut gpu = GpuBackend::on(context).expect("a device");
-    let mut dice = Dice::new(2);
-    let mut twin = Twin::add(&mut gpu, sphere(2, [0.0; 3]), &material, schedule);
+    let (material, params) = with_most_features();
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
+    let mut dice = Random::new(2);
+    let mut twin = CpuGpuPair::add(&mut gpu, sphere(2, [0.0; 3]), &material, schedule);
     let at_first = gpu.memory();
     let mut done = 0;
     while done < DELTAS {
@@ -199,7 +210,9 @@ fn ten_thousand_deltas(context: Context, schedule: Schedule) {
             twin.assert_equal(&mut gpu, &format!("after {done} deltas"));
         }
     }
-    twin.solver.validate(&twin.on_gpu).expect("sound");
+    twin.solver
+        .validate(&twin.on_gpu)
+        .expect("valid constraints");
     let edited = gpu.memory();
     gpu.remove(twin.body);
     assert_eq!(gpu.memory().rented, 0, "what edits rent they give back");
@@ -210,11 +223,12 @@ fn ten_thousand_deltas(context: Context, schedule: Schedule) {
     assert_eq!(edited.reserved, at_first.reserved, "the first buffers do");
 }
 
-/// A body hangs by four vertices, two of which an edit takes away and its undo brings back: it hangs by four again.
+/// A body hangs by four vertices, two of which an edit takes away and its undo brings back: it
+/// hangs by four again.
 fn pins_come_back_by_undo(context: Context, schedule: Schedule) {
-    let (material, params) = busy();
-    let mut gpu = GpuBackend::on(context).expect("a device");
-    let mut twin = Twin::add(&mut gpu, sphere(2, [0.0; 3]), &material, schedule);
+    let (material, params) = with_most_features();
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
+    let mut twin = CpuGpuPair::add(&mut gpu, sphere(2, [0.0; 3]), &material, schedule);
     let held = [3, 20, 41, 60].map(VertexId);
     twin.edit(|surface, solver| held.map(|v| solver.pin(surface, v).expect("a vertex")));
     let pinned =
@@ -222,7 +236,7 @@ fn pins_come_back_by_undo(context: Context, schedule: Schedule) {
     let targets = twin.solver.pins().to_vec();
     for round in 0..3 {
         let undos = RefCell::new(Vec::new());
-        let mut steps = |twin: &mut Twin, when: &str| {
+        let mut steps = |twin: &mut CpuGpuPair, when: &str| {
             twin.update(&mut gpu);
             for _ in 0..2 {
                 twin.step(&mut gpu, &params);
@@ -231,8 +245,8 @@ fn pins_come_back_by_undo(context: Context, schedule: Schedule) {
         };
         for v in [held[1], held[3]] {
             twin.edit(|surface, solver| {
-                let (remove, addition) = renewed(surface, v).expect("it is closed");
-                let (delta, undo) = replace_for_now(surface, &remove, &addition);
+                let (remove, addition) = vertex_replacement(surface, v).expect("it is closed");
+                let (delta, undo) = replace_with_undo(surface, &remove, &addition);
                 solver.apply_delta(surface, &delta).expect("it fits");
                 undos.borrow_mut().push(undo);
             });
@@ -252,7 +266,7 @@ fn pins_come_back_by_undo(context: Context, schedule: Schedule) {
         steps(&mut twin, "with all");
         assert_eq!(twin.solver.pins(), targets, "all are held where they were");
         for pin in &targets {
-            let [x, y, z, inverse] = twin.on_gpu.positions[pin.vertex.index()];
+            let [x, y, z, inverse] = twin.on_gpu.positions()[pin.vertex.index()];
             assert_eq!(inverse, 0.0, "{} is held on the device", pin.vertex);
             let off = [x, y, z].map(f64::from);
             let off = (0..3).map(|k| (off[k] - f64::from(pin.target[k])).abs());
@@ -283,10 +297,10 @@ fn sent(gpu: &mut GpuBackend, mut surface: Surface, schedule: Schedule) -> Sent 
     } else {
         Solver::new(&mut surface, &material)
     }
-    .expect("a sphere is sound");
+    .expect("a valid sphere");
     gpu.force_schedule(Some(schedule));
     let body = gpu.add(&surface, &mut solver).expect("room");
-    let mut dice = Dice::new(3);
+    let mut dice = Random::new(3);
     let mut sent = |gpu: &mut GpuBackend, splits: usize| {
         gpu.read(body, &mut surface, &mut solver).expect("a state");
         for _ in 0..splits {
@@ -313,18 +327,20 @@ fn sent(gpu: &mut GpuBackend, mut surface: Surface, schedule: Schedule) -> Sent 
 }
 
 /// A split changes the slots of some constraints and the length of some runs, so that the lists of
-/// dispatches are sent anew, which are as long for all bodies. By patches it takes the blocks of those
-/// that lost or got a constraint, mostly one or two; a patch of 256 vertices has one of about 30 KB.
+/// dispatches are sent anew, which are as long for all bodies. By patches it takes the blocks of
+/// those that lost or got a constraint, mostly one or two; a patch of 256 vertices has one of about
+/// 30 KB.
 fn an_edit_sends_what_it_touched(context: Context, schedule: Schedule) {
     let most = match schedule {
         Schedule::Patches => 60_000,
         _ => 16_000,
     };
-    let mut gpu = GpuBackend::on(context).expect("a device");
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
     let small = sent(&mut gpu, icosphere(4, 0.5), schedule);
     let large = sent(&mut gpu, icosphere(6, 0.5), schedule);
     for (sent, triangles) in [(&small, 5120), (&large, 81_920)] {
-        // 1.5 edges a triangle, 16 bytes of stretch and 24 of bending each, and half a vertex of 32.
+        // 1.5 edges a triangle, 16 bytes of stretch and 24 of bending each, and half a vertex of
+        // 32.
         assert!(sent.added > triangles * 76, "{sent:?}");
         assert!(sent.split < most, "{sent:?}");
         assert!(sent.hundred < 100 * most, "{sent:?}");
@@ -336,16 +352,15 @@ fn an_edit_sends_what_it_touched(context: Context, schedule: Schedule) {
     );
 }
 
-/// A workgroup's memory bounds the bodies that it can step alone. One that grows beyond goes on by
-/// color.
+/// A body that outgrows the memory of a workgroup continues with the color schedule.
 fn outgrown(context: Context) {
-    let (material, params) = busy();
-    let mut gpu = GpuBackend::on(context).expect("a device");
+    let (material, params) = with_most_features();
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
     let ring = |segments| torus(1.0, 0.3, segments, 8);
     let mut largest = 3;
     for segments in 4.. {
         let mut surface = ring(segments);
-        let mut solver = Solver::new(&mut surface, &material).expect("a torus is sound");
+        let mut solver = Solver::new(&mut surface, &material).expect("a valid torus");
         let body = gpu.add(&surface, &mut solver).expect("room");
         let schedule = gpu.schedule(body).expect("it was added");
         gpu.remove(body);
@@ -354,7 +369,7 @@ fn outgrown(context: Context) {
         }
         largest = segments;
     }
-    let mut twin = Twin::add(&mut gpu, ring(largest), &material, Schedule::WholeBody);
+    let mut twin = CpuGpuPair::add(&mut gpu, ring(largest), &material, Schedule::WholeBody);
     for i in 0..10 {
         twin.edit(|surface, solver| {
             let delta = split(surface, HalfEdge(60 * i), 0.5).expect("it is closed");

@@ -1,42 +1,36 @@
-//! How far bodies move, as a device notes it.
+//! The GPU measures the motion of bodies like the CPU, and only on request.
 
 #![expect(
     clippy::missing_assert_message,
     reason = "these are tests, which the lint knows by an attribute only"
 )]
 
-mod common;
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/twin.rs"]
-mod twin;
-
-use common::sphere;
-use gpu::{Needs, trial};
 use incise_mesh::{Aabb, VertexId};
 use incise_pbd_gpu::{Context, GpuBackend, GpuBody, Schedule, Solver};
+use incise_test_support::cpu_gpu_pair::{DT, SCHEDULES, solver_for, with_most_features};
+use incise_test_support::gpu::{Needs, trial};
+use incise_test_support::surfaces::sphere;
 use std::process::ExitCode;
-use twin::{DT, SCHEDULES, busy, solver_for};
 
-/// Steps that count.
-const COUNTED: u32 = 4;
+/// Number of measured steps.
+const MEASURED_STEPS: u32 = 4;
 
 fn main() -> ExitCode {
     let any = Needs::AnyDevice;
-    let mut trials = vec![trial("nothing_is_noted_unasked", any, unasked)];
+    let mut trials = vec![trial("no_measurement_without_a_request", any, unasked)];
     for schedule in SCHEDULES {
-        let name = format!("it_is_what_the_processor_notes by {}", schedule.name());
+        let name = format!("motion_equals_that_of_the_cpu by {}", schedule.name());
         trials.push(trial(&name, Needs::Strict, move |c| same(c, schedule)));
-        let name = format!("it_is_about_that_on_any_device by {}", schedule.name());
+        let name = format!("motion_is_close_to_that_of_the_cpu by {}", schedule.name());
         trials.push(trial(&name, any, move |c| near(c, schedule)));
     }
-    gpu::run(trials)
+    incise_test_support::gpu::run(trials)
 }
 
-/// What the processor notes in the steps from the third on, and the device after that.
-fn noted(context: Context, schedule: Schedule) -> [(f32, Aabb); 2] {
-    let (material, params) = busy();
-    let mut gpu = GpuBackend::on(context).expect("a device");
+/// Compares the motion measured on the CPU from the third step on with that of the GPU.
+fn measured(context: Context, schedule: Schedule) -> [(f32, Aabb); 2] {
+    let (material, params) = with_most_features();
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
     gpu.force_schedule(Some(schedule));
     let mut on_cpu = sphere(3, [0.0; 3]);
     let mut cpu = solver_for(&mut on_cpu, &material, schedule);
@@ -46,18 +40,18 @@ fn noted(context: Context, schedule: Schedule) -> [(f32, Aabb); 2] {
     let body = gpu.add(&on_cpu, &mut solver).expect("room");
     let mut step = |gpu: &mut GpuBackend, dt: f32| {
         let done = cpu.step(&mut on_cpu, dt, &params).expect("a step");
-        let moved = done.farthest_substep;
+        let moved = done.max_substep_displacement;
         gpu.step([(body, &mut solver)], dt, &params)
             .expect("a step");
         (moved, on_cpu.bounds())
     };
-    // A long step takes them far. Noted, and forgotten.
-    gpu.watch(body).expect("it is there");
+    // The motion of a long step, which the second request discards.
+    gpu.measure_motion(body).expect("it is there");
     let before = step(&mut gpu, 9.0 * DT).0;
-    gpu.watch(body).expect("it is there");
+    gpu.measure_motion(body).expect("it is there");
     let mut on_cpu = (0.0_f32, Aabb::around([[0.0; 3]]));
-    for frame in 1..=COUNTED {
-        if frame == COUNTED {
+    for frame in 1..=MEASURED_STEPS {
+        if frame == MEASURED_STEPS {
             gpu.prefetch_motion(body).expect("it is there");
         }
         let (moved, bounds) = step(&mut gpu, DT);
@@ -76,19 +70,19 @@ fn noted(context: Context, schedule: Schedule) -> [(f32, Aabb); 2] {
 }
 
 fn same(context: Context, schedule: Schedule) {
-    let [(on_cpu, cpu_box), (on_gpu, gpu_box)] = noted(context, schedule);
+    let [(on_cpu, cpu_box), (on_gpu, gpu_box)] = measured(context, schedule);
     assert_eq!(on_cpu.to_bits(), on_gpu.to_bits());
     assert_eq!(cpu_box, gpu_box);
 }
 
 fn near(context: Context, schedule: Schedule) {
-    let [(on_cpu, _), (on_gpu, _)] = noted(context, schedule);
+    let [(on_cpu, _), (on_gpu, _)] = measured(context, schedule);
     assert!((on_cpu - on_gpu).abs() < 1e-3 * on_cpu, "{on_cpu} {on_gpu}");
 }
 
 fn unasked(context: Context) {
-    let (material, params) = busy();
-    let mut gpu = GpuBackend::on(context).expect("a device");
+    let (material, params) = with_most_features();
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
     let add = |gpu: &mut GpuBackend| -> (GpuBody, Solver) {
         let mut surface = sphere(2, [0.0; 3]);
         let mut solver = solver_for(&mut surface, &material, Schedule::Colors);
@@ -96,7 +90,7 @@ fn unasked(context: Context) {
     };
     let (watched, mut solver) = add(&mut gpu);
     let (other, mut other_solver) = add(&mut gpu);
-    gpu.watch(watched).expect("it is there");
+    gpu.measure_motion(watched).expect("it is there");
     for frame in 0..4 {
         if frame == 2 {
             gpu.prefetch_motion(watched).expect("it is there");

@@ -1,4 +1,4 @@
-//! Substeps of second order, and the share of its own weight that a constraint is projected against.
+//! Second-order integration, and over-relaxation of the XPBD diagonal.
 
 use incise_mesh::{Surface, VertexId};
 use incise_pbd_gpu::{Density, Integrator, Material, Solver, SolverParams, StepError, Stiffness};
@@ -11,12 +11,13 @@ const WEIGHTLESS: SolverParams = SolverParams {
     gravity: [0.0; 3],
     ground: None,
     residual: None,
-    own_weight: 1.0,
-    tethers: false,
+    diagonal_scale: 1.0,
+    attachments: false,
     integrator: Integrator::Bdf2,
 };
 
-/// A triangle of which one corner moves, between two that are held: along the middle two springs pull as one.
+/// A triangle of which one corner moves, between two that are held: along the middle two springs
+/// pull as one.
 fn spring() -> (Surface, Solver, VertexId) {
     let points = [[0.0, -0.5, 0.0], [0.0, 0.5, 0.0], [1.0, 0.0, 0.0]];
     let mut surface = Surface::from_triangles(&points, &[[0, 1, 2]]).unwrap();
@@ -27,7 +28,7 @@ fn spring() -> (Surface, Solver, VertexId) {
         damping: 0.0,
         friction: 0.0,
         volume: None,
-        struts: None,
+        interior_springs: None,
     };
     let mut solver = Solver::new(&mut surface, &material).unwrap();
     for v in [0, 1].map(VertexId) {
@@ -39,7 +40,7 @@ fn spring() -> (Surface, Solver, VertexId) {
 /// Where the free corner is along x at the ends of frames, from `start` on.
 fn swing(params: &SolverParams, frames: u32, start: f32) -> Vec<f64> {
     let (mut surface, mut solver, v) = spring();
-    surface.positions[v.index()][0] = start;
+    surface.positions_mut()[v.index()][0] = start;
     let step = |_| {
         solver.step(&mut surface, DT, params).unwrap();
         surface.position(v).x
@@ -78,7 +79,7 @@ fn the_formula_is_of_second_order_and_implicit_euler_of_first() {
 }
 
 #[test]
-fn a_fall_is_that_of_the_formula() {
+fn free_fall_equals_the_formula() {
     let (mut surface, mut solver, v) = spring();
     for pinned in [0, 1].map(VertexId) {
         solver.unpin(&mut surface, pinned).unwrap();
@@ -116,7 +117,7 @@ fn a_fall_is_that_of_the_formula() {
 }
 
 #[test]
-fn what_was_moved_begins_anew() {
+fn a_changed_state_restarts_with_first_order() {
     let euler = SolverParams {
         integrator: Integrator::Euler,
         ..WEIGHTLESS
@@ -128,9 +129,10 @@ fn what_was_moved_begins_anew() {
         let (mut surface, mut solver) = (surface.clone(), solver.clone());
         change(&mut surface, &mut solver);
         solver.step(&mut surface, dt, params).unwrap();
-        surface.positions[v.index()]
+        surface.positions()[v.index()]
     };
-    let moved = |surface: &mut Surface, _: &mut Solver| surface.positions[v.index()][1] += 0.01;
+    let moved =
+        |surface: &mut Surface, _: &mut Solver| surface.positions_mut()[v.index()][1] += 0.01;
     let pushed = |_: &mut Surface, solver: &mut Solver| {
         solver.set_velocity(v, [0.0, 1.0, 0.0]).unwrap();
     };
@@ -158,12 +160,12 @@ fn what_was_moved_begins_anew() {
 }
 
 #[test]
-fn more_iterations_tend_to_the_same_by_any_weight() {
-    let by = |own_weight| {
+fn iterations_converge_to_one_result_at_any_diagonal_scale() {
+    let by = |diagonal_scale| {
         let params = SolverParams {
             iterations: 60,
             substeps: 4,
-            own_weight,
+            diagonal_scale,
             ..WEIGHTLESS
         };
         swing(&params, 5, 1.05)
@@ -171,7 +173,7 @@ fn more_iterations_tend_to_the_same_by_any_weight() {
     let (whole, half) = (by(1.0), by(0.5));
     assert!(apart(&whole, &half) < 1e-6, "{whole:?} and {half:?}");
     let once = SolverParams {
-        own_weight: 0.5,
+        diagonal_scale: 0.5,
         ..WEIGHTLESS
     };
     let alone = apart(&swing(&once, 5, 1.05), &swing(&WEIGHTLESS, 5, 1.05));
@@ -179,17 +181,17 @@ fn more_iterations_tend_to_the_same_by_any_weight() {
 }
 
 #[test]
-fn weights_out_of_range_are_refused() {
+fn diagonal_scales_out_of_range_are_errors() {
     let (mut surface, mut solver, _) = spring();
-    for own_weight in [0.49, 1.01, f32::NAN, -1.0] {
+    for diagonal_scale in [0.49, 1.01, f32::NAN, -1.0] {
         let params = SolverParams {
-            own_weight,
+            diagonal_scale,
             ..WEIGHTLESS
         };
         let refused = solver.step(&mut surface, DT, &params).unwrap_err();
         assert!(
-            matches!(refused, StepError::BadOwnWeight { .. }),
-            "{own_weight}: {refused}"
+            matches!(refused, StepError::DiagonalScaleOutOfRange { .. }),
+            "{diagonal_scale}: {refused}"
         );
     }
 }

@@ -1,10 +1,12 @@
-//! A solver follows an edit and its undo alike.
+//! The solver follows an edit and its undo.
 
-mod common;
-
-use common::{Replacement, closed, divided, flipped, renewed, replace_for_now, sphere};
-use incise_mesh::{HalfEdge, Origin, Surface, TopologyDelta, TriangleId, Undo, VertexId};
+use incise_mesh::{HalfEdge, Surface, TopologyDelta, TriangleId, Undo, VertexId, VertexOrigin};
 use incise_pbd_gpu::{Density, Material, PatchParams, Solver, SolverParams};
+use incise_test_support::edits::{
+    Replacement, flip_replacement, removal_replacement, replace_with_undo, split_replacement,
+    vertex_replacement,
+};
+use incise_test_support::surfaces::sphere;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
@@ -20,16 +22,16 @@ fn replacement(surface: &Surface, kind: u8, at: u16, t: f32) -> Option<Replaceme
     let h = half_edges[usize::from(at) % half_edges.len()];
     let v = surface.topology().origin(h);
     match kind {
-        0 => flipped(surface, h),
-        1 => divided(surface, h, t),
-        2 => renewed(surface, v),
-        _ => closed(surface, v),
+        0 => flip_replacement(surface, h),
+        1 => split_replacement(surface, h, t),
+        2 => vertex_replacement(surface, v),
+        _ => removal_replacement(surface, v),
     }
 }
 
 fn spin(surface: &Surface, solver: &mut Solver) {
     for v in surface.topology().vertices() {
-        let [x, y, z, _] = surface.positions[v.index()];
+        let [x, y, z, _] = surface.positions()[v.index()];
         solver.set_velocity(v, [y - z, 0.5 - x, x + z]).unwrap();
     }
 }
@@ -50,7 +52,7 @@ fn solver(surface: &mut Surface, density: Density, patched: bool) -> Solver {
     }
 }
 
-/// Follows `delta`: constraints are those from scratch, mass and momentum what they were.
+/// Applies `delta` and asserts valid constraints and the same mass and momentum.
 fn follow(solver: &mut Solver, surface: &mut Surface, delta: &TopologyDelta) {
     let (mass, momentum) = (solver.total_mass(), solver.momentum());
     solver.apply_delta(surface, delta).unwrap();
@@ -65,7 +67,7 @@ fn follow(solver: &mut Solver, surface: &mut Surface, delta: &TopologyDelta) {
         );
     }
     for v in surface.topology().vertices() {
-        let inverse = surface.positions[v.index()][3];
+        let inverse = surface.positions()[v.index()][3];
         assert!(inverse > 0.0 && inverse.is_finite(), "{v} has no mass");
     }
 }
@@ -74,7 +76,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn a_solver_follows_edits_and_their_undoing(
+    fn constraints_match_after_edits_and_undos(
         edits in prop::collection::vec((0_u8..4, any::<u16>(), 0.1_f32..0.9), 1..12),
         density in prop_oneof![Just(Density::Area(2.0)), Just(Density::Volume(3.0))],
         patched: bool,
@@ -90,7 +92,7 @@ proptest! {
             let Some((remove, addition)) = replacement(&surface, kind, at, t) else {
                 continue;
             };
-            let (delta, undo) = replace_for_now(&mut surface, &remove, &addition);
+            let (delta, undo) = replace_with_undo(&mut surface, &remove, &addition);
             follow(&mut solver, &mut surface, &delta);
             undos.push(undo);
             for _ in 0..steps {
@@ -107,7 +109,7 @@ proptest! {
         prop_assert_eq!(surface.topology(), start.topology());
         if steps == 0 {
             for v in start.topology().vertices() {
-                let [was, is] = [&start, &surface].map(|s| s.positions[v.index()]);
+                let [was, is] = [&start, &surface].map(|s| s.positions()[v.index()]);
                 prop_assert_eq!(was[..3].to_vec(), is[..3].to_vec(), "{} did not move", v);
             }
         }
@@ -116,7 +118,7 @@ proptest! {
 
 /// Everything that a vertex slot has, to the bit.
 fn bits(surface: &Surface, solver: &Solver) -> Vec<[u32; 9]> {
-    let slots = (surface.positions.iter()).zip(solver.masses().iter().zip(solver.velocities()));
+    let slots = (surface.positions().iter()).zip(solver.masses().iter().zip(solver.velocities()));
     slots
         .map(|(&[x, y, z, w], (&mass, &[u, v, n, o]))| {
             [x, y, z, w, mass, u, v, n, o].map(f32::to_bits)
@@ -128,7 +130,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
-    fn what_has_not_moved_gets_back_what_it_had_and_the_same_edit_again_is_the_same(
+    fn an_undo_before_motion_restores_every_bit_and_redo_repeats_it(
         edits in prop::collection::vec((1_u8..3, any::<u16>(), 0.1_f32..0.9), 1..8),
         patched: bool,
     ) {
@@ -143,7 +145,7 @@ proptest! {
             let mut undos: Vec<Undo> = Vec::new();
             for (i, &(kind, at, t)) in edits.iter().enumerate() {
                 let (remove, addition) = replacement(&surface, kind, at, t).unwrap();
-                let (delta, undo) = replace_for_now(&mut surface, &remove, &addition);
+                let (delta, undo) = replace_with_undo(&mut surface, &remove, &addition);
                 solver.apply_delta(&mut surface, &delta).unwrap();
                 undos.push(undo);
                 if turn == 0 {
@@ -155,7 +157,8 @@ proptest! {
                 let back = undo.revert(&mut surface).unwrap();
                 solver.apply_delta(&mut surface, &back).unwrap();
                 solver.validate(&surface).unwrap();
-                prop_assert!(bits(&surface, &solver) == states[undos.len()], "undo {}", undos.len());
+                let is_same = bits(&surface, &solver) == states[undos.len()];
+                prop_assert!(is_same, "undo {}", undos.len());
             }
         }
     }
@@ -164,16 +167,16 @@ proptest! {
 /// Takes a vertex away and puts another in its place, or none.
 fn without(surface: &mut Surface, v: VertexId, new: bool) -> (TopologyDelta, Undo) {
     let plan = if new {
-        renewed(surface, v)
+        vertex_replacement(surface, v)
     } else {
-        closed(surface, v)
+        removal_replacement(surface, v)
     };
     let (remove, addition) = plan.unwrap();
-    replace_for_now(surface, &remove, &addition)
+    replace_with_undo(surface, &remove, &addition)
 }
 
 #[test]
-fn a_restored_vertex_moves_like_what_was_in_its_place() {
+fn a_restored_vertex_moves_like_its_replacement() {
     for new in [true, false] {
         let mut surface = sphere(2, [0.0, 2.0, 0.0]);
         let mut solver = solver(&mut surface, Density::Area(2.0), false);
@@ -182,23 +185,23 @@ fn a_restored_vertex_moves_like_what_was_in_its_place() {
         for v in surface.topology().vertices() {
             solver.set_velocity(v, velocity).unwrap();
         }
-        let was = surface.positions[v.index()];
+        let was = surface.positions()[v.index()];
         let (delta, undo) = without(&mut surface, v, new);
         assert_eq!(delta.vertices_removed, [v]);
         follow(&mut solver, &mut surface, &delta);
         let shift = [0.5_f32, -1.0, 0.125];
         for w in surface.topology().vertices().collect::<Vec<_>>() {
             for (k, by) in shift.iter().enumerate() {
-                surface.positions[w.index()][k] += by;
+                surface.positions_mut()[w.index()][k] += by;
             }
         }
         let back = undo.revert(&mut surface).unwrap();
         let [restored] = back.vertices_added[..] else {
             panic!("one vertex came back");
         };
-        assert!(matches!(restored.origin, Origin::Restored { .. }));
+        assert!(matches!(restored.origin, VertexOrigin::Restored { .. }));
         for k in 0..3 {
-            let moved = surface.positions[v.index()][k] - was[k];
+            let moved = surface.positions()[v.index()][k] - was[k];
             assert!((moved - shift[k]).abs() < 1e-6, "{v} moved by {moved}");
         }
         follow(&mut solver, &mut surface, &back);
@@ -210,7 +213,7 @@ fn a_restored_vertex_moves_like_what_was_in_its_place() {
     }
 }
 
-/// What is known of a slot's vertex, told apart from others that had the slot before.
+/// State of the vertex in a slot, with a number that identifies the vertex.
 #[derive(Debug, Clone, Copy)]
 struct Known {
     slot: VertexId,
@@ -248,10 +251,10 @@ fn pins_of(solver: &Solver) -> Vec<(VertexId, [f32; 3])> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
 
-    /// Vertices go and come back, slots are used again by others, some of them pinned: every vertex has the pin that
-    /// it had.
+    /// Vertices go and come back, slots are used again by others, some of them pinned: every vertex
+    /// has the pin that it had.
     #[test]
-    fn pins_come_back_with_their_vertices(
+    fn pins_return_with_their_vertices(
         steps in prop::collection::vec((0_u8..7, any::<u16>(), any::<u16>()), 1..40),
         patched: bool,
         moves: bool,
@@ -264,9 +267,10 @@ proptest! {
         let mut undos: Vec<(Undo, TopologyDelta, BTreeMap<VertexId, usize>)> = Vec::new();
         for (kind, at, pin) in steps {
             if kind < 4 {
-                let Some((remove, addition)) = replacement(&surface, kind, at, 0.5) else { continue };
+                let plan = replacement(&surface, kind, at, 0.5);
+                let Some((remove, addition)) = plan else { continue };
                 let before = census.there.clone();
-                let (delta, undo) = replace_for_now(&mut surface, &remove, &addition);
+                let (delta, undo) = replace_with_undo(&mut surface, &remove, &addition);
                 for v in &delta.vertices_removed {
                     census.there.remove(v);
                 }
@@ -291,7 +295,7 @@ proptest! {
                 solver.unpin(&mut surface, v).unwrap();
             } else {
                 solver.pin(&mut surface, v).unwrap();
-                let [x, y, z, _] = surface.positions[v.index()];
+                let [x, y, z, _] = surface.positions()[v.index()];
                 known.held_at = Some([x, y, z]);
             }
             prop_assert_eq!(pins_of(&solver), census.pins());
@@ -299,7 +303,7 @@ proptest! {
                 solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
             }
             for (v, target) in census.pins() {
-                let [x, y, z, inverse] = surface.positions[v.index()];
+                let [x, y, z, inverse] = surface.positions()[v.index()];
                 prop_assert_eq!(inverse, 0.0, "{} is held", v);
                 if moves {
                     let off = [x - target[0], y - target[1], z - target[2]];

@@ -1,10 +1,8 @@
-//! Pieces keep the volume that they enclose, by closed forms and laws.
+//! Volume constraints: closed forms and invariants.
 
-mod common;
-
-use common::{edge_keys, sphere, two_spheres};
 use incise_mesh::{Surface, TriangleId};
 use incise_pbd_gpu::{Material, Solver, SolverParams, StepError, Stiffness, Volume};
+use incise_test_support::surfaces::{edge_keys, sphere, two_spheres};
 
 const DT: f32 = 1.0 / 60.0;
 
@@ -41,7 +39,7 @@ fn tetrahedron() -> Surface {
 }
 
 #[test]
-fn pressure_inflates_a_ball_to_that_many_volumes() {
+fn pressure_scales_the_volume_of_a_ball() {
     for (pressure, place) in [(2.0, 0.0), (0.5, 0.0), (1.5, 1000.0)] {
         let mut surface = sphere(3, [place, 0.0, 0.0]);
         let rest = surface.volume();
@@ -61,10 +59,11 @@ fn pressure_inflates_a_ball_to_that_many_volumes() {
     }
 }
 
-/// All four vertices of a regular tetrahedron move alike, so it is one oscillator: `V = V0 r^3`, pulled back by
-/// `(V - V0) / (compressibility V0)` on all of its mass. Every substep of one iteration is backward Euler of it.
+/// The vertices of a regular tetrahedron move symmetrically, so it is one oscillator: `V = V0 r^3`,
+/// pulled back by `(V - V0) / (compressibility V0)` on all of its mass. Every substep of one
+/// iteration is backward Euler of it.
 #[test]
-fn a_tetrahedron_breathes_as_backward_euler_says() {
+fn a_tetrahedron_oscillates_as_in_backward_euler() {
     let compressibility = 1e-4_f32;
     let mut surface = tetrahedron();
     let rest = surface.volume();
@@ -74,7 +73,7 @@ fn a_tetrahedron_breathes_as_backward_euler_says() {
     });
     let mut solver = Solver::new(&mut surface, &material).unwrap();
     let scale = 1.001_f32;
-    for p in &mut surface.positions {
+    for p in surface.positions_mut() {
         p.iter_mut().take(3).for_each(|c| *c *= scale);
     }
     solver.mark_all_changed();
@@ -82,7 +81,7 @@ fn a_tetrahedron_breathes_as_backward_euler_says() {
         let params = SolverParams {
             iterations,
             substeps: 1,
-            own_weight: 1.0,
+            diagonal_scale: 1.0,
             ..weightless()
         };
         let (h, mass) = (f64::from(DT) / 20.0, solver.total_mass());
@@ -108,7 +107,7 @@ fn a_tetrahedron_breathes_as_backward_euler_says() {
 }
 
 #[test]
-fn what_is_inside_pushes_nobody_else() {
+fn volume_constraints_act_on_their_piece_only() {
     let mut surface = two_spheres(2);
     let material = Material {
         volume: Some(with_pressure(1.3)),
@@ -116,7 +115,7 @@ fn what_is_inside_pushes_nobody_else() {
     };
     let mut solver = Solver::new(&mut surface, &material).unwrap();
     for v in surface.topology().vertices() {
-        let [x, y, z, _] = surface.positions[v.index()];
+        let [x, y, z, _] = surface.positions()[v.index()];
         let to = [3.0 * y - z, 1.0 + x * z, 2.0 * z];
         solver.set_velocity(v, to).unwrap();
     }
@@ -134,10 +133,11 @@ fn what_is_inside_pushes_nobody_else() {
     }
 }
 
-/// Turned once around, a ball whose volume is all that holds it has as much angular momentum as after the first step: implicit
-/// Euler takes of it in proportion to what pulls, and a kept volume pulls hardly at all in a round body.
+/// A ball with a volume constraint only keeps its angular momentum over one revolution.
+///
+/// Implicit Euler dissipates it in proportion to forces, which are small in a round body.
 #[test]
-fn a_push_from_inside_turns_nobody() {
+fn volume_corrections_keep_angular_momentum() {
     let mut surface = sphere(3, [0.3, 0.0, 0.0]);
     let mut solver = Solver::new(&mut surface, &limp(with_pressure(1.5))).unwrap();
     for _ in 0..30 {
@@ -152,11 +152,11 @@ fn a_push_from_inside_turns_nobody() {
 }
 
 #[test]
-fn every_closed_piece_has_the_volume_that_it_has_at_rest() {
+fn every_closed_piece_has_its_rest_volume() {
     let mut surface = two_spheres(2);
     let volumes = surface.piece_volumes();
-    // What is stretched when the body is made changes nothing.
-    for p in &mut surface.positions {
+    // Rest volumes follow from rest positions, not from positions.
+    for p in surface.positions_mut() {
         p[1] *= 1.5;
     }
     let material = limp(Volume::default());
@@ -176,9 +176,9 @@ fn every_closed_piece_has_the_volume_that_it_has_at_rest() {
 #[test]
 fn a_ball_in_a_ball_is_a_cavity_that_keeps_its_size() {
     let (outer, inner) = (sphere(2, [0.0; 3]), sphere(2, [0.0; 3]));
-    let mut corners: Vec<[f32; 3]> = outer.rest.clone();
+    let mut corners: Vec<[f32; 3]> = outer.rest_positions().to_vec();
     let offset = u32::try_from(corners.len()).unwrap();
-    corners.extend(inner.rest.iter().map(|p| p.map(|c| c * 0.5)));
+    corners.extend(inner.rest_positions().iter().map(|p| p.map(|c| c * 0.5)));
     let of = |s: &Surface| -> Vec<[u32; 3]> {
         let t = s.topology();
         t.triangles().map(|f| t.triangle(f).map(|v| v.0)).collect()
@@ -202,7 +202,7 @@ fn a_ball_in_a_ball_is_a_cavity_that_keeps_its_size() {
 }
 
 #[test]
-fn what_encloses_nothing_has_no_volume() {
+fn open_and_flat_pieces_have_no_volume_constraint() {
     let square = [
         [0.0, 0.0, 0.0],
         [1.0, 0.0, 0.0],
@@ -211,7 +211,7 @@ fn what_encloses_nothing_has_no_volume() {
     ];
     let sheet = [[0, 1, 2], [0, 2, 3]];
     let pillow = [[0, 1, 2], [0, 2, 3], [0, 2, 1], [0, 3, 2]];
-    // Two tetrahedra that share the vertex 0: no walk around it sees both.
+    // Two tetrahedra that share vertex 0: a traversal around it visits one of them only.
     let bow_tie = [
         [0, 2, 1],
         [0, 1, 3],
@@ -247,7 +247,7 @@ fn what_encloses_nothing_has_no_volume() {
         let mut solver = Solver::new(&mut surface, &material).unwrap();
         let keys = edge_keys(&surface).len();
         let pieces = solver.volumes().pieces().len();
-        // Of the bow tie one half may have one: that which the walk around the common vertex sees.
+        // Of the bow tie, only the half that the traversal visits may have a constraint.
         assert!(pieces == 0 || keys == 12 && pieces == 1, "{pieces}");
         for _ in 0..10 {
             solver.step(&mut surface, DT, &weightless()).unwrap();
@@ -257,12 +257,13 @@ fn what_encloses_nothing_has_no_volume() {
 }
 
 #[test]
-fn a_compressibility_that_is_no_number_of_a_large_piece_is_refused() {
+fn an_overflow_of_compressibility_is_an_error() {
     // 1e30 / h^2 is a number, times 4e9 m^3 it is none.
     let mut surface = sphere(2, [0.0; 3]);
-    for (p, rest) in surface.positions.iter_mut().zip(&mut surface.rest) {
-        *rest = rest.map(|c| c * 1e3);
-        p[..3].copy_from_slice(rest);
+    for v in 0..surface.positions().len() {
+        let rest = surface.rest_positions()[v].map(|c| c * 1e3);
+        surface.rest_positions_mut()[v] = rest;
+        surface.positions_mut()[v][..3].copy_from_slice(&rest);
     }
     let material = |compressibility| Material {
         volume: Some(Volume {
@@ -273,11 +274,14 @@ fn a_compressibility_that_is_no_number_of_a_large_piece_is_refused() {
     };
     for (compressibility, is_refused) in [(1e20, false), (1e30, true)] {
         let mut solver = Solver::new(&mut surface, &material(compressibility)).unwrap();
-        let before = surface.positions.clone();
+        let before = surface.positions().to_vec();
         let done = solver.step(&mut surface, DT, &weightless()).map(|_| ());
-        let is_short = matches!(done, Err(StepError::TooShort { .. }));
+        let is_short = matches!(done, Err(StepError::SubstepTooShort { .. }));
         assert_eq!(is_short, is_refused, "{done:?}");
-        assert!(!is_refused || surface.positions == before, "nothing moves");
+        assert!(
+            !is_refused || surface.positions() == before,
+            "nothing moves"
+        );
     }
 }
 
@@ -307,9 +311,9 @@ fn a_soft_ball_on_the_ground_keeps_its_volume() {
     assert!(without > 0.05, "or nothing would: {without}");
 }
 
-/// Ten volumes at once are asked of an incompressible ball, and then a tenth of one.
+/// The pressure of an incompressible ball changes to 10 and then to 0.1.
 #[test]
-fn what_is_asked_for_at_once_comes_slowly() {
+fn a_change_of_pressure_acts_slowly() {
     let mut surface = sphere(3, [0.0; 3]);
     let rest = surface.volume();
     let mut solver = Solver::new(&mut surface, &limp(Volume::default())).unwrap();
@@ -331,7 +335,7 @@ fn what_is_asked_for_at_once_comes_slowly() {
 }
 
 #[test]
-fn volume_comes_and_goes_with_the_material() {
+fn volume_constraints_follow_the_material() {
     let mut surface = sphere(3, [0.0; 3]);
     let mut solver = Solver::new(&mut surface, &limp(Volume::default())).unwrap();
     let params = weightless();
@@ -353,9 +357,10 @@ fn volume_comes_and_goes_with_the_material() {
     assert!((surface.volume() / rest - 2.0).abs() < 1e-4);
 }
 
-/// A ball without a radius has no gradient to grow along, one that is turned inside out grows through nothing.
+/// A ball without a radius has no gradient to grow along, one that is turned inside out grows
+/// through nothing.
 #[test]
-fn crushed_and_turned_inside_out_it_stays_finite() {
+fn crushed_and_inverted_bodies_stay_finite() {
     for scale in [0.0_f32, 1e-6, 0.01, -1.0] {
         let mut surface = sphere(2, [0.0; 3]);
         let material = Material {
@@ -363,14 +368,14 @@ fn crushed_and_turned_inside_out_it_stays_finite() {
             ..Material::default()
         };
         let mut solver = Solver::new(&mut surface, &material).unwrap();
-        for p in &mut surface.positions {
+        for p in surface.positions_mut() {
             p.iter_mut().take(3).for_each(|c| *c *= scale);
         }
         for _ in 0..120 {
             solver.step(&mut surface, DT, &weightless()).unwrap();
         }
         let far = surface
-            .positions
+            .positions()
             .iter()
             .flat_map(|p| &p[..3])
             .fold(0.0, |a: f32, c| a.max(c.abs()));

@@ -1,7 +1,8 @@
-//! How far a run of a program is, on the error output: a bar on a terminal, a line for every part elsewhere.
+//! Progress output of the command-line programs, on standard error.
 //!
-//! The programs of this workspace share it, so that all of them tell the same way and `--quiet` means the same. No
-//! library does: what they have to say they return.
+//! Shows a progress bar on a terminal and one line per part elsewhere. The programs of this
+//! workspace share it, so that progress and `--quiet` look the same everywhere. Libraries do not
+//! use it: they return reports and never print.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::cell::Cell;
@@ -9,68 +10,67 @@ use std::io::{self, Write};
 
 /// Where progress is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shown {
-    /// Nowhere: the user wants it quiet.
+pub enum Visibility {
+    /// Nowhere, as with `--quiet`.
     Never,
-    /// On terminals only: what takes seconds at most, and would only fill a log.
+    /// On terminals only, for runs of a few seconds.
     OnTerminals,
-    /// On terminals as a bar, elsewhere as lines, one for each of several parts.
+    /// As a bar on terminals, elsewhere as one line per part if there are several.
     Everywhere,
 }
 
-/// A run in parts. The bar goes when it is dropped.
+/// Progress of a run in parts. Dropping it removes the bar.
 #[derive(Debug)]
 pub struct Progress {
     bar: ProgressBar,
-    parts: u64,
-    begun: Cell<u64>,
-    shown: Shown,
+    part_count: u64,
+    started: Cell<u64>,
+    visibility: Visibility,
 }
 
 impl Progress {
-    /// A run of so many parts, each of so many steps.
+    /// Starts a run of `parts` parts with `steps` steps each.
     #[must_use]
-    pub fn new(parts: u64, steps: u64, shown: Shown) -> Self {
-        // The template is a constant: what is wrong with it shows at once.
+    pub fn new(parts: u64, steps: u64, visibility: Visibility) -> Self {
         let style = ProgressStyle::with_template("{msg:24!} {wide_bar} {percent}% {eta}")
             .unwrap_or_else(|_| ProgressStyle::default_bar());
-        let target = match shown {
-            Shown::Never => ProgressDrawTarget::hidden(),
-            // Hidden by itself when the error output is no terminal.
-            Shown::OnTerminals | Shown::Everywhere => ProgressDrawTarget::stderr(),
+        let target = match visibility {
+            Visibility::Never => ProgressDrawTarget::hidden(),
+            // indicatif hides the bar if standard error is not a terminal.
+            Visibility::OnTerminals | Visibility::Everywhere => ProgressDrawTarget::stderr(),
         };
         Self {
             bar: ProgressBar::with_draw_target(Some(parts * steps), target).with_style(style),
-            parts,
-            begun: Cell::new(0),
-            shown,
+            part_count: parts,
+            started: Cell::new(0),
+            visibility,
         }
     }
 
-    /// That a part begins.
+    /// Starts a part.
     pub fn begin(&self, part: &str) {
-        self.begun.set(self.begun.get() + 1);
+        self.started.set(self.started.get() + 1);
         self.bar.set_message(part.to_owned());
         self.bar.tick();
-        // A part that is all there is has a beginning that everybody knows.
-        let is_told = self.shown == Shown::Everywhere && self.parts > 1;
-        if is_told && self.bar.is_hidden() {
-            // Without an error output nobody waits for it.
-            let _ = writeln!(io::stderr(), "{}/{} {part}", self.begun.get(), self.parts);
+        let prints_lines = self.visibility == Visibility::Everywhere && self.part_count > 1;
+        if prints_lines && self.bar.is_hidden() {
+            let (started, parts) = (self.started.get(), self.part_count);
+            // A closed standard error is not an error of the run.
+            let _ = writeln!(io::stderr(), "{started}/{parts} {part}");
         }
     }
 
-    /// That one step of a part is done.
+    /// Completes one step of the current part.
     pub fn step(&self) {
         self.bar.inc(1);
     }
 
-    /// Prints something else, with the bar out of the way meanwhile.
-    pub fn aside<T>(&self, print: impl FnOnce() -> T) -> T {
+    /// Hides the bar while `print` prints, and returns its result.
+    pub fn suspend<T>(&self, print: impl FnOnce() -> T) -> T {
         self.bar.suspend(print)
     }
 
-    /// Takes the bar away, so that something else can be printed.
+    /// Ends the run and removes the bar.
     pub fn end(&self) {
         self.bar.finish_and_clear();
     }

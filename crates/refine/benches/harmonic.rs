@@ -1,12 +1,13 @@
-//! Time of the harmonic function on covers of wavy rims, beside that of the covers: the fastest of a few runs.
+//! Time of harmonic interpolation and of the section meshes it runs on: the fastest of a few runs.
 
 use incise_refine::{
-    CoverParams, CoverScratch, CoverSize, HarmonicScratch, Section, cover, harmonic,
+    HarmonicScratch, Section, SectionMeshParams, SectionMeshScratch, SectionMeshSize,
+    interpolate_harmonic, triangulate_section,
 };
 use std::f64::consts::TAU;
 use std::time::Instant;
 
-/// A wavy ring of `n` edges, the longest about twice the shortest.
+/// Returns a wavy loop of `n` edges, the longest about twice the shortest.
 fn wavy(n: u32) -> Vec<[f64; 2]> {
     (0..n)
         .map(|i| TAU * (f64::from(i) + 0.3 * f64::from(i).sin()) / f64::from(n))
@@ -44,9 +45,9 @@ fn fastest<T>(mut run: impl FnMut() -> T) -> (f64, T) {
 fn main() {
     println!(
         "{:>9} {:>9} {:>9} {:>6}",
-        "triangles", "cover ms", "ms", "steps"
+        "triangles", "mesh ms", "ms", "steps"
     );
-    let (mut covers, mut scratch) = (CoverScratch::default(), HarmonicScratch::default());
+    let (mut covers, mut scratch) = (SectionMeshScratch::default(), HarmonicScratch::default());
     for n in [25, 50, 80, 150, 254, 450, 800, 1400, 2500] {
         let points = wavy(n);
         let loops = [(0..n).collect::<Vec<u32>>()];
@@ -55,15 +56,17 @@ fn main() {
             loops: &loops,
             crease: false,
         };
-        let params = CoverParams {
-            size: CoverSize::Uniform(2.3 * std::f64::consts::PI / f64::from(n)),
-            ..CoverParams::default()
+        let params = SectionMeshParams {
+            size: SectionMeshSize::Uniform(2.3 * std::f64::consts::PI / f64::from(n)),
+            ..SectionMeshParams::default()
         };
-        let (cover_ms, found) =
-            fastest(|| cover(&section, &params, |_, _| false, &mut covers).expect("a ring"));
+        let (cover_ms, found) = fastest(|| {
+            triangulate_section(&section, &params, |_, _| false, &mut covers).expect("a points")
+        });
         let values: Vec<_> = points.iter().map(|&p| bent(p)).collect();
         let (ms, steps) = fastest(|| {
-            let found = harmonic(&found, &section, &values, 0.0, &mut scratch).expect("bent");
+            let found =
+                interpolate_harmonic(&found, &section, &values, 0.0, &mut scratch).expect("bent");
             found.steps
         });
         println!(

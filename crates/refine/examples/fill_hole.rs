@@ -1,11 +1,12 @@
-//! Fills the hole inside a wavy rim at the five levels and prints what that costs.
+//! Fills a wavy rim with the paper's method at five levels and prints size and quality.
 //!
 //! `cargo run -p incise-refine --example fill_hole`
 
 #![expect(clippy::print_stdout, reason = "an example shows what it computes")]
 
 use incise_mesh::geometry::{area_vector, corner_angles};
-use incise_refine::{RefineParams, RefinementLevel, fill};
+use incise_refine::paper::fill;
+use incise_refine::{RefineParams, RefinementLevel};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
@@ -14,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let wave = |a: f64| Vector3::new(a.cos(), a.sin(), 0.1 * (2.0 * a).sin());
     let rim: Vec<_> = angles.map(wave).collect(); // counterclockwise seen from above
     let patch = fill(&rim, Vector3::z(), &RefineParams::default(), |_, _| false)?;
-    assert_eq!(patch.points[..60], rim[..], "the rim stays, in its order");
+    assert_eq!(patch.points[..60], rim[..], "the rim is unchanged");
 
     for level in RefinementLevel::FIVE {
         let params = RefineParams {
@@ -30,10 +31,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             smallest = corner_angles(t).into_iter().fold(smallest, f64::min);
         }
         println!(
-            "{:>12}: {:4} triangles, {:3} vertices inside, {} rounds, area {area:.3} m^2, smallest angle {:.0} degrees",
+            "{:>12}: {:4} triangles, {:3} new vertices, {} rounds, area {area:.3} m^2, \
+             minimum angle {:.0} degrees",
             level.to_string(),
             patch.triangles.len(),
-            patch.inner.len(),
+            patch.parents.len(),
             patch.report.rounds,
             smallest.to_degrees()
         );

@@ -1,79 +1,82 @@
-//! Values at a rim carried on into its cover, as smoothly as can be.
+//! Harmonic interpolation of rim values over a section mesh.
 //!
-//! What an inner point of a cover is the mean of are corners of the triangulation of the rim alone, whose
-//! triangles are as long as the section is wide: what is interpolated so has a crease along each of them.
-//! The discrete harmonic function has none. At every inner point it is the mean of its neighbors with cotangent
-//! weights (Pinkall and Polthier 1993), which are positive where triangles are Delaunay, as those of a cover
-//! are. So no value is outside of those at the rim, and affine functions stay what they are.
+//! Interpolation by the parents of Steiner points has creases, because the triangles of the loops
+//! alone are as long as the section is wide. The discrete harmonic function has none. At every
+//! Steiner point it is the mean of its neighbors with cotangent weights (Pinkall and Polthier
+//! 1993), which are positive in Delaunay triangulations. It therefore stays within the values at
+//! the rim and reproduces affine functions.
 //!
-//! The equations are solved by conjugate gradients from the interpolated values, for the three coordinates at
-//! once, until what is left cannot be seen. Each step makes the Dirichlet energy smaller, so that wherever it
-//! ends there is less of it than in what is interpolated. Every sum has one order and no instruction is
-//! chosen by the machine: the same bits on every one.
+//! Conjugate gradients start at the interpolated values and solve for three coordinates at once.
+//! Each step decreases the Dirichlet energy. All sums have a fixed order, so results are
+//! deterministic.
 
-mod affine;
-mod conjugate;
-mod rows;
+mod affine_fit;
+mod conjugate_gradient;
+mod cotangent_weights;
 
-use crate::cover::{Cover, Section};
-use affine::Affine;
-use conjugate::{Conjugate, System};
-use rows::Rows;
+use crate::section_mesh::{Section, SectionMesh};
+use affine_fit::AffineFit;
+use conjugate_gradient::{ConjugateGradient, System};
+use cotangent_weights::CotangentWeights;
+use incise_mesh::index_u32;
 
-/// Memory that [`harmonic`] keeps between calls.
+/// Scratch memory that [`interpolate_harmonic`] reuses between calls.
 #[derive(Debug, Clone, Default)]
 pub struct HarmonicScratch {
-    rows: Rows,
+    rows: CotangentWeights,
     system: System,
-    conjugate: Conjugate,
-    /// The unknown of each inner point, none for those that are held.
+    conjugate: ConjugateGradient,
+    /// Index of each Steiner point's unknown, [`FIXED`] on a crease.
     unknowns: Vec<u32>,
-    /// What is unknown: values less the affine function.
+    /// The unknowns: values minus the affine function.
     offsets: Vec<[f64; 3]>,
     values: Vec<[f64; 3]>,
 }
 
-/// What [`harmonic`] found.
+/// The result of [`interpolate_harmonic`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Harmonic<'a> {
-    /// The values at the cover's inner points.
+#[non_exhaustive]
+pub struct HarmonicInterpolation<'a> {
+    /// Values at the Steiner points.
     pub values: &'a [[f64; 3]],
-    /// By coordinate, whether what parents and weights give is harmonic: the values at the section's points are an
-    /// affine function of the place within rounding, on each side of a crease.
+    /// Whether each coordinate of the input is affine within rounding, on each side of a crease.
+    ///
+    /// Interpolation by parents and weights is then harmonic already.
     pub is_affine: [bool; 3],
-    /// How many steps the solver took.
+    /// Number of conjugate gradient steps.
     pub steps: usize,
 }
 
-/// An inner point that is no unknown.
-const HELD: u32 = u32::MAX;
+/// Marks a Steiner point with a fixed value.
+const FIXED: u32 = u32::MAX;
 
-/// The harmonic function on `cover` that has `values` at the section's points (shape: `section.points`, in any
-/// unit). `None` where those are an affine function of the place within `rounding` \[of the same unit\], on
-/// each side of a crease: what the inner points' parents and weights give is harmonic then.
+/// Interpolates `values` at the section's points over the Steiner points of its mesh.
 ///
-/// On a crease the function is what parents and weights give: the two halves of the sheet may be at an angle in
-/// the values, and remain so. Time is O(n^1.25) for n triangles.
+/// `values` has the shape of `section.points` and any unit. Returns `None` if all coordinates are
+/// an affine function of the position within `rounding` \[same unit\], on each side of a crease.
+/// The parents and weights of Steiner points then give the harmonic function.
+///
+/// Values on a crease are those of parents and weights, because the two halves of the section may
+/// be at an angle in `values`. Time is O(n^1.25) for n triangles.
 ///
 /// # Panics
-/// When there are not as many values as points, or `cover` is none of `section`: that is a mistake of
-/// the caller, not of its input.
-pub fn harmonic<'a>(
-    cover: &Cover,
+/// If the number of values differs from the number of points, or `mesh` is not a mesh of `section`.
+pub fn interpolate_harmonic<'a>(
+    mesh: &SectionMesh,
     section: &Section<'_>,
     values: &[[f64; 3]],
     rounding: f64,
     scratch: &'a mut HarmonicScratch,
-) -> Option<Harmonic<'a>> {
+) -> Option<HarmonicInterpolation<'a>> {
     let n = section.points.len();
     assert_eq!(values.len(), n, "one value for each point of the section");
-    if cover.inner.is_empty() {
+    if mesh.steiner_points.is_empty() {
         return None;
     }
     let fits = if section.crease {
-        [-1.0, 1.0].map(|side| Affine::fit(section, values, |y| side * y >= 0.0))
+        [-1.0, 1.0].map(|side| AffineFit::fit(section, values, |y| side * y >= 0.0))
     } else {
-        [Affine::fit(section, values, |_| true); 2]
+        [AffineFit::fit(section, values, |_| true); 2]
     };
     let is_affine = [0, 1, 2].map(|k| fits.iter().all(|fit| fit.error[k] <= rounding));
     if is_affine == [true; 3] {
@@ -82,7 +85,7 @@ pub fn harmonic<'a>(
     let side = |at: [f64; 2]| usize::from(section.crease && at[1] > 0.0);
     let place = |v: u32| match (v as usize).checked_sub(n) {
         None => section.points[v as usize],
-        Some(inner) => cover.inner[inner].at,
+        Some(inner) => mesh.steiner_points[inner].position,
     };
     let HarmonicScratch {
         rows,
@@ -92,36 +95,36 @@ pub fn harmonic<'a>(
         offsets,
         values: out,
     } = scratch;
-    rows.read(cover, n, place);
+    rows.read(mesh, n, place);
     out.clear();
     unknowns.clear();
     offsets.clear();
-    for inner in &cover.inner {
+    for inner in &mesh.steiner_points {
         let mean = [0, 1, 2].map(|k| {
             let part = |i: usize| inner.weights[i] * values[inner.parents[i] as usize][k];
             part(0) + part(1) + part(2)
         });
         out.push(mean);
-        if section.crease && inner.at[1] == 0.0 {
-            unknowns.push(HELD);
+        if section.crease && inner.position[1] == 0.0 {
+            unknowns.push(FIXED);
         } else {
-            unknowns.push(u32::try_from(offsets.len()).expect("covers have 32-bit numbers"));
-            offsets.push(minus(mean, fits[side(inner.at)].at(inner.at)));
+            unknowns.push(index_u32(offsets.len()));
+            offsets.push(minus(mean, fits[side(inner.position)].at(inner.position)));
         }
     }
-    // Less the affine function of its own side, each value is an unknown, or known at the rim.
+    // Relative to the affine function of its side, a value is an unknown, or known at the rim.
     system.clear();
-    for (i, inner) in cover.inner.iter().enumerate() {
-        if unknowns[i] == HELD {
+    for (i, inner) in mesh.steiner_points.iter().enumerate() {
+        if unknowns[i] == FIXED {
             continue;
         }
-        let own = side(inner.at);
+        let own = side(inner.position);
         let mut right = [0.0; 3];
         for &(v, weight) in rows.of(i) {
             let at = place(v);
             let known = match (v as usize).checked_sub(n) {
                 None => values[v as usize],
-                Some(j) if unknowns[j] == HELD => out[j],
+                Some(j) if unknowns[j] == FIXED => out[j],
                 Some(j) => {
                     system.add(unknowns[j], weight);
                     if side(at) == own {
@@ -137,22 +140,22 @@ pub fn harmonic<'a>(
         system.finish_row(diagonal, right);
     }
     let steps = conjugate.solve(system, offsets);
-    // Rounding, and the few weights that are not what they are in a Delaunay triangulation, might lead out.
+    // Rounding and clamped weights could exceed the range of the input.
     let bounds = bounds(section, values);
-    for (i, inner) in cover.inner.iter().enumerate() {
+    for (i, inner) in mesh.steiner_points.iter().enumerate() {
         if let Some(offset) = offsets.get(unknowns[i] as usize) {
-            let affine = fits[side(inner.at)].at(inner.at);
+            let affine = fits[side(inner.position)].at(inner.position);
             out[i] = [0, 1, 2].map(|k| (affine[k] + offset[k]).clamp(bounds[k].0, bounds[k].1));
         }
     }
-    Some(Harmonic {
+    Some(HarmonicInterpolation {
         values: out,
         is_affine,
         steps,
     })
 }
 
-/// The least and the largest value at the loops, by coordinate.
+/// Returns the range of each coordinate's values on the loops.
 fn bounds(section: &Section<'_>, values: &[[f64; 3]]) -> [(f64, f64); 3] {
     [0, 1, 2].map(|k| {
         let at_loops = section.loops.iter().flatten();

@@ -1,5 +1,6 @@
-//! Every open mesh of the torture set and of the models is closed. They lie in folders beside the
-//! workspace; without them one ignored test says so.
+//! Fills the holes of every open mesh in the folders of shared models beside the workspace.
+//!
+//! A missing folder shows as an ignored test.
 
 use incise_mesh::{Surface, check, read_mesh, write_ply};
 use incise_refine::{HoleParams, fill_holes};
@@ -31,7 +32,7 @@ fn main() -> ExitCode {
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }
 
-/// The mesh of a file, if it can be read, is a surface and has holes.
+/// Returns the surface of a file if it can be read and has holes.
 fn open_surface(path: &Path) -> Option<Surface> {
     let (surface, _) = read_mesh(path).ok()?.into_open_surface().ok()?;
     (!surface.topology().is_closed()).then_some(surface)
@@ -59,7 +60,7 @@ fn fill(path: &Path, open: &Surface, fair: bool) -> Result<(), Failed> {
     if euler(&surface) != euler(open) + discs {
         return Err(format!("Euler characteristic {}", euler(&surface)).into());
     }
-    // As a file it is what the checks of files call closed and manifold.
+    // The file checks must find it closed and manifold as well.
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("out.ply");
     write_ply(&out, &surface)?;

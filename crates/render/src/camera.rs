@@ -1,53 +1,55 @@
-//! An eye that circles what it looks at.
+//! A perspective camera that orbits a target: framing, projection and picking rays.
 
 use incise_mesh::{Aabb, Vec3};
 use nalgebra::{Matrix4, RowVector4};
 
-/// The nearest that is seen, as a part of the distance to the target. Nothing is too far: depth is that of a
-/// projection without an end, stored the other way round, which 32-bit floats suit.
+/// Distance of the near plane, relative to the distance to the target. The projection is infinite
+/// with reversed depth, which suits 32-bit floats.
 const NEAR: f64 = 1e-3;
 
-/// How much more than it needs a fitted body has of the frame, so that it does not touch the picture's edge.
+/// Scale of the frame around a fitted body, so that it does not touch the edge of the image.
 const MARGIN: f64 = 1.08;
 
-/// A fitted eye keeps this part of the diagonal between itself and the nearest corner.
+/// Minimum distance from a fitted camera to the nearest corner, relative to the diagonal.
 const CLEARANCE: f64 = 0.1;
 
-/// An eye on a sphere around its target. The y axis points up.
+/// A perspective camera on a sphere around its target. The y axis points up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// What the middle of the picture shows \[m\].
+    /// Point at the center of the image \[m\].
     pub target: [f64; 3],
-    /// From the eye to the target \[m\].
+    /// Distance from the camera to the target \[m\].
     pub distance: f64,
-    /// Around the y axis \[rad\]: 0 looks from positive z, a quarter turn from positive x.
+    /// Angle around the y axis \[rad\]: 0 looks from positive z, a quarter turn from positive x.
     pub azimuth: f64,
-    /// Above the horizon \[rad\], up to a quarter turn, where the view is from straight above.
+    /// Angle above the horizon \[rad\], at most a quarter turn, which looks straight down.
     pub elevation: f64,
-    /// The angle between the picture's upper and lower edge \[rad\].
+    /// Vertical field of view \[rad\].
     pub field_of_view: f64,
 }
 
-/// A half-line from the eye.
+/// A ray from the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Where it begins \[m\].
+    /// Start of the ray \[m\].
     pub origin: Vec3,
-    /// Where it goes, of length 1.
+    /// Unit direction.
     pub direction: Vec3,
 }
 
 impl Default for Camera {
-    /// From the right and a little above, as products are photographed, at the origin.
+    /// Looks at the origin from the right and a little above.
     fn default() -> Self {
-        Self::looking(30_f64.to_radians(), 18_f64.to_radians())
+        Self::from_angles(30_f64.to_radians(), 18_f64.to_radians())
     }
 }
 
 impl Camera {
-    /// A camera from this azimuth and elevation \[rad\] at the origin, 3 m away, with a field of view of 28 degrees.
+    /// Returns a camera that looks at the origin from these angles \[rad\].
+    ///
+    /// The distance is 3 m and the field of view 28 degrees.
     #[must_use]
-    pub fn looking(azimuth: f64, elevation: f64) -> Self {
+    pub fn from_angles(azimuth: f64, elevation: f64) -> Self {
         Self {
             target: [0.0; 3],
             distance: 3.0,
@@ -57,8 +59,9 @@ impl Camera {
         }
     }
 
-    /// The same direction with all of the box in a picture that is `aspect` times as wide as high, the box's middle in
-    /// the picture's. An empty box changes nothing.
+    /// Returns this camera moved so that all of a box is in the image, its center at the center.
+    ///
+    /// `aspect` is width over height of the image. An empty box changes nothing.
     #[must_use]
     pub fn fit(mut self, bounds: &Aabb, aspect: f64) -> Self {
         let is_box = bounds.min.iter().zip(bounds.max).all(|(a, b)| *a <= b);
@@ -81,17 +84,20 @@ impl Camera {
         self
     }
 
-    /// The same direction, as near as it goes with all of the points in the picture, and they in its middle: closer than
-    /// [`Camera::fit`], and around another target for every direction. Without finite points nothing changes.
+    /// Returns this camera moved as close as possible with all points in the image, centered.
+    ///
+    /// The frame is tighter than that of [`Camera::fit`], and its target depends on the direction.
+    /// Without finite points nothing changes.
     #[must_use]
     pub fn frame(mut self, points: impl IntoIterator<Item = [f32; 3]>, aspect: f64) -> Self {
         let [right, up, back] = self.axes();
         let [across, along] = self.tangents(aspect).map(|t| t / MARGIN);
-        // How far the eye must be back of the origin for each of the frame's four sides, and how deep all is.
+        // Distance of the camera behind the origin that each side of the frame requires, and the
+        // range of depths.
         let mut sides = [f64::NEG_INFINITY; 4];
         let (mut nearest, mut farthest) = (f64::NEG_INFINITY, f64::INFINITY);
         for p in points {
-            let p = incise_mesh::geometry::widen(p);
+            let p = incise_mesh::geometry::to_f64(p);
             let (x, y, z) = (p.dot(&right), p.dot(&up), p.dot(&back));
             let need = [x + across * z, across * z - x, y + along * z, along * z - y];
             sides = [0, 1, 2, 3].map(|i| sides[i].max(need[i]));
@@ -110,7 +116,7 @@ impl Camera {
         self
     }
 
-    /// The picture's axes: to the right, up, and toward the eye.
+    /// Returns the axes of the image: right, up, and toward the camera.
     #[must_use]
     pub fn axes(&self) -> [Vec3; 3] {
         let (sin_a, cos_a) = self.azimuth.sin_cos();
@@ -120,21 +126,22 @@ impl Camera {
         [right, back.cross(&right), back]
     }
 
-    /// Where the eye is \[m\].
+    /// Returns the position of the camera \[m\].
     #[must_use]
     pub fn eye(&self) -> Vec3 {
         let [_, _, back] = self.axes();
         Vec3::from(self.target) + back * self.distance
     }
 
-    /// The nearest that is seen \[m\].
+    /// Returns the distance of the near plane \[m\].
     #[must_use]
     pub fn near(&self) -> f64 {
         NEAR * self.distance
     }
 
-    /// From points relative to the target to clip space, for a picture `aspect` times as wide as high. Depth is 1 at
-    /// [`Camera::near`] and falls to 0 without end.
+    /// Returns the matrix from points relative to the target to clip space.
+    ///
+    /// `aspect` is width over height. Depth is 1 at [`Camera::near`] and approaches 0 at infinity.
     #[must_use]
     pub fn projection_from_target(&self, aspect: f64) -> Matrix4<f64> {
         let [right, up, back] = self.axes();
@@ -148,15 +155,17 @@ impl Camera {
         ])
     }
 
-    /// From points \[m\] to clip space, as [`Camera::projection_from_target`].
+    /// Returns the matrix from points \[m\] to clip space, as [`Camera::projection_from_target`].
     #[must_use]
     pub fn view_projection(&self, aspect: f64) -> Matrix4<f64> {
         let to_target = Matrix4::new_translation(&-Vec3::from(self.target));
         self.projection_from_target(aspect) * to_target
     }
 
-    /// Where a picture of `size` pixels, across and along, shows a point \[m\]: pixels from its left and its upper edge.
-    /// None of a point that is not in front of the eye.
+    /// Projects a point \[m\] to an image of `size` pixels (width, height).
+    ///
+    /// Returns pixels from the left and the upper edge, or `None` for a point behind the near
+    /// plane.
     #[must_use]
     pub fn project(&self, point: Vec3, size: [u32; 2]) -> Option<[f64; 2]> {
         let [width, height] = size.map(f64::from);
@@ -169,8 +178,10 @@ impl Camera {
         })
     }
 
-    /// The ray through a place of a picture of `size` pixels, across and along: pixels from its left and its upper edge,
-    /// so that the first pixel's middle is at 0.5, 0.5.
+    /// Returns the ray through a point of an image of `size` pixels (width, height).
+    ///
+    /// The point is in pixels from the left and the upper edge; the center of the first pixel is
+    /// at (0.5, 0.5).
     #[must_use]
     pub fn ray(&self, [x, y]: [f64; 2], size: [u32; 2]) -> Ray {
         let [width, height] = size.map(f64::from);
@@ -184,7 +195,7 @@ impl Camera {
         }
     }
 
-    /// Half of the picture's width and height, a unit away from the eye.
+    /// Returns half of the width and height of the image at unit distance from the camera.
     fn tangents(&self, aspect: f64) -> [f64; 2] {
         let along = (self.field_of_view / 2.0).tan();
         [along * aspect, along]
@@ -192,7 +203,7 @@ impl Camera {
 }
 
 fn corners(bounds: &Aabb) -> impl Iterator<Item = Vec3> {
-    let [low, high] = [bounds.min, bounds.max].map(incise_mesh::geometry::widen);
+    let [low, high] = [bounds.min, bounds.max].map(incise_mesh::geometry::to_f64);
     (0..8).map(move |i| {
         let side = |k: usize| if i >> k & 1 == 0 { low[k] } else { high[k] };
         Vec3::new(side(0), side(1), side(2))

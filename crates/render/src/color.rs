@@ -1,18 +1,18 @@
-//! Colors as people write them.
+//! sRGB colors: parsing, formatting and conversion to linear light.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// A color in sRGB, 8 bits a channel. Alpha is how much of it covers what is behind, and not multiplied in.
+/// An sRGB color with 8 bits per channel and straight (not premultiplied) alpha.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Color(pub [u8; 4]);
 
-/// The text is no color.
+/// The text is not a color.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("a color is #rgb, #rrggbb or #rrggbbaa, in hexadecimal digits")]
+#[error("not a color; write #rgb, #rrggbb or #rrggbbaa in hexadecimal digits")]
 pub struct InvalidColor;
 
-/// Colors that tell pieces apart beside each other and from the usual red of caps.
+/// Colors that are distinct from each other and from the red of cut sections.
 const PIECES: [Color; 8] = [
     Color::rgb(124, 156, 196),
     Color::rgb(226, 184, 92),
@@ -25,26 +25,26 @@ const PIECES: [Color; 8] = [
 ];
 
 impl Color {
-    /// An opaque color.
+    /// Returns an opaque color.
     #[must_use]
     pub const fn rgb(red: u8, green: u8, blue: u8) -> Self {
         Self([red, green, blue, 255])
     }
 
-    /// The same color with another alpha.
+    /// Returns this color with another alpha.
     #[must_use]
     pub const fn with_alpha(self, alpha: u8) -> Self {
         let [red, green, blue, _] = self.0;
         Self([red, green, blue, alpha])
     }
 
-    /// A color for a piece with this number; there are eight, one after the other.
+    /// Returns the color of a piece by its index; the eight colors repeat.
     #[must_use]
-    pub const fn of_piece(piece: usize) -> Self {
+    pub const fn for_piece(piece: usize) -> Self {
         PIECES[piece % PIECES.len()]
     }
 
-    /// Light as the device reckons with it: linear, 0 to 1, alpha as it is.
+    /// Returns the color in linear light, 0 to 1, with alpha unchanged.
     #[must_use]
     pub fn linear(self) -> [f32; 4] {
         let [red, green, blue, alpha] = self.0.map(|c| f32::from(c) / 255.0);
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn colors_are_read_as_they_are_written() {
+    fn parsing_and_formatting_round_trip() {
         let color = Color([1, 35, 69, 255]);
         assert_eq!("#012345".parse(), Ok(color));
         assert_eq!(color.to_string(), "#012345");
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn light_grows_with_the_channel_from_nothing_to_all() {
+    fn linear_light_increases_from_zero_to_one() {
         let light = |c| Color::rgb(c, c, c).linear()[0];
         assert_eq!((light(0), light(255)), (0.0, 1.0));
         assert!((1..=255).all(|c| light(c) > light(c - 1)));

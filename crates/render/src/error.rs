@@ -1,140 +1,146 @@
-//! Why there is no picture.
+//! Errors of rendering, image composition and PNG output.
 
 use std::path::PathBuf;
 
-/// What can go wrong between a surface and a picture.
+/// An error of rendering or of writing an image.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// A picture of no pixels, or of more than are taken.
-    #[error("{width} x {height} is no size of a picture here; either side has 1 to {limit} pixels")]
-    Size {
-        /// Pixels in a row.
+    /// The image has no pixels, or too many.
+    #[error("invalid image size {width} x {height}: each side must have 1 to {limit} pixels")]
+    InvalidSize {
+        /// Width \[px\].
         width: u32,
-        /// Rows.
+        /// Height \[px\].
         height: u32,
-        /// The longest side there can be.
+        /// Maximum side \[px\].
         limit: u32,
     },
-    /// The bytes are not those of so many pixels.
-    #[error("{bytes} bytes are no {width} x {height} pixels of four each")]
-    Pixels {
-        /// Pixels in a row.
+    /// The number of bytes does not match the image size.
+    #[error("{bytes} bytes do not match {width} x {height} RGBA pixels")]
+    PixelCount {
+        /// Width \[px\].
         width: u32,
-        /// Rows.
+        /// Height \[px\].
         height: u32,
-        /// How many bytes there are.
+        /// Number of bytes.
         bytes: usize,
     },
-    /// The font that is part of the program is none, which only a broken build has.
-    #[error("the built-in font is broken; build the program again")]
-    Font,
-    /// A picture cannot be packed as PNG.
-    #[error("a picture cannot be packed: {0}")]
+    /// The embedded font cannot be parsed, which happens in a broken build only.
+    #[error("the embedded font is invalid; build the program again")]
+    InvalidFont,
+    /// The image cannot be encoded as PNG.
+    #[error("PNG encoding failed: {0}")]
     Png(#[from] png::EncodingError),
-    /// A picture cannot be written.
+    /// The image file cannot be written.
     #[error("{}: {source}", path.display())]
     Write {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: std::io::Error,
     },
-    /// The device can do less than what is needed.
+    /// A limit of the GPU device is too low.
     #[error(
-        "the device has {name} = {have}, {need} is needed; choose another one, or open it with higher limits"
+        "the GPU device has {name} = {have}, but {need} is required; choose another adapter, or \
+         open the device with higher limits"
     )]
     LimitTooSmall {
-        /// The limit, as WebGPU calls it.
+        /// WebGPU name of the limit.
         name: &'static str,
-        /// What is needed.
+        /// Required value.
         need: u64,
-        /// What the device has.
+        /// Value of the device.
         have: u64,
     },
-    /// Storage buffers cannot be read where vertices are made.
+    /// The device does not support storage buffers in vertex shaders.
     #[error(
-        "the device reads no storage buffers in vertex shaders; choose another one ({message})"
+        "the GPU device has no storage buffers in vertex shaders; choose another adapter \
+         ({message})"
     )]
-    VertexStorage {
-        /// What the device said.
+    NoVertexStorage {
+        /// Message of the device.
         message: String,
     },
-    /// The device cannot draw into such a texture, or not with so many samples.
+    /// The device cannot render to this texture format or sample count.
     #[error(
-        "the device draws no {format} with {samples} samples a pixel; take what it says to support"
+        "the GPU device cannot render {format} with {samples} samples per pixel; choose a format \
+         and a sample count that it supports"
     )]
-    Format {
-        /// The texture's format, as WebGPU calls it.
+    UnsupportedFormat {
+        /// WebGPU name of the texture format.
         format: String,
-        /// Samples of a pixel.
+        /// Samples per pixel.
         samples: u32,
     },
-    /// The canvas is of another kind than the renderer draws on.
-    #[error("the canvas was made for another renderer; make one for this")]
-    ForeignCanvas,
-    /// More bytes than the device takes as one buffer or binding.
-    #[error("{what} would take {bytes} bytes, the device allows {limit}; draw less at once")]
+    /// The attachments have another format or sample count than the renderer.
+    #[error("the attachments belong to another renderer; create them with this one")]
+    AttachmentMismatch,
+    /// A buffer or binding would be larger than the device allows.
+    #[error("{what} needs {bytes} bytes, but the device allows {limit}; draw less at once")]
     BufferTooLarge {
-        /// What the buffer is for.
+        /// Purpose of the buffer.
         what: &'static str,
-        /// Its size \[bytes\].
+        /// Required size \[bytes\].
         bytes: u64,
-        /// The largest that the device allows \[bytes\].
+        /// Maximum size of the device \[bytes\].
         limit: u64,
     },
-    /// A body with triangles whose corners have no position.
+    /// The body has fewer positions than its topology has vertex slots.
     #[error(
-        "the body's triangles need {need} positions and it has {have}; update its positions after its topology"
+        "the body needs {need} positions but has {have}; update the positions after the topology"
     )]
     TooFewPositions {
         /// Vertex slots of the topology.
         need: u64,
-        /// Positions there are.
+        /// Available positions.
         have: u64,
     },
-    /// A part of a buffer that cannot be used as positions.
+    /// The byte range cannot be bound as positions.
     #[error(
-        "bytes {start}..{end} are no positions of this buffer: it has to be a storage buffer that holds them, 16 bytes each"
+        "bytes {start}..{end} cannot be bound as positions; pass a range of a storage buffer, with \
+         16 bytes per position"
     )]
-    NoPositions {
-        /// Where the part begins.
+    InvalidPositionRange {
+        /// Start of the range \[bytes\].
         start: u64,
-        /// Where it ends.
+        /// End of the range \[bytes\].
         end: u64,
     },
-    /// There is no memory left.
-    #[error("{what}: out of memory; draw smaller pictures or fewer bodies")]
+    /// Memory is exhausted.
+    #[error("{what}: out of memory; draw smaller images or fewer bodies")]
     OutOfMemory {
-        /// What was being done.
+        /// Operation that failed.
         what: &'static str,
     },
-    /// The device is gone, and all that lay on it.
-    #[error("the device is lost ({reason}); open a new one and make renderer and bodies again")]
+    /// The device is lost, with all of its resources.
+    #[error(
+        "the GPU device is lost ({reason}); open a new one and create renderer and bodies again"
+    )]
     DeviceLost {
-        /// What the driver said.
+        /// Message of the driver.
         reason: String,
     },
-    /// A call was refused. That is a defect of this crate, or of who shares its device.
-    #[error("{what} was refused: {message}; this is a defect, please report it")]
+    /// wgpu rejected a call, because of a defect in this crate or in another user of the device.
+    #[error("{what}: wgpu rejected a call: {message}; this is a bug, please report it")]
     Validation {
-        /// What was being done.
+        /// Operation that failed.
         what: &'static str,
-        /// Why it was refused.
+        /// Message of wgpu.
         message: String,
     },
-    /// The driver failed at something that is allowed.
-    #[error("{what} failed in the driver: {message}; update the driver or choose another device")]
+    /// The driver failed at a valid call.
+    #[error("{what} failed in the driver: {message}; update the driver or choose another adapter")]
     Driver {
-        /// What was being done.
+        /// Operation that failed.
         what: &'static str,
-        /// What it said.
+        /// Message of the driver.
         message: String,
     },
-    /// The picture was not done in time.
-    #[error("the device did not finish within {seconds} s; draw smaller pictures or fewer bodies")]
+    /// The image was not finished in time.
+    #[error("the GPU did not finish within {seconds} s; draw smaller images or fewer bodies")]
     Timeout {
-        /// How long was waited \[s\].
+        /// Time limit \[s\].
         seconds: u64,
     },
 }

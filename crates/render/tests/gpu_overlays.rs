@@ -1,4 +1,4 @@
-//! Sheets and lines over bodies.
+//! Overlay triangles and lines: blending, occlusion, width and clipping.
 
 #![expect(
     clippy::missing_assert_message,
@@ -7,10 +7,11 @@
 
 mod common;
 
-use common::{BLUE, Gpu, RED, WHITE, facing, others, triangles};
+use common::{BLUE, Gpu, RED, WHITE, count_other, facing, triangles};
 use incise_mesh::Surface;
 use incise_render::{
-    BodyView, Camera, Color, Content, Line, Offscreen, Overlay, Picture, Renderer, Sheet, View,
+    BodyView, Camera, Color, DrawList, Image, Line, Offscreen, Overlay, OverlayTriangle, Renderer,
+    View,
 };
 use std::process::ExitCode;
 
@@ -18,20 +19,17 @@ const SIZE: u32 = 64;
 
 fn main() -> ExitCode {
     common::run(&[
-        ("a_sheet_mixes_by_its_alpha", a_sheet_mixes),
-        ("a_sheet_hides_nothing_and_is_hidden", a_sheet_is_hidden),
+        ("triangles_blend_by_alpha", triangles_blend),
+        ("triangles_test_depth_but_do_not_write_it", depth_test),
         (
-            "a_sheet_in_a_surface_is_seen_from_both_sides",
-            a_sheet_in_a_surface,
+            "coplanar_triangles_are_visible_from_both_sides",
+            coplanar_triangles,
         ),
-        ("sheets_are_mixed_in_order", sheets_are_mixed_in_order),
+        ("triangles_blend_in_order", triangles_blend_in_order),
+        ("lines_have_their_width", lines_have_their_width),
         (
-            "a_line_is_as_wide_as_it_is_asked_to_be",
-            a_line_has_its_width,
-        ),
-        (
-            "a_line_that_passes_the_eye_ends_there",
-            a_line_that_passes_the_eye,
+            "lines_are_clipped_at_the_near_plane",
+            lines_behind_the_camera,
         ),
     ])
 }
@@ -39,7 +37,7 @@ fn main() -> ExitCode {
 fn straight() -> View {
     facing(Camera {
         distance: 6.0,
-        ..Camera::looking(0.0, 0.0)
+        ..Camera::from_angles(0.0, 0.0)
     })
 }
 
@@ -51,28 +49,29 @@ fn drawn(
     renderer: &Renderer,
     view: &View,
     surface: Option<&Surface>,
-    sheets: &[Sheet],
+    overlay_triangles: &[OverlayTriangle],
     lines: &[Line],
-) -> Picture {
-    let body = surface.map(|s| BodyView::of(renderer, s, |_| Some(BLUE)).expect("a body"));
+) -> Image {
+    let body =
+        surface.map(|s| BodyView::from_surface(renderer, s, |_| Some(BLUE)).expect("a body"));
     let bodies: Vec<&BodyView> = body.iter().collect();
-    let overlay = Overlay::new(renderer, sheets, lines).expect("an overlay");
-    let content = Content {
+    let overlay = Overlay::new(renderer, overlay_triangles, lines).expect("an overlay");
+    let content = DrawList {
         bodies: &bodies,
         overlays: &[&overlay],
     };
     let offscreen = Offscreen::new(renderer, SIZE, SIZE).expect("a size");
     offscreen
-        .picture(renderer, view, &content)
-        .expect("a picture")
+        .render(renderer, view, &content)
+        .expect("an image")
 }
 
-fn center(picture: &Picture) -> Color {
-    picture.color(SIZE / 2, SIZE / 2).expect("it has a middle")
+fn center(image: &Image) -> Color {
+    image.color(SIZE / 2, SIZE / 2).expect("it has a middle")
 }
 
-/// Both colors as light, and back.
-fn mixed(over: Color, under: Color) -> [f32; 3] {
+/// Returns the blended color in linear light.
+fn blended(over: Color, under: Color) -> [f32; 3] {
     let (a, b) = (over.linear(), under.linear());
     [0, 1, 2].map(|k| a[k] * a[3] + b[k] * (1.0 - a[3]))
 }
@@ -80,7 +79,7 @@ fn mixed(over: Color, under: Color) -> [f32; 3] {
 fn assert_is(found: Color, expected: [f32; 3]) {
     let found = found.linear();
     for k in 0..3 {
-        // Two steps of the darkest or brightest color.
+        // About two steps of an 8-bit channel.
         assert!(
             (found[k] - expected[k]).abs() < 0.02,
             "{found:?} {expected:?}"
@@ -88,27 +87,33 @@ fn assert_is(found: Color, expected: [f32; 3]) {
     }
 }
 
-fn a_sheet_mixes(gpu: &Gpu) {
+fn triangles_blend(gpu: &Gpu) {
     let body = triangles(&[at_depth(-0.5)]);
     for alpha in [0, 64, 128, 200, 255] {
         let color = RED.with_alpha(alpha);
-        let sheet = Sheet {
+        let triangle = OverlayTriangle {
             corners: at_depth(0.5),
             color,
         };
         let renderer = gpu.plain();
-        let over_body = center(&drawn(&renderer, &straight(), Some(&body), &[sheet], &[]));
-        assert_is(over_body, mixed(color, BLUE));
-        let over_white = center(&drawn(&renderer, &straight(), None, &[sheet], &[]));
-        assert_is(over_white, mixed(color, WHITE));
-        assert_eq!(over_white.0[3], 255, "the picture itself is opaque");
+        let over_body = center(&drawn(
+            &renderer,
+            &straight(),
+            Some(&body),
+            &[triangle],
+            &[],
+        ));
+        assert_is(over_body, blended(color, BLUE));
+        let over_white = center(&drawn(&renderer, &straight(), None, &[triangle], &[]));
+        assert_is(over_white, blended(color, WHITE));
+        assert_eq!(over_white.0[3], 255, "the image is opaque");
     }
 }
 
-fn a_sheet_is_hidden(gpu: &Gpu) {
+fn depth_test(gpu: &Gpu) {
     let renderer = gpu.plain();
     let body = triangles(&[at_depth(0.5)]);
-    let behind = Sheet {
+    let behind = OverlayTriangle {
         corners: at_depth(-0.5),
         color: RED,
     };
@@ -116,12 +121,12 @@ fn a_sheet_is_hidden(gpu: &Gpu) {
         center(&drawn(&renderer, &straight(), Some(&body), &[behind], &[])),
         BLUE
     );
-    // Opaque ones too leave no depth: the second is seen through the first's place.
-    let front = Sheet {
+    // Opaque triangles write no depth either: the one behind is drawn over the first.
+    let front = OverlayTriangle {
         corners: at_depth(0.5),
         color: RED,
     };
-    let other = Sheet {
+    let other = OverlayTriangle {
         color: BLUE,
         ..behind
     };
@@ -131,35 +136,35 @@ fn a_sheet_is_hidden(gpu: &Gpu) {
     );
 }
 
-fn a_sheet_in_a_surface(gpu: &Gpu) {
+fn coplanar_triangles(gpu: &Gpu) {
     let renderer = gpu.plain();
-    // A place and a tilt whose corners have no few digits.
+    // Corners that are not exactly representable.
     let corners = [
         [-1.03, -0.97, 0.31],
         [1.01, -0.83, -0.17],
         [0.07, 1.13, 0.023],
     ];
     let body = triangles(&[corners]);
-    let sheet = Sheet {
+    let triangle = OverlayTriangle {
         corners,
         color: RED,
     };
     for azimuth in [0.0, 0.6, std::f64::consts::PI, -2.5] {
         let camera = Camera {
             distance: 6.0,
-            ..Camera::looking(azimuth, 0.3)
+            ..Camera::from_angles(azimuth, 0.3)
         };
-        let with = drawn(&renderer, &facing(camera), Some(&body), &[sheet], &[]);
-        let alone = drawn(&renderer, &facing(camera), None, &[sheet], &[]);
-        assert!(others(&alone, WHITE) > 100);
-        assert_eq!(with, alone, "all of it is seen");
+        let with = drawn(&renderer, &facing(camera), Some(&body), &[triangle], &[]);
+        let alone = drawn(&renderer, &facing(camera), None, &[triangle], &[]);
+        assert!(count_other(&alone, WHITE) > 100);
+        assert_eq!(with, alone, "the whole triangle is visible");
     }
 }
 
-fn sheets_are_mixed_in_order(gpu: &Gpu) {
+fn triangles_blend_in_order(gpu: &Gpu) {
     let (red, blue) = (RED.with_alpha(128), BLUE.with_alpha(128));
-    let sheets = |first, second| {
-        let sheet = |color| Sheet {
+    let blend = |first, second| {
+        let triangle = |color| OverlayTriangle {
             corners: at_depth(0.0),
             color,
         };
@@ -167,7 +172,7 @@ fn sheets_are_mixed_in_order(gpu: &Gpu) {
             &gpu.plain(),
             &straight(),
             None,
-            &[sheet(first), sheet(second)],
+            &[triangle(first), triangle(second)],
             &[],
         ))
     };
@@ -175,14 +180,14 @@ fn sheets_are_mixed_in_order(gpu: &Gpu) {
         let (a, alpha) = (over.linear(), over.linear()[3]);
         [0, 1, 2].map(|k| a[k] * alpha + under[k] * (1.0 - alpha))
     };
-    assert_is(sheets(red, blue), over(blue, mixed(red, WHITE)));
-    assert_is(sheets(blue, red), over(red, mixed(blue, WHITE)));
+    assert_is(blend(red, blue), over(blue, blended(red, WHITE)));
+    assert_is(blend(blue, red), over(red, blended(blue, WHITE)));
 }
 
-fn a_line_has_its_width(gpu: &Gpu) {
+fn lines_have_their_width(gpu: &Gpu) {
     let black = Color::rgb(0, 0, 0);
     for width in [2.0, 6.0] {
-        // From the left to the right edge and on, at whatever depth.
+        // Across the whole image, at several depths.
         for z in [-3.0_f32, 0.0, 3.0] {
             let ends = [[-9.0, 0.0, z], [9.0, 0.0, z]];
             let line = Line {
@@ -190,14 +195,14 @@ fn a_line_has_its_width(gpu: &Gpu) {
                 color: black,
                 width,
             };
-            let picture = drawn(&gpu.plain(), &straight(), None, &[], &[line]);
+            let image = drawn(&gpu.plain(), &straight(), None, &[], &[line]);
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
                 reason = "whole numbers"
             )]
             let expected = (f64::from(width) * f64::from(SIZE)) as usize;
-            assert_eq!(others(&picture, WHITE), expected);
+            assert_eq!(count_other(&image, WHITE), expected);
         }
     }
     let point = Line {
@@ -206,7 +211,7 @@ fn a_line_has_its_width(gpu: &Gpu) {
         width: 4.0,
     };
     assert_eq!(
-        others(
+        count_other(
             &drawn(&gpu.plain(), &straight(), None, &[], &[point]),
             WHITE
         ),
@@ -214,8 +219,8 @@ fn a_line_has_its_width(gpu: &Gpu) {
     );
 }
 
-fn a_line_that_passes_the_eye(gpu: &Gpu) {
-    // From far ahead, through the picture's right half, to a place behind the eye.
+fn lines_behind_the_camera(gpu: &Gpu) {
+    // From a point ahead, through the right half of the image, to a point behind the camera.
     let ends = [[0.0, 0.0, -5.0], [1.0, 0.0, 40.0]];
     let color = Color::rgb(0, 0, 0);
     for ends in [ends, [ends[1], ends[0]]] {
@@ -224,10 +229,10 @@ fn a_line_that_passes_the_eye(gpu: &Gpu) {
             color,
             width: 2.0,
         };
-        let picture = drawn(&gpu.plain(), &straight(), None, &[], &[line]);
+        let image = drawn(&gpu.plain(), &straight(), None, &[], &[line]);
         let dark = |x: u32| {
             (0..SIZE)
-                .filter(|&y| picture.color(x, y) == Some(color))
+                .filter(|&y| image.color(x, y) == Some(color))
                 .count()
         };
         assert!(

@@ -1,4 +1,4 @@
-//! Where bodies are in a picture, and in which color.
+//! Bodies in rendered images: projection, occlusion, shading, wireframe and colors.
 
 #![expect(
     clippy::missing_assert_message,
@@ -7,54 +7,67 @@
 
 mod common;
 
-use common::{BLUE, Gpu, RED, WHITE, draw, facing, others, picture, triangles};
+use common::{BLUE, Gpu, RED, WHITE, count_other, draw, facing, image, triangles};
 use incise_mesh::{Surface, TriangleId, VertexId, icosphere};
-use incise_render::{
-    Background, BodyView, Camera, Color, Light, Picture, Renderer, View, Wireframe,
-};
+use incise_render::{Background, BodyView, Camera, Color, Image, Light, Renderer, View, Wireframe};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     common::run(&[
-        ("a_sphere_covers_its_disc", a_sphere_covers_its_disc),
-        ("who_is_in_front_hides", who_is_in_front_hides),
-        ("far_from_the_origin_is_as_near_it", far_from_the_origin),
         (
-            "facets_that_look_at_the_light_are_brightest",
-            facets_have_light,
+            "sphere_covers_the_area_of_its_projection",
+            sphere_covers_its_projection,
         ),
-        ("an_open_surface_shows_its_inside", an_inside_has_its_tint),
+        ("nearer_bodies_occlude", nearer_bodies_occlude),
         (
-            "triangles_without_color_are_not_there",
+            "distance_from_the_origin_changes_nothing",
+            far_from_the_origin,
+        ),
+        (
+            "facets_toward_the_light_are_brightest",
+            shading_follows_the_light,
+        ),
+        (
+            "back_faces_of_open_surfaces_are_tinted",
+            back_faces_are_tinted,
+        ),
+        (
+            "triangles_without_color_are_hidden",
             triangles_without_color,
         ),
         (
-            "what_was_removed_is_not_drawn",
-            what_was_removed_is_not_drawn,
+            "removed_triangles_are_not_drawn",
+            removed_triangles_are_not_drawn,
         ),
-        ("edges_are_dark_and_middles_are_not", edges_are_dark),
-        ("edges_of_tiny_triangles_fade", edges_of_tiny_triangles_fade),
-        ("one_background_is_everywhere_the_same", backgrounds),
-        ("smooth_edges_are_between", smooth_edges_are_between),
+        (
+            "wireframe_darkens_edges_by_its_width",
+            wireframe_darkens_edges,
+        ),
+        (
+            "wireframe_fades_on_tiny_triangles",
+            wireframe_fades_on_tiny_triangles,
+        ),
+        ("backgrounds_fill_the_image", backgrounds),
+        ("multisampling_smooths_edges", multisampling_smooths_edges),
         ("formats_show_the_same_colors", formats_show_the_same),
     ])
 }
 
-/// Straight at the origin from positive z.
+/// Returns a camera that looks at the origin from positive z.
 fn straight(distance: f64) -> Camera {
     Camera {
         distance,
-        ..Camera::looking(0.0, 0.0)
+        ..Camera::from_angles(0.0, 0.0)
     }
 }
 
-/// A large triangle that faces positive z, at this depth.
+/// Returns a large triangle at depth `z` that faces positive z.
 fn at_depth(z: f32) -> [[f32; 3]; 3] {
     [[-1.0, -1.0, z], [1.0, -1.0, z], [0.0, 1.0, z]]
 }
 
-fn center(picture: &Picture) -> Color {
-    let at = picture.color(picture.width() / 2, picture.height() / 2);
+fn center(image: &Image) -> Color {
+    let at = image.color(image.width() / 2, image.height() / 2);
     at.expect("it has a middle")
 }
 
@@ -62,18 +75,19 @@ fn brightness(color: Color) -> f32 {
     color.linear()[..3].iter().sum()
 }
 
-fn a_sphere_covers_its_disc(gpu: &Gpu) {
+fn sphere_covers_its_projection(gpu: &Gpu) {
     let (radius, size) = (0.5, [500, 400]);
     let sphere = icosphere(6, radius);
     for (distance, field_of_view) in [(3.0, 0.5), (10.0, 0.12), (1.4, 1.0)] {
         let camera = Camera {
             distance,
             field_of_view,
-            ..Camera::looking(0.7, 0.4)
+            ..Camera::from_angles(0.7, 0.4)
         };
-        let picture = picture(&gpu.plain(), size, &facing(camera), &sphere, |_| Some(BLUE));
-        let covered = others(&picture, WHITE);
-        // The cone that touches the sphere, where it meets the picture; half the height is the tangent of half the field.
+        let image = image(&gpu.plain(), size, &facing(camera), &sphere, |_| Some(BLUE));
+        let covered = count_other(&image, WHITE);
+        // The silhouette cone of the sphere; half the image height is the tangent of half the
+        // field of view.
         let tangent = radius / (distance * distance - radius * radius).sqrt();
         let pixels = 200.0 * tangent / (field_of_view / 2.0).tan();
         let disc = std::f64::consts::PI * pixels * pixels;
@@ -82,19 +96,19 @@ fn a_sphere_covers_its_disc(gpu: &Gpu) {
     }
 }
 
-fn who_is_in_front_hides(gpu: &Gpu) {
+fn nearer_bodies_occlude(gpu: &Gpu) {
     for (red, blue) in [(0, 1), (1, 0)] {
-        // The order in which they are drawn does not matter, nor do bodies of their own.
+        // Neither the order of triangles nor the order of bodies matters.
         let depths = if red == 0 { [0.5, -0.5] } else { [-0.5, 0.5] };
         let surface = triangles(&depths.map(at_depth));
         let color_of = |t: TriangleId| Some(if t.index() == red { RED } else { BLUE });
         let view = facing(straight(6.0));
-        let one = picture(&gpu.plain(), [64, 64], &view, &surface, color_of);
+        let one = image(&gpu.plain(), [64, 64], &view, &surface, color_of);
         assert_eq!(center(&one), RED);
         let renderer = gpu.plain();
         let bodies = [red, blue].map(|i| {
             let surface = triangles(&[at_depth(depths[i])]);
-            BodyView::of(&renderer, &surface, |_| color_of(TriangleId::from_index(i)))
+            BodyView::from_surface(&renderer, &surface, |_| color_of(TriangleId::from_index(i)))
                 .expect("a body")
         });
         for order in [[0, 1], [1, 0]] {
@@ -109,29 +123,28 @@ fn who_is_in_front_hides(gpu: &Gpu) {
     }
 }
 
-/// A place where 32 bits are a hundredth of the sphere apart, and every vertex a multiple of that: what is drawn there
-/// has to be what is drawn at the origin.
+/// Renders at a distance where 32-bit floats are 1/64 m apart; all vertices are multiples of that.
 fn far_from_the_origin(gpu: &Gpu) {
     let step = 1.0 / 64.0;
     let far = 131_072.0;
     let mut near = icosphere(2, 0.5);
-    for p in &mut near.positions {
+    for p in near.positions_mut() {
         *p = p.map(|x| (x / step).round() * step);
     }
     let mut away = near.clone();
-    for p in &mut away.positions {
+    for p in away.positions_mut() {
         p[0] += far;
     }
     let view = |x: f64| {
         let camera = Camera {
             target: [x, 0.0, 0.0],
-            ..Camera::looking(0.6, 0.3)
+            ..Camera::from_angles(0.6, 0.3)
         };
-        View::of(camera)
+        View::from_camera(camera)
     };
     let color = |_: TriangleId| Some(BLUE);
-    let here = picture(&gpu.smooth(), [120, 90], &view(0.0), &near, color);
-    let there = picture(
+    let here = image(&gpu.smooth(), [120, 90], &view(0.0), &near, color);
+    let there = image(
         &gpu.smooth(),
         [120, 90],
         &view(f64::from(far)),
@@ -141,7 +154,7 @@ fn far_from_the_origin(gpu: &Gpu) {
     assert_eq!(here, there);
 }
 
-fn facets_have_light(gpu: &Gpu) {
+fn shading_follows_the_light(gpu: &Gpu) {
     let sphere = icosphere(3, 0.5);
     let gray = Color::rgb(200, 200, 200);
     let light = Light {
@@ -153,8 +166,8 @@ fn facets_have_light(gpu: &Gpu) {
         light,
         ..facing(straight(3.0))
     };
-    let picture = picture(&gpu.plain(), [200, 200], &view, &sphere, |_| Some(gray));
-    let at = |x| brightness(picture.color(x, 100).expect("inside"));
+    let image = image(&gpu.plain(), [200, 200], &view, &sphere, |_| Some(gray));
+    let at = |x| brightness(image.color(x, 100).expect("inside"));
     assert!(
         at(50) > 1.3 * at(100),
         "from the left: {} {}",
@@ -164,21 +177,27 @@ fn facets_have_light(gpu: &Gpu) {
     assert!(at(100) > 1.2 * at(150), "{} {}", at(100), at(150));
 }
 
-fn an_inside_has_its_tint(gpu: &Gpu) {
+fn back_faces_are_tinted(gpu: &Gpu) {
     let renderer = gpu.plain();
     let surface = triangles(&[at_depth(0.0)]);
-    let mut body = BodyView::of(&renderer, &surface, |_| Some(RED)).expect("a body");
+    let mut body = BodyView::from_surface(&renderer, &surface, |_| Some(RED)).expect("a body");
     let front = straight(6.0);
     let back = Camera {
         azimuth: std::f64::consts::PI,
         ..front
     };
-    let of =
-        |body: &BodyView, camera| center(&draw(&renderer, [32, 32], &View::of(camera), &[body]));
+    let of = |body: &BodyView, camera| {
+        center(&draw(
+            &renderer,
+            [32, 32],
+            &View::from_camera(camera),
+            &[body],
+        ))
+    };
     let (outer, inner) = (of(&body, front), of(&body, back));
     assert!(outer.0[0] > 2 * outer.0[2], "{outer} is red");
     assert!(inner.0[0] < 2 * inner.0[2], "{inner} is not");
-    body.set_inside(&renderer, Color::rgb(0, 200, 0))
+    body.set_back_face_color(&renderer, Color::rgb(0, 200, 0))
         .expect("a color");
     assert_eq!(of(&body, front), outer);
     let green = of(&body, back);
@@ -193,55 +212,55 @@ fn triangles_without_color(gpu: &Gpu) {
     let view = facing(straight(6.0));
     let shown = |first, second| {
         let color_of = |t: TriangleId| if t.index() == 0 { first } else { second };
-        picture(&gpu.plain(), [64, 64], &view, &surface, color_of)
+        image(&gpu.plain(), [64, 64], &view, &surface, color_of)
     };
     let clear = Some(RED.with_alpha(0));
     let without = shown(None, Some(BLUE));
-    assert!(others(&without, WHITE) > 100);
+    assert!(count_other(&without, WHITE) > 100);
     assert_eq!(shown(clear, Some(BLUE)), without, "no alpha is no triangle");
     assert_eq!(
         shown(Some(BLUE.with_alpha(9)), None),
         shown(Some(BLUE), None),
         "bodies are opaque"
     );
-    assert_eq!(others(&shown(None, None), WHITE), 0);
+    assert_eq!(count_other(&shown(None, None), WHITE), 0);
 }
 
-/// After an edit slots are free; what was in them must be gone, and what grew must be there.
-fn what_was_removed_is_not_drawn(gpu: &Gpu) {
+/// Free triangle slots after an edit are not drawn, and added triangles are.
+fn removed_triangles_are_not_drawn(gpu: &Gpu) {
     let renderer = gpu.plain();
     let view = facing(straight(6.0));
     let color = |_: TriangleId| Some(BLUE);
     let mut surface = icosphere(1, 0.9);
-    let mut body = BodyView::of(&renderer, &surface, color).expect("a body");
+    let mut body = BodyView::from_surface(&renderer, &surface, color).expect("a body");
     let bodies = |body: &BodyView| draw(&renderer, [64, 64], &view, &[body]);
-    let whole = others(&bodies(&body), WHITE);
+    let whole = count_other(&bodies(&body), WHITE);
     let gone: Vec<TriangleId> = surface.topology().triangles().take(79).collect();
     surface.remove_triangles(&gone);
     body.update_topology(&renderer, &surface, color)
         .expect("a change");
-    let rest = others(&bodies(&body), WHITE);
+    let rest = count_other(&bodies(&body), WHITE);
     assert!(rest < whole / 10, "{rest} of {whole}");
     let a = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
     let corners = a.map(|[x, y, z]| surface.add_vertex([x, y, z, 1.0], [x, y, z]));
     surface.add_triangle(corners, 0).expect("a triangle");
     body.update_topology(&renderer, &surface, color)
         .expect("a change");
-    body.update_positions(&renderer, &surface.positions)
+    body.update_positions(&renderer, surface.positions())
         .expect("positions");
     let grown = bodies(&body);
-    assert!(others(&grown, WHITE) > 2 * rest);
-    assert_eq!(grown, picture(&renderer, [64, 64], &view, &surface, color));
+    assert!(count_other(&grown, WHITE) > 2 * rest);
+    assert_eq!(grown, image(&renderer, [64, 64], &view, &surface, color));
 }
 
-fn edges_are_dark(gpu: &Gpu) {
-    // Turned, so that its edges lie at no few fractions of a pixel.
+fn wireframe_darkens_edges(gpu: &Gpu) {
+    // Rotated, so that edges cover many different fractions of a pixel.
     let (sin, cos) = 0.2913_f32.sin_cos();
     let turned = |[x, y, z]: [f32; 3]| [cos * x - sin * y, sin * x + cos * y, z];
     let surface = triangles(&[at_depth(0.0).map(turned)]);
     let view = View {
         background: Background::Plain(WHITE),
-        ..View::of(straight(5.0))
+        ..View::from_camera(straight(5.0))
     };
     let width = 4.0;
     let color = Color::rgb(0, 0, 0);
@@ -250,10 +269,10 @@ fn edges_are_dark(gpu: &Gpu) {
         ..view
     };
     let size = [300, 300];
-    let shown = |view: &View| picture(&gpu.plain(), size, view, &surface, |_| Some(WHITE));
+    let shown = |view: &View| image(&gpu.plain(), size, view, &surface, |_| Some(WHITE));
     let (plain, wired) = (shown(&view), shown(&wired));
-    // Of a place in the triangle, so far above its lower edge.
-    let pixel = |picture: &Picture, x: f32, above: f32| {
+    // The pixel at a point of the triangle, `above` its lower edge.
+    let pixel = |image: &Image, x: f32, above: f32| {
         let point = turned([x, -1.0 + above, 0.0]).map(f64::from);
         let at = view.camera.project(point.into(), size).expect("in front");
         #[expect(
@@ -262,7 +281,7 @@ fn edges_are_dark(gpu: &Gpu) {
             reason = "pixels have whole numbers"
         )]
         let [x, y] = at.map(|x| x as u32);
-        picture.color(x, y).expect("inside")
+        image.color(x, y).expect("inside")
     };
     let pixels_a_meter = 150.0 / (5.0 * (view.camera.field_of_view / 2.0).tan());
     #[expect(clippy::cast_possible_truncation, reason = "a few digits will do")]
@@ -280,9 +299,9 @@ fn edges_are_dark(gpu: &Gpu) {
             }
         }
     }
-    // A line is as wide as it is asked to be: half of it is on this side of the edge, along all of the edges.
-    let pixels = |picture: &Picture| -> Vec<f32> {
-        let pixels = picture.pixels().as_chunks::<4>().0.iter();
+    // Half of the line's width is on the triangle's side of each edge.
+    let pixels = |image: &Image| -> Vec<f32> {
+        let pixels = image.pixels().as_chunks::<4>().0.iter();
         pixels.map(|&p| brightness(Color(p))).collect()
     };
     let (before, after) = (pixels(&plain), pixels(&wired));
@@ -290,13 +309,13 @@ fn edges_are_dark(gpu: &Gpu) {
     let around = 2.0 + 2.0 * 5.0_f64.sqrt();
     let expected = f64::from(width) / 2.0 * pixels_a_meter * around;
     let part = f64::from(lost) / expected;
-    // Where two meet at a corner they overlap, by 21 pixels in all.
+    // The lines overlap at the corners, by 21 pixels in total.
     assert!((0.95..1.01).contains(&part), "{lost} of {expected}");
 }
 
-fn edges_of_tiny_triangles_fade(gpu: &Gpu) {
-    let mean = |picture: &Picture| {
-        let pixels = picture.pixels().as_chunks::<4>().0.iter();
+fn wireframe_fades_on_tiny_triangles(gpu: &Gpu) {
+    let mean = |image: &Image| {
+        let pixels = image.pixels().as_chunks::<4>().0.iter();
         pixels
             .map(|&p| f64::from(brightness(Color(p))))
             .sum::<f64>()
@@ -312,7 +331,7 @@ fn edges_of_tiny_triangles_fade(gpu: &Gpu) {
         ..view
     };
     let sphere = icosphere(6, 0.5);
-    let shown = |view: &View| picture(&gpu.smooth(), [80, 80], view, &sphere, |_| Some(WHITE));
+    let shown = |view: &View| image(&gpu.smooth(), [80, 80], view, &sphere, |_| Some(WHITE));
     let (plain, wired) = (mean(&shown(&view)), mean(&shown(&wired)));
     assert!(
         wired > 0.97 * plain,
@@ -324,14 +343,14 @@ fn backgrounds(gpu: &Gpu) {
     let nothing = |background| {
         let view = View {
             background,
-            ..View::of(Camera::default())
+            ..View::from_camera(Camera::default())
         };
         draw(&gpu.smooth(), [37, 21], &view, &[])
     };
     for color in [RED, WHITE, Color::rgb(0, 1, 254), Color::rgb(119, 3, 40)] {
         let plain = nothing(Background::Plain(color));
         assert_eq!((plain.width(), plain.height()), (37, 21));
-        assert_eq!(others(&plain, color), 0, "{color}");
+        assert_eq!(count_other(&plain, color), 0, "{color}");
     }
     let (top, bottom) = (Color::rgb(250, 250, 250), Color::rgb(50, 50, 50));
     let gradient = nothing(Background::Gradient { top, bottom });
@@ -343,25 +362,25 @@ fn backgrounds(gpu: &Gpu) {
     assert!(row(0) > 235 && row(20) < 65, "{} {}", row(0), row(20));
 }
 
-fn smooth_edges_are_between(gpu: &Gpu) {
+fn multisampling_smooths_edges(gpu: &Gpu) {
     let renderer = gpu.smooth();
     let surface = triangles(&[at_depth(0.0)]);
     let between = |renderer: &Renderer| {
-        let picture = picture(renderer, [64, 64], &facing(straight(6.0)), &surface, |_| {
+        let image = image(renderer, [64, 64], &facing(straight(6.0)), &surface, |_| {
             Some(BLUE)
         });
-        let inner = center(&picture).0;
-        let pixels = picture.pixels().as_chunks::<4>().0.iter();
+        let inner = center(&image).0;
+        let pixels = image.pixels().as_chunks::<4>().0.iter();
         pixels.filter(|&&p| p != inner && p != WHITE.0).count()
     };
     assert_eq!(between(&gpu.plain()), 0);
     assert_eq!(between(&renderer) > 20, renderer.samples() > 1);
 }
 
-/// What is drawn in a texture of numbers looks as in one of light, to the rounding of one step.
+/// Linear and sRGB formats show the same colors, up to one step of rounding.
 fn formats_show_the_same(gpu: &Gpu) {
     let surface: Surface = icosphere(2, 0.6);
-    let view = View::of(Camera::default());
+    let view = View::from_camera(Camera::default());
     let color = |t: TriangleId| {
         Some(if surface.topology().triangle(t)[0] < VertexId(20) {
             RED
@@ -369,10 +388,10 @@ fn formats_show_the_same(gpu: &Gpu) {
             BLUE
         })
     };
-    let reference = picture(&gpu.plain(), [64, 64], &view, &surface, color);
+    let reference = image(&gpu.plain(), [64, 64], &view, &surface, color);
     let format = wgpu::TextureFormat::Rgba8Unorm;
     let renderer = Renderer::new(&gpu.device, &gpu.queue, format, 1).expect("a format");
-    let body = BodyView::of(&gpu.plain(), &surface, color).expect("a body");
+    let body = BodyView::from_surface(&gpu.plain(), &surface, color).expect("a body");
     let pixels = common::draw_raw(gpu, &renderer, [64, 64], &view, &[&body]);
     for (a, b) in pixels.iter().zip(reference.pixels()) {
         assert!(a.abs_diff(*b) <= 1, "{a} {b}");

@@ -1,31 +1,32 @@
-//! What executes a scene: the processor, a device, or whichever is faster.
+//! Choice of CPU or GPU for a scene, its report, and the fallback from GPU to CPU.
 
 use crate::body::BodyId;
-use crate::device::Device;
-use crate::error::SceneError;
+use crate::error::{FallbackReason, SceneError};
+use crate::gpu_bodies::{self, GpuBodies};
 use crate::params::SceneParams;
 use crate::scene::Scene;
 
-/// What executes the solver. All three exist in every build; without the feature `gpu` only
-/// [`BackendChoice::Gpu`] cannot be had.
+/// The backend that steps bodies.
+///
+/// All three exist in every build; without the feature `gpu`, [`BackendChoice::Gpu`] is an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum BackendChoice {
-    /// The processor.
+    /// The CPU.
     #[default]
     Cpu,
-    /// A device, for all bodies. What goes wrong with it is an error of the scene.
+    /// A GPU, for all bodies. Its failures are errors of the scene.
     Gpu,
-    /// A device for bodies that it steps faster, if there is a real one; the processor for all others,
-    /// and for all as soon as anything goes wrong with the device.
+    /// A hardware GPU for bodies that it steps faster, the CPU for all others.
     ///
-    /// How large a body must be is measured when the scene is made, so a body near that size may be
-    /// stepped by the device in one run and by the processor in the next. Each of them by itself gives
-    /// the same bits in every run; set [`BackendRequest::device_from`] to have the choice fixed too.
+    /// The scene continues on the CPU after a GPU failure. The minimum size of a GPU body is
+    /// measured when the scene is created, so a body near that size may run on the GPU in one
+    /// process and on the CPU in the next. Each backend alone is deterministic; set
+    /// [`BackendRequest::min_gpu_constraints`] to fix the choice too.
     Auto,
 }
 
 impl BackendChoice {
-    /// A name for tables and command lines.
+    /// Returns a name for tables and command lines.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -36,178 +37,188 @@ impl BackendChoice {
     }
 }
 
-/// Which backend a scene is to have.
+/// The backend that a scene is to use.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct BackendRequest {
-    /// What executes the solver.
+    /// CPU, GPU or both.
     pub choice: BackendChoice,
-    /// A part of the adapter's name in any case, if it is to be a certain one.
+    /// A part of the adapter's name, in any case; `None` takes the first adapter.
     pub adapter: Option<String>,
-    /// Whether [`BackendChoice::Gpu`] takes an adapter that computes on the processor if there is no
-    /// other. One that is named is taken in any case. [`BackendChoice::Auto`] never takes one.
+    /// Whether [`BackendChoice::Gpu`] accepts an adapter that computes on the CPU.
+    ///
+    /// A named adapter is always accepted. [`BackendChoice::Auto`] never accepts one.
     pub allow_software: bool,
-    /// For [`BackendChoice::Auto`]: how many constraints a body must have to be stepped by the device.
+    /// For [`BackendChoice::Auto`]: minimum number of constraints of a GPU body.
+    ///
     /// `None` measures it.
-    pub device_from: Option<usize>,
+    pub min_gpu_constraints: Option<usize>,
 }
 
-/// What executes a scene, and why.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+/// The backend of a scene, and the reason if it is not the requested one.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct BackendReport {
-    /// What was asked for.
+    /// The requested backend.
     pub choice: BackendChoice,
-    /// The name of the device, while the scene has one.
-    pub device: Option<String>,
-    /// How many constraints a body must have to be stepped by the device.
-    pub device_from: Option<usize>,
-    /// The bodies that live on the device, ascending. All others are stepped by the processor.
-    pub on_device: Vec<BodyId>,
-    /// Why bodies are stepped by the processor that should have been by a device: no device, none
-    /// that is faster, no room on it, or its end.
-    pub fallback: Option<String>,
+    /// The name of the GPU, while the scene has one.
+    pub adapter: Option<String>,
+    /// Minimum number of constraints of a GPU body.
+    pub min_gpu_constraints: Option<usize>,
+    /// The bodies that the GPU steps, ascending. The CPU steps all others.
+    pub gpu_bodies: Vec<BodyId>,
+    /// The reason why the CPU steps bodies that the GPU was to step.
+    pub fallback_reason: Option<FallbackReason>,
 }
 
-/// What a scene remembers of its backend.
+/// The requested backend and the last fallback.
 #[derive(Debug, Default)]
 pub(crate) struct BackendState {
     choice: BackendChoice,
-    fallback: Option<String>,
-    /// Whether nobody was told of the fallback so far.
-    is_news: bool,
+    fallback_reason: Option<FallbackReason>,
+    /// Whether the fallback is not in any frame's statistics yet.
+    is_unreported: bool,
 }
 
 impl BackendState {
-    fn note(&mut self, why: String) {
-        self.fallback = Some(why);
-        self.is_news = true;
+    fn record_fallback(&mut self, reason: FallbackReason) {
+        self.fallback_reason = Some(reason);
+        self.is_unreported = true;
     }
 
-    /// Whether something happened that has not been told; it is told now.
-    pub(crate) fn take_news(&mut self) -> bool {
-        std::mem::take(&mut self.is_news)
+    /// Returns whether there was a fallback since the last call.
+    pub(crate) fn take_fallback(&mut self) -> bool {
+        std::mem::take(&mut self.is_unreported)
     }
 }
 
 impl Scene {
-    /// An empty scene on the backend that is asked for.
+    /// Creates an empty scene on the requested backend.
     ///
     /// # Errors
-    /// For [`BackendChoice::Gpu`] that there is no such device, or that this build has no device backend.
-    /// For the others none: [`Scene::backend_report`] tells if [`BackendChoice::Auto`] found no device.
+    /// For [`BackendChoice::Gpu`]: there is no such GPU, or this build has no GPU backend. The
+    /// other choices succeed; [`Scene::backend_report`] has the reason if [`BackendChoice::Auto`]
+    /// uses the CPU.
     pub fn with_backend(params: SceneParams, request: &BackendRequest) -> Result<Self, SceneError> {
         let mut scene = Self::new(params);
         scene.backend.choice = request.choice;
         match request.choice {
             BackendChoice::Cpu => {}
-            BackendChoice::Gpu => scene.device = Some(Device::open(request)?),
-            BackendChoice::Auto => match Device::open_faster(request, &scene.params) {
-                Ok(device) => scene.device = Some(device),
-                Err(why) => scene.backend.note(why),
+            BackendChoice::Gpu => scene.gpu = Some(gpu_bodies::open(request)?),
+            BackendChoice::Auto => match gpu_bodies::open_if_faster(request, &scene.params) {
+                Ok(gpu) => scene.gpu = Some(gpu),
+                Err(reason) => scene.backend.record_fallback(reason),
             },
         }
         Ok(scene)
     }
 
-    /// An empty scene on a device that is open already, a renderer's say. It is taken whatever it is, and
-    /// `request` says of it what it says of one that is looked for: for [`BackendChoice::Auto`] from
-    /// which size on, and that the scene goes on without it. With [`BackendChoice::Cpu`] it is not used.
+    /// Creates an empty scene on an open GPU, for example a renderer's.
+    ///
+    /// Any adapter is accepted. [`BackendChoice::Auto`] measures the minimum size of a GPU body
+    /// and falls back on failure; [`BackendChoice::Cpu`] does not use the GPU.
     ///
     /// # Errors
-    /// [`SceneError::Gpu`] when the device refuses the first buffers.
+    /// [`SceneError::Gpu`] when the first buffers cannot be created.
     #[cfg(feature = "gpu")]
     pub fn with_context(
         params: SceneParams,
         request: &BackendRequest,
         context: incise_pbd_gpu::Context,
     ) -> Result<Self, SceneError> {
+        use crate::gpu_bodies::ResidentBodies;
         let mut scene = Self::new(params);
         scene.backend.choice = request.choice;
         match request.choice {
             BackendChoice::Cpu => {}
-            BackendChoice::Gpu => scene.device = Some(Device::on(context)?),
-            BackendChoice::Auto => match Device::on(context).map_err(|error| error.to_string()) {
-                Ok(device) => match device.if_faster(request, &scene.params) {
-                    Ok(device) => scene.device = Some(device),
-                    Err(why) => scene.backend.note(why),
-                },
-                Err(why) => scene.backend.note(why),
-            },
+            BackendChoice::Gpu => {
+                scene.gpu = Some(Box::new(ResidentBodies::with_context(context)?));
+            }
+            BackendChoice::Auto => {
+                let gpu = ResidentBodies::with_context(context).map_err(FallbackReason::from);
+                match gpu.and_then(|gpu| gpu.if_faster(request, &scene.params)) {
+                    Ok(gpu) => scene.gpu = Some(Box::new(gpu)),
+                    Err(reason) => scene.backend.record_fallback(reason),
+                }
+            }
         }
         Ok(scene)
     }
 
-    /// What executes the scene: which device, which bodies are on it, and why others are not.
+    /// Returns the backend of the scene, its GPU bodies and the reason of a fallback.
     #[must_use]
     pub fn backend_report(&self) -> BackendReport {
-        let device = self.device.as_ref();
-        let on_device = |i: &usize| device.is_some_and(|d| d.holds(*i));
+        let gpu = self.gpu.as_deref();
         BackendReport {
             choice: self.backend.choice,
-            device: device.map(|d| d.name().to_owned()),
-            device_from: device.map(Device::takes_from),
-            on_device: (0..self.bodies.len())
-                .filter(on_device)
-                .map(BodyId)
+            adapter: gpu.map(|gpu| gpu.adapter_name().to_owned()),
+            min_gpu_constraints: gpu.map(GpuBodies::min_constraints),
+            gpu_bodies: (0..self.bodies.len())
+                .filter(|&i| gpu.is_some_and(|gpu| gpu.holds(i)))
+                .map(|i| self.body_id(i))
                 .collect(),
-            fallback: self.backend.fallback.clone(),
+            fallback_reason: self.backend.fallback_reason.clone(),
         }
     }
 
-    /// The device backend, for a renderer that draws from its buffers, while the scene has one.
+    /// Returns the solver's GPU backend, for a renderer that draws from its buffers.
     #[cfg(feature = "gpu")]
     #[must_use]
     pub fn gpu(&self) -> Option<&incise_pbd_gpu::GpuBackend> {
-        self.device.as_ref().map(Device::gpu)
+        self.gpu.as_ref().map(|gpu| gpu.backend())
     }
 
-    /// A body's name in [`Scene::gpu`], if it lives there.
+    /// Returns the handle of a body in [`Scene::gpu`]; `None` for a CPU body.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`].
     #[cfg(feature = "gpu")]
-    #[must_use]
-    pub fn gpu_body(&self, id: BodyId) -> Option<incise_pbd_gpu::GpuBody> {
-        self.device.as_ref()?.handle(id.0)
+    pub fn gpu_body(&self, id: BodyId) -> Result<Option<incise_pbd_gpu::GpuBody>, SceneError> {
+        let i = self.index(id)?;
+        Ok(self.gpu.as_ref().and_then(|gpu| gpu.handle(i)))
     }
 
-    /// Asks the device for one schedule for all bodies, to compare schedules. `None` leaves the choice
-    /// to the device again.
+    /// Forces one GPU schedule for all bodies, to compare schedules; `None` chooses per body.
     #[cfg(feature = "gpu")]
     pub fn force_schedule(&mut self, schedule: Option<incise_pbd_gpu::Schedule>) {
-        if let Some(device) = &mut self.device {
-            device.gpu_mut().force_schedule(schedule);
+        if let Some(gpu) = &mut self.gpu {
+            gpu.backend_mut().force_schedule(schedule);
         }
     }
 
-    /// Leaves the device and goes on with the processor: from the bodies' present state as far as the
-    /// device still hands it out, else from where the host's copies are.
+    /// Moves all bodies to the CPU.
+    ///
+    /// They continue from their present state, or from the last readback if the GPU has failed.
     pub fn fall_back(&mut self) {
-        self.leave_device("it was asked for".to_owned());
+        self.leave_gpu(FallbackReason::Requested);
     }
 
-    fn leave_device(&mut self, why: String) {
-        if let Some(mut device) = self.device.take() {
-            device.save(&mut self.bodies);
-            // They may be where they were before they came to rest.
+    fn leave_gpu(&mut self, reason: FallbackReason) {
+        if let Some(mut gpu) = self.gpu.take() {
+            gpu.save(&mut self.bodies);
+            // The last readback of a sleeping body may date from before it came to rest.
             self.sleep.wake_all();
-            self.backend.note(why);
+            self.backend.record_fallback(reason);
         }
     }
 
-    /// What is to be done about an error of a frame: with [`BackendChoice::Auto`] the scene goes on
-    /// without the device, or `body` does if it alone is to blame. Everything else is handed on.
+    /// Handles a GPU error: [`BackendChoice::Auto`] falls back, all others return the error.
+    ///
+    /// Only `body` moves to the CPU if the GPU has no memory for it, else all bodies.
     pub(crate) fn recover(
         &mut self,
         body: Option<usize>,
         error: SceneError,
     ) -> Result<(), SceneError> {
-        if self.backend.choice != BackendChoice::Auto || !error.is_of_device() {
+        if self.backend.choice != BackendChoice::Auto || !error.is_gpu_failure() {
             return Err(error);
         }
-        match (body, &mut self.device) {
-            (Some(i), Some(device)) if error.is_no_room() => {
-                device.remove(i);
+        match (body, &mut self.gpu) {
+            (Some(i), Some(gpu)) if error.is_out_of_gpu_memory() => {
+                gpu.remove(i);
                 self.sleep.wake(i);
-                self.backend.note(error.to_string());
+                self.backend.record_fallback(error.into());
             }
-            _ => self.leave_device(error.to_string()),
+            _ => self.leave_gpu(error.into()),
         }
         Ok(())
     }

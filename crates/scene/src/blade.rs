@@ -1,99 +1,191 @@
-//! The dissecting edge of a cutting tool.
+//! Blades: cutting edges with an optional face that bodies collide with, and their access by id.
 
-use crate::contacts::Flat;
-use crate::scene::Scene;
+use crate::contacts::BladeFace;
+use crate::error::SceneError;
+use crate::scene::{Scene, SceneNumber};
 use incise_cut::{CutError, Sweep};
 use incise_mesh::Aabb;
+use std::fmt;
 
-/// A blade of a scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct BladeId(pub(crate) usize);
+/// The id of a blade in one scene. Shown as the blade's index.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct BladeId {
+    pub(crate) scene: SceneNumber,
+    pub(crate) index: usize,
+}
 
-/// A cutting edge and where it was a frame ago.
+impl fmt::Display for BladeId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.index.fmt(f)
+    }
+}
+
+/// A cutting edge with its pose in this and the previous frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blade {
     edge: [[f32; 3]; 2],
-    previous: [[f32; 3]; 2],
-    /// The edge and the back when bodies touched the flat last; none if there was none.
-    touched: Option<([[f32; 3]; 2], [f32; 3])>,
-    /// The way from the edge to the back of the blade \[m\], if it has a flat that pieces touch, see
-    /// [`Scene::set_blade_back`].
-    pub back: Option<[f32; 3]>,
-    /// The piece that the blade cuts, if it is to pass through all others.
+    previous_edge: [[f32; 3]; 2],
+    /// The edge and the face vector of the last contact detection with a face.
+    previous_face: Option<([[f32; 3]; 2], [f32; 3])>,
+    /// The vector from the edge to the blade's back \[m\], see [`Scene::set_blade_face`].
+    pub face: Option<[f32; 3]>,
+    /// The only piece that the blade cuts; `None` cuts all pieces.
     pub only_piece: Option<u32>,
 }
 
 impl Blade {
-    pub(crate) const fn new(edge: [[f32; 3]; 2]) -> Self {
+    const fn new(edge: [[f32; 3]; 2]) -> Self {
         Self {
             edge,
-            previous: edge,
-            touched: None,
-            back: None,
+            previous_edge: edge,
+            previous_face: None,
+            face: None,
             only_piece: None,
         }
     }
 
-    /// Where the edge is: start and end \[m\].
+    /// Returns the start and the end of the edge \[m\].
     #[must_use]
     pub const fn edge(&self) -> [[f32; 3]; 2] {
         self.edge
     }
 
-    pub(crate) fn move_to(&mut self, edge: [[f32; 3]; 2]) {
-        self.edge = edge;
-    }
-
-    /// Puts the edge elsewhere without sweeping.
-    pub(crate) fn jump_to(&mut self, edge: [[f32; 3]; 2]) {
-        self.edge = edge;
-        self.previous = edge;
-        self.touched = None;
-    }
-
-    /// The sweep since the last frame; none when the blade is at rest or moved along itself.
+    /// Returns the sweep since the last frame; `None` without motion across the edge.
     ///
     /// # Errors
     /// [`CutError::SweepNotFinite`] when a pose is not finite.
     pub(crate) fn sweep(&self) -> Result<Option<Sweep>, CutError> {
-        match Sweep::new(self.previous, self.edge) {
+        match Sweep::new(self.previous_edge, self.edge) {
             Ok(sweep) => Ok(Some(sweep)),
             Err(CutError::BladeDegenerate) => Ok(None),
             Err(error) => Err(error),
         }
     }
 
+    /// Ends the sweep: the next one starts at the present pose.
     pub(crate) fn end_sweep(&mut self) {
-        self.previous = self.edge;
+        self.previous_edge = self.edge;
     }
 
-    /// The flat and its way since bodies touched it last; none without a back, or one of no area.
-    fn flat(&self) -> Option<Flat> {
-        let now = (self.edge, self.back?);
-        Flat::new([self.touched.unwrap_or(now), now])
+    /// Returns the face with its motion; `None` without a face, or for one of no area.
+    fn moving_face(&self) -> Option<BladeFace> {
+        let pose = (self.edge, self.face?);
+        BladeFace::new([self.previous_face.unwrap_or(pose), pose])
     }
 }
 
 impl Scene {
-    /// Notes where the flats of blades are, and wakes bodies beside those that came, went or moved. Nobody touches them
-    /// while the scene has no contacts.
-    pub(crate) fn find_flats(&mut self) {
-        self.known_flats.clone_from(&self.flats);
-        self.flats.clear();
+    /// Adds a blade with its edge from start to end \[m\].
+    pub fn add_blade(&mut self, edge: [[f32; 3]; 2]) -> BladeId {
+        self.blades.push(Blade::new(edge));
+        self.blade_id(self.blades.len() - 1)
+    }
+
+    pub(crate) const fn blade_id(&self, index: usize) -> BladeId {
+        BladeId {
+            scene: self.number,
+            index,
+        }
+    }
+
+    /// Returns a blade.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBlade`].
+    pub fn blade(&self, id: BladeId) -> Result<&Blade, SceneError> {
+        let blade = self.blades.get(id.index);
+        let blade = blade.filter(|_| id.scene == self.number);
+        blade.ok_or(SceneError::UnknownBlade { blade: id })
+    }
+
+    fn blade_mut(&mut self, id: BladeId) -> Result<&mut Blade, SceneError> {
+        let blade = self.blades.get_mut(id.index);
+        let blade = blade.filter(|_| id.scene == self.number);
+        blade.ok_or(SceneError::UnknownBlade { blade: id })
+    }
+
+    /// Returns the ids of all blades in the order in which they were added.
+    pub fn blades(&self) -> impl Iterator<Item = BladeId> + use<> {
+        let scene = self.number;
+        (0..self.blades.len()).map(move |index| BladeId { scene, index })
+    }
+
+    /// Restricts a blade to one piece of the bodies; `None` cuts all pieces.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBlade`].
+    pub fn set_blade_piece(
+        &mut self,
+        id: BladeId,
+        only_piece: Option<u32>,
+    ) -> Result<(), SceneError> {
+        self.blade_mut(id)?.only_piece = only_piece;
+        Ok(())
+    }
+
+    /// Gives a blade a face: the parallelogram from its edge to its back.
+    ///
+    /// `face` is the vector from the edge to the back \[m\]. With [`crate::SceneParams::contacts`]
+    /// bodies collide with the face from both sides, and a moving face pushes them. Its motion
+    /// along itself causes no friction. `None`, the default, is an edge without a face.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBlade`], and [`SceneError::BladeFaceNotFinite`] for a NaN or infinite
+    /// component; the face is then unchanged.
+    pub fn set_blade_face(
+        &mut self,
+        id: BladeId,
+        face: Option<[f32; 3]>,
+    ) -> Result<(), SceneError> {
+        let blade = self.blade_mut(id)?;
+        if face.is_some_and(|to_back| to_back.iter().any(|c| !c.is_finite())) {
+            return Err(SceneError::BladeFaceNotFinite { blade: id });
+        }
+        blade.face = face;
+        Ok(())
+    }
+
+    /// Moves a blade; the next frame cuts along its sweep.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBlade`].
+    pub fn move_blade(&mut self, id: BladeId, edge: [[f32; 3]; 2]) -> Result<(), SceneError> {
+        self.blade_mut(id)?.edge = edge;
+        Ok(())
+    }
+
+    /// Moves a blade without cutting.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBlade`].
+    pub fn teleport_blade(&mut self, id: BladeId, edge: [[f32; 3]; 2]) -> Result<(), SceneError> {
+        let blade = self.blade_mut(id)?;
+        blade.edge = edge;
+        blade.previous_edge = edge;
+        blade.previous_face = None;
+        Ok(())
+    }
+
+    /// Collects the blade faces of the frame; wakes bodies near faces that changed or moved.
+    ///
+    /// Without [`crate::SceneParams::contacts`] there are none.
+    pub(crate) fn update_blade_faces(&mut self) {
+        self.previous_blade_faces.clone_from(&self.blade_faces);
+        self.blade_faces.clear();
         if self.params.contacts.is_some() {
-            self.flats
-                .extend(self.blades.iter().filter_map(Blade::flat));
+            self.blade_faces
+                .extend(self.blades.iter().filter_map(Blade::moving_face));
         }
         for blade in &mut self.blades {
-            blade.touched = blade.back.map(|back| (blade.edge, back));
+            blade.previous_face = blade.face.map(|face| (blade.edge, face));
         }
-        let is_still = |flat: &Flat| !flat.moves();
-        if self.flats == self.known_flats && self.flats.iter().all(is_still) {
+        let is_still = |face: &BladeFace| !face.moves();
+        if self.blade_faces == self.previous_blade_faces && self.blade_faces.iter().all(is_still) {
             return;
         }
-        for flat in self.flats.iter().chain(&self.known_flats) {
-            // What lies on a flat is up to a thickness off.
-            let bounds = widened(flat.bounds());
+        for face in self.blade_faces.iter().chain(&self.previous_blade_faces) {
+            // A body that rests on a face is up to a contact thickness away from it.
+            let bounds = inflated(face.bounds());
             for i in 0..self.bodies.len() {
                 if self.sleep.is_asleep(i) && !self.sleep.is_far(i, &bounds) {
                     self.sleep.wake(i);
@@ -103,8 +195,8 @@ impl Scene {
     }
 }
 
-/// A box and half of its longest side around: that of a flat may have no height.
-fn widened(bounds: Aabb) -> Aabb {
+/// Grows a box by half of its longest side: the box of a face may have no height.
+fn inflated(bounds: Aabb) -> Aabb {
     let sides = [0, 1, 2].map(|k| bounds.max[k] - bounds.min[k]);
     let longest = sides.into_iter().fold(0.0, f32::max);
     Aabb {

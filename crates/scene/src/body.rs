@@ -1,43 +1,58 @@
-//! A soft body: surface, solver and cutter in step with each other.
+//! [`Body`]: a soft body of a [`crate::Scene`], its surface, solver and cutter kept consistent.
 
-use crate::contacts::{ContactParams, Reach, Touching};
+use crate::contacts::{ContactFrame, ContactParams, ContactSearch};
 use crate::error::SceneError;
-use crate::struts::Strutting;
-use incise_cut::{CutError, CutOutcome, CutParams, Cutter, RayHit, Sweep};
-use incise_mesh::{Aabb, Surface, Undo, Vec3};
+use crate::interior_springs::InteriorSpringSearch;
+use crate::scene::SceneNumber;
+use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
+use incise_mesh::{Aabb, RayHit, Surface, Undo, Vec3, VertexId};
 use incise_pbd_gpu::{
     ConstraintError, Material, PatchParams, Solver, SolverParams, StepError, StepStats,
 };
+use std::fmt;
 use std::time::{Duration, Instant};
 
-/// A body of a scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct BodyId(pub(crate) usize);
+/// The id of a body in one scene. Shown as the body's index.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct BodyId {
+    pub(crate) scene: SceneNumber,
+    pub(crate) index: usize,
+}
 
-/// A soft body. Cut into pieces it stays one body, of one material.
+impl fmt::Display for BodyId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.index.fmt(f)
+    }
+}
+
+/// A soft body of one material. It stays one body when it is cut into pieces.
 #[derive(Debug, Clone)]
 pub struct Body {
     surface: Surface,
     solver: Solver,
     cutter: Cutter,
-    strutting: Strutting,
-    touching: Touching,
-    /// Whether vertices moved since the search tree was fitted.
+    spring_search: InteriorSpringSearch,
+    contact_search: ContactSearch,
+    /// Whether vertices moved since the BVH was last refitted.
     stale: bool,
-    /// The body's box when it was last known, if it can be told how far anything moved since.
-    known: Option<Known>,
+    /// A bounding box that the body has not left, if its motion since is known.
+    loose_bounds: Option<LooseBounds>,
+    /// Whether the body was handed out for edits that are not validated yet.
+    is_edited: bool,
+    /// The surface's edit history at the last cut that the constraints followed.
+    topology_version: u64,
 }
 
-/// A box, and by how much the body may have left it since.
+/// A bounding box and the maximum displacement since it was computed.
 #[derive(Debug, Clone, Copy)]
-struct Known {
+struct LooseBounds {
     bounds: Aabb,
-    /// \[m\]
+    /// Maximum displacement of a vertex along an axis \[m\].
     drift: f64,
 }
 
-/// What became of a sweep, and how long the constraints took to follow.
-pub(crate) struct SweepResult {
+/// The result of a cut, and the time of updating the constraints.
+pub(crate) struct BodyCut {
     pub(crate) cut: Result<CutOutcome, CutError>,
     pub(crate) constraints: Duration,
 }
@@ -53,62 +68,88 @@ impl Body {
             None => Solver::new(&mut surface, material)?,
         };
         let cutter = Cutter::new(&surface);
-        let mut strutting = Strutting::default();
-        strutting.fill(&surface, &mut solver, cutter.bvh())?;
+        let mut spring_search = InteriorSpringSearch::default();
+        spring_search.fill(&surface, &mut solver, cutter.bvh())?;
         Ok(Self {
+            topology_version: surface.fingerprint(),
             surface,
             solver,
             cutter,
-            strutting,
-            touching: Touching::default(),
+            spring_search,
+            contact_search: ContactSearch::default(),
             stale: false,
-            known: None,
+            loose_bounds: None,
+            is_edited: false,
         })
     }
 
-    /// Where everything is; of a body on a device, where it was when it was last read, see
-    /// [`crate::Scene::read`].
+    /// Returns the surface; of a GPU body as of the last [`crate::Scene::read_back`].
     #[must_use]
     pub fn surface(&self) -> &Surface {
         &self.surface
     }
 
-    /// Masses, velocities and constraints. Velocities are as old as the surface's positions.
+    /// Returns masses, velocities and constraints; velocities are as old as the positions.
     #[must_use]
     pub fn solver(&self) -> &Solver {
         &self.solver
     }
 
-    /// The solver and the surface together: to pin vertices, set velocities, put vertices elsewhere. The topology is to stay
-    /// what it is, since a search tree hangs on it; [`crate::Scene::undo`] takes cuts back.
+    /// Returns the solver and the surface, to edit pins, velocities and positions.
+    ///
+    /// Do not edit the triangles: the constraints would not follow. The next [`crate::Scene::cut`]
+    /// or [`crate::Scene::advance`] returns an error for such an edit and for positions that are
+    /// not finite. [`crate::Scene::undo`] undoes cuts.
     pub fn solver_mut(&mut self) -> (&mut Solver, &mut Surface) {
-        // Whatever is done, the search tree may no longer fit.
         self.stale = true;
-        self.known = None;
+        self.is_edited = true;
+        self.loose_bounds = None;
         (&mut self.solver, &mut self.surface)
     }
 
-    /// Stretch and bending constraints and struts together.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn constraints(&self) -> usize {
-        let struts = self.solver.struts().map_or(0, |set| set.len());
-        self.solver.stretch().len() + self.solver.bending().map_or(0, |set| set.len()) + struts
+    /// Validates the edits since the last call, if there were any.
+    ///
+    /// # Errors
+    /// [`SceneError::TopologyEdited`] and [`SceneError::PositionNotFinite`]; the next call
+    /// validates again.
+    pub(crate) fn validate_edit(&mut self, id: BodyId) -> Result<(), SceneError> {
+        if !self.is_edited {
+            return Ok(());
+        }
+        if self.surface.fingerprint() != self.topology_version {
+            return Err(SceneError::TopologyEdited { body: id });
+        }
+        let is_finite = |v: &VertexId| self.surface.position(*v).iter().all(|c| c.is_finite());
+        if let Some(vertex) = self.surface.topology().vertices().find(|v| !is_finite(v)) {
+            return Err(SceneError::PositionNotFinite { body: id, vertex });
+        }
+        self.is_edited = false;
+        Ok(())
     }
 
-    /// The surface and the solver, for who moves no vertex.
+    /// Returns the number of stretch and bending constraints and interior springs.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn constraints(&self) -> usize {
+        let interior_springs = self.solver.interior_springs().map_or(0, |set| set.len());
+        self.solver.stretch().len()
+            + self.solver.bending().map_or(0, |set| set.len())
+            + interior_springs
+    }
+
+    /// Returns the surface and the solver, for changes that move no vertex.
     pub(crate) fn parts(&mut self) -> (&mut Surface, &mut Solver) {
         (&mut self.surface, &mut self.solver)
     }
 
-    /// The surface and the solver, for who moves vertices.
+    /// Returns the surface and the solver, for changes that move vertices.
     #[cfg(feature = "gpu")]
     pub(crate) fn moved_parts(&mut self) -> (&mut Surface, &mut Solver) {
         self.stale = true;
-        self.known = None;
+        self.loose_bounds = None;
         self.parts()
     }
 
-    /// The numbers of the body's pieces, ascending.
+    /// Returns the numbers of the body's pieces, ascending.
     #[must_use]
     pub fn pieces(&self) -> Vec<u32> {
         let mut pieces: Vec<u32> = self
@@ -122,107 +163,111 @@ impl Body {
         pieces
     }
 
-    /// Whether the body's box comes to `reach`. What is known of it answers without a look at any vertex
-    /// where that is enough; else all are looked at and `measured` goes up by one.
-    pub(crate) fn comes_to(&mut self, reach: &Aabb, measured: &mut u32) -> bool {
-        if let Some(known) = &self.known
-            && !known.overlaps(reach)
+    /// Returns whether the body's bounding box overlaps `other`.
+    ///
+    /// Increments `aabbs_computed` if the last box, grown by the motion since, does not decide it.
+    pub(crate) fn overlaps(&mut self, other: &Aabb, aabbs_computed: &mut u32) -> bool {
+        if let Some(loose) = &self.loose_bounds
+            && !loose.overlaps(other)
         {
             return false;
         }
-        self.bounds(measured).overlaps(reach)
+        self.bounds(aabbs_computed).overlaps(other)
     }
 
-    /// The body's box. Vertices are looked at only if any may have moved.
-    pub(crate) fn bounds(&mut self, measured: &mut u32) -> Aabb {
+    /// Returns the body's bounding box; computes it only if vertices have moved.
+    pub(crate) fn bounds(&mut self, aabbs_computed: &mut u32) -> Aabb {
         if !self.stale {
             return self.cutter.bvh().bounds();
         }
-        if let Some(Known { bounds, drift: 0.0 }) = self.known {
+        if let Some(LooseBounds { bounds, drift: 0.0 }) = self.loose_bounds {
             return bounds;
         }
-        *measured += 1;
+        *aabbs_computed += 1;
         let bounds = self.surface.bounds();
-        self.known = Some(Known { bounds, drift: 0.0 });
+        self.loose_bounds = Some(LooseBounds { bounds, drift: 0.0 });
         bounds
     }
 
-    /// Fits the search tree if anything moved; tells whether it did.
+    /// Refits the BVH if vertices have moved; returns whether they have.
     pub(crate) fn refit(&mut self) -> bool {
         if self.stale {
             self.cutter.refit(&self.surface);
             self.know();
+        } else {
+            // Only inverse masses, which share an array with positions, may have changed.
+            self.cutter.refit_moved(&self.surface, &[]);
         }
         std::mem::replace(&mut self.stale, false)
     }
 
-    /// Cuts; constraints and masses follow. The search tree must fit.
-    pub(crate) fn cut(
-        &mut self,
-        sweep: &Sweep,
-        params: &CutParams,
-    ) -> Result<SweepResult, SceneError> {
+    /// Cuts and updates constraints and masses. The BVH must be refitted.
+    pub(crate) fn cut(&mut self, sweep: &Sweep, params: &CutParams) -> Result<BodyCut, SceneError> {
         let cut = self.cutter.cut(&mut self.surface, sweep, params);
+        self.topology_version = self.surface.fingerprint();
         let begin = Instant::now();
         if let Ok(outcome) = &cut
-            && !outcome.delta.is_empty()
+            && !outcome.is_miss()
         {
             self.know();
             let Self {
                 surface,
                 solver,
-                strutting,
+                spring_search,
                 cutter,
                 ..
             } = self;
-            strutting.cross(surface, solver, sweep);
-            solver.apply_delta(surface, &outcome.delta)?;
-            strutting.renew(surface, solver, cutter.bvh(), &outcome.delta)?;
+            let cut = (sweep, &outcome.delta);
+            spring_search.follow_cut(surface, solver, cutter.bvh(), cut)?;
         }
-        Ok(SweepResult {
+        Ok(BodyCut {
             cut,
             constraints: begin.elapsed(),
         })
     }
 
-    /// The first triangle that a ray meets. The search tree must fit.
-    pub(crate) fn cast(&self, origin: Vec3, direction: Vec3) -> Option<RayHit> {
+    /// Returns the first triangle that a ray hits. The BVH must be refitted.
+    pub(crate) fn cast_ray(&self, origin: Vec3, direction: Vec3) -> Option<RayHit> {
         let bvh = self.cutter.bvh();
         bvh.cast(&self.surface, origin, direction, |_| true)
     }
 
-    /// Takes a cut back; constraints and masses follow. The search tree must fit.
+    /// Undoes a cut and updates constraints and masses. The BVH must be refitted.
     pub(crate) fn undo(&mut self, undo: Undo) -> Result<(), SceneError> {
         let delta = self.cutter.undo(&mut self.surface, undo)?;
+        self.topology_version = self.surface.fingerprint();
         self.know();
         self.solver.apply_delta(&mut self.surface, &delta)?;
         let (surface, bvh) = (&self.surface, self.cutter.bvh());
-        self.strutting.fill(surface, &mut self.solver, bvh)?;
+        self.spring_search.fill(surface, &mut self.solver, bvh)?;
         Ok(())
     }
 
-    /// Whether anything of the body may touch anything else of it.
-    pub(crate) fn may_touch(&self, params: &ContactParams) -> bool {
-        params.own || self.surface.piece_count() > 1
+    /// Returns whether triangles of the body may collide with each other.
+    pub(crate) fn may_collide(&self, params: &ContactParams) -> bool {
+        params.self_collision || self.surface.piece_count() > 1
     }
 
-    /// Finds the contacts of the next frame; says how many there are. The search tree must fit if [`Body::may_touch`].
-    pub(crate) fn find_contacts(&mut self, reach: &Reach<'_>) -> Result<usize, SceneError> {
+    /// Finds the contacts of the next frame and returns their number.
+    ///
+    /// The BVH must be refitted if [`Body::may_collide`].
+    pub(crate) fn find_contacts(&mut self, frame: &ContactFrame<'_>) -> Result<usize, SceneError> {
         let Self {
             surface,
             solver,
-            touching,
+            contact_search,
             cutter,
             ..
         } = self;
-        touching.find(surface, solver, cutter.bvh(), reach)
+        contact_search.find(surface, solver, cutter.bvh(), frame)
     }
 
-    /// Has no contacts any more.
-    pub(crate) fn drop_contacts(&mut self) -> Result<(), SceneError> {
+    /// Removes all contacts.
+    pub(crate) fn clear_contacts(&mut self) -> Result<(), SceneError> {
         Ok(self.solver.set_contacts(&[])?)
     }
 
+    /// Steps the body by one frame.
     pub(crate) fn step(&mut self, dt: f32, params: &SolverParams) -> Result<StepStats, StepError> {
         if !self.stale {
             self.know();
@@ -230,42 +275,42 @@ impl Body {
         self.stale = true;
         match self.solver.step(&mut self.surface, dt, params) {
             Ok(stats) => {
-                if let Some(known) = &mut self.known {
-                    known.drifts(stats.farthest, stats.substeps);
+                if let Some(loose) = &mut self.loose_bounds {
+                    loose.add_drift(stats.max_displacement, stats.substeps);
                 }
                 Ok(*stats)
             }
             Err(error) => {
-                self.known = None;
+                self.loose_bounds = None;
                 Err(error)
             }
         }
     }
 
-    /// Takes the box of the search tree, which fits.
+    /// Takes the bounding box of the BVH, which must be refitted.
     fn know(&mut self) {
-        self.known = Some(Known {
+        self.loose_bounds = Some(LooseBounds {
             bounds: self.cutter.bvh().bounds(),
             drift: 0.0,
         });
     }
 }
 
-impl Known {
-    /// Whether the body may come to `reach`.
-    fn overlaps(&self, reach: &Aabb) -> bool {
+impl LooseBounds {
+    /// Returns whether the body may overlap `other`.
+    fn overlaps(&self, other: &Aabb) -> bool {
         (0..3).all(|k| {
-            f64::from(self.bounds.min[k]) - self.drift <= f64::from(reach.max[k])
-                && f64::from(reach.min[k]) <= f64::from(self.bounds.max[k]) + self.drift
+            f64::from(self.bounds.min[k]) - self.drift <= f64::from(other.max[k])
+                && f64::from(other.min[k]) <= f64::from(self.bounds.max[k]) + self.drift
         })
     }
 
-    /// Vertices moved by up to `farthest` \[m\] along each axis, in so many steps that each rounded.
-    fn drifts(&mut self, farthest: f32, steps: u32) {
+    /// Adds a motion of at most `displacement` \[m\] along each axis in `substeps` rounded steps.
+    fn add_drift(&mut self, displacement: f32, substeps: u32) {
         let corners = self.bounds.min.into_iter().chain(self.bounds.max);
         let largest = corners.map(f32::abs).fold(0.0, f32::max);
-        self.drift += f64::from(farthest) * (1.0 + 1e-6);
+        self.drift += f64::from(displacement) * (1.0 + 1e-6);
         self.drift +=
-            (f64::from(largest) + self.drift) * f64::from(f32::EPSILON) * f64::from(steps);
+            (f64::from(largest) + self.drift) * f64::from(f32::EPSILON) * f64::from(substeps);
     }
 }

@@ -1,186 +1,196 @@
-//! Which vertices touch which triangles: what the pieces of a body have to do with each other and with the flats of blades,
-//! found anew in every frame.
+//! Contact detection for one body: between its pieces, within a piece, and with blade faces.
 //!
-//! Boxes first: a piece whose box, grown by what may move in a frame, meets no other one is not looked at. Of the others
-//! every vertex in such a box gets the nearest triangle within reach that faces it, so that nothing is pushed out through the
-//! other side of a thin piece. A vertex stays on its side of what it was nearest
-//! to when the frame began, as far as anything of it gets no more than [`SAFETY`] times as fast within the frame. Pieces that lie in each
-//! other a little part slowly, since to push them apart at once would throw them; deep in each other they stay.
+//! `frame.rs` runs it once per frame for each awake body; the solver then projects the contacts.
+//!
+//! 1. [`broad_phase`] finds pairs of pieces whose boxes, grown by the motion of a frame, overlap.
+//! 2. [`narrow_phase`] finds for each vertex of such a piece the nearest triangle within reach that
+//!    faces it, so that no vertex is pushed through a thin piece.
+//! 3. [`persistent`] keeps a contact from frame to frame while the vertex hardly moves.
+//!
+//! A vertex stays on the side of a triangle on which it started the frame, provided that its speed
+//! grows at most [`SPEED_MARGIN`]-fold within the frame. Penetrations are resolved at a limited
+//! speed, since resolving them at once would throw the pieces apart; deep ones remain.
 
-mod flat;
-mod pieces;
-mod search;
-mod touch;
+mod blade_face;
+mod broad_phase;
+mod narrow_phase;
+mod persistent;
 
 use crate::error::SceneError;
-use incise_cut::{Bvh, NodeReaches};
-use incise_mesh::Surface;
+use broad_phase::Pieces;
+use incise_mesh::{Bvh, SearchRadii, Surface};
 use incise_pbd_gpu::{Collider, Contact, Pin, Solver};
-use pieces::Pieces;
-use search::{Row, Search};
-use touch::Touch;
+use narrow_phase::{Row, Search};
+use persistent::PersistentContact;
 
-pub(crate) use flat::Flat;
+pub(crate) use blade_face::BladeFace;
 
-/// How much faster than at its beginning something may get within a frame: what hits something else is bent, and
-/// parts of it are then faster than it was.
-const SAFETY: f64 = 2.0;
+/// Factor by which a vertex may become faster within a frame: an impact bends the body.
+const SPEED_MARGIN: f64 = 2.0;
 
-/// How fast what is too near parts: by this part of what is missing [1/s]. What lies in each other by more than a thickness
-/// does not part any faster.
-const APART: f64 = 5.0;
+/// Rate at which a gap below the thickness opens, relative to the missing gap [1/s].
+///
+/// The speed is that of at most one thickness of penetration.
+const SEPARATION_RATE: f64 = 5.0;
 
-/// A contact is the same still if its vertex has moved no farther than this along the triangle and off it, in thicknesses,
-/// and the triangle has turned by no more than that angle \[rad\].
-const AGAIN: f64 = 0.1;
-const TURNED: f64 = 0.02;
+/// Maximum motion of a vertex relative to the triangle of a persistent contact [thicknesses].
+const MOTION_TOLERANCE: f64 = 0.1;
 
-/// How pieces touch. Friction is the material's. A surface has one outside: open sheets touch each
-/// other only where those meet, and a vertex is compared with triangles, not edges with edges.
+/// Maximum rotation of the triangle of a persistent contact \[rad\].
+const ROTATION_TOLERANCE: f64 = 0.02;
+
+/// Parameters of contact detection. Friction is a parameter of the material.
+///
+/// Vertices are tested against triangles, not edges against edges. Triangles face one side: two
+/// open sheets collide only where their outer sides meet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactParams {
-    /// How far surfaces stay from each other, in mean lengths of the body's edges at rest; at most [`ContactParams::THICKEST`].
+    /// Minimum distance between surfaces [mean rest edge lengths], at most
+    /// [`ContactParams::MAX_THICKNESS`].
     pub thickness: f32,
-    /// Whether a piece touches itself: what looks at each other across a fold.
-    pub own: bool,
+    /// Whether the triangles of one piece collide with each other.
+    pub self_collision: bool,
 }
 
 impl Default for ContactParams {
-    /// A tenth of an edge, and no piece touches itself.
+    /// Returns a thickness of a tenth of an edge length and no self-collision.
     fn default() -> Self {
         Self {
             thickness: 0.1,
-            own: false,
+            self_collision: false,
         }
     }
 }
 
 impl ContactParams {
-    /// What is thicker would touch everything, and find no nearest triangle in any time.
-    pub const THICKEST: f32 = 100.0;
+    /// Maximum thickness: with a larger one every triangle would be a candidate.
+    pub const MAX_THICKNESS: f32 = 100.0;
 
-    /// Checks every number.
+    /// Validates every parameter.
     ///
     /// # Errors
-    /// [`SceneError::BadContacts`].
+    /// [`SceneError::InvalidContactThickness`].
     pub fn check(&self) -> Result<(), SceneError> {
         let value = self.thickness;
-        if value > 0.0 && value <= Self::THICKEST {
+        if value > 0.0 && value <= Self::MAX_THICKNESS {
             Ok(())
         } else {
-            Err(SceneError::BadContacts { value })
+            Err(SceneError::InvalidContactThickness { value })
         }
     }
 }
 
-/// What a search found and needs, kept from frame to frame.
+/// The contact detection of one body: persistent contacts, and memory reused between frames.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Touching {
+pub(crate) struct ContactSearch {
     pieces: Pieces,
-    reaches: NodeReaches,
+    radii: SearchRadii,
     rows: Vec<Row>,
     contacts: Vec<Contact>,
-    /// What was found, by contact, and in the frame before.
-    found: Vec<Touch>,
-    before: Vec<Touch>,
-    /// By vertex: its place in `before`.
-    known: Vec<u32>,
-    /// Velocities of a body that has pins, by vertex.
+    /// The persistent contacts of this frame and of the previous one.
+    current: Vec<PersistentContact>,
+    previous: Vec<PersistentContact>,
+    /// By vertex slot: index into `previous`, or `u32::MAX`.
+    previous_of_vertex: Vec<u32>,
+    /// Scratch memory: velocities of a body with pins, by vertex slot.
     velocities: Vec<[f32; 4]>,
 }
 
-/// The frame that contacts are found for.
+/// The parameters and obstacles of the frame for which contacts are found.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Reach<'a> {
+pub(crate) struct ContactFrame<'a> {
     pub(crate) params: ContactParams,
-    /// \[s\]
+    /// Duration of the frame \[s\].
     pub(crate) dt: f64,
-    /// How fast anything may get within the frame by itself [m/s].
-    pub(crate) gained: f64,
-    /// What may stop a piece: the height of the ground \[m\], colliders.
+    /// Maximum speed that gravity adds within the frame [m/s].
+    pub(crate) speed_gain: f64,
+    /// Height of the ground \[m\].
     pub(crate) ground: Option<f32>,
     pub(crate) colliders: &'a [Collider],
-    /// The flats of blades.
-    pub(crate) flats: &'a [Flat],
+    pub(crate) blade_faces: &'a [BladeFace],
 }
 
-/// How fast vertices are.
+/// Velocities of a body's vertices in the frame.
 #[derive(Debug, Clone, Copy)]
 struct Velocities<'a> {
-    /// Shape [vertex slots].
+    /// Shape [vertex slots]; of pinned vertices the motion to their targets [m/s].
     all: &'a [[f32; 4]],
     pins: &'a [Pin],
 }
 
-impl Touching {
-    /// Finds the contacts of a body for the next frame and hands them to its solver. The search tree must fit if pieces may touch.
-    /// Returns how many there are.
+impl ContactSearch {
+    /// Finds the contacts of the next frame, passes them to the solver and returns their number.
+    ///
+    /// The BVH must be refitted if pieces may collide.
     pub(crate) fn find(
         &mut self,
         surface: &Surface,
         solver: &mut Solver,
         bvh: &Bvh,
-        reach: &Reach<'_>,
+        frame: &ContactFrame<'_>,
     ) -> Result<usize, SceneError> {
-        let thickness = f64::from(reach.params.thickness) * solver.mean_rest_length();
+        let thickness = f64::from(frame.params.thickness) * solver.mean_rest_length();
         self.contacts.clear();
-        self.remember(surface.positions.len());
+        self.begin_frame(surface.positions().len());
         let velocities = Velocities {
-            all: velocities(&mut self.velocities, surface, solver, reach.dt),
+            all: velocities(&mut self.velocities, surface, solver, frame.dt),
             pins: solver.pins(),
         };
-        self.pieces.find(surface, &velocities, (thickness, reach));
-        if self.pieces.meet() || reach.params.own || !reach.flats.is_empty() {
-            let ways = self.pieces.ways();
-            if self.pieces.meet() || reach.params.own {
-                self.reaches.find(bvh, surface, |t| {
+        self.pieces.update(surface, &velocities, (thickness, frame));
+        let pieces_collide = self.pieces.has_pairs() || frame.params.self_collision;
+        if pieces_collide || !frame.blade_faces.is_empty() {
+            let displacements = self.pieces.displacements();
+            if pieces_collide {
+                self.radii.find(bvh, surface, |t| {
                     let corners = surface.topology().triangle(t).into_iter();
-                    corners.map(|c| ways[c.index()]).fold(0.0, f64::max)
+                    corners
+                        .map(|c| displacements[c.index()])
+                        .fold(0.0, f64::max)
                 });
             }
             let search = Search {
                 surface,
                 velocities,
                 bvh,
-                reaches: &self.reaches,
+                radii: &self.radii,
                 pieces: &self.pieces,
-                ways,
-                before: &self.before,
-                known: &self.known,
+                displacements,
+                previous: &self.previous,
+                previous_of_vertex: &self.previous_of_vertex,
                 thickness,
-                reach,
+                frame,
             };
             search.run(&mut self.rows);
             for row in &self.rows {
                 self.contacts.extend_from_slice(&row.contacts);
-                self.found.extend_from_slice(&row.found);
+                self.current.extend_from_slice(&row.persistent);
             }
         }
         solver.set_contacts(&self.contacts)?;
         Ok(self.contacts.len())
     }
 
-    /// Makes what was found what was found before.
-    fn remember(&mut self, vertex_slots: usize) {
-        std::mem::swap(&mut self.found, &mut self.before);
-        self.found.clear();
-        self.known.clear();
-        self.known.resize(vertex_slots, u32::MAX);
-        for (i, touch) in (0..).zip(&self.before) {
-            if let Some(known) = self.known.get_mut(touch.vertex.index()) {
-                *known = i;
+    /// Makes the contacts of the last frame the previous ones.
+    fn begin_frame(&mut self, vertex_slots: usize) {
+        std::mem::swap(&mut self.current, &mut self.previous);
+        self.current.clear();
+        self.previous_of_vertex.clear();
+        self.previous_of_vertex.resize(vertex_slots, u32::MAX);
+        for (i, contact) in (0..).zip(&self.previous) {
+            if let Some(entry) = self.previous_of_vertex.get_mut(contact.vertex.index()) {
+                *entry = i;
             }
         }
     }
 }
 
-/// How fast vertices are, and those that are pinned have to be to get to their targets [m/s].
+/// Returns the vertices' velocities; of pinned ones the motion to their targets [m/s].
 #[expect(
     clippy::cast_possible_truncation,
     reason = "velocities are stored in 32 bits"
 )]
 fn velocities<'a>(
-    room: &'a mut Vec<[f32; 4]>,
+    scratch: &'a mut Vec<[f32; 4]>,
     surface: &Surface,
     solver: &'a Solver,
     dt: f64,
@@ -188,17 +198,13 @@ fn velocities<'a>(
     if solver.pins().is_empty() {
         return solver.velocities();
     }
-    room.clear();
-    room.extend_from_slice(solver.velocities());
+    scratch.clear();
+    scratch.extend_from_slice(solver.velocities());
     for pin in solver.pins() {
-        let at = surface.positions[pin.vertex.index()];
-        let way = |k: usize| f64::from(pin.target[k]) - f64::from(at[k]);
-        room[pin.vertex.index()] =
-            [0, 1, 2, 3].map(|k| if k < 3 { (way(k) / dt) as f32 } else { 0.0 });
+        let at = surface.positions()[pin.vertex.index()];
+        let motion = |k: usize| f64::from(pin.target[k]) - f64::from(at[k]);
+        scratch[pin.vertex.index()] =
+            [0, 1, 2, 3].map(|k| if k < 3 { (motion(k) / dt) as f32 } else { 0.0 });
     }
-    room
-}
-
-fn narrow(count: usize) -> u32 {
-    u32::try_from(count).unwrap_or(u32::MAX)
+    scratch
 }

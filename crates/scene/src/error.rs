@@ -1,62 +1,106 @@
-//! Why a scene cannot go on.
+//! [`SceneError`]: errors of a scene's methods, and [`FallbackReason`] of a scene on the CPU.
 
+use crate::blade::BladeId;
 use crate::body::BodyId;
-use incise_mesh::UndoError;
+use incise_mesh::{UndoError, VertexId};
 use incise_pbd_gpu::{ConstraintError, StepError};
 
-/// Why a scene cannot go on.
+/// An error of a scene's method.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
+    /// The id belongs to another scene, or the body was removed.
+    #[error("body {body} is not in this scene; use an id that add_body of this scene returned")]
+    UnknownBody {
+        /// The id.
+        body: BodyId,
+    },
+    /// The id belongs to another scene.
+    #[error("blade {blade} is not in this scene; use an id that add_blade of this scene returned")]
+    UnknownBlade {
+        /// The id.
+        blade: BladeId,
+    },
+    /// A blade's face was set to a vector that is not finite. The face is unchanged.
+    #[error(
+        "The face of blade {blade} is not finite. Give the vector from edge to back in meters."
+    )]
+    BladeFaceNotFinite {
+        /// The blade.
+        blade: BladeId,
+    },
     /// The body cannot be simulated, or its constraints cannot follow a cut.
     #[error("constraints: {0}")]
     Constraint(#[from] ConstraintError),
-    /// The frame's parameters are out of range, or not for the device that bodies live on. Nothing has moved.
-    #[error("the frame: {0}")]
+    /// A frame parameter is out of range, or not supported on the GPU. Nothing has moved.
+    #[error("invalid frame: {0}")]
     Frame(StepError),
-    /// A number that says when bodies sleep is out of its range.
+    /// A sleep parameter is out of range.
     #[error("sleep: {name} is {value}; give a finite number that is not negative")]
-    BadSleep {
-        /// Which number.
+    InvalidSleepParams {
+        /// The parameter.
         name: &'static str,
         /// Its value.
         value: f32,
     },
-    /// A cut cannot be taken back; nothing has changed.
+    /// A cut cannot be undone; nothing has changed.
     #[error("undo: {0}")]
     Undo(#[from] UndoError),
-    /// A thickness that keeps nothing apart, or everything.
+    /// The contact thickness is out of range.
     #[error(
-        "a thickness of contacts of {value} edges is not above 0 and at most {}",
-        crate::ContactParams::THICKEST
+        "contacts: the thickness is {value} edge lengths; give a number above 0 and at most {}",
+        crate::ContactParams::MAX_THICKNESS
     )]
-    BadContacts {
-        /// What was asked for.
+    InvalidContactThickness {
+        /// The thickness [mean edge lengths].
         value: f32,
     },
+    /// An edit set a position that is not finite.
+    #[error(
+        "the position of vertex {vertex} of body {body} was set to NaN or infinity; set a finite \
+         one with Scene::edit, or remove the body"
+    )]
+    PositionNotFinite {
+        /// The body.
+        body: BodyId,
+        /// The first such vertex.
+        vertex: VertexId,
+    },
+    /// An edit changed the triangles of a body's surface.
+    #[error(
+        "the triangles of body {body} were edited through Body::solver_mut, so its constraints do \
+         not match; remove the body and add the edited surface as a new one"
+    )]
+    TopologyEdited {
+        /// The body.
+        body: BodyId,
+    },
     /// A body cannot be stepped.
-    #[error("body {}: {error}", .body.0)]
+    #[error("body {body}: {error}")]
     Step {
         /// The body.
         body: BodyId,
-        /// Why.
+        /// The reason.
         error: StepError,
     },
-    /// The device cannot be had, or has failed. Bodies are where they were when they were last read;
-    /// [`crate::Scene::fall_back`] goes on with them on the processor.
+    /// The GPU is not available or has failed.
+    ///
+    /// Bodies are where they were at their last readback; [`crate::Scene::fall_back`] continues
+    /// with them on the CPU.
     #[cfg(feature = "gpu")]
-    #[error("the scene's device: {0}")]
+    #[error("the scene's GPU: {0}")]
     Gpu(#[from] incise_pbd_gpu::GpuError),
-    /// A device was asked for, and this build cannot use any.
+    /// A GPU was requested in a build without GPU support.
     #[error(
-        "this build has no backend for devices; build with the feature gpu, or choose the backend cpu or auto"
+        "this build has no GPU backend; build with the feature gpu, or choose the backend cpu or \
+         auto"
     )]
     NoGpuBackend,
 }
 
 impl SceneError {
-    /// Whether the device is to blame, not a body.
-    pub(crate) fn is_of_device(&self) -> bool {
+    /// Returns whether the GPU failed, not a body.
+    pub(crate) fn is_gpu_failure(&self) -> bool {
         match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(_) => true,
@@ -64,8 +108,8 @@ impl SceneError {
         }
     }
 
-    /// Whether the device has no room for a body, and is well otherwise.
-    pub(crate) fn is_no_room(&self) -> bool {
+    /// Returns whether the GPU has no memory for a body and works otherwise.
+    pub(crate) fn is_out_of_gpu_memory(&self) -> bool {
         match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(
@@ -75,4 +119,28 @@ impl SceneError {
             _ => false,
         }
     }
+}
+
+/// The reason why the CPU steps bodies of a scene that was to use a GPU.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FallbackReason {
+    /// There is no GPU, it has no memory for a body, or it failed.
+    #[error("{0}")]
+    Error(#[from] SceneError),
+    /// The only adapter computes on the CPU.
+    #[error("{adapter} computes on the CPU; the CPU solver is faster")]
+    SoftwareAdapter {
+        /// The adapter's name.
+        adapter: String,
+    },
+    /// The GPU was slower than the CPU at every size that was measured.
+    #[error("{adapter} was slower than the CPU at every size that was measured")]
+    SlowerThanCpu {
+        /// The adapter's name.
+        adapter: String,
+    },
+    /// [`crate::Scene::fall_back`] was called.
+    #[error("requested by Scene::fall_back")]
+    Requested,
 }

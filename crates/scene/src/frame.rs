@@ -1,99 +1,110 @@
-//! One frame, in order.
+//! One frame of a [`Scene`] in order: sweeps and cuts, then contacts, then the solver.
 
-use crate::blade::Blade;
+use crate::blade::BladeId;
 use crate::body::BodyId;
-use crate::contacts::Reach;
+use crate::contacts::ContactFrame;
 use crate::error::SceneError;
 use crate::params::SceneParams;
-use crate::scene::{Refusal, Scene};
+use crate::scene::{FailedCut, Scene, SweepResult};
 use crate::stats::FrameStats;
-use incise_cut::{CutParams, Sweep};
+use incise_cut::{CutError, CutParams, Sweep};
 use incise_mesh::Aabb;
 use incise_pbd_gpu::{Collider, ConstraintError, Integrator, StepError};
 use std::time::Instant;
 
 impl Scene {
-    /// Steps by one frame: [`Scene::cut`], then [`Scene::advance`]. Allocates nothing in a frame
-    /// without a cut, once warm.
+    /// Steps by one frame: [`Scene::cut`], then [`Scene::advance`].
+    ///
+    /// A frame without a cut allocates no memory after the first ones.
     ///
     /// # Errors
-    /// [`SceneError`] when a body cannot be stepped or the device fails.
+    /// As [`Scene::cut`] and [`Scene::advance`].
     pub fn step(&mut self) -> Result<&FrameStats, SceneError> {
         self.cut()?;
         self.advance()
     }
 
-    /// The first half of a frame: cuts along the blades' sweeps. A cut that cannot be done is no
-    /// error, see [`Scene::refusals`].
+    /// Cuts along the blades' sweeps: the first half of a frame.
+    ///
+    /// [`Scene::cuts`] has the result of each sweep. A cut that fails is no error of the frame, see
+    /// [`Scene::failed_cuts`].
     ///
     /// # Errors
-    /// [`SceneError::Constraint`] when a body's constraints cannot follow its cut. What went wrong with
-    /// the device or with a body on it, before the blade at hand has cut anything: called again, this
-    /// goes on with that blade.
+    /// [`SceneError::PositionNotFinite`] and [`SceneError::TopologyEdited`] for an edit of a body;
+    /// [`SceneError::Constraint`] when a body's constraints cannot follow its cut;
+    /// [`SceneError`] of the GPU or of a body on it. A second call continues with the blade at
+    /// which the first one failed.
     pub fn cut(&mut self) -> Result<&FrameStats, SceneError> {
+        self.validate_edits()?;
         self.stats = FrameStats::default();
-        self.refusals.clear();
-        self.outcomes.clear();
+        self.failed_cuts.clear();
+        self.cuts.clear();
         for i in 0..self.blades.len() {
-            let blade = self.blades[i];
-            self.cut_with(&blade)?;
+            self.cut_with(i)?;
             self.blades[i].end_sweep();
         }
         let bodies = count(self.bodies.iter().flatten());
-        self.stats.refits_skipped = bodies.saturating_sub(self.stats.refits);
-        if let Some(device) = &self.device {
-            let on_device = count((0..self.bodies.len()).filter(|&i| device.holds(i)));
-            self.stats.readbacks_skipped = on_device.saturating_sub(self.stats.readbacks);
+        self.stats.bvh_refits_skipped = bodies.saturating_sub(self.stats.bvh_refits);
+        if let Some(gpu) = &self.gpu {
+            let on_gpu = count((0..self.bodies.len()).filter(|&i| gpu.holds(i)));
+            self.stats.readbacks_skipped = on_gpu.saturating_sub(self.stats.readbacks);
         }
         Ok(&self.stats)
     }
 
-    /// The second half of a frame: moves the bodies. Those on a device go on moving when this returns.
+    /// Moves the bodies: the second half of a frame. The GPU may still work when this returns.
     ///
     /// # Errors
-    /// [`SceneError::Frame`] and [`SceneError::BadSleep`] when a parameter is out of range; nothing has moved or woken then.
-    /// [`SceneError::Step`] when a body cannot be stepped, [`SceneError::Gpu`] when the device fails.
+    /// [`SceneError::Frame`], [`SceneError::InvalidSleepParams`] and
+    /// [`SceneError::InvalidContactThickness`] for a parameter out of range; nothing has moved
+    /// then. [`SceneError::PositionNotFinite`] and [`SceneError::TopologyEdited`] for an edit of a
+    /// body, [`SceneError::Step`] when a body cannot be stepped, [`SceneError`] of the GPU when it
+    /// fails.
     pub fn advance(&mut self) -> Result<&FrameStats, SceneError> {
         let begin = Instant::now();
-        self.check_frame()?;
+        self.check_params()?;
+        self.validate_edits()?;
         self.wake_at_colliders();
-        self.find_flats();
+        self.update_blade_faces();
         self.sleep.begin_frame(&self.params);
         self.stats.woken = self.sleep.take_woken();
-        self.stats.asleep = self.sleep.sleepers();
-        self.hand_out_colliders()?;
+        self.stats.sleeping_bodies = self.sleep.sleeping_bodies();
+        self.assign_colliders()?;
         self.find_contacts()?;
-        self.step_device()?;
+        self.step_gpu()?;
         for (i, body) in self.bodies.iter_mut().enumerate() {
-            let on_device = self.device.as_ref().is_some_and(|d| d.holds(i));
-            if on_device || self.sleep.is_asleep(i) {
+            let on_gpu = self.gpu.as_ref().is_some_and(|gpu| gpu.holds(i));
+            if on_gpu || self.sleep.is_asleep(i) {
                 continue;
             }
             let Some(body) = body else { continue };
             let done = body.step(self.params.dt, &self.params.solver);
             let done = done.map_err(|error| SceneError::Step {
-                body: BodyId(i),
+                body: BodyId {
+                    scene: self.number,
+                    index: i,
+                },
                 error,
             })?;
             self.stats.iterations_skipped += done.iterations_skipped;
             self.stats.ground_passes_skipped += done.ground_passes_skipped;
             if let Some(sleep) = &self.params.sleep
-                && let Some(farthest) = self.sleep.note(i, done.farthest_substep)
+                && let Some(displacement) = self.sleep.observe(i, done.max_substep_displacement)
             {
                 let edge = body.solver().mean_rest_length();
                 let h = f64::from(self.params.dt) / f64::from(done.substeps);
                 let limit = sleep.limit(edge, &body.surface().bounds(), h);
-                self.sleep.judge(i, f64::from(farthest) <= limit);
+                self.sleep.set_at_rest(i, f64::from(displacement) <= limit);
             }
         }
-        self.let_sleep();
-        self.stats.fell_back = self.backend.take_news();
-        let others = self.stats.update + self.stats.contact_detection;
+        self.put_to_sleep();
+        self.stats.fell_back = self.backend.take_fallback();
+        let others = self.stats.gpu_upload + self.stats.contact_detection;
         self.stats.solver = begin.elapsed().saturating_sub(others);
         Ok(&self.stats)
     }
 
-    /// Finds what touches in every body that is awake. Those on a device are brought home for it.
+    /// Finds the contacts of every body that is awake. Bodies on the GPU are read back for it.
     fn find_contacts(&mut self) -> Result<(), SceneError> {
         let begin = Instant::now();
         let params = self.params.contacts;
@@ -104,13 +115,14 @@ impl Scene {
             if self.sleep.is_asleep(i) {
                 continue;
             }
-            let own = params.is_some_and(|params| body.may_touch(&params));
-            let Some(params) = params.filter(|_| own || !self.flats.is_empty()) else {
-                body.drop_contacts()?;
+            let may_collide = params.is_some_and(|params| body.may_collide(&params));
+            let Some(params) = params.filter(|_| may_collide || !self.blade_faces.is_empty())
+            else {
+                body.clear_contacts()?;
                 continue;
             };
-            if let Some(device) = &mut self.device
-                && let Err(error) = device.read(i, body)
+            if let Some(gpu) = &mut self.gpu
+                && let Err(error) = gpu.read_back(i, body)
             {
                 self.recover(None, error)?;
             }
@@ -119,29 +131,40 @@ impl Scene {
             };
             let SceneParams { dt, solver, .. } = &self.params;
             let g = solver.gravity.map(f64::from);
-            let pull = g.iter().map(|g| g * g).sum::<f64>().sqrt();
-            let reach = Reach {
+            let gravity = g.iter().map(|g| g * g).sum::<f64>().sqrt();
+            let frame = ContactFrame {
                 params,
                 dt: f64::from(*dt),
-                gained: pull * f64::from(*dt),
+                speed_gain: gravity * f64::from(*dt),
                 ground: solver.ground,
                 colliders: &self.colliders,
-                flats: &self.flats,
+                blade_faces: &self.blade_faces,
             };
-            if own {
+            if may_collide {
                 let refit = u32::from(body.refit());
-                self.stats.refits += refit;
-                self.stats.refits_skipped = self.stats.refits_skipped.saturating_sub(refit);
+                self.stats.bvh_refits += refit;
+                self.stats.bvh_refits_skipped = self.stats.bvh_refits_skipped.saturating_sub(refit);
             }
             self.stats.contact_searches += 1;
-            self.stats.contacts += body.find_contacts(&reach)?;
+            self.stats.contacts += body.find_contacts(&frame)?;
         }
         self.stats.contact_detection = begin.elapsed();
         Ok(())
     }
 
-    /// What is wrong with the frame itself is the fault of no body and of no device.
-    fn check_frame(&self) -> Result<(), SceneError> {
+    /// Validates the bodies that were handed out for edits.
+    fn validate_edits(&mut self) -> Result<(), SceneError> {
+        let scene = self.number;
+        for (index, body) in self.bodies.iter_mut().enumerate() {
+            if let Some(body) = body {
+                body.validate_edit(BodyId { scene, index })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Validates the parameters of the frame.
+    fn check_params(&self) -> Result<(), SceneError> {
         let SceneParams {
             dt,
             solver,
@@ -156,53 +179,53 @@ impl Scene {
         if let Some(contacts) = contacts {
             contacts.check()?;
         }
-        let is_bad = |collider: &Collider| !collider.is_sound();
+        let is_bad = |collider: &Collider| !collider.is_valid();
         if let Some(number) = self.colliders.iter().position(is_bad) {
             return Err(ConstraintError::BadCollider { number }.into());
         }
-        if let Some(device) = &self.device
+        if let Some(gpu) = &self.gpu
             && solver.integrator != Integrator::Euler
-            && (0..self.bodies.len()).any(|i| device.holds(i))
+            && (0..self.bodies.len()).any(|i| gpu.holds(i))
         {
-            return Err(SceneError::Frame(StepError::NotOnDevice));
+            return Err(SceneError::Frame(StepError::UnsupportedOnGpu));
         }
         Ok(())
     }
 
-    /// Lets bodies sleep that have been at rest for long enough.
-    fn let_sleep(&mut self) {
+    /// Puts bodies to sleep that have been at rest for long enough.
+    fn put_to_sleep(&mut self) {
         if self.params.sleep.is_none() {
             return;
         }
         for (i, body) in self.bodies.iter_mut().enumerate() {
-            if self.sleep.is_asleep(i) || !self.sleep.is_due(i) {
+            if self.sleep.is_asleep(i) || !self.sleep.take_decision(i) {
                 continue;
             }
             let Some(body) = body else { continue };
-            let on_device = self.device.as_ref().is_some_and(|d| d.holds(i));
-            // The device's box is on its way, if anybody should ask for it.
-            let bounds = (!on_device).then(|| body.bounds(&mut self.stats.boxes));
+            let on_gpu = self.gpu.as_ref().is_some_and(|gpu| gpu.holds(i));
+            // The box of a GPU body is being read back.
+            let bounds = (!on_gpu).then(|| body.bounds(&mut self.stats.aabbs_computed));
             self.sleep.fall_asleep(i, bounds);
             self.stats.fell_asleep += 1;
         }
     }
 
-    /// Has the device begin with its bodies' frame.
-    fn step_device(&mut self) -> Result<(), SceneError> {
-        if self.device.is_none() {
+    /// Uploads edits and submits the frame of all GPU bodies.
+    fn step_gpu(&mut self) -> Result<(), SceneError> {
+        if self.gpu.is_none() {
             return Ok(());
         }
         let begin = Instant::now();
         for i in 0..self.bodies.len() {
-            if let (Some(device), Some(body)) = (&mut self.device, &mut self.bodies[i])
-                && let Err(error) = device.send_edits(i, body)
+            if let (Some(gpu), Some(body)) = (&mut self.gpu, &mut self.bodies[i])
+                && let Err(error) = gpu.upload_edits(i, body)
             {
                 self.recover(Some(i), error)?;
             }
         }
-        self.stats.update = begin.elapsed();
-        if let Some(device) = &mut self.device
-            && let Err(error) = device.step(
+        self.stats.gpu_upload = begin.elapsed();
+        if let Some(gpu) = &mut self.gpu
+            && let Err(error) = gpu.step(
                 &mut self.bodies,
                 &self.params,
                 &mut self.sleep,
@@ -212,19 +235,20 @@ impl Scene {
             self.recover(None, error)?;
             return Ok(());
         }
-        if let (Some(device), Some(_)) = (&self.device, &self.params.sleep) {
+        if let (Some(gpu), Some(_)) = (&self.gpu, &self.params.sleep) {
             for i in 0..self.bodies.len() {
-                if device.holds(i) && !self.sleep.is_asleep(i) {
-                    self.sleep.count(i);
+                if gpu.holds(i) && !self.sleep.is_asleep(i) {
+                    self.sleep.count_frame(i);
                 }
             }
         }
         Ok(())
     }
 
-    /// Tests one blade's sweep against every body, cuts where it passes.
-    fn cut_with(&mut self, blade: &Blade) -> Result<(), SceneError> {
+    /// Cuts along one blade's sweep and records the result.
+    fn cut_with(&mut self, index: usize) -> Result<(), SceneError> {
         let begin = Instant::now();
+        let (blade, id) = (self.blades[index], self.blade_id(index));
         let params = CutParams {
             only_piece: blade.only_piece.or(self.params.cut.only_piece),
             ..self.params.cut
@@ -232,115 +256,133 @@ impl Scene {
         let sweep = match blade.sweep() {
             Ok(Some(sweep)) => sweep,
             Ok(None) => {
-                self.stats.sweeps_skipped += 1;
+                self.stats.resting_blades += 1;
                 return Ok(());
             }
             Err(error) => {
                 for i in 0..self.bodies.len() {
                     if self.bodies[i].is_some() {
-                        self.refuse(BodyId(i), error);
+                        self.record_failed_cut(id, i, error);
                     }
                 }
                 return Ok(());
             }
         };
         self.stats.sweeps += 1;
-        while let Err(error) = self.approach(&sweep) {
-            // Without the device the bodies may be elsewhere: all are looked at again.
+        while let Err(error) = self.find_near_bodies(&sweep) {
+            // After a fallback the CPU copies are the bodies: the broad phase starts again.
             self.recover(None, error)?;
         }
-        self.stats.detections_skipped +=
+        self.stats.broad_phase_rejections +=
             count(self.bodies.iter().flatten()) - count(self.near.iter());
         self.stats.detection += begin.elapsed();
+        let results = self.cuts.len() + self.failed_cuts.len();
         for n in 0..self.near.len() {
-            self.cut_body(self.near[n], &sweep, &params)?;
+            self.cut_body(id, self.near[n], &sweep, &params)?;
+        }
+        if self.cuts.len() + self.failed_cuts.len() == results {
+            self.stats.missed_sweeps += 1;
+            self.cuts.push(SweepResult {
+                blade: id,
+                cut: None,
+            });
         }
         Ok(())
     }
 
-    /// Finds the bodies that a sweep comes to, and brings them up to date.
-    fn approach(&mut self, sweep: &Sweep) -> Result<(), SceneError> {
-        let reach = sweep.bounds();
+    /// Finds the bodies whose bounding boxes overlap a sweep's, and reads them back.
+    fn find_near_bodies(&mut self, sweep: &Sweep) -> Result<(), SceneError> {
+        let swept = sweep.bounds();
         self.near.clear();
         for (i, body) in self.bodies.iter_mut().enumerate() {
-            if self.params.skip_far_sweeps && self.sleep.is_far(i, &reach) {
+            if self.params.skip_far_sweeps && self.sleep.is_far(i, &swept) {
                 continue;
             }
             let Some(body) = body else { continue };
             if self.params.skip_far_sweeps {
-                let near = match &mut self.device {
-                    Some(device) if device.holds(i) => {
-                        let bounds = match device.bounds(i)? {
+                let is_near = match &mut self.gpu {
+                    Some(gpu) if gpu.holds(i) => {
+                        let bounds = match gpu.bounds(i)? {
                             Some(bounds) => bounds,
-                            None => body.bounds(&mut self.stats.boxes),
+                            None => body.bounds(&mut self.stats.aabbs_computed),
                         };
-                        if inflated(bounds).overlaps(&reach) {
-                            device.want(i);
+                        if inflated(bounds).overlaps(&swept) {
+                            gpu.request_prefetch(i);
                         }
-                        self.sleep.know(i, bounds);
-                        bounds.overlaps(&reach)
+                        self.sleep.set_bounds(i, bounds);
+                        bounds.overlaps(&swept)
                     }
-                    _ => body.comes_to(&reach, &mut self.stats.boxes),
+                    _ => body.overlaps(&swept, &mut self.stats.aabbs_computed),
                 };
-                if !near {
+                if !is_near {
                     continue;
                 }
             }
-            if let Some(device) = &mut self.device {
-                self.stats.readbacks += u32::from(device.read(i, body)?);
+            if let Some(gpu) = &mut self.gpu {
+                self.stats.readbacks += u32::from(gpu.read_back(i, body)?);
             }
             self.near.push(i);
         }
         Ok(())
     }
 
-    /// Cuts a body that is up to date, if the sweep passes through it.
-    fn cut_body(&mut self, i: usize, sweep: &Sweep, params: &CutParams) -> Result<(), SceneError> {
+    /// Cuts a body, whose CPU copy is up to date, along a sweep.
+    fn cut_body(
+        &mut self,
+        blade: BladeId,
+        i: usize,
+        sweep: &Sweep,
+        params: &CutParams,
+    ) -> Result<(), SceneError> {
         let Some(body) = &mut self.bodies[i] else {
             return Ok(());
         };
         let begin = Instant::now();
-        self.stats.refits += u32::from(body.refit());
-        self.stats.detections += 1;
+        self.stats.bvh_refits += u32::from(body.refit());
+        self.stats.narrow_phase_queries += 1;
         self.stats.detection += begin.elapsed();
         let begin = Instant::now();
         let result = body.cut(sweep, params)?;
-        self.stats.constraints += result.constraints;
+        self.stats.constraint_update += result.constraints;
         match result.cut {
             Ok(outcome) => {
                 let report = outcome.report;
-                self.stats.candidates += report.candidates;
-                self.stats.hits += report.hits;
+                self.stats.candidate_triangles += report.candidates;
+                self.stats.hit_triangles += report.hits;
                 self.stats.detection += report.detection;
                 self.stats.topology +=
-                    report.split + report.separation + report.commit + report.search_tree;
+                    report.split + report.separation + report.commit + report.bvh_update;
                 self.stats.refinement += report.cap + report.refinement;
-                if !outcome.delta.is_empty() {
+                if !outcome.is_miss() {
                     self.stats.cuts += 1;
                     self.sleep.wake(i);
-                    self.outcomes.push((BodyId(i), outcome));
-                    if let Some(device) = &mut self.device {
-                        device.note_cut(i);
+                    self.cuts.push(SweepResult {
+                        blade,
+                        cut: Some((self.body_id(i), outcome)),
+                    });
+                    if let Some(gpu) = &mut self.gpu {
+                        gpu.record_cut(i);
                     }
-                    // Caps may have made it large enough for the device.
-                    self.settle(i)?;
+                    // New triangles may make it large enough for the GPU.
+                    self.move_to_gpu(i)?;
                 }
             }
             Err(error) => {
                 self.stats.detection += begin.elapsed();
-                self.refuse(BodyId(i), error);
+                self.record_failed_cut(blade, i, error);
             }
         }
         Ok(())
     }
 
-    fn refuse(&mut self, body: BodyId, error: incise_cut::CutError) {
-        self.stats.refused += 1;
-        self.refusals.push(Refusal { body, error });
+    fn record_failed_cut(&mut self, blade: BladeId, i: usize, error: CutError) {
+        self.stats.failed_cuts += 1;
+        let body = self.body_id(i);
+        self.failed_cuts.push(FailedCut { blade, body, error });
     }
 }
 
-/// A box and half of itself around: a blade in there may reach the body in the next frame.
+/// Grows a box by half of its size: a blade in there may reach the body in the next frame.
 fn inflated(bounds: Aabb) -> Aabb {
     let mut out = bounds;
     for k in 0..3 {

@@ -1,36 +1,39 @@
-//! What a scene's user chooses.
+//! [`SceneParams`]: the parameters of a scene's frames.
 
 use crate::contacts::ContactParams;
 use crate::sleep::SleepParams;
 use incise_cut::CutParams;
 use incise_pbd_gpu::SolverParams;
 
-/// How a scene is stepped.
+/// Parameters of a scene's frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SceneParams {
-    /// Time of a frame \[s\].
+    /// Duration of a frame \[s\].
     pub dt: f32,
-    /// How bodies move.
+    /// Parameters of the solver.
     pub solver: SolverParams,
-    /// How bodies are cut.
+    /// Parameters of cuts.
     pub cut: CutParams,
-    /// Whether a body is left alone by a sweep whose box misses the body's. Off, every moving
-    /// blade's sweep is tested against every body's triangles, as the paper's protocol does.
-    pub skip_far_sweeps: bool,
-    /// Every how many frames bodies on a device are copied to the host, while the device goes on: what
-    /// the scene goes on with should the device fail. 0 = never.
-    pub checkpoint: u32,
-    /// How the pieces of a body touch each other. `None` lets them pass through each other and costs nothing.
+    /// Whether a sweep skips bodies whose bounding box it does not overlap.
     ///
-    /// Contacts are found by the host: a body on a device that is in more than one piece, or touches itself, is brought
-    /// home in every frame.
+    /// Off, every sweep is tested against every body's triangles, as in the paper's protocol.
+    pub skip_far_sweeps: bool,
+    /// Interval of checkpoints of GPU bodies \[frames\]; 0 = none.
+    ///
+    /// A checkpoint copies a body to the CPU without waiting. The scene continues from it if the
+    /// GPU fails.
+    pub checkpoint: u32,
+    /// Contacts between the pieces of a body and with blade faces; `None` disables them.
+    ///
+    /// Contact detection runs on the CPU once per frame; positions of GPU bodies in several pieces,
+    /// or with self-collision, are read back for it.
     pub contacts: Option<ContactParams>,
-    /// When bodies at rest are left alone until something comes to them. `None` steps every body in every frame, as who
-    /// measures a solver wants it.
+    /// When bodies at rest fall asleep; `None` steps every body in every frame.
     pub sleep: Option<SleepParams>,
 }
 
 impl Default for SceneParams {
+    /// Returns 60 frames a second, a checkpoint a second, sleeping enabled and no contacts.
     fn default() -> Self {
         Self {
             dt: 1.0 / 60.0,

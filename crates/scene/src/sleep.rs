@@ -1,8 +1,11 @@
-//! Bodies at rest, which are left alone until something comes to them.
+//! Sleeping: bodies at rest are not stepped until something wakes them. Driven by `frame.rs`.
 //!
-//! For a body that sleeps time stands still: it keeps its positions and its velocities, which are next to nothing, and
-//! woken it goes on with the bits that it would have had. So all that sleeping can lose is what would have moved
-//! by itself, slower than [`SleepParams::speed`].
+//! A sleeping body keeps its positions and velocities and continues from the same bits when it
+//! wakes. So sleeping only suppresses motion slower than [`SleepParams::speed`].
+//!
+//! An awake body is observed for [`SleepParams::seconds`]. The decision follows
+//! [`SleepParams::LAG`] frames later, when the GPU's measurement has arrived; it then either falls
+//! asleep or is observed again.
 
 use crate::contacts::ContactParams;
 use crate::error::SceneError;
@@ -10,28 +13,31 @@ use crate::params::SceneParams;
 use incise_mesh::Aabb;
 use incise_pbd_gpu::SolverParams;
 
-/// When a body falls asleep. A body that was cut is one body still: it sleeps when all of its pieces are at rest.
+/// Parameters of sleeping. A body in several pieces sleeps when all of them are at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SleepParams {
-    /// How fast a vertex may move along an axis, in mean lengths of the body's edges at rest a second. Taken from
-    /// its fastest substep, without what rounding makes of it there, a few units in the last place of the body's largest coordinate: up
-    /// to four times as much again, so a body whose coordinates are too coarse to tell stays awake. A body
-    /// that moves no faster all the time is stopped by its sleep, so this is to be less than anybody sees.
-    pub speed: f32,
-    /// For how long no vertex may have moved faster \[s\]. A body that is thrown up is slow for a moment at the top of its
-    /// flight, so a moment is not enough.
+    /// Maximum speed of a vertex along an axis at rest [mean rest edge lengths per second].
     ///
-    /// It is looked at once in so long a time and [`SleepParams::LAG`] frames more, so a body sleeps after twice as long at
-    /// the latest.
+    /// Measured in the fastest substep. Rounding adds up to four times as much: a few units in the
+    /// last place of the body's largest coordinate. A body whose coordinates round more coarsely
+    /// stays awake. A body that creeps more slowly than this is stopped by its sleep.
+    pub speed: f32,
+    /// Time for which every vertex must be slower \[s\].
+    ///
+    /// A body thrown upwards is slow for a moment at the top of its flight; choose a longer time.
+    /// A body sleeps at the latest twice this time and [`SleepParams::LAG`] frames after it came
+    /// to rest.
     pub seconds: f32,
 }
 
 impl SleepParams {
-    /// Frames between the last one that counts and the one after which a body sleeps. That is how far a device may be
-    /// behind: what it says is there by then, nobody waits for it, and bodies sleep at the same frame wherever they live.
+    /// Number of frames between the last observed frame and the decision to sleep.
+    ///
+    /// The GPU's measurement arrives within this time without a wait, and the decision is made in
+    /// the same frame on CPU and GPU.
     pub const LAG: u32 = 3;
 
-    /// How many frames of `dt` \[s\] count, at least 1.
+    /// Returns the number of observed frames of `dt` \[s\], at least 1.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
@@ -39,38 +45,39 @@ impl SleepParams {
         reason = "a saturating cast of a positive number"
     )]
     pub fn frames(&self, dt: f32) -> u32 {
-        // A frame that begins with the rounding of the last one is none.
+        // A frame of which only the rounding of the quotient remains does not count.
         let frames = (f64::from(self.seconds) / f64::from(dt) - 1e-3).ceil();
         (frames as u32).clamp(1, u32::MAX - Self::LAG)
     }
 
-    /// Checks every number.
+    /// Validates every parameter.
     ///
     /// # Errors
-    /// [`SceneError::BadSleep`] with the first one out of its range.
+    /// [`SceneError::InvalidSleepParams`] with the first one out of range.
     pub fn check(&self) -> Result<(), SceneError> {
         for (name, value) in [("speed", self.speed), ("seconds", self.seconds)] {
             if !(value.is_finite() && value >= 0.0) {
-                return Err(SceneError::BadSleep { name, value });
+                return Err(SceneError::InvalidSleepParams { name, value });
             }
         }
         Ok(())
     }
 
-    /// The most that a vertex of a body at rest moves along an axis in a substep of `h` \[m\], for edges of a mean
-    /// length and a box \[m\].
+    /// Returns the maximum displacement of a vertex at rest along an axis in a substep \[m\].
+    ///
+    /// `edge` is the mean rest edge length \[m\], `bounds` the body's box \[m\] and `h` the
+    /// duration of the substep \[s\].
     pub(crate) fn limit(&self, edge: f64, bounds: &Aabb, h: f64) -> f64 {
         let corners = bounds.min.into_iter().chain(bounds.max);
         let largest = corners.map(f32::abs).fold(0.0, f32::max);
         let rounding = 2.0 * f64::from(f32::EPSILON) * f64::from(largest);
         let slow = f64::from(self.speed) * edge * h;
-        slow + rounding.min(MOST_ROUNDING * slow)
+        slow + rounding.min(MAX_ROUNDING * slow)
     }
 }
 
 impl Default for SleepParams {
-    /// Less than a hundredth of an edge a second, for half a second: a body that turns back at the top of its flight is as
-    /// slow for a millisecond. Bodies that are damped come to rest far below: what is left of their motion is rounding.
+    /// Returns less than a hundredth of an edge length a second, for half a second.
     fn default() -> Self {
         Self {
             speed: 6e-3,
@@ -79,78 +86,81 @@ impl Default for SleepParams {
     }
 }
 
-/// The most that rounding is believed to add to a motion, over what is slow.
-const MOST_ROUNDING: f64 = 4.0;
+/// Maximum displacement attributed to rounding, relative to the displacement at rest.
+const MAX_ROUNDING: f64 = 4.0;
 
-/// How far the time of a frame may be from that under which bodies fell asleep, over it: clocks are not exact.
-const JITTER: f32 = 0.2;
+/// Maximum relative change of `dt` that wakes no body.
+const DT_TOLERANCE: f32 = 0.2;
 
-/// Under what bodies fell asleep: anything else may set them in motion.
+/// The parameters under which bodies fell asleep: a change wakes them.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Terms {
+struct Conditions {
     dt: f32,
     solver: SolverParams,
     contacts: Option<ContactParams>,
     sleep: Option<SleepParams>,
 }
 
-/// How long a body that is awake has been watched.
+/// The observation of an awake body.
 #[derive(Debug, Clone, Copy, Default)]
-struct Watch {
+struct Observation {
+    /// Number of frames since it started.
     frames: u32,
-    /// The farthest that a vertex moved along an axis in a substep of the frames that count \[m\].
-    farthest: f32,
-    /// Whether that is as little as in a body at rest, once they are over.
-    is_quiet: bool,
+    /// Maximum displacement along an axis in a substep of the observed frames \[m\].
+    max_displacement: f32,
+    /// Whether that was small enough, once the observed frames are over.
+    is_at_rest: bool,
 }
 
-/// The frames of a watch that a device has to be told of.
+/// The frames of an observation in which a GPU measurement starts or ends.
 #[cfg(feature = "gpu")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Step {
-    /// The first one, which may be the last one that counts.
-    First { is_last: bool },
-    /// The last one that counts.
-    LastThatCounts,
-    /// The one after which the body sleeps if it is to.
-    Last,
-    /// Any other.
+    /// The first observed frame.
+    First {
+        /// Whether it is also the last one.
+        is_last: bool,
+    },
+    /// The last observed frame.
+    LastObserved,
+    /// The frame after which the body falls asleep if it was at rest.
+    Decision,
+    /// Any other frame.
     Other,
 }
 
-/// Which bodies sleep. Lists by body, one entry a body, so that a frame that everybody sleeps through looks at
-/// nothing else.
+/// The sleeping state of all bodies, in arrays by body index.
 #[derive(Debug, Default)]
 pub(crate) struct Sleep {
     asleep: Vec<bool>,
-    /// Boxes of those that sleep; of one whose box nobody knows one that meets everything.
-    boxes: Vec<Aabb>,
-    watches: Vec<Watch>,
-    sleepers: u32,
+    /// Boxes of sleeping bodies; [`EVERYWHERE`] for an unknown one.
+    bounds: Vec<Aabb>,
+    observations: Vec<Observation>,
+    sleeping_bodies: u32,
     woken: u32,
-    terms: Option<Terms>,
-    /// The frames of a watch that count.
-    counted: u32,
+    conditions: Option<Conditions>,
+    /// Number of observed frames.
+    observed_frames: u32,
 }
 
-/// Meets everything.
+/// A box that overlaps every other one.
 const EVERYWHERE: Aabb = Aabb {
     min: [f32::NEG_INFINITY; 3],
     max: [f32::INFINITY; 3],
 };
 
 impl Sleep {
-    /// Takes in body `i`, awake; those before it have been taken in.
+    /// Adds body `i`, awake; all bodies before it have been added.
     pub(crate) fn add(&mut self, i: usize) {
         self.asleep.resize(i + 1, false);
-        self.boxes.resize(i + 1, EVERYWHERE);
-        self.watches.resize(i + 1, Watch::default());
+        self.bounds.resize(i + 1, EVERYWHERE);
+        self.observations.resize(i + 1, Observation::default());
     }
 
-    /// Forgets a body that was removed.
+    /// Removes a body; its index is not reused.
     pub(crate) fn remove(&mut self, i: usize) {
         if std::mem::replace(&mut self.asleep[i], false) {
-            self.sleepers -= 1;
+            self.sleeping_bodies -= 1;
         }
     }
 
@@ -158,22 +168,22 @@ impl Sleep {
         self.asleep[i]
     }
 
-    /// How many sleep.
-    pub(crate) fn sleepers(&self) -> u32 {
-        self.sleepers
+    /// Returns the number of sleeping bodies.
+    pub(crate) fn sleeping_bodies(&self) -> u32 {
+        self.sleeping_bodies
     }
 
-    /// Whether a body sleeps where `reach` does not come.
+    /// Returns whether a body sleeps and its box does not overlap `other`.
     #[inline]
-    pub(crate) fn is_far(&self, i: usize, reach: &Aabb) -> bool {
-        self.asleep[i] && !self.boxes[i].overlaps(reach)
+    pub(crate) fn is_far(&self, i: usize, other: &Aabb) -> bool {
+        self.asleep[i] && !self.bounds[i].overlaps(other)
     }
 
-    /// Wakes a body, or has one that is awake watched anew: something happens to it.
+    /// Wakes a body, or restarts the observation of an awake one.
     pub(crate) fn wake(&mut self, i: usize) {
-        self.watches[i] = Watch::default();
+        self.observations[i] = Observation::default();
         if std::mem::replace(&mut self.asleep[i], false) {
-            self.sleepers -= 1;
+            self.sleeping_bodies -= 1;
             self.woken += 1;
         }
     }
@@ -184,88 +194,90 @@ impl Sleep {
         }
     }
 
-    /// How many woke since it was asked last.
+    /// Returns the number of bodies that woke since the last call.
     pub(crate) fn take_woken(&mut self) -> u32 {
         std::mem::take(&mut self.woken)
     }
 
-    /// Begins a frame: wakes all if it is another kind of frame than the one before.
+    /// Begins a frame; wakes all bodies if its parameters differ from those of the previous one.
     pub(crate) fn begin_frame(&mut self, params: &SceneParams) {
-        let mut terms = Terms {
+        let mut conditions = Conditions {
             dt: params.dt,
             solver: params.solver,
             contacts: params.contacts,
             sleep: params.sleep,
         };
-        if let Some(known) = self.terms
-            && (terms.dt / known.dt - 1.0).abs() <= JITTER
+        if let Some(previous) = self.conditions
+            && (conditions.dt / previous.dt - 1.0).abs() <= DT_TOLERANCE
         {
-            terms.dt = known.dt;
+            conditions.dt = previous.dt;
         }
-        if self.terms != Some(terms) {
-            self.terms = Some(terms);
-            self.counted = params.sleep.map_or(1, |sleep| sleep.frames(terms.dt));
+        if self.conditions != Some(conditions) {
+            self.conditions = Some(conditions);
+            self.observed_frames = params.sleep.map_or(1, |sleep| sleep.frames(conditions.dt));
             self.wake_all();
         }
     }
 
-    /// Notes that a body that is awake was stepped, and how far a vertex moved at most in a substep \[m\]. After the last
-    /// frame that counts, how far it did in all of them: [`Sleep::judge`] is to be called.
-    pub(crate) fn note(&mut self, i: usize, farthest: f32) -> Option<f32> {
-        self.count(i);
-        let counted = self.counted;
-        let watch = &mut self.watches[i];
-        if watch.frames <= counted {
-            watch.farthest = watch.farthest.max(farthest);
+    /// Records a frame of an awake body and its maximum displacement in a substep \[m\].
+    ///
+    /// Returns the maximum of all observed frames after the last of them; the caller then calls
+    /// [`Sleep::set_at_rest`].
+    pub(crate) fn observe(&mut self, i: usize, max_displacement: f32) -> Option<f32> {
+        self.count_frame(i);
+        let observed_frames = self.observed_frames;
+        let observation = &mut self.observations[i];
+        if observation.frames <= observed_frames {
+            observation.max_displacement = observation.max_displacement.max(max_displacement);
         }
-        (watch.frames == counted).then_some(watch.farthest)
+        (observation.frames == observed_frames).then_some(observation.max_displacement)
     }
 
-    /// Notes that a body that is awake was stepped.
-    pub(crate) fn count(&mut self, i: usize) {
-        let frames = &mut self.watches[i].frames;
-        *frames = (*frames + 1).min(self.counted + SleepParams::LAG);
+    /// Records a frame of an awake body.
+    pub(crate) fn count_frame(&mut self, i: usize) {
+        let frames = &mut self.observations[i].frames;
+        *frames = (*frames + 1).min(self.observed_frames + SleepParams::LAG);
     }
 
-    /// Which of a watch's frames the next one is, for who has to be told before.
+    /// Returns the role of a body's next frame in its observation.
     #[cfg(feature = "gpu")]
-    pub(crate) fn begin_step(&self, i: usize, sleeps: bool) -> Step {
-        if !sleeps {
+    pub(crate) fn begin_step(&self, i: usize, is_enabled: bool) -> Step {
+        if !is_enabled {
             return Step::Other;
         }
-        let counted = self.counted;
-        match self.watches[i].frames {
-            // A single frame that counts is both the first and the last one.
+        let observed_frames = self.observed_frames;
+        match self.observations[i].frames {
+            // A single observed frame is both the first and the last one.
             0 => Step::First {
-                is_last: counted == 1,
+                is_last: observed_frames == 1,
             },
-            n if n + 1 == counted => Step::LastThatCounts,
-            n if n + 1 == counted + SleepParams::LAG => Step::Last,
+            n if n + 1 == observed_frames => Step::LastObserved,
+            n if n + 1 == observed_frames + SleepParams::LAG => Step::Decision,
             _ => Step::Other,
         }
     }
 
-    /// Notes whether a body was at rest in the frames that count.
-    pub(crate) fn judge(&mut self, i: usize, is_quiet: bool) {
-        self.watches[i].is_quiet = is_quiet;
+    /// Records whether a body was at rest in the observed frames.
+    pub(crate) fn set_at_rest(&mut self, i: usize, is_at_rest: bool) {
+        self.observations[i].is_at_rest = is_at_rest;
     }
 
-    /// Whether a body is to sleep from now on. If not, and it is time to decide, it is watched anew.
-    pub(crate) fn is_due(&mut self, i: usize) -> bool {
-        let watch = &mut self.watches[i];
-        let is_over = watch.frames >= self.counted + SleepParams::LAG;
-        is_over && std::mem::take(watch).is_quiet
+    /// Returns whether a body is to fall asleep now; otherwise restarts a completed observation.
+    pub(crate) fn take_decision(&mut self, i: usize) -> bool {
+        let observation = &mut self.observations[i];
+        let is_over = observation.frames >= self.observed_frames + SleepParams::LAG;
+        is_over && std::mem::take(observation).is_at_rest
     }
 
-    /// Notes the box of a body that sleeps.
-    pub(crate) fn know(&mut self, i: usize, bounds: Aabb) {
-        self.boxes[i] = bounds;
+    /// Sets the bounding box of a sleeping body.
+    pub(crate) fn set_bounds(&mut self, i: usize, bounds: Aabb) {
+        self.bounds[i] = bounds;
     }
 
-    /// Lets a body sleep in its box, none if nobody knows it.
+    /// Puts a body to sleep in its bounding box, `None` if it is unknown.
     pub(crate) fn fall_asleep(&mut self, i: usize, bounds: Option<Aabb>) {
         self.asleep[i] = true;
-        self.boxes[i] = bounds.unwrap_or(EVERYWHERE);
-        self.sleepers += 1;
+        self.bounds[i] = bounds.unwrap_or(EVERYWHERE);
+        self.sleeping_bodies += 1;
     }
 }

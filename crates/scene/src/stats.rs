@@ -1,97 +1,101 @@
-//! What a frame did and what it left out.
+//! [`FrameStats`]: counters and times of one frame, filled by `frame.rs` and the GPU side.
 
 use std::time::Duration;
 
-/// What a frame did, left out and cost.
+/// Counters and times of one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct FrameStats {
     /// Blades that moved.
     pub sweeps: u32,
-    /// Blades at rest, which asked nothing.
-    pub sweeps_skipped: u32,
-    /// Bodies whose triangles were tested against a sweep.
-    pub detections: u32,
-    /// Bodies that a sweep's box missed.
-    pub detections_skipped: u32,
-    /// Bodies of which every vertex was looked at to find the box. Of all others it was known well
-    /// enough: where it was before, and how far anything has moved since.
-    pub boxes: u32,
-    /// Search trees fitted to moved triangles.
-    pub refits: u32,
-    /// Search trees left as they were: nobody asked, or nothing had moved.
-    pub refits_skipped: u32,
-    /// Triangles that search trees offered.
-    pub candidates: usize,
-    /// Triangles that sweeps crossed.
-    pub hits: usize,
+    /// Sweeps that intersected no body.
+    pub missed_sweeps: u32,
+    /// Blades that did not move, or only along their edge.
+    pub resting_blades: u32,
+    /// Body and sweep pairs whose bounding boxes overlapped, so that triangles were tested.
+    pub narrow_phase_queries: u32,
+    /// Body and sweep pairs whose bounding boxes were disjoint.
+    pub broad_phase_rejections: u32,
+    /// Bodies whose bounding box was computed from all vertices.
+    ///
+    /// For all others the last box, grown by the displacement since, was sufficient.
+    pub aabbs_computed: u32,
+    /// BVHs refitted to moved triangles.
+    pub bvh_refits: u32,
+    /// BVHs that needed no refit: no query, or no motion.
+    pub bvh_refits_skipped: u32,
+    /// Triangles returned by BVH queries of sweeps.
+    pub candidate_triangles: usize,
+    /// Triangles that sweeps intersected.
+    pub hit_triangles: usize,
     /// Cuts done.
     pub cuts: u32,
-    /// Cuts refused, see [`crate::Scene::refusals`].
-    pub refused: u32,
-    /// Colliders that bodies were tested against, each as often as there were bodies near it.
-    pub colliders: usize,
-    /// Contacts that were found between pieces, see [`crate::SceneParams::contacts`].
+    /// Cuts that failed, see [`crate::Scene::failed_cuts`].
+    pub failed_cuts: u32,
+    /// Body and collider pairs passed to the solver.
+    pub collider_pairs: usize,
+    /// Contacts between pieces and with blade faces, see [`crate::SceneParams::contacts`].
     pub contacts: usize,
-    /// Bodies whose pieces were compared with each other. Those in one piece, asleep or without contacts were not.
+    /// Bodies searched for contacts.
     pub contact_searches: u32,
-    /// Bodies that slept through the frame: nothing was done for them. See [`crate::SleepParams`].
-    pub asleep: u32,
+    /// Bodies that were asleep during the frame, see [`crate::SleepParams`].
+    pub sleeping_bodies: u32,
     /// Bodies that fell asleep at the end of the frame.
     pub fell_asleep: u32,
-    /// Bodies that woke since the frame before.
+    /// Bodies that woke since the previous frame.
     pub woken: u32,
-    /// Iterations that the processor left out, see [`incise_pbd_gpu::SolverParams::residual`].
+    /// CPU solver iterations saved, see [`incise_pbd_gpu::SolverParams::residual`].
     pub iterations_skipped: u32,
-    /// Passes over the ground that the processor left out, as bodies were above it.
+    /// CPU ground passes saved because the body was above the ground.
     pub ground_passes_skipped: u32,
-    /// Bodies that a device steps.
-    pub bodies_on_device: u32,
-    /// Bodies on a device of which one workgroup does a whole frame.
+    /// Bodies that the GPU steps.
+    pub gpu_bodies: u32,
+    /// GPU bodies stepped by one workgroup each, see [`incise_pbd_gpu::Schedule`].
     pub whole_bodies: u32,
-    /// Bodies on a device that go color by color.
+    /// GPU bodies stepped one color batch at a time.
     pub color_bodies: u32,
-    /// Bodies on a device that go patch by patch.
+    /// GPU bodies stepped one patch at a time.
     pub patch_bodies: u32,
-    /// Dispatches of the frame.
+    /// GPU dispatches of the frame.
     pub dispatches: u32,
-    /// Kernels compiled for the device since the frame before, those of the frame included.
+    /// GPU kernels compiled since the previous frame.
     pub kernels_compiled: u32,
-    /// Bodies whose state was brought from the device because a sweep came to them.
+    /// GPU bodies read back because their bounding box overlapped a sweep's.
     pub readbacks: u32,
-    /// Bodies whose state stayed on the device: no sweep came to them.
+    /// GPU bodies that no sweep came near.
     pub readbacks_skipped: u32,
-    /// Bytes sent to the device since the frame before: edits, parameters.
+    /// Bytes uploaded to the GPU since the previous frame: edits and parameters.
     pub bytes_uploaded: u64,
-    /// Bytes brought from the device since the frame before: states, boxes, checkpoints.
+    /// Bytes read back since the previous frame: states, bounding boxes, checkpoints.
     pub bytes_read: u64,
-    /// Whether the scene, or one of its bodies, has left the device for the processor since the frame
-    /// before, or never came to one; [`crate::Scene::backend_report`] says why. Told once.
+    /// Whether the scene or a body moved from the GPU to the CPU since the previous frame.
+    ///
+    /// [`crate::Scene::backend_report`] has the reason.
     pub fell_back: bool,
-    /// Time of refits, searches and intersections.
+    /// Time of BVH refits, queries and intersection tests.
     pub detection: Duration,
     /// Time of mesh edits.
     pub topology: Duration,
-    /// Time of caps.
+    /// Time of meshing cross-sections.
     pub refinement: Duration,
-    /// Time of constraints following cuts.
-    pub constraints: Duration,
-    /// Time of telling the device what was edited.
-    pub update: Duration,
+    /// Time of updating constraints after cuts.
+    pub constraint_update: Duration,
+    /// Time of uploading edited bodies to the GPU.
+    pub gpu_upload: Duration,
     /// Time of finding contacts.
     pub contact_detection: Duration,
-    /// Time of the solver on the processor, and of handing work to the device.
+    /// Time of the CPU solver and of submitting GPU work.
     pub solver: Duration,
 }
 
 impl FrameStats {
-    /// Time of everything that a cut needs: detection with the readback that it
-    /// takes, topology, refinement, constraint update, the device's update.
+    /// Returns the time of everything that a cut needs, from detection to the GPU upload.
     #[must_use]
     pub fn cutting(&self) -> Duration {
-        self.detection + self.topology + self.refinement + self.constraints + self.update
+        self.detection + self.topology + self.refinement + self.constraint_update + self.gpu_upload
     }
 
-    /// Time of the whole frame's work.
+    /// Returns the time of the whole frame.
     #[must_use]
     pub fn total(&self) -> Duration {
         self.cutting() + self.contact_detection + self.solver

@@ -1,6 +1,6 @@
-//! Backends that cannot be had. Holds with and without the feature `gpu`, with and without a device.
+//! Unavailable backends, with and without the feature `gpu` and with and without a GPU.
 
-use incise_mesh::{Model, build_model};
+use incise_models::{Model, build_model};
 use incise_pbd_gpu::Material;
 use incise_scene::{BackendChoice, BackendRequest, Scene, SceneError, SceneParams};
 
@@ -13,7 +13,7 @@ fn request(choice: BackendChoice) -> BackendRequest {
 }
 
 #[test]
-fn a_device_that_is_not_there_is_a_typed_error() {
+fn a_missing_gpu_is_a_typed_error() {
     let error = Scene::with_backend(SceneParams::default(), &request(BackendChoice::Gpu));
     let error = error.expect_err("there is none");
     #[cfg(feature = "gpu")]
@@ -30,7 +30,7 @@ fn a_device_that_is_not_there_is_a_typed_error() {
 }
 
 #[test]
-fn auto_without_a_device_is_the_cpu_and_says_so_once() -> Result<(), SceneError> {
+fn auto_without_a_gpu_falls_back_and_reports_it_once() -> Result<(), SceneError> {
     let params = SceneParams::default();
     let mut auto = Scene::with_backend(params, &request(BackendChoice::Auto))?;
     let mut cpu = Scene::new(params);
@@ -45,10 +45,13 @@ fn auto_without_a_device_is_the_cpu_and_says_so_once() -> Result<(), SceneError>
     for _ in 0..10 {
         assert!(!cpu.step()?.fell_back, "nothing was asked for");
     }
-    assert_eq!(auto.body(a).surface(), cpu.body(b).surface());
+    assert_eq!(
+        auto.body(a).unwrap().surface(),
+        cpu.body(b).unwrap().surface()
+    );
     let report = auto.backend_report();
-    assert_eq!((report.device, report.on_device), (None, Vec::new()));
-    let why = report.fallback.expect("a reason");
+    assert_eq!((report.adapter, report.gpu_bodies), (None, Vec::new()));
+    let why = report.fallback_reason.expect("a reason").to_string();
     #[cfg(feature = "gpu")]
     assert!(why.contains("no such device"), "{why}");
     #[cfg(not(feature = "gpu"))]
@@ -57,13 +60,14 @@ fn auto_without_a_device_is_the_cpu_and_says_so_once() -> Result<(), SceneError>
 }
 
 #[test]
-fn a_removed_body_leaves_its_place_empty() -> Result<(), SceneError> {
+fn the_id_of_a_removed_body_is_not_reused() -> Result<(), SceneError> {
     let mut scene = Scene::new(SceneParams::default());
     let mut add = || scene.add_body(build_model(Model::Sphere20), &Material::default());
     let (first, second) = (add()?, add()?);
-    let body = scene.remove_body(first)?.expect("it was there");
-    assert_eq!(body.surface(), scene.body(second).surface());
-    assert!(scene.remove_body(first)?.is_none(), "it is gone");
+    let body = scene.remove_body(first)?;
+    assert_eq!(body.surface(), scene.body(second).unwrap().surface());
+    let unknown = SceneError::UnknownBody { body: first };
+    assert_eq!(scene.remove_body(first).err(), Some(unknown));
     let third = scene.add_body(build_model(Model::Sphere20), &Material::default())?;
     assert!(third != first && third != second, "ids are not used again");
     scene.step()?;

@@ -1,4 +1,4 @@
-//! A scene on a device is the same scene, and asks the device for as little as it can.
+//! GPU scenes match CPU scenes bit for bit and transfer only the data that a frame needs.
 #![expect(
     clippy::missing_assert_message,
     reason = "these are tests, which the lint knows by an attribute only"
@@ -6,11 +6,12 @@
 
 mod common;
 
-use common::gpu::{Needs, run, trial};
 use common::{Bits, add, bits, on, params};
-use incise_mesh::{Model, VertexId, build_model};
-use incise_pbd_gpu::{Context, Material, Struts, Volume};
+use incise_mesh::VertexId;
+use incise_models::{Model, build_model};
+use incise_pbd_gpu::{Context, InteriorSprings, Material, Volume};
 use incise_scene::{BladeId, BodyId, ContactParams, Scene, SceneParams};
+use incise_test_support::gpu::{Needs, run, trial};
 use std::process::ExitCode;
 
 /// Bodies of one, a few and many workgroups.
@@ -20,27 +21,34 @@ const FRAMES: u32 = 120;
 fn main() -> ExitCode {
     let any = Needs::AnyDevice;
     run(vec![
-        trial("a_scene_has_the_bits_of_the_cpu", Needs::Strict, same_bits),
         trial(
-            "what_touches_has_the_bits_of_the_cpu",
+            "a_scene_matches_the_cpu_bit_for_bit",
+            Needs::Strict,
+            same_bits,
+        ),
+        trial(
+            "contacts_match_the_cpu_bit_for_bit",
             Needs::Strict,
             touching,
         ),
         trial("two_runs_have_the_same_bits", any, two_runs),
-        trial("bodies_do_not_touch_each_other", any, alone),
-        trial("a_blade_at_rest_reads_nothing", any, at_rest),
-        trial("a_far_blade_reads_a_box_and_no_state", any, far_away),
-        trial("a_cut_reads_and_sends_one_body", any, one_body),
+        trial("bodies_are_independent", any, alone),
+        trial("a_resting_blade_causes_no_readback", any, at_rest),
         trial(
-            "a_body_that_was_put_elsewhere_is_cut_there",
+            "a_distant_blade_reads_back_bounding_boxes_only",
             any,
-            put_elsewhere,
+            far_away,
+        ),
+        trial("a_cut_transfers_one_body_only", any, one_body),
+        trial(
+            "an_edited_body_is_cut_at_its_new_position",
+            any,
+            moved_by_an_edit,
         ),
     ])
 }
 
-/// Everything that can happen to bodies of different size: pins that are dragged, a hand that moves
-/// vertices, kicks, a cut through all of them, one that goes.
+/// Returns the states of bodies that are pinned, dragged, edited, pushed, cut and removed.
 fn play(mut scene: Scene, shapes: &[(usize, Model)]) -> Vec<Bits> {
     let ids: Vec<BodyId> = (shapes.iter())
         .map(|&(place, shape)| add(&mut scene, shape, 2.0 * place as f32))
@@ -71,21 +79,23 @@ fn play(mut scene: Scene, shapes: &[(usize, Model)]) -> Vec<Bits> {
                     solver.set_velocity(VertexId(1), [0.0, 3.0, 0.5]).unwrap();
                 }
                 100 => {
-                    // By hand: nobody tells the solver.
+                    // Positions that are set directly are not in the solver's change log.
                     let (_, surface) = scene.edit(id).unwrap().solver_mut();
-                    surface.positions[7][1] += 0.01;
+                    surface.positions_mut()[7][1] += 0.01;
                 }
                 _ => {}
             }
         }
         if frame == 10 {
-            scene.move_blade(blade, [[8.0, 0.06, -2.0], [8.0, 0.1, 2.0]]);
+            scene
+                .move_blade(blade, [[8.0, 0.06, -2.0], [8.0, 0.1, 2.0]])
+                .unwrap();
         }
         if frame == 90
             && let Some(i) = shapes.iter().position(|&(place, _)| place == 0)
         {
-            let body = scene.remove_body(ids[i]).unwrap().unwrap();
-            out.push(body.surface().positions.iter().map(in_bits).collect());
+            let body = scene.remove_body(ids[i]).unwrap();
+            out.push(body.surface().positions().iter().map(in_bits).collect());
         }
         let stats = scene.step().unwrap();
         if frame == 10 {
@@ -94,7 +104,7 @@ fn play(mut scene: Scene, shapes: &[(usize, Model)]) -> Vec<Bits> {
     }
     for (&id, &(place, _)) in ids.iter().zip(shapes) {
         if place != 0 {
-            assert!(scene.body(id).pieces().len() > 1);
+            assert!(scene.body(id).unwrap().pieces().len() > 1);
             out.push(bits(&mut scene, id));
         }
     }
@@ -119,35 +129,41 @@ fn same_bits(context: Context) {
     }
 }
 
-/// A ball with an inside falls on a flat, is cut above it by another blade, and its pieces come to lie on each other and the ground.
+/// Returns the state of a ball that falls on a blade face and is cut by another blade.
+///
+/// Its pieces come to rest on each other and on the ground.
 fn play_touching(mut scene: Scene) -> Bits {
     scene.params.contacts = Some(ContactParams {
-        own: true,
+        self_collision: true,
         ..ContactParams::default()
     });
     let material = Material {
         volume: Some(Volume::default()),
-        struts: Some(Struts::default()),
+        interior_springs: Some(InteriorSprings::default()),
         ..Material::default()
     };
     let ball = build_model(Model::Sphere768);
     let id = scene.add_body(ball, &material).unwrap();
     let low = scene.add_blade([[-2.0, -0.9, -2.0], [-2.0, -0.9, 2.0]]);
-    scene.set_blade_back(low, Some([4.0, 0.0, 0.0]));
+    scene.set_blade_face(low, Some([4.0, 0.0, 0.0])).unwrap();
     let high = scene.add_blade([[-2.0, 0.1, -2.0], [-2.0, 0.2, 2.0]]);
-    scene.set_blade_back(high, Some([-1.0, 0.0, 0.1]));
+    scene.set_blade_face(high, Some([-1.0, 0.0, 0.1])).unwrap();
     let mut most = 0;
     for frame in 0..60 {
         match frame {
-            10 => scene.move_blade(high, [[2.0, -0.1, -2.0], [2.0, 0.0, 2.0]]),
-            // Along its back, past all that is on it.
-            30 => scene.move_blade(low, [[2.5, -0.9, -2.0], [2.5, -0.9, 2.0]]),
+            10 => scene
+                .move_blade(high, [[2.0, -0.1, -2.0], [2.0, 0.0, 2.0]])
+                .unwrap(),
+            // The blade retreats along its back from under the pieces.
+            30 => scene
+                .move_blade(low, [[2.5, -0.9, -2.0], [2.5, -0.9, 2.0]])
+                .unwrap(),
             _ => {}
         }
         most = most.max(scene.step().unwrap().contacts);
     }
     assert!(most > 50, "{most} contacts");
-    assert_eq!(scene.body(id).pieces().len(), 2);
+    assert_eq!(scene.body(id).unwrap().pieces().len(), 2);
     bits(&mut scene, id)
 }
 
@@ -173,7 +189,7 @@ fn alone(context: Context) {
     }
 }
 
-/// Two bodies on a device, and a blade far above them that has moved once already.
+/// Returns a scene with two GPU bodies and a distant blade that has moved once.
 fn quiet(context: Context) -> (Scene, [BodyId; 2], BladeId) {
     let mut scene = on(
         context,
@@ -193,16 +209,21 @@ fn at_rest(context: Context) {
     let mut uploaded = 0;
     for frame in 0..20 {
         let stats = *scene.step().unwrap();
-        assert_eq!((stats.bodies_on_device, stats.readbacks), (2, 0));
+        assert_eq!((stats.gpu_bodies, stats.readbacks), (2, 0));
         assert_eq!((stats.readbacks_skipped, stats.bytes_read), (2, 0));
         assert!(stats.dispatches > 0);
         assert_eq!(stats.whole_bodies + stats.color_bodies, 2);
-        // The first frame brings the bodies, the second what belongs to the frame itself.
+        // The first frame uploads the bodies, the second one the frame's parameters.
         assert!(frame < 2 || stats.bytes_uploaded <= uploaded);
         uploaded = stats.bytes_uploaded;
     }
-    assert!(bodies.iter().all(|&id| !scene.is_fresh(id)), "nobody asked");
-    let state = scene.body(bodies[0]).surface().positions.len() as u64 * 32;
+    assert!(
+        bodies
+            .iter()
+            .all(|&id| !scene.residency(id).unwrap().is_cpu_current()),
+        "no readback was requested"
+    );
+    let state = scene.body(bodies[0]).unwrap().surface().positions().len() as u64 * 32;
     assert!(uploaded < state, "{uploaded} bytes a frame at rest");
 }
 
@@ -210,12 +231,14 @@ fn far_away(context: Context) {
     let (mut scene, bodies, blade) = quiet(context);
     for frame in 0..20 {
         let x = if frame % 2 == 0 { 2.0 } else { -2.0 };
-        scene.move_blade(blade, [[x, 50.0, -2.0], [x, 50.0, 2.0]]);
+        scene
+            .move_blade(blade, [[x, 50.0, -2.0], [x, 50.0, 2.0]])
+            .unwrap();
         let stats = *scene.step().unwrap();
-        assert_eq!((stats.sweeps, stats.detections_skipped), (1, 2));
+        assert_eq!((stats.sweeps, stats.broad_phase_rejections), (1, 2));
         assert_eq!((stats.readbacks, stats.readbacks_skipped), (0, 2));
-        let smallest = scene.body(bodies[0]).surface().positions.len() as u64 * 32;
-        // The first frame begins with bodies that the host knows.
+        let smallest = scene.body(bodies[0]).unwrap().surface().positions().len() as u64 * 32;
+        // In the first frame the CPU copies are current.
         assert_eq!(stats.bytes_read == 0, frame == 0);
         assert!(stats.bytes_read < smallest / 4, "{}", stats.bytes_read);
     }
@@ -226,32 +249,38 @@ fn one_body(context: Context) {
     for _ in 0..3 {
         scene.step().unwrap();
     }
-    // Across the second body alone.
-    scene.jump_blade(blade, [[1.2, 0.1, -2.0], [1.2, 0.1, 2.0]]);
-    scene.move_blade(blade, [[2.8, 0.1, -2.0], [2.8, 0.1, 2.0]]);
+    // The sweep crosses the second body only.
+    scene
+        .teleport_blade(blade, [[1.2, 0.1, -2.0], [1.2, 0.1, 2.0]])
+        .unwrap();
+    scene
+        .move_blade(blade, [[2.8, 0.1, -2.0], [2.8, 0.1, 2.0]])
+        .unwrap();
     let stats = *scene.step().unwrap();
-    assert_eq!((stats.cuts, stats.detections), (1, 1));
+    assert_eq!((stats.cuts, stats.narrow_phase_queries), (1, 1));
     assert_eq!((stats.readbacks, stats.readbacks_skipped), (1, 1));
-    let slots = scene.body(bodies[1]).surface().positions.len() as u64;
+    let slots = scene.body(bodies[1]).unwrap().surface().positions().len() as u64;
     assert!(stats.bytes_read < (slots + 8) * 32, "one state, two boxes");
     assert!(stats.bytes_uploaded > 0);
-    assert!(!scene.is_fresh(bodies[0]));
-    assert_eq!(scene.body(bodies[1]).pieces().len(), 2);
-    // The next frame sends no more than the frame itself.
+    assert!(!scene.residency(bodies[0]).unwrap().is_cpu_current());
+    assert_eq!(scene.body(bodies[1]).unwrap().pieces().len(), 2);
+    // The next frame uploads its parameters only.
     assert!(scene.step().unwrap().bytes_uploaded < stats.bytes_uploaded / 4);
 }
 
-/// The device has told the body's box to a far blade when somebody puts the body in the blade's way.
-fn put_elsewhere(context: Context) {
+/// An edit moves a body into the way of a blade after its bounding box was read back.
+fn moved_by_an_edit(context: Context) {
     let (mut scene, bodies, blade) = quiet(context);
     scene.step().unwrap();
     for (x, cuts) in [(4.0, 0), (-2.0, 1)] {
-        scene.move_blade(blade, [[x, 50.0, -2.0], [x, 50.0, 2.0]]);
+        scene
+            .move_blade(blade, [[x, 50.0, -2.0], [x, 50.0, 2.0]])
+            .unwrap();
         assert_eq!(scene.cut().unwrap().cuts, cuts);
         let (_, surface) = scene.edit(bodies[0]).unwrap().solver_mut();
-        for p in &mut surface.positions {
+        for p in surface.positions_mut() {
             p[1] += 49.9;
         }
     }
-    assert_eq!(scene.body(bodies[0]).pieces().len(), 2);
+    assert_eq!(scene.body(bodies[0]).unwrap().pieces().len(), 2);
 }

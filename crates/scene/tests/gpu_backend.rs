@@ -1,4 +1,4 @@
-//! Which bodies of a scene go to a device, and what becomes of them when it is lost.
+//! Choice of the backend per body, and the fallback to the CPU when the GPU is lost.
 #![expect(
     clippy::missing_assert_message,
     reason = "these are tests, which the lint knows by an attribute only"
@@ -6,41 +6,44 @@
 
 mod common;
 
-use common::gpu::{Needs, run, trial};
-use common::{Bits, add, bits, host_bits, on, params, request};
-use incise_mesh::{Model, VertexId};
+use common::{Bits, add, bits, cpu_copy_bits, on, params, request};
+use incise_mesh::VertexId;
+use incise_models::Model;
 use incise_pbd_gpu::{Context, GpuError, Integrator};
 use incise_scene::{BackendChoice, BackendRequest, Scene, SceneError, SceneParams};
+use incise_test_support::gpu::{Needs, run, trial};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let any = Needs::AnyDevice;
     run(vec![
-        trial("auto_goes_on_without_the_device", Needs::Strict, lost_auto),
-        trial("auto_cuts_though_the_device_is_lost", any, lost_in_a_cut),
         trial(
-            "without_auto_a_lost_device_is_an_error",
+            "auto_continues_on_the_cpu_after_device_loss",
             Needs::Strict,
-            lost,
+            lost_auto,
         ),
-        trial("auto_takes_no_software", Needs::Strict, |_| no_software()),
-        trial("auto_takes_large_bodies_only", any, large_only),
         trial(
-            "a_frame_that_is_wrong_is_no_fault_of_the_device",
+            "auto_completes_a_cut_during_device_loss",
             any,
-            wrong,
+            lost_in_a_cut,
         ),
+        trial("device_loss_is_an_error_without_auto", Needs::Strict, lost),
+        trial("auto_ignores_software_adapters", Needs::Strict, |_| {
+            no_software()
+        }),
+        trial("auto_puts_only_large_bodies_on_the_gpu", any, large_only),
+        trial("an_invalid_frame_causes_no_fallback", any, wrong),
     ])
 }
 
-/// One body's bits after every frame on the processor, those at the start first.
+/// Returns the bits of a CPU body at the start and after every frame.
 fn on_cpu(frames: usize) -> Vec<Bits> {
     let mut scene = Scene::new(params());
     let id = add(&mut scene, Model::Sphere80, 0.0);
-    let mut out = vec![host_bits(&scene, id)];
+    let mut out = vec![cpu_copy_bits(&scene, id)];
     for _ in 0..frames {
         scene.step().unwrap();
-        out.push(host_bits(&scene, id));
+        out.push(cpu_copy_bits(&scene, id));
     }
     out
 }
@@ -59,27 +62,30 @@ fn lost_auto(context: Context) {
     for _ in 0..20 {
         assert!(!scene.step().unwrap().fell_back);
     }
-    // The checkpoint has arrived, and the next frame takes it over.
-    scene.wait().unwrap();
+    // The checkpoint has arrived; the next frame applies it.
+    scene.wait_for_gpu().unwrap();
     for _ in 0..4 {
         scene.step().unwrap();
     }
     let report = scene.backend_report();
-    assert_eq!((report.on_device, report.fallback), (vec![id], None));
+    assert_eq!(
+        (report.gpu_bodies, report.fallback_reason),
+        (vec![id], None)
+    );
     let reference = on_cpu(22);
-    assert!(host_bits(&scene, id) == reference[20], "the checkpoint");
+    assert!(cpu_copy_bits(&scene, id) == reference[20], "the checkpoint");
     lose(&scene);
     let mut told = 0;
     for frame in [21, 22] {
         let stats = *scene.step().unwrap();
         told += u32::from(stats.fell_back);
-        assert_eq!(stats.bodies_on_device, 0);
+        assert_eq!(stats.gpu_bodies, 0);
         assert!(bits(&mut scene, id) == reference[frame], "on from there");
     }
     assert_eq!(told, 1);
     let report = scene.backend_report();
-    assert_eq!((report.device, report.on_device), (None, Vec::new()));
-    let why = report.fallback.unwrap();
+    assert_eq!((report.adapter, report.gpu_bodies), (None, Vec::new()));
+    let why = report.fallback_reason.unwrap().to_string();
     assert!(why.contains("lost"), "{why}");
 }
 
@@ -90,12 +96,14 @@ fn lost_in_a_cut(context: Context) {
     scene.step().unwrap();
     scene.step().unwrap();
     lose(&scene);
-    scene.move_blade(blade, [[4.0, 0.06, -2.0], [4.0, 0.1, 2.0]]);
+    scene
+        .move_blade(blade, [[4.0, 0.06, -2.0], [4.0, 0.1, 2.0]])
+        .unwrap();
     let stats = *scene.step().unwrap();
     assert_eq!((stats.cuts, stats.fell_back), (2, true));
     assert!(!scene.step().unwrap().fell_back);
     for id in ids {
-        let body = scene.body(id);
+        let body = scene.body(id).unwrap();
         assert_eq!(body.pieces().len(), 2);
         body.solver().validate(body.surface()).unwrap();
     }
@@ -120,7 +128,10 @@ fn lost(context: Context) {
         scene.edit(id).is_err(),
         "what is not up to date is not edited"
     );
-    assert!(host_bits(&scene, id) == reference[5], "as it was last read");
+    assert!(
+        cpu_copy_bits(&scene, id) == reference[5],
+        "as it was last read"
+    );
     scene.fall_back();
     assert!(scene.step().unwrap().fell_back);
     assert!(bits(&mut scene, id) == reference[6], "on from there");
@@ -136,24 +147,21 @@ fn no_software() {
     let mut scene = Scene::with_backend(params(), &request).unwrap();
     let id = add(&mut scene, Model::Sphere80, 0.0);
     assert!(scene.step().unwrap().fell_back);
-    assert!(host_bits(&scene, id) == on_cpu(1)[1]);
-    let why = scene.backend_report().fallback.unwrap();
-    assert!(
-        why.contains("SwiftShader") && why.contains("processor"),
-        "{why}"
-    );
+    assert!(cpu_copy_bits(&scene, id) == on_cpu(1)[1]);
+    let why = scene.backend_report().fallback_reason.unwrap().to_string();
+    assert!(why.contains("SwiftShader") && why.contains("CPU"), "{why}");
     let gpu = BackendRequest {
         choice: BackendChoice::Gpu,
         ..request
     };
     let scene = Scene::with_backend(params(), &gpu).unwrap();
-    let device = scene.backend_report().device.unwrap();
+    let device = scene.backend_report().adapter.unwrap();
     assert!(device.contains("SwiftShader"), "it was named: {device}");
 }
 
 fn large_only(context: Context) {
     let request = BackendRequest {
-        device_from: Some(1000),
+        min_gpu_constraints: Some(1000),
         ..request(BackendChoice::Auto)
     };
     let mut scene = Scene::with_context(params(), &request, context).unwrap();
@@ -161,14 +169,17 @@ fn large_only(context: Context) {
     let large = add(&mut scene, Model::Sphere768, 2.0);
     let report = scene.backend_report();
     assert_eq!(
-        (report.on_device, report.device_from),
+        (report.gpu_bodies, report.min_gpu_constraints),
         (vec![large], Some(1000))
     );
     for _ in 0..3 {
-        assert_eq!(scene.step().unwrap().bodies_on_device, 1);
+        assert_eq!(scene.step().unwrap().gpu_bodies, 1);
     }
-    assert!(scene.is_fresh(small) && !scene.is_fresh(large));
-    assert!(host_bits(&scene, small) == on_cpu(3)[3]);
+    assert!(
+        scene.residency(small).unwrap().is_cpu_current()
+            && !scene.residency(large).unwrap().is_cpu_current()
+    );
+    assert!(cpu_copy_bits(&scene, small) == on_cpu(3)[3]);
 }
 
 fn wrong(context: Context) {
@@ -183,17 +194,20 @@ fn wrong(context: Context) {
     let error = scene.step().unwrap_err();
     assert!(matches!(error, SceneError::Frame(_)), "{error}");
     scene.params = params();
-    assert_eq!(scene.step().unwrap().bodies_on_device, 1);
-    // A kick that no number can follow is found when the body is looked at.
+    assert_eq!(scene.step().unwrap().gpu_bodies, 1);
+    // A velocity that overflows is detected at the next readback.
     let (solver, _) = scene.edit(id).unwrap().solver_mut();
     solver.set_velocity(VertexId(2), [f32::MAX; 3]).unwrap();
     scene.params.dt = 1e6;
     scene.step().unwrap();
-    let before = host_bits(&scene, id);
-    let error = scene.read(id).unwrap_err();
+    let before = cpu_copy_bits(&scene, id);
+    let error = scene.read_back(id).unwrap_err();
     assert!(
         matches!(error, SceneError::Step { body, .. } if body == id),
         "{error}"
     );
-    assert!(host_bits(&scene, id) == before, "the host's copy is sound");
+    assert!(
+        cpu_copy_bits(&scene, id) == before,
+        "the CPU copy is unchanged"
+    );
 }

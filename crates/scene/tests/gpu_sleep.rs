@@ -1,4 +1,4 @@
-//! Bodies on a device sleep at the same frames as on the processor, and cost the device nothing then.
+//! GPU bodies sleep in the same frames as CPU bodies; sleeping ones cost no GPU time.
 #![expect(
     clippy::missing_assert_message,
     reason = "these are tests, which the lint knows by an attribute only"
@@ -6,14 +6,15 @@
 
 mod common;
 
-use common::gpu::{Needs, run, trial};
 use common::{Bits, bits, model, on};
-use incise_mesh::{Model, VertexId};
+use incise_mesh::VertexId;
+use incise_models::Model;
 use incise_pbd_gpu::{Context, Material, SolverParams, Stiffness};
 use incise_scene::{BladeId, BodyId, Scene, SceneParams, SleepParams};
+use incise_test_support::gpu::{Needs, run, trial};
 use std::process::ExitCode;
 
-/// Of one workgroup and of many.
+/// Models of one workgroup and of many.
 const MODELS: [Model; 2] = [Model::Sphere80, Model::Bunny];
 
 const SLEEP: SleepParams = SleepParams {
@@ -24,10 +25,18 @@ const SLEEP: SleepParams = SleepParams {
 fn main() -> ExitCode {
     let any = Needs::AnyDevice;
     run(vec![
-        trial("it_sleeps_as_on_the_processor", Needs::Strict, same),
-        trial("who_sleeps_costs_nothing", any, costs_nothing),
-        trial("a_cut_wakes_one_of_them", any, cut),
-        trial("who_leaves_the_device_wakes", any, leaves),
+        trial(
+            "gpu_bodies_sleep_in_the_same_frames_as_cpu_bodies",
+            Needs::Strict,
+            same,
+        ),
+        trial(
+            "sleeping_bodies_need_no_dispatch_and_no_transfer",
+            any,
+            costs_nothing,
+        ),
+        trial("a_cut_wakes_only_its_body", any, cut),
+        trial("the_fallback_to_the_cpu_wakes_bodies", any, leaves),
     ])
 }
 
@@ -59,7 +68,8 @@ fn set_up(scene: &mut Scene) -> ([BodyId; 2], BladeId) {
     (ids, blade)
 }
 
-/// Bodies come to rest, sleep, are kicked, cut and dragged. Who is asleep after every frame, and all states.
+/// Returns the sleeping bodies after every frame, and states, while bodies are pushed, cut and
+/// pinned.
 fn play(mut scene: Scene) -> (Vec<[bool; 2]>, Vec<Bits>) {
     let (ids, blade) = set_up(&mut scene);
     let (mut asleep, mut states) = (Vec::new(), Vec::new());
@@ -70,8 +80,12 @@ fn play(mut scene: Scene) -> (Vec<[bool; 2]>, Vec<Bits>) {
                 solver.set_velocity(VertexId(2), [0.0, 1.0, 0.2]).unwrap();
             }
             150 => {
-                scene.jump_blade(blade, [[-1.0, 0.05, -2.0], [-1.0, 0.05, 2.0]]);
-                scene.move_blade(blade, [[1.0, 0.06, -2.0], [1.0, 0.06, 2.0]]);
+                scene
+                    .teleport_blade(blade, [[-1.0, 0.05, -2.0], [-1.0, 0.05, 2.0]])
+                    .unwrap();
+                scene
+                    .move_blade(blade, [[1.0, 0.06, -2.0], [1.0, 0.06, 2.0]])
+                    .unwrap();
             }
             200 => {
                 let (solver, surface) = scene.edit(ids[0]).unwrap().solver_mut();
@@ -81,7 +95,7 @@ fn play(mut scene: Scene) -> (Vec<[bool; 2]>, Vec<Bits>) {
         }
         let stats = scene.step().unwrap();
         assert_eq!(stats.cuts, u32::from(frame == 150));
-        asleep.push(ids.map(|id| scene.is_asleep(id)));
+        asleep.push(ids.map(|id| scene.is_asleep(id).unwrap()));
         if frame % 65 == 64 {
             states.extend(ids.map(|id| bits(&mut scene, id)));
         }
@@ -96,27 +110,27 @@ fn same(context: Context) {
     assert_eq!(differ, None, "the frame");
     assert!(device_states == cpu_states);
     for body in 0..2 {
-        let nights = on_cpu.windows(2).filter(|w| !w[0][body] && w[1][body]);
-        let mornings = on_cpu.windows(2).filter(|w| w[0][body] && !w[1][body]);
-        let counts = (nights.count(), mornings.count());
+        let sleeps = on_cpu.windows(2).filter(|w| !w[0][body] && w[1][body]);
+        let wakes = on_cpu.windows(2).filter(|w| w[0][body] && !w[1][body]);
+        let counts = (sleeps.count(), wakes.count());
         assert!(counts.0 >= 1 && counts.1 >= 1, "body {body}: {counts:?}");
     }
 }
 
-/// Two bodies on a device that sleep.
+/// Returns a scene with two sleeping GPU bodies.
 fn asleep(context: Context) -> (Scene, [BodyId; 2], BladeId) {
     let mut scene = on(context, params());
     let (ids, blade) = set_up(&mut scene);
     for frame in 0..300 {
         scene.step().unwrap();
-        if ids.iter().all(|&id| scene.is_asleep(id)) {
-            assert!(frame >= 12, "it takes so many frames to know");
+        if ids.iter().all(|&id| scene.is_asleep(id).unwrap()) {
+            assert!(frame >= 12, "a body is observed for at least 12 frames");
             return (scene, ids, blade);
         }
     }
     panic!(
         "bodies at rest stay awake: {:?}",
-        ids.map(|id| scene.is_asleep(id))
+        ids.map(|id| scene.is_asleep(id).unwrap())
     );
 }
 
@@ -125,40 +139,46 @@ fn costs_nothing(context: Context) {
     scene.step().unwrap();
     for _ in 0..50 {
         let stats = *scene.step().unwrap();
-        assert_eq!((stats.asleep, stats.bodies_on_device), (2, 0));
+        assert_eq!((stats.sleeping_bodies, stats.gpu_bodies), (2, 0));
         assert_eq!((stats.dispatches, stats.kernels_compiled), (0, 0));
         assert_eq!((stats.bytes_uploaded, stats.bytes_read), (0, 0));
     }
-    // A far blade asks for their boxes once.
+    // A distant blade reads their bounding boxes back once.
     let mut read = 0;
     for frame in 0..20 {
         let x = if frame % 2 == 0 { 1.0 } else { -1.0 };
-        scene.move_blade(blade, [[x, 50.0, -2.0], [x, 50.0, 2.0]]);
+        scene
+            .move_blade(blade, [[x, 50.0, -2.0], [x, 50.0, 2.0]])
+            .unwrap();
         let stats = *scene.step().unwrap();
-        assert_eq!((stats.asleep, stats.detections), (2, 0));
+        assert_eq!((stats.sleeping_bodies, stats.narrow_phase_queries), (2, 0));
         assert_eq!(stats.dispatches, 0);
     }
-    scene.wake(ids[0]);
+    scene.wake(ids[0]).unwrap();
     for frame in 0..5 {
         let stats = *scene.step().unwrap();
-        assert_eq!((stats.asleep, stats.bodies_on_device), (1, 1));
+        assert_eq!((stats.sleeping_bodies, stats.gpu_bodies), (1, 1));
         assert_eq!(stats.whole_bodies + stats.color_bodies, 1);
         assert_eq!(stats.woken, u32::from(frame == 0));
         assert!(stats.dispatches > 0);
         read += stats.bytes_read;
     }
-    assert_eq!(read, 2 * 48, "a report each");
+    assert_eq!(read, 2 * 48, "one motion report per body");
 }
 
 fn cut(context: Context) {
     let (mut scene, ids, blade) = asleep(context);
-    scene.jump_blade(blade, [[-1.0, 0.05, -2.0], [-1.0, 0.05, 2.0]]);
-    scene.move_blade(blade, [[1.0, 0.06, -2.0], [1.0, 0.06, 2.0]]);
+    scene
+        .teleport_blade(blade, [[-1.0, 0.05, -2.0], [-1.0, 0.05, 2.0]])
+        .unwrap();
+    scene
+        .move_blade(blade, [[1.0, 0.06, -2.0], [1.0, 0.06, 2.0]])
+        .unwrap();
     let stats = *scene.step().unwrap();
-    assert_eq!((stats.cuts, stats.woken, stats.asleep), (1, 1, 1));
-    assert_eq!((stats.readbacks, stats.detections_skipped), (1, 1));
-    assert!(!scene.is_asleep(ids[0]) && scene.is_asleep(ids[1]));
-    assert_eq!(scene.body(ids[0]).pieces().len(), 2);
+    assert_eq!((stats.cuts, stats.woken, stats.sleeping_bodies), (1, 1, 1));
+    assert_eq!((stats.readbacks, stats.broad_phase_rejections), (1, 1));
+    assert!(!scene.is_asleep(ids[0]).unwrap() && scene.is_asleep(ids[1]).unwrap());
+    assert_eq!(scene.body(ids[0]).unwrap().pieces().len(), 2);
 }
 
 fn leaves(context: Context) {
@@ -171,5 +191,5 @@ fn leaves(context: Context) {
     for _ in 0..30 {
         scene.step().unwrap();
     }
-    assert_eq!(ids.map(|id| scene.is_asleep(id)), [true; 2]);
+    assert_eq!(ids.map(|id| scene.is_asleep(id).unwrap()), [true; 2]);
 }

@@ -1,15 +1,16 @@
-//! A body with an inside goes through many cuts, some of which are taken back.
+//! Many cuts and undos of a body with volume constraints, interior springs and self-collision.
 
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Aabb, Surface, cube_sphere};
-use incise_pbd_gpu::{Material, SolverParams, Stiffness, Struts, Volume};
+use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Stiffness, Volume};
 use incise_scene::{BladeId, Body, BodyId, ContactParams, Scene, SceneParams};
 
-/// Numbers in -1 to 1, the same in every run (Steele et al. 2014).
-struct Dice(u64);
+/// A deterministic random number generator (splitmix64, Steele et al. 2014).
+struct Random(u64);
 
-impl Dice {
-    fn roll(&mut self) -> f32 {
+impl Random {
+    /// Returns a number from -1 to 1.
+    fn signed(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -26,14 +27,14 @@ fn scene() -> (Scene, BodyId, BladeId) {
             ..SolverParams::default()
         },
         contacts: Some(ContactParams {
-            own: true,
+            self_collision: true,
             ..ContactParams::default()
         }),
         ..SceneParams::default()
     });
     let material = Material {
         volume: Some(Volume::default()),
-        struts: Some(Struts {
+        interior_springs: Some(InteriorSprings {
             density: 0.5,
             stiffness: Stiffness::Compliance(1e-5),
         }),
@@ -44,13 +45,13 @@ fn scene() -> (Scene, BodyId, BladeId) {
     (scene, id, blade)
 }
 
-/// Two poses of a blade whose edge goes through all of a box from above, at an angle.
-fn sweep(bounds: &Aabb, dice: &mut Dice) -> [[[f32; 3]; 2]; 2] {
+/// Returns the edge of a blade before and after it sweeps down through a whole box.
+fn sweep(bounds: &Aabb, random: &mut Random) -> [[[f32; 3]; 2]; 2] {
     let middle = [0, 1, 2].map(|k| (bounds.min[k] + bounds.max[k]) / 2.0);
     let half = [0, 1, 2].map(|k| (bounds.max[k] - bounds.min[k]) / 2.0);
-    let (turn, aside) = (dice.roll() * 3.2, dice.roll() * 0.7);
+    let (turn, aside) = (random.signed() * 3.2, random.signed() * 0.7);
     let (sin, cos) = turn.sin_cos();
-    // Along the ground across the body, aside of its middle at right angles to that.
+    // The edge is horizontal, at any angle and with an offset from the middle.
     let width = half[0].max(half[2]);
     let at = |along: f32, y: f32| {
         [
@@ -64,7 +65,7 @@ fn sweep(bounds: &Aabb, dice: &mut Dice) -> [[[f32; 3]; 2]; 2] {
     [above, below].map(|y| [at(-far, y), at(far, y)])
 }
 
-/// The piece with the most triangles.
+/// Returns the piece with the most triangles.
 fn largest(body: &Body) -> u32 {
     let surface = body.surface();
     let mut counts = vec![0; surface.piece_bound() as usize];
@@ -74,13 +75,13 @@ fn largest(body: &Body) -> u32 {
     (0..).zip(counts).max_by_key(|&(_, count)| count).unwrap().0
 }
 
-/// The box around a piece.
+/// Returns the bounding box of a piece.
 fn bounds(surface: &Surface, piece: u32) -> Aabb {
     let mut bounds = Aabb::default();
     for t in surface.topology().triangles() {
         for v in surface.topology().triangle(t) {
             for k in (0..3).filter(|_| surface.piece(t) == piece) {
-                let c = surface.positions[v.index()][k];
+                let c = surface.positions()[v.index()][k];
                 bounds.min[k] = bounds.min[k].min(c);
                 bounds.max[k] = bounds.max[k].max(c);
             }
@@ -90,9 +91,9 @@ fn bounds(surface: &Surface, piece: u32) -> Aabb {
 }
 
 fn check(scene: &Scene, id: BodyId) {
-    let body = scene.body(id);
+    let body = scene.body(id).unwrap();
     let (surface, solver) = (body.surface(), body.solver());
-    assert!(surface.topology().is_closed(), "nothing is open");
+    assert!(surface.topology().is_closed(), "the surface is closed");
     solver.validate(surface).unwrap();
     let solids: Vec<u32> = (solver.volumes().pieces().iter())
         .map(|volume| volume.piece())
@@ -112,44 +113,54 @@ fn check(scene: &Scene, id: BodyId) {
         let round = surface.rest_volume_of(own.into_iter()).abs() / ball;
         assert!(
             solids.contains(&piece) || round < 2e-6,
-            "piece {piece} keeps no volume, of {round} of a ball with its area"
+            "piece {piece} has no volume constraint, but {round} of the volume of a ball"
         );
     }
-    let struts = solver.struts().unwrap();
-    let batches = struts.batches().iter().chain([struts.overflow()]);
+    let interior_springs = solver.interior_springs().unwrap();
+    let batches = interior_springs
+        .batches()
+        .iter()
+        .chain([interior_springs.overflow()]);
     let ends = batches.flat_map(|batch| batch.vertices());
     let pieces =
         ends.map(|ends| ends.map(|v| surface.piece(surface.topology().outgoing(v).triangle())));
     for [a, b] in pieces {
-        assert_eq!(a, b, "a strut goes from piece {a} to {b}");
+        assert_eq!(a, b, "an interior spring connects pieces {a} and {b}");
     }
     let bounds = surface.bounds();
     let numbers = bounds.min.into_iter().chain(bounds.max);
     assert!(numbers.clone().all(f32::is_finite), "{bounds:?}");
     assert!(
         numbers.map(f32::abs).fold(0.0, f32::max) < 50.0,
-        "nobody flies off: {bounds:?}"
+        "no vertex flies off: {bounds:?}"
     );
 }
 
 #[test]
-fn a_body_with_an_inside_stays_one_through_many_cuts() {
+fn constraints_stay_valid_through_many_cuts_and_undos() {
     let (mut scene, id, blade) = scene();
-    let mut dice = Dice(7);
+    let mut random = Random(7);
     let (mut cuts, mut undone) = (0, 0);
     for round in 0..24 {
-        // Through all at first, then through the largest: or they would be thousands.
-        let largest = largest(scene.body(id));
-        let [from, to] = sweep(&bounds(scene.body(id).surface(), largest), &mut dice);
-        scene.set_blade_piece(blade, (round >= 3).then_some(largest));
-        scene.jump_blade(blade, from);
-        scene.set_blade_back(blade, (round % 5 == 0).then_some([0.0, 1.0, 0.0]));
-        scene.move_blade(blade, to);
+        // Through all pieces at first, then only through the largest, to limit their number.
+        let largest = largest(scene.body(id).unwrap());
+        let [from, to] = sweep(
+            &bounds(scene.body(id).unwrap().surface(), largest),
+            &mut random,
+        );
+        scene
+            .set_blade_piece(blade, (round >= 3).then_some(largest))
+            .unwrap();
+        scene.teleport_blade(blade, from).unwrap();
+        scene
+            .set_blade_face(blade, (round % 5 == 0).then_some([0.0, 1.0, 0.0]))
+            .unwrap();
+        scene.move_blade(blade, to).unwrap();
         let done = scene.step().unwrap().cuts;
         cuts += done;
         if round % 4 == 3 && done > 0 {
-            // At once: a frame later its halves have moved.
-            let (_, outcome) = scene.outcomes().last().unwrap();
+            // Undone before the halves have moved.
+            let (_, outcome) = scene.cuts().last().unwrap().cut.as_ref().unwrap();
             let undo = outcome.undo.clone().unwrap();
             scene.undo(id, undo).unwrap();
             undone += 1;

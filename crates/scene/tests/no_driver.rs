@@ -1,11 +1,11 @@
-//! A scene on the processor opens no device. By itself in its process, so that nobody else opens one.
+//! A CPU scene loads no GPU driver. Alone in its process, so that no other test loads one.
 #![cfg(target_os = "linux")]
 
-use incise_mesh::{Model, build_model};
+use incise_models::{Model, build_model};
 use incise_pbd_gpu::Material;
 use incise_scene::{BackendChoice, BackendRequest, Scene, SceneError, SceneParams};
 
-/// Libraries of this process by which devices are opened.
+/// Returns the GPU driver libraries that this process has mapped.
 fn drivers() -> Vec<String> {
     let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
     let names = ["libvulkan", "libEGL", "libGLX", "libcuda"];
@@ -14,7 +14,7 @@ fn drivers() -> Vec<String> {
 }
 
 #[test]
-fn no_driver_is_loaded_for_the_processor() -> Result<(), SceneError> {
+fn a_cpu_scene_loads_no_driver() -> Result<(), SceneError> {
     let request = BackendRequest {
         choice: BackendChoice::Cpu,
         ..BackendRequest::default()
@@ -26,10 +26,12 @@ fn no_driver_is_loaded_for_the_processor() -> Result<(), SceneError> {
         for _ in 0..40 {
             scene.step()?;
         }
-        scene.move_blade(blade, [[2.0, 0.1, -2.0], [2.0, 0.1, 2.0]]);
+        scene
+            .move_blade(blade, [[2.0, 0.1, -2.0], [2.0, 0.1, 2.0]])
+            .unwrap();
         scene.step()?;
-        scene.read(id)?;
-        assert_eq!(scene.backend_report().device, None);
+        scene.read_back(id)?;
+        assert_eq!(scene.backend_report().adapter, None);
     }
     assert_eq!(drivers(), Vec::<String>::new());
     Ok(())

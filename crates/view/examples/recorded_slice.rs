@@ -1,12 +1,13 @@
-//! Slices a falling ball as a user of the window would, without one, and does the recording again to the same bits.
+//! Slices a falling ball in a session without a window and replays the recording bit for bit.
 //!
-//! `cargo run -p incise-view --example recorded_slice -- recording.jsonl`, which `incise view --replay` shows.
+//! `cargo run -p incise-view --example recorded_slice -- recording.jsonl` writes a recording that
+//! `incise view --replay` shows.
 
 #![expect(clippy::print_stdout, reason = "an example shows what it computes")]
 
-use incise_mesh::{Model, build_model};
+use incise_models::{Model, build_model};
 use incise_scene::{Scene, SceneParams};
-use incise_view::{Command, Progress, Session};
+use incise_view::{Command, ReplayProgress, Session};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let ball = build_model(Model::Sphere768);
@@ -17,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     (0..60).for_each(|_| session.frame());
     println!(
         "{} pieces",
-        session.scene().body(session.body()).pieces().len()
+        session.scene().body(session.body())?.pieces().len()
     );
 
     let recording = session.finished_recording()?;
@@ -33,12 +34,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut replay = recording.replay(&ball)?;
     let mut again = Session::new(ball, Scene::new(SceneParams::default()))?;
     let is_same = loop {
-        match replay.follow(&mut again)? {
-            Progress::Running => again.frame(),
-            Progress::Over(is_same) => break is_same,
+        match replay.advance(&mut again)? {
+            ReplayProgress::Running => again.frame(),
+            ReplayProgress::Finished(is_same) => break is_same,
         }
     };
-    assert_eq!(is_same, Some(true), "to the bit");
-    println!("done again to the same bits");
+    assert_eq!(is_same, Some(true), "the replay is bit-identical");
+    println!("the replay is bit-identical");
     Ok(())
 }

@@ -1,7 +1,7 @@
-//! What can be done to a session, as data.
+//! Commands and settings of a session, as serializable data.
 
-use incise_cut::{CutMethod, CutParams, Sweep};
-use incise_pbd_gpu::{Material, SolverParams, Stiffness, Struts, Volume};
+use incise_cut::{CutMethod, CutParams, PaperParams, Sweep};
+use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Stiffness, Volume};
 use incise_refine::RefinementLevel;
 use incise_scene::{ContactParams, SceneParams};
 use serde::{Deserialize, Serialize};
@@ -9,102 +9,104 @@ use serde::{Deserialize, Serialize};
 /// The two ends of a blade's edge \[m\].
 pub type Edge = [[f32; 3]; 2];
 
-/// What changes a session. Everything that decides where bodies are is one of these or a frame, so that a list of them with
-/// the numbers of their frames is a recording.
+/// A change of a session.
+///
+/// Commands and frames determine the state of a session, so commands with their frame numbers form
+/// a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Command {
-    /// Cuts at once along the way of a blade's edge from one place to another.
+    /// Cuts immediately along the sweep of a blade between two positions of its edge.
     Slice {
-        /// Where the edge begins.
+        /// Start of the edge.
         from: Edge,
-        /// Where it ends.
+        /// End of the edge.
         to: Edge,
     },
-    /// Puts the held blade here; the frame cuts along its way. The first one only takes it up.
+    /// Moves the held blade; the next frame cuts along its sweep. The first one starts a stroke.
     Blade {
-        /// Where the edge is to be.
+        /// New position of the edge.
         edge: Edge,
     },
-    /// Puts the held blade away as if it had not moved since the last frame.
+    /// Ends the stroke without cutting along the motion since the last frame.
     LiftBlade,
-    /// Cuts along what the held blade has passed since the last frame, and puts it away.
+    /// Cuts along the motion of the held blade since the last frame and ends the stroke.
     FinishBlade,
-    /// Takes hold of a vertex.
+    /// Grabs a vertex.
     Grab {
-        /// Which.
+        /// Index of the vertex.
         vertex: u32,
     },
-    /// Pulls the held vertex to here.
+    /// Moves the target of the grabbed vertex.
     Drag {
-        /// Where it is to be \[m\].
+        /// Target position \[m\].
         to: [f32; 3],
     },
-    /// Lets the held vertex go.
+    /// Releases the grabbed vertex.
     Release,
-    /// Pins a vertex where it is, or lets it go if it is pinned.
+    /// Pins a vertex at its position, or unpins it.
     Pin {
-        /// Which.
+        /// Index of the vertex.
         vertex: u32,
     },
-    /// Lets all pinned vertices go.
+    /// Unpins all vertices.
     Unpin,
-    /// Chooses how bodies move and are cut.
+    /// Changes the settings.
     Set(Settings),
-    /// Puts the body where it was at first, whole.
+    /// Restores the body of the start of the session.
     Reset,
-    /// Takes the last cut back.
+    /// Undoes the last cut.
     Undo,
-    /// Cuts along the last undone cut again.
+    /// Repeats the last undone cut.
     Redo,
 }
 
-/// How the mesh is opened, see [`CutMethod`].
+/// Cut method, see [`CutMethod`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// Hit triangles are split along the sweep.
+    /// Splits the intersected triangles along the sweep.
     #[default]
     Exact,
-    /// The paper's.
-    Rebuild,
+    /// The method of the paper.
+    #[serde(alias = "rebuild")]
+    Paper,
 }
 
-/// What a user chooses.
+/// The settings that a user changes in the panel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// How the mesh is opened.
+    /// Cut method.
     pub method: Method,
-    /// How fine caps get, by name or z.
+    /// Refinement level of the cut section, serialized by name or factor z.
     #[serde(with = "level")]
     pub level: RefinementLevel,
-    /// Parts that a frame is divided into.
+    /// Substeps per frame.
     pub substeps: u32,
-    /// Projections of every constraint a substep.
+    /// Solver iterations per substep.
     pub iterations: u32,
-    /// How much of their error edges lose a substep, 0 to 1.
+    /// PBD stiffness of stretch constraints, 0 to 1.
     pub stretch: f32,
-    /// The same of angles between triangles; none without bending.
+    /// PBD stiffness of bending constraints, 0 to 1; `None` disables them.
     pub bending: Option<f32>,
-    /// How many times its rest volume a piece strives for; none without volume.
+    /// Target volume relative to the rest volume; `None` disables volume constraints.
     pub volume: Option<f32>,
-    /// How many struts through the body a vertex has, 0 to 1; none without struts, as in recordings from before there were any.
+    /// Interior springs per vertex, 0 to 1; `None`, also in old recordings, disables them.
     #[serde(default)]
-    pub struts: Option<f32>,
-    /// The rate at which velocities decay [1/s], so that what could roll comes to rest; 0 in recordings from before there was
-    /// any.
+    pub interior_springs: Option<f32>,
+    /// Decay rate of velocities [1/s]; 0 in old recordings.
     #[serde(default)]
     pub damping: f32,
-    /// Whether things fall.
+    /// Enables gravity.
     pub gravity: bool,
-    /// Whether there is a ground.
+    /// Enables the ground plane.
     pub ground: bool,
-    /// Whether pieces touch each other.
+    /// Enables contacts between pieces.
     pub contacts: bool,
 }
 
 impl Default for Settings {
-    /// A body that is firm and keeps its volume and its shape, on a ground.
+    /// Returns settings for a firm body that keeps its volume and shape, on the ground.
     fn default() -> Self {
         Self {
             method: Method::Exact,
@@ -114,7 +116,7 @@ impl Default for Settings {
             stretch: 1.0,
             bending: Some(0.2),
             volume: Some(1.0),
-            struts: Some(1.0),
+            interior_springs: Some(1.0),
             damping: 1.0,
             gravity: true,
             ground: true,
@@ -124,15 +126,15 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// What a body is made of.
+    /// Returns the material of the body.
     pub(crate) fn material(&self) -> Material {
         Material {
             stretch: Stiffness::Pbd(self.stretch),
             bending: self.bending.map(Stiffness::Pbd),
             volume: self.volume(),
-            struts: self.struts.map(|density| Struts {
+            interior_springs: self.interior_springs.map(|density| InteriorSprings {
                 density,
-                ..Struts::default()
+                ..InteriorSprings::default()
             }),
             damping: self.damping,
             ..Material::default()
@@ -146,17 +148,17 @@ impl Settings {
         })
     }
 
-    /// Whether a body of `other` has to be made anew for these.
-    pub(crate) fn needs_new_body(&self, other: &Self) -> bool {
-        self.bending != other.bending || self.struts != other.struts
+    /// Returns true if a body with settings `other` must be rebuilt for these.
+    pub(crate) fn requires_new_body(&self, other: &Self) -> bool {
+        self.bending != other.bending || self.interior_springs != other.interior_springs
     }
 
-    /// How bodies are cut.
+    /// Returns the cut parameters.
     pub(crate) fn cut(&self) -> CutParams {
         let mut cut = CutParams {
             method: match self.method {
-                Method::Exact => CutMethod::Exact,
-                Method::Rebuild => CutMethod::Rebuild,
+                Method::Exact => CutMethod::default(),
+                Method::Paper => CutMethod::Paper(PaperParams::default()),
             },
             ..CutParams::default()
         };
@@ -164,7 +166,7 @@ impl Settings {
         cut
     }
 
-    /// How a scene with a ground at this height \[m\] is stepped.
+    /// Returns the scene parameters for a ground at this height \[m\].
     pub(crate) fn scene(&self, ground: f32) -> SceneParams {
         let default = SolverParams::default();
         SceneParams {
@@ -186,13 +188,13 @@ impl Settings {
     }
 }
 
-/// The blade's two places of a sweep.
-pub(crate) fn ways(sweep: &Sweep) -> [Edge; 2] {
+/// Returns the first and the last blade edge of a sweep.
+pub(crate) fn blade_edges(sweep: &Sweep) -> [Edge; 2] {
     let [start, end, end_after, start_after] = sweep.corners();
     [[start, end], [start_after, end_after]]
 }
 
-/// Levels by their names.
+/// Serializes refinement levels by name.
 mod level {
     use incise_refine::RefinementLevel;
     use serde::{Deserialize, Deserializer, Serializer};

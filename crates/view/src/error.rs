@@ -1,54 +1,57 @@
-//! Why there is no window.
+//! Errors of the window.
 
 use crate::recording::RecordingError;
 use incise_pbd_gpu::GpuError;
 use incise_render::RenderError;
 use incise_scene::SceneError;
 
-/// Why there is no window, or why it was closed.
+/// An error that prevents the window from opening, or closes it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ViewError {
-    /// Nobody would see it.
+    /// No display is available.
     #[error(
-        "there is no display to open a window on; start it on a desktop, or set DISPLAY or WAYLAND_DISPLAY to one ({message})"
+        "no display found; start the program on a desktop, or set DISPLAY or WAYLAND_DISPLAY \
+         ({message})"
     )]
     NoDisplay {
-        /// What the system said.
+        /// Message of the window system.
         message: String,
     },
-    /// The display has no window for it.
+    /// The window system failed to create a window.
     #[error("the window cannot be opened: {message}")]
     Window {
-        /// What the system said.
+        /// Message of the window system.
         message: String,
     },
-    /// Nothing can draw in the window.
+    /// No adapter can present to the window.
     #[error(
-        "no device can draw in a window here; install a driver, on Debian the packages mesa-vulkan-drivers and libvulkan1 ({message})"
+        "no GPU adapter can draw in a window here; install a driver, on Debian the packages \
+         mesa-vulkan-drivers and libvulkan1 ({message})"
     )]
     NoSurface {
-        /// What the system said.
+        /// Message of the window system.
         message: String,
     },
-    /// The only device that was asked for, or that there is, may not even be asked whether it draws in a window.
+    /// The only matching adapter cannot present to windows.
     #[error(
-        "{adapter} cannot draw in a window here; take another adapter, `incise devices` lists them, or leave the choice to the program"
+        "{adapter} cannot draw in a window here; choose another adapter, `incise devices` lists \
+         them, or omit the option"
     )]
-    NotInWindows {
-        /// Its name.
+    NoPresentation {
+        /// Name of the adapter.
         adapter: String,
     },
-    /// There is no device, or it has failed.
+    /// No GPU is available, or the GPU failed.
     #[error(transparent)]
-    Device(#[from] GpuError),
-    /// There is no picture.
+    Gpu(#[from] GpuError),
+    /// Rendering failed.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// The body cannot be simulated.
+    /// The simulation failed.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The recording is not for this body.
-    #[error("the recording: {0}")]
+    /// The recording does not match the body.
+    #[error("recording: {0}")]
     Recording(#[from] RecordingError),
 }

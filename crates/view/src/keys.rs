@@ -1,129 +1,132 @@
-//! The keyboard: one table, which both who presses a key and who asks for help read.
+//! The keyboard shortcuts: one table for the event handler and for the help.
 
 use crate::pointer::Tool;
 
-/// What a key or a button does.
+/// An action of a key or of a panel button.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Action {
-    /// The left button does this from now on.
-    Take(Tool),
-    /// Stops or goes on.
+    /// Selects the tool of the left mouse button.
+    SelectTool(Tool),
+    /// Pauses or resumes the simulation.
     Pause,
-    /// One frame.
+    /// Steps one frame and pauses.
     Step,
-    /// The body as it was at first.
+    /// Restores the body of the start.
     Reset,
-    /// Takes a cut back.
+    /// Undoes the last cut.
     Undo,
-    /// Does it again.
+    /// Repeats the last undone cut.
     Redo,
-    /// Lets all pins go.
+    /// Unpins all vertices.
     Unpin,
-    /// The whole body in the picture.
+    /// Fits the whole body in the view.
     Fit,
-    /// Edges of triangles.
+    /// Toggles the wireframe.
     Wireframe,
-    /// A color for every piece.
+    /// Toggles a color for each piece.
     PieceColors,
-    /// A color for caps.
+    /// Toggles the color of cut sections.
     CapColors,
-    /// Edges in the colors of their batches.
-    Batches,
-    /// How cuts open the mesh: exactly, or the paper's way.
+    /// Toggles stretch constraints in the colors of their batches.
+    BatchColors,
+    /// Switches between the cut methods.
     Method,
-    /// A level coarser.
+    /// Selects the next coarser refinement level.
     Coarser,
-    /// A level finer.
+    /// Selects the next finer refinement level.
     Finer,
-    /// One substep less.
+    /// Removes one substep.
     FewerSubsteps,
-    /// One substep more.
+    /// Adds one substep.
     MoreSubsteps,
-    /// The pieces as files.
+    /// Saves each piece to a file.
     Save,
-    /// The recording as a file.
+    /// Saves the recording.
     SaveRecording,
-    /// The panel.
+    /// Toggles the panel.
     Panel,
-    /// The keys.
+    /// Toggles the help.
     Help,
-    /// The end.
+    /// Closes the window.
     Quit,
 }
 
-/// A key with its action and what to say of it.
+/// A key, its action, and its description in the help.
 #[derive(Debug, Clone, Copy)]
 pub struct Key {
-    /// What the keyboard says: a character, or a key's name.
+    /// Character, or name of the key.
     pub name: &'static str,
-    /// What it does.
+    /// Action of the key.
     pub action: Action,
-    /// What to say of it.
-    pub about: &'static str,
+    /// Description in the help.
+    pub description: &'static str,
 }
 
-const fn key(name: &'static str, action: Action, about: &'static str) -> Key {
+const fn key(name: &'static str, action: Action, description: &'static str) -> Key {
     Key {
         name,
         action,
-        about,
+        description,
     }
 }
 
-/// All keys, in the order in which they are shown.
+/// All keys, in the order of the help.
 pub const KEYS: [Key; 26] = [
     key(
         "1",
-        Action::Take(Tool::Slice),
-        "slice: drag a line across the body",
+        Action::SelectTool(Tool::Slice),
+        "slice: draw a line across the body",
     ),
     key(
         "2",
-        Action::Take(Tool::Blade),
-        "blade: hold and move it through the body",
+        Action::SelectTool(Tool::Blade),
+        "blade: drag it through the body",
     ),
-    key("3", Action::Take(Tool::Grab), "grab: pull a vertex"),
-    key("4", Action::Take(Tool::Pin), "pin a vertex, or let it go"),
-    key("5", Action::Take(Tool::Orbit), "turn the view"),
-    key("Space", Action::Pause, "pause, go on"),
-    key(".", Action::Step, "one frame"),
-    key("r", Action::Reset, "reset"),
-    key("z", Action::Undo, "undo a cut"),
-    key("y", Action::Redo, "redo it"),
-    key("u", Action::Unpin, "let all pins go"),
-    key("f", Action::Fit, "the whole body in the picture"),
-    key("w", Action::Wireframe, "edges of triangles"),
-    key("p", Action::PieceColors, "a color for every piece"),
-    key("c", Action::CapColors, "a color for caps"),
+    key("3", Action::SelectTool(Tool::Grab), "grab: drag a vertex"),
+    key("4", Action::SelectTool(Tool::Pin), "pin or unpin a vertex"),
     key(
-        "b",
-        Action::Batches,
-        "constraints in the colors of their batches",
+        "5",
+        Action::SelectTool(Tool::Orbit),
+        "orbit: rotate the view",
     ),
-    key("m", Action::Method, "method: exact or the paper's"),
-    key("[", Action::Coarser, "coarser caps"),
-    key("]", Action::Finer, "finer caps"),
-    key("-", Action::FewerSubsteps, "a substep less"),
-    key("+", Action::MoreSubsteps, "a substep more"),
+    key("Space", Action::Pause, "pause or resume"),
+    key(".", Action::Step, "step one frame"),
+    key("r", Action::Reset, "reset"),
+    key("z", Action::Undo, "undo the last cut"),
+    key("y", Action::Redo, "redo the last cut"),
+    key("u", Action::Unpin, "remove all pins"),
+    key("f", Action::Fit, "fit the body in the view"),
+    key("w", Action::Wireframe, "wireframe"),
+    key("p", Action::PieceColors, "color by piece"),
+    key("c", Action::CapColors, "color cut sections"),
+    key("b", Action::BatchColors, "color constraints by batch"),
+    key("m", Action::Method, "cut method: exact or paper"),
+    key("[", Action::Coarser, "coarser cut sections"),
+    key("]", Action::Finer, "finer cut sections"),
+    key("-", Action::FewerSubsteps, "fewer substeps"),
+    key("+", Action::MoreSubsteps, "more substeps"),
     key("s", Action::Save, "save the pieces"),
     key("o", Action::SaveRecording, "save the recording"),
-    key("h", Action::Panel, "panel"),
-    key("?", Action::Help, "keys"),
+    key("h", Action::Panel, "show or hide the panel"),
+    key("?", Action::Help, "show or hide this help"),
     key("q", Action::Quit, "quit"),
 ];
 
-/// What the mouse does, beside the tool on its left button.
+/// Mouse buttons and their description in the help.
 pub const MOUSE: [(&str, &str); 5] = [
-    ("left", "the tool"),
-    ("Shift and left", "slice: as far as the body goes"),
-    ("right", "turn the view"),
-    ("middle", "move the view"),
-    ("wheel", "nearer, farther"),
+    ("left", "use the selected tool"),
+    (
+        "Shift and left",
+        "slice: extend the line across the whole body",
+    ),
+    ("right", "rotate the view"),
+    ("middle", "pan the view"),
+    ("wheel", "zoom"),
 ];
 
-/// The action of a key by its name, in any case.
+/// Returns the action of a key by its name, ignoring case.
 #[must_use]
-pub fn action_of(name: &str) -> Option<Action> {
+pub fn action_for_key(name: &str) -> Option<Action> {
     let known = KEYS.iter().find(|key| key.name.eq_ignore_ascii_case(name));
     known.map(|key| key.action)
 }
@@ -133,15 +136,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_key_and_no_action_is_there_twice() {
+    fn keys_and_actions_are_unique() {
         for (i, a) in KEYS.iter().enumerate() {
             for b in &KEYS[i + 1..] {
                 assert!(!a.name.eq_ignore_ascii_case(b.name), "{}", a.name);
                 assert_ne!(a.action, b.action, "{} and {}", a.name, b.name);
             }
-            assert_eq!(action_of(a.name), Some(a.action));
+            assert_eq!(action_for_key(a.name), Some(a.action));
         }
-        assert_eq!(action_of("W"), Some(Action::Wireframe));
-        assert_eq!(action_of("F12"), None);
+        assert_eq!(action_for_key("W"), Some(Action::Wireframe));
+        assert_eq!(action_for_key("F12"), None);
     }
 }

@@ -1,30 +1,4 @@
-//! A window to cut, pull and watch soft bodies in.
-//!
-//! - [`Session`]: a body, a blade and what is done to them, as [`Command`]s. It knows no window.
-//! - [`Recording`]: the commands with their frames, written as lines of JSON, and [`Replay`].
-//! - [`Pointer`] and [`Eye`]: what gestures mean, and from where the body is seen.
-//! - [`keys`]: the keyboard.
-//!
-//! How `examples/recorded_slice.rs` begins:
-//!
-//! ```
-//! use incise_mesh::{Model, build_model};
-//! use incise_scene::{Scene, SceneParams};
-//! use incise_view::{Command, Progress, Session};
-//!
-//! fn main() -> Result<(), Box<dyn std::error::Error>> {
-//!     let ball = build_model(Model::Sphere768);
-//!     let mut session = Session::new(ball.clone(), Scene::new(SceneParams::default()))?;
-//!     let from = [[-2.0, 0.0, -2.0], [-2.0, 0.0, 2.0]]; // a blade's edge, left of the ball
-//!     let to = from.map(|[x, _, z]| [-x, 0.2, z]); // and right of it
-//!     session.apply(Command::Slice { from, to });
-//!     (0..60).for_each(|_| session.frame());
-//!     // and on
-//! # Ok(())
-//! }
-//! ```
-//!
-//! The window is behind the feature `window`, which is on by default.
+#![doc = include_str!("../README.md")]
 
 mod command;
 #[cfg(feature = "window")]
@@ -39,8 +13,8 @@ mod window;
 pub use command::{Command, Edge, Method, Settings};
 #[cfg(feature = "window")]
 pub use error::ViewError;
-pub use pointer::{Button, Eye, Pointer, Tool, slice};
-pub use recording::{Entry, Progress, Recording, RecordingError, Replay};
-pub use session::{BladePlace, Frame, Notice, Picked, Session};
+pub use pointer::{Button, OrbitCamera, Pointer, Tool, slice_command};
+pub use recording::{Entry, Recording, RecordingError, Replay, ReplayProgress};
+pub use session::{BladeState, FrameReport, PickResult, Session, StatusMessage};
 #[cfg(feature = "window")]
-pub use window::{Options, Save, run};
+pub use window::{Save, WindowOptions, run};

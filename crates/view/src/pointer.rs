@@ -1,46 +1,46 @@
-//! What a pointer's gestures mean.
+//! Mouse gestures: tools that cut, drag and pin, and the orbit camera.
 
-use crate::command::{Command, Edge, ways};
+use crate::command::{Command, Edge, blade_edges};
 use crate::session::Session;
 use incise_cut::Sweep;
-use incise_mesh::geometry::{round, widen};
+use incise_mesh::geometry::{to_f32, to_f64};
 use incise_mesh::{Aabb, Vec3};
 use incise_render::{Camera, Ray};
 use incise_scene::SceneError;
 
-/// How far the view turns for a picture's height \[rad\].
+/// Rotation of the view per window height of pointer motion \[rad\].
 const TURN: f64 = std::f64::consts::PI;
 
-/// How much nearer the eye comes with every notch of a wheel.
-const NEARER: f64 = 0.9;
+/// Factor of the camera distance per notch of the mouse wheel.
+const ZOOM_FACTOR: f64 = 0.9;
 
-/// The steepest view up or down \[rad\].
-const STEEPEST: f64 = 1.5;
+/// Maximum elevation of the camera, up or down \[rad\].
+const MAX_ELEVATION: f64 = 1.5;
 
-/// A line that is shorter than this is none \[px\].
-const SHORTEST: f64 = 4.0;
+/// Minimum length of a slice line \[px\].
+const MIN_LINE: f64 = 4.0;
 
-/// What the left button does.
+/// A tool of the left mouse button.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Tool {
-    /// Draws a line that cuts.
+    /// Cuts along a line in the view.
     #[default]
     Slice,
-    /// Holds a blade.
+    /// Drags a blade.
     Blade,
-    /// Pulls a vertex.
+    /// Drags a vertex.
     Grab,
-    /// Pins vertices.
+    /// Pins and unpins vertices.
     Pin,
-    /// Turns the view.
+    /// Rotates the view.
     Orbit,
 }
 
 impl Tool {
-    /// All of them.
+    /// All tools, in the order of the panel.
     pub const ALL: [Self; 5] = [Self::Slice, Self::Blade, Self::Grab, Self::Pin, Self::Orbit];
 
-    /// Its name.
+    /// Returns the name of the tool.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -53,76 +53,77 @@ impl Tool {
     }
 }
 
-/// A button of the mouse.
+/// A mouse button.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Button {
-    /// The tool's.
+    /// Uses the selected tool.
     Left,
-    /// Moves the view.
+    /// Pans the view.
     Middle,
-    /// Turns the view.
+    /// Rotates the view.
     Right,
 }
 
-/// From where the body is seen, and in which part of the window.
+/// A camera that orbits its target, in a window that a panel may cover in part.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Eye {
-    /// The camera, with what it circles around as its target.
+pub struct OrbitCamera {
+    /// Camera of the visible part of the window.
     pub camera: Camera,
-    /// The window \[px\].
+    /// Width and height of the window \[px\].
     pub size: [u32; 2],
-    /// How much of the window's right side is covered \[px\]: the body is shown in the middle of what is left.
-    pub covered: f64,
+    /// Width of the panel on the right \[px\]; the target is centered in the rest of the window.
+    pub panel_width: f64,
 }
 
-impl Eye {
-    /// The camera of the whole window.
+impl OrbitCamera {
+    /// Returns the camera of the whole window, panel included.
     #[must_use]
-    pub fn shown(&self) -> Camera {
+    pub fn window_camera(&self) -> Camera {
         let [width, height] = self.size.map(|pixels| f64::from(pixels.max(1)));
         let [right, ..] = self.camera.axes();
         let along = (self.camera.field_of_view / 2.0).tan() * self.camera.distance;
-        let aside = along * self.covered.min(width) / height;
+        let aside = along * self.panel_width.min(width) / height;
         Camera {
             target: (Vec3::from(self.camera.target) + right * aside).into(),
             ..self.camera
         }
     }
 
-    /// Width over height of the part that is not covered.
+    /// Returns width over height of the visible part.
     #[must_use]
     pub fn aspect(&self) -> f64 {
         let [width, height] = self.size.map(|pixels| f64::from(pixels.max(1)));
-        ((width - self.covered) / height).max(0.1)
+        ((width - self.panel_width) / height).max(0.1)
     }
 
-    /// All of a box in the picture.
+    /// Fits a box in the visible part.
     pub fn fit(&mut self, bounds: &Aabb) {
         self.camera = self.camera.fit(bounds, self.aspect());
     }
 
-    /// The ray through a place of the window \[px\].
+    /// Returns the ray through a point of the window \[px\].
     #[must_use]
     pub fn ray(&self, at: [f64; 2]) -> Ray {
-        self.shown().ray(at, self.size.map(|pixels| pixels.max(1)))
+        self.window_camera()
+            .ray(at, self.size.map(|pixels| pixels.max(1)))
     }
 
-    /// Comes nearer by so many notches.
+    /// Zooms in by notches of the mouse wheel; negative values zoom out.
     pub fn zoom(&mut self, notches: f64) {
-        let distance = self.camera.distance * NEARER.powf(notches.clamp(-20.0, 20.0));
+        let distance = self.camera.distance * ZOOM_FACTOR.powf(notches.clamp(-20.0, 20.0));
         if distance.is_normal() {
             self.camera.distance = distance;
         }
     }
 
-    fn turn(&mut self, by: [f64; 2]) {
+    fn rotate(&mut self, by: [f64; 2]) {
         let height = f64::from(self.size[1].max(1));
         self.camera.azimuth -= TURN * by[0] / height;
         let elevation = self.camera.elevation + TURN * by[1] / height;
-        self.camera.elevation = elevation.clamp(-STEEPEST, STEEPEST);
+        self.camera.elevation = elevation.clamp(-MAX_ELEVATION, MAX_ELEVATION);
     }
 
-    fn shift(&mut self, by: [f64; 2]) {
+    fn pan(&mut self, by: [f64; 2]) {
         let height = f64::from(self.size[1].max(1));
         let [right, up, _] = self.camera.axes();
         let scale = 2.0 * (self.camera.field_of_view / 2.0).tan() * self.camera.distance / height;
@@ -131,54 +132,55 @@ impl Eye {
     }
 }
 
-/// What a button that is down does.
+/// The gesture of a pressed button.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Gesture {
-    Turn,
-    Shift,
+    Rotate,
+    Pan,
+    /// Draws a slice line, which is extended across the whole body if `is_extended`.
     Line {
         from: [f64; 2],
-        is_whole: bool,
+        is_extended: bool,
     },
     Blade,
-    /// Pulls a vertex in the plane through this point that faces the eye.
-    Pull {
+    /// Drags a vertex in the plane through this point that is parallel to the image.
+    Drag {
         point: Vec3,
     },
 }
 
-/// A pointer over the picture, and what it is doing.
+/// The mouse pointer and its current gesture.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Pointer {
-    /// What the left button does.
+    /// Tool of the left mouse button.
     pub tool: Tool,
     at: [f64; 2],
     gesture: Option<(Button, Gesture)>,
 }
 
 impl Pointer {
-    /// Where it is \[px\].
+    /// Returns the position of the pointer \[px\].
     #[must_use]
     pub const fn at(&self) -> [f64; 2] {
         self.at
     }
 
-    /// Whether a button is down that was pressed over the picture.
+    /// Returns true during a gesture.
     #[must_use]
-    pub const fn is_busy(&self) -> bool {
+    pub const fn is_dragging(&self) -> bool {
         self.gesture.is_some()
     }
 
-    /// The line that is being drawn \[px\].
+    /// Returns the ends of the slice line that is being drawn \[px\].
     #[must_use]
-    pub fn line(&self) -> Option<[[f64; 2]; 2]> {
+    pub fn slice_line(&self) -> Option<[[f64; 2]; 2]> {
         match self.gesture {
             Some((_, Gesture::Line { from, .. })) => Some([from, self.at]),
             _ => None,
         }
     }
 
-    /// A button goes down over the picture.
+    /// Starts the gesture of a pressed button. `shift` extends slice lines across the body.
     ///
     /// # Errors
     /// As [`Session::pick`].
@@ -186,29 +188,29 @@ impl Pointer {
         &mut self,
         button: Button,
         shift: bool,
-        eye: &Eye,
+        orbit: &OrbitCamera,
         session: &mut Session,
     ) -> Result<(), SceneError> {
         if self.gesture.is_some() {
             return Ok(());
         }
         let gesture = match (button, self.tool) {
-            (Button::Right, _) | (Button::Left, Tool::Orbit) => Gesture::Turn,
-            (Button::Middle, _) => Gesture::Shift,
+            (Button::Right, _) | (Button::Left, Tool::Orbit) => Gesture::Rotate,
+            (Button::Middle, _) => Gesture::Pan,
             (Button::Left, Tool::Slice) => Gesture::Line {
                 from: self.at,
-                is_whole: shift,
+                is_extended: shift,
             },
             (Button::Left, Tool::Blade) => {
-                let edge = edge(&eye.ray(self.at), &session.bounds()?);
+                let edge = edge(&orbit.ray(self.at), &session.bounds()?);
                 session.apply(Command::Blade { edge });
                 Gesture::Blade
             }
             (Button::Left, Tool::Grab | Tool::Pin) => {
-                let ray = eye.ray(self.at);
+                let ray = orbit.ray(self.at);
                 match session.pick(ray.origin, ray.direction)? {
-                    // Beside the body there is nothing to hold but the view.
-                    None => Gesture::Turn,
+                    // Outside of the body the tool rotates the view.
+                    None => Gesture::Rotate,
                     Some(picked) if self.tool == Tool::Pin => {
                         let vertex = picked.vertex.0;
                         session.apply(Command::Pin { vertex });
@@ -218,7 +220,7 @@ impl Pointer {
                         let vertex = picked.vertex.0;
                         session.apply(Command::Grab { vertex });
                         let point = session.surface().position(picked.vertex);
-                        Gesture::Pull { point }
+                        Gesture::Drag { point }
                     }
                 }
             }
@@ -227,60 +229,60 @@ impl Pointer {
         Ok(())
     }
 
-    /// The pointer goes elsewhere.
+    /// Moves the pointer \[px\] and continues its gesture.
     ///
     /// # Errors
     /// As [`Session::bounds`].
-    pub fn go(
+    pub fn move_to(
         &mut self,
         to: [f64; 2],
-        eye: &mut Eye,
+        orbit: &mut OrbitCamera,
         session: &mut Session,
     ) -> Result<(), SceneError> {
         let by = [to[0] - self.at[0], to[1] - self.at[1]];
         self.at = to;
         match self.gesture {
             None | Some((_, Gesture::Line { .. })) => {}
-            Some((_, Gesture::Turn)) => eye.turn(by),
-            Some((_, Gesture::Shift)) => eye.shift(by),
+            Some((_, Gesture::Rotate)) => orbit.rotate(by),
+            Some((_, Gesture::Pan)) => orbit.pan(by),
             Some((_, Gesture::Blade)) => {
-                let edge = edge(&eye.ray(to), &session.bounds()?);
+                let edge = edge(&orbit.ray(to), &session.bounds()?);
                 session.apply(Command::Blade { edge });
             }
-            Some((_, Gesture::Pull { point })) => {
-                let ray = eye.ray(to);
-                let [_, _, back] = eye.shown().axes();
+            Some((_, Gesture::Drag { point })) => {
+                let ray = orbit.ray(to);
+                let [_, _, back] = orbit.window_camera().axes();
                 let distance = (point - ray.origin).dot(&back) / ray.direction.dot(&back);
-                let to = round(ray.origin + ray.direction * distance);
+                let to = to_f32(ray.origin + ray.direction * distance);
                 session.apply(Command::Drag { to });
             }
         }
         Ok(())
     }
 
-    /// A button goes up, wherever.
+    /// Ends the gesture of a released button.
     ///
     /// # Errors
     /// As [`Session::bounds`].
     pub fn release(
         &mut self,
         button: Button,
-        eye: &Eye,
+        orbit: &OrbitCamera,
         session: &mut Session,
     ) -> Result<(), SceneError> {
         let Some((_, gesture)) = self.gesture.take_if(|(pressed, _)| *pressed == button) else {
             return Ok(());
         };
         match gesture {
-            Gesture::Turn | Gesture::Shift => {}
+            Gesture::Rotate | Gesture::Pan => {}
             Gesture::Blade => session.apply(Command::FinishBlade),
-            Gesture::Pull { .. } => session.apply(Command::Release),
-            Gesture::Line { from, is_whole } => {
+            Gesture::Drag { .. } => session.apply(Command::Release),
+            Gesture::Line { from, is_extended } => {
                 let length = (self.at[0] - from[0]).hypot(self.at[1] - from[1]);
-                if length >= SHORTEST {
+                if length >= MIN_LINE {
                     let bounds = session.bounds()?;
-                    let rays = [eye.ray(from), eye.ray(self.at)];
-                    if let Some(command) = slice(rays, is_whole, &bounds) {
+                    let rays = [orbit.ray(from), orbit.ray(self.at)];
+                    if let Some(command) = slice_command(rays, is_extended, &bounds) {
                         session.apply(command);
                     }
                 }
@@ -289,37 +291,38 @@ impl Pointer {
         Ok(())
     }
 
-    /// Forgets the line that is being drawn, or lets go what is held.
+    /// Cancels the gesture: discards a slice line, lifts the blade, releases a vertex.
     pub fn cancel(&mut self, session: &mut Session) {
         match self.gesture.take() {
             Some((_, Gesture::Blade)) => session.apply(Command::LiftBlade),
-            Some((_, Gesture::Pull { .. })) => session.apply(Command::Release),
+            Some((_, Gesture::Drag { .. })) => session.apply(Command::Release),
             _ => {}
         }
     }
 }
 
-/// The cut between two rays from one eye: of what lies between them or, if it is to be whole, of all of the box that their
-/// plane meets. None of rays that are one.
+/// Returns the slice between two rays from the camera, or `None` for parallel rays.
+///
+/// An extended slice cuts the whole box along the plane of the rays.
 #[must_use]
-pub fn slice([from, to]: [Ray; 2], is_whole: bool, bounds: &Aabb) -> Option<Command> {
-    if !is_whole {
+pub fn slice_command([from, to]: [Ray; 2], is_extended: bool, bounds: &Aabb) -> Option<Command> {
+    if !is_extended {
         let (from, to) = (edge(&from, bounds), edge(&to, bounds));
         return (from != to).then_some(Command::Slice { from, to });
     }
     let normal = from.direction.cross(&to.direction).try_normalize(0.0)?;
     let d = normal.dot(&from.origin);
-    let sweep = Sweep::across_box(normal.into(), d, bounds).ok()?;
-    let [from, to] = ways(&sweep);
+    let sweep = Sweep::from_plane(normal.into(), d, bounds).ok()?;
+    let [from, to] = blade_edges(&sweep);
     Some(Command::Slice { from, to })
 }
 
-/// A ray as a blade's edge: from the eye to well behind the box.
+/// Returns the blade edge along a ray, from the camera to behind the box.
 fn edge(ray: &Ray, bounds: &Aabb) -> Edge {
     let away = (bounds.center() - ray.origin).norm();
     let reach = away + bounds.diagonal();
-    let start = round(ray.origin);
-    let end = round(widen(start) + ray.direction * reach);
+    let start = to_f32(ray.origin);
+    let end = to_f32(to_f64(start) + ray.direction * reach);
     [start, end]
 }
 

@@ -1,4 +1,4 @@
-//! What was done in a session, to be done again.
+//! Recordings of sessions as lines of JSON, and their replay.
 
 use crate::command::{Command, Settings};
 use crate::session::Session;
@@ -10,75 +10,78 @@ use std::io::{self, BufRead, Write};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Entry {
-    /// The first: with what it began.
+    /// First entry: the initial surface and settings.
     Start {
-        /// The surface's number, to the bit.
+        /// Hash of the surface's connectivity and positions.
         surface: u64,
-        /// What was chosen.
+        /// Initial settings.
         settings: Settings,
     },
-    /// A command, given when so many frames had been stepped.
-    Given {
-        /// Frames before it.
+    /// A command and its time.
+    Command {
+        /// Number of frames before the command.
         frame: u64,
-        /// What was done.
+        /// Command.
         command: Command,
     },
-    /// The last: after so many frames everything was where this number says, see [`Session::fingerprint`].
+    /// Last entry: the final state.
     End {
-        /// Frames of the session.
+        /// Number of frames of the session.
         frame: u64,
-        /// Where everything was.
+        /// Hash of the state, see [`Session::fingerprint`].
         state: u64,
     },
 }
 
-/// Commands with the numbers of their frames. Written as JSON, a line an entry, floats keep their bits.
+/// The commands of a session with their frame numbers.
+///
+/// The text format has one JSON object per line and preserves floats bit for bit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     entries: Vec<Entry>,
 }
 
-/// Why a text is no recording.
+/// An error of reading or replaying a recording.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
-    /// It cannot be read.
-    #[error("it cannot be read: {0}")]
+    /// The recording cannot be read.
+    #[error("cannot be read: {0}")]
     Read(#[from] io::Error),
-    /// A line says nothing that a recording says.
-    #[error("line {line} is no line of a recording: {source}")]
+    /// A line is not a valid entry.
+    #[error("line {line} is not a valid entry: {source}")]
     Line {
-        /// Which, from 1.
+        /// Line number, from 1.
         line: usize,
-        /// Why.
+        /// Cause.
         source: serde_json::Error,
     },
-    /// It does not begin with its surface and settings, or frames do not ascend.
+    /// The first entry is not a start entry, or frame numbers decrease.
     #[error(
-        "line {line} is out of order: a recording begins with its surface and ascends in frames"
+        "line {line} is out of order: the first line must be the start entry, and frame numbers \
+         must not decrease"
     )]
     Order {
-        /// Which, from 1.
+        /// Line number, from 1.
         line: usize,
     },
-    /// It is of another body.
-    #[error("it was made of another body; open it with the one that it was made of")]
+    /// The recording belongs to another surface.
+    #[error("recorded with another body; open it with that body")]
     OtherSurface,
 }
 
 impl Recording {
     pub(crate) fn new(surface: &Surface, settings: Settings) -> Self {
-        let surface = number(surface);
+        let surface = surface_hash(surface);
         Self {
             entries: vec![Entry::Start { surface, settings }],
         }
     }
 
-    pub(crate) fn note(&mut self, frame: u64, command: Command) {
-        // Of places within a frame only the last one counts.
+    /// Appends a command; of consecutive drags within a frame, only the last is kept.
+    pub(crate) fn record(&mut self, frame: u64, command: Command) {
         if let (
-            Some(Entry::Given {
+            Some(Entry::Command {
                 frame: f,
                 command: last,
             }),
@@ -92,23 +95,23 @@ impl Recording {
             *last = command;
             return;
         }
-        self.entries.push(Entry::Given { frame, command });
+        self.entries.push(Entry::Command { frame, command });
     }
 
     pub(crate) fn push(&mut self, entry: Entry) {
         self.entries.push(entry);
     }
 
-    /// The entries, in order.
+    /// Returns the entries in order.
     #[must_use]
     pub fn entries(&self) -> &[Entry] {
         &self.entries
     }
 
-    /// Writes all of it.
+    /// Writes the recording as lines of JSON.
     ///
     /// # Errors
-    /// What the writer says.
+    /// An error of the writer.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         for entry in &self.entries {
             serde_json::to_writer(&mut *out, entry)?;
@@ -117,7 +120,7 @@ impl Recording {
         Ok(())
     }
 
-    /// Reads what [`Recording::write`] wrote.
+    /// Reads the format of [`Recording::write`].
     ///
     /// # Errors
     /// [`RecordingError`].
@@ -130,7 +133,7 @@ impl Recording {
                 .map_err(|source| RecordingError::Line { line, source })?;
             let frame = match entry {
                 Entry::Start { .. } => 0,
-                Entry::Given { frame, .. } | Entry::End { frame, .. } => frame,
+                Entry::Command { frame, .. } | Entry::End { frame, .. } => frame,
             };
             let is_start = matches!(entry, Entry::Start { .. });
             if is_start != entries.is_empty() || frame < last {
@@ -145,7 +148,7 @@ impl Recording {
         Ok(Self { entries })
     }
 
-    /// What was chosen at first.
+    /// Returns the initial settings.
     #[must_use]
     pub fn settings(&self) -> Settings {
         match self.entries.first() {
@@ -154,13 +157,13 @@ impl Recording {
         }
     }
 
-    /// The recording from its beginning, for the body that it was made of.
+    /// Starts a replay on the surface that was recorded.
     ///
     /// # Errors
-    /// [`RecordingError::OtherSurface`].
+    /// [`RecordingError::OtherSurface`] for another surface.
     pub fn replay(self, of: &Surface) -> Result<Replay, RecordingError> {
         match self.entries.first() {
-            Some(Entry::Start { surface, .. }) if *surface == number(of) => Ok(Replay {
+            Some(Entry::Start { surface, .. }) if *surface == surface_hash(of) => Ok(Replay {
                 entries: self.entries,
                 next: 1,
             }),
@@ -169,51 +172,59 @@ impl Recording {
     }
 }
 
-/// Tells surfaces apart by triangles and places.
-pub(crate) fn number(surface: &Surface) -> u64 {
-    let coordinates = surface.positions.iter().flat_map(|p| &p[..3]);
+/// Returns a hash of connectivity and positions.
+pub(crate) fn surface_hash(surface: &Surface) -> u64 {
+    let coordinates = surface.positions().iter().flat_map(|p| &p[..3]);
     coordinates.fold(surface.fingerprint(), |hash, c| {
         // FNV-1a by words.
         (hash ^ u64::from(c.to_bits())).wrapping_mul(0x0000_0100_0000_01b3)
     })
 }
 
-/// A recording that is being done again.
+/// A recording that is being replayed.
 #[derive(Debug, Clone)]
 pub struct Replay {
     entries: Vec<Entry>,
     next: usize,
 }
 
-/// How far a replay is.
+/// Progress of a replay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Progress {
-    /// There is more.
+pub enum ReplayProgress {
+    /// More entries follow.
     Running,
-    /// Over; whether everything is where it was, to the bit. None if the recording does not say where that was.
-    Over(Option<bool>),
+    /// The replay is complete.
+    ///
+    /// The value is true if the final state is bit-identical, and `None` if the recording has no
+    /// end entry.
+    Finished(Option<bool>),
 }
 
 impl Replay {
-    /// Gives the commands of the frame that comes next. To be called before each [`Session::frame`], until it is over.
+    /// Applies the commands of the next frame.
+    ///
+    /// Call this before each [`Session::frame`] until the replay is finished.
     ///
     /// # Errors
     /// As [`Session::fingerprint`].
-    pub fn follow(&mut self, session: &mut Session) -> Result<Progress, incise_scene::SceneError> {
+    pub fn advance(
+        &mut self,
+        session: &mut Session,
+    ) -> Result<ReplayProgress, incise_scene::SceneError> {
         while let Some(&entry) = self.entries.get(self.next) {
             match entry {
-                Entry::Given { frame, command } if frame <= session.frames() => {
+                Entry::Command { frame, command } if frame <= session.frames() => {
                     session.apply(command);
                 }
                 Entry::End { frame, state } if frame <= session.frames() => {
                     let is_same = session.fingerprint()? == state;
-                    return Ok(Progress::Over(Some(is_same)));
+                    return Ok(ReplayProgress::Finished(Some(is_same)));
                 }
                 Entry::Start { .. } => {}
-                Entry::Given { .. } | Entry::End { .. } => return Ok(Progress::Running),
+                Entry::Command { .. } | Entry::End { .. } => return Ok(ReplayProgress::Running),
             }
             self.next += 1;
         }
-        Ok(Progress::Over(None))
+        Ok(ReplayProgress::Finished(None))
     }
 }

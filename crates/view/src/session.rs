@@ -1,81 +1,84 @@
-//! What is simulated, and what is done to it. It knows no window.
+//! A simulated body that commands cut, drag and change, frame by frame.
 
 mod blade;
-mod cuts;
-mod grip;
-mod moment;
+mod cut_history;
+mod drag;
+mod queries;
 mod settings;
-mod state;
+mod snapshot;
 
 use crate::command::{Command, Settings};
 use crate::recording::Recording;
-pub use blade::BladePlace;
+pub use blade::BladeState;
 use blade::Stroke;
-use cuts::Cuts;
-use grip::Grip;
+use cut_history::CutHistory;
+use drag::DraggedVertex;
+use incise_mesh::geometry::round_to_f32;
 use incise_mesh::{Surface, Vec3, VertexId};
 use incise_scene::{BladeId, BodyId, FrameStats, Scene, SceneError};
 use std::time::{Duration, Instant};
 
-/// How far above the ground a body begins, in diagonals.
+/// Initial height of a body above the ground, relative to its diagonal.
 const DROP: f32 = 0.12;
 
-/// What is under a pointer.
+/// The vertex and the point under the pointer.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Picked {
-    /// The corner next to the point.
+#[non_exhaustive]
+pub struct PickResult {
+    /// Nearest corner of the hit triangle.
     pub vertex: VertexId,
-    /// The point \[m\].
+    /// Hit point \[m\].
     pub point: Vec3,
 }
 
-/// Something to tell a user.
+/// A message for the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Notice {
-    /// What.
+pub struct StatusMessage {
+    /// Text of the message.
     pub text: String,
-    /// Whether something could not be done.
-    pub is_refusal: bool,
+    /// True if a command failed.
+    pub is_error: bool,
 }
 
-/// What a frame did and how long it took.
+/// Work and duration of a frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Frame {
-    /// The cuts that were made since the frame before, and the frame's own work.
+#[non_exhaustive]
+pub struct FrameReport {
+    /// Work of the frame and of the commands since the previous frame.
     pub stats: FrameStats,
-    /// Time of both.
+    /// Duration of both.
     pub time: Duration,
 }
 
-/// A body, a blade, and what is done to them.
+/// A simulated body and a blade, changed by [`Command`]s.
 #[derive(Debug)]
 pub struct Session {
     scene: Scene,
     body: BodyId,
     blade: BladeId,
-    /// The body as it was at first.
-    first: Surface,
+    /// Initial surface.
+    initial: Surface,
     ground: f32,
     diagonal: f32,
     settings: Settings,
-    cuts: Cuts,
+    history: CutHistory,
     stroke: Option<Stroke>,
-    grip: Option<Grip>,
-    /// Frames so far.
+    dragged: Option<DraggedVertex>,
+    /// Number of frames so far.
     frame: u64,
-    last: Frame,
-    /// What the last frame in which anything was cut did.
-    last_cut: Option<FrameStats>,
-    /// Time of cuts and commands since the frame before.
-    since: Frame,
-    notice: Option<Notice>,
+    last_frame: FrameReport,
+    /// Work of the last frame with a cut.
+    last_cut_stats: Option<FrameStats>,
+    /// Work of cuts and commands since the previous frame.
+    pending: FrameReport,
+    status_message: Option<StatusMessage>,
     topology: u64,
     positions: u64,
     recording: Recording,
 }
 
 impl Session {
-    /// A session of a body at rest, in an empty scene on whatever backend.
+    /// Creates a session with a body at rest in an empty scene, with default settings.
     ///
     /// # Errors
     /// As [`Scene::add_body`].
@@ -83,7 +86,7 @@ impl Session {
         Self::with_settings(surface, scene, Settings::default())
     }
 
-    /// As [`Session::new`], with these settings at first.
+    /// Creates a session as [`Session::new`], with the given settings.
     ///
     /// # Errors
     /// As [`Scene::add_body`].
@@ -93,7 +96,7 @@ impl Session {
         settings: Settings,
     ) -> Result<Self, SceneError> {
         let bounds = surface.bounds();
-        let diagonal = narrow(bounds.diagonal());
+        let diagonal = round_to_f32(bounds.diagonal());
         let ground = bounds.min[1] - DROP * diagonal;
         let recording = Recording::new(&surface, settings);
         scene.params = settings.scene(ground);
@@ -103,32 +106,34 @@ impl Session {
             scene,
             body,
             blade,
-            first: surface,
+            initial: surface,
             ground,
             diagonal,
             settings,
-            cuts: Cuts::default(),
+            history: CutHistory::default(),
             stroke: None,
-            grip: None,
+            dragged: None,
             frame: 0,
-            last: Frame::default(),
-            last_cut: None,
-            since: Frame::default(),
-            notice: None,
+            last_frame: FrameReport::default(),
+            last_cut_stats: None,
+            pending: FrameReport::default(),
+            status_message: None,
             topology: 0,
             positions: 0,
             recording,
         })
     }
 
-    /// Does a command. What cannot be done changes nothing and leaves a [notice](Self::notice).
+    /// Applies a command.
+    ///
+    /// A command that fails changes nothing and leaves a [message](Self::status_message).
     pub fn apply(&mut self, command: Command) {
         let begin = Instant::now();
-        self.recording.note(self.frame, command);
+        self.recording.record(self.frame, command);
         let done = match command {
             Command::Slice { from, to } => self.slice(from, to),
             Command::Blade { edge } => {
-                self.cuts.forget_undone();
+                self.history.clear_redo();
                 self.hold_blade(edge)
             }
             Command::LiftBlade => {
@@ -149,91 +154,88 @@ impl Session {
             Command::Undo => self.undo(),
             Command::Redo => self.redo(),
         };
-        self.since.time += begin.elapsed();
-        self.tell(done);
+        self.pending.time += begin.elapsed();
+        self.report_result(done);
     }
 
-    /// Steps by a frame.
+    /// Cuts along the motion of the held blade and steps the scene by one frame.
     pub fn frame(&mut self) {
         let begin = Instant::now();
         let done = self.try_frame();
-        self.tell(done);
-        let mut now = Frame {
+        self.report_result(done);
+        let mut now = FrameReport {
             stats: *self.scene.stats(),
-            time: begin.elapsed() + self.since.time,
+            time: begin.elapsed() + self.pending.time,
         };
-        add_cuts(&mut now.stats, &self.since.stats);
+        add_cuts(&mut now.stats, &self.pending.stats);
         if now.stats.cuts > 0 {
-            self.last_cut = Some(now.stats);
+            self.last_cut_stats = Some(now.stats);
         }
-        self.since = Frame::default();
-        self.last = now;
+        self.pending = FrameReport::default();
+        self.last_frame = now;
         self.frame += 1;
     }
 
     fn try_frame(&mut self) -> Result<(), SceneError> {
-        self.follow_grip()?;
-        if self.aim_stroke()? {
-            let moment = self.moment()?;
+        self.advance_drag()?;
+        if self.advance_stroke()? {
+            let snapshot = self.snapshot()?;
             self.scene.cut()?;
             if let Some(way) = self.end_stroke() {
-                self.take_outcome(way, moment);
+                self.record_cut(way, snapshot);
             }
         } else {
             self.scene.cut()?;
         }
         self.scene.advance()?;
         if self.scene.stats().fell_back {
-            let why = self.scene.backend_report().fallback.unwrap_or_default();
-            self.say(format!("on the processor: {why}"));
+            let why = self.scene.backend_report().fallback_reason;
+            let why = why.map_or_else(String::new, |reason| reason.to_string());
+            self.inform(format!("the simulation continues on the CPU: {why}"));
         }
         self.positions += 1;
         Ok(())
     }
 
-    /// Tells of what went wrong.
-    fn tell(&mut self, done: Result<(), SceneError>) {
+    /// Shows the error of a failed command.
+    fn report_result(&mut self, done: Result<(), SceneError>) {
         if let Err(error) = done {
-            self.refuse(error.to_string());
+            self.report_error(error.to_string());
         }
     }
 
-    fn say(&mut self, text: String) {
-        self.notice = Some(Notice {
+    fn inform(&mut self, text: String) {
+        self.status_message = Some(StatusMessage {
             text,
-            is_refusal: false,
+            is_error: false,
         });
     }
 
-    fn refuse(&mut self, text: String) {
-        self.notice = Some(Notice {
+    fn report_error(&mut self, text: String) {
+        self.status_message = Some(StatusMessage {
             text,
-            is_refusal: true,
+            is_error: true,
         });
     }
 }
 
-/// What a cut did goes with the frame after it.
+/// Adds the cut statistics of commands to those of the next frame.
 fn add_cuts(to: &mut FrameStats, cuts: &FrameStats) {
     to.sweeps += cuts.sweeps;
-    to.detections += cuts.detections;
-    to.detections_skipped += cuts.detections_skipped;
-    to.boxes += cuts.boxes;
-    to.refits += cuts.refits;
-    to.candidates += cuts.candidates;
-    to.hits += cuts.hits;
+    to.missed_sweeps += cuts.missed_sweeps;
+    to.narrow_phase_queries += cuts.narrow_phase_queries;
+    to.broad_phase_rejections += cuts.broad_phase_rejections;
+    to.aabbs_computed += cuts.aabbs_computed;
+    to.bvh_refits += cuts.bvh_refits;
+    to.candidate_triangles += cuts.candidate_triangles;
+    to.hit_triangles += cuts.hit_triangles;
     to.cuts += cuts.cuts;
-    to.refused += cuts.refused;
+    to.failed_cuts += cuts.failed_cuts;
     to.readbacks += cuts.readbacks;
     to.detection += cuts.detection;
     to.topology += cuts.topology;
     to.refinement += cuts.refinement;
-    to.constraints += cuts.constraints;
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
-fn narrow(x: f64) -> f32 {
-    x as f32
+    to.constraint_update += cuts.constraint_update;
 }
 
 #[cfg(test)]

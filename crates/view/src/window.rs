@@ -1,60 +1,60 @@
-//! The window: events in, pictures out.
+//! The window: options, state and the entry point `run`.
 
-mod act;
+mod actions;
+mod annotations;
 mod app;
 mod events;
-mod frames;
-mod graph;
-mod marks;
-mod pace;
+mod frame_loop;
+mod frame_times;
 mod panel;
-mod picture;
-mod screen;
+mod playback_speed;
+mod scene_view;
+mod window_renderer;
 
 use crate::command::Settings;
 use crate::error::ViewError;
-use crate::pointer::{Eye, Pointer};
+use crate::pointer::{OrbitCamera, Pointer};
 use crate::recording::{Recording, Replay};
 use crate::session::Session;
 use app::App;
-use graph::Times;
+use frame_times::FrameTimes;
 use incise_mesh::Surface;
 use incise_scene::BackendRequest;
-use pace::Pace;
-use picture::Picture;
-use screen::Screen;
+use playback_speed::PlaybackSpeed;
+use scene_view::SceneView;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use window_renderer::WindowRenderer;
 use winit::event_loop::EventLoop;
 use winit::window::Window;
 
-/// What the pieces of a body are saved with; says what it did, or why it could not.
-pub type Save = Box<dyn FnMut(&Surface) -> Result<String, String>>;
+/// A function that saves the pieces of a surface and returns a message for the user.
+pub type Save = Box<dyn FnMut(&Surface) -> Result<String, Box<dyn std::error::Error>>>;
 
-/// What to show, and how.
-pub struct Options {
-    /// What the window is called.
+/// Options of the window.
+pub struct WindowOptions {
+    /// Title of the window.
     pub title: String,
-    /// The body.
+    /// Initial surface of the body.
     pub surface: Surface,
-    /// What moves it. An adapter's name is also that of the one that draws.
+    /// Simulation backend; a named adapter also renders.
     pub backend: BackendRequest,
-    /// Pixels across and along.
+    /// Width and height \[px\].
     pub size: [u32; 2],
-    /// Whether time stands still at first.
+    /// Starts with the simulation paused.
     pub paused: bool,
-    /// What to do again.
+    /// Recording to replay.
     pub replay: Option<Recording>,
-    /// Where the recording goes when it is saved.
+    /// File for saved recordings.
     pub record_to: PathBuf,
-    /// Saves the pieces.
+    /// Function that saves the pieces.
     pub save: Save,
 }
 
-impl std::fmt::Debug for Options {
+impl std::fmt::Debug for WindowOptions {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Options")
+        f.debug_struct("WindowOptions")
             .field("title", &self.title)
             .field("backend", &self.backend)
             .field("size", &self.size)
@@ -63,9 +63,9 @@ impl std::fmt::Debug for Options {
     }
 }
 
-/// How things look.
+/// Display options that keys and the panel toggle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Look {
+struct DisplayOptions {
     wireframe: bool,
     pieces: bool,
     caps: bool,
@@ -74,7 +74,7 @@ struct Look {
     help: bool,
 }
 
-impl Default for Look {
+impl Default for DisplayOptions {
     fn default() -> Self {
         Self {
             wireframe: false,
@@ -87,18 +87,19 @@ impl Default for Look {
     }
 }
 
-/// Shows a body until the window is closed.
+/// Opens a window and runs until it is closed.
 ///
 /// # Errors
-/// [`ViewError`]: no display, no device that draws in windows, a body that cannot be simulated, a device that fails.
-pub fn run(options: Options) -> Result<(), ViewError> {
+/// [`ViewError`]: no display, no adapter for windows, a body that cannot be simulated, or a GPU
+/// failure.
+pub fn run(options: WindowOptions) -> Result<(), ViewError> {
     let replay = options.replay.clone();
     let settings = replay
         .as_ref()
         .map_or_else(Settings::default, Recording::settings);
     let replay = replay.map(|r| r.replay(&options.surface)).transpose()?;
     let events = EventLoop::new().map_err(|error| {
-        // Before the reason stands where in the library it was found.
+        // The reason follows the library's location of the error.
         let message = error.to_string();
         let message = message.rsplit(": ").next().unwrap_or_default().to_owned();
         ViewError::NoDisplay { message }
@@ -111,30 +112,30 @@ pub fn run(options: Options) -> Result<(), ViewError> {
     })
 }
 
-/// Everything that there is once there is a window.
-struct Open {
+/// The state of an open window.
+struct OpenWindow {
     window: Arc<Window>,
-    screen: Screen,
-    picture: Picture,
+    renderer: WindowRenderer,
+    scene_view: SceneView,
     egui: egui_winit::State,
     session: Session,
-    eye: Eye,
+    orbit: OrbitCamera,
     pointer: Pointer,
     shift: bool,
-    look: Look,
-    times: Times,
-    /// What draws and what moves, and why.
-    device: String,
+    display: DisplayOptions,
+    times: FrameTimes,
+    /// Name of the rendering adapter, for the panel.
+    adapter: String,
     paused: bool,
-    pace: Pace,
+    speed: PlaybackSpeed,
     replay: Option<Replay>,
-    /// When the last picture was begun.
-    last: Instant,
+    /// Start of the last redraw.
+    last_redraw: Instant,
     /// Time that is not simulated yet.
-    owed: Duration,
-    /// What was saved or not.
-    told: Option<(String, bool)>,
+    accumulator: Duration,
+    /// Message of the window, and true for an error.
+    message: Option<(String, bool)>,
     record_to: PathBuf,
     save: Save,
-    is_over: bool,
+    is_closing: bool,
 }

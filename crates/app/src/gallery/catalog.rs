@@ -1,4 +1,4 @@
-//! The paper's figures by name, and how each is made of the built-in models.
+//! The paper's figures by name, with captions and the functions that make them.
 
 use super::boundary::{PLANE, boundary};
 use super::figure::{FigureError, Row};
@@ -7,36 +7,38 @@ use super::refinement::refinement;
 use super::slice::Plane;
 use super::slices::slices;
 use super::sweep::sweep_plane;
-use incise_mesh::Model;
+use incise_models::Model;
 
 /// A figure of the paper.
 pub(super) struct Entry {
-    /// Its name, which is also its file's.
+    /// Name of the figure and of its file.
     pub(super) name: &'static str,
     pub(super) caption: &'static str,
     pub(super) make: fn() -> Result<Vec<Row>, FigureError>,
 }
 
-/// All figures that are pictures of models.
+/// All figures that show models.
 pub(super) const ALL: [Entry; 14] = [
     Entry {
         name: "fig1",
-        caption: "Sweep plane: the blade, the area between its edge's previous and its current position (red), the two \
-                  triangles of the sweep; and which triangles of Sphere80 it hits.",
+        caption: "Sweep plane: the blade, the area between the previous and the current position \
+                  of its edge (red), the two triangles of the sweep, and the triangles of \
+                  Sphere80 that it crosses.",
         make: sweep_plane,
     },
     Entry {
         name: "fig2",
-        caption: "Reconstruction of the boundary: Sphere80, without the triangles that are hit, with new triangles on \
-                  one side, and with the boundary that the cap gets. Boundary in blue, intersection points in red, new \
-                  triangles in green.",
+        caption: "Reconstruction of the boundary: Sphere80, without the triangles that the sweep \
+                  crosses, with new triangles on one side, and with the boundary of the cap. \
+                  Boundary in blue, intersection points in red, new triangles in green.",
         make: boundary,
     },
     Entry {
         name: "fig3",
-        caption: "Refinement: Sphere80, the rim's initial triangulation, triangles divided in the first round, the \
-                  refined patch, and that without the swaps before the first round. The numbers are triangles of the \
-                  patch. The exact method's own caps are made otherwise, as the last panel shows.",
+        caption: "Refinement: Sphere80, the initial triangulation of the rim, triangles split in \
+                  the first round, the refined patch, and the same without the edge swaps before \
+                  the first round. Numbers count triangles of the patch. The last panel shows \
+                  the exact method's own cap.",
         make: refinement,
     },
     Entry {
@@ -57,7 +59,8 @@ pub(super) const ALL: [Entry; 14] = [
     },
     Entry {
         name: "fig6",
-        caption: "Slices of the other models at the original level, pieces moved apart; the paper shows Bunny and Banana.",
+        caption: "Slices of the other models at the original level, pieces moved apart; the paper \
+                  shows Bunny and Banana.",
         make: || {
             slices(&[
                 (Model::Bunny, &BUNNY_SLICES),
@@ -130,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_names_of_files_and_no_two_alike() {
+    fn figure_names_are_unique_file_names() {
         for (i, entry) in ALL.iter().enumerate() {
             assert!(entry.name.chars().all(|c| c.is_ascii_alphanumeric()));
             let is_same = |other: &Entry| other.name.eq_ignore_ascii_case(entry.name);

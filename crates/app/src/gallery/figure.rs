@@ -1,11 +1,11 @@
-//! What a figure is made of: rows of panels, and what an index tells of each.
+//! A figure as data: rows of panels, and the facts that the index lists.
 
 use super::slice::place;
 use crate::failure::Failure;
 use incise_cut::CutError;
 use incise_mesh::{Surface, TopologyError, TriangleId};
 use incise_refine::RefineError;
-use incise_render::{Camera, Color, Line, Sheet};
+use incise_render::{Camera, Color, Line, OverlayTriangle};
 use serde::Serialize;
 use std::rc::Rc;
 
@@ -17,23 +17,23 @@ pub(super) const EDGE: Color = Color::rgb(24, 64, 214);
 pub(super) const POINT: Color = Color::rgb(214, 24, 32);
 pub(super) const SWEEP: Color = Color::rgb(70, 130, 210);
 
-/// Why a figure cannot be made.
+/// The reason that a figure cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum FigureError {
-    /// A model is not cut.
+    /// A model cannot be cut.
     #[error(transparent)]
     Cut(#[from] CutError),
-    /// A hole is not covered.
+    /// A hole cannot be triangulated.
     #[error(transparent)]
     Refine(#[from] RefineError),
-    /// Triangles are no surface.
+    /// Triangles do not form a surface.
     #[error(transparent)]
     Topology(#[from] TopologyError),
 }
 
 impl FigureError {
-    /// The failure of the figure with this name.
-    pub(super) fn of(self, figure: &'static str) -> Failure {
+    /// Returns the failure of the figure with this name.
+    pub(super) fn in_figure(self, figure: &'static str) -> Failure {
         Failure::Figure {
             figure,
             source: self,
@@ -41,48 +41,48 @@ impl FigureError {
     }
 }
 
-/// A row of panels, with a text above it.
+/// A row of panels with a title.
 pub(super) struct Row {
     pub(super) title: String,
     pub(super) panels: Vec<Panel>,
 }
 
-/// One picture of a figure.
+/// One image of a figure.
 pub(super) struct Panel {
     pub(super) label: String,
     pub(super) camera: Camera,
-    pub(super) shown: Vec<Rc<Shown>>,
-    pub(super) sheets: Vec<Sheet>,
+    pub(super) shown: Vec<Rc<ColoredSurface>>,
+    pub(super) sheets: Vec<OverlayTriangle>,
     pub(super) lines: Vec<Line>,
-    /// Points that are marked \[m\].
+    /// Marked points \[m\].
     pub(super) points: Vec<[f32; 3]>,
     pub(super) facts: Facts,
 }
 
-/// A surface and the color of each of its triangles, by their ids; none of those that are not shown.
-pub(super) struct Shown {
+/// A surface with a color for each visible triangle.
+pub(super) struct ColoredSurface {
     pub(super) surface: Surface,
     colors: Vec<Option<Color>>,
 }
 
-/// What the index tells of a panel.
+/// The facts of a panel in the index.
 #[derive(Clone, Default, Serialize)]
 pub(super) struct Facts {
     pub(super) model: Option<&'static str>,
     pub(super) method: Option<&'static str>,
     pub(super) level: Option<String>,
-    /// Planes that the model is cut along, one after the other: `nx x + ny y + nz z = d`.
+    /// Planes of successive cuts: `nx x + ny y + nz z = d`.
     pub(super) planes: Vec<[f64; 4]>,
-    /// Whether what is in front of the plane was left out.
+    /// Whether the half in front of the plane is hidden.
     pub(super) second_half_removed: bool,
-    /// Triangles in the picture.
+    /// Visible triangles.
     pub(super) triangles: usize,
-    /// Those of caps among them.
+    /// Visible triangles of caps.
     pub(super) cap_triangles: usize,
 }
 
-impl Shown {
-    /// A surface in these colors.
+impl ColoredSurface {
+    /// Colors a surface; triangles without a color are hidden.
     pub(super) fn new(
         surface: Surface,
         color: impl Fn(&Surface, TriangleId) -> Option<Color>,
@@ -98,18 +98,18 @@ impl Shown {
         self.colors[t.index()]
     }
 
-    /// Triangles that are shown.
+    /// Returns the number of visible triangles.
     pub(super) fn count(&self) -> usize {
         self.colors.iter().flatten().count()
     }
 
-    /// Those of them that are caps.
+    /// Returns the number of visible cap triangles.
     pub(super) fn caps(&self) -> usize {
         let colors = self.colors.iter().flatten();
         colors.filter(|&&color| color == CAP).count()
     }
 
-    /// Corners of triangles that are shown \[m\].
+    /// Returns the corners of visible triangles \[m\].
     pub(super) fn corners(&self) -> impl Iterator<Item = [f32; 3]> {
         let topology = self.surface.topology();
         let shown = topology
@@ -121,8 +121,13 @@ impl Shown {
 }
 
 impl Panel {
-    /// A panel of surfaces alone; the facts' numbers of triangles are theirs.
-    pub(super) fn of(label: String, camera: Camera, shown: Vec<Rc<Shown>>, facts: Facts) -> Self {
+    /// Creates a panel of surfaces and counts their triangles.
+    pub(super) fn from_surfaces(
+        label: String,
+        camera: Camera,
+        shown: Vec<Rc<ColoredSurface>>,
+        facts: Facts,
+    ) -> Self {
         let facts = Facts {
             triangles: shown.iter().map(|shown| shown.count()).sum(),
             cap_triangles: shown.iter().map(|shown| shown.caps()).sum(),
@@ -140,7 +145,7 @@ impl Panel {
     }
 }
 
-/// The letter that panels are known by: (a) for the first.
+/// Returns the letter of a panel, a for the first.
 pub(super) fn letter(i: usize) -> char {
     let letters = ('a'..='z').nth(i);
     letters.unwrap_or('-')

@@ -1,18 +1,18 @@
-//! Figures 4, 7 to 10 and A1 to A4: the five refinement levels, the second half removed.
+//! Figures 4, 7 to 10 and A1 to A4: the five refinement levels, second half removed.
 
 use super::figure::{FigureError, Panel, Row, letter};
-use super::slice::{METHODS, Plane, Slice, facts, front, name, params, side};
-use incise_mesh::geometry::round;
-use incise_mesh::{Model, build_model};
+use super::slice::{Plane, Slice, facts, front, methods, name, params, side};
+use incise_mesh::geometry::to_f32;
+use incise_models::{Model, build_model};
 use incise_refine::RefinementLevel;
 use incise_render::Camera;
 
-/// A way to look at a half.
+/// A view of a half.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Look {
-    /// All of it, from beside the cap.
+    /// The whole half, from beside the cap.
     Side,
-    /// The cap alone, from straight in front.
+    /// The cap alone, from the front.
     Front,
 }
 
@@ -22,7 +22,7 @@ impl Look {
             Self::Side => side(slice.normal()).frame(slice.half().corners(), 1.0),
             Self::Front => {
                 let caps = slice.caps().into_iter().flatten();
-                front(slice.normal()).frame(caps.map(round), 1.0)
+                front(slice.normal()).frame(caps.map(to_f32), 1.0)
             }
         }
     }
@@ -35,17 +35,17 @@ impl Look {
     }
 }
 
-/// The five levels of a cut by both methods, a row for each view.
+/// Returns the five levels of a cut by both methods, one row per view.
 pub(super) fn levels(model: Model, plane: Plane, looks: &[Look]) -> Result<Vec<Row>, FigureError> {
     let surface = build_model(model);
     let mut rows = Vec::new();
-    for method in METHODS {
+    for method in methods() {
         let each = RefinementLevel::FIVE.map(|level| params(method, level));
-        let slices = each.map(|params| Slice::of(&surface, plane, &params));
+        let slices = each.map(|params| Slice::new(&surface, plane, &params));
         let slices = slices.into_iter().collect::<Result<Vec<_>, _>>()?;
         let halves: Vec<_> = slices.iter().map(Slice::half).collect();
         for look in looks {
-            // One for all five: caps differ, their rims do not.
+            // One camera for all five levels: their rims are equal.
             let camera = look.camera(&slices[0]);
             let panels = each
                 .iter()
@@ -56,7 +56,7 @@ pub(super) fn levels(model: Model, plane: Plane, looks: &[Look]) -> Result<Vec<R
                     facts.second_half_removed = true;
                     let (letter, level, caps) = (letter(i), params.refine.level, half.caps());
                     let label = format!("({letter}) {level}, {caps} cap triangles");
-                    Panel::of(label, camera, vec![half.clone()], facts)
+                    Panel::from_surfaces(label, camera, vec![half.clone()], facts)
                 });
             rows.push(Row {
                 title: format!("{}, {}, {}", model.name(), name(method), look.name()),

@@ -1,37 +1,43 @@
-//! A model, cut along a plane, and its two halves.
+//! A model cut along a plane, and the cameras for its halves.
 
-use super::figure::{BODY, CAP, Facts, FigureError, Shown};
-use incise_cut::{CutMethod, CutOutcome, CutParams, Cutter, Sweep};
-use incise_mesh::{Model, Surface, TriangleId, Vec3, VertexId};
+use super::figure::{BODY, CAP, ColoredSurface, Facts, FigureError};
+use incise_cut::{CutMethod, CutOutcome, CutParams, Cutter, PaperParams, Sweep};
+use incise_mesh::{Surface, TriangleId, Vec3, VertexId};
+use incise_models::Model;
 use incise_refine::{RefineParams, RefinementLevel};
 use incise_render::{Camera, Color};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// The two ways to cut, the paper's first.
-pub(super) const METHODS: [CutMethod; 2] = [CutMethod::Rebuild, CutMethod::Exact];
+/// The two methods, the paper's first.
+pub(super) fn methods() -> [CutMethod; 2] {
+    [
+        CutMethod::Paper(PaperParams::default()),
+        CutMethod::default(),
+    ]
+}
 
-/// A plane: its normal, of any length, and `d`.
+/// A plane: its normal, of any length, and its offset `d`.
 pub(super) type Plane = [f64; 4];
 
-/// A model that was cut along a plane.
+/// A model cut along a plane.
 pub(super) struct Slice {
     pub(super) surface: Surface,
     pub(super) outcome: CutOutcome,
     plane: Plane,
-    /// By piece, whether it is behind the plane.
+    /// Whether a piece is behind the plane, by piece.
     is_behind: Vec<bool>,
 }
 
-/// A method's name in titles and in the index.
+/// Returns a method's name for titles and the index.
 pub(super) fn name(method: CutMethod) -> &'static str {
     match method {
-        CutMethod::Rebuild => "rebuild",
+        CutMethod::Paper(_) => "paper",
         _ => "exact",
     }
 }
 
-/// How to cut by this method.
+/// Returns the parameters of a cut.
 pub(super) fn params(method: CutMethod, level: RefinementLevel) -> CutParams {
     CutParams {
         method,
@@ -43,7 +49,7 @@ pub(super) fn params(method: CutMethod, level: RefinementLevel) -> CutParams {
     }
 }
 
-/// What the index tells of a model that is cut.
+/// Returns the facts of a cut model for the index.
 pub(super) fn facts(model: Model, params: &CutParams, planes: &[Plane]) -> Facts {
     Facts {
         model: Some(model.name()),
@@ -54,14 +60,14 @@ pub(super) fn facts(model: Model, params: &CutParams, planes: &[Plane]) -> Facts
     }
 }
 
-/// The plane as a sweep through all of the body.
+/// Returns the sweep of a plane through the whole body.
 pub(super) fn sweep(surface: &Surface, [x, y, z, d]: Plane) -> Result<Sweep, FigureError> {
-    Ok(Sweep::across_box([x, y, z], d, &surface.bounds())?)
+    Ok(Sweep::from_plane([x, y, z], d, &surface.bounds())?)
 }
 
 impl Slice {
     /// Cuts a copy of the surface.
-    pub(super) fn of(
+    pub(super) fn new(
         surface: &Surface,
         plane: Plane,
         params: &CutParams,
@@ -70,7 +76,7 @@ impl Slice {
         let sweep = sweep(&surface, plane)?;
         let outcome = Cutter::new(&surface).cut(&mut surface, &sweep, params)?;
         let [x, y, z, d] = plane;
-        let centers = crate::apart::centers(&surface);
+        let centers = crate::explode::centers(&surface);
         let is_behind = centers.iter().map(|c| c.dot(&Vec3::new(x, y, z)) < d);
         Ok(Self {
             is_behind: is_behind.collect(),
@@ -80,31 +86,31 @@ impl Slice {
         })
     }
 
-    /// Whether a triangle is in the half behind the plane, which stays where the paper leaves one out.
+    /// Returns true for triangles behind the plane, the half that the paper's figures show.
     pub(super) fn is_behind(&self, t: TriangleId) -> bool {
         self.is_behind[self.surface.piece(t) as usize]
     }
 
-    /// The half behind the plane.
-    pub(super) fn half(&self) -> Rc<Shown> {
-        Shown::new(self.surface.clone(), |surface, t| {
+    /// Returns the half behind the plane.
+    pub(super) fn half(&self) -> Rc<ColoredSurface> {
+        ColoredSurface::new(self.surface.clone(), |surface, t| {
             self.is_behind(t).then(|| color(surface, t))
         })
     }
 
-    /// The triangles of the caps of the half behind the plane \[m\].
+    /// Returns the cap triangles of the half behind the plane \[m\].
     pub(super) fn caps(&self) -> Vec<[Vec3; 3]> {
         let caps = self.outcome.cap.iter().filter(|&&t| self.is_behind(t));
         caps.map(|&t| self.surface.triangle_positions(t)).collect()
     }
 
-    /// The plane's normal, of length 1: out of the cap of the half behind it.
+    /// Returns the plane's unit normal, the outward normal of the visible cap.
     pub(super) fn normal(&self) -> Vec3 {
         let [x, y, z, _] = self.plane;
         Vec3::new(x, y, z).normalize()
     }
 
-    /// Edges around the caps of the half behind the plane, as the caps run along them.
+    /// Returns the rim edges of the visible caps, in the direction of the caps.
     pub(super) fn rim_edges(&self) -> Vec<[VertexId; 2]> {
         let (surface, topology) = (&self.surface, self.surface.topology());
         let caps = topology
@@ -116,7 +122,7 @@ impl Slice {
             .collect()
     }
 
-    /// The same edges as loops, each from its vertex with the smallest id on.
+    /// Returns the rims as loops, each starting at its smallest vertex id.
     pub(super) fn rims(&self) -> Vec<Vec<VertexId>> {
         let mut next: BTreeMap<VertexId, VertexId> =
             self.rim_edges().into_iter().map(|[a, b]| (a, b)).collect();
@@ -134,34 +140,34 @@ impl Slice {
     }
 }
 
-/// Where a vertex is \[m\].
+/// Returns the position of a vertex \[m\].
 pub(super) fn place(surface: &Surface, v: VertexId) -> [f32; 3] {
-    let [x, y, z, _] = surface.positions[v.index()];
+    let [x, y, z, _] = surface.positions()[v.index()];
     [x, y, z]
 }
 
-/// Whether a cut made the triangle to close a lip.
+/// Returns true for triangles of caps.
 pub(super) fn is_cap(surface: &Surface, t: TriangleId) -> bool {
     surface.material(t) == CutParams::default().cap_material
 }
 
-/// The usual color of a triangle.
+/// Returns the default color of a triangle.
 pub(super) fn color(surface: &Surface, t: TriangleId) -> Color {
     if is_cap(surface, t) { CAP } else { BODY }
 }
 
-/// A camera that looks against this direction.
+/// Returns a camera that looks against a direction.
 pub(super) fn against(direction: Vec3) -> Camera {
     let v = direction.normalize();
-    Camera::looking(v.x.atan2(v.z), v.y.clamp(-1.0, 1.0).asin())
+    Camera::from_angles(v.x.atan2(v.z), v.y.clamp(-1.0, 1.0).asin())
 }
 
-/// From straight in front of a cap with this normal.
+/// Returns the front view of a cap with this normal.
 pub(super) fn front(normal: Vec3) -> Camera {
     against(normal)
 }
 
-/// From beside the cap and a little above, so that it and the body behind it are seen, and the key light falls on it.
+/// Returns the view from beside the cap and above, which shows the cap lit and the body behind it.
 pub(super) fn side(normal: Vec3) -> Camera {
     let across = normal.cross(&Vec3::y());
     let across = across

@@ -1,30 +1,31 @@
-//! Figures 5 and 6: models sliced again and again, the pieces moved apart.
+//! Figures 5 and 6: models sliced repeatedly, the pieces moved apart.
 
-use super::figure::{FigureError, Panel, Row, Shown, letter};
-use super::slice::{METHODS, Plane, color, facts, name, params, sweep};
-use crate::apart::{centers, move_pieces};
+use super::figure::{ColoredSurface, FigureError, Panel, Row, letter};
+use super::slice::{Plane, color, facts, methods, name, params, sweep};
+use crate::explode::{centers, move_pieces};
 use incise_cut::{CutParams, Cutter};
-use incise_mesh::{Model, Surface, Vec3, build_model};
+use incise_mesh::{Surface, Vec3};
+use incise_models::{Model, build_model};
 use incise_refine::RefinementLevel;
 use incise_render::Camera;
 
-/// How far pieces are moved off the middle, as a part of their distance from it.
-const APART: f64 = 0.45;
+/// Displacement of a piece over its distance from the center.
+const EXPLOSION: f64 = 0.45;
 
-/// The slices of models by both methods, a row for each.
+/// Returns the slices of models, one row per method.
 pub(super) fn slices(models: &[(Model, &[Plane])]) -> Result<Vec<Row>, FigureError> {
     let mut rows = Vec::new();
-    for method in METHODS {
+    for method in methods() {
         let params = params(method, RefinementLevel::Original);
         let mut panels = Vec::new();
         for (i, &(model, planes)) in models.iter().enumerate() {
             let surface = sliced(build_model(model), planes, &params)?;
             let pieces = surface.piece_count();
-            let shown = Shown::new(surface, |surface, t| Some(color(surface, t)));
+            let shown = ColoredSurface::new(surface, |surface, t| Some(color(surface, t)));
             let camera = Camera::default().frame(shown.corners(), 1.0);
             let facts = facts(model, &params, planes);
             let label = format!("({}) {}, {pieces} pieces", letter(i), model.name());
-            panels.push(Panel::of(label, camera, vec![shown], facts));
+            panels.push(Panel::from_surfaces(label, camera, vec![shown], facts));
         }
         rows.push(Row {
             title: name(method).to_owned(),
@@ -34,7 +35,7 @@ pub(super) fn slices(models: &[(Model, &[Plane])]) -> Result<Vec<Row>, FigureErr
     Ok(rows)
 }
 
-/// The surface, cut along one plane after the other and moved apart.
+/// Cuts a surface along successive planes and moves the pieces apart.
 fn sliced(
     mut surface: Surface,
     planes: &[Plane],
@@ -43,11 +44,11 @@ fn sliced(
     let mut cutter = Cutter::new(&surface);
     for &plane in planes {
         let sweep = sweep(&surface, plane)?;
-        cutter.cut(&mut surface, &sweep, params)?;
+        let _ = cutter.cut(&mut surface, &sweep, params)?;
     }
     let middle = surface.bounds().center();
     let moves: Vec<Vec3> = (centers(&surface).iter())
-        .map(|center| (center - middle) * APART)
+        .map(|center| (center - middle) * EXPLOSION)
         .collect();
     move_pieces(&mut surface, &moves);
     Ok(surface)

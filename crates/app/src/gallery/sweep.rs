@@ -1,16 +1,19 @@
-//! Figure 1: from a blade's two poses to two triangles, and what they hit.
+//! Figure 1: a blade's two poses, the two triangles of its sweep, and the triangles it crosses.
 
-use super::figure::{BODY, EDGE, Facts, FigureError, HIT, POINT, Panel, Row, SWEEP, Shown};
+use super::figure::{
+    BODY, ColoredSurface, EDGE, Facts, FigureError, HIT, POINT, Panel, Row, SWEEP,
+};
 use super::slice::{against, place};
-use incise_cut::{Bvh, Sweep};
-use incise_mesh::{Model, Surface, TriangleId, Vec3, build_model};
-use incise_render::{Color, Line, Sheet};
+use incise_cut::Sweep;
+use incise_mesh::{Bvh, Surface, TriangleId, Vec3};
+use incise_models::{Model, build_model};
+use incise_render::{Color, Line, OverlayTriangle};
 use std::rc::Rc;
 
-/// The blade's edge before and now: start, which is its tip, and end \[m\].
+/// The blade's previous and current edge: start (its tip) and end \[m\].
 const BEFORE: [[f32; 3]; 2] = [[0.1, -0.75, 0.8], [0.1, 0.75, 0.66]];
 const NOW: [[f32; 3]; 2] = [[-0.02, -0.75, -0.7], [-0.02, 0.75, -0.84]];
-/// The blade's back is so far behind the end of its edge, and so thick \[m\].
+/// Distance of the blade's back from the end of its edge, and its thickness \[m\].
 const HEIGHT: f32 = 0.32;
 const THICKNESS: f32 = 0.025;
 const STEEL: Color = Color::rgb(196, 200, 206);
@@ -20,15 +23,15 @@ pub(super) fn sweep_plane() -> Result<Vec<Row>, FigureError> {
     let sweep = Sweep::new(BEFORE, NOW)?;
     let body = build_model(Model::Sphere80);
     let hits = hits(&body, &sweep);
-    let body = Shown::new(body, |_, t| {
+    let body = ColoredSurface::new(body, |_, t| {
         Some(if hits.contains(&t) { HIT } else { BODY })
     });
     let camera = against(Vec3::new(1.0, 0.45, 0.55));
     let corners = before.corners().chain(now.corners());
     let camera = camera.frame(corners.chain(sweep.corners()), 1.0);
-    let panel = |label: &str, shown: &[&Rc<Shown>]| {
-        let shown: Vec<Rc<Shown>> = shown.iter().map(|&shown| Rc::clone(shown)).collect();
-        let mut panel = Panel::of(label.to_owned(), camera, shown, Facts::default());
+    let panel = |label: &str, shown: &[&Rc<ColoredSurface>]| {
+        let shown: Vec<Rc<ColoredSurface>> = shown.iter().map(|&shown| Rc::clone(shown)).collect();
+        let mut panel = Panel::from_surfaces(label.to_owned(), camera, shown, Facts::default());
         panel.lines.push(line(NOW, POINT, 3.5));
         panel
     };
@@ -51,25 +54,25 @@ pub(super) fn sweep_plane() -> Result<Vec<Row>, FigureError> {
     }])
 }
 
-/// A blade along its edge: a wedge with its back above the edge's end.
-fn blade([tip, end]: [[f32; 3]; 2]) -> Result<Rc<Shown>, FigureError> {
+/// Returns a blade: a wedge with its back above the end of its edge.
+fn blade([tip, end]: [[f32; 3]; 2]) -> Result<Rc<ColoredSurface>, FigureError> {
     let at = |p: [f32; 3], side: f32, along: f32| [p[0] + side, p[1], p[2] + along];
     let [left, right] = [-THICKNESS, THICKNESS].map(|side| at(end, side, HEIGHT));
     let corners = [tip, end, left, right];
     let faces = [[0, 1, 3], [0, 3, 2], [0, 2, 1], [1, 2, 3]];
     let surface = Surface::from_triangles(&corners, &faces)?;
-    Ok(Shown::new(surface, |_, _| Some(STEEL)))
+    Ok(ColoredSurface::new(surface, |_, _| Some(STEEL)))
 }
 
-/// Triangles that the sweep meets, of those that the search tree offers.
+/// Returns the triangles that the sweep crosses.
 fn hits(body: &Surface, sweep: &Sweep) -> Vec<TriangleId> {
     let mut candidates = Vec::new();
-    Bvh::build(body).query(body, sweep, &mut candidates);
+    Bvh::build(body).query(body, &sweep.triangles(), &mut candidates);
     candidates.retain(|&t| {
         let [a, b, c] = body.topology().triangle(t).map(|v| place(body, v));
         [[a, b], [b, c], [c, a]]
             .iter()
-            .any(|&[p, q]| sweep.meets(p, q))
+            .any(|&[p, q]| sweep.intersects_segment(p, q))
     });
     candidates
 }
@@ -78,12 +81,12 @@ fn line(ends: [[f32; 3]; 2], color: Color, width: f32) -> Line {
     Line { ends, color, width }
 }
 
-/// The sweep's two triangles, translucent.
-fn sheets(sweep: &Sweep, colors: [Color; 2]) -> Vec<Sheet> {
+/// Returns the sweep's two triangles, translucent.
+fn sheets(sweep: &Sweep, colors: [Color; 2]) -> Vec<OverlayTriangle> {
     let [a, b, c, d] = sweep.corners();
     let triangles = [[a, b, c], [a, c, d]].into_iter().zip(colors);
     triangles
-        .map(|(corners, color)| Sheet {
+        .map(|(corners, color)| OverlayTriangle {
             corners,
             color: color.with_alpha(90),
         })

@@ -1,65 +1,94 @@
-//! What is drawn: meshes that were read or made, whole or in pieces.
+//! Meshes of a rendered image: read, cut, moved apart, hidden.
 
-use crate::apart::{centers, move_pieces};
 use crate::cut_options::CutPlan;
+use crate::explode::{centers, move_pieces};
 use crate::failure::Failure;
-use crate::input::surface;
+use crate::input::{read_closed, read_open};
+use crate::json::lossy;
+use crate::reporter::Reporter;
 use incise_cut::{CutParams, Sweep};
-use incise_mesh::geometry::{round, widen};
-use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
+use incise_mesh::geometry::{to_f32, to_f64};
+use incise_mesh::{Aabb, Surface, TriangleId, Vec3, Warning};
+use serde::Serialize;
+use std::io::Write;
 use std::path::PathBuf;
 
-/// How much of the diagonal a plane that is shown reaches out of the body's box on every side.
+/// Margin of a visible plane around the body's box [diagonals].
 const PLANE_MARGIN: f64 = 0.06;
 
-/// Everything in a picture.
+/// All meshes of an image.
 pub(super) struct Bodies {
     pub(super) bodies: Vec<Body>,
     pieces: usize,
-    /// Triangles that the cut crossed; none without a cut.
+    /// Triangles that the sweep crosses; none without a cut.
     pub(super) hits: Option<usize>,
+    /// Repairs made while reading.
+    pub(super) warnings: Vec<InputWarning>,
 }
 
-/// One mesh.
+/// A warning about one input.
+#[derive(Debug, Serialize)]
+pub(super) struct InputWarning {
+    #[serde(serialize_with = "lossy")]
+    input: PathBuf,
+    #[serde(flatten)]
+    warning: Warning,
+}
+
+/// A mesh of an image.
 pub(super) struct Body {
     pub(super) surface: Surface,
-    /// What cut it.
+    /// The sweep that cut it.
     sweep: Option<Sweep>,
-    /// As it was read.
+    /// Bounding box before the cut.
     bounds: Aabb,
-    /// The number of every piece among all that are drawn, by the surface's own; none of those that are left out.
+    /// Number of a piece in the image by its number in the surface; none for hidden pieces.
     pieces: Vec<Option<usize>>,
 }
 
 impl Body {
-    /// The number of a triangle's piece, unless it is left out.
+    /// Returns the number of a triangle's piece; none if it is hidden.
     pub(super) fn piece_of(&self, t: TriangleId) -> Option<usize> {
         self.pieces[self.surface.piece(t) as usize]
     }
 
-    /// Whether a triangle was made by a cut.
+    /// Returns true for the triangles of caps.
     pub(super) fn is_cap(&self, t: TriangleId) -> bool {
         self.surface.material(t) == CutParams::default().cap_material
     }
 
-    /// Triangles that are drawn.
-    fn shown(&self) -> impl Iterator<Item = TriangleId> {
+    /// Returns the visible triangles.
+    fn visible(&self) -> impl Iterator<Item = TriangleId> {
         let triangles = self.surface.topology().triangles();
         triangles.filter(|&t| self.piece_of(t).is_some())
     }
 }
 
 impl Bodies {
-    /// Reads all inputs, and cuts them if there is a plan for it.
-    pub(super) fn read(inputs: &[PathBuf], plan: Option<CutPlan<'_>>) -> Result<Self, Failure> {
-        let (mut bodies, mut pieces) = (Vec::new(), 0);
+    /// Reads all inputs, and cuts them if there is a plan.
+    pub(super) fn read(
+        inputs: &[PathBuf],
+        plan: Option<CutPlan<'_>>,
+        reporter: &Reporter<impl Write>,
+    ) -> Result<Self, Failure> {
+        let (mut bodies, mut warnings, mut pieces) = (Vec::new(), Vec::new(), 0);
         let mut hits = plan.map(|_| 0);
         for input in inputs {
-            let mut surface = surface(input, plan.is_some())?;
+            let (mut surface, found) = match plan {
+                Some(_) => read_closed(input)?,
+                None => read_open(input)?,
+            };
+            for warning in &found {
+                reporter.warn(format_args!("{}: {warning}", input.display()));
+            }
+            warnings.extend(found.into_iter().map(|warning| InputWarning {
+                input: input.clone(),
+                warning,
+            }));
             let bounds = surface.bounds();
             let mut sweep = None;
             if let Some(plan) = plan {
-                let along = plan.sweep(&surface)?;
+                let along = plan.sweep(&surface, input)?;
                 let cut = plan.cut(&mut surface, &along, input)?;
                 hits = hits.map(|hits| hits + cut.outcome.report.hits);
                 sweep = Some(along);
@@ -80,16 +109,17 @@ impl Bodies {
             bodies,
             pieces,
             hits,
+            warnings,
         })
     }
 
-    /// How many pieces there are, those that are left out too.
+    /// Returns the number of pieces, hidden ones included.
     pub(super) fn pieces(&self) -> usize {
         self.pieces
     }
 
-    /// Leaves pieces out.
-    pub(super) fn leave_out(&mut self, without: &[usize]) -> Result<(), Failure> {
+    /// Hides pieces.
+    pub(super) fn hide(&mut self, without: &[usize]) -> Result<(), Failure> {
         let pieces = self.pieces;
         if let Some(&piece) = without.iter().find(|&&piece| piece >= pieces) {
             return Err(Failure::NoPiece { piece, pieces });
@@ -100,10 +130,15 @@ impl Bodies {
         Ok(())
     }
 
-    /// Moves pieces apart by a part of the diagonal of all.
-    pub(super) fn explode(&mut self, part: f64) {
+    /// Returns the bounding box of all meshes before the cut.
+    pub(super) fn bounds(&self) -> Aabb {
         let boxes = self.bodies.iter().map(|body| body.bounds);
-        let whole = boxes.fold(Aabb::default(), Aabb::union);
+        boxes.fold(Aabb::default(), Aabb::union)
+    }
+
+    /// Moves pieces apart by a part of the diagonal of the scene.
+    pub(super) fn explode(&mut self, part: f64) {
+        let whole = self.bounds();
         for body in &mut self.bodies {
             let centers = centers(&body.surface);
             let moves = centers.iter().map(|&center| match &body.sweep {
@@ -118,11 +153,11 @@ impl Bodies {
         }
     }
 
-    /// Triangles that are drawn, and those of caps among them.
+    /// Returns the numbers of visible triangles and of caps among them.
     pub(super) fn count(&self) -> (usize, usize) {
         let mut counts = (0, 0);
         for body in &self.bodies {
-            for t in body.shown() {
+            for t in body.visible() {
                 counts.0 += 1;
                 counts.1 += usize::from(body.is_cap(t));
             }
@@ -130,21 +165,22 @@ impl Bodies {
         counts
     }
 
-    /// What the picture is to show: corners of triangles that are drawn, and of sheets.
+    /// Returns the points that the camera frames: corners of visible triangles and of sheets.
     pub(super) fn points(&self, sheets: &[[[f32; 3]; 4]]) -> impl Iterator<Item = [f32; 3]> {
         let corners = self.bodies.iter().flat_map(|body| {
             let corners = body
-                .shown()
+                .visible()
                 .flat_map(|t| body.surface.topology().triangle(t));
             corners.map(|v| {
-                let [x, y, z, _] = body.surface.positions[v.index()];
+                let [x, y, z, _] = body.surface.positions()[v.index()];
                 [x, y, z]
             })
         });
         corners.chain(sheets.iter().flatten().copied())
     }
 
-    /// What cut the bodies, four corners each: all of a blade's sweep or, of a plane, what is in the body's box.
+    /// Returns the corners of the sweeps: of a blade's whole sweep, or of a plane within the body's
+    /// box.
     pub(super) fn sheets(&self, is_plane: bool) -> Vec<[[f32; 3]; 4]> {
         let of = |body: &Body| {
             let sweep = body.sweep.as_ref()?;
@@ -158,7 +194,8 @@ impl Bodies {
     }
 }
 
-/// The rectangle around what a sweep's plane has of a box, a little larger; none of a plane that misses the box.
+/// Returns the rectangle around the section of a box by a sweep's plane, with a margin; none if the
+/// plane misses the box.
 fn section(sweep: &Sweep, bounds: &Aabb) -> Option<[[f32; 3]; 4]> {
     let (point, normal) = sweep.plane();
     let u = normal.cross(&Vec3::ith(normal.iamin(), 1.0)).normalize();
@@ -171,11 +208,11 @@ fn section(sweep: &Sweep, bounds: &Aabb) -> Option<[[f32; 3]; 4]> {
                 bounds.max[k]
             }
         };
-        widen([0, 1, 2].map(side)) - point
+        to_f64([0, 1, 2].map(side)) - point
     };
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];
-    // An edge of the box goes from a corner in the direction of one axis.
+    // Every edge of the box runs from a corner along one axis.
     for (i, k) in (0..8)
         .flat_map(|i| (0..3).map(move |k| (i, k)))
         .filter(|(i, k)| i >> k & 1 == 0)
@@ -195,7 +232,7 @@ fn section(sweep: &Sweep, bounds: &Aabb) -> Option<[[f32; 3]; 4]> {
     }
     let margin = PLANE_MARGIN * bounds.diagonal();
     let [low, high] = [low.map(|x| x - margin), high.map(|x| x + margin)];
-    let corner = |s: f64, t: f64| round(point + u * s + v * t);
+    let corner = |s: f64, t: f64| to_f32(point + u * s + v * t);
     Some([
         corner(low[0], low[1]),
         corner(high[0], low[1]),
@@ -207,18 +244,18 @@ fn section(sweep: &Sweep, bounds: &Aabb) -> Option<[[f32; 3]; 4]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use incise_mesh::{Model, build_model};
+    use incise_models::{Model, build_model};
 
     #[test]
-    fn a_plane_is_shown_where_it_meets_the_box() {
+    fn a_visible_plane_spans_the_section_of_the_box() {
         let bounds = Aabb::around([[-1.0; 3], [1.0, 2.0, 3.0]]);
-        let of = |normal, d| section(&Sweep::across_box(normal, d, &bounds).unwrap(), &bounds);
+        let of = |normal, d| section(&Sweep::from_plane(normal, d, &bounds).unwrap(), &bounds);
         for (normal, d) in [
             ([0.0, 1.0, 0.0], 0.5),
             ([0.3, -0.4, 0.7], 0.2),
             ([1.0; 3], -2.9),
         ] {
-            let corners = of(normal, d).expect("it meets the box").map(widen);
+            let corners = of(normal, d).expect("it meets the box").map(to_f64);
             let normal = Vec3::from(normal);
             for p in corners {
                 assert!((p.dot(&normal) - d).abs() < 1e-5, "{p} is on the plane");
@@ -230,7 +267,7 @@ mod tests {
         // Through the middle of the box, along a side: that side and a margin.
         let [a, b, c, _] = of([0.0, 1.0, 0.0], 0.5)
             .expect("it meets the box")
-            .map(widen);
+            .map(to_f64);
         let mut sides = [(b - a).norm(), (c - b).norm()];
         sides.sort_by(f64::total_cmp);
         let margin = 2.0 * PLANE_MARGIN * bounds.diagonal();
@@ -239,10 +276,10 @@ mod tests {
     }
 
     #[test]
-    fn pieces_move_apart_along_the_normal_by_what_is_asked() {
+    fn pieces_move_apart_along_the_normal() {
         let mut surface = build_model(Model::Sphere80);
         let bounds = surface.bounds();
-        let sweep = Sweep::across_box([0.0, 2.0, 0.0], 0.1, &bounds).unwrap();
+        let sweep = Sweep::from_plane([0.0, 2.0, 0.0], 0.1, &bounds).unwrap();
         let mut cutter = incise_cut::Cutter::new(&surface);
         let cut = cutter.cut(&mut surface, &sweep, &CutParams::default());
         assert_eq!(cut.unwrap().delta.pieces_added.len(), 1);
@@ -256,6 +293,7 @@ mod tests {
             bodies: vec![body],
             pieces: 2,
             hits: None,
+            warnings: Vec::new(),
         };
         let before = centers(&bodies.bodies[0].surface);
         bodies.explode(0.25);
@@ -269,18 +307,18 @@ mod tests {
                 "along the normal alone"
             );
         }
-        // Without a cut all is as much larger as it is asked to be.
+        // Without a cut all pieces move away from the center.
         bodies.bodies[0].sweep = None;
         let middle = bounds.center();
         bodies.explode(1.0);
         for (a, b) in after.iter().zip(&centers(&bodies.bodies[0].surface)) {
             assert!(((b - middle) - 2.0 * (a - middle)).norm() < 1e-5);
         }
-        assert!(bodies.leave_out(&[1]).is_ok());
+        assert!(bodies.hide(&[1]).is_ok());
         let (triangles, caps) = bodies.count();
         assert!(0 < caps && caps < triangles);
         assert!(matches!(
-            bodies.leave_out(&[0, 2]),
+            bodies.hide(&[0, 2]),
             Err(Failure::NoPiece {
                 piece: 2,
                 pieces: 2

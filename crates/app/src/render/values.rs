@@ -1,32 +1,32 @@
-//! Values of options that pictures have.
+//! Parsers of the options of images: size, camera, background.
 
 use crate::numbers::numbers;
 use incise_render::{Background, Color};
 
-/// Pixels across and along.
+/// Width and height [pixels].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Size(pub(crate) [u32; 2]);
 
-/// From where a picture is taken.
+/// Position of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Viewpoint {
     /// Azimuth and elevation \[rad\].
     pub(super) angles: [f64; 2],
-    /// How far away, in diagonals of what is seen.
+    /// Distance [diagonals of the scene].
     pub(super) distance: Option<f64>,
 }
 
-/// Two whole numbers with an x between them.
+/// Parses a width and a height, such as 960x720.
 pub(crate) fn size(text: &str) -> Result<Size, String> {
     let side = |text: &str| text.trim().parse().ok().filter(|&side: &u32| side > 0);
     let sides = text.split_once(['x', 'X']);
     let sides = sides.and_then(|(width, height)| Some([side(width)?, side(height)?]));
     sides.map(Size).ok_or_else(|| {
-        format!("'{text}' is no size: expected width x height in pixels, as 960x720")
+        format!("'{text}' is not a size: expected width x height in pixels, such as 960x720")
     })
 }
 
-/// Two or three numbers.
+/// Parses an azimuth, an elevation and an optional distance.
 pub(super) fn viewpoint(text: &str) -> Result<Viewpoint, String> {
     let (angles, distance) = match text.split(',').count() {
         3 => {
@@ -50,7 +50,7 @@ pub(super) fn viewpoint(text: &str) -> Result<Viewpoint, String> {
     })
 }
 
-/// One color or two.
+/// Parses one color or two.
 pub(super) fn backdrop(text: &str) -> Result<Background, String> {
     let color = |text: &str| text.trim().parse::<Color>().map_err(|e| e.to_string());
     Ok(match text.split_once(',') {
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_have_two_sides() {
+    fn sizes_have_width_and_height() {
         assert_eq!(size("960x720"), Ok(Size([960, 720])));
         assert_eq!(size("1 X 2"), Ok(Size([1, 2])));
         for bad in [
@@ -87,12 +87,12 @@ mod tests {
     }
 
     #[test]
-    fn viewpoints_have_two_angles_and_maybe_a_distance() {
+    fn viewpoints_have_two_angles_and_an_optional_distance() {
         let turn = std::f64::consts::FRAC_PI_2;
         let [found, far] = ["90,-90", "-90, 0, 2.5"].map(|text| viewpoint(text).unwrap());
         assert_eq!((found.angles, found.distance), ([turn, -turn], None));
         assert_eq!((far.angles, far.distance), ([-turn, 0.0], Some(2.5)));
-        for (bad, said) in [
+        for (bad, message) in [
             ("1", "expected 2"),
             ("1,2,3,4", "expected 2"),
             ("1,x", "'x', is not a number"),
@@ -101,12 +101,12 @@ mod tests {
             ("0,0,0", "not positive"),
         ] {
             let error = viewpoint(bad).unwrap_err();
-            assert!(error.contains(said), "{bad}: {error}");
+            assert!(error.contains(message), "{bad}: {error}");
         }
     }
 
     #[test]
-    fn backgrounds_have_one_color_or_two() {
+    fn backgrounds_have_one_or_two_colors() {
         let (white, black) = (Color::rgb(255, 255, 255), Color::rgb(0, 0, 0));
         assert_eq!(backdrop("#fff"), Ok(Background::Plain(white)));
         let (top, bottom) = (white, black);

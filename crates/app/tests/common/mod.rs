@@ -1,6 +1,7 @@
-//! What tests of the program share.
+//! Fixtures that the tests of the program share.
 
-use incise_mesh::{Model, Surface, build_model};
+use incise_mesh::Surface;
+use incise_models::{Model, build_model};
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -17,7 +18,7 @@ pub(crate) fn text(path: &Path) -> &str {
     path.to_str().unwrap()
 }
 
-/// Cuts and returns the exit code, the report and what the program complained about.
+/// Cuts and returns the exit code, the report, and the messages on the standard error.
 pub(crate) fn cut(
     input: &Path,
     output: &Path,
@@ -27,8 +28,18 @@ pub(crate) fn cut(
     arguments.extend(more);
     let output = incise(&arguments);
     let report = serde_json::from_slice(&output.stdout).unwrap_or_default();
-    let error = String::from_utf8(output.stderr).unwrap();
-    (output.status.code(), report, error)
+    (output.status.code(), report, messages(&output))
+}
+
+/// Returns the standard error of a run with `--json`, with the error's text in place of its JSON.
+pub(crate) fn messages(output: &Output) -> String {
+    let text = String::from_utf8(output.stderr.clone()).unwrap();
+    let line = |line: &str| {
+        let json = serde_json::from_str::<serde_json::Value>(line).ok();
+        let error = json.and_then(|json| Some(json["error"].as_str()?.to_owned()));
+        error.unwrap_or_else(|| line.to_owned())
+    };
+    text.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
 /// A sphere of 80 triangles and, inside it, one a fifth as large and inside out.
@@ -36,7 +47,7 @@ pub(crate) fn hollow_sphere() -> Surface {
     let sphere = build_model(Model::Sphere80);
     let topology = sphere.topology();
     let mut points: Vec<[f32; 3]> = sphere
-        .positions
+        .positions()
         .iter()
         .map(|&[x, y, z, _]| [x, y, z])
         .collect();

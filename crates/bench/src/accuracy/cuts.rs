@@ -1,9 +1,9 @@
-//! What cuts are off by: volumes and sections of round bodies against their closed forms, over resolution, and what
-//! that costs.
+//! Errors and times of cuts: volumes and sections of round bodies against closed forms.
 
-use crate::columns::columns;
+use crate::numbers::{exponent, fixed};
 use crate::statistics::median;
-use incise_cut::{CutMethod, CutOutcome, CutParams, Cutter, Sweep};
+use crate::text_table::{Column, paragraphs, text_table};
+use incise_cut::{CutMethod, CutOutcome, CutParams, Cutter, ExactParams, PaperParams, Sweep};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Surface, TriangleId, Vec3, cube_sphere, torus};
 use serde::Serialize;
@@ -12,35 +12,41 @@ use std::f64::consts::PI;
 use std::io::Write;
 use std::time::Instant;
 
-/// Times that every cut is made; the median counts.
+/// Repetitions of every cut; the median counts.
 const REPEATS: usize = 9;
 /// The sphere's radius, and the plane's distance from its center \[m\].
 const SPHERE: [f64; 2] = [0.5, 0.2];
 /// The torus's radii \[m\].
 const TORUS: [f64; 2] = [0.4, 0.15];
-/// Directions of planes that no mesh is made for.
+/// Plane normals along no edge of a mesh.
 const ACROSS_SPHERE: [f64; 3] = [0.36, 0.48, 0.8];
 /// Any plane through the axis y cuts a torus into equal halves.
 const ACROSS_TORUS: [f64; 3] = [0.8, 0.0, 0.6];
 
-/// A shape, a resolution and a way to cut.
+/// Explains the columns.
+const LEGEND: &str = "\
+volume, area: relative errors of the piece above the plane and of the section to the closed form; \
+mesh: of the body before the cut; lost: volume change by the cut. off plane: largest distance of a \
+cap vertex from the plane [m].";
+
+/// A row: a shape, a resolution and a cut method.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct CutRow {
     shape: &'static str,
     triangles: usize,
     method: &'static str,
     snap: Option<f64>,
-    /// The median.
+    /// Median time.
     ms: f64,
-    /// Of the piece above the plane, to the closed form, over it.
+    /// Relative error of the volume above the plane to the closed form.
     volume_error: f64,
-    /// The same of the whole body before the cut: what the mesh is off by.
+    /// Relative volume error of the mesh before the cut.
     mesh_error: f64,
-    /// Of both pieces together to the body before, over it: what the cut itself is off by.
+    /// Relative volume change by the cut itself.
     lost_volume: f64,
-    /// Of the section, to the closed form, over it; the mean of both caps.
+    /// Relative error of the section's area to the closed form, mean of both caps.
     area_error: f64,
-    /// The farthest vertex of a cap from the plane \[m\].
+    /// Largest distance of a cap vertex from the plane \[m\].
     distance: f64,
     machine: String,
     commit: String,
@@ -52,42 +58,40 @@ struct Shape {
     surface: Surface,
     normal: Vec3,
     offset: f64,
-    /// Of all of it, and of what is above the plane \[m^3\].
+    /// Volume of the body and of the part above the plane \[m^3\].
     volumes: [f64; 2],
-    /// Of the section \[m^2\].
+    /// Area of the section \[m^2\].
     area: f64,
 }
 
-/// Measures and prints.
+/// Cuts every body at every resolution, prints and returns the rows.
 pub(super) fn run(
     machine: &str,
     commit: &str,
     out: &mut impl Write,
 ) -> Result<Vec<CutRow>, Box<dyn Error>> {
-    let ways: [(&str, CutMethod, f64); 5] = [
-        ("rebuild", CutMethod::Rebuild, 0.0),
-        ("exact", CutMethod::Exact, 0.0),
-        ("exact", CutMethod::Exact, 0.05),
-        ("exact", CutMethod::Exact, 0.1),
-        ("exact", CutMethod::Exact, 0.2),
-    ];
+    let methods = [None, Some(0.0), Some(0.05), Some(0.1), Some(0.2)];
     let mut rows = Vec::new();
     for shape in shapes() {
-        for (method, kind, snap) in ways {
+        for snap in methods {
+            let (name, method) = match snap {
+                Some(snap) => ("exact", CutMethod::Exact(ExactParams { snap, remesh: 0.0 })),
+                None => ("paper", CutMethod::Paper(PaperParams::default())),
+            };
             let params = CutParams {
-                method: kind,
-                snap,
+                method,
                 ..CutParams::default()
             };
             let mut row = shape.measure(&params)?;
-            row.method = method;
-            row.snap = (kind == CutMethod::Exact).then_some(snap);
+            row.method = name;
+            row.snap = snap;
             row.machine = machine.to_owned();
             row.commit = commit.to_owned();
             rows.push(row);
         }
     }
-    print(&rows, out)?;
+    write!(out, "{}", text_table(COLUMNS, &rows))?;
+    write!(out, "{}", paragraphs(LEGEND))?;
     Ok(rows)
 }
 
@@ -120,7 +124,7 @@ fn shapes() -> Vec<Shape> {
 impl Shape {
     fn measure(&self, params: &CutParams) -> Result<CutRow, Box<dyn Error>> {
         let n: [f64; 3] = self.normal.into();
-        let sweep = Sweep::across_box(n, self.offset, &self.surface.bounds())?;
+        let sweep = Sweep::from_plane(n, self.offset, &self.surface.bounds())?;
         let mut times = Vec::new();
         let mut done: Option<(Surface, CutOutcome)> = None;
         for _ in 0..REPEATS {
@@ -131,11 +135,10 @@ impl Shape {
             times.push(begin.elapsed().as_secs_f64() * 1e3);
             done = Some((surface, outcome));
         }
-        times.sort_unstable_by(f64::total_cmp);
         let (after, outcome) = done.ok_or("there are no repeats")?;
         let triangles = |surface: &Surface| surface.topology().triangles().collect::<Vec<_>>();
         let height = |p: Vec3| self.normal.dot(&p) - self.offset;
-        // A piece is above if most of it is.
+        // A piece is above if most of its volume is.
         let mut heights = vec![0.0; after.piece_bound() as usize];
         for t in triangles(&after) {
             let [a, b, c] = after.triangle_positions(t).map(height);
@@ -158,7 +161,7 @@ impl Shape {
             triangles: self.surface.topology().triangle_count(),
             method: "",
             snap: None,
-            ms: median(&times),
+            ms: median(times),
             volume_error: (above - self.volumes[1]).abs() / self.volumes[1],
             mesh_error: (before - self.volumes[0]).abs() / self.volumes[0],
             lost_volume: (both - before).abs() / before,
@@ -178,42 +181,20 @@ fn volume(surface: &Surface, triangles: impl Iterator<Item = TriangleId>) -> f64
     triangles.map(cone).sum()
 }
 
-fn print(rows: &[CutRow], out: &mut impl Write) -> Result<(), Box<dyn Error>> {
-    let header = [
-        "shape",
-        "method",
-        "snap",
-        "triangles",
-        "ms",
-        "volume",
-        "mesh",
-        "lost",
-        "area",
-        "off plane",
-    ];
-    let mut cells = vec![header.map(str::to_owned)];
-    for row in rows {
-        cells.push([
-            row.shape.to_owned(),
-            row.method.to_owned(),
-            row.snap.map_or_else(String::new, |snap| snap.to_string()),
-            row.triangles.to_string(),
-            format!("{:.3}", row.ms),
-            format!("{:.1e}", row.volume_error),
-            format!("{:.1e}", row.mesh_error),
-            format!("{:.1e}", row.lost_volume),
-            format!("{:.1e}", row.area_error),
-            format!("{:.1e}", row.distance),
-        ]);
-    }
-    write!(out, "{}", columns(&cells, 3))?;
-    writeln!(
-        out,
-        "volume, area: of the piece above and of the section, to the closed form; mesh: of the body before; lost: \
-         of both pieces together to the body before. off plane: the farthest vertex of a cap [m]."
-    )?;
-    Ok(())
-}
+const COLUMNS: &[Column<CutRow>] = &[
+    ("shape", |row| row.shape.to_owned()),
+    ("method", |row| row.method.to_owned()),
+    ("snap", |row| {
+        row.snap.map_or_else(String::new, |snap| snap.to_string())
+    }),
+    ("triangles", |row| row.triangles.to_string()),
+    ("ms", |row| fixed(row.ms, 3)),
+    ("volume", |row| exponent(Some(row.volume_error))),
+    ("mesh", |row| exponent(Some(row.mesh_error))),
+    ("lost", |row| exponent(Some(row.lost_volume))),
+    ("area", |row| exponent(Some(row.area_error))),
+    ("off plane", |row| exponent(Some(row.distance))),
+];
 
 #[cfg(test)]
 mod tests {
@@ -226,13 +207,17 @@ mod tests {
             .filter(|s| s.surface.topology().triangle_count() < 5000)
         {
             let params = CutParams {
-                snap: 0.0,
+                method: CutMethod::Exact(ExactParams {
+                    snap: 0.0,
+                    ..ExactParams::default()
+                }),
                 ..CutParams::default()
             };
             let row = shape.measure(&params).unwrap();
             assert!(row.lost_volume < 1e-6, "{row:?}");
             assert!(row.distance < 1e-6, "{row:?}");
-            // Flat triangles lie inside of the round body: of second order in their size, as the body itself.
+            // Flat triangles lie inside of the round body: of second order in their size, as the
+            // body itself.
             assert!(row.volume_error < 3.0 * row.mesh_error, "{row:?}");
             assert!(row.area_error < 3.0 * row.mesh_error, "{row:?}");
         }

@@ -1,4 +1,4 @@
-//! Motions on a GPU.
+//! Times the motion of a scene on a GPU.
 
 use super::run::{Run, Times, timed};
 use super::scene::{Body, DT};
@@ -13,13 +13,13 @@ pub(super) struct Device {
 }
 
 impl Device {
-    /// Opens the GPU of that name, else the best there is, software if there is nothing else.
+    /// Opens the GPU of that name, or the best one; software if there is no other.
     ///
     /// # Errors
-    /// Why there is none.
-    pub(super) fn open(adapter: Option<&str>) -> Result<Self, String> {
+    /// [`GpuError`].
+    pub(super) fn open(adapter: Option<&str>) -> Result<Self, GpuError> {
         let request = AdapterRequest::any(adapter.map(str::to_owned));
-        let gpu = GpuBackend::new(&request).map_err(|error| error.to_string())?;
+        let gpu = GpuBackend::new(&request)?;
         Ok(Self { request, gpu })
     }
 
@@ -27,25 +27,25 @@ impl Device {
         &self.gpu.adapter().name
     }
 
-    /// Steps a body, again and again from its start. A frame ends when the device is done; what is read back is not
-    /// timed.
+    /// Steps a body, repeatedly from its start; a frame ends when the GPU is done. Reading back is
+    /// not timed.
     ///
     /// # Errors
-    /// What the device says.
+    /// [`GpuError`].
     pub(super) fn run(
         &mut self,
         body: &Body,
         params: &SolverParams,
         frames: u32,
-    ) -> Result<Run, String> {
+    ) -> Result<Run, GpuError> {
         let run = timed(|times, states| self.repeat(body, params, frames, times, states));
-        run.map_err(|error: GpuError| {
-            // The next run starts on a device without a past.
-            if let Ok(gpu) = GpuBackend::new(&self.request) {
-                self.gpu = gpu;
-            }
-            error.to_string()
-        })
+        // After an error the next run starts on a new device.
+        if run.is_err()
+            && let Ok(gpu) = GpuBackend::new(&self.request)
+        {
+            self.gpu = gpu;
+        }
+        run
     }
 
     fn repeat(
@@ -61,7 +61,7 @@ impl Device {
             mut solver,
         } = body.clone();
         let place = self.gpu.add(&surface, &mut solver)?;
-        // The device's own clock is looked at in the run that is looked at anyway.
+        // Timestamps are taken in the run whose states are read back.
         self.gpu.time_steps(states.is_some())?;
         let mut projections = 0;
         for _ in 0..frames {

@@ -1,43 +1,69 @@
-//! How far one motion is from another.
+//! Errors of a motion against a reference motion.
 
 use super::scene::DT;
+use crate::work_precision::Row;
 use incise_bench::{Model, State};
 use nalgebra::Vector3;
-use serde::Serialize;
 
-/// Differences of a motion from a reference, over all frame ends; metrics e1 and e5 to e8.
-#[derive(Debug, Clone, Copy, Default, Serialize)]
+/// Errors over all frame ends.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Errors {
-    /// Root mean square of positions, weighted by mass, over the mean rest length.
+    /// Mass-weighted root mean square position error, over the mean rest length.
     pub(super) position: f64,
-    /// The farthest vertex of all frames, over the mean rest length.
+    /// Largest vertex error of all frames, over the mean rest length.
     pub(super) farthest: f64,
-    /// Of the force that holds the body, frame by frame, over that force; none where nothing is held.
+    /// Relative error of the force on the pins over all frames; none without pins.
     pub(super) force: Option<f64>,
-    /// Root mean square of strain, less the reference's; of the frame where it is largest.
+    /// Error of the root mean square strain, in the worst frame.
     pub(super) strain: f64,
-    /// The largest strain of any edge, less the reference's; of the frame where it is largest.
+    /// Error of the largest edge strain, in the worst frame.
     pub(super) largest_strain: f64,
-    /// Of the enclosed volume, over that at the start; none for open surfaces.
+    /// Error of the enclosed volume, over that at the start; none for open surfaces.
     pub(super) volume: Option<f64>,
-    /// Of the energy at the end, a second, over the largest kinetic energy.
+    /// Energy error at the end per second, over the largest kinetic energy.
     pub(super) energy: f64,
-    /// Of how far the lowest vertex comes down in any frame, over that way; none where nothing is held or falls.
+    /// Relative error of the sag; none without pins or gravity.
     pub(super) sag: Option<f64>,
 }
 
-/// What of a scene errors need besides its model.
-pub(super) struct Yardstick<'a> {
+impl Errors {
+    /// Stores the errors to the converged step of the same size.
+    pub(super) fn store_solver(self, row: &mut Row) {
+        row.solver_position = Some(self.position);
+        row.solver_farthest = Some(self.farthest);
+        row.solver_force = self.force;
+        row.solver_strain = Some(self.strain);
+        row.solver_largest_strain = Some(self.largest_strain);
+        row.solver_volume = self.volume;
+        row.solver_energy = Some(self.energy);
+        row.solver_sag = self.sag;
+    }
+
+    /// Stores the errors to the limit of small steps.
+    pub(super) fn store_total(self, row: &mut Row) {
+        row.total_position = Some(self.position);
+        row.total_farthest = Some(self.farthest);
+        row.total_force = self.force;
+        row.total_strain = Some(self.strain);
+        row.total_largest_strain = Some(self.largest_strain);
+        row.total_volume = self.volume;
+        row.total_energy = Some(self.energy);
+        row.total_sag = self.sag;
+    }
+}
+
+/// Computes errors of one scene.
+pub(super) struct ErrorMeasure<'a> {
     pub(super) model: &'a Model,
-    /// Triangles of a closed surface, none of an open one.
+    /// Triangles of a closed surface, empty for an open one.
     pub(super) triangles: &'a [[usize; 3]],
     pub(super) start: &'a State,
-    /// Whether anything holds the body.
+    /// Whether the body has pins.
     pub(super) is_held: bool,
 }
 
-impl Yardstick<'_> {
-    /// The errors of a motion.
+impl ErrorMeasure<'_> {
+    /// Returns the errors of a motion.
     pub(super) fn errors(&self, found: &[State], reference: &[State]) -> Errors {
         let model = self.model;
         let length = mean_length(model);
@@ -74,8 +100,8 @@ impl Yardstick<'_> {
         }
     }
 
-    /// How far the lowest vertex comes down, in the frame where it is farthest \[m\]: no phase of an oscillation counts in it.
-    /// None where nothing is held or comes down.
+    /// Returns the largest way of a vertex along gravity in any frame \[m\]; the phase of an
+    /// oscillation does not matter. None without pins or gravity.
     pub(super) fn sag(&self, states: &[State]) -> Option<f64> {
         let down = self.model.gravity.try_normalize(0.0)?;
         let way = |(x, start): (&Vector3<f64>, &Vector3<f64>)| down.dot(&(x - start));
@@ -89,7 +115,7 @@ impl Yardstick<'_> {
         Some((found / reference - 1.0).abs())
     }
 
-    /// The force on what is held follows from the momentum of what is not.
+    /// Returns the relative error of the pin force, which follows from the momentum of the rest.
     fn force(&self, found: &[State], reference: &[State]) -> Option<f64> {
         let model = self.model;
         if !self.is_held {
@@ -127,7 +153,8 @@ impl Yardstick<'_> {
     }
 }
 
-/// The root mean square distance of all positions in all frames, weighted by mass, over the mean rest length.
+/// Returns the mass-weighted root mean square distance of all positions in all frames, over the
+/// mean rest length.
 pub(super) fn distance(model: &Model, found: &[State], reference: &[State]) -> f64 {
     let mass: f64 = model.mass.iter().sum();
     let mut sum = 0.0;

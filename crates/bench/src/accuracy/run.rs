@@ -1,31 +1,32 @@
-//! One motion by a solver, timed.
+//! Times the motion of a scene on the CPU.
 
-use super::ladder::Trajectory;
+use super::convergence::Trajectory;
 use super::scene::{Body, DT};
 use crate::statistics::median;
 use incise_bench::State;
 use incise_pbd_gpu::{SolverParams, StepError};
 use std::time::{Duration, Instant};
 
-/// Runs are repeated for at least this long,
-const LEAST: Duration = Duration::from_millis(40);
-/// and at least so often where they are not much longer.
-const REPEATS: usize = 3;
-const MUCH: Duration = Duration::from_millis(500);
+/// Smallest number of repetitions of a short run.
+const MIN_REPEATS: usize = 3;
+/// Shortest time of all repetitions.
+const MIN_TIME: Duration = Duration::from_millis(40);
+/// Time after which a run is not repeated.
+const MAX_TIME: Duration = Duration::from_millis(500);
 
-/// What a run was.
+/// The states and times of a run.
 pub(super) struct Run {
     pub(super) states: Trajectory,
-    /// The median time of a frame \[s\].
+    /// Median time of a frame \[s\].
     pub(super) seconds: f64,
-    /// Of a device: until it was told what to do, and what it took by its own clock \[s\].
+    /// GPU runs: encoding time, and time by timestamps \[s\].
     pub(super) encode: Option<f64>,
     pub(super) device: Option<f64>,
-    /// Of a frame.
+    /// Projections of a frame.
     pub(super) projections: u64,
 }
 
-/// Times of frames \[s\]. Those that a backend does not know it has none of.
+/// Times of frames \[s\]; empty where a backend does not measure them.
 #[derive(Default)]
 pub(super) struct Times {
     pub(super) frames: Vec<f64>,
@@ -33,8 +34,8 @@ pub(super) struct Times {
     pub(super) device: Vec<f64>,
 }
 
-/// Repeats a motion. `once` pushes the times of every frame, and the state at its end where it is given a place for that,
-/// and returns the projections of a frame.
+/// Repeats a motion. `once` pushes the times of every frame, pushes its state if asked to, and
+/// returns the projections of a frame.
 pub(super) fn timed<E>(
     mut once: impl FnMut(&mut Times, Option<&mut Vec<State>>) -> Result<u64, E>,
 ) -> Result<Run, E> {
@@ -43,31 +44,23 @@ pub(super) fn timed<E>(
     let projections = once(&mut times, Some(&mut states))?;
     for repeat in 1.. {
         let spent = begin.elapsed();
-        if spent > MUCH || repeat >= REPEATS && spent > LEAST {
+        if spent > MAX_TIME || repeat >= MIN_REPEATS && spent > MIN_TIME {
             break;
         }
         once(&mut times, None)?;
     }
-    let middle = |mut times: Vec<f64>| {
-        times.sort_unstable_by(f64::total_cmp);
-        median(&times)
-    };
-    let known = |times: Vec<f64>| (!times.is_empty()).then(|| middle(times));
+    let known = |times: Vec<f64>| (!times.is_empty()).then(|| median(times));
     Ok(Run {
         states,
-        seconds: middle(times.frames),
+        seconds: median(times.frames),
         encode: known(times.encode),
         device: known(times.device),
         projections,
     })
 }
 
-/// Steps a body on the processor, again and again from its start.
-pub(super) fn on_processor(
-    body: &Body,
-    params: &SolverParams,
-    frames: u32,
-) -> Result<Run, StepError> {
+/// Steps a body on the CPU, repeatedly from its start.
+pub(super) fn on_cpu(body: &Body, params: &SolverParams, frames: u32) -> Result<Run, StepError> {
     timed(|times, mut states| {
         let Body {
             mut surface,

@@ -1,4 +1,4 @@
-//! A body, how it starts and how it is held: the same for the solver and for its reference.
+//! A scene for the solver and the reference: body, initial motion, pins and schemes.
 
 use incise_bench::{Model, State};
 use incise_cut::{CutParams, Cutter, Sweep};
@@ -6,20 +6,20 @@ use incise_mesh::{Surface, VertexId};
 use incise_pbd_gpu::{Integrator, Material, Solver, SolverParams, Stiffness};
 use std::error::Error;
 
-/// Time of a frame \[s\].
+/// Length of a frame \[s\].
 pub(super) const DT: f32 = 1.0 / 60.0;
 
-/// How constraints pull.
+/// A solver scheme.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Scheme {
-    /// By compliances.
+    /// XPBD with compliances.
     Xpbd,
-    /// The same, every constraint projected against half of its own weight.
+    /// XPBD with a diagonal scale of 0.5.
     Half,
-    /// The same with substeps of second order.
+    /// XPBD with a diagonal scale of 0.5 and BDF2 substeps.
     Second,
-    /// By the paper's stiffnesses of 0 to 1: in the middle of all constraints, what the same compliance leaves of
-    /// a constraint that is alone.
+    /// The paper's stiffnesses of 0 to 1, those of an isolated constraint with the median weight
+    /// and the same compliance.
     Pbd,
 }
 
@@ -36,25 +36,26 @@ impl Scheme {
     }
 }
 
-/// A scene.
+/// A body with its initial motion, pins and forces.
 pub(super) struct Scene {
     pub(super) name: &'static str,
-    /// Where it starts; rest positions are its own.
+    /// Initial positions and rest positions.
     pub(super) surface: Surface,
     /// Compliances and mass.
     pub(super) material: Material,
     pub(super) pins: Vec<VertexId>,
-    /// By vertex [m/s]; empty where all are at rest.
+    /// Velocity of every vertex [m/s]; empty for a body at rest.
     pub(super) velocities: Vec<[f32; 3]>,
-    /// What cuts it before the first frame.
+    /// A cut before the first frame.
     pub(super) sweep: Option<Sweep>,
     pub(super) gravity: [f32; 3],
     pub(super) ground: Option<f32>,
     pub(super) frames: u32,
-    /// Steps of a frame that total errors are told from, each twice the one before.
+    /// Steps a frame of the reference for total errors, each twice the one before.
     pub(super) fine: [u32; 3],
-    /// Solver errors are told for no more substeps than these: a converged step of a large body takes seconds.
-    pub(super) most_rungs: u32,
+    /// Largest number of substeps with a converged reference: a converged step of a large body
+    /// takes seconds.
+    pub(super) max_reference_substeps: u32,
 }
 
 /// A scene's body with a solver.
@@ -65,7 +66,7 @@ pub(super) struct Body {
 }
 
 impl Scene {
-    /// A scene of nothing but a body that is at rest and free.
+    /// Returns a scene with a body at rest without pins.
     pub(super) fn new(name: &'static str, surface: Surface, material: Material) -> Self {
         Self {
             name,
@@ -78,13 +79,13 @@ impl Scene {
             ground: None,
             frames: 15,
             fine: [32, 64, 128],
-            most_rungs: 64,
+            max_reference_substeps: 64,
         }
     }
 
-    /// How frames are stepped by a scheme.
+    /// Returns the parameters of a scheme.
     pub(super) fn params_by(&self, scheme: Scheme, substeps: u32, iterations: u32) -> SolverParams {
-        let own_weight = match scheme {
+        let diagonal_scale = match scheme {
             Scheme::Half | Scheme::Second => 0.5,
             Scheme::Xpbd | Scheme::Pbd => 1.0,
         };
@@ -93,13 +94,13 @@ impl Scene {
             _ => Integrator::Euler,
         };
         SolverParams {
-            own_weight,
+            diagonal_scale,
             integrator,
             ..self.params(substeps, iterations)
         }
     }
 
-    /// How frames are stepped, plainly.
+    /// Returns the parameters of plain XPBD.
     pub(super) fn params(&self, substeps: u32, iterations: u32) -> SolverParams {
         SolverParams {
             iterations,
@@ -110,12 +111,12 @@ impl Scene {
         }
     }
 
-    /// The body at the start, of compliances.
+    /// Returns the body at the start, with compliances.
     pub(super) fn body(&self) -> Result<Body, Box<dyn Error>> {
         self.body_of(&self.material)
     }
 
-    /// The body at the start, of what a scheme takes for the compliances with substeps of `h` \[s\].
+    /// Returns the body at the start, with a scheme's stiffnesses for substeps of `h` \[s\].
     pub(super) fn body_by(&self, scheme: Scheme, h: f64) -> Result<Body, Box<dyn Error>> {
         let body = self.body()?;
         if scheme != Scheme::Pbd {
@@ -150,7 +151,7 @@ impl Scene {
     }
 }
 
-/// What a projection with this compliance over `h^2` removes of the middle constraint's error.
+/// Returns the share of the error that one projection removes at the median weight.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "a number between 0 and 1 is rounded to storage"

@@ -1,14 +1,15 @@
-//! The scenes.
+//! The eleven scenes of the accuracy bench.
 
 use super::scene::Scene;
 use super::shapes::{bar, sheet, zigzag};
 use incise_cut::Sweep;
-use incise_mesh::{Model, Surface, VertexId, build_model};
+use incise_mesh::{Surface, VertexId};
+use incise_models::{Model, build_model};
 use incise_pbd_gpu::{Density, Material, Stiffness, Volume};
 use std::error::Error;
 use std::f32::consts::PI;
 
-/// The names of all scenes, in the order of the table.
+/// Names of all scenes in the order of the table.
 pub(super) const NAMES: [&str; 11] = [
     "chain",
     "sheet-1e2",
@@ -23,7 +24,7 @@ pub(super) const NAMES: [&str; 11] = [
     "armadillo",
 ];
 
-/// The scene of a name.
+/// Builds the scene of a name.
 pub(super) fn scene(name: &'static str) -> Result<Scene, Box<dyn Error>> {
     match name {
         "chain" => chain(),
@@ -40,20 +41,20 @@ pub(super) fn scene(name: &'static str) -> Result<Scene, Box<dyn Error>> {
     }
 }
 
-/// Compliances of stretch [m/N] and of bending [rad/(N m)], 1 kg/m^2, no friction: that belongs to no energy.
+/// Compliances of stretch [m/N] and bending [rad/(N m)], 1 kg/m^2, without damping and friction.
 fn material(stretch: f32, bending: Option<f32>) -> Material {
     Material {
         density: Density::Area(1.0),
         stretch: Stiffness::Compliance(stretch),
         bending: bending.map(Stiffness::Compliance),
         volume: None,
-        struts: None,
+        interior_springs: None,
         damping: 0.0,
         friction: 0.0,
     }
 }
 
-/// 20 particles in a strip, the first two held, level at the start.
+/// A horizontal strip of 20 particles, the first two pinned.
 fn chain() -> Result<Scene, Box<dyn Error>> {
     Ok(Scene {
         pins: [0, 1].map(VertexId).into(),
@@ -62,7 +63,7 @@ fn chain() -> Result<Scene, Box<dyn Error>> {
     })
 }
 
-/// A sheet of 1 m, held at two corners, level at the start.
+/// A horizontal sheet of 1 m, pinned at two corners.
 fn hung(name: &'static str, stretch: f32) -> Result<Scene, Box<dyn Error>> {
     let n = 12;
     Ok(Scene {
@@ -75,7 +76,7 @@ fn hung(name: &'static str, stretch: f32) -> Result<Scene, Box<dyn Error>> {
     })
 }
 
-/// A bar that is held at one end, with an inside or without.
+/// A bar pinned at one end, with a volume constraint or without.
 fn pinned_bar(name: &'static str, volume: Option<Volume>) -> Result<Scene, Box<dyn Error>> {
     let surface = bar([16, 4, 4], 0.0625)?;
     let pins = vertices_where(&surface, |[x, _, _]| x == 0.0);
@@ -92,7 +93,7 @@ fn pinned_bar(name: &'static str, volume: Option<Volume>) -> Result<Scene, Box<d
     })
 }
 
-/// A bunny, drawn out by a tenth and let go, without gravity.
+/// A bunny stretched by a tenth, without gravity.
 fn stretched() -> Result<Scene, Box<dyn Error>> {
     let mut surface = build_model(Model::Bunny);
     move_all(&mut surface, |[x, y, z]| [1.1 * x, y, z]);
@@ -103,7 +104,7 @@ fn stretched() -> Result<Scene, Box<dyn Error>> {
     })
 }
 
-/// A ball that meets the ground with 2 m/s.
+/// A ball that hits the ground at 2 m/s.
 fn drop() -> Result<Scene, Box<dyn Error>> {
     let surface = build_model(Model::Sphere768);
     let count = surface.topology().vertex_count();
@@ -114,14 +115,14 @@ fn drop() -> Result<Scene, Box<dyn Error>> {
     })
 }
 
-/// A ribbon with half a turn, its ends held, without gravity.
+/// A ribbon twisted by half a turn between pinned ends, without gravity.
 fn ribbon() -> Result<Scene, Box<dyn Error>> {
     let n = 40;
     let size = 0.05;
     let mut surface = sheet(n, 4, size)?;
     let length = n as f32 * size;
     move_all(&mut surface, |[x, y, z]| {
-        // All of the turn in the middle half.
+        // The middle half has all of the twist.
         let part = ((x / length - 0.25) / 0.5).clamp(0.0, 1.0);
         let (sin, cos) = (PI * part).sin_cos();
         let z = z - 2.0 * size;
@@ -136,12 +137,12 @@ fn ribbon() -> Result<Scene, Box<dyn Error>> {
     })
 }
 
-/// A bar, drawn out by a tenth between its held ends, and cut through.
+/// A bar stretched by a tenth between pinned ends and cut through.
 fn cut() -> Result<Scene, Box<dyn Error>> {
     let mut surface = bar([16, 4, 4], 0.0625)?;
     move_all(&mut surface, |[x, y, z]| [1.1 * x, y, z]);
     let pins = vertices_where(&surface, |[x, _, _]| x == 0.0 || x > 1.09);
-    let sweep = Sweep::across_box([1.0, 0.3, 0.2], 0.75, &surface.bounds())?;
+    let sweep = Sweep::from_plane([1.0, 0.3, 0.2], 0.75, &surface.bounds())?;
     Ok(Scene {
         gravity: [0.0; 3],
         pins,
@@ -150,7 +151,7 @@ fn cut() -> Result<Scene, Box<dyn Error>> {
     })
 }
 
-/// An armadillo that is held at the top of its head, let go.
+/// An armadillo pinned at the top of its head.
 fn armadillo() -> Result<Scene, Box<dyn Error>> {
     let surface = build_model(Model::Armadillo);
     let top = surface.bounds().max[1] - 0.05;
@@ -159,13 +160,13 @@ fn armadillo() -> Result<Scene, Box<dyn Error>> {
         pins,
         frames: 3,
         fine: [8, 16, 32],
-        most_rungs: 0,
+        max_reference_substeps: 0,
         ..Scene::new("armadillo", surface, material(1e-4, Some(1e-1)))
     })
 }
 
 fn move_all(surface: &mut Surface, to: impl Fn([f32; 3]) -> [f32; 3]) {
-    for p in &mut surface.positions {
+    for p in surface.positions_mut() {
         let [x, y, z] = to([p[0], p[1], p[2]]);
         [p[0], p[1], p[2]] = [x, y, z];
     }
@@ -173,7 +174,7 @@ fn move_all(surface: &mut Surface, to: impl Fn([f32; 3]) -> [f32; 3]) {
 
 fn vertices_where(surface: &Surface, is: impl Fn([f32; 3]) -> bool) -> Vec<VertexId> {
     let at = |v: &VertexId| {
-        let [x, y, z, _] = surface.positions[v.index()];
+        let [x, y, z, _] = surface.positions()[v.index()];
         is([x, y, z])
     };
     surface.topology().vertices().filter(at).collect()

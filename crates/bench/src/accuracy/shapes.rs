@@ -1,9 +1,10 @@
-//! Surfaces of scenes that no model is.
+//! Sheets, strips and bars for the scenes.
 
 use incise_mesh::{Surface, TopologyError};
 
-/// A sheet of `across` by `along` squares of side `size` \[m\] in the plane of x and z; diagonals alternate, so that
-/// no direction is weaker. Vertex `i (along + 1) + j` is at x = `i size`, z = `j size`.
+/// A sheet of `across` by `along` squares of side `size` \[m\] in the plane of x and z; diagonals
+/// alternate. Vertex `i (along + 1) + j` is at x = `i size`, z =
+/// `j size`.
 pub(super) fn sheet(across: u32, along: u32, size: f32) -> Result<Surface, TopologyError> {
     let mut points = Vec::new();
     let mut faces = Vec::new();
@@ -24,7 +25,7 @@ pub(super) fn sheet(across: u32, along: u32, size: f32) -> Result<Surface, Topol
     Surface::from_triangles(&points, &faces)
 }
 
-/// A strip of triangles over `points` particles, every second one on the other side, `size` \[m\] apart along x.
+/// A zigzag strip of `points` particles, `size` \[m\] apart along x.
 pub(super) fn zigzag(points: u32, size: f32) -> Result<Surface, TopologyError> {
     let at = |i: u32| [0.5 * i as f32 * size, 0.0, (i % 2) as f32 * 0.866 * size];
     let faces: Vec<[u32; 3]> = (2..points)
@@ -39,7 +40,7 @@ pub(super) fn zigzag(points: u32, size: f32) -> Result<Surface, TopologyError> {
     Surface::from_triangles(&(0..points).map(at).collect::<Vec<_>>(), &faces)
 }
 
-/// The closed surface of a box of `n` cubes a side of `size` \[m\], a corner at the origin.
+/// A closed box of `n` cubes a side of `size` \[m\], a corner at the origin.
 pub(super) fn bar(n: [u32; 3], size: f32) -> Result<Surface, TopologyError> {
     let mut points: Vec<[f32; 3]> = Vec::new();
     let side = n.map(|k| k as usize + 1);

@@ -1,75 +1,68 @@
-//! What people read.
+//! Printed tables of the accuracy bench.
 
-use super::error::Yardstick;
-use super::front::{BUDGETS, TARGETS, error_at, least_gain, time_to, totals};
-use super::ladder::{Exact, Ladder};
-use super::row::Row;
+use super::convergence::{Convergence, Exact};
+use super::error::ErrorMeasure;
 use super::scene::{Body, Scene};
 use super::scenes;
-use crate::columns::{columns, paragraphs};
-use crate::front::Point;
+use crate::numbers::{exponent, fixed};
+use crate::text_table::{Column, paragraphs, text_table};
+use crate::work_precision::{BUDGETS, Point, Row, TARGETS, error_at, least_gain, time_to, totals};
 use incise_bench::{ReferenceError, State};
-use std::error::Error;
 use std::io::{self, Write};
 
-/// What stands in the columns of a scene.
+/// Explains the columns of a scene.
 const LEGEND: &str = "\
-Runs that no other one is both faster and nearer than. steps: substeps a frame x iterations a substep. proj: projections a frame. \
-ms: median time of a frame. solver: positions off those of converged steps of the same size, which the solver's \
-iterations are to reach; total: off those that ever smaller steps tend to. Both are root mean squares over vertices and frames, over \
-the mean rest length. force, strain, volume, energy, sag: totals too: of the force that holds the body, over it; of the root mean \
-square strain; of the enclosed volume, over it; of the energy at the end, a second, over the largest kinetic one; sag: of how far the lowest vertex comes \
-down in any frame, over that way. \
-~: less than ten times what the reference itself may be off by, and so hardly known. -: there is none: no reference of that many \
-substeps, nothing held, no closed surface.";
+steps: substeps per frame x iterations per substep. proj: projections per frame. ms: median time \
+of a frame. solver: position error to converged steps of the same size. total: position error to \
+the limit of small steps. Both are root mean squares over vertices and frames, over the mean rest \
+length. force, strain, volume, energy, sag: total errors of the pin force, of the root mean square \
+strain, of the enclosed volume, of the energy at the end per second over the largest kinetic \
+energy, and of the largest sag. ~: less than ten times the uncertainty of the reference. -: no \
+reference of that many substeps, no pins, no closed surface.";
 
-/// What stands in those that only the processor has.
-const ON_CPU: &str = "
-left: Newton's decrement at the end of one substep, over that of its prediction: 0 is solved. dual: the same of \
-C + alpha lambda, which XPBD's iterations make small; stiffnesses of pbd have none.";
-
-/// What stands in those that only devices have.
+/// Explains the columns of GPU runs.
 const ON_GPU: &str = "
-device: what a frame took by the device's own clock, in one run of several; encode: the part of ms until the device was \
-told what to do. -: it has no clock.";
+device: time of a frame by GPU timestamps, in one run of several. encode: the part of ms before \
+submission. -: the GPU has no timestamps.";
 
-/// What stands in the columns of all scenes.
+/// Explains the columns of the summary.
 const SUMMARY: &str = "\
-ms to E: the least time of a frame with a total error of at most E; -: no run came so near. at T ms: the least total error of \
-frames of at most T ms; -: no run was so fast. First all schemes but pbd, then the paper's: pbd, one substep. gain: how many times nearer \
-the first are in the same time, at the least of 1, 4, 8 and 16 ms; nothing where one has no run that is so fast.";
+ms to E: shortest time of a frame with a total error of at most E. at T ms: smallest total error \
+of frames of at most T ms. First all schemes but pbd, then the paper's: pbd, one substep. gain: \
+ratio of the second error to the first in the same time, the smallest at 1, 4, 8 and 16 ms; empty \
+where one has no run that fast.";
 
-/// A line on a scene and on what it is measured against.
+/// Prints a scene and its reference.
 pub(super) fn reference(
     out: &mut impl Write,
     scene: &Scene,
     body: &Body,
-    ladder: &Ladder,
+    convergence: &Convergence,
     exact: Result<&Exact, &ReferenceError>,
 ) -> io::Result<()> {
     let topology = body.surface.topology();
     writeln!(
         out,
-        "\n{}: {} triangles, {} vertices, {} held, {} frames; reference in {:.1} s",
+        "\n{}: {} triangles, {} vertices, {} pinned, {} frames; reference in {:.1} s",
         scene.name,
         topology.triangle_count(),
         topology.vertex_count(),
         body.solver.pins().len(),
         scene.frames,
-        ladder.seconds
+        convergence.seconds
     )?;
     match exact {
         Ok(exact) => {
-            writeln!(out, "  its own uncertainty: {:.1e}", exact.uncertainty)?;
+            writeln!(out, "  uncertainty: {:.1e}", exact.uncertainty)?;
             let start = State::of(&body.solver, &body.surface);
-            let yardstick = Yardstick {
-                model: &ladder.model,
+            let measure = ErrorMeasure {
+                model: &convergence.model,
                 triangles: &[],
                 start: &start,
                 is_held: !scene.pins.is_empty(),
             };
-            if let Some(way) = yardstick.sag(&exact.states) {
-                writeln!(out, "  its lowest vertex comes down by {way:.5} m")?;
+            if let Some(way) = measure.sag(&exact.states) {
+                writeln!(out, "  sag: {way:.5} m")?;
             }
         }
         Err(error) => writeln!(out, "  no total errors: {error}")?,
@@ -77,103 +70,109 @@ pub(super) fn reference(
     Ok(())
 }
 
-/// The fronts of a scene.
+/// Prints the Pareto fronts of a scene.
 pub(super) fn scene(out: &mut impl Write, rows: &[Row]) -> io::Result<()> {
-    let mut legend = LEGEND.to_owned();
-    for backend in backends(rows) {
+    let all = backends(rows);
+    for backend in &all {
         scene_on(out, rows, backend)?;
-        legend += if backend == "cpu" { ON_CPU } else { ON_GPU };
     }
-    write!(out, "{}", paragraphs(&legend))?;
+    write!(out, "{}", paragraphs(LEGEND))?;
+    if all.contains(&"gpu") {
+        write!(out, "{}", paragraphs(ON_GPU))?;
+    }
     for row in rows {
         if let Some(refusal) = &row.refusal {
-            let (scheme, substeps, iterations) = (row.scheme, row.substeps, row.iterations);
+            let (scheme, substeps, iterations) = (&row.scheme, row.substeps, row.iterations);
             writeln!(out, "  {scheme} {substeps} x {iterations}: {refusal}")?;
         }
     }
     Ok(())
 }
 
-/// The backends that rows are of.
-fn backends(rows: &[Row]) -> Vec<&'static str> {
-    let mut names: Vec<&str> = rows.iter().map(|row| row.backend).collect();
-    names.dedup();
+/// Returns the backends of rows.
+fn backends(rows: &[Row]) -> Vec<&str> {
+    let mut names: Vec<&str> = rows.iter().map(|row| row.backend.as_str()).collect();
     names.sort_unstable();
     names.dedup();
     names
 }
 
-/// The front of a scene on one backend.
+/// Columns of a front.
+const COLUMNS: &[Column<Row>] = &[
+    ("scheme", |row| row.scheme.clone()),
+    ("steps", |row| {
+        format!("{}x{}", row.substeps, row.iterations)
+    }),
+    ("proj", |row| row.projections_per_frame.to_string()),
+    ("ms", |row| fixed(row.ms_per_frame, 3)),
+    ("device", |row| fixed(row.ms_device, 3)),
+    ("encode", |row| fixed(row.ms_encode, 3)),
+    ("solver", |row| exponent(row.solver_position)),
+    ("total", |row| {
+        let limit = row.uncertainty.map_or(f64::INFINITY, |u| 10.0 * u);
+        let is_certain = row.total_position.is_some_and(|error| error > limit);
+        let mark = if is_certain { "" } else { "~" };
+        format!("{mark}{}", exponent(row.total_position))
+    }),
+    ("force", |row| exponent(row.total_force)),
+    ("strain", |row| exponent(row.total_strain)),
+    ("volume", |row| exponent(row.total_volume)),
+    ("energy", |row| exponent(row.total_energy)),
+    ("sag", |row| exponent(row.total_sag)),
+];
+
+/// Prints the front of a scene on one backend.
 fn scene_on(out: &mut impl Write, rows: &[Row], backend: &str) -> io::Result<()> {
-    let is_gpu = backend == "gpu";
     let rows = || rows.iter().filter(move |row| row.backend == backend);
-    let best = totals(rows());
-    writeln!(out, "  {backend}, the front of {} runs:", rows().count())?;
-    let header = [
-        "  scheme",
-        "steps",
-        "proj",
-        "ms",
-        if is_gpu { "device" } else { "left" },
-        if is_gpu { "encode" } else { "dual" },
-        "solver",
-        "total",
-        "force",
-        "strain",
-        "volume",
-        "energy",
-        "sag",
-    ];
-    let mut cells = vec![header.map(str::to_owned)];
-    for [time, error] in best {
-        let is = |row: &&Row| row.ms_per_frame == time && row.total() == Some(error);
-        let Some(row) = rows().find(is) else {
-            continue;
-        };
-        let Some(total) = row.total_error else {
-            continue;
-        };
-        let known = row.uncertainty.is_some_and(|u| 10.0 * u < error);
-        let ms = |ms: Option<f64>| ms.map_or("-".to_owned(), |ms| format!("{ms:.3}"));
-        let beside = if is_gpu {
-            [ms(row.ms_device), ms(row.ms_encode)]
-        } else {
-            let left = row.residuals;
-            [
-                left.map(|l| l.residuals.decrement),
-                left.and_then(|l| l.dual),
-            ]
-            .map(brief)
-        };
-        let [fifth, sixth] = beside;
-        cells.push([
-            format!("  {}", row.scheme),
-            format!("{}x{}", row.substeps, row.iterations),
-            row.projections_per_frame.to_string(),
-            format!("{time:.3}"),
-            fifth,
-            sixth,
-            brief(row.solver_error.map(|e| e.position)),
-            format!("{}{error:.1e}", if known { "" } else { "~" }),
-            brief(total.force),
-            brief(Some(total.strain)),
-            brief(total.volume),
-            brief(Some(total.energy)),
-            brief(total.sag),
-        ]);
-    }
-    write!(out, "{}", columns(&cells, 2))
+    writeln!(out, "{backend}, Pareto front of {} runs:", rows().count())?;
+    let best = totals(rows()).into_iter().filter_map(|[time, error]| {
+        rows().find(|row| row.ms_per_frame == time && row.total_position == Some(error))
+    });
+    write!(out, "{}", text_table(COLUMNS, &best.collect::<Vec<_>>()))
 }
 
-/// Time to an error and error in a time, of all scenes.
-pub(super) fn summary(out: &mut impl Write, rows: &[Row]) -> Result<(), Box<dyn Error>> {
-    let mut cells = vec![
-        std::iter::once(String::new())
-            .chain(TARGETS.map(|e| format!("ms to {e:.0e}")))
-            .chain(BUDGETS.map(|ms| format!("at {ms} ms")))
-            .chain(["gain".to_owned()])
-            .collect::<Vec<_>>(),
-    ];
+/// A front of the summary.
+struct Front {
+    name: String,
+    points: Vec<Point>,
+    gain: Option<f64>,
+}
+
+/// Columns of the summary; the numbers are those of [`TARGETS`] and [`BUDGETS`].
+const SUMMARY_COLUMNS: &[Column<Front>] = &[
+    ("scene", |front| front.name.clone()),
+    ("ms to 1e-1", |front| {
+        fixed(time_to(&front.points, TARGETS[0]), 2)
+    }),
+    ("ms to 1e-2", |front| {
+        fixed(time_to(&front.points, TARGETS[1]), 2)
+    }),
+    ("ms to 1e-3", |front| {
+        fixed(time_to(&front.points, TARGETS[2]), 2)
+    }),
+    ("ms to 1e-4", |front| {
+        fixed(time_to(&front.points, TARGETS[3]), 2)
+    }),
+    ("at 1 ms", |front| {
+        exponent(error_at(&front.points, BUDGETS[0]))
+    }),
+    ("at 4 ms", |front| {
+        exponent(error_at(&front.points, BUDGETS[1]))
+    }),
+    ("at 8 ms", |front| {
+        exponent(error_at(&front.points, BUDGETS[2]))
+    }),
+    ("at 16 ms", |front| {
+        exponent(error_at(&front.points, BUDGETS[3]))
+    }),
+    ("gain", |front| {
+        front.gain.map_or_else(String::new, |gain| fixed(gain, 1))
+    }),
+];
+
+/// Prints time to an error and error within a time, for all scenes.
+pub(super) fn summary(out: &mut impl Write, rows: &[Row]) -> io::Result<()> {
+    let mut fronts = Vec::new();
     let all = backends(rows);
     let both = (scenes::NAMES.into_iter()).flat_map(|name| all.iter().map(move |b| (name, *b)));
     for (name, backend) in both {
@@ -184,33 +183,18 @@ pub(super) fn summary(out: &mut impl Write, rows: &[Row]) -> Result<(), Box<dyn 
         }
         let ours = totals(rows().filter(|row| row.scheme != "pbd"));
         let paper = totals(rows().filter(|row| row.is_paper()));
-        let line = |label: String, front: &[Point], gain: Option<f64>| {
-            std::iter::once(label)
-                .chain(
-                    TARGETS
-                        .map(|e| time_to(front, e).map_or("-".to_owned(), |t| format!("{t:.2}"))),
-                )
-                .chain(BUDGETS.map(|ms| brief(error_at(front, ms))))
-                .chain([gain.map_or(String::new(), |gain| format!("{gain:.1}"))])
-                .collect()
-        };
-        cells.push(line(
-            format!("{name}, {backend}"),
-            &ours,
-            least_gain(&ours, &paper),
-        ));
-        cells.push(line("  the paper's".to_owned(), &paper, None));
+        fronts.push(Front {
+            name: format!("{name}, {backend}"),
+            gain: least_gain(&ours, &paper),
+            points: ours,
+        });
+        fronts.push(Front {
+            name: "  the paper's".to_owned(),
+            points: paper,
+            gain: None,
+        });
     }
-    let cells: Vec<[String; 10]> = cells
-        .into_iter()
-        .filter_map(|line| line.try_into().ok())
-        .collect();
     writeln!(out)?;
-    write!(out, "{}", columns(&cells, 1))?;
-    write!(out, "{}", paragraphs(SUMMARY))?;
-    Ok(())
-}
-
-fn brief(value: Option<f64>) -> String {
-    value.map_or_else(|| "-".to_owned(), |x| format!("{x:.1e}"))
+    write!(out, "{}", text_table(SUMMARY_COLUMNS, &fronts))?;
+    write!(out, "{}", paragraphs(SUMMARY))
 }

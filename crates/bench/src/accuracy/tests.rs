@@ -1,10 +1,10 @@
-//! What all parts together must do.
+//! Tests of scenes, reference and errors together.
 
-use super::error::{Yardstick, distance};
-use super::ladder::Ladder;
-use super::run::on_processor;
+use super::convergence::Convergence;
+use super::error::{ErrorMeasure, distance};
+use super::run::on_cpu;
 use super::scene::{DT, Scheme};
-use super::{scenes, substep};
+use super::scenes;
 use incise_bench::{Model, State};
 use incise_pbd_gpu::Stiffness;
 use nalgebra::Vector3;
@@ -23,7 +23,7 @@ fn every_scene_has_a_body_that_the_reference_takes() {
     }
 }
 
-/// What it has inside holds the bar up, and the solver's iterations lead to where the reference's steps do.
+/// A volume constraint holds the bar up, and the solver converges to the reference.
 #[test]
 fn a_bar_that_keeps_its_volume_sags_less() {
     let [sag, inside] = ["bar", "bar-volume"].map(|name| {
@@ -31,18 +31,18 @@ fn a_bar_that_keeps_its_volume_sags_less() {
         scene.frames = 4;
         scene.fine = [4, 8, 16];
         let body = scene.body().unwrap();
-        let ladder = Ladder::climb(&scene, &body, &[16]).unwrap();
+        let convergence = Convergence::compute(&scene, &body, &[16]).unwrap();
         let start = State::of(&body.solver, &body.surface);
-        let yardstick = Yardstick {
-            model: &ladder.model,
+        let measure = ErrorMeasure {
+            model: &convergence.model,
             triangles: &[],
             start: &start,
             is_held: true,
         };
-        let reference = ladder.euler(16).unwrap();
+        let reference = convergence.known(Scheme::Xpbd, 16).unwrap();
         for state in reference {
             for (is, piece) in
-                (ladder.model.enclosed(state).iter()).zip(&ladder.model.volumes.pieces)
+                (convergence.model.enclosed(state).iter()).zip(&convergence.model.volumes.pieces)
             {
                 let off = (is / piece.rest() - 1.0).abs();
                 assert!(off < 1e-9, "the reference is off by {off:e}");
@@ -50,13 +50,13 @@ fn a_bar_that_keeps_its_volume_sags_less() {
         }
         let [few, many] = [16, 256].map(|iterations| {
             let params = scene.params_by(Scheme::Half, 16, iterations);
-            let run = on_processor(&body, &params, scene.frames).unwrap();
-            yardstick.errors(&run.states, reference)
+            let run = on_cpu(&body, &params, scene.frames).unwrap();
+            measure.errors(&run.states, reference)
         });
         assert!(many.position < 0.05, "{name}: {many:?}");
         let sags = [few, many].map(|errors| errors.sag.unwrap());
         assert!(sags[1] < 0.5 * sags[0], "{name}: {sags:?}");
-        yardstick.sag(reference).unwrap()
+        measure.sag(reference).unwrap()
     });
     assert!(
         0.0 < inside && inside < sag,
@@ -78,7 +78,8 @@ fn the_cut_is_through_and_keeps_the_strain() {
     assert_eq!(pieces.len(), 2);
     let model = Model::of(&body.solver, &body.surface, &scene.params(1, 1)).unwrap();
     let strains = model.strains(&State::of(&body.solver, &body.surface));
-    // Drawn out along x by a tenth: no edge, of the caps or of the old surface, is longer or shorter than that.
+    // Drawn out along x by a tenth: no edge, of the caps or of the old surface, is longer or
+    // shorter than that.
     for strain in strains {
         assert!((-1e-3..0.101).contains(&strain), "strain {strain}");
     }
@@ -103,8 +104,8 @@ fn stiffnesses_take_the_place_of_compliances() {
             "{fine:?}, {coarse:?}"
         );
     }
-    // The middle edge is a side of a square, between a vertex of four triangles and one of eight. Each triangle
-    // is 1/288 kg, a third of it at every corner.
+    // The middle edge is a side of a square, between a vertex of four triangles and one of eight.
+    // Each triangle is 1/288 kg, a third of it at every corner.
     let weight = 3.0 * 288.0 * (1.0 / 4.0 + 1.0 / 8.0);
     let alpha = 1e-4 * 3600.0;
     let off = f64::from(coarse[0]) - weight / (weight + alpha);
@@ -117,27 +118,27 @@ fn substeps_lead_to_what_the_reference_tends_to() {
     let mut scene = scenes::scene("sheet-1e2").unwrap();
     scene.frames = 4;
     let body = scene.body().unwrap();
-    let ladder = Ladder::climb(&scene, &body, &[4]).unwrap();
-    let exact = ladder.exact().unwrap();
+    let convergence = Convergence::compute(&scene, &body, &[4]).unwrap();
+    let exact = convergence.exact().unwrap();
     let start = State::of(&body.solver, &body.surface);
-    let yardstick = Yardstick {
-        model: &ladder.model,
+    let measure = ErrorMeasure {
+        model: &convergence.model,
         triangles: &[],
         start: &start,
         is_held: true,
     };
     let errors = [4, 16, 64].map(|substeps| {
-        let run = on_processor(&body, &scene.params(substeps, 32), scene.frames).unwrap();
-        yardstick.errors(&run.states, &exact.states).position
+        let run = on_cpu(&body, &scene.params(substeps, 32), scene.frames).unwrap();
+        measure.errors(&run.states, &exact.states).position
     });
     for pair in errors.windows(2) {
         let order = (pair[0] / pair[1]).log(4.0);
         assert!((0.8..1.2).contains(&order), "order {order} of {errors:?}");
     }
     // Solved as far as it can be, it is the converged step but for the way of its gradients.
-    let run = on_processor(&body, &scene.params(4, 256), scene.frames).unwrap();
-    let own = yardstick
-        .errors(&run.states, ladder.known(Scheme::Xpbd, 4).unwrap())
+    let run = on_cpu(&body, &scene.params(4, 256), scene.frames).unwrap();
+    let own = measure
+        .errors(&run.states, convergence.known(Scheme::Xpbd, 4).unwrap())
         .position;
     assert!(own < 0.2 * errors[0], "{own} of {errors:?}");
     assert!(
@@ -152,13 +153,13 @@ fn one_iteration_by_half_of_the_own_weight_is_of_second_order() {
     let mut scene = scenes::scene("sheet-1e2").unwrap();
     scene.frames = 4;
     let body = scene.body().unwrap();
-    let ladder = Ladder::climb(&scene, &body, &[]).unwrap();
-    let exact = ladder.exact().unwrap();
+    let convergence = Convergence::compute(&scene, &body, &[]).unwrap();
+    let exact = convergence.exact().unwrap();
     let errors = |scheme| {
         [2, 4, 8].map(|substeps| {
             let params = scene.params_by(scheme, substeps, 1);
-            let run = on_processor(&body, &params, scene.frames).unwrap();
-            distance(&ladder.model, &run.states, &exact.states)
+            let run = on_cpu(&body, &params, scene.frames).unwrap();
+            distance(&convergence.model, &run.states, &exact.states)
         })
     };
     let (second, plain) = (errors(Scheme::Second), errors(Scheme::Xpbd));
@@ -167,44 +168,6 @@ fn one_iteration_by_half_of_the_own_weight_is_of_second_order() {
         assert!((1.6..2.4).contains(&order), "order {order} of {second:?}");
     }
     assert!(4.0 * second[2] < plain[2], "{second:?}, {plain:?}");
-}
-
-#[test]
-fn multipliers_are_kept_of_a_single_iteration_too_and_change_no_bit() {
-    let scene = scenes::scene("sheet-1e2").unwrap();
-    let body = scene.body().unwrap();
-    let model = Model::of(&body.solver, &body.surface, &scene.params(1, 1)).unwrap();
-    for scheme in [Scheme::Xpbd, Scheme::Half] {
-        for iterations in [1, 2] {
-            let params = scene.params_by(scheme, 1, iterations);
-            let (mut kept, mut plain) = (body.clone(), body.clone());
-            kept.step_once(DT, &params).unwrap();
-            (plain.solver.step(&mut plain.surface, DT, &params)).unwrap();
-            assert_eq!(kept.surface.positions, plain.surface.positions);
-            let [edges, hinges, _] = kept.multipliers(&model).unwrap();
-            let pulls = edges.iter().chain(&hinges).any(|lambda| *lambda != 0.0);
-            assert!(pulls, "{iterations} iterations of {}", scheme.name());
-        }
-    }
-    let pbd = scene.body_by(Scheme::Pbd, DT.into()).unwrap();
-    assert_eq!(pbd.multipliers(&model), None, "it has stiffnesses");
-}
-
-#[test]
-fn iterations_solve_the_second_equation() {
-    let mut scene = scenes::scene("sheet-1e2").unwrap();
-    scene.frames = 4;
-    let body = scene.body().unwrap();
-    let ladder = Ladder::climb(&scene, &body, &[1]).unwrap();
-    for scheme in [Scheme::Xpbd, Scheme::Half] {
-        let ways = [1, 4, 16, 64].map(|iterations| scene.params_by(scheme, 1, iterations));
-        let left = substep::left(&body, &ladder, &ways).unwrap();
-        let duals: Vec<f64> = left.iter().map(|left| left.dual.unwrap()).collect();
-        assert!(duals[0] < 1.0, "{duals:?}");
-        // What is left falls by the same part in every iteration, however large that is.
-        let falls = duals.windows(2).all(|pair| pair[1] < pair[0]);
-        assert!(falls && duals[3] < 0.01, "{duals:?} of {}", scheme.name());
-    }
 }
 
 #[test]

@@ -1,115 +1,100 @@
-//! Whether a cut takes longer after many others: tips of a ball are sliced off again and again, and
-//! now and then slices that hit about as many triangles are measured and taken back. Before that the tips
-//! are moved away: where they were they would lie in the way of the next slices.
+//! Time of a small cut after many others of the same body.
+//!
+//! Tips of a ball are sliced off repeatedly. At some stages slices that hit about the same number
+//! of triangles are measured and undone. The tips are moved away first, because they would lie in
+//! the way of the next slices.
 
-use super::outcome::Outcomes;
+use super::body::{CutBody, Outcomes};
 use super::row::{Latency, Stamp};
-use super::specimen::Specimen;
 use super::times::Times;
 use crate::directions::Directions;
 use incise_cut::{CutParams, Sweep};
-use incise_mesh::{Aabb, TriangleId, Vec3, cube_sphere};
+use incise_mesh::{TriangleId, Vec3, cube_sphere};
 use std::error::Error;
 
-/// The ball's name.
+/// Name of the ball.
 pub(super) const MODEL: &str = "Sphere49152";
-/// Squares along an edge of the cube that the ball is blown up from: 49,152 triangles.
+/// Squares along an edge of the ball's cube.
 const QUADS: u32 = 64;
-/// Triangles that a slice is to hit.
+/// Number of triangles that a slice hits.
 const HITS: usize = 120;
-/// How far from that it may be.
+/// Largest difference from [`HITS`].
 const TOLERANCE: usize = 12;
-/// Slices measured at a time.
+/// Slices per stage.
 const PROBES: usize = 100;
-/// Directions that are tried for a slice before the body counts as used up.
+/// Directions tried per slice.
 const ATTEMPTS: u32 = 100;
-/// The cuts after which slices are measured, besides the last.
+/// Numbers of cuts after which slices are measured, besides the last.
 const STAGES: [u32; 3] = [1, 100, 1000];
 
-/// Rows for the stages up to `cuts`.
+/// Returns a row for every stage up to `cuts`.
+///
+/// # Errors
+/// An error of the solver or of an undo, or a body too small for another slice.
 pub(super) fn measure(
     params: &CutParams,
     cuts: u32,
     stamp: &Stamp,
 ) -> Result<Vec<Latency>, Box<dyn Error>> {
-    let mut specimen = Specimen::new(cube_sphere(QUADS, 0.5))?;
+    let mut body = CutBody::new(cube_sphere(QUADS, 0.5))?;
     let mut directions = Directions(stamp.seed);
-    // What slices leave of the ball keeps its number: it has the most triangles.
-    let piece = specimen.surface.piece(TriangleId(0));
+    // The ball keeps its piece number: it has the most triangles.
+    let piece = body.surface.piece(TriangleId(0));
     let params = CutParams {
         only_piece: Some(piece),
         ..*params
     };
-    let ball = specimen.surface.bounds();
-    let mut near = specimen.surface.piece_bound();
+    let bounds = body.surface.bounds();
+    let mut near = body.surface.piece_bound();
     let mut rows: Vec<Latency> = Vec::new();
     for cut in 1..=cuts {
-        let Some((normal, d)) = slice(&specimen, piece, &mut directions) else {
+        let Some((normal, d)) = slice(&body, piece, &mut directions) else {
             return Err(format!("after {cut} cuts no slice hits {HITS} triangles").into());
         };
-        let sweep = Sweep::across_box(normal.into(), d, &ball)?;
-        // A slice that cannot be cut is seen among those that are measured.
-        let _ = specimen.cut(&sweep, &params)?;
-        if STAGES.contains(&cut) || cut == cuts {
-            specimen.push_away(near);
-            near = specimen.surface.piece_bound();
-            let outcomes = probe(&mut specimen, piece, &ball, &params, &mut directions)?;
-            let [ms_median, ms_p99] = Times::summary(&outcomes.times);
-            let first = rows.first().map_or(ms_p99, |row| row.ms_p99);
-            rows.push(Latency {
-                model: MODEL.to_owned(),
-                cuts_before: cut,
-                triangles: specimen.surface.topology().triangle_count(),
-                pieces: specimen.surface.piece_bound(),
-                probes: outcomes.times.len(),
-                hits: outcomes.medians()[0],
-                hits_from: outcomes.hits.iter().copied().fold(f64::INFINITY, f64::min),
-                hits_to: outcomes.hits.iter().copied().fold(0.0, f64::max),
-                failures: outcomes.failures,
-                ms_median,
-                ms_p99,
-                p99_ratio: ms_p99.total / first.total,
-                stamp: stamp.clone(),
-            });
+        // A failed cut shows among the measured slices.
+        body.cut(&Sweep::from_plane(normal.into(), d, &bounds)?, &params)?;
+        if !STAGES.contains(&cut) && cut != cuts {
+            continue;
         }
+        body.push_away(near);
+        near = body.surface.piece_bound();
+        // Found before the first cut: the search reads the whole body and fills the caches.
+        let slices: Vec<(Vec3, f64)> = (0..PROBES)
+            .map_while(|_| slice(&body, piece, &mut directions))
+            .collect();
+        let mut outcomes = Outcomes::default();
+        for (normal, d) in slices {
+            let sweep = Sweep::from_plane(normal.into(), d, &bounds)?;
+            let plane = [normal.x, normal.y, normal.z, d];
+            body.probe((&sweep, plane), &params, &mut outcomes)?;
+        }
+        let [ms_median, ms_p99] = Times::summary(&outcomes.times);
+        let first = rows.first().map_or(ms_p99, |row| row.ms_p99);
+        rows.push(Latency {
+            model: MODEL.to_owned(),
+            cuts_before: cut,
+            triangles: body.surface.topology().triangle_count(),
+            pieces: body.surface.piece_bound(),
+            probes: outcomes.times.len(),
+            hits: outcomes.medians()[0],
+            hits_from: outcomes.hits.iter().copied().fold(f64::INFINITY, f64::min),
+            hits_to: outcomes.hits.iter().copied().fold(0.0, f64::max),
+            failures: outcomes.failures,
+            ms_median,
+            ms_p99,
+            p99_ratio: ms_p99.total / first.total,
+            stamp: stamp.clone(),
+        });
     }
     Ok(rows)
 }
 
-/// Measures slices and takes each back, so that all of them fit the same body. They are found before the
-/// first: the search reads the whole body, and what it leaves in the caches is no matter of cuts.
-fn probe(
-    specimen: &mut Specimen,
-    piece: u32,
-    ball: &Aabb,
-    params: &CutParams,
-    directions: &mut Directions,
-) -> Result<Outcomes, Box<dyn Error>> {
-    let mut outcomes = Outcomes::default();
-    let slices: Vec<(Vec3, f64)> = (0..PROBES)
-        .map_while(|_| slice(specimen, piece, directions))
-        .collect();
-    for (normal, d) in slices {
-        let sweep = Sweep::across_box(normal.into(), d, ball)?;
-        match specimen.cut(&sweep, params)? {
-            Ok(Some(cut)) => {
-                outcomes.add(&cut);
-                specimen.undo(cut)?;
-            }
-            Ok(None) => outcomes.missed += 1,
-            Err(error) => outcomes.fail(error, [normal.x, normal.y, normal.z, d]),
-        }
-    }
-    Ok(outcomes)
-}
-
-/// A plane in the next direction that slices off a tip and hits about as many triangles as it should,
-/// found by halving, as direction and distance; none when no direction has one.
-fn slice(specimen: &Specimen, piece: u32, directions: &mut Directions) -> Option<(Vec3, f64)> {
-    let surface = &specimen.surface;
+/// Returns normal and distance of a plane that slices off a tip and hits about [`HITS`] triangles,
+/// found by bisection; none when no direction has one.
+fn slice(body: &CutBody, piece: u32, directions: &mut Directions) -> Option<(Vec3, f64)> {
+    let surface = &body.surface;
     for _ in 0..ATTEMPTS {
         let normal = directions.next_unit();
-        // The heights of every triangle, once for all halvings.
         let triangles = surface.topology().triangles();
         let heights = triangles.filter(|&t| surface.piece(t) == piece).map(|t| {
             let [a, b, c] = surface.triangle_positions(t).map(|p| normal.dot(&p));
@@ -117,10 +102,7 @@ fn slice(specimen: &Specimen, piece: u32, directions: &mut Directions) -> Option
         });
         let heights: Vec<[f64; 2]> = heights.collect();
         let low = heights.iter().map(|h| h[0]).fold(f64::INFINITY, f64::min);
-        let high = heights
-            .iter()
-            .map(|h| h[1])
-            .fold(f64::NEG_INFINITY, f64::max);
+        let high = (heights.iter().map(|h| h[1])).fold(f64::NEG_INFINITY, f64::max);
         let (mut inner, mut outer) = ((low + high) / 2.0, high);
         for _ in 0..30 {
             let d = (inner + outer) / 2.0;

@@ -1,33 +1,36 @@
-//! The steps of a cut and their times.
+//! Times of the stages of a cut.
 
-use crate::statistics::{median, percentile_99};
+use crate::statistics::{percentile, sorted};
 use incise_cut::CutReport;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
-/// Times of a cut, or what many come to \[ms\].
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub(super) struct Times {
-    /// The search and the intersection.
-    pub(super) detect: f64,
-    /// The new boundary and the edit of the mesh.
-    pub(super) split: f64,
-    pub(super) cap: f64,
-    pub(super) refine: f64,
-    /// Finding the pieces.
-    pub(super) separate: f64,
-    /// Deriving the change and the way back.
-    pub(super) commit: f64,
-    /// The search tree that follows.
-    pub(super) search_tree: f64,
-    /// The solver's constraints and masses that follow.
-    pub(super) constraints: f64,
-    /// All together.
-    pub(super) total: f64,
+/// Times of a cut, or a statistic of many \[ms\].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct Times {
+    /// Search and intersection.
+    pub(crate) detect: f64,
+    /// Edit of the mesh along the sweep.
+    pub(crate) split: f64,
+    pub(crate) cap: f64,
+    pub(crate) refine: f64,
+    /// Separation into pieces.
+    pub(crate) separate: f64,
+    /// Delta and undo.
+    pub(crate) commit: f64,
+    /// Update of the BVH.
+    #[serde(alias = "search_tree")]
+    pub(crate) bvh_update: f64,
+    /// Update of the solver's constraints and masses.
+    pub(crate) constraints: f64,
+    /// Sum of all stages.
+    pub(crate) total: f64,
 }
 
 impl Times {
-    pub(super) fn of(report: &CutReport, constraints: Duration) -> Self {
+    /// Returns the times of a report and of the update of constraints.
+    pub(crate) fn new(report: &CutReport, constraints: Duration) -> Self {
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
         Self {
             detect: ms(report.detection),
@@ -36,19 +39,17 @@ impl Times {
             refine: ms(report.refinement),
             separate: ms(report.separation),
             commit: ms(report.commit),
-            search_tree: ms(report.search_tree),
+            bvh_update: ms(report.bvh_update),
             constraints: ms(constraints),
             total: ms(report.total() + constraints),
         }
     }
 
-    /// The medians of all times and their 99th percentiles, each step for itself.
-    pub(super) fn summary(all: &[Self]) -> [Self; 2] {
-        [median, percentile_99].map(|pick| {
-            let of = |step: fn(&Self) -> f64| {
-                let mut values: Vec<f64> = all.iter().map(step).collect();
-                values.sort_by(f64::total_cmp);
-                pick(&values)
+    /// Returns the median and the 99th percentile of every stage.
+    pub(crate) fn summary(all: &[Self]) -> [Self; 2] {
+        [50, 99].map(|percent| {
+            let of = |stage: fn(&Self) -> f64| {
+                percentile(&sorted(all.iter().map(stage).collect()), percent)
             };
             Self {
                 detect: of(|t| t.detect),
@@ -57,7 +58,7 @@ impl Times {
                 refine: of(|t| t.refine),
                 separate: of(|t| t.separate),
                 commit: of(|t| t.commit),
-                search_tree: of(|t| t.search_tree),
+                bvh_update: of(|t| t.bvh_update),
                 constraints: of(|t| t.constraints),
                 total: of(|t| t.total),
             }
@@ -70,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_step_has_a_median_of_its_own() {
+    fn every_stage_has_its_own_median() {
         let all = [[1.0, 30.0], [2.0, 20.0], [3.0, 10.0]].map(|[detect, cap]| Times {
             detect,
             cap,

@@ -1,9 +1,9 @@
-//! Stretch: the length of an edge.
+//! Stretch constraint: the length of an edge with its derivatives.
 
 use super::measure::{Blocks, Kind, Measure, Slope, clamp_3};
 use nalgebra::{Matrix3, Vector3};
 
-/// The distance of two points \[m\] with its derivatives; none if they coincide, for then it has none.
+/// Returns the distance of two points \[m\] with its derivatives; none if they coincide.
 #[must_use]
 pub fn edge(points: &[Vector3<f64>; 2]) -> Option<Measure<2>> {
     let Slope { value, gradient } = slope(points)?;
@@ -26,7 +26,7 @@ fn slope([a, b]: &[Vector3<f64>; 2]) -> Option<Slope<2>> {
     })
 }
 
-/// Edges, as steps use them.
+/// The edge constraint.
 pub(super) struct Edge;
 
 impl Kind<2> for Edge {

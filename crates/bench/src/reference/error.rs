@@ -1,69 +1,70 @@
-//! What a reference cannot do.
+//! Errors of the reference.
 
 use thiserror::Error;
 
-/// Why there is no reference.
+/// An error of the reference.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ReferenceError {
-    /// The stiffness of position based dynamics depends on iterations and belongs to no energy.
+    /// A stiffness of position based dynamics, which has no energy.
     #[error("a stiffness of {k} belongs to no energy; take a compliance, or a stiffness of 1")]
     NoEnergy {
         /// The stiffness.
         k: f32,
     },
-    /// Friction belongs to no energy.
+    /// Friction, which has no energy.
     #[error(
         "friction of {coefficient} belongs to no energy; take 0 for a body that meets the ground"
     )]
     Friction {
-        /// Coulomb's coefficient.
+        /// The coefficient of friction.
         coefficient: f32,
     },
-    /// Arrays of a model do not fit one another.
+    /// A constraint with a vertex that does not exist.
     #[error("constraint {constraint} names vertex {vertex} of {vertices}")]
     VertexOutOfRange {
         /// The constraint.
         constraint: usize,
         /// The vertex.
         vertex: usize,
-        /// How many vertices there are.
+        /// The number of vertices.
         vertices: usize,
     },
-    /// A piece that is to keep a volume has a boundary.
+    /// A piece with a volume constraint that has a boundary.
     #[error(
-        "the edge from vertex {from} to {to} has not two triangles, one each way; a piece without a closed surface has no volume"
+        "the edge from vertex {from} to {to} does not have two triangles, one in each direction; \
+         volume constraints need closed pieces"
     )]
     Open {
-        /// Where the edge begins.
+        /// The first vertex of the open edge.
         from: usize,
-        /// Where it ends.
+        /// The last vertex of the open edge.
         to: usize,
     },
-    /// A vertex that can move was told where to be.
+    /// A target for a vertex that is not held.
     #[error("vertex {vertex} has a mass, so it cannot be put anywhere; only one without is held")]
     NotHeld {
         /// The vertex.
         vertex: usize,
     },
-    /// A state, a mass, a rest value or a time step is not a number that it can be.
+    /// A state, mass, rest value or time step out of range.
     #[error("{name} is not finite or out of its range")]
     BadNumber {
-        /// What is wrong.
+        /// The quantity.
         name: &'static str,
     },
-    /// A step came to no end.
+    /// A step that did not converge.
     #[error(
-        "after {newton_steps} steps of Newton's method the decrement is {decrement:e} of the first one; \
-         take a smaller time step"
+        "after {newton_steps} steps of Newton's method the decrement is {decrement:e} of the first \
+         one; take a smaller time step"
     )]
     NotConverged {
-        /// Steps made.
+        /// Newton steps made.
         newton_steps: usize,
         /// The last decrement over the first.
         decrement: f64,
     },
-    /// The linear algebra gave up.
+    /// A failed factorization.
     #[error("the matrix of {unknowns} unknowns could not be factored")]
     NotFactored {
         /// Its size.

@@ -1,20 +1,23 @@
-//! Bending: the angle between two triangles, as the solver's kernel defines it.
+//! Bending constraint: the angle between two triangles as the solver's kernel defines it.
 
 use super::measure::{Blocks, Kind, Measure, Slope, clamp_12};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// A triangle has no normal when its doubled area is below this share of its squared edges. The solver's own
-/// limit: beyond it its hinges hold nothing.
+/// Smallest doubled area of a triangle with a normal, relative to its squared edges; the solver's
+/// limit.
 const FLAT: f64 = 1e-5;
 
-/// The signed angle at the edge from the first to the second point \[rad\], with its derivatives; the third
-/// point is across the edge in the triangle that runs along it, the fourth in the one that runs against it. 0 is flat,
-/// positive convex. None where a triangle is too flat to have a normal.
+/// Returns the signed angle at the edge from the first to the second point, with its derivatives.
 ///
-/// With `e`, `a` and `b` from the first point to the others, `n = e x a` and `m = b x e`, the gradients by `a` and `b` are
-/// `-|e| n / |n|^2` and `-|e| m / |m|^2` (Bridson et al. 2003), that by `e` is minus their sum weighted by where the feet
-/// of `a` and `b` stand on the edge. The Hessian is the derivative of just these.
+/// The angle \[rad\] is 0 for a flat hinge and positive for a convex one; none where a triangle has
+/// no normal. The third point belongs to the triangle that runs along the edge, the fourth to the
+/// one that runs against it.
+///
+/// With `e`, `a` and `b` from the first point to the others, `n = e x a` and `m = b x e`, the
+/// gradients by `a` and `b` are `-|e| n / |n|^2` and `-|e| m / |m|^2` (Bridson et al. 2003). The
+/// gradient by `e` is minus their sum, weighted by the feet of `a` and `b` on the edge. The Hessian
+/// is the derivative of these gradients.
 #[must_use]
 pub fn hinge(points: &[Vector3<f64>; 4]) -> Option<Measure<4>> {
     let laid = Laid::of(points)?;
@@ -63,7 +66,7 @@ pub fn hinge(points: &[Vector3<f64>; 4]) -> Option<Measure<4>> {
     })
 }
 
-/// A hinge seen from its first point.
+/// A hinge relative to its first point.
 struct Laid {
     e: Vector3<f64>,
     a: Vector3<f64>,
@@ -72,7 +75,7 @@ struct Laid {
     m: Vector3<f64>,
     square: f64,
     length: f64,
-    /// Where the feet of `a` and `b` stand on the edge.
+    /// Feet of `a` and `b` on the edge, as shares of it.
     s: f64,
     t: f64,
     by_a: Vector3<f64>,
@@ -117,13 +120,14 @@ impl Laid {
     }
 }
 
-/// The derivative of `n / |n|^2` by `n`.
+/// Returns the derivative of `n / |n|^2` by `n`.
 fn inverted(n: &Vector3<f64>) -> Matrix3<f64> {
     let square = n.norm_squared();
     (Matrix3::identity() - n * n.transpose() * (2.0 / square)) / square
 }
 
-/// Second derivatives by differences to a first point, as such by all four points, made symmetric to the bit.
+/// Expands second derivatives by differences to the first point to all four points, exactly
+/// symmetric.
 fn with_origin(inner: &[[Matrix3<f64>; 3]; 3]) -> Blocks<4> {
     let mut out = [[Matrix3::zeros(); 4]; 4];
     for (i, row) in inner.iter().enumerate() {
@@ -138,7 +142,7 @@ fn with_origin(inner: &[[Matrix3<f64>; 3]; 3]) -> Blocks<4> {
     out
 }
 
-/// Hinges, as steps use them.
+/// The hinge constraint.
 pub(super) struct Hinge;
 
 impl Kind<4> for Hinge {
@@ -150,7 +154,7 @@ impl Kind<4> for Hinge {
         Laid::of(points).map(|laid| laid.slope())
     }
 
-    /// Angles that differ by a turn are the same.
+    /// Returns the difference modulo a full turn.
     fn error(value: f64, rest: f64) -> f64 {
         let turn = value - rest;
         if turn > PI {

@@ -1,5 +1,4 @@
-//! The sparse symmetric matrix of a step: its pattern and order of elimination once a model, its numbers once
-//! a step of Newton's method.
+//! The sparse symmetric matrix of a step: analyzed once per model, factored per Newton step.
 
 use super::error::ReferenceError;
 use super::measure::Blocks;
@@ -15,40 +14,40 @@ use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat};
 use faer::{Conj, Mat, Par, Side, Spec};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 
-/// A vertex of an element and a coordinate.
+/// A vertex of an element and a coordinate of it.
 type Place = (usize, usize);
 
-/// The matrix, its factor and room to work in.
+/// The matrix, its factor and workspace.
 pub(super) struct System {
-    /// The number of every vertex among those that move.
+    /// Index of every vertex among the moving ones.
     numbers: Vec<Option<usize>>,
     moving: usize,
     pattern: SymbolicSparseColMat<usize>,
     sorting: Argsort<usize>,
-    /// Entries in the order in which they are added; several may have one place.
+    /// Entries in the order of addition; several may share a place.
     values: Vec<f64>,
     symbolic: SymbolicCholesky<usize>,
     factor: Vec<f64>,
     memory: MemBuffer,
     right: Mat<f64>,
-    /// What is added to the sparse matrix: the products of columns with themselves. Each is over all vertices, zeros where
-    /// nothing moves.
+    /// Columns whose outer products are added to the sparse matrix, over all vertices; zero where a
+    /// vertex is held.
     columns: Vec<Vec<Vector3<f64>>>,
-    /// What the last factor needs of them.
+    /// Their part of the last factor.
     low_rank: Option<LowRank>,
 }
 
-/// The inverse of a sparse matrix plus products of columns with themselves, by Woodbury's formula.
+/// Woodbury's formula for a sparse matrix plus outer products of columns.
 struct LowRank {
     columns: Vec<Vec<Vector3<f64>>>,
     /// The inverse of the sparse matrix times the columns.
     solved: Vec<Vec<Vector3<f64>>>,
-    /// One plus the products of these with the columns, factored.
+    /// The factored identity plus the products of these with the columns.
     small: Cholesky<f64, Dyn>,
 }
 
 impl System {
-    /// The pattern of a model.
+    /// Analyzes the pattern of a model.
     pub(super) fn new(model: &Model) -> Result<Self, ReferenceError> {
         let mut numbers = vec![None; model.mass.len()];
         let mut moving = 0;
@@ -102,13 +101,13 @@ impl System {
         })
     }
 
-    /// Forgets the entries.
+    /// Clears the entries.
     pub(super) fn clear(&mut self) {
         self.values.clear();
         self.columns.clear();
     }
 
-    /// Adds the product of a column with itself, which is dense. It is over all vertices.
+    /// Adds the outer product of a column over all vertices, which is dense.
     pub(super) fn add_column(&mut self, mut column: Vec<Vector3<f64>>) {
         for (number, entry) in self.numbers.iter().zip(&mut column) {
             if number.is_none() {
@@ -118,8 +117,8 @@ impl System {
         self.columns.push(column);
     }
 
-    /// Adds the next element's entries; elements come in the order of [`System::new`]: vertices, edges, hinges,
-    /// sides of pieces.
+    /// Adds the entries of the next element, in the order of [`System::new`]: vertices, edges,
+    /// hinges, sides of pieces.
     pub(super) fn add<const N: usize>(&mut self, vertices: [usize; N], blocks: &Blocks<N>) {
         let (numbers, values) = (&self.numbers, &mut self.values);
         entries(vertices.map(|v| numbers[v]), |_, _, (a, i), (b, j)| {
@@ -127,7 +126,7 @@ impl System {
         });
     }
 
-    /// Factors the matrix; false if it is not positive.
+    /// Factors the matrix; returns whether it is positive definite.
     pub(super) fn factor(&mut self) -> bool {
         let Ok(matrix) =
             SparseColMat::new_from_argsort(self.pattern.clone(), &self.sorting, &self.values)
@@ -146,7 +145,8 @@ impl System {
         llt.is_ok() && self.factor_columns()
     }
 
-    /// Prepares what is added to the sparse matrix, whose factor is there; false if all together is not positive.
+    /// Prepares Woodbury's formula for the factored matrix; returns whether the sum is positive
+    /// definite.
     fn factor_columns(&mut self) -> bool {
         self.low_rank = None;
         if self.columns.is_empty() {
@@ -172,8 +172,8 @@ impl System {
         true
     }
 
-    /// Solves with the last factor for a right side over all vertices, zeros where nothing moves; none if the numbers are
-    /// too large.
+    /// Solves for a right side over all vertices, zero where a vertex is held; none if the solution
+    /// overflows.
     pub(super) fn solve(&mut self, right: &[Vector3<f64>]) -> Option<Vec<Vector3<f64>>> {
         let mut out = self.solve_sparse(right)?;
         if let Some(LowRank {
@@ -193,7 +193,7 @@ impl System {
         Some(out)
     }
 
-    /// The same of the sparse matrix alone.
+    /// Solves with the sparse matrix alone.
     fn solve_sparse(&mut self, right: &[Vector3<f64>]) -> Option<Vec<Vector3<f64>>> {
         let mut out = vec![Vector3::zeros(); right.len()];
         if self.moving == 0 {
@@ -219,7 +219,7 @@ impl System {
             .then_some(out)
     }
 
-    /// The product of the matrix with a vector over all vertices.
+    /// Returns the product of the matrix with a vector over all vertices.
     #[cfg(test)]
     pub(super) fn multiply(&self, by: &[Vector3<f64>], model: &Model) -> Vec<Vector3<f64>> {
         let mut out = vec![Vector3::zeros(); by.len()];
@@ -248,8 +248,8 @@ fn dot(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
 }
 
-/// Names the entries of an element that stand in the lower triangle: row and column, and which those are in the
-/// element.
+/// Calls `name` for every entry of an element in the lower triangle, with its row, its column and
+/// its place in the element.
 fn entries<const N: usize>(
     numbers: [Option<usize>; N],
     mut name: impl FnMut(usize, usize, Place, Place),

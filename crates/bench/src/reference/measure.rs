@@ -1,19 +1,19 @@
-//! A constraint's function with its derivatives, and the energy that follows from them.
+//! Constraint functions with their derivatives, and the Hessian of their energy.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-/// The value of a constraint function over `N` points, its gradient and its second derivatives.
+/// A constraint function of `N` points: value, gradient and Hessian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measure<const N: usize> {
     /// The value: \[m\] for edges, \[rad\] for hinges.
     pub value: f64,
-    /// The derivative by every point.
+    /// The gradient by every point.
     pub gradient: [Vector3<f64>; N],
-    /// The second derivatives by every two points.
+    /// The Hessian by every two points.
     pub hessian: [[Matrix3<f64>; N]; N],
 }
 
-/// A measure without second derivatives.
+/// A measure without Hessian.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Slope<const N: usize> {
     pub(super) value: f64,
@@ -23,23 +23,22 @@ pub(super) struct Slope<const N: usize> {
 /// A symmetric matrix of 3x3 blocks.
 pub(super) type Blocks<const N: usize> = [[Matrix3<f64>; N]; N];
 
-/// What there is to know of one kind of constraint.
+/// A kind of constraint.
 pub(super) trait Kind<const N: usize> {
-    /// The measure at points; none where it is not defined.
+    /// Returns the measure at points; none where it is not defined.
     fn measure(points: &[Vector3<f64>; N]) -> Option<Measure<N>>;
 
-    /// The same without second derivatives, which cost the most.
+    /// Returns value and gradient without the expensive Hessian.
     fn slope(points: &[Vector3<f64>; N]) -> Option<Slope<N>>;
 
-    /// The value less the rest value.
+    /// Returns the value minus the rest value.
     fn error(value: f64, rest: f64) -> f64;
 
-    /// The nearest matrix without negative eigenvalues, of one that is the second derivative of an energy of
-    /// this kind.
+    /// Projects the Hessian of an energy of this kind to the nearest positive semidefinite matrix.
     fn clamp(hessian: &mut Blocks<N>);
 }
 
-/// The second derivatives of `(C - shift)^2 / 2`, `off` being `C - shift`.
+/// Returns the Hessian of `(C - shift)^2 / 2`; `off` is `C - shift`.
 pub(super) fn energy_hessian<const N: usize>(measure: &Measure<N>, off: f64) -> Blocks<N> {
     let Measure {
         gradient, hessian, ..
@@ -49,14 +48,14 @@ pub(super) fn energy_hessian<const N: usize>(measure: &Measure<N>, off: f64) -> 
     })
 }
 
-/// The smaller matrix, without its negative eigenvalues.
+/// Projects a 6 x 6 matrix to a positive semidefinite one.
 pub(super) fn clamp_3(matrix: &Matrix3<f64>) -> Matrix3<f64> {
     let eigen = matrix.symmetric_eigen();
     let positive = eigen.eigenvalues.map(|value| value.max(0.0));
     eigen.eigenvectors * Matrix3::from_diagonal(&positive) * eigen.eigenvectors.transpose()
 }
 
-/// The larger matrix, without its negative eigenvalues.
+/// Projects a 12 x 12 matrix to a positive semidefinite one.
 pub(super) fn clamp_12(blocks: &mut Blocks<4>) {
     let mut matrix = SMatrix::<f64, 12, 12>::zeros();
     for (a, row) in blocks.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What a reference moves: masses and constraints, as plain arrays.
+//! The model of the reference, masses and constraints as plain arrays, and its state.
 
 use super::error::ReferenceError;
 use super::volume::{Piece, Volumes};
@@ -13,30 +13,30 @@ pub struct Constraints<const N: usize> {
     pub vertices: Vec<[usize; N]>,
     /// The rest values, shape \[constraints\].
     pub rest: Vec<f64>,
-    /// The inverse stiffness of all: [m/N] for edges, [rad/(N m)] for hinges. 0 is rigid.
+    /// Compliance of all: [m/N] for edges, [rad/(N m)] for hinges. 0 is rigid.
     pub compliance: f64,
 }
 
-/// A body, but for where it is.
+/// A body without its state.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Model {
-    /// The mass of every vertex \[kg\], shape \[vertices\]; 0 for one that is held.
+    /// Mass of every vertex \[kg\], shape \[vertices\]; 0 for a held one.
     pub mass: Vec<f64>,
-    /// Edges that keep their lengths \[m\].
+    /// Edges with rest lengths \[m\].
     pub stretch: Constraints<2>,
-    /// Hinges that keep their angles \[rad\].
+    /// Hinges with rest angles \[rad\].
     pub bending: Constraints<4>,
-    /// Pieces that keep their volumes.
+    /// Volume constraints of closed pieces.
     pub volumes: Volumes,
-    /// Acceleration of everything [m/s^2].
+    /// Acceleration of all vertices [m/s^2].
     pub gravity: Vector3<f64>,
-    /// The rate at which velocities decay [1/s].
+    /// Decay rate of velocities [1/s].
     pub damping: f64,
-    /// Height of a plane that nothing sinks below \[m\]; it has no friction.
+    /// Height of a frictionless ground plane \[m\].
     pub ground: Option<f64>,
 }
 
-/// Where a body is and how it moves.
+/// Positions and velocities of a body.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct State {
     /// Positions \[m\], shape \[vertices\].
@@ -46,12 +46,11 @@ pub struct State {
 }
 
 impl Model {
-    /// The body that a solver moves, with the solver's own numbers: inverse masses, rest values and
-    /// parameters as they are stored.
+    /// Copies a solver's body: inverse masses, rest values and parameters as they are stored.
     ///
     /// # Errors
-    /// [`ReferenceError::NoEnergy`] for a stiffness that is no compliance and not 1, [`ReferenceError::Friction`] for a
-    /// ground with friction.
+    /// [`ReferenceError::NoEnergy`] for a stiffness other than a compliance or 1,
+    /// [`ReferenceError::Friction`] for a ground with friction.
     pub fn of(
         solver: &Solver,
         surface: &Surface,
@@ -62,7 +61,7 @@ impl Model {
             let coefficient = material.friction;
             return Err(ReferenceError::Friction { coefficient });
         }
-        let mass = (surface.positions.iter())
+        let mass = (surface.positions().iter())
             .map(|p| {
                 if p[3] > 0.0 {
                     1.0 / f64::from(p[3])
@@ -88,17 +87,17 @@ impl Model {
 }
 
 impl State {
-    /// Where a solver has its body.
+    /// Copies the state of a solver's body.
     #[must_use]
     pub fn of(solver: &Solver, surface: &Surface) -> Self {
         let wide = |p: &[f32; 4]| Vector3::new(p[0].into(), p[1].into(), p[2].into());
         Self {
-            x: surface.positions.iter().map(wide).collect(),
+            x: surface.positions().iter().map(wide).collect(),
             v: solver.velocities().iter().map(wide).collect(),
         }
     }
 
-    /// At rest at `x` \[m\].
+    /// Returns the state at rest at `x` \[m\].
     #[must_use]
     pub fn at(x: Vec<Vector3<f64>>) -> Self {
         let v = vec![Vector3::zeros(); x.len()];
@@ -114,7 +113,7 @@ fn compliance(stiffness: Stiffness) -> Result<f64, ReferenceError> {
     }
 }
 
-/// The volumes that a solver keeps.
+/// Copies a solver's volume constraints.
 fn volumes(solver: &Solver, surface: &Surface) -> Result<Volumes, ReferenceError> {
     let Some(volume) = solver.material().volume else {
         return Ok(Volumes::default());

@@ -1,8 +1,9 @@
-//! What a step minimizes: how far things are from where they are predicted, and the energy of constraints.
+//! The objective of a step: distance from the prediction, and energy of the constraints.
 //!
-//! A constraint's energy is `(C - mu lambda)^2 / (2 (compliance + mu))`. Without `mu` that is its own energy. With it, it
-//! is a softer one whose minimum is the right one once `lambda` is the right multiplier: the proximal method of
-//! multipliers (Rockafellar 1976), in which `lambda` becomes `(mu lambda - C) / (compliance + mu)` between minimizations.
+//! A constraint's energy is `(C - mu lambda)^2 / (2 (compliance + mu))`. The regularization `mu`
+//! makes it softer without moving the minimum, once `lambda` is the multiplier of the solution: the
+//! proximal method of multipliers (Rockafellar 1976). Between minimizations `lambda` becomes
+//! `(mu lambda - C) / (compliance + mu)`.
 
 use super::edge::Edge;
 use super::hinge::Hinge;
@@ -12,30 +13,31 @@ use super::model::{Constraints, Model};
 use super::volume::{Piece, side_blocks};
 use nalgebra::{Matrix3, Vector3};
 
-/// A constraint gives way by no less than this share of what inertia does, `h^2 sum of |grad C|^2 / m`; multipliers do
-/// the rest for what is stiffer. Smaller means fewer rounds and fewer digits: a chain of 20 rigid links takes 6.
+/// Smallest regularized compliance, relative to that of inertia, `h^2 sum of |grad C|^2 / m`.
+/// Smaller values need fewer multiplier rounds and leave fewer digits; a chain of 20 rigid links
+/// takes 6.
 const SOFTNESS: f64 = 1e-4;
 
-/// What constraints that do not close fast enough are made stiffer by.
+/// Factor by which slowly converging constraints are stiffened.
 const STIFFEN: f64 = 0.1;
 
-/// How far a position is off by rounding, over the largest coordinate.
+/// Rounding error of a position, over the largest coordinate.
 const ROUNDING: f64 = f64::EPSILON;
 
 /// Multipliers of one kind of constraints, all of shape \[constraints\].
 #[derive(Debug, Clone, Default)]
 pub(super) struct Multipliers {
-    /// The forces: \[N\] for edges and the ground, [N m] for hinges, [Pa m^1.5] for pieces.
+    /// Multipliers: \[N\] for edges and the ground, [N m] for hinges, [Pa m^1.5] for pieces.
     pub(super) lambda: Vec<f64>,
     compliance: f64,
-    /// What is added to the compliance.
+    /// Regularization added to the compliance.
     mu: Vec<f64>,
-    /// The inverse of compliance and addition; 0 takes a constraint out.
+    /// Inverse of the regularized compliance; 0 disables a constraint.
     stiffness: Vec<f64>,
 }
 
 impl Multipliers {
-    /// Adds one of zero for a constraint that gives way by `h^2 weight` to inertia.
+    /// Adds a multiplier of zero for a constraint with an inertial compliance of `h^2 weight`.
     fn add(&mut self, h: f64, weight: f64) {
         let least = SOFTNESS * h * h * weight;
         let mu = (least - self.compliance).max(0.0);
@@ -59,15 +61,16 @@ pub(super) struct Objective<'a> {
     pub(super) stretch: Multipliers,
     pub(super) bending: Multipliers,
     pub(super) ground: Multipliers,
-    /// Of pieces, for their constraint functions as [`Piece`](super::volume::Piece) scales them.
+    /// Multipliers of pieces, scaled as the constraint function of
+    /// [`Piece`](super::volume::Piece).
     pub(super) volume: Multipliers,
-    /// What rounding of positions makes of a decrement, about.
+    /// Decrement that rounding of positions causes, about.
     pub(super) rounding: f64,
 }
 
 impl<'a> Objective<'a> {
-    /// The objective of a step of `h` from `x`, with multipliers of zero. What has no gradient there, or cannot move,
-    /// takes no part in the step.
+    /// Returns the objective of a step of `h` from `x` with multipliers of zero. Constraints
+    /// without a gradient or a free vertex are disabled.
     pub(super) fn new(
         model: &'a Model,
         h: f64,
@@ -112,12 +115,7 @@ impl<'a> Objective<'a> {
         }
     }
 
-    /// Where vertices are predicted, or held \[m\].
-    pub(super) fn goal(&self) -> &[Vector3<f64>] {
-        &self.goal
-    }
-
-    /// The value \[J\].
+    /// Returns the value \[J\].
     pub(super) fn value(&self, x: &[Vector3<f64>]) -> f64 {
         let model = self.model;
         let mut sum = 0.0;
@@ -136,20 +134,20 @@ impl<'a> Objective<'a> {
         sum
     }
 
-    /// By piece, how far its volume is from where its multiplier wants it.
+    /// Returns `C - mu lambda` of every piece.
     fn off_volume(&self, x: &[Vector3<f64>]) -> impl Iterator<Item = (usize, f64)> {
         let push = &self.volume;
         let errors = self.model.volume_errors(x).into_iter().enumerate();
         errors.map(|(p, error)| (p, error - push.mu[p] * push.lambda[p]))
     }
 
-    /// The gradient \[N\].
+    /// Returns the gradient \[N\].
     pub(super) fn gradient(&self, x: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         self.sums(x, None)
     }
 
-    /// The gradient \[N\]; the matrix goes into `system`, its elements without their negative eigenvalues if
-    /// `positive`.
+    /// Returns the gradient \[N\] and writes the Hessian to `system`, with elements projected to
+    /// positive semidefinite ones if `positive`.
     pub(super) fn derivatives(
         &self,
         x: &[Vector3<f64>],
@@ -193,7 +191,8 @@ impl<'a> Objective<'a> {
         into.gradient
     }
 
-    /// How far a vertex is below where the ground pushes it \[m\], negative, 0 above, and how much the ground pushes.
+    /// Returns the depth of a vertex in the ground \[m\], negative, 0 above it, and the inverse
+    /// compliance.
     fn sunk(&self, v: usize, x: &Vector3<f64>) -> (f64, f64) {
         match self.model.ground {
             Some(height) => {
@@ -205,7 +204,7 @@ impl<'a> Objective<'a> {
         }
     }
 
-    /// Leaves less to multipliers and more to Newton's method.
+    /// Stiffens constraints: less work for multipliers, more for Newton's method.
     pub(super) fn stiffen(&mut self) {
         self.stretch.stiffen();
         self.bending.stiffen();
@@ -214,7 +213,8 @@ impl<'a> Objective<'a> {
         self.rounding /= STIFFEN.sqrt();
     }
 
-    /// Takes the multipliers that belong to `x`; returns what constraints still lack, in units of the decrement.
+    /// Updates the multipliers at `x`; returns the remaining constraint error in units of the
+    /// decrement.
     pub(super) fn update(&mut self, x: &[Vector3<f64>]) -> f64 {
         let model = self.model;
         let mut square = update::<Edge, 2>(&model.stretch, &mut self.stretch, x);
@@ -243,7 +243,7 @@ impl Multipliers {
         }
     }
 
-    /// Sets a multiplier; returns the square of what the constraint lacks.
+    /// Sets a multiplier; returns the squared constraint error.
     fn set(&mut self, i: usize, to: f64) -> f64 {
         let change = to - self.lambda[i];
         self.lambda[i] = to;
@@ -251,12 +251,12 @@ impl Multipliers {
     }
 }
 
-/// The points of a constraint.
+/// Returns the points of a constraint.
 fn points<const N: usize>(x: &[Vector3<f64>], vertices: [usize; N]) -> [Vector3<f64>; N] {
     vertices.map(|v| x[v])
 }
 
-/// Multipliers for constraints, and the sum of squares of their gradients over their compliances.
+/// Returns multipliers of constraints, and the sum of their squared gradients over compliances.
 fn multipliers<K: Kind<N>, const N: usize>(
     model: &Model,
     constraints: &Constraints<N>,
@@ -284,7 +284,7 @@ fn multipliers<K: Kind<N>, const N: usize>(
     (out, sum)
 }
 
-/// The energy of constraints \[J\].
+/// Returns the energy of constraints \[J\].
 fn energy<K: Kind<N>, const N: usize>(
     constraints: &Constraints<N>,
     multipliers: &Multipliers,
@@ -315,16 +315,16 @@ fn update<K: Kind<N>, const N: usize>(
     square
 }
 
-/// Where second derivatives go.
+/// The target of Hessian entries.
 struct Matrix<'a> {
     system: &'a mut System,
     positive: bool,
 }
 
-/// Where derivatives go.
+/// The target of derivatives.
 struct Sums<'a> {
     gradient: Vec<Vector3<f64>>,
-    /// None where only first derivatives are asked for.
+    /// None for gradients only.
     matrix: Option<Matrix<'a>>,
 }
 
@@ -369,8 +369,8 @@ impl Sums<'_> {
 }
 
 impl Sums<'_> {
-    /// What a piece adds that is so far `off`: the sides' part of its second derivatives is sparse, the gradient's is a
-    /// column.
+    /// Adds a piece with an error of `off`: its Hessian has a sparse part from the sides and a
+    /// column from the gradient.
     fn add_piece(&mut self, piece: &Piece, off: f64, stiffness: f64, x: &[Vector3<f64>]) {
         let mut gradient = piece.gradient(x);
         for (sum, slope) in self.gradient.iter_mut().zip(&gradient) {
@@ -390,7 +390,7 @@ impl Sums<'_> {
 }
 
 impl<const N: usize> Constraints<N> {
-    /// All constraints, numbered.
+    /// Returns all constraints with their indices.
     fn each(&self) -> impl Iterator<Item = (usize, (&[usize; N], &f64))> {
         self.vertices.iter().zip(&self.rest).enumerate()
     }

@@ -1,4 +1,4 @@
-//! What can be said of a state: energy, momentum, strain.
+//! Energies, momentum, strains, volumes and constraint weights of a state.
 
 use super::edge::Edge;
 use super::hinge::Hinge;
@@ -8,14 +8,14 @@ use super::volume::Volumes;
 use nalgebra::Vector3;
 
 impl Model {
-    /// Kinetic energy \[J\].
+    /// Returns the kinetic energy \[J\].
     #[must_use]
     pub fn kinetic_energy(&self, state: &State) -> f64 {
         let each = self.mass.iter().zip(&state.v);
         each.map(|(m, v)| m * v.norm_squared() / 2.0).sum()
     }
 
-    /// The energy of gravity, and of the constraints that give way \[J\].
+    /// Returns the energy of gravity and of compliant constraints \[J\].
     #[must_use]
     pub fn potential_energy(&self, state: &State) -> f64 {
         let each = self.mass.iter().zip(&state.x);
@@ -26,21 +26,21 @@ impl Model {
             + volume_energy(self, &state.x)
     }
 
-    /// The volume that every piece encloses [m^3], shape \[pieces\].
+    /// Returns the volume of every piece [m^3], shape \[pieces\].
     #[must_use]
     pub fn enclosed(&self, state: &State) -> Vec<f64> {
         let pieces = self.volumes.pieces.iter();
         pieces.map(|piece| piece.volume(&state.x)).collect()
     }
 
-    /// Linear momentum of all that moves [kg m/s].
+    /// Returns the linear momentum of free vertices [kg m/s].
     #[must_use]
     pub fn momentum(&self, state: &State) -> Vector3<f64> {
         let each = self.mass.iter().zip(&state.v);
         each.map(|(m, v)| v * *m).sum()
     }
 
-    /// How much longer than at rest every edge is, over its rest length; shape \[edges\].
+    /// Returns the strain of every edge, shape \[edges\].
     #[must_use]
     pub fn strains(&self, state: &State) -> Vec<f64> {
         let each = self.stretch.vertices.iter().zip(&self.stretch.rest);
@@ -48,8 +48,10 @@ impl Model {
             .collect()
     }
 
-    /// By edge, by hinge and by piece, the sum of `|grad C|^2 / m`, which XPBD's projections weigh against the compliance over
-    /// the square of the substep. 0 where there is no gradient. `C` of a piece is as [`Model::volume_errors`] has it.
+    /// Returns the sum of `|grad C|^2 / m` of every edge, hinge and piece, 0 without a gradient.
+    ///
+    /// XPBD compares it with the compliance over the squared substep. `C` of a piece is that of
+    /// [`Model::volume_errors`].
     #[must_use]
     pub fn weights(&self, state: &State) -> [Vec<f64>; 3] {
         let pieces = self.volumes.pieces.iter();
@@ -60,8 +62,8 @@ impl Model {
         ]
     }
 
-    /// How far the volume of every piece is from what it strives for, over the root of its rest volume [m^1.5], shape \[pieces\]:
-    /// so the compliance of all is the compressibility.
+    /// Returns the volume error of every piece over the root of its rest volume [m^1.5], shape
+    /// \[pieces\]; its compliance is the compressibility.
     #[must_use]
     pub fn volume_errors(&self, x: &[Vector3<f64>]) -> Vec<f64> {
         let Volumes {

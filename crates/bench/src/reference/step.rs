@@ -1,4 +1,4 @@
-//! One step, by Newton's method.
+//! Steps of the reference by Newton's method.
 
 use super::error::ReferenceError;
 use super::matrix::System;
@@ -6,46 +6,46 @@ use super::model::{Constraints, Model, State};
 use super::objective::Objective;
 use nalgebra::Vector3;
 
-/// A step is done when the decrement of Newton's method is this part of the first.
+/// Final Newton decrement, relative to the first.
 const DONE: f64 = 1e-12;
 
-/// The share of the promised decrease that a step of Newton's method has to bring (Armijo).
+/// Smallest share of the predicted decrease in a line search (Armijo).
 const DECREASE: f64 = 1e-4;
 
-/// Below this part of the first decrement Hessians are tried as they are: near the solution they are positive as a
-/// whole, and then every step squares the error.
+/// Relative decrement below which Hessians are not projected: near the solution their sum is
+/// positive and convergence is quadratic.
 const NEAR: f64 = 1e-2;
 
-/// A factor of an earlier matrix serves as long as every step brings the decrement down to this part: a new one costs
-/// as much as ten such steps.
+/// Largest relative decrement after a step with an old factor; a new one costs as much as ten such
+/// steps.
 const KEPT: f64 = 0.3;
 
-/// And as long as no vertex goes farther than this part of the mean rest length: where much moves, another matrix leads
-/// astray.
+/// Largest step with an old factor, relative to the mean rest length.
 const NEARBY: f64 = 0.01;
 
-/// Rounds that leave more than this part of what constraints lacked are too slow.
+/// Largest relative constraint error after a round of multipliers; slower constraints are
+/// stiffened.
 const SLOW: f64 = 0.1;
 
-/// How often constraints may be made stiffer; more would leave Newton's method no digits.
+/// Largest number of times that constraints are stiffened; more leaves no digits.
 const MOST_STIFFER: u32 = 4;
 
-/// Steps of Newton's method that a step may take.
+/// Largest number of Newton steps.
 const MOST_NEWTON: usize = 2000;
 
-/// Halvings of a step of Newton's method.
+/// Largest number of halvings in a line search.
 const MOST_HALVINGS: usize = 60;
 
-/// A direction and its decrement.
+/// A Newton direction and its decrement.
 type Step = (Vec<Vector3<f64>>, f64);
 
 /// Steps one model through time.
 pub struct Stepper<'a> {
     model: &'a Model,
     system: System,
-    /// The time step of the matrix that was factored last.
+    /// Time step of the last factored matrix.
     factored: Option<f64>,
-    /// How far a step by that may go \[m\].
+    /// Longest step with that factor \[m\].
     reach: f64,
 }
 
@@ -55,29 +55,29 @@ impl std::fmt::Debug for Stepper<'_> {
     }
 }
 
-/// What a step took and found.
+/// Cost and multipliers of a step.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StepReport {
-    /// Steps of Newton's method.
+    /// Number of Newton steps.
     pub newton_steps: usize,
-    /// Times that multipliers were brought up to date; 1 where nothing is nearly rigid.
+    /// Number of multiplier updates; 1 without nearly rigid constraints.
     pub rounds: usize,
-    /// The last decrement over the first, before the last step of Newton's method; 0 when the first was 0.
+    /// Decrement before the last Newton step over the first; 0 if the first is 0.
     pub decrement: f64,
-    /// The multipliers of edges \[N\], negative where they pull, shape \[edges\].
+    /// Multipliers of edges \[N\], negative in tension, shape \[edges\].
     pub stretch: Vec<f64>,
-    /// The multipliers of hinges [N m], shape \[hinges\].
+    /// Multipliers of hinges [N m], shape \[hinges\].
     pub bending: Vec<f64>,
-    /// What the ground pushes with \[N\], shape \[vertices\]; empty without ground.
+    /// Forces of the ground \[N\], shape \[vertices\]; empty without ground.
     pub ground: Vec<f64>,
-    /// By how much the pressure in a piece is above that around it \[Pa\], shape \[pieces\].
+    /// Overpressure of pieces \[Pa\], shape \[pieces\].
     pub pressure: Vec<f64>,
 }
 
-/// Where a step leads, with what it is the minimum of.
-pub(super) struct Solved<'a> {
-    pub(super) objective: Objective<'a>,
-    pub(super) x: Vec<Vector3<f64>>,
+/// The end of a step, with its objective.
+struct Solved<'a> {
+    objective: Objective<'a>,
+    x: Vec<Vector3<f64>>,
     report: StepReport,
 }
 
@@ -85,7 +85,7 @@ impl<'a> Stepper<'a> {
     /// Analyzes the pattern of a model.
     ///
     /// # Errors
-    /// [`ReferenceError`] when arrays do not fit or hold a number that they cannot.
+    /// [`ReferenceError`] for arrays that do not fit or numbers out of range.
     pub fn new(model: &'a Model) -> Result<Self, ReferenceError> {
         check(model)?;
         let system = System::new(model)?;
@@ -98,11 +98,11 @@ impl<'a> Stepper<'a> {
         })
     }
 
-    /// Steps by `h` \[s\]; vertices without mass go to where `held` says \[m\], or stay.
+    /// Steps by `h` \[s\]; vertices without mass move to their targets in `held` \[m\], or stay.
     ///
     /// # Errors
-    /// [`ReferenceError::NotConverged`], [`ReferenceError::BadNumber`] or [`ReferenceError::NotHeld`]; the state is as it
-    /// was then.
+    /// [`ReferenceError::NotConverged`], [`ReferenceError::BadNumber`] or
+    /// [`ReferenceError::NotHeld`]; the state does not change then.
     pub fn step(
         &mut self,
         state: &mut State,
@@ -130,12 +130,8 @@ impl<'a> Stepper<'a> {
         })
     }
 
-    pub(super) fn model(&self) -> &'a Model {
-        self.model
-    }
-
-    /// Finds where a step leads.
-    pub(super) fn solve(
+    /// Solves a step.
+    fn solve(
         &mut self,
         state: &State,
         h: f64,
@@ -190,7 +186,7 @@ impl<'a> Stepper<'a> {
         })
     }
 
-    /// Brings `x` to the minimum.
+    /// Moves `x` to the minimum.
     fn minimize(
         &mut self,
         objective: &Objective<'_>,
@@ -200,7 +196,7 @@ impl<'a> Stepper<'a> {
     ) -> Result<(), ReferenceError> {
         let mut before = f64::INFINITY;
         loop {
-            // The last step is Newton's own, which squares what is left.
+            // The last step is a full Newton step, which squares the error.
             let most = KEPT * before;
             let least = objective.rounding.max(DONE * *first);
             let kept = self.kept_direction(objective, x);
@@ -240,8 +236,7 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// A step from `x` by the matrix that was factored last, and its decrement; none without a matrix or where the step
-    /// is long.
+    /// Returns a step from `x` with the last factor; none without one or for a long step.
     fn kept_direction(&mut self, objective: &Objective<'_>, x: &[Vector3<f64>]) -> Option<Step> {
         self.factored?;
         let step = self.along(&objective.gradient(x))?;
@@ -249,20 +244,9 @@ impl<'a> Stepper<'a> {
         is_short.then_some(step)
     }
 
-    /// The decrement of Newton's method at `x`, by the matrix made positive where it is not.
-    pub(super) fn decrement(
-        &mut self,
-        objective: &Objective<'_>,
-        x: &[Vector3<f64>],
-    ) -> Result<f64, ReferenceError> {
-        let (_, decrement) = self.direction(objective, x, false)?;
-        // A step that comes after goes the way that it would have gone.
-        self.factored = None;
-        Ok(decrement)
-    }
-
-    /// The step of Newton's method from `x` and its decrement: `near` the solution by the matrix as it is where that is
-    /// positive.
+    /// Returns the Newton step from `x`.
+    ///
+    /// `near` the solution Hessians are not projected if their sum is positive.
     fn direction(
         &mut self,
         objective: &Objective<'_>,
@@ -284,7 +268,7 @@ impl<'a> Stepper<'a> {
         Err(ReferenceError::NotFactored { unknowns })
     }
 
-    /// The step that the last factor makes of a gradient.
+    /// Returns the step of the last factor for a gradient.
     fn along(&mut self, gradient: &[Vector3<f64>]) -> Option<Step> {
         let down: Vec<Vector3<f64>> = gradient.iter().map(|g| -g).collect();
         let direction = self.system.solve(&down)?;
@@ -293,7 +277,7 @@ impl<'a> Stepper<'a> {
     }
 }
 
-/// The largest power of a half by which the direction leads down far enough.
+/// Returns the largest power of 1/2 that decreases the objective enough along a direction.
 fn share_of(
     objective: &Objective<'_>,
     x: &[Vector3<f64>],
@@ -301,7 +285,7 @@ fn share_of(
     decrement: f64,
 ) -> f64 {
     let here = objective.value(x);
-    // Differences below this are rounding, of the sum and of the positions (Cauchy's inequality over all terms).
+    // Rounding of the sum and of the positions (Cauchy's inequality over all terms).
     let rounding = 4.0 * objective.rounding;
     let slack = 64.0 * f64::EPSILON * here + rounding * ((2.0 * here).sqrt() + rounding);
     let mut share = 1.0;
@@ -318,7 +302,7 @@ fn share_of(
     share
 }
 
-/// Checks that the arrays of a model fit and hold numbers.
+/// Checks the arrays of a model.
 fn check(model: &Model) -> Result<(), ReferenceError> {
     let good = |value: f64| value.is_finite() && value >= 0.0;
     let bad = |name| Err(ReferenceError::BadNumber { name });

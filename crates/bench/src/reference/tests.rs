@@ -4,9 +4,8 @@ use super::edge::{Edge, edge};
 use super::hinge::{Hinge, hinge};
 use super::matrix::System;
 use super::measure::{Kind, Measure, energy_hessian};
-use super::model::{Constraints, Model, State};
+use super::model::{Constraints, Model};
 use super::objective::Objective;
-use super::step::Stepper;
 use super::volume::{Piece, Volumes};
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -283,50 +282,4 @@ fn a_system_with_a_dense_part_is_solved() {
             gradient.swap(2, 3);
         }
     }
-}
-
-#[test]
-fn residuals_of_a_spring_are_those_of_a_parabola() {
-    let model = Model {
-        mass: vec![0.0, 2.0],
-        stretch: Constraints {
-            vertices: vec![[0, 1]],
-            rest: vec![1.0],
-            compliance: 1e-3,
-        },
-        gravity: Vector3::new(0.0, -10.0, 0.0),
-        ..Model::default()
-    };
-    let start = State::at(vec![Vector3::zeros(), Vector3::new(0.0, -1.2, 0.0)]);
-    let h = 0.05;
-    let mut stepper = Stepper::new(&model).unwrap();
-    let mut end = start.clone();
-    stepper.step(&mut end, h, &[]).unwrap();
-    let predicted = start.x[1] + model.gravity * (h * h);
-    let shares = [0.0, 0.25, 1.0, -2.0];
-    let tries = shares.map(|share| {
-        let x = end.x[1] + (predicted - end.x[1]) * share;
-        vec![Vector3::zeros(), x]
-    });
-    let found = stepper.residuals(&start, h, &tries).unwrap();
-    for (share, found) in shares.iter().zip(found) {
-        let size: f64 = share.abs();
-        assert!(
-            (found.energy - size * size).abs() < 1e-12,
-            "{found:?} of {share}"
-        );
-        assert!(
-            (found.decrement - size).abs() < 1e-12,
-            "{found:?} of {share}"
-        );
-        assert!((found.primal - size).abs() < 1e-12, "{found:?} of {share}");
-    }
-    // What was asked changes no step.
-    let (mut one, mut other) = (end.clone(), end.clone());
-    stepper.step(&mut one, h, &[]).unwrap();
-    Stepper::new(&model)
-        .unwrap()
-        .step(&mut other, h, &[])
-        .unwrap();
-    assert_eq!(one, other, "a step after residuals");
 }

@@ -1,27 +1,27 @@
-//! Volume: what a closed piece encloses.
+//! Volume constraint of a closed piece.
 //!
-//! Its constraint function is `(V - pressure rest) / sqrt(|rest|)`, so that the compliance of every piece is the
-//! compressibility, whatever its size. Its gradient is dense: the second derivatives of its energy are a sparse part and
-//! one of rank one a piece.
+//! The constraint function is `(V - pressure rest) / sqrt(|rest|)`, so that the compliance of every
+//! piece is the compressibility, whatever its size. Its gradient is dense: the second derivatives
+//! of its energy are a sparse part and one of rank one a piece.
 
 use super::error::ReferenceError;
 use super::measure::Blocks;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::HashMap;
 
-/// What pieces do against a change of their volumes.
+/// Volume constraints of all pieces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Volumes {
-    /// Closed pieces, each with a volume of its own.
+    /// Closed pieces.
     pub pieces: Vec<Piece>,
-    /// The part of its volume that a piece gives way by for every pascal [1/Pa]. 0 is rigid.
+    /// Relative volume change per pascal [1/Pa]. 0 is rigid.
     pub compressibility: f64,
-    /// How many times its rest volume a piece strives for.
+    /// Target volume over rest volume.
     pub pressure: f64,
 }
 
 impl Default for Volumes {
-    /// None.
+    /// No pieces.
     fn default() -> Self {
         Self {
             pieces: Vec::new(),
@@ -35,17 +35,18 @@ impl Default for Volumes {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Piece {
     triangles: Vec<[usize; 3]>,
-    /// By edge its ends, as one of its triangles runs along them, the third corner of that triangle, and that of the other.
+    /// The ends of every edge in the direction of one triangle, the third corner of that triangle,
+    /// and that of the other.
     sides: Vec<[usize; 4]>,
     rest: f64,
 }
 
 impl Piece {
-    /// A piece of triangles that encloses `rest` when nothing pulls [m^3].
+    /// Returns a piece of triangles with a rest volume [m^3].
     ///
     /// # Errors
-    /// [`ReferenceError::Open`] unless every edge has two triangles that run along it in opposite directions,
-    /// [`ReferenceError::BadNumber`] without a rest volume.
+    /// [`ReferenceError::Open`] unless every edge has two triangles that run along it in opposite
+    /// directions, [`ReferenceError::BadNumber`] without a rest volume.
     pub fn new(triangles: Vec<[usize; 3]>, rest: f64) -> Result<Self, ReferenceError> {
         if !rest.is_normal() {
             return Err(ReferenceError::BadNumber {
@@ -75,13 +76,13 @@ impl Piece {
         })
     }
 
-    /// The volume at rest [m^3]; negative of a cavity.
+    /// Returns the rest volume [m^3]; negative for a cavity.
     #[must_use]
     pub fn rest(&self) -> f64 {
         self.rest
     }
 
-    /// The volume that it encloses with its vertices at `x` [m^3].
+    /// Returns the volume with vertices at `x` [m^3].
     #[must_use]
     pub fn volume(&self, x: &[Vector3<f64>]) -> f64 {
         self.cones(x)
@@ -90,7 +91,7 @@ impl Piece {
             / 6.0
     }
 
-    /// How far the constraint function may be off by the rounding of its terms and of their sums, in roundings.
+    /// Returns the rounding error of the constraint function, in units of a rounding.
     pub(super) fn roughness(&self, x: &[Vector3<f64>]) -> f64 {
         let (mut squares, mut sum) = (0.0, 0.0);
         for (_, arm, normal) in self.cones(x) {
@@ -101,7 +102,7 @@ impl Piece {
         (squares + added).sqrt() * self.scale()
     }
 
-    /// The second derivatives of the volume, as sides add them up: those by the side's two ends \[m\].
+    /// Returns the Hessian of the volume by the two ends of every side \[m\].
     pub(super) fn twist(side: [usize; 4], x: &[Vector3<f64>]) -> Matrix3<f64> {
         let [_, _, third, other] = side;
         (x[other] - x[third]).cross_matrix() / 6.0
@@ -115,18 +116,20 @@ impl Piece {
         &self.sides
     }
 
-    /// What the constraint function is of the volume [m^-1.5].
+    /// Returns the factor from volume to constraint function [m^-1.5].
     pub(super) fn scale(&self) -> f64 {
         self.rest.abs().sqrt().recip()
     }
 
-    /// The constraint function at `x` [m^1.5].
+    /// Returns the constraint function at `x` [m^1.5].
     pub(super) fn error(&self, x: &[Vector3<f64>], pressure: f64) -> f64 {
         (self.volume(x) - pressure * self.rest) * self.scale()
     }
 
-    /// The gradient of the constraint function by all vertices, of the piece or not [m^0.5]: every corner has a sixth of
-    /// its triangle's normal, since what triangles of a closed piece would add to that cancels.
+    /// Returns the gradient of the constraint function by all vertices of the model [m^0.5].
+    ///
+    /// Every corner has a sixth of its triangle's doubled normal; the other terms cancel in a
+    /// closed piece.
     pub(super) fn gradient(&self, x: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         let mut out = vec![Vector3::zeros(); x.len()];
         let share = self.scale() / 6.0;
@@ -136,7 +139,7 @@ impl Piece {
         out
     }
 
-    /// The sum of `|grad C|^2 / m` over what moves.
+    /// Returns the sum of `|grad C|^2 / m` over free vertices.
     pub(super) fn weight(&self, x: &[Vector3<f64>], mass: &[f64]) -> f64 {
         let each = self.gradient(x).into_iter().zip(mass);
         each.filter(|(_, m)| **m > 0.0)
@@ -144,7 +147,8 @@ impl Piece {
             .sum()
     }
 
-    /// Triangles, where each is from the piece's first vertex, and its normal, twice as long as it is large.
+    /// Returns triangles with their corners relative to the piece's first vertex and their doubled
+    /// area normals.
     fn cones<'a>(
         &'a self,
         x: &'a [Vector3<f64>],
@@ -160,8 +164,9 @@ impl Piece {
     }
 }
 
-/// The part of second derivatives that a side adds, of `off` times a twist; without its negative eigenvalues if
-/// `positive`. The twist is skew, so that both have closed forms: the eigenvalues are those of its length, twice of each sign.
+/// Returns a side's part of the Hessian, `off` times a skew matrix, projected to a positive
+/// semidefinite one if `positive`. Its eigenvalues have a closed form: plus and minus the length of
+/// the skew matrix's vector, twice each.
 pub(super) fn side_blocks(twist: &Matrix3<f64>, off: f64, positive: bool) -> Blocks<2> {
     let twist = twist * off;
     if !positive {

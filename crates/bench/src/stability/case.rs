@@ -1,24 +1,23 @@
-//! What a case is: a torture, the law that must hold under it, and the worst that was found.
+//! Stress cases: what is done to a body, the invariant that must hold, and the worst value found.
 
-use super::failure::Failure;
-use super::stage::Stage;
-use incise_pbd_gpu::Stiffness;
+use super::error::StressError;
+use super::runner::Runner;
 
-/// One torture and one law. It passes when nothing found is above the bound.
+/// A stress test with one invariant. It passes when no value exceeds the bound.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Case {
-    /// The torture's number, T1 to T20, or a name for those beside them.
+    /// Name in results: T1 to T20, or a word.
     pub(super) id: &'static str,
-    /// What is done to the body.
-    pub(super) torture: &'static str,
-    /// What must hold: what the numbers are and what they must not exceed.
-    pub(super) law: &'static str,
-    /// The largest number with which it holds.
+    /// The treatment of the body.
+    pub(super) stress: &'static str,
+    /// The measured quantity that must not exceed the bound.
+    pub(super) invariant: &'static str,
+    /// The largest value that passes.
     pub(super) bound: f64,
-    pub(super) run: fn(&mut Stage) -> Result<Worst, Failure>,
+    pub(super) run: fn(&mut Runner) -> Result<Worst, StressError>,
 }
 
-/// The larger of two numbers. What is no number is larger than any: `f64::max` would forget it.
+/// Returns the larger of two numbers; unlike `f64::max`, NaN is larger than any.
 pub(super) fn larger(one: f64, other: f64) -> f64 {
     if other > one || other.is_nan() {
         other
@@ -27,52 +26,45 @@ pub(super) fn larger(one: f64, other: f64) -> f64 {
     }
 }
 
-/// What a run came to.
+/// The result of one run.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Found {
-    /// The number that the case judges.
+pub(super) struct Outcome {
+    /// The value that the case compares with its bound.
     pub(super) value: f64,
-    /// How near the run came to breaking what every motion has to keep, where that was looked at.
-    pub(super) kept: Option<Kept>,
+    /// The largest share of the limits of every motion, where they were checked.
+    pub(super) share: Option<LimitShare>,
 }
 
-/// A part of the rule for every motion, see [`super::audit::Rule`].
+/// A quantity relative to its limit for every motion, see [`super::energy::Limits`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Kept {
-    /// The number, of what it may be.
+pub(super) struct LimitShare {
+    /// The quantity over its limit.
     pub(super) part: f64,
-    /// What number it is.
+    /// The name of the quantity.
     pub(super) of: &'static str,
 }
 
-impl From<f64> for Found {
+impl From<f64> for Outcome {
     fn from(value: f64) -> Self {
-        Self { value, kept: None }
+        Self { value, share: None }
     }
 }
 
-impl Found {
-    /// The same run, judged by another number.
+impl Outcome {
+    /// Returns the same run with another value.
     pub(super) fn by(self, value: f64) -> Self {
         Self { value, ..self }
     }
 
-    /// Two runs as one.
-    pub(super) fn worse(self, other: Self) -> Self {
-        let value = larger(self.value, other.value);
-        let all = Self { value, ..self };
-        other.kept.map_or(all, |kept| all.with(kept))
-    }
-
-    /// The same run, in which so much of the rule was kept.
-    pub(super) fn with(self, kept: Kept) -> Self {
-        let kept = Some(self.kept.map_or(kept, |known| known.worse(kept)));
-        Self { kept, ..self }
+    /// Returns the same run with a share of a limit added.
+    pub(super) fn with(self, share: LimitShare) -> Self {
+        let share = Some(self.share.map_or(share, |known| known.worse(share)));
+        Self { share, ..self }
     }
 }
 
-impl Kept {
-    /// The one that is nearer to being broken. What is no number is broken.
+impl LimitShare {
+    /// Returns the larger share; NaN is larger than any.
     pub(super) fn worse(self, other: Self) -> Self {
         if other.part > self.part || other.part.is_nan() {
             other
@@ -82,16 +74,16 @@ impl Kept {
     }
 }
 
-/// The largest number of a case, and where it was found.
+/// The largest value of a case, and where it was found.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Worst {
-    /// Negative infinity as long as nothing was found.
+    /// Negative infinity before the first run.
     pub(super) value: f64,
     pub(super) at: String,
-    /// How many runs or edits were judged.
+    /// Number of runs or edits.
     pub(super) runs: u32,
-    /// The same of the rule for every motion, of the runs in which it was looked at.
-    pub(super) rule: Option<Box<Self>>,
+    /// The largest share of the limits of every motion, in the runs that check them.
+    pub(super) limits: Option<Box<Self>>,
 }
 
 impl Default for Worst {
@@ -100,13 +92,13 @@ impl Default for Worst {
             value: f64::NEG_INFINITY,
             at: String::new(),
             runs: 0,
-            rule: None,
+            limits: None,
         }
     }
 }
 
 impl Worst {
-    /// Takes a number up. What is no number is worse than any.
+    /// Records a value; NaN counts as infinite.
     pub(super) fn take(&mut self, value: f64, at: impl Fn() -> String) {
         let value = if value.is_nan() { f64::INFINITY } else { value };
         if value > self.value {
@@ -115,32 +107,24 @@ impl Worst {
         }
     }
 
-    /// Counts a run and takes its number up. A run that failed is worse than any number.
+    /// Counts a run and records its value; a failed run counts as infinite.
     pub(super) fn judge(
         &mut self,
-        found: Result<impl Into<Found>, Failure>,
+        found: Result<impl Into<Outcome>, StressError>,
         at: impl Fn() -> String,
     ) {
         self.runs += 1;
         match found.map(Into::into) {
-            Ok(Found { value, kept }) => {
+            Ok(Outcome { value, share }) => {
                 self.take(value, &at);
-                if let Some(Kept { part, of }) = kept {
-                    let rule = self.rule.get_or_insert_default();
-                    rule.runs += 1;
-                    rule.take(part, || format!("{}: {of}", at()));
+                if let Some(LimitShare { part, of }) = share {
+                    let limits = self.limits.get_or_insert_default();
+                    limits.runs += 1;
+                    limits.take(part, || format!("{}: {of}", at()));
                 }
             }
-            Err(failure) => self.take(f64::INFINITY, || format!("{}: {failure}", at())),
+            Err(error) => self.take(f64::INFINITY, || format!("{}: {error}", at())),
         }
-    }
-}
-
-/// A stiffness as a place is told by it.
-pub(super) fn told(stiffness: Stiffness) -> String {
-    match stiffness {
-        Stiffness::Pbd(k) => format!("stiffness {k}"),
-        Stiffness::Compliance(value) => format!("compliance {value:e}"),
     }
 }
 
@@ -149,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_worst_is_the_largest_and_no_number_is_worse() {
+    fn the_worst_is_the_largest_value_and_nan_is_worse() {
         let mut worst = Worst::default();
         worst.judge(Ok(1.0), || "a".to_owned());
         worst.judge(Ok(3.0), || "b".to_owned());
@@ -158,7 +142,7 @@ mod tests {
         worst.judge(Ok(f64::NAN), || "d".to_owned());
         assert_eq!((worst.value, worst.at.as_str()), (f64::INFINITY, "d"));
         let mut worst = Worst::default();
-        let broken: Result<f64, _> = Err(Failure::Law("broken".to_owned()));
+        let broken: Result<f64, _> = Err(StressError::Invariant("broken".to_owned()));
         worst.judge(broken, || "e".to_owned());
         assert_eq!(
             (worst.value, worst.at.as_str()),
@@ -167,19 +151,19 @@ mod tests {
     }
 
     #[test]
-    fn the_rule_for_every_motion_is_judged_beside() {
+    fn limits_of_every_motion_are_recorded_beside() {
         let mut worst = Worst::default();
         let kept = |part| {
             let of = "way";
-            Found::from(2.0).by(1.0).with(Kept { part, of })
+            Outcome::from(2.0).by(1.0).with(LimitShare { part, of })
         };
         worst.judge(Ok(kept(0.5)), || "a".to_owned());
         worst.judge(Ok(kept(f64::NAN)), || "b".to_owned());
         worst.judge(Ok(3.0), || "c".to_owned());
-        let rule = worst.rule.unwrap();
+        let limits = worst.limits.unwrap();
         assert_eq!((worst.value, worst.runs), (3.0, 3));
         assert_eq!(
-            (rule.value, rule.at.as_str(), rule.runs),
+            (limits.value, limits.at.as_str(), limits.runs),
             (f64::INFINITY, "b: way", 2)
         );
     }

@@ -1,34 +1,33 @@
-//! Pieces that touch: stacks that come to rest, pieces that fall on others too fast to be seen between two frames.
+//! Contacts of pieces: a stack that comes to rest, and a ball too fast for a thin plate.
 
 use super::case::{Case, Worst, larger};
 use super::cuts::pieces;
-use super::failure::Failure;
+use super::error::StressError;
+use super::runner::Runner;
 use super::scenes::{FRAME, place};
-use super::stage::Stage;
-use incise_cut::Bvh;
-use incise_mesh::{Surface, TriangleId, Vec3, VertexId, cube_sphere, icosphere};
-use incise_pbd_gpu::{Material, SolverParams, Stiffness, Struts, Volume};
+use incise_mesh::{Bvh, Surface, TriangleId, Vec3, VertexId, cube_sphere, icosphere};
+use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Stiffness, Volume};
 use incise_scene::{BodyId, ContactParams, Scene, SceneParams, SleepParams};
 
 pub(super) const CASES: [Case; 3] = [
     Case {
         id: "contacts",
-        torture: "a block cut into ten slices that lie on each other, by the default's substeps",
-        law: "time until they sleep [s]",
+        stress: "a block cut into ten slices that lie on each other, with the default substeps",
+        invariant: "time until they sleep [s]",
         bound: 60.0,
-        run: |stage| stack(stage, |found| found.seconds),
+        run: |runner| stack(runner, |stacked| stacked.seconds),
     },
     Case {
         id: "contacts",
-        torture: "a block cut into ten slices that lie on each other, by the default's substeps",
-        law: "deepest vertex in another piece, of a mean edge, at the end of a second",
+        stress: "a block cut into ten slices that lie on each other, with the default substeps",
+        invariant: "depth of a vertex in another piece at the end of a second, in mean edges",
         bound: 0.1,
-        run: |stage| stack(stage, |found| found.depth),
+        run: |runner| stack(runner, |stacked| stacked.depth),
     },
     Case {
         id: "tunnel",
-        torture: "a ball hits a held plate of a tenth of its size by 10 of its diagonals a second",
-        law: "vertices that come through the plate, not around it",
+        stress: "a ball hits a held plate of a tenth of its size by 10 of its diagonals a second",
+        invariant: "vertices that pass through the plate",
         bound: 0.0,
         run: tunnel,
     },
@@ -37,22 +36,28 @@ pub(super) const CASES: [Case; 3] = [
 /// Slices of a stack.
 const SLICES: u32 = 10;
 
-/// The longest that anybody waits for a stack to sleep \[frames\]: a second more than the law allows.
-const PATIENCE: u32 = 3660;
+/// Longest wait for a stack to sleep \[frames\]: a second beyond the bound.
+const MAX_FRAMES: u32 = 3660;
 
-/// Bodies that hold their shape, a stiff and a soft one, and one that has nothing but its skin and its volume.
+/// A stiff and a soft body with interior springs, and one of skin and volume only.
 fn materials() -> [(&'static str, Material); 3] {
-    let with = |stretch, struts| Material {
+    let with = |stretch, interior_springs| Material {
         stretch: Stiffness::Compliance(stretch),
         volume: Some(Volume::default()),
-        struts,
+        interior_springs,
         damping: 1.0,
         friction: 0.7,
         ..Material::default()
     };
     [
-        ("stiff, with struts", with(0.0, Some(Struts::default()))),
-        ("soft, with struts", with(1e-4, Some(Struts::default()))),
+        (
+            "stiff, with interior_springs",
+            with(0.0, Some(InteriorSprings::default())),
+        ),
+        (
+            "soft, with interior_springs",
+            with(1e-4, Some(InteriorSprings::default())),
+        ),
         ("skin and volume", with(1e-5, None)),
     ]
 }
@@ -71,7 +76,7 @@ fn params(gravity: f32, ground: Option<f32>) -> SceneParams {
     }
 }
 
-/// A block of those sides \[m\], n x n squares a side.
+/// A block with sides of those lengths \[m\] and `squares` x `squares` squares each.
 fn block(squares: u32, sides: [f64; 3]) -> Surface {
     let mut surface = cube_sphere(squares, 1.0);
     place(&mut surface, |p| {
@@ -85,7 +90,7 @@ fn piece_of(surface: &Surface, v: VertexId) -> u32 {
     surface.piece(surface.topology().outgoing(v).triangle())
 }
 
-/// How deep any vertex is in another piece \[m\].
+/// Returns the largest depth of a vertex in another piece \[m\].
 fn deepest(surface: &Surface) -> f64 {
     let bvh = Bvh::build(surface);
     let reach = surface.bounds().diagonal();
@@ -100,40 +105,40 @@ fn deepest(surface: &Surface) -> f64 {
     deepest
 }
 
-/// What a stack did.
+/// Measurements of a stack.
 struct Stacked {
-    /// Until it slept \[s\].
+    /// Time until it sleeps \[s\].
     seconds: f64,
     /// \[mean edges\]
     depth: f64,
 }
 
-/// Cuts a block into slices, one a frame, and lets them lie.
-fn lie(stage: &Stage, material: &Material) -> Result<Stacked, Failure> {
-    let mut surface = block(stage.pick(6, 10), [1.0, 3.0, 1.0]);
+/// Cuts a block into slices, one a frame, and steps until they sleep.
+fn lie(runner: &Runner, material: &Material) -> Result<Stacked, StressError> {
+    let mut surface = block(runner.pick(6, 10), [1.0, 3.0, 1.0]);
     place(&mut surface, |p| p + Vec3::new(0.0, 1.5, 0.0));
-    let mut scene = stage.scene(params(-9.81, Some(0.0)))?;
+    let mut scene = runner.scene(params(-9.81, Some(0.0)))?;
     let body = scene.add_body(surface, material)?;
     let blade = scene.add_blade([[-9.0, 9.0, -9.0], [-9.0, 9.0, 9.0]]);
     for slice in 1..SLICES {
         // Not through the rows of vertices, which would be slices of their own.
         let y = 0.3 * slice as f32 + 0.007;
-        scene.jump_blade(blade, [[-9.0, y, -9.0], [-9.0, y, 9.0]]);
-        scene.move_blade(blade, [[9.0, y, -9.0], [9.0, y, 9.0]]);
+        scene.teleport_blade(blade, [[-9.0, y, -9.0], [-9.0, y, 9.0]])?;
+        scene.move_blade(blade, [[9.0, y, -9.0], [9.0, y, 9.0]])?;
         scene.step()?;
     }
-    scene.read(body)?;
-    let made = pieces(scene.body(body).surface()).len();
+    scene.read_back(body)?;
+    let made = pieces(scene.body(body)?.surface()).len();
     if made != SLICES as usize {
-        return Err(Failure::Law(format!("{made} slices of {SLICES}")));
+        return Err(StressError::Invariant(format!("{made} slices of {SLICES}")));
     }
     let (mut frames, mut depth) = (0, 0.0);
-    while !scene.is_asleep(body) && frames < PATIENCE {
+    while !scene.is_asleep(body)? && frames < MAX_FRAMES {
         scene.step()?;
         frames += 1;
         if frames % 60 == 0 {
-            scene.read(body)?;
-            let body = scene.body(body);
+            scene.read_back(body)?;
+            let body = scene.body(body)?;
             let edge = body.solver().mean_rest_length();
             depth = larger(depth, deepest(body.surface()) / edge);
         }
@@ -144,31 +149,34 @@ fn lie(stage: &Stage, material: &Material) -> Result<Stacked, Failure> {
     })
 }
 
-fn stack(stage: &mut Stage, law: fn(&Stacked) -> f64) -> Result<Worst, Failure> {
+fn stack(runner: &mut Runner, value: fn(&Stacked) -> f64) -> Result<Worst, StressError> {
     let mut worst = Worst::default();
     let all = materials();
-    for (name, material) in stage.pick(&all[..1], &all) {
-        let found = lie(stage, material);
-        worst.judge(found.map(|found| law(&found)), || (*name).to_owned());
+    for (name, material) in runner.pick(&all[..1], &all) {
+        let outcome = lie(runner, material);
+        worst.judge(outcome.map(|stacked| value(&stacked)), || {
+            (*name).to_owned()
+        });
     }
     Ok(worst)
 }
 
-/// Surfaces as the components of one.
-fn together(parts: [&Surface; 2]) -> Result<Surface, Failure> {
+/// Joins two surfaces as components of one.
+fn together(parts: [&Surface; 2]) -> Result<Surface, StressError> {
     let (mut corners, mut faces) = (Vec::new(), Vec::new());
     for part in parts {
         let offset = u32::try_from(corners.len()).unwrap_or(u32::MAX);
-        corners.extend_from_slice(&part.rest);
+        corners.extend_from_slice(part.rest_positions());
         let topology = part.topology();
         let of = |t: TriangleId| topology.triangle(t).map(|v| v.0 + offset);
         faces.extend(topology.triangles().map(of));
     }
-    Surface::from_triangles(&corners, &faces).map_err(|error| Failure::Law(error.to_string()))
+    Surface::from_triangles(&corners, &faces)
+        .map_err(|error| StressError::Invariant(error.to_string()))
 }
 
-/// Gives a body's pieces their part: the first is held, the second falls.
-fn set_up(scene: &mut Scene, body: BodyId, speed: f32) -> Result<(), Failure> {
+/// Pins the first piece of a body and throws the second downward.
+fn set_up(scene: &mut Scene, body: BodyId, speed: f32) -> Result<(), StressError> {
     let (solver, surface) = scene.edit(body)?.solver_mut();
     let all: Vec<VertexId> = surface.topology().vertices().collect();
     for v in all {
@@ -181,7 +189,7 @@ fn set_up(scene: &mut Scene, body: BodyId, speed: f32) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Where the vertices of the second piece are, in sizes of the ball.
+/// Returns the vertices of the second piece in radii of the ball.
 fn falling(surface: &Surface, scale: f64) -> Vec<Vec3> {
     let all = surface.topology().vertices();
     all.filter(|&v| piece_of(surface, v) == 1)
@@ -189,44 +197,46 @@ fn falling(surface: &Surface, scale: f64) -> Vec<Vec3> {
         .collect()
 }
 
-/// Whether the straight way from `p` to `q` goes down through the plate's middle.
+/// Returns whether the segment from `p` to `q` goes down through the plate's middle.
 fn comes_through(p: &Vec3, q: &Vec3) -> bool {
     let at = p + (q - p) * (p.y / (p.y - q.y));
     p.y > 0.0 && q.y <= 0.0 && at.x.abs() < 2.0 && at.z.abs() < 2.0
 }
 
-fn tunnel(stage: &mut Stage) -> Result<Worst, Failure> {
+fn tunnel(runner: &mut Runner) -> Result<Worst, StressError> {
     let mut worst = Worst::default();
     let scales = [1.0, 1e-2, 1e2];
-    for &scale in stage.pick(&scales[..1], &scales) {
+    for &scale in runner.pick(&scales[..1], &scales) {
         for offset in [0.0, 0.21, 0.37, 0.8] {
             let mut plate = block(8, [4.0, 0.2, 4.0]);
-            let mut ball = icosphere(stage.pick(1, 3), 1.0);
+            let mut ball = icosphere(runner.pick(1, 3), 1.0);
             place(&mut ball, |p| p + Vec3::new(offset, 3.0, offset / 3.0));
             for part in [&mut plate, &mut ball] {
                 place(part, |p| p * scale);
             }
             let speed = 10.0 * 2.0 * 3.0_f64.sqrt() * scale;
             for (name, material) in materials() {
-                let run = || -> Result<f64, Failure> {
-                    let mut scene = stage.scene(params(0.0, None))?;
+                let run = || -> Result<f64, StressError> {
+                    let mut scene = runner.scene(params(0.0, None))?;
                     let body = scene.add_body(together([&plate, &ball])?, &material)?;
                     #[expect(clippy::cast_possible_truncation, reason = "a speed of storage")]
                     set_up(&mut scene, body, speed as f32)?;
                     let mut through = 0;
-                    let mut before = falling(scene.body(body).surface(), scale);
+                    let mut before = falling(scene.body(body)?.surface(), scale);
                     for _ in 0..60 {
                         scene.step()?;
-                        scene.read(body)?;
-                        let now = falling(scene.body(body).surface(), scale);
+                        scene.read_back(body)?;
+                        let now = falling(scene.body(body)?.surface(), scale);
                         let ways = before.iter().zip(&now);
                         through += ways.filter(|(p, q)| comes_through(p, q)).count();
                         before = now;
                     }
                     Ok(through as f64)
                 };
-                let found = run();
-                worst.judge(found, || format!("{name}, {offset} m aside, scale {scale}"));
+                let outcome = run();
+                worst.judge(outcome, || {
+                    format!("{name}, {offset} m aside, scale {scale}")
+                });
             }
         }
     }

@@ -1,93 +1,53 @@
-//! Bodies on a GPU.
+//! Bodies of stress cases on a GPU.
 
-use super::failure::Failure;
-use super::stage::Way;
+use super::error::StressError;
 use incise_mesh::Surface;
-use incise_pbd_gpu::{AdapterRequest, GpuBackend, GpuBody, Schedule, Solver, SolverParams};
+use incise_pbd_gpu::{AdapterRequest, GpuBackend, GpuBody, Solver, SolverParams};
 use incise_scene::{BackendChoice, BackendRequest};
 
 /// An open GPU.
 #[derive(Debug)]
 pub(super) struct Device {
     gpu: GpuBackend,
-    /// What it was opened for.
+    /// The request that opened it.
     request: AdapterRequest,
 }
 
-/// A body on it.
+/// A body on the GPU.
 pub(super) type Place = GpuBody;
 
 impl Device {
-    /// Opens the GPU of that name, else the best there is, software if there is nothing else.
+    /// Opens the GPU of that name, or the best one; software if there is no other.
     ///
     /// # Errors
-    /// Why there is none.
-    pub(super) fn open(adapter: Option<&str>) -> Result<Self, Failure> {
+    /// [`StressError::Device`] with the reason.
+    pub(super) fn open(adapter: Option<&str>) -> Result<Self, StressError> {
         let request = AdapterRequest::any(adapter.map(str::to_owned));
-        Self::of(request)
-    }
-
-    /// Opens the same GPU once more.
-    ///
-    /// # Errors
-    /// As [`Device::open`].
-    pub(super) fn again(&self) -> Result<Self, Failure> {
-        Self::of(self.request.clone())
-    }
-
-    /// Opens the same GPU once more, with the limits of any WebGPU device.
-    ///
-    /// # Errors
-    /// As [`Device::open`].
-    pub(super) fn portable(&self) -> Result<Self, Failure> {
-        Self::of(AdapterRequest {
-            portable_limits: true,
-            ..self.request.clone()
-        })
-    }
-
-    fn of(request: AdapterRequest) -> Result<Self, Failure> {
         let gpu = GpuBackend::new(&request)?;
         Ok(Self { gpu, request })
     }
 
-    /// What opens it for a scene.
+    /// Returns the request of a scene for the same GPU.
     pub(super) fn backend(&self) -> BackendRequest {
         BackendRequest {
             choice: BackendChoice::Gpu,
             adapter: self.request.name.clone(),
             allow_software: true,
-            device_from: None,
+            min_gpu_constraints: None,
         }
     }
 
-    /// The bytes that bodies have room for before buffers are replaced by larger ones.
-    pub(super) fn reserved(&self) -> u64 {
-        self.gpu.memory().reserved
-    }
-
-    /// The adapter's name and driver.
+    /// Returns the adapter's name and driver.
     pub(super) fn describe(&self) -> String {
         let adapter = self.gpu.adapter();
         format!("{} ({})", adapter.name, adapter.driver)
     }
 
-    /// Takes one way for all bodies that can go it.
-    pub(super) fn force(&mut self, way: Way) {
-        self.gpu.force_schedule(match way {
-            Way::Own => None,
-            Way::WholeBody => Some(Schedule::WholeBody),
-            Way::Colors => Some(Schedule::Colors),
-            Way::Patches => Some(Schedule::Patches),
-        });
-    }
-
-    /// Ends it, as a driver that is updated would.
-    pub(super) fn lose(&self) {
-        self.gpu.context().destroy();
-    }
-
-    pub(super) fn add(&mut self, surface: &Surface, solver: &mut Solver) -> Result<Place, Failure> {
+    pub(super) fn add(
+        &mut self,
+        surface: &Surface,
+        solver: &mut Solver,
+    ) -> Result<Place, StressError> {
         Ok(self.gpu.add(surface, solver)?)
     }
 
@@ -102,28 +62,28 @@ impl Device {
         solver: &mut Solver,
         dt: f32,
         params: &SolverParams,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), StressError> {
         self.gpu.step([(place, solver)], dt, params)?;
         Ok(())
     }
 
-    /// Sends what was edited on the host.
+    /// Uploads the edits of a body.
     pub(super) fn update(
         &mut self,
         place: Place,
         surface: &Surface,
         solver: &mut Solver,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), StressError> {
         Ok(self.gpu.update(place, surface, solver)?)
     }
 
-    /// Brings positions and velocities back.
+    /// Reads positions and velocities back.
     pub(super) fn read(
         &mut self,
         place: Place,
         surface: &mut Surface,
         solver: &mut Solver,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), StressError> {
         Ok(self.gpu.read(place, surface, solver)?)
     }
 }

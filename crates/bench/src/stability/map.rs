@@ -1,27 +1,27 @@
-//! Where in time steps, compliances and mass ratios the solver is stable.
+//! The stability map: largest energy over time steps, compliances and loads.
 
-use super::audit::{Rule, energy_over};
 use super::case::{Case, Worst};
-use super::failure::Failure;
+use super::energy::{Limits, energy_over};
+use super::error::StressError;
 use super::masses::ribbon;
+use super::runner::Runner;
 use super::scenes::{HANGING, elastic_shell, whole};
-use super::stage::Stage;
 use incise_pbd_gpu::SolverParams;
 use serde::Serialize;
 
 pub(super) const CASES: [Case; 1] = [Case {
     id: "map",
-    torture: "a swinging ribbon over time steps, compliances and loads",
-    law: "energy of what there was",
+    stress: "a swinging ribbon over time steps, compliances and loads",
+    invariant: "largest energy, relative to the start",
     bound: 1.01,
     run,
 }];
 
-/// Loads of the ribbon, in vertices.
+/// Loads of the ribbon, in masses of a vertex.
 pub(super) const RATIOS: [f32; 3] = [1.0, 1e3, 1e6];
-/// Frames a second, by which half orders of magnitude.
+/// Half orders of magnitude of the frame rate.
 pub(super) const RATES: std::ops::RangeInclusive<i32> = 2..=10;
-/// Compliances of stretch [m/N], by which orders of magnitude.
+/// Orders of magnitude of the compliance of stretch [m/N].
 pub(super) const COMPLIANCES: std::ops::RangeInclusive<i32> = -12..=2;
 
 /// One time step, compliance and load.
@@ -32,17 +32,17 @@ pub(super) struct Cell {
     pub(super) rate: i32,
     /// Orders of magnitude [m/N].
     pub(super) compliance: i32,
-    /// The largest energy of what there was; infinite when a position stopped being a number.
+    /// Largest relative energy; infinite if a position becomes NaN.
     pub(super) energy: f64,
 }
 
-/// All cells; in short every fourth.
+/// Returns all cells, or every fourth in a quick run.
 ///
 /// # Errors
-/// [`Failure`] when the ribbon cannot be set up.
-fn cells(stage: &mut Stage) -> Result<Vec<Cell>, Failure> {
+/// [`StressError`] when the ribbon cannot be set up.
+fn cells(runner: &mut Runner) -> Result<Vec<Cell>, StressError> {
     let mut cells = Vec::new();
-    let stride = stage.pick(4, 1);
+    let stride = runner.pick(4, 1);
     let params = SolverParams {
         iterations: 1,
         ..HANGING
@@ -51,16 +51,16 @@ fn cells(stage: &mut Stage) -> Result<Vec<Cell>, Failure> {
         for rate in RATES.step_by(stride) {
             for compliance in COMPLIANCES.step_by(stride) {
                 let material = elastic_shell(10.0_f32.powi(compliance), 0.1);
-                let mut mover = ribbon(stage, &material, ratio, true)?;
+                let mut body = ribbon(runner, &material, ratio, true)?;
                 let dt = 10.0_f32.powf(-0.5 * rate as f32);
                 // A quarter of a swing at least.
                 let frames = 200.max(whole(0.5 / dt));
-                let found = energy_over(&mut mover, dt, &params, frames, Rule::above(-1.0));
+                let outcome = energy_over(&mut body, dt, &params, frames, Limits::above(-1.0));
                 cells.push(Cell {
                     ratio,
                     rate,
                     compliance,
-                    energy: found.map_or(f64::INFINITY, |found| found.value),
+                    energy: outcome.map_or(f64::INFINITY, |outcome| outcome.value),
                 });
             }
         }
@@ -68,9 +68,9 @@ fn cells(stage: &mut Stage) -> Result<Vec<Cell>, Failure> {
     Ok(cells)
 }
 
-fn run(stage: &mut Stage) -> Result<Worst, Failure> {
+fn run(runner: &mut Runner) -> Result<Worst, StressError> {
     let mut worst = Worst::default();
-    let cells = cells(stage)?;
+    let cells = cells(runner)?;
     for cell in &cells {
         worst.judge(Ok(cell.energy), || {
             let rate = 10.0_f64.powf(f64::from(cell.rate) / 2.0);
@@ -80,6 +80,6 @@ fn run(stage: &mut Stage) -> Result<Worst, Failure> {
             )
         });
     }
-    stage.map = Some(cells);
+    runner.map = Some(cells);
     Ok(worst)
 }

@@ -1,7 +1,7 @@
-//! The stability map as a picture.
+//! Draws the stability map for `--plot`.
 
 use super::map::{COMPLIANCES, Cell, RATES, RATIOS};
-use crate::picture::{FONT, Fault, Picture};
+use crate::picture::{FONT, Fault, Image};
 use plotters::backend::DrawingBackend;
 use plotters::chart::ChartBuilder;
 use plotters::coord::Shift;
@@ -9,27 +9,28 @@ use plotters::drawing::DrawingArea;
 use plotters::element::{Rectangle, Text};
 use plotters::style::{BLACK, Color, IntoFont, RGBColor};
 
-/// The color of a cell that keeps its law at no energy left, and with all of it left.
+/// Colors of cells within the bound, at no energy and at all of it.
 const CALM: RGBColor = RGBColor(225, 240, 250);
 const KEPT: RGBColor = RGBColor(20, 90, 180);
-/// The color of one that does not.
+/// Color of cells above the bound.
 const BROKEN: RGBColor = RGBColor(200, 60, 30);
 
-/// The cells and the most energy that the law allows, a panel for each load.
+/// Width and height of the picture \[px\].
+pub(super) const SIZE: (u32, u32) = (1400, 560);
+
+/// The cells and their bound, one panel per load.
 pub(super) struct Map<'a> {
     pub(super) cells: &'a [Cell],
     pub(super) bound: f64,
 }
 
-impl Picture for Map<'_> {
-    const SIZE: (u32, u32) = (1400, 560);
-
+impl Image for Map<'_> {
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), Fault<B>>
     where
         B::ErrorType: 'static,
     {
         let title =
-            "largest energy of a swinging ribbon, of what there was; red: more than the law allows";
+            "largest energy of a swinging ribbon, relative to the start; red: above the bound";
         let below = area.titled(title, (FONT, 22))?;
         let panels = below.split_evenly((1, RATIOS.len()));
         for (area, ratio) in panels.iter().zip(RATIOS) {
@@ -80,7 +81,7 @@ where
     Ok(())
 }
 
-/// Two digits.
+/// Formats two digits.
 fn short(energy: f64) -> String {
     if energy < 10.0 {
         format!("{energy:.2}")
@@ -89,7 +90,7 @@ fn short(energy: f64) -> String {
     }
 }
 
-/// Darker with the energy that is left; another color where the law is broken.
+/// Returns the color of an energy: darker with more of it, another one above the bound.
 fn shade(energy: f64, bound: f64) -> RGBColor {
     if energy > bound || energy.is_nan() {
         return BROKEN;
@@ -132,7 +133,7 @@ mod tests {
             cell(RATIOS[2], -3, f64::INFINITY),
         ];
         let cells = &cells;
-        let text = picture::svg(&Map { cells, bound: 1.01 }).unwrap();
+        let text = picture::svg(SIZE, &Map { cells, bound: 1.01 }).unwrap();
         assert_eq!(text.matches("#C83C1E").count(), 2, "two are broken");
         assert!(text.contains("0.50") && text.contains("3e5"), "numbers");
         assert!(text.contains("load of 1e6 vertices"), "a panel a load");

@@ -1,16 +1,18 @@
-//! A model, ready to be measured on any backend.
+//! A workload at the start of every measurement, and its row.
 
-use super::bytes::{Records, Work};
-use super::clock::{Budget, Times};
 use super::row::{Measured, Row};
-use super::subject::Subject;
+use crate::clock::{self, Budget, FrameTimes};
+use crate::workload::Workload;
 use incise_mesh::Surface;
-use incise_pbd_gpu::{ConstraintError, Solver, SolverParams};
+#[cfg(feature = "gpu")]
+use incise_pbd_gpu::PatchParams;
+use incise_pbd_gpu::{Solver, SolverParams, StepError};
+use std::error::Error;
 
-/// Time of a frame \[s\].
+/// Length of a frame \[s\].
 pub(super) const DT: f32 = 1.0 / 60.0;
 
-/// What all measurements of a run have in common.
+/// The setup that all measurements share.
 pub(super) struct Setup {
     pub(super) params: SolverParams,
     pub(super) bodies: u32,
@@ -19,127 +21,131 @@ pub(super) struct Setup {
     pub(super) commit: String,
 }
 
-/// A model and how it is measured.
+/// A workload with its solver.
 pub(super) struct Case<'a> {
-    subject: &'a Subject,
+    workload: &'a Workload,
     pub(super) setup: &'a Setup,
     surface: Surface,
     solver: Solver,
 }
 
-/// Where a row was measured.
-pub(super) struct Place<'a> {
+/// The backend of a row.
+pub(super) struct Origin<'a> {
     pub(super) backend: &'static str,
     pub(super) device: &'a str,
     pub(super) driver: Option<&'a str>,
     pub(super) schedule: &'static str,
+    /// Whether the backend chooses this schedule.
     pub(super) chosen: bool,
 }
 
 impl<'a> Case<'a> {
-    pub(super) fn new(subject: &'a Subject, setup: &'a Setup) -> Result<Self, ConstraintError> {
-        let (surface, solver) = subject.body()?;
+    pub(super) fn new(workload: &'a Workload, setup: &'a Setup) -> Result<Self, Box<dyn Error>> {
+        let (surface, solver) = workload.body(Solver::new)?;
         Ok(Self {
-            subject,
+            workload,
             setup,
             surface,
             solver,
         })
     }
 
-    /// Bodies in the state in which every measurement starts.
+    /// Returns the bodies at their start.
     pub(super) fn bodies(&self) -> Vec<(Surface, Solver)> {
-        let body = || (self.surface.clone(), self.solver.clone());
-        (0..self.setup.bodies).map(|_| body()).collect()
+        let body = |_| (self.surface.clone(), self.solver.clone());
+        (0..self.setup.bodies).map(body).collect()
     }
 
-    /// The same divided into patches.
+    /// Returns the bodies at their start, divided into patches.
     #[cfg(feature = "gpu")]
-    pub(super) fn patched_bodies(&self) -> Result<Vec<(Surface, Solver)>, ConstraintError> {
-        let body = self.subject.patched()?;
+    pub(super) fn patched_bodies(&self) -> Result<Vec<(Surface, Solver)>, Box<dyn Error>> {
+        let body = self.workload.body(|surface, material| {
+            Solver::with_patches(surface, material, &PatchParams::default())
+        })?;
         Ok((0..self.setup.bodies).map(|_| body.clone()).collect())
     }
 
-    /// Constraints of one body.
+    /// Returns the number of constraints of one body.
     pub(super) fn constraints(&self) -> usize {
-        self.stretch() + self.bending()
+        self.solver.stretch().len() + self.solver.bending().map_or(0, |set| set.len())
     }
 
-    fn stretch(&self) -> usize {
-        self.solver.stretch().len()
-    }
-
-    fn bending(&self) -> usize {
-        self.solver.bending().map_or(0, |set| set.len())
-    }
-
-    /// What a frame of all bodies is.
-    fn work(&self) -> Work {
-        let all = |count: usize| count as u64 * u64::from(self.setup.bodies);
-        Work {
-            vertices: all(self.surface.topology().vertex_count()),
-            stretch: all(self.stretch()),
-            bending: all(self.bending()),
-            iterations: self.setup.params.iterations.into(),
-            substeps: self.setup.params.substeps.into(),
-        }
-    }
-
-    /// What follows from times alone.
+    /// Returns the measurements that follow from times alone.
     #[expect(
         clippy::cast_precision_loss,
-        reason = "far fewer than 2^53 bytes and projections a frame"
+        reason = "far fewer than 2^53 projections per frame"
     )]
-    pub(super) fn measured(
-        &self,
-        times: &Times,
-        records: Records,
-        bandwidth: Option<f64>,
-    ) -> Measured {
-        let work = self.work();
-        let bytes = work.bytes(records);
+    pub(super) fn measured(&self, times: &FrameTimes) -> Measured {
+        let SolverParams {
+            substeps,
+            iterations,
+            ..
+        } = self.setup.params;
+        let projections = u64::from(substeps)
+            * u64::from(iterations)
+            * u64::from(self.setup.bodies)
+            * self.constraints() as u64;
         Measured {
             dispatches: None,
             frames: times.frames,
             ms_per_frame: times.per_frame * 1e3,
             ms_latency: times.latency * 1e3,
             frames_per_second: 1.0 / times.per_frame,
-            projections_per_second: work.projections() as f64 / times.per_frame,
+            projections_per_second: projections as f64 / times.per_frame,
             bytes_uploaded: 0,
             bytes_uploaded_at_start: 0,
-            bytes_modelled: bytes,
-            bandwidth_bytes_per_second: bandwidth,
-            share_of_bandwidth: bandwidth.map(|rate| bytes as f64 / times.per_frame / rate),
             speed_up_over_colors: None,
             speed_up_over_cpu: None,
         }
     }
 
-    /// A row of this model.
-    pub(super) fn row(&self, place: &Place<'_>, measured: Result<Measured, String>) -> Row {
+    /// Returns a row; the error of a measurement becomes its refusal.
+    pub(super) fn row(&self, origin: &Origin<'_>, measured: Result<Measured, String>) -> Row {
         let (measured, refusal) = match measured {
             Ok(measured) => (Some(measured), None),
-            Err(reason) => (None, Some(reason)),
+            Err(error) => (None, Some(error)),
         };
         Row {
-            model: self.subject.name(),
-            source: self.subject.source().to_owned(),
+            model: self.workload.name.clone(),
+            source: self.workload.source.clone(),
             triangles: self.surface.topology().triangle_count(),
             vertices: self.surface.topology().vertex_count(),
             constraints: self.constraints(),
             bodies: self.setup.bodies,
-            backend: place.backend,
-            device: place.device.to_owned(),
-            driver: place.driver.map(str::to_owned),
-            schedule: place.schedule,
-            chosen: place.chosen,
+            backend: origin.backend.to_owned(),
+            device: origin.device.to_owned(),
+            driver: origin.driver.map(str::to_owned),
+            schedule: origin.schedule.to_owned(),
+            chosen: origin.chosen,
             iterations: self.setup.params.iterations,
             substeps: self.setup.params.substeps,
             measured,
             refusal,
             machine: self.setup.machine.clone(),
             commit: self.setup.commit.clone(),
-            version: env!("CARGO_PKG_VERSION"),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
         }
+    }
+
+    /// Measures the workload on the CPU.
+    pub(super) fn on_cpu(&self) -> Row {
+        let mut bodies = self.bodies();
+        let times = clock::frame_times(self.setup.budget, |frames| {
+            for _ in 0..frames {
+                for (surface, solver) in &mut bodies {
+                    solver.step(surface, DT, &self.setup.params)?;
+                }
+            }
+            Ok::<(), StepError>(())
+        });
+        let origin = Origin {
+            backend: "cpu",
+            device: &self.setup.machine,
+            driver: None,
+            schedule: "colors",
+            chosen: true,
+        };
+        let measured = times.map(|times| self.measured(&times));
+        self.row(&origin, measured.map_err(|error| error.to_string()))
     }
 }

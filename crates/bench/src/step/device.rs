@@ -1,86 +1,78 @@
 //! Frames on a GPU.
 
 use super::ScheduleChoice;
-use super::bytes;
-use super::case::{Case, DT, Place};
-use super::clock;
-use super::copies;
+use super::case::{Case, DT, Origin};
 use super::row::{Measured, Row};
+use crate::clock;
 use incise_pbd_gpu::{
-    AdapterKind, AdapterRequest, AdapterSummary, ConstraintError, GpuBackend, GpuBody, GpuError,
-    Schedule, SolverParams,
+    AdapterKind, AdapterRequest, AdapterSummary, GpuBackend, GpuBody, GpuError, Schedule,
+    SolverParams,
 };
+use std::error::Error;
 
-/// An open GPU and what its memory can do.
+/// An open GPU.
 pub(super) struct Device {
     request: AdapterRequest,
     gpu: GpuBackend,
     adapter: AdapterSummary,
-    /// Bytes a second, if they could be measured.
-    bandwidth: Option<f64>,
 }
 
-/// All schedules there are.
-const EVERY: [ScheduleChoice; 3] = [
+/// All schedules.
+const SCHEDULES: [ScheduleChoice; 3] = [
     ScheduleChoice::WholeBody,
     ScheduleChoice::Colors,
     ScheduleChoice::Patches,
 ];
 
-/// Why a schedule cannot be measured.
-#[derive(Debug, thiserror::Error)]
-enum MeasureError {
-    #[error(transparent)]
-    Constraint(#[from] ConstraintError),
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-}
-
-/// What a schedule did.
-struct Found {
+/// The measurement of a schedule.
+struct ScheduleResult {
     schedule: Schedule,
-    /// Whether it is the one that is taken by itself.
+    /// Whether the backend chooses this schedule.
     chosen: bool,
     measured: Measured,
 }
 
+impl ScheduleChoice {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::WholeBody => "whole-body",
+            Self::Colors => "colors",
+            Self::Patches => "patches",
+        }
+    }
+}
+
 impl Device {
-    /// Opens the GPU of that name, else the best there is, software if there is nothing else.
+    /// Opens the GPU of that name, or the best one; software if there is no other.
     ///
     /// # Errors
-    /// Why there is none.
-    pub(super) fn open(adapter: Option<&str>) -> Result<Self, String> {
+    /// The error of opening it.
+    pub(super) fn open(adapter: Option<&str>) -> Result<Self, GpuError> {
         let request = AdapterRequest::any(adapter.map(str::to_owned));
-        let gpu = GpuBackend::new(&request).map_err(|error| error.to_string())?;
+        let gpu = GpuBackend::new(&request)?;
         let adapter = gpu.adapter().clone();
-        let is_software = adapter.kind == AdapterKind::Software;
-        let bandwidth = copies::bandwidth(gpu.context(), is_software).ok();
         Ok(Self {
             request,
             gpu,
             adapter,
-            bandwidth,
         })
     }
 
-    /// A line for people.
+    /// Returns name, kind and driver.
     pub(super) fn describe(&self) -> String {
         let AdapterSummary {
             name, kind, driver, ..
         } = &self.adapter;
-        let bandwidth = match self.bandwidth {
-            Some(rate) => format!("{:.2} GB/s of copies", rate / 1e9),
-            None => "no room to measure copies".to_owned(),
-        };
-        format!("{name} ({kind}, {driver}), {bandwidth}")
+        format!("{name} ({kind}, {driver})")
     }
 
-    /// How many constraints a body must have to be stepped faster here than by the processor; none if
-    /// no body is.
+    /// Measures the number of constraints from which the GPU is faster than the CPU; none if it
+    /// never is.
     ///
     /// # Errors
-    /// Why it cannot be measured.
-    pub(super) fn faster_from(&mut self, params: &SolverParams) -> Result<Option<usize>, String> {
+    /// The GPU's error as text.
+    pub(super) fn calibrate(&mut self, params: &SolverParams) -> Result<Option<usize>, String> {
         if self.adapter.kind == AdapterKind::Software {
             return Ok(None);
         }
@@ -88,33 +80,28 @@ impl Device {
         measured.map_err(|error| error.to_string())
     }
 
-    /// Measures a model under the schedules asked for; under all that it fits if none is.
+    /// Measures a case under the given schedules, or under all that it fits.
     pub(super) fn rows(&mut self, case: &Case<'_>, asked: &[ScheduleChoice]) -> Vec<Row> {
-        let schedules = if asked.is_empty() { &EVERY } else { asked };
+        let schedules = if asked.is_empty() { &SCHEDULES } else { asked };
         let mut rows = Vec::new();
         for &choice in schedules {
-            let row = match self.measure(case, choice) {
+            let refusal = match self.measure(case, choice) {
                 Ok(Some(found)) => {
-                    let place = self.place(found.schedule.name(), found.chosen);
-                    case.row(&place, Ok(found.measured))
+                    let origin = self.origin(found.schedule.name(), found.chosen);
+                    rows.push(case.row(&origin, Ok(found.measured)));
+                    continue;
                 }
                 Ok(None) if asked.is_empty() => continue,
-                Ok(None) => {
-                    let reason = "the body does not fit this schedule".to_owned();
-                    case.row(&self.place(choice.name(), false), Err(reason))
-                }
-                Err(error) => {
-                    let reason = Err(error.to_string());
-                    case.row(&self.place(choice.name(), false), reason)
-                }
+                Ok(None) => "the body does not fit this schedule".to_owned(),
+                Err(error) => error.to_string(),
             };
-            rows.push(row);
+            rows.push(case.row(&self.origin(choice.name(), false), Err(refusal)));
         }
         rows
     }
 
-    fn place(&self, schedule: &'static str, chosen: bool) -> Place<'_> {
-        Place {
+    fn origin(&self, schedule: &'static str, chosen: bool) -> Origin<'_> {
+        Origin {
             backend: "gpu",
             device: &self.adapter.name,
             driver: Some(&self.adapter.driver),
@@ -123,18 +110,18 @@ impl Device {
         }
     }
 
-    /// Measures one schedule; nothing if the body does not fit it.
+    /// Measures one schedule; none if the body does not fit it.
     fn measure(
         &mut self,
         case: &Case<'_>,
         choice: ScheduleChoice,
-    ) -> Result<Option<Found>, MeasureError> {
+    ) -> Result<Option<ScheduleResult>, Box<dyn Error>> {
         let mut places = Vec::new();
         let done = self.measure_bodies(case, choice, &mut places);
         for place in places {
             self.gpu.remove(place);
         }
-        // What went wrong stays with this row: the next one starts on a device without a past.
+        // After an error the next row starts on a new device.
         if done.is_err()
             && let Ok(gpu) = GpuBackend::new(&self.request)
         {
@@ -148,10 +135,10 @@ impl Device {
         case: &Case<'_>,
         choice: ScheduleChoice,
         places: &mut Vec<GpuBody>,
-    ) -> Result<Option<Found>, MeasureError> {
+    ) -> Result<Option<ScheduleResult>, Box<dyn Error>> {
         let gpu = &mut self.gpu;
         let mut bodies = case.bodies();
-        // What the backend takes by itself is only known once it has a body.
+        // The backend chooses a schedule when it has the body.
         gpu.force_schedule(None);
         let Some((surface, solver)) = bodies.first_mut() else {
             return Ok(None);
@@ -159,7 +146,7 @@ impl Device {
         let first = gpu.add(surface, solver)?;
         let own = gpu.schedule(first)?;
         gpu.remove(first);
-        // A frame of nothing, so that what was sent up to here is not counted with the first one.
+        // An empty frame, so that earlier uploads do not count with the first one.
         gpu.step(std::iter::empty(), DT, &case.setup.params)?;
         let forced = match choice {
             ScheduleChoice::Auto => own,
@@ -179,7 +166,7 @@ impl Device {
             }
         }
         let mut at_start = None;
-        let times = clock::measure(case.setup.budget, |frames| {
+        let times = clock::frame_times(case.setup.budget, |frames| {
             for _ in 0..frames {
                 let solvers = bodies.iter_mut().map(|(_, solver)| solver);
                 let all = places.iter().copied().zip(solvers);
@@ -189,19 +176,18 @@ impl Device {
             gpu.wait()
         })?;
         let stats = *gpu.stats();
-        // Whether all positions are still numbers.
+        // Reports positions that are not finite.
         for (&place, (surface, solver)) in places.iter().zip(&mut bodies) {
             gpu.read(place, surface, solver)?;
         }
-        let measured = case.measured(&times, bytes::DEVICE, self.bandwidth);
-        Ok(Some(Found {
+        Ok(Some(ScheduleResult {
             schedule: forced,
             chosen: forced == own,
             measured: Measured {
                 dispatches: Some(stats.dispatches),
                 bytes_uploaded: stats.bytes_uploaded,
                 bytes_uploaded_at_start: at_start.unwrap_or(0),
-                ..measured
+                ..case.measured(&times)
             },
         }))
     }

@@ -1,65 +1,107 @@
-//! What is known of a model on a backend.
+//! The row of `step`: frames of a model on one backend and schedule.
 
-use serde::Serialize;
+use crate::numbers::fixed;
+use crate::text_table::Column;
+use serde::{Deserialize, Serialize};
 
-/// A row of the table, and an object of the JSON.
-#[derive(Debug, Clone, Serialize)]
-pub(super) struct Row {
-    pub(super) model: String,
-    pub(super) source: String,
+/// Explains the columns.
+pub(crate) const LEGEND: &str = "\
+Weightless bodies that spin and are squeezed. ms: time of a frame, median over batches; a GPU gets \
+a batch of frames and is waited for at its end. latency: time of a frame that is waited for. M \
+proj/s: projections of stretch and bending constraints. KiB up: upload of a frame. x colors, x \
+cpu: speed relative to the schedule colors on the same GPU, and to the CPU. *: the schedule that \
+the backend chooses.";
+
+/// A row of the table and of the JSON.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct Row {
+    pub(crate) model: String,
+    pub(crate) source: String,
     /// Of one body, like vertices and constraints.
-    pub(super) triangles: usize,
-    pub(super) vertices: usize,
-    pub(super) constraints: usize,
-    /// Bodies stepped together.
-    pub(super) bodies: u32,
-    pub(super) backend: &'static str,
-    pub(super) device: String,
-    /// The device's; none on the CPU.
-    pub(super) driver: Option<String>,
-    /// What the device was asked for; `colors` on the CPU, which knows no other.
-    pub(super) schedule: &'static str,
-    /// Whether the backend takes this schedule by itself.
-    pub(super) chosen: bool,
-    pub(super) iterations: u32,
-    pub(super) substeps: u32,
-    /// Left out where there is a refusal.
+    pub(crate) triangles: usize,
+    pub(crate) vertices: usize,
+    pub(crate) constraints: usize,
+    /// Number of bodies stepped together.
+    pub(crate) bodies: u32,
+    pub(crate) backend: String,
+    pub(crate) device: String,
+    /// Driver of the GPU; none on the CPU.
+    pub(crate) driver: Option<String>,
+    /// GPU schedule; `colors` on the CPU.
+    pub(crate) schedule: String,
+    /// Whether the backend chooses this schedule.
+    pub(crate) chosen: bool,
+    pub(crate) iterations: u32,
+    pub(crate) substeps: u32,
+    /// None for a refusal.
     #[serde(flatten)]
-    pub(super) measured: Option<Measured>,
-    /// Why nothing was measured.
-    pub(super) refusal: Option<String>,
-    pub(super) machine: String,
-    pub(super) commit: String,
-    pub(super) version: &'static str,
+    pub(crate) measured: Option<Measured>,
+    /// The error of a measurement.
+    pub(crate) refusal: Option<String>,
+    pub(crate) machine: String,
+    pub(crate) commit: String,
+    pub(crate) version: String,
 }
 
-/// What was measured; everything of all bodies together.
-#[derive(Debug, Clone, Serialize)]
-pub(super) struct Measured {
-    /// Of a frame; none on the CPU.
-    pub(super) dispatches: Option<u32>,
-    /// Frames that were timed, in batches.
-    pub(super) frames: u32,
-    pub(super) ms_per_frame: f64,
-    pub(super) ms_latency: f64,
-    pub(super) frames_per_second: f64,
-    pub(super) projections_per_second: f64,
-    /// By a frame when nothing is edited.
-    pub(super) bytes_uploaded: u64,
-    /// Before the first frame: the bodies and what steps them.
-    pub(super) bytes_uploaded_at_start: u64,
-    /// By a frame, see the byte model.
-    pub(super) bytes_modelled: u64,
-    /// Of the memory that the bodies lie in, measured in this run.
-    pub(super) bandwidth_bytes_per_second: Option<f64>,
-    pub(super) share_of_bandwidth: Option<f64>,
-    /// Time of the schedule `colors` on the same device by this one's.
-    pub(super) speed_up_over_colors: Option<f64>,
-    /// Time of the CPU by this one's.
-    pub(super) speed_up_over_cpu: Option<f64>,
+/// Measurements of all bodies together.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct Measured {
+    /// Dispatches of a frame; none on the CPU.
+    pub(crate) dispatches: Option<u32>,
+    /// Number of timed frames, in batches.
+    pub(crate) frames: u32,
+    pub(crate) ms_per_frame: f64,
+    pub(crate) ms_latency: f64,
+    pub(crate) frames_per_second: f64,
+    pub(crate) projections_per_second: f64,
+    /// Upload of a frame without edits.
+    pub(crate) bytes_uploaded: u64,
+    /// Upload before the first frame.
+    pub(crate) bytes_uploaded_at_start: u64,
+    /// Time of the schedule `colors` on the same GPU over this time.
+    pub(crate) speed_up_over_colors: Option<f64>,
+    /// Time of the CPU over this time.
+    pub(crate) speed_up_over_cpu: Option<f64>,
 }
 
-/// Compares the rows of one model with each other.
+/// Columns of the printed table and of the report; a refusal is in the last.
+pub(crate) const COLUMNS: &[Column<Row>] = &[
+    ("model", |row| row.model.clone()),
+    ("triangles", |row| row.triangles.to_string()),
+    ("bodies", |row| row.bodies.to_string()),
+    ("backend", |row| row.backend.clone()),
+    ("schedule", |row| {
+        format!("{}{}", row.schedule, if row.chosen { "*" } else { "" })
+    }),
+    ("dispatches", |row| {
+        fixed(row.value(|m| m.dispatches.map(f64::from)), 0)
+    }),
+    ("ms", |row| fixed(row.value(|m| Some(m.ms_per_frame)), 4)),
+    ("latency", |row| fixed(row.value(|m| Some(m.ms_latency)), 4)),
+    ("M proj/s", |row| {
+        fixed(row.value(|m| Some(m.projections_per_second / 1e6)), 1)
+    }),
+    ("KiB up", |row| {
+        fixed(row.value(|m| Some(m.bytes_uploaded as f64 / 1024.0)), 1)
+    }),
+    ("x colors", |row| {
+        fixed(row.value(|m| m.speed_up_over_colors), 2)
+    }),
+    ("x cpu", |row| fixed(row.value(|m| m.speed_up_over_cpu), 2)),
+    ("source", |row| {
+        row.refusal.clone().unwrap_or_else(|| row.source.clone())
+    }),
+];
+
+impl Row {
+    /// Returns a measured value; none for a refusal.
+    fn value(&self, of: fn(&Measured) -> Option<f64>) -> Option<f64> {
+        self.measured.as_ref().and_then(of)
+    }
+}
+
+/// Sets the speed-ups of one model's rows.
 pub(super) fn compare(rows: &mut [Row]) {
     let time = |backend: &str, schedule: &str| {
         let row = (rows.iter()).find(|row| row.backend == backend && row.schedule == schedule)?;
@@ -76,24 +118,14 @@ pub(super) fn compare(rows: &mut [Row]) {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
 
-    pub(in super::super) fn row(backend: &'static str, schedule: &'static str, ms: f64) -> Row {
+    fn row(backend: &str, schedule: &str, ms: f64) -> Row {
         Row {
-            model: "Sphere20".to_owned(),
-            source: "built-in".to_owned(),
-            triangles: 20,
-            vertices: 12,
-            constraints: 60,
-            bodies: 1,
-            backend,
-            device: "D".to_owned(),
+            backend: backend.to_owned(),
             driver: (backend != "cpu").then(|| "1.0".to_owned()),
-            schedule,
-            chosen: true,
-            iterations: 10,
-            substeps: 1,
+            schedule: schedule.to_owned(),
             measured: Some(Measured {
                 dispatches: Some(1),
                 frames: 7,
@@ -103,16 +135,10 @@ pub(super) mod tests {
                 projections_per_second: 1e6,
                 bytes_uploaded: 0,
                 bytes_uploaded_at_start: 100,
-                bytes_modelled: 1000,
-                bandwidth_bytes_per_second: Some(1e9),
-                share_of_bandwidth: Some(0.5),
                 speed_up_over_colors: None,
                 speed_up_over_cpu: None,
             }),
-            refusal: None,
-            machine: "M".to_owned(),
-            commit: "c".to_owned(),
-            version: "0",
+            ..Row::default()
         }
     }
 
@@ -124,43 +150,24 @@ pub(super) mod tests {
             row("gpu", "colors", 8.0),
         ];
         compare(&mut rows);
-        let ups = rows.map(|row| {
+        let speed_ups = rows.map(|row| {
             let m = row.measured.unwrap();
-            (m.speed_up_over_colors, m.speed_up_over_cpu)
+            [m.speed_up_over_colors, m.speed_up_over_cpu]
         });
-        assert_eq!(
-            ups,
-            [
-                (None, None),
-                (Some(4.0), Some(3.0)),
-                (Some(1.0), Some(0.75))
-            ]
-        );
+        let expected = [[None; 2], [Some(4.0), Some(3.0)], [Some(1.0), Some(0.75)]];
+        assert_eq!(speed_ups, expected);
     }
 
     #[test]
-    fn json_has_the_fields_that_are_asked_for() {
+    fn a_refusal_has_no_times() {
         let json = serde_json::to_value(row("gpu", "colors", 2.0)).unwrap();
-        for name in [
-            "model",
-            "triangles",
-            "backend",
-            "device",
-            "schedule",
-            "dispatches",
-            "ms_per_frame",
-            "projections_per_second",
-            "bytes_uploaded",
-            "share_of_bandwidth",
-        ] {
-            assert!(!json[name].is_null(), "{name}");
-        }
         assert_eq!(json["ms_per_frame"], 2.0);
         let refused = Row {
             measured: None,
             refusal: Some("too large".to_owned()),
             ..row("gpu", "colors", 2.0)
         };
+        assert_eq!(COLUMNS[12].1(&refused), "too large");
         let json = serde_json::to_value(refused).unwrap();
         assert_eq!(json["refusal"], "too large");
         assert!(json.get("ms_per_frame").is_none(), "nothing was measured");

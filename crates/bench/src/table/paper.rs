@@ -1,6 +1,6 @@
 //! The paper's Table 1.
 
-use incise_mesh::Model;
+use incise_models::Model;
 
 /// One row of the paper's table.
 pub(crate) struct PaperRow {
@@ -10,7 +10,7 @@ pub(crate) struct PaperRow {
     pub(crate) cut_ms: f64,
 }
 
-/// The paper's numbers for a model.
+/// Returns the paper's numbers for a model.
 pub(crate) const fn row(model: Model) -> PaperRow {
     let (pbd_fps, pbd_cs_fps, difference_percent, cut_ms) = match model {
         Model::Sphere20 => (231.8, 205.9, 11.17, 11.33),

@@ -2,42 +2,43 @@
 //!
 //! Two runs of the same length: the solver alone, and the solver with a blade that moves every
 //! frame and slices the largest piece once a simulated second. The scene is weightless, and the
-//! body starts with a spin and a squeeze: a hollow surface with stretch and bending alone cannot
-//! carry itself, and a heap on the ground would be another test than the paper's figures show.
+//! body starts with a spin and a squeeze: a hollow surface with stretch and bending alone collapses
+//! under gravity.
 //!
-//! On a device a frame is timed until the device is done with it, the first frame left out, in which
-//! kernels are compiled. Far sweeps are skipped by the device's box, since a body that is read in
-//! every frame would not live there. A cut costs everything from the readback to the update of the
-//! device. Errors are measured before each slice only, where the body is read anyway.
+//! On a GPU a frame ends when the GPU is done; the first, which compiles kernels, is not timed. Far
+//! sweeps are skipped by the body's box, because a body that is read back every frame would not
+//! stay on the GPU. The time of a cut includes readback and upload. Errors are sampled before each
+//! slice, where the body is read back anyway.
 
 use super::TableArguments;
 use super::row::Row;
 use crate::allocations;
 use crate::directions::Directions;
+use crate::frame_rates::FrameRates;
 use crate::models::Loaded;
 use crate::motion;
-use crate::pace::Pace;
-use crate::statistics::{mean, percentile_99};
+use crate::statistics::{mean, percentile, sorted};
 use incise_cut::Sweep;
-use incise_mesh::geometry::{area_vector, round};
+use incise_mesh::geometry::{area_vector, round_to_f32, to_f32};
 use incise_mesh::{AngleStats, Surface, Vec3};
-use incise_pbd_gpu::{Material, SolverParams, Struts, Volume};
+use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Volume};
 use incise_scene::{
-    BackendRequest, BladeId, Body, BodyId, ContactParams, FrameStats, Scene, SceneParams,
+    BackendRequest, BladeId, Body, BodyId, ContactParams, FrameStats, Scene, SceneError,
+    SceneParams,
 };
 use std::error::Error;
 use std::time::{Duration, Instant};
 
-/// How far from the body the blade hovers, in diagonals of its box.
+/// Distance of the idle blade from the body, in diagonals of its box.
 const HOVER: f64 = 100.0;
 
-/// What a run measured.
+/// Measurements of a run.
 #[derive(Default)]
 struct Run {
-    /// Frames that were timed.
+    /// Timed frames.
     frames: u32,
     work: Duration,
-    pace: Pace,
+    rates: FrameRates,
     device: Option<String>,
     schedule: Option<&'static str>,
     bytes_uploaded: Vec<f64>,
@@ -45,7 +46,7 @@ struct Run {
     cut_ms: Vec<f64>,
     refused: Vec<String>,
     stretch_error: f64,
-    /// How often it was measured.
+    /// Number of samples.
     samples: u32,
     volume_error: f64,
     cap_min_angle: f64,
@@ -63,13 +64,13 @@ impl Run {
         self.samples += 1;
     }
 
-    /// The mean of all samples.
+    /// Returns the mean of all samples.
     fn mean_stretch_error(&self) -> f64 {
         self.stretch_error / f64::from(self.samples)
     }
 }
 
-/// Runs both halves of the protocol; `tick` is called after every frame.
+/// Runs both halves of the protocol; calls `tick` after every frame.
 pub(crate) fn run(
     loaded: &Loaded,
     arguments: &TableArguments,
@@ -80,29 +81,28 @@ pub(crate) fn run(
 ) -> Result<Row, Box<dyn Error>> {
     let pbd = run_scene(loaded, arguments, request, false, tick)?;
     let cs = run_scene(loaded, arguments, request, true, tick)?;
-    let mut cut_ms = cs.cut_ms.clone();
-    cut_ms.sort_by(f64::total_cmp);
+    let cut_ms = sorted(cs.cut_ms.clone());
     Ok(Row {
-        model: loaded.model.name(),
+        model: loaded.model.name().to_owned(),
         source: loaded.source.clone(),
         vertices: loaded.vertices,
         particles: loaded.surface.topology().vertex_count(),
         triangles: loaded.surface.topology().triangle_count(),
         triangles_after: cs.triangles_after,
-        backend: arguments.backend.name(),
+        backend: arguments.backend.name().to_owned(),
         bytes_uploaded_a_cut: pbd.device.is_some().then(|| mean(&cs.bytes_uploaded)),
         bytes_read_a_cut: pbd.device.is_some().then(|| mean(&cs.bytes_read)),
         skips_far_sweeps: pbd.device.is_some(),
-        schedule: pbd.schedule,
+        schedule: pbd.schedule.map(str::to_owned),
         stretch_error_percent: cs.mean_stretch_error().max(pbd.mean_stretch_error()) * 100.0,
         device: pbd.device.clone().unwrap_or_else(|| machine.to_owned()),
         pbd_fps: pbd.fps(),
         pbd_cs_fps: cs.fps(),
-        pbd_fps_by_second: pbd.pace.rates(),
-        pbd_cs_fps_by_second: cs.pace.rates(),
+        pbd_fps_by_second: pbd.rates.per_second(),
+        pbd_cs_fps_by_second: cs.rates.per_second(),
         fps_difference_percent: (1.0 - cs.fps() / pbd.fps()) * 100.0,
         cut_ms_mean: mean(&cut_ms),
-        cut_ms_p99: percentile_99(&cut_ms),
+        cut_ms_p99: percentile(&cut_ms, 99),
         cuts: cut_ms.len(),
         cuts_refused: cs.refused,
         volume_error_percent: cs.volume_error * 100.0,
@@ -110,20 +110,20 @@ pub(crate) fn run(
         allocations: pbd.allocations + cs.allocations,
         machine: machine.to_owned(),
         commit: commit.to_owned(),
-        version: env!("CARGO_PKG_VERSION"),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
         dt: arguments.dt,
         iterations: arguments.iterations,
         seconds: arguments.seconds,
-        method: arguments.method.name(),
+        method: arguments.method.name().to_owned(),
         level: arguments.level.z(),
         seed: arguments.seed,
         volume: arguments.volume,
-        struts: arguments.struts,
+        interior_springs: arguments.interior_springs,
         contacts: arguments.contacts,
     })
 }
 
-/// Frames of one run.
+/// Returns the number of frames of a run.
 pub(crate) fn frames(arguments: &TableArguments) -> u32 {
     whole(arguments.seconds / arguments.dt)
 }
@@ -137,20 +137,20 @@ fn run_scene(
 ) -> Result<Run, Box<dyn Error>> {
     let (mut scene, body) = set_up(loaded, arguments, request)?;
     let report = scene.backend_report();
-    let on_device = report.on_device.contains(&body);
+    let on_device = report.gpu_bodies.contains(&body);
     scene.params.skip_far_sweeps = on_device;
     let diagonal = loaded.surface.bounds().diagonal();
     let blade = cutting.then(|| scene.add_blade(hover(diagonal, 0)));
-    let volume = rest_volume(scene.body(body).surface());
+    let volume = rest_volume(scene.body(body)?.surface());
     let a_second = whole(1.0 / arguments.dt).max(1);
     let mut directions = Directions(arguments.seed);
     let mut run = Run {
-        device: report.device.filter(|_| on_device),
+        device: report.adapter.filter(|_| on_device),
         cap_min_angle: f64::INFINITY,
-        pace: Pace::of(frames(arguments), a_second),
+        rates: FrameRates::new(frames(arguments), a_second),
         ..Run::default()
     };
-    // A refused slice is tried again in the next frame, in the next direction.
+    // A failed slice is repeated in the next frame with the next direction.
     let mut due = false;
     for frame in 1..=frames(arguments) {
         due |= cutting && frame % a_second == 0;
@@ -158,42 +158,42 @@ fn run_scene(
         let before = allocations::count();
         let mut readback = Duration::ZERO;
         if on_device && (slices || frame % a_second == 0) {
-            // Where the sweep goes depends on where the body is: what the cut needs comes now.
+            // The sweep follows from the body's positions.
             let begin = Instant::now();
-            scene.read(body)?;
+            scene.read_back(body)?;
             readback = begin.elapsed();
-            run.sample(scene.body(body));
+            run.sample(scene.body(body)?);
         }
         if let Some(blade) = blade {
             if slices {
                 let sweep = aim(&mut scene, body, blade, &mut directions)?;
                 let [_, _, end, start] = sweep.corners();
-                scene.move_blade(blade, [start, end]);
+                scene.move_blade(blade, [start, end])?;
             } else {
-                scene.set_blade_piece(blade, None);
-                scene.move_blade(blade, hover(diagonal, frame));
+                scene.set_blade_piece(blade, None)?;
+                scene.move_blade(blade, hover(diagonal, frame))?;
             }
         }
         let volume_before = if slices {
-            rest_volume(scene.body(body).surface())
+            rest_volume(scene.body(body)?.surface())
         } else {
             0.0
         };
         let begin = Instant::now();
         scene.cut()?;
         let mut work = begin.elapsed();
-        // A cap is judged as it was made, before it moves.
+        // Caps are judged before they move.
         if slices {
             work += readback;
-            judge_caps(&scene, body, &mut run);
+            judge_caps(&scene, body, &mut run)?;
         }
         let begin = Instant::now();
         scene.advance()?;
-        scene.wait()?;
+        scene.wait_for_gpu()?;
         work += begin.elapsed();
         if frame > 1 || !on_device {
             run.work += work;
-            run.pace.note(frame, work);
+            run.rates.record(frame, work);
             run.frames += 1;
         } else {
             run.schedule = schedule(scene.stats());
@@ -206,27 +206,27 @@ fn run_scene(
                 volume_before / volume,
                 volume,
                 &mut run,
-            );
-            due = scene.outcomes().is_empty();
-            scene.jump_blade(blade, hover(diagonal, frame));
+            )?;
+            due = scene.stats().cuts == 0;
+            scene.teleport_blade(blade, hover(diagonal, frame))?;
         } else if frame > 1 {
             run.allocations += allocations::count() - before;
         }
         if !on_device {
-            run.sample(scene.body(body));
+            run.sample(scene.body(body)?);
         }
         tick();
     }
     if on_device {
-        scene.read(body)?;
-        run.sample(scene.body(body));
+        scene.read_back(body)?;
+        run.sample(scene.body(body)?);
     }
-    let surface = scene.body(body).surface();
+    let surface = scene.body(body)?.surface();
     run.triangles_after = surface.topology().triangle_count();
     Ok(run)
 }
 
-/// How the device steps its one body.
+/// Returns the schedule of the body on the GPU.
 fn schedule(stats: &FrameStats) -> Option<&'static str> {
     let counts = [
         (stats.whole_bodies, "whole-body"),
@@ -245,7 +245,7 @@ fn set_up(
     let mut scene = Scene::with_backend(params(arguments), request)?;
     let material = Material {
         volume: arguments.volume.then(Volume::default),
-        struts: arguments.struts.then(Struts::default),
+        interior_springs: arguments.interior_springs.then(InteriorSprings::default),
         ..motion::material()
     };
     let body = scene.add_body(loaded.surface.clone(), &material)?;
@@ -254,34 +254,35 @@ fn set_up(
     Ok((scene, body))
 }
 
-/// How frames are stepped and cut.
+/// Returns the parameters of the scene.
 pub(crate) fn params(arguments: &TableArguments) -> SceneParams {
     SceneParams {
-        dt: narrow(arguments.dt),
+        dt: round_to_f32(arguments.dt),
         solver: SolverParams {
             iterations: arguments.iterations,
             gravity: [0.0; 3],
             ..SolverParams::paper()
         },
         cut: arguments.method.params(arguments.level),
-        // The paper tests every triangle in every frame; its table is no place to skip that.
+        // The paper tests every triangle in every frame.
         skip_far_sweeps: false,
-        // A readback in between would be timed with a frame that has none.
+        // Checkpoints would add a readback to timed frames.
         checkpoint: 0,
         contacts: arguments.contacts.then(ContactParams::default),
-        // The paper steps whatever it has, at rest or not.
+        // The paper has no sleep.
         sleep: None,
     }
 }
 
-/// Puts the blade at the start of a sweep through the middle of the largest piece.
+/// Puts the blade at the start of a sweep through the middle of the largest piece; returns the
+/// sweep.
 fn aim(
     scene: &mut Scene,
     body: BodyId,
     blade: BladeId,
     directions: &mut Directions,
 ) -> Result<Sweep, Box<dyn Error>> {
-    let surface = scene.body(body).surface();
+    let surface = scene.body(body)?.surface();
     let volumes = surface.piece_volumes();
     let largest = (0u32..)
         .zip(&volumes)
@@ -290,14 +291,14 @@ fn aim(
     let piece = surface.extract_piece(largest);
     let bounds = piece.bounds();
     let normal = directions.next_unit();
-    let sweep = Sweep::across_box(normal.into(), normal.dot(&middle(&piece)), &bounds)?;
+    let sweep = Sweep::from_plane(normal.into(), normal.dot(&middle(&piece)), &bounds)?;
     let [start, end, _, _] = sweep.corners();
-    scene.jump_blade(blade, [start, end]);
-    scene.set_blade_piece(blade, Some(largest));
+    scene.teleport_blade(blade, [start, end])?;
+    scene.set_blade_piece(blade, Some(largest))?;
     Ok(sweep)
 }
 
-/// The area-weighted middle of a surface.
+/// Returns the area-weighted middle of a surface \[m\].
 fn middle(surface: &Surface) -> Vec3 {
     let (mut sum, mut area) = (Vec3::zeros(), 0.0);
     for t in surface.topology().triangles() {
@@ -309,12 +310,13 @@ fn middle(surface: &Surface) -> Vec3 {
     sum / area
 }
 
-fn judge_caps(scene: &Scene, body: BodyId, run: &mut Run) {
-    let surface = scene.body(body).surface();
-    for (_, outcome) in scene.outcomes() {
+fn judge_caps(scene: &Scene, body: BodyId, run: &mut Run) -> Result<(), SceneError> {
+    let surface = scene.body(body)?.surface();
+    for (_, outcome) in scene.cuts().iter().filter_map(|sweep| sweep.cut.as_ref()) {
         let cap = outcome.cap.iter().map(|&t| surface.triangle_positions(t));
-        run.cap_min_angle = run.cap_min_angle.min(AngleStats::of(cap).min);
+        run.cap_min_angle = run.cap_min_angle.min(AngleStats::from_triangles(cap).min);
     }
+    Ok(())
 }
 
 fn after_slice(
@@ -324,30 +326,31 @@ fn after_slice(
     before: f64,
     volume: f64,
     run: &mut Run,
-) {
+) -> Result<(), SceneError> {
     let stats = scene.stats();
-    let refusals = scene.refusals().iter();
+    let refusals = scene.failed_cuts().iter();
     run.refused.extend(refusals.map(|r| r.error.to_string()));
-    for _ in scene.outcomes() {
+    for _ in 0..stats.cuts {
         let cost = stats.cutting() + readback;
         run.cut_ms.push(cost.as_secs_f64() * 1e3);
         run.bytes_uploaded.push(stats.bytes_uploaded as f64);
         run.bytes_read.push(stats.bytes_read as f64);
     }
-    let after = rest_volume(scene.body(body).surface()) / volume;
+    let after = rest_volume(scene.body(body)?.surface()) / volume;
     run.volume_error += (after - before).abs();
+    Ok(())
 }
 
-/// The blade above the body, a little further on its way every frame.
+/// Returns the position of the idle blade, which moves every frame \[m\].
 fn hover(diagonal: f64, frame: u32) -> [[f32; 3]; 2] {
     let angle = f64::from(frame) * 0.1;
     let reach = HOVER * diagonal;
     let out = Vec3::new(angle.cos(), 0.0, angle.sin()) * reach;
     let along = Vec3::new(0.0, diagonal / 2.0, 0.0);
-    [round(out - along), round(out + along)]
+    [to_f32(out - along), to_f32(out + along)]
 }
 
-/// The volume that the body encloses at rest \[m^3\]: free of what the motion does to it.
+/// Returns the enclosed volume at rest positions \[m^3\].
 fn rest_volume(surface: &Surface) -> f64 {
     surface.rest_volume_of(surface.topology().triangles())
 }
@@ -359,12 +362,4 @@ fn rest_volume(surface: &Surface) -> f64 {
 )]
 fn whole(x: f64) -> u32 {
     x.round() as u32
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "a time step is rounded to storage"
-)]
-fn narrow(x: f64) -> f32 {
-    x as f32
 }

@@ -1,28 +1,28 @@
-//! A vertex beside the rim, or anywhere in a surface, contracted along an edge onto another one: what
-//! snapping and remeshing share.
+//! Edge contraction beside the rim, shared by snapping and remeshing.
 
-use super::chart::Chart;
-use super::node::{Node, On};
-use super::open::Lips;
+use super::open::Sides;
 use super::rim::Rim;
+use crate::interpolate::Chart;
+use crate::intersection::node::{Node, On};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Edit, HalfEdge, Topology, Vec3};
 
-/// How far a stored coordinate may be off, and with it the height of a triangle [of the coordinate].
+/// Rounding error of a stored coordinate [of the coordinate].
 const ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 
-/// The cut at hand.
+/// A cut in progress: the opened surface with its rim.
 pub(super) struct Opened<'a, 'e> {
     pub(super) edit: &'a mut Edit<'e>,
     pub(super) nodes: &'a [Node],
-    pub(super) lips: &'a mut Lips,
+    pub(super) sides: &'a mut Sides,
     pub(super) rim: &'a mut Rim,
 }
 
 impl Opened<'_, '_> {
-    /// Contracts the edge of `to_vertex` onto the vertex that it leaves: that of `node` on its lip, or one
-    /// off the rim. All half-edges of the vertex that goes are in `fan`.
-    pub(super) fn pull_in(
+    /// Contracts the edge of `to_vertex` onto its origin, the vertex of `node` or one off the rim.
+    ///
+    /// `fan` has all half-edges of the removed vertex.
+    pub(super) fn contract(
         &mut self,
         node: Option<(u32, usize)>,
         to_vertex: HalfEdge,
@@ -32,10 +32,10 @@ impl Opened<'_, '_> {
         let from_vertex = topology.twin(to_vertex);
         let (left, right) = (to_vertex.triangle(), from_vertex.triangle());
         let charts = [
-            Chart::of(self.edit.surface(), to_vertex.next(), to_vertex),
-            Chart::of(self.edit.surface(), from_vertex, from_vertex.next()),
+            Chart::new(self.edit.surface(), to_vertex.next(), to_vertex),
+            Chart::new(self.edit.surface(), from_vertex, from_vertex.next()),
         ];
-        // Each triangle of the edge folds up; the edges on its two other sides become one.
+        // Each triangle of the edge collapses; its two other edges become one.
         let inward = topology.twin(to_vertex.next());
         let outward = topology.twin(from_vertex.prev());
         let arriving = topology.twin(to_vertex.prev());
@@ -45,7 +45,7 @@ impl Opened<'_, '_> {
             if h.triangle() != left && h.triangle() != right {
                 self.edit.set_corner(h, target);
                 for chart in &charts {
-                    chart.follow(self.edit, h);
+                    chart.update(self.edit, h);
                 }
             }
         }
@@ -53,101 +53,116 @@ impl Opened<'_, '_> {
         self.edit.remove_triangle(right);
         for (kept, across, arrives) in [(inward, arriving, true), (outward, leaving, false)] {
             if !across.is_null() {
-                self.edit.join(kept, across);
-            } else if let Some((node, lip)) = node {
-                // On lip 0 the rim's half-edges run to their nodes, on lip 1 from them.
-                let own = arrives == (lip == 0);
+                self.edit.set_twins(kept, across);
+            } else if let Some((node, side)) = node {
+                // On side 0 the rim's half-edges run to their nodes, on side 1 from them.
+                let own = arrives == (side == 0);
                 let at = if own {
                     node
                 } else {
                     self.rim.prev[node as usize]
                 };
-                self.lips.rim[at as usize][lip] = kept;
+                self.sides.rim[at as usize][side] = kept;
             }
         }
     }
 
-    /// Whether a node is where the crease pierces the surface: there the rim has a corner.
+    /// Returns whether a node lies on the crease, where the rim has a corner.
     pub(super) fn is_on_crease(&self, node: u32) -> bool {
         matches!(self.nodes[node as usize].on, On::Face { .. })
     }
 
-    /// Whether the rim's edge that begins at `node` may be contracted as far as the loop and the triangles
-    /// along it tell: a loop keeps three edges, and two triangles that are all of a lip stay.
+    /// Returns whether the loop stays valid without the rim edge that begins at `node`.
+    ///
+    /// A loop keeps three edges, and a side keeps two triangles.
     pub(super) fn may_lose_edge(&self, node: u32) -> bool {
         let next = self.rim.next[node as usize];
         let (before, after) = (self.rim.prev[node as usize], self.rim.next[next as usize]);
         let ring = [before, node, next, after];
         let size = self.rim.sizes[self.rim.loop_of[node as usize] as usize];
         let topology = self.edit.surface().topology();
-        let is_alone = |lip: usize| {
-            let along = self.lips.rim[node as usize][lip];
+        let is_alone = |side: usize| {
+            let along = self.sides.rim[node as usize][side];
             [along.next(), along.prev()].map(|h| topology.twin(h)) == [HalfEdge::NULL; 2]
         };
-        let may = |lip| !is_alone(lip) && (size > 4 || !self.is_a_pair(ring, lip));
+        let may = |side| !is_alone(side) && (size > 4 || !self.is_a_pair(ring, side));
         size >= 4 && (0..2).all(may)
     }
 
-    /// Whether all that is left of a lip with these four nodes is two triangles: one less and its cap is
-    /// the same triangle again.
-    fn is_a_pair(&self, ring: [u32; 4], lip: usize) -> bool {
-        let [a, b, c, d] = ring.map(|n| self.lips.rim[n as usize][lip].triangle());
+    /// Returns whether two triangles are all of a side with these four nodes.
+    ///
+    /// Without one of them, the cap would repeat the other.
+    fn is_a_pair(&self, ring: [u32; 4], side: usize) -> bool {
+        let [a, b, c, d] = ring.map(|n| self.sides.rim[n as usize][side].triangle());
         (a == b && c == d) || (b == c && d == a)
     }
 
-    /// Contracts the rim's edge that begins at `node` on both lips, so that of its two nodes only `kept` is
-    /// there. `fan` is memory.
+    /// Contracts the rim edge that begins at `node` on both sides and keeps the node `kept`.
+    ///
+    /// `fan` is scratch memory.
     pub(super) fn merge_nodes(&mut self, node: u32, kept: u32, fan: &mut Vec<HalfEdge>) {
         let next = self.rim.next[node as usize];
         let gone = if kept == node { next } else { node };
-        for lip in 0..2 {
-            self.fold_rim(node, kept, gone, lip, fan);
+        for side in 0..2 {
+            self.contract_rim_edge(node, kept, gone, side, fan);
         }
         if gone == next {
-            self.lips.rim[node as usize] = self.lips.rim[next as usize];
+            self.sides.rim[node as usize] = self.sides.rim[next as usize];
         }
-        self.rim.take_out(gone);
+        self.rim.remove(gone);
     }
 
-    /// Contracts the rim's edge that begins at `node` on one lip.
-    fn fold_rim(&mut self, node: u32, kept: u32, gone: u32, lip: usize, fan: &mut Vec<HalfEdge>) {
+    /// Contracts the rim edge that begins at `node` on one side.
+    fn contract_rim_edge(
+        &mut self,
+        node: u32,
+        kept: u32,
+        gone: u32,
+        side: usize,
+        fan: &mut Vec<HalfEdge>,
+    ) {
         let next = self.rim.next[node as usize];
         let topology = self.edit.surface().topology();
-        let along = self.lips.rim[node as usize][lip];
+        let along = self.sides.rim[node as usize][side];
         let ahead = topology.twin(along.next());
         let behind = topology.twin(along.prev());
-        let target = self.lips.vertices[kept as usize][lip];
+        let target = self.sides.vertices[kept as usize][side];
         fan.clear();
-        fan.extend(self.rim.fan(topology, self.lips, gone, lip));
-        // The corners of the triangle that goes: of the node that goes, and of the one that is kept.
-        let origin_goes = (gone == next) == (lip == 0);
+        fan.extend(self.rim.fan(topology, self.sides, gone, side));
+        // The corners of the removed triangle at the removed and at the kept node.
+        let origin_goes = (gone == next) == (side == 0);
         let chart = if origin_goes {
-            Chart::of(self.edit.surface(), along, along.next())
+            Chart::new(self.edit.surface(), along, along.next())
         } else {
-            Chart::of(self.edit.surface(), along.next(), along)
+            Chart::new(self.edit.surface(), along.next(), along)
         };
         for &h in &*fan {
             if h.triangle() != along.triangle() {
                 self.edit.set_corner(h, target);
-                chart.follow(self.edit, h);
+                chart.update(self.edit, h);
             }
         }
         self.edit.remove_triangle(along.triangle());
-        // On lip 0 the rim runs against the order of nodes.
+        // On side 0 the rim runs against the order of nodes.
         let prev = self.rim.prev[node as usize];
-        let (before, after) = if lip == 0 { (next, prev) } else { (prev, next) };
-        if ahead.is_null() {
-            self.lips.rim[after as usize][lip] = behind;
-        } else if behind.is_null() {
-            self.lips.rim[before as usize][lip] = ahead;
+        let (before, after) = if side == 0 {
+            (next, prev)
         } else {
-            self.edit.join(ahead, behind);
+            (prev, next)
+        };
+        if ahead.is_null() {
+            self.sides.rim[after as usize][side] = behind;
+        } else if behind.is_null() {
+            self.sides.rim[before as usize][side] = ahead;
+        } else {
+            self.edit.set_twins(ahead, behind);
         }
     }
 }
 
-/// Collects the half-edges that leave the origin of `start`, counterclockwise; false where the surface is
-/// open there.
+/// Collects the half-edges that leave the origin of `start`, counterclockwise.
+///
+/// Returns false at a boundary.
 pub(super) fn closed_fan(topology: &Topology, start: HalfEdge, fan: &mut Vec<HalfEdge>) -> bool {
     fan.clear();
     let mut at = start;
@@ -163,8 +178,9 @@ pub(super) fn closed_fan(topology: &Topology, start: HalfEdge, fan: &mut Vec<Hal
     }
 }
 
-/// Whether a triangle is flat to rounding, so that it has no side to turn to: nodes stand on a vertex
-/// where the sweep passes exactly through it. Its doubled area as a vector too.
+/// Returns a triangle's area vector, doubled, and whether the area is zero up to rounding.
+///
+/// Such a triangle has no orientation. It occurs where the sweep passes exactly through a vertex.
 pub(super) fn flatness([a, b, c]: [Vec3; 3]) -> (Vec3, bool) {
     let doubled = area_vector([a, b, c]);
     let size = (b - a).norm().max((c - a).norm());
@@ -172,7 +188,7 @@ pub(super) fn flatness([a, b, c]: [Vec3; 3]) -> (Vec3, bool) {
     (doubled, doubled.norm() <= ROUNDING * reach * size)
 }
 
-/// The signed volume between triangle `from`, `b`, `c` and the one that has `to` in the place of `from`.
+/// Returns the signed volume between triangle `from`, `b`, `c` and triangle `to`, `b`, `c`.
 pub(super) fn swept_volume([from, b, c]: [Vec3; 3], to: Vec3) -> f64 {
     (to - from).dot(&(b - from).cross(&(c - from))) / 6.0
 }

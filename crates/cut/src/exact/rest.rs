@@ -1,17 +1,17 @@
-//! Rest positions inside a cap, the same for both lips.
+//! Rest positions inside a cap, the same for both sides.
 //!
-//! What the rim is at rest need not lie in a plane. Its rest positions are carried on into the cap by a harmonic
-//! function: interpolated over the rim's own triangulation they would leave creases in the rest shape, which
-//! bending constraints hold on to.
+//! The rim at rest need not be planar. A harmonic function extends its rest positions into the cap.
+//! Linear interpolation over the rim's triangulation would leave creases in the rest shape, which
+//! bending constraints would keep.
 
-use incise_mesh::geometry::round;
+use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, VertexId};
-use incise_refine::{Cover, HarmonicScratch, Section, harmonic};
+use incise_refine::{HarmonicScratch, Section, SectionMesh, interpolate_harmonic};
 
-/// By how much stored positions of a flat rim may be off a plane [of the largest coordinate].
+/// Rounding error of stored positions of a planar rim [of the largest coordinate].
 const ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 
-/// Rest positions of a cover's points.
+/// Rest positions of the points of a section mesh.
 #[derive(Debug, Clone, Default)]
 pub(super) struct CapRest {
     rim: Vec<[f64; 3]>,
@@ -22,13 +22,15 @@ pub(super) struct CapRest {
 }
 
 impl CapRest {
-    /// Finds those of the inner points from those of the section's points, which are these vertices on
-    /// one lip and have the same on the other.
+    /// Interpolates the rest positions of the inner points.
+    ///
+    /// The section's points are `vertices` on one side; those on the other have equal rest
+    /// positions.
     pub(super) fn find(
         &mut self,
         surface: &Surface,
         vertices: impl Iterator<Item = VertexId>,
-        cover: &Cover,
+        mesh: &SectionMesh,
         section: &Section<'_>,
     ) {
         self.rim.clear();
@@ -40,17 +42,18 @@ impl CapRest {
             self.rim.push(rest.into());
         }
         let rounding = ROUNDING * largest;
-        let found = harmonic(cover, section, &self.rim, rounding, &mut self.scratch);
+        let found = interpolate_harmonic(mesh, section, &self.rim, rounding, &mut self.scratch);
         self.is_mean = [true; 3];
         if let Some(found) = found {
             self.is_mean = found.is_affine;
-            (self.inner).extend(found.values.iter().map(|&rest| round(rest.into())));
+            (self.inner).extend(found.values.iter().map(|&rest| to_f32(rest.into())));
         }
     }
 
-    /// The rest position of an inner point with this mean of its parents', which it is in every coordinate in
-    /// which the rim is as at rest.
-    pub(super) fn of(&self, inner: usize, mean: [f32; 3]) -> [f32; 3] {
+    /// Returns the rest position of an inner point, given the mean of its parents' rest positions.
+    ///
+    /// It is the mean in every coordinate in which the rim at rest is affine in the plane.
+    pub(super) fn position(&self, inner: usize, mean: [f32; 3]) -> [f32; 3] {
         let found = self.inner.get(inner).copied().unwrap_or(mean);
         [0, 1, 2].map(|k| if self.is_mean[k] { mean[k] } else { found[k] })
     }

@@ -1,19 +1,19 @@
-//! The rim's loops as linked rings, and walks around their vertices.
+//! The loops of the rim as linked lists, and fans around their vertices.
 
-use super::open::Lips;
-use super::trace::Trace;
+use super::open::Sides;
+use crate::intersection::trace::Trace;
 use incise_mesh::{HalfEdge, Topology, VertexId};
 
-/// Which node follows which along the curves. Nodes that were merged into another are out of it.
+/// Linked lists of the nodes of each loop. Merged nodes are removed.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Rim {
     pub(super) next: Vec<u32>,
     pub(super) prev: Vec<u32>,
-    pub(super) is_out: Vec<bool>,
-    /// Nodes in each loop, and the loop of each node.
+    pub(super) is_removed: Vec<bool>,
+    /// Number of nodes in each loop, and the loop of each node.
     pub(super) sizes: Vec<u32>,
     pub(super) loop_of: Vec<u32>,
-    /// A node of each loop that is in it.
+    /// A remaining node of each loop.
     pub(super) first: Vec<u32>,
 }
 
@@ -24,8 +24,8 @@ impl Rim {
             array.clear();
             array.resize(count, 0);
         }
-        self.is_out.clear();
-        self.is_out.resize(count, false);
+        self.is_removed.clear();
+        self.is_removed.resize(count, false);
         self.sizes.clear();
         self.first.clear();
         for (i, range) in (0..).zip(&trace.loops) {
@@ -44,12 +44,12 @@ impl Rim {
         }
     }
 
-    /// Takes a node out of its loop.
-    pub(super) fn take_out(&mut self, node: u32) {
+    /// Removes a node from its loop.
+    pub(super) fn remove(&mut self, node: u32) {
         let (prev, next) = (self.prev[node as usize], self.next[node as usize]);
         self.next[prev as usize] = next;
         self.prev[next as usize] = prev;
-        self.is_out[node as usize] = true;
+        self.is_removed[node as usize] = true;
         let i = self.loop_of[node as usize] as usize;
         self.sizes[i] -= 1;
         if self.first[i] == node {
@@ -57,7 +57,7 @@ impl Rim {
         }
     }
 
-    /// The nodes of loop `i`, in order.
+    /// Iterates over the nodes of loop `i`, in order.
     pub(super) fn ring(&self, i: usize) -> impl Iterator<Item = u32> + '_ {
         let first = self.first[i];
         let mut at = Some(first);
@@ -69,20 +69,21 @@ impl Rim {
         })
     }
 
-    /// The half-edges that leave a node's vertex on a lip, from boundary to boundary.
+    /// Iterates over the half-edges that leave a node's vertex on a side, from boundary to
+    /// boundary.
     pub(super) fn fan<'a>(
         &'a self,
         topology: &'a Topology,
-        lips: &'a Lips,
+        sides: &'a Sides,
         node: u32,
-        lip: usize,
+        side: usize,
     ) -> impl Iterator<Item = HalfEdge> + 'a {
-        let start = if lip == 0 {
+        let start = if side == 0 {
             self.prev[node as usize]
         } else {
             node
         };
-        let mut at = lips.rim[start as usize][lip];
+        let mut at = sides.rim[start as usize][side];
         std::iter::from_fn(move || {
             if at.is_null() {
                 return None;
@@ -93,17 +94,17 @@ impl Rim {
         })
     }
 
-    /// Appends the neighbors of a node's vertex on a lip.
+    /// Appends the neighbors of a node's vertex on a side.
     pub(super) fn neighbors(
         &self,
         topology: &Topology,
-        lips: &Lips,
+        sides: &Sides,
         node: u32,
-        lip: usize,
+        side: usize,
         out: &mut Vec<VertexId>,
     ) {
         let mut last = VertexId::NULL;
-        for h in self.fan(topology, lips, node, lip) {
+        for h in self.fan(topology, sides, node, side) {
             out.push(topology.target(h));
             last = topology.origin(h.prev());
         }

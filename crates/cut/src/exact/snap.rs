@@ -1,60 +1,62 @@
-//! Snapping: no rim edge and no edge to the rim much shorter than the surface's own.
+//! Snapping: contracts edges on and to the rim that are much shorter than the local edge length.
 //!
-//! Two kinds of contraction, each only where the link condition holds (Dey et al. 1999), so that the
-//! surface stays the manifold that it is and no piece appears or disappears:
+//! Two kinds of contraction, each only where the link condition holds (Dey et al. 1999), so that
+//! the surface stays the manifold that it is and no piece appears or disappears:
 //!
-//! - a node takes a mesh vertex that is close to it into the rim: the vertex moves along its mesh edge
-//!   onto the sweep;
-//! - two nodes that are close to each other merge, on both lips.
+//! - a node takes a mesh vertex that is close to it into the rim: the vertex moves along its mesh
+//!   edge onto the sweep;
+//! - two nodes that are close to each other merge, on both sides.
 //!
-//! Neither turns a triangle over, neither moves more volume than [`LARGEST_MOVE`], and all of them together
-//! no more than [`BUDGET`]: a corner of a coarse body stays where it is and leaves its short rim edge, which
-//! the report counts.
+//! Neither inverts a triangle or moves more volume than [`MAX_MOVED_VOLUME`]; all of them together
+//! move no more than [`MAX_TOTAL_VOLUME`]. So a corner of a coarse body stays in place and leaves a
+//! short rim edge, which the report counts.
 
 use super::contract::{Opened, closed_fan, flatness, swept_volume};
-use super::node::On;
+use crate::intersection::node::On;
 use incise_mesh::geometry::area_vector;
-use incise_mesh::{HalfEdge, Surface, Topology, VertexId};
+use incise_mesh::{HalfEdge, Surface, Topology, VertexId, index_u32};
 
-/// The most volume that one contraction may move [cubes of the local edge length].
-const LARGEST_MOVE: f64 = 5e-3;
+/// Maximum volume that one contraction moves [cubes of the local edge length].
+const MAX_MOVED_VOLUME: f64 = 5e-3;
 
-/// The most volume that all contractions of a cut may move [section area times mean local edge length, or
-/// times the section's width where edges are longer than that]. Even of a body that is a single edge
-/// thick this is a small part.
-pub(super) const BUDGET: f64 = 1e-3;
+/// Maximum volume that all contractions of a cut move [section area times mean local edge length,
+/// or times the section's width if that is less].
+///
+/// A small part even of a body that is one edge thick.
+pub(super) const MAX_TOTAL_VOLUME: f64 = 1e-3;
 
-/// What snapping did.
+/// Counters of snapping.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Snapped {
     /// Mesh vertices taken into the rim.
     pub(super) vertices: usize,
     /// Nodes merged into others.
     pub(super) nodes: usize,
-    /// Volume that was moved to do so, without sign \[m^3\].
+    /// Moved volume, without sign \[m^3\].
     pub(super) volume: f64,
 }
 
-/// Memory of a snap.
+/// Scratch memory of snapping.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Snapper {
     /// Volume that may still be moved \[m^3\].
-    budget: f64,
+    volume_left: f64,
     near: Vec<VertexId>,
     far: Vec<VertexId>,
     fan: Vec<HalfEdge>,
 }
 
 impl Snapper {
-    /// Contracts what is shorter than `snap` times the local edge length, moving no more than `budget` of
-    /// volume \[m^3\].
-    pub(super) fn snap(&mut self, cut: &mut Opened<'_, '_>, snap: f64, budget: f64) -> Snapped {
-        self.budget = budget;
+    /// Contracts edges shorter than `snap` times the local edge length.
+    ///
+    /// Moves a volume of at most `max_volume` \[m^3\].
+    pub(super) fn snap(&mut self, cut: &mut Opened<'_, '_>, snap: f64, max_volume: f64) -> Snapped {
+        self.volume_left = max_volume;
         let mut done = Snapped::default();
         if snap <= 0.0 {
             return done;
         }
-        let count = u32::try_from(cut.nodes.len()).expect("nodes have 32-bit ids");
+        let count = index_u32(cut.nodes.len());
         for node in 0..count {
             self.take_vertex(cut, node, snap, &mut done);
         }
@@ -62,7 +64,7 @@ impl Snapper {
         loop {
             let before = done.nodes;
             for node in 0..count {
-                while !cut.rim.is_out[node as usize]
+                while !cut.rim.is_removed[node as usize]
                     && Self::is_short(cut, node, snap)
                     && self.merge(cut, node, &mut done)
                 {}
@@ -74,16 +76,16 @@ impl Snapper {
         done
     }
 
-    /// How many rim edges are shorter than `snap` times the local edge length.
+    /// Returns the number of rim edges shorter than `snap` times the local edge length.
     pub(super) fn short_edges(cut: &Opened<'_, '_>, snap: f64) -> usize {
         let rings = (0..cut.rim.sizes.len()).flat_map(|i| cut.rim.ring(i));
         rings.filter(|&n| Self::is_short(cut, n, snap)).count()
     }
 
-    /// The most volume that a contraction at `node` may move now.
+    /// Returns the maximum volume that a contraction at `node` may move now.
     fn limit(&self, cut: &Opened<'_, '_>, node: u32) -> f64 {
         let local = cut.nodes[node as usize].local;
-        self.budget.min(LARGEST_MOVE * local.powi(3))
+        self.volume_left.min(MAX_MOVED_VOLUME * local.powi(3))
     }
 
     fn is_short(cut: &Opened<'_, '_>, node: u32, snap: f64) -> bool {
@@ -92,13 +94,13 @@ impl Snapper {
         (b.position - a.position).norm() < snap * a.local.min(b.local)
     }
 
-    /// Moves the mesh vertex close to a node onto it, if there is one.
+    /// Moves the mesh vertex close to a node onto the node, if there is one.
     fn take_vertex(&mut self, cut: &mut Opened<'_, '_>, node: u32, snap: f64, done: &mut Snapped) {
         let On::Edge { ends, t, rises, .. } = cut.nodes[node as usize].on else {
             return;
         };
         let t = f64::from(t);
-        let (vertex, lip) = if t < snap {
+        let (vertex, side) = if t < snap {
             (ends[0], usize::from(!rises))
         } else if 1.0 - t < snap {
             (ends[1], usize::from(rises))
@@ -106,7 +108,7 @@ impl Snapper {
             return;
         };
         let topology = cut.edit.surface().topology();
-        let mut fan = cut.rim.fan(topology, cut.lips, node, lip);
+        let mut fan = cut.rim.fan(topology, cut.sides, node, side);
         let Some(to_vertex) = fan.find(|&h| topology.target(h) == vertex) else {
             return;
         };
@@ -124,31 +126,32 @@ impl Snapper {
         self.near
             .extend(self.fan.iter().map(|&h| topology.target(h)));
         self.far.clear();
-        (cut.rim).neighbors(topology, cut.lips, node, lip, &mut self.far);
+        (cut.rim).neighbors(topology, cut.sides, node, side, &mut self.far);
         if self.common_neighbors() != 2 {
             return;
         }
-        let target = cut.lips.vertices[node as usize][lip];
+        let target = cut.sides.vertices[node as usize][side];
         let limit = self.limit(cut, node);
         let Some(volume) = moved_volume(cut.edit.surface(), &self.fan, vertex, target, limit)
         else {
             return;
         };
-        cut.pull_in(Some((node, lip)), to_vertex, &self.fan);
+        cut.contract(Some((node, side)), to_vertex, &self.fan);
         done.vertices += 1;
-        self.book(volume, done);
+        self.count_volume(volume, done);
     }
 
-    fn book(&mut self, volume: f64, done: &mut Snapped) {
+    /// Adds a moved volume to the counters.
+    fn count_volume(&mut self, volume: f64, done: &mut Snapped) {
         done.volume += volume;
-        self.budget = (self.budget - volume).max(0.0);
+        self.volume_left = (self.volume_left - volume).max(0.0);
     }
 
     fn common_neighbors(&self) -> usize {
         self.near.iter().filter(|v| self.far.contains(v)).count()
     }
 
-    /// Merges a node and the next one, on both lips.
+    /// Merges a node and the next one, on both sides.
     fn merge(&mut self, cut: &mut Opened<'_, '_>, node: u32, done: &mut Snapped) -> bool {
         let next = cut.rim.next[node as usize];
         let (before, after) = (cut.rim.prev[node as usize], cut.rim.next[next as usize]);
@@ -173,41 +176,41 @@ impl Snapper {
                 continue;
             }
             let mut volume = 0.0;
-            let may = [0, 1].into_iter().all(|lip| {
-                let moved = self.may_merge(cut, node, kept, gone, lip);
+            let may = [0, 1].into_iter().all(|side| {
+                let moved = self.may_merge(cut, node, kept, gone, side);
                 volume += moved.unwrap_or(0.0);
                 moved.is_some()
             });
             if may {
                 cut.merge_nodes(node, kept, &mut self.fan);
                 done.nodes += 1;
-                self.book(volume, done);
+                self.count_volume(volume, done);
                 return true;
             }
         }
         false
     }
 
-    /// The volume that a merge moves on one lip; none if it may not be.
+    /// Returns the volume that a merge moves on one side; none if the merge is invalid.
     fn may_merge(
         &mut self,
         cut: &Opened<'_, '_>,
         node: u32,
         kept: u32,
         gone: u32,
-        lip: usize,
+        side: usize,
     ) -> Option<f64> {
         let topology = cut.edit.surface().topology();
         self.near.clear();
-        (cut.rim).neighbors(topology, cut.lips, kept, lip, &mut self.near);
+        (cut.rim).neighbors(topology, cut.sides, kept, side, &mut self.near);
         self.far.clear();
-        (cut.rim).neighbors(topology, cut.lips, gone, lip, &mut self.far);
+        (cut.rim).neighbors(topology, cut.sides, gone, side, &mut self.far);
         if self.common_neighbors() != 1 {
             return None;
         }
         self.fan.clear();
-        (self.fan).extend(cut.rim.fan(topology, cut.lips, gone, lip));
-        let [gone_vertex, kept_vertex] = [gone, kept].map(|n| cut.lips.vertices[n as usize][lip]);
+        (self.fan).extend(cut.rim.fan(topology, cut.sides, gone, side));
+        let [gone_vertex, kept_vertex] = [gone, kept].map(|n| cut.sides.vertices[n as usize][side]);
         let limit = self.limit(cut, node);
         moved_volume(
             cut.edit.surface(),
@@ -219,7 +222,7 @@ impl Snapper {
     }
 }
 
-/// Whether the vertex that `h` leaves is on a boundary.
+/// Returns whether the vertex that `h` leaves is on a boundary.
 fn is_at_boundary(topology: &Topology, h: HalfEdge) -> bool {
     let mut at = h;
     loop {
@@ -230,8 +233,9 @@ fn is_at_boundary(topology: &Topology, h: HalfEdge) -> bool {
     }
 }
 
-/// The volume between the triangles of a vertex's half-edges and those that they become when it moves to
-/// `target`; none when one would turn over, or when it is more than `limit`.
+/// Returns the volume between the triangles of a vertex before and after its move to `target`.
+///
+/// None if a triangle would be inverted or the volume exceeds `limit`.
 fn moved_volume(
     surface: &Surface,
     fan: &[HalfEdge],

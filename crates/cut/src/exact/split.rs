@@ -1,7 +1,7 @@
-//! A hit triangle in parts, along the chords that cross it.
+//! Splits a hit triangle along the chords that cross it.
 
-use super::node::{Node, On};
-use super::trace::Chord;
+use crate::intersection::node::{Node, On};
+use crate::intersection::trace::Chord;
 use incise_mesh::geometry::{area_vector, corner_angles};
 use incise_mesh::{HalfEdge, Vec3};
 
@@ -10,34 +10,34 @@ use incise_mesh::{HalfEdge, Vec3};
 pub(super) enum Corner {
     /// Corner 0, 1 or 2 of the hit triangle.
     Old(usize),
-    /// A node, on this lip: 0 below the sweep, 1 above it.
-    Node { node: u32, lip: usize },
+    /// A node, on this side: 0 below the sweep, 1 above it.
+    Node { node: u32, side: usize },
 }
 
-/// What an edge of a new triangle is.
+/// The role of an edge of a new triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Side {
+pub(super) enum EdgeRole {
     /// Part number `part` of edge `edge` of the hit triangle, counted along it.
     Outer { edge: usize, part: usize },
-    /// The rim's edge that begins at `node`, on this lip.
-    Rim { node: u32, lip: usize },
-    /// Shared with the triangle `other` of the same hit triangle, as its side `side`.
-    Inner { other: usize, side: usize },
+    /// The rim's edge that begins at `node`, on this side.
+    Rim { node: u32, side: usize },
+    /// Shared with edge `edge` of the part `other` of the same hit triangle.
+    Inner { other: usize, edge: usize },
 }
 
 /// A new triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Part {
     pub(super) corners: [Corner; 3],
-    /// Side i runs from corner i to the next.
-    pub(super) sides: [Side; 3],
+    /// Edge i runs from corner i to the next.
+    pub(super) edges: [EdgeRole; 3],
 }
 
-/// The parts of one hit triangle, and the memory to find them.
+/// The parts of one hit triangle, with scratch memory.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Splitter {
     boundary: Vec<Mark>,
-    polygon: Vec<(Corner, Side)>,
+    polygon: Vec<(Corner, EdgeRole)>,
     /// Indices into the polygon that no ear has taken.
     ring: Vec<usize>,
     /// New triangles by their corners in the polygon.
@@ -45,21 +45,21 @@ pub(crate) struct Splitter {
     pub(super) parts: Vec<Part>,
 }
 
-/// A corner of the hit triangle or a node on its boundary, and what leads on from there.
+/// A corner of the hit triangle or a node on its boundary.
 #[derive(Debug, Clone, Copy)]
 struct Mark {
     corner: Option<usize>,
     /// For a node, the chord and whether the chord ends here.
     chord: usize,
     ends: bool,
-    /// The part of the boundary that follows.
-    follows: Side,
+    /// The part of the boundary behind it.
+    follows: EdgeRole,
     used: bool,
 }
 
 impl Splitter {
-    /// Splits a hit triangle along `chords`. `beyond` are the neighbors' half-edges, `is_valley` is as
-    /// in [`super::signs::Signs`].
+    /// Splits a hit triangle along `chords`. `beyond` are the neighbors' half-edges, `is_valley` is
+    /// as in [`crate::intersection::signs::Signs`].
     pub(super) fn split(
         &mut self,
         corners: [Vec3; 3],
@@ -86,7 +86,7 @@ impl Splitter {
                 corner,
                 chord,
                 ends,
-                follows: Side::Outer { edge, part },
+                follows: EdgeRole::Outer { edge, part },
                 used: false,
             };
             self.boundary.push(mark(Some(edge), 0, false, 0));
@@ -133,9 +133,9 @@ impl Splitter {
             if mark.corner.is_none() {
                 // A chord that ends here rises: the part before it is below the sweep.
                 let chord = chords[mark.chord];
-                let lip = usize::from(!mark.ends);
-                let node = |node| Corner::Node { node, lip };
-                let rim = |node| Side::Rim { node, lip };
+                let side = usize::from(!mark.ends);
+                let node = |node| Corner::Node { node, side };
+                let rim = |node| EdgeRole::Rim { node, side };
                 let (first, last) = if mark.ends {
                     (chord.to, chord.from)
                 } else {
@@ -143,14 +143,14 @@ impl Splitter {
                 };
                 // The rim's edges are named by the node that comes first along the curve.
                 let middle = chord.crease.unwrap_or(chord.from);
-                let sides = if mark.ends {
+                let roles = if mark.ends {
                     [rim(middle), rim(chord.from)]
                 } else {
                     [rim(chord.from), rim(middle)]
                 };
-                self.polygon.push((node(first), sides[0]));
+                self.polygon.push((node(first), roles[0]));
                 if let Some(crease) = chord.crease {
-                    self.polygon.push((node(crease), sides[1]));
+                    self.polygon.push((node(crease), roles[1]));
                 }
                 at = self.partner(mark.chord, mark.ends);
                 let follows = self.boundary[at].follows;
@@ -176,7 +176,7 @@ impl Splitter {
             Corner::Node { node, .. } => nodes[node as usize].position,
         };
         self.ears.clear();
-        let is_crease = |&(corner, _): &(Corner, Side)| match corner {
+        let is_crease = |&(corner, _): &(Corner, EdgeRole)| match corner {
             Corner::Old(_) => false,
             Corner::Node { node, .. } => matches!(nodes[node as usize].on, On::Face { .. }),
         };
@@ -224,7 +224,7 @@ impl Splitter {
         }
         let first = self.parts.len();
         for (i, ear) in self.ears.iter().enumerate() {
-            let side = |k: usize| {
+            let role = |k: usize| {
                 let (a, b) = (ear[k], ear[(k + 1) % 3]);
                 if b == (a + 1) % count {
                     return polygon[a].1;
@@ -232,23 +232,24 @@ impl Splitter {
                 let shares =
                     |other: &[usize; 3]| (0..3).find(|&k| other[k] == b && other[(k + 1) % 3] == a);
                 let others = self.ears.iter().enumerate().filter(|&(j, _)| j != i);
-                let (other, side) = others
+                let (other, edge) = others
                     .into_iter()
                     .find_map(|(j, other)| Some((first + j, shares(other)?)))
                     .expect("a diagonal has two triangles");
-                Side::Inner { other, side }
+                EdgeRole::Inner { other, edge }
             };
             self.parts.push(Part {
                 corners: ear.map(|i| polygon[i].0),
-                sides: [0, 1, 2].map(side),
+                edges: [0, 1, 2].map(role),
             });
         }
     }
 }
 
-/// Whether a diagonal joins what no edge of the surface may join already: not two old corners, and
-/// not two nodes of one mesh edge.
-fn is_joinable(polygon: &[(Corner, Side)], nodes: &[Node], a: usize, b: usize) -> bool {
+/// Returns whether a diagonal cannot repeat an edge of the surface.
+///
+/// It must join neither two old corners nor two nodes of one mesh edge.
+fn is_joinable(polygon: &[(Corner, EdgeRole)], nodes: &[Node], a: usize, b: usize) -> bool {
     match (polygon[a].0, polygon[b].0) {
         (Corner::Old(_), Corner::Old(_)) => false,
         (Corner::Node { node: a, .. }, Corner::Node { node: b, .. }) => {
@@ -261,8 +262,8 @@ fn is_joinable(polygon: &[(Corner, Side)], nodes: &[Node], a: usize, b: usize) -
     }
 }
 
-/// Whether the diagonal from `a` to `c` is the one that Delaunay's criterion takes: the angles at `b`
-/// and `d` are together at most a half turn.
+/// Returns whether the diagonal from `a` to `c` is Delaunay: the angles at `b` and `d` sum to at
+/// most 180 degrees.
 fn is_delaunay([a, b, c, d]: [Vec3; 4]) -> bool {
     let at = |p: Vec3, q: Vec3, r: Vec3| {
         let (u, w) = (p - q, r - q);

@@ -1,13 +1,14 @@
-//! The sweep laid flat: its two triangles turned about the crease into one plane.
+//! Unfolds the sweep: rotates its two triangles about the crease into one plane.
 //!
-//! x runs along the crease, the first triangle lies at y <= 0, the second at y >= 0, and the sweep's
-//! normal points to who sees x turn into y counterclockwise.
+//! x runs along the crease. The first triangle lies at y <= 0, the second at y >= 0. Seen against
+//! the sweep's normal, the axes are counterclockwise.
 
-use super::node::{Node, On};
-use super::signs::Signs;
+use crate::intersection::node::{Node, On};
+use crate::intersection::signs::Signs;
+use crate::intersection::trace::Trace;
 use incise_mesh::Vec3;
 
-/// Coordinates in the sweep.
+/// Coordinates in the plane of the unfolded sweep.
 #[derive(Debug)]
 pub(super) struct Unfold {
     origin: Vec3,
@@ -32,7 +33,7 @@ impl Unfold {
         }
     }
 
-    /// Where a node is in the plane \[m\].
+    /// Returns the position of a node in the plane \[m\].
     pub(super) fn flatten(&self, node: &Node) -> [f64; 2] {
         let offset = node.position - self.origin;
         let y = match node.on {
@@ -50,7 +51,21 @@ impl Unfold {
         [self.along.dot(&offset), y]
     }
 
-    /// Where a point of the plane is in space, and the sweep's normal there.
+    /// Returns the area inside the closed curves without holes \[m^2\], and their length \[m\].
+    pub(super) fn section_size(&self, trace: &Trace) -> (f64, f64) {
+        let (mut doubled, mut length) = (0.0, 0.0);
+        for curve in &trace.loops {
+            let nodes = &trace.nodes[curve.start as usize..curve.end as usize];
+            let outline = || nodes.iter().map(|node| self.flatten(node));
+            for ([ax, ay], [bx, by]) in outline().zip(outline().cycle().skip(1)) {
+                doubled += ax * by - ay * bx;
+                length += (bx - ax).hypot(by - ay);
+            }
+        }
+        (f64::abs(doubled) / 2.0, length)
+    }
+
+    /// Returns the position of a point of the plane in space, and the sweep's normal there.
     pub(super) fn lift(&self, [x, y]: [f64; 2]) -> (Vec3, Vec3) {
         let i = match self.exists {
             [true, true] => usize::from(y > 0.0),

@@ -1,24 +1,26 @@
-//! Whether a surface is open because vertices that belong together are not at the same place.
+//! Detection of gaps: open edges whose ends nearly coincide with other ends.
 
 use super::links::Links;
-use crate::geometry::widen;
+use crate::geometry::to_f64;
 
-/// Vertices may belong together when they are nearer than this part of the mean open edge.
+/// Maximum size of a gap, relative to the mean open edge.
 const NEAR: f64 = 0.01;
-/// The width of the cells in which neighbors are looked for [that distance].
+/// Width of a cell of the search grid, in maximum gaps.
 const CELL: f64 = 16.0;
-/// How many vertices of a cell are compared with each.
+/// Number of vertices of a cell that are compared with each.
 const LOOK: usize = 64;
 
-/// The distance within which most ends of open edges have another such end beside them that is not the same vertex, if
-/// they do \[m\]: welded by that distance the mesh may be closed. A few pairs may be missed, which are
-/// in different cells. O(n log n).
+/// Returns the distance within which most ends of open edges have another end \[m\], if there is
+/// one.
+///
+/// Welding by that distance may close the mesh. A few pairs in different cells may be missed. O(n
+/// log n).
 pub(super) fn gap(links: &Links, position: impl Fn(u32) -> [f32; 3]) -> Option<f64> {
     let mut ends = Vec::new();
     let (mut sum, mut count) = (0.0, 0);
     for edge in links.edges().filter(|edge| edge.len() == 1) {
         let pair = edge[0].0.vertices();
-        let [a, b] = pair.map(|v| widen(position(v.0)));
+        let [a, b] = pair.map(|v| to_f64(position(v.0)));
         sum += (b - a).norm();
         count += 1;
         ends.extend(pair.map(|v| v.0));
@@ -31,7 +33,7 @@ pub(super) fn gap(links: &Links, position: impl Fn(u32) -> [f32; 3]) -> Option<f
     }
     let mut has_other = vec![false; ends.len()];
     let mut widest = 0.0_f64;
-    // Pairs that a cell's wall divides are together in cells that are shifted by half.
+    // Pairs across a cell's border share a cell of the grid shifted by half a cell.
     for shift in [0.0, 0.5] {
         let cell = |v: u32| position(v).map(|x| (f64::from(x) / (CELL * near) + shift).floor());
         let mut cells: Vec<([f64; 3], u32)> =
@@ -42,9 +44,9 @@ pub(super) fn gap(links: &Links, position: impl Fn(u32) -> [f32; 3]) -> Option<f
         });
         for cell in cells.chunk_by(|x, y| x.0 == y.0) {
             for (k, &(_, i)) in cell.iter().enumerate() {
-                let p = widen(position(ends[i as usize]));
+                let p = to_f64(position(ends[i as usize]));
                 for &(_, j) in cell[k + 1..].iter().take(LOOK) {
-                    let distance = (widen(position(ends[j as usize])) - p).norm();
+                    let distance = (to_f64(position(ends[j as usize])) - p).norm();
                     if distance < near {
                         widest = widest.max(distance);
                         has_other[i as usize] = true;

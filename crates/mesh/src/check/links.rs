@@ -1,26 +1,26 @@
-//! Which triangles meet where, for triangles that need not make a surface.
+//! Adjacency of triangles that need not form a surface.
 
 use crate::ids::{EdgeKey, HalfEdge, VertexId};
 use crate::partition::Partition;
 
-/// The half-edges of triangles, grouped by the edge that they lie on.
+/// The half-edges of triangles, grouped by edge.
 pub(super) struct Links {
     keyed: Vec<(EdgeKey, HalfEdge)>,
 }
 
-/// How many edges of what kind.
+/// Numbers of edges with defects.
 pub(super) struct EdgeCounts {
     pub(super) all: usize,
-    /// With one triangle.
+    /// Edges with one triangle.
     pub(super) open: usize,
-    /// With more than two.
+    /// Edges with more than two triangles.
     pub(super) nonmanifold: usize,
-    /// Directions in which more than one triangle runs along an edge.
+    /// Directed edges of more than one triangle.
     pub(super) conflicts: usize,
 }
 
 impl Links {
-    /// The links of `triangles`, whose corners differ.
+    /// Returns the adjacency of `triangles`, whose corners must differ.
     pub(super) fn new(triangles: &[[u32; 3]]) -> Self {
         let mut keyed: Vec<(EdgeKey, HalfEdge)> = (0..3 * triangles.len())
             .map(HalfEdge::from_index)
@@ -33,7 +33,7 @@ impl Links {
         Self { keyed }
     }
 
-    /// The half-edges on every edge, in the order of the edges' keys.
+    /// Iterates over the half-edges of every edge, in the order of the edges' keys.
     pub(super) fn edges(&self) -> impl Iterator<Item = &[(EdgeKey, HalfEdge)]> {
         self.keyed.chunk_by(|x, y| x.0 == y.0)
     }
@@ -59,8 +59,10 @@ impl Links {
         counts
     }
 
-    /// The fans of triangles around vertices: corners of one vertex are in one fan when a chain of
-    /// triangles with common edges at that vertex joins them.
+    /// Returns the fans of triangles around vertices.
+    ///
+    /// Corners of a vertex are in one fan if a chain of triangles with common edges at the vertex
+    /// connects them.
     pub(super) fn fans(&self, triangles: &[[u32; 3]]) -> Fans {
         let mut corners = Partition::new(3 * triangles.len());
         for edge in self.edges() {
@@ -84,12 +86,12 @@ pub(super) struct Fans {
 }
 
 impl Fans {
-    /// Makes the fans of two corners one.
+    /// Merges the fans of two corners.
     pub(super) fn join(&mut self, a: HalfEdge, b: HalfEdge) {
         self.corners.join(a.0, b.0);
     }
 
-    /// The vertices with more than one fan, ascending.
+    /// Returns the vertices with more than one fan, ascending.
     pub(super) fn split_vertices(&mut self, triangles: &[[u32; 3]]) -> Vec<VertexId> {
         let mut heads: Vec<u32> = self.heads(triangles).map(|(_, v)| v).collect();
         heads.sort_unstable();
@@ -102,8 +104,9 @@ impl Fans {
         out
     }
 
-    /// Gives every fan but the first of a vertex a vertex of its own, numbered from `next`. Returns
-    /// the vertices that the new ones copy.
+    /// Gives every fan but the first of a vertex its own vertex, numbered from `next`.
+    ///
+    /// Returns the vertices that the new ones copy.
     pub(super) fn split(&mut self, triangles: &mut [[u32; 3]], next: usize) -> Vec<u32> {
         let mut seen = vec![false; next];
         let mut copies = Vec::new();
@@ -124,7 +127,7 @@ impl Fans {
         copies
     }
 
-    /// Every fan's first corner and its vertex.
+    /// Iterates over the first corner of every fan and its vertex.
     fn heads(&mut self, triangles: &[[u32; 3]]) -> impl Iterator<Item = (u32, u32)> {
         let corners = &mut self.corners;
         (0..)
@@ -134,12 +137,12 @@ impl Fans {
     }
 }
 
-/// The vertex that `h` leaves.
+/// Returns the origin of `h`.
 pub(super) fn origin(triangles: &[[u32; 3]], h: HalfEdge) -> VertexId {
     VertexId(triangles[h.index() / 3][h.index() % 3])
 }
 
-/// The corner at `v`, an end of `h`, of `h`'s triangle.
+/// Returns the corner at `v`, an end of `h`, in `h`'s triangle.
 fn corner_at(triangles: &[[u32; 3]], h: HalfEdge, v: VertexId) -> HalfEdge {
     if origin(triangles, h) == v {
         h

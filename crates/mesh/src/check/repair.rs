@@ -1,57 +1,61 @@
-//! From mesh data to a body that can be cut.
+//! Repair of mesh data, and its conversion to a surface.
 
 use super::gaps::gap;
 use super::links::Links;
 use super::tally::Tally;
-use super::{Defect, NotFit};
-use crate::geometry::{Aabb, widen};
+use super::{Defect, NotCuttable};
+use crate::geometry::{Aabb, to_f64};
 use crate::ids::{TriangleId, VertexId};
 use crate::io::{MeshData, Warning};
 use crate::quality::EdgeStats;
 use crate::surface::{CornerAttributes, Surface};
 use crate::topology::Topology;
 
-/// What repairing made of mesh data.
+/// Repaired mesh data.
 pub(super) struct Repaired {
-    /// The data's vertex of every vertex.
+    /// Vertex of the data for each vertex.
     pub(super) vertices: Vec<u32>,
     pub(super) triangles: Vec<[u32; 3]>,
-    /// The data's triangle of every triangle.
+    /// Triangle of the data for each triangle.
     pub(super) sources: Vec<u32>,
-    /// Whether the triangle runs the other way than in the data.
+    /// Whether each triangle was flipped.
     pub(super) flipped: Vec<bool>,
     pub(super) warnings: Vec<Warning>,
-    /// Empty when the mesh is fit; only then everything above is a surface.
+    /// Defects that remain; the other fields form a surface only if there are none.
     pub(super) defects: Vec<Defect>,
 }
 
 impl MeshData {
-    /// The mesh as a surface at rest that can be cut, with all warnings: repaired where there is
-    /// only one repair (duplicate or collapsed triangles, windings, parts that touch in a point or
-    /// that the file keeps apart), and with the corners' attributes and the triangles' materials.
+    /// Converts the mesh to a surface at rest that can be cut, and returns all warnings.
+    ///
+    /// Whatever has a unique repair is repaired: duplicate or collapsed triangles, orientations,
+    /// and parts that touch in a point or that the file keeps separate. Corner attributes and
+    /// materials are kept.
     ///
     /// # Errors
-    /// [`NotFit`] when the mesh has boundaries, edges of more than two triangles, components with
-    /// one side or components without volume.
-    pub fn into_surface(self) -> Result<(Surface, Vec<Warning>), NotFit> {
+    /// [`NotCuttable`] if the mesh has boundaries, edges of more than two triangles, one-sided
+    /// components or components without volume.
+    pub fn into_surface(self) -> Result<(Surface, Vec<Warning>), NotCuttable> {
         self.build(false)
     }
 
-    /// The same for a mesh that may have boundaries. Vertices where holes touch stay whole, since
-    /// closing the holes makes them right; a component that is closed or not may enclose nothing.
-    /// A mesh without any boundary is treated as by [`Self::into_surface`].
+    /// Converts a mesh that may have boundaries, like [`Self::into_surface`].
+    ///
+    /// Vertices at which holes touch stay whole, because filling the holes makes them manifold.
+    /// Components may enclose no volume. A mesh without boundaries is treated as by
+    /// [`Self::into_surface`].
     ///
     /// # Errors
-    /// [`NotFit`] when the mesh has edges of more than two triangles or components with one side, or
+    /// [`NotCuttable`] if the mesh has edges of more than two triangles or one-sided components, or
     /// has no boundary and components without volume.
-    pub fn into_open_surface(self) -> Result<(Surface, Vec<Warning>), NotFit> {
+    pub fn into_open_surface(self) -> Result<(Surface, Vec<Warning>), NotCuttable> {
         self.build(true)
     }
 
-    fn build(self, may_be_open: bool) -> Result<(Surface, Vec<Warning>), NotFit> {
+    fn build(self, may_be_open: bool) -> Result<(Surface, Vec<Warning>), NotCuttable> {
         let repaired = repair(&self, may_be_open);
         if !repaired.defects.is_empty() {
-            return Err(NotFit {
+            return Err(NotCuttable {
                 defects: repaired.defects,
             });
         }
@@ -78,29 +82,28 @@ impl MeshData {
     }
 }
 
-/// A mesh is so far from the origin that it should be moved there when its box's middle is this many diagonals away
+/// Distance from the origin, in diagonals, beyond which a mesh should be moved to the origin.
 const FAR: f64 = 10.0;
-/// and 32-bit coordinates there are this part of its mean edge apart.
+/// Spacing of 32-bit coordinates there, relative to the mean edge, that may merge vertices.
 const COARSE: f64 = 1.0 / 64.0;
 
-/// How far apart coordinates of 32 bits are where the mesh is \[m\], if that tells why vertices have become one.
+/// Returns the spacing of 32-bit coordinates at the mesh \[m\], if it may have merged vertices.
 fn rounding(data: &MeshData) -> Option<f64> {
     let corners = data.triangles.iter().flatten();
     let bounds = Aabb::around(corners.map(|&v| data.positions[v as usize]));
     let reach = bounds.center().amax();
     let apart = reach * f64::from(f32::EPSILON);
-    let corners = |t: &[u32; 3]| t.map(|v| widen(data.positions[v as usize]));
-    let edges = EdgeStats::of(data.triangles.iter().map(corners));
+    let corners = |t: &[u32; 3]| t.map(|v| to_f64(data.positions[v as usize]));
+    let edges = EdgeStats::from_triangles(data.triangles.iter().map(corners));
     (reach > FAR * bounds.diagonal() && apart > COARSE * edges.mean).then_some(apart)
 }
 
-/// Whether two corners are the same vertex.
+/// Returns whether two corners are the same vertex.
 pub(super) fn is_collapsed(t: &[u32; 3]) -> bool {
     t[0] == t[1] || t[1] == t[2] || t[2] == t[0]
 }
 
-/// Repairs what has only one repair and finds what is wrong beside it. Boundaries are wrong unless the
-/// mesh may be open.
+/// Repairs a mesh and collects the remaining defects; boundaries are defects unless allowed.
 pub(super) fn repair(data: &MeshData, may_be_open: bool) -> Repaired {
     let vertices = (0..).take(data.positions.len()).collect();
     let welded = Repaired::attempt(data, vertices, &data.triangles, may_be_open);
@@ -124,8 +127,9 @@ pub(super) fn repair(data: &MeshData, may_be_open: bool) -> Repaired {
     welded
 }
 
-/// The mesh as if equal positions were one vertex only where the file's indices connect them: the
-/// data's vertex of every vertex, and the triangles.
+/// Welds equal positions only within components of the file's indices.
+///
+/// Returns the data's vertex of every vertex, and the triangles.
 fn weld_within_components(data: &MeshData) -> (Vec<u32>, Vec<[u32; 3]>) {
     let corners = data.triangles.iter().zip(&data.file_components);
     let mut keys: Vec<(u32, u32)> = corners
@@ -202,7 +206,7 @@ impl Repaired {
         out
     }
 
-    /// Takes the triangles that have three corners and do not repeat an earlier one.
+    /// Keeps the triangles with three different corners that do not repeat an earlier one.
     fn keep_distinct(&mut self, triangles: &[[u32; 3]]) {
         let (mut collapsed, mut duplicates) = (Tally::default(), Tally::default());
         let mut keyed: Vec<([u32; 3], u32)> = (0..)
@@ -258,8 +262,9 @@ impl Repaired {
         self.defects.extend(open);
     }
 
-    /// Gives each fan of triangles around a vertex a vertex of its own. Fans that lie around holes
-    /// which touch there are one.
+    /// Gives each fan of triangles around a vertex its own vertex.
+    ///
+    /// Fans around holes that touch at the vertex count as one.
     fn split_vertices(&mut self, is_open: bool) {
         let mut fans = Links::new(&self.triangles).fans(&self.triangles);
         if is_open {
@@ -301,7 +306,7 @@ impl Repaired {
             .retain(|_| new.next().is_some_and(|&new| new != u32::MAX));
     }
 
-    /// What the corners of the repaired triangles carry.
+    /// Returns the attributes of the repaired triangles' corners.
     fn gather<T: Copy>(&self, values: &[T]) -> Vec<T> {
         let triangles = values.as_chunks::<3>().0;
         if triangles.is_empty() {

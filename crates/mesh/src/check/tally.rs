@@ -1,8 +1,8 @@
-//! Flaws, counted.
+//! Counter of defects with the first triangle.
 
 use crate::ids::TriangleId;
 
-/// The first triangle with a flaw, and how many have it.
+/// The number of triangles with a defect, and the first of them.
 #[derive(Default)]
 pub(super) struct Tally {
     first: u32,
@@ -10,7 +10,7 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    /// Counts triangle `t` when it has the flaw; returns whether it has.
+    /// Counts triangle `t` if it has the defect, and returns whether it has.
     pub(super) fn note(&mut self, flaw: bool, t: u32) -> bool {
         if flaw && self.count == 0 {
             self.first = t;
@@ -19,7 +19,7 @@ impl Tally {
         flaw
     }
 
-    /// The first and how many, if there are any.
+    /// Returns the first triangle and the number, if there are any.
     pub(super) fn found(&self) -> Option<(TriangleId, usize)> {
         (self.count > 0).then_some((TriangleId(self.first), self.count))
     }

@@ -1,22 +1,22 @@
-//! Which way triangles run: with their neighbors, and outward as a whole.
+//! Orientation of triangles: consistent within components, and outward.
 
 use super::Defect;
 use super::links::{Links, origin};
 use super::repair::Repaired;
 use super::tally::Tally;
-use crate::geometry::{Aabb, area_vector, widen};
+use crate::geometry::{Aabb, area_vector, to_f64};
 use crate::ids::{HalfEdge, TriangleId};
 use crate::io::{MeshData, Warning};
 use crate::measure::cone_volume;
 use crate::partition::Partition;
 
-/// A closed component encloses nothing when its volume is below this part of its area times its
-/// box's diagonal. Sums in 64 bits leave about 1e-15 of a flat one; a sheet as thin as 32-bit
-/// coordinates can tell apart has 1e-8.
+/// Volume of a closed component, relative to area times diagonal, below which it encloses nothing.
+///
+/// Rounding in 64 bits leaves about 1e-15 for a flat one; the thinnest sheet in 32 bits has 1e-8.
 const FLAT: f64 = 1e-12;
 
 impl Repaired {
-    /// Winds each component as most of its triangles are.
+    /// Orients each component like most of its triangles.
     pub(super) fn orient(&mut self, links: &Links) {
         let mut twin = vec![HalfEdge::NULL; 3 * self.triangles.len()];
         for edge in links.edges() {
@@ -77,7 +77,7 @@ impl Repaired {
         }
     }
 
-    /// Finds components that enclose nothing, and turns everything when the whole is inside out.
+    /// Finds components without volume, and flips everything if the total volume is negative.
     pub(super) fn check_volumes(&mut self, data: &MeshData) {
         #[derive(Clone, Copy, Default)]
         struct Component {
@@ -95,17 +95,17 @@ impl Repaired {
         for t in &self.triangles {
             let root = parts.find(t[0]);
             let component = &mut components[root as usize];
-            let corners = t.map(|v| widen(position(v)));
-            component.volume += cone_volume(corners, widen(position(root)));
+            let corners = t.map(|v| to_f64(position(v)));
+            component.volume += cone_volume(corners, to_f64(position(root)));
             component.area += area_vector(corners).norm() / 2.0;
             t.iter().for_each(|&v| component.bounds.grow(position(v)));
         }
         let is_flat = |c: &Component| c.volume.abs() <= FLAT * c.area * c.bounds.diagonal();
         let mut flat = Tally::default();
-        let mut told = vec![false; components.len()];
+        let mut is_reported = vec![false; components.len()];
         for (t, &source) in self.triangles.iter().zip(&self.sources) {
             let root = parts.find(t[0]) as usize;
-            if !std::mem::replace(&mut told[root], true) {
+            if !std::mem::replace(&mut is_reported[root], true) {
                 flat.note(is_flat(&components[root]), source);
             }
         }

@@ -1,14 +1,14 @@
-//! The end of an edit: vertices put right, the change as a delta.
+//! The end of an edit: updates outgoing half-edges, frees unused vertices, builds the delta.
 
 use super::log::Log;
 use super::relatives::restored;
 use super::{Edit, Undo};
-use crate::delta::{AddedVertex, Origin, TopologyDelta};
+use crate::delta::{AddedVertex, TopologyDelta, VertexOrigin};
 use crate::history::Step;
 use crate::ids::{HalfEdge, TriangleId, VertexId};
 use crate::topology::Topology;
 
-/// A triangle slot with other corners than before; null where there is no triangle.
+/// A triangle slot whose corners changed; null corners mean no triangle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Change {
     pub(super) triangle: TriangleId,
@@ -17,13 +17,14 @@ pub(super) struct Change {
 }
 
 impl Edit<'_> {
-    /// Makes the edit count: vertices that no triangle uses are removed, and what changed comes back
-    /// with the means to take it back. O(k log k) for k changes.
+    /// Applies the edit and returns the change and its undo record. O(k log k) for k changes.
+    ///
+    /// Vertices that no triangle uses are removed.
     #[must_use = "the delta is what solvers and search trees follow"]
     pub fn finish(mut self) -> (TopologyDelta, Undo) {
         self.open = false;
         let changes = changes(&self.log, &self.surface.topology);
-        // Before this edit no triangle used them: new ones, and old ones without triangles.
+        // Vertices unused before this edit: new ones, and old ones without triangles.
         let mut idle: Vec<VertexId> = self.log.outgoing.places().map(VertexId).collect();
         let mut made: Vec<VertexId> = self.vertices.iter().map(|entry| entry.0).collect();
         idle.sort_unstable();
@@ -47,7 +48,7 @@ impl Edit<'_> {
             triangles_removed: removed.map(|c| (c.triangle, c.before)).collect(),
             triangles_added: added.map(|c| c.triangle).collect(),
             vertices_removed,
-            removed_from: Vec::new(),
+            removed_positions: Vec::new(),
             vertices_added: self.vertices_added(&made, &idle),
             pieces_added: (self.pieces.iter().copied())
                 .filter(|&(piece, _)| surface.pieces.count(piece) > 0)
@@ -60,8 +61,7 @@ impl Edit<'_> {
         (delta, undo)
     }
 
-    /// Leaves no trace of vertices that were made and are not used: who steps all slots of a body would
-    /// step them too.
+    /// Clears the data of created vertices that stayed unused, because solvers step all slots.
     fn clear(&mut self, wasted: impl Iterator<Item = VertexId>) {
         let (positions, rest) = (self.log.positions.before(), self.log.rest.before());
         let surface = &mut *self.surface;
@@ -73,8 +73,9 @@ impl Edit<'_> {
         }
     }
 
-    /// Gives every vertex that lost triangles, and new ones, a half-edge that leaves it. Returns those
-    /// that no triangle uses, ascending.
+    /// Sets the outgoing half-edge of every vertex that is new or has lost a triangle.
+    ///
+    /// Returns the unused vertices, ascending.
     fn set_outgoing(
         &mut self,
         changes: &[Change],
@@ -95,7 +96,7 @@ impl Edit<'_> {
                 without.push(v);
             }
         }
-        // The triangles that a fan keeps border on one that went or was turned to another neighbor.
+        // A surviving fan borders a removed triangle or has a changed twin.
         let new = changes.iter().filter(|c| !c.now[0].is_null());
         let turned = self.log.twin.places().map(HalfEdge);
         let near =
@@ -112,14 +113,14 @@ impl Edit<'_> {
         without
     }
 
-    /// The vertices that triangles use now and did not before, with the piece of one of them.
+    /// Returns the vertices that are used now but were not before, with the piece of one triangle.
     fn vertices_added(&self, made: &[VertexId], idle: &[VertexId]) -> Vec<AddedVertex> {
         let surface = &*self.surface;
         let own = idle.iter().filter(|v| made.binary_search(v).is_err());
-        // One that was there without triangles has its own data already.
+        // A vertex that existed without triangles keeps its own data.
         let own = own.map(|&v| {
             let (parents, weights) = ([v; 3], [1.0, 0.0, 0.0]);
-            (v, Origin::Restored { parents, weights })
+            (v, VertexOrigin::Restored { parents, weights })
         });
         let mut added = Vec::with_capacity(self.vertices.len());
         for (vertex, origin) in own.chain(self.vertices.iter().copied()) {
@@ -136,14 +137,13 @@ impl Edit<'_> {
         added
     }
 
-    /// The pieces that had triangles and have none any more, ascending.
+    /// Returns the pieces that lost their last triangle, ascending.
     fn pieces_removed(&self, changes: &[Change]) -> Vec<u32> {
         let surface = &*self.surface;
         let held = changes.iter().filter(|c| !c.before[0].is_null());
         let bound = self.log.piece_bound();
         let is_gone = |piece: u32| piece < bound && surface.pieces.count(piece) == 0;
-        // Whether any is, is seen at once, since triangles of a piece come in runs; which ones, takes a
-        // closer look.
+        // A quick test first: the triangles of a piece come in runs.
         let kept = held.clone().map(|c| surface.piece[c.triangle.index()]);
         let mut last = None;
         let mut runs = (self.log.piece.overwritten().chain(kept))
@@ -169,7 +169,7 @@ impl Edit<'_> {
     }
 }
 
-/// The triangle slots that have other corners than before, ascending.
+/// Returns the triangle slots whose corners changed, ascending.
 fn changes(log: &Log, topology: &Topology) -> Vec<Change> {
     let before = log.origin.before();
     let old = before.chunk_by(|a, b| a.0 / 3 == b.0 / 3).map(|corners| {
@@ -196,7 +196,7 @@ fn changes(log: &Log, topology: &Topology) -> Vec<Change> {
     old.chain(new).filter(|c| c.before != c.now).collect()
 }
 
-/// The value that a slot had before the edit; none of a new slot.
+/// Returns the value of a slot before the edit; none for a new slot.
 fn old_value<T: Copy>(before: &[(u32, T)], v: VertexId) -> Option<T> {
     let at = before.binary_search_by_key(&v.0, |entry| entry.0).ok()?;
     Some(before[at].1)

@@ -1,18 +1,19 @@
-//! What an edit overwrote: enough to put every byte back.
+//! The log of an edit: overwritten values, from which every byte can be restored.
 
 use crate::history::History;
 use crate::ids::{HalfEdge, TriangleId, VertexId};
 use crate::surface::Surface;
 
-/// The old values of one array, in the order in which they were overwritten. What lies beyond the
-/// array's old length needs no entry: it is cut off again.
+/// The old values of one array, in the order of overwriting.
+///
+/// Entries beyond the array's old length need no log: they are truncated.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Track<T> {
     len: usize,
     old: Vec<(u32, T)>,
 }
 
-// Derived, it would ask the same of the entries.
+// Implemented by hand, because a derive would require `T: Default`.
 impl<T> Default for Track<T> {
     fn default() -> Self {
         Self {
@@ -23,19 +24,19 @@ impl<T> Default for Track<T> {
 }
 
 impl<T: Copy> Track<T> {
-    fn of(array: &[T]) -> Self {
+    fn new(array: &[T]) -> Self {
         Self {
             len: array.len(),
             old: Vec::new(),
         }
     }
 
-    /// The array's length before the edit.
+    /// Returns the array's length before the edit.
     pub(super) fn len(&self) -> usize {
         self.len
     }
 
-    /// Overwrites an entry and remembers what it was.
+    /// Overwrites an entry and logs its old value.
     pub(super) fn set(&mut self, array: &mut [T], at: u32, value: T) {
         let entry = &mut array[at as usize];
         if (at as usize) < self.len {
@@ -44,14 +45,14 @@ impl<T: Copy> Track<T> {
         *entry = value;
     }
 
-    /// Where entries were overwritten, repeatedly perhaps.
+    /// Iterates over the indices of overwritten entries, with repetitions.
     pub(super) fn places(&self) -> impl Iterator<Item = u32> + '_ {
         self.old.iter().map(|entry| entry.0)
     }
 
-    /// The value before the edit of every entry that was overwritten, ascending by place.
+    /// Returns the value of every overwritten entry before the edit, ascending by index.
     pub(super) fn before(&self) -> Vec<(u32, T)> {
-        // Place and time in one number: that sorts several times as fast as pairs, stably.
+        // Index and order in one number sort several times as fast as pairs, and stably.
         let numbered = (0_u32..).zip(&self.old);
         let mut order: Vec<u64> = numbered
             .map(|(time, &(at, _))| (u64::from(at) << 32) | u64::from(time))
@@ -63,19 +64,9 @@ impl<T: Copy> Track<T> {
         order.into_iter().map(|key| self.old[time(key)]).collect()
     }
 
-    /// All values that were overwritten.
+    /// Iterates over all overwritten values.
     pub(super) fn overwritten(&self) -> impl Iterator<Item = T> + '_ {
         self.old.iter().map(|entry| entry.1)
-    }
-
-    /// What was overwritten between two states of an array, entries compared by `key`.
-    fn between<K: PartialEq>(before: &[T], after: &[T], key: impl Fn(T) -> K) -> Self {
-        let pairs = (0..).zip(before.iter().zip(after));
-        let changed = pairs.filter(|&(_, (&old, &new))| key(old) != key(new));
-        Self {
-            len: before.len(),
-            old: changed.map(|(at, (&old, _))| (at, old)).collect(),
-        }
     }
 
     fn put_back(&self, array: &mut Vec<T>, len: usize) {
@@ -88,7 +79,7 @@ impl<T: Copy> Track<T> {
     }
 }
 
-/// What was taken from a stack: the part that an edit never reached is still there.
+/// The elements taken from a stack; those below the edit's low-water mark are still there.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct StackTrack<T> {
     untouched: usize,
@@ -105,23 +96,10 @@ impl<T> Default for StackTrack<T> {
 }
 
 impl<T: Copy> StackTrack<T> {
-    fn of(stack: &[T]) -> Self {
+    fn new(stack: &[T]) -> Self {
         Self {
             untouched: stack.len(),
             taken: Vec::new(),
-        }
-    }
-
-    /// What was taken between two states of a stack.
-    fn between(before: &[T], after: &[T]) -> Self
-    where
-        T: PartialEq,
-    {
-        let same = before.iter().zip(after).take_while(|(old, new)| old == new);
-        let untouched = same.count();
-        Self {
-            untouched,
-            taken: before[untouched..].iter().rev().copied().collect(),
         }
     }
 
@@ -140,7 +118,7 @@ impl<T: Copy> StackTrack<T> {
     }
 }
 
-/// What an edit overwrote in each array of a surface.
+/// The overwritten values of each array of a surface.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Log {
     pub(super) origin: Track<VertexId>,
@@ -159,53 +137,32 @@ pub(super) struct Log {
 }
 
 impl Log {
-    /// Nothing overwritten yet. O(1).
-    pub(super) fn of(surface: &Surface) -> Self {
+    /// Returns an empty log. O(1).
+    pub(super) fn new(surface: &Surface) -> Self {
         let topology = &surface.topology;
         Self {
-            origin: Track::of(&topology.origin),
-            twin: Track::of(&topology.twin),
-            outgoing: Track::of(&topology.outgoing),
-            positions: Track::of(&surface.positions),
-            rest: Track::of(&surface.rest),
-            uv: Track::of(&surface.corners.uv),
-            normal: Track::of(&surface.corners.normal),
-            piece: Track::of(&surface.piece),
-            material: Track::of(&surface.material),
-            free_triangles: StackTrack::of(&topology.free_triangles),
-            free_vertices: StackTrack::of(&topology.free_vertices),
+            origin: Track::new(&topology.origin),
+            twin: Track::new(&topology.twin),
+            outgoing: Track::new(&topology.outgoing),
+            positions: Track::new(&surface.positions),
+            rest: Track::new(&surface.rest),
+            uv: Track::new(&surface.corners.uv),
+            normal: Track::new(&surface.corners.normal),
+            piece: Track::new(&surface.piece),
+            material: Track::new(&surface.material),
+            free_triangles: StackTrack::new(&topology.free_triangles),
+            free_vertices: StackTrack::new(&topology.free_vertices),
             piece_bound: surface.pieces.bound(),
             history: surface.history,
         }
     }
 
-    /// What was overwritten between two states of a surface, none of whose slots went. O(n).
-    pub(super) fn between(before: &Surface, after: &Surface) -> Self {
-        let (old, new) = (&before.topology, &after.topology);
-        let (corners, now) = (&before.corners, &after.corners);
-        Self {
-            origin: Track::between(&old.origin, &new.origin, |v| v),
-            twin: Track::between(&old.twin, &new.twin, |h| h),
-            outgoing: Track::between(&old.outgoing, &new.outgoing, |h| h),
-            positions: Track::between(&before.positions, &after.positions, |p| p.map(f32::to_bits)),
-            rest: Track::between(&before.rest, &after.rest, |p| p.map(f32::to_bits)),
-            uv: Track::between(&corners.uv, &now.uv, |uv| uv.map(f32::to_bits)),
-            normal: Track::between(&corners.normal, &now.normal, |n| n.map(f32::to_bits)),
-            piece: Track::between(&before.piece, &after.piece, |p| p),
-            material: Track::between(&before.material, &after.material, |m| m),
-            free_triangles: StackTrack::between(&old.free_triangles, &new.free_triangles),
-            free_vertices: StackTrack::between(&old.free_vertices, &new.free_vertices),
-            piece_bound: before.pieces.bound(),
-            history: before.history,
-        }
-    }
-
-    /// The bound of piece numbers before the edit.
+    /// Returns the bound of piece numbers before the edit.
     pub(super) fn piece_bound(&self) -> u32 {
         self.piece_bound
     }
 
-    /// Puts everything back. O(k log k) for k overwritten entries.
+    /// Restores the surface. O(k log k) for k overwritten entries.
     pub(super) fn put_back(&self, surface: &mut Surface) {
         let slots = self.touched_slots(surface);
         for &t in slots.iter().filter(|&&t| surface.topology.is_triangle(t)) {
@@ -218,7 +175,7 @@ impl Log {
         self.outgoing.put_back(&mut topology.outgoing, vertices);
         self.positions.put_back(&mut surface.positions, vertices);
         self.rest.put_back(&mut surface.rest, vertices);
-        // Attributes that the surface got after the edit stay, as far as there are triangles.
+        // Attributes that the surface got after the edit stay for the remaining triangles.
         let corners = &mut surface.corners;
         let len = |old: usize| if old == 0 { self.origin.len } else { old };
         self.uv.put_back(&mut corners.uv, len(self.uv.len));
@@ -236,13 +193,13 @@ impl Log {
         surface.history = self.history;
     }
 
-    /// Triangle slots whose triangle or piece may differ from before, each once.
+    /// Returns the triangle slots whose triangle or piece may have changed, each once.
     fn touched_slots(&self, surface: &Surface) -> Vec<TriangleId> {
         let corners = self.origin.places().map(|h| HalfEdge(h).triangle());
         let pieces = self.piece.places().map(TriangleId);
         let new = (self.piece.len..surface.piece.len()).map(TriangleId::from_index);
         let mut slots: Vec<TriangleId> = corners.chain(pieces).chain(new).collect();
-        // Most stand in threes.
+        // Most entries come in threes.
         slots.dedup();
         slots.sort_unstable();
         slots.dedup();

@@ -1,23 +1,23 @@
-//! Who moves in the place of a removed vertex, should it come back.
+//! The vertices that stand in for a removed vertex, whose motion it takes when an undo restores it.
 
 use super::finish::Change;
-use crate::delta::{Origin, TopologyDelta};
+use crate::delta::{TopologyDelta, VertexOrigin};
 use crate::ids::VertexId;
 use crate::surface::Surface;
 use std::collections::VecDeque;
 
-/// A vertex that an edit removed: how it can come back.
+/// A vertex that an edit removed, and the origin with which it can be restored.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Restored {
     pub(super) vertex: VertexId,
-    pub(super) origin: Origin,
-    /// Position \[m\] and inverse mass \[1/kg\] when it went.
+    pub(super) origin: VertexOrigin,
+    /// Position \[m\] and inverse mass \[1/kg\] at its removal.
     pub(super) at: [f32; 4],
-    /// Where the origin's parents were then \[m\].
+    /// Positions of the origin's parents at that time \[m\].
     pub(super) parents_at: [[f32; 3]; 3],
 }
 
-/// The vertices that `delta` removed, parents before children.
+/// Returns the vertices that `delta` removed, parents before children.
 pub(super) fn restored(
     surface: &Surface,
     delta: &TopologyDelta,
@@ -27,7 +27,7 @@ pub(super) fn restored(
     let (Some(&first), Some(&last)) = (removed.first(), removed.last()) else {
         return Vec::new();
     };
-    // Most are asked for in vain, and most of these lie outside the range.
+    // Most lookups fail, and most of those are outside the range.
     let number = |v: VertexId| {
         let is_near = first <= v && v <= last;
         is_near.then(|| removed.binary_search(&v).ok()).flatten()
@@ -41,7 +41,7 @@ pub(super) fn restored(
         );
         first..last
     };
-    let mut order: Vec<(usize, Origin)> = Vec::with_capacity(removed.len());
+    let mut order: Vec<(usize, VertexOrigin)> = Vec::with_capacity(removed.len());
     let mut known = vec![false; removed.len()];
     for i in 0..removed.len() {
         let own = children.partition_point(|c| c.0 < i)..children.partition_point(|c| c.0 <= i);
@@ -57,7 +57,7 @@ pub(super) fn restored(
             order.push((i, origin));
         }
     }
-    // The others follow a neighbor that comes back before them.
+    // The others take a neighbor that is restored before them as parent.
     let mut queue: VecDeque<usize> = order.iter().map(|entry| entry.0).collect();
     let mut next = 0;
     loop {
@@ -84,7 +84,7 @@ pub(super) fn restored(
         let [x, y, z, _] = surface.positions[v.index()];
         [x, y, z]
     };
-    let entry = |(i, origin): (usize, Origin)| Restored {
+    let entry = |(i, origin): (usize, VertexOrigin)| Restored {
         vertex: removed[i],
         origin,
         at: surface.positions[removed[i].index()],
@@ -93,8 +93,9 @@ pub(super) fn restored(
     order.into_iter().map(entry).collect()
 }
 
-/// New vertices that were made from removed ones: the removed one's number, the new one and its
-/// share, the largest share first.
+/// Returns the new vertices created from removed ones: removed index, vertex and weight.
+///
+/// The largest weight comes first.
 fn children(
     delta: &TopologyDelta,
     number: impl Fn(VertexId) -> Option<usize>,
@@ -112,7 +113,7 @@ fn children(
     children
 }
 
-/// Removed vertices with their neighbors before the edit, ascending.
+/// Returns the removed vertices with their neighbors before the edit, ascending.
 fn neighbors(
     changes: &[Change],
     number: impl Fn(VertexId) -> Option<usize>,
@@ -130,18 +131,18 @@ fn neighbors(
     neighbors
 }
 
-/// An origin between the first three of `relatives`, if there are any.
-fn between(relatives: &[(VertexId, f32)]) -> Option<Origin> {
+/// Returns an origin between the first three of `relatives`, if there are any.
+fn between(relatives: &[(VertexId, f32)]) -> Option<VertexOrigin> {
     let &(first, _) = relatives.first()?;
     let relative = |i: usize| relatives.get(i).copied().unwrap_or((first, 0.0));
-    Some(Origin::Restored {
+    Some(VertexOrigin::Restored {
         parents: [0, 1, 2].map(|i| relative(i).0),
         weights: [0, 1, 2].map(|i| relative(i).1),
     })
 }
 
-fn alone(parent: VertexId) -> Origin {
-    Origin::Restored {
+fn alone(parent: VertexId) -> VertexOrigin {
+    VertexOrigin::Restored {
         parents: [parent; 3],
         weights: [1.0, 0.0, 0.0],
     }

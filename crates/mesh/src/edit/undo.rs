@@ -1,37 +1,37 @@
-//! Taking a finished edit back.
+//! Undo of a finished edit.
 
-use super::finish::Change;
 use super::log::Log;
-use super::relatives::{Restored, restored};
+use super::relatives::Restored;
 use crate::delta::{AddedVertex, TopologyDelta};
 use crate::history::History;
 use crate::ids::{TriangleId, VertexId};
 use crate::surface::Surface;
 
-/// Why an edit cannot be undone. The surface is then what it was.
+/// The error of an undo that does not match the surface. Nothing changes then.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum UndoError {
-    /// The surface has been edited since, or it is another one.
+    /// The surface was edited since, or is another surface.
     #[error(
-        "the surface is not as this edit left it: it was edited since or is another one; undo later edits first, the last one first"
+        "the surface was edited after this edit, or is another surface; undo later edits first, \
+         starting with the last"
     )]
     Stale,
-    /// An array does not fit the surface's vertices.
+    /// An array has another length than the vertex slots.
     #[error(
         "{array} has {found} entries for {expected} vertices; give every vertex one before an undo"
     )]
     WrongLength {
-        /// The array.
+        /// Name of the array.
         array: &'static str,
-        /// Its length.
+        /// Length of the array.
         found: usize,
-        /// The surface's vertex slots.
+        /// Number of vertex slots.
         expected: usize,
     },
 }
 
-/// What takes a finished edit back. It holds what the edit overwrote: O(k) for k changes.
+/// The undo record of a finished edit: its overwritten values, O(k) for k changes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Undo {
     log: Log,
@@ -55,41 +55,17 @@ impl Undo {
         }
     }
 
-    /// What takes an edit back that was made on a copy and not as an [`Edit`](super::Edit): `before` is
-    /// the original, `delta` the difference. Nothing may have moved in between. None when `after` has
-    /// fewer slots, so that it can be no edit of `before`. O(n).
-    #[must_use]
-    pub fn between(before: &Surface, after: &Surface, delta: &TopologyDelta) -> Option<Self> {
-        let slots = |s: &Surface| [s.topology.vertex_slots(), s.topology.triangle_slots()];
-        let ([v, t], [w, u]) = (slots(before), slots(after));
-        if v > w || t > u {
-            return None;
-        }
-        let removed = delta.triangles_removed.iter();
-        let changes: Vec<Change> = removed
-            .map(|&(triangle, before)| Change {
-                triangle,
-                before,
-                now: after.topology.triangle(triangle),
-            })
-            .collect();
-        let restored = restored(after, delta, &changes);
-        let log = Log::between(before, after);
-        Some(Self::new(after, log, delta.clone(), restored))
-    }
-
-    /// Takes the edit back. Returns the change from the edited surface to the one before, which
-    /// solvers and search trees follow like any other. O(k log k) for k changes.
+    /// Undoes the edit and returns the change, which solvers and BVHs follow like any other.
     ///
-    /// At once after the edit, the surface is then bit for bit what it was before it. Later, when
-    /// vertices have moved and masses have been shared out anew, those that are still there keep
-    /// what they have. A vertex that the edit removed comes back with its old inverse mass,
-    /// displaced by as much as those have moved since that stand in its place
-    /// ([`Origin::Restored`](crate::Origin::Restored)).
+    /// O(k log k) for k changes.
+    ///
+    /// Directly after the edit, this restores the surface bit for bit. Later, when vertices have
+    /// moved and masses have changed, surviving vertices keep their values. A vertex that the edit
+    /// removed is restored with its old inverse mass, displaced by the mean motion of its stand-ins
+    /// ([`VertexOrigin::Restored`](crate::VertexOrigin::Restored)).
     ///
     /// # Errors
-    /// [`UndoError`] when the surface is not as the edit left it but for motion; nothing is changed
-    /// then.
+    /// [`UndoError`] if the surface was edited since; motion is allowed. Nothing changes then.
     pub fn revert(self, surface: &mut Surface) -> Result<TopologyDelta, UndoError> {
         if surface.history != self.after {
             return Err(UndoError::Stale);
@@ -106,7 +82,7 @@ impl Undo {
                 expected,
             });
         }
-        // Parents come first, so every one is where it belongs when its children are placed.
+        // Parents come first, so their positions are final when children are placed.
         for restored in &self.restored {
             surface.positions[restored.vertex.index()] = restored.place(surface);
         }
@@ -120,7 +96,7 @@ impl Undo {
             let [x, y, z, _] = surface.positions[v.index()];
             [x, y, z]
         };
-        let removed_from = vertices_removed.iter().map(place).collect();
+        let removed_positions = vertices_removed.iter().map(place).collect();
         self.log.put_back(surface);
         let removed = self.delta.triangles_removed.iter();
         let triangles_added: Vec<TriangleId> = removed.map(|entry| entry.0).collect();
@@ -131,7 +107,7 @@ impl Undo {
                 piece: surface.piece(surface.topology.outgoing(restored.vertex).triangle()),
             })
             .collect();
-        // What was made out of a piece that went is what the piece comes back from.
+        // A restored piece is split from the pieces that were made from it.
         let heir = |piece: u32| {
             let heirs = self.delta.pieces_added.iter();
             heirs.clone().find(|entry| entry.1 == piece)
@@ -140,7 +116,7 @@ impl Undo {
             triangles_removed,
             triangles_added,
             vertices_removed,
-            removed_from,
+            removed_positions,
             vertices_added,
             pieces_added: (self.delta.pieces_removed.iter())
                 .map(|&piece| (piece, heir(piece).map_or(piece, |entry| entry.0)))
@@ -153,7 +129,7 @@ impl Undo {
 }
 
 impl Restored {
-    /// Where the vertex comes back: where it was, and displaced like its parents since.
+    /// Returns the restored position: the old one plus the mean displacement of the parents.
     #[expect(
         clippy::cast_possible_truncation,
         reason = "a computed position is rounded once to storage"

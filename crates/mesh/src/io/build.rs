@@ -1,18 +1,19 @@
-//! From a reader's vertices and faces to welded mesh data.
+//! Builds welded mesh data from a reader's vertices and faces.
 
+use crate::ids::index_u32;
 use crate::io::data::{MeshData, Warning};
-use crate::io::error::{ParseError, Place};
+use crate::io::error::{ParseError, SourceLocation};
 use crate::io::polygon::triangulate;
 use crate::partition::Partition;
 use crate::surface::CornerAttributes;
 
-/// No texture coordinate or normal.
+/// Marks a corner without texture coordinates or normal.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// The most triangles whose half-edges have 32-bit ids.
+/// Maximum number of triangles, so that half-edge ids have 32 bits.
 const MAX_TRIANGLES: usize = (u32::MAX / 3 - 1) as usize;
 
-/// A face's corner as a file has it: indices from 0, texture and normal possibly [`NONE`].
+/// A corner of a face: indices from 0, texture and normal may be [`NONE`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Corner {
     pub(super) position: u32,
@@ -21,7 +22,7 @@ pub(super) struct Corner {
 }
 
 impl Corner {
-    /// A corner without attributes.
+    /// Returns a corner without attributes.
     pub(super) fn position(position: u32) -> Self {
         Self {
             position,
@@ -31,20 +32,20 @@ impl Corner {
     }
 }
 
-/// Collects what a reader finds, in any order; references are checked at the end.
+/// Collects the elements of a file in any order; references are checked at the end.
 #[derive(Debug, Default)]
 pub(super) struct Builder {
-    /// 1 where the file counts its indices from 1.
+    /// 1 if the file counts indices from 1, else 0.
     pub(super) index_base: i64,
     pub(super) warnings: Vec<Warning>,
-    /// The material of the faces that come next.
+    /// Material of the faces that follow.
     pub(super) material: u32,
     positions: Vec<[f32; 3]>,
     uv: Vec<[f32; 2]>,
     normals: Vec<[f32; 3]>,
     corners: Vec<Corner>,
-    faces: Vec<(usize, Place)>,
-    /// Shape \[faces\].
+    faces: Vec<(usize, SourceLocation)>,
+    /// Material of each face.
     materials: Vec<u32>,
     sorted: Vec<u32>,
 }
@@ -54,6 +55,7 @@ impl Builder {
         self.positions.len()
     }
 
+    #[cfg(feature = "gltf")]
     pub(super) fn corner_count(&self) -> usize {
         self.corners.len()
     }
@@ -66,7 +68,7 @@ impl Builder {
         self.normals.len()
     }
 
-    pub(super) fn position(&mut self, p: [f32; 3], at: Place) -> Result<(), ParseError> {
+    pub(super) fn position(&mut self, p: [f32; 3], at: SourceLocation) -> Result<(), ParseError> {
         if !p.iter().all(|x| x.is_finite()) {
             return Err(ParseError::NotFinite { at });
         }
@@ -82,15 +84,19 @@ impl Builder {
         self.normals.push(normal);
     }
 
-    /// Adds a face of any number of corners. What they name may come later.
-    pub(super) fn face(&mut self, corners: &[Corner], at: Place) -> Result<(), ParseError> {
+    /// Adds a face of any number of corners, which may refer to later vertices.
+    pub(super) fn face(
+        &mut self,
+        corners: &[Corner],
+        at: SourceLocation,
+    ) -> Result<(), ParseError> {
         if corners.len() < 3 {
             return Err(ParseError::TooFewCorners {
                 at,
                 corners: corners.len(),
             });
         }
-        // A triangle that names a vertex twice is as harmless as one whose corners coincide.
+        // A triangle that repeats a vertex is as harmless as one whose corners coincide.
         if corners.len() > 3 {
             self.sorted.clear();
             self.sorted.extend(corners.iter().map(|c| c.position));
@@ -160,8 +166,7 @@ impl Builder {
         Ok(())
     }
 
-    /// The corners of the triangles that the faces make, three each, and the triangles' materials: none where all
-    /// are 0.
+    /// Returns the corners of the faces' triangles, and the triangles' materials unless all are 0.
     fn triangle_corners(&mut self) -> (Vec<Corner>, Vec<u32>) {
         let of_faces = std::mem::take(&mut self.materials);
         let has_materials = of_faces.iter().any(|&m| m != 0);
@@ -187,7 +192,7 @@ impl Builder {
         (out, materials)
     }
 
-    /// The used positions, equal ones once, and the new number of every position.
+    /// Returns the distinct used positions, and the new index of every position.
     fn weld(&mut self, corners: &[Corner]) -> (Vec<[f32; 3]>, Vec<u32>) {
         let mut used = vec![false; self.positions.len()];
         for c in corners {
@@ -213,7 +218,7 @@ impl Builder {
         for i in (0..used.len()).filter(|&i| used[i]) {
             let first = first_equal[i] as usize;
             if first == i {
-                welded[i] = u32::try_from(positions.len()).expect("there are fewer than 2^32");
+                welded[i] = index_u32(positions.len());
                 positions.push(self.positions[i]);
             } else {
                 welded[i] = welded[first];

@@ -1,41 +1,43 @@
-//! What a file says.
+//! Mesh data: the content of a mesh file, and warnings about it.
 
 use crate::ids::{TriangleId, VertexId};
 use crate::io::ParseError;
 use crate::io::build::{Builder, Corner};
-use crate::io::error::Place;
+use crate::io::error::SourceLocation;
 use crate::surface::CornerAttributes;
-use serde::Serialize;
 use std::fmt;
 
-/// A mesh as a file has it, welded, before anything is required of it.
+/// A welded mesh as read from a file, without further requirements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshData {
-    /// The positions that faces use, in the file's order, each once: equal coordinates are one
-    /// vertex, and -0 equals 0.
+    /// Positions that faces use, in the file's order, without duplicates; -0 equals 0.
     pub positions: Vec<[f32; 3]>,
-    /// Triangles over `positions`. A face with more corners is triangulated. Welding may make the
-    /// corners of a triangle equal.
+    /// Triangles over `positions`. Faces with more corners are triangulated.
+    ///
+    /// Welding may make corners of a triangle equal.
     pub triangles: Vec<[u32; 3]>,
-    /// What the corners carry, if the file has it.
+    /// Attributes of the corners, if the file has any.
     pub corners: CornerAttributes,
-    /// Every triangle's material, shape \[triangles\]: N of an OBJ file's `usemtl material_N`, as
-    /// [`write_obj`](crate::write_obj) names them, else 0. Empty where all are 0.
+    /// Material of every triangle: N of an OBJ file's `usemtl material_N`, else 0. Empty if all are
+    /// 0.
+    ///
+    /// [`write_obj`](crate::write_obj) writes such names.
     pub materials: Vec<u32>,
-    /// Vertices as a renderer counts them: distinct tuples of the file's position, texture and
-    /// normal index that faces use. For STL, which has no indices, distinct positions.
+    /// Number of vertices that a renderer needs: distinct position, texture and normal indices.
+    ///
+    /// For STL, which has no indices, the number of distinct positions.
     pub file_vertices: usize,
-    /// What the reader passed over.
+    /// Warnings of the reader.
     pub warnings: Vec<Warning>,
-    /// Every triangle's component as the file's own indices connect them, before welding.
+    /// Component of every triangle by the file's own indices, before welding.
     pub(crate) file_components: Vec<u32>,
 }
 
 impl MeshData {
-    /// Welds `triangles` over `positions` the way a reader does.
+    /// Welds `triangles` over `positions`, like a reader.
     ///
     /// # Errors
-    /// [`ParseError`] when a coordinate is not finite, an index is out of range or there are no
+    /// [`ParseError`] if a coordinate is not finite, an index is out of range or there are no
     /// triangles.
     pub fn from_triangles(
         positions: &[[f32; 3]],
@@ -43,82 +45,81 @@ impl MeshData {
     ) -> Result<Self, ParseError> {
         let mut builder = Builder::default();
         for (i, &p) in positions.iter().enumerate() {
-            builder.position(p, Place::Vertex(i))?;
+            builder.position(p, SourceLocation::Vertex(i))?;
         }
         for (i, t) in triangles.iter().enumerate() {
-            builder.face(&t.map(Corner::position), Place::Face(i))?;
+            builder.face(&t.map(Corner::position), SourceLocation::Face(i))?;
         }
         builder.finish()
     }
 }
 
-/// Something that was passed over or repaired, and does not stand in the way.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
+/// A part of a mesh that was skipped or repaired.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(tag = "kind", rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Warning {
-    /// The file has vertices that no face uses.
+    /// No face uses these vertices.
     UnusedVertices {
-        /// How many.
+        /// Number of vertices.
         count: usize,
     },
-    /// The file goes on after its end.
+    /// The file continues after its end.
     TrailingBytes {
-        /// How many bytes.
+        /// Number of bytes.
         count: usize,
     },
-    /// Some corners have texture coordinates or normals and some have none, or none that is finite;
-    /// those got zeros.
+    /// Some corners lack finite texture coordinates or normals, and got zeros.
     PartialAttributes {
-        /// How many corners got zeros.
+        /// Number of corners that got zeros.
         corners: usize,
     },
-    /// Points, lines or statements that are no part of a triangle mesh were passed over.
+    /// Points, lines or statements that are no part of a triangle mesh were skipped.
     Skipped {
-        /// How many.
+        /// Number of them.
         count: usize,
     },
-    /// Triangles with two corners in one place were taken out.
+    /// Triangles with two corners at one position were removed.
     Collapsed {
-        /// The first.
+        /// The first triangle.
         triangle: TriangleId,
-        /// How many.
+        /// Number of triangles.
         count: usize,
     },
-    /// Triangles that repeat another one were taken out.
+    /// Duplicate triangles were removed.
     DuplicatesRemoved {
-        /// The first.
+        /// The first triangle.
         triangle: TriangleId,
-        /// How many.
+        /// Number of triangles.
         count: usize,
     },
-    /// Triangles wound against the rest of their component were flipped.
+    /// Triangles with another orientation than most of their component were flipped.
     Reoriented {
-        /// The first.
+        /// The first triangle.
         triangle: TriangleId,
-        /// How many.
+        /// Number of triangles.
         count: usize,
     },
-    /// All normals pointed inward; everything was flipped.
+    /// All normals pointed inward; all triangles were flipped.
     Inverted,
-    /// Vertices where parts touch in a single point were split.
+    /// Vertices at which parts touch in a single point were split.
     VerticesSplit {
-        /// The first.
+        /// The first vertex.
         vertex: VertexId,
-        /// How many.
+        /// Number of vertices.
         count: usize,
     },
-    /// Bodies that touch were kept apart, as the file has them.
+    /// Bodies that touch were kept separate, by the file's own indices.
     BodiesKeptApart {
-        /// How many bodies the file's indices make.
+        /// Number of bodies.
         count: usize,
     },
-    /// Most open edges have other ends beside theirs that are not the same vertices: what belongs together is not at
-    /// the same place.
+    /// Most open edges have ends close to other ends: vertices that belong together differ.
     NearlyMeeting {
-        /// How many open edges there are.
+        /// Number of open edges.
         count: usize,
-        /// Within which distance \[m\].
+        /// Maximum distance of such ends \[m\].
         gap: f64,
     },
 }
@@ -146,7 +147,7 @@ impl fmt::Display for Warning {
             }
             Self::Reoriented { triangle, count } => write!(
                 f,
-                "triangles wound against their neighbors, flipped: {count}, first {triangle}"
+                "triangles with inconsistent orientation, flipped: {count}, first {triangle}"
             ),
             Self::Inverted => write!(f, "the mesh was inside out and was flipped"),
             Self::VerticesSplit { vertex, count } => write!(
@@ -154,13 +155,13 @@ impl fmt::Display for Warning {
                 "vertices where parts touch in a point, split: {count}, first {vertex}"
             ),
             Self::BodiesKeptApart { count } => {
-                write!(f, "bodies that touch, kept apart: {count}")
+                write!(f, "bodies that touch, kept separate: {count}")
             }
             Self::NearlyMeeting { count, gap } => write!(
                 f,
-                "open edges: {count}, most with other vertices beside their ends, up to {gap:.1e} away; these may be no \
-                 holes: weld vertices that are so near to each other (Merge by Distance in Blender, Merge Close \
-                 Vertices in MeshLab)"
+                "open edges: {count}; most of their ends have another vertex within {gap:.1e}, so \
+                 they may be no holes; weld vertices within that distance (Merge by Distance in \
+                 Blender, Merge Close Vertices in MeshLab)"
             ),
         }
     }

@@ -1,12 +1,12 @@
-//! What can be wrong with a file, and where.
+//! Errors of reading and writing files, with their place in the file.
 
 use std::fmt;
 use std::path::PathBuf;
 
-/// Where in a file. Lines count from 1, elements from 0.
+/// A place in a file. Lines count from 1, elements from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Place {
+pub enum SourceLocation {
     /// A line of a text file.
     Line(usize),
     /// The header.
@@ -29,7 +29,7 @@ pub enum Place {
     Node(usize),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for SourceLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line(n) => write!(f, "line {n}"),
@@ -46,64 +46,68 @@ impl fmt::Display for Place {
     }
 }
 
-/// Why bytes are not a mesh.
+/// The error of bytes that are not a mesh.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ParseError {
-    /// Something else was expected.
+    /// Another token or value was expected.
     #[error("{at}: expected {expected}")]
     Syntax {
         /// Where.
-        at: Place,
-        /// What should stand there.
+        at: SourceLocation,
+        /// The expected token or value.
         expected: &'static str,
     },
-    /// Text that should be JSON is not, or not glTF's.
+    /// Invalid JSON, or JSON that is not glTF.
+    #[cfg(feature = "gltf")]
     #[error("not glTF: {0}")]
     Json(#[from] serde_json::Error),
-    /// The file ends too early.
-    #[error("{at}: the file ends here; it was cut short")]
+    /// The file ends early.
+    #[error("{at}: the file ends early; download or export it again")]
     Truncated {
-        /// The element or line that is not complete.
-        at: Place,
+        /// The incomplete element or line.
+        at: SourceLocation,
     },
-    /// A coordinate is not a number, or too large for 32 bits.
+    /// A coordinate is not a number, or exceeds 32 bits.
     #[error("{at}: a coordinate is not a finite 32-bit number; scale or repair the mesh")]
     NotFinite {
         /// Where.
-        at: Place,
+        at: SourceLocation,
     },
-    /// An index names something that does not exist.
-    #[error("{at}: index {index} is out of range, there are {count}")]
+    /// An index is out of range.
+    #[error("{at}: index {index} is out of range; the file has {count} elements")]
     IndexOutOfRange {
-        /// The face or element that holds the index.
-        at: Place,
-        /// The index as the file has it.
+        /// The face or element with the index.
+        at: SourceLocation,
+        /// The index, as in the file.
         index: i64,
-        /// How many there are.
+        /// Number of elements.
         count: usize,
     },
     /// A face has fewer than three corners.
-    #[error("{at}: a face needs 3 corners and has {corners}")]
+    #[error("{at}: the face has {corners} corners; it needs at least 3")]
     TooFewCorners {
         /// Where.
-        at: Place,
-        /// How many corners it has.
+        at: SourceLocation,
+        /// Number of corners.
         corners: usize,
     },
-    /// A face with more than three corners names a vertex twice.
+    /// A face with more than three corners repeats a vertex.
     #[error("{at}: the face uses a vertex twice; split it")]
     RepeatedVertex {
         /// Where.
-        at: Place,
+        at: SourceLocation,
     },
-    /// No triangle anywhere.
-    #[error("there are no faces")]
+    /// The file has no bytes.
+    #[error("the file is empty; download or export it again")]
+    Empty,
+    /// The file has no triangles.
+    #[error("the file has no faces")]
     NoFaces,
-    /// More elements than can be read.
-    #[error("more triangles or vertices than can be read; split the file")]
+    /// The file has too many elements.
+    #[error("the file has too many triangles or vertices; split it")]
     TooLarge,
-    /// A legal feature that this reader does not know.
+    /// The file uses a feature that this reader does not support.
     #[error("{what} cannot be read; convert the file")]
     Unsupported {
         /// The feature.
@@ -114,12 +118,12 @@ pub enum ParseError {
     Buffer {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: std::io::Error,
     },
 }
 
-/// Why a file could not be read.
+/// The error of a file that cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {
@@ -128,32 +132,32 @@ pub enum ReadError {
     File {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: std::io::Error,
     },
-    /// The extension is none of the known ones.
+    /// The extension is unknown.
     #[error("{}: unknown extension, expected obj, ply, stl, glb or gltf", path.display())]
     UnknownExtension {
         /// The file.
         path: PathBuf,
     },
-    /// What it holds is not a mesh.
+    /// The content is not a mesh.
     #[error("{}: {source}", path.display())]
     Parse {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: ParseError,
     },
 }
 
-/// A file could not be written. Nothing is left of the attempt, and a file that was there before is
-/// as it was.
+/// The error of a file that cannot be written. An existing file is then unchanged.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {source}", path.display())]
+#[non_exhaustive]
 pub struct WriteError {
     /// The file.
     pub path: PathBuf,
-    /// Why.
+    /// The cause.
     pub source: std::io::Error,
 }

@@ -1,32 +1,35 @@
-//! glTF 2.0, text and binary: the triangles of a scene, with the transforms of its nodes applied.
+//! Reader of glTF 2.0, text and binary: the triangles of a scene with node transforms applied.
 //!
-//! Read are positions, `TEXCOORD_0` and normals of triangle lists, strips and fans; points and
-//! lines are passed over. Skins and morph targets are not applied.
+//! Positions, `TEXCOORD_0` and normals of triangle lists, strips and fans are read. Points and
+//! lines are skipped. Skins and morph targets are not applied.
 
 mod accessor;
 mod buffer;
 mod document;
 
-use crate::geometry::{Vec3, round};
+use crate::geometry::{Vec3, to_f32};
 use crate::io::build::{Builder, Corner, NONE};
 use crate::io::data::{MeshData, Warning};
-use crate::io::error::{ParseError, Place};
+use crate::io::error::{ParseError, SourceLocation};
 use accessor::Accessors;
 use document::{Document, Node, Primitive};
 use nalgebra::{Matrix3, Matrix4, Quaternion};
 use std::path::Path;
 
-/// Extensions that change what the numbers of a file mean.
+/// Extensions that change the meaning of the file's numbers.
 const COMPRESSED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
 
-/// Nodes and primitives may share data, so that a small file could ask for any amount of memory.
-/// A file may unfold to this many positions or corners, and to this many more for every byte.
+/// Number of positions or corners that a file may unfold to, plus this many for every byte.
+///
+/// Nodes and primitives may share data, so a small file could otherwise request any amount of
+/// memory.
 const FREE_CORNERS: usize = 1 << 20;
 const CORNERS_A_BYTE: usize = 16;
 
-/// Reads a glTF file, `.gltf` or `.glb` by its first bytes. `folder` is where files that it refers
-/// to lie, there or below; without one it must hold everything itself. Of such a file no more is
-/// read than the buffer's length.
+/// Reads a glTF file, `.gltf` or `.glb` by its first bytes.
+///
+/// Files that it refers to must be in or below `folder`; without a folder the file must contain
+/// everything. At most the buffer's length is read from such a file.
 ///
 /// # Errors
 /// [`ParseError`] with the primitive, accessor, buffer or node.
@@ -58,12 +61,12 @@ pub fn read_gltf(bytes: &[u8], folder: Option<&Path>) -> Result<MeshData, ParseE
             .meshes
             .get(mesh)
             .ok_or(ParseError::Syntax {
-                at: Place::Primitive(mesh, 0),
+                at: SourceLocation::Primitive(mesh, 0),
                 expected: "a mesh with this number",
             })?
             .primitives;
         for (i, primitive) in primitives.iter().enumerate() {
-            let at = Place::Primitive(mesh, i);
+            let at = SourceLocation::Primitive(mesh, i);
             if !add_primitive(primitive, &transform, &accessors, at, &mut builder)? {
                 skipped += 1;
             }
@@ -78,7 +81,7 @@ pub fn read_gltf(bytes: &[u8], folder: Option<&Path>) -> Result<MeshData, ParseE
     builder.finish()
 }
 
-/// The meshes of the scene and how each is placed, parents before children.
+/// Returns the meshes of the scene and their transforms, parents before children.
 fn placed_meshes(document: &Document) -> Result<Vec<(usize, Matrix4<f64>)>, ParseError> {
     if document.nodes.is_empty() {
         return Ok((0..document.meshes.len())
@@ -97,7 +100,7 @@ fn placed_meshes(document: &Document) -> Result<Vec<(usize, Matrix4<f64>)>, Pars
         .map(|node| (node, Matrix4::identity()))
         .collect();
     while let Some((i, parent)) = stack.pop() {
-        let at = Place::Node(i);
+        let at = SourceLocation::Node(i);
         let node = document.nodes.get(i).ok_or(ParseError::Syntax {
             at,
             expected: "a node with this number",
@@ -117,7 +120,7 @@ fn placed_meshes(document: &Document) -> Result<Vec<(usize, Matrix4<f64>)>, Pars
     Ok(out)
 }
 
-/// The nodes that are nobody's child.
+/// Returns the nodes that are no child of another.
 fn roots(document: &Document) -> Vec<usize> {
     let mut is_child = vec![false; document.nodes.len()];
     for &child in document.nodes.iter().flat_map(|node| &node.children) {
@@ -140,12 +143,12 @@ fn local_transform(node: &Node) -> Matrix4<f64> {
         * Matrix4::new_nonuniform_scaling(&scale)
 }
 
-/// Adds a primitive's triangles, or returns that it has none.
+/// Adds a primitive's triangles; returns false if it has none.
 fn add_primitive(
     primitive: &Primitive,
     transform: &Matrix4<f64>,
     accessors: &Accessors<'_>,
-    at: Place,
+    at: SourceLocation,
     builder: &mut Builder,
 ) -> Result<bool, ParseError> {
     const TRIANGLES: u32 = 4;
@@ -165,12 +168,12 @@ fn add_primitive(
     let positions = accessors.vectors::<3>(position)?;
     let count = positions.len();
     for p in positions {
-        builder.position(round(linear * Vec3::from(p) + translation), at)?;
+        builder.position(to_f32(linear * Vec3::from(p) + translation), at)?;
     }
     let first_uv = builder.uv_count();
     if let Some(uv) = primitive.attributes.texcoord {
         for [u, v] in accessors.vectors::<2>(uv)? {
-            let uv = round(Vec3::new(u, v, 0.0));
+            let uv = to_f32(Vec3::new(u, v, 0.0));
             builder.uv([uv[0], uv[1]]);
         }
     }
@@ -181,7 +184,7 @@ fn add_primitive(
         let cofactors = Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)]);
         for n in accessors.vectors::<3>(normal)? {
             let n = cofactors * Vec3::from(n);
-            builder.normal(round(n.try_normalize(0.0).unwrap_or_default()));
+            builder.normal(to_f32(n.try_normalize(0.0).unwrap_or_default()));
         }
     }
     let has_normal = builder.normal_count() - first_normal == count;

@@ -1,15 +1,18 @@
-//! Wavefront OBJ: `v`, `vt`, `vn` and `f`, and materials by the names that this crate writes; grouping and other
-//! materials are passed over.
+//! Reader of Wavefront OBJ: `v`, `vt`, `vn`, `f`, and the material names that this crate writes.
+//!
+//! Groups and other materials are skipped.
 
 use crate::io::build::{Builder, Corner, NONE};
 use crate::io::data::{MeshData, Warning};
-use crate::io::error::{ParseError, Place};
+use crate::io::error::{ParseError, SourceLocation};
 
-/// Statements that say nothing about the shape of a triangle mesh.
+/// Statements that do not concern the shape of a triangle mesh.
 const IGNORED: [&[u8]; 7] = [b"g", b"o", b"s", b"mtllib", b"usemap", b"maplib", b"vp"];
 
-/// Reads an OBJ file. Faces may come before their vertices; relative indices count back from their
-/// own line; `w` and vertex colors are ignored.
+/// Reads an OBJ file.
+///
+/// Faces may precede their vertices. Relative indices count back from their own line. `w` and
+/// vertex colors are ignored.
 ///
 /// # Errors
 /// [`ParseError`] with the line.
@@ -20,7 +23,7 @@ pub fn read_obj(bytes: &[u8]) -> Result<MeshData, ParseError> {
     let mut face = Vec::new();
     let mut lines = LogicalLines::new(bytes);
     while let Some((statement, number)) = lines.next_line() {
-        let at = Place::Line(number);
+        let at = SourceLocation::Line(number);
         let mut words = statement
             .split(u8::is_ascii_whitespace)
             .filter(|word| !word.is_empty());
@@ -78,7 +81,7 @@ pub fn read_obj(bytes: &[u8]) -> Result<MeshData, ParseError> {
     builder.finish()
 }
 
-/// Lines without comments, those that end in a backslash joined with the next.
+/// Lines without comments, joined where they end in a backslash.
 struct LogicalLines<'a> {
     rest: &'a [u8],
     number: usize,
@@ -94,7 +97,7 @@ impl<'a> LogicalLines<'a> {
         }
     }
 
-    /// The next line and the number of its first physical line.
+    /// Returns the next line and the number of its first physical line.
     fn next_line(&mut self) -> Option<(&[u8], usize)> {
         if self.rest.is_empty() {
             return None;
@@ -128,13 +131,17 @@ impl<'a> LogicalLines<'a> {
     }
 }
 
-fn number_of(word: Option<&[u8]>, at: Place, expected: &'static str) -> Result<f32, ParseError> {
+fn number_of(
+    word: Option<&[u8]>,
+    at: SourceLocation,
+    expected: &'static str,
+) -> Result<f32, ParseError> {
     word.and_then(|word| std::str::from_utf8(word).ok())
         .and_then(|word| word.parse().ok())
         .ok_or(ParseError::Syntax { at, expected })
 }
 
-/// The number in a name that [`write_obj`](crate::write_obj) gives to a material; 0 for any other.
+/// Returns the number in a material name of [`write_obj`](crate::write_obj); 0 for other names.
 fn material(name: &[u8]) -> u32 {
     let digits = name.strip_prefix(b"material_");
     digits
@@ -143,8 +150,8 @@ fn material(name: &[u8]) -> u32 {
         .unwrap_or(0)
 }
 
-/// A corner written `v`, `v/vt`, `v//vn` or `v/vt/vn`.
-fn corner(word: &[u8], builder: &Builder, at: Place) -> Result<Corner, ParseError> {
+/// Parses a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+fn corner(word: &[u8], builder: &Builder, at: SourceLocation) -> Result<Corner, ParseError> {
     let mut parts = word.split(|&b| b == b'/');
     let corner = Corner {
         position: index(parts.next(), builder.position_count(), at)?,
@@ -157,8 +164,8 @@ fn corner(word: &[u8], builder: &Builder, at: Place) -> Result<Corner, ParseErro
     Ok(corner)
 }
 
-/// An index from 1, or relative when negative, as one from 0; [`NONE`] where there is none.
-fn index(part: Option<&[u8]>, count: usize, at: Place) -> Result<u32, ParseError> {
+/// Converts an index from 1, or a negative relative one, to one from 0; [`NONE`] if absent.
+fn index(part: Option<&[u8]>, count: usize, at: SourceLocation) -> Result<u32, ParseError> {
     let Some(part) = part.filter(|part| !part.is_empty()) else {
         return Ok(NONE);
     };
@@ -180,7 +187,7 @@ fn index(part: Option<&[u8]>, count: usize, at: Place) -> Result<u32, ParseError
         .ok_or(ParseError::IndexOutOfRange { at, index, count })
 }
 
-fn malformed_corner(at: Place) -> ParseError {
+fn malformed_corner(at: SourceLocation) -> ParseError {
     ParseError::Syntax {
         at,
         expected: "corners as v, v/vt, v//vn or v/vt/vn",
@@ -212,7 +219,7 @@ mod tests {
     fn errors_name_their_line() {
         let error = |text: &str| read_obj(text.as_bytes()).unwrap_err();
         let v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-        let line4 = Place::Line(4);
+        let line4 = SourceLocation::Line(4);
         assert!(matches!(
             error(&format!("{v}f 1 2 4")),
             ParseError::IndexOutOfRange { at, index: 4, count: 3 } if at == line4

@@ -1,15 +1,16 @@
-//! PLY, text and binary of either byte order.
+//! Reader of PLY: text and binary of either byte order.
 //!
-//! Read are the vertices' `x y z`, texture coordinates (`s t`, `u v` or `texture_u texture_v`) and
-//! normals (`nx ny nz`), and the faces' `vertex_indices` (or `vertex_index`) and `texcoord`, which
-//! has two numbers a corner. All else is passed over.
+//! Of vertices, `x y z`, texture coordinates (`s t`, `u v` or `texture_u texture_v`) and normals
+//! (`nx ny nz`) are read. Of faces, `vertex_indices` (or `vertex_index`) and `texcoord` with two
+//! numbers for each corner are read. Everything else is skipped.
 
 mod header;
 mod values;
 
+use crate::geometry::round_to_f32;
 use crate::io::build::{Builder, Corner, NONE};
 use crate::io::data::{MeshData, Warning};
-use crate::io::error::{ParseError, Place};
+use crate::io::error::{ParseError, SourceLocation};
 use header::{Element, Header, read_header};
 use rustc_hash::FxHashMap;
 use values::Values;
@@ -54,7 +55,7 @@ fn read_vertices(
     };
     let [Some(x), Some(y), Some(z)] = [&b"x"[..], b"y", b"z"].map(|name| column(&[name])) else {
         return Err(ParseError::Syntax {
-            at: Place::Header,
+            at: SourceLocation::Header,
             expected: "the vertex properties x, y and z",
         });
     };
@@ -62,7 +63,7 @@ fn read_vertices(
     let normal = column(&[b"nx"]).zip(column(&[b"ny"])).zip(column(&[b"nz"]));
     let mut row = vec![0.0; element.properties.len()];
     for i in 0..element.count {
-        let at = Place::Vertex(i);
+        let at = SourceLocation::Vertex(i);
         for (value, property) in row.iter_mut().zip(&element.properties) {
             match property.count {
                 None => *value = values.next(property.kind, at)?,
@@ -71,12 +72,12 @@ fn read_vertices(
                 }
             }
         }
-        builder.position([x, y, z].map(|k| narrow(row[k])), at)?;
+        builder.position([x, y, z].map(|k| round_to_f32(row[k])), at)?;
         if let Some((u, v)) = uv {
-            builder.uv([u, v].map(|k| narrow(row[k])));
+            builder.uv([u, v].map(|k| round_to_f32(row[k])));
         }
         if let Some(((x, y), z)) = normal {
-            builder.normal([x, y, z].map(|k| narrow(row[k])));
+            builder.normal([x, y, z].map(|k| round_to_f32(row[k])));
         }
     }
     Ok(())
@@ -97,7 +98,7 @@ fn read_faces(
     let texcoord_column = list([b"texcoord", b"texcoords"]);
     if indices_column.is_none() && element.count > 0 {
         return Err(ParseError::Syntax {
-            at: Place::Header,
+            at: SourceLocation::Header,
             expected: "the face property vertex_indices",
         });
     }
@@ -105,7 +106,7 @@ fn read_faces(
     let mut known_uv = FxHashMap::default();
     let mut corners = Vec::new();
     for i in 0..element.count {
-        let at = Place::Face(i);
+        let at = SourceLocation::Face(i);
         indices.clear();
         texcoord.clear();
         for (k, property) in element.properties.iter().enumerate() {
@@ -117,7 +118,7 @@ fn read_faces(
                 if Some(k) == indices_column {
                     indices.push(value);
                 } else if Some(k) == texcoord_column {
-                    texcoord.push(narrow(value));
+                    texcoord.push(round_to_f32(value));
                 }
             })?;
         }
@@ -148,12 +149,12 @@ fn read_faces(
 }
 
 fn skip(element: &Element<'_>, number: usize, values: &mut Values<'_>) -> Result<(), ParseError> {
-    // An item without properties takes no bytes, so that any count of them is already read.
+    // Items without properties take no bytes, so any number of them is read already.
     if element.properties.is_empty() {
         return Ok(());
     }
     for i in 0..element.count {
-        let at = Place::Item(number, i);
+        let at = SourceLocation::Item(number, i);
         for property in &element.properties {
             match property.count {
                 None => {
@@ -170,7 +171,7 @@ fn skip(element: &Element<'_>, number: usize, values: &mut Values<'_>) -> Result
     clippy::cast_possible_truncation,
     reason = "an index that does not fit is no index, and the integral check refuses it"
 )]
-fn vertex_index(value: f64, builder: &Builder, at: Place) -> Result<u32, ParseError> {
+fn vertex_index(value: f64, builder: &Builder, at: SourceLocation) -> Result<u32, ParseError> {
     let index = value as i64;
     u32::try_from(index)
         .ok()
@@ -182,21 +183,14 @@ fn vertex_index(value: f64, builder: &Builder, at: Place) -> Result<u32, ParseEr
         })
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "a file's double is rounded once to storage; what overflows is refused as not finite"
-)]
-fn narrow(value: f64) -> f32 {
-    value as f32
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     const HEADER: &str = "ply\nformat ascii 1.0\ncomment c\nelement vertex 4\nproperty double x\n\
-        property float y\nproperty int z\nproperty list uchar int tags\nelement nothing 99999999999\n\
-        element face 1\nproperty list uchar uint vertex_index\nproperty list uchar float texcoord\n\
+        property float y\nproperty int z\nproperty list uchar int tags\n\
+        element nothing 99999999999\nelement face 1\n\
+        property list uchar uint vertex_index\nproperty list uchar float texcoord\n\
         property uchar flag\nend_header\n";
 
     #[test]
@@ -216,38 +210,42 @@ mod tests {
         assert!(matches!(
             error("0 0 0 0\n1e39 0 0 0\n"),
             ParseError::NotFinite {
-                at: Place::Vertex(1)
+                at: SourceLocation::Vertex(1)
             }
         ));
         assert!(matches!(
             error(&format!("{vertices}3 0 1 9 0 7\n")),
             ParseError::IndexOutOfRange {
-                at: Place::Face(0),
+                at: SourceLocation::Face(0),
                 index: 9,
                 count: 4
             }
         ));
         assert!(matches!(
             error(&format!("{vertices}3 0 1\n")),
-            ParseError::Truncated { at: Place::Face(0) }
+            ParseError::Truncated {
+                at: SourceLocation::Face(0)
+            }
         ));
         assert!(matches!(
             error("0 0 0 0\nx 0 0 0\n"),
             ParseError::Syntax {
-                at: Place::Line(16),
+                at: SourceLocation::Line(16),
                 ..
             }
         ));
         assert!(matches!(
             read_ply(b"ply\nformat ascii 1.0\nelement vertex\n").unwrap_err(),
             ParseError::Syntax {
-                at: Place::Line(3),
+                at: SourceLocation::Line(3),
                 ..
             }
         ));
         assert!(matches!(
             read_ply(b"ply\nformat ascii 1.0\n").unwrap_err(),
-            ParseError::Truncated { at: Place::Header }
+            ParseError::Truncated {
+                at: SourceLocation::Header
+            }
         ));
     }
 
@@ -256,8 +254,8 @@ mod tests {
         let file = |big: bool| {
             let order = if big { "big" } else { "little" };
             let mut out = format!(
-                "ply\r\nformat binary_{order}_endian 1.0\r\nelement vertex 3\r\nproperty float x\r\n\
-                 property float y\r\nproperty float z\r\nelement face 1\r\n\
+                "ply\r\nformat binary_{order}_endian 1.0\r\nelement vertex 3\r\n\
+                 property float x\r\nproperty float y\r\nproperty float z\r\nelement face 1\r\n\
                  property list uchar int vertex_indices\r\nend_header\r\n"
             )
             .into_bytes();
@@ -281,7 +279,9 @@ mod tests {
         short.pop();
         assert!(matches!(
             read_ply(&short).unwrap_err(),
-            ParseError::Truncated { at: Place::Face(0) }
+            ParseError::Truncated {
+                at: SourceLocation::Face(0)
+            }
         ));
     }
 }

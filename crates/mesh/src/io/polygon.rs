@@ -1,14 +1,14 @@
-//! Triangles of a polygon.
+//! Triangulation of a file's polygons.
 
-use crate::geometry::{Vec3, widen};
+use crate::geometry::{Vec3, to_f64};
 use robust::{Coord, orient2d};
 
-/// Polygons with more corners than this are cut into a fan even when they are not convex: ear
-/// clipping looks at every corner for every ear.
+/// Maximum number of corners for ear clipping, which takes O(n^2); larger polygons become fans.
 const MAX_CLIPPED: usize = 256;
 
-/// Cuts the polygon `points` into triangles of corner numbers, wound alike: a fan where it is
-/// convex, ears otherwise. Always n - 2 triangles that use only the polygon's corners.
+/// Triangulates the polygon `points` with n - 2 triangles of its own corners and orientation.
+///
+/// A convex polygon becomes a fan, any other is clipped ear by ear.
 pub(super) fn triangulate(points: &[[f32; 3]], out: &mut Vec<[usize; 3]>) {
     out.clear();
     let n = points.len();
@@ -29,12 +29,12 @@ pub(super) fn triangulate(points: &[[f32; 3]], out: &mut Vec<[usize; 3]>) {
     out.extend((1..rest.len() - 1).map(|i| [rest[0], rest[i], rest[i + 1]]));
 }
 
-/// The points along the axis that the polygon faces most, counterclockwise.
+/// Projects the points along the axis closest to the polygon's normal, counterclockwise.
 fn project(points: &[[f32; 3]]) -> Vec<Coord<f64>> {
-    let origin = widen(points[0]);
+    let origin = to_f64(points[0]);
     let normal: Vec3 = points
         .windows(2)
-        .map(|pair| (widen(pair[0]) - origin).cross(&(widen(pair[1]) - origin)))
+        .map(|pair| (to_f64(pair[0]) - origin).cross(&(to_f64(pair[1]) - origin)))
         .sum();
     let axis = normal.iamax();
     let (mut u, mut v) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -50,7 +50,7 @@ fn project(points: &[[f32; 3]]) -> Vec<Coord<f64>> {
         .collect()
 }
 
-/// Whether the corner turns left and no other corner lies in its triangle.
+/// Returns whether the corner turns left and its triangle contains no other corner.
 fn is_ear(flat: &[Coord<f64>], rest: &[usize], i: usize) -> bool {
     let m = rest.len();
     let corners = [rest[(i + m - 1) % m], rest[i], rest[(i + 1) % m]];
@@ -77,7 +77,7 @@ mod tests {
         assert_eq!(triangles.len(), points.len() - 2);
         let areas: Vec<Vec3> = triangles
             .iter()
-            .map(|t| area_vector(t.map(|i| widen(points[i]))) / 2.0)
+            .map(|t| area_vector(t.map(|i| to_f64(points[i]))) / 2.0)
             .collect();
         (
             areas.iter().sum::<Vec3>().norm(),
@@ -119,7 +119,7 @@ mod tests {
         triangulate(&points, &mut triangles);
         for t in triangles {
             assert!(
-                area_vector(t.map(|i| widen(points[i]))).norm() > 0.0,
+                area_vector(t.map(|i| to_f64(points[i]))).norm() > 0.0,
                 "{t:?}"
             );
         }
@@ -134,7 +134,7 @@ mod tests {
             let mut triangles = Vec::new();
             triangulate(&points, &mut triangles);
             prop_assert_eq!(triangles.len(), points.len() - 2);
-            // Every side of the polygon is run along once, in its own direction.
+            // Every side of the polygon occurs once, in its own direction.
             for i in 0..points.len() {
                 let side = (i, (i + 1) % points.len());
                 let runs = triangles

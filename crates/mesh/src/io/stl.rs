@@ -1,15 +1,15 @@
-//! STL, binary and text. Facet normals are ignored: the corners give them.
+//! Reader of STL, binary and text. Facet normals are ignored, because corners determine them.
 
 use crate::io::build::{Builder, Corner};
 use crate::io::data::{MeshData, Warning};
-use crate::io::error::{ParseError, Place};
+use crate::io::error::{ParseError, SourceLocation};
 
-/// Bytes before the facets of a binary file: free text, then the number of facets.
+/// Size of a binary file's header: free text, then the number of facets.
 const HEADER: usize = 84;
-/// Bytes of a facet: normal, three corners, two bytes of attributes.
+/// Size of a facet: normal, three corners, two bytes of attributes.
 const FACET: usize = 50;
 
-/// Reads an STL file. It is binary when its size says so, whatever its header begins with.
+/// Reads an STL file, which is binary if its size matches the header's number of facets.
 ///
 /// # Errors
 /// [`ParseError`] with the line or facet.
@@ -42,10 +42,12 @@ fn facet_count(bytes: &[u8]) -> Option<usize> {
 }
 
 fn read_binary(bytes: &[u8], builder: &mut Builder) -> Result<(), ParseError> {
-    let count = facet_count(bytes).ok_or(ParseError::Truncated { at: Place::Header })?;
+    let count = facet_count(bytes).ok_or(ParseError::Truncated {
+        at: SourceLocation::Header,
+    })?;
     let mut rest = &bytes[HEADER..];
     for i in 0..count {
-        let at = Place::Face(i);
+        let at = SourceLocation::Face(i);
         let (facet, after) = rest
             .split_first_chunk::<FACET>()
             .ok_or(ParseError::Truncated { at })?;
@@ -64,7 +66,7 @@ fn read_binary(bytes: &[u8], builder: &mut Builder) -> Result<(), ParseError> {
 }
 
 fn read_text(bytes: &[u8], builder: &mut Builder) -> Result<(), ParseError> {
-    // Where the statements are in their nesting: outside any solid, inside one, inside a facet.
+    // The nesting of statements: outside any solid, inside one, inside a facet.
     #[derive(PartialEq)]
     enum Inside {
         Nothing,
@@ -76,7 +78,7 @@ fn read_text(bytes: &[u8], builder: &mut Builder) -> Result<(), ParseError> {
     let mut number = 0;
     for line in bytes.split(|&b| b == b'\n') {
         number += 1;
-        let at = Place::Line(number);
+        let at = SourceLocation::Line(number);
         let mut words = line
             .split(u8::is_ascii_whitespace)
             .filter(|word| !word.is_empty());
@@ -138,13 +140,17 @@ fn read_text(bytes: &[u8], builder: &mut Builder) -> Result<(), ParseError> {
     }
     if inside != Inside::Nothing {
         return Err(ParseError::Truncated {
-            at: Place::Line(number),
+            at: SourceLocation::Line(number),
         });
     }
     Ok(())
 }
 
-fn add_facet(corners: [[f32; 3]; 3], at: Place, builder: &mut Builder) -> Result<(), ParseError> {
+fn add_facet(
+    corners: [[f32; 3]; 3],
+    at: SourceLocation,
+    builder: &mut Builder,
+) -> Result<(), ParseError> {
     let first = u32::try_from(builder.position_count()).map_err(|_| ParseError::TooLarge)?;
     for corner in corners {
         builder.position(corner, at)?;
@@ -181,10 +187,12 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_count_is_seen() {
+    fn a_wrong_facet_count_is_an_error() {
         assert!(matches!(
             read_stl(&binary(b"", 2, 3)).unwrap_err(),
-            ParseError::Truncated { at: Place::Face(2) }
+            ParseError::Truncated {
+                at: SourceLocation::Face(2)
+            }
         ));
         assert_eq!(
             read_stl(&binary(b"", 2, 1)).unwrap().warnings,
@@ -196,7 +204,9 @@ mod tests {
         ));
         assert!(matches!(
             read_stl(&binary(b"", 0, u32::MAX)).unwrap_err(),
-            ParseError::Truncated { at: Place::Face(0) }
+            ParseError::Truncated {
+                at: SourceLocation::Face(0)
+            }
         ));
     }
 

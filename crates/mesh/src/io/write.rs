@@ -1,4 +1,4 @@
-//! Surfaces to files.
+//! Writers of OBJ and PLY.
 
 use crate::ids::{TriangleId, VertexId};
 use crate::io::WriteError;
@@ -8,27 +8,30 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-/// Writes a surface as OBJ: positions with as many digits as `f32` needs, texture coordinates as
-/// `vt` and normals as `vn`, each distinct value once. Where triangles have different materials
-/// ([`Surface::material`]), each follows a `usemtl material_N` line of its own; there is no library of
-/// materials. Free slots are left out.
+/// Writes a surface as OBJ.
+///
+/// Positions have as many digits as `f32` needs; texture coordinates (`vt`) and normals (`vn`) are
+/// written once for each distinct value. If triangles have different materials
+/// ([`Surface::material`]), `usemtl material_N` lines precede them, without a material library.
+/// Free slots are skipped.
 ///
 /// # Errors
-/// [`WriteError`]; nothing is left of the attempt then.
+/// [`WriteError`]; an existing file is then unchanged.
 pub fn write_obj(path: &Path, surface: &Surface) -> Result<(), WriteError> {
     replace(path, |out| obj(&dense(surface), out))
 }
 
-/// Writes a surface as little-endian PLY, texture coordinates as the faces' `texcoord`. Normals and
-/// free slots are left out.
+/// Writes a surface as little-endian PLY, with texture coordinates as the faces' `texcoord`.
+///
+/// Normals and free slots are skipped.
 ///
 /// # Errors
-/// [`WriteError`]; nothing is left of the attempt then.
+/// [`WriteError`]; an existing file is then unchanged.
 pub fn write_ply(path: &Path, surface: &Surface) -> Result<(), WriteError> {
     replace(path, |out| ply(&dense(surface), out))
 }
 
-/// The surface without free slots and unused vertices.
+/// Returns the surface without free slots and unused vertices.
 fn dense(surface: &Surface) -> Cow<'_, Surface> {
     let topology = surface.topology();
     if topology.triangle_count() == topology.triangle_slots()
@@ -41,7 +44,7 @@ fn dense(surface: &Surface) -> Cow<'_, Surface> {
     Cow::Owned(surface)
 }
 
-/// Writes a sibling file and gives it the name `path` once it is whole.
+/// Writes a temporary file in the same folder and renames it to `path`.
 fn replace(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
@@ -59,7 +62,7 @@ fn replace(
             .map(drop)
             .and_then(|()| std::fs::rename(&part, path));
         if written.is_err() {
-            // The first error is the one to tell.
+            // Report the first error.
             let _ = std::fs::remove_file(&part);
         }
         written
@@ -116,7 +119,7 @@ fn distinct<const N: usize>(values: &[[f32; N]]) -> Vec<[u32; N]> {
     out
 }
 
-/// The number of a value in OBJ, where counting begins at 1.
+/// Returns the OBJ index of a value, which counts from 1.
 fn index_in<const N: usize>(distinct: &[[u32; N]], value: Option<&[f32; N]>) -> Option<usize> {
     let value = value?.map(f32::to_bits);
     distinct.binary_search(&value).ok().map(|i| i + 1)
@@ -257,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failed_write_leaves_nothing() {
+    fn a_failed_write_leaves_no_file() {
         let surface = tetrahedron([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
         let folder = tempfile::tempdir().unwrap();
         let taken = folder.path().join("taken.obj");

@@ -1,16 +1,17 @@
-//! Spheres from an icosahedron and from a cube.
+//! Spheres from a subdivided icosahedron and from a cube.
 
-use crate::geometry::{Vec3, area_vector, round};
+use crate::geometry::{Vec3, area_vector, to_f32};
 use crate::ids::{EdgeKey, VertexId};
 use crate::surface::Surface;
 use rustc_hash::FxHashMap;
 
-/// A sphere of `radius` \[m\] around the origin: an icosahedron with every triangle split in four,
-/// `subdivisions` times, all vertices on the sphere. 20 x 4^n triangles. Flat shaded: the normal of a
-/// corner is its triangle's, so a renderer counts three vertices a triangle.
+/// Returns a sphere of `radius` \[m\] around the origin: a subdivided icosahedron.
+///
+/// It has 20 x 4^n triangles. Shading is flat: each corner has its triangle's normal, so a renderer
+/// needs three vertices for each triangle.
 ///
 /// # Panics
-/// When the ids do not fit 32 bits: more than 12 subdivisions.
+/// If the ids exceed 32 bits: above 12 subdivisions.
 #[must_use]
 pub fn icosphere(subdivisions: u32, radius: f64) -> Surface {
     let (mut points, mut faces) = icosahedron();
@@ -21,17 +22,19 @@ pub fn icosphere(subdivisions: u32, radius: f64) -> Surface {
     let normals: Vec<[f32; 3]> = surface
         .topology()
         .triangles()
-        .flat_map(|t| [round(area_vector(surface.triangle_positions(t)).normalize()); 3])
+        .flat_map(|t| [to_f32(area_vector(surface.triangle_positions(t)).normalize()); 3])
         .collect();
     surface.corners.normal = normals;
     surface
 }
 
-/// A sphere of `radius` \[m\] around the origin: a cube with `quads_per_edge` (at least 1) squares along
-/// an edge, two triangles each, spread evenly over the sphere. 12 n^2 triangles, no corner attributes.
+/// Returns a sphere of `radius` \[m\] around the origin: a cube mapped to the sphere.
+///
+/// `quads_per_edge` (at least 1) squares along an edge give 12 n^2 triangles without corner
+/// attributes.
 ///
 /// # Panics
-/// When the ids do not fit 32 bits: more than 10,000 squares an edge.
+/// If the ids exceed 32 bits: above 10,000 squares along an edge.
 #[must_use]
 pub fn cube_sphere(quads_per_edge: u32, radius: f64) -> Surface {
     let n = quads_per_edge.max(1);
@@ -70,7 +73,7 @@ pub fn cube_sphere(quads_per_edge: u32, radius: f64) -> Surface {
 }
 
 fn finish(points: &[Vec3], faces: &[[u32; 3]], radius: f64) -> Surface {
-    let positions: Vec<[f32; 3]> = points.iter().map(|p| round(p * radius)).collect();
+    let positions: Vec<[f32; 3]> = points.iter().map(|p| to_f32(p * radius)).collect();
     Surface::from_triangles(&positions, faces).expect("a subdivided polyhedron is a manifold")
 }
 
@@ -129,8 +132,10 @@ fn split_in_four(points: &mut Vec<Vec3>, faces: &[[u32; 3]]) -> Vec<[u32; 3]> {
     out
 }
 
-/// A point of the cube's surface, sides at -1 and 1, moved to the unit sphere so that squares keep
-/// more of their size than under central projection: x sqrt(1 - y^2/2 - z^2/2 + y^2 z^2/3), and so on.
+/// Maps a point of the cube's surface, with sides at -1 and 1, to the unit sphere.
+///
+/// Squares keep more of their area than under central projection: x sqrt(1 - y^2/2 - z^2/2 + y^2
+/// z^2/3), and so on.
 fn on_unit_sphere(cube: [f64; 3]) -> Vec3 {
     let [x2, y2, z2] = cube.map(|c| c * c);
     let spread = |a: f64, b: f64| (1.0 - a / 2.0 - b / 2.0 + a * b / 3.0).sqrt();
@@ -153,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cube_of_one_square_a_side_is_a_cube() {
+    fn one_square_a_side_gives_a_cube() {
         let cube = cube_sphere(0, 3.0_f64.sqrt());
         assert_eq!(cube.topology().triangle_count(), 12);
         assert_eq!(cube.topology().vertex_count(), 8);

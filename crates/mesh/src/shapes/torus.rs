@@ -1,15 +1,16 @@
-//! A torus: the simplest closed surface with a handle.
+//! A torus, the simplest closed surface with a handle.
 
-use crate::geometry::{Vec3, round};
+use crate::geometry::{Vec3, to_f32};
 use crate::surface::Surface;
 use std::f64::consts::TAU;
 
-/// A torus around the y axis: circles of `minor_radius` \[m\] along a circle of `major_radius` \[m\], with
-/// `major_segments` and `minor_segments` (at least 3 each) steps around them. Two triangles for each
-/// pair of steps. Its sines come from the platform, so the last bits may differ between machines.
+/// Returns a torus around the y axis, with two radii \[m\] and numbers of segments (at least 3).
+///
+/// Circles of `minor_radius` follow a circle of `major_radius`. Each pair of segments gives two
+/// triangles. Sines come from the platform, so the last bits may differ between machines.
 ///
 /// # Panics
-/// When the ids do not fit 32 bits.
+/// If the ids exceed 32 bits.
 #[must_use]
 pub fn torus(
     major_radius: f64,
@@ -25,7 +26,7 @@ pub fn torus(
         for j in 0..n {
             let (sin_v, cos_v) = (TAU * f64::from(j) / f64::from(n)).sin_cos();
             let ring = major_radius + minor_radius * cos_v;
-            positions.push(round(Vec3::new(
+            positions.push(to_f32(Vec3::new(
                 ring * cos_u,
                 minor_radius * sin_v,
                 ring * sin_u,

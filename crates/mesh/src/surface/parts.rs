@@ -1,11 +1,12 @@
-//! Parts of a surface as surfaces of their own.
+//! Extraction of pieces, and compaction.
 
 use super::{CornerAttributes, Surface};
 use crate::ids::{HalfEdge, TriangleId, VertexId};
 
 impl Surface {
-    /// One piece as a surface of its own, without free slots, in slot order. O(n): for all pieces take
-    /// [`Self::extract_pieces`].
+    /// Returns one piece as a surface without free slots, in slot order.
+    ///
+    /// O(n); use [`Self::extract_pieces`] for all pieces.
     #[must_use]
     pub fn extract_piece(&self, piece: u32) -> Self {
         let triangles = self.topology.triangles();
@@ -16,11 +17,13 @@ impl Surface {
         )
     }
 
-    /// Every piece that has triangles, by number, as [`Self::extract_piece`] gives it, one after the other.
-    /// O(n log n) for all together.
+    /// Iterates over all pieces in the order of their numbers, as [`Self::extract_piece`] returns
+    /// them.
+    ///
+    /// O(n log n) for all of them.
     pub fn extract_pieces(&self) -> impl Iterator<Item = (u32, Self)> {
         let mut order: Vec<TriangleId> = self.topology.triangles().collect();
-        // Stable: slot order within a piece.
+        // The sort is stable: slot order within a piece.
         order.sort_by_key(|&t| self.piece(t));
         let mut vertex_map = vec![VertexId::NULL; self.topology.vertex_slots()];
         let mut first = 0;
@@ -36,8 +39,9 @@ impl Surface {
         })
     }
 
-    /// Renumbers vertices and triangles so that no slot is free and keeps the order. Returns, for
-    /// every old vertex and triangle slot, its new id or null.
+    /// Renumbers vertices and triangles in their order, so that no slot is free.
+    ///
+    /// Returns the new id, or null, of every old vertex and triangle slot.
     pub fn compact(&mut self) -> (Vec<VertexId>, Vec<TriangleId>) {
         let mut vertices = vec![VertexId::NULL; self.topology.vertex_slots()];
         let mut triangles = vec![TriangleId::NULL; self.topology.triangle_slots()];
@@ -51,8 +55,9 @@ impl Surface {
         (vertices, triangles)
     }
 
-    /// The surface that these triangles make, in slot order. `vertex_map` has null for every vertex slot and
-    /// gets the new id of each vertex that is used.
+    /// Returns the surface of the given triangles, in slot order.
+    ///
+    /// `vertex_map` is null for every vertex slot and receives the new ids of used vertices.
     fn gather(&self, kept: &[TriangleId], vertex_map: &mut [VertexId]) -> Self {
         let topology = &self.topology;
         let corners = kept.iter().flat_map(|&t| topology.triangle(t));
@@ -93,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_part_keeps_what_its_triangles_and_corners_have() {
+    fn a_piece_keeps_its_attributes() {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let positions = [corners, corners, corners].concat();
         let mut surface =
@@ -116,12 +121,12 @@ mod tests {
     }
 
     #[test]
-    fn all_pieces_at_once_are_those_one_by_one() {
+    fn extract_pieces_equals_extract_piece() {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let positions = [corners, corners, [[9.0; 3]; 3], corners].concat();
         let faces = [[9, 10, 11], [0, 1, 2], [2, 1, 3], [4, 6, 5]];
         let mut surface = Surface::from_triangles(&positions, &faces).unwrap();
-        // Two pieces that share vertices, and numbers that are out of order and not in use.
+        // Two pieces that share vertices, with unordered numbers and gaps.
         for (t, piece) in (0..).zip([7, 2, 5, 2]) {
             surface.set_piece(TriangleId(t), piece);
         }

@@ -1,14 +1,15 @@
-//! A corner table from a list of triangles.
+//! Construction of a corner table from a list of triangles.
 
 use super::{Topology, TopologyError};
 use crate::ids::{EdgeKey, HalfEdge, TriangleId, VertexId};
 
 impl Topology {
-    /// The connectivity of `triangles` over `vertex_count` vertices. Boundaries are allowed;
-    /// vertices that no triangle uses stay, unused.
+    /// Builds the connectivity of `triangles` over `vertex_count` vertices.
+    ///
+    /// Boundaries and unused vertices are allowed.
     ///
     /// # Errors
-    /// [`TopologyError`] with the first offending element in index order.
+    /// [`TopologyError`] with the first invalid element in index order.
     pub fn from_triangles(
         vertex_count: usize,
         triangles: &[[u32; 3]],
@@ -50,8 +51,9 @@ impl Topology {
         Ok(topology)
     }
 
-    /// Pairs those of `half_edges` that lie on the same edge in opposite directions. Half-edges
-    /// without a partner stay boundaries. O(k log k) for k half-edges.
+    /// Pairs those of `half_edges` that share an edge in opposite directions.
+    ///
+    /// Half-edges without a partner stay boundaries. O(k log k) for k half-edges.
     ///
     /// # Errors
     /// [`TopologyError::NonManifoldEdge`] or [`TopologyError::InconsistentWinding`]; nothing is
@@ -91,7 +93,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bad_triangles_are_named() {
+    fn errors_name_the_invalid_triangle() {
         let out = Topology::from_triangles(3, &[[0, 1, 2], [0, 1, 3]]);
         assert_eq!(
             out,

@@ -1,10 +1,10 @@
-//! Local edits: ids of what is not touched never move, freed slots are used again.
+//! Local edits of the corner table: other ids never change, and freed slots are reused.
 
 use super::{Topology, TopologyError};
 use crate::ids::{HalfEdge, TriangleId, VertexId};
 
 impl Topology {
-    /// Makes a vertex that no triangle uses yet, in a free slot if there is one.
+    /// Adds an unused vertex, in a free slot if there is one.
     pub fn add_vertex(&mut self) -> VertexId {
         self.free_vertices.pop().unwrap_or_else(|| {
             self.outgoing.push(HalfEdge::NULL);
@@ -12,10 +12,10 @@ impl Topology {
         })
     }
 
-    /// Makes a triangle without neighbors; [`Topology::stitch`] joins it to them.
+    /// Adds a triangle without neighbors; [`Topology::stitch`] connects it.
     ///
     /// # Errors
-    /// [`TopologyError`] when the vertices repeat or do not exist; nothing is made then.
+    /// [`TopologyError`] if the vertices repeat or do not exist; nothing is added then.
     pub fn add_triangle(&mut self, corners: [VertexId; 3]) -> Result<TriangleId, TopologyError> {
         let [a, b, c] = corners;
         let triangle = self
@@ -45,11 +45,12 @@ impl Topology {
         Ok(triangle)
     }
 
-    /// Frees `triangles` and cuts them loose from their neighbors, whose half-edges become
-    /// boundaries. Returns the vertices that no triangle uses any more, ascending; they are not
-    /// freed. O(k log k) for k triangles, whatever the size of the surface.
+    /// Frees `triangles`, whose neighbors get boundaries there.
     ///
-    /// Every vertex of the surface must lie in one fan before the call, as in any 2-manifold.
+    /// Returns the vertices that become unused, ascending; they are not freed. O(k log k) for k
+    /// triangles.
+    ///
+    /// Every vertex must have a single fan before the call, as in any 2-manifold.
     pub fn remove_triangles(&mut self, triangles: &[TriangleId]) -> Vec<VertexId> {
         let mut touched: Vec<VertexId> = triangles.iter().flat_map(|&t| self.triangle(t)).collect();
         touched.sort_unstable();
@@ -66,7 +67,7 @@ impl Topology {
             }
             self.origin[h.index()] = VertexId::NULL;
         }
-        // A fan that keeps a triangle borders on a removed one, so its neighbors reach every survivor.
+        // A fan with surviving triangles borders a removed one, so neighbors reach every survivor.
         for h in neighbors {
             let (a, b) = (self.origin(h), self.target(h));
             if !a.is_null() {
@@ -79,10 +80,10 @@ impl Topology {
         touched
     }
 
-    /// Frees vertices that no triangle uses.
+    /// Frees unused vertices.
     ///
     /// # Panics
-    /// When a triangle still uses one: that is a mistake of the caller, not of its input.
+    /// If a triangle uses one of them.
     pub fn remove_vertices(&mut self, vertices: &[VertexId]) {
         for &v in vertices {
             assert!(self.outgoing(v).is_null(), "{v} is still in use");

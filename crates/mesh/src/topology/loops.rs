@@ -1,13 +1,15 @@
-//! The rims of a surface's holes.
+//! Boundary loops.
 
 use super::Topology;
 use crate::ids::HalfEdge;
 
 impl Topology {
-    /// The boundary as loops: half-edges without a twin, each beginning where the one before ends, in
-    /// the direction of their triangles, so that the hole is on the right. No loop passes a vertex
-    /// twice: where holes touch in a vertex each gets a loop of its own. Loops come in the order of
-    /// their smallest half-edge's walk. O(n) for n triangles.
+    /// Returns the boundary loops: chains of half-edges without a twin, in their triangles'
+    /// direction.
+    ///
+    /// The hole is on the right of its loop. No loop passes a vertex twice: holes that touch at a
+    /// vertex have separate loops. Loops are in the order of their smallest half-edge. O(n) for n
+    /// triangles.
     ///
     /// ```
     /// use incise_mesh::icosphere;
@@ -25,7 +27,7 @@ impl Topology {
     pub fn boundary_loops(&self) -> Vec<Vec<HalfEdge>> {
         let mut loops = Vec::new();
         let mut seen = vec![false; self.twin.len()];
-        // Where each vertex stands on the path that is being walked.
+        // Position of each vertex on the current path.
         let mut place = vec![u32::MAX; self.vertex_slots()];
         let mut path: Vec<HalfEdge> = Vec::new();
         let half_edges = self.triangles().flat_map(|t| t.half_edges());
@@ -54,7 +56,7 @@ impl Topology {
         loops
     }
 
-    /// The boundary half-edge that leaves the target of boundary half-edge `h` in the same fan.
+    /// Returns the boundary half-edge after boundary half-edge `h`, in the same fan.
     fn following_boundary(&self, h: HalfEdge) -> HalfEdge {
         let mut at = h.next();
         while !self.twin(at).is_null() {
@@ -69,7 +71,7 @@ mod tests {
     use crate::ids::VertexId;
     use crate::{Surface, TriangleId, icosphere};
 
-    /// A grid of n x n squares, two triangles each.
+    /// Returns a grid of n x n squares of two triangles.
     fn grid(n: u32) -> Surface {
         let mut positions = Vec::new();
         for (y, x) in (0..=n).flat_map(|y| (0..=n).map(move |x| (y, x))) {
@@ -106,11 +108,11 @@ mod tests {
     }
 
     #[test]
-    fn every_hole_has_a_loop_and_so_has_the_outside() {
+    fn holes_and_the_outer_boundary_have_loops() {
         check(&icosphere(1, 0.5), &[]);
         check(&grid(4), &[16]);
         let mut surface = grid(6);
-        // The square at (2, 2), and a triangle far from it.
+        // The square at (2, 2), and a distant triangle.
         surface.remove_triangles(&[28, 29, 50].map(TriangleId));
         check(&surface, &[3, 4, 24]);
     }
@@ -118,7 +120,7 @@ mod tests {
     #[test]
     fn holes_that_touch_in_a_vertex_have_a_loop_each() {
         let mut surface = grid(6);
-        // The squares at (1, 1), (2, 2) and (3, 3) touch in corners; (3, 1) touches (2, 2) too.
+        // The squares at (1, 1), (2, 2) and (3, 3) touch at corners; (3, 1) touches (2, 2) too.
         let squares = [7u32, 14, 21, 9];
         let holes: Vec<TriangleId> = squares
             .iter()

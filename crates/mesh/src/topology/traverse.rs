@@ -1,11 +1,13 @@
-//! Walks around vertices.
+//! Traversal of the elements around a vertex.
 
 use super::Topology;
 use crate::ids::{HalfEdge, VertexId};
 
 impl Topology {
-    /// The half-edges that leave `v`, counterclockwise. At a boundary vertex the walk begins at the
-    /// boundary; at a vertex where several fans meet it covers the fan of `outgoing(v)`.
+    /// Iterates over the outgoing half-edges of `v`, counterclockwise.
+    ///
+    /// At a boundary vertex the iteration starts at the boundary. If `v` has several fans, only
+    /// that of `outgoing(v)` is visited.
     pub fn outgoing_fan(&self, v: VertexId) -> impl Iterator<Item = HalfEdge> + '_ {
         let start = self.fan_start(v);
         let mut at = start;
@@ -22,14 +24,14 @@ impl Topology {
         })
     }
 
-    /// The half-edge from `a` to `b`, if a triangle of `a`'s fan has it. O(valence).
+    /// Returns the half-edge from `a` to `b`, if it is in `a`'s fan. O(valence).
     #[must_use]
     #[inline]
     pub fn find_half_edge(&self, a: VertexId, b: VertexId) -> Option<HalfEdge> {
         self.outgoing_fan(a).find(|&h| self.target(h) == b)
     }
 
-    /// Whether `a` and `b` are joined by an edge of `a`'s fan, in either direction. O(valence).
+    /// Returns whether `a` and `b` share an edge of `a`'s fan. O(valence).
     #[must_use]
     #[inline]
     pub fn are_adjacent(&self, a: VertexId, b: VertexId) -> bool {
@@ -37,7 +39,7 @@ impl Topology {
             .any(|h| self.target(h) == b || self.origin(h.prev()) == b)
     }
 
-    /// Whether every edge has two triangles.
+    /// Returns whether every edge has two triangles.
     #[must_use]
     #[inline]
     pub fn is_closed(&self) -> bool {

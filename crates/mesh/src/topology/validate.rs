@@ -1,13 +1,13 @@
-//! The invariants of the corner table, checked in full.
+//! Validation of the corner table.
 
 use super::{InvalidTopology, Topology};
 use crate::ids::{HalfEdge, VertexId};
 
 impl Topology {
-    /// Checks every invariant of the arrays. O(n); tests call it after every edit.
+    /// Checks every invariant of the arrays. O(n).
     ///
     /// # Errors
-    /// The first broken rule and where.
+    /// The first broken rule and its place.
     pub fn validate(&self) -> Result<(), InvalidTopology> {
         let broken = |rule, half_edge, vertex| {
             Err(InvalidTopology {

@@ -1,25 +1,25 @@
-//! Which devices a machine has, and which of them to take.
+//! Enumeration of GPU adapters and the choice of one.
 
 use super::error::GpuError;
 use wgpu::{Backend, Backends, DeviceType, Features, InstanceFlags, Limits};
 
-/// Which adapter to open, and how.
+/// A request for an adapter and its device limits.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct AdapterRequest {
-    /// A part of the adapter's name in any case. A named adapter is taken even if it is software.
+    /// Substring of the adapter's name, ignoring case. A named adapter may be a software adapter.
     pub name: Option<String>,
-    /// Whether an adapter that computes on the CPU will do when there is no other. It proves what a
-    /// device would do; it is slower than [`CpuBackend`](crate::CpuBackend).
+    /// Allows software adapters if there is no GPU.
+    ///
+    /// They give the results of a GPU but are slower than [`CpuBackend`](crate::CpuBackend).
     pub allow_software: bool,
-    /// How large one storage binding must at least be \[bytes\].
+    /// Minimum size of a storage binding \[bytes\].
     pub storage_binding: u64,
-    /// Opens the device with the limits that every WebGPU device has, whatever the adapter could do
-    /// beyond.
+    /// Opens the device with the default limits of WebGPU instead of those of the adapter.
     pub portable_limits: bool,
 }
 
 impl AdapterRequest {
-    /// The adapter of this name, else the best there is, one that computes on the CPU if there is no other.
+    /// Returns a request for the named or the best adapter, software adapters included.
     #[must_use]
     pub fn any(name: Option<String>) -> Self {
         Self {
@@ -30,19 +30,19 @@ impl AdapterRequest {
     }
 }
 
-/// What an adapter is.
+/// Type of an adapter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum AdapterKind {
-    /// A GPU with memory of its own.
+    /// A GPU with dedicated memory.
     Discrete,
     /// A GPU that shares the CPU's memory.
     Integrated,
-    /// A GPU seen through a virtual machine.
+    /// A GPU of a virtual machine.
     Virtual,
-    /// The driver does not say.
+    /// The driver reports no type.
     Other,
-    /// A program on the CPU.
+    /// A software implementation on the CPU.
     Software,
 }
 
@@ -58,41 +58,41 @@ impl std::fmt::Display for AdapterKind {
     }
 }
 
-/// The limits of an adapter that bodies and kernels run into.
+/// The limits of an adapter that bound bodies and kernels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct AdapterLimits {
-    /// The largest storage binding \[bytes\].
+    /// Maximum size of a storage binding \[bytes\].
     pub storage_binding: u64,
-    /// The largest buffer \[bytes\].
+    /// Maximum size of a buffer \[bytes\].
     pub buffer: u64,
-    /// Storage buffers that one shader may use.
+    /// Storage buffers per shader stage.
     pub storage_buffers: u32,
-    /// Bind groups that one pipeline may use.
+    /// Bind groups per pipeline.
     pub bind_groups: u32,
-    /// Lanes of one workgroup.
+    /// Invocations per workgroup.
     pub workgroup_lanes: u32,
-    /// Memory of one workgroup \[bytes\].
+    /// Workgroup memory \[bytes\].
     pub workgroup_memory: u32,
 }
 
-/// An adapter as plain data.
+/// Description of an adapter.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct AdapterSummary {
-    /// Its name, as the driver gives it.
+    /// Name from the driver.
     pub name: String,
-    /// The driver and its version.
+    /// Name and version of the driver.
     pub driver: String,
-    /// The programming interface behind it: `vulkan`, `metal` or `dx12`.
+    /// Graphics API: `vulkan`, `metal` or `dx12`.
     pub backend: &'static str,
-    /// What it is.
+    /// Type of the adapter.
     pub kind: AdapterKind,
-    /// What it allows.
+    /// Limits of the adapter.
     pub limits: AdapterLimits,
-    /// Whether it can tell how long its work took.
+    /// True if the adapter supports timestamp queries.
     pub timestamps: bool,
-    /// Why this crate cannot use it; `None` if it can.
+    /// Reason why this crate cannot use the adapter; `None` if it can.
     pub refusal: Option<GpuError>,
 }
 
@@ -123,13 +123,14 @@ impl AdapterSummary {
     }
 }
 
-/// All adapters of this machine: discrete ones first, software last, then by name and driver. The
-/// order is the same every time.
+/// Returns all adapters: discrete first, software last, then by name and driver.
+///
+/// The order is deterministic.
 pub fn adapters() -> Vec<AdapterSummary> {
     found().into_iter().map(|(summary, _)| summary).collect()
 }
 
-/// Adapters that are behind an interface this crate is built for, in order.
+/// Enumerates the adapters of the graphics APIs that this crate is built for, in order.
 fn found() -> Vec<(AdapterSummary, wgpu::Adapter)> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     // Validation by the driver's own layers only where the environment asks for it: a debug build
@@ -141,7 +142,7 @@ fn found() -> Vec<(AdapterSummary, wgpu::Adapter)> {
     ))
 }
 
-/// Adapters in the order of [`adapters`].
+/// Sorts adapters in the order of [`adapters`].
 fn sorted(adapters: Vec<wgpu::Adapter>) -> Vec<(AdapterSummary, wgpu::Adapter)> {
     let mut adapters: Vec<_> = adapters
         .into_iter()
@@ -160,7 +161,7 @@ fn sorted(adapters: Vec<wgpu::Adapter>) -> Vec<(AdapterSummary, wgpu::Adapter)> 
     adapters
 }
 
-/// Where one device is behind several interfaces, the one that all platforms share comes first.
+/// Returns the rank of a graphics API among several for the same GPU.
 fn order(backend: Backend) -> usize {
     let known = [Backend::Vulkan, Backend::Metal, Backend::Dx12];
     known
@@ -169,7 +170,7 @@ fn order(backend: Backend) -> usize {
         .unwrap_or(known.len())
 }
 
-/// Drivers that compute on the CPU, some of which call themselves something else.
+/// Returns the type of an adapter; some software adapters are detected by name.
 fn kind(device_type: DeviceType, name: &str) -> AdapterKind {
     let name = name.to_lowercase();
     let software = ["llvmpipe", "swiftshader", "software", "basic render"];
@@ -185,14 +186,16 @@ fn kind(device_type: DeviceType, name: &str) -> AdapterKind {
     }
 }
 
-/// The first adapter in order that is what was asked for and can be used.
+/// Returns the first usable adapter that matches a request.
 pub(crate) fn choose(
     request: &AdapterRequest,
 ) -> Result<(AdapterSummary, wgpu::Adapter), GpuError> {
     choose_from(found(), request, |_| true)
 }
 
-/// The same of adapters that somebody else has found, and of those the first that is fit. No more are asked.
+/// Returns the first usable adapter of a list that matches a request and satisfies `is_fit`.
+///
+/// Adapters after it are not passed to `is_fit`.
 pub(crate) fn choose_among(
     adapters: Vec<wgpu::Adapter>,
     request: &AdapterRequest,
@@ -234,8 +237,9 @@ fn matches(request: &AdapterRequest, summary: &AdapterSummary) -> bool {
     }
 }
 
-/// The limits that a device is opened with: those of every WebGPU device, and the adapter's own
-/// where bodies grow with them.
+/// Returns the limits to open a device with.
+///
+/// They are the WebGPU defaults, and the adapter's own for buffer sizes.
 pub(crate) fn limits_to_open(request: &AdapterRequest, adapter: &Limits) -> Limits {
     let portable = Limits::default();
     if request.portable_limits {
@@ -249,12 +253,12 @@ pub(crate) fn limits_to_open(request: &AdapterRequest, adapter: &Limits) -> Limi
         max_compute_workgroup_storage_size: adapter.max_compute_workgroup_storage_size,
         ..portable
     }
-    // An adapter may have less than WebGPU asks for where this crate needs nothing, in textures say.
+    // An adapter may have less than WebGPU asks for where this crate needs nothing, in textures
+    // say.
     .or_worse_values_from(adapter)
 }
 
-/// Whether an adapter or device named `name` has what the kernels need, and a storage binding of
-/// `storage_binding` bytes.
+/// Returns an error if limits are below those of the kernels or of `storage_binding` bytes.
 pub(crate) fn check_limits(
     name: &str,
     have: &Limits,
@@ -298,7 +302,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn software_is_seen_by_its_name_too() {
+    fn software_adapters_are_detected_by_name() {
         for name in ["llvmpipe (LLVM 15.0.6, 256 bits)", "Google SwiftShader"] {
             assert_eq!(
                 kind(DeviceType::Other, name),
@@ -312,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn a_limit_that_is_too_small_is_named() {
+    fn errors_name_the_limit_that_is_too_small() {
         let have = Limits {
             max_storage_buffers_per_shader_stage: 4,
             ..Limits::default()
@@ -335,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn limits_to_open_grow_only_as_the_adapter_does() {
+    fn limits_do_not_exceed_those_of_the_adapter() {
         let small = Limits {
             max_texture_dimension_2d: 4096,
             max_buffer_size: 1 << 30,

@@ -1,4 +1,4 @@
-//! Device buffers that bodies rent ranges of.
+//! GPU buffers from which ranges are allocated for bodies.
 
 use super::context::Context;
 use super::error::GpuError;
@@ -14,12 +14,12 @@ struct Column {
     name: &'static str,
     /// Bytes of an element.
     stride: u64,
-    /// Whether growth and moves keep the content.
+    /// True if growth and moves preserve the content.
     keeps: bool,
     buffer: Buffer,
 }
 
-/// Parallel arrays with one allocator. They grow geometrically; what they hold stays.
+/// Parallel GPU arrays with one range allocator and geometric growth.
 #[derive(Debug)]
 pub(super) struct Arena {
     columns: Vec<Column>,
@@ -31,8 +31,7 @@ const USAGE: BufferUsages = BufferUsages::STORAGE
     .union(BufferUsages::COPY_DST);
 
 impl Arena {
-    /// Arrays of `capacity` elements: name, bytes of an element, and whether the content matters from
-    /// one frame to the next.
+    /// Creates arrays of `capacity` elements from name, element size \[bytes\] and persistence.
     pub(super) fn new(
         context: &Context,
         columns: &[(&'static str, u64, bool)],
@@ -56,12 +55,12 @@ impl Arena {
         })
     }
 
-    /// The buffer of an array.
+    /// Returns the buffer of an array.
     pub(super) fn buffer(&self, column: usize) -> &Buffer {
         &self.columns[column].buffer
     }
 
-    /// Rents `len` elements; tells whether the buffers had to be replaced by larger ones.
+    /// Allocates `len` elements; the result is true if the buffers were replaced by larger ones.
     pub(super) fn allocate(
         &mut self,
         context: &Context,
@@ -80,14 +79,14 @@ impl Arena {
         }
     }
 
-    /// Gives a range back; an empty one was never rented.
+    /// Frees a range; empty ranges are ignored.
     pub(super) fn free(&mut self, range: Range<u32>) {
         if range.start < range.end {
             self.ranges.free_range(range);
         }
     }
 
-    /// What all arrays together take.
+    /// Returns the memory of all arrays.
     pub(super) fn memory(&self) -> GpuMemory {
         let stride: u64 = self.columns.iter().map(|column| column.stride).sum();
         let all = self.ranges.initial_range().end;
@@ -98,8 +97,9 @@ impl Arena {
         }
     }
 
-    /// Copies the kept arrays' elements of `from` to the start of `to`, by way of a buffer of its own: a
-    /// device copies between different buffers only.
+    /// Moves persistent elements from one range to another.
+    ///
+    /// Uses a temporary buffer, since WebGPU does not copy within a buffer.
     pub(super) fn move_range(
         &self,
         context: &Context,
@@ -117,12 +117,12 @@ impl Arena {
         Ok(())
     }
 
-    /// Makes room for `len` elements more in one piece, at least doubling.
+    /// Grows the arrays by at least `len` contiguous elements, and at least twofold.
     fn grow(&mut self, context: &Context, len: u32) -> Result<(), GpuError> {
         let now = self.ranges.initial_range().end;
         let wanted = u64::from(now) + u64::from(now.max(len));
         let stride = self.columns.iter().map(|c| c.stride).max().unwrap_or(1);
-        // Where doubling is too much, what is needed may still fit.
+        // If the doubled size does not fit, the required size may.
         let most = largest_binding(context) / stride;
         let least = u64::from(now) + u64::from(len);
         let capacity = wanted.min(most).max(least);
@@ -158,7 +158,7 @@ impl Arena {
     }
 }
 
-/// Elements to rent for `len`: with slack, so that a cut's additions find room.
+/// Returns the number of elements to allocate for `len`, with slack for later edits.
 pub(super) fn with_slack(len: usize) -> u32 {
     let padded = len + len / 4 + 32;
     u32::try_from(padded).unwrap_or(u32::MAX)

@@ -1,4 +1,4 @@
-//! Bodies that live on a device.
+//! The GPU backend and its resident bodies: creation, addition and removal.
 
 use super::adapter::{AdapterRequest, AdapterSummary};
 use super::arena::Arena;
@@ -10,71 +10,72 @@ use super::pipelines::Pipelines;
 use super::program::Program;
 use super::readback::Readback;
 use super::stats::{GpuMemory, GpuStats, Schedule};
-use super::stopwatch::Stopwatch;
+use super::timestamps::Timestamps;
 use super::uniforms::Uniforms;
 use super::upload::Uploads;
-use crate::changes::Changes;
-use crate::plan::StepPlan;
+use crate::follow::changes::Changes;
 use crate::solver::Solver;
+use crate::step::plan::StepPlan;
 use incise_mesh::Surface;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A number that nobody else has, in whichever backend; it is not 0.
+/// Returns a process-wide unique nonzero number.
 pub(super) fn number() -> u64 {
     static NEXT: AtomicU64 = AtomicU64::new(1);
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
-/// How many frames the host may be ahead of the device. Without an end to it frames that are still to be
-/// done would fill the memory.
+/// Maximum number of frames in flight; it bounds the memory of queued frames.
 pub(super) const FRAMES_IN_FLIGHT: usize = 3;
 
 /// A body of a [`GpuBackend`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct GpuBody {
     slot: u32,
-    /// Tells bodies apart that have the same slot, one after the other or in other backends.
+    /// Distinguishes bodies that use the same slot successively or in other backends.
     number: u64,
 }
 
-/// A body and what the host expects of it.
+/// A GPU body with the CPU side's bookkeeping.
 #[derive(Debug)]
 pub(super) struct Resident {
     pub(super) body: DeviceBody,
     number: u64,
-    /// Under which number its solver knows it; 0 before the first upload.
+    /// Follower number in the solver's change log; 0 before the first upload.
     pub(super) follower: u64,
-    /// The frame that stepped or edited it last.
+    /// Last frame that stepped or edited the body.
     pub(super) frame: u64,
-    /// The frame that the host's copy is of.
+    /// Frame of the CPU copy.
     pub(super) host: u64,
-    /// The plan in the program.
+    /// Plan in the current program.
     pub(super) plan: StepPlan,
     /// Positions, velocities and report.
     pub(super) state: Readback,
     pub(super) wants_state: bool,
-    /// The report alone.
+    /// Readback of the report alone.
     pub(super) report: Readback,
     pub(super) wants_report: bool,
-    /// The report of the last frame that counts for [`GpuBackend::motion`].
+    /// Readback of the last report for [`GpuBackend::motion`].
     pub(super) motion: Readback,
     pub(super) wants_motion: bool,
-    /// Whether it is noted how far the body moves.
-    pub(super) is_watched: bool,
+    /// True if the motion of the body is measured.
+    pub(super) measures_motion: bool,
 }
 
-/// Steps bodies on a device: the passes of their [`StepPlan`](crate::StepPlan)s in the same order as
-/// [`CpuBackend`](crate::CpuBackend) has them, so that both differ by the device's rounding alone.
+/// Steps bodies on a GPU.
 ///
-/// Bodies stay on the device. The host's surface is behind until [`GpuBackend::read`] is called; what
-/// the host edits is sent by [`GpuBackend::update`], as little as was touched.
+/// It executes the passes of each [`StepPlan`](crate::StepPlan) in the order of
+/// [`CpuBackend`](crate::CpuBackend), so that the results differ only by the rounding of the GPU.
 ///
-/// After an error the bodies on the host are as they were when they were last read. After
-/// [`GpuError::DeviceLost`] the backend is of no more use.
+/// Bodies stay in GPU memory. [`GpuBackend::read`] updates the CPU copy, and
+/// [`GpuBackend::update`] uploads what was edited in it.
+///
+/// After an error the CPU copies are in the state of the last read. After
+/// [`GpuError::DeviceLost`] the backend cannot be used any more.
 ///
 /// ```no_run
-/// use incise_mesh::{Model, build_model};
+/// use incise_models::{Model, build_model};
 /// use incise_pbd_gpu::{AdapterRequest, GpuBackend, Material, Solver, SolverParams};
 ///
 /// let mut surface = build_model(Model::Armadillo);
@@ -95,7 +96,7 @@ pub struct GpuBackend {
     pub(super) uploads: Uploads,
     pub(super) uniforms: Uniforms,
     pub(super) program: Program,
-    /// The slots that the program steps, and those of the step at hand.
+    /// Slots that the program steps, and slots of the current step.
     pub(super) program_of: Vec<u32>,
     pub(super) stepped: Vec<u32>,
     pub(super) program_is_stale: bool,
@@ -103,14 +104,14 @@ pub struct GpuBackend {
     pub(super) bytes_read: u64,
     /// Frames and edits so far.
     pub(super) frame: u64,
-    /// The last frames that were handed over, the oldest first.
+    /// Last submitted frames, oldest first.
     pub(super) in_flight: [Option<wgpu::SubmissionIndex>; FRAMES_IN_FLIGHT],
     /// By slot.
     pub(super) residents: Vec<Option<Resident>>,
     pub(super) schedule: Option<Schedule>,
-    /// None while nobody wants to know how long steps take.
-    pub(super) stopwatch: Option<Stopwatch>,
-    /// What a solver hands over; its content matters to nobody between calls.
+    /// Timestamp queries, if steps are timed.
+    pub(super) timestamps: Option<Timestamps>,
+    /// Scratch memory for the changes of a solver.
     pub(super) changes: Changes,
 }
 
@@ -126,14 +127,14 @@ impl GpuBackend {
     /// # Errors
     /// As [`Context::open`].
     pub fn new(request: &AdapterRequest) -> Result<Self, GpuError> {
-        Self::on(Context::open(request)?)
+        Self::from_context(Context::open(request)?)
     }
 
-    /// Works on an open device, a renderer's say.
+    /// Creates a backend on an open device, for example that of a renderer.
     ///
     /// # Errors
-    /// [`GpuError`] when the device refuses the first buffers.
-    pub fn on(context: Context) -> Result<Self, GpuError> {
+    /// [`GpuError`] if the initial buffers cannot be created.
+    pub fn from_context(context: Context) -> Result<Self, GpuError> {
         let vertices = [
             ("positions", 16, true),
             ("velocities", 16, true),
@@ -163,36 +164,36 @@ impl GpuBackend {
             in_flight: [const { None }; FRAMES_IN_FLIGHT],
             residents: Vec::new(),
             schedule: None,
-            stopwatch: None,
+            timestamps: None,
             changes: Changes::default(),
             context,
         })
     }
 
-    /// The adapter that the bodies live on.
+    /// Returns the adapter.
     #[must_use]
     pub fn adapter(&self) -> &AdapterSummary {
         self.context.adapter()
     }
 
-    /// The device and its queue, for a renderer.
+    /// Returns device and queue, for a renderer.
     #[must_use]
     pub fn context(&self) -> &Context {
         &self.context
     }
 
-    /// What the last step did.
+    /// Returns the statistics of the last step.
     #[must_use]
     pub fn stats(&self) -> &GpuStats {
         &self.stats
     }
 
-    /// The names of the kernels that were compiled so far: those that bodies needed.
+    /// Returns the names of the compiled kernels; kernels are compiled on first use.
     pub fn kernels(&self) -> impl Iterator<Item = &'static str> {
         self.pipelines.names()
     }
 
-    /// What the bodies take on the device, without parameters of dispatches and copies on their way.
+    /// Returns the GPU memory of the bodies, without uniforms and staging buffers.
     #[must_use]
     pub fn memory(&self) -> GpuMemory {
         let arenas = [
@@ -209,7 +210,7 @@ impl GpuBackend {
         )
     }
 
-    /// How a body is stepped.
+    /// Returns the schedule of a body.
     ///
     /// # Errors
     /// [`GpuError::UnknownBody`].
@@ -217,16 +218,17 @@ impl GpuBackend {
         Ok(self.resident(body)?.body.schedule)
     }
 
-    /// Asks for one schedule instead of the one that is fastest, for bodies that are added from now on.
-    /// A body that cannot have it gets the one that it would have had.
+    /// Overrides the schedule of bodies that are added from now on.
+    ///
+    /// A body that does not support the schedule gets its default one.
     pub fn force_schedule(&mut self, schedule: Option<Schedule>) {
         self.schedule = schedule;
     }
 
-    /// Takes a body in. Surface and solver belong together.
+    /// Adds a body and uploads it. The solver must be that of the surface.
     ///
     /// # Errors
-    /// [`GpuError`] when the device has no room for it; nothing is changed then.
+    /// [`GpuError`] if the body does not fit in GPU memory; nothing is changed then.
     pub fn add(&mut self, surface: &Surface, solver: &mut Solver) -> Result<GpuBody, GpuError> {
         let (slots, _) = self.arenas.bodies.allocate(&self.context, 1)?;
         let slot = slots.start;
@@ -248,7 +250,7 @@ impl GpuBackend {
             wants_report: false,
             motion: Readback::default(),
             wants_motion: false,
-            is_watched: false,
+            measures_motion: false,
         });
         let body = GpuBody { slot, number };
         solver.mark_all_changed();
@@ -259,8 +261,9 @@ impl GpuBackend {
         Ok(body)
     }
 
-    /// Gives a body's room back. The host's copy stays as it was when it was last read. Unknown bodies
-    /// are passed over.
+    /// Removes a body and frees its memory. Unknown bodies are ignored.
+    ///
+    /// The CPU copy keeps the state of the last read.
     pub fn remove(&mut self, body: GpuBody) {
         if self.resident(body).is_err() {
             return;
@@ -273,19 +276,20 @@ impl GpuBackend {
         }
     }
 
-    /// Waits until the device has done everything that it was asked for.
+    /// Blocks until all submitted work is done.
     ///
     /// # Errors
-    /// [`GpuError`] of what went wrong since the last call.
+    /// The first [`GpuError`] since the last call.
     pub fn wait(&self) -> Result<(), GpuError> {
         let nothing: [wgpu::CommandBuffer; 0] = [];
         let last = self.context.queue().submit(nothing);
         self.context.wait(last)
     }
 
-    /// Where a body's positions lie, for a renderer: the buffer and the part of it \[bytes\], xyz and
-    /// inverse mass a vertex slot. Valid until the next [`GpuBackend::add`],
-    /// [`GpuBackend::update`] or [`GpuBackend::calibrate`].
+    /// Returns buffer and byte range of a body's positions, for a renderer.
+    ///
+    /// Each vertex slot has x, y, z \[m\] and inverse mass. The range is valid until the next
+    /// [`GpuBackend::add`], [`GpuBackend::update`] or [`GpuBackend::calibrate`].
     ///
     /// # Errors
     /// [`GpuError::UnknownBody`].

@@ -1,22 +1,23 @@
-//! One body's share of the arenas, and how it follows the host.
+//! One body's ranges in the arenas, and the upload of its changes.
 
 use super::arena::{Arena, with_slack};
-use super::blocks::Blocks;
 use super::contacts::DeviceContacts;
 use super::context::Context;
 use super::error::GpuError;
-use super::layout::{BENDING, BodyRecord, PATCH_LAYERS, RUN_COLORS, RUN_STRIDE, Run, STRETCH};
+use super::layout::{BodyRecord, PATCH_LAYERS, RUN_COLORS, RUN_STRIDE, Run};
+use super::patch_blocks::Blocks;
 use super::records::{Places, body_record, inverse_mass, position};
 use super::runs::Runs;
 use super::stats::Schedule;
 use super::upload::{Target, Uploads};
 use super::volumes::DeviceVolumes;
-use crate::changes::Changes;
-use crate::coloring::MAX_COLORS;
-use crate::constraints::OVERFLOW;
+use crate::constraints::batches::{BatchId, OVERFLOW};
+use crate::constraints::coloring::MAX_COLORS;
+use crate::follow::changes::Changes;
 use crate::kernels::volume::CHUNK;
-use crate::plan::StepConstants;
 use crate::solver::Solver;
+use crate::step::constants::StepConstants;
+use crate::step::plan::ConstraintKind;
 use bytemuck::Zeroable;
 use incise_mesh::Surface;
 use std::ops::Range;
@@ -26,7 +27,7 @@ use std::ops::Range;
 pub(super) struct Arenas {
     /// Positions, velocities, displacements.
     pub(super) vertices: Arena,
-    /// Constraints, pins and tethers, in entries of 8 bytes.
+    /// Constraints, pins and attachments, in entries of 8 bytes.
     pub(super) entries: Arena,
     /// Body records, run tables, reports.
     pub(super) bodies: Arena,
@@ -39,52 +40,52 @@ pub(super) const RECORDS: usize = 0;
 pub(super) const RUN_TABLES: usize = 1;
 pub(super) const REPORTS: usize = 2;
 
-/// Leaves of the trees that volumes are summed by, as the device counts.
+/// Leaves of the reduction trees of volumes.
 #[expect(clippy::cast_possible_truncation, reason = "some hundred")]
 const CHUNK_LANES: u32 = CHUNK as u32;
 
-/// A body on the host.
+/// The CPU side of a body.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Host<'a> {
     pub(super) surface: &'a Surface,
     pub(super) solver: &'a Solver,
 }
 
-/// A body on the device.
+/// The GPU side of a body.
 #[derive(Debug)]
 pub(super) struct DeviceBody {
-    /// Its place among the bodies.
+    /// Index among the bodies.
     pub(super) slot: u32,
-    /// Rented vertices, slack included.
+    /// Allocated vertices, slack included.
     vertices: Range<u32>,
     pub(super) vertex_count: u32,
     stretch: Runs,
     bending: Runs,
-    struts: Runs,
-    /// By layer; empty unless the body goes by patches.
+    interior_springs: Runs,
+    /// Patches by layer; empty without the patch schedule.
     patches: [Blocks; PATCH_LAYERS],
-    /// Rented entries, slack included.
+    /// Allocated entries, slack included.
     pub(super) pins: Range<u32>,
     pub(super) pin_count: u32,
-    /// Rented entries, slack included.
-    pub(super) tethers: Range<u32>,
-    pub(super) tether_count: u32,
-    /// Which of the solver's tethers the device has, 0 for none.
-    pub(super) tether_generation: u64,
+    /// Allocated entries, slack included.
+    pub(super) attachments: Range<u32>,
+    pub(super) attachment_count: u32,
+    /// Generation of the uploaded attachments, 0 for none.
+    pub(super) attachment_generation: u64,
     pub(super) volumes: DeviceVolumes,
     pub(super) contacts: DeviceContacts,
-    /// Rented entries, slack included.
+    /// Allocated entries, slack included.
     pub(super) colliders: Range<u32>,
     pub(super) collider_count: u32,
-    /// Which of the solver's colliders the device has, 0 for none.
+    /// Generation of the uploaded colliders, 0 for none.
     pub(super) collider_generation: u64,
-    /// What the device was told last.
+    /// Last uploaded record.
     record: BodyRecord,
     pub(super) schedule: Schedule,
 }
 
 impl DeviceBody {
-    /// A body without anything at a place of its own.
+    /// Creates an empty body in a slot.
     pub(super) fn new(slot: u32) -> Self {
         Self {
             slot,
@@ -92,13 +93,13 @@ impl DeviceBody {
             vertex_count: 0,
             stretch: Runs::default(),
             bending: Runs::default(),
-            struts: Runs::default(),
+            interior_springs: Runs::default(),
             patches: std::array::from_fn(|_| Blocks::default()),
             pins: 0..0,
             pin_count: 0,
-            tethers: 0..0,
-            tether_count: 0,
-            tether_generation: 0,
+            attachments: 0..0,
+            attachment_count: 0,
+            attachment_generation: 0,
             volumes: DeviceVolumes::default(),
             contacts: DeviceContacts::default(),
             colliders: 0..0,
@@ -109,93 +110,90 @@ impl DeviceBody {
         }
     }
 
-    /// The first of its vertices in the arena.
+    /// Returns the body's first vertex in the arena.
     pub(super) fn first_vertex(&self) -> u32 {
         self.vertices.start
     }
 
-    /// Constraints of a color.
-    pub(super) fn run_len(&self, kind: u32, color: usize) -> u32 {
-        self.runs(kind).len(color)
+    /// Returns the number of constraints of a batch.
+    pub(super) fn batch_len(&self, kind: ConstraintKind, batch: BatchId) -> u32 {
+        match batch {
+            BatchId::Color(color) => self.runs(kind).len(color),
+            BatchId::Overflow => self.runs(kind).overflow_len(),
+        }
     }
 
-    /// Constraints without a color.
-    pub(super) fn overflow_len(&self, kind: u32) -> u32 {
-        self.runs(kind).overflow_len()
-    }
-
-    /// Colors of one kind.
-    pub(super) fn colors(&self, kind: u32) -> u32 {
+    /// Returns the number of colors of a constraint kind.
+    pub(super) fn colors(&self, kind: ConstraintKind) -> u32 {
         self.runs(kind).colors()
     }
 
-    /// Constraints of the largest color or overflow of one kind.
-    pub(super) fn largest_run(&self, kind: u32) -> u32 {
+    /// Returns the number of constraints of the largest color or overflow of a kind.
+    pub(super) fn largest_run(&self, kind: ConstraintKind) -> u32 {
         let runs = self.runs(kind);
         let colors = (0..runs.colors() as usize).map(|color| runs.len(color));
         colors.max().unwrap_or(0).max(runs.overflow_len())
     }
 
-    /// About how many rounds the loops of an invocation make in a substep, where a workgroup of so many lanes steps the
-    /// whole body.
+    /// Estimates the loop iterations of an invocation per substep in the whole-body kernel.
     pub(super) fn rounds(&self, lanes: u32, iterations: u32) -> u64 {
         let per_lane = |count: u32| u64::from(count.div_ceil(lanes)) + 1;
-        let runs = [&self.stretch, &self.bending, &self.struts].into_iter();
+        let runs = [&self.stretch, &self.bending, &self.interior_springs].into_iter();
         let colors = runs.map(|runs| {
             let colors = (0..runs.colors() as usize).map(|color| per_lane(runs.len(color)));
             colors.sum::<u64>() + u64::from(runs.overflow_len())
         });
         let vertices = per_lane(self.vertex_count);
         let places = &self.volumes.places;
-        // Twice around every vertex with its six triangles and some more; sums as trees.
+        // Two traversals of the fan of every vertex, and reduction trees.
         let leaves = u64::from(places.chunks + places.pieces) * 2 * per_lane(CHUNK_LANES);
         let volumes = if places.pieces > 0 {
             15 * vertices + leaves
         } else {
             0
         };
-        // Twice where there are volumes, before them and after.
+        // With volumes contacts are projected before and after them.
         let sweeps = 1 + u64::from(places.pieces > 0);
         let contacts = sweeps * (u64::from(self.contacts.count) + 64);
         let colliders = vertices * u64::from(1 + self.collider_count);
-        let tethers = per_lane(self.tether_count);
+        let attachments = per_lane(self.attachment_count);
         let iteration =
-            2 * colors.sum::<u64>() + volumes + contacts + colliders + tethers + vertices;
+            2 * colors.sum::<u64>() + volumes + contacts + colliders + attachments + vertices;
         3 * vertices + u64::from(iterations) * iteration
     }
 
-    fn runs(&self, kind: u32) -> &Runs {
+    fn runs(&self, kind: ConstraintKind) -> &Runs {
         match kind {
-            STRETCH => &self.stretch,
-            BENDING => &self.bending,
-            _ => &self.struts,
+            ConstraintKind::Stretch => &self.stretch,
+            ConstraintKind::Bending => &self.bending,
+            ConstraintKind::InteriorSpring => &self.interior_springs,
         }
     }
 
-    /// Patches of a layer, the first one being 0.
+    /// Returns the number of patches of a layer, counted from 0.
     pub(super) fn patches(&self, layer: usize) -> u32 {
         self.patches.get(layer).map_or(0, Blocks::len)
     }
 
-    /// Gives all rented ranges back.
+    /// Frees all ranges.
     pub(super) fn free(&mut self, arenas: &mut Arenas) {
         self.stretch.free(&mut arenas.entries);
         self.bending.free(&mut arenas.entries);
-        self.struts.free(&mut arenas.entries);
+        self.interior_springs.free(&mut arenas.entries);
         for blocks in &mut self.patches {
             blocks.free(&mut arenas.entries);
         }
         arenas.vertices.free(std::mem::take(&mut self.vertices));
         arenas.entries.free(std::mem::take(&mut self.pins));
-        arenas.entries.free(std::mem::take(&mut self.tethers));
-        self.tether_generation = 0;
+        arenas.entries.free(std::mem::take(&mut self.attachments));
+        self.attachment_generation = 0;
         self.volumes.free(&mut arenas.entries);
         self.contacts.free(arenas);
         arenas.entries.free(std::mem::take(&mut self.colliders));
         (self.collider_count, self.collider_generation) = (0, 0);
     }
 
-    /// Follows an edit of surface and solver.
+    /// Uploads an edit of surface and solver.
     pub(super) fn update(
         &mut self,
         context: &Context,
@@ -210,12 +208,12 @@ impl DeviceBody {
             self.free(arenas);
         }
         let before = self.vertices.start;
-        self.make_room(context, arenas, surface.positions.len(), !everything)?;
+        self.make_room(context, arenas, surface.positions().len(), !everything)?;
         let mut moved = everything || self.vertices.start != before;
         if everything {
             self.upload_vertices(context, arenas, uploads, surface, solver);
         } else {
-            for &v in &changes.moved {
+            for &v in &changes.vertices {
                 let value = position(surface, solver, v);
                 uploads.edit_vector(Target::Positions, self.vertices.start + v, value);
             }
@@ -223,7 +221,7 @@ impl DeviceBody {
             self.edit_velocities(uploads, solver, &changes.velocities);
         }
         let entries = &mut arenas.entries;
-        // What patches hold does not lie in runs as well.
+        // Constraints within patches are not in runs.
         let colors = match self.schedule {
             Schedule::Patches => MAX_COLORS,
             _ => OVERFLOW,
@@ -234,11 +232,17 @@ impl DeviceBody {
             let set = (bending, colors);
             moved |= (self.bending).update(context, entries, uploads, set, &changes.bending)?;
         }
-        if let Some(struts) = solver.struts() {
-            let set = (struts, colors);
-            moved |= (self.struts).update(context, entries, uploads, set, &changes.struts)?;
+        if let Some(interior_springs) = solver.interior_springs() {
+            let set = (interior_springs, colors);
+            moved |= (self.interior_springs).update(
+                context,
+                entries,
+                uploads,
+                set,
+                &changes.interior_springs,
+            )?;
         }
-        if let Some(patches) = &solver.patches
+        if let Some(patches) = &solver.constraints().patches
             && self.schedule == Schedule::Patches
         {
             for (i, blocks) in self.patches.iter_mut().enumerate() {
@@ -257,12 +261,12 @@ impl DeviceBody {
         Ok(counts)
     }
 
-    /// Sends where the runs lie: of each kind those of its colors, and the overflow's at the end.
+    /// Uploads the run tables: for each kind its colors, then the overflow.
     fn send_tables(&self, context: &Context, arenas: &Arenas, uploads: &mut Uploads) {
         let buffer = arenas.bodies.buffer(RUN_TABLES);
         let run = size_of::<Run>() as u64;
         let mut start = u64::from(self.slot) * u64::from(RUN_STRIDE) * run;
-        for runs in [&self.stretch, &self.bending, &self.struts] {
+        for runs in [&self.stretch, &self.bending, &self.interior_springs] {
             let mut table = Vec::new();
             runs.push_table(&mut table);
             uploads.send(context, buffer, start, bytemuck::cast_slice(&table));
@@ -272,22 +276,22 @@ impl DeviceBody {
         }
     }
 
-    /// Sends velocities that were set on the host.
+    /// Queues velocities that were set on the CPU side.
     pub(super) fn edit_velocities(&self, uploads: &mut Uploads, solver: &Solver, of: &[u32]) {
         for &v in of {
-            let value = solver.velocities[v as usize];
+            let value = solver.velocities()[v as usize];
             uploads.edit_vector(Target::Velocities, self.vertices.start + v, value);
         }
     }
 
-    /// Sends inverse masses that were set on the host.
+    /// Queues inverse masses that were set on the CPU side.
     pub(super) fn edit_masses(&self, uploads: &mut Uploads, solver: &Solver, of: &[u32]) {
         for &v in of {
             uploads.edit_mass(self.vertices.start + v, inverse_mass(solver, v));
         }
     }
 
-    /// Sends the body's numbers if they differ from those that the device has.
+    /// Uploads the body's record if it has changed.
     pub(super) fn update_record(
         &mut self,
         context: &Context,
@@ -300,15 +304,15 @@ impl DeviceBody {
             vertices: self.vertex_count,
             first_pin: self.pins.start,
             pins: self.pin_count,
-            first_tether: self.tethers.start,
-            tethers: self.tether_count,
+            first_attachment: self.attachments.start,
+            attachments: self.attachment_count,
             first_run: self.slot * RUN_STRIDE,
             stretch_colors: self.stretch.colors(),
             bending_colors: self.bending.colors(),
             patch_tables: self.patches.each_ref().map(Blocks::table),
             patches: self.patches.each_ref().map(Blocks::len),
             volumes: self.volumes.places,
-            strut_colors: self.struts.colors(),
+            spring_colors: self.interior_springs.colors(),
             contacts: self.contacts.count,
             first_collider: self.colliders.start,
             colliders: self.collider_count,
@@ -325,7 +329,7 @@ impl DeviceBody {
         }
     }
 
-    /// Makes room for so many vertices; what the device holds of them moves along if it is to be kept.
+    /// Reallocates the vertices and moves their GPU data if it is to be kept.
     fn make_room(
         &mut self,
         context: &Context,
@@ -367,7 +371,7 @@ impl DeviceBody {
         let buffer = arenas.vertices.buffer(POSITIONS);
         uploads.send(context, buffer, offset, bytemuck::cast_slice(&positions));
         let buffer = arenas.vertices.buffer(VELOCITIES);
-        let velocities = bytemuck::cast_slice(&solver.velocities);
+        let velocities = bytemuck::cast_slice(solver.velocities());
         uploads.send(context, buffer, offset, velocities);
     }
 }

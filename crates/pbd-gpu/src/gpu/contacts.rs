@@ -1,4 +1,4 @@
-//! The contacts of a body on the device.
+//! GPU storage of the contacts of a body.
 
 use super::arena::with_slack;
 use super::body::{Arenas, RUN_TABLES};
@@ -6,34 +6,36 @@ use super::context::Context;
 use super::error::GpuError;
 use super::layout::{CONTACT_ENTRIES, CONTACTS, Entry, RUN_COLORS, RUN_STRIDE, Run};
 use super::upload::Uploads;
-use crate::constraints::OVERFLOW;
-use crate::contacts::{ContactSet, UNCOLORED};
+use crate::constraints::batches::OVERFLOW;
+use crate::constraints::contacts::{ContactSet, UNCOLORED};
+use incise_mesh::index_u32;
 use std::ops::Range;
 
-/// The contacts color by color, without slack between: they are others in every frame.
+/// The contacts by color, packed, since they are replaced every frame.
 #[derive(Debug, Default)]
 pub(super) struct DeviceContacts {
-    /// Rented entries, slack included.
+    /// Allocated entries, slack included.
     list: Range<u32>,
-    /// Which of the solver's contacts the device has, 0 for none.
+    /// Generation of the uploaded contacts, 0 for none.
     generation: u64,
     pub(super) count: u32,
 }
 
 impl DeviceContacts {
-    /// How many there is room for.
+    /// Returns the capacity in contacts.
     pub(super) fn room(&self) -> u32 {
         (self.list.end - self.list.start) / entries(1)
     }
 
-    /// Gives everything back.
+    /// Frees all entries.
     pub(super) fn free(&mut self, arenas: &mut Arenas) {
         arenas.entries.free(std::mem::take(&mut self.list));
         *self = Self::default();
     }
 
-    /// Sends the solver's contacts if they are others than the device has, for the body at `slot`. Returns whether a program
-    /// has to be made for them.
+    /// Uploads the solver's contacts of the body in `slot` if they have changed.
+    ///
+    /// Returns true if the program must be rebuilt.
     pub(super) fn update(
         &mut self,
         context: &Context,
@@ -55,8 +57,8 @@ impl DeviceContacts {
         let mut table = [Run::default(); RUN_COLORS];
         for (color, contacts) in set.colors.iter().enumerate() {
             let run = Run {
-                first: self.list.start + narrow(uploads.entries.len()),
-                len: narrow(contacts.len()),
+                first: self.list.start + index_u32(uploads.entries.len()),
+                len: index_u32(contacts.len()),
             };
             table[if color == UNCOLORED { OVERFLOW } else { color }] = run;
             let words: &[Entry] = bytemuck::cast_slice(contacts);
@@ -68,17 +70,13 @@ impl DeviceContacts {
         let table_at = first * size_of::<Run>() as u64;
         let buffer = arenas.bodies.buffer(RUN_TABLES);
         uploads.send(context, buffer, table_at, bytemuck::cast_slice(&table));
-        self.count = narrow(count);
+        self.count = index_u32(count);
         self.generation = set.generation();
         Ok(self.room() != before || (count > 0) != had)
     }
 }
 
-/// Entries of so many contacts.
+/// Returns the number of entries of `count` contacts.
 fn entries(count: u32) -> u32 {
-    count * narrow(CONTACT_ENTRIES)
-}
-
-fn narrow(count: usize) -> u32 {
-    u32::try_from(count).unwrap_or(u32::MAX)
+    count * index_u32(CONTACT_ENTRIES)
 }

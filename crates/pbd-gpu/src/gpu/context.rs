@@ -1,8 +1,8 @@
-//! An open device, and what becomes of its errors.
+//! An open GPU device with error handling.
 //!
-//! wgpu reports a refused call to the innermost error scope or, without one, to a handler that
-//! panics. Here nothing panics: calls are made within [`Context::scoped`], and whatever is reported
-//! outside of it waits in [`Faults`] for the next [`Context::check`].
+//! wgpu reports a failed call to the innermost error scope or, without one, to a handler that
+//! panics. Here calls are made within [`Context::scoped`]. Errors outside of it are collected in
+//! [`Faults`] until the next [`Context::check`].
 
 use super::adapter::{
     AdapterRequest, AdapterSummary, check_limits, choose, choose_among, limits_to_open,
@@ -13,11 +13,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use wgpu::{Buffer, BufferUsages, Device, ErrorFilter, Features, PollType, Queue};
 
-/// How long [`Context::wait`] waits. Drivers give up on a GPU after seconds; software needs longer
-/// for a frame of large bodies, and nothing needs this long.
+/// Time limit of [`Context::wait`], far above a frame of large bodies on software adapters.
 const WAIT: Duration = Duration::from_secs(120);
 
-/// A device, its queue and what went wrong on it.
+/// A wgpu device with its queue and its collected errors.
 #[derive(Debug)]
 pub struct Context {
     adapter: AdapterSummary,
@@ -26,21 +25,21 @@ pub struct Context {
     faults: Arc<Faults>,
 }
 
-/// What was reported outside of any call that could have returned it.
+/// Errors that were reported outside of any error scope.
 #[derive(Debug, Default)]
 struct Faults(Mutex<Reported>);
 
 #[derive(Debug, Default)]
 struct Reported {
-    /// Why the device is lost. It stays so.
+    /// Reason of the device's loss, which is permanent.
     lost: Option<String>,
-    /// The first error since the last check: the later ones follow from it.
+    /// First error since the last check; later ones are consequences.
     error: Option<GpuError>,
 }
 
 impl Faults {
     fn lock(&self) -> MutexGuard<'_, Reported> {
-        // What is written under the lock is whole after every statement.
+        // The data is consistent after every statement, so a poisoned lock is harmless.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -58,19 +57,21 @@ impl Faults {
 }
 
 impl Context {
-    /// Opens the adapter that is asked for.
+    /// Opens the requested adapter.
     ///
     /// # Errors
     ///
-    /// [`GpuError::NoAdapter`] if there is none, [`GpuError::LimitTooSmall`] if none of those asked
-    /// for can do enough, [`GpuError::Request`] if the driver opens no device.
+    /// [`GpuError::NoAdapter`] if no adapter matches; [`GpuError::LimitTooSmall`] if no matching
+    /// adapter is sufficient; [`GpuError::Request`] if the driver fails.
     pub fn open(request: &AdapterRequest) -> Result<Self, GpuError> {
         let (summary, adapter) = choose(request)?;
         Self::open_chosen(request, summary, &adapter)
     }
 
-    /// As [`Context::open`], of adapters that somebody else has found and the first of them that `is_fit`: that can draw
-    /// in a window, say. Returns it too. Those after it are not asked: there are drivers that crash at such questions.
+    /// Opens the first of the given adapters that matches the request and satisfies `is_fit`.
+    ///
+    /// Use `is_fit` to require, for example, presentation to a window. It is not called for
+    /// adapters after the result, since the query crashes some drivers.
     ///
     /// # Errors
     ///
@@ -115,14 +116,13 @@ impl Context {
         Ok(context)
     }
 
-    /// A context on a device that somebody else has opened, a renderer say.
+    /// Creates a context on a device that the caller has opened.
     ///
-    /// The device's handlers stay as they are: if nobody handles its loss and its errors, call
-    /// [`Context::listen`].
+    /// The error handlers of the device are unchanged; [`Context::listen`] replaces them.
     ///
     /// # Errors
     ///
-    /// [`GpuError::LimitTooSmall`] if the device was opened with less than the kernels need.
+    /// [`GpuError::LimitTooSmall`] if the limits of the device are below those of the kernels.
     pub fn from_device(
         adapter: &wgpu::Adapter,
         device: Device,
@@ -138,8 +138,9 @@ impl Context {
         })
     }
 
-    /// Makes this context the one that hears of the device's loss and of errors outside of any
-    /// scope, in place of who heard of them before. [`Context::open`] has done so.
+    /// Installs handlers for device loss and for errors outside of scopes.
+    ///
+    /// They replace the previous handlers. [`Context::open`] does this itself.
     pub fn listen(&self) {
         let faults = Arc::clone(&self.faults);
         self.device
@@ -153,27 +154,27 @@ impl Context {
         }));
     }
 
-    /// The adapter that was opened.
+    /// Returns the description of the adapter.
     pub fn adapter(&self) -> &AdapterSummary {
         &self.adapter
     }
 
-    /// The device.
+    /// Returns the wgpu device.
     pub fn device(&self) -> &Device {
         &self.device
     }
 
-    /// The queue of the device.
+    /// Returns the queue of the device.
     pub fn queue(&self) -> &Queue {
         &self.queue
     }
 
-    /// Whether passes can be timed on the device.
+    /// Returns true if the device supports timestamp queries.
     pub fn has_timestamps(&self) -> bool {
         self.device.features().contains(Features::TIMESTAMP_QUERY)
     }
 
-    /// Returns what was reported since the last check.
+    /// Returns the error that was reported since the last check, if any.
     ///
     /// # Errors
     ///
@@ -183,20 +184,19 @@ impl Context {
         self.faults.check()
     }
 
-    /// Makes calls on the device or queue and returns what they were refused for. `what` says in a
-    /// few words what they do.
+    /// Runs device or queue calls and returns their error, if any. `what` names the operation.
     ///
     /// # Errors
     ///
-    /// What [`Context::check`] finds before or after the calls, [`GpuError::Validation`],
-    /// [`GpuError::OutOfMemory`] or [`GpuError::Driver`]. What the calls made is then of no use.
+    /// Errors of [`Context::check`] before or after the calls; [`GpuError::Validation`],
+    /// [`GpuError::OutOfMemory`] or [`GpuError::Driver`]. Created resources are then invalid.
     pub fn scoped<T>(&self, what: &str, calls: impl FnOnce() -> T) -> Result<T, GpuError> {
         self.check()?;
         let internal = self.device.push_error_scope(ErrorFilter::Internal);
         let memory = self.device.push_error_scope(ErrorFilter::OutOfMemory);
         let validation = self.device.push_error_scope(ErrorFilter::Validation);
         let made = calls();
-        // Out of memory makes invalid what was to be made, so it is the reason for what else is said.
+        // Running out of memory also causes validation errors, so it takes precedence.
         let validation = pollster::block_on(validation.pop());
         let memory = pollster::block_on(memory.pop());
         let internal = pollster::block_on(internal.pop());
@@ -207,12 +207,12 @@ impl Context {
         }
     }
 
-    /// Makes a buffer of at least `bytes` bytes: at least 4, and a multiple of 4.
+    /// Creates a buffer of at least `bytes` bytes, rounded up to a positive multiple of 4.
     ///
     /// # Errors
     ///
-    /// [`GpuError::BufferTooLarge`] for more than the device takes, and what [`Context::scoped`]
-    /// returns.
+    /// [`GpuError::BufferTooLarge`] above the limits of the device; errors of
+    /// [`Context::scoped`].
     pub fn buffer(&self, label: &str, bytes: u64, usage: BufferUsages) -> Result<Buffer, GpuError> {
         let limits = self.device.limits();
         let limit = if usage.contains(BufferUsages::STORAGE) {
@@ -239,18 +239,16 @@ impl Context {
         })
     }
 
-    /// Blocks until submitted work is done, and calls what waits for it.
+    /// Blocks until submitted work is done and its callbacks have run.
     ///
     /// # Errors
     ///
-    /// [`GpuError::Timeout`] if it does not end within two minutes, and what [`Context::check`]
-    /// finds.
+    /// [`GpuError::Timeout`] after two minutes; errors of [`Context::check`].
     pub fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<(), GpuError> {
         self.wait_for(submission, WAIT)
     }
 
-    /// Blocks like [`Context::wait`], but not longer than `timeout`. What was submitted goes on and can
-    /// be waited for again.
+    /// Blocks like [`Context::wait`] for at most `timeout`; the submitted work continues.
     ///
     /// # Errors
     ///
@@ -266,11 +264,11 @@ impl Context {
         })
     }
 
-    /// Calls what waits for work that is done by now, without blocking.
+    /// Runs the callbacks of completed work without blocking.
     ///
     /// # Errors
     ///
-    /// What [`Context::check`] finds.
+    /// Errors of [`Context::check`].
     pub fn poll_once(&self) -> Result<(), GpuError> {
         self.poll(PollType::Poll)
     }
@@ -280,7 +278,7 @@ impl Context {
             PollType::Wait { timeout, .. } => timeout.unwrap_or_default(),
             PollType::Poll => Duration::ZERO,
         };
-        // A device that is lost while it is waited for makes wgpu panic.
+        // wgpu panics if the device is lost during the wait.
         let polled = catch_unwind(AssertUnwindSafe(|| self.device.poll(until)));
         if let Err(panic) = &polled {
             let reason = panic.downcast_ref::<String>().cloned();
@@ -302,8 +300,9 @@ impl Context {
         }
     }
 
-    /// Gives the device up at once, with all that lies on it. Every later call returns
-    /// [`GpuError::DeviceLost`].
+    /// Destroys the device with all of its resources.
+    ///
+    /// Every later call returns [`GpuError::DeviceLost`].
     pub fn destroy(&self) {
         self.device.destroy();
         self.faults.lose("it was destroyed".to_owned());

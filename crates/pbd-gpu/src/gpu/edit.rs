@@ -1,4 +1,4 @@
-//! How bodies on a device follow edits of the host.
+//! Uploads edits of the CPU copies of bodies: topology, constraints, pins, velocities.
 
 use super::backend::{GpuBackend, GpuBody, find_mut, number};
 use super::body::{Host, POSITIONS, VELOCITIES};
@@ -7,21 +7,21 @@ use super::layout::Report;
 use super::read::report_part;
 use super::shaders::LEAVES;
 use super::stats::Schedule;
-use crate::changes::Changes;
 use crate::error::StepError;
-use crate::plan::StepPlan;
+use crate::follow::changes::Changes;
 use crate::solver::Solver;
+use crate::step::plan::StepPlan;
 use incise_mesh::Surface;
 
 impl GpuBackend {
-    /// Sends what was edited on the host since the last call: a cut's vertices and constraints, pins,
-    /// velocities. What was not touched is not sent. The host must have been up to date when it was
-    /// edited, see [`GpuBackend::read`]. Another solver than the one before, a copy say, is taken over
-    /// whole; the body follows that one from then on.
+    /// Uploads the edits of the CPU copy since the last call, and nothing else.
+    ///
+    /// The CPU copy must have been up to date before the edit, see [`GpuBackend::read`]. A solver
+    /// other than the previous one, such as a clone, is uploaded whole and replaces it.
     ///
     /// # Errors
-    /// [`GpuError::UnknownBody`]; [`GpuError`] when the device has no room for it. The host's copy is
-    /// right then; the next call sends everything.
+    /// [`GpuError::UnknownBody`]; [`GpuError`] if the body does not fit in GPU memory. The CPU copy
+    /// stays valid; the next call uploads everything.
     pub fn update(
         &mut self,
         body: GpuBody,
@@ -32,9 +32,9 @@ impl GpuBackend {
         let resident = self.resident_mut(body)?;
         if resident.follower == 0 || !solver.is_followed_by(resident.follower) {
             resident.follower = number();
-            solver.follow(resident.follower);
+            solver.set_follower(resident.follower);
         }
-        // What other bodies have noted is not to go down with this one's.
+        // Queued edits of other bodies must survive an error of this one.
         self.flush()?;
         let mut changes = std::mem::take(&mut self.changes);
         solver.take_changes(&mut changes);
@@ -72,18 +72,18 @@ impl GpuBackend {
         } else {
             LEAVES
         };
-        let vertices = surface.positions.len() + leaves;
+        let vertices = surface.positions().len() + leaves;
         let mut moved = false;
         if changes.everything {
-            let has_patches = solver.patches.is_some();
+            let has_patches = solver.constraints().patches.is_some();
             resident.body.schedule = choose(schedule, has_patches, vertices, capacity);
-            // The solver may be another one, whose plans have generations of their own.
+            // The solver may be another one, with other generations of plans.
             resident.plan = StepPlan::default();
             let (buffer, offset, _) = report_part(arenas, body.slot());
             let report = Report::new();
             uploads.send(context, buffer, offset, bytemuck::bytes_of(&report));
         } else if resident.body.schedule == Schedule::WholeBody && vertices > capacity as usize {
-            // Its runs lie as passes by color expect them; the program is made anew for the longer ones.
+            // The color schedule uses the same runs.
             resident.body.schedule = Schedule::Colors;
             moved = true;
         }
@@ -100,7 +100,7 @@ impl GpuBackend {
         self.flush()
     }
 
-    /// Sends what can be sent without the surface: pins, masses and velocities.
+    /// Uploads pins, masses and velocities, which do not need the surface.
     pub(super) fn send_small_changes(
         &mut self,
         body: GpuBody,
@@ -113,7 +113,7 @@ impl GpuBackend {
         if solver.is_unchanged() {
             return Ok(());
         }
-        if solver.changes_concern_surface() {
+        if solver.has_surface_changes() {
             return Err(GpuError::StaleBody);
         }
         let Self {
@@ -125,27 +125,27 @@ impl GpuBackend {
             ..
         } = self;
         let resident = find_mut(residents, body)?;
-        let on_device = &mut resident.body;
+        let gpu_body = &mut resident.body;
         solver.take_changes(changes);
-        on_device.edit_masses(uploads, solver, &changes.masses);
-        on_device.edit_velocities(uploads, solver, &changes.velocities);
+        gpu_body.edit_masses(uploads, solver, &changes.masses);
+        gpu_body.edit_velocities(uploads, solver, &changes.velocities);
         if !changes.velocities.is_empty() {
-            // A state that is on its way does not have them.
+            // A pending readback does not include them.
             self.frame += 1;
             resident.frame = self.frame;
         }
         if changes.pins {
-            let moved = on_device.update_pins(context, arenas, uploads, solver.pins());
+            let moved = gpu_body.update_pins(context, arenas, uploads, solver.pins());
             if moved.is_err() {
-                // Not all of the body: the host's positions may be older than the device's.
-                solver.changes.pins();
+                // Only the pins, since positions on the CPU side may be outdated.
+                solver.mark_pins_changed();
             }
             self.program_is_stale |= moved?;
         }
         Ok(())
     }
 
-    /// Writes the noted edits.
+    /// Uploads the queued edits.
     pub(super) fn flush(&mut self) -> Result<(), GpuError> {
         let targets = [
             self.arenas.vertices.buffer(POSITIONS),
@@ -156,8 +156,9 @@ impl GpuBackend {
     }
 }
 
-/// The schedule of a body that takes the room of so many vertices: a workgroup steps what it can hold, unless it has patches, whose layers it
-/// does not know.
+/// Returns the default schedule of a body.
+///
+/// A body that fits in workgroup memory is stepped by one workgroup, unless it has patches.
 fn choose(forced: Option<Schedule>, has_patches: bool, vertices: usize, capacity: u32) -> Schedule {
     let fits = !has_patches && vertices <= capacity as usize;
     match forced {
@@ -169,11 +170,11 @@ fn choose(forced: Option<Schedule>, has_patches: bool, vertices: usize, capacity
 }
 
 pub(super) fn check_slots(surface: &Surface, solver: &Solver) -> Result<(), GpuError> {
-    if surface.positions.len() == solver.mass.len() {
+    if surface.positions().len() == solver.masses().len() {
         return Ok(());
     }
     Err(GpuError::Step(StepError::SurfaceMismatch {
-        surface: surface.positions.len(),
-        solver: solver.mass.len(),
+        surface: surface.positions().len(),
+        solver: solver.masses().len(),
     }))
 }

@@ -1,115 +1,121 @@
-//! What can go wrong between this crate and a device.
+//! Errors of GPU devices and of the GPU backend.
 
 use crate::StepError;
 
-/// Why a device cannot be opened, does not take a call, or is gone.
+/// An error of opening or using a GPU device.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuError {
-    /// No adapter is what was asked for.
+    /// No adapter matches the request.
     #[error("{}", no_adapter(asked.as_deref(), found))]
     NoAdapter {
-        /// The part of a name that was asked for.
+        /// Requested part of a name.
         asked: Option<String>,
-        /// The names of the adapters there are. Without a name asked for, all of them are software.
+        /// Names of the available adapters; without a requested name, all are software adapters.
         found: Vec<String>,
     },
-    /// The adapter or device can do less than what is needed.
+    /// A limit of the adapter or device is too low.
     #[error(
-        "{adapter} has {name} = {have}, {need} is needed; choose another adapter, or open the device with higher limits"
+        "{adapter} has {name} = {have}, but {need} is required; choose another adapter, or open \
+         the device with higher limits"
     )]
     LimitTooSmall {
-        /// The adapter's name.
+        /// Name of the adapter.
         adapter: String,
-        /// The limit, as WebGPU calls it.
+        /// WebGPU name of the limit.
         name: &'static str,
-        /// What is needed.
+        /// Required value.
         need: u64,
-        /// What the adapter or device has.
+        /// Value of the adapter or device.
         have: u64,
     },
-    /// More bytes than the device takes as one buffer or binding.
+    /// A buffer or binding would be larger than the device allows.
     #[error(
-        "{what} would take {bytes} bytes, the device allows {limit}; use fewer or smaller bodies, or open it with the adapter's own limits"
+        "{what} needs {bytes} bytes, but the GPU device allows {limit}; use fewer or smaller \
+         bodies, or open the device with the adapter's own limits"
     )]
     BufferTooLarge {
-        /// What the buffer is for.
+        /// Purpose of the buffer.
         what: String,
-        /// Its size \[bytes\].
+        /// Required size \[bytes\].
         bytes: u64,
-        /// The largest that the device allows \[bytes\].
+        /// Maximum size of the device \[bytes\].
         limit: u64,
     },
-    /// The device has no memory left.
-    #[error("{what}: the device is out of memory; remove bodies or use smaller ones")]
+    /// GPU memory is exhausted.
+    #[error("{what}: the GPU is out of memory; remove bodies or use smaller ones")]
     OutOfMemory {
-        /// What was being done.
+        /// Operation that failed.
         what: String,
     },
-    /// The device is gone, and all that lay on it.
-    #[error("the device is lost ({reason}); open a new one and upload the bodies again")]
+    /// The device is lost, with all of its resources.
+    #[error("the GPU device is lost ({reason}); open a new one and upload the bodies again")]
     DeviceLost {
-        /// What the driver said.
+        /// Message of the driver.
         reason: String,
     },
-    /// A shader or a call was refused. That is a defect of this crate, or of who shares its device.
-    #[error("{what} was refused: {message}; this is a defect, please report it")]
+    /// wgpu rejected a shader or a call, because of a defect here or in another user of the device.
+    #[error("{what}: wgpu rejected a call: {message}; this is a bug, please report it")]
     Validation {
-        /// What was being done.
+        /// Operation that failed.
         what: String,
-        /// Why it was refused.
+        /// Message of wgpu.
         message: String,
     },
-    /// The driver failed at something that is allowed.
+    /// The driver failed at a valid call.
     #[error("{what} failed in the driver: {message}; update the driver or choose another adapter")]
     Driver {
-        /// What was being done.
+        /// Operation that failed.
         what: String,
-        /// What it said.
+        /// Message of the driver.
         message: String,
     },
-    /// The adapter is there but opens no device.
-    #[error("{adapter} opens no device: {message}; choose another adapter or update its driver")]
-    Request {
-        /// The adapter's name.
-        adapter: String,
-        /// What the driver said.
-        message: String,
-    },
-    /// Submitted work did not end in time.
+    /// The adapter failed to open a device.
     #[error(
-        "the device did not finish within {seconds} s; use fewer substeps or iterations, or smaller bodies"
+        "{adapter} failed to open a device: {message}; choose another adapter or update its driver"
+    )]
+    Request {
+        /// Name of the adapter.
+        adapter: String,
+        /// Message of the driver.
+        message: String,
+    },
+    /// Submitted work was not finished in time.
+    #[error(
+        "the GPU did not finish within {seconds} s; use fewer substeps or iterations, or smaller \
+         bodies"
     )]
     Timeout {
-        /// How long was waited \[s\].
+        /// Time limit \[s\].
         seconds: f64,
     },
-    /// A frame of more dispatches than the host should put into one list.
+    /// The frame exceeds the maximum number of dispatches.
     #[error(
-        "the frame takes {dispatches} dispatches, {limit} are allowed; use fewer substeps or iterations"
+        "the frame needs {dispatches} dispatches, but {limit} are allowed; use fewer substeps or \
+         iterations"
     )]
     TooManyDispatches {
-        /// What the frame takes.
+        /// Dispatches of the frame.
         dispatches: u32,
-        /// What is allowed.
+        /// Maximum number of dispatches.
         limit: u32,
     },
-    /// A body that the backend does not have, or has no more.
-    #[error("the body is not on this device; add it first")]
+    /// The body is not in this backend, or was removed.
+    #[error("the body is not in this GPU backend; add it first")]
     UnknownBody,
-    /// Surface or solver were edited and the device has not been told.
-    #[error("the body was edited on the host; update the device's copy first")]
+    /// Surface or solver were edited without [`GpuBackend::update`](crate::GpuBackend::update).
+    #[error("the CPU copy of the body was edited; call `update` first")]
     StaleBody,
-    /// A solver that is not the one that the body follows: another body's, or a copy.
-    #[error("the solver is not the one that the body follows; update the body with it first")]
+    /// The solver is not that of the body: it belongs to another body, or is a clone.
+    #[error("the solver is not that of the GPU body; call `update` with it first")]
     ForeignSolver,
-    /// The frame itself is wrong, or a body has left the numbers.
+    /// The parameters of the frame are invalid, or a position is not finite.
     #[error(transparent)]
     Step(#[from] StepError),
 }
 
 impl GpuError {
-    /// An error of wgpu while doing `what`.
+    /// Converts an error of wgpu during operation `what`.
     pub(crate) fn of_call(what: &str, error: &wgpu::Error) -> Self {
         let what = what.to_owned();
         match error {
@@ -126,7 +132,7 @@ impl GpuError {
     }
 }
 
-/// Says what was looked for, what there is and what helps.
+/// Returns the message for a missing adapter: the request, the available adapters, and advice.
 fn no_adapter(asked: Option<&str>, found: &[String]) -> String {
     let install = "install a driver (on Debian mesa-vulkan-drivers and libvulkan1)";
     let names = found.join(", ");
@@ -134,7 +140,8 @@ fn no_adapter(asked: Option<&str>, found: &[String]) -> String {
         (None, []) => format!("there is no GPU adapter; {install}"),
         (Some(name), []) => format!("there is no GPU adapter, so none named '{name}'; {install}"),
         (None, _) => format!(
-            "there are only software adapters ({names}); ask for one by name, allow software, or {install}"
+            "there are only software adapters ({names}); request one by name, allow software \
+             adapters, or {install}"
         ),
         (Some(name), _) => format!("no GPU adapter is named '{name}'; there are {names}"),
     }

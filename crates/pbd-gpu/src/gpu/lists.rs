@@ -1,19 +1,18 @@
-//! Lists of a body that are sent whole: pins, tethers, contacts, colliders.
+//! GPU storage of pins, attachments and colliders, which are uploaded whole.
 
 use super::arena::with_slack;
 use super::body::{Arenas, DeviceBody};
 use super::context::Context;
 use super::error::GpuError;
 use super::layout::Entry;
-use super::records::{push_pin, push_tether};
+use super::records::{push_attachment, push_pin};
 use super::upload::Uploads;
-use crate::colliders::Colliders;
-use crate::plan::Pin;
+use crate::particles::Pin;
 use crate::solver::Solver;
 use std::ops::Range;
 
 impl DeviceBody {
-    /// Sends the pins; tells whether there are more or fewer of them now.
+    /// Uploads the pins; returns true if their number has changed.
     pub(super) fn update_pins(
         &mut self,
         context: &Context,
@@ -30,28 +29,31 @@ impl DeviceBody {
         Ok(std::mem::replace(&mut self.pin_count, count) != count)
     }
 
-    /// Sends the tethers of the solver's plan if they were found anew; tells whether there are more or fewer now.
-    pub(super) fn update_tethers(
+    /// Uploads new attachments; returns true if their number has changed.
+    pub(super) fn update_attachments(
         &mut self,
         context: &Context,
         arenas: &mut Arenas,
         uploads: &mut Uploads,
         solver: &Solver,
     ) -> Result<bool, GpuError> {
-        let (tethers, generation) = (solver.tethers(), solver.tethers.generation());
-        if !tethers.is_empty() && self.tether_generation != generation {
+        let (attachments, generation) = (
+            solver.attachments(),
+            solver.constraints().attachments.generation(),
+        );
+        if !attachments.is_empty() && self.attachment_generation != generation {
             uploads.entries.clear();
-            for tether in tethers {
-                push_tether(&mut uploads.entries, tether);
+            for attachment in attachments {
+                push_attachment(&mut uploads.entries, attachment);
             }
-            send_list(&mut self.tethers, context, arenas, uploads)?;
-            self.tether_generation = generation;
+            send_list(&mut self.attachments, context, arenas, uploads)?;
+            self.attachment_generation = generation;
         }
-        let count = u32::try_from(tethers.len()).unwrap_or(u32::MAX);
-        Ok(std::mem::replace(&mut self.tether_count, count) != count)
+        let count = u32::try_from(attachments.len()).unwrap_or(u32::MAX);
+        Ok(std::mem::replace(&mut self.attachment_count, count) != count)
     }
 
-    /// Sends the solver's contacts if they were set anew; tells whether there is more room for them or none any more.
+    /// Uploads new contacts; returns true if the program must be rebuilt.
     pub(super) fn update_contacts(
         &mut self,
         context: &Context,
@@ -63,7 +65,7 @@ impl DeviceBody {
         self.contacts.update(context, arenas, uploads, contacts)
     }
 
-    /// Sends the colliders if they were set anew; tells whether there are some now and were none, or the other way round.
+    /// Uploads new colliders; returns true if the program must be rebuilt.
     pub(super) fn update_colliders(
         &mut self,
         context: &Context,
@@ -71,26 +73,23 @@ impl DeviceBody {
         uploads: &mut Uploads,
         solver: &Solver,
     ) -> Result<bool, GpuError> {
-        let Colliders {
-            records,
-            generation,
-            ..
-        } = &solver.colliders;
-        if self.collider_generation == *generation {
+        let colliders = &solver.constraints().colliders;
+        if self.collider_generation == colliders.generation() {
             return Ok(false);
         }
+        let records = colliders.records();
         uploads.entries.clear();
         let entries: &[Entry] = bytemuck::cast_slice(records);
         uploads.entries.extend(entries);
         send_list(&mut self.colliders, context, arenas, uploads)?;
-        self.collider_generation = *generation;
+        self.collider_generation = colliders.generation();
         let count = u32::try_from(records.len()).unwrap_or(u32::MAX);
         let before = std::mem::replace(&mut self.collider_count, count);
         Ok((before > 0) != (count > 0))
     }
 }
 
-/// Sends a list of entries to its rented range, which grows where they have no room in it.
+/// Uploads a list of entries to its range, which is reallocated if it is too small.
 fn send_list(
     range: &mut Range<u32>,
     context: &Context,

@@ -1,4 +1,4 @@
-//! How far bodies move, for who wants to know which of them are at rest.
+//! Measures the motion of GPU bodies, by which a scene detects bodies at rest.
 
 use super::backend::{GpuBackend, GpuBody};
 use super::body::REPORTS;
@@ -9,23 +9,25 @@ use incise_mesh::Aabb;
 use std::mem::offset_of;
 
 impl GpuBackend {
-    /// Has the device note from the next step on how far the body's vertices move, until
-    /// [`GpuBackend::prefetch_motion`]. What was noted before is forgotten.
+    /// Starts to measure the motion of a body from the next step on.
+    ///
+    /// [`GpuBackend::prefetch_motion`] ends the measurement.
     ///
     /// # Errors
     /// [`GpuError::UnknownBody`].
-    pub fn watch(&mut self, body: GpuBody) -> Result<(), GpuError> {
-        self.resident_mut(body)?.is_watched = true;
+    pub fn measure_motion(&mut self, body: GpuBody) -> Result<(), GpuError> {
+        self.resident_mut(body)?.measures_motion = true;
         let report = u64::from(body.slot()) * size_of::<Report>() as u64;
-        let word = report + offset_of!(Report, farthest) as u64;
+        let word = report + offset_of!(Report, max_displacement) as u64;
         let buffer = self.arenas.bodies.buffer(REPORTS);
-        let nothing = 0_u32.to_le_bytes();
-        self.uploads.send(&self.context, buffer, word, &nothing);
+        let zero = 0_u32.to_le_bytes();
+        self.uploads.send(&self.context, buffer, word, &zero);
         Ok(())
     }
 
-    /// The next step is the last one that counts, and has what was noted copied to the host behind its work, for a
-    /// [`GpuBackend::motion`] after it: three steps later it is there.
+    /// Ends the measurement after the next step and requests its readback.
+    ///
+    /// [`GpuBackend::motion`] returns it; three steps later it does not block.
     ///
     /// # Errors
     /// [`GpuError::UnknownBody`].
@@ -34,8 +36,9 @@ impl GpuBackend {
         Ok(())
     }
 
-    /// The farthest that a vertex moved along an axis in a substep of the steps that counted \[m\], and the body's box
-    /// after the last of them. None if nobody asked for it.
+    /// Returns the maximum displacement along an axis in a substep \[m\], and the bounding box.
+    ///
+    /// The box is that after the last measured step. Returns `None` without a request.
     ///
     /// # Errors
     /// As [`GpuBackend::read`].
@@ -50,7 +53,7 @@ impl GpuBackend {
             let report = bytemuck::pod_read_unaligned::<Report>(data);
             finite(&report)?;
             let [min, max] = report.bounds();
-            Ok((f32::from_bits(report.farthest), Aabb { min, max }))
+            Ok((f32::from_bits(report.max_displacement), Aabb { min, max }))
         })?;
         shown.transpose()
     }

@@ -1,60 +1,64 @@
-//! The dispatches of every kind of pass.
+//! Encodes the dispatches of each kind of pass.
 
-use super::layout::{BENDING, CONTACTS, PassUniform, STRETCH, STRUTS};
+use super::layout::{CONTACTS, PassUniform};
 use super::pipelines::Kernel;
-use super::program::{Compiler, Dispatch, NOTHING, Stepped, color_of, narrow};
+use super::program::{Compiler, Dispatch, PLAIN_PASS, Stepped};
 use super::shaders::EntryPoint;
-use crate::coloring::{LAYERS, MAX_COLORS};
-use crate::plan::Pass;
+use crate::constraints::batches::BatchId;
+use crate::constraints::coloring::{LAYERS, MAX_COLORS};
+use crate::step::plan::{ConstraintKind, Pass};
+use incise_mesh::index_u32;
 
-/// A color of at most so many constraints in every body is small: looping over it costs a workgroup
-/// less than a dispatch of its own.
+/// Maximum size of a small color.
+///
+/// Small colors are projected in one dispatch with one workgroup per body, which costs less than a
+/// dispatch each.
 const SMALL_COLOR: u32 = 256;
 
-/// Contacts of all colors and those without one.
+/// Contacts of all colors, and those without a color.
 const ALL_CONTACTS: PassUniform = PassUniform {
     kind: CONTACTS,
-    colors: narrow(MAX_COLORS),
+    colors: index_u32(MAX_COLORS),
     with_overflow: 1,
-    ..NOTHING
+    ..PLAIN_PASS
 };
 
 impl Compiler<'_> {
-    /// A pass over vertices, pins or tethers.
+    /// Adds a pass over vertices, pins or attachments.
     pub(super) fn vertices(&mut self, pass: Pass) -> Option<Dispatch> {
         let (kernel, by_substep) = match pass {
             Pass::Predict => (EntryPoint::Predict, true),
             Pass::Pins => (EntryPoint::Pins, true),
-            Pass::Tethers => (EntryPoint::Tethers, false),
+            Pass::LongRangeAttachments => (EntryPoint::LongRangeAttachments, false),
             Pass::Colliders => (EntryPoint::Colliders, false),
             Pass::Ground => (EntryPoint::Ground, true),
             _ => (EntryPoint::Integrate, true),
         };
         let lanes_of = |b: &Stepped<'_>| match pass {
             Pass::Pins => b.body.pin_count,
-            Pass::Tethers => b.body.tether_count,
+            Pass::LongRangeAttachments => b.body.attachment_count,
             Pass::Colliders if b.body.collider_count == 0 => 0,
             _ => b.body.vertex_count,
         };
         let lanes: Vec<(u32, u32)> = (self.by_passes()).map(|b| (b.slot, lanes_of(b))).collect();
-        self.dispatch(Kernel::Pass(kernel), NOTHING, by_substep, &lanes)
+        self.dispatch(Kernel::Pass(kernel), PLAIN_PASS, by_substep, &lanes)
     }
 
-    /// All multipliers of one kind at once.
+    /// Adds the resets of multipliers, one dispatch per kind.
     pub(super) fn resets(&mut self, out: &mut Vec<Dispatch>) {
-        for kind in [STRETCH, BENDING, STRUTS] {
+        for kind in ConstraintKind::ALL {
             let lanes: Vec<(u32, u32)> = (self.by_passes())
                 .map(|b| (b.slot, b.body.largest_run(kind)))
                 .collect();
             let pass = PassUniform {
-                kind,
+                kind: kind as u32,
                 colors: self
                     .by_passes()
                     .map(|b| b.body.colors(kind))
                     .max()
                     .unwrap_or(0),
                 with_overflow: 1,
-                ..NOTHING
+                ..PLAIN_PASS
             };
             let kernel = Kernel::Pass(EntryPoint::ResetMultipliers);
             out.extend(self.dispatch(kernel, pass, false, &lanes));
@@ -76,22 +80,22 @@ impl Compiler<'_> {
             .map(|b| (b.slot, b.body.volumes.places.pieces))
             .collect();
         let kernel = Kernel::Pass(EntryPoint::ResetVolumes);
-        out.extend(self.dispatch(kernel, NOTHING, false, &pieces));
+        out.extend(self.dispatch(kernel, PLAIN_PASS, false, &pieces));
     }
 
-    /// The contacts of all colors, of which each has few: of all bodies, or of those that have volumes.
+    /// Adds a pass over the contacts of all bodies, or of bodies with volumes.
     pub(super) fn contacts(&mut self, with_volumes: bool, out: &mut Vec<Dispatch>) {
-        let is_meant = |b: &Stepped<'_>| {
+        let is_included = |b: &Stepped<'_>| {
             b.body.contacts.count > 0 && (!with_volumes || b.body.volumes.places.pieces > 0)
         };
         let lanes: Vec<(u32, u32)> = (self.by_passes())
-            .map(|b| (b.slot, u32::from(is_meant(b)) * self.workgroup))
+            .map(|b| (b.slot, u32::from(is_included(b)) * self.workgroup))
             .collect();
         let kernel = Kernel::Pass(EntryPoint::Tail);
         out.extend(self.dispatch(kernel, ALL_CONTACTS, true, &lanes));
     }
 
-    /// The sums of chunks, what follows from them for pieces, and the way of every vertex.
+    /// Adds the passes over volumes: sums of chunks, steps of pieces, displacements.
     pub(super) fn volumes(&mut self, out: &mut Vec<Dispatch>) {
         for entry_point in [
             EntryPoint::SumVolumes,
@@ -105,63 +109,68 @@ impl Compiler<'_> {
             let lanes: Vec<(u32, u32)> = (self.by_passes())
                 .map(|b| (b.slot, groups(b) * self.workgroup))
                 .collect();
-            out.extend(self.dispatch(Kernel::Pass(entry_point), NOTHING, false, &lanes));
+            out.extend(self.dispatch(Kernel::Pass(entry_point), PLAIN_PASS, false, &lanes));
         }
     }
 
-    /// A workgroup a patch of a layer.
+    /// Adds a dispatch over the patches of a layer, one workgroup each.
     pub(super) fn patches(&mut self, kernel: Kernel, layer: usize) -> Option<Dispatch> {
         let lanes: Vec<(u32, u32)> = (self.by_passes())
             .map(|b| (b.slot, b.body.patches(layer - 1) * self.workgroup))
             .collect();
         let pass = PassUniform {
-            color: narrow(layer - 1),
-            ..NOTHING
+            color: index_u32(layer - 1),
+            ..PLAIN_PASS
         };
         self.dispatch(kernel, pass, false, &lanes)
     }
 
-    /// Passes over the colors of one kind and layer: large ones get a dispatch each, what follows the
-    /// last large one shares one.
-    pub(super) fn colors(&mut self, kind: u32, run: &[Pass], out: &mut Vec<Dispatch>) {
-        let is_large = |pass: &Pass| match color_of(*pass) {
-            Some(color) => (self.by_passes()).any(|b| b.body.run_len(kind, color) > SMALL_COLOR),
-            None => false,
+    /// Adds the dispatches over the batches of one kind and layer.
+    ///
+    /// Each color up to the last large one has a dispatch; all later ones share one.
+    pub(super) fn batches(&mut self, kind: ConstraintKind, run: &[Pass], out: &mut Vec<Dispatch>) {
+        let batches: Vec<BatchId> = run.iter().filter_map(|pass| pass.batch()).collect();
+        let is_large = |batch: &BatchId| {
+            *batch != BatchId::Overflow
+                && (self.by_passes()).any(|b| b.body.batch_len(kind, *batch) > SMALL_COLOR)
         };
-        let large = run.iter().rposition(is_large).map_or(0, |last| last + 1);
-        let (large, small) = run.split_at(large);
-        for color in large.iter().filter_map(|&pass| color_of(pass)) {
+        let large = batches
+            .iter()
+            .rposition(is_large)
+            .map_or(0, |last| last + 1);
+        let (large, small) = batches.split_at(large);
+        for &batch in large {
             let lanes: Vec<(u32, u32)> = (self.by_passes())
-                .map(|b| (b.slot, b.body.run_len(kind, color)))
+                .map(|b| (b.slot, b.body.batch_len(kind, batch)))
                 .collect();
             let kernel = match kind {
-                BENDING => EntryPoint::Bending,
-                _ => EntryPoint::Stretch,
+                ConstraintKind::Bending => EntryPoint::Bending,
+                ConstraintKind::Stretch | ConstraintKind::InteriorSpring => EntryPoint::Stretch,
             };
             let pass = PassUniform {
-                kind,
-                color: narrow(color),
-                ..NOTHING
+                kind: kind as u32,
+                color: index_u32(batch.number()),
+                ..PLAIN_PASS
             };
             out.extend(self.dispatch(Kernel::Pass(kernel), pass, false, &lanes));
         }
-        let colors: Vec<usize> = small.iter().filter_map(|&pass| color_of(pass)).collect();
-        let with_overflow = small.iter().any(|&pass| color_of(pass).is_none());
-        let first = colors.first().copied().unwrap_or(0);
-        let end = colors.last().map_or(0, |&last| last + 1);
+        let with_overflow = small.last() == Some(&BatchId::Overflow);
+        let colors = &small[..small.len() - usize::from(with_overflow)];
+        let first = colors.first().map_or(0, |batch| batch.number());
+        let end = colors.last().map_or(0, |batch| batch.number() + 1);
         let holds = |b: &Stepped<'_>| {
-            let any = (first..end).any(|color| b.body.run_len(kind, color) > 0);
-            any || with_overflow && b.body.overflow_len(kind) > 0
+            let any = (first..end).any(|color| b.body.batch_len(kind, BatchId::Color(color)) > 0);
+            any || with_overflow && b.body.batch_len(kind, BatchId::Overflow) > 0
         };
         let lanes: Vec<(u32, u32)> = (self.by_passes())
             .map(|b| (b.slot, if holds(b) { self.workgroup } else { 0 }))
             .collect();
         let pass = PassUniform {
-            kind,
-            color: narrow(first),
-            colors: narrow(end - first),
+            kind: kind as u32,
+            color: index_u32(first),
+            colors: index_u32(end - first),
             with_overflow: u32::from(with_overflow),
-            ..NOTHING
+            ..PLAIN_PASS
         };
         out.extend(self.dispatch(Kernel::Pass(EntryPoint::Tail), pass, false, &lanes));
     }

@@ -1,4 +1,4 @@
-//! The kernels as the device has them, each made when a program first needs it.
+//! Compute pipelines, created when a program first needs them.
 
 use super::adapter::{AdapterKind, AdapterSummary};
 use super::context::Context;
@@ -6,7 +6,7 @@ use super::error::GpuError;
 use super::shaders::{self, EntryPoint};
 use wgpu::{BindGroupLayout, ComputePipeline, PipelineLayout, ShaderModule};
 
-/// What a dispatch runs.
+/// The kernel of a dispatch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kernel {
     Pass(EntryPoint),
@@ -37,28 +37,30 @@ impl Kernel {
     }
 }
 
-/// Lanes of workgroups.
+/// Workgroup sizes by kind of kernel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lanes {
-    /// Where a pass has as many workgroups as it takes.
+    /// For passes with one lane per element.
     pub(super) pass: u32,
-    /// Where one workgroup loops over small colors.
+    /// For the loop over small colors.
     tail: u32,
-    /// Where one workgroup steps a body.
+    /// For the whole-body schedule.
     pub(super) whole_body: u32,
-    /// Where one workgroup has a patch.
+    /// For patches.
     patch: u32,
-    /// How many rounds all loops of an invocation may make together. Mesa's llvmpipe ends every loop after its first round
-    /// once 65,535 were made, whosever they were, and does not say so.
+    /// Maximum number of loop iterations of an invocation.
+    ///
+    /// Mesa's llvmpipe silently ends every loop after a total of 65,535 iterations.
     pub(super) rounds: u64,
 }
 
 impl Lanes {
-    /// A real device hides waiting behind many lanes; a patch's color has some 70 constraints. A
-    /// software device computes some 8 lanes at once and the others one after the other, with a change
-    /// of stacks at every barrier: 8 instead of 64 make a body's workgroup 1.5 to 5 times as fast on
-    /// lavapipe.
-    fn of(adapter: &AdapterSummary) -> Self {
+    /// Returns the sizes for an adapter.
+    ///
+    /// GPUs hide latency with many lanes; a color of a patch has about 70 constraints. Software
+    /// adapters compute about 8 lanes at once and the others serially, with a stack switch at every
+    /// barrier.
+    fn for_adapter(adapter: &AdapterSummary) -> Self {
         let ends_loops = adapter.name.contains("llvmpipe");
         match adapter.kind {
             AdapterKind::Software => Self {
@@ -86,11 +88,11 @@ pub(super) struct Pipelines {
     pub(super) layouts: [BindGroupLayout; 2],
     layout: PipelineLayout,
     pub(super) lanes: Lanes,
-    /// Vertices that a workgroup's memory holds.
+    /// Capacity of workgroup memory in vertices.
     pub(super) capacity: u32,
     modules: [Option<ShaderModule>; 3],
     made: [Option<ComputePipeline>; Kernel::COUNT],
-    /// How many were made since somebody asked.
+    /// Pipelines created since the last query.
     compiled: u32,
 }
 
@@ -102,7 +104,7 @@ impl Pipelines {
         Ok(Self {
             layouts,
             layout,
-            lanes: Lanes::of(context.adapter()),
+            lanes: Lanes::for_adapter(context.adapter()),
             capacity: shaders::capacity(limits.max_compute_workgroup_storage_size),
             modules: [const { None }; 3],
             made: [const { None }; Kernel::COUNT],
@@ -110,7 +112,7 @@ impl Pipelines {
         })
     }
 
-    /// The kernel's pipeline, made now if it has not been.
+    /// Returns the pipeline of a kernel and creates it if necessary.
     pub(super) fn make(&mut self, context: &Context, kernel: Kernel) -> Result<(), GpuError> {
         if self.made[kernel.index()].is_some() {
             return Ok(());
@@ -156,12 +158,12 @@ impl Pipelines {
         Ok(())
     }
 
-    /// How many were made since it was asked last.
+    /// Returns the number of pipelines created since the last call.
     pub(super) fn take_compiled(&mut self) -> u32 {
         std::mem::take(&mut self.compiled)
     }
 
-    /// The names of those that were made.
+    /// Returns the names of the created pipelines.
     pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
         let others = [Kernel::WholeBody, Kernel::Patches, Kernel::ResetPatches];
         let all = EntryPoint::ALL.map(Kernel::Pass).into_iter().chain(others);
@@ -169,13 +171,13 @@ impl Pipelines {
             .map(Kernel::name)
     }
 
-    /// The kernel's pipeline, if it was made.
+    /// Returns the pipeline of a kernel if it exists.
     pub(super) fn get(&self, kernel: Kernel) -> Option<&ComputePipeline> {
         self.made[kernel.index()].as_ref()
     }
 }
 
-/// Workgroups in two dimensions: a device takes 65,535 in each.
+/// Splits workgroups over two dimensions, which are limited to 65,535 each.
 pub(super) fn workgroups(groups: u32) -> [u32; 2] {
     const MOST: u32 = 65_535;
     let rows = groups.div_ceil(MOST).max(1);

@@ -1,18 +1,18 @@
-//! The plans of all bodies as one list of dispatches.
+//! Merges the step plans of all bodies into one list of dispatches.
 //!
-//! Bodies share dispatches: a device finishes one before it starts the next that writes the same
-//! arrays, so a dispatch a body would leave it idle most of the time.
+//! Bodies share dispatches. A GPU finishes a dispatch before it starts the next one that writes the
+//! same arrays, so separate dispatches for each body would leave it idle.
 
 use super::body::DeviceBody;
-use super::layout::{BENDING, Link, PassUniform, STRETCH, STRUTS};
+use super::layout::{Link, PassUniform, STRETCH};
 use super::pipelines::{Kernel, Lanes};
 use super::shaders::EntryPoint;
 use super::stats::Schedule;
-use crate::coloring::MAX_COLORS;
-use crate::plan::{Pass, StepPlan};
+use crate::step::plan::{Pass, StepPlan};
+use incise_mesh::index_u32;
 
-/// A pass over whatever its links say.
-pub(super) const NOTHING: PassUniform = PassUniform {
+/// Parameters of a pass without kind and color.
+pub(super) const PLAIN_PASS: PassUniform = PassUniform {
     first_link: 0,
     links: 0,
     kind: STRETCH,
@@ -27,17 +27,17 @@ pub(super) const NOTHING: PassUniform = PassUniform {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Dispatch {
     pub(super) kernel: Kernel,
-    /// Which pass record it reads, in the first substep.
+    /// Index of its parameters in the first substep.
     pub(super) pass: u32,
-    /// Whether every substep has a record of its own.
+    /// True if every substep has its own parameters.
     pub(super) by_substep: bool,
     pub(super) groups: u32,
 }
 
-/// A body that is stepped.
+/// A body in the program.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stepped<'a> {
-    /// The body's place on the device.
+    /// Slot of the body.
     pub(super) slot: u32,
     pub(super) body: &'a DeviceBody,
     pub(super) plan: &'a StepPlan,
@@ -46,13 +46,14 @@ pub(super) struct Stepped<'a> {
 /// All dispatches of a frame.
 #[derive(Debug, Default)]
 pub(super) struct Program {
-    /// Bodies that a workgroup steps alone: one dispatch a frame, or several where the device ends loops early.
+    /// Dispatches of the whole-body schedule: one per frame, or several on adapters that limit
+    /// loops.
     pub(super) whole: Vec<Dispatch>,
-    /// Once a substep, then `iterations` times, then once.
+    /// Dispatches of a substep: the prologue, `iterations` times the iteration, the epilogue.
     pub(super) prologue: Vec<Dispatch>,
     pub(super) iteration: Vec<Dispatch>,
     pub(super) epilogue: Vec<Dispatch>,
-    /// After the last substep, if somebody asks for boxes.
+    /// Bounding boxes after the last substep, if requested.
     pub(super) bounds: [Option<Dispatch>; 2],
     pub(super) iterations: u32,
     pub(super) substeps: u32,
@@ -60,7 +61,7 @@ pub(super) struct Program {
     pub(super) links: Vec<Link>,
 }
 
-/// Makes programs.
+/// Builds a program.
 pub(super) struct Compiler<'a> {
     bodies: &'a [Stepped<'a>],
     pub(super) workgroup: u32,
@@ -68,7 +69,7 @@ pub(super) struct Compiler<'a> {
 }
 
 impl Program {
-    /// Makes the program of some bodies for workgroups of `workgroup` lanes.
+    /// Compiles the plans of bodies.
     pub(super) fn compile(bodies: &[Stepped<'_>], substeps: u32, lanes: Lanes) -> Self {
         let mut compiler = Compiler {
             bodies,
@@ -90,7 +91,7 @@ impl Program {
         compiler.program
     }
 
-    /// A program that finds the box of one body of so many vertices and does nothing else.
+    /// Returns a program that only computes the bounding box of one body.
     pub(super) fn bounds_of(slot: u32, vertices: u32, workgroup: u32) -> Self {
         let mut compiler = Compiler {
             bodies: &[],
@@ -101,7 +102,7 @@ impl Program {
         compiler.program
     }
 
-    /// How many dispatches a frame has.
+    /// Returns the number of dispatches of a frame.
     pub(super) fn dispatches(&self, with_bounds: bool) -> u32 {
         let count = |list: &[Dispatch]| list.len() as u64;
         let substep = count(&self.prologue)
@@ -113,26 +114,26 @@ impl Program {
         u32::try_from(all.saturating_add(once as u64)).unwrap_or(u32::MAX)
     }
 
-    /// The kernels that the program needs in every frame.
+    /// Returns the kernels of every frame.
     pub(super) fn kernels(&self) -> impl Iterator<Item = Kernel> {
         let lists = [&self.prologue, &self.iteration, &self.epilogue];
         let dispatches = lists.into_iter().flatten().chain(&self.whole);
         dispatches.map(|d| d.kernel)
     }
 
-    /// The kernels that it needs if somebody asks for boxes.
+    /// Returns the kernels of bounding boxes.
     pub(super) fn kernels_of_bounds(&self) -> impl Iterator<Item = Kernel> {
         self.bounds.iter().flatten().map(|d| d.kernel)
     }
 }
 
 impl Compiler<'_> {
-    /// Those that go pass by pass, by patches too.
+    /// Returns the bodies of the color and patch schedules.
     pub(super) fn by_passes(&self) -> impl Iterator<Item = &Stepped<'_>> {
         (self.bodies.iter()).filter(|b| b.body.schedule != Schedule::WholeBody)
     }
 
-    /// The passes of all bodies that go pass by pass, in the order that all of them have.
+    /// Merges the passes of these bodies in the order of [`Pass`].
     fn merged(&self, part: impl Fn(&StepPlan) -> &[Pass]) -> Vec<Pass> {
         let all = self.by_passes().flat_map(|b| part(b.plan));
         let mut passes: Vec<Pass> = all.copied().collect();
@@ -149,17 +150,17 @@ impl Compiler<'_> {
         };
         let links: Vec<(u32, u32)> = whole().map(|b| (b.slot, self.workgroup)).collect();
         let (substeps, iterations) = (self.program.substeps, self.program.iterations);
-        let most = whole()
+        let max_rounds = whole()
             .map(|b| b.body.rounds(lanes.whole_body, iterations))
             .max();
         let at_once =
-            (lanes.rounds / most.unwrap_or(1).max(1)).clamp(1, u64::from(substeps.max(1)));
+            (lanes.rounds / max_rounds.unwrap_or(1).max(1)).clamp(1, u64::from(substeps.max(1)));
         let at_once = u32::try_from(at_once).unwrap_or(u32::MAX);
         for substep in (0..substeps).step_by(at_once as usize) {
             let pass = PassUniform {
                 substep,
                 colors: at_once.min(substeps - substep),
-                ..NOTHING
+                ..PLAIN_PASS
             };
             let dispatch = self.dispatch(Kernel::WholeBody, pass, false, &links);
             self.program.whole.extend(dispatch);
@@ -176,43 +177,45 @@ impl Compiler<'_> {
     fn bounds_of(&mut self, lanes: &[(u32, u32)]) {
         let reset = Kernel::Pass(EntryPoint::ResetBounds);
         let reset = self
-            .dispatch(reset, NOTHING, false, lanes)
+            .dispatch(reset, PLAIN_PASS, false, lanes)
             .map(|d| Dispatch {
-                // A lane a link.
+                // One lane per link.
                 groups: self.program.passes[d.pass as usize]
                     .links
                     .div_ceil(self.workgroup),
                 ..d
             });
         let bounds = Kernel::Pass(EntryPoint::Bounds);
-        self.program.bounds = [reset, self.dispatch(bounds, NOTHING, false, lanes)];
+        self.program.bounds = [reset, self.dispatch(bounds, PLAIN_PASS, false, lanes)];
     }
 
     fn dispatches(&mut self, passes: &[Pass]) -> Vec<Dispatch> {
         let mut out = Vec::new();
-        let together = |a: &Pass, b: &Pass| family(*a).is_some() && family(*a) == family(*b);
+        let together = |a: &Pass, b: &Pass| {
+            a.kind_and_layer().is_some() && a.kind_and_layer() == b.kind_and_layer()
+        };
         let mut layer = 0;
         for run in passes.chunk_by(together) {
-            match family(run[0]) {
-                Some(family) => {
-                    // Struts come after all layers.
-                    if family.layer != layer && family.kind != STRUTS {
-                        layer = family.layer;
+            match run[0] {
+                Pass::Project { kind, batch } => {
+                    // Interior springs have one layer and come last.
+                    if batch.layer() > layer {
+                        layer = batch.layer();
                         out.extend(self.patches(Kernel::Patches, layer));
                     }
-                    self.colors(family.kind, run, &mut out);
+                    self.batches(kind, run, &mut out);
                 }
-                None if run[0] == Pass::ResetMultipliers => self.resets(&mut out),
-                None if run[0] == Pass::ContactsBeforeVolumes => self.contacts(true, &mut out),
-                None if run[0] == Pass::Contacts => self.contacts(false, &mut out),
-                None if run[0] == Pass::Volumes => self.volumes(&mut out),
-                None => out.extend(self.vertices(run[0])),
+                Pass::ResetMultipliers => self.resets(&mut out),
+                Pass::ContactsBeforeVolumes => self.contacts(true, &mut out),
+                Pass::Contacts => self.contacts(false, &mut out),
+                Pass::Volumes => self.volumes(&mut out),
+                pass => out.extend(self.vertices(pass)),
             }
         }
         out
     }
 
-    /// A dispatch over bodies with so many lanes each; none if there is nothing to do.
+    /// Adds a dispatch over bodies with their numbers of lanes; `None` without any lane.
     pub(super) fn dispatch(
         &mut self,
         kernel: Kernel,
@@ -220,7 +223,7 @@ impl Compiler<'_> {
         by_substep: bool,
         lanes: &[(u32, u32)],
     ) -> Option<Dispatch> {
-        let first_link = narrow(self.program.links.len());
+        let first_link = index_u32(self.program.links.len());
         let mut groups = 0;
         for &(body, lanes) in lanes.iter().filter(|(_, lanes)| *lanes > 0) {
             self.program.links.push(Link {
@@ -229,13 +232,13 @@ impl Compiler<'_> {
             });
             groups += lanes.div_ceil(self.workgroup);
         }
-        let links = narrow(self.program.links.len()) - first_link;
+        let links = index_u32(self.program.links.len()) - first_link;
         if links == 0 {
             return None;
         }
         let dispatch = Dispatch {
             kernel,
-            pass: narrow(self.program.passes.len()),
+            pass: index_u32(self.program.passes.len()),
             by_substep,
             groups,
         };
@@ -248,44 +251,5 @@ impl Compiler<'_> {
             });
         }
         Some(dispatch)
-    }
-}
-
-/// Passes of one family have the same kind and layer and may share a dispatch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Family {
-    kind: u32,
-    layer: usize,
-}
-
-fn family(pass: Pass) -> Option<Family> {
-    let (kind, layer) = match pass {
-        Pass::Stretch { color } => (STRETCH, color / MAX_COLORS),
-        Pass::StretchOverflow => (STRETCH, 0),
-        Pass::Bending { color } => (BENDING, color / MAX_COLORS),
-        Pass::BendingOverflow => (BENDING, 0),
-        Pass::Struts { .. } | Pass::StrutsOverflow => (STRUTS, 0),
-        _ => return None,
-    };
-    Some(Family { kind, layer })
-}
-
-/// The color of a pass; none for an overflow.
-pub(super) fn color_of(pass: Pass) -> Option<usize> {
-    match pass {
-        Pass::Stretch { color } | Pass::Bending { color } | Pass::Struts { color } => Some(color),
-        _ => None,
-    }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "more than that many are more than a device has room for"
-)]
-pub(super) const fn narrow(count: usize) -> u32 {
-    if count < u32::MAX as usize {
-        count as u32
-    } else {
-        u32::MAX
     }
 }

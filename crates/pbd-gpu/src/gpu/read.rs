@@ -1,4 +1,4 @@
-//! What the host reads of bodies that live on a device.
+//! Reads states and bounding boxes of GPU bodies back to the CPU.
 
 use super::backend::{GpuBackend, GpuBody, find_mut};
 use super::body::{Arenas, POSITIONS, REPORTS, VELOCITIES};
@@ -11,8 +11,7 @@ use crate::solver::Solver;
 use incise_mesh::{Aabb, Surface, VertexId};
 
 impl GpuBackend {
-    /// Has the next step copy the body's state to the host behind its work, so that a
-    /// [`GpuBackend::read`] after it finds it there instead of waiting for a copy of its own.
+    /// Requests that the next step copy the body's state, for [`GpuBackend::read`] after it.
     ///
     /// # Errors
     /// [`GpuError::UnknownBody`].
@@ -21,7 +20,7 @@ impl GpuBackend {
         Ok(())
     }
 
-    /// Has the next step find the body's box, for a [`GpuBackend::bounds`] after it.
+    /// Requests that the next step compute the body's box, for [`GpuBackend::bounds`] after it.
     ///
     /// # Errors
     /// [`GpuError::UnknownBody`].
@@ -30,25 +29,24 @@ impl GpuBackend {
         Ok(())
     }
 
-    /// Brings positions and velocities to the host: waits until the device is done with them.
+    /// Reads positions and velocities back; blocks until the GPU has finished.
     ///
     /// # Errors
-    /// [`StepError::NonFinitePosition`] in [`GpuError::Step`] when a position stopped being a number;
-    /// [`GpuError::StaleBody`] when surface and solver were edited and the device has not been told;
-    /// [`GpuError::ForeignSolver`] when the body follows another solver. The host's copy is as it was
-    /// then.
+    /// [`StepError::NonFinitePosition`] in [`GpuError::Step`] if a position is not finite;
+    /// [`GpuError::StaleBody`] after edits without [`GpuBackend::update`];
+    /// [`GpuError::ForeignSolver`] for the solver of another body. The CPU copy is then unchanged.
     pub fn read(
         &mut self,
         body: GpuBody,
         surface: &mut Surface,
         solver: &mut Solver,
     ) -> Result<(), GpuError> {
-        let told = self.send_small_changes(body, solver);
+        let sent = self.send_small_changes(body, solver);
         self.flush()?;
-        told?;
+        sent?;
         let i = body.slot() as usize;
         let resident = self.resident(body)?;
-        if surface.positions.len() != resident.body.vertex_count as usize {
+        if surface.positions().len() != resident.body.vertex_count as usize {
             return Err(GpuError::StaleBody);
         }
         check_slots(surface, solver)?;
@@ -64,7 +62,7 @@ impl GpuBackend {
         self.take_state(body, surface, solver)
     }
 
-    /// Takes over the state that is on its way.
+    /// Applies the pending state.
     pub(super) fn take_state(
         &mut self,
         body: GpuBody,
@@ -82,11 +80,16 @@ impl GpuBackend {
             finite(&report)?;
             let (positions, velocities) = vectors.split_at(vectors.len() / 2);
             let vector = |bytes: &[u8]| bytemuck::pod_read_unaligned::<[f32; 4]>(bytes);
-            for (to, from) in surface.positions.iter_mut().zip(positions.chunks_exact(16)) {
+            for (to, from) in surface
+                .positions_mut()
+                .iter_mut()
+                .zip(positions.chunks_exact(16))
+            {
                 let [x, y, z, _] = vector(from);
                 *to = [x, y, z, to[3]];
             }
-            for (to, from) in (solver.velocities.iter_mut()).zip(velocities.chunks_exact(16)) {
+            for (to, from) in (solver.velocities_mut().iter_mut()).zip(velocities.chunks_exact(16))
+            {
                 *to = vector(from);
             }
             Ok(())
@@ -96,7 +99,7 @@ impl GpuBackend {
         Ok(())
     }
 
-    /// The box of the body's vertices, found on the device: waits until it is done.
+    /// Returns the bounding box of the body, computed on the GPU; blocks until it is done.
     ///
     /// # Errors
     /// As [`GpuBackend::read`].
@@ -120,7 +123,7 @@ impl GpuBackend {
         shown.unwrap_or(Err(GpuError::UnknownBody))
     }
 
-    /// Has the state of a body copied.
+    /// Encodes the copy of a body's state.
     pub(super) fn request_state(
         &mut self,
         slot: usize,
@@ -143,14 +146,14 @@ impl GpuBackend {
         Ok(())
     }
 
-    /// Has the report of a body copied, with what was noted of its motion.
+    /// Encodes the copy of a body's report with its motion.
     pub(super) fn request_motion(
         &mut self,
         slot: usize,
         encoder: &mut wgpu::CommandEncoder,
     ) -> Result<(), GpuError> {
         if let Some(resident) = &mut self.residents[slot] {
-            resident.is_watched = false;
+            resident.measures_motion = false;
             let part = [report_part(&self.arenas, resident.body.slot)];
             let frame = resident.frame;
             resident
@@ -160,7 +163,7 @@ impl GpuBackend {
         Ok(())
     }
 
-    /// Has the report of a body copied.
+    /// Encodes the copy of a body's report.
     pub(super) fn request_report(
         &mut self,
         slot: usize,

@@ -1,4 +1,4 @@
-//! What comes back from the device, while it goes on working where that is possible.
+//! Asynchronous copies from GPU buffers to CPU memory.
 
 use super::context::Context;
 use super::error::GpuError;
@@ -10,46 +10,45 @@ const PENDING: u8 = 0;
 const MAPPED: u8 = 1;
 const FAILED: u8 = 2;
 
-/// A part of a buffer: where it starts and how long it is \[bytes\].
+/// Offset and length of a part of a buffer \[bytes\].
 pub(super) type Part<'a> = (&'a Buffer, u64, u64);
 
-/// A buffer that the host can read, and the copy that is on its way into it.
+/// A mappable buffer and its pending copy.
 #[derive(Debug, Default)]
 pub(super) struct Readback {
     buffer: Option<Buffer>,
     flight: Option<Flight>,
 }
 
-/// A copy on its way.
+/// A pending copy.
 #[derive(Debug)]
 struct Flight {
     bytes: u64,
-    /// None until it is submitted.
+    /// Submission of the copy, once it is submitted.
     submission: Option<SubmissionIndex>,
     state: Arc<AtomicU8>,
-    /// The frame whose end it shows.
+    /// Frame whose final state is copied.
     frame: u64,
 }
 
 impl Readback {
-    /// Whether a copy of the end of `frame` is on its way.
+    /// Returns true if a copy of `frame` is pending.
     pub(super) fn shows(&self, frame: u64) -> bool {
         self.flight.as_ref().is_some_and(|f| f.frame == frame)
     }
 
-    /// The frame whose end the copy on its way shows.
+    /// Returns the frame of the pending copy.
     pub(super) fn frame(&self) -> Option<u64> {
         self.flight.as_ref().map(|flight| flight.frame)
     }
 
-    /// Whether the copy on its way is there, or will never be.
+    /// Returns true if the pending copy is complete or has failed.
     pub(super) fn has_arrived(&self) -> bool {
         let state = |flight: &Flight| flight.state.load(Ordering::Acquire);
         self.flight.as_ref().is_some_and(|f| state(f) != PENDING)
     }
 
-    /// Has the parts copied, one behind the other, when the commands are submitted. Forgets a copy
-    /// that nobody has fetched.
+    /// Encodes copies of the parts, one after the other, and discards a pending copy.
     pub(super) fn request(
         &mut self,
         context: &Context,
@@ -88,14 +87,14 @@ impl Readback {
         Ok(())
     }
 
-    /// Tells with which submission the copy went off.
+    /// Sets the submission of the copy.
     pub(super) fn submitted(&mut self, submission: &SubmissionIndex) {
         if let Some(flight) = &mut self.flight {
             flight.submission.get_or_insert_with(|| submission.clone());
         }
     }
 
-    /// Waits for the copy and shows it. None if there is none.
+    /// Blocks until the copy is complete and passes its bytes on; `None` without a pending copy.
     pub(super) fn fetch<T>(
         &mut self,
         context: &Context,
@@ -104,7 +103,7 @@ impl Readback {
         let Some(flight) = self.flight.take() else {
             return Ok(None);
         };
-        // What an error leaves may still be about to be mapped: it is not used again.
+        // After an error the mapping may still be pending, so the buffer is not reused.
         let Some(buffer) = self.buffer.take() else {
             return Ok(None);
         };
@@ -134,14 +133,14 @@ impl Readback {
         Ok(Some(shown))
     }
 
-    /// Gives up a copy that nobody has fetched.
+    /// Discards a pending copy.
     pub(super) fn forget(&mut self) {
         let Some(flight) = self.flight.take() else {
             return;
         };
         match &self.buffer {
             Some(buffer) if flight.submission.is_some() => buffer.unmap(),
-            // It was never asked to be mapped, as its commands went nowhere.
+            // Commands that were not submitted have not requested a mapping.
             _ => self.buffer = None,
         }
     }

@@ -1,4 +1,4 @@
-//! The constraints of one kind of a body on the device: a run of the constraint arena for every color.
+//! GPU storage of one constraint kind: a run of the constraint arena for each color.
 
 use super::arena::{Arena, with_slack};
 use super::context::Context;
@@ -6,15 +6,15 @@ use super::error::GpuError;
 use super::layout::Run;
 use super::records::{entries_of, push_constraint};
 use super::upload::Uploads;
-use crate::constraints::{Batch, ConstraintSet, OVERFLOW, Slot};
+use crate::constraints::batches::{Batch, ConstraintSet, OVERFLOW, Slot};
 use std::ops::Range;
 
-/// A rented run.
+/// An allocated run.
 #[derive(Debug, Clone, Default)]
 struct Rented {
-    /// Entries of the constraint arena, slack included.
+    /// Allocated entries of the constraint arena, slack included.
     entries: Range<u32>,
-    /// Constraints.
+    /// Number of constraints.
     len: u32,
 }
 
@@ -35,17 +35,17 @@ pub(super) struct Runs {
 }
 
 impl Runs {
-    /// Constraints of a color.
+    /// Returns the number of constraints of a color.
     pub(super) fn len(&self, color: usize) -> u32 {
         self.rented.get(color).map_or(0, |run| run.len)
     }
 
-    /// Constraints without a color.
+    /// Returns the number of overflow constraints.
     pub(super) fn overflow_len(&self) -> u32 {
         self.overflow.len
     }
 
-    /// How many colors there are; some may be empty.
+    /// Returns the number of colors; some may be empty.
     pub(super) fn colors(&self) -> u32 {
         u32::try_from(self.rented.len()).unwrap_or(u32::MAX)
     }
@@ -55,12 +55,12 @@ impl Runs {
         table.extend(self.rented.iter().map(Rented::run));
     }
 
-    /// The run of the overflow.
+    /// Returns the run of the overflow.
     pub(super) fn overflow_run(&self) -> Run {
         self.overflow.run()
     }
 
-    /// Gives everything back.
+    /// Frees all runs.
     pub(super) fn free(&mut self, arena: &mut Arena) {
         let overflow = std::mem::take(&mut self.overflow);
         for rented in self.rented.drain(..).chain([overflow]) {
@@ -68,8 +68,9 @@ impl Runs {
         }
     }
 
-    /// Follows the first `colors` colors and the overflow of a set of which `changed` places were written, ascending; everything else is on the
-    /// device. Returns whether a run moved or changed its length.
+    /// Uploads the changed slots (ascending) of the first `colors` colors and of the overflow.
+    ///
+    /// Returns true if a run moved or changed its length.
     pub(super) fn update<const N: usize>(
         &mut self,
         context: &Context,
@@ -108,7 +109,7 @@ impl Runs {
     }
 }
 
-/// Rents room for a batch with slack, in place of the room it had.
+/// Reallocates a run with slack.
 fn rent<const N: usize>(
     context: &Context,
     arena: &mut Arena,
@@ -121,7 +122,7 @@ fn rent<const N: usize>(
     Ok(())
 }
 
-/// Sends a whole batch.
+/// Uploads a whole batch.
 fn upload<const N: usize>(
     arena: &Arena,
     uploads: &mut Uploads,

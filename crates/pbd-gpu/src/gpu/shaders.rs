@@ -1,89 +1,88 @@
-//! The sources of the shader modules, composed of one file a kernel and one a schedule.
+//! Composes the shader modules: one WGSL file per kernel and one per schedule.
 
 use super::layout::{
-    BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, COLLIDER_ENTRIES, CONTACT_ENTRIES, CONTACTS,
-    KEEPS_BENDING, KEEPS_STRETCH, KEEPS_STRUTS, KEEPS_VOLUME, PIECE_ENTRIES, PIN_ENTRIES,
-    RUN_COLORS, STRETCH, STRETCH_ENTRIES, STRUTS, TETHER_ENTRIES,
+    ATTACHMENT_ENTRIES, BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, COLLIDER_ENTRIES, CONTACT_ENTRIES,
+    CONTACTS, INTERIOR_SPRINGS, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME,
+    PIECE_ENTRIES, PIN_ENTRIES, RUN_COLORS, STRETCH, STRETCH_ENTRIES,
 };
-use crate::colliders::{PLANE, ROUND};
-use crate::coloring::MAX_COLORS;
-use crate::constraints::OVERFLOW;
-use crate::contacts::NO_CORNER;
+use crate::constraints::batches::OVERFLOW;
+use crate::constraints::colliders::{PLANE, ROUND};
+use crate::constraints::coloring::MAX_COLORS;
+use crate::constraints::contacts::NO_CORNER;
 use crate::kernels::volume::CHUNK;
 use crate::patches::PATCH_VERTICES;
 
-/// Writes single words.
+/// Module that writes single words.
 pub(crate) const SCATTER: &str = include_str!("shaders/scatter.wgsl");
 
-/// The most vertices of a body whose displacements fit so many bytes of workgroup memory.
+/// Returns the maximum number of vertices whose displacements fit in workgroup memory.
 pub(crate) fn capacity(bytes: u32) -> u32 {
-    // 256 bytes are for what else a workgroup shares.
+    // 256 bytes are reserved for other shared variables.
     (bytes - 256) / 12 / 64 * 64
 }
 
-/// So many vertices fewer fit if the body has volumes: the room of the leaves that their sums are made of.
+/// Reduction of the capacity for bodies with volumes, whose reduction trees need memory [vertices].
 pub(crate) const LEAVES: usize = (16 * CHUNK).div_ceil(12);
 
-/// Lanes of a workgroup where nothing speaks for another number.
+/// Default workgroup size.
 #[cfg(test)]
 pub(crate) const WORKGROUP_SIZE: u32 = 64;
 
-/// The most vertices of a body whose displacements fit the 16 KiB of workgroup memory that every device
-/// has, in whole workgroups of [`WORKGROUP_SIZE`].
+/// Maximum number of vertices with the 16 KiB of workgroup memory of every adapter.
 #[cfg(test)]
 pub(crate) const CAPACITY: u32 = 1344;
 
-/// The entry point of the module for whole bodies.
+/// Entry point of the whole-body schedule.
 pub(crate) const WHOLE_BODY: &str = "whole_body";
 
-/// The entry points of the module for patches: all constraints of the layer whose number less 1 is the
-/// pass's color, a workgroup a patch; and their multipliers set to zero.
+/// Entry point that projects the patches of a layer, one workgroup per patch.
 pub(crate) const PATCHES: &str = "patches";
+/// Entry point that resets the multipliers of the patches of a layer.
 pub(crate) const RESET_PATCHES: &str = "reset_patches";
 
-/// The entry points of the module that has one dispatch a pass.
+/// The entry points of the color schedule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum EntryPoint {
-    /// A lane a vertex.
+    /// One lane per vertex.
     Predict,
-    /// A lane a pin.
+    /// One lane per pin.
     Pins,
-    /// A lane a tether.
-    Tethers,
-    /// A lane a constraint of the longest run of the pass's colors and, if asked for, the overflow.
+    /// One lane per attachment.
+    LongRangeAttachments,
+    /// One lane per constraint of the longest run of the pass.
     ResetMultipliers,
-    /// A lane a constraint of the pass's color, be it edges or struts.
+    /// One lane per edge or interior spring of a color.
     Stretch,
-    /// A lane a constraint of the pass's color.
+    /// One lane per constraint of a color.
     Bending,
-    /// A workgroup a body: the pass's colors of its kind in order, then the overflow if asked for.
+    /// One workgroup per body: several colors of one kind in order, then the overflow.
     Tail,
-    /// A workgroup a chunk of spokes.
+    /// One workgroup per chunk of vertices.
     SumVolumes,
-    /// A workgroup a piece.
+    /// One workgroup per piece.
     StepVolumes,
-    /// A workgroup a chunk of spokes.
+    /// One workgroup per chunk of vertices.
     MoveVolumes,
-    /// A lane a piece.
+    /// One lane per piece.
     ResetVolumes,
-    /// A lane a vertex.
+    /// One lane per vertex.
     Colliders,
-    /// A lane a vertex.
+    /// One lane per vertex.
     Ground,
-    /// A lane a vertex.
+    /// One lane per vertex.
     Integrate,
-    /// A lane a link.
+    /// One lane per link.
     ResetBounds,
-    /// A lane a vertex, after [`EntryPoint::ResetBounds`].
+    /// One lane per vertex, after [`EntryPoint::ResetBounds`].
     Bounds,
 }
 
 impl EntryPoint {
-    /// All of them, each at the place of its number.
+    /// All entry points; the index of an entry point is its number.
     pub(crate) const ALL: [Self; 16] = [
         Self::Predict,
         Self::Pins,
-        Self::Tethers,
+        Self::LongRangeAttachments,
         Self::ResetMultipliers,
         Self::Stretch,
         Self::Bending,
@@ -99,12 +98,12 @@ impl EntryPoint {
         Self::Bounds,
     ];
 
-    /// The name of the function.
+    /// Returns the name of the function.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Predict => "predict",
             Self::Pins => "pins",
-            Self::Tethers => "tethers",
+            Self::LongRangeAttachments => "attachments",
             Self::ResetMultipliers => "reset_multipliers",
             Self::Stretch => "stretch",
             Self::Bending => "bending",
@@ -128,7 +127,7 @@ const SHARED: [&str; 14] = [
     include_str!("shaders/links.wgsl"),
     include_str!("../kernels/predict.wgsl"),
     include_str!("../kernels/pins.wgsl"),
-    include_str!("../kernels/tethers.wgsl"),
+    include_str!("../kernels/attachments.wgsl"),
     include_str!("../kernels/stretch.wgsl"),
     include_str!("../kernels/arctangent.wgsl"),
     include_str!("../kernels/bending.wgsl"),
@@ -139,7 +138,7 @@ const SHARED: [&str; 14] = [
     include_str!("shaders/sweep.wgsl"),
 ];
 
-/// The module that has one dispatch a pass; its entry points are those of [`EntryPoint`].
+/// Returns the module of the color schedule with the entry points of [`EntryPoint`].
 pub(crate) fn colors(workgroup_size: u32, tail_size: u32) -> String {
     let parts = [
         include_str!("shaders/storage.wgsl"),
@@ -152,8 +151,7 @@ pub(crate) fn colors(workgroup_size: u32, tail_size: u32) -> String {
     compose(&constants, &parts)
 }
 
-/// The module in which one workgroup steps a body of up to `capacity` vertices through a frame; its
-/// entry point is [`WHOLE_BODY`].
+/// Returns the module of the whole-body schedule for bodies of up to `capacity` vertices.
 pub(crate) fn whole_body(workgroup_size: u32, capacity: u32) -> String {
     let constants = [("WORKGROUP_SIZE", workgroup_size), ("CAPACITY", capacity)];
     let parts = [
@@ -164,8 +162,7 @@ pub(crate) fn whole_body(workgroup_size: u32, capacity: u32) -> String {
     compose(&constants, &parts)
 }
 
-/// The module in which one workgroup works on a patch; its entry points are [`PATCHES`] and
-/// [`RESET_PATCHES`].
+/// Returns the module of the patch schedule.
 pub(crate) fn patches(workgroup_size: u32) -> String {
     let constants = [
         ("WORKGROUP_SIZE", workgroup_size),
@@ -185,7 +182,7 @@ fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
         ("MAX_COLORS", MAX_COLORS as u32),
         ("STRETCH", STRETCH),
         ("BENDING", BENDING),
-        ("STRUTS", STRUTS),
+        ("INTERIOR_SPRINGS", INTERIOR_SPRINGS),
         ("CONTACTS", CONTACTS),
         ("CONTACT_ENTRIES", CONTACT_ENTRIES as u32),
         ("NO_CORNER", NO_CORNER),
@@ -195,13 +192,13 @@ fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
         ("STRETCH_ENTRIES", STRETCH_ENTRIES as u32),
         ("BENDING_ENTRIES", BENDING_ENTRIES as u32),
         ("PIN_ENTRIES", PIN_ENTRIES as u32),
-        ("TETHER_ENTRIES", TETHER_ENTRIES as u32),
+        ("ATTACHMENT_ENTRIES", ATTACHMENT_ENTRIES as u32),
         ("KEEPS_STRETCH", KEEPS_STRETCH),
         ("KEEPS_BENDING", KEEPS_BENDING),
         ("PIECE_ENTRIES", PIECE_ENTRIES as u32),
         ("CHUNK_ENTRIES", CHUNK_ENTRIES as u32),
         ("KEEPS_VOLUME", KEEPS_VOLUME),
-        ("KEEPS_STRUTS", KEEPS_STRUTS),
+        ("KEEPS_INTERIOR_SPRINGS", KEEPS_INTERIOR_SPRINGS),
         ("CHUNK", CHUNK as u32),
     ];
     let constants = constants

@@ -1,21 +1,23 @@
-//! What the device was asked to do.
+//! Schedules, memory use and statistics of the GPU backend.
 
-/// How a body's step is cut into dispatches.
+/// Division of a body's step into dispatches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Schedule {
-    /// One workgroup runs all substeps of a frame, with the displacements in its own memory. All such
-    /// bodies share one dispatch.
+    /// One workgroup runs all substeps of a frame, with displacements in workgroup memory.
+    ///
+    /// All such bodies share one dispatch.
     WholeBody,
-    /// One dispatch a color, over all such bodies; small colors and the overflow share one.
+    /// One dispatch per color over all such bodies; small colors and the overflow share one.
     Colors,
-    /// As [`Schedule::Colors`] for constraints between patches; those within the patches of a layer
-    /// take one dispatch, with a patch's vertices in a workgroup's memory. For bodies made by
+    /// One dispatch per patch layer, with the vertices of a patch in workgroup memory.
+    ///
+    /// Constraints between patches are stepped as in [`Schedule::Colors`]. Requires a solver from
     /// [`Solver::with_patches`](crate::Solver::with_patches).
     Patches,
 }
 
 impl Schedule {
-    /// A name for tables.
+    /// Returns the name for tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -26,19 +28,21 @@ impl Schedule {
     }
 }
 
-/// Device memory of all bodies. Room is made geometrically and kept: that of a removed body goes to the
-/// next ones.
+/// GPU memory of all bodies. Buffers grow geometrically and never shrink.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct GpuMemory {
-    /// Bytes of the buffers that bodies lie in.
+    /// Size of the buffers \[bytes\].
     pub reserved: u64,
-    /// Bytes of these that bodies have, room for edits included: a quarter of what they hold, and 32
-    /// elements a vertex range, color and patch.
+    /// Allocated part of the buffers \[bytes\], including slack for edits.
+    ///
+    /// The slack is a quarter, plus 32 elements per vertex range, color and patch.
     pub rented: u64,
 }
 
-/// What the device was asked to do by the last step, and since the one before it.
+/// Work of the last step, and of edits and readbacks since the step before.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct GpuStats {
     /// Bodies stepped under [`Schedule::WholeBody`].
     pub whole_bodies: u32,
@@ -52,18 +56,17 @@ pub struct GpuStats {
     pub stretch_projections: u64,
     /// Bending constraints projected by the step.
     pub bending_projections: u64,
-    /// Struts projected by the step.
-    pub strut_projections: u64,
+    /// Interior springs projected by the step.
+    pub interior_spring_projections: u64,
     /// Volume constraints projected by the step.
     pub volume_projections: u64,
-    /// Kernels compiled since the last step, for this one included: each when a body first needs it.
+    /// Kernels compiled since the last step, including those for this step.
     pub kernels_compiled: u32,
-    /// Bytes sent to the device for edits and parameters since the last step, those of this step
-    /// included.
+    /// Bytes uploaded since the last step, including those of this step.
     pub bytes_uploaded: u64,
-    /// Bytes brought back from the device since the last step.
+    /// Bytes read back since the last step.
     pub bytes_read: u64,
-    /// Whether the list of dispatches was made anew: topology, parameters or the choice of bodies
-    /// changed.
+    /// True if the list of dispatches was rebuilt, after a change of topology, parameters or
+    /// bodies.
     pub program_built: bool,
 }

@@ -1,4 +1,4 @@
-//! One frame of all bodies: one pass, one submission.
+//! Steps all bodies by one frame, in one compute pass and one submission.
 
 use super::backend::{FRAMES_IN_FLIGHT, GpuBackend, GpuBody, find_mut};
 use super::error::GpuError;
@@ -6,27 +6,27 @@ use super::layout::FrameUniform;
 use super::pipelines::{Kernel, Pipelines, workgroups};
 use super::program::{Dispatch, Program, Stepped};
 use super::stats::{GpuStats, Schedule};
-use super::stopwatch::Stopwatch;
+use super::timestamps::Timestamps;
 use super::uniforms::PASS_STRIDE;
 use crate::error::StepError;
-use crate::params::{Integrator, SolverParams};
-use crate::plan::StepConstants;
 use crate::solver::Solver;
+use crate::step::constants::StepConstants;
+use crate::step::params::{Integrator, SolverParams};
 use bytemuck::Zeroable;
 use wgpu::{BindGroup, ComputePass, ComputePassDescriptor};
 
-/// The most dispatches of a frame: each takes the host some hundred bytes until it is submitted.
-const MOST_DISPATCHES: u32 = 1 << 20;
+/// Maximum number of dispatches of a frame, which bounds the CPU memory of a submission.
+const MAX_DISPATCHES: u32 = 1 << 20;
 
 impl GpuBackend {
-    /// Steps bodies by one frame of `dt` \[s\], all in one submission, and returns while the device works:
-    /// at most three frames behind, so that what is still to be done never fills the memory.
-    /// Each body is stepped as if it were alone.
+    /// Submits one frame of `dt` \[s\] for the bodies and returns without waiting for it.
+    ///
+    /// Blocks while three frames are in flight. Each body is stepped independently.
     ///
     /// # Errors
-    /// [`GpuError`] when a parameter is out of its range, a body is unknown, follows another solver or was
-    /// edited without [`GpuBackend::update`], the frame takes too many dispatches, or the device fails; no
-    /// body is stepped then. That a position stopped being a number is found by [`GpuBackend::read`].
+    /// [`GpuError`] if a parameter is out of range, a body is unknown, has another solver or was
+    /// edited without [`GpuBackend::update`], the frame needs too many dispatches, or the GPU
+    /// fails. No body is stepped then. [`GpuBackend::read`] reports positions that are not finite.
     pub fn step<'a>(
         &mut self,
         bodies: impl IntoIterator<Item = (GpuBody, &'a mut Solver)>,
@@ -35,38 +35,38 @@ impl GpuBackend {
     ) -> Result<&GpuStats, GpuError> {
         params.check(dt)?;
         if params.integrator != Integrator::Euler {
-            return Err(StepError::NotOnDevice.into());
+            return Err(StepError::UnsupportedOnGpu.into());
         }
         self.context.check()?;
         let mut stats = GpuStats::default();
         let mut frame = FrameUniform::zeroed();
         self.stepped.clear();
-        let mut told = Ok(());
+        let mut prepared = Ok(());
         for (body, solver) in bodies {
-            told = self.send_small_changes(body, solver);
-            if told.is_err() {
+            prepared = self.send_small_changes(body, solver);
+            if prepared.is_err() {
                 break;
             }
             let constants = match solver.prepare(dt, params) {
                 Ok(constants) => constants,
                 Err(error) => {
-                    told = Err(error.into());
+                    prepared = Err(error.into());
                     break;
                 }
             };
             frame = FrameUniform {
-                notes_motion: frame.notes_motion,
+                measures_motion: frame.measures_motion,
                 ..frame_record(&constants, params)
             };
-            self.tell(body, solver, &constants, &mut stats)?;
+            self.update_body(body, solver, &constants, &mut stats)?;
             self.stepped.push(body.slot());
-            let is_watched = self.resident(body)?.is_watched;
-            frame.notes_motion |= u32::from(is_watched);
+            let measures_motion = self.resident(body)?.measures_motion;
+            frame.measures_motion |= u32::from(measures_motion);
         }
-        // Before an error ends the step: those of the bodies that were right are noted for places that
-        // may be somebody else's by the next one.
+        // Also after an error, since the queued edits are for ranges that may be freed before the
+        // next step.
         self.flush()?;
-        told?;
+        prepared?;
         self.program_is_stale |=
             self.program.substeps != params.substeps || self.program_of != self.stepped;
         stats.program_built = self.program_is_stale;
@@ -74,8 +74,8 @@ impl GpuBackend {
         self.uniforms
             .send_frame(&self.context, &mut self.uploads, frame);
         let dispatches = self.program.dispatches(true);
-        if dispatches > MOST_DISPATCHES {
-            let limit = MOST_DISPATCHES;
+        if dispatches > MAX_DISPATCHES {
+            let limit = MAX_DISPATCHES;
             return Err(GpuError::TooManyDispatches { dispatches, limit });
         }
         let wants_bounds = self.wants_bounds();
@@ -94,16 +94,16 @@ impl GpuBackend {
         Ok(&self.stats)
     }
 
-    /// Finds the box of a body that has no report of it on its way.
+    /// Computes the box of a body without a pending report.
     pub(super) fn reduce_bounds(&mut self, slot: u32) -> Result<(), GpuError> {
         let Some(resident) = self.resident_at(slot) else {
             return Err(GpuError::UnknownBody);
         };
         resident.wants_report = true;
-        // That is for the end of the next step.
+        // Requests of boxes are for the end of the next step.
         let wants_state = std::mem::take(&mut resident.wants_state);
         let wants_motion = std::mem::take(&mut resident.wants_motion);
-        // The program's other dispatches are left out by having no substeps.
+        // Zero substeps skip the other dispatches of the program.
         let workgroup = self.pipelines.lanes.pass;
         let count = self.resident_at(slot).map_or(0, |r| r.body.vertex_count);
         self.program = Program::bounds_of(slot, count, workgroup);
@@ -119,8 +119,8 @@ impl GpuBackend {
         done
     }
 
-    /// Tells the device the body's numbers; counts what will be done.
-    fn tell(
+    /// Uploads the record of a body and counts its work.
+    fn update_body(
         &mut self,
         body: GpuBody,
         solver: &Solver,
@@ -136,7 +136,7 @@ impl GpuBackend {
         }
         let rounds = (resident.body).rounds(lanes.whole_body, solver.plan().iterations());
         if resident.body.schedule == Schedule::WholeBody && rounds > lanes.rounds {
-            // Not even a substep can be done in one. Its runs lie as passes by color expect them.
+            // A substep exceeds the limit of loops. The color schedule uses the same runs.
             resident.body.schedule = Schedule::Colors;
         }
         match resident.body.schedule {
@@ -147,7 +147,8 @@ impl GpuBackend {
         let times = u64::from(constants.substeps) * u64::from(solver.plan().iterations());
         stats.stretch_projections += times * solver.stretch().len() as u64;
         stats.bending_projections += times * solver.bending().map_or(0, |set| set.len() as u64);
-        stats.strut_projections += times * solver.struts().map_or(0, |set| set.len() as u64);
+        stats.interior_spring_projections +=
+            times * solver.interior_springs().map_or(0, |set| set.len() as u64);
         stats.volume_projections += times * solver.volumes().pieces().len() as u64;
         let schedule = resident.body.schedule;
         self.program_is_stale |= stale || schedule != before;
@@ -160,7 +161,7 @@ impl GpuBackend {
         let resident = find_mut(&mut self.residents, body)?;
         self.program_is_stale |= resident
             .body
-            .update_tethers(context, arenas, uploads, solver)?;
+            .update_attachments(context, arenas, uploads, solver)?;
         self.program_is_stale |= resident
             .body
             .update_contacts(context, arenas, uploads, solver)?;
@@ -173,7 +174,7 @@ impl GpuBackend {
         Ok(())
     }
 
-    /// Makes the program anew if it does not fit any more.
+    /// Rebuilds the program if it is outdated.
     fn update_program(&mut self, substeps: u32) -> Result<(), GpuError> {
         if !self.program_is_stale {
             return Ok(());
@@ -196,9 +197,9 @@ impl GpuBackend {
         Ok(())
     }
 
-    /// Sends the program's parameters and makes the pipelines that it needs.
+    /// Uploads the parameters of the program and creates its pipelines.
     fn make_program(&mut self) -> Result<(), GpuError> {
-        // Should this fail, the next step tries again.
+        // After an error the next step tries again.
         self.program_is_stale = true;
         for kernel in self.program.kernels() {
             self.pipelines.make(&self.context, kernel)?;
@@ -207,7 +208,7 @@ impl GpuBackend {
             .send_program(&self.context, &mut self.uploads, &self.program)
     }
 
-    /// Makes the pipelines that find boxes: most scenes never ask for one.
+    /// Creates the pipelines for bounding boxes, which most scenes never need.
     fn make_bounds(&mut self) -> Result<(), GpuError> {
         for kernel in self.program.kernels_of_bounds() {
             self.pipelines.make(&self.context, kernel)?;
@@ -215,14 +216,14 @@ impl GpuBackend {
         Ok(())
     }
 
-    /// Whether somebody wants the box of a body that the program steps.
+    /// Returns true if the box of a stepped body is requested.
     fn wants_bounds(&self) -> bool {
         let residents = self.program_of.iter();
         let mut residents = residents.filter_map(|&slot| self.residents[slot as usize].as_ref());
         residents.any(|resident| resident.wants_report || resident.wants_motion)
     }
 
-    /// Notes in the bodies that this frame steps them.
+    /// Sets the frame number of the stepped bodies.
     fn note_frame(&mut self) {
         let frame = self.frame;
         let slots = std::mem::take(&mut self.program_of);
@@ -234,7 +235,7 @@ impl GpuBackend {
         self.program_of = slots;
     }
 
-    /// Encodes the program and the copies that somebody wants, and hands them over.
+    /// Encodes and submits the program and the requested copies.
     fn submit(&mut self, wants_bounds: bool) -> Result<(), GpuError> {
         let mut encoder = super::encoder(&self.context, "step");
         let groups = self
@@ -243,7 +244,7 @@ impl GpuBackend {
         {
             let descriptor = ComputePassDescriptor {
                 label: Some("step"),
-                timestamp_writes: self.stopwatch.as_ref().map(Stopwatch::writes),
+                timestamp_writes: self.timestamps.as_ref().map(Timestamps::writes),
             };
             let mut encoding = Encoding {
                 pass: encoder.begin_compute_pass(&descriptor),
@@ -254,8 +255,8 @@ impl GpuBackend {
             encoding.pass.set_bind_group(0, &groups[0], &[]);
             encoding.program(&self.program, wants_bounds);
         }
-        if let Some(stopwatch) = &mut self.stopwatch {
-            stopwatch.request(&self.context, &mut encoder, self.frame)?;
+        if let Some(timestamps) = &mut self.timestamps {
+            timestamps.request(&self.context, &mut encoder, self.frame)?;
         }
         let slots = std::mem::take(&mut self.program_of);
         let done = self.request_copies(&slots, &mut encoder);
@@ -265,8 +266,8 @@ impl GpuBackend {
         self.in_flight.rotate_left(1);
         self.in_flight[FRAMES_IN_FLIGHT - 1] = Some(submission.clone());
         self.context.check()?;
-        if let Some(stopwatch) = &mut self.stopwatch {
-            stopwatch.submitted(&submission);
+        if let Some(timestamps) = &mut self.timestamps {
+            timestamps.submitted(&submission);
         }
         for i in 0..self.program_of.len() {
             let slot = self.program_of[i];
@@ -279,7 +280,7 @@ impl GpuBackend {
         Ok(())
     }
 
-    /// Waits until the device is no more than a few frames behind.
+    /// Blocks until fewer than [`FRAMES_IN_FLIGHT`] frames are pending.
     fn follow_up(&mut self) -> Result<(), GpuError> {
         match self.in_flight[0].take() {
             Some(oldest) => self.context.wait(oldest),
@@ -313,12 +314,12 @@ impl GpuBackend {
     }
 }
 
-/// A pass that dispatches are written to.
+/// A compute pass under construction.
 struct Encoding<'a> {
     pass: ComputePass<'a>,
     pipelines: &'a Pipelines,
     uniforms: &'a BindGroup,
-    /// The kernel that is set.
+    /// Current kernel.
     last: Option<Kernel>,
 }
 
@@ -363,8 +364,8 @@ fn frame_record(constants: &StepConstants, params: &SolverParams) -> FrameUnifor
         has_ground: u32::from(params.ground.is_some()),
         substeps: constants.substeps,
         iterations: params.iterations,
-        notes_motion: 0,
-        own_weight: params.own_weight,
+        measures_motion: 0,
+        diagonal_scale: params.diagonal_scale,
         pad: [0; 2],
     }
 }

@@ -1,4 +1,4 @@
-//! The parameters of dispatches and the bind groups that hold everything together.
+//! Uniform buffers with the parameters of dispatches, and the bind groups of all kernels.
 
 use super::body::{Arenas, DISPLACEMENTS, POSITIONS, RECORDS, REPORTS, RUN_TABLES, VELOCITIES};
 use super::context::Context;
@@ -10,21 +10,21 @@ use super::upload::Uploads;
 use bytemuck::Zeroable;
 use wgpu::{BindGroup, BindGroupEntry, BindingResource, Buffer, BufferBinding, BufferUsages};
 
-/// Bytes from one pass record to the next: what every device can step by.
+/// Bytes between the parameters of passes; the alignment that every adapter supports.
 pub(super) const PASS_STRIDE: u32 = 256;
 
-/// Buffers that parameters lie in, and the bind groups.
+/// Parameter buffers and bind groups.
 #[derive(Debug)]
 pub(super) struct Uniforms {
     frame: Buffer,
-    /// What the device was told last.
-    told: FrameUniform,
+    /// Last uploaded parameters.
+    uploaded: FrameUniform,
     passes: Buffer,
     links: Buffer,
     groups: Option<[BindGroup; 2]>,
-    /// The buffers that the groups were made of.
+    /// Buffers of the bind groups.
     bound: Vec<Buffer>,
-    /// Room to spread pass records; its content matters to nobody between calls.
+    /// Scratch memory.
     bytes: Vec<u8>,
 }
 
@@ -34,7 +34,7 @@ impl Uniforms {
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
         Ok(Self {
             frame: context.buffer("frame", size_of::<FrameUniform>() as u64, uniform)?,
-            told: FrameUniform::zeroed(),
+            uploaded: FrameUniform::zeroed(),
             passes: context.buffer("passes", 64 * u64::from(PASS_STRIDE), uniform)?,
             links: context.buffer("links", 1024, storage)?,
             groups: None,
@@ -43,20 +43,20 @@ impl Uniforms {
         })
     }
 
-    /// Sends the numbers of a frame if they differ from the last one's.
+    /// Uploads the parameters of a frame if they have changed.
     pub(super) fn send_frame(
         &mut self,
         context: &Context,
         uploads: &mut Uploads,
         frame: FrameUniform,
     ) {
-        if bytemuck::bytes_of(&frame) != bytemuck::bytes_of(&self.told) {
+        if bytemuck::bytes_of(&frame) != bytemuck::bytes_of(&self.uploaded) {
             uploads.send(context, &self.frame, 0, bytemuck::bytes_of(&frame));
-            self.told = frame;
+            self.uploaded = frame;
         }
     }
 
-    /// Sends the parameters of a program's dispatches.
+    /// Uploads the parameters of a program's dispatches.
     pub(super) fn send_program(
         &mut self,
         context: &Context,
@@ -64,7 +64,7 @@ impl Uniforms {
         program: &Program,
     ) -> Result<(), GpuError> {
         let links: &[u8] = bytemuck::cast_slice(&program.links);
-        // Room first: what the device has no room for, the host does not spread out either.
+        // Allocates first, so that an error costs no further work.
         for (buffer, bytes) in [
             (
                 &mut self.passes,
@@ -87,7 +87,7 @@ impl Uniforms {
         Ok(())
     }
 
-    /// The bind groups, made anew if a buffer was replaced.
+    /// Returns the bind groups, recreated if a buffer was replaced.
     pub(super) fn groups(
         &mut self,
         context: &Context,

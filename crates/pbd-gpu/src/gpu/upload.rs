@@ -1,13 +1,13 @@
-//! What is sent to the device: whole ranges as they are, single words by a kernel that scatters them.
+//! Uploads to the GPU: whole ranges by copies, single words by a scatter kernel.
 
 use super::context::Context;
 use super::error::GpuError;
 use super::pipelines::workgroups;
 use super::records::push_constraint;
-use crate::constraints::Batch;
+use crate::constraints::batches::Batch;
 use wgpu::{Buffer, BufferUsages, ComputePassDescriptor, ComputePipeline};
 
-/// Which array an edit goes to.
+/// Target array of an edit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Target {
     Positions,
@@ -15,16 +15,16 @@ pub(super) enum Target {
     Constraints,
 }
 
-/// Gathers edits, sends them, counts bytes.
+/// Queues edits, uploads them and counts bytes.
 #[derive(Debug)]
 pub(super) struct Uploads {
-    /// Room to put entries together; its content matters to nobody between calls.
+    /// Scratch memory for entries.
     pub(super) entries: Vec<[u32; 2]>,
-    /// A count, then a place and a value an edit, one list a target.
+    /// Per target: a count, then index and value of each edit.
     edits: [Vec<u32>; 3],
     buffers: [Option<Buffer>; 3],
     scatter: Option<ComputePipeline>,
-    /// Bytes sent since they were last asked for.
+    /// Bytes uploaded since the last query.
     bytes: u64,
 }
 
@@ -39,32 +39,32 @@ impl Uploads {
         }
     }
 
-    /// Bytes sent since the last call.
+    /// Returns the bytes uploaded since the last call.
     pub(super) fn take_bytes(&mut self) -> u64 {
         std::mem::take(&mut self.bytes)
     }
 
-    /// Notes the words of a vector of which `element` is the number.
+    /// Queues the vector `element`.
     pub(super) fn edit_vector(&mut self, target: Target, element: u32, value: [f32; 4]) {
         for (word, c) in (4 * element..).zip(value) {
             self.edits[target as usize].extend([word, c.to_bits()]);
         }
     }
 
-    /// Notes the inverse mass of a vertex.
+    /// Queues the inverse mass of a vertex.
     pub(super) fn edit_mass(&mut self, vertex: u32, inverse_mass: f32) {
         let edit = [4 * vertex + 3, inverse_mass.to_bits()];
         self.edits[Target::Positions as usize].extend(edit);
     }
 
-    /// Notes an entry of the constraint arena.
+    /// Queues an entry of the constraint arena.
     pub(super) fn edit_entry(&mut self, entry: u32, value: [u32; 2]) {
         for (word, value) in (2 * entry..).zip(value) {
             self.edits[Target::Constraints as usize].extend([word, value]);
         }
     }
 
-    /// Notes a batch's constraint for the entries from `entry` on.
+    /// Queues a constraint of a batch for the entries from `entry` on.
     pub(super) fn constraint<const N: usize>(&mut self, entry: u32, batch: &Batch<N>, i: usize) {
         let mut entries = std::mem::take(&mut self.entries);
         entries.clear();
@@ -75,14 +75,14 @@ impl Uploads {
         self.entries = entries;
     }
 
-    /// Sends the gathered entries to `offset` of a buffer \[bytes\].
+    /// Uploads the gathered entries to `offset` of a buffer \[bytes\].
     pub(super) fn write(&mut self, context: &Context, buffer: &Buffer, offset: u64) {
         let entries = std::mem::take(&mut self.entries);
         self.send(context, buffer, offset, bytemuck::cast_slice(&entries));
         self.entries = entries;
     }
 
-    /// Sends bytes.
+    /// Uploads bytes.
     pub(super) fn send(&mut self, context: &Context, buffer: &Buffer, offset: u64, data: &[u8]) {
         if !data.is_empty() {
             context.queue().write_buffer(buffer, offset, data);
@@ -90,13 +90,14 @@ impl Uploads {
         }
     }
 
-    /// Forgets noted edits.
+    /// Discards queued edits.
     pub(super) fn clear(&mut self) {
         self.edits.iter_mut().for_each(|words| words.truncate(1));
     }
 
-    /// Sends the noted edits and has them written to the buffers of the three targets. After an error they
-    /// are noted still.
+    /// Uploads the queued edits and scatters them to the three targets.
+    ///
+    /// After an error the edits stay queued.
     pub(super) fn flush(
         &mut self,
         context: &Context,
@@ -144,7 +145,7 @@ impl Uploads {
     }
 }
 
-/// An empty list of edits: room for its count.
+/// Returns an empty list of edits with its count.
 fn with_count(mut words: Vec<u32>) -> Vec<u32> {
     words.push(0);
     words

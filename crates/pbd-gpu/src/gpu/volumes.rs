@@ -1,4 +1,4 @@
-//! The volume constraints of a body on the device, and the half-edges that they go round by.
+//! GPU storage of a body's volume constraints and of the half-edges that they traverse.
 
 use super::arena::{Arena, with_slack};
 use super::body::Host;
@@ -6,15 +6,15 @@ use super::context::Context;
 use super::error::GpuError;
 use super::layout::{CHUNK_ENTRIES, Entry, PIECE_ENTRIES};
 use super::upload::Uploads;
+use crate::constraints::volumes::VolumeSet;
 use crate::kernels::volume::CHUNK;
-use crate::volumes::VolumeSet;
-use incise_mesh::{HalfEdge, Surface};
+use incise_mesh::{HalfEdge, Surface, index_u32};
 use std::ops::Range;
 
-/// Half-edges are sent one by one if no more than every so manieth is another one.
+/// Half-edges are uploaded individually if at most one in this many has changed.
 const SCATTERED: usize = 8;
 
-/// Where a body's volume constraints lie among the entries.
+/// Offsets of a body's volume constraints in the entries.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct VolumePlaces {
     pub(super) first_piece: u32,
@@ -29,26 +29,26 @@ pub(super) struct VolumePlaces {
 /// Pieces, chunks and spokes one after the other, and the surface's half-edges.
 #[derive(Debug, Default)]
 pub(super) struct DeviceVolumes {
-    /// Rented entries, slack included.
+    /// Allocated entries, slack included.
     list: Range<u32>,
-    /// Rented entries, slack included.
+    /// Allocated entries, slack included.
     corners: Range<u32>,
-    /// The half-edges as the device has them.
+    /// Uploaded half-edges.
     known: Vec<Entry>,
-    /// Which of the solver's volumes the device has, 0 for none.
+    /// Generation of the uploaded volumes, 0 for none.
     generation: u64,
     pub(super) places: VolumePlaces,
 }
 
 impl DeviceVolumes {
-    /// Gives everything back.
+    /// Frees all entries.
     pub(super) fn free(&mut self, arena: &mut Arena) {
         arena.free(std::mem::take(&mut self.list));
         arena.free(std::mem::take(&mut self.corners));
         *self = Self::default();
     }
 
-    /// Follows the solver's volumes. Returns whether there are more or fewer pieces or chunks now.
+    /// Uploads changed volumes; returns true if the number of pieces or chunks has changed.
     pub(super) fn update(
         &mut self,
         context: &Context,
@@ -76,22 +76,22 @@ impl DeviceVolumes {
             arena.free(std::mem::replace(&mut self.list, list));
         }
         uploads.write(context, arena.buffer(0), u64::from(self.list.start) * 8);
-        let pieces = narrow(set.pieces().len());
-        let first_chunk = self.list.start + pieces * narrow(PIECE_ENTRIES);
+        let pieces = index_u32(set.pieces().len());
+        let first_chunk = self.list.start + pieces * index_u32(PIECE_ENTRIES);
         self.places = VolumePlaces {
             first_piece: self.list.start,
             pieces,
             first_chunk,
             chunks,
-            first_spoke: first_chunk + chunks * narrow(CHUNK_ENTRIES),
+            first_spoke: first_chunk + chunks * index_u32(CHUNK_ENTRIES),
             first_corner: self.corners.start,
-            corners: narrow(self.known.len()),
+            corners: index_u32(self.known.len()),
         };
         self.generation = set.generation();
         Ok(before.pieces != pieces || before.chunks != chunks)
     }
 
-    /// Sends the half-edges that are others than the device has: few after most edits.
+    /// Uploads the half-edges that have changed.
     fn send_corners(
         &mut self,
         context: &Context,
@@ -102,7 +102,7 @@ impl DeviceVolumes {
         let topology = surface.topology();
         let count = 3 * topology.triangle_slots();
         let corner = |h: HalfEdge| [topology.origin(h).0, topology.twin(h).0];
-        let now = || (0..narrow(count)).map(|h| corner(HalfEdge(h)));
+        let now = || (0..index_u32(count)).map(|h| corner(HalfEdge(h)));
         let differ = |known: &[Entry]| {
             let shared = known.iter().zip(now()).filter(|(known, now)| *known != now);
             shared.count() + count.saturating_sub(known.len())
@@ -134,11 +134,11 @@ impl DeviceVolumes {
     }
 }
 
-/// Appends pieces, chunks and spokes. Returns how many chunks there are.
+/// Appends pieces, chunks and spokes; returns the number of chunks.
 fn push_volumes(entries: &mut Vec<Entry>, set: &VolumeSet) -> u32 {
     let mut chunks = 0;
     for piece in set.pieces() {
-        let count = narrow(piece.vertices().div_ceil(CHUNK));
+        let count = index_u32(piece.vertices().div_ceil(CHUNK));
         let center = set.spokes[piece.first].vertex.0;
         let numbers = [piece.rest.to_bits(), piece.reach.to_bits()];
         entries.extend([[chunks, count], numbers, [0, 0], [center, 0]]);
@@ -146,15 +146,11 @@ fn push_volumes(entries: &mut Vec<Entry>, set: &VolumeSet) -> u32 {
     }
     for (number, piece) in (0..).zip(set.pieces()) {
         for first in (piece.first..piece.end).step_by(CHUNK) {
-            let spokes = narrow(CHUNK.min(piece.end - first));
-            entries.extend([[narrow(first), spokes], [number, 0], [0, 0], [0, 0]]);
+            let spokes = index_u32(CHUNK.min(piece.end - first));
+            entries.extend([[index_u32(first), spokes], [number, 0], [0, 0], [0, 0]]);
         }
     }
     let spokes = set.spokes.iter();
     entries.extend(spokes.map(|spoke| [spoke.vertex.0, spoke.outgoing.0]));
     chunks
-}
-
-fn narrow(count: usize) -> u32 {
-    u32::try_from(count).unwrap_or(u32::MAX)
 }

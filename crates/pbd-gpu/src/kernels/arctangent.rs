@@ -1,4 +1,4 @@
-//! The arctangent as one polynomial, because devices compute their own ones differently.
+//! A polynomial arctangent with the same bits on every CPU and GPU.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -14,7 +14,9 @@ pub(crate) const COEFFICIENTS: [f32; 8] = [
     -0.004_054_567_5,
 ];
 
-/// The angle of the point `(x, y)` \[rad\], -pi to pi; 0 at the origin. Within 1e-6 of the exact one.
+/// Returns the angle of the point `(x, y)` \[rad\], -pi to pi, and 0 at the origin.
+///
+/// The error is below 1e-6 rad.
 #[inline(always)]
 pub(crate) fn arctangent2(y: f32, x: f32) -> f32 {
     let (ax, ay) = (x.abs(), y.abs());

@@ -1,4 +1,4 @@
-// Twin of arctangent.rs.
+// WGSL counterpart of `arctangent.rs`.
 
 const PI: f32 = 3.14159265358979;
 const TAU: f32 = 6.28318530717959;
@@ -15,7 +15,7 @@ const COEFFICIENTS = array<f32, 8>(
     -0.0040545675,
 );
 
-// The angle of the point (x, y) [rad], -pi to pi; 0 at the origin.
+// Returns the angle of the point (x, y) [rad], -pi to pi, and 0 at the origin.
 fn arctangent2(y: f32, x: f32) -> f32 {
     let ax = abs(x);
     let ay = abs(y);

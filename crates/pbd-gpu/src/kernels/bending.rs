@@ -1,74 +1,78 @@
-//! Bending: two triangles keep the angle between them.
+//! Bending constraints: preserve the dihedral angle of two triangles.
 //!
 //! `C = theta - rest`, theta the signed angle between the normals at the edge `p0 p1`, the vertices
 //! across being `p2` and `p3`. With `e = p1 - p0`, `n2 = e x (p2 - p0)` and `n3 = (p3 - p0) x e`:
 //!
-//! - `theta = atan2(-|e| (p2 - p0) . n3, n2 . n3)`, which keeps its digits when flat and when folded;
+//! - `theta = atan2(-|e| (p2 - p0) . n3, n2 . n3)`, which keeps its digits when flat and when
+//!   folded;
 //! - `g2 = -|e| n2 / |n2|^2` and `g3 = -|e| n3 / |n3|^2` (Bridson et al. 2003);
-//! - `g0 = -(1 - s) g2 - (1 - t) g3` and `g1 = -s g2 - t g3`, s and t being where the feet of `p2` and
-//!   `p3` stand on the edge, from 0 at `p0` to 1 at `p1`. So the sum of gradients is zero.
+//! - `g0 = -(1 - s) g2 - (1 - t) g3` and `g1 = -s g2 - t g3`, s and t being where the feet of `p2`
+//!   and `p3` stand on the edge, from 0 at `p0` to 1 at `p1`. So the sum of gradients is zero.
 //!
-//! An error is what was there before the substep, and what its displacements `d` add, `sum g . d`. Beside edges that are
-//! softer than the hinge the first comes back no faster than at [`RECOVERY`], and slower where they are limp: taken back at once
-//! it is a blow, since velocities follow from displacements, and as no edge holds it the next hinge passes it on, larger. What
-//! the substep adds is taken back at once in any case, and so is all where edges hold or can follow: there old errors are how a
-//! load goes on from hinge to hinge. A substep shorter than those before it leaves a part of them, as edges do.
+//! The error is the sum of the error before the substep and of `sum g . d`, the change by its
+//! displacements `d`. The change is corrected at once. The older error is corrected at once only
+//! where the edges are stiff enough to hold it or to follow. Next to edges softer than the hinge it
+//! is corrected at rate [`RECOVERY`] at most, and more slowly next to limp edges: velocities follow
+//! from displacements, so a larger correction is an impulse, which the next hinges amplify. In a
+//! substep that is shorter than the previous ones a part of the older error remains, as for edges.
 
 use super::arctangent::arctangent2;
 use super::block::{BLOCK, Lanes, difference};
 use super::displacements::Displacements;
-use crate::constraints::Part;
-use crate::material::Projection;
-use crate::sweep::Kernel;
+use crate::constraints::batches::Part;
+use crate::step::constants::Projection;
+use crate::step::sweep::Kernel;
 use incise_mesh::VertexId;
 use std::f32::consts::{PI, TAU};
 
-/// A triangle takes no part when its doubled area is below this share of its squared edges: its normal
-/// is rounding then. Usually such triangles are slivers of a height of 1e-5 of their length.
+/// Triangles whose doubled area is below this fraction of their squared edges are ignored.
+///
+/// The normals of such slivers are rounding errors.
 pub(crate) const FLAT: f32 = 1e-5;
 
-/// The largest change of angle that one projection makes \[rad\]. A gradient is a tangent: following
-/// it for a large angle pushes vertices outwards and pumps energy into crumpled bodies. Measured on a
-/// crumpled ball of stiffness 1: 0.06 J go on and on with 0.5 rad, 4e-6 J with 0.1 rad.
+/// Maximum change of angle per projection \[rad\].
+///
+/// A large step along the gradient moves vertices outward and adds energy to crumpled bodies.
 pub(crate) const MAX_TURN: f32 = 0.1;
 
-/// How fast an angle comes back from an old error where bending is rigid and edges are soft [rad/s].
-/// Measured on a ball that falls, of 15 compliances of stretch by 15 of bending: with 6 rad/s some gain
-/// 2 % of the energy that there was, without a bound up to 1e11 times.
+/// Rate at which older angle errors are corrected where bending is rigid and edges are soft
+/// [rad/s]. A higher rate adds energy.
 pub(crate) const RECOVERY: f32 = 3.0;
 
-/// How much of an edge's own stiffness, by that of a step's inertia, is enough to hold bending back.
+/// Edge stiffness, relative to the inertia of a step, that is enough to hold bending back.
 pub(crate) const HOLD: f32 = 10.0;
 
-/// How far bending that edges can follow is held up no more: with the fourth power of so much of the squared frequency of edges
-/// over that of the hinge, by [`HOLD`]. A shell that bends is less stiff than one that stretches, by the square of its thickness over its
-/// edges: what it has stored comes back as fast as it can. Only where bending is the stiffer one nothing but a bound keeps it from
-/// throwing vertices about, however short a substep is. Measured on the ball of [`RECOVERY`] and on a twisted ribbon, whose edges are 3 times as stiff as its hinges:
-/// with 0.3 the ball keeps its energy and the ribbon is 0.05 edges off, with 0.2 the ribbon is 0.4 off.
+/// Scale of the squared frequency ratio of edges and hinge above which errors are not limited.
+///
+/// The limit fades with the fourth power of this ratio. A shell is less stiff in bending than in
+/// stretch, so its hinges need no limit. Where bending is stiffer, only a limit keeps it from
+/// throwing vertices about, however short a substep is.
 pub(crate) const FOLLOW: f32 = 0.3;
 
-/// Where edges follow so well, nothing is held up; its fourth power is far from the end of numbers.
+/// Frequency ratio at which the limit vanishes; its fourth power does not overflow.
 pub(crate) const FREE: f32 = 1e4;
 
-/// Edges that are slower than `sqrt(LIMP / HOLD) RECOVERY`, 9.5 rad/s, are limp: angles come back the less, the slower they are.
+/// Squared frequency ratio below which edges are limp and angles recover more slowly.
+///
+/// Limp edges are slower than `sqrt(LIMP / HOLD) RECOVERY`, 9.5 rad/s.
 pub(crate) const LIMP: f32 = 100.0;
 
-/// The hold of edges that do not stretch \[kg\]: more than any body weighs, less than the end of numbers.
+/// Stiffness of rigid edges \[kg\]: more than the mass of any body, without overflow.
 pub(crate) const FIRM: f32 = 1e30;
 
 struct Block<const B: usize> {
-    /// From the first vertex to each of the others.
+    /// Vectors from the first vertex to the others.
     to: [[Lanes<B>; 3]; 3],
-    /// Their displacements, less that of the first.
+    /// Displacements of the others relative to the first.
     moved: [[Lanes<B>; 3]; 3],
     inv_mass: [Lanes<B>; 4],
     rest: Lanes<B>,
     lambda: Lanes<B>,
-    /// The change of displacement of every vertex.
+    /// Change of displacement of every vertex.
     change: [[Lanes<B>; 3]; 4],
 }
 
-/// The kernel, as sweeps call it.
+/// The bending kernel.
 #[derive(Debug)]
 pub(crate) struct Bending;
 
@@ -82,17 +86,16 @@ impl Kernel<4> for Bending {
     ) {
         run::<BLOCK>(x, d, part, projection);
     }
-}
 
-/// Projects constraints that may share vertices, one after the other.
-#[inline(always)]
-pub(crate) fn bending_serial(
-    x: &[[f32; 4]],
-    d: &mut impl Displacements,
-    part: Part<'_, 4>,
-    projection: Projection,
-) {
-    run::<1>(x, d, part, projection);
+    #[inline(always)]
+    fn project_serial(
+        x: &[[f32; 4]],
+        d: &mut impl Displacements,
+        part: Part<'_, 4>,
+        projection: Projection,
+    ) {
+        run::<1>(x, d, part, projection);
+    }
 }
 
 #[inline(always)]
@@ -119,8 +122,8 @@ fn run<const B: usize>(
             Some(kept) => block.lambda[..kept.len()].copy_from_slice(kept),
             None => block.lambda = zero,
         }
-        // Where edges are firm and substeps alike no old error is left, and what it takes to know that is left out.
-        if projection.hold < FIRM || projection.old > 0.0 {
+        // With rigid edges and equal substeps no old error remains, which saves its computation.
+        if projection.edge_stiffness < FIRM || projection.error_carryover > 0.0 {
             gather::<B, true>(&mut block, x, d, vertices);
             project::<B, true>(&mut block, projection);
         } else {
@@ -135,7 +138,7 @@ fn run<const B: usize>(
 }
 
 #[inline(always)]
-fn gather<const B: usize, const LEAVES: bool>(
+fn gather<const B: usize, const HAS_OLD_ERRORS: bool>(
     block: &mut Block<B>,
     x: &[[f32; 4]],
     d: &mut impl Displacements,
@@ -152,7 +155,7 @@ fn gather<const B: usize, const LEAVES: bool>(
             for (lanes, c) in block.to[j].iter_mut().zip(to) {
                 lanes[lane] = c;
             }
-            if LEAVES {
+            if HAS_OLD_ERRORS {
                 for (k, lanes) in block.moved[j].iter_mut().enumerate() {
                     lanes[lane] = dj[k] - d0[k];
                 }
@@ -177,14 +180,17 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 #[inline(always)]
-fn project<const B: usize, const LEAVES: bool>(block: &mut Block<B>, projection: Projection) {
+fn project<const B: usize, const HAS_OLD_ERRORS: bool>(
+    block: &mut Block<B>,
+    projection: Projection,
+) {
     let Projection {
         factor,
         alpha,
-        own_weight,
+        diagonal_scale,
         recovery,
-        hold,
-        old,
+        edge_stiffness,
+        error_carryover,
         ..
     } = projection;
     for i in 0..B {
@@ -212,13 +218,13 @@ fn project<const B: usize, const LEAVES: bool>(block: &mut Block<B>, projection:
         let weight = (w0 * g00 + w1 * g11) + (w2 * g22 + w3 * g33);
 
         let mut left = 0.0;
-        if LEAVES {
-            // What the substep has added to the angle so far: sum g . d.
+        if HAS_OLD_ERRORS {
+            // Change of the angle in this substep: sum g . d.
             let off = |d: [f32; 3], s: f32| [d[0] - s * d1[0], d[1] - s * d1[1], d[2] - s * d1[2]];
             let added = -(f2 * dot(n2, off(d2, s)) + f3 * dot(n3, off(d3, t)));
             let before = turn - added;
             let soft = alpha / weight;
-            let held = hold * ((w0 + w1) + (w2 + w3));
+            let held = edge_stiffness * ((w0 + w1) + (w2 + w3));
             let limp = held / (LIMP * (recovery * recovery));
             let limp = if limp < 1.0 { limp } else { 1.0 };
             let follow = FOLLOW * (soft * held);
@@ -227,14 +233,14 @@ fn project<const B: usize, const LEAVES: bool>(block: &mut Block<B>, projection:
             let most = recovery * (limp * (1.0 + free) + held);
             left = if before > most { before - most } else { left };
             left = if before < -most { before + most } else { left };
-            let kept = old * before;
+            let kept = error_carryover * before;
             left = if kept.abs() > left.abs() { kept } else { left };
         }
         let wish = factor * ((turn - left) + alpha * block.lambda[i]);
         let movable = solid & (weight > 0.0);
-        let sum = own_weight * weight + alpha;
+        let sum = diagonal_scale * weight + alpha;
         let under = if weight > sum { weight } else { sum };
-        // What a step turns the hinge by is `step * weight`: that is bounded, not what a soft hinge is bent by.
+        // The bound applies to the change of angle, `step * weight`.
         let most = MAX_TURN / weight;
         let mut step = wish / under;
         step = if step > most { most } else { step };

@@ -1,4 +1,4 @@
-// Twin of bending.rs, which tells where the formulas come from.
+// WGSL counterpart of `bending.rs`, which explains the formulas.
 
 const FLAT: f32 = 1e-5;
 const MAX_TURN: f32 = 0.1;
@@ -9,7 +9,7 @@ const FREE: f32 = 1e4;
 const LIMP: f32 = 100.0;
 const FIRM: f32 = 1e30;
 
-// The built-in ones may round in another order.
+// The built-in functions may round in another order.
 fn cross_product(a: vec3f, b: vec3f) -> vec3f {
     return vec3f(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
@@ -18,13 +18,13 @@ fn dot_product(a: vec3f, b: vec3f) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// Projects the constraint at an entry of the constraints.
+// Projects the constraint at an entry.
 fn project_bending(at: u32, by: Projection) {
     let hinge = constraints[at];
     let wings = constraints[at + 1u];
     let numbers = bitcast<vec2f>(constraints[at + 2u]);
     let rest = numbers.x;
-    let lambda = select(0.0, numbers.y, by.keeps);
+    let lambda = select(0.0, numbers.y, by.accumulates_lambda);
     let x0 = load_x(hinge.x);
     let x1 = load_x(hinge.y);
     let x2 = load_x(wings.x);
@@ -66,10 +66,12 @@ fn project_bending(at: u32, by: Projection) {
     let g11 = s * s * g22 + t * t * g33 + 2.0 * (s * t * g23);
     let weight = (x0.w * g00 + x1.w * g11) + (x2.w * g22 + x3.w * g33);
 
-    let added = -(f2 * dot_product(n2, (d2 - d0) - s * (d1 - d0)) + f3 * dot_product(n3, (d3 - d0) - t * (d1 - d0)));
+    let m2 = (d2 - d0) - s * (d1 - d0);
+    let m3 = (d3 - d0) - t * (d1 - d0);
+    let added = -(f2 * dot_product(n2, m2) + f3 * dot_product(n3, m3));
     let before = turn - added;
     let soft = by.alpha / weight;
-    let held = by.hold * ((x0.w + x1.w) + (x2.w + x3.w));
+    let held = by.edge_stiffness * ((x0.w + x1.w) + (x2.w + x3.w));
     let recovery = RECOVERY * frame.h;
     let limp = held / (LIMP * (recovery * recovery));
     let share = select(1.0, limp, limp < 1.0);
@@ -80,11 +82,11 @@ fn project_bending(at: u32, by: Projection) {
     var left = 0.0;
     left = select(left, before - returned, before > returned);
     left = select(left, before + returned, before < -returned);
-    let kept = by.old * before;
+    let kept = by.error_carryover * before;
     left = select(left, kept, abs(kept) > abs(left));
     let wish = by.factor * ((turn - left) + by.alpha * lambda);
     let movable = solid && weight > 0.0;
-    let sum = by.own_weight * weight + by.alpha;
+    let sum = by.diagonal_scale * weight + by.alpha;
     let under = select(sum, weight, weight > sum);
     let most = MAX_TURN / weight;
     var wanted = wish / under;
@@ -102,7 +104,7 @@ fn project_bending(at: u32, by: Projection) {
     store_d(hinge.y, d1 + (-x1.w) * (ms * u2 + mt * u3));
     store_d(wings.x, d2 + x2.w * u2);
     store_d(wings.y, d3 + x3.w * u3);
-    if (by.keeps) {
+    if (by.accumulates_lambda) {
         constraints[at + 2u].y = bitcast<u32>(lambda - step);
     }
 }

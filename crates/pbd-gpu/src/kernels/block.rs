@@ -1,13 +1,12 @@
-//! Constraints in blocks: gathered into lanes, computed lane by lane, scattered back.
+//! SIMD blocks of constraints: gather, compute per lane, scatter.
 
-/// Lanes of a block. The compiler turns loops over them into vector instructions; a block's lanes stay
-/// in the first-level cache.
+/// Lanes of a block. The compiler vectorizes loops over them, and a block fits in the L1 cache.
 pub(crate) const BLOCK: usize = 32;
 
-/// One number a lane.
+/// One number per lane.
 pub(crate) type Lanes<const B: usize> = [f32; B];
 
-/// Where `b` is as seen from `a`: `(x_b - x_a) + (d_b - d_a)` \[m\].
+/// Returns the vector from `a` to `b`: `(x_b - x_a) + (d_b - d_a)` \[m\].
 #[inline(always)]
 pub(crate) fn difference(xa: [f32; 4], da: [f32; 4], xb: [f32; 4], db: [f32; 4]) -> [f32; 4] {
     [

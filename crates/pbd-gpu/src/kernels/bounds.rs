@@ -1,8 +1,9 @@
-//! The box around a body, as a device finds it.
+//! Bounding box of a body, as the GPU computes it.
 
-/// The axis-aligned box around the vertices in use \[m\], least corner first; from infinity to negative
-/// infinity if there is none. A device marks slots that no triangle uses with a negative inverse mass.
-/// Coordinates that are no number do not count.
+/// Returns the minimum and maximum corner of the vertices in use \[m\].
+///
+/// Without vertices it returns infinity and negative infinity. NaN coordinates are ignored. GPU
+/// vertex slots without triangles have a negative inverse mass.
 pub(crate) fn bounds(x: &[[f32; 4]]) -> [[f32; 3]; 2] {
     let mut min = [f32::INFINITY; 3];
     let mut max = [f32::NEG_INFINITY; 3];

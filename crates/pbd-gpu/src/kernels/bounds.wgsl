@@ -1,4 +1,4 @@
-// Twin of bounds.rs. Coordinates are compared as ordered bits, so that atomics can do it.
+// WGSL counterpart of `bounds.rs`. Coordinates are compared as ordered bits, for atomics.
 
 var<workgroup> box_min: array<atomic<u32>, 3>;
 var<workgroup> box_max: array<atomic<u32>, 3>;
@@ -10,7 +10,7 @@ fn reset_box(lane: u32) {
     }
 }
 
-// Makes the workgroup's box contain a vertex, unless no triangle uses it.
+// Extends the box of the workgroup by a vertex, unless its slot is unused.
 fn bound_vertex(i: u32) {
     let x = load_x(i);
     if (x.w >= 0.0) {
@@ -24,7 +24,7 @@ fn bound_vertex(i: u32) {
     }
 }
 
-// Makes the body's box contain the workgroup's.
+// Extends the box of the body by that of the workgroup.
 fn report_box(lane: u32, body: u32) {
     if (lane < 3u) {
         atomicMin(&reports[body].box_min[lane], atomicLoad(&box_min[lane]));

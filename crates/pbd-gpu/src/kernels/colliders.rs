@@ -1,10 +1,13 @@
-//! Colliders, with the [ground](super::ground)'s friction: bounded by all that a substep pushed a vertex out.
+//! Collision of vertices with colliders, with the friction of the [ground](super::ground) kernel.
+//!
+//! Friction is bounded by the sum of all corrections of a substep.
 
 use super::displacements::Displacements;
-use crate::colliders::{ColliderRecord, PLANE, ROUND};
+use crate::constraints::colliders::{ColliderRecord, PLANE, ROUND};
 
-/// Pushes vertices out of colliders, one collider after the other. What friction has left waits in the fourth entry of the
-/// velocity.
+/// Pushes vertices out of colliders, one collider after the other.
+///
+/// The fourth component of the velocity holds the remaining friction bound.
 #[inline(never)]
 pub(crate) fn colliders(
     x: &[[f32; 4]],
@@ -17,8 +20,8 @@ pub(crate) fn colliders(
         if x[3] > 0.0 {
             let mut di = d.get(i);
             for collider in colliders {
-                let q = [0, 1, 2].map(|k: usize| x[k] - collider.at[k]);
-                let (distance, n) = way_out(q, [di[0], di[1], di[2]], collider);
+                let q = [0, 1, 2].map(|k: usize| x[k] - collider.origin[k]);
+                let (distance, n) = separation(q, [di[0], di[1], di[2]], collider);
                 if distance < 0.0 {
                     push(&mut di, &mut v[3], n, -distance, friction);
                 }
@@ -28,7 +31,7 @@ pub(crate) fn colliders(
     }
 }
 
-/// Pushes a displacement out by `depth` and holds back what slides.
+/// Moves a displacement out by `depth` and applies friction to its tangential part.
 #[inline(always)]
 fn push(d: &mut [f32; 4], held: &mut f32, n: [f32; 3], depth: f32, friction: f32) {
     let along = d[0] * n[0] + d[1] * n[1] + d[2] * n[2];
@@ -44,26 +47,27 @@ fn push(d: &mut [f32; 4], held: &mut f32, n: [f32; 3], depth: f32, friction: f32
     }
 }
 
-/// The distance of a point that is at `q`, seen from the collider's place, and has moved by `d`, negative inside \[m\]; and
-/// the way out, a unit vector. What `d` changes is added to what is there without it: a substep's way is lost in the
-/// rounding of a large collider's coordinates.
+/// Returns the signed distance of a point from a collider \[m\], and the outward unit normal.
+///
+/// The point is `q + d` relative to the origin of the collider. The change by `d` is computed
+/// separately, since a displacement would be lost in the rounding of large coordinates.
 #[inline(always)]
-fn way_out(q: [f32; 3], d: [f32; 3], c: &ColliderRecord) -> (f32, [f32; 3]) {
+fn separation(q: [f32; 3], d: [f32; 3], c: &ColliderRecord) -> (f32, [f32; 3]) {
     if c.kind == PLANE {
-        return (dot(c.along, q) + dot(c.along, d), c.along);
+        return (dot(c.extent, q) + dot(c.extent, d), c.extent);
     }
     let p = [0, 1, 2].map(|k: usize| q[k] + d[k]);
     if c.kind == ROUND {
         let share = dot(c.axes[0], p);
         let share = if share < 0.0 { 0.0 } else { share };
         let share = if share > 1.0 { 1.0 } else { share };
-        let before = [0, 1, 2].map(|k: usize| q[k] - share * c.along[k]);
+        let before = [0, 1, 2].map(|k: usize| q[k] - share * c.extent[k]);
         let from = [0, 1, 2].map(|k: usize| before[k] + d[k]);
         let (first, length) = (dot(before, before).sqrt(), dot(from, from).sqrt());
         let sum = first + length;
         let grown = 2.0 * dot(before, d) + dot(d, d);
         let grown = if sum > 0.0 { grown / sum } else { 0.0 };
-        // In the very middle every way is as good.
+        // At the center every direction is equivalent.
         let n = if length > 0.0 {
             from.map(|c| c / length)
         } else {
@@ -84,9 +88,9 @@ fn way_out(q: [f32; 3], d: [f32; 3], c: &ColliderRecord) -> (f32, [f32; 3]) {
     );
     let beyond = [0, 1, 2].map(|k: usize| {
         let sign = if local[k] < 0.0 { -1.0 } else { 1.0 };
-        (sign * before[k] - c.along[k]) + sign * way[k]
+        (sign * before[k] - c.extent[k]) + sign * way[k]
     });
-    // Out by the nearest side. Who is outside is not pushed, however near an edge.
+    // Out by the nearest side. Vertices outside are not moved.
     let first = beyond[1] > beyond[0];
     let least = if first { beyond[1] } else { beyond[0] };
     let axis = if first { v } else { u };
@@ -107,13 +111,13 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::colliders::Collider;
+    use crate::constraints::colliders::Collider;
 
     fn out(collider: Collider, p: [f32; 3]) -> (f32, [f32; 3]) {
         let record = collider.record().unwrap();
         let d = [0.03, -0.02, 0.01];
-        let q = [0, 1, 2].map(|k: usize| (p[k] - record.at[k]) - d[k]);
-        way_out(q, d, &record)
+        let q = [0, 1, 2].map(|k: usize| (p[k] - record.origin[k]) - d[k]);
+        separation(q, d, &record)
     }
 
     fn assert_out(collider: Collider, p: [f32; 3], distance: f32, n: [f32; 3]) {
@@ -124,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn the_way_out_is_the_shortest() {
+    fn the_separation_is_the_shortest() {
         let plane = Collider::Plane {
             point: [1.0, 2.0, 3.0],
             normal: [0.0, 5.0, 0.0],
@@ -143,7 +147,7 @@ mod tests {
         assert_out(capsule, [3.0, 0.0, 0.75], -0.25, [0.0, 0.0, 1.0]);
         assert_out(capsule, [4.5, 0.0, 0.0], -0.5, [1.0, 0.0, 0.0]);
         assert_out(capsule, [-3.0, 0.0, 0.0], 2.0, [-1.0, 0.0, 0.0]);
-        // A box turned by a quarter about z, whose second axis is given aslant.
+        // A box turned by a quarter about z, whose second axis is not orthogonal.
         let turned = Collider::Box {
             center: [0.0, 0.0, 1.0],
             half: [3.0, 1.0, 2.0],
@@ -176,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_shape_is_refused() {
+    fn invalid_shapes_are_refused() {
         let none = [
             Collider::Plane {
                 point: [0.0; 3],

@@ -1,11 +1,11 @@
-// Twin of colliders.rs.
+// WGSL counterpart of `colliders.rs`.
 
-struct WayOut {
+struct Separation {
     distance: f32,
     normal: vec3f,
 }
 
-// A number of a collider's record, by its place there.
+// Returns word k of the record of a collider.
 fn collider_number(at: u32, k: u32) -> f32 {
     let pair = constraints[at + k / 2u];
     return bitcast<f32>(select(pair.y, pair.x, (k & 1u) == 0u));
@@ -15,7 +15,7 @@ fn collider_vector(at: u32, k: u32) -> vec3f {
     return vec3f(collider_number(at, k), collider_number(at, k + 1u), collider_number(at, k + 2u));
 }
 
-// Pushes a vertex out of the colliders from an entry of the constraints on.
+// Pushes a vertex out of the colliders that start at an entry.
 fn push_out(i: u32, first: u32, count: u32, friction: f32) {
     let x = load_x(i);
     if (!(x.w > 0.0)) {
@@ -24,7 +24,7 @@ fn push_out(i: u32, first: u32, count: u32, friction: f32) {
     var d = load_d(i);
     for (var k = 0u; k < count; k++) {
         let at = first + COLLIDER_ENTRIES * k;
-        let out = way_out(x.xyz - collider_vector(at, 2u), d, at);
+        let out = separation(x.xyz - collider_vector(at, 2u), d, at);
         if (out.distance < 0.0) {
             let n = out.normal;
             let depth = -out.distance;
@@ -41,11 +41,11 @@ fn push_out(i: u32, first: u32, count: u32, friction: f32) {
     store_d(i, d);
 }
 
-fn way_out(q: vec3f, d: vec3f, at: u32) -> WayOut {
+fn separation(q: vec3f, d: vec3f, at: u32) -> Separation {
     let kind = constraints[at].x;
     let along = collider_vector(at, 5u);
     if (kind == PLANE) {
-        return WayOut(dot_product(along, q) + dot_product(along, d), along);
+        return Separation(dot_product(along, q) + dot_product(along, d), along);
     }
     let p = q + d;
     let u = collider_vector(at, 8u);
@@ -61,7 +61,8 @@ fn way_out(q: vec3f, d: vec3f, at: u32) -> WayOut {
         let more = 2.0 * dot_product(before, d) + dot_product(d, d);
         let grown = select(0.0, more / sum, sum > 0.0);
         let radius = collider_number(at, 1u);
-        return WayOut((first - radius) + grown, select(vec3f(0.0, 1.0, 0.0), beside / length, length > 0.0));
+        let normal = select(vec3f(0.0, 1.0, 0.0), beside / length, length > 0.0);
+        return Separation((first - radius) + grown, normal);
     }
     let v = collider_vector(at, 11u);
     let w = cross_product(u, v);
@@ -76,5 +77,5 @@ fn way_out(q: vec3f, d: vec3f, at: u32) -> WayOut {
     let least = select(nearer, beyond.z, last);
     let axis = select(select(u, v, first), w, last);
     let side = select(select(local.x, local.y, first), local.z, last);
-    return WayOut(least, select(1.0, -1.0, side < 0.0) * axis);
+    return Separation(least, select(1.0, -1.0, side < 0.0) * axis);
 }

@@ -1,24 +1,27 @@
-//! Contacts: a vertex stays on its side of a triangle (Mueller et al. 2007, section 4.3), with Coulomb's friction between
-//! the two as [`ground`](super::ground) has it: bounded by all that a substep pushed them apart. Or it stays above a plane that does not move along itself.
+//! Contacts: a vertex stays on its side of a triangle (Mueller et al. 2007, section 4.3).
+//!
+//! Coulomb friction acts as in [`ground`](super::ground), bounded by the sum of all corrections of
+//! a substep. Contacts with a plane, such as a cut face, keep the vertex on its side.
 
 use super::block::difference;
 use super::displacements::Displacements;
-use crate::contacts::{ContactRecord, NO_CORNER};
+use crate::constraints::contacts::{ContactRecord, NO_CORNER};
 
-/// Pushes vertices and triangles apart that are too near at a time of the frame \[s\], one contact after the other. What friction has left is kept for
-/// other iterations of the substep if there are any.
+/// Separates vertices and triangles at a time of the frame \[s\], one contact after the other.
+///
+/// The remaining friction bound is kept for the other iterations of the substep.
 #[inline(never)]
 pub(crate) fn contacts(
     x: &[[f32; 4]],
     d: &mut impl Displacements,
     contacts: &mut [ContactRecord],
-    (friction, keeps): (f32, bool),
+    (friction, accumulates): (f32, bool),
     time: f32,
 ) {
     for contact in contacts {
         let [v, a, b, c] = contact.vertices.map(|v| v as usize);
         if contact.vertices[1] == NO_CORNER {
-            above_plane(x[v], d, contact, (friction, keeps), time);
+            separate_from_plane(x[v], d, contact, (friction, accumulates), time);
             continue;
         }
         let [wb, wc] = contact.weights;
@@ -26,14 +29,14 @@ pub(crate) fn contacts(
         let n = contact.normal;
         let (xv, xa, xb, xc) = (x[v], x[a], x[b], x[c]);
         let (dv, da, db, dc) = (d.get(v), d.get(a), d.get(b), d.get(c));
-        // From the vertex to the point, so that the distance has the other sign.
+        // Vectors from the vertex to the point, hence the other sign of the distance.
         let (ra, rb, rc) = (
             difference(xv, dv, xa, da),
             difference(xv, dv, xb, db),
             difference(xv, dv, xc, dc),
         );
         let way = |k: usize| wa * ra[k] + wb * rb[k] + wc * rc[k];
-        let gap = contact.gap + contact.rise * time;
+        let gap = contact.gap + contact.gap_rate * time;
         let depth = gap + (way(0) * n[0] + way(1) * n[1] + way(2) * n[2]);
         let shares = [xv[3], wa * xa[3], wb * xb[3], wc * xc[3]];
         let weight = (shares[0] + wa * shares[1]) + (wb * shares[2] + wc * shares[3]);
@@ -44,7 +47,7 @@ pub(crate) fn contacts(
         let past = |k: usize| dv[k] - (wa * da[k] + wb * db[k] + wc * dc[k]);
         let along = past(0) * n[0] + past(1) * n[1] + past(2) * n[2];
         let slide = [0, 1, 2].map(|k: usize| past(k) - along * n[k]);
-        let back = held_back(contact, slide, friction * depth, keeps);
+        let back = friction_fraction(contact, slide, friction * depth, accumulates);
         let push = [0, 1, 2].map(|k: usize| (depth * n[k] - back * slide[k]) / weight);
         let moved = |to: [f32; 4], by: f32| {
             [
@@ -61,37 +64,46 @@ pub(crate) fn contacts(
     }
 }
 
-/// Lifts the vertex of a contact to its side of a plane, which holds it back where it slides.
-fn above_plane(
+/// Moves the vertex of a contact to its side of a plane and applies friction.
+fn separate_from_plane(
     x: [f32; 4],
     d: &mut impl Displacements,
     contact: &mut ContactRecord,
-    (friction, keeps): (f32, bool),
+    (friction, accumulates): (f32, bool),
     time: f32,
 ) {
     let v = contact.vertices[0] as usize;
     let (n, dv) = (contact.normal, d.get(v));
     let at = |k: usize| x[k] + dv[k];
-    let gap = contact.gap + contact.rise * time;
+    let gap = contact.gap + contact.gap_rate * time;
     let depth = gap - (at(0) * n[0] + at(1) * n[1] + at(2) * n[2]);
     if !(depth > 0.0 && x[3] > 0.0) {
         return;
     }
     let along = dv[0] * n[0] + dv[1] * n[1] + dv[2] * n[2];
     let slide = [0, 1, 2].map(|k: usize| dv[k] - along * n[k]);
-    let back = held_back(contact, slide, friction * depth, keeps);
+    let back = friction_fraction(contact, slide, friction * depth, accumulates);
     let moved = |k: usize| dv[k] + (depth * n[k] - back * slide[k]);
     d.set(v, [moved(0), moved(1), moved(2), dv[3]]);
 }
 
-/// The part of a slide that friction takes, if a push adds so much to what it may take.
-fn held_back(contact: &mut ContactRecord, slide: [f32; 3], more: f32, keeps: bool) -> f32 {
+/// Returns the fraction of a slide that friction removes, and adds `more` to the friction bound.
+fn friction_fraction(
+    contact: &mut ContactRecord,
+    slide: [f32; 3],
+    more: f32,
+    accumulates: bool,
+) -> f32 {
     let length = (slide[0] * slide[0] + slide[1] * slide[1] + slide[2] * slide[2]).sqrt();
-    let held = if keeps { contact.held } else { 0.0 };
+    let held = if accumulates {
+        contact.friction_left
+    } else {
+        0.0
+    };
     let limit = held + more;
     let slips = length > limit;
-    if keeps {
-        contact.held = if slips { 0.0 } else { limit - length };
+    if accumulates {
+        contact.friction_left = if slips { 0.0 } else { limit - length };
     }
     if slips { limit / length } else { 1.0 }
 }
@@ -111,16 +123,16 @@ mod tests {
         let contact = ContactRecord {
             vertices: [0, 1, 2, 3],
             weights: [1.0 / 3.0; 2],
-            rise: 0.0,
+            gap_rate: 0.0,
             normal: [0.0, 1.0, 0.0],
             gap: 0.05,
-            held: 0.0,
+            friction_left: 0.0,
         };
         (x, contact)
     }
 
     #[test]
-    fn who_comes_too_near_is_pushed_apart_by_mass() {
+    fn vertex_and_triangle_are_separated_by_inverse_mass() {
         let (x, contact) = pair();
         let mut d = [[0.0, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
         contacts(&x, &mut d, &mut [contact], (0.0, false), 0.0);
@@ -133,9 +145,9 @@ mod tests {
         let before = d;
         contacts(&x, &mut d, &mut [contact], (0.0, false), 0.0);
         let off = (d[0][1] - before[0][1]).abs();
-        assert!(off < 1e-6, "once apart nothing is pushed");
+        assert!(off < 1e-6, "separated contacts are inactive");
         let rising = ContactRecord {
-            rise: 2.0,
+            gap_rate: 2.0,
             ..contact
         };
         contacts(&x, &mut d, &mut [rising], (0.0, false), 0.01);
@@ -145,32 +157,32 @@ mod tests {
     }
 
     #[test]
-    fn who_is_below_a_plane_is_lifted_by_what_the_plane_rises_too() {
+    fn a_vertex_below_a_plane_is_lifted_with_the_gap_rate() {
         let (x, contact) = pair();
         let plane = ContactRecord {
             vertices: [0, NO_CORNER, NO_CORNER, NO_CORNER],
             gap: 0.15,
-            rise: 2.0,
+            gap_rate: 2.0,
             ..contact
         };
         for (time, height) in [(0.0, 0.15), (0.05, 0.25)] {
             let mut d = [[0.3, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
             contacts(&x, &mut d, &mut [plane], (0.5, true), time);
             assert!((x[0][1] + d[0][1] - height).abs() < 1e-6, "{d:?}");
-            // Friction takes half of what it was lifted by.
+            // Friction removes half of the lift.
             let left = 0.3 - 0.5 * (height + 0.1);
             assert!((d[0][0] - left).abs() < 1e-6 && d[0][2] == 0.0, "{d:?}");
-            assert_eq!(d[1..], [[0.0; 4]; 3], "and nobody else moves");
+            assert_eq!(d[1..], [[0.0; 4]; 3], "other vertices stay");
         }
         let mut held = x;
         held[0][3] = 0.0;
         let mut d = [[0.0; 4]; 4];
         contacts(&held, &mut d, &mut [plane], (0.5, true), 0.0);
-        assert_eq!(d, [[0.0; 4]; 4], "who is pinned stays");
+        assert_eq!(d, [[0.0; 4]; 4], "pinned vertices stay");
     }
 
     #[test]
-    fn friction_takes_what_slides_up_to_its_share_of_the_push() {
+    fn friction_is_limited_by_the_normal_correction() {
         for (slide, left) in [(0.03, 0.0), (0.4, 0.325)] {
             let (x, contact) = pair();
             let mut d = [[slide, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
@@ -181,7 +193,7 @@ mod tests {
             let momentum = 2.0 * d[0][0] + d[1][0] + d[2][0] + d[3][0];
             assert!((momentum - 2.0 * slide).abs() < 1e-6, "none is lost");
             let held = if left > 0.0 { 0.0 } else { 0.075 - slide };
-            assert!((list[0].held - held).abs() < 1e-6);
+            assert!((list[0].friction_left - held).abs() < 1e-6);
         }
     }
 }

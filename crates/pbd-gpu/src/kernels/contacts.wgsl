@@ -1,7 +1,7 @@
-// Twin of contacts.rs.
+// WGSL counterpart of `contacts.rs`.
 
-// Lifts the vertex of the contact at an entry to its side of a plane, which holds it back where it slides.
-fn lift_above_plane(at: u32, v: u32, n: vec3f, gap: f32, friction: f32) {
+// Moves the vertex of the contact at an entry to its side of a plane, with friction.
+fn separate_from_plane(at: u32, v: u32, n: vec3f, gap: f32, friction: f32) {
     let x = load_x(v);
     let d = load_d(v);
     let place = x.xyz + d;
@@ -11,12 +11,12 @@ fn lift_above_plane(at: u32, v: u32, n: vec3f, gap: f32, friction: f32) {
     }
     let along = d.x * n.x + d.y * n.y + d.z * n.z;
     let slide = d - along * n;
-    let back = held_back(at, slide, friction * depth);
+    let back = friction_fraction(at, slide, friction * depth);
     store_d(v, d + (depth * n - back * slide));
 }
 
-// The part of a slide that friction takes, if a push adds so much to what it may take.
-fn held_back(at: u32, slide: vec3f, more: f32) -> f32 {
+// Returns the fraction of a slide that friction removes, and adds `more` to the friction bound.
+fn friction_fraction(at: u32, slide: vec3f, more: f32) -> f32 {
     let length = sqrt(slide.x * slide.x + slide.y * slide.y + slide.z * slide.z);
     let keeps = frame.iterations > 1u;
     let held = bitcast<f32>(constraints[at + 5u].y);
@@ -28,7 +28,7 @@ fn held_back(at: u32, slide: vec3f, more: f32) -> f32 {
     return select(1.0, limit / length, slips);
 }
 
-// Pushes the vertex and the triangle of the contact at an entry of the constraints apart.
+// Separates vertex and triangle of the contact at an entry.
 fn project_contact(at: u32, friction: f32) {
     let first = constraints[at];
     let second = constraints[at + 1u];
@@ -37,8 +37,8 @@ fn project_contact(at: u32, friction: f32) {
     let rest = bitcast<vec2f>(constraints[at + 4u]);
     let last = bitcast<vec2f>(constraints[at + 5u]);
     if (first.y == NO_CORNER) {
-        let gap = last.x + mixed.x * (f32(substep_at + 1u) * frame.h);
-        lift_above_plane(at, first.x, vec3f(mixed.y, rest.x, rest.y), gap, friction);
+        let gap = last.x + mixed.x * (f32(substep_index + 1u) * frame.h);
+        separate_from_plane(at, first.x, vec3f(mixed.y, rest.x, rest.y), gap, friction);
         return;
     }
     let wb = weights.x;
@@ -58,7 +58,7 @@ fn project_contact(at: u32, friction: f32) {
     let rb = difference(xv, dv, xb, db);
     let rc = difference(xv, dv, xc, dc);
     let way = wa * ra + wb * rb + wc * rc;
-    let gap = last.x + mixed.x * (f32(substep_at + 1u) * frame.h);
+    let gap = last.x + mixed.x * (f32(substep_index + 1u) * frame.h);
     let depth = gap + (way.x * n.x + way.y * n.y + way.z * n.z);
     let sa = wa * xa.w;
     let sb = wb * xb.w;
@@ -70,7 +70,7 @@ fn project_contact(at: u32, friction: f32) {
     let past = dv - (wa * da + wb * db + wc * dc);
     let along = past.x * n.x + past.y * n.y + past.z * n.z;
     let slide = past - along * n;
-    let back = held_back(at, slide, friction * depth);
+    let back = friction_fraction(at, slide, friction * depth);
     let push = (depth * n - back * slide) / weight;
     store_d(first.x, dv + xv.w * push);
     store_d(first.y, da + (-sa) * push);

@@ -1,12 +1,12 @@
-//! The displacements of a substep, as kernels reach them.
+//! Displacements of a substep, for one thread or for several.
 //!
-//! They are stored as atomic numbers for one reason: the constraints of one color share no vertex, so
-//! threads may write them at once, and this is how safe Rust says so. Loads and stores are relaxed, and
-//! plain ones where a single thread holds the array.
+//! They are stored as atomics because the constraints of a color share no vertex: threads write
+//! them concurrently without conflicts, which safe Rust expresses with relaxed loads and stores.
+//! With a single thread the accesses are plain.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// The displacement of one vertex \[m\], last entry unused.
+/// Displacement of one vertex \[m\], last component unused.
 pub(crate) type Cell = [AtomicU32; 4];
 
 /// Displacements by vertex number \[m\].
@@ -15,7 +15,7 @@ pub(crate) trait Displacements {
     fn set(&mut self, i: usize, to: [f32; 4]);
 }
 
-/// Displacements held by one thread.
+/// Displacements of a single thread.
 #[derive(Debug)]
 pub(crate) struct Exclusive<'a>(pub(crate) &'a mut [Cell]);
 
@@ -33,7 +33,7 @@ impl Displacements for Exclusive<'_> {
     }
 }
 
-/// Displacements that several threads write, no two of them the same vertex.
+/// Displacements that several threads write, each vertex by one thread only.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shared<'a>(pub(crate) &'a [Cell]);
 

@@ -1,15 +1,15 @@
-//! The ground plane with Coulomb's friction.
+//! Collision with the ground plane, with Coulomb friction.
 //!
-//! The push of a substep is all of its lifts, and friction holds by that: what one pass did not need, the next ones have
-//! left. A body at rest sinks by gravity before the first pass and by next to nothing before the others. Held by
-//! each pass's own lift alone it gave way to the last iterations' pulls, and pieces that lay on the ground crept on for ever
-//! (measured: 8 vertices of a ball in six pieces, turning by 0.012 rad/s).
+//! Friction in a substep is bounded by the sum of its normal corrections. A pass that needs less
+//! than its bound leaves the rest to the next ones. With a separate bound for each pass, later
+//! iterations would move bodies that rest on the ground, because their corrections are small.
 
 use super::displacements::Displacements;
 
-/// Lifts what is below `ground` \[m\] and takes back its sideways displacement, in a substep by no more than
-/// `friction` times its lifts. What is left of that \[m\] waits in the fourth entry of the velocity, which is 0 before
-/// the first pass.
+/// Moves vertices below `ground` \[m\] onto it and applies friction to their displacement.
+///
+/// Friction in a substep is at most `friction` times the normal corrections. The fourth component
+/// of the velocity holds the remaining bound \[m\]; it is 0 before the first pass.
 #[inline(always)]
 pub(crate) fn ground(
     x: &[[f32; 4]],
@@ -61,8 +61,8 @@ mod tests {
 
     #[test]
     fn the_friction_of_a_substep_is_limited_by_all_of_its_lifts() {
-        // Lifted by 0.4 m it is held by 0.2 m at most, of which the first pass needs 0.05 m: 0.15 m are left, and
-        // 0.01 m for the second lift come to them.
+        // Lifted by 0.4 m it is held by 0.2 m at most, of which the first pass needs 0.05 m: 0.15 m
+        // are left, and 0.01 m for the second lift come to them.
         let x = [[0.0, 0.0, 0.0, 1.0]];
         let mut v = [[0.0; 4]];
         let mut d = [[0.03, -0.4, 0.04, 0.0]];

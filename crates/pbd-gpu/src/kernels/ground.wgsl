@@ -1,7 +1,7 @@
-// Twin of ground.rs.
+// WGSL counterpart of `ground.rs`.
 
-// Lifts a vertex onto the ground and takes back its sideways displacement. What friction has left for the substep's
-// other passes waits in the velocity's fourth entry, of which integrate() makes 0.
+// Lifts a vertex onto the ground and applies friction. The fourth component of the velocity holds
+// the remaining friction bound of the substep, which integrate() sets to 0.
 fn lift_vertex(i: u32, friction: f32) {
     let x = load_x(i);
     var d = load_d(i);

@@ -1,9 +1,9 @@
-//! Pinned vertices follow their targets.
+//! Moves pinned vertices toward their targets.
 
 use super::displacements::Displacements;
-use crate::plan::Pin;
+use crate::particles::Pin;
 
-/// Moves every pinned vertex by its share of the way: it arrives with the last of `substeps_left`.
+/// Moves every pinned vertex so that it reaches its target with the last of `substeps_left`.
 #[inline(always)]
 pub(crate) fn pins(x: &[[f32; 4]], d: &mut impl Displacements, pins: &[Pin], substeps_left: u32) {
     let share = 1.0 / substeps_left as f32;

@@ -1,10 +1,11 @@
 //! Prediction: Algorithm 1, lines 5 to 8, with `d = p - x`.
 
 use super::displacements::Displacements;
-use crate::plan::StepConstants;
+use crate::step::constants::StepConstants;
 
-/// Gives every vertex its predicted displacement. Returns the lowest predicted height of a vertex that
-/// can move \[m\], infinity if none can.
+/// Sets the predicted displacement of every vertex.
+///
+/// Returns the minimum predicted height of the movable vertices \[m\], or infinity without any.
 #[inline(always)]
 pub(crate) fn predict(
     x: &[[f32; 4]],
@@ -13,7 +14,7 @@ pub(crate) fn predict(
     constants: &StepConstants,
 ) -> f32 {
     let [gx, gy, gz] = constants.gravity_step;
-    let (h, kept) = (constants.h, constants.kept_velocity);
+    let (h, kept) = (constants.h, constants.velocity_factor);
     let mut lowest = f32::INFINITY;
     for (i, (x, v)) in x.iter().zip(v).enumerate() {
         let free = if x[3] > 0.0 { 1.0 } else { 0.0 };

@@ -1,14 +1,15 @@
-//! Stretch: an edge keeps its length (Mueller et al. 2007, section 3.3; multipliers as in XPBD).
+//! Stretch constraints: preserve edge lengths (Mueller et al. 2007, section 3.3; XPBD multipliers).
 //!
 //! `C = |p_b - p_a| - rest`. The gradients have length 1 and opposite directions.
 //!
-//! In a substep shorter than those before it, edges leave a part of the errors that they begin with.
+//! In a substep that is shorter than the previous ones, edges correct only a part of their initial
+//! error.
 
 use super::block::{BLOCK, Lanes, difference};
 use super::displacements::Displacements;
-use crate::constraints::Part;
-use crate::material::Projection;
-use crate::sweep::Kernel;
+use crate::constraints::batches::Part;
+use crate::step::constants::Projection;
+use crate::step::sweep::Kernel;
 use incise_mesh::VertexId;
 
 struct Block<const B: usize> {
@@ -16,11 +17,11 @@ struct Block<const B: usize> {
     inv_mass: [Lanes<B>; 2],
     rest: Lanes<B>,
     lambda: Lanes<B>,
-    /// What the edge vector is scaled by to give the impulse on its first vertex.
+    /// Impulse on the first vertex relative to the edge vector.
     scale: Lanes<B>,
 }
 
-/// The kernel, as sweeps call it.
+/// The stretch kernel.
 #[derive(Debug)]
 pub(crate) struct Stretch;
 
@@ -34,17 +35,16 @@ impl Kernel<2> for Stretch {
     ) {
         run::<BLOCK>(x, d, part, projection);
     }
-}
 
-/// Projects constraints that may share vertices, one after the other.
-#[inline(always)]
-pub(crate) fn stretch_serial(
-    x: &[[f32; 4]],
-    d: &mut impl Displacements,
-    part: Part<'_, 2>,
-    projection: Projection,
-) {
-    run::<1>(x, d, part, projection);
+    #[inline(always)]
+    fn project_serial(
+        x: &[[f32; 4]],
+        d: &mut impl Displacements,
+        part: Part<'_, 2>,
+        projection: Projection,
+    ) {
+        run::<1>(x, d, part, projection);
+    }
 }
 
 #[inline(always)]
@@ -71,8 +71,8 @@ fn run<const B: usize>(
             None => block.lambda = zero,
         }
         gather(&mut block, x, d, vertices);
-        if projection.old > 0.0 {
-            keep_old(&mut block, x, vertices, projection.old);
+        if projection.error_carryover > 0.0 {
+            carry_over(&mut block, x, vertices, projection.error_carryover);
         }
         project(&mut block, projection);
         scatter(&block, d, vertices);
@@ -99,18 +99,18 @@ fn gather<const B: usize>(
     }
 }
 
-/// Leaves a part of the errors that the substep begins with: edges get to those lengths.
+/// Moves rest lengths toward the lengths at the start of the substep, which leaves old errors.
 #[inline(always)]
-fn keep_old<const B: usize>(
+fn carry_over<const B: usize>(
     block: &mut Block<B>,
     x: &[[f32; 4]],
     vertices: &[[VertexId; 2]],
-    part: f32,
+    fraction: f32,
 ) {
     for (lane, &[a, b]) in vertices.iter().enumerate().take(B) {
         let [x, y, z, _] = difference(x[a.index()], [0.0; 4], x[b.index()], [0.0; 4]);
         let length = (x * x + y * y + z * z).sqrt();
-        block.rest[lane] += part * (length - block.rest[lane]);
+        block.rest[lane] += fraction * (length - block.rest[lane]);
     }
 }
 
@@ -119,7 +119,7 @@ fn project<const B: usize>(block: &mut Block<B>, projection: Projection) {
     let Projection {
         factor,
         alpha,
-        own_weight,
+        diagonal_scale,
         ..
     } = projection;
     let [wa, wb] = &block.inv_mass;
@@ -127,13 +127,13 @@ fn project<const B: usize>(block: &mut Block<B>, projection: Projection) {
         let [x, y, z, _] = block.edge[i];
         let length = (x * x + y * y + z * z).sqrt();
         let error = (length - block.rest[i]) + alpha * block.lambda[i];
-        let own = wa[i] + wb[i];
-        let weight = own_weight * own + alpha;
-        let weight = if own > weight { own } else { weight };
-        // A length of zero has no direction; two pinned ends do not move.
-        let under = length * weight;
-        let scale = if under > 0.0 {
-            factor * error / under
+        let diagonal = wa[i] + wb[i];
+        let weight = diagonal_scale * diagonal + alpha;
+        let weight = if diagonal > weight { diagonal } else { weight };
+        // An edge of length zero has no direction; two pinned ends do not move.
+        let divisor = length * weight;
+        let scale = if divisor > 0.0 {
+            factor * error / divisor
         } else {
             0.0
         };
@@ -168,7 +168,7 @@ fn scatter<const B: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::constraints::Batch;
+    use crate::constraints::batches::Batch;
     use crate::material::Stiffness;
 
     const REST: f32 = 1.0;
@@ -196,7 +196,12 @@ mod tests {
             let (x, mut batch) = spring();
             let mut d = vec![[0.0; 4]; 2];
             let before = error(&x, &d);
-            Stretch::project(&x, &mut d, batch.part(projection.keeps), projection);
+            Stretch::project(
+                &x,
+                &mut d,
+                batch.part(projection.accumulates_lambda),
+                projection,
+            );
             let expected = before * projection.alpha / (2.5 + projection.alpha);
             assert!(
                 (error(&x, &d) - expected).abs() < 1e-6,
@@ -212,12 +217,22 @@ mod tests {
         let projection = Stiffness::Compliance(1e-3).projection(7, 0.02);
         let (x, mut batch) = spring();
         let mut d = vec![[0.0; 4]; 2];
-        Stretch::project(&x, &mut d, batch.part(projection.keeps), projection);
+        Stretch::project(
+            &x,
+            &mut d,
+            batch.part(projection.accumulates_lambda),
+            projection,
+        );
         let (once, lambda) = (d.clone(), batch.lambda[0]);
         let residual = error(&x, &d) + projection.alpha * lambda;
         assert!(residual.abs() < 1e-6, "C + alpha lambda = {residual}");
         for _ in 0..6 {
-            Stretch::project(&x, &mut d, batch.part(projection.keeps), projection);
+            Stretch::project(
+                &x,
+                &mut d,
+                batch.part(projection.accumulates_lambda),
+                projection,
+            );
         }
         for (now, then) in d.iter().flatten().zip(once.iter().flatten()) {
             assert!((now - then).abs() < 1e-6);
@@ -229,8 +244,18 @@ mod tests {
         let projection = Stiffness::Pbd(0.7).projection(3, 0.02);
         let (x, mut batch) = spring();
         let (mut one, mut other) = (vec![[0.0; 4]; 2], vec![[0.0; 4]; 2]);
-        Stretch::project(&x, &mut one, batch.part(projection.keeps), projection);
-        stretch_serial(&x, &mut other, batch.part(projection.keeps), projection);
+        Stretch::project(
+            &x,
+            &mut one,
+            batch.part(projection.accumulates_lambda),
+            projection,
+        );
+        Stretch::project_serial(
+            &x,
+            &mut other,
+            batch.part(projection.accumulates_lambda),
+            projection,
+        );
         assert_eq!(one, other);
     }
 
@@ -243,7 +268,12 @@ mod tests {
         ] {
             let (_, mut batch) = spring();
             let mut d = vec![[0.0; 4]; 2];
-            Stretch::project(&x, &mut d, batch.part(projection.keeps), projection);
+            Stretch::project(
+                &x,
+                &mut d,
+                batch.part(projection.accumulates_lambda),
+                projection,
+            );
             assert_eq!(d, vec![[0.0; 4]; 2], "{reason}");
         }
     }

@@ -1,70 +1,73 @@
-//! Volume: a closed piece keeps what it encloses (Mueller et al. 2007, section 4.4; multipliers as in XPBD).
+//! Volume constraints: preserve the volume of closed pieces (Mueller et al. 2007, section 4.4).
 //!
-//! `C = V - pressure rest`. The gradient at a vertex is a sixth of the sum of `a x b` over its triangles, with `a` and `b` the
-//! edges that leave it: the same for any point of reference, so that of the vertex itself is taken and nothing is lost far
-//! from the origin. `V` is a third of the sum of gradient times place, as it is homogeneous of degree 3; places are seen from the
-//! piece's first vertex.
+//! `C = V - pressure rest`, with XPBD multipliers. The gradient at a vertex is a sixth of the sum
+//! of `a x b` over its triangles, with `a` and `b` the edges that leave the vertex. It does not
+//! depend on the point of reference; the vertex itself keeps precision far from the origin. `V` is
+//! homogeneous of degree 3, hence a third of the sum of gradient times position, relative to the
+//! first vertex of the piece.
 //!
-//! All vertices of a piece are moved at once, after sums over all of them: chunks of [`CHUNK`] vertices, each summed as a
-//! tree, then the chunks by the same tree. That order is part of the kernel, so any number of threads and any device
-//! sum alike.
+//! All vertices of a piece move at once, after sums over all of them: chunks of [`CHUNK`] vertices,
+//! each reduced by a tree, then the chunks by the same tree. The fixed order makes the sums equal
+//! on any number of threads and on any GPU.
 //!
-//! An incompressible piece gets back at once what a substep took from it. Of what was missing before, after a crash or
-//! a change of pressure, it gets back no more than [`RECOVERY`] says: as velocities follow from displacements, it would else
-//! explode. Only where more than that is missing it has to be found out when it went.
+//! An incompressible piece regains the loss of the current substep at once. Older losses, such as
+//! those of an impact or a change of pressure, are regained at rate [`RECOVERY`] at most:
+//! velocities follow from displacements, so a faster correction would be an explosion.
 
 use super::block::difference;
 use super::displacements::{Cell, Displacements, Exclusive, Shared};
-use crate::material::VolumeProjection;
-use crate::sweep::is_spread;
-use crate::volumes::{PieceVolume, Spoke, VolumeSet};
+use crate::constraints::volumes::{PieceVolume, Spoke, VolumeSet};
+use crate::step::constants::VolumeProjection;
+use crate::step::sweep::is_parallel;
 use incise_mesh::Topology;
 use pulp::{Arch, NullaryFnOnce};
 
-/// How fast an incompressible piece gets back what it had not before the substep, in rest volumes [1/s].
+/// Rate at which an incompressible piece regains older volume losses, in rest volumes [1/s].
 pub(crate) const RECOVERY: f32 = 3.0;
 
-/// Leaves of a tree.
+/// Leaves of a reduction tree.
 pub(crate) const CHUNK: usize = 256;
 
-/// The least that a thread is given, a multiple of [`CHUNK`].
+/// Minimum number of vertices per task; a multiple of [`CHUNK`].
 const GRAIN: usize = 8 * CHUNK;
 
-/// A sixth, of the sum of `a x b` that is the gradient; a third, of the sum of gradient times place that is the volume.
+/// Factor of the sum of `a x b` in the gradient.
 pub(crate) const SIXTH: f32 = 1.0 / 6.0;
+/// Factor of the sum of gradient times position in the volume.
 pub(crate) const THIRD: f32 = 1.0 / 3.0;
 
-/// What vertices say together: the sum of gradient times place, three volumes [m^3], that of `|grad C|^2 / m`, and the
-/// greatest `|grad C| / m` of a vertex.
+/// Sum of gradient times position [m^3], sum of `|grad C|^2 / m`, maximum of `|grad C| / m`.
 type Sums = [f32; 3];
 
-/// Room for what is found on the way. Its content matters to nobody between calls.
+/// Scratch memory of the projection.
 #[derive(Debug, Default)]
-pub(crate) struct Rings {
+pub(crate) struct VolumeScratch {
     /// Gradient [m^2] and inverse mass [1/kg], shape \[spokes\].
     gradients: Vec<[f32; 4]>,
-    /// Shape \[chunks of the piece at hand\].
+    /// Sums of the chunks of the current piece, shape \[chunks\].
     partial: Vec<Sums>,
 }
 
-impl Rings {
-    /// Room that was taken, in elements.
+impl VolumeScratch {
+    /// Returns the allocated size in elements.
     pub(crate) fn capacity(&self) -> usize {
         self.gradients.capacity() + self.partial.capacity()
     }
 }
 
-/// Where everything is during the pass.
+/// Input of the pass for one piece.
 #[derive(Debug, Clone, Copy)]
-struct Places<'a> {
+struct PieceInput<'a> {
     x: &'a [[f32; 4]],
     d: Shared<'a>,
     topology: &'a Topology,
-    /// The vertex that the piece is seen from.
+    /// Vertex that positions are relative to.
     center: usize,
 }
 
-/// Projects the volume of every piece. By itself, so that the passes which every body has are compiled as if there were no others.
+/// Projects the volume of every piece.
+///
+/// Not inlined, so that it does not affect the code of the passes that every body has.
 #[inline(never)]
 pub(crate) fn volumes(
     arch: Arch,
@@ -72,76 +75,76 @@ pub(crate) fn volumes(
     d: &mut [Cell],
     (topology, set): (&Topology, &mut VolumeSet),
     by: VolumeProjection,
-    rings: &mut Rings,
+    scratch: &mut VolumeScratch,
 ) {
     for (piece, lambda) in set.pieces.iter().zip(&mut set.lambda) {
         let spokes = &set.spokes[piece.first..piece.end];
         let chunks = spokes.len().div_ceil(CHUNK);
-        rings.gradients.resize(spokes.len(), [0.0; 4]);
-        rings.partial.resize(chunks, [0.0; 3]);
+        scratch.gradients.resize(spokes.len(), [0.0; 4]);
+        scratch.partial.resize(chunks, [0.0; 3]);
         let Some(center) = spokes.first() else {
             continue;
         };
-        let places = Places {
+        let input = PieceInput {
             x,
             d: Shared(d),
             topology,
             center: center.vertex.index(),
         };
-        let sums = sum::<false>(arch, places, spokes, rings);
+        let sums = sum::<false>(arch, input, spokes, scratch);
         let missing = (sums[0] * THIRD - by.pressure * piece.rest).abs();
-        let before = if missing > by.returned * piece.rest.abs() || by.old > 0.0 {
-            sum::<true>(arch, places, spokes, rings)[0]
+        let before = if missing > by.recovery * piece.rest.abs() || by.error_carryover > 0.0 {
+            sum::<true>(arch, input, spokes, scratch)[0]
         } else {
             sums[0]
         };
-        let remembered = if by.keeps { *lambda } else { 0.0 };
-        let step = step(sums, before, piece, by, remembered);
-        if by.keeps {
+        let lambda_before = if by.accumulates_lambda { *lambda } else { 0.0 };
+        let step = step(sums, before, piece, by, lambda_before);
+        if by.accumulates_lambda {
             *lambda -= step;
         }
-        apply(&mut Exclusive(d), spokes, &rings.gradients, step);
+        apply(&mut Exclusive(d), spokes, &scratch.gradients, step);
     }
 }
 
-/// Sums up a piece where it is, which leaves its gradients in `rings`; or where it was at the start of the substep.
+/// Returns the sums of a piece and stores its gradients; or the sums at the start of the substep.
 #[inline(always)]
 fn sum<const BEFORE: bool>(
     arch: Arch,
-    places: Places<'_>,
+    input: PieceInput<'_>,
     spokes: &[Spoke],
-    rings: &mut Rings,
+    scratch: &mut VolumeScratch,
 ) -> Sums {
     let gather = Gather::<BEFORE> {
-        places,
+        input,
         spokes,
-        gradients: &mut rings.gradients,
-        partial: &mut rings.partial,
+        gradients: &mut scratch.gradients,
+        partial: &mut scratch.partial,
     };
-    if is_spread(spokes.len()) {
-        gather.spread(arch);
+    if is_parallel(spokes.len()) {
+        gather.run_parallel(arch);
     } else {
         arch.dispatch(gather);
     }
-    total_of(&rings.partial)
+    total_of(&scratch.partial)
 }
 
-/// Gradients and sums of some chunks.
+/// Computes gradients and sums of chunks.
 struct Gather<'a, const BEFORE: bool> {
-    places: Places<'a>,
+    input: PieceInput<'a>,
     spokes: &'a [Spoke],
     gradients: &'a mut [[f32; 4]],
     partial: &'a mut [Sums],
 }
 
 impl<const BEFORE: bool> Gather<'_, BEFORE> {
-    fn spread(self, arch: Arch) {
+    fn run_parallel(self, arch: Arch) {
         if self.spokes.len() < 2 * GRAIN {
             arch.dispatch(self);
             return;
         }
         let middle = (self.spokes.len() / 2).next_multiple_of(GRAIN);
-        let places = self.places;
+        let input = self.input;
         let spokes = self.spokes.split_at(middle);
         let gradients = self.gradients.split_at_mut(middle);
         let partial = self.partial.split_at_mut(middle / CHUNK);
@@ -150,12 +153,12 @@ impl<const BEFORE: bool> Gather<'_, BEFORE> {
             (spokes.1, gradients.1, partial.1),
         ]
         .map(|(spokes, gradients, partial)| Self {
-            places,
+            input,
             spokes,
             gradients,
             partial,
         });
-        rayon::join(|| left.spread(arch), || right.spread(arch));
+        rayon::join(|| left.run_parallel(arch), || right.run_parallel(arch));
     }
 }
 
@@ -169,7 +172,7 @@ impl<const BEFORE: bool> NullaryFnOnce for Gather<'_, BEFORE> {
         let gradients = self.gradients.chunks_mut(CHUNK);
         for ((spokes, gradients), partial) in spokes.zip(gradients).zip(self.partial) {
             for (i, (spoke, gradient)) in spokes.iter().zip(gradients).enumerate() {
-                let (g, sums) = around::<BEFORE>(&mut self.places, spoke);
+                let (g, sums) = around::<BEFORE>(&mut self.input, spoke);
                 if !BEFORE {
                     *gradient = g;
                 }
@@ -182,15 +185,15 @@ impl<const BEFORE: bool> NullaryFnOnce for Gather<'_, BEFORE> {
     }
 }
 
-/// The gradient at a spoke with its inverse mass, and what it adds to the sums.
+/// Returns gradient and inverse mass at a spoke, and its terms of the sums.
 #[inline(always)]
-fn around<const BEFORE: bool>(places: &mut Places<'_>, spoke: &Spoke) -> ([f32; 4], Sums) {
-    let Places {
+fn around<const BEFORE: bool>(input: &mut PieceInput<'_>, spoke: &Spoke) -> ([f32; 4], Sums) {
+    let PieceInput {
         x,
         d,
         topology,
         center,
-    } = places;
+    } = input;
     let v = spoke.vertex.index();
     let mut moved = |i: usize| if BEFORE { [0.0; 4] } else { d.get(i) };
     let (xv, dv) = (x[v], moved(v));
@@ -211,7 +214,7 @@ fn around<const BEFORE: bool>(places: &mut Places<'_>, spoke: &Spoke) -> ([f32; 
         }
     }
     let [gx, gy, gz] = sum.map(|c| c * SIXTH);
-    // From the vertex to the center, so that the sum gets the other sign.
+    // Vector from the vertex to the center, hence the other sign of the sum.
     let back = edge(*center);
     let w = xv[3];
     let square = gx * gx + gy * gy + gz * gz;
@@ -224,7 +227,7 @@ fn greater(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
 }
 
-/// The sums of the first so many leaves; the others count as 0.
+/// Returns the sums of the first `leaves` leaves.
 #[inline(always)]
 fn tree(columns: &mut [[f32; CHUNK]; 3], leaves: usize) -> Sums {
     let mut width = leaves.next_power_of_two();
@@ -248,7 +251,7 @@ fn tree(columns: &mut [[f32; CHUNK]; 3], leaves: usize) -> Sums {
     [0, 1, 2].map(|k| columns[k][0])
 }
 
-/// The sums of all chunks: leaf i is that of chunk i, i + [`CHUNK`] and so on.
+/// Returns the sums of all chunks; leaf i holds chunks i, i + [`CHUNK`] and so on.
 #[inline(always)]
 fn total_of(partial: &[Sums]) -> Sums {
     if let [only] = partial {
@@ -265,7 +268,7 @@ fn total_of(partial: &[Sums]) -> Sums {
     tree(&mut columns, partial.len().min(CHUNK))
 }
 
-/// How far to go against the gradients: by how much the multiplier shrinks.
+/// Returns the step against the gradients, by which the multiplier decreases.
 #[inline(always)]
 fn step(
     [now, weight, most]: Sums,
@@ -275,28 +278,28 @@ fn step(
     lambda: f32,
 ) -> f32 {
     let size = piece.rest.abs();
-    let goal = by.pressure * piece.rest;
-    let error = now * THIRD - goal;
-    let before = before * THIRD - goal;
-    let returned = by.returned * size;
+    let target = by.pressure * piece.rest;
+    let error = now * THIRD - target;
+    let before = before * THIRD - target;
+    let recovery = by.recovery * size;
     let mut left = 0.0;
-    if error > returned || error < -returned {
-        left = if before > returned {
-            before - returned
+    if error > recovery || error < -recovery {
+        left = if before > recovery {
+            before - recovery
         } else {
             left
         };
-        left = if before < -returned {
-            before + returned
+        left = if before < -recovery {
+            before + recovery
         } else {
             left
         };
     }
-    let kept = by.old * before;
+    let kept = by.error_carryover * before;
     left = if kept.abs() > left.abs() { kept } else { left };
     let alpha = by.alpha * size;
     let wish = (error - left) + alpha * lambda;
-    let sum = by.own_weight * weight + alpha;
+    let sum = by.diagonal_scale * weight + alpha;
     let under = if weight > sum { weight } else { sum };
     let limit = piece.reach / most;
     let mut wanted = wish / under;

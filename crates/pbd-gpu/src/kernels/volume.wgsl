@@ -1,6 +1,6 @@
-// Twin of volume.rs, which tells where the formulas come from and in which order sums are made.
+// WGSL counterpart of `volume.rs`, which explains the formulas and the order of sums.
 //
-// Gradients wait in the velocities, which nobody reads from predict() to integrate().
+// Gradients are stored in the velocities, which are unused between predict() and integrate().
 
 const SIXTH: f32 = 0.16666667;
 const THIRD: f32 = 0.33333334;
@@ -10,19 +10,20 @@ struct Around {
     place: f32,
 }
 
-// The gradient at a spoke, now or at the start of the substep, and that times its place.
-fn around(body: Body, spoke: vec2u, center: u32, begins: bool) -> Around {
+// Returns gradient at a spoke and its product with the position, now or at the start of the
+// substep.
+fn around(body: Body, spoke: vec2u, center: u32, at_start: bool) -> Around {
     let xv = load_x(spoke.x);
-    let dv = moved(spoke.x, begins);
+    let dv = displacement(spoke.x, at_start);
     let corners = body.first_corner;
     let first = constraints[corners + next_corner(spoke.y)].x;
-    var a = difference(xv, dv, load_x(first), moved(first, begins));
+    var a = difference(xv, dv, load_x(first), displacement(first, at_start));
     var sum = vec3f();
     var h = spoke.y;
-    // A walk of more steps than there are corners would never end.
+    // The bound ends the loop on corrupt data.
     for (var i = 0u; i < body.corners; i++) {
         let across = constraints[corners + previous_corner(h)];
-        let b = difference(xv, dv, load_x(across.x), moved(across.x, begins));
+        let b = difference(xv, dv, load_x(across.x), displacement(across.x, at_start));
         sum += cross_product(a, b);
         a = b;
         h = across.y;
@@ -31,12 +32,12 @@ fn around(body: Body, spoke: vec2u, center: u32, begins: bool) -> Around {
         }
     }
     let gradient = sum * SIXTH;
-    let back = difference(xv, dv, load_x(center), moved(center, begins));
+    let back = difference(xv, dv, load_x(center), displacement(center, at_start));
     return Around(gradient, -dot_product(gradient, back));
 }
 
-fn moved(i: u32, begins: bool) -> vec3f {
-    if (begins) {
+fn displacement(i: u32, at_start: bool) -> vec3f {
+    if (at_start) {
         return vec3f();
     }
     return load_d(i);
@@ -54,7 +55,7 @@ fn add_leaves(a: vec4f, b: vec4f) -> vec4f {
     return vec4f(a.x + b.x, a.y + b.y, a.z + b.z, select(a.w, b.w, b.w > a.w));
 }
 
-// Sums the leaves into the first one; all lanes of the workgroup come here.
+// Sums the leaves into the first one; all lanes must call it.
 fn sum_leaves(lane: u32, lanes: u32) {
     workgroupBarrier();
     for (var width = CHUNK / 2u; width > 0u; width /= 2u) {
@@ -65,13 +66,13 @@ fn sum_leaves(lane: u32, lanes: u32) {
     }
 }
 
-// Finds the gradients of a chunk and its sums.
+// Computes gradients and sums of a chunk.
 fn sum_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
     let chunk = body.first_chunk + CHUNK_ENTRIES * number;
     let spokes = constraints[chunk];
     let piece = body.first_piece + PIECE_ENTRIES * constraints[chunk + 1u].x;
     let center = constraints[piece + 3u].x;
-    // What gives way has no old errors.
+    // Compressible pieces have no old errors.
     let recovers = body.volume_alpha == 0.0;
     for (var i = lane; i < CHUNK; i += lanes) {
         var leaf = vec4f();
@@ -98,7 +99,7 @@ fn sum_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
     }
 }
 
-// Sums the chunks of a piece and finds how far it goes against its gradients.
+// Sums the chunks of a piece and computes its step against the gradients.
 fn step_piece(body: Body, number: u32, lane: u32, lanes: u32) {
     let piece = body.first_piece + PIECE_ENTRIES * number;
     let chunks = constraints[piece];
@@ -127,18 +128,18 @@ fn step_of(sums: vec4f, rest: f32, reach: f32, body: Body, lambda: f32) -> f32 {
     let goal = body.volume_pressure * rest;
     let error = sums.x * THIRD - goal;
     let before = sums.y * THIRD - goal;
-    let returned = body.volume_returned * size;
+    let returned = body.volume_recovery * size;
     var left = 0.0;
     if (error > returned || error < -returned) {
         left = select(left, before - returned, before > returned);
         left = select(left, before + returned, before < -returned);
     }
-    let kept = body.volume_old * before;
+    let kept = body.volume_carryover * before;
     left = select(left, kept, abs(kept) > abs(left));
     let alpha = body.volume_alpha * size;
     let wish = (error - left) + alpha * lambda;
     let weight = sums.z;
-    let sum = frame.own_weight * weight + alpha;
+    let sum = frame.diagonal_scale * weight + alpha;
     let under = select(sum, weight, weight > sum);
     let limit = reach / sums.w;
     var wanted = wish / under;

@@ -1,17 +1,15 @@
-//! What is in a patch.
+//! Lists the constraints of a patch for the GPU.
 
-use crate::constraints::Slot;
-use crate::solver::Solver;
+use crate::constraints::Constraints;
+use crate::constraints::batches::Slot;
 use incise_mesh::{HalfEdge, Surface, VertexId};
 
-impl Solver {
-    /// Where the constraints of a patch of `layer` stand, ascending and so in the order of their colors.
-    /// Nothing in layer 0, which has no patches. O(k log k) for k edges around the patch's vertices.
-    #[cfg_attr(
-        not(test),
-        allow(dead_code, reason = "asked for by backends that go by patch")
-    )]
-    pub(crate) fn constraints_of_patch(
+impl Constraints {
+    /// Lists the slots of the constraints of a patch of `layer`, ascending, that is by color.
+    ///
+    /// There are none in layer 0, which has no patches. O(k log k) for k edges at the vertices of
+    /// the patch.
+    pub(crate) fn of_patch(
         &self,
         surface: &Surface,
         layer: usize,
@@ -26,8 +24,8 @@ impl Solver {
         };
         let in_layer = |slot: &Slot| slot.layer() == layer;
         for &v in patching.vertices(patch) {
-            // Every constraint is found at the smaller end of its edge.
-            for (h, _) in around(surface, v).filter(|&(_, w)| v < w) {
+            // Every edge is visited from its smaller end.
+            for (h, _) in edges_at(surface, v).filter(|&(_, w)| v < w) {
                 if let Some(edge) = self.edges.of(h) {
                     let record = self.edges.record(edge);
                     stretch.extend(record.stretch().filter(in_layer));
@@ -40,13 +38,13 @@ impl Solver {
     }
 }
 
-/// The edges around `v`, each once, with the vertex at the other end.
-fn around(surface: &Surface, v: VertexId) -> impl Iterator<Item = (HalfEdge, VertexId)> {
+/// Returns the edges at `v`, each once, with their other ends.
+fn edges_at(surface: &Surface, v: VertexId) -> impl Iterator<Item = (HalfEdge, VertexId)> {
     let topology = surface.topology();
     topology.outgoing_fan(v).flat_map(move |h| {
         let before = h.prev();
-        let on_rim = topology.twin(before).is_null();
-        let last = on_rim.then(|| (before, topology.origin(before)));
+        let is_boundary = topology.twin(before).is_null();
+        let last = is_boundary.then(|| (before, topology.origin(before)));
         [(h, topology.target(h))].into_iter().chain(last)
     })
 }

@@ -1,38 +1,39 @@
-//! Vertices in patches of bounded size, each at a place of its own.
+//! Assignment of vertices to patches of bounded size.
 
-use crate::changes::Log;
+use crate::follow::changes::Log;
 use incise_mesh::VertexId;
 
 const NOWHERE: u32 = u32::MAX;
 
-/// Where a vertex stands.
+/// Patch and index of a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Place {
-    /// The patch. It is remembered of a vertex that has left, for those that come in its stead.
+    /// The patch. A removed vertex keeps it, for vertices that replace it.
     pub(crate) patch: u32,
-    /// The place in the patch's list.
+    /// Index in the patch, [`NOWHERE`] for a removed vertex.
     pub(crate) local: u32,
 }
 
-/// Patches of vertices; a vertex is in one of them or in none.
+/// A set of disjoint patches.
 #[derive(Debug, Clone)]
 pub(crate) struct Patching {
+    /// Maximum number of vertices of a patch.
     capacity: u32,
-    /// The vertices of every patch, shape [patches, capacity]; null after the last one.
+    /// Vertices of every patch, then null, shape [patches, capacity].
     members: Vec<VertexId>,
-    /// How many vertices a patch has, shape \[patches\].
+    /// Number of vertices of every patch, shape \[patches\].
     sizes: Vec<u32>,
     /// Shape [vertex slots].
     places: Vec<Place>,
-    /// Patches that became empty; some may have got vertices since.
+    /// Patches that became empty; some may have been filled since.
     emptied: Vec<u32>,
     newest: Option<u32>,
-    /// Patches that got or lost a vertex or a constraint.
+    /// Patches that gained or lost a vertex or a constraint.
     pub(crate) log: Log<u32>,
 }
 
 impl Patching {
-    /// No patches yet; they will have room for `capacity` vertices each.
+    /// Creates a patching without patches.
     pub(crate) fn new(capacity: u32) -> Self {
         Self {
             capacity,
@@ -45,7 +46,7 @@ impl Patching {
         }
     }
 
-    /// Makes room for vertices that are in no patch, or gives up slots of such.
+    /// Adds vertices without a patch, or removes the last ones.
     pub(crate) fn resize_vertices(&mut self, vertex_slots: usize) {
         let nowhere = Place {
             patch: NOWHERE,
@@ -54,35 +55,35 @@ impl Patching {
         self.places.resize(vertex_slots, nowhere);
     }
 
-    /// How many patches there are; some may be empty.
+    /// Returns the number of patches; some may be empty.
     pub(crate) fn len(&self) -> usize {
         self.sizes.len()
     }
 
-    /// The vertices of a patch, in the order of their places.
+    /// Returns the vertices of a patch, in order of their indices.
     pub(crate) fn vertices(&self, patch: u32) -> &[VertexId] {
         let start = patch as usize * self.capacity as usize;
         &self.members[start..start + self.sizes[patch as usize] as usize]
     }
 
-    /// Where a vertex stands, if it is in a patch.
+    /// Returns patch and index of a vertex, if it is in a patch.
     pub(crate) fn place(&self, v: VertexId) -> Option<Place> {
         let place = self.places[v.index()];
         (place.local != NOWHERE).then_some(place)
     }
 
-    /// The patch of a vertex, if it is in one.
+    /// Returns the patch of a vertex, if it is in one.
     pub(crate) fn patch_of(&self, v: VertexId) -> Option<u32> {
         self.place(v).map(|place| place.patch)
     }
 
-    /// The patch of a vertex, or the one that it was in when it left.
+    /// Returns the patch of a vertex, or the one that it was removed from.
     pub(crate) fn last_patch(&self, v: VertexId) -> Option<u32> {
         let place = self.places[v.index()];
         (place.patch != NOWHERE).then_some(place.patch)
     }
 
-    /// The patch that all of `vertices` are in, if there is one.
+    /// Returns the patch that contains all `vertices`, if there is one.
     pub(crate) fn shared(&self, vertices: &[VertexId]) -> Option<u32> {
         let (&first, others) = vertices.split_first()?;
         let patch = self.patch_of(first)?;
@@ -90,17 +91,17 @@ impl Patching {
         others.iter().all(same).then_some(patch)
     }
 
-    /// How many more vertices fit into a patch.
+    /// Returns the number of vertices that can be added to a patch.
     pub(crate) fn room(&self, patch: u32) -> usize {
         (self.capacity - self.sizes[patch as usize]) as usize
     }
 
-    /// The patch that was made last, to which strays are added.
+    /// Returns the patch that was added last.
     pub(crate) fn newest(&self) -> Option<u32> {
         self.newest
     }
 
-    /// Makes an empty patch or finds one that became empty.
+    /// Adds an empty patch, or reuses an empty one.
     pub(crate) fn add_patch(&mut self) -> u32 {
         let sizes = &self.sizes;
         self.emptied.retain(|&patch| sizes[patch as usize] == 0);
@@ -111,12 +112,12 @@ impl Patching {
             VertexId::from_index(self.sizes.len() - 1).0
         });
         self.newest = Some(patch);
-        self.log.note(patch);
+        self.log.record(patch);
         patch
     }
 
-    /// Adds a vertex that is nowhere to a patch that has room.
-    pub(crate) fn join(&mut self, v: VertexId, patch: u32) {
+    /// Adds a vertex without a patch to a patch with room.
+    pub(crate) fn insert(&mut self, v: VertexId, patch: u32) {
         let size = &mut self.sizes[patch as usize];
         self.members[(patch * self.capacity + *size) as usize] = v;
         self.places[v.index()] = Place {
@@ -124,11 +125,11 @@ impl Patching {
             local: *size,
         };
         *size += 1;
-        self.log.note(patch);
+        self.log.record(patch);
     }
 
-    /// Takes a vertex out of its patch; the last one of the patch gets its place.
-    pub(crate) fn leave(&mut self, v: VertexId) {
+    /// Removes a vertex from its patch; the last one of the patch takes its index.
+    pub(crate) fn remove(&mut self, v: VertexId) {
         let Some(Place { patch, local }) = self.place(v) else {
             return;
         };
@@ -141,23 +142,23 @@ impl Patching {
         self.members[last] = VertexId::NULL;
         self.places[moved.index()].local = local;
         self.places[v.index()].local = NOWHERE;
-        self.log.note(patch);
+        self.log.record(patch);
         if self.sizes[patch as usize] == 0 {
             self.emptied.push(patch);
         }
     }
 
-    /// Says which rule is broken: every place is that of its vertex and no patch is too large.
+    /// Checks the patch and index of every vertex and the size of every patch.
     pub(crate) fn check(&self) -> Result<(), &'static str> {
         let mut placed = 0;
         for patch in 0..VertexId::from_index(self.len()).0 {
             if self.sizes[patch as usize] > self.capacity {
-                return Err("a patch has at most so many vertices");
+                return Err("patches do not exceed their capacity");
             }
             for (local, &v) in (0..).zip(self.vertices(patch)) {
                 placed += 1;
                 if self.place(v) != Some(Place { patch, local }) {
-                    return Err("vertices know their places in patches");
+                    return Err("vertices have the places of their patches");
                 }
             }
         }
@@ -174,24 +175,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_vertex_takes_the_place_of_one_that_leaves() {
+    fn the_last_vertex_takes_the_index_of_a_removed_one() {
         let mut patching = Patching::new(4);
         patching.resize_vertices(9);
         let patch = patching.add_patch();
         let [a, b, c, d] = [8, 3, 5, 0].map(VertexId);
         for v in [a, b, c, d] {
-            patching.join(v, patch);
+            patching.insert(v, patch);
         }
         assert_eq!(patching.room(patch), 0);
-        patching.leave(b);
-        patching.leave(b);
+        patching.remove(b);
+        patching.remove(b);
         assert_eq!(patching.vertices(patch), [a, d, c]);
         assert_eq!(patching.place(d), Some(Place { patch, local: 1 }));
         assert_eq!(
             (patching.patch_of(b), patching.last_patch(b)),
             (None, Some(patch))
         );
-        patching.leave(c);
+        patching.remove(c);
         patching.check().unwrap();
         assert_eq!(patching.vertices(patch), [a, d]);
         assert_eq!(patching.shared(&[a, d]), Some(patch));
@@ -199,22 +200,22 @@ mod tests {
     }
 
     #[test]
-    fn emptied_patches_are_used_again_and_full_ones_are_not() {
+    fn empty_patches_are_reused() {
         let mut patching = Patching::new(4);
         patching.resize_vertices(9);
         let patches = [0, 1, 2].map(|i| {
             let patch = patching.add_patch();
-            patching.join(VertexId(i), patch);
+            patching.insert(VertexId(i), patch);
             patch
         });
-        // The second becomes empty twice and is full again in between, the first stays empty.
-        patching.leave(VertexId(1));
-        patching.join(VertexId(1), patches[1]);
-        patching.leave(VertexId(1));
-        patching.leave(VertexId(0));
+        // The second is emptied, refilled and emptied again; the first stays empty.
+        patching.remove(VertexId(1));
+        patching.insert(VertexId(1), patches[1]);
+        patching.remove(VertexId(1));
+        patching.remove(VertexId(0));
         let mut found = [0, 1].map(|i| {
             let patch = patching.add_patch();
-            patching.join(VertexId(3 + i), patch);
+            patching.insert(VertexId(3 + i), patch);
             patch
         });
         found.sort_unstable();

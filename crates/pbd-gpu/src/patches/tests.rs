@@ -1,12 +1,15 @@
-//! Laws of patches on whole bodies.
+//! Invariants of patches on whole bodies.
 
-use crate::coloring::LAYERS;
-use crate::common::{double_cone, flip, renew, sphere, split};
-use crate::constraints::{ConstraintSet, Slot};
+use crate::constraints::batches::{ConstraintSet, Slot};
+use crate::constraints::coloring::LAYERS;
 use crate::patches::PatchParams;
 use crate::{ConstraintError, Material, Solver, SolverParams};
+use incise_mesh::icosphere;
 use incise_mesh::{HalfEdge, Surface, TriangleId, VertexId};
-use incise_mesh::{Model, build_model, icosphere};
+use incise_models::double_cone;
+use incise_models::{Model, build_model};
+use incise_test_support::edits::{flip, replace_vertex, split};
+use incise_test_support::surfaces::sphere;
 use proptest::prelude::*;
 
 /// Constraints in each layer.
@@ -51,7 +54,11 @@ fn a_body_in_one_patch_moves_as_without() {
         solver.step(&mut plain, 1.0 / 60.0, &params()).unwrap();
         other.step(&mut patched, 1.0 / 60.0, &params()).unwrap();
     }
-    assert_eq!(plain.positions, patched.positions, "the order is the same");
+    assert_eq!(
+        plain.positions(),
+        patched.positions(),
+        "the order is the same"
+    );
 }
 
 #[test]
@@ -72,7 +79,7 @@ fn next_to_nothing_is_left_to_the_whole_body() {
 
 #[test]
 fn patches_follow_a_body_that_overflows() {
-    // A vertex with more edges than a layer has colors: what finds none goes down to layer 0.
+    // A vertex with more edges than a layer has colors: constraints without a color go to layer 0.
     let mut surface = double_cone(150);
     let mut solver = in_patches(&mut surface, &PatchParams::default());
     solver.validate(&surface).unwrap();
@@ -83,7 +90,7 @@ fn patches_follow_a_body_that_overflows() {
         solver.step(&mut surface, 1.0 / 60.0, &params()).unwrap();
     }
     assert!(solver.stretch_error(&surface) < 0.05);
-    let delta = renew(&mut surface, VertexId(0)).unwrap();
+    let delta = replace_vertex(&mut surface, VertexId(0)).unwrap();
     solver.apply_delta(&mut surface, &delta).unwrap();
     solver.validate(&surface).unwrap();
 }
@@ -143,7 +150,7 @@ proptest! {
             let delta = match kind {
                 0 => flip(&mut surface, h),
                 1 => split(&mut surface, h, t),
-                _ => renew(&mut surface, v),
+                _ => replace_vertex(&mut surface, v),
             };
             if let Some(delta) = delta {
                 solver.apply_delta(&mut surface, &delta).unwrap();

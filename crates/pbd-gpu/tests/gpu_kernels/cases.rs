@@ -1,15 +1,16 @@
-//! What is compared: small bodies in every state that a kernel makes a difference in.
+//! Test cases of the kernel comparison: small bodies in all states that kernels distinguish.
 
-use crate::common::{double_cone, sphere};
 use incise_mesh::{Surface, VertexId};
+use incise_models::double_cone;
 use incise_pbd_gpu::{MAX_COLORS, Material, PatchParams, Solver, SolverParams, Stiffness};
+use incise_test_support::surfaces::sphere;
 
-/// Where nothing is to move.
+/// A stiffness that moves nothing.
 const LIMP: Stiffness = Stiffness::Pbd(0.0);
 
 pub(crate) type Body = (Surface, Solver);
 
-/// What is compared: bodies of these materials, shaken, for some frames.
+/// Material and parameters of a comparison; bodies get random displacements and velocities.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Case {
     pub(crate) stretch: Stiffness,
@@ -18,17 +19,17 @@ pub(crate) struct Case {
     pub(crate) substeps: u32,
     pub(crate) ground: Option<f32>,
     pub(crate) gravity: f32,
-    /// Every how many vertices one is pinned; 0 pins none.
+    /// Interval of pinned vertices; 0 pins none.
     pub(crate) pinned: usize,
-    /// Random speeds up to this [m/s].
+    /// Maximum random speed [m/s].
     pub(crate) speed: f32,
-    /// What bodies are scaled by before they are shaken: small ones unfold, whatever is in the way.
+    /// Scale of bodies before the random displacement; small ones expand.
     pub(crate) size: f32,
-    /// The most vertices of a patch; 0 makes none, and one layer of colors.
+    /// Maximum number of vertices of a patch; 0 for no patches and one layer of colors.
     pub(crate) patch: u32,
 }
 
-/// Nothing but prediction and integration.
+/// Prediction and integration only.
 pub(crate) const DRIFT: Case = Case {
     stretch: LIMP,
     bending: None,
@@ -60,8 +61,8 @@ pub(crate) const CASES: [(&str, Case); 12] = [
         },
     ),
     (
-        // Pins move what they hold out of its reach.
-        "tethers",
+        // Pins move attached vertices beyond their length.
+        "attachments",
         Case {
             stretch: Stiffness::Pbd(1.0),
             pinned: 17,
@@ -154,13 +155,13 @@ pub(crate) const CASES: [(&str, Case); 12] = [
     ),
 ];
 
-/// What every vertex is shaken by to crumple bodies of 2 m \[m\].
+/// Random displacement that crumples bodies of 2 m \[m\].
 pub(crate) const CRUMPLED: f32 = 0.8;
 
-/// The same for bodies to keep their shape, so that angles and lengths are well-conditioned \[m\].
-pub(crate) const SOUND: f32 = 0.01;
+/// Random displacement with well-conditioned angles and lengths \[m\].
+pub(crate) const WELL_CONDITIONED: f32 = 0.01;
 
-/// Numbers between -1 and 1 without pattern.
+/// A linear congruential generator of numbers from -1 to 1.
 struct Random(u32);
 
 impl Random {
@@ -178,7 +179,7 @@ fn open(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Surface {
     Surface::from_triangles(positions, faces).expect("a surface")
 }
 
-/// A sphere with slots in it that no triangle uses.
+/// Returns a sphere with free slots.
 fn with_free_slots() -> Surface {
     let mut surface = sphere(2, [0.0, 1.2, 0.0]);
     let center = VertexId(7);
@@ -190,9 +191,8 @@ fn with_free_slots() -> Surface {
     surface
 }
 
-/// One constraint of a kind; the least closed body; more constraints at a vertex than there are
-/// colors; vertices that fill no whole number of workgroups; colors above and below what a workgroup
-/// takes at once.
+/// Returns bodies with one constraint of a kind, of minimum size, with more constraints at a vertex
+/// than colors, and with sizes around multiples of a workgroup.
 fn surfaces() -> Vec<Surface> {
     let corners = [
         [0.0, 1.0, 0.0],
@@ -220,7 +220,7 @@ fn new_solver(case: &Case, surface: &mut Surface, material: &Material) -> Solver
         0 => Solver::new(surface, material),
         _ => Solver::with_patches(surface, material, &patches),
     };
-    solver.expect("a sound surface")
+    solver.expect("a valid surface")
 }
 
 /// The bodies of a case. Every second one has other friction and damping.
@@ -239,7 +239,7 @@ pub(crate) fn bodies(case: &Case, shaken: f32) -> Vec<Body> {
         let vertices: Vec<VertexId> = surface.topology().vertices().collect();
         for (k, &v) in vertices.iter().enumerate() {
             let by = random.vector(shaken);
-            for (c, by) in surface.positions[v.index()].iter_mut().zip(by) {
+            for (c, by) in surface.positions_mut()[v.index()].iter_mut().zip(by) {
                 *c = case.size * *c + by;
             }
             let speed = random.vector(case.speed);
@@ -268,8 +268,8 @@ pub(crate) fn params(case: &Case) -> SolverParams {
         substeps: case.substeps,
         gravity: [0.0, case.gravity, 0.0],
         ground: case.ground,
-        own_weight: if case.substeps > 1 { 0.5 } else { 1.0 },
-        tethers: true,
+        diagonal_scale: if case.substeps > 1 { 0.5 } else { 1.0 },
+        attachments: true,
         ..SolverParams::paper()
     }
 }
@@ -280,7 +280,7 @@ pub(crate) fn aim(bodies: &mut [Body], frame: u32) {
     for (surface, solver) in bodies {
         let pinned: Vec<VertexId> = solver.pins().iter().map(|pin| pin.vertex).collect();
         for v in pinned {
-            let [x, y, z, _] = surface.positions[v.index()];
+            let [x, y, z, _] = surface.positions()[v.index()];
             let [dx, dy, dz] = random.vector(0.05);
             let target = [x + dx, y + dy, z + dz];
             solver.set_pin_target(v, target).expect("it is pinned");
@@ -288,7 +288,7 @@ pub(crate) fn aim(bodies: &mut [Body], frame: u32) {
     }
 }
 
-/// What unfolds on the ground at height 0.
+/// Returns bodies that expand on the ground at height 0.
 pub(crate) const UNFOLDING: Case = Case {
     stretch: Stiffness::Pbd(1.0),
     iterations: 3,
@@ -298,12 +298,13 @@ pub(crate) const UNFOLDING: Case = Case {
     ..DRIFT
 };
 
-/// Bodies that stand on the ground; the height of their lowest vertices is given apart for its sign.
+/// Bodies that stand on the ground; the height of their lowest vertices is given apart for its
+/// sign.
 pub(crate) fn standing(case: &Case, height: f32) -> Vec<Body> {
-    let mut bodies = bodies(case, SOUND);
+    let mut bodies = bodies(case, WELL_CONDITIONED);
     for (surface, _) in &mut bodies {
         let lowest = surface.bounds().min[1];
-        for p in &mut surface.positions {
+        for p in surface.positions_mut() {
             p[1] = if p[1] > lowest { p[1] - lowest } else { height };
         }
     }

@@ -1,24 +1,25 @@
-//! Rims, and what the surface looks like around them.
+//! Rims of holes, the surface around them, and target lengths along them.
 
-use super::HoleError;
+use crate::error::HoleError;
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{EdgeKey, HalfEdge, Surface, Topology, Vec3, VertexId};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Edges along a rim shorter than this part of its mean do not make triangles smaller: a rim with one
-/// tiny edge would get a cascade of ever smaller ones.
-const SHORTEST: f64 = 1.0 / 8.0;
+/// Minimum target length relative to the rim's mean edge.
+///
+/// Without it, one tiny edge would cause a cascade of ever smaller triangles.
+const MIN_SIZE: f64 = 1.0 / 8.0;
 
-/// A hole's rim in the direction of the patch: its edge i runs from vertex i to vertex i + 1.
+/// The rim of a hole, in the direction of its patch: edge i runs from vertex i to vertex i + 1.
 #[derive(Debug, Clone)]
 pub(super) struct Rim {
     pub(super) vertices: Vec<VertexId>,
-    /// The surface's half-edge across each edge.
+    /// The surface's boundary half-edge at each edge, in the opposite direction.
     pub(super) across: Vec<HalfEdge>,
 }
 
 impl Rim {
-    /// The rim along a loop of boundary half-edges.
+    /// Returns the rim along a loop of boundary half-edges.
     ///
     /// # Errors
     /// [`HoleError::OpenRim`] and [`HoleError::RepeatedVertex`].
@@ -48,13 +49,13 @@ impl Rim {
         self.vertices.len()
     }
 
-    /// Unit normals of the triangles across, zero of one without area.
+    /// Returns the unit normals of the surface's triangles at the rim, zero for one without area.
     pub(super) fn normals(&self, surface: &Surface) -> Vec<Vec3> {
         let normal = |h: &HalfEdge| unit(area_vector(surface.triangle_positions(h.triangle())));
         self.across.iter().map(normal).collect()
     }
 
-    /// The mean length of the rim's edges \[m\].
+    /// Returns the mean length of the rim's edges \[m\].
     #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^53 edges")]
     pub(super) fn mean_edge(&self, surface: &Surface) -> f64 {
         let length = |&h: &HalfEdge| {
@@ -65,9 +66,9 @@ impl Rim {
     }
 }
 
-/// The vector of length 1 along `v`; zero stays zero.
+/// Returns the unit vector along `v`; zero stays zero.
 pub(super) fn unit(v: Vec3) -> Vec3 {
-    // Scaled first: squares of the smallest coordinates are no longer numbers of 64 bits.
+    // Scaled first, because squares of the smallest coordinates underflow.
     let largest = v.amax();
     if largest > 0.0 {
         (v / largest).normalize()
@@ -78,17 +79,18 @@ pub(super) fn unit(v: Vec3) -> Vec3 {
 
 /// The triangles at the vertices of rims.
 #[derive(Debug)]
-pub(super) struct Surroundings {
-    /// By vertex slot the number of a rim vertex, else `u32::MAX`.
+pub(super) struct RimNeighborhood {
+    /// Number of the rim vertex in each vertex slot, else `u32::MAX`.
     number: Vec<u32>,
+    /// Start of each rim vertex in `corners`, and the end of the last.
     starts: Vec<usize>,
-    /// Half-edges that leave the rim vertices, vertex after vertex, in slot order.
+    /// Outgoing half-edges of the rim vertices, in slot order.
     corners: Vec<HalfEdge>,
-    /// Edges between rim vertices, those of patches too once they are there.
-    joined: FxHashSet<EdgeKey>,
+    /// Edges between rim vertices, of the surface and of finished patches.
+    edges: FxHashSet<EdgeKey>,
 }
 
-impl Surroundings {
+impl RimNeighborhood {
     pub(super) fn new(topology: &Topology, rims: &[Rim]) -> Self {
         let mut number = vec![u32::MAX; topology.vertex_slots()];
         let mut count = 0;
@@ -107,38 +109,38 @@ impl Surroundings {
             .collect();
         leaving.sort_unstable();
         let starts = (0..=count).map(|n| leaving.partition_point(|entry| entry.0 < n));
-        let mut joined = FxHashSet::default();
+        let mut edges = FxHashSet::default();
         for &(_, h) in &leaving {
             let ends = [topology.origin(h), topology.target(h)];
             if ends.iter().all(|v| number[v.index()] != u32::MAX) {
-                joined.insert(EdgeKey::new(ends[0], ends[1]));
+                edges.insert(EdgeKey::new(ends[0], ends[1]));
             }
         }
         Self {
             starts: starts.collect(),
             corners: leaving.into_iter().map(|entry| entry.1).collect(),
             number,
-            joined,
+            edges,
         }
     }
 
-    /// The half-edges that leave a rim vertex.
+    /// Returns the outgoing half-edges of a rim vertex.
     pub(super) fn corners(&self, v: VertexId) -> &[HalfEdge] {
         let n = self.number[v.index()] as usize;
         &self.corners[self.starts[n]..self.starts[n + 1]]
     }
 
-    /// Whether the surface or a patch has an edge between two rim vertices.
-    pub(super) fn are_joined(&self, a: VertexId, b: VertexId) -> bool {
-        self.joined.contains(&EdgeKey::new(a, b))
+    /// Returns whether the surface or a patch has an edge between two rim vertices.
+    pub(super) fn has_edge(&self, a: VertexId, b: VertexId) -> bool {
+        self.edges.contains(&EdgeKey::new(a, b))
     }
 
-    /// Notes the edge of a patch.
-    pub(super) fn join(&mut self, a: VertexId, b: VertexId) {
-        self.joined.insert(EdgeKey::new(a, b));
+    /// Adds the edge of a patch.
+    pub(super) fn add_edge(&mut self, a: VertexId, b: VertexId) {
+        self.edges.insert(EdgeKey::new(a, b));
     }
 
-    /// Whether the surface has a triangle on these three rim vertices.
+    /// Returns whether the surface has a triangle on these three rim vertices.
     pub(super) fn has_triangle(&self, topology: &Topology, corners: [VertexId; 3]) -> bool {
         self.corners(corners[0]).iter().any(|h| {
             let t = topology.triangle(h.triangle());
@@ -146,7 +148,7 @@ impl Surroundings {
         })
     }
 
-    /// Looks for coordinates that are not finite.
+    /// Checks that all coordinates around the rims are finite.
     ///
     /// # Errors
     /// [`HoleError::NonFinite`].
@@ -162,12 +164,12 @@ impl Surroundings {
         Ok(())
     }
 
-    /// Looks for vertices around which patches on all `rims` would leave more than one fan.
+    /// Checks that every rim vertex has a single fan once all `rims` are filled.
     ///
     /// # Errors
     /// [`HoleError::Pinched`].
     pub(super) fn check_fans(&self, topology: &Topology, rims: &[Rim]) -> Result<(), HoleError> {
-        // Of every boundary half-edge the one that leaves its target along the same rim.
+        // The next boundary half-edge along the same rim.
         let mut following = FxHashMap::default();
         for rim in rims {
             let pairs = rim.across.iter().zip(rim.across.iter().cycle().skip(1));
@@ -199,14 +201,16 @@ impl Surroundings {
         Ok(())
     }
 
-    /// How long edges are to be at each vertex of a rim \[m\]: the mean length of the surface's edges
-    /// there times `z`, the scale of Liepa's refinement.
+    /// Returns the target length at each vertex of a rim \[m\].
+    ///
+    /// It is the mean length of the surface's edges there, Liepa's scale, times `z`.
     pub(super) fn sizes(&self, surface: &Surface, rim: &Rim, z: f64) -> Vec<f64> {
-        let least = SHORTEST * rim.mean_edge(surface);
+        let least = MIN_SIZE * rim.mean_edge(surface);
         let size = |&v: &VertexId| z * self.mean_edge(surface, v).max(least);
         rim.vertices.iter().map(size).collect()
     }
 
+    /// Returns the mean length of the surface's edges at a rim vertex \[m\].
     fn mean_edge(&self, surface: &Surface, v: VertexId) -> f64 {
         let topology = surface.topology();
         let (mut sum, mut count) = (0.0, 0.0);

@@ -1,9 +1,9 @@
-//! The same function made another way: energies triangle by triangle, and a dense matrix.
+//! An independent reference: Dirichlet energy by triangle, and a dense solver.
 
-use incise_refine::Cover;
+use incise_refine::SectionMesh;
 use nalgebra::DMatrix;
 
-/// The gradients of the three hat functions of a triangle, and its area.
+/// Returns the gradients of a triangle's three hat functions, and its area.
 fn gradients([p, q, r]: [[f64; 2]; 3]) -> ([[f64; 2]; 3], f64) {
     let doubled = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
     let across = |a: [f64; 2], b: [f64; 2]| [(a[1] - b[1]) / doubled, (b[0] - a[0]) / doubled];
@@ -13,23 +13,23 @@ fn gradients([p, q, r]: [[f64; 2]; 3]) -> ([[f64; 2]; 3], f64) {
     )
 }
 
-fn place(cover: &Cover, points: &[[f64; 2]], v: u32) -> [f64; 2] {
+fn place(mesh: &SectionMesh, points: &[[f64; 2]], v: u32) -> [f64; 2] {
     match (v as usize).checked_sub(points.len()) {
         None => points[v as usize],
-        Some(i) => cover.inner[i].at,
+        Some(i) => mesh.steiner_points[i].position,
     }
 }
 
-/// The Dirichlet energy: the integral of the squares of all gradients.
+/// Returns the Dirichlet energy: the integral of the squared gradients.
 pub(crate) fn energy(
-    cover: &Cover,
+    mesh: &SectionMesh,
     points: &[[f64; 2]],
     values: &[[f64; 3]],
     inner: &[[f64; 3]],
 ) -> f64 {
     let mut sum = 0.0;
-    for &t in &cover.triangles {
-        let (slopes, area) = gradients(t.map(|v| place(cover, points, v)));
+    for &t in &mesh.triangles {
+        let (slopes, area) = gradients(t.map(|v| place(mesh, points, v)));
         let of = t.map(|v| match (v as usize).checked_sub(points.len()) {
             None => values[v as usize],
             Some(i) => inner[i],
@@ -44,13 +44,13 @@ pub(crate) fn energy(
     sum
 }
 
-/// Where the energy is least.
-pub(crate) fn solve(cover: &Cover, points: &[[f64; 2]], values: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let (n, unknowns) = (points.len(), cover.inner.len());
+/// Returns the values of minimum energy.
+pub(crate) fn solve(mesh: &SectionMesh, points: &[[f64; 2]], values: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let (n, unknowns) = (points.len(), mesh.steiner_points.len());
     let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
     let mut right = DMatrix::<f64>::zeros(unknowns, 3);
-    for &t in &cover.triangles {
-        let (slopes, area) = gradients(t.map(|v| place(cover, points, v)));
+    for &t in &mesh.triangles {
+        let (slopes, area) = gradients(t.map(|v| place(mesh, points, v)));
         for (i, &v) in t.iter().enumerate() {
             let Some(row) = (v as usize).checked_sub(n) else {
                 continue;

@@ -1,10 +1,11 @@
-//! Harmonic functions on covers: known ones, the maximum principle, less energy than interpolation.
+//! Harmonic interpolation: known functions, the maximum principle, Dirichlet energy.
 
 mod dense;
 
 use dense::{energy, solve};
 use incise_refine::{
-    Cover, CoverParams, CoverScratch, CoverSize, HarmonicScratch, Section, cover, harmonic,
+    HarmonicScratch, Section, SectionMesh, SectionMeshParams, SectionMeshScratch, SectionMeshSize,
+    interpolate_harmonic, triangulate_section,
 };
 use proptest::prelude::*;
 use std::f64::consts::TAU;
@@ -13,14 +14,14 @@ struct Patch {
     points: Vec<[f64; 2]>,
     loops: Vec<Vec<u32>>,
     crease: bool,
-    cover: Cover,
+    mesh: SectionMesh,
 }
 
 impl Patch {
-    fn new(rings: &[Vec<[f64; 2]>], length: f64, crease: bool) -> Self {
-        let points = rings.concat();
+    fn new(loops_of_points: &[Vec<[f64; 2]>], length: f64, crease: bool) -> Self {
+        let points = loops_of_points.concat();
         let mut ends = 0..;
-        let loops: Vec<Vec<u32>> = (rings.iter())
+        let loops: Vec<Vec<u32>> = (loops_of_points.iter())
             .map(|ring| ends.by_ref().take(ring.len()).collect())
             .collect();
         let section = Section {
@@ -28,23 +29,23 @@ impl Patch {
             loops: &loops,
             crease,
         };
-        let params = CoverParams {
-            size: CoverSize::Uniform(length),
-            ..CoverParams::default()
+        let params = SectionMeshParams {
+            size: SectionMeshSize::Uniform(length),
+            ..SectionMeshParams::default()
         };
-        let cover = cover(
+        let mesh = triangulate_section(
             &section,
             &params,
             |_, _| false,
-            &mut CoverScratch::default(),
+            &mut SectionMeshScratch::default(),
         )
         .unwrap();
-        assert_eq!(cover.report.discs, 0, "a clean section");
+        assert_eq!(mesh.report.self_intersecting_loops, 0, "a clean section");
         Self {
             points,
             loops,
             crease,
-            cover,
+            mesh,
         }
     }
 
@@ -60,15 +61,15 @@ impl Patch {
         self.points.iter().map(|&p| f(p)).collect()
     }
 
-    /// Solved whatever the values are.
+    /// Solves without the shortcut for affine values.
     fn solve(&self, values: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let mut scratch = HarmonicScratch::default();
-        let found = harmonic(&self.cover, &self.section(), values, -1.0, &mut scratch);
+        let found = interpolate_harmonic(&self.mesh, &self.section(), values, -1.0, &mut scratch);
         found.unwrap().values.to_vec()
     }
 
     fn linear(&self, values: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let inner = self.cover.inner.iter();
+        let inner = self.mesh.steiner_points.iter();
         inner
             .map(|inner| {
                 [0, 1, 2].map(|k| {
@@ -80,7 +81,7 @@ impl Patch {
     }
 }
 
-/// A ring around `center`, the way of the hands of a clock if it is a hole.
+/// Returns a loop around `center`, clockwise for a hole.
 fn ring(n: u32, center: [f64; 2], radius: impl Fn(f64) -> f64, hole: bool) -> Vec<[f64; 2]> {
     let mut points: Vec<_> = (0..n)
         .map(|i| f64::from(i) * TAU / f64::from(n))
@@ -123,39 +124,44 @@ fn largest_difference(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
 }
 
 #[test]
-fn an_affine_function_is_left_to_interpolation() {
+fn affine_values_need_no_solve() {
     let patch = wavy(60, 0.1, false);
     let affine = |[x, y]: [f64; 2]| [x - 2.0 * y + 7.0, 0.5 * y, -3.0 * x];
     let values = patch.rim(affine);
     let mut scratch = HarmonicScratch::default();
-    let found = harmonic(&patch.cover, &patch.section(), &values, 1e-14, &mut scratch);
+    let found = interpolate_harmonic(&patch.mesh, &patch.section(), &values, 1e-14, &mut scratch);
     assert_eq!(found, None, "no equations are solved");
-    let inner: Vec<_> = patch.cover.inner.iter().map(|p| affine(p.at)).collect();
+    let inner: Vec<_> = patch
+        .mesh
+        .steiner_points
+        .iter()
+        .map(|p| affine(p.position))
+        .collect();
     assert!(largest_difference(&patch.linear(&values), &inner) < 1e-13);
     // One point off is enough.
     let mut values = values;
     values[17][1] += 1e-9;
-    let found = harmonic(&patch.cover, &patch.section(), &values, 1e-14, &mut scratch);
+    let found = interpolate_harmonic(&patch.mesh, &patch.section(), &values, 1e-14, &mut scratch);
     assert!(found.is_some(), "a point is off");
 }
 
-/// What an affine function adds to values it adds to the result.
+/// Adding an affine function to the values adds it to the result.
 #[test]
-fn affine_functions_pass_through() {
+fn affine_functions_are_reproduced() {
     let patch = wavy(60, 0.1, false);
     let affine = |[x, y]: [f64; 2]| [3.0 * x - y, 2.0 * y + 5.0, x + y];
     let plain = patch.solve(&patch.rim(bent));
     let both = patch.solve(&patch.rim(|p| [0, 1, 2].map(|k| bent(p)[k] + affine(p)[k])));
-    let sum: Vec<_> = (plain.iter().zip(&patch.cover.inner))
-        .map(|(value, inner)| [0, 1, 2].map(|k| value[k] + affine(inner.at)[k]))
+    let sum: Vec<_> = (plain.iter().zip(&patch.mesh.steiner_points))
+        .map(|(value, inner)| [0, 1, 2].map(|k| value[k] + affine(inner.position)[k]))
         .collect();
     let off = largest_difference(&both, &sum);
     assert!(off < 1e-11, "off by {off}");
 }
 
-/// A sheet bent along its crease is two planes in the values, and stays that.
+/// Values that are affine on each side of the crease stay affine there.
 #[test]
-fn a_bent_sheet_stays_two_planes() {
+fn a_fold_at_the_crease_stays_sharp() {
     let outer = [
         [-1.0, 0.0],
         [-0.9, -0.7],
@@ -169,24 +175,38 @@ fn a_bent_sheet_stays_two_planes() {
     let patch = Patch::new(&[outer.to_vec()], 0.1, true);
     let folded = |[x, y]: [f64; 2]| [x, if y > 0.0 { 0.3 * y } else { y }, 0.8 * y.max(0.0)];
     let values = patch.rim(folded);
-    let inner: Vec<_> = patch.cover.inner.iter().map(|p| folded(p.at)).collect();
+    let inner: Vec<_> = patch
+        .mesh
+        .steiner_points
+        .iter()
+        .map(|p| folded(p.position))
+        .collect();
     let off = largest_difference(&patch.solve(&values), &inner);
     assert!(off < 1e-12, "off by {off}");
-    let on_crease = patch.cover.inner.iter().filter(|p| p.at[1] == 0.0);
+    let on_crease = patch
+        .mesh
+        .steiner_points
+        .iter()
+        .filter(|p| p.position[1] == 0.0);
     assert!(on_crease.count() > 10, "the crease has points");
     let mut scratch = HarmonicScratch::default();
-    let found = harmonic(&patch.cover, &patch.section(), &values, 1e-13, &mut scratch);
+    let found = interpolate_harmonic(&patch.mesh, &patch.section(), &values, 1e-13, &mut scratch);
     assert_eq!(found, None, "each half is affine");
 }
 
 /// Real parts of complex powers are harmonic.
 #[test]
-fn known_functions_are_found_inside_a_disc() {
+fn harmonic_polynomials_are_found_in_a_disc() {
     let known = |[x, y]: [f64; 2]| [x * x - y * y, 2.0 * x * y, x * x * x - 3.0 * x * y * y];
     let mut errors = Vec::new();
     for (n, length) in [(60, 0.1), (240, 0.025)] {
         let patch = Patch::new(&[ring(n, [0.0; 2], |_| 1.0, false)], length, false);
-        let exact: Vec<_> = patch.cover.inner.iter().map(|p| known(p.at)).collect();
+        let exact: Vec<_> = patch
+            .mesh
+            .steiner_points
+            .iter()
+            .map(|p| known(p.position))
+            .collect();
         let values = patch.rim(known);
         errors.push(largest_difference(&patch.solve(&values), &exact));
         let linear = largest_difference(&patch.linear(&values), &exact);
@@ -196,20 +216,20 @@ fn known_functions_are_found_inside_a_disc() {
 }
 
 #[test]
-fn the_same_equations_solved_densely_agree() {
+fn a_dense_solver_agrees() {
     for n in [24, 60, 100] {
         let patch = wavy(n, 6.0 / f64::from(n), false);
         let values = patch.rim(bent);
         let (found, exact) = (
             patch.solve(&values),
-            solve(&patch.cover, &patch.points, &values),
+            solve(&patch.mesh, &patch.points, &values),
         );
         let linear = patch.linear(&values);
         let off = largest_difference(&found, &exact);
         let before = largest_difference(&linear, &exact);
         assert!(off < 0.02 * before, "{off} off, interpolation {before}");
         let [least, smooth, creased] = [&exact, &found, &linear]
-            .map(|inner| energy(&patch.cover, &patch.points, &values, inner));
+            .map(|inner| energy(&patch.mesh, &patch.points, &values, inner));
         assert!(
             least <= smooth * (1.0 + 1e-9),
             "{least} is the least, not {smooth}"
@@ -222,29 +242,33 @@ fn the_same_equations_solved_densely_agree() {
 }
 
 #[test]
-fn a_warm_scratch_gives_the_same_bits() {
+fn used_scratch_memory_changes_no_bit() {
     let (patch, other) = (wavy(60, 0.1, false), wavy(100, 0.1, true));
     let values = patch.rim(bent);
     let mut scratch = HarmonicScratch::default();
-    harmonic(
-        &other.cover,
+    interpolate_harmonic(
+        &other.mesh,
         &other.section(),
         &other.rim(bent),
         0.0,
         &mut scratch,
     )
     .unwrap();
-    let found = harmonic(&patch.cover, &patch.section(), &values, 0.0, &mut scratch).unwrap();
+    let found =
+        interpolate_harmonic(&patch.mesh, &patch.section(), &values, 0.0, &mut scratch).unwrap();
     assert_eq!(found.values, patch.solve(&values), "a fresh one");
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 64,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
-    /// Whatever the values: none inside is larger or smaller than all at the rim, and there is less energy
-    /// than in what is interpolated.
+    /// Extrema are at the rim, and the Dirichlet energy is at most that of interpolation.
     #[test]
-    fn the_maximum_is_at_the_rim(
+    fn maximum_principle_holds(
         radii in prop::collection::vec(0.4f64..1.0, 8..60),
         heights in prop::collection::vec(-1.0f64..1.0, 60),
         length in 0.05f64..0.5,
@@ -258,7 +282,7 @@ proptest! {
             *p = p.map(|x| radius * x);
         }
         if crease {
-            // The crease meets the rim at points of it.
+            // The crease meets the rim at two of its points.
             outer[0][1] = 0.0;
             outer[even / 2][1] = 0.0;
         }
@@ -276,7 +300,7 @@ proptest! {
             let (rim, inner) = (of(&values), of(&found));
             prop_assert!(rim.0 <= inner.0 && inner.1 <= rim.1, "{rim:?} {inner:?}");
         }
-        let energy = |inner: &[[f64; 3]]| energy(&patch.cover, &patch.points, &values, inner);
+        let energy = |inner: &[[f64; 3]]| energy(&patch.mesh, &patch.points, &values, inner);
         let [smooth, creased] = [&found, &patch.linear(&values)].map(|inner| energy(inner));
         prop_assert!(smooth <= creased * (1.0 + 1e-5), "{smooth} {creased}");
     }

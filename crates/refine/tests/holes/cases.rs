@@ -1,4 +1,4 @@
-//! Cases with a known answer.
+//! Hole filling: cases with a known answer.
 
 use crate::punched::{area, collar, disc, euler, fill_and_check, inner_loop, reread, without};
 use incise_mesh::{Surface, TriangleId, Vec3, icosphere};
@@ -19,7 +19,7 @@ fn sheet(n: u16) -> Surface {
 }
 
 #[test]
-fn a_missing_triangle_comes_back() {
+fn a_missing_triangle_is_restored() {
     let body = icosphere(2, 1.0);
     let before = body.topology().triangle(TriangleId(7));
     let open = without(&body, &[TriangleId(7)]);
@@ -27,16 +27,16 @@ fn a_missing_triangle_comes_back() {
         level: RefinementLevel::Z(2.0),
         ..HoleParams::default()
     };
-    let (surface, filled) = fill_and_check(&open, &coarse);
-    assert_eq!(filled.holes[0].triangles, [TriangleId(7)]);
+    let (surface, report) = fill_and_check(&open, &coarse);
+    assert_eq!(report.holes[0].triangles, [TriangleId(7)]);
     let now = surface.topology().triangle(TriangleId(7));
     let turned = [now, [now[1], now[2], now[0]], [now[2], now[0], now[1]]];
-    assert!(turned.contains(&before), "wound as it was");
-    assert!(filled.holes[0].planar);
+    assert!(turned.contains(&before), "the orientation is restored");
+    assert!(report.holes[0].planar);
 }
 
 #[test]
-fn holes_that_touch_in_a_vertex_are_closed_one_by_one() {
+fn holes_that_touch_at_a_vertex_are_filled_separately() {
     let body = icosphere(3, 1.0);
     let topology = body.topology();
     // Every other triangle around a vertex with six.
@@ -47,9 +47,9 @@ fn holes_that_touch_in_a_vertex_are_closed_one_by_one() {
         .map(|h| h.triangle())
         .collect();
     let open = without(&body, &[fan[0], fan[2], fan[4]]);
-    let (surface, filled) = fill_and_check(&open, &HoleParams::default());
+    let (surface, report) = fill_and_check(&open, &HoleParams::default());
     assert_eq!(
-        filled.holes.iter().map(|h| h.rim).collect::<Vec<_>>(),
+        report.holes.iter().map(|h| h.rim_edges).collect::<Vec<_>>(),
         [3, 3, 3]
     );
     assert_eq!(euler(&surface), 2);
@@ -59,14 +59,14 @@ fn holes_that_touch_in_a_vertex_are_closed_one_by_one() {
 
 #[test]
 fn an_open_sheet_becomes_a_body() {
-    // Flat: its patch is another sheet, and no edge is there twice.
-    let (surface, filled) = fill_and_check(&sheet(5), &HoleParams::default());
-    assert_eq!((filled.holes.len(), filled.holes[0].rim), (1, 20));
-    assert!(filled.holes[0].planar);
+    // The patch is a second, coplanar sheet without duplicate edges.
+    let (surface, report) = fill_and_check(&sheet(5), &HoleParams::default());
+    assert_eq!((report.holes.len(), report.holes[0].rim_edges), (1, 20));
+    assert!(report.holes[0].planar);
     assert_eq!(euler(&surface), 2);
     assert!(surface.volume().abs() < 1e-12);
-    // A single triangle gets three more on a vertex in the middle: a second one on the same three
-    // corners would be no surface.
+    // A single triangle gets three more around a new vertex, because a second triangle on the same
+    // corners would not be a manifold.
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let single = Surface::from_triangles(&corners, &[[0, 1, 2]]).unwrap();
     let coarse = HoleParams {
@@ -78,14 +78,14 @@ fn an_open_sheet_becomes_a_body() {
 }
 
 #[test]
-fn half_a_sphere_gets_a_flat_end() {
+fn half_a_sphere_gets_a_planar_cap() {
     let body = icosphere(3, 1.0);
     let topology = body.topology();
     let lower = |t: &TriangleId| body.triangle_positions(*t).iter().any(|p| p.z < -1e-6);
     let gone: Vec<TriangleId> = topology.triangles().filter(lower).collect();
     let open = without(&body, &gone);
-    let (surface, filled) = fill_and_check(&open, &HoleParams::default());
-    let hole = &filled.holes[0];
+    let (surface, report) = fill_and_check(&open, &HoleParams::default());
+    let hole = &report.holes[0];
     let rim: f64 = hole.triangles.iter().map(|&t| area(&surface, t)).sum();
     // By Gauss's theorem the area vectors of a closed surface sum to zero.
     let vector = |t: TriangleId| {
@@ -96,12 +96,12 @@ fn half_a_sphere_gets_a_flat_end() {
     assert!(sum.norm() < 1e-6, "{sum}");
     if hole.planar {
         let up: Vec3 = open.topology().triangles().map(vector).sum();
-        assert!((rim - up.norm()).abs() < 1e-6, "{rim} of a plane end");
+        assert!((rim - up.norm()).abs() < 1e-6, "area {rim} of a planar cap");
     }
 }
 
 #[test]
-fn levels_are_ordered_and_meet_their_target() {
+fn finer_levels_have_more_triangles_at_their_target() {
     let body = icosphere(4, 1.0);
     let hole = disc(body.topology(), TriangleId(100), 400);
     let open = without(&body, &hole);
@@ -111,18 +111,18 @@ fn levels_are_ordered_and_meet_their_target() {
             level,
             ..HoleParams::default()
         };
-        let (_, filled) = fill_and_check(&open, &params);
-        let hole = &filled.holes[0];
+        let (_, report) = fill_and_check(&open, &params);
+        let hole = &report.holes[0];
         assert!(hole.triangles.len() > last, "{level} is finer");
         last = hole.triangles.len();
-        let ratio = hole.mean_edge / hole.target;
+        let ratio = hole.mean_edge / hole.target_edge;
         assert!((0.6..1.4).contains(&ratio), "{level}: {ratio}");
     }
 }
 
-/// A wavy rim whose edges grow from one side to the other: the patch's do too.
+/// The rim's edges grow from one side to the other, and so must the patch's.
 #[test]
-fn edges_have_the_size_of_those_around_them() {
+fn patch_edges_follow_the_rim_edges() {
     let (mut rim, mut a) = (Vec::new(), 0.0f32);
     while a < 2.0 * TAU / 2.0 - 0.02 {
         rim.push([a.cos(), a.sin(), 0.2 * (2.0 * a).sin()]);
@@ -130,10 +130,10 @@ fn edges_have_the_size_of_those_around_them() {
     }
     let mut surface = collar(&rim);
     let boundary = inner_loop(&surface, rim.len());
-    let filled = fill_hole(&mut surface, &boundary, &HoleParams::default()).unwrap();
-    assert!(!filled.holes[0].planar);
+    let report = fill_hole(&mut surface, &boundary, &HoleParams::default()).unwrap();
+    assert!(!report.holes[0].planar);
     let mean = |is_there: &dyn Fn(f64) -> bool| {
-        let own = filled.holes[0].triangles.iter().filter(|&&t| {
+        let own = report.holes[0].triangles.iter().filter(|&&t| {
             let [a, b, c] = surface.triangle_positions(t);
             is_there((a.x + b.x + c.x) / 3.0)
         });
@@ -145,24 +145,28 @@ fn edges_have_the_size_of_those_around_them() {
 }
 
 #[test]
-fn large_rims_stay_open_if_asked_to() {
+fn rims_above_the_limit_stay_open() {
     let open = without(&sheet(6), &[28, 29, 50].map(TriangleId));
     let mut surface = open.clone();
     let params = HoleParams {
-        max_edges: 10,
+        max_rim_edges: 10,
         ..HoleParams::default()
     };
-    let filled = fill_holes(&mut surface, &params).unwrap();
-    assert_eq!((filled.holes.len(), filled.left_open), (2, 1));
+    let report = fill_holes(&mut surface, &params).unwrap();
+    assert_eq!((report.holes.len(), report.left_open), (2, 1));
     assert_eq!(surface.topology().boundary_loops().len(), 1);
     assert_eq!(euler(&surface), 1);
     for v in surface.topology().vertices() {
-        assert_eq!(surface.position(v).z, 0.0, "a plane hole stays plane");
+        assert_eq!(
+            surface.position(v).z,
+            0.0,
+            "a planar hole has a planar patch"
+        );
     }
 }
 
 #[test]
-fn a_long_rim_is_cut_in_parts() {
+fn a_long_rim_is_split() {
     let n = 3000u16;
     let rim: Vec<[f32; 3]> = (0..n)
         .map(|i| f32::from(i) / f32::from(n) * TAU)
@@ -174,17 +178,17 @@ fn a_long_rim_is_cut_in_parts() {
         level: RefinementLevel::Z(4.0),
         ..HoleParams::default()
     };
-    let filled = fill_hole(&mut surface, &boundary, &coarse).unwrap();
-    assert_eq!(filled.holes[0].rim, 3000);
+    let report = fill_hole(&mut surface, &boundary, &coarse).unwrap();
+    assert_eq!(report.holes[0].rim_edges, 3000);
     crate::punched::check_manifold(&surface);
-    let total: f64 = filled.holes[0]
+    let total: f64 = report.holes[0]
         .triangles
         .iter()
         .map(|&t| area(&surface, t))
         .sum();
     assert!(
         (3.0..6.0).contains(&total),
-        "one sheet over a wavy circle: {total}"
+        "area of a single sheet: {total}"
     );
 }
 
@@ -192,19 +196,18 @@ fn a_long_rim_is_cut_in_parts() {
 fn a_closed_body_has_no_holes() {
     let body = icosphere(1, 1.0);
     let mut surface = body.clone();
-    let filled = fill_holes(&mut surface, &HoleParams::default()).unwrap();
-    assert!(filled.holes.is_empty() && filled.undo.is_none() && filled.delta.is_empty());
+    let report = fill_holes(&mut surface, &HoleParams::default()).unwrap();
+    assert!(report.holes.is_empty() && report.undo.is_none() && report.delta.is_empty());
     assert_eq!(
         surface.fingerprint(),
         body.fingerprint(),
-        "nothing was done"
+        "the surface is unchanged"
     );
 }
 
-/// Around a figure of eight, plane or bent, and around a knot there is no patch that does not cross itself; it is made
-/// and told. Around simple rims there is one.
+/// A figure of eight and a trefoil knot have no embedded patch; simple rims have one.
 #[test]
-fn patches_that_cross_themselves_are_told() {
+fn self_intersecting_patches_are_reported() {
     let rim = |n: u16, at: &dyn Fn(f32) -> [f32; 3]| -> Vec<[f32; 3]> {
         (0..n)
             .map(|i| at(TAU * f32::from(i) / f32::from(n)))
@@ -228,10 +231,10 @@ fn patches_that_cross_themselves_are_told() {
     for (name, rim) in &crossing {
         let mut surface = collar(rim);
         let hole = inner_loop(&surface, rim.len());
-        let filled = fill_hole(&mut surface, &hole, &HoleParams::default()).unwrap();
-        assert!(filled.holes[0].self_crossing, "{name}");
-        assert!(!filled.holes[0].planar, "{name}");
-        surface.topology().validate().unwrap();
+        let report = fill_hole(&mut surface, &hole, &HoleParams::default()).unwrap();
+        assert!(report.holes[0].self_intersecting, "{name}");
+        assert!(!report.holes[0].planar, "{name}");
+        surface.validate().unwrap();
     }
     let simple = [
         rim(40, &|a| [a.cos(), a.sin(), 0.0]),
@@ -247,14 +250,14 @@ fn patches_that_cross_themselves_are_told() {
     for rim in &simple {
         let mut surface = collar(rim);
         let hole = inner_loop(&surface, rim.len());
-        let filled = fill_hole(&mut surface, &hole, &HoleParams::default()).unwrap();
-        assert!(!filled.holes[0].self_crossing, "{rim:?}");
+        let report = fill_hole(&mut surface, &hole, &HoleParams::default()).unwrap();
+        assert!(!report.holes[0].self_intersecting, "{rim:?}");
     }
 }
 
-/// A zigzag rim is bent by triangles on it alone; those within are as good as in a plane, and as few, however fine.
+/// Angles and triangle counts inside a zigzag rim are those of a planar patch at any level.
 #[test]
-fn bent_patches_are_as_good_as_plane_ones() {
+fn bent_patches_are_as_good_as_planar_ones() {
     let rim: Vec<[f32; 3]> = (0..24u8)
         .map(|i| {
             (
@@ -272,11 +275,11 @@ fn bent_patches_are_as_good_as_plane_ones() {
             level: RefinementLevel::Z(z),
             ..HoleParams::default()
         };
-        let filled = fill_hole(&mut surface, &hole, &params).unwrap();
-        let patch = &filled.holes[0];
-        assert!(!patch.planar && !patch.self_crossing);
+        let report = fill_hole(&mut surface, &hole, &params).unwrap();
+        let patch = &report.holes[0];
+        assert!(!patch.planar && !patch.self_intersecting);
         let total: f64 = patch.triangles.iter().map(|&t| area(&surface, t)).sum();
-        let ideal = total / (0.75f64.sqrt() / 2.0 * patch.target * patch.target);
+        let ideal = total / (0.75f64.sqrt() / 2.0 * patch.target_edge * patch.target_edge);
         let count = patch.triangles.len() as f64;
         assert!(
             (0.5 * ideal..2.0 * ideal).contains(&count),
@@ -284,7 +287,7 @@ fn bent_patches_are_as_good_as_plane_ones() {
         );
         assert!(patch.angles.percentile_5 > 30.0, "{z}: {:?}", patch.angles);
     }
-    // What is far too fine is refused before it is made.
+    // A level that is far too fine fails early.
     let fine = HoleParams {
         level: RefinementLevel::Z(1e-9),
         ..HoleParams::default()
@@ -293,10 +296,9 @@ fn bent_patches_are_as_good_as_plane_ones() {
     assert_eq!(error, HoleError::TooManyTriangles { limit: 1_000_000 });
 }
 
-/// A rim that lies on a line leaves only triangles of no area, and a bow in a plane crosses itself however even its
-/// halves are: both are told.
+/// A collinear rim gives triangles without area, and a planar bow tie crosses itself.
 #[test]
-fn degenerate_rims_are_told() {
+fn degenerate_rims_are_reported() {
     let line: Vec<[f32; 3]> = (0..8u8)
         .map(|i| [f32::from(i.min(8 - i)) + 1.0, 0.0, 0.0])
         .collect();
@@ -309,19 +311,22 @@ fn degenerate_rims_are_told() {
     for (rim, is_line) in [(&line[..], true), (&bow[..], false)] {
         let mut surface = collar(rim);
         let hole = inner_loop(&surface, rim.len());
-        let filled = fill_hole(&mut surface, &hole, &HoleParams::default()).unwrap();
-        let patch = &filled.holes[0];
+        let report = fill_hole(&mut surface, &hole, &HoleParams::default()).unwrap();
+        let patch = &report.holes[0];
         let flat = patch
             .triangles
             .iter()
             .filter(|&&t| area(&surface, t) < 1e-9)
             .count();
-        assert_eq!(patch.flat, flat, "{rim:?}");
-        assert_eq!(patch.flat > 0, is_line, "{rim:?}");
-        assert_eq!(patch.self_crossing, !is_line, "{rim:?}");
+        assert_eq!(patch.flat_triangles, flat, "{rim:?}");
+        assert_eq!(patch.flat_triangles > 0, is_line, "{rim:?}");
+        assert_eq!(patch.self_intersecting, !is_line, "{rim:?}");
     }
     let mut surface = collar(&[[1.0, 0.0, 0.0], [-0.5, 0.8, 0.0], [-0.5, -0.8, 0.0]]);
     let hole = inner_loop(&surface, 3);
-    let filled = fill_hole(&mut surface, &hole, &HoleParams::default()).unwrap();
-    assert_eq!((filled.holes[0].flat, filled.holes[0].slivers), (0, 0));
+    let report = fill_hole(&mut surface, &hole, &HoleParams::default()).unwrap();
+    assert_eq!(
+        (report.holes[0].flat_triangles, report.holes[0].slivers),
+        (0, 0)
+    );
 }

@@ -1,8 +1,8 @@
-//! What fairing must do.
+//! Fairing of patches: distance to known shapes, planar patches, limits.
 
 use crate::punched::{disc, distance_to_sphere, fill_and_check, without};
 use incise_mesh::{Surface, TriangleId, Vec3, VertexId, icosphere};
-use incise_refine::{Filled, HoleError, HoleParams, RefinementLevel};
+use incise_refine::{FillReport, HoleError, HoleParams, RefinementLevel};
 use proptest::prelude::*;
 
 fn params(fair: bool, z: f64) -> HoleParams {
@@ -14,8 +14,8 @@ fn params(fair: bool, z: f64) -> HoleParams {
 }
 
 fn distance(open: &Surface, params: &HoleParams) -> f64 {
-    let (surface, filled) = fill_and_check(open, params);
-    let added: Vec<VertexId> = (filled.delta.vertices_added.iter())
+    let (surface, report) = fill_and_check(open, params);
+    let added: Vec<VertexId> = (report.delta.vertices_added.iter())
         .map(|added| added.vertex)
         .collect();
     distance_to_sphere(&surface, &added, 1.0)
@@ -24,10 +24,9 @@ fn distance(open: &Surface, params: &HoleParams) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Patches of spheres come nearer to the sphere, whatever the hole: a zigzag rim of a few edges is
-    /// the worst.
+    /// Fairing reduces a patch's distance to the sphere; short zigzag rims are the worst case.
     #[test]
-    fn a_sphere_is_round_again(
+    fn fairing_approaches_the_sphere(
         seed in 0u32..1280,
         count in 20usize..250,
         z in 0.5f64..1.5,
@@ -64,38 +63,37 @@ fn sheet_with_hole(height: impl Fn(f32, f32) -> f32) -> Surface {
     surface
 }
 
-fn fill_hole_only(open: &Surface, params: &HoleParams) -> (Surface, Filled) {
+fn fill_hole_only(open: &Surface, params: &HoleParams) -> (Surface, FillReport) {
     let mut surface = open.clone();
     let params = HoleParams {
-        max_edges: 40,
+        max_rim_edges: 40,
         ..*params
     };
-    let filled = incise_refine::fill_holes(&mut surface, &params).unwrap();
-    assert_eq!(filled.left_open, 1, "the sheet's outside");
-    assert_eq!(filled.holes.len(), 1, "and the hole in it");
-    (surface, filled)
+    let report = incise_refine::fill_holes(&mut surface, &params).unwrap();
+    assert_eq!(report.left_open, 1, "the sheet's outer boundary");
+    assert_eq!(report.holes.len(), 1, "the hole");
+    (surface, report)
 }
 
 #[test]
-fn a_plane_hole_stays_plane() {
+fn a_planar_hole_stays_planar() {
     let open = sheet_with_hole(|x, y| 0.25 * x - 0.5 * y);
-    let (surface, filled) = fill_hole_only(&open, &params(true, 1.0));
-    assert!(filled.holes[0].faired && filled.holes[0].planar);
-    for added in &filled.delta.vertices_added {
+    let (surface, report) = fill_hole_only(&open, &params(true, 1.0));
+    assert!(report.holes[0].faired && report.holes[0].planar);
+    for added in &report.delta.vertices_added {
         let p = surface.position(added.vertex);
         assert!((p.z - 0.25 * p.x + 0.5 * p.y).abs() < 1e-6, "{p}");
     }
 }
 
-/// A bowl goes on through the hole.
 #[test]
-fn a_bowl_goes_on() {
+fn fairing_continues_a_paraboloid() {
     let bowl = |x: f64, y: f64| (x - 0.4) * (x - 0.4) + 0.7 * (y - 0.5) * (y - 0.5);
     #[expect(clippy::cast_possible_truncation, reason = "a test's coordinates")]
     let open = sheet_with_hole(|x, y| bowl(f64::from(x), f64::from(y)) as f32);
     let off = |params: &HoleParams| {
-        let (surface, filled) = fill_hole_only(&open, params);
-        let points = filled
+        let (surface, report) = fill_hole_only(&open, params);
+        let points = report
             .delta
             .vertices_added
             .iter()
@@ -108,9 +106,9 @@ fn a_bowl_goes_on() {
     assert!(fair < 0.5 * flat, "{fair} and {flat}");
 }
 
-/// The end of a tube is an end, not a bulge.
+/// The planar ends of a tube are steep and must not bulge.
 #[test]
-fn a_steep_end_stays_plane() {
+fn the_end_of_a_tube_stays_planar() {
     let (n, rings) = (24u16, 6u16);
     let points: Vec<[f32; 3]> = (0..rings)
         .flat_map(|z| (0..n).map(move |i| (f32::from(i) / f32::from(n) * std::f32::consts::TAU, z)))
@@ -125,9 +123,9 @@ fn a_steep_end_stays_plane() {
         })
         .collect();
     let tube = Surface::from_triangles(&points, &triangles).unwrap();
-    let (surface, filled) = fill_and_check(&tube, &params(true, 1.0));
-    assert_eq!(filled.holes.len(), 2);
-    assert!(filled.holes.iter().all(|hole| hole.planar && !hole.faired));
+    let (surface, report) = fill_and_check(&tube, &params(true, 1.0));
+    assert_eq!(report.holes.len(), 2);
+    assert!(report.holes.iter().all(|hole| hole.planar && !hole.faired));
     let polygon = 0.5 * f64::from(n) * (std::f64::consts::TAU / f64::from(n)).sin();
     assert!(
         (surface.volume() - 1.25 * polygon).abs() < 1e-6,
@@ -136,22 +134,22 @@ fn a_steep_end_stays_plane() {
     );
 }
 
-/// A body at rest stays at rest: its patch is as smooth in its rest shape.
+/// In a body at rest, faired positions equal faired rest positions.
 #[test]
-fn rest_positions_are_faired_alike() {
+fn rest_positions_are_faired_too() {
     let body = icosphere(3, 1.0);
     let open = without(&body, &disc(body.topology(), TriangleId(31), 120));
-    let (surface, filled) = fill_and_check(&open, &params(true, 0.7));
-    assert!(filled.holes[0].inserted > 20);
-    for added in &filled.delta.vertices_added {
+    let (surface, report) = fill_and_check(&open, &params(true, 0.7));
+    assert!(report.holes[0].new_vertices > 20);
+    for added in &report.delta.vertices_added {
         let v = added.vertex.index();
-        assert_eq!(surface.positions[v][..3], surface.rest[v]);
+        assert_eq!(surface.positions()[v][..3], surface.rest_positions()[v]);
     }
 }
 
-/// On average four times nearer to the sphere than without.
+/// On average, fairing reduces the distance to the sphere four times.
 #[test]
-fn spheres_are_round_on_average() {
+fn fairing_reduces_the_mean_distance() {
     let (mut sum, mut count) = (0.0, 0.0);
     for (seed, triangles) in (0..1280)
         .step_by(61)
@@ -166,10 +164,11 @@ fn spheres_are_round_on_average() {
     assert!(sum / count < 0.25, "{}", sum / count);
 }
 
-/// Fairing does not take minutes: what is too fine for it is refused, and not made first, so that no limit of triangles
-/// is met before. Without fairing the same is made.
+/// A patch that is too fine for fairing is rejected before the triangle limit is reached.
+///
+/// The same patch is possible without fairing.
 #[test]
-fn too_fine_a_patch_is_refused() {
+fn patches_too_fine_to_fair_are_errors() {
     let body = icosphere(3, 1.0);
     let open = without(&body, &disc(body.topology(), TriangleId(31), 300));
     for z in [0.1, 1e-3, 1e-9] {
@@ -179,11 +178,14 @@ fn too_fine_a_patch_is_refused() {
             matches!(error, HoleError::TooFineToFair { limit: 10_000, .. }),
             "{error}"
         );
-        assert_eq!(surface, open, "nothing is left of the attempt");
+        assert_eq!(surface, open, "the surface is unchanged");
     }
     let mut surface = open.clone();
-    let filled = incise_refine::fill_holes(&mut surface, &params(false, 0.1)).unwrap();
-    assert!(filled.holes[0].inserted > 10_000, "it was too fine");
+    let report = incise_refine::fill_holes(&mut surface, &params(false, 0.1)).unwrap();
+    assert!(
+        report.holes[0].new_vertices > 10_000,
+        "above the limit of fairing"
+    );
     let few = HoleParams {
         max_triangles: 1000,
         ..params(true, 0.1)

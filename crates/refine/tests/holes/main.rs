@@ -1,8 +1,8 @@
-//! Holes of surfaces, closed: what holds for all of them, and cases with a known answer.
+//! Hole filling: invariants of all patches, known answers, fairing and errors.
 
 mod cases;
+mod errors;
 #[cfg(feature = "fair")]
 mod fairing;
 mod properties;
 mod punched;
-mod refusals;

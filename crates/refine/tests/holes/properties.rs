@@ -1,4 +1,4 @@
-//! Random holes in random places.
+//! Invariants of hole filling over random holes and rims.
 
 use crate::punched::{
     area, check_manifold, collar, disc, fill_and_check, inner_loop, reread, without,
@@ -28,7 +28,7 @@ fn any_discs() -> impl Strategy<Value = Vec<(prop::sample::Index, usize)>> {
     prop::collection::vec((any::<prop::sample::Index>(), 1usize..40), 1..6)
 }
 
-/// A body without some discs, some of which touch or overlap.
+/// Removes discs, which may touch or overlap, from a body.
 fn punched(body: &Surface, discs: &[(prop::sample::Index, usize)]) -> Option<Surface> {
     let topology = body.topology();
     let all: Vec<TriangleId> = topology.triangles().collect();
@@ -45,7 +45,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
     #[test]
-    fn every_hole_is_closed(
+    fn every_hole_is_filled(
         which in 0u8..3,
         discs in any_discs(),
         z in 0.4f64..2.5,
@@ -56,43 +56,43 @@ proptest! {
         fill_and_check(&open.unwrap(), &params(z));
     }
 
-    /// The same holes whatever the scale: by powers of two even to the bit.
+    /// Scaling by a power of two gives the same bits.
     #[test]
-    fn scale_does_not_matter(discs in any_discs(), power in -40i32..40) {
+    fn results_are_scale_invariant(discs in any_discs(), power in -40i32..40) {
         let open = punched(&icosphere(2, 1.0), &discs);
         prop_assume!(open.is_some());
         let open = open.unwrap();
         let factor = 2f32.powi(power);
         let mut scaled = open.clone();
-        for p in &mut scaled.positions {
+        for p in scaled.positions_mut() {
             p[..3].iter_mut().for_each(|x| *x *= factor);
         }
-        scaled.rest.iter_mut().flatten().for_each(|x| *x *= factor);
+        scaled.rest_positions_mut().iter_mut().flatten().for_each(|x| *x *= factor);
         let flat = HoleParams { fair: false, ..params(1.0) };
         let (one, _) = fill_and_check(&open, &flat);
         let (other, _) = fill_and_check(&scaled, &flat);
         prop_assert_eq!(one.topology(), other.topology());
-        for (p, q) in one.positions.iter().zip(&other.positions) {
+        for (p, q) in one.positions().iter().zip(other.positions()) {
             prop_assert_eq!([0, 1, 2].map(|k| p[k] * factor), [0, 1, 2].map(|k| q[k]));
         }
     }
 
-    /// A rim of any shape: crossing itself, bent, with corners in the same place.
+    /// Rims may cross themselves, bend, and repeat positions.
     #[test]
-    fn any_rim_is_closed(
+    fn any_rim_gives_a_manifold(
         points in prop::collection::vec([-1.0f32..1.0, -1.0..1.0, -1.0..1.0], 3..40),
         z in 0.3f64..2.0,
     ) {
         let mut surface = collar(&points);
         let rim = inner_loop(&surface, points.len());
-        let filled = fill_hole(&mut surface, &rim, &params(z)).unwrap();
-        prop_assert_eq!(surface.topology().boundary_loops().len(), 1, "the outer one");
+        let report = fill_hole(&mut surface, &rim, &params(z)).unwrap();
+        prop_assert_eq!(surface.topology().boundary_loops().len(), 1, "the outer boundary");
         check_manifold(&surface);
-        let hole = &filled.holes[0];
-        prop_assert_eq!(hole.triangles.len(), hole.rim - 2 + 2 * hole.inserted);
+        let hole = &report.holes[0];
+        prop_assert_eq!(hole.triangles.len(), hole.rim_edges - 2 + 2 * hole.new_vertices);
     }
 
-    /// Rims around a star, up and down: no triangle without area.
+    /// Star-shaped, non-planar rims get no triangle without area.
     #[test]
     fn generic_rims_get_triangles_with_area(
         radii in prop::collection::vec((0.5f32..1.0, -0.5f32..0.5), 4..40),
@@ -105,8 +105,8 @@ proptest! {
         }).collect();
         let mut surface = collar(&rim);
         let boundary = inner_loop(&surface, rim.len());
-        let filled = fill_hole(&mut surface, &boundary, &params(z)).unwrap();
-        for &t in &filled.holes[0].triangles {
+        let report = fill_hole(&mut surface, &boundary, &params(z)).unwrap();
+        for &t in &report.holes[0].triangles {
             prop_assert!(area(&surface, t) > 0.0, "{t}");
         }
     }

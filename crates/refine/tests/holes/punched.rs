@@ -1,12 +1,12 @@
-//! Surfaces with holes, and what must hold once these are closed.
+//! Fixtures with holes, and checks of the invariants of filled holes.
 
 #[cfg(feature = "fair")]
 use incise_mesh::VertexId;
 use incise_mesh::{MeshData, Surface, Topology, TriangleId, Vec3};
-use incise_refine::{Filled, HoleParams, fill_holes};
+use incise_refine::{FillReport, HoleParams, fill_holes};
 use std::collections::BTreeSet;
 
-/// `surface` without `triangles` and vertices that only they used.
+/// Returns `surface` without `triangles` and the vertices that become unused.
 pub(crate) fn without(surface: &Surface, triangles: &[TriangleId]) -> Surface {
     let mut out = surface.clone();
     let unused = out.remove_triangles(triangles);
@@ -14,7 +14,7 @@ pub(crate) fn without(surface: &Surface, triangles: &[TriangleId]) -> Surface {
     out
 }
 
-/// The `count` triangles nearest to `seed`, by steps from neighbor to neighbor.
+/// Returns `count` triangles around `seed` in breadth-first order.
 pub(crate) fn disc(topology: &Topology, seed: TriangleId, count: usize) -> Vec<TriangleId> {
     let mut out = vec![seed];
     let mut at = 0;
@@ -30,10 +30,10 @@ pub(crate) fn disc(topology: &Topology, seed: TriangleId, count: usize) -> Vec<T
     out
 }
 
-/// The surface of what is left, as it would come from a file.
+/// Returns the surface as read from a file, with vertices separated at pinched points.
 pub(crate) fn reread(surface: &Surface) -> Surface {
     let topology = surface.topology();
-    let positions: Vec<[f32; 3]> = (surface.positions.iter())
+    let positions: Vec<[f32; 3]> = (surface.positions().iter())
         .map(|&[x, y, z, _]| [x, y, z])
         .collect();
     let triangles: Vec<[u32; 3]> = topology
@@ -44,8 +44,9 @@ pub(crate) fn reread(surface: &Surface) -> Surface {
     data.into_open_surface().unwrap().0
 }
 
-/// A ring of triangles around `rim`, counterclockwise seen from above, on its outside: vertices
-/// `0..n` are the rim's.
+/// Returns a strip of triangles outside of `rim`, whose vertices are `0..n`.
+///
+/// The rim is counterclockwise seen from above.
 pub(crate) fn collar(rim: &[[f32; 3]]) -> Surface {
     let n = u32::try_from(rim.len()).unwrap();
     let outer = rim.iter().map(|&[x, y, z]| [1.5 * x, 1.5 * y, z]);
@@ -59,13 +60,14 @@ pub(crate) fn collar(rim: &[[f32; 3]]) -> Surface {
     Surface::from_triangles(&positions, &triangles).unwrap()
 }
 
-/// The loop of a collar's boundary along its rim.
+/// Returns the boundary loop of a collar along its rim.
 pub(crate) fn inner_loop(surface: &Surface, n: usize) -> Vec<incise_mesh::HalfEdge> {
     let mut loops = surface.topology().boundary_loops();
     loops.retain(|boundary| surface.topology().origin(boundary[0]).index() < n);
     loops.pop().unwrap()
 }
 
+/// Returns the Euler characteristic.
 pub(crate) fn euler(surface: &Surface) -> i64 {
     let topology = surface.topology();
     let count = |n: usize| i64::try_from(n).unwrap();
@@ -73,7 +75,7 @@ pub(crate) fn euler(surface: &Surface) -> i64 {
         + count(topology.triangle_count())
 }
 
-/// Every vertex has one fan, and no two vertices have two edges.
+/// Checks that every vertex has one fan and that no edge is duplicated.
 pub(crate) fn check_manifold(surface: &Surface) {
     let topology = surface.topology();
     topology.validate().unwrap();
@@ -82,7 +84,7 @@ pub(crate) fn check_manifold(surface: &Surface) {
     for h in topology.triangles().flat_map(|t| t.half_edges()) {
         corners[topology.origin(h).index()] += 1;
         let side = (topology.origin(h), topology.target(h));
-        assert!(sides.insert(side), "the edge {side:?} is there twice");
+        assert!(sides.insert(side), "the edge {side:?} is duplicated");
     }
     for v in topology.vertices() {
         let fan = topology.outgoing_fan(v).count();
@@ -90,20 +92,28 @@ pub(crate) fn check_manifold(surface: &Surface) {
     }
 }
 
-/// Fills all holes of `open` and checks all that must hold whatever they are.
-pub(crate) fn fill_and_check(open: &Surface, params: &HoleParams) -> (Surface, Filled) {
+/// Fills all holes of `open` and checks the invariants of the result.
+pub(crate) fn fill_and_check(open: &Surface, params: &HoleParams) -> (Surface, FillReport) {
     let loops = open.topology().boundary_loops().len();
     let mut surface = open.clone();
-    let filled = fill_holes(&mut surface, params).unwrap();
-    assert_eq!(filled.holes.len(), loops, "a hole a loop");
+    let report = fill_holes(&mut surface, params).unwrap();
+    assert_eq!(report.holes.len(), loops, "one hole for each loop");
     assert!(surface.topology().is_closed(), "no boundary is left");
     check_manifold(&surface);
     let discs = i64::try_from(loops).unwrap();
-    assert_eq!(euler(&surface), euler(open) + discs, "a disc a hole");
+    assert_eq!(
+        euler(&surface),
+        euler(open) + discs,
+        "one disc for each hole"
+    );
     for v in open.topology().vertices() {
-        let bits = |s: &Surface| s.positions[v.index()].map(f32::to_bits);
-        assert_eq!(bits(&surface), bits(open), "{v} stays where it is");
-        assert_eq!(surface.rest[v.index()], open.rest[v.index()], "{v} at rest");
+        let bits = |s: &Surface| s.positions()[v.index()].map(f32::to_bits);
+        assert_eq!(bits(&surface), bits(open), "{v} is unchanged");
+        assert_eq!(
+            surface.rest_positions()[v.index()],
+            open.rest_positions()[v.index()],
+            "{v} at rest"
+        );
     }
     for t in open.topology().triangles() {
         let corners = [&surface, open].map(|s| s.topology().triangle(t));
@@ -112,29 +122,29 @@ pub(crate) fn fill_and_check(open: &Surface, params: &HoleParams) -> (Surface, F
         assert_eq!(surface.material(t), open.material(t), "the material of {t}");
     }
     let mut triangles = 0;
-    for hole in &filled.holes {
-        let expected = hole.rim - 2 + 2 * hole.inserted;
+    for hole in &report.holes {
+        let expected = hole.rim_edges - 2 + 2 * hole.new_vertices;
         assert_eq!(hole.triangles.len(), expected, "Euler's formula for a disc");
         triangles += hole.triangles.len();
     }
-    assert!(triangles <= params.max_triangles, "the budget holds");
-    let delta = &filled.delta;
+    assert!(triangles <= params.max_triangles, "the limit holds");
+    let delta = &report.delta;
     assert_eq!(
         delta.triangles_added.len(),
         triangles,
-        "the delta has them all"
+        "the delta has all new triangles"
     );
     let removed = delta.triangles_removed.len() + delta.vertices_removed.len();
     assert_eq!(removed, 0, "nothing is removed");
-    if let Some(undo) = filled.undo.clone() {
+    if let Some(undo) = report.undo.clone() {
         let mut back = surface.clone();
         undo.revert(&mut back).unwrap();
-        assert_eq!(&back, open, "undone it is the same");
+        assert_eq!(&back, open, "undo restores the surface");
     }
-    (surface, filled)
+    (surface, report)
 }
 
-/// The root mean square of the distances of vertices from a sphere around the origin.
+/// Returns the root mean square distance of vertices from a sphere around the origin.
 #[cfg(feature = "fair")]
 pub(crate) fn distance_to_sphere(surface: &Surface, vertices: &[VertexId], radius: f64) -> f64 {
     let squares = vertices

@@ -1,4 +1,4 @@
-//! What a camera promises, for any direction.
+//! Properties of framing, projection and rays, for random cameras.
 
 use super::*;
 use proptest::prelude::*;
@@ -10,12 +10,12 @@ prop_compose! {
         elevation in prop_oneof![Just(-FRAC_PI_2), Just(FRAC_PI_2), -FRAC_PI_2..FRAC_PI_2],
         field_of_view in 0.1..2.0,
     ) -> Camera {
-        Camera { field_of_view, ..Camera::looking(azimuth, elevation) }
+        Camera { field_of_view, ..Camera::from_angles(azimuth, elevation) }
     }
 }
 
 prop_compose! {
-    /// Boxes of any place and size, flat ones too.
+    /// Boxes of any position and size, flat boxes included.
     fn any_box()(
         center in prop::array::uniform3(-10.0_f32..10.0),
         half in prop::array::uniform3(prop_oneof![Just(0.0_f32), 1e-3_f32..5.0]),
@@ -38,7 +38,7 @@ fn is_inside([x, y]: [f64; 2], [width, height]: [u32; 2]) -> bool {
 
 proptest! {
     #[test]
-    fn all_eight_corners_of_a_fitted_box_are_in_the_picture(
+    fn fit_shows_all_eight_corners_of_a_box(
         camera in any_camera(), bounds in any_box(), size in any_size(),
     ) {
         let camera = camera.fit(&bounds, aspect(size));
@@ -52,7 +52,7 @@ proptest! {
     }
 
     #[test]
-    fn framed_points_are_in_the_picture_and_fill_it(
+    fn frame_shows_all_points_and_fills_the_image(
         camera in any_camera(),
         points in prop::collection::vec(prop::array::uniform3(-5.0_f32..5.0), 2..20),
         size in any_size(),
@@ -62,7 +62,7 @@ proptest! {
         let (mut left, mut top) = (f64::INFINITY, f64::INFINITY);
         let (mut right, mut bottom) = (0.0_f64, 0.0_f64);
         for &p in &points {
-            let at = framed.project(incise_mesh::geometry::widen(p), size);
+            let at = framed.project(incise_mesh::geometry::to_f64(p), size);
             prop_assert!(at.is_some_and(|at| is_inside(at, size)), "{p:?} at {at:?}");
             let [x, y] = at.expect("just seen");
             (left, right) = (left.min(x), right.max(x));
@@ -70,10 +70,11 @@ proptest! {
         }
         let fills = ((right - left) / width).max((bottom - top) / height);
         prop_assert!(fills <= 1.0 / MARGIN + 1e-6, "{fills}");
-        // They reach from side to side of what the margin leaves, unless the eye would be too near to the first.
+        // The points fill the frame within the margin, unless the camera would be too close to the
+        // first one.
         let back = framed.axes()[2];
         let depths = points.iter().map(|&p| {
-            (framed.eye() - incise_mesh::geometry::widen(p)).dot(&back)
+            (framed.eye() - incise_mesh::geometry::to_f64(p)).dot(&back)
         });
         let nearest = depths.clone().fold(f64::INFINITY, f64::min);
         let farthest = depths.fold(f64::NEG_INFINITY, f64::max);
@@ -82,23 +83,24 @@ proptest! {
     }
 
     #[test]
-    fn the_ray_through_a_projected_point_passes_the_point(
+    fn ray_through_a_projected_point_meets_the_point(
         camera in any_camera(), bounds in any_box(), size in any_size(),
         weights in prop::array::uniform3(0.0..1.0),
     ) {
         let camera = camera.fit(&bounds, aspect(size));
-        let [low, high] = [bounds.min, bounds.max].map(incise_mesh::geometry::widen);
+        let [low, high] = [bounds.min, bounds.max].map(incise_mesh::geometry::to_f64);
         let point = low + (high - low).component_mul(&Vec3::from(weights));
         let at = camera.project(point, size).expect("it is in the box");
         let ray = camera.ray(at, size);
         let along = (point - ray.origin).dot(&ray.direction);
         let missed = (ray.origin + ray.direction * along - point).norm();
         prop_assert!(along > 0.0, "the ray looks forward");
-        prop_assert!(missed < 1e-9 * (camera.distance + Vec3::from(camera.target).norm()), "{missed}");
+        let scale = camera.distance + Vec3::from(camera.target).norm();
+        prop_assert!(missed < 1e-9 * scale, "{missed}");
     }
 
     #[test]
-    fn axes_are_right_angled_and_right_handed(camera in any_camera()) {
+    fn axes_are_orthonormal_and_right_handed(camera in any_camera()) {
         let [right, up, back] = camera.axes();
         for (u, v, w) in [(right, up, back), (up, back, right), (back, right, up)] {
             prop_assert!((u.cross(&v) - w).norm() < 1e-12);
@@ -107,7 +109,7 @@ proptest! {
     }
 
     #[test]
-    fn depth_falls_from_one_at_the_near_plane_to_nothing(camera in any_camera(), far in 1.0..1e9) {
+    fn depth_decreases_from_one_at_the_near_plane(camera in any_camera(), far in 1.0..1e9) {
         let [_, _, back] = camera.axes();
         let depth = |distance: f64| {
             let p = camera.eye() - back * distance;
@@ -121,7 +123,7 @@ proptest! {
 }
 
 #[test]
-fn what_cannot_be_fitted_changes_nothing() {
+fn fitting_nothing_changes_nothing() {
     let camera = Camera::default();
     assert_eq!(camera.fit(&Aabb::default(), 1.0), camera);
     assert_eq!(camera.frame([], 1.0), camera);
@@ -132,14 +134,14 @@ fn what_cannot_be_fitted_changes_nothing() {
         camera.frame([point], 1.0),
     ] {
         assert_eq!(fitted.distance, 1.0, "a point is seen from somewhere");
-        let off = Vec3::from(fitted.target) - incise_mesh::geometry::widen(point);
+        let off = Vec3::from(fitted.target) - incise_mesh::geometry::to_f64(point);
         assert!(off.norm() < 1e-12);
     }
 }
 
 #[test]
-fn what_is_behind_the_eye_is_not_seen() {
-    let camera = Camera::looking(0.0, 0.0);
+fn points_behind_the_camera_are_not_projected() {
+    let camera = Camera::from_angles(0.0, 0.0);
     assert_eq!(camera.project(Vec3::new(0.0, 0.0, 4.0), [10, 10]), None);
     assert_eq!(camera.project(Vec3::zeros(), [10, 20]), Some([5.0, 10.0]));
     let right = camera.project(Vec3::new(0.1, 0.1, 0.0), [10, 10]).unwrap();

@@ -1,8 +1,8 @@
-//! A surface as the device draws it.
+//! A triangle surface in GPU buffers, ready to draw.
 
+use super::error_scope::{create_buffer, scoped};
 use super::pipelines::Pipelines;
 use super::renderer::Renderer;
-use super::scope::{buffer, scoped};
 use super::uniforms::BodyUniform;
 use crate::color::Color;
 use crate::error::RenderError;
@@ -10,57 +10,57 @@ use incise_mesh::{Surface, TriangleId};
 use std::ops::Range;
 use wgpu::{BindGroup, Buffer, BufferUsages, Device, Queue, RenderPass};
 
-/// Bytes of a position.
+/// Size of a position \[bytes\].
 const POSITION: u64 = 16;
 
-/// The inner side of a triangle is this much of [`BodyView::set_inside`]'s color, and else its own.
-const INSIDE: f32 = 0.8;
+/// Weight of [`BodyView::set_back_face_color`] against the color of the triangle.
+const BACK_FACE_WEIGHT: f32 = 0.8;
 
-/// One surface on the device: corners and a color a triangle, and positions of its own or somebody else's.
+/// One surface on the GPU: triangles with colors, and uploaded or bound positions.
 ///
-/// Whoever cuts the surface calls [`BodyView::update_topology`]; whoever moves it [`BodyView::update_positions`], or
-/// nothing at all when the positions are a solver's on the same device.
+/// Call [`BodyView::update_topology`] after a cut and [`BodyView::update_positions`] after motion.
+/// Positions that are bound from a solver's buffer need no update.
 #[derive(Debug)]
 pub struct BodyView {
     uniform: Buffer,
     corners: Buffer,
     colors: Buffer,
-    own: Buffer,
+    uploaded: Buffer,
     positions: Positions,
     group: BindGroup,
-    inside: [f32; 4],
-    /// Slots of triangles and vertices.
-    triangles: u32,
-    vertices: u64,
+    /// Linear color of back faces and its weight.
+    back_face: [f32; 4],
+    triangle_slots: u32,
+    vertex_slots: u64,
 }
 
-/// Where positions are.
+/// Source of the positions.
 #[derive(Debug)]
 enum Positions {
-    /// So many, in the body's own buffer.
-    Own(u64),
-    /// In a part of another buffer \[bytes\].
-    Borrowed(Buffer, Range<u64>),
+    /// Number of positions in the body's own buffer.
+    Uploaded(u64),
+    /// Range of another buffer \[bytes\].
+    Bound(Buffer, Range<u64>),
 }
 
 impl BodyView {
-    /// A body without triangles and positions.
+    /// Creates a body without triangles and positions.
     ///
     /// # Errors
-    /// What the device says.
+    /// An error of the device.
     pub fn new(renderer: &Renderer) -> Result<Self, RenderError> {
         let device = renderer.device();
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
-        let uniform = buffer(device, "body", size_of::<BodyUniform>() as u64, usage)?;
-        let storage = |what, bytes| buffer(device, what, bytes, STORAGE);
+        let uniform = create_buffer(device, "body", size_of::<BodyUniform>() as u64, usage)?;
+        let storage = |what, bytes| create_buffer(device, what, bytes, STORAGE);
         let (corners, colors) = (storage("corners", 0)?, storage("colors", 0)?);
-        let own = storage("positions", 0)?;
-        let place = Place::whole(&own);
-        let group = bind(
+        let uploaded = storage("positions", 0)?;
+        let binding = PositionBinding::whole(&uploaded);
+        let group = create_bind_group(
             device,
             &renderer.pipelines,
             &uniform,
-            &place,
+            &binding,
             &corners,
             &colors,
         )?;
@@ -68,39 +68,40 @@ impl BodyView {
             uniform,
             corners,
             colors,
-            own,
-            positions: Positions::Own(0),
+            uploaded,
+            positions: Positions::Uploaded(0),
             group,
-            inside: Color::rgb(92, 96, 108).linear(),
-            triangles: 0,
-            vertices: 0,
+            back_face: Color::rgb(92, 96, 108).linear(),
+            triangle_slots: 0,
+            vertex_slots: 0,
         };
-        body.inside[3] = INSIDE;
+        body.back_face[3] = BACK_FACE_WEIGHT;
         body.write_uniform(renderer, 0)?;
         Ok(body)
     }
 
-    /// A body of a surface: its triangles with these colors, and its positions.
+    /// Creates a body from a surface, with a color for each triangle.
     ///
     /// # Errors
     /// As [`BodyView::update_topology`].
-    pub fn of(
+    pub fn from_surface(
         renderer: &Renderer,
         surface: &Surface,
         colors: impl FnMut(TriangleId) -> Option<Color>,
     ) -> Result<Self, RenderError> {
         let mut body = Self::new(renderer)?;
         body.update_topology(renderer, surface, colors)?;
-        body.update_positions(renderer, &surface.positions)?;
+        body.update_positions(renderer, surface.positions())?;
         Ok(body)
     }
 
-    /// Takes over a surface's triangles, each with a color or, without one, not drawn. Bodies are opaque: of a color's
-    /// alpha only its absence counts. Positions stay as they are, and have to be as many as the surface's vertex slots
-    /// when the body is drawn next.
+    /// Uploads the triangles of a surface and their colors.
+    ///
+    /// Triangles without a color, or with alpha 0, are not drawn; all others are opaque. The
+    /// positions are unchanged: there must be one per vertex slot when the body is drawn next.
     ///
     /// # Errors
-    /// [`RenderError::BufferTooLarge`], and what the device says.
+    /// [`RenderError::BufferTooLarge`], or an error of the device.
     pub fn update_topology(
         &mut self,
         renderer: &Renderer,
@@ -116,19 +117,21 @@ impl BodyView {
             packed[t.index()] = color.map_or([0; 4], |color| color.0);
         }
         let corners = bytemuck::cast_slice(topology.corners());
-        let grown = fill(device, queue, &mut self.corners, "corners", corners)?;
+        let grown = upload(device, queue, &mut self.corners, "corners", corners)?;
         let colors = bytemuck::cast_slice(&packed);
-        let grown = fill(device, queue, &mut self.colors, "colors", colors)? || grown;
-        // Half-edges have 32-bit ids, so corners can be counted with 32 bits.
-        self.triangles = u32::try_from(slots).unwrap_or(u32::MAX / 3);
-        self.vertices = topology.vertex_slots() as u64;
+        let grown = upload(device, queue, &mut self.colors, "colors", colors)? || grown;
+        // Half-edges have 32-bit ids, so the corners fit in 32 bits.
+        self.triangle_slots = u32::try_from(slots).unwrap_or(u32::MAX / 3);
+        self.vertex_slots = topology.vertex_slots() as u64;
         if grown { self.rebind(renderer) } else { Ok(()) }
     }
 
-    /// Takes over positions \[m\], the fourth number of each unused, shape \[vertex slots\], in the place of borrowed ones.
+    /// Uploads positions \[m\], shape \[vertex slots\], and replaces bound ones.
+    ///
+    /// The fourth component of each position is unused.
     ///
     /// # Errors
-    /// [`RenderError::BufferTooLarge`], and what the device says.
+    /// [`RenderError::BufferTooLarge`], or an error of the device.
     pub fn update_positions(
         &mut self,
         renderer: &Renderer,
@@ -136,44 +139,43 @@ impl BodyView {
     ) -> Result<(), RenderError> {
         let (device, queue) = (renderer.device(), renderer.queue());
         let bytes = bytemuck::cast_slice(positions);
-        let grown = fill(device, queue, &mut self.own, "positions", bytes)?;
-        let was_own = matches!(self.positions, Positions::Own(_));
-        self.positions = Positions::Own(positions.len() as u64);
-        if grown || !was_own {
+        let grown = upload(device, queue, &mut self.uploaded, "positions", bytes)?;
+        let was_uploaded = matches!(self.positions, Positions::Uploaded(_));
+        self.positions = Positions::Uploaded(positions.len() as u64);
+        if grown || !was_uploaded {
             self.rebind(renderer)
         } else {
             Ok(())
         }
     }
 
-    /// Uses positions where they are: in `part` of a buffer of the same device \[bytes\], 16 a vertex slot. They are
-    /// drawn as they are when a picture's commands are done. A solver's buffer moves when it grows, so this is to be
-    /// called again whenever its owner says that it may have; with the same buffer and part it costs nothing.
+    /// Binds positions in another buffer of the same device, 16 bytes per vertex slot.
+    ///
+    /// The body is drawn with the values at the time of submission. A solver's buffer is replaced
+    /// when it grows, so call this again after edits; the same buffer and range cost nothing.
     ///
     /// # Errors
-    /// [`RenderError::NoPositions`] if the buffer is no storage buffer, or the part is not in it or not a multiple of
-    /// 16 bytes, [`RenderError::BufferTooLarge`], and what the device says.
-    pub fn borrow_positions(
+    /// [`RenderError::InvalidPositionRange`] if the buffer is not a storage buffer, or the range is
+    /// outside of it or not aligned to 16 bytes; [`RenderError::BufferTooLarge`]; an error of the
+    /// device.
+    pub fn bind_positions(
         &mut self,
         renderer: &Renderer,
         buffer: &Buffer,
-        part: Range<u64>,
+        range: Range<u64>,
     ) -> Result<(), RenderError> {
         let is_storage = buffer.usage().contains(BufferUsages::STORAGE);
-        let is_even = part.start.is_multiple_of(POSITION) && part.end.is_multiple_of(POSITION);
-        if !is_storage || !is_even || part.start > part.end || part.end > buffer.size() {
-            let Range { start, end } = part;
-            return Err(RenderError::NoPositions { start, end });
+        let is_aligned = range.start.is_multiple_of(POSITION) && range.end.is_multiple_of(POSITION);
+        if !is_storage || !is_aligned || range.start > range.end || range.end > buffer.size() {
+            let Range { start, end } = range;
+            return Err(RenderError::InvalidPositionRange { start, end });
         }
-        if let Positions::Borrowed(old, old_part) = &self.positions
-            && (old, old_part) == (buffer, &part)
+        if let Positions::Bound(old, old_range) = &self.positions
+            && (old, old_range) == (buffer, &range)
         {
             return Ok(());
         }
-        let old = std::mem::replace(
-            &mut self.positions,
-            Positions::Borrowed(buffer.clone(), part),
-        );
+        let old = std::mem::replace(&mut self.positions, Positions::Bound(buffer.clone(), range));
         let bound = self.rebind(renderer);
         if bound.is_err() {
             self.positions = old;
@@ -181,72 +183,78 @@ impl BodyView {
         bound
     }
 
-    /// The color of triangles seen from their inner side, where a surface is open.
+    /// Sets the color of back faces, which are visible where a surface is open.
     ///
     /// # Errors
-    /// What the device says.
-    pub fn set_inside(&mut self, renderer: &Renderer, color: Color) -> Result<(), RenderError> {
+    /// An error of the device.
+    pub fn set_back_face_color(
+        &mut self,
+        renderer: &Renderer,
+        color: Color,
+    ) -> Result<(), RenderError> {
         let [red, green, blue, _] = color.linear();
-        self.inside = [red, green, blue, INSIDE];
+        self.back_face = [red, green, blue, BACK_FACE_WEIGHT];
         self.rebind(renderer)
     }
 
-    /// Slots of triangles.
+    /// Returns the number of triangle slots.
     #[must_use]
     pub const fn triangle_slots(&self) -> u32 {
-        self.triangles
+        self.triangle_slots
     }
 
-    /// Whether every triangle has positions.
+    /// Returns an error unless there is a position for every vertex slot.
     pub(super) fn check(&self) -> Result<(), RenderError> {
         let have = match &self.positions {
-            Positions::Own(count) => *count,
-            Positions::Borrowed(_, part) => (part.end - part.start) / POSITION,
+            Positions::Uploaded(count) => *count,
+            Positions::Bound(_, range) => (range.end - range.start) / POSITION,
         };
-        if self.triangles > 0 && have < self.vertices {
-            let need = self.vertices;
+        if self.triangle_slots > 0 && have < self.vertex_slots {
+            let need = self.vertex_slots;
             return Err(RenderError::TooFewPositions { need, have });
         }
         Ok(())
     }
 
     pub(super) fn draw(&self, pass: &mut RenderPass<'_>) {
-        if self.triangles > 0 {
+        if self.triangle_slots > 0 {
             pass.set_bind_group(1, &self.group, &[]);
-            pass.draw(0..3 * self.triangles, 0..1);
+            pass.draw(0..3 * self.triangle_slots, 0..1);
         }
     }
 
-    /// Tells the device where everything is.
+    /// Recreates the bind group after a buffer was replaced.
     fn rebind(&mut self, renderer: &Renderer) -> Result<(), RenderError> {
         let device = renderer.device();
-        let place = match &self.positions {
-            Positions::Own(_) => Place::whole(&self.own),
-            // A part of no bytes cannot be bound, and nothing is drawn with it.
-            Positions::Borrowed(_, part) if part.is_empty() => Place::whole(&self.own),
-            Positions::Borrowed(buffer, part) => Place::of(device, buffer, part)?,
+        let binding = match &self.positions {
+            Positions::Uploaded(_) => PositionBinding::whole(&self.uploaded),
+            // An empty range cannot be bound, and nothing is drawn with it.
+            Positions::Bound(_, range) if range.is_empty() => {
+                PositionBinding::whole(&self.uploaded)
+            }
+            Positions::Bound(buffer, range) => PositionBinding::new(device, buffer, range)?,
         };
         let (corners, colors) = (&self.corners, &self.colors);
-        let group = bind(
+        let group = create_bind_group(
             device,
             &renderer.pipelines,
             &self.uniform,
-            &place,
+            &binding,
             corners,
             colors,
         )?;
-        let first = place.first_vertex;
+        let first = binding.first_vertex;
         self.group = group;
         self.write_uniform(renderer, first)
     }
 
     fn write_uniform(&self, renderer: &Renderer, first_vertex: u32) -> Result<(), RenderError> {
         let uniform = BodyUniform {
-            inside: self.inside,
+            back_face: self.back_face,
             first_vertex,
             pad: [0; 3],
         };
-        scoped(renderer.device(), "a body", || {
+        scoped(renderer.device(), "writing a body", || {
             let bytes = bytemuck::bytes_of(&uniform);
             renderer.queue().write_buffer(&self.uniform, 0, bytes);
         })
@@ -255,54 +263,54 @@ impl BodyView {
 
 const STORAGE: BufferUsages = BufferUsages::STORAGE.union(BufferUsages::COPY_DST);
 
-/// The part of a buffer that is bound, and where the first position is in it.
-struct Place<'a> {
+/// The bound range of a position buffer, and the index of vertex 0 in it.
+struct PositionBinding<'a> {
     buffer: &'a Buffer,
-    part: Range<u64>,
+    range: Range<u64>,
     first_vertex: u32,
 }
 
-impl<'a> Place<'a> {
+impl<'a> PositionBinding<'a> {
     fn whole(buffer: &'a Buffer) -> Self {
         Self {
             buffer,
-            part: 0..buffer.size(),
+            range: 0..buffer.size(),
             first_vertex: 0,
         }
     }
 
-    /// Bindings begin at multiples of what the device says, which is more than one position on most.
-    fn of(device: &Device, buffer: &'a Buffer, part: &Range<u64>) -> Result<Self, RenderError> {
+    /// Rounds the start down to the offset alignment of the device.
+    fn new(device: &Device, buffer: &'a Buffer, range: &Range<u64>) -> Result<Self, RenderError> {
         let limits = device.limits();
         let alignment = u64::from(limits.min_storage_buffer_offset_alignment).max(1);
-        let start = part.start / alignment * alignment;
-        let (bytes, limit) = (part.end - start, limits.max_storage_buffer_binding_size);
+        let start = range.start / alignment * alignment;
+        let (bytes, limit) = (range.end - start, limits.max_storage_buffer_binding_size);
         if bytes > limit {
-            let what = "borrowed positions";
+            let what = "bound positions";
             return Err(RenderError::BufferTooLarge { what, bytes, limit });
         }
-        let first = (part.start - start) / POSITION;
+        let first = (range.start - start) / POSITION;
         Ok(Self {
             buffer,
-            part: start..part.end,
-            // Below the alignment, which has 32 bits.
+            range: start..range.end,
+            // Less than the alignment, which has 32 bits.
             first_vertex: u32::try_from(first).unwrap_or_default(),
         })
     }
 }
 
-fn bind(
+fn create_bind_group(
     device: &Device,
     pipelines: &Pipelines,
     uniform: &Buffer,
-    place: &Place<'_>,
+    binding: &PositionBinding<'_>,
     corners: &Buffer,
     colors: &Buffer,
 ) -> Result<BindGroup, RenderError> {
     let positions = wgpu::BufferBinding {
-        buffer: place.buffer,
-        offset: place.part.start,
-        size: wgpu::BufferSize::new(place.part.end - place.part.start),
+        buffer: binding.buffer,
+        offset: binding.range.start,
+        size: wgpu::BufferSize::new(binding.range.end - binding.range.start),
     };
     let resources = [
         uniform.as_entire_binding(),
@@ -314,7 +322,7 @@ fn bind(
         .zip(resources)
         .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
         .collect();
-    scoped(device, "a body", || {
+    scoped(device, "binding a body", || {
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("body"),
             layout: &pipelines.body_layout,
@@ -323,9 +331,10 @@ fn bind(
     })
 }
 
-/// Writes `bytes` at a buffer's beginning. Where there is no room for them it becomes another one with a quarter more;
-/// returns whether it did.
-fn fill(
+/// Writes `bytes` at the start of a buffer, and replaces a buffer that is too small.
+///
+/// A new buffer has a quarter more room. Returns true if the buffer was replaced.
+fn upload(
     device: &Device,
     queue: &Queue,
     target: &mut Buffer,
@@ -335,9 +344,9 @@ fn fill(
     let need = bytes.len() as u64;
     let grows = need > target.size();
     if grows {
-        let with_slack = buffer(device, what, need + need / 4, STORAGE);
-        // Slack is nice to have.
-        *target = with_slack.or_else(|_| buffer(device, what, need, STORAGE))?;
+        let with_slack = create_buffer(device, what, need + need / 4, STORAGE);
+        // The slack is optional.
+        *target = with_slack.or_else(|_| create_buffer(device, what, need, STORAGE))?;
     }
     scoped(device, what, || queue.write_buffer(target, 0, bytes))?;
     Ok(grows)

@@ -1,44 +1,44 @@
-//! Pictures that nobody looks at while they are drawn.
+//! Offscreen rendering: a render target that is read back to an image.
 
-use super::canvas::{Canvas, extent};
-use super::renderer::{Content, OFFSCREEN, Renderer};
-use super::scope::{buffer, scoped, wait};
+use super::attachments::{Attachments, extent};
+use super::error_scope::{create_buffer, scoped, wait};
+use super::renderer::{DrawList, OFFSCREEN, Renderer};
 use super::view::View;
 use crate::error::RenderError;
-use crate::picture::Picture;
+use crate::image::Image;
 use wgpu::{Buffer, BufferUsages, MapMode, Texture, TextureUsages, TextureView};
 
-/// A texture of one size, and the way to the host. It can be drawn on again and again.
+/// A render target of one size with a readback buffer, reusable for any number of images.
 #[derive(Debug)]
 pub struct Offscreen {
-    canvas: Canvas,
+    attachments: Attachments,
     texture: Texture,
     view: TextureView,
-    arrived: Buffer,
-    /// From one row to the next on its way \[bytes\].
+    readback: Buffer,
+    /// Row pitch in the readback buffer \[bytes\].
     stride: u32,
 }
 
 impl Offscreen {
-    /// Pictures of so many pixels, by a renderer that [`Renderer::offscreen`] made.
+    /// Creates a target of `width` by `height` pixels for a [`Renderer::offscreen`] renderer.
     ///
     /// # Errors
-    /// [`RenderError::Size`] for no pixels or more than the device's textures have, [`RenderError::Format`] for a
-    /// renderer that draws something else, and what the device says.
+    /// [`RenderError::InvalidSize`] for sizes that textures of the device cannot have;
+    /// [`RenderError::UnsupportedFormat`] for a renderer of another format; an error of the device.
     pub fn new(renderer: &Renderer, width: u32, height: u32) -> Result<Self, RenderError> {
         if renderer.format() != OFFSCREEN {
-            return Err(RenderError::Format {
-                format: format!("{:?} pictures for the host", renderer.format()),
+            return Err(RenderError::UnsupportedFormat {
+                format: format!("{:?} for offscreen images", renderer.format()),
                 samples: renderer.samples(),
             });
         }
-        let canvas = Canvas::new(renderer, width, height)?;
+        let attachments = Attachments::new(renderer, width, height)?;
         let stride = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let device = renderer.device();
         let bytes = u64::from(stride) * u64::from(height);
         let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
-        let arrived = buffer(device, "a picture on its way", bytes, usage)?;
-        let texture = scoped(device, "a picture's texture", || {
+        let readback = create_buffer(device, "image readback", bytes, usage)?;
+        let texture = scoped(device, "creating a render target", || {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some("offscreen"),
                 size: extent(width, height),
@@ -52,33 +52,33 @@ impl Offscreen {
         })?;
         Ok(Self {
             view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
-            canvas,
+            attachments,
             texture,
-            arrived,
+            readback,
             stride,
         })
     }
 
-    /// Draws a picture and waits for it.
+    /// Renders an image and blocks until its pixels are read back.
     ///
     /// # Errors
     /// As [`Renderer::encode`], [`RenderError::Timeout`] and [`RenderError::DeviceLost`].
-    pub fn picture(
+    pub fn render(
         &self,
         renderer: &Renderer,
         view: &View,
-        content: &Content<'_>,
-    ) -> Result<Picture, RenderError> {
+        draw_list: &DrawList<'_>,
+    ) -> Result<Image, RenderError> {
         let (device, queue) = (renderer.device(), renderer.queue());
-        let [width, height] = self.canvas.size();
+        let [width, height] = self.attachments.size();
         let label = Some("offscreen");
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
-        renderer.encode(&mut encoder, &self.canvas, &self.view, view, content)?;
-        let submission = scoped(device, "drawing a picture", || {
+        renderer.encode(&mut encoder, &self.attachments, &self.view, view, draw_list)?;
+        let submission = scoped(device, "rendering an image", || {
             encoder.copy_texture_to_buffer(
                 self.texture.as_image_copy(),
                 wgpu::TexelCopyBufferInfo {
-                    buffer: &self.arrived,
+                    buffer: &self.readback,
                     layout: wgpu::TexelCopyBufferLayout {
                         offset: 0,
                         bytes_per_row: Some(self.stride),
@@ -89,28 +89,28 @@ impl Offscreen {
             );
             queue.submit([encoder.finish()])
         })?;
-        let (tell, told) = std::sync::mpsc::channel();
-        self.arrived
+        let (sender, receiver) = std::sync::mpsc::channel();
+        self.readback
             .slice(..)
             .map_async(MapMode::Read, move |mapped| {
-                // Who waited may have given up.
-                let _ = tell.send(mapped);
+                // The receiver is gone after a timeout.
+                let _ = sender.send(mapped);
             });
         wait(device, submission)?;
         let lost = |reason: String| RenderError::DeviceLost { reason };
-        match told.try_recv() {
+        match receiver.try_recv() {
             Ok(Ok(())) => {}
             Ok(Err(error)) => return Err(lost(error.to_string())),
-            Err(error) => return Err(lost(format!("the picture did not come back: {error}"))),
+            Err(error) => return Err(lost(format!("the image was not read back: {error}"))),
         }
-        let picture = self.copy(width, height);
-        self.arrived.unmap();
-        picture
+        let image = self.mapped_image(width, height);
+        self.readback.unmap();
+        image
     }
 
-    /// The rows that have arrived, without what is between them.
-    fn copy(&self, width: u32, height: u32) -> Result<Picture, RenderError> {
-        let bytes = self.arrived.slice(..).get_mapped_range();
+    /// Copies the mapped rows to an image, without the row padding.
+    fn mapped_image(&self, width: u32, height: u32) -> Result<Image, RenderError> {
+        let bytes = self.readback.slice(..).get_mapped_range();
         let bytes = bytes.map_err(|error| RenderError::DeviceLost {
             reason: error.to_string(),
         })?;
@@ -118,13 +118,13 @@ impl Offscreen {
         let row = 4 * width as usize;
         pixels
             .try_reserve_exact(row * height as usize)
-            .map_err(|_| RenderError::OutOfMemory { what: "a picture" })?;
+            .map_err(|_| RenderError::OutOfMemory { what: "an image" })?;
         for line in bytes
             .chunks_exact(self.stride as usize)
             .take(height as usize)
         {
             pixels.extend_from_slice(&line[..row]);
         }
-        Picture::from_pixels(width, height, pixels)
+        Image::from_pixels(width, height, pixels)
     }
 }

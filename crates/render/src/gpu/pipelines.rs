@@ -1,7 +1,7 @@
-//! The pipelines, made once for a format and a number of samples.
+//! The render pipelines for one texture format and sample count.
 
-use super::overlay::{LINE_ATTRIBUTES, SHEET_ATTRIBUTES};
-use super::scope::scoped;
+use super::error_scope::scoped;
+use super::overlay::{LINE_ATTRIBUTES, TRIANGLE_ATTRIBUTES};
 use super::shaders;
 use crate::error::RenderError;
 use wgpu::{
@@ -9,28 +9,28 @@ use wgpu::{
     RenderPipeline, ShaderStages, TextureFormat, VertexBufferLayout, VertexStepMode,
 };
 
-/// What depths are stored as.
+/// Format of the depth buffer.
 pub(super) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 
-/// Pipelines and the layouts of what they take.
+/// Render pipelines and their bind group layouts.
 #[derive(Debug)]
 pub(super) struct Pipelines {
     pub(super) view_layout: BindGroupLayout,
     pub(super) body_layout: BindGroupLayout,
     pub(super) background: RenderPipeline,
     pub(super) surface: RenderPipeline,
-    pub(super) sheets: RenderPipeline,
+    pub(super) overlay_triangles: RenderPipeline,
     pub(super) lines: RenderPipeline,
 }
 
-/// What one pipeline is made of.
-struct Recipe<'a> {
+/// The properties in which the pipelines differ.
+struct PipelineDescriptor<'a> {
     module: &'a wgpu::ShaderModule,
     layout: &'a wgpu::PipelineLayout,
     /// Entry points of the vertex and the fragment stage.
     stages: [&'static str; 2],
     buffers: &'a [Option<VertexBufferLayout<'a>>],
-    /// What depths do, and whether they are kept.
+    /// Depth comparison, and whether depth is written.
     depth: (CompareFunction, bool),
     is_translucent: bool,
 }
@@ -45,12 +45,12 @@ impl Pipelines {
         let storage = [1, 2, 3].map(storage);
         let [positions, corners, colors] = storage;
         let body = [uniform(0), positions, corners, colors];
-        // Some devices read storage buffers in other stages only, and say so here.
+        // Devices without storage buffers in the vertex stage fail here.
         let body_layout = layout(device, "body", &body).map_err(|error| match error {
-            RenderError::Validation { message, .. } => RenderError::VertexStorage { message },
+            RenderError::Validation { message, .. } => RenderError::NoVertexStorage { message },
             other => other,
         })?;
-        let make = || {
+        let create = || {
             let module = |label, source: &'static str| {
                 device.create_shader_module(wgpu::ShaderModuleDescriptor {
                     label: Some(label),
@@ -67,9 +67,9 @@ impl Pipelines {
             let plain = layout(&[Some(&view_layout)]);
             let with_body = layout(&[Some(&view_layout), Some(&body_layout)]);
             let overlay = module("overlay", shaders::OVERLAY);
-            let pipeline = |recipe: &Recipe<'_>| pipeline(device, format, samples, recipe);
+            let pipeline = |descriptor: &_| create_pipeline(device, format, samples, descriptor);
             [
-                pipeline(&Recipe {
+                pipeline(&PipelineDescriptor {
                     module: &module("background", shaders::BACKGROUND),
                     layout: &plain,
                     stages: ["background_vertex", "background_fragment"],
@@ -77,7 +77,7 @@ impl Pipelines {
                     depth: (CompareFunction::Always, false),
                     is_translucent: false,
                 }),
-                pipeline(&Recipe {
+                pipeline(&PipelineDescriptor {
                     module: &module("surface", shaders::SURFACE),
                     layout: &with_body,
                     stages: ["surface_vertex", "surface_fragment"],
@@ -85,19 +85,19 @@ impl Pipelines {
                     depth: (CompareFunction::Greater, true),
                     is_translucent: false,
                 }),
-                pipeline(&Recipe {
+                pipeline(&PipelineDescriptor {
                     module: &overlay,
                     layout: &plain,
-                    stages: ["sheet_vertex", "overlay_fragment"],
+                    stages: ["triangle_vertex", "overlay_fragment"],
                     buffers: &[Some(VertexBufferLayout {
                         array_stride: 16,
                         step_mode: VertexStepMode::Vertex,
-                        attributes: &SHEET_ATTRIBUTES,
+                        attributes: &TRIANGLE_ATTRIBUTES,
                     })],
                     depth: (CompareFunction::Greater, false),
                     is_translucent: true,
                 }),
-                pipeline(&Recipe {
+                pipeline(&PipelineDescriptor {
                     module: &overlay,
                     layout: &plain,
                     stages: ["line_vertex", "overlay_fragment"],
@@ -111,13 +111,14 @@ impl Pipelines {
                 }),
             ]
         };
-        let [background, surface, sheets, lines] = scoped(device, "making pipelines", make)?;
+        let [background, surface, overlay_triangles, lines] =
+            scoped(device, "creating pipelines", create)?;
         Ok(Self {
             view_layout,
             body_layout,
             background,
             surface,
-            sheets,
+            overlay_triangles,
             lines,
         })
     }
@@ -128,7 +129,7 @@ fn layout(
     label: &'static str,
     entries: &[BindGroupLayoutEntry],
 ) -> Result<BindGroupLayout, RenderError> {
-    scoped(device, "a bind group's layout", || {
+    scoped(device, "creating a bind group layout", || {
         device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some(label),
             entries,
@@ -159,25 +160,25 @@ fn entry(binding: u32, visibility: ShaderStages, ty: BufferBindingType) -> BindG
     }
 }
 
-fn pipeline(
+fn create_pipeline(
     device: &Device,
     format: TextureFormat,
     samples: u32,
-    recipe: &Recipe<'_>,
+    descriptor: &PipelineDescriptor<'_>,
 ) -> RenderPipeline {
-    let [vertex, fragment] = recipe.stages;
-    let (depth_compare, depth_write) = recipe.depth;
+    let [vertex, fragment] = descriptor.stages;
+    let (depth_compare, depth_write) = descriptor.depth;
     let blend = wgpu::BlendState::ALPHA_BLENDING;
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(vertex),
-        layout: Some(recipe.layout),
+        layout: Some(descriptor.layout),
         vertex: wgpu::VertexState {
-            module: recipe.module,
+            module: descriptor.module,
             entry_point: Some(vertex),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: recipe.buffers,
+            buffers: descriptor.buffers,
         },
-        // Both faces are drawn: the inside of an open surface is seen, and so is a sheet's back.
+        // No culling: back faces of open surfaces and of overlays are visible.
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH,
@@ -191,12 +192,12 @@ fn pipeline(
             ..wgpu::MultisampleState::default()
         },
         fragment: Some(wgpu::FragmentState {
-            module: recipe.module,
+            module: descriptor.module,
             entry_point: Some(fragment),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &[Some(wgpu::ColorTargetState {
                 format,
-                blend: recipe.is_translucent.then_some(blend),
+                blend: descriptor.is_translucent.then_some(blend),
                 write_mask: wgpu::ColorWrites::ALL,
             })],
         }),

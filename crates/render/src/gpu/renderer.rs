@@ -1,10 +1,10 @@
-//! Draws what there is on a canvas.
+//! Encodes the render pass of an image: background, bodies, overlays.
 
+use super::attachments::{Attachments, extent};
 use super::body::BodyView;
-use super::canvas::{Canvas, extent};
+use super::error_scope::{create_buffer, scoped};
 use super::overlay::Overlay;
 use super::pipelines::{DEPTH, Pipelines};
-use super::scope::{buffer, scoped};
 use super::shaders::STORAGE_BUFFERS;
 use super::uniforms::ViewUniform;
 use super::view::View;
@@ -14,14 +14,15 @@ use wgpu::{
     TextureFormat, TextureUsages, TextureView,
 };
 
-/// What pictures for the host are drawn in.
+/// Texture format of offscreen images.
 pub(super) const OFFSCREEN: TextureFormat = TextureFormat::Rgba8UnormSrgb;
 
-/// Samples of a pixel where a device has more than one: every device that has any has four.
+/// Samples per pixel on devices with multisampling, which all support four.
 const SAMPLES: u32 = 4;
 
-/// The pipelines of a device for one format of texture and number of samples. Bodies and overlays of one renderer can be
-/// drawn by any other on the same device.
+/// Render pipelines of a device for one texture format and sample count.
+///
+/// All renderers of a device can draw the same bodies and overlays.
 #[derive(Debug)]
 pub struct Renderer {
     device: Device,
@@ -31,22 +32,25 @@ pub struct Renderer {
     samples: u32,
 }
 
-/// What is in a picture.
+/// The contents of an image.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Content<'a> {
+pub struct DrawList<'a> {
     /// Opaque bodies, in any order.
     pub bodies: &'a [&'a BodyView],
-    /// What lies over them, drawn one after the other.
+    /// Overlays, blended over the bodies in this order.
     pub overlays: &'a [&'a Overlay],
 }
 
 impl Renderer {
-    /// A renderer for textures of `format` with so many samples a pixel. In a format that is not sRGB colors are
-    /// converted by the shaders, and translucent ones are mixed as they are shown instead of as light.
+    /// Creates a renderer for textures of `format` with `samples` per pixel.
+    ///
+    /// For formats that are not sRGB, the shaders encode colors, and translucent colors are blended
+    /// in sRGB instead of linear light.
     ///
     /// # Errors
-    /// [`RenderError::LimitTooSmall`] and [`RenderError::VertexStorage`] on devices that cannot do it,
-    /// [`RenderError::Format`] if the format or the number of samples cannot be drawn in, and what the device says.
+    /// [`RenderError::LimitTooSmall`] and [`RenderError::NoVertexStorage`] on insufficient devices;
+    /// [`RenderError::UnsupportedFormat`] if the device cannot render to the format or with the
+    /// sample count; an error of the device.
     pub fn new(
         device: &Device,
         queue: &Queue,
@@ -61,8 +65,8 @@ impl Renderer {
                 have: u64::from(have),
             });
         }
-        if !has(device, format, samples) {
-            return Err(RenderError::Format {
+        if !is_supported(device, format, samples) {
+            return Err(RenderError::UnsupportedFormat {
                 format: format!("{format:?}"),
                 samples,
             });
@@ -76,7 +80,7 @@ impl Renderer {
         })
     }
 
-    /// A renderer for [`Offscreen`](super::Offscreen) pictures, with as many samples as the device has.
+    /// Creates a renderer for [`Offscreen`](super::Offscreen) images, multisampled if supported.
     ///
     /// # Errors
     /// As [`Renderer::new`].
@@ -85,70 +89,71 @@ impl Renderer {
         Self::new(device, queue, OFFSCREEN, samples)
     }
 
-    /// Four samples a pixel where the device can draw them in this format, else one.
+    /// Returns 4 if the device supports four samples per pixel in this format, else 1.
     #[must_use]
     pub fn supported_samples(device: &Device, format: TextureFormat) -> u32 {
-        if has(device, format, SAMPLES) {
+        if is_supported(device, format, SAMPLES) {
             SAMPLES
         } else {
             1
         }
     }
 
-    /// The device.
+    /// Returns the wgpu device.
     #[must_use]
     pub const fn device(&self) -> &Device {
         &self.device
     }
 
-    /// Its queue.
+    /// Returns the queue of the device.
     #[must_use]
     pub const fn queue(&self) -> &Queue {
         &self.queue
     }
 
-    /// The format of the textures that are drawn in.
+    /// Returns the format of the output textures.
     #[must_use]
     pub const fn format(&self) -> TextureFormat {
         self.format
     }
 
-    /// Samples of a pixel.
+    /// Returns the samples per pixel.
     #[must_use]
     pub const fn samples(&self) -> u32 {
         self.samples
     }
 
-    /// Draws a picture in `output`, a texture of the canvas's size and this renderer's format, in the place of what was
-    /// there. Any number of pictures may go into one encoder; each is drawn as bodies and overlays are on the queue when
-    /// it is submitted.
+    /// Encodes the render pass of an image, which overwrites `output`.
+    ///
+    /// `output` has the size of the attachments and the format of the renderer. One encoder may
+    /// take any number of images; each shows bodies and overlays as of its submission.
     ///
     /// # Errors
-    /// [`RenderError::ForeignCanvas`] for a canvas of another format or number of samples,
-    /// [`RenderError::TooFewPositions`] for a body whose positions were not updated after its topology, and what the
-    /// device says.
+    /// [`RenderError::AttachmentMismatch`] for attachments of another format or sample count;
+    /// [`RenderError::TooFewPositions`] for a body whose positions were not updated after its
+    /// topology; an error of the device.
     pub fn encode(
         &self,
         encoder: &mut CommandEncoder,
-        canvas: &Canvas,
+        attachments: &Attachments,
         output: &TextureView,
         view: &View,
-        content: &Content<'_>,
+        draw_list: &DrawList<'_>,
     ) -> Result<(), RenderError> {
-        if canvas.kind != (self.format, self.samples) {
-            return Err(RenderError::ForeignCanvas);
+        if attachments.format != (self.format, self.samples) {
+            return Err(RenderError::AttachmentMismatch);
         }
-        for body in content.bodies {
+        for body in draw_list.bodies {
             body.check()?;
         }
-        let view = self.view_group(view, canvas.size)?;
-        scoped(&self.device, "drawing a picture", || {
-            let (target, resolve, store) = match &canvas.samples {
+        let view = self.view_bind_group(view, attachments.size)?;
+        scoped(&self.device, "encoding an image", || {
+            let (target, resolve, store) = match &attachments.multisampled {
                 Some(samples) => (samples, Some(output), StoreOp::Discard),
                 None => (output, None, StoreOp::Store),
             };
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("picture"),
+                label: Some("image"),
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                     view: target,
                     depth_slice: None,
@@ -159,7 +164,7 @@ impl Renderer {
                     },
                 })],
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &canvas.depth,
+                    view: &attachments.depth,
                     depth_ops: Some(Operations {
                         load: LoadOp::Clear(0.0),
                         store: StoreOp::Discard,
@@ -174,40 +179,42 @@ impl Renderer {
             pass.set_pipeline(&self.pipelines.background);
             pass.draw(0..3, 0..1);
             pass.set_pipeline(&self.pipelines.surface);
-            for body in content.bodies {
+            for body in draw_list.bodies {
                 body.draw(&mut pass);
             }
-            for overlay in content.overlays {
+            for overlay in draw_list.overlays {
                 overlay.draw(&mut pass, &self.pipelines);
             }
         })
     }
 
-    /// A view's uniform in a buffer of its own: another picture of the same submission may have another view.
-    fn view_group(&self, view: &View, size: [u32; 2]) -> Result<BindGroup, RenderError> {
+    /// Creates the uniform buffer of a view and its bind group.
+    ///
+    /// Every image has its own, since images of one submission may have different views.
+    fn view_bind_group(&self, view: &View, size: [u32; 2]) -> Result<BindGroup, RenderError> {
         let uniform = ViewUniform::new(view, size, !self.format.is_srgb());
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let bytes = bytemuck::bytes_of(&uniform);
-        let made = buffer(&self.device, "view", bytes.len() as u64, usage)?;
-        scoped(&self.device, "a view", || {
-            self.queue.write_buffer(&made, 0, bytes);
+        let buffer = create_buffer(&self.device, "view", bytes.len() as u64, usage)?;
+        scoped(&self.device, "binding a view", || {
+            self.queue.write_buffer(&buffer, 0, bytes);
             self.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("view"),
                 layout: &self.pipelines.view_layout,
                 entries: &[wgpu::BindGroupEntry {
                     binding: 0,
-                    resource: made.as_entire_binding(),
+                    resource: buffer.as_entire_binding(),
                 }],
             })
         })
     }
 }
 
-/// Whether the device draws in textures of this format with so many samples, and has depths to go with them.
-fn has(device: &Device, format: TextureFormat, samples: u32) -> bool {
-    let make = |format| {
+/// Returns true if the device renders to this format and to depth with this sample count.
+fn is_supported(device: &Device, format: TextureFormat, samples: u32) -> bool {
+    let create = |format| {
         device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("a try"),
+            label: Some("format test"),
             size: extent(1, 1),
             mip_level_count: 1,
             sample_count: samples,
@@ -217,5 +224,8 @@ fn has(device: &Device, format: TextureFormat, samples: u32) -> bool {
             view_formats: &[],
         })
     };
-    scoped(device, "a try", || [make(format), make(DEPTH)]).is_ok()
+    scoped(device, "testing a format", || {
+        [create(format), create(DEPTH)]
+    })
+    .is_ok()
 }

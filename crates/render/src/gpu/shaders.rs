@@ -1,6 +1,6 @@
-//! The WGSL modules, each with what all of them share before it.
+//! The WGSL modules, each with the shared declarations of `view.wgsl` first.
 
-/// What is behind everything.
+/// Background.
 pub(super) const BACKGROUND: &str = concat!(
     include_str!("shaders/view.wgsl"),
     include_str!("shaders/background.wgsl")
@@ -12,13 +12,13 @@ pub(super) const SURFACE: &str = concat!(
     include_str!("shaders/surface.wgsl")
 );
 
-/// Sheets and lines.
+/// Overlay triangles and lines.
 pub(super) const OVERLAY: &str = concat!(
     include_str!("shaders/view.wgsl"),
     include_str!("shaders/overlay.wgsl")
 );
 
-/// Storage buffers that the vertex stage of [`SURFACE`] reads.
+/// Number of storage buffers in the vertex stage of [`SURFACE`].
 pub(super) const STORAGE_BUFFERS: u32 = 3;
 
 #[cfg(test)]
@@ -37,7 +37,7 @@ mod tests {
     }
 
     #[test]
-    fn every_module_is_plain_webgpu() {
+    fn modules_are_valid_without_extensions() {
         for module in modules() {
             let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
             let checked = validator.validate(&module);
@@ -46,7 +46,7 @@ mod tests {
     }
 
     #[test]
-    fn storage_buffers_are_as_many_as_are_asked_for() {
+    fn storage_buffer_count_matches_the_constant() {
         let of = |module: &Module| {
             let variables = module.global_variables.iter();
             let is_storage = |space| matches!(space, AddressSpace::Storage { .. });
@@ -56,8 +56,10 @@ mod tests {
         assert_eq!(counts, [0, STORAGE_BUFFERS as usize, 0]);
     }
 
-    /// Compares a struct of the shaders with members as Rust lays them out; members named pad are one array in Rust.
-    fn check_struct(module: &Module, name: &str, size: usize, wanted: &[(&str, usize)]) {
+    /// Compares size and member offsets of a WGSL struct with its Rust counterpart.
+    ///
+    /// WGSL members whose names start with `pad` are skipped: they are one array in Rust.
+    fn check_struct(module: &Module, name: &str, size: usize, expected: &[(&str, usize)]) {
         let mut types = module.types.iter();
         let (_, ty) = types
             .find(|(_, ty)| ty.name.as_deref() == Some(name))
@@ -71,7 +73,7 @@ mod tests {
             .map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize))
             .filter(|(member, _)| !member.starts_with("pad"))
             .collect();
-        assert_eq!(found, wanted, "members of {name}");
+        assert_eq!(found, expected, "members of {name}");
     }
 
     macro_rules! members {
@@ -79,21 +81,22 @@ mod tests {
     }
 
     #[test]
-    fn structs_lie_in_memory_as_in_rust() {
+    fn struct_layouts_match_rust() {
         let modules = modules();
         for module in &modules {
             check_struct(
                 module,
                 "View",
                 size_of::<ViewUniform>(),
-                &members!(ViewUniform: clip origin key fill sky top bottom wire viewport wire_width encode),
+                &members!(ViewUniform:
+                    clip origin key fill sky top bottom wire viewport wire_width encode),
             );
         }
         check_struct(
             &modules[1],
             "Body",
             size_of::<BodyUniform>(),
-            &members!(BodyUniform: inside first_vertex),
+            &members!(BodyUniform: back_face first_vertex),
         );
     }
 }

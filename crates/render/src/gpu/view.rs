@@ -1,25 +1,25 @@
-//! How a picture is to look, apart from what is in it.
+//! View settings of an image: camera, background, wireframe and light.
 
 use crate::camera::Camera;
 use crate::color::Color;
 
-/// How a picture is to look.
+/// Camera, background, wireframe and light of an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
-    /// From where.
+    /// Camera.
     pub camera: Camera,
-    /// What is behind everything.
+    /// Background.
     pub background: Background,
-    /// Edges of triangles, if they are to be seen.
+    /// Wireframe over the bodies, if any.
     pub wireframe: Option<Wireframe>,
-    /// What makes shapes visible.
+    /// Light.
     pub light: Light,
 }
 
 impl View {
-    /// The usual look, without edges.
+    /// Returns default background and light for a camera, without wireframe.
     #[must_use]
-    pub fn of(camera: Camera) -> Self {
+    pub fn from_camera(camera: Camera) -> Self {
         Self {
             camera,
             background: Background::default(),
@@ -29,22 +29,22 @@ impl View {
     }
 }
 
-/// What is behind everything.
+/// The background of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Background {
     /// One color.
     Plain(Color),
-    /// From the upper to the lower edge.
+    /// Vertical gradient.
     Gradient {
-        /// At the upper edge.
+        /// Color at the upper edge.
         top: Color,
-        /// At the lower edge.
+        /// Color at the lower edge.
         bottom: Color,
     },
 }
 
 impl Default for Background {
-    /// A light neutral gray that gets darker to the bottom.
+    /// Returns a light gray gradient that darkens toward the bottom.
     fn default() -> Self {
         Self::Gradient {
             top: Color::rgb(248, 249, 250),
@@ -53,13 +53,12 @@ impl Default for Background {
     }
 }
 
-/// Edges of triangles, drawn on them. Where triangles are only a few pixels large edges fade, or nothing but edges would
-/// be left.
+/// Style of triangle edges. Edges of triangles of a few pixels fade out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wireframe {
-    /// Their color; alpha says how strong they are.
+    /// Color; alpha is the opacity.
     pub color: Color,
-    /// Their width \[px\].
+    /// Width \[px\].
     pub width: f32,
 }
 
@@ -72,17 +71,16 @@ impl Default for Wireframe {
     }
 }
 
-/// Light that goes with the camera, so that a body looks as well from everywhere: a key from one side, a weaker fill
-/// from the other, and some from all around, more of it from above.
+/// A light rig that moves with the camera: key light, weaker fill light, and ambient light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Light {
-    /// Toward the key light: right, up and back as the picture has it, of any length.
+    /// Direction toward the key light in image axes (right, up, back), of any length.
     pub direction: [f64; 3],
-    /// The key's strength: how much of a white facet's light it gives where it falls straight on it.
+    /// Strength of the key light: its share of a white facet's brightness at normal incidence.
     pub key: f32,
-    /// The fill's strength.
+    /// Strength of the fill light.
     pub fill: f32,
-    /// What comes from all around.
+    /// Strength of the ambient light.
     pub ambient: f32,
 }
 

@@ -1,10 +1,10 @@
-//! Tests that need a device: each runs on every one of the machine, software too. Without any they show as ignored; with
-//! `INCISE_REQUIRE_GPU` set they fail instead.
+//! Fixtures of the GPU tests: runs each test on every adapter and compares rendered images.
 #![allow(dead_code, reason = "every test file uses a part of it")]
 
 use incise_mesh::{Surface, TriangleId};
 use incise_render::{
-    Background, BodyView, Camera, Canvas, Color, Content, Light, Offscreen, Picture, Renderer, View,
+    Attachments, Background, BodyView, Camera, Color, DrawList, Image, Light, Offscreen, Renderer,
+    View,
 };
 use libtest_mimic::{Arguments, Completion, Trial};
 use std::process::ExitCode;
@@ -14,29 +14,31 @@ pub(crate) const WHITE: Color = Color::rgb(255, 255, 255);
 pub(crate) const RED: Color = Color::rgb(220, 30, 20);
 pub(crate) const BLUE: Color = Color::rgb(20, 40, 220);
 
-/// An open device.
+/// An open wgpu device.
 pub(crate) struct Gpu {
     pub(crate) device: Device,
     pub(crate) queue: Queue,
 }
 
 impl Gpu {
-    /// Pictures of one sample a pixel: every pixel is what is at its middle.
+    /// Returns a renderer with one sample per pixel, at its center.
     pub(crate) fn plain(&self) -> Renderer {
         let format = wgpu::TextureFormat::Rgba8UnormSrgb;
         Renderer::new(&self.device, &self.queue, format, 1).expect("one sample is everywhere")
     }
 
-    /// Pictures with smooth edges.
+    /// Returns a multisampling renderer.
     pub(crate) fn smooth(&self) -> Renderer {
-        Renderer::offscreen(&self.device, &self.queue).expect("pictures can be drawn")
+        Renderer::offscreen(&self.device, &self.queue).expect("images can be drawn")
     }
 }
 
-/// A test by its name.
+/// A test and its name.
 pub(crate) type Test = (&'static str, fn(&Gpu));
 
-/// Runs the tests of a file, as its `main`.
+/// Runs the tests of a file on every adapter, software adapters included.
+///
+/// Without an adapter the tests are ignored, or fail if `INCISE_REQUIRE_GPU` is set.
 pub(crate) fn run(tests: &[Test]) -> ExitCode {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
@@ -59,7 +61,8 @@ pub(crate) fn run(tests: &[Test]) -> ExitCode {
         }
         if adapters.is_empty() {
             trials.push(Trial::ignorable_test(name, || {
-                let absent = "there is no Vulkan, Metal or DX12 device; on Debian install mesa-vulkan-drivers and libvulkan1";
+                let absent = "no Vulkan, Metal or DX12 adapter found; on Debian install \
+                              mesa-vulkan-drivers and libvulkan1";
                 let required = std::env::var("INCISE_REQUIRE_GPU").unwrap_or_default();
                 if ["", "0"].contains(&required.as_str()) {
                     Ok(Completion::ignored_with(absent))
@@ -72,7 +75,7 @@ pub(crate) fn run(tests: &[Test]) -> ExitCode {
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }
 
-/// Light from the eye alone: what faces it has its own color, and nothing is as bright as the background.
+/// Returns a view with light from the camera only: front-facing triangles have their own color.
 pub(crate) fn facing(camera: Camera) -> View {
     View {
         background: Background::Plain(WHITE),
@@ -82,53 +85,54 @@ pub(crate) fn facing(camera: Camera) -> View {
             fill: 0.0,
             ambient: 0.0,
         },
-        ..View::of(camera)
+        ..View::from_camera(camera)
     }
 }
 
-/// A surface of these triangles, corners all apart.
+/// Returns a surface of disconnected triangles.
 pub(crate) fn triangles(corners: &[[[f32; 3]; 3]]) -> Surface {
     let count = u32::try_from(corners.len()).expect("a few");
     let faces: Vec<[u32; 3]> = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     Surface::from_triangles(corners.as_flattened(), &faces).expect("no two of them touch")
 }
 
-/// A picture of one body.
-pub(crate) fn picture(
+/// Renders one body.
+pub(crate) fn image(
     renderer: &Renderer,
     size: [u32; 2],
     view: &View,
     surface: &Surface,
     colors: impl FnMut(TriangleId) -> Option<Color>,
-) -> Picture {
-    let body = BodyView::of(renderer, surface, colors).expect("a body");
+) -> Image {
+    let body = BodyView::from_surface(renderer, surface, colors).expect("a body");
     draw(renderer, size, view, &[&body])
 }
 
-/// A picture of bodies.
+/// Renders several bodies.
 pub(crate) fn draw(
     renderer: &Renderer,
     [width, height]: [u32; 2],
     view: &View,
     bodies: &[&BodyView],
-) -> Picture {
-    let content = Content {
+) -> Image {
+    let content = DrawList {
         bodies,
         overlays: &[],
     };
     let offscreen = Offscreen::new(renderer, width, height).expect("a size");
-    let drawn = offscreen.picture(renderer, view, &content);
-    drawn.expect("a picture")
+    let drawn = offscreen.render(renderer, view, &content);
+    drawn.expect("an image")
 }
 
-/// How many pixels have another color than `color`.
-pub(crate) fn others(picture: &Picture, color: Color) -> usize {
-    let pixels = picture.pixels().as_chunks::<4>().0.iter();
+/// Returns the number of pixels that differ from `color`.
+pub(crate) fn count_other(image: &Image, color: Color) -> usize {
+    let pixels = image.pixels().as_chunks::<4>().0.iter();
     pixels.filter(|&&pixel| pixel != color.0).count()
 }
 
-/// The bytes of a picture in any format of four bytes a pixel, as a window would get them; rows of 64 pixels or a
-/// multiple.
+/// Renders in any format of four bytes per pixel and returns the bytes.
+///
+/// The width must be a multiple of 64 pixels.
 pub(crate) fn draw_raw(
     gpu: &Gpu,
     renderer: &Renderer,
@@ -151,40 +155,40 @@ pub(crate) fn draw_raw(
         usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
         view_formats: &[],
     });
-    let arrived = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+    let readback = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: None,
         size: u64::from(4 * width * height),
         usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
         mapped_at_creation: false,
     });
-    let canvas = Canvas::new(renderer, width, height).expect("a size");
+    let attachments = Attachments::new(renderer, width, height).expect("a size");
     let output = texture.create_view(&wgpu::TextureViewDescriptor::default());
-    let content = Content {
+    let content = DrawList {
         bodies,
         overlays: &[],
     };
     let mut encoder = gpu
         .device
         .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let encoded = renderer.encode(&mut encoder, &canvas, &output, view, &content);
-    encoded.expect("a picture");
+    let encoded = renderer.encode(&mut encoder, &attachments, &output, view, &content);
+    encoded.expect("an image");
     let layout = wgpu::TexelCopyBufferLayout {
         offset: 0,
         bytes_per_row: Some(4 * width),
         rows_per_image: None,
     };
     let target = wgpu::TexelCopyBufferInfo {
-        buffer: &arrived,
+        buffer: &readback,
         layout,
     };
     encoder.copy_texture_to_buffer(texture.as_image_copy(), target, size);
     gpu.queue.submit([encoder.finish()]);
-    arrived
+    readback
         .slice(..)
         .map_async(wgpu::MapMode::Read, |mapped| mapped.expect("bytes"));
     gpu.device
         .poll(wgpu::PollType::wait_indefinitely())
-        .expect("a device");
-    let bytes = arrived.slice(..).get_mapped_range().expect("bytes");
+        .expect("the device works");
+    let bytes = readback.slice(..).get_mapped_range().expect("bytes");
     bytes.to_vec()
 }

@@ -1,10 +1,8 @@
-//! Scenes on a device and their bits, for every test program that needs one.
+//! GPU scenes and their bits, for all test programs with a GPU.
 #![allow(dead_code, reason = "every test file uses a part of it")]
 
-#[path = "../../../pbd-gpu/tests/common/gpu.rs"]
-pub(crate) mod gpu;
-
-use incise_mesh::{Model, Surface, build_model};
+use incise_mesh::Surface;
+use incise_models::{Model, build_model};
 use incise_pbd_gpu::{Context, Material, SolverParams};
 use incise_scene::{BackendChoice, BackendRequest, BodyId, Scene, SceneParams};
 
@@ -19,11 +17,11 @@ pub(crate) fn params() -> SceneParams {
     }
 }
 
-/// A request for the device at hand, whatever it is.
+/// Requests the first GPU, of any kind, for bodies of any size.
 pub(crate) fn request(choice: BackendChoice) -> BackendRequest {
     BackendRequest {
         choice,
-        device_from: Some(0),
+        min_gpu_constraints: Some(0),
         ..BackendRequest::default()
     }
 }
@@ -32,13 +30,13 @@ pub(crate) fn on(context: Context, params: SceneParams) -> Scene {
     Scene::with_context(params, &request(BackendChoice::Gpu), context).unwrap()
 }
 
-/// A model, as far along the x axis.
+/// Returns a model moved along the x axis.
 pub(crate) fn model(model: Model, x: f32) -> Surface {
     let mut surface = build_model(model);
-    for p in &mut surface.positions {
+    for p in surface.positions_mut() {
         p[0] += x;
     }
-    for p in &mut surface.rest {
+    for p in surface.rest_positions_mut() {
         p[0] += x;
     }
     surface
@@ -50,19 +48,19 @@ pub(crate) fn add(scene: &mut Scene, shape: Model, x: f32) -> BodyId {
         .unwrap()
 }
 
-/// Positions and velocities.
+/// The bits of positions and velocities, shape [vertex slots].
 pub(crate) type Bits = Vec<[u32; 6]>;
 
 pub(crate) fn bits(scene: &mut Scene, id: BodyId) -> Bits {
-    scene.read(id).unwrap();
-    assert!(scene.is_fresh(id));
-    host_bits(scene, id)
+    scene.read_back(id).unwrap();
+    assert!(scene.residency(id).unwrap().is_cpu_current());
+    cpu_copy_bits(scene, id)
 }
 
-/// Of the host's copy.
-pub(crate) fn host_bits(scene: &Scene, id: BodyId) -> Bits {
-    let body = scene.body(id);
-    let positions = body.surface().positions.iter();
+/// Returns the bits of the CPU copy.
+pub(crate) fn cpu_copy_bits(scene: &Scene, id: BodyId) -> Bits {
+    let body = scene.body(id).unwrap();
+    let positions = body.surface().positions().iter();
     positions
         .zip(body.solver().velocities())
         .map(|(p, v)| [p[0], p[1], p[2], v[0], v[1], v[2]].map(f32::to_bits))

@@ -1,32 +1,34 @@
-//! A blade that is held and moved, frame by frame.
+//! Cuts with a held blade that moves frame by frame.
 //!
-//! Only full slices can be cut, so the frame's sweep begins where the blade was last outside of the body: while it is inside
-//! the cut is refused and the blade goes on, and it cuts in the frame in which it comes out, or when it is let go there.
+//! Only cuts right through the body are supported. The sweep therefore starts at the last blade
+//! position outside of the body and grows while the blade is inside. The body is cut in the frame
+//! in which the blade leaves it, or when the stroke ends outside.
 
 use super::Session;
 use crate::command::Edge;
 use incise_cut::CutError;
-use incise_mesh::geometry::widen;
+use incise_mesh::geometry::to_f64;
 use incise_scene::SceneError;
 
-/// Where a held blade is.
+/// State of a held blade relative to the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum BladePlace {
-    /// Beside the body.
+pub enum BladeState {
+    /// The blade is outside of the body.
     Outside,
-    /// On its way through the body: it cuts when it comes out.
+    /// The blade moves through the body and cuts when it leaves it.
     Inside,
-    /// In the body without having come in from outside, so that it cuts nothing before it has been taken out.
-    Begun,
+    /// The stroke started inside the body; nothing is cut before the blade was outside.
+    StartedInside,
 }
 
-/// The way of a blade that is held.
+/// The sweep of a held blade.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stroke {
-    /// Where it was last outside; where it is, before it was.
+    /// Last position outside of the body, or the current one before that.
     start: Edge,
+    /// Current position.
     now: Edge,
-    place: BladePlace,
+    place: BladeState,
 }
 
 impl Session {
@@ -38,10 +40,10 @@ impl Session {
             stroke.now = edge;
             return Ok(());
         }
-        let place = if self.meets_body(edge)? {
-            BladePlace::Begun
+        let place = if self.edge_intersects_body(edge)? {
+            BladeState::StartedInside
         } else {
-            BladePlace::Outside
+            BladeState::Outside
         };
         self.stroke = Some(Stroke {
             start: edge,
@@ -51,7 +53,7 @@ impl Session {
         Ok(())
     }
 
-    /// Cuts along what the held blade has passed since the last frame, and puts it away.
+    /// Cuts along the motion of the held blade since the last frame and ends the stroke.
     pub(super) fn finish_blade(&mut self) -> Result<(), SceneError> {
         let Some(Stroke {
             start, now, place, ..
@@ -59,72 +61,75 @@ impl Session {
         else {
             return Ok(());
         };
-        if place == BladePlace::Begun || self.meets_body(start)? {
-            self.refuse(
-                "the blade was put into the body, so it has cut nothing: begin beside it and move right through"
+        if place == BladeState::StartedInside || self.edge_intersects_body(start)? {
+            self.report_error(
+                "nothing was cut: the blade was put into the body; start outside and drag it right \
+                 through"
                     .to_owned(),
             );
         } else if start != now {
-            let inside = "the blade was let go inside the body, so it has cut nothing: move it right through";
+            let inside = "nothing was cut: the blade was let go inside the body; drag it right \
+                          through";
             self.cut_along(start, now, inside)?;
         }
         Ok(())
     }
 
-    /// Where the held blade was last outside of the body and where it is, and what that means.
+    /// Returns start and current position of the held blade, and its state.
     #[must_use]
-    pub fn held_blade(&self) -> Option<([Edge; 2], BladePlace)> {
+    pub fn held_blade(&self) -> Option<([Edge; 2], BladeState)> {
         let stroke = self.stroke?;
         Some(([stroke.start, stroke.now], stroke.place))
     }
 
-    /// Whether an edge goes through the body's surface, where the body is now.
-    fn meets_body(&mut self, [from, to]: Edge) -> Result<bool, SceneError> {
-        let from = widen(from);
-        let way = widen(to) - from;
+    /// Returns true if an edge intersects the surface of the body at its current position.
+    fn edge_intersects_body(&mut self, [from, to]: Edge) -> Result<bool, SceneError> {
+        let from = to_f64(from);
+        let way = to_f64(to) - from;
         let Some(direction) = way.try_normalize(0.0) else {
             return Ok(false);
         };
-        let hit = self.scene.cast(self.body, from, direction)?;
+        let hit = self.scene.cast_ray(self.body, from, direction)?;
         Ok(hit.is_some_and(|hit| hit.distance <= way.norm()))
     }
 
-    /// Has the frame cut along the blade's way, and says whether it does. A body may have come to where the blade was outside
-    /// of it.
-    pub(super) fn aim_stroke(&mut self) -> Result<bool, SceneError> {
+    /// Sets the scene's blade to the stroke's sweep and returns true if the blade has moved.
+    ///
+    /// Restarts the stroke if the body has moved to its start.
+    pub(super) fn advance_stroke(&mut self) -> Result<bool, SceneError> {
         let Some(mut stroke) = self.stroke else {
             return Ok(false);
         };
-        if stroke.place == BladePlace::Begun || self.meets_body(stroke.start)? {
+        if stroke.place == BladeState::StartedInside || self.edge_intersects_body(stroke.start)? {
             stroke.start = stroke.now;
-            stroke.place = if self.meets_body(stroke.now)? {
-                BladePlace::Begun
+            stroke.place = if self.edge_intersects_body(stroke.now)? {
+                BladeState::StartedInside
             } else {
-                BladePlace::Outside
+                BladeState::Outside
             };
         }
         let is_aimed = stroke.start != stroke.now;
         if is_aimed {
-            self.scene.jump_blade(self.blade, stroke.start);
-            self.scene.move_blade(self.blade, stroke.now);
+            self.scene.teleport_blade(self.blade, stroke.start)?;
+            self.scene.move_blade(self.blade, stroke.now)?;
         }
         self.stroke = Some(stroke);
         Ok(is_aimed)
     }
 
-    /// The way along which the frame has cut. What the blade has cut it need not cut again.
+    /// Updates the stroke after the frame's cut and returns the sweep of that cut.
     pub(super) fn end_stroke(&mut self) -> Option<[Edge; 2]> {
-        let refusal = self.scene.refusals().first().map(|r| r.error);
+        let refusal = self.scene.failed_cuts().first().map(|r| r.error);
         let stroke = self.stroke.as_mut()?;
         let way = [stroke.start, stroke.now];
         stroke.place = match refusal {
-            None => BladePlace::Outside,
-            Some(_) => BladePlace::Inside,
+            None => BladeState::Outside,
+            Some(_) => BladeState::Inside,
         };
         match refusal {
             None => stroke.start = stroke.now,
             Some(CutError::PartialCut { .. }) => {}
-            Some(error) => self.refuse(error.to_string()),
+            Some(error) => self.report_error(error.to_string()),
         }
         Some(way)
     }

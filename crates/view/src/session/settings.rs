@@ -1,17 +1,17 @@
-//! The body made anew: other settings, and the way back to the beginning.
+//! Changes of settings, which may rebuild the body, and reset.
 
 use super::Session;
-use super::cuts::Cuts;
+use super::cut_history::CutHistory;
 use crate::command::Settings;
 use incise_pbd_gpu::Stiffness;
 use incise_scene::{BodyId, SceneError};
 
 impl Session {
     pub(super) fn set(&mut self, settings: Settings) -> Result<(), SceneError> {
-        if settings.needs_new_body(&self.settings) {
+        if settings.requires_new_body(&self.settings) {
             self.release()?;
-            self.renew(&settings)?;
-            self.say("the body was made anew where it is, at rest".to_owned());
+            self.rebuild(&settings)?;
+            self.inform("the body was rebuilt at rest in its current shape".to_owned());
         } else if settings.material() != self.settings.material() {
             let (solver, surface) = self.scene.edit(self.body)?.solver_mut();
             solver.set_stretch(Stiffness::Pbd(settings.stretch))?;
@@ -21,16 +21,16 @@ impl Session {
         let params = settings.scene(self.ground);
         if params != self.scene.params {
             self.scene.params = params;
-            self.scene.wake(self.body);
+            self.scene.wake(self.body)?;
         }
         self.settings = settings;
         Ok(())
     }
 
-    /// Makes the body anew from where it is. Its pins stay, its cuts can still be undone.
-    fn renew(&mut self, settings: &Settings) -> Result<(), SceneError> {
-        self.scene.read(self.body)?;
-        let old = self.scene.body(self.body);
+    /// Rebuilds the body at rest in its current shape; pins and the undo stack are kept.
+    fn rebuild(&mut self, settings: &Settings) -> Result<(), SceneError> {
+        self.scene.read_back(self.body)?;
+        let old = self.scene.body(self.body)?;
         let pins: Vec<_> = old.solver().pins().iter().map(|pin| pin.vertex).collect();
         let surface = old.surface().clone();
         let body = self.scene.add_body(surface, &settings.material())?;
@@ -43,7 +43,7 @@ impl Session {
     }
 
     fn replace(&mut self, body: BodyId) {
-        // It may be one that cannot be read any more.
+        // Discarded without a readback, which fails after a GPU error.
         let _old = self.scene.discard_body(self.body);
         self.body = body;
         self.topology += 1;
@@ -51,13 +51,13 @@ impl Session {
     }
 
     pub(super) fn reset(&mut self) -> Result<(), SceneError> {
-        let first = self.first.clone();
-        let body = self.scene.add_body(first, &self.settings.material())?;
+        let initial = self.initial.clone();
+        let body = self.scene.add_body(initial, &self.settings.material())?;
         self.stroke = None;
-        self.grip = None;
-        self.cuts = Cuts::default();
-        self.last_cut = None;
-        self.notice = None;
+        self.dragged = None;
+        self.history = CutHistory::default();
+        self.last_cut_stats = None;
+        self.status_message = None;
         self.replace(body);
         Ok(())
     }

@@ -1,11 +1,12 @@
-//! Sessions without a window.
+//! Tests of commands, undo and redo, dragging, settings and replay, without a window.
 
 mod blade;
 
 use super::*;
 use crate::command::Method;
-use crate::recording::{Entry, Progress};
-use incise_mesh::{Model, build_model, icosphere};
+use crate::recording::{Entry, ReplayProgress};
+use incise_mesh::icosphere;
+use incise_models::{Model, build_model};
 use incise_refine::RefinementLevel;
 use incise_scene::SceneParams;
 
@@ -14,7 +15,7 @@ fn session() -> Session {
     Session::new(icosphere(2, 0.5), scene).expect("a sphere can be simulated")
 }
 
-/// A cut across the whole body at this height.
+/// Returns a horizontal slice through the whole body at a height.
 fn across(height: f32) -> Command {
     Command::Slice {
         from: [[-2.0, height, -2.0], [-2.0, height, 2.0]],
@@ -27,23 +28,23 @@ fn pieces(session: &Session) -> usize {
 }
 
 #[test]
-fn a_slice_is_done_at_once_undone_and_done_again() {
+fn slices_cut_immediately_and_can_be_undone_and_redone() {
     let mut s = session();
     let whole = s.surface().clone();
     s.apply(across(0.05));
-    assert_eq!((pieces(&s), s.undoable(), s.redoable()), (2, 1, 0));
+    assert_eq!((pieces(&s), s.undo_count(), s.redo_count()), (2, 1, 0));
     let cut = s.surface().clone();
     s.apply(Command::Undo);
-    assert_eq!((pieces(&s), s.undoable(), s.redoable()), (1, 0, 1));
+    assert_eq!((pieces(&s), s.undo_count(), s.redo_count()), (1, 0, 1));
     assert_eq!(s.surface().topology(), whole.topology());
     s.apply(Command::Redo);
-    assert_eq!((pieces(&s), s.undoable(), s.redoable()), (2, 1, 0));
+    assert_eq!((pieces(&s), s.undo_count(), s.redo_count()), (2, 1, 0));
     let again = s.surface();
     assert_eq!(again.topology(), cut.topology());
     for v in cut.topology().vertices() {
         assert!((again.position(v) - cut.position(v)).norm() < 1e-6);
     }
-    // Two cuts are taken back after motion, the last one first.
+    // Two cuts are undone after motion, the last one first.
     s.apply(across(-0.2));
     assert_eq!(pieces(&s), 3);
     for _ in 0..10 {
@@ -52,25 +53,28 @@ fn a_slice_is_done_at_once_undone_and_done_again() {
     s.apply(Command::Undo);
     s.frame();
     s.apply(Command::Undo);
-    assert_eq!((pieces(&s), s.undoable(), s.redoable()), (1, 0, 2));
+    assert_eq!((pieces(&s), s.undo_count(), s.redo_count()), (1, 0, 2));
     s.apply(Command::Undo);
-    assert!(!s.notice().unwrap().is_refusal, "there is nothing to undo");
+    assert!(
+        !s.status_message().unwrap().is_error,
+        "there is nothing to undo"
+    );
     s.apply(across(0.0));
-    assert_eq!(s.redoable(), 0, "another cut was made");
+    assert_eq!(s.redo_count(), 0, "another cut was made");
 }
 
-/// Where everything is, how fast, and what it weighs, to the bit.
+/// Returns the bits of positions, masses and velocities.
 fn bits(session: &Session) -> Vec<[u32; 8]> {
-    let solver = session.scene().body(session.body()).solver();
+    let solver = session.scene().body(session.body()).unwrap().solver();
     let moved = solver.masses().iter().zip(solver.velocities());
-    let all = session.surface().positions.iter().zip(moved);
+    let all = session.surface().positions().iter().zip(moved);
     all.map(|(&[x, y, z, w], (&mass, &[u, v, n, _]))| [x, y, z, w, mass, u, v, n].map(f32::to_bits))
         .collect()
 }
 
 #[test]
-fn what_is_done_again_while_time_stands_still_is_the_same_to_the_bit() {
-    for method in [Method::Exact, Method::Rebuild] {
+fn undo_and_redo_without_motion_are_bit_identical() {
+    for method in [Method::Exact, Method::Paper] {
         let mut s = session();
         s.apply(Command::Set(Settings {
             method,
@@ -99,11 +103,11 @@ fn what_is_done_again_while_time_stands_still_is_the_same_to_the_bit() {
     }
 }
 
-/// Pieces that had parted were joined across the room, and flew.
+/// Regression: pieces that had separated were joined over a distance and flew apart.
 #[test]
-fn who_takes_a_cut_back_or_does_it_again_goes_back_to_it() {
+fn undo_and_redo_restore_the_state_of_the_cut() {
     let mut s = session();
-    let places = |s: &Session| s.surface().positions.clone();
+    let places = |s: &Session| s.surface().positions().to_vec();
     for _ in 0..20 {
         s.frame();
     }
@@ -122,7 +126,12 @@ fn who_takes_a_cut_back_or_does_it_again_goes_back_to_it() {
         s.apply(Command::Undo);
         let used = whole.len();
         assert!(near(&places(&s)[..used], &whole), "as before the cut");
-        let stretch = s.scene().body(s.body()).solver().stretch_error(s.surface());
+        let stretch = s
+            .scene()
+            .body(s.body())
+            .unwrap()
+            .solver()
+            .stretch_error(s.surface());
         for _ in 0..60 {
             s.frame();
         }
@@ -130,7 +139,7 @@ fn who_takes_a_cut_back_or_does_it_again_goes_back_to_it() {
         s.apply(Command::Redo);
         assert!(near(&places(&s), &cut), "as after the cut");
         assert_eq!(s.surface().piece_volumes(), parts);
-        assert_eq!((s.undoable(), s.redoable()), (1, 0));
+        assert_eq!((s.undo_count(), s.redo_count()), (1, 0));
         for _ in 0..60 {
             s.frame();
         }
@@ -138,43 +147,49 @@ fn who_takes_a_cut_back_or_does_it_again_goes_back_to_it() {
 }
 
 #[test]
-fn a_cut_shows_in_the_frame_after_it() {
+fn cut_statistics_appear_in_the_next_frame() {
     let mut s = session();
     s.apply(across(0.0));
     s.frame();
-    assert_eq!((s.last().stats.cuts, s.last().stats.sweeps_skipped), (1, 1));
-    assert!(s.last().stats.hits > 0);
-    assert_eq!(s.last_cut().map(|stats| stats.cuts), Some(1));
+    assert_eq!(
+        (
+            s.last_frame().stats.cuts,
+            s.last_frame().stats.resting_blades
+        ),
+        (1, 1)
+    );
+    assert!(s.last_frame().stats.hit_triangles > 0);
+    assert_eq!(s.last_cut_stats().map(|stats| stats.cuts), Some(1));
     s.frame();
-    assert_eq!(s.last().stats.cuts, 0);
+    assert_eq!(s.last_frame().stats.cuts, 0);
     assert_eq!(s.frames(), 2);
 }
 
 #[test]
-fn what_cannot_be_cut_is_said_and_changes_nothing() {
+fn failed_cuts_are_reported_and_change_nothing() {
     let mut s = session();
     let before = s.fingerprint().unwrap();
     s.apply(Command::Slice {
         from: [[-2.0, 0.0, -2.0], [-2.0, 0.0, 2.0]],
         to: [[0.0, 0.0, -2.0], [0.0, 0.0, 2.0]],
     });
-    let notice = s.notice().expect("the cut was refused");
+    let status_message = s.status_message().expect("the cut was refused");
     assert!(
-        notice.is_refusal && notice.text.contains("inside"),
-        "{notice:?}"
+        status_message.is_error && status_message.text.contains("inside"),
+        "{status_message:?}"
     );
     s.apply(across(9.0));
-    let notice = s.notice().expect("the cut missed");
+    let status_message = s.status_message().expect("the cut missed");
     assert!(
-        !notice.is_refusal && notice.text.contains("misses"),
-        "{notice:?}"
+        !status_message.is_error && status_message.text.contains("misses"),
+        "{status_message:?}"
     );
     assert_eq!(s.fingerprint().unwrap(), before);
-    assert_eq!(s.undoable(), 0);
+    assert_eq!(s.undo_count(), 0);
 }
 
 #[test]
-fn a_vertex_is_pulled_and_let_go() {
+fn vertices_are_dragged_released_and_pinned() {
     let mut s = session();
     let picked = s.pick(Vec3::new(0.0, 5.0, 0.0), Vec3::new(0.0, -1.0, 0.0));
     let picked = picked.unwrap().expect("it looks down on the ball");
@@ -191,7 +206,7 @@ fn a_vertex_is_pulled_and_let_go() {
     assert!(s.surface().bounds().min[1] > -0.45, "the ball hangs on it");
     s.apply(Command::Release);
     assert_eq!((s.held_vertex(), s.pins().count()), (None, 0));
-    // A pinned one stays pinned, and a cut that takes it is no harm.
+    // A pinned vertex stays pinned after a drag.
     s.apply(Command::Pin { vertex: v.0 });
     s.apply(Command::Grab { vertex: v.0 });
     s.apply(Command::Release);
@@ -203,11 +218,11 @@ fn a_vertex_is_pulled_and_let_go() {
 }
 
 fn round_up(p: Vec3, by: f64) -> [f32; 3] {
-    incise_mesh::geometry::round(p + Vec3::new(0.0, by, 0.0))
+    incise_mesh::geometry::to_f32(p + Vec3::new(0.0, by, 0.0))
 }
 
 #[test]
-fn settings_hold_from_the_next_frame_on_and_for_the_next_cut() {
+fn settings_apply_to_the_next_frame_and_cut() {
     let mut s = session();
     s.apply(across(0.1));
     let coarse = s.surface().topology().triangle_count();
@@ -225,42 +240,46 @@ fn settings_hold_from_the_next_frame_on_and_for_the_next_cut() {
     assert_eq!(s.scene().params.solver.substeps, 4);
     let v = VertexId(0);
     s.apply(Command::Pin { vertex: v.0 });
-    // Other bending and other struts make the body anew: pins and the way back stay.
-    let struts = |s: &Session| {
+    // Other bending and interior springs rebuild the body; pins and the undo stack are kept.
+    let interior_springs = |s: &Session| {
         s.scene()
             .body(s.body())
+            .unwrap()
             .solver()
-            .struts()
+            .interior_springs()
             .map(|set| set.len())
     };
-    assert!(struts(&s).is_some_and(|count| count > 0));
-    settings.struts = None;
+    assert!(interior_springs(&s).is_some_and(|count| count > 0));
+    settings.interior_springs = None;
     s.apply(Command::Set(settings));
-    assert!(s.notice().is_some_and(|n| n.text.contains("anew")));
-    assert_eq!(struts(&s), None);
+    assert!(
+        s.status_message()
+            .is_some_and(|n| n.text.contains("rebuilt"))
+    );
+    assert_eq!(interior_springs(&s), None);
     settings.bending = None;
     s.apply(Command::Set(settings));
-    let body = s.scene().body(s.body());
+    let body = s.scene().body(s.body()).unwrap();
     assert!(body.solver().bending().is_none());
     assert!(body.solver().volumes().pieces().is_empty());
     assert_eq!(s.pins().map(|(v, _)| v).collect::<Vec<_>>(), [v]);
     s.frame();
     assert_eq!(pieces(&s), 2);
     s.apply(Command::Undo);
-    assert_eq!(pieces(&s), 1, "{:?}", s.notice());
+    assert_eq!(pieces(&s), 1, "{:?}", s.status_message());
     s.apply(Command::Reset);
-    assert_eq!((s.undoable(), s.pins().count()), (0, 0));
+    assert_eq!((s.undo_count(), s.pins().count()), (0, 0));
     let whole = icosphere(2, 0.5);
     assert!(
         s.surface()
-            .positions
+            .positions()
             .iter()
-            .zip(&whole.positions)
+            .zip(whole.positions())
             .all(|(p, q)| p[..3] == q[..3])
     );
 }
 
-/// A session with a bit of everything.
+/// Plays 90 frames with most of the commands.
 fn play(s: &mut Session) {
     let grab = 3;
     for i in 0..90_u16 {
@@ -292,7 +311,7 @@ fn play(s: &mut Session) {
             _ => {}
         }
         if i % 7 == 0 {
-            // To look at it changes nothing.
+            // Picking changes nothing.
             let _ = s.pick(Vec3::new(0.0, 5.0, 0.0), Vec3::new(0.0, -1.0, 0.0));
         }
         s.frame();
@@ -300,7 +319,7 @@ fn play(s: &mut Session) {
 }
 
 #[test]
-fn a_recording_leads_to_the_same_bits() {
+fn replay_is_bit_identical() {
     for model in [Model::Sphere768, Model::Sphere80] {
         let scene = || Scene::new(SceneParams::default());
         let mut s = Session::new(build_model(model), scene()).unwrap();
@@ -314,19 +333,19 @@ fn a_recording_leads_to_the_same_bits() {
         let mut other =
             Session::with_settings(build_model(model), scene(), recording.settings()).unwrap();
         let over = loop {
-            match replay.follow(&mut other).unwrap() {
-                Progress::Running => other.frame(),
-                Progress::Over(is_same) => break is_same,
+            match replay.advance(&mut other).unwrap() {
+                ReplayProgress::Running => other.frame(),
+                ReplayProgress::Finished(is_same) => break is_same,
             }
         };
         assert_eq!(over, Some(true), "{}", model.name());
         assert_eq!(other.frames(), s.frames());
-        assert_eq!(other.surface().positions, s.surface().positions);
+        assert_eq!(other.surface().positions(), s.surface().positions());
     }
 }
 
 #[test]
-fn a_recording_is_of_one_body_and_in_order() {
+fn recordings_of_other_bodies_and_out_of_order_are_errors() {
     let mut s = session();
     s.apply(across(0.0));
     s.frame();
@@ -355,8 +374,8 @@ fn a_recording_is_of_one_body_and_in_order() {
     }
 }
 
-/// How much of its height a body of many vertices has left after 2 s, and of its volume.
-fn left(model: Model, struts: Option<f32>) -> [f64; 2] {
+/// Returns height and volume of a body after 2 s, relative to the initial values.
+fn height_and_volume_left(model: Model, interior_springs: Option<f32>) -> [f64; 2] {
     let surface = build_model(model);
     let measure = |surface: &Surface| {
         let bounds = surface.bounds();
@@ -365,7 +384,7 @@ fn left(model: Model, struts: Option<f32>) -> [f64; 2] {
     };
     let whole = measure(&surface);
     let settings = Settings {
-        struts,
+        interior_springs,
         ..Settings::default()
     };
     let scene = Scene::new(SceneParams::default());
@@ -378,45 +397,44 @@ fn left(model: Model, struts: Option<f32>) -> [f64; 2] {
 }
 
 #[test]
-fn a_large_body_does_not_sink_in_on_the_ground() {
+fn large_body_keeps_its_height_on_the_ground() {
     let model = Model::Banana;
-    let [height, volume] = left(model, Settings::default().struts);
+    let [height, volume] = height_and_volume_left(model, Settings::default().interior_springs);
     assert!(height > 0.8, "{height} of its height is left");
     assert!(
         (volume - 1.0).abs() < 0.01,
         "{volume} of its volume is left"
     );
-    let [height, _] = left(model, None);
+    let [height, _] = height_and_volume_left(model, None);
     assert!(height < 0.6, "or nothing would: {height}");
 }
 
 #[test]
-fn recordings_from_before_there_were_struts_and_damping_have_none() {
+fn old_recordings_have_no_interior_springs_and_damping() {
     let mut s = session();
     s.apply(Command::Set(Settings::default()));
     let mut text = Vec::new();
     s.recording().write(&mut text).unwrap();
     let text = String::from_utf8(text).unwrap();
-    let new = ",\"struts\":1.0,\"damping\":1.0";
+    let new = ",\"interior_springs\":1.0,\"damping\":1.0";
     assert_eq!(text.matches(new).count(), 2, "{text}");
     let old = text.replace(new, "");
     let old = Recording::read(old.as_bytes()).unwrap();
-    assert_eq!(old.settings().struts, None);
-    let Entry::Given { command, .. } = old.entries()[1] else {
+    assert_eq!(old.settings().interior_springs, None);
+    let Entry::Command { command, .. } = old.entries()[1] else {
         panic!("{old:?}");
     };
     let without = Settings {
-        struts: None,
+        interior_springs: None,
         damping: 0.0,
         ..Settings::default()
     };
     assert_eq!(command, Command::Set(without));
 }
 
-/// It rolled about for ever, ten times its size in a minute: sweeps in the order of colors turn what is pressed against the
-/// ground.
+/// Regression: the order of colored sweeps turned a ball on the ground, so that it rolled forever.
 #[test]
-fn a_ball_that_nobody_touches_comes_to_rest() {
+fn undisturbed_ball_comes_to_rest() {
     let mut s = session();
     let began = s.bounds().unwrap();
     let mut frames = 0;

@@ -1,12 +1,12 @@
-//! The program as the system sees it: the window is opened, and events are handed to it.
+//! The winit application: opens the window and dispatches its events.
 
-use super::pace::Pace;
-use super::picture::Picture;
-use super::screen::Screen;
-use super::{Look, Open, Options, Times, panel};
+use super::playback_speed::PlaybackSpeed;
+use super::scene_view::SceneView;
+use super::window_renderer::WindowRenderer;
+use super::{DisplayOptions, FrameTimes, OpenWindow, WindowOptions, panel};
 use crate::command::Settings;
 use crate::error::ViewError;
-use crate::pointer::{Eye, Pointer};
+use crate::pointer::{OrbitCamera, Pointer};
 use crate::recording::Replay;
 use crate::session::Session;
 use incise_pbd_gpu::{AdapterKind, AdapterRequest};
@@ -20,12 +20,12 @@ use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::ActiveEventLoop;
 use winit::window::{Window, WindowId};
 
-/// A window that is there or is to come.
+/// The application, before and after its window is open.
 pub(super) struct App {
-    options: Options,
+    options: WindowOptions,
     settings: Settings,
     replay: Option<Replay>,
-    open: Option<Open>,
+    open: Option<OpenWindow>,
     failure: Option<ViewError>,
 }
 impl ApplicationHandler for App {
@@ -47,14 +47,14 @@ impl ApplicationHandler for App {
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(open) = &mut self.open else { return };
-        let done = open.event(&event);
+        let done = open.handle(&event);
         match done {
-            Ok(_) if open.is_over => events.exit(),
+            Ok(_) if open.is_closing => events.exit(),
             Ok(None) => {}
             Ok(Some(wait)) => events.set_control_flow(wait),
-            // A body that has left the numbers can be reset.
+            // A body with invalid positions can be reset, so the window stays open.
             Err(ViewError::Scene(error)) => {
-                open.told = Some((error.to_string(), true));
+                open.message = Some((error.to_string(), true));
                 open.window.request_redraw();
             }
             Err(failure) => self.fail(events, failure),
@@ -63,7 +63,7 @@ impl ApplicationHandler for App {
 }
 
 impl App {
-    pub(super) fn new(options: Options, settings: Settings, replay: Option<Replay>) -> Self {
+    pub(super) fn new(options: WindowOptions, settings: Settings, replay: Option<Replay>) -> Self {
         Self {
             options,
             settings,
@@ -73,7 +73,7 @@ impl App {
         }
     }
 
-    /// What the window was closed for, if it was not the user.
+    /// Returns the error that closed the window, if any.
     pub(super) fn outcome(self) -> Result<(), ViewError> {
         self.failure.map_or(Ok(()), Err)
     }
@@ -83,7 +83,7 @@ impl App {
         events.exit();
     }
 
-    fn open(&mut self, events: &ActiveEventLoop) -> Result<Open, ViewError> {
+    fn open(&mut self, events: &ActiveEventLoop) -> Result<OpenWindow, ViewError> {
         let [width, height] = self.options.size;
         let attributes = Window::default_attributes()
             .with_title(self.options.title.clone())
@@ -95,48 +95,48 @@ impl App {
             })?;
         let window = Arc::new(window);
         let request = AdapterRequest::any(self.options.backend.adapter.clone());
-        let screen = Screen::open(events, Arc::clone(&window), &request)?;
-        let (scene, device) = self.scene(&screen)?;
+        let renderer = WindowRenderer::open(events, Arc::clone(&window), &request)?;
+        let (scene, adapter) = self.create_scene(&renderer)?;
         let surface = self.options.surface.clone();
         let session = Session::with_settings(surface, scene, self.settings)?;
-        let picture = Picture::new(&screen, &session)?;
-        let size = screen.size();
+        let scene_view = SceneView::new(renderer.scene_renderer(), &session)?;
+        let size = renderer.size();
         let egui = panel::state(&window);
-        let mut open = Open {
+        let mut open = OpenWindow {
             window,
-            screen,
-            picture,
+            renderer,
+            scene_view,
             egui,
             session,
-            eye: Eye {
+            orbit: OrbitCamera {
                 camera: Camera::default(),
                 size,
-                covered: 0.0,
+                panel_width: 0.0,
             },
             pointer: Pointer::default(),
             shift: false,
-            look: Look::default(),
-            times: Times::default(),
-            device,
+            display: DisplayOptions::default(),
+            times: FrameTimes::default(),
+            adapter,
             paused: self.options.paused,
-            pace: Pace::new(Instant::now()),
+            speed: PlaybackSpeed::new(Instant::now()),
             replay: self.replay.take(),
-            last: Instant::now(),
-            owed: Duration::ZERO,
-            told: None,
+            last_redraw: Instant::now(),
+            accumulator: Duration::ZERO,
+            message: None,
             record_to: self.options.record_to.clone(),
             save: std::mem::replace(&mut self.options.save, Box::new(|_| Ok(String::new()))),
-            is_over: false,
+            is_closing: false,
         };
-        open.eye.covered = open.covered();
+        open.orbit.panel_width = open.panel_width();
         open.fit()?;
         open.window.request_redraw();
         Ok(open)
     }
 
-    /// The scene on the screen's device if it is to move bodies, and what to say of it.
-    fn scene(&self, screen: &Screen) -> Result<(Scene, String), ViewError> {
-        let adapter = screen.context().adapter();
+    /// Creates the scene, on the renderer's GPU device if requested, and describes the adapter.
+    fn create_scene(&self, renderer: &WindowRenderer) -> Result<(Scene, String), ViewError> {
+        let adapter = renderer.context().adapter();
         let name = &adapter.name;
         let mut request = self.options.backend.clone();
         let is_software = adapter.kind == AdapterKind::Software;
@@ -146,13 +146,13 @@ impl App {
         let params = SceneParams::default();
         let scene = match request.choice {
             BackendChoice::Cpu => Scene::new(params),
-            _ => Scene::with_context(params, &request, screen.second_context()?)?,
+            _ => Scene::with_context(params, &request, renderer.second_context()?)?,
         };
-        let drawn = if is_software {
-            format!("{name}; there is no GPU, so large windows are slow")
+        let description = if is_software {
+            format!("{name}: software rendering, slow for large windows")
         } else {
             name.clone()
         };
-        Ok((scene, drawn))
+        Ok((scene, description))
     }
 }

@@ -1,19 +1,19 @@
-//! What mouse and keyboard do.
+//! Window events: mouse, keyboard, resize and close.
 
-use super::{Open, panel};
+use super::{OpenWindow, panel};
 use crate::error::ViewError;
-use crate::keys::action_of;
+use crate::keys::action_for_key;
 use crate::pointer::Button;
 use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
 use winit::event_loop::ControlFlow;
 use winit::keyboard::{Key, NamedKey};
 
-/// Pixels of a touchpad that count as one notch of a wheel.
+/// Touchpad scroll distance that equals one notch of a mouse wheel \[px\].
 const NOTCH: f64 = 40.0;
 
-impl Open {
-    /// Returns until when to wait for the next event, if that has changed.
-    pub(super) fn event(&mut self, event: &WindowEvent) -> Result<Option<ControlFlow>, ViewError> {
+impl OpenWindow {
+    /// Handles an event and returns the new control flow, if it changes.
+    pub(super) fn handle(&mut self, event: &WindowEvent) -> Result<Option<ControlFlow>, ViewError> {
         if let WindowEvent::RedrawRequested = event {
             return self.redraw().map(Some);
         }
@@ -22,11 +22,11 @@ impl Open {
             self.window.request_redraw();
         }
         match event {
-            WindowEvent::CloseRequested => self.is_over = true,
+            WindowEvent::CloseRequested => self.is_closing = true,
             WindowEvent::Resized(size) => {
-                self.screen.resize([size.width, size.height])?;
-                self.eye.size = self.screen.size();
-                self.eye.covered = self.covered();
+                self.renderer.resize([size.width, size.height])?;
+                self.orbit.size = self.renderer.size();
+                self.orbit.panel_width = self.panel_width();
                 self.window.request_redraw();
             }
             WindowEvent::ModifiersChanged(modifiers) => {
@@ -35,8 +35,9 @@ impl Open {
             WindowEvent::Focused(false) => self.pointer.cancel(&mut self.session),
             WindowEvent::CursorMoved { position, .. } => {
                 let to = [position.x, position.y];
-                self.pointer.go(to, &mut self.eye, &mut self.session)?;
-                if self.pointer.is_busy() {
+                self.pointer
+                    .move_to(to, &mut self.orbit, &mut self.session)?;
+                if self.pointer.is_dragging() {
                     self.window.request_redraw();
                 }
             }
@@ -50,7 +51,7 @@ impl Open {
                 self.click(button, *state == ElementState::Pressed)?;
             }
             WindowEvent::MouseWheel { delta, .. } if !self.is_over_panel() => {
-                self.eye.zoom(match delta {
+                self.orbit.zoom(match delta {
                     MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
                     MouseScrollDelta::PixelDelta(pixels) => pixels.y / NOTCH,
                 });
@@ -64,16 +65,16 @@ impl Open {
                     Key::Character(character) => character.as_str(),
                     Key::Named(NamedKey::Space) => "Space",
                     Key::Named(NamedKey::Escape) => {
-                        self.look.help = false;
+                        self.display.help = false;
                         self.pointer.cancel(&mut self.session);
                         ""
                     }
                     _ => "",
                 };
-                // A plus is a shifted equals sign on many keyboards.
+                // On many keyboards, plus is shift and equals.
                 let name = if name == "=" { "+" } else { name };
-                if let Some(action) = action_of(name) {
-                    self.act(action)?;
+                if let Some(action) = action_for_key(name) {
+                    self.execute(action)?;
                 }
                 self.window.request_redraw();
             }
@@ -84,31 +85,32 @@ impl Open {
 
     fn click(&mut self, button: Button, is_down: bool) -> Result<(), ViewError> {
         if !is_down {
-            self.pointer.release(button, &self.eye, &mut self.session)?;
+            self.pointer
+                .release(button, &self.orbit, &mut self.session)?;
         } else if !self.is_over_panel() {
-            self.session.dismiss();
-            self.told = None;
-            let (eye, session) = (&self.eye, &mut self.session);
-            self.pointer.press(button, self.shift, eye, session)?;
+            self.session.clear_status_message();
+            self.message = None;
+            let (orbit, session) = (&self.orbit, &mut self.session);
+            self.pointer.press(button, self.shift, orbit, session)?;
         }
         self.window.request_redraw();
         Ok(())
     }
 
-    /// Whether the pointer is over the panel, or over a window of its own.
+    /// Returns true if the pointer is over the panel or over the help.
     fn is_over_panel(&self) -> bool {
         let context = self.egui.egui_ctx();
         let scale = f64::from(context.pixels_per_point());
         let [x, y] = self.pointer.at();
-        let at = egui::Pos2::from([x / scale, y / scale].map(panel::narrow));
+        let at = egui::Pos2::from([x / scale, y / scale].map(incise_mesh::geometry::round_to_f32));
         let layer = context.layer_id_at(at);
         let is_window = layer.is_some_and(|layer| layer.order != egui::Order::Background);
-        is_window || x > f64::from(self.eye.size[0]) - self.eye.covered
+        is_window || x > f64::from(self.orbit.size[0]) - self.orbit.panel_width
     }
 
-    /// How much of the window the panel covers \[px\].
-    pub(super) fn covered(&self) -> f64 {
-        if self.look.panel {
+    /// Returns the width of the visible panel \[px\], or 0.
+    pub(super) fn panel_width(&self) -> f64 {
+        if self.display.panel {
             f64::from(panel::WIDTH * self.egui.egui_ctx().pixels_per_point())
         } else {
             0.0

@@ -1,32 +1,34 @@
-//! What stands beside the picture.
+//! The panel beside the view: tools, settings, display options, messages and help.
 
-mod frames;
+mod statistics;
 
-use super::{Look, Open, marks, picture};
+use super::{DisplayOptions, OpenWindow, annotations, scene_view};
 use crate::command::{Method, Settings};
 use crate::keys::{Action, KEYS, MOUSE};
 use crate::pointer::Tool;
-use crate::session::{BladePlace, Session};
+use crate::session::{BladeState, Session};
 use egui::{Align2, Button, Color32, Grid, RichText, ScrollArea, Slider, Ui};
+use incise_mesh::geometry::round_to_f32;
 use incise_refine::RefinementLevel;
 use winit::window::Window;
 
-/// How wide the panel is \[points\].
+/// Width of the panel \[points\].
 pub(super) const WIDTH: f32 = 292.0;
 
-/// Most substeps and iterations that can be chosen.
-pub(super) const MOST: u32 = 64;
+/// Maximum of the sliders for substeps and iterations.
+pub(super) const MAX_SUBSTEPS: u32 = 64;
 
-const REFUSED: Color32 = Color32::from_rgb(176, 40, 30);
+const ERROR: Color32 = Color32::from_rgb(176, 40, 30);
 
-/// What was asked for in the panel.
-pub(super) struct Asked {
+/// Actions and settings that the user requested in the panel.
+pub(super) struct PanelRequests {
     pub(super) actions: Vec<Action>,
     pub(super) settings: Settings,
 }
 
-impl Asked {
-    pub(super) fn of(session: &Session) -> Self {
+impl PanelRequests {
+    /// Starts without requests.
+    pub(super) fn new(session: &Session) -> Self {
         Self {
             actions: Vec::new(),
             settings: *session.settings(),
@@ -34,67 +36,69 @@ impl Asked {
     }
 }
 
-/// A panel for a window.
+/// Creates the egui state of a window.
 pub(super) fn state(window: &Window) -> egui_winit::State {
     let context = egui::Context::default();
     context.set_theme(egui::Theme::Light);
     let scale = window.scale_factor();
     let id = egui::ViewportId::ROOT;
-    egui_winit::State::new(context, id, window, Some(narrow(scale)), None, None)
+    egui_winit::State::new(context, id, window, Some(round_to_f32(scale)), None, None)
 }
 
-/// Shows all of it.
-pub(super) fn show(ui: &mut Ui, open: &Open, asked: &mut Asked) {
-    if open.look.panel {
+/// Shows the panel, annotations and help.
+pub(super) fn show(ui: &mut Ui, open: &OpenWindow, requests: &mut PanelRequests) {
+    if open.display.panel {
         egui::Panel::right("panel")
             .resizable(false)
             .exact_size(WIDTH)
             .show(ui, |ui| {
-                ScrollArea::vertical().show(ui, |ui| contents(ui, open, asked));
+                ScrollArea::vertical().show(ui, |ui| contents(ui, open, requests));
             });
     }
-    if !open.look.panel {
+    if !open.display.panel {
         status(ui, open);
     }
-    marks::show(ui, open);
-    if open.look.help {
+    annotations::show(ui, open);
+    if open.display.help {
         help(ui);
     }
 }
 
-fn contents(ui: &mut Ui, open: &Open, asked: &mut Asked) {
+fn contents(ui: &mut Ui, open: &OpenWindow, requests: &mut PanelRequests) {
     let session = &open.session;
     ui.add_space(6.0);
     ui.horizontal_wrapped(|ui| {
         for tool in Tool::ALL {
             let button = ui.selectable_label(open.pointer.tool == tool, tool.name());
             if button.clicked() {
-                asked.actions.push(Action::Take(tool));
+                requests.actions.push(Action::SelectTool(tool));
             }
         }
     });
     ui.horizontal_wrapped(|ui| {
         let mut button = |ui: &mut Ui, text: &str, action: Action, is_on: bool| {
             if ui.add_enabled(is_on, Button::new(text)).clicked() {
-                asked.actions.push(action);
+                requests.actions.push(action);
             }
         };
-        let pause = if open.paused { "Go on" } else { "Pause" };
+        let pause = if open.paused { "Resume" } else { "Pause" };
         button(ui, pause, Action::Pause, true);
         button(ui, "Step", Action::Step, true);
         button(ui, "Reset", Action::Reset, true);
-        button(ui, "Undo", Action::Undo, session.undoable() > 0);
-        button(ui, "Redo", Action::Redo, session.redoable() > 0);
+        button(ui, "Undo", Action::Undo, session.undo_count() > 0);
+        button(ui, "Redo", Action::Redo, session.redo_count() > 0);
         button(ui, "Save", Action::Save, true);
         button(ui, "Record", Action::SaveRecording, true);
         button(ui, "Fit", Action::Fit, true);
         button(ui, "Keys ?", Action::Help, true);
     });
-    tell(ui, open);
-    section(ui, "Cut", |ui| cut(ui, &mut asked.settings));
-    section(ui, "Body", |ui| body(ui, &mut asked.settings));
-    section(ui, "Look", |ui| look(ui, open, &mut asked.actions));
-    section(ui, "Frames", |ui| frames::show(ui, open));
+    messages(ui, open);
+    section(ui, "Cut", |ui| cut(ui, &mut requests.settings));
+    section(ui, "Body", |ui| body(ui, &mut requests.settings));
+    section(ui, "DisplayOptions", |ui| {
+        display(ui, open, &mut requests.actions)
+    });
+    section(ui, "Statistics", |ui| statistics::show(ui, open));
 }
 
 fn section(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
@@ -103,43 +107,42 @@ fn section(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
         .show_unindented(ui, contents);
 }
 
-/// The same in a corner of the picture, where there is no panel.
-fn status(ui: &Ui, open: &Open) {
+/// Shows the messages in a corner while the panel is hidden.
+fn status(ui: &Ui, open: &OpenWindow) {
     egui::Area::new(egui::Id::unique("status"))
         .anchor(Align2::LEFT_BOTTOM, [8.0, -8.0])
         .interactable(false)
         .show(ui.ctx(), |ui| {
-            // Else it stays as narrow as it was with nothing to tell.
+            // Without a minimum, the area keeps its width without messages.
             ui.set_min_width(WIDTH);
-            tell(ui, open);
+            messages(ui, open);
         });
 }
 
-/// What there is to tell.
-fn tell(ui: &mut Ui, open: &Open) {
-    let mut line = |text: &str, is_refusal: bool| {
+/// Shows messages of session and window, the state of the blade, and replay.
+fn messages(ui: &mut Ui, open: &OpenWindow) {
+    let mut line = |text: &str, is_error: bool| {
         let text = RichText::new(text);
-        ui.label(if is_refusal {
-            text.color(REFUSED)
-        } else {
-            text
-        });
+        ui.label(if is_error { text.color(ERROR) } else { text });
     };
-    if let Some(notice) = open.session.notice() {
-        line(&notice.text, notice.is_refusal);
+    if let Some(status_message) = open.session.status_message() {
+        line(&status_message.text, status_message.is_error);
     }
-    if let Some((text, is_refusal)) = &open.told {
-        line(text, *is_refusal);
+    if let Some((text, is_error)) = &open.message {
+        line(text, *is_error);
     }
     if let Some((_, place)) = open.session.held_blade() {
         match place {
-            BladePlace::Begun => line(
-                "the blade was put into the body: take it out, then move it right through",
+            BladeState::StartedInside => line(
+                "the blade started inside the body: move it out, then right through",
                 false,
             ),
-            _ if open.paused => line("paused: the blade cuts when it is let go", false),
-            BladePlace::Outside => {}
-            BladePlace::Inside => line("the blade is inside: it cuts when it comes out", false),
+            _ if open.paused => line("paused: the blade cuts when you release it", false),
+            BladeState::Outside => {}
+            BladeState::Inside => line(
+                "the blade is inside: it cuts when it leaves the body",
+                false,
+            ),
         }
     }
     if open.replay.is_some() {
@@ -151,9 +154,9 @@ fn cut(ui: &mut Ui, settings: &mut Settings) {
     ui.horizontal(|ui| {
         ui.label("method");
         ui.selectable_value(&mut settings.method, Method::Exact, "exact");
-        ui.selectable_value(&mut settings.method, Method::Rebuild, "paper's");
+        ui.selectable_value(&mut settings.method, Method::Paper, "paper");
     });
-    ui.label("caps: edges are so many times the rim's");
+    ui.label("section edge length, relative to the rim");
     ui.horizontal_wrapped(|ui| {
         for level in RefinementLevel::FIVE {
             let name = match level {
@@ -175,15 +178,23 @@ fn cut(ui: &mut Ui, settings: &mut Settings) {
 }
 
 fn body(ui: &mut Ui, settings: &mut Settings) {
-    ui.add(Slider::new(&mut settings.substeps, 1..=MOST).text("substeps"));
-    ui.add(Slider::new(&mut settings.iterations, 1..=MOST).text("iterations"));
+    ui.add(Slider::new(&mut settings.substeps, 1..=MAX_SUBSTEPS).text("substeps"));
+    ui.add(Slider::new(&mut settings.iterations, 1..=MAX_SUBSTEPS).text("iterations"));
     ui.add(Slider::new(&mut settings.stretch, 0.0..=1.0).text("stiffness"));
     optional(ui, "bending", &mut settings.bending, 0.2, 1.0)
-        .on_hover_text("a change makes the body anew where it is, at rest");
+        .on_hover_text("changes rebuild the body at rest in its current shape");
     optional(ui, "volume", &mut settings.volume, 1.0, 3.0)
-        .on_hover_text("how many times its rest volume a piece strives for");
-    optional(ui, "struts", &mut settings.struts, 1.0, 1.0).on_hover_text(
-        "how many struts through the body a vertex has, so that it does not sink in; a change makes the body anew where it is, at rest",
+        .on_hover_text("target volume relative to the rest volume");
+    optional(
+        ui,
+        "interior springs",
+        &mut settings.interior_springs,
+        1.0,
+        1.0,
+    )
+    .on_hover_text(
+        "interior springs per vertex, which keep thick bodies from collapsing; changes rebuild \
+         the body at rest in its current shape",
     );
     ui.add(Slider::new(&mut settings.damping, 0.0..=10.0).text("damping [1/s]"));
     ui.horizontal(|ui| {
@@ -193,37 +204,37 @@ fn body(ui: &mut Ui, settings: &mut Settings) {
     });
 }
 
-/// A number that may be left out.
+/// Shows a slider with a check box that disables the value.
 fn optional(
     ui: &mut Ui,
     name: &str,
     value: &mut Option<f32>,
-    usual: f32,
-    most: f32,
+    default: f32,
+    max: f32,
 ) -> egui::Response {
     let row = ui.horizontal(|ui| {
         let mut is_on = value.is_some();
         ui.checkbox(&mut is_on, "");
-        let mut number = value.unwrap_or(usual);
-        ui.add_enabled(is_on, Slider::new(&mut number, 0.0..=most).text(name));
+        let mut number = value.unwrap_or(default);
+        ui.add_enabled(is_on, Slider::new(&mut number, 0.0..=max).text(name));
         *value = is_on.then_some(number);
     });
     row.response
 }
 
-fn look(ui: &mut Ui, open: &Open, actions: &mut Vec<Action>) {
-    let Look {
+fn display(ui: &mut Ui, open: &OpenWindow, actions: &mut Vec<Action>) {
+    let DisplayOptions {
         wireframe,
         pieces,
         caps,
         batches,
         ..
-    } = open.look;
+    } = open.display;
     let choices = [
-        ("edges", wireframe, Action::Wireframe),
+        ("wireframe", wireframe, Action::Wireframe),
         ("pieces", pieces, Action::PieceColors),
         ("caps", caps, Action::CapColors),
-        ("batches", batches, Action::Batches),
+        ("batches", batches, Action::BatchColors),
     ];
     ui.horizontal(|ui| {
         for (name, is_on, action) in choices {
@@ -238,12 +249,14 @@ fn look(ui: &mut Ui, open: &Open, actions: &mut Vec<Action>) {
     }
 }
 
-/// The colors of the batches and how many constraints each has.
+/// Shows the number of constraints of each batch in its color.
 fn legend(ui: &mut Ui, session: &Session) {
-    let body = session.scene().body(session.body());
+    let Ok(body) = session.scene().body(session.body()) else {
+        return;
+    };
     ui.horizontal_wrapped(|ui| {
         for (i, batch) in body.solver().stretch().batches().iter().enumerate() {
-            let [r, g, b, _] = picture::color_of_batch(i).0;
+            let [r, g, b, _] = scene_view::batch_color(i).0;
             let color = Color32::from_rgb(r, g, b);
             ui.label(RichText::new(batch.len().to_string()).small().color(color));
         }
@@ -264,23 +277,18 @@ fn help(ui: &Ui) {
                     for (i, left) in KEYS[..half].iter().enumerate() {
                         for key in [Some(left), KEYS.get(half + i)].into_iter().flatten() {
                             ui.monospace(key.name);
-                            ui.label(key.about);
+                            ui.label(key.description);
                         }
                         ui.end_row();
                     }
                 });
             ui.separator();
             Grid::new("mouse").num_columns(2).show(ui, |ui| {
-                for (button, about) in MOUSE {
+                for (button, description) in MOUSE {
                     ui.monospace(button);
-                    ui.label(about);
+                    ui.label(description);
                     ui.end_row();
                 }
             });
         });
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "pixels")]
-pub(super) fn narrow(x: f64) -> f32 {
-    x as f32
 }

@@ -1,18 +1,17 @@
-//! The triangles around the rim that may change, and by how much the surface may still move there.
+//! The triangles around the rim that may change, each with its displacement budget.
 
 use super::super::contract::Opened;
-use super::few::Few;
-use incise_mesh::{HalfEdge, Topology, TriangleId, VertexId};
+use incise_mesh::{HalfEdge, Topology, TriangleId, VertexId, index_u32};
 
-/// How far the surface may move at a triangle, and how far it has at most \[m\].
+/// Allowed and past displacement of the surface at a triangle \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Room {
+pub(super) struct DisplacementBudget {
     pub(super) limit: f64,
     pub(super) moved: f64,
 }
 
-impl Room {
-    /// What holds for all of some triangles when it holds for each.
+impl DisplacementBudget {
+    /// Returns the budget of two triangles together: the smaller limit, the larger displacement.
     pub(super) fn with(self, other: Self) -> Self {
         Self {
             limit: self.limit.min(other.limit),
@@ -20,7 +19,7 @@ impl Room {
         }
     }
 
-    /// The room that is left after another move by `distance`; none if there is not as much.
+    /// Returns the budget after another displacement by `distance`; none beyond the limit.
     pub(super) fn after(self, distance: f64) -> Option<Self> {
         let moved = self.moved + distance;
         (moved <= self.limit).then_some(Self { moved, ..self })
@@ -31,100 +30,103 @@ impl Room {
 #[derive(Debug, Clone, Copy)]
 struct Member {
     triangle: TriangleId,
-    room: Room,
+    budget: DisplacementBudget,
 }
 
 /// Triangles with a corner on the rim or beside a vertex of it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Ring {
-    found: Few,
+    found: SparseSet,
     members: Vec<Member>,
-    /// How many of the members have a corner on the rim.
-    near: usize,
-    rim: Few,
-    /// The node and the lip of each rim vertex.
+    /// Number of members with a corner on the rim; they come first.
+    near_count: usize,
+    rim: SparseSet,
+    /// The node and the side of each rim vertex.
     places: Vec<(u32, usize)>,
 }
 
 impl Ring {
-    /// Finds the ring of both lips. At a triangle the surface may move by `tolerance` of the local edge
-    /// length at the nodes beside it, or of the section's `width` where that is less \[m\].
+    /// Finds the ring of both sides.
+    ///
+    /// The limit of a triangle is `tolerance` times the local edge length at its nodes, or times
+    /// the section's `width` \[m\] if that is less.
     pub(super) fn find(&mut self, cut: &Opened<'_, '_>, tolerance: f64, width: f64) {
         let topology = cut.edit.surface().topology();
-        self.found.begin(topology.triangle_slots());
-        self.rim.begin(topology.vertex_slots());
+        self.found.clear(topology.triangle_slots());
+        self.rim.clear(topology.vertex_slots());
         self.members.clear();
         self.places.clear();
         for i in 0..cut.rim.sizes.len() {
             for node in cut.rim.ring(i) {
                 let limit = tolerance * cut.nodes[node as usize].local.min(width);
-                for lip in 0..2 {
-                    let (_, is_new) = self.rim.mark(cut.lips.vertices[node as usize][lip].0);
-                    debug_assert!(is_new, "a lip has a vertex of its own for every node");
-                    self.places.push((node, lip));
-                    for h in cut.rim.fan(topology, cut.lips, node, lip) {
+                for side in 0..2 {
+                    let (_, is_new) = self.rim.insert(cut.sides.vertices[node as usize][side].0);
+                    debug_assert!(is_new, "a side has a vertex of its own for every node");
+                    self.places.push((node, side));
+                    for h in cut.rim.fan(topology, cut.sides, node, side) {
                         self.add(h.triangle(), limit);
                     }
                 }
             }
         }
-        self.near = self.members.len();
-        for i in 0..self.near {
-            let Member { triangle, room } = self.members[i];
+        self.near_count = self.members.len();
+        for i in 0..self.near_count {
+            let Member { triangle, budget } = self.members[i];
             for h in triangle.half_edges() {
                 if self.node_of(topology.origin(h)).is_none() {
-                    around(topology, h, |h| self.add(h.triangle(), room.limit));
+                    around(topology, h, |h| self.add(h.triangle(), budget.limit));
                 }
             }
         }
     }
 
-    /// Takes a triangle in, with the least limit that it was taken in with \[m\].
+    /// Adds a triangle; one that was added before keeps the smaller limit \[m\].
     pub(super) fn add(&mut self, triangle: TriangleId, limit: f64) {
-        let (place, is_new) = self.found.mark(triangle.0);
+        let (place, is_new) = self.found.insert(triangle.0);
         if is_new {
-            let room = Room { limit, moved: 0.0 };
-            self.members.push(Member { triangle, room });
+            let budget = DisplacementBudget { limit, moved: 0.0 };
+            self.members.push(Member { triangle, budget });
         } else {
-            let room = &mut self.members[place].room;
-            room.limit = room.limit.min(limit);
+            let budget = &mut self.members[place].budget;
+            budget.limit = budget.limit.min(limit);
         }
     }
 
-    /// The triangles that had a corner on the rim when the ring was found.
+    /// Returns the triangles that had a corner on the rim when the ring was found.
     pub(super) fn near(&self) -> impl Iterator<Item = TriangleId> + '_ {
-        self.members[..self.near].iter().map(|m| m.triangle)
+        self.members[..self.near_count].iter().map(|m| m.triangle)
     }
 
-    /// The place of a triangle in the ring, if it is in it.
+    /// Returns the place of a triangle in the ring, if it has one.
     pub(super) fn place(&self, t: TriangleId) -> Option<usize> {
         self.found.find(t.0)
     }
 
-    /// How many triangles were found.
+    /// Returns the number of triangles.
     pub(super) fn len(&self) -> usize {
         self.members.len()
     }
 
-    /// The room at a triangle; none outside the ring.
-    pub(super) fn room(&self, t: TriangleId) -> Option<Room> {
-        Some(self.members[self.place(t)?].room)
+    /// Returns the budget of a triangle; none outside the ring.
+    pub(super) fn budget(&self, t: TriangleId) -> Option<DisplacementBudget> {
+        Some(self.members[self.place(t)?].budget)
     }
 
-    /// Changes the room at a triangle of the ring.
-    pub(super) fn set_room(&mut self, t: TriangleId, room: Room) {
+    /// Sets the budget of a triangle of the ring.
+    pub(super) fn set_budget(&mut self, t: TriangleId, budget: DisplacementBudget) {
         if let Some(place) = self.place(t) {
-            self.members[place].room = room;
+            self.members[place].budget = budget;
         }
     }
 
-    /// The node and the lip of a vertex of the rim.
+    /// Returns the node and the side of a vertex of the rim.
     pub(super) fn node_of(&self, v: VertexId) -> Option<(u32, usize)> {
         Some(self.places[self.rim.find(v.0)?])
     }
 }
 
-/// Calls `each` with the half-edges that leave the origin of `h`, from boundary to boundary at the rim.
+/// Calls `each` with the half-edges that leave the origin of `h`, from boundary to boundary at the
+/// rim.
 pub(super) fn around(topology: &Topology, h: HalfEdge, mut each: impl FnMut(HalfEdge)) {
     let mut at = h;
     loop {
@@ -153,4 +155,36 @@ pub(super) fn neighbors(topology: &Topology, h: HalfEdge, out: &mut Vec<VertexId
             out.push(topology.origin(h.prev()));
         }
     });
+}
+
+/// A sparse set of slots (Briggs and Torczon 1993): O(1) insertion, lookup and clearing.
+#[derive(Debug, Clone, Default)]
+struct SparseSet {
+    places: Vec<u32>,
+    slots: Vec<u32>,
+}
+
+impl SparseSet {
+    /// Removes all slots; new ones are below `count`.
+    fn clear(&mut self, count: usize) {
+        self.slots.clear();
+        self.places.resize(count.max(self.places.len()), 0);
+    }
+
+    /// Inserts a slot. Returns its place and whether it is new.
+    fn insert(&mut self, slot: u32) -> (usize, bool) {
+        if let Some(place) = self.find(slot) {
+            return (place, false);
+        }
+        let place = self.slots.len();
+        self.places[slot as usize] = index_u32(place);
+        self.slots.push(slot);
+        (place, true)
+    }
+
+    /// Returns the place of a slot, if it is in the set.
+    fn find(&self, slot: u32) -> Option<usize> {
+        let place = *self.places.get(slot as usize)? as usize;
+        (self.slots.get(place) == Some(&slot)).then_some(place)
+    }
 }

@@ -1,46 +1,46 @@
-//! How good triangles are, and how far apart two triangulations of one outline.
+//! Quality of triangles, and the distance between two triangulations of a quad.
 
 use super::super::contract::{flatness, swept_volume};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{HalfEdge, Surface, Vec3};
 
-/// The cosine of the angle by which a triangle may turn, and from which on an edge is a feature: 30 degrees.
+/// Cosine of 30 degrees: the maximum rotation of a triangle, and the dihedral angle of a feature.
 const FEATURE: f64 = 0.866_025_403_784_438_6;
 
-/// A corner of the surface: where it is, where it is at rest, and where in the texture.
+/// A corner of the surface: position, rest position and texture coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Point {
-    /// Now and at rest \[m\].
+    /// Position and rest position \[m\].
     pub(super) at: [Vec3; 2],
     pub(super) uv: [f64; 2],
 }
 
 impl Point {
-    /// The corner at the origin of `h`.
-    pub(super) fn of(surface: &Surface, h: HalfEdge) -> Self {
+    /// Returns the corner at the origin of `h`.
+    pub(super) fn new(surface: &Surface, h: HalfEdge) -> Self {
         let v = surface.topology().origin(h);
-        let uv = surface.corners.uv.get(h.index()).copied();
+        let uv = surface.corner_uvs().get(h.index()).copied();
         Self {
             at: [surface.position(v), surface.rest_position(v)],
             uv: uv.unwrap_or_default().map(f64::from),
         }
     }
 
-    /// Whether it is where it is at rest.
+    /// Returns whether it is at its rest position.
     pub(super) fn is_at_rest(&self) -> bool {
         self.at[0] == self.at[1]
     }
 }
 
-/// Whether two corners of a vertex carry the same.
+/// Returns whether two corners of a vertex have equal attributes.
 pub(super) fn are_alike(surface: &Surface, a: HalfEdge, b: HalfEdge) -> bool {
-    let corners = &surface.corners;
-    corners.uv.get(a.index()) == corners.uv.get(b.index())
-        && corners.normal.get(a.index()) == corners.normal.get(b.index())
+    let (uvs, normals) = (surface.corner_uvs(), surface.corner_normals());
+    uvs.get(a.index()) == uvs.get(b.index()) && normals.get(a.index()) == normals.get(b.index())
 }
 
-/// The square of the sine of a triangle's smallest angle: 0 of a flat one, 0.75 of an even one. The
-/// smallest angle is between the two longer sides.
+/// Returns the squared sine of a triangle's smallest angle, 0 to 0.75.
+///
+/// The smallest angle is between the two longer edges.
 pub(super) fn quality([a, b, c]: [Vec3; 3]) -> f64 {
     let [x, y, z] = [b - a, c - b, a - c].map(|edge| edge.norm_squared());
     let longer = (x * y).max(y * z).max(z * x);
@@ -48,7 +48,7 @@ pub(super) fn quality([a, b, c]: [Vec3; 3]) -> f64 {
     if square.is_finite() { square } else { 0.0 }
 }
 
-/// Whether two triangles' normals are less than 30 degrees apart.
+/// Returns whether the angle between two normals is less than 30 degrees.
 pub(super) fn is_smooth(u: Vec3, v: Vec3) -> bool {
     u.dot(&v) >= FEATURE * (u.norm() * v.norm())
 }
@@ -62,30 +62,30 @@ impl Quad {
         self.0.map(|p| p.at[layer])
     }
 
-    /// The triangles with the edge from `a` to `c`, and with the one from `b` to `d`.
+    /// Returns the triangles with the edge from `a` to `c`, and with the one from `b` to `d`.
     fn triangles([a, b, c, d]: [Vec3; 4]) -> [[[Vec3; 3]; 2]; 2] {
         [[[a, c, d], [c, a, b]], [[b, c, d], [d, a, b]]]
     }
 
-    /// The worse of the two triangles with the one edge and with the other.
+    /// Returns the quality of the worse triangle with either edge.
     pub(super) fn qualities(&self, layer: usize) -> [f64; 2] {
         Self::triangles(self.layer(layer))
             .map(|[first, second]| quality(first).min(quality(second)))
     }
 
-    /// The volume between the triangles with the one edge and with the other \[m^3\].
+    /// Returns the volume between the triangles with either edge \[m^3\].
     pub(super) fn volume(&self) -> f64 {
         let [a, b, c, d] = self.layer(0);
         swept_volume([a, b, c], d).abs()
     }
 
-    /// The farthest that the surface moves when the edge is flipped, at rest too and in the texture \[m\].
-    /// None if the edge is a feature, a triangle turns over or by more than 30 degrees, or the quad is not
-    /// convex.
+    /// Returns the maximum displacement of the surface by a flip, also at rest and in the texture
+    /// \[m\].
     ///
-    /// Seen along the common normal of the two diagonals, which cross, old and new triangles cover the
-    /// same convex quad. What is above each other there is one and the same on the sides and farthest
-    /// apart at the crossing, by the distance of the diagonals.
+    /// None if the edge is a feature, a triangle rotates by more than 30 degrees, or the quad is
+    /// not convex. Projected along the common normal of the diagonals, old and new triangles cover
+    /// the same convex quad. Their distance is 0 on its outline and largest where the diagonals
+    /// cross.
     pub(super) fn flip_distance(&self) -> Option<f64> {
         let distance = Self::distance(self.layer(0))?.max(self.texture_distance()?);
         if self.0.iter().all(Point::is_at_rest) {
@@ -120,7 +120,8 @@ impl Quad {
         distance.is_finite().then_some(distance)
     }
 
-    /// How far the texture moves along the surface at the crossing \[m\]; none if it would turn over.
+    /// Returns the displacement of the texture where the diagonals cross \[m\]; none if it would be
+    /// inverted.
     fn texture_distance(&self) -> Option<f64> {
         let [a, b, c, d] = self.0;
         let sides = [[a, b], [b, c], [c, d], [d, a]];
@@ -146,8 +147,7 @@ impl Quad {
     }
 }
 
-/// Meters in a unit of the texture along these edges; none where the texture is one point, or where there
-/// is none.
+/// Returns the length of a unit of the texture along these edges \[m\]; none without a texture.
 pub(super) fn texture_scale(edges: impl Iterator<Item = [Point; 2]>) -> Option<f64> {
     let (mut length, mut chart) = (0.0, 0.0);
     for [a, b] in edges {
@@ -157,7 +157,7 @@ pub(super) fn texture_scale(edges: impl Iterator<Item = [Point; 2]>) -> Option<f
     (chart != 0.0).then(|| length / chart)
 }
 
-/// To which side a triangle of the texture turns; 0 where it is flat to rounding.
+/// Returns the orientation of a triangle in the texture; 0 if its area is 0 up to rounding.
 pub(super) fn texture_side([a, b, c]: [[f64; 2]; 3]) -> i8 {
     let at = |p: [f64; 2]| Vec3::new(p[0], p[1], 0.0);
     match flatness([a, b, c].map(at)) {
@@ -167,7 +167,7 @@ pub(super) fn texture_side([a, b, c]: [[f64; 2]; 3]) -> i8 {
     }
 }
 
-/// Whether no new triangle of the texture turns to another side than the old ones, which agree.
+/// Returns whether new triangles of the texture keep the common orientation of the old ones.
 pub(super) fn may_follow(
     mut old: impl Iterator<Item = i8>,
     mut new: impl Iterator<Item = i8>,

@@ -1,33 +1,35 @@
-//! All triangles around a vertex, and how far from them those are that the vertex leaves when it goes.
+//! The star of a vertex, and the displacement of the surface if the vertex is contracted.
 
 use super::super::contract::{Opened, closed_fan, flatness, swept_volume};
-use super::ring::{Ring, Room};
+use super::ring::{DisplacementBudget, Ring};
 use super::shape::{Point, are_alike, is_smooth, may_follow, quality, texture_scale, texture_side};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{HalfEdge, Surface, Vec3, VertexId};
 use std::f64::consts::TAU;
 
-/// A vertex with the triangles and vertices around it, counterclockwise, on the rim from boundary to boundary.
+/// A vertex with its triangles and neighbors, counterclockwise; on the rim from boundary to
+/// boundary.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Star {
     /// The half-edges that leave the vertex.
     pub(super) fan: Vec<HalfEdge>,
-    /// Where they lead.
+    /// Their targets.
     pub(super) vertices: Vec<VertexId>,
     /// By neighbor, whether it is on the rim.
     pub(super) is_on_rim: Vec<bool>,
     is_on_boundary: bool,
     center: Option<Point>,
     points: Vec<Point>,
-    pub(super) room: Option<Room>,
-    /// The points in a plane around the vertex, and how high they are above it.
-    flat: Vec<[f64; 3]>,
+    pub(super) budget: Option<DisplacementBudget>,
+    /// Neighbors projected to a plane around the vertex, and their heights above it.
+    projected: Vec<[f64; 3]>,
 }
 
 impl Star {
-    /// Finds what is around the vertex off the rim that `start` leaves. False where nothing may be
-    /// contracted: at boundaries, where a triangle is not of the ring, on a seam of texture or normals,
-    /// and between materials.
+    /// Gathers the star of the vertex off the rim that `start` leaves.
+    ///
+    /// Returns false where nothing may be contracted: at boundaries, outside the ring, on a seam of
+    /// texture or normals, and between materials.
     pub(super) fn find(&mut self, surface: &Surface, ring: &Ring, start: HalfEdge) -> bool {
         let topology = surface.topology();
         self.is_on_boundary = false;
@@ -36,17 +38,17 @@ impl Star {
             && self.gather(surface, ring)
     }
 
-    /// Finds what is around a node's vertex on a lip, as [`Self::find`] does off the rim.
+    /// Gathers the star of a node's vertex on a side, as [`Self::find`] does off the rim.
     pub(super) fn find_at_node(
         &mut self,
         cut: &Opened<'_, '_>,
         ring: &Ring,
-        (node, lip): (u32, usize),
+        (node, side): (u32, usize),
     ) -> bool {
         let surface = cut.edit.surface();
         self.is_on_boundary = true;
         self.fan.clear();
-        let fan = cut.rim.fan(surface.topology(), cut.lips, node, lip);
+        let fan = cut.rim.fan(surface.topology(), cut.sides, node, side);
         self.fan.extend(fan);
         self.gather(surface, ring)
     }
@@ -57,12 +59,12 @@ impl Star {
         self.vertices.clear();
         self.is_on_rim.clear();
         self.points.clear();
-        self.room = None;
+        self.budget = None;
         let start = self.fan[0];
         let end = self.fan[self.fan.len() - 1];
         let mut last = (!self.is_on_boundary).then_some(end);
         for &h in &self.fan {
-            let Some(room) = ring.room(h.triangle()) else {
+            let Some(budget) = ring.budget(h.triangle()) else {
                 return false;
             };
             let is_seam = last.is_some_and(|last| !are_alike(surface, h.next(), last.prev()));
@@ -70,46 +72,48 @@ impl Star {
                 return false;
             }
             last = Some(h);
-            self.room = Some(self.room.map_or(room, |r| r.with(room)));
+            self.budget = Some(self.budget.map_or(budget, |r| r.with(budget)));
             self.vertices.push(topology.target(h));
-            self.points.push(Point::of(surface, h.next()));
+            self.points.push(Point::new(surface, h.next()));
         }
         if self.is_on_boundary {
             self.vertices.push(topology.origin(end.prev()));
-            self.points.push(Point::of(surface, end.prev()));
+            self.points.push(Point::new(surface, end.prev()));
         }
         let is_on_rim = self.vertices.iter().map(|&v| ring.node_of(v).is_some());
         self.is_on_rim.extend(is_on_rim);
-        self.center = Some(Point::of(surface, start));
+        self.center = Some(Point::new(surface, start));
         true
     }
 
-    /// Whether contraction onto neighbor `k`, which is on the rim, joins two vertices of the rim that are not
-    /// joined: the cap may need that edge.
+    /// Returns whether contraction onto neighbor `k` on the rim joins two more vertices of the rim.
+    ///
+    /// The cap may need that edge.
     pub(super) fn joins_rim(&self, k: usize) -> bool {
         let count = self.vertices.len();
         let is_new = |i: usize| i != k && (i + 1) % count != k && (k + 1) % count != i;
         self.is_on_rim[k] && (0..count).any(|i| is_new(i) && self.is_on_rim[i])
     }
 
-    /// Of a node's star on `lip`, which neighbor is the next node along the rim, or the one before.
-    pub(super) fn along_rim(&self, lip: usize, next: bool) -> usize {
-        // On lip 0 the rim runs against the order of nodes.
-        if next == (lip == 0) {
+    /// Returns the neighbor of a node on `side` that is the next node of the rim, or the one
+    /// before.
+    pub(super) fn along_rim(&self, side: usize, next: bool) -> usize {
+        // On side 0 the rim runs against the order of nodes.
+        if next == (side == 0) {
             self.vertices.len() - 1
         } else {
             0
         }
     }
 
-    /// The neighbors that are a triangle's outer corners, with the place of the first.
+    /// Iterates over the outer edges of the star, with the place of each first corner.
     fn sides(&self) -> impl Iterator<Item = (usize, [Point; 2])> + Clone + '_ {
         let count = self.points.len();
         let sides = 0..count - usize::from(self.is_on_boundary);
         sides.map(move |i| (i, [self.points[i], self.points[(i + 1) % count]]))
     }
 
-    /// The sides without those at neighbor `k`.
+    /// Iterates over the outer edges that do not touch neighbor `k`.
     fn sides_off(&self, k: usize) -> impl Iterator<Item = [Point; 2]> + Clone + '_ {
         let count = self.points.len();
         let is_off = move |i: usize| i != k && (i + 1) % count != k;
@@ -126,7 +130,7 @@ impl Star {
         all.fold(f64::INFINITY, f64::min)
     }
 
-    /// The worst triangle when the vertex has become neighbor `k`.
+    /// Returns the quality of the worst triangle after contraction onto neighbor `k`.
     pub(super) fn quality_onto(&self, k: usize, layer: usize) -> f64 {
         let onto = self.points[k];
         let sides = self.sides_off(k);
@@ -134,13 +138,13 @@ impl Star {
         all.fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether it is where it is at rest, all of it.
+    /// Returns whether all points are at their rest positions.
     pub(super) fn is_at_rest(&self) -> bool {
         let mut points = self.center.iter().chain(&self.points);
         points.all(Point::is_at_rest)
     }
 
-    /// The volume that moves when the vertex becomes neighbor `k` \[m^3\].
+    /// Returns the volume that contraction onto neighbor `k` moves \[m^3\].
     pub(super) fn volume_onto(&self, k: usize) -> f64 {
         let Some(center) = self.center else {
             return 0.0;
@@ -150,14 +154,16 @@ impl Star {
         self.sides_off(k).map(swept).sum::<f64>().abs()
     }
 
-    /// The farthest that the surface moves when the vertex becomes neighbor `k`, at rest too and in the
-    /// texture \[m\]. None if the vertex is on features other than one that runs through it along the
-    /// edge to `k`, or if a triangle turns over or by more than 30 degrees.
+    /// Returns the maximum displacement by contraction onto neighbor `k`, also at rest and in the
+    /// texture \[m\].
     ///
-    /// Seen along the mean normal, both the old triangles and the new ones cover the same outline once. How
-    /// far they are apart is linear between the vertex and the crossings of old and new edges, so it is
-    /// largest at one of these. A vertex of the rim has another outline: it moves to the new rim edge first,
-    /// no triangle farther than itself, and the outlines are the same then.
+    /// None if a triangle rotates by more than 30 degrees, or if the vertex is on a feature other
+    /// than one along the edge to `k`.
+    ///
+    /// Projected along the mean normal, old and new triangles cover the same outline once. Their
+    /// distance is linear between the vertex and the crossings of old and new edges, so its maximum
+    /// is at one of these. A vertex of the rim first moves to the new rim edge. No triangle moves
+    /// farther than that vertex. Both outlines are then equal.
     pub(super) fn distance_onto(&mut self, k: usize) -> Option<f64> {
         let center = self.center?;
         let scale = texture_scale(self.points.iter().map(|&p| [center, p]));
@@ -206,7 +212,7 @@ impl Star {
         (far.is_finite() && chart.is_finite()).then(|| far.max(chart))
     }
 
-    /// The point next to a rim vertex on the edge that takes its place.
+    /// Returns the point nearest to a rim vertex on the edge that replaces it.
     fn on_new_edge(&self, vertex: Point, layer: usize) -> Point {
         let (a, b) = (self.points[0], self.points[self.points.len() - 1]);
         let along = b.at[layer] - a.at[layer];
@@ -217,7 +223,7 @@ impl Star {
         Point { at, uv }
     }
 
-    /// The mean normal. None where a triangle turns too far or where features do not allow the move.
+    /// Returns the mean normal; none if a triangle rotates too far or a feature forbids the move.
     fn turned_normal(&self, center: Point, k: usize, layer: usize) -> Option<Vec3> {
         let of = |a: Point, [b, c]: [Point; 2]| [a, b, c].map(|p| p.at[layer]);
         let onto = self.points[k];
@@ -257,48 +263,48 @@ impl Star {
         (features == 0 || runs_along).then(|| normal.normalize())
     }
 
-    /// Sets the points in the plane across `normal`, the vertex at its origin.
+    /// Projects the neighbors to the plane across `normal`, with the vertex at the origin.
     fn lay_flat(&mut self, center: Point, normal: Vec3, layer: usize) {
         let axis = Vec3::ith(normal.iamin(), 1.0);
         let x = axis.cross(&normal).normalize();
         let y = normal.cross(&x);
         let origin = center.at[layer];
         let flat = |p: &Point| [x, y, normal].map(|axis| axis.dot(&(p.at[layer] - origin)));
-        self.flat.clear();
-        self.flat.extend(self.points.iter().map(flat));
+        self.projected.clear();
+        self.projected.extend(self.points.iter().map(flat));
     }
 
-    /// Whether the neighbors run around the vertex counterclockwise all the time and once, half of a turn
-    /// on the rim.
+    /// Returns whether the neighbors run counterclockwise around the vertex once, or half a turn on
+    /// the rim.
     fn is_covered_once(&self) -> bool {
-        let count = self.flat.len();
+        let count = self.projected.len();
         let mut sum = 0.0;
         for (i, _) in self.sides() {
-            let ([ax, ay, _], [bx, by, _]) = (self.flat[i], self.flat[(i + 1) % count]);
+            let ([ax, ay, _], [bx, by, _]) = (self.projected[i], self.projected[(i + 1) % count]);
             let left = ax * by - ay * bx;
             if self.is_on_boundary && left < 0.0 {
                 return false;
             }
             sum += left.atan2(ax * bx + ay * by);
         }
-        // It is a whole number of turns, or about half of one.
+        // A whole number of turns, or about half of one.
         let most = if self.is_on_boundary { TAU } else { 1.5 * TAU };
         0.0 <= sum && sum < most
     }
 
-    /// How far the new triangles are from the vertex, in space and in the texture.
+    /// Returns the distance of the new triangles from the vertex, in space and in the texture.
     fn gap_at_center(&self, center: Point, k: usize, scale: f64) -> [f64; 2] {
         let count = self.points.len();
         let mut best = (f64::NEG_INFINITY, [f64::INFINITY; 2]);
         for i in (0..count).filter(|&i| i != k && (i + 1) % count != k) {
             let corners = [k, i, (i + 1) % count];
-            let [a, b, c] = corners.map(|i| self.flat[i]);
+            let [a, b, c] = corners.map(|i| self.projected[i]);
             let part = |p: [f64; 3], q: [f64; 3]| p[0] * q[1] - p[1] * q[0];
             let parts = [part(b, c), part(c, a), part(a, b)];
             let whole: f64 = parts.iter().sum();
             let weights = parts.map(|part| part / whole);
             let least = weights[0].min(weights[1]).min(weights[2]);
-            // It is in one of them, but for rounding.
+            // The vertex is in one of them, up to rounding.
             if least > best.0 {
                 let height = weights[0] * a[2] + weights[1] * b[2] + weights[2] * c[2];
                 let gap = [0, 1].map(|axis| {
@@ -312,16 +318,16 @@ impl Star {
         best.1
     }
 
-    /// How far old and new edges are apart where they cross, in space and in the texture.
+    /// Returns the maximum distance of crossing old and new edges, in space and in the texture.
     fn gap_at_crossings(&self, center: Point, k: usize, scale: f64) -> [f64; 2] {
         let count = self.points.len();
         let is_new = |i: usize| i != k && (i + 1) % count != k && (k + 1) % count != i;
-        let (onto, [wx, wy, wz]) = (self.points[k], self.flat[k]);
+        let (onto, [wx, wy, wz]) = (self.points[k], self.projected[k]);
         let mut farthest = [0.0_f64; 2];
         for j in (0..count).filter(|&j| is_new(j)) {
-            let [dx, dy, dz] = [0, 1, 2].map(|i| self.flat[j][i] - self.flat[k][i]);
+            let [dx, dy, dz] = [0, 1, 2].map(|i| self.projected[j][i] - self.projected[k][i]);
             for i in (0..count).filter(|&i| i != k && i != j) {
-                let [ux, uy, uz] = self.flat[i];
+                let [ux, uy, uz] = self.projected[i];
                 let whole = ux * dy - uy * dx;
                 let s = (wx * dy - wy * dx) / whole;
                 let t = (wx * uy - wy * ux) / whole;

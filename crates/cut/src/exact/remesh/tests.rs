@@ -1,12 +1,13 @@
-//! What remeshing refuses, each reason for itself.
+//! Operations that remeshing must refuse, one reason per test.
 
+use super::shape::{Point, Quad};
 use super::*;
-use crate::exact::open::Lips;
+use crate::exact::open::Sides;
 use crate::exact::rim::Rim;
 use incise_mesh::{Surface, Vec3};
 
-/// Four points around the flat quad (0, 0), (1, 0.1), (2, 0), (1, -0.1), whose long diagonal makes slivers:
-/// the second and the fourth are lifted by `lift`.
+/// Four points around the flat quad (0, 0), (1, 0.1), (2, 0), (1, -0.1), whose long diagonal makes
+/// slivers: the second and the fourth are lifted by `lift`.
 fn quad(lift: f64) -> Quad {
     let points = [
         [0.0, 0.0, 0.0],
@@ -62,8 +63,8 @@ fn texture_moves_no_farther_than_the_surface_may() {
     }
     let even = quad.flip_distance().expect("a flat quad");
     assert!(even < 1e-15, "an affine texture stays: {even}");
-    // A quarter of a unit a meter: a corner that is off by 0.01 units takes the crossing along by half
-    // of 0.04 m, by the mean scale of the sides.
+    // A quarter of a unit a meter: a corner that is off by 0.01 units takes the crossing along by
+    // half of 0.04 m, by the mean scale of the sides.
     quad.0[1].uv[0] += 0.01;
     let slid = quad.flip_distance().expect("it does not turn over");
     assert!((slid - 0.02).abs() < 1e-3, "{slid}");
@@ -78,11 +79,11 @@ fn with_all_in_the_ring(
 ) {
     let triangles: Vec<TriangleId> = surface.topology().triangles().collect();
     let mut edit = surface.edit();
-    let (mut lips, mut rim) = (Lips::default(), Rim::default());
+    let (mut sides, mut rim) = (Sides::default(), Rim::default());
     let mut cut = Opened {
         edit: &mut edit,
         nodes: &[],
-        lips: &mut lips,
+        sides: &mut sides,
         rim: &mut rim,
     };
     let mut remesher = Remesher::default();
@@ -94,8 +95,8 @@ fn with_all_in_the_ring(
     test(&mut remesher, &mut cut);
 }
 
-/// A flat 4 by 4 grid of squares, closed by a point far below, with the vertex in its middle moved close to the
-/// next one.
+/// A flat 4 by 4 grid of squares, closed by a point far below, with the vertex in its middle moved
+/// close to the next one.
 fn grid() -> Surface {
     let mut points: Vec<[f32; 3]> = (0..25_u8)
         .map(|i| [f32::from(i % 5), f32::from(i / 5), 0.0])
@@ -152,11 +153,11 @@ fn a_seam_of_the_texture_stays() {
         let corners = surface.topology().corners().to_vec();
         let uv = corners.iter().map(|v| {
             [
-                surface.positions[v.index()][0],
-                surface.positions[v.index()][1],
+                surface.positions()[v.index()][0],
+                surface.positions()[v.index()][1],
             ]
         });
-        surface.corners.uv = uv.collect();
+        surface.set_corner_uvs(uv.collect()).unwrap();
         if seam {
             // One of the triangles beside the edge from 6 to 12 has a chart of its own.
             let h = surface
@@ -164,7 +165,7 @@ fn a_seam_of_the_texture_stays() {
                 .find_half_edge(VertexId(6), VertexId(12))
                 .unwrap();
             for h in h.triangle().half_edges() {
-                surface.corners.uv[h.index()][0] += 10.0;
+                surface.corner_uvs_mut()[h.index()][0] += 10.0;
             }
         }
         surface
@@ -188,35 +189,44 @@ fn another_material_a_pin_and_a_feature_stay() {
     assert!(!flips(&mut surface, [6, 12]));
 
     let mut surface = grid();
-    surface.positions[12][3] = 0.0;
+    surface.positions_mut()[12][3] = 0.0;
     assert!(!contracts(&mut surface), "a pinned vertex would be lost");
-    surface.positions[13][3] = 0.0;
+    surface.positions_mut()[13][3] = 0.0;
     assert!(contracts(&mut surface), "both are pinned");
 
     // Folded by 40 degrees along the line of the edge, and across it.
     let mut surface = grid();
-    for p in surface.positions.iter_mut().zip(0..25).map(|(p, _)| p) {
+    for p in surface
+        .positions_mut()
+        .iter_mut()
+        .zip(0..25)
+        .map(|(p, _)| p)
+    {
         p[2] -= 0.84 * (p[1] - 2.0).max(0.0);
     }
     assert!(contracts(&mut surface), "along the fold");
     let mut surface = grid();
-    surface.positions[7][0] = 2.9;
-    surface.positions[17][0] = 2.9;
-    for p in surface.positions.iter_mut().zip(0..25).map(|(p, _)| p) {
+    surface.positions_mut()[7][0] = 2.9;
+    surface.positions_mut()[17][0] = 2.9;
+    for p in surface
+        .positions_mut()
+        .iter_mut()
+        .zip(0..25)
+        .map(|(p, _)| p)
+    {
         p[2] -= 0.84 * (p[0] - 2.9).max(0.0);
     }
-    surface.rest = surface
-        .positions
-        .iter()
-        .map(|&[x, y, z, _]| [x, y, z])
-        .collect();
+    for v in 0..surface.positions().len() {
+        let [x, y, z, _] = surface.positions()[v];
+        surface.rest_positions_mut()[v] = [x, y, z];
+    }
     assert!(!contracts(&mut surface), "off the fold");
 }
 
 #[test]
 fn an_edge_that_is_there_is_not_made_again_and_links_hold() {
-    // Two triangles back to back with a point above and one below: the three edges in the middle have
-    // three common neighbors, the others two.
+    // Two triangles back to back with a point above and one below: the three edges in the middle
+    // have three common neighbors, the others two.
     let points = [
         [1.0, 0.0, 0.0],
         [-0.5, 0.9, 0.0],

@@ -1,12 +1,12 @@
-//! Edits whose outcome is known.
+//! Edits with a known result.
 
 use super::{assert_same_bytes, body, half_edges, patch};
-use crate::delta::{Origin, TopologyDelta};
+use crate::delta::{TopologyDelta, VertexOrigin};
 use crate::edit::{Undo, UndoError};
 use crate::ids::{HalfEdge, TriangleId, VertexId};
 use crate::surface::Surface;
 
-/// A tetrahedron of four materials.
+/// Returns a tetrahedron of four materials.
 fn tetrahedron() -> Surface {
     let corners = [
         [0.0, 0.0, 0.0],
@@ -22,12 +22,12 @@ fn tetrahedron() -> Surface {
     surface
 }
 
-/// Puts a vertex into triangle 2 of a tetrahedron.
+/// Inserts a vertex in triangle 2 of a tetrahedron.
 fn divide(surface: &mut Surface) -> (TopologyDelta, Undo) {
     let mut edit = surface.edit();
     let corners = [1, 2, 3].map(VertexId);
     let third = 1.0 / 3.0_f32;
-    let origin = Origin::InFace {
+    let origin = VertexOrigin::InFace {
         corners,
         weights: [third; 3],
     };
@@ -44,7 +44,7 @@ fn divide(surface: &mut Surface) -> (TopologyDelta, Undo) {
 }
 
 #[test]
-fn a_vertex_in_a_face_is_told_in_full() {
+fn a_vertex_in_a_face_is_in_the_delta() {
     let mut surface = tetrahedron();
     let (delta, undo) = divide(&mut surface);
     let corners = [1, 2, 3].map(VertexId);
@@ -55,7 +55,7 @@ fn a_vertex_in_a_face_is_told_in_full() {
     };
     assert_eq!((added.vertex, added.piece), (VertexId(4), 0));
     assert!(delta.vertices_removed.is_empty() && delta.pieces_added.is_empty());
-    surface.topology().validate().unwrap();
+    surface.validate().unwrap();
     assert!(surface.topology().is_closed());
     assert_eq!(
         [0, 1, 2, 3, 4, 5].map(|i| surface.material(TriangleId(i))),
@@ -68,7 +68,7 @@ fn a_vertex_in_a_face_is_told_in_full() {
 }
 
 #[test]
-fn an_undo_fits_once_and_only_what_it_was_made_from() {
+fn an_undo_applies_once_and_to_its_surface_only() {
     let mut surface = tetrahedron();
     let (_, undo) = divide(&mut surface);
     let mut other = body();
@@ -100,21 +100,21 @@ fn an_undo_fits_once_and_only_what_it_was_made_from() {
 
     undo.clone().revert(&mut surface).unwrap();
     assert_eq!(undo.clone().revert(&mut surface), Err(UndoError::Stale));
-    // Done again it is the same edit, and the copy fits.
+    // The repeated edit is the same, and the copy's undo matches.
     drop(divide(&mut surface));
     undo.revert(&mut surface).unwrap();
     assert_eq!(surface, tetrahedron());
 }
 
 #[test]
-fn an_undo_after_motion_moves_what_it_brings_back() {
+fn an_undo_after_motion_displaces_restored_vertices() {
     for named in [true, false] {
         let mut surface = tetrahedron();
         let gone = VertexId(3);
         let mut edit = surface.edit();
-        // The new vertex stands where the old one was, or says nothing of it.
+        // The new vertex is at the old one's position or does not depend on it.
         let a = if named { gone } else { VertexId(0) };
-        let origin = Origin::OnEdge {
+        let origin = VertexOrigin::OnEdge {
             a,
             b: VertexId(1),
             t: 0.25,
@@ -127,9 +127,9 @@ fn an_undo_after_motion_moves_what_it_brings_back() {
         }
         let (delta, undo) = edit.finish();
         assert_eq!(delta.vertices_removed, [gone]);
-        surface.topology().validate().unwrap();
+        surface.validate().unwrap();
         let at = |x: f32| [x, -x, 0.5 * x];
-        // Only the new one moves, or all old ones by their number.
+        // Either the new vertex moves, or all old ones by their index.
         let by = |v: usize| match (named, v) {
             (true, 4) => at(1.0),
             (false, 0..3) => at(f32::from(u8::try_from(v).unwrap())),
@@ -152,7 +152,8 @@ fn an_undo_after_motion_moves_what_it_brings_back() {
             restored.origin.weights().map(|w| w.0),
             parents.map(VertexId)
         );
-        // By 1 like the new one, or by the mean of 0, 1 and 2; with the inverse mass that it had.
+        // It moves by 1 like the new vertex, or by the mean of 0, 1 and 2, with its old inverse
+        // mass.
         assert_eq!(surface.positions[3], [1.0, -1.0, 1.5, 1.0]);
         assert_eq!(surface.positions[..3], moved.positions[..3]);
         assert_eq!(surface.topology(), tetrahedron().topology());
@@ -161,7 +162,7 @@ fn an_undo_after_motion_moves_what_it_brings_back() {
 }
 
 #[test]
-fn a_part_that_went_whole_comes_back_whole() {
+fn a_removed_component_is_restored() {
     let mut surface = body();
     let before = surface.clone();
     let mut edit = surface.edit();
@@ -181,7 +182,7 @@ fn a_part_that_went_whole_comes_back_whole() {
     assert_eq!(back.pieces_added, [(0, 0)]);
     let mut seen: Vec<VertexId> = Vec::new();
     for added in &back.vertices_added {
-        // Of nobody else's: the first is its own parent, the others follow one that is back.
+        // Without relatives, the first is its own parent; the others follow a restored one.
         let parents = added.origin.weights().map(|w| w.0);
         assert!(
             parents
@@ -193,7 +194,7 @@ fn a_part_that_went_whole_comes_back_whole() {
 }
 
 #[test]
-fn a_vertex_that_waited_for_triangles_is_told() {
+fn a_vertex_that_was_unused_is_in_the_delta() {
     let mut surface = tetrahedron();
     let waiting = surface.add_vertex([0.5; 4], [0.5; 3]);
     let mut edit = surface.edit();
@@ -244,7 +245,7 @@ fn attributes_that_came_after_the_edit_stay_in_step() {
 }
 
 #[test]
-fn an_undo_can_be_sent_and_compared() {
+fn an_undo_is_send_and_comparable() {
     fn needs<T: Send + Sync + Clone + PartialEq + std::fmt::Debug>(_: &T) {}
     let [x, y] = [(); 2].map(|()| divide(&mut tetrahedron()));
     needs(&x);

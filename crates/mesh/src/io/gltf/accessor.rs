@@ -1,7 +1,7 @@
-//! Numbers out of buffers.
+//! Typed numbers from glTF buffers.
 
 use super::document::{Accessor, Document};
-use crate::io::error::{ParseError, Place};
+use crate::io::error::{ParseError, SourceLocation};
 
 /// The accessors of a document over its buffers.
 pub(super) struct Accessors<'a> {
@@ -9,7 +9,7 @@ pub(super) struct Accessors<'a> {
     pub(super) buffers: &'a [Vec<u8>],
 }
 
-/// An accessor's bytes: `count` items of `components` numbers, `stride` bytes apart.
+/// The bytes of an accessor: `count` items of `components` numbers, `stride` bytes apart.
 struct Items<'a> {
     bytes: &'a [u8],
     count: usize,
@@ -18,7 +18,7 @@ struct Items<'a> {
 }
 
 impl<'a> Accessors<'a> {
-    /// Vectors of N numbers, normalized integers as the fractions that they stand for.
+    /// Reads vectors of N numbers; normalized integers become fractions.
     pub(super) fn vectors<const N: usize>(
         &self,
         number: usize,
@@ -43,7 +43,7 @@ impl<'a> Accessors<'a> {
             .collect())
     }
 
-    /// Whole numbers of 8, 16 or 32 bits.
+    /// Reads integers of 8, 16 or 32 bits.
     pub(super) fn indices(&self, number: usize) -> Result<Vec<u32>, ParseError> {
         let items = self.items(number, "SCALAR", 1)?;
         let read: fn(&[u8]) -> u32 = match items.accessor.component_type {
@@ -52,7 +52,7 @@ impl<'a> Accessors<'a> {
             5125 => |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]),
             _ => {
                 return Err(ParseError::Syntax {
-                    at: Place::Accessor(number),
+                    at: SourceLocation::Accessor(number),
                     expected: "unsigned integers as indices",
                 });
             }
@@ -62,14 +62,14 @@ impl<'a> Accessors<'a> {
             .collect())
     }
 
-    /// Finds an accessor's bytes and makes sure that every item lies within them.
+    /// Returns an accessor's bytes and checks that every item is within them.
     fn items(
         &self,
         number: usize,
         shape: &str,
         components: usize,
     ) -> Result<Items<'a>, ParseError> {
-        let at = Place::Accessor(number);
+        let at = SourceLocation::Accessor(number);
         let syntax = |expected| ParseError::Syntax { at, expected };
         let accessor = self
             .document
@@ -95,14 +95,14 @@ impl<'a> Accessors<'a> {
             .get(view_number)
             .ok_or_else(|| syntax("a buffer view with this number"))?;
         let buffer = self.buffers.get(view.buffer).ok_or(ParseError::Syntax {
-            at: Place::BufferView(view_number),
+            at: SourceLocation::BufferView(view_number),
             expected: "a buffer with this number",
         })?;
         let bytes = buffer
             .get(view.byte_offset..)
             .and_then(|bytes| bytes.get(..view.byte_length))
             .ok_or(ParseError::Truncated {
-                at: Place::BufferView(view_number),
+                at: SourceLocation::BufferView(view_number),
             })?
             .get(accessor.byte_offset..)
             .ok_or(ParseError::Truncated { at })?;

@@ -1,18 +1,20 @@
-//! The bytes of a glTF file: its container and the buffers that it names.
+//! The bytes of a glTF file: its container and its buffers.
 
 use super::document::Document;
-use crate::io::error::{ParseError, Place};
+use crate::io::error::{ParseError, SourceLocation};
 use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
-/// The JSON text and the binary chunk, if there is one.
+/// Returns the JSON text and the binary chunk, if there is one.
 pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), ParseError> {
     let Some(rest) = bytes.strip_prefix(b"glTF") else {
         return Ok((bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), None));
     };
-    let truncated = ParseError::Truncated { at: Place::Header };
+    let truncated = ParseError::Truncated {
+        at: SourceLocation::Header,
+    };
     let (version, rest) = split_word(rest).ok_or(truncated)?;
     if version != 2 {
         return Err(ParseError::Unsupported {
@@ -20,7 +22,9 @@ pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), ParseError> 
         });
     }
     let mut chunks = split_word(rest)
-        .ok_or(ParseError::Truncated { at: Place::Header })?
+        .ok_or(ParseError::Truncated {
+            at: SourceLocation::Header,
+        })?
         .1;
     let (mut json, mut binary) = (None, None);
     while let Some((kind, chunk, rest)) = split_chunk(chunks)? {
@@ -31,7 +35,9 @@ pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), ParseError> 
         }
         chunks = rest;
     }
-    let json = json.ok_or(ParseError::Truncated { at: Place::Header })?;
+    let json = json.ok_or(ParseError::Truncated {
+        at: SourceLocation::Header,
+    })?;
     Ok((json, binary))
 }
 
@@ -42,7 +48,7 @@ fn split_word(bytes: &[u8]) -> Option<(u32, &[u8])> {
 
 type Chunk<'a> = (u32, &'a [u8], &'a [u8]);
 
-/// The next chunk's kind and bytes, and what follows it.
+/// Returns the next chunk's type and bytes, and the rest.
 fn split_chunk(bytes: &[u8]) -> Result<Option<Chunk<'_>>, ParseError> {
     let Some((length, rest)) = split_word(bytes) else {
         return Ok(None);
@@ -53,10 +59,12 @@ fn split_chunk(bytes: &[u8]) -> Result<Option<Chunk<'_>>, ParseError> {
             let (chunk, rest) = rest.split_at_checked(length)?;
             Some(Some((kind, chunk, rest)))
         })
-        .ok_or(ParseError::Truncated { at: Place::Header })
+        .ok_or(ParseError::Truncated {
+            at: SourceLocation::Header,
+        })
 }
 
-/// Every buffer's bytes.
+/// Loads the bytes of every buffer.
 pub(super) fn load(
     document: &Document,
     binary: Option<&[u8]>,
@@ -64,7 +72,7 @@ pub(super) fn load(
 ) -> Result<Vec<Vec<u8>>, ParseError> {
     let mut out = Vec::with_capacity(document.buffers.len());
     for (i, buffer) in document.buffers.iter().enumerate() {
-        let at = Place::Buffer(i);
+        let at = SourceLocation::Buffer(i);
         let syntax = |expected| ParseError::Syntax { at, expected };
         let bytes = match &buffer.uri {
             None => Cow::Borrowed(
@@ -98,10 +106,10 @@ pub(super) fn load(
     Ok(out)
 }
 
-/// The file that a uri names, if it leads nowhere but down: no scheme, no root, no `..`.
+/// Returns the file name of a URI, if it is relative without `..`, scheme or root.
 fn file_name(uri: &str) -> Option<PathBuf> {
     let name = unescape(uri)?;
-    // A backslash and a drive's colon mean something on one system only; a file is good for all.
+    // Backslashes and drive letters are rejected on all systems, because some interpret them.
     let down = !name.contains([':', '\\', '\0'])
         && Path::new(&name)
             .components()
@@ -109,9 +117,9 @@ fn file_name(uri: &str) -> Option<PathBuf> {
     (down && !name.is_empty()).then(|| name.into())
 }
 
-/// The first `length` bytes of a regular file, fewer if it is shorter.
+/// Reads the first `length` bytes of a regular file, or all of a shorter one.
 fn read_file(path: &Path, length: usize) -> io::Result<Vec<u8>> {
-    // Asked before it is opened: opening a pipe would wait for whoever writes to it.
+    // Checked before opening, because opening a pipe would block.
     if !std::fs::metadata(path)?.is_file() {
         return Err(io::Error::new(
             io::ErrorKind::InvalidInput,
@@ -125,7 +133,7 @@ fn read_file(path: &Path, length: usize) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Base64 of RFC 4648, section 4.
+/// Decodes base64 of RFC 4648, section 4.
 fn base64(text: &str) -> Option<Vec<u8>> {
     let text = text.trim_end_matches('=').as_bytes();
     let mut out = Vec::with_capacity(text.len() / 4 * 3 + 2);
@@ -149,7 +157,7 @@ fn base64(text: &str) -> Option<Vec<u8>> {
     Some(out)
 }
 
-/// A uri with its `%xx` resolved.
+/// Decodes the `%xx` escapes of a URI.
 fn unescape(uri: &str) -> Option<String> {
     let mut out = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();
@@ -216,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn no_more_is_read_than_asked_for() {
+    fn reads_are_limited_to_the_length() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("mesh.bin");
         std::fs::write(&path, b"12345").unwrap();

@@ -1,4 +1,4 @@
-//! The parts of a glTF document that this reader looks at, named as in the specification.
+//! The parts of a glTF document that this reader uses, named as in the specification.
 
 use serde::Deserialize;
 
@@ -26,7 +26,7 @@ pub(super) struct Scene {
 pub(super) struct Node {
     pub(super) mesh: Option<usize>,
     pub(super) children: Vec<usize>,
-    /// Column by column; instead of the next three.
+    /// Column-major; replaces the next three.
     pub(super) matrix: Option<[f64; 16]>,
     pub(super) translation: Option<[f64; 3]>,
     /// A unit quaternion, x y z w.

@@ -1,11 +1,12 @@
 use super::*;
 
-/// A triangle as a document with its positions in a binary chunk.
+/// Returns a document with a triangle whose positions are in a binary chunk.
 fn glb(nodes: &str, primitive: &str) -> Vec<u8> {
     let mut json = format!(
         r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":{nodes},
         "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}{primitive}}}]}}],
-        "bufferViews":[{{"buffer":0,"byteLength":48}},{{"buffer":0,"byteOffset":48,"byteLength":4}}],
+        "bufferViews":[{{"buffer":0,"byteLength":48}},
+        {{"buffer":0,"byteOffset":48,"byteLength":4}}],
         "accessors":[{{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"}},
         {{"bufferView":1,"componentType":5121,"count":4,"type":"SCALAR"}},
         {{"bufferView":1,"componentType":5121,"count":3,"type":"SCALAR"}}],
@@ -49,7 +50,7 @@ fn lists_strips_and_fans_are_read() {
     assert!(matches!(
         read(node, r#","indices":1"#).unwrap_err(),
         ParseError::Syntax {
-            at: Place::Primitive(0, 0),
+            at: SourceLocation::Primitive(0, 0),
             ..
         }
     ));
@@ -67,19 +68,19 @@ fn transforms_chain_and_mirrors_flip() {
 }
 
 #[test]
-fn a_node_that_is_its_own_ancestor_is_refused() {
+fn a_cyclic_node_is_an_error() {
     let nodes = r#"[{"children":[1]},{"children":[0]}]"#;
     assert!(matches!(
         read(nodes, "").unwrap_err(),
         ParseError::Syntax {
-            at: Place::Node(0),
+            at: SourceLocation::Node(0),
             ..
         }
     ));
 }
 
 #[test]
-fn a_file_cut_short_is_refused() {
+fn a_truncated_file_is_an_error() {
     let whole = glb(r#"[{"mesh":0}]"#, r#","indices":2"#);
     for end in 4..whole.len() {
         assert!(
@@ -90,8 +91,8 @@ fn a_file_cut_short_is_refused() {
 }
 
 #[test]
-fn a_small_file_does_not_unfold_to_all_memory() {
-    // Nodes share one mesh whose primitives share one accessor: 16 million positions of 999.
+fn shared_data_has_a_memory_limit() {
+    // Nodes share a mesh whose primitives share an accessor: 999 positions unfold to 16 million.
     let points = 999;
     let primitives = vec![r#"{"attributes":{"POSITION":0}}"#; 160].join(",");
     let nodes = vec![r#"{"mesh":0}"#; 100].join(",");
@@ -111,7 +112,7 @@ fn a_small_file_does_not_unfold_to_all_memory() {
     assert!(matches!(error, ParseError::TooLarge), "{error}");
 }
 
-/// A document whose triangle lies in another file.
+/// Returns a document whose triangle is in another file.
 fn beside(uri: &str) -> Vec<u8> {
     format!(
         r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
@@ -124,7 +125,7 @@ fn beside(uri: &str) -> Vec<u8> {
 }
 
 #[test]
-fn a_buffer_lies_in_the_folder_or_below() {
+fn buffers_must_be_in_the_folder_or_below() {
     let folder = tempfile::tempdir().unwrap();
     let inner = folder.path().join("inner");
     std::fs::create_dir(&inner).unwrap();
@@ -143,7 +144,7 @@ fn a_buffer_lies_in_the_folder_or_below() {
             matches!(
                 error,
                 ParseError::Syntax {
-                    at: Place::Buffer(0),
+                    at: SourceLocation::Buffer(0),
                     ..
                 }
             ),
@@ -156,7 +157,7 @@ fn a_buffer_lies_in_the_folder_or_below() {
 
 #[cfg(unix)]
 #[test]
-fn a_buffer_without_end_is_not_read() {
+fn a_buffer_that_is_no_regular_file_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     std::os::unix::fs::symlink("/dev/zero", folder.path().join("mesh.bin")).unwrap();
     let error = read_gltf(&beside("mesh.bin"), Some(folder.path())).unwrap_err();

@@ -1,8 +1,8 @@
 //! The header of a PLY file.
 
-use crate::io::error::{ParseError, Place};
+use crate::io::error::{ParseError, SourceLocation};
 
-/// How the numbers after the header are written.
+/// The encoding of the numbers after the header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     Text,
@@ -10,7 +10,7 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
-/// A number's type.
+/// The type of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     I8,
@@ -23,7 +23,7 @@ pub(super) enum Kind {
     F64,
 }
 
-/// A property: one number, or a list with the number of its items before them.
+/// A property: a number, or a list preceded by its length.
 pub(super) struct Property<'a> {
     pub(super) name: &'a [u8],
     pub(super) kind: Kind,
@@ -38,13 +38,13 @@ pub(super) struct Element<'a> {
     pub(super) properties: Vec<Property<'a>>,
 }
 
-/// All that comes before the numbers.
+/// The header, up to the numbers.
 pub(super) struct Header<'a> {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element<'a>>,
-    /// Where the numbers begin.
+    /// Offset of the numbers.
     pub(super) body: usize,
-    /// How many lines come before them.
+    /// Number of lines before them.
     pub(super) lines: usize,
 }
 
@@ -59,13 +59,15 @@ pub(super) fn read_header(bytes: &[u8]) -> Result<Header<'_>, ParseError> {
             .ok_or(if number == 0 {
                 no_ply()
             } else {
-                ParseError::Truncated { at: Place::Header }
+                ParseError::Truncated {
+                    at: SourceLocation::Header,
+                }
             })?;
         let line = bytes[start..start + length].trim_ascii();
         start += length + 1;
         number += 1;
         let syntax = |expected| ParseError::Syntax {
-            at: Place::Line(number),
+            at: SourceLocation::Line(number),
             expected,
         };
         let words: Vec<&[u8]> = line
@@ -118,7 +120,7 @@ pub(super) fn read_header(bytes: &[u8]) -> Result<Header<'_>, ParseError> {
     }
     Ok(Header {
         encoding: encoding.ok_or(ParseError::Syntax {
-            at: Place::Header,
+            at: SourceLocation::Header,
             expected: "a format",
         })?,
         elements,
@@ -129,7 +131,7 @@ pub(super) fn read_header(bytes: &[u8]) -> Result<Header<'_>, ParseError> {
 
 fn no_ply() -> ParseError {
     ParseError::Syntax {
-        at: Place::Line(1),
+        at: SourceLocation::Line(1),
         expected: "ply",
     }
 }

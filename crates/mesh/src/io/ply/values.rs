@@ -1,9 +1,9 @@
 //! The numbers after the header of a PLY file.
 
 use super::header::{Encoding, Kind};
-use crate::io::error::{ParseError, Place};
+use crate::io::error::{ParseError, SourceLocation};
 
-/// The numbers that are left.
+/// The remaining numbers.
 pub(super) struct Values<'a> {
     encoding: Encoding,
     rest: &'a [u8],
@@ -11,7 +11,7 @@ pub(super) struct Values<'a> {
 }
 
 impl<'a> Values<'a> {
-    /// The numbers of `body`, before which there are `lines` lines.
+    /// Returns the numbers of `body`, which `lines` lines precede.
     pub(super) fn new(encoding: Encoding, body: &'a [u8], lines: usize) -> Self {
         Self {
             encoding,
@@ -20,7 +20,7 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// How many bytes are left.
+    /// Returns the number of remaining bytes.
     pub(super) fn trailing(&self) -> usize {
         match self.encoding {
             Encoding::Text => self.rest.trim_ascii().len(),
@@ -28,8 +28,8 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// The next number, of the element `at`.
-    pub(super) fn next(&mut self, kind: Kind, at: Place) -> Result<f64, ParseError> {
+    /// Returns the next number, of the element `at`.
+    pub(super) fn next(&mut self, kind: Kind, at: SourceLocation) -> Result<f64, ParseError> {
         if self.encoding == Encoding::Text {
             return self.next_word(kind, at);
         }
@@ -45,12 +45,12 @@ impl<'a> Values<'a> {
         })
     }
 
-    /// The items of the next list.
+    /// Returns the items of the next list.
     pub(super) fn list(
         &mut self,
         count: Kind,
         kind: Kind,
-        at: Place,
+        at: SourceLocation,
         mut item: impl FnMut(f64),
     ) -> Result<(), ParseError> {
         let count = self.next(count, at)?;
@@ -68,8 +68,8 @@ impl<'a> Values<'a> {
         Ok(())
     }
 
-    /// The next bytes, in this machine's order.
-    fn take<const N: usize>(&mut self, at: Place) -> Result<[u8; N], ParseError> {
+    /// Returns the next bytes in native order.
+    fn take<const N: usize>(&mut self, at: SourceLocation) -> Result<[u8; N], ParseError> {
         let (bytes, rest) = self
             .rest
             .split_first_chunk()
@@ -83,7 +83,7 @@ impl<'a> Values<'a> {
         Ok(bytes)
     }
 
-    fn next_word(&mut self, kind: Kind, at: Place) -> Result<f64, ParseError> {
+    fn next_word(&mut self, kind: Kind, at: SourceLocation) -> Result<f64, ParseError> {
         let start = self
             .rest
             .iter()
@@ -104,7 +104,7 @@ impl<'a> Values<'a> {
                 _ => word.parse().ok(),
             })
             .ok_or(ParseError::Syntax {
-                at: Place::Line(self.line),
+                at: SourceLocation::Line(self.line),
                 expected: "a number",
             })
     }

@@ -1,7 +1,7 @@
-// Numbers as bits. Drivers may assume that no number is infinite or none, so neither is ever made,
-// compared or looked for by arithmetic. The twins are in layout.rs.
+// Bit patterns of floats. Drivers may assume that no float is infinite or NaN, so kernels detect
+// such values by their bits only. `layout.rs` has the same functions.
 
-// What ordered() gives for infinity and for negative infinity.
+// Values of ordered() for infinity and negative infinity.
 const ORDERED_INFINITY: u32 = 0xff800000u;
 const ORDERED_NEGATIVE_INFINITY: u32 = 0x007fffffu;
 
@@ -13,13 +13,13 @@ fn is_number(value: f32) -> bool {
     return (bitcast<u32>(value) & 0x7fffffffu) <= 0x7f800000u;
 }
 
-// Bits that compare as the numbers do; -0 comes before 0.
+// Returns bits in the order of the floats; -0 comes before 0.
 fn ordered(value: f32) -> u32 {
     let bits = bitcast<u32>(value);
     return bits ^ select(0x80000000u, 0xffffffffu, (bits & 0x80000000u) != 0u);
 }
 
-// Whether the lowest height, given as ordered bits, is above the ground. Zeros of both signs are equal.
+// Returns true if a height, as ordered bits, is above the ground. Zeros of both signs are equal.
 fn is_above_ground(lowest: u32) -> bool {
     let bits = bitcast<u32>(frame.ground);
     let ground = select(ordered(frame.ground), 0x80000000u, bits == 0x80000000u);

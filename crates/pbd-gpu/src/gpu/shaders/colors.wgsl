@@ -1,10 +1,10 @@
-// One dispatch a pass: every entry point works on the bodies of the current pass's links.
+// Kernels of the color schedule: one dispatch per pass, over the bodies of the pass's links.
 
-// The lowest predicted height in the workgroup, as ordered bits.
+// Minimum predicted height in the workgroup, as ordered bits.
 var<workgroup> lowest: atomic<u32>;
 
-// The farthest that a vertex of the workgroup moved: bits of numbers that are not negative compare as they do.
-var<workgroup> most: atomic<u32>;
+// Maximum displacement in the workgroup; bits of nonnegative floats have the order of the floats.
+var<workgroup> max_moved: atomic<u32>;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn predict(
@@ -17,7 +17,7 @@ fn predict(
     let i = work.first_lane + lane;
     var height = ORDERED_INFINITY;
     if (i < bodies[work.body].vertices) {
-        height = predict_vertex(i, bodies[work.body].kept_velocity);
+        height = predict_vertex(i, bodies[work.body].velocity_factor);
     }
     if (frame.has_ground != 0u) {
         if (lane == 0u) {
@@ -47,7 +47,7 @@ fn pins(
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn tethers(
+fn attachments(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
@@ -55,12 +55,12 @@ fn tethers(
     let work = find_work(group_number(group, groups));
     first_vertex = bodies[work.body].first_vertex;
     let k = work.first_lane + lane;
-    if (k < bodies[work.body].tethers) {
-        pull_tether(bodies[work.body].first_tether + TETHER_ENTRIES * k);
+    if (k < bodies[work.body].attachments) {
+        pull_to_anchor(bodies[work.body].first_attachment + ATTACHMENT_ENTRIES * k);
     }
 }
 
-// For every color of the pass at once; a body has as many lanes as its longest run of them.
+// Resets all colors of the pass; a body has as many lanes as its longest run.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn reset_multipliers(
     @builtin(workgroup_id) group: vec3u,
@@ -110,8 +110,8 @@ fn bending(
     }
 }
 
-// Colors that are too small to be worth a dispatch, in order, and then the overflow one by one. A body
-// has one workgroup.
+// Projects colors that are too small for a dispatch, in order, then the overflow serially, with one
+// workgroup per body.
 @compute @workgroup_size(TAIL_SIZE)
 fn tail(
     @builtin(workgroup_id) group: vec3u,
@@ -124,7 +124,7 @@ fn tail(
     }
     let body = bodies[work.body];
     first_vertex = body.first_vertex;
-    substep_at = current.substep;
+    substep_index = current.substep;
     for (var color = current.color; color < current.color + current.colors; color++) {
         let run = run_of(body, current.kind, color);
         if (run.len != 0u) {
@@ -178,29 +178,29 @@ fn integrate(
     let i = work.first_lane + lane;
     if (i < bodies[work.body].vertices) {
         if (!integrate_vertex(i)) {
-            note_non_finite(work.body, i, current.substep);
+            report_non_finite(work.body, i, current.substep);
         }
         if (i == 0u) {
-            // The next substep, be it one of the next frame, reduces into this slot.
+            // The next substep, possibly of the next frame, reduces into this slot.
             let next = current.substep + 1u;
             let slot = select(next & 1u, 0u, next == frame.substeps);
             atomicStore(&reports[work.body].lowest[slot], ORDERED_INFINITY);
         }
     }
-    if (frame.notes_motion != 0u) {
+    if (frame.measures_motion != 0u) {
         if (lane == 0u) {
-            atomicStore(&most, 0u);
+            atomicStore(&max_moved, 0u);
         }
         workgroupBarrier();
-        atomicMax(&most, bitcast<u32>(farthest));
+        atomicMax(&max_moved, bitcast<u32>(max_displacement));
         workgroupBarrier();
         if (lane == 0u) {
-            atomicMax(&reports[work.body].farthest, atomicLoad(&most));
+            atomicMax(&reports[work.body].max_displacement, atomicLoad(&max_moved));
         }
     }
 }
 
-// One lane a link: an empty box for its body.
+// Resets the box of the body of every link, one lane per link.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn reset_bounds(
     @builtin(workgroup_id) group: vec3u,

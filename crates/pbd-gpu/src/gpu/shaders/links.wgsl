@@ -1,19 +1,18 @@
-// Which body a workgroup works on.
+// Finds the body of a workgroup.
 
 struct Work {
     body: u32,
-    // The number of the workgroup's first lane among all lanes that work on the body.
+    // Index of the first lane of the workgroup among all lanes of the body.
     first_lane: u32,
 }
 
-// A large dispatch has rows of workgroups, because a row is limited. Groups after those of the last
-// link get numbers beyond its work.
+// Returns the index of a workgroup. Large dispatches have several rows, since a row is limited;
+// groups beyond those of the last link have no work.
 fn group_number(group: vec3u, groups: vec3u) -> u32 {
     return group.x + group.y * groups.x;
 }
 
-// The last link of the pass that begins at or before the group. Links ascend and the first one begins
-// at group 0.
+// Finds the last link of the pass that starts at or before the group. Links ascend from group 0.
 fn find_work(group: u32) -> Work {
     var low = current.first_link;
     var high = current.first_link + current.links;

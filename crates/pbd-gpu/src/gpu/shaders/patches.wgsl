@@ -1,42 +1,42 @@
-// The constraints of one layer, a workgroup a patch, whose vertices wait in the workgroup's memory.
+// Kernel of the patch schedule: one workgroup per patch, with its vertices in workgroup memory.
 //
-// A patch is a block of entries: (vertices, stretch colors | bending colors << 16), its vertices two by
-// two, a run a color, then the constraints, which name vertices by their places in the patch. All colors
-// in a block hold something. Patches of one layer share no vertex.
+// A patch is a block of entries: (vertices, stretch colors | bending colors << 16), its vertices
+// two by two, one run per color, then the constraints with patch-local vertex indices. No color of
+// a block is empty. Patches of one layer share no vertex.
 
-var<workgroup> near_x: array<vec4f, PATCH_VERTICES>;
-var<workgroup> near_d: array<f32, 3u * PATCH_VERTICES>;
-// Where the block begins, and its first entry.
+var<workgroup> patch_x: array<vec4f, PATCH_VERTICES>;
+var<workgroup> patch_d: array<f32, 3u * PATCH_VERTICES>;
+// First entry of the block, and its value.
 var<workgroup> head: vec3u;
 
 @group(0) @binding(2) var<storage, read_write> displacements: array<vec4f>;
 
 fn load_x(i: u32) -> vec4f {
-    return near_x[i];
+    return patch_x[i];
 }
 
 fn load_d(i: u32) -> vec3f {
     let at = 3u * i;
-    return vec3f(near_d[at], near_d[at + 1u], near_d[at + 2u]);
+    return vec3f(patch_d[at], patch_d[at + 1u], patch_d[at + 2u]);
 }
 
 fn store_d(i: u32, d: vec3f) {
     let at = 3u * i;
-    near_d[at] = d.x;
-    near_d[at + 1u] = d.y;
-    near_d[at + 2u] = d.z;
+    patch_d[at] = d.x;
+    patch_d[at + 1u] = d.y;
+    patch_d[at + 2u] = d.z;
 }
 
 struct Block {
     vertices: u32,
     stretch_colors: u32,
     bending_colors: u32,
-    // The entries where vertices and runs begin.
+    // First entries of vertices and runs.
     first_vertex: u32,
     first_run: u32,
 }
 
-// The block of the workgroup's patch, alike for all lanes.
+// Returns the block of the patch, uniform for all lanes.
 fn find_block(body: Body, work: Work, lane: u32) -> Block {
     if (lane == 0u) {
         let patch_number = work.first_lane / WORKGROUP_SIZE;
@@ -49,7 +49,7 @@ fn find_block(body: Body, work: Work, lane: u32) -> Block {
     return Block(vertices, found.z & 0xffffu, found.z >> 16u, first, first + (vertices + 1u) / 2u);
 }
 
-// A vertex of the patch, counted from the body's first one.
+// Returns a vertex of the patch, relative to the first one of the body.
 fn vertex_of(block: Block, i: u32) -> u32 {
     let pair = constraints[block.first_vertex + i / 2u];
     return select(pair.y, pair.x, (i & 1u) == 0u);
@@ -74,7 +74,7 @@ fn patches(
     let block = find_block(body, work, lane);
     for (var i = lane; i < block.vertices; i += WORKGROUP_SIZE) {
         let v = first_vertex + vertex_of(block, i);
-        near_x[i] = positions[v];
+        patch_x[i] = positions[v];
         store_d(i, displacements[v].xyz);
     }
     workgroupBarrier();

@@ -1,9 +1,9 @@
-// Writes single words: what an edit touched lies scattered over colors and vertices, and one upload of
-// places and values costs less than a copy for each.
+// Writes single words. An edit touches words scattered over colors and vertices; one upload of
+// indices and values costs less than a copy for each word.
 
 struct Edits {
     count: u32,
-    // A place and a value an edit.
+    // Index and value of each edit.
     words: array<u32>,
 }
 

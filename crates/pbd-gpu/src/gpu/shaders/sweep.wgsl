@@ -1,4 +1,4 @@
-// The constraints of a run with the numbers first, first + stride, first + 2 stride and so on.
+// Projects the constraints first, first + stride, first + 2 stride and so on of a run.
 
 fn sweep(kind: u32, body: Body, run: Run, first: u32, stride: u32) {
     if (kind == BENDING) {
@@ -18,10 +18,11 @@ fn sweep(kind: u32, body: Body, run: Run, first: u32, stride: u32) {
     }
 }
 
-// The multiplier of a constraint of a run becomes zero, if the run has so many.
+// Sets the multiplier of constraint k of a run to zero, if it exists.
 fn reset_constraint(kind: u32, run: Run, k: u32) {
     if (k < run.len) {
-        let entries = select(select(STRETCH_ENTRIES, BENDING_ENTRIES, kind == BENDING), CONTACT_ENTRIES, kind == CONTACTS);
+        let edges = select(STRETCH_ENTRIES, BENDING_ENTRIES, kind == BENDING);
+        let entries = select(edges, CONTACT_ENTRIES, kind == CONTACTS);
         constraints[run.first + entries * k + entries - 1u].y = 0u;
     }
 }

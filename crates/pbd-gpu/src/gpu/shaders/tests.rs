@@ -1,15 +1,17 @@
-//! The composed modules against the Rust side and against what every WebGPU device can do.
+//! Tests that the composed modules match the Rust side and the default limits of WebGPU.
 
 use super::*;
+use crate::constraints::interior_springs;
 use crate::gpu::layout::{BodyRecord, Entry, FrameUniform, Link, PassUniform, Report, Run};
-use crate::kernels::{arctangent, bending, tethers, volume};
-use crate::struts;
+use crate::kernels::{arctangent, attachments, bending, volume};
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Literal, Module, TypeInner};
 use std::mem::{offset_of, size_of};
 
-/// What a device must have: WebGPU's default limits.
+mod pass_order;
+
+/// Default limits of WebGPU.
 const STORAGE_BUFFERS: usize = 8;
 const WORKGROUP_MEMORY: u32 = 16 * 1024;
 
@@ -30,7 +32,7 @@ fn is_storage(space: AddressSpace) -> bool {
 }
 
 #[test]
-fn every_module_is_plain_webgpu() {
+fn modules_need_no_optional_features() {
     for module in modules() {
         let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
         let checked = validator.validate(&module);
@@ -51,37 +53,36 @@ fn every_module_is_plain_webgpu() {
 }
 
 #[test]
-fn entry_points_are_those_that_the_rust_side_knows() {
+fn entry_points_match_the_rust_side() {
     let names = |module: &Module| -> Vec<String> {
         let points = module.entry_points.iter();
         points.map(|point| point.name.clone()).collect()
     };
     let [colors, whole, patches] = modules();
     let mut found = names(&colors);
-    let mut wanted = EntryPoint::ALL.map(EntryPoint::name);
+    let mut expected = EntryPoint::ALL.map(EntryPoint::name);
     found.sort();
-    wanted.sort_unstable();
-    assert_eq!(found, wanted);
+    expected.sort_unstable();
+    assert_eq!(found, expected);
     assert_eq!(names(&whole), [WHOLE_BODY]);
     assert_eq!(names(&patches), [PATCHES, RESET_PATCHES]);
     for (i, point) in EntryPoint::ALL.into_iter().enumerate() {
-        assert_eq!(point as usize, i, "numbers are places");
+        assert_eq!(point as usize, i, "the index is the number");
     }
     for point in modules().iter().flat_map(|module| &module.entry_points) {
         assert_eq!(point.workgroup_size, [WORKGROUP_SIZE, 1, 1]);
     }
 }
 
-/// Compares a struct of the shaders with members as Rust lays them out; members named pad are one
-/// array in Rust.
-fn check_struct(module: &Module, name: &str, size: usize, wanted: &[(&str, usize)]) {
+/// Compares size and member offsets of a shader struct with Rust, except members named `pad`.
+fn check_struct(module: &Module, name: &str, size: usize, expected: &[(&str, usize)]) {
     let (_, ty) = module
         .types
         .iter()
         .find(|(_, ty)| ty.name.as_deref() == Some(name))
         .expect("the struct is in the module");
     let TypeInner::Struct { members, span } = &ty.inner else {
-        panic!("{name} is no struct");
+        panic!("{name} is not a struct");
     };
     assert_eq!(*span as usize, size, "size of {name}");
     let found: Vec<(&str, usize)> = members
@@ -89,7 +90,7 @@ fn check_struct(module: &Module, name: &str, size: usize, wanted: &[(&str, usize
         .map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize))
         .filter(|(member, _)| !member.starts_with("pad"))
         .collect();
-    assert_eq!(found, wanted, "members of {name}");
+    assert_eq!(found, expected, "members of {name}");
 }
 
 macro_rules! members {
@@ -97,13 +98,16 @@ macro_rules! members {
 }
 
 #[test]
-fn structs_lie_in_memory_as_in_rust() {
+fn structs_have_the_layout_of_rust() {
     for module in modules() {
-        let check = |name, size, wanted: &[_]| check_struct(&module, name, size, wanted);
+        let check = |name, size, expected: &[_]| check_struct(&module, name, size, expected);
         check(
             "Frame",
             size_of::<FrameUniform>(),
-            &members!(FrameUniform: gravity_step h ground has_ground substeps iterations notes_motion own_weight),
+            &members!(
+                FrameUniform: gravity_step h ground has_ground substeps iterations measures_motion
+                diagonal_scale
+            ),
         );
         check(
             "Pass",
@@ -113,23 +117,28 @@ fn structs_lie_in_memory_as_in_rust() {
         check(
             "Body",
             size_of::<BodyRecord>(),
-            &members!(BodyRecord: first_vertex vertices first_pin pins first_tether tethers stretch_factor stretch_alpha stretch_old
-                bending_factor bending_alpha bending_old kept_velocity friction flags first_run stretch_colors
-                bending_colors patch_tables patches first_piece pieces first_chunk chunks first_spoke first_corner corners
-                volume_alpha volume_pressure volume_returned volume_old strut_colors strut_factor strut_alpha strut_old contacts first_collider colliders),
+            &members!(
+                BodyRecord: first_vertex vertices first_pin pins first_attachment attachments
+                stretch_factor stretch_alpha stretch_carryover bending_factor bending_alpha
+                bending_carryover velocity_factor friction flags first_run stretch_colors
+                bending_colors patch_tables patches first_piece pieces first_chunk chunks
+                first_spoke first_corner corners volume_alpha volume_pressure volume_recovery
+                volume_carryover spring_colors spring_factor spring_alpha spring_carryover
+                contacts first_collider colliders
+            ),
         );
         check("Run", size_of::<Run>(), &members!(Run: first len));
         check("Link", size_of::<Link>(), &members!(Link: first_group body));
         check(
             "Report",
             size_of::<Report>(),
-            &members!(Report: lowest box_min box_max bad_vertex bad_substep farthest),
+            &members!(Report: lowest box_min box_max bad_vertex bad_substep max_displacement),
         );
     }
 }
 
 #[test]
-fn arrays_have_the_strides_and_bindings_that_rust_fills() {
+fn arrays_have_the_strides_and_bindings_of_rust() {
     let arrays = [
         ("positions", size_of::<[f32; 4]>()),
         ("velocities", size_of::<[f32; 4]>()),
@@ -150,14 +159,14 @@ fn arrays_have_the_strides_and_bindings_that_rust_fills() {
             let (wanted, stride) = arrays[binding.binding as usize];
             assert_eq!((binding.group, name), (0, wanted));
             let TypeInner::Array { stride: found, .. } = module.types[variable.ty].inner else {
-                panic!("{name} is no array");
+                panic!("{name} is not an array");
             };
             assert_eq!(found as usize, stride, "stride of {name}");
         }
     }
 }
 
-/// The bits of the numbers that a constant consists of.
+/// Returns the bits of a constant, or of its elements.
 fn constant(module: &Module, name: &str) -> Vec<u32> {
     let mut constants = module.constants.iter();
     let (_, constant) = constants
@@ -174,7 +183,7 @@ fn constant(module: &Module, name: &str) -> Vec<u32> {
 }
 
 #[test]
-fn kernels_and_their_twins_have_the_same_constants() {
+fn wgsl_kernels_have_the_constants_of_rust() {
     use std::f32::consts::{FRAC_PI_2, PI, TAU};
     for module in modules() {
         for (name, wanted) in [
@@ -188,13 +197,13 @@ fn kernels_and_their_twins_have_the_same_constants() {
             ("FOLLOW", bending::FOLLOW),
             ("FREE", bending::FREE),
             ("LIMP", bending::LIMP),
-            ("RETURN", tethers::RETURN),
+            ("RETURN", attachments::RETURN),
             ("FIRM", bending::FIRM),
-            ("STRUT_OWN_WEIGHT", struts::OWN_WEIGHT),
+            ("SPRING_DIAGONAL_SCALE", interior_springs::DIAGONAL_SCALE),
         ] {
             assert_eq!(constant(&module, name), [wanted.to_bits()], "{name}");
         }
-        // A patch does not know the volume of the piece that it is a part of.
+        // The module for patches has no volume kernel.
         if module.entry_points[0].name != PATCHES {
             for (name, wanted) in [("SIXTH", volume::SIXTH), ("THIRD", volume::THIRD)] {
                 assert_eq!(constant(&module, name), [wanted.to_bits()], "{name}");

@@ -1,6 +1,5 @@
-// What every kernel sees: the arenas that all bodies share, and the numbers of a frame and of a pass.
-// The structs have twins in layout.rs; names in capital letters come from there too and are written in
-// front of this file by shaders.rs.
+// Declarations shared by all kernels: the arenas of all bodies and the parameters of a frame and of
+// a pass. `layout.rs` has the same structs. `shaders.rs` prepends the constants in capital letters.
 
 struct Frame {
     gravity_step: vec3f,
@@ -9,8 +8,8 @@ struct Frame {
     has_ground: u32,
     substeps: u32,
     iterations: u32,
-    notes_motion: u32,
-    own_weight: f32,
+    measures_motion: u32,
+    diagonal_scale: f32,
     pad_0: u32,
     pad_1: u32,
 }
@@ -31,15 +30,15 @@ struct Body {
     vertices: u32,
     first_pin: u32,
     pins: u32,
-    first_tether: u32,
-    tethers: u32,
+    first_attachment: u32,
+    attachments: u32,
     stretch_factor: f32,
     stretch_alpha: f32,
-    stretch_old: f32,
+    stretch_carryover: f32,
     bending_factor: f32,
     bending_alpha: f32,
-    bending_old: f32,
-    kept_velocity: f32,
+    bending_carryover: f32,
+    velocity_factor: f32,
     friction: f32,
     flags: u32,
     first_run: u32,
@@ -56,12 +55,12 @@ struct Body {
     corners: u32,
     volume_alpha: f32,
     volume_pressure: f32,
-    volume_returned: f32,
-    volume_old: f32,
-    strut_colors: u32,
-    strut_factor: f32,
-    strut_alpha: f32,
-    strut_old: f32,
+    volume_recovery: f32,
+    volume_carryover: f32,
+    spring_colors: u32,
+    spring_factor: f32,
+    spring_alpha: f32,
+    spring_carryover: f32,
     contacts: u32,
     first_collider: u32,
     colliders: u32,
@@ -83,27 +82,34 @@ struct Report {
     box_max: array<atomic<u32>, 3>,
     bad_vertex: atomic<u32>,
     bad_substep: atomic<u32>,
-    farthest: atomic<u32>,
+    max_displacement: atomic<u32>,
     pad_0: u32,
 }
 
-// A stiffness as the kernels use it.
+// Coefficients of one projection, as in constants.rs.
 struct Projection {
     factor: f32,
     alpha: f32,
-    keeps: bool,
-    hold: f32,
-    old: f32,
-    own_weight: f32,
+    accumulates_lambda: bool,
+    edge_stiffness: f32,
+    error_carryover: f32,
+    diagonal_scale: f32,
 }
 
-// Position [m], inverse mass [1/kg]: 0 does not move, -1 is a slot that no triangle uses.
+// Position [m] and inverse mass [1/kg], 0 for pinned vertices, -1 for unused slots.
 @group(0) @binding(0) var<storage, read_write> positions: array<vec4f>;
 @group(0) @binding(1) var<storage, read_write> velocities: array<vec4f>;
-// A stretch constraint or a strut is 2 entries: (a, b), (rest, multiplier). A bending constraint is 3:
-// (v0, v1), (v2, v3), (rest, multiplier). A pin is 2: (vertex, x), (y, z). A tether is 2: (vertex, anchor),
-// (length, 0). A piece is 4: (first chunk, chunks), (rest, reach), (multiplier, step), (center, 0). A chunk is 4:
-// (first spoke, spokes), (piece, 0), its four sums. A spoke is (vertex, half-edge), a corner (origin, twin), a contact 6 as in contacts.rs, a collider 8 as in colliders.rs. Vertices count from the body's first one; numbers are stored as their bits.
+// Records of several entries each, with floats as bits and vertices relative to the body:
+// - stretch constraint, interior spring: (a, b), (rest, multiplier)
+// - bending constraint: (v0, v1), (v2, v3), (rest, multiplier)
+// - pin: (vertex, x), (y, z)
+// - long range attachment: (vertex, anchor), (length, 0)
+// - piece: (first chunk, chunks), (rest, reach), (multiplier, step), (center, 0)
+// - chunk: (first spoke, spokes), (piece, 0), then four sums
+// - spoke: (vertex, half-edge)
+// - corner: (origin, twin)
+// - contact: 6 entries as in contacts.rs
+// - collider: 8 entries as in colliders.rs
 @group(0) @binding(3) var<storage, read_write> constraints: array<vec2u>;
 @group(0) @binding(4) var<storage, read> bodies: array<Body>;
 @group(0) @binding(5) var<storage, read> runs: array<Run>;
@@ -113,50 +119,72 @@ struct Projection {
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<uniform> current: Pass;
 
-// Where the vertices of the body at hand begin; an entry point sets it before it calls a kernel.
+// First vertex of the current body; entry points set it before they call a kernel.
 var<private> first_vertex: u32;
 
-// Number of the substep in its frame; an entry point sets it before it looks at contacts.
-var<private> substep_at: u32;
+// Index of the substep in the frame; entry points set it before they project contacts.
+var<private> substep_index: u32;
 
-// Where b is as seen from a [m]: the twin of block.rs.
+// Returns the vector from a to b [m], as in block.rs.
 fn difference(xa: vec4f, da: vec3f, xb: vec4f, db: vec3f) -> vec3f {
     return (xb.xyz - xa.xyz) + (db - da);
 }
 
-fn stretch_projection(body: Body) -> Projection {
-    let keeps = (body.flags & KEEPS_STRETCH) != 0u;
-    return Projection(body.stretch_factor, body.stretch_alpha, keeps, 0.0, body.stretch_old, frame.own_weight);
+fn norm(v: vec3f) -> f32 {
+    return sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
 }
 
-// See struts.rs.
-const STRUT_OWN_WEIGHT: f32 = 10.0;
+fn stretch_projection(body: Body) -> Projection {
+    return Projection(
+        body.stretch_factor,
+        body.stretch_alpha,
+        (body.flags & KEEPS_STRETCH) != 0u,
+        0.0,
+        body.stretch_carryover,
+        frame.diagonal_scale,
+    );
+}
 
-// Of edges of the surface or through the body.
+// As in interior_springs.rs.
+const SPRING_DIAGONAL_SCALE: f32 = 10.0;
+
+// Returns the coefficients of edges or of interior springs.
 fn edge_projection(body: Body, kind: u32) -> Projection {
     if (kind == STRETCH) {
         return stretch_projection(body);
     }
-    let keeps = (body.flags & KEEPS_STRUTS) != 0u;
-    return Projection(body.strut_factor, body.strut_alpha, keeps, 0.0, body.strut_old, STRUT_OWN_WEIGHT);
+    return Projection(
+        body.spring_factor,
+        body.spring_alpha,
+        (body.flags & KEEPS_INTERIOR_SPRINGS) != 0u,
+        0.0,
+        body.spring_carryover,
+        SPRING_DIAGONAL_SCALE,
+    );
 }
 
 fn bending_projection(body: Body) -> Projection {
-    let keeps = (body.flags & KEEPS_BENDING) != 0u;
-    let hold = HOLD / body.stretch_alpha;
-    let held = select(FIRM, hold, hold < FIRM);
-    return Projection(body.bending_factor, body.bending_alpha, keeps, held, body.bending_old, frame.own_weight);
+    let stiffness = HOLD / body.stretch_alpha;
+    return Projection(
+        body.bending_factor,
+        body.bending_alpha,
+        (body.flags & KEEPS_BENDING) != 0u,
+        select(FIRM, stiffness, stiffness < FIRM),
+        body.bending_carryover,
+        frame.diagonal_scale,
+    );
 }
 
 fn colors_of(body: Body, kind: u32) -> u32 {
     if (kind == CONTACTS) {
         return select(0u, MAX_COLORS, body.contacts != 0u);
     }
-    return select(select(body.strut_colors, body.bending_colors, kind == BENDING), body.stretch_colors, kind == STRETCH);
+    let others = select(body.spring_colors, body.bending_colors, kind == BENDING);
+    return select(others, body.stretch_colors, kind == STRETCH);
 }
 
-// The run of a color, or of OVERFLOW. A pass may go on to colors that only other bodies have; what the
-// body's table holds there is not the body's.
+// Returns the run of a color, or of OVERFLOW. A pass may include colors that only other bodies
+// have; their entries in the table of this body are undefined.
 fn run_of(body: Body, kind: u32, color: u32) -> Run {
     if (color >= colors_of(body, kind) && color != OVERFLOW) {
         return Run(0u, 0u);

@@ -1,6 +1,6 @@
-// The dispatches of volume constraints.
+// Kernels of volume constraints in the color schedule.
 
-// What a chunk or a piece sums up.
+// Leaves of the reduction tree of a chunk or a piece.
 var<workgroup> leaves: array<vec4f, CHUNK>;
 
 fn load_leaf(i: u32) -> vec4f {

@@ -1,10 +1,10 @@
-// One dispatch a frame: a workgroup steps its body through all substeps, or so many as a pass's colors say.
+// Kernel of the whole-body schedule: one workgroup steps a body through all substeps of a frame.
 //
-// A vertex, and a constraint of one color, are always worked on by the same lane, so barriers are
-// needed only where lanes meet: around pins and tethers and between colors. Loops that hold barriers end at
-// numbers from read-only memory, which all lanes see alike.
+// A vertex, and a constraint of one color, is always processed by the same lane. Barriers are
+// needed only where lanes share vertices: around pins and attachments, and between colors. Loops
+// with barriers have bounds from read-only memory, which are uniform.
 
-// The lowest predicted height of the substep, as ordered bits.
+// Minimum predicted height of the substep, as ordered bits.
 var<workgroup> lowest: atomic<u32>;
 
 fn reset_kind(body: Body, kind: u32, colors: u32, lane: u32) {
@@ -22,7 +22,7 @@ fn reset_kind(body: Body, kind: u32, colors: u32, lane: u32) {
     }
 }
 
-// All colors of a kind in one layer in order; in layer 0 the overflow follows, one by one.
+// Projects all colors of a kind in one layer; in layer 0 the overflow follows serially.
 fn project_kind(body: Body, kind: u32, colors: u32, layer: u32, lane: u32) {
     let end = min(colors, (layer + 1u) * MAX_COLORS);
     for (var color = layer * MAX_COLORS; color < end; color++) {
@@ -41,7 +41,7 @@ fn project_kind(body: Body, kind: u32, colors: u32, layer: u32, lane: u32) {
     }
 }
 
-// The volumes of all pieces. What lanes tell each other of chunks and pieces goes through the buffer.
+// Projects the volumes of all pieces. Lanes exchange sums of chunks and pieces through the buffer.
 fn project_volumes(body: Body, lane: u32) {
     for (var chunk = 0u; chunk < body.chunks; chunk++) {
         sum_chunk(body, chunk, lane, WORKGROUP_SIZE);
@@ -62,7 +62,7 @@ fn project_volumes(body: Body, lane: u32) {
 fn predict_body(body: Body, lane: u32) {
     var height = ORDERED_INFINITY;
     for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
-        height = min(height, predict_vertex(i, body.kept_velocity));
+        height = min(height, predict_vertex(i, body.velocity_factor));
     }
     if (frame.has_ground != 0u) {
         atomicMin(&lowest, height);
@@ -81,7 +81,7 @@ fn whole_body(
     }
     let body = bodies[work.body];
     first_vertex = body.first_vertex;
-    // Layer 0 may have an overflow and no color.
+    // Layer 0 may have an overflow but no color.
     let colors = max(1u, max(body.stretch_colors, body.bending_colors));
     let layers = (colors + MAX_COLORS - 1u) / MAX_COLORS;
     if (lane == 0u) {
@@ -90,7 +90,7 @@ fn whole_body(
     workgroupBarrier();
     let end = min(current.substep + current.colors, frame.substeps);
     for (var substep = current.substep; substep < end; substep++) {
-        substep_at = substep;
+        substep_index = substep;
         predict_body(body, lane);
         workgroupBarrier();
         if (body.pins != 0u) {
@@ -108,8 +108,8 @@ fn whole_body(
         if (body.contacts != 0u && frame.iterations > 1u) {
             reset_kind(body, CONTACTS, MAX_COLORS, lane);
         }
-        if ((body.flags & KEEPS_STRUTS) != 0u) {
-            reset_kind(body, STRUTS, body.strut_colors, lane);
+        if ((body.flags & KEEPS_INTERIOR_SPRINGS) != 0u) {
+            reset_kind(body, INTERIOR_SPRINGS, body.spring_colors, lane);
         }
         if ((body.flags & KEEPS_VOLUME) != 0u) {
             for (var piece = lane; piece < body.pieces; piece += WORKGROUP_SIZE) {
@@ -118,9 +118,9 @@ fn whole_body(
             storageBarrier();
         }
         for (var iteration = 0u; iteration < frame.iterations; iteration++) {
-            if (body.tethers != 0u) {
-                for (var k = lane; k < body.tethers; k += WORKGROUP_SIZE) {
-                    pull_tether(body.first_tether + TETHER_ENTRIES * k);
+            if (body.attachments != 0u) {
+                for (var k = lane; k < body.attachments; k += WORKGROUP_SIZE) {
+                    pull_to_anchor(body.first_attachment + ATTACHMENT_ENTRIES * k);
                 }
                 workgroupBarrier();
             }
@@ -128,7 +128,7 @@ fn whole_body(
                 project_kind(body, STRETCH, body.stretch_colors, layer, lane);
                 project_kind(body, BENDING, body.bending_colors, layer, lane);
             }
-            project_kind(body, STRUTS, body.strut_colors, 0u, lane);
+            project_kind(body, INTERIOR_SPRINGS, body.spring_colors, 0u, lane);
             if (body.pieces != 0u) {
                 if (body.contacts != 0u) {
                     project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);
@@ -155,7 +155,7 @@ fn whole_body(
         }
         for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
             if (!integrate_vertex(i)) {
-                note_non_finite(work.body, i, substep);
+                report_non_finite(work.body, i, substep);
             }
         }
         if (lane == 0u) {
@@ -164,7 +164,7 @@ fn whole_body(
         workgroupBarrier();
         storageBarrier();
     }
-    if (frame.notes_motion != 0u) {
-        atomicMax(&reports[work.body].farthest, bitcast<u32>(farthest));
+    if (frame.measures_motion != 0u) {
+        atomicMax(&reports[work.body].max_displacement, bitcast<u32>(max_displacement));
     }
 }

@@ -1,4 +1,4 @@
-// Displacements of the substep [m] in workgroup memory: a body has at most CAPACITY vertices.
+// Displacements of the substep [m] in workgroup memory, for at most CAPACITY vertices.
 
 var<workgroup> displacements: array<f32, 3u * CAPACITY>;
 
@@ -18,10 +18,15 @@ fn store_d(i: u32, d: vec3f) {
     displacements[at + 2u] = d.z;
 }
 
-// What a chunk or a piece sums up lies at the end, which is free in a body with volumes.
+// The leaves of reduction trees are at the end, which bodies with volumes leave free.
 fn load_leaf(i: u32) -> vec4f {
     let at = 3u * CAPACITY - 4u * CHUNK + 4u * i;
-    return vec4f(displacements[at], displacements[at + 1u], displacements[at + 2u], displacements[at + 3u]);
+    return vec4f(
+        displacements[at],
+        displacements[at + 1u],
+        displacements[at + 2u],
+        displacements[at + 3u],
+    );
 }
 
 fn store_leaf(i: u32, leaf: vec4f) {

@@ -1,8 +1,8 @@
 use super::*;
-use crate::constraints::Batch;
+use crate::constraints::batches::Batch;
 use crate::material::Stiffness;
 use incise_mesh::Vec3;
-use incise_mesh::geometry::widen;
+use incise_mesh::geometry::to_f64;
 
 /// The angle another way: between the normals, positive where the fourth point is behind the first
 /// triangle.
@@ -31,7 +31,7 @@ fn hinge(theta: f64, scale: f64) -> [[f32; 4]; 4] {
     ];
     let tilt = nalgebra::Rotation3::from_euler_angles(0.4, 1.1, -0.3);
     points.map(|p| {
-        let [x, y, z] = incise_mesh::geometry::round(tilt * p * scale);
+        let [x, y, z] = incise_mesh::geometry::to_f32(tilt * p * scale);
         [x, y, z, 1.0]
     })
 }
@@ -46,7 +46,7 @@ fn batch(rest: f32) -> Batch<4> {
 }
 
 fn points(x: &[[f32; 4]; 4]) -> [Vec3; 4] {
-    x.map(|[x, y, z, _]| widen([x, y, z]))
+    x.map(|[x, y, z, _]| to_f64([x, y, z]))
 }
 
 const FOLDED: f64 = std::f64::consts::PI - 2e-3;
@@ -68,7 +68,7 @@ fn corrections_run_along_the_gradients() {
             Bending::project(
                 &x,
                 &mut d,
-                constraint.part(RIGID.projection(1, 0.01).keeps),
+                constraint.part(RIGID.projection(1, 0.01).accumulates_lambda),
                 RIGID.projection(1, 0.01),
             );
             // d_i = -C g_i / sum |g|^2, so g_i = -C d_i / sum |d|^2.
@@ -114,7 +114,7 @@ fn projections_end_at_the_rest_angle() {
             Bending::project(
                 &x,
                 &mut d,
-                constraint.part(RIGID.projection(1, 0.01).keeps),
+                constraint.part(RIGID.projection(1, 0.01).accumulates_lambda),
                 RIGID.projection(1, 0.01),
             );
         }
@@ -132,8 +132,8 @@ fn projections_end_at_the_rest_angle() {
     }
 }
 
-/// By how much one projection turns a hinge of 1 m that is `off` by so much, of which the substep has
-/// added `added`, beside edges of that `alpha` \[rad\].
+/// By how much one projection turns a hinge of 1 m that is `off` by so much, of which the substep
+/// has added `added`, beside edges of that `alpha` \[rad\].
 fn turned(off: f64, added: f64, alpha: f32, stiffness: Stiffness, h: f32) -> f64 {
     let (start, rest) = (0.9, 0.9 - off);
     let (x, moved) = (hinge(start - added, 1.0), hinge(start, 1.0));
@@ -144,10 +144,15 @@ fn turned(off: f64, added: f64, alpha: f32, stiffness: Stiffness, h: f32) -> f64
     let projection = stiffness.projection(1, h).beside_edges(alpha);
     #[expect(clippy::cast_possible_truncation, reason = "stored in f32")]
     let mut constraint = batch(rest as f32);
-    Bending::project(&x, &mut d, constraint.part(projection.keeps), projection);
+    Bending::project(
+        &x,
+        &mut d,
+        constraint.part(projection.accumulates_lambda),
+        projection,
+    );
     let mut end = points(&x);
     for (p, d) in end.iter_mut().zip(d) {
-        *p += widen([d[0], d[1], d[2]]);
+        *p += to_f64([d[0], d[1], d[2]]);
     }
     start - angle(end)
 }
@@ -156,7 +161,8 @@ fn turned(off: f64, added: f64, alpha: f32, stiffness: Stiffness, h: f32) -> f64
 fn old_errors_come_back_slowly_beside_soft_edges_only() {
     let (h, old) = (1e-3, 0.03);
     let limit = f64::from(RECOVERY * h);
-    // Four vertices of 1 kg beside limp edges: as much less as the square of their frequency is below the bound's.
+    // Four vertices of 1 kg beside limp edges: as much less as the square of their frequency is
+    // below the bound's.
     let slowest = LIMP / HOLD * RECOVERY * RECOVERY;
     let limp = |alpha: f32| f64::from(4.0 / (alpha * h * h) / slowest);
     for (alpha, expected) in [
@@ -171,7 +177,8 @@ fn old_errors_come_back_slowly_beside_soft_edges_only() {
             "{found} of {expected}, edges of {alpha}"
         );
     }
-    // A compliance gets what it asks for beside edges that are stiffer than the hinge, and less beside softer ones.
+    // A compliance gets what it asks for beside edges that are stiffer than the hinge, and less
+    // beside softer ones.
     let soft = Stiffness::Compliance(1e-3);
     let [free, stiffer, softer] = [0.0, 10.0, 1e4].map(|alpha| turned(old, 0.0, alpha, soft, h));
     assert_eq!(free, stiffer, "the pull of a compliance");
@@ -210,7 +217,7 @@ fn degenerate_triangles_take_no_part() {
         Bending::project(
             &x,
             &mut d,
-            batch(1.0).part(RIGID.projection(1, 0.01).keeps),
+            batch(1.0).part(RIGID.projection(1, 0.01).accumulates_lambda),
             RIGID.projection(1, 0.01),
         );
         assert_eq!(d, [[0.0; 4]; 4], "{x:?}");
@@ -222,11 +229,16 @@ fn serial_and_blocks_have_the_same_bits() {
     let x = hinge(0.8, 0.3);
     let projection = Stiffness::Compliance(1e-3).projection(1, 0.01);
     let (mut one, mut other) = ([[0.0; 4]; 4], [[0.0; 4]; 4]);
-    Bending::project(&x, &mut one, batch(0.1).part(projection.keeps), projection);
-    bending_serial(
+    Bending::project(
+        &x,
+        &mut one,
+        batch(0.1).part(projection.accumulates_lambda),
+        projection,
+    );
+    Bending::project_serial(
         &x,
         &mut other,
-        batch(0.1).part(projection.keeps),
+        batch(0.1).part(projection.accumulates_lambda),
         projection,
     );
     assert_eq!(one, other);

@@ -1,9 +1,10 @@
-// What all shaders see of a picture's look; uniforms.rs has the same struct.
+// View uniforms shared by all shaders; `uniforms.rs` has the same struct.
 struct View {
-    // From points relative to `origin` to clip space: near a target far away no digits are lost.
+    // Matrix from points relative to `origin` to clip space. The origin is close to the target, so
+    // that precision does not depend on the distance from the world's origin.
     clip: mat4x4<f32>,
     origin: vec4<f32>,
-    // Toward the lights, and how strong they are.
+    // Direction toward each light and its strength.
     key: vec4<f32>,
     fill: vec4<f32>,
     sky: vec4<f32>,
@@ -13,7 +14,7 @@ struct View {
     wire: vec4<f32>,
     viewport: vec2<f32>,
     wire_width: f32,
-    // Whether the texture takes numbers as they are shown, and not as light.
+    // 1 if the output must be encoded as sRGB.
     encode: u32,
 }
 
@@ -23,14 +24,14 @@ fn to_clip(p: vec3<f32>) -> vec4<f32> {
     return view.clip * vec4<f32>(p - view.origin.xyz, 1.0);
 }
 
-// The light of an sRGB color.
+// Converts an sRGB color to linear light.
 fn to_light(color: vec4<f32>) -> vec4<f32> {
     let low = color.rgb / 12.92;
     let high = pow((color.rgb + 0.055) / 1.055, vec3<f32>(2.4));
     return vec4<f32>(select(high, low, color.rgb <= vec3<f32>(0.04045)), color.a);
 }
 
-// What the texture is to get for some light.
+// Converts linear light to the values of the output texture.
 fn output(light: vec3<f32>, alpha: f32) -> vec4<f32> {
     let c = clamp(light, vec3<f32>(0.0), vec3<f32>(1.0));
     if view.encode == 0u {

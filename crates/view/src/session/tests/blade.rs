@@ -1,9 +1,9 @@
-//! A held blade.
+//! Tests of cuts with a held blade.
 
 use super::*;
 
 #[test]
-fn a_held_blade_cuts_in_the_frame_in_which_it_comes_out() {
+fn held_blade_cuts_when_it_leaves_the_body() {
     let mut s = session();
     s.apply(Command::Set(Settings {
         gravity: false,
@@ -18,17 +18,17 @@ fn a_held_blade_cuts_in_the_frame_in_which_it_comes_out() {
         s.frame();
         let (_, place) = s.held_blade().unwrap();
         let is_inside = (-3..=3).contains(&i);
-        assert_eq!(place == BladePlace::Inside, is_inside, "at {i}");
-        cuts.push(s.last().stats.cuts);
+        assert_eq!(place == BladeState::Inside, is_inside, "at {i}");
+        cuts.push(s.last_frame().stats.cuts);
     }
     assert_eq!(cuts.iter().sum::<u32>(), 1);
     assert_eq!(cuts[9], 1, "{cuts:?}");
     s.apply(Command::LiftBlade);
-    assert_eq!((pieces(&s), s.undoable()), (2, 1));
+    assert_eq!((pieces(&s), s.undo_count()), (2, 1));
     assert_eq!(s.held_blade(), None);
 }
 
-/// A held blade's edge across the ball, so far from its middle.
+/// Moves the held blade to a position across the ball.
 fn upright(x: f32) -> Command {
     Command::Blade {
         edge: [[x, 0.02, -2.0], [x, 0.02, 2.0]],
@@ -36,16 +36,16 @@ fn upright(x: f32) -> Command {
 }
 
 #[test]
-fn a_blade_that_is_let_go_beside_the_body_has_cut_what_it_passed() {
+fn stroke_that_ends_outside_cuts() {
     let mut s = session();
     s.apply(upright(-1.0));
     s.frame();
-    // All of it within a frame, or while time stands still.
+    // The whole stroke happens within one frame.
     s.apply(upright(1.0));
     s.apply(Command::FinishBlade);
-    assert_eq!((pieces(&s), s.undoable()), (2, 1));
+    assert_eq!((pieces(&s), s.undo_count()), (2, 1));
     assert_eq!(s.held_blade(), None);
-    // It may also be taken away.
+    // Lifting the blade discards the stroke.
     s.apply(Command::Undo);
     s.apply(upright(-1.0));
     s.apply(upright(1.0));
@@ -55,34 +55,34 @@ fn a_blade_that_is_let_go_beside_the_body_has_cut_what_it_passed() {
 }
 
 #[test]
-fn a_blade_that_cannot_cut_says_so() {
+fn strokes_that_cannot_cut_are_reported() {
     let mut s = session();
     let place = |s: &Session| s.held_blade().map(|(_, place)| place);
     s.apply(upright(-1.0));
-    assert_eq!(place(&s), Some(BladePlace::Outside));
+    assert_eq!(place(&s), Some(BladeState::Outside));
     s.frame();
     s.apply(upright(0.0));
     s.frame();
-    assert_eq!(place(&s), Some(BladePlace::Inside));
+    assert_eq!(place(&s), Some(BladeState::Inside));
     s.apply(Command::FinishBlade);
-    let notice = s.notice().expect("nothing was cut");
-    assert!(notice.is_refusal && notice.text.contains("let go inside"));
-    // One that was put into the body has to come out of it first.
-    s.dismiss();
+    let status_message = s.status_message().expect("nothing was cut");
+    assert!(status_message.is_error && status_message.text.contains("let go inside"));
+    // A stroke that starts inside must leave the body first.
+    s.clear_status_message();
     s.apply(upright(0.1));
-    assert_eq!(place(&s), Some(BladePlace::Begun));
+    assert_eq!(place(&s), Some(BladeState::StartedInside));
     s.frame();
     s.apply(upright(1.0));
     s.frame();
-    assert_eq!((place(&s), pieces(&s)), (Some(BladePlace::Outside), 1));
+    assert_eq!((place(&s), pieces(&s)), (Some(BladeState::Outside), 1));
     s.apply(upright(-1.0));
     s.frame();
-    assert_eq!((place(&s), pieces(&s)), (Some(BladePlace::Outside), 2));
+    assert_eq!((place(&s), pieces(&s)), (Some(BladeState::Outside), 2));
     s.apply(upright(0.0));
     s.apply(Command::LiftBlade);
     s.apply(upright(0.0));
     s.apply(upright(1.0));
     s.apply(Command::FinishBlade);
-    let notice = s.notice().expect("nothing was cut");
-    assert!(notice.is_refusal && notice.text.contains("put into"));
+    let status_message = s.status_message().expect("nothing was cut");
+    assert!(status_message.is_error && status_message.text.contains("put into"));
 }

@@ -1,0 +1,207 @@
+//! Cross-sections of a model, triangulated repeatedly, timed and judged.
+
+use super::row::{Row, Stamp};
+use crate::directions::RelativePlane;
+use crate::statistics::{mean, median, percentile, sorted};
+use crate::workload::Workload;
+use incise_cut::{CutMethod, CutParams, Cutter, ExactParams};
+use incise_mesh::Surface;
+use incise_refine::{
+    RefineError, RefineParams, RefinementLevel, Section, SectionMesh, SectionMeshParams,
+    SectionMeshScratch, SectionMeshSize, triangulate_section,
+};
+use std::error::Error;
+use std::time::Instant;
+
+/// Repetitions per section; the fastest counts.
+const REPEATS: u32 = 5;
+
+/// Smallest boundary angle of sections whose smallest triangle angle counts: sharper corners limit
+/// the angle of any mesh \[degrees\].
+const FREE_ANGLE: f64 = 40.0;
+
+/// A section with the target edge length at its points \[m\].
+struct CutSection {
+    points: Vec<[f64; 2]>,
+    loops: Vec<Vec<u32>>,
+    lengths: Vec<f64>,
+    crease: bool,
+}
+
+/// The sections of planes of one kind at one refinement level.
+pub(super) struct Sections {
+    planes: &'static str,
+    level: RefinementLevel,
+    sections: Vec<CutSection>,
+    /// Errors of cuts.
+    failures: Vec<String>,
+}
+
+/// Cuts a workload by the plane through its middle and by seeded ones, at every level.
+///
+/// # Errors
+/// An error of building the workload or of an undo; errors of cuts are recorded.
+pub(super) fn cut(
+    workload: &Workload,
+    levels: &[RefinementLevel],
+    planes: u32,
+    stamp: &Stamp,
+) -> Result<Vec<Sections>, Box<dyn Error>> {
+    let mut surface = workload.surface()?;
+    let mut cutter = Cutter::new(&surface);
+    let mut all = Vec::new();
+    for &level in levels {
+        let params = CutParams {
+            method: CutMethod::Exact(ExactParams {
+                snap: stamp.snap,
+                ..ExactParams::default()
+            }),
+            refine: RefineParams {
+                level,
+                grading: stamp.grading,
+                ..RefineParams::default()
+            },
+            ..CutParams::default()
+        };
+        let middle = vec![RelativePlane::middle()];
+        let seeded = RelativePlane::seeded(stamp.seed, planes);
+        for (name, planes) in [("middle", middle), ("seeded", seeded)] {
+            if planes.is_empty() {
+                continue;
+            }
+            let (mut sections, mut failures) = (Vec::new(), Vec::new());
+            for plane in planes {
+                match cut_once(&mut surface, &mut cutter, &plane, &params)? {
+                    Ok(found) => sections.extend(found),
+                    Err(failure) => failures.push(failure),
+                }
+            }
+            all.push(Sections {
+                planes: name,
+                level,
+                sections,
+                failures,
+            });
+        }
+    }
+    Ok(all)
+}
+
+/// Cuts along a plane and undoes it; none where the plane misses. The inner error is the cut's.
+fn cut_once(
+    surface: &mut Surface,
+    cutter: &mut Cutter,
+    plane: &RelativePlane,
+    params: &CutParams,
+) -> Result<Result<Option<CutSection>, String>, Box<dyn Error>> {
+    let (sweep, d) = plane.sweep(surface)?;
+    let outcome = match cutter.cut(surface, &sweep, params) {
+        Ok(outcome) => outcome,
+        Err(error) => return Ok(Err(format!("{error} (normal {:?}, d {d})", plane.normal))),
+    };
+    let Some(undo) = outcome.undo else {
+        return Ok(Ok(None));
+    };
+    let (section, lengths) = cutter.section();
+    let section = CutSection {
+        points: section.points.to_vec(),
+        loops: section.loops.to_vec(),
+        lengths: lengths.to_vec(),
+        crease: section.crease,
+    };
+    cutter.undo(surface, undo)?;
+    Ok(Ok(Some(section)))
+}
+
+impl CutSection {
+    fn section(&self) -> Section<'_> {
+        Section {
+            points: &self.points,
+            loops: &self.loops,
+            crease: self.crease,
+        }
+    }
+
+    /// Returns the fastest of several times \[ms\], and the mesh.
+    fn triangulate(
+        &self,
+        params: &SectionMeshParams<'_>,
+        scratch: &mut SectionMeshScratch,
+    ) -> Result<(f64, SectionMesh), RefineError> {
+        let (mut best, mut mesh) = (f64::INFINITY, SectionMesh::default());
+        for _ in 0..REPEATS {
+            let begin = Instant::now();
+            mesh = triangulate_section(&self.section(), params, |_, _| false, scratch)?;
+            best = best.min(begin.elapsed().as_secs_f64() * 1e3);
+        }
+        Ok((best, mesh))
+    }
+}
+
+impl Sections {
+    /// Triangulates every section and returns the row.
+    ///
+    /// # Errors
+    /// [`RefineError`] of a section.
+    pub(super) fn measure(self, workload: &Workload, stamp: &Stamp) -> Result<Row, RefineError> {
+        let mut scratch = SectionMeshScratch::default();
+        let mut failures = self.failures;
+        let (mut triangulation, mut both) = (Vec::new(), Vec::new());
+        let (mut points, mut triangles) = (Vec::new(), Vec::new());
+        let (mut angles, mut edges, mut worst) = (Vec::new(), Vec::new(), f64::INFINITY);
+        let (mut long_edges, mut rim_angle, mut free) = (0, f64::INFINITY, f64::INFINITY);
+        for section in &self.sections {
+            let params = |size| SectionMeshParams {
+                size,
+                grading: stamp.grading,
+                ..SectionMeshParams::default()
+            };
+            let target = params(SectionMeshSize::Local(&section.lengths));
+            let (bare, _) = section.triangulate(&params(SectionMeshSize::Any), &mut scratch)?;
+            let (whole, mesh) = section.triangulate(&target, &mut scratch)?;
+            if let Err(error) = mesh.validate(&section.section(), 1e-6) {
+                failures.push(error.to_string());
+                continue;
+            }
+            let quality = mesh.quality(&section.section(), &target);
+            triangulation.push(bare);
+            both.push(whole);
+            points.push(section.points.len() as f64);
+            triangles.push(mesh.triangles.len() as f64);
+            long_edges += quality.long_edges.len();
+            rim_angle = rim_angle.min(quality.rim_angle);
+            if quality.rim_angle >= FREE_ANGLE {
+                free = free.min(quality.angles[0]);
+            }
+            worst = worst.min(percentile(&quality.angles, 5));
+            angles.extend(quality.angles);
+            edges.extend(quality.edges);
+        }
+        let (angles, edges) = (sorted(angles), sorted(edges));
+        let seconds = both.iter().sum::<f64>() / 1e3;
+        let refinement = both.iter().zip(&triangulation).map(|(a, b)| a - b);
+        Ok(Row {
+            model: workload.name.clone(),
+            source: workload.source.clone(),
+            planes: self.planes.to_owned(),
+            level: self.level.z(),
+            covers: both.len(),
+            rim_points: median(points),
+            million_triangles_a_second: triangles.iter().sum::<f64>() / seconds / 1e6,
+            triangles: median(triangles),
+            refinement_ms: median(refinement.collect()),
+            triangulation_ms: median(triangulation),
+            smallest_angle: angles.first().copied().unwrap_or(f64::NAN),
+            smallest_angle_free: free,
+            rim_angle,
+            angle_5: percentile(&angles, 5),
+            angle_5_worst: worst,
+            angle_median: percentile(&angles, 50),
+            edge_mean: mean(&edges),
+            edge_longest: edges.last().copied().unwrap_or(f64::NAN),
+            long_edges,
+            failures,
+            stamp: stamp.clone(),
+        })
+    }
+}

@@ -1,0 +1,108 @@
+//! Verdicts of a quick run, names of cases, and the files of `--plot`.
+
+use super::*;
+use incise_progress::Visibility;
+
+/// Cases that fail today in a quick run; a case that is fixed leaves this list.
+///
+/// Full runs fail in more (see `results`): T12 on the time until cut bodies sleep, `tunnel`,
+/// and the volumes of the armadillo after two cuts.
+const OPEN: [(&str, &str); 7] = [
+    // A single iteration of the paper's constraints in steps of 1/15 s leaves a ball crushed.
+    ("T1", "time step 1/15 to 1/60000 s"),
+    // Ten iterations do not carry a million times the mass of a vertex on springs.
+    ("T3", "load on a swinging ribbon, 1 to 1e6 times a vertex"),
+    // Small bodies fall by an edge length and more in a step, and stay crushed.
+    ("T8", "bodies of 1 mm to 1 km"),
+    (
+        "T8",
+        "fall of 1 s at 1e4 and 1e6 m from the origin, 60 and 1200 substeps a second",
+    ),
+    (
+        "contradiction",
+        "two pins 10 times as far apart as the sheet is wide, then one let go",
+    ),
+    // Pressure 0 collapses a body without stiffness to a point, and its vertices fly apart.
+    ("T10", "the same in a weightless ball without stiffness"),
+    (
+        "T20",
+        "a sheet at rest with its constraints in random orders",
+    ),
+];
+
+#[test]
+fn a_part_of_every_case_has_the_verdict_of_the_whole() {
+    let mut runner = Runner::new(Effort::Quick, None);
+    let all: Vec<Case> = cases().collect();
+    let rows = verdicts(
+        &all,
+        &mut runner,
+        &Progress::new(1, 1, Visibility::Never),
+        |_| {},
+    );
+    let failed: Vec<_> = (rows.iter().filter(|row| !row.passed))
+        .map(|row| (row.id.as_str(), row.stress.as_str()))
+        .collect();
+    assert_eq!(failed, OPEN, "{rows:#?}");
+}
+
+#[test]
+fn cases_are_found_by_their_names() {
+    let only = |names: &[&str]| {
+        let names: Vec<String> = names.iter().map(|&s| s.to_owned()).collect();
+        chosen(&names)
+    };
+    assert_eq!(only(&[]).unwrap().len(), cases().count());
+    assert!(only(&["t1", "T2"]).unwrap().len() >= 2);
+    let told = only(&["T99"]).unwrap_err();
+    for id in ["contradiction", "T10", "map"] {
+        assert_eq!(told.matches(id).count(), 1, "{told}");
+    }
+}
+
+#[test]
+fn a_map_that_is_not_made_is_not_drawn() {
+    #[derive(clap::Parser)]
+    struct Line {
+        #[command(flatten)]
+        arguments: StabilityArguments,
+    }
+    let place = tempfile::tempdir().unwrap();
+    let files = |line: &str| {
+        let path = place.path().join("m.svg").display().to_string();
+        let words = ["b", "--plot", &path].into_iter();
+        let line = <Line as clap::Parser>::parse_from(words.chain(line.split_whitespace()));
+        let opened = plots(&line.arguments, &chosen(&line.arguments.only).unwrap())?;
+        let names = std::fs::read_dir(place.path()).unwrap();
+        let mut names: Vec<_> = names.map(|f| f.unwrap().file_name()).collect();
+        names.sort_unstable();
+        drop(opened);
+        Ok::<_, Box<dyn Error>>(names)
+    };
+    assert!(files("--only T1").is_err(), "nothing to draw");
+    assert!(files("--only map").unwrap().contains(&"m.svg".into()));
+    let both = files("--backend cpu,gpu").unwrap();
+    assert!(both.contains(&"m-cpu.svg".into()) && both.contains(&"m-gpu.svg".into()));
+}
+
+#[test]
+fn backends_agree_when_every_verdict_is_the_same() {
+    let row = |backend: &str, passed| {
+        let worst = case::Worst {
+            value: if passed { 0.0 } else { f64::INFINITY },
+            at: String::new(),
+            runs: 1,
+            limits: None,
+        };
+        let case = cases().next().unwrap();
+        Row {
+            backend: backend.to_owned(),
+            ..Row::new(&case, Ok(worst), 0.0)
+        }
+    };
+    assert!(disagreements(&[row("cpu", false), row("gpu", false)]).is_empty());
+    assert_eq!(
+        disagreements(&[row("cpu", true), row("gpu", false)]),
+        ["T1"]
+    );
+}

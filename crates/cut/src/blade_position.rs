@@ -1,0 +1,27 @@
+//! Inside test for a sweep that hits nothing.
+
+use crate::sweep::Sweep;
+use incise_mesh::Surface;
+use incise_mesh::geometry::to_f64;
+
+/// Returns whether the sweep's first corner is inside the surface. O(n).
+///
+/// A sweep that hits no triangle then lies inside the body as a whole, which [`crate::Cutter::cut`]
+/// reports as a miss: this test takes longer than the cut. The corner is inside if the solid angle
+/// of the surface is more than half of the full one (van Oosterom and Strackee 1983).
+#[must_use]
+pub fn blade_starts_inside(surface: &Surface, sweep: &Sweep) -> bool {
+    let at = to_f64(sweep.corners()[0]);
+    let angle: f64 = surface
+        .topology()
+        .triangles()
+        .map(|t| {
+            let [a, b, c] = surface.triangle_positions(t).map(|p| p - at);
+            let [la, lb, lc] = [a, b, c].map(|p| p.norm());
+            let volume = a.dot(&b.cross(&c));
+            let scale = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
+            2.0 * volume.atan2(scale)
+        })
+        .sum();
+    angle.abs() > std::f64::consts::TAU
+}

@@ -1,0 +1,94 @@
+//! [`CutOutcome`] and [`CutReport`]: the change of a cut, its counts and its times.
+
+use incise_mesh::{TopologyDelta, TriangleId, Undo};
+use std::time::Duration;
+
+/// The change of a cut, or a miss.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
+#[must_use = "ask `is_miss`: a sweep that misses changes nothing"]
+pub struct CutOutcome {
+    /// The change; empty after a miss.
+    pub delta: TopologyDelta,
+    /// The triangles of the caps.
+    pub cap: Vec<TriangleId>,
+    /// Undoes the cut; none after a miss.
+    pub undo: Option<Undo>,
+    /// Counts and times.
+    pub report: CutReport,
+}
+
+impl CutOutcome {
+    /// Returns whether the sweep missed the surface, which is then unchanged.
+    #[must_use]
+    pub fn is_miss(&self) -> bool {
+        self.delta.is_empty()
+    }
+}
+
+/// Counts and times of a cut.
+///
+/// Counts of one method are 0 for the other.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+pub struct CutReport {
+    /// Triangles whose bounding boxes touch the sweep.
+    pub candidates: usize,
+    /// Triangles that the sweep crosses.
+    pub hits: usize,
+    /// Closed loops of the cross-section.
+    pub loops: usize,
+    /// Vertices that snapping moved into the rim (exact method).
+    pub snapped_vertices: usize,
+    /// Intersection points that snapping merged into others (exact method).
+    pub merged_nodes: usize,
+    /// Edges around the rim that remeshing flipped (exact method).
+    pub flipped_edges: usize,
+    /// Vertices beside the rim that remeshing collapsed onto others (exact method).
+    pub collapsed_vertices: usize,
+    /// Intersection points that remeshing merged into others (exact method).
+    pub collapsed_nodes: usize,
+    /// Upper bound of the displacement of the surface by remeshing \[m\] (exact method).
+    pub moved_surface: f64,
+    /// Volume moved by snapping and remeshing, without sign \[m^3\] (exact method).
+    pub moved_volume: f64,
+    /// Rim edges left shorter than [`crate::ExactParams::snap`], where a merge would change the
+    /// topology or move too much volume (exact method).
+    pub short_rim_edges: usize,
+    /// Sides of loops on which the paper's boundary would not be a manifold, so that hit triangles
+    /// were cut along the sweep instead (paper's method).
+    pub fallback_sides: usize,
+    /// Whether every cap reached its target edge length.
+    pub refined: bool,
+    /// Time of the BVH query and of the intersection.
+    pub detection: Duration,
+    /// Time of opening the surface along the rim.
+    pub split: Duration,
+    /// Time of remeshing around the rim.
+    pub remeshing: Duration,
+    /// Time of meshing the caps.
+    pub cap: Duration,
+    /// Time of refining the caps.
+    pub refinement: Duration,
+    /// Time of numbering the pieces.
+    pub separation: Duration,
+    /// Time of deriving the delta and the undo.
+    pub commit: Duration,
+    /// Time of updating the BVH.
+    pub bvh_update: Duration,
+}
+
+impl CutReport {
+    /// Returns the sum of all times.
+    #[must_use]
+    pub fn total(&self) -> Duration {
+        self.detection
+            + self.split
+            + self.remeshing
+            + self.commit
+            + self.cap
+            + self.refinement
+            + self.separation
+            + self.bvh_update
+    }
+}

@@ -1,0 +1,284 @@
+//! Gives the parts of cut pieces piece numbers of their own.
+//!
+//! Breadth-first searches start on both sides of every loop, advance in turns and join where they
+//! meet. They end as soon as at most one part of each piece is unfinished: its size follows from
+//! the others, and if it is the largest it keeps the piece's number. So the largest part is not
+//! traversed as a whole. Searches on the side that looks smaller get longer turns.
+
+use crate::sweep::Sweep;
+use incise_mesh::{Edit, Surface, Topology, TriangleId, index_u32};
+
+/// Triangles that a search visits before the next search has its turn.
+const TURN: usize = 1024;
+/// Factor by which turns are longer on the side that looks smaller.
+const SMALLER_SIDE_FACTOR: usize = 4;
+/// Triangles that are visited together.
+const BATCH: usize = 32;
+/// Triangles of a body that are sampled to estimate the smaller side.
+const SAMPLES: usize = 64;
+
+/// Scratch memory of the searches.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Separator {
+    /// By triangle slot: `epoch` + the number of the search that reached it, or less.
+    stamps: Vec<u32>,
+    epoch: u32,
+    /// The next epoch: above all stamps.
+    next_epoch: u32,
+    /// One per side of a loop, side 0 before side 1.
+    searches: Vec<Search>,
+    /// The side that looks smaller.
+    smaller: usize,
+    /// Searches, grouped by part.
+    members: Vec<usize>,
+}
+
+/// The triangles that were reached from one side of a loop.
+#[derive(Debug, Clone, Default)]
+struct Search {
+    reached: Vec<TriangleId>,
+    /// Number of reached triangles that were visited.
+    done: usize,
+    /// The search that it was joined to, itself if none (union-find).
+    root: usize,
+    /// The piece of its first triangle.
+    piece: u32,
+}
+
+/// A part of a piece: searches that were joined.
+#[derive(Debug, Clone, Copy)]
+struct Part {
+    /// Range of its searches among the members.
+    members: (usize, usize),
+    /// The smallest piece number of its searches, and whether there are others.
+    piece: u32,
+    is_mixed: bool,
+    triangles: usize,
+    is_finished: bool,
+    first_triangle: TriangleId,
+}
+
+impl Separator {
+    /// Gives every connected part of the pieces at `seeds` a piece number of its own.
+    ///
+    /// Seeds are triangles in turns below and above the sweep. The part with the most triangles
+    /// keeps the old number; of equals, the one with the first triangle. Seeds with `joined`
+    /// numbers will be joined by a cap, so their parts are one.
+    pub(crate) fn separate(
+        &mut self,
+        edit: &mut Edit<'_>,
+        sweep: &Sweep,
+        seeds: impl Iterator<Item = TriangleId>,
+        joined: impl Iterator<Item = (usize, usize)>,
+    ) {
+        self.begin(edit.surface(), seeds);
+        self.smaller = estimate_smaller_side(edit.surface(), sweep, self.searches[0].piece);
+        for (a, b) in joined {
+            self.join(a, b);
+        }
+        let mut parts = Vec::new();
+        loop {
+            self.parts(&mut parts);
+            let mut is_done = true;
+            for group in parts.chunk_by(|a, b| a.piece == b.piece) {
+                let finished = || group.iter().filter(|p| p.is_finished).map(|p| p.triangles);
+                let open = group.iter().filter(|p| !p.is_finished).count();
+                let rest = edit.surface().piece_triangles(group[0].piece);
+                let rest = rest.saturating_sub(finished().sum());
+                let is_largest = finished().all(|triangles| triangles < rest);
+                for part in group.iter().filter(|p| !p.is_finished) {
+                    if open > 1 || part.is_mixed || !is_largest {
+                        is_done = false;
+                        self.advance(edit.surface(), part);
+                    }
+                }
+            }
+            if is_done {
+                break;
+            }
+        }
+        self.number_parts(edit, &parts);
+    }
+
+    fn begin(&mut self, surface: &Surface, seeds: impl Iterator<Item = TriangleId>) {
+        let slots = surface.topology().triangle_slots();
+        self.searches.iter_mut().for_each(|s| s.reached.clear());
+        let seeds: Vec<TriangleId> = seeds.collect();
+        self.searches.resize(seeds.len(), Search::default());
+        self.stamps.resize(slots.max(self.stamps.len()), 0);
+        // Stamps of earlier cuts are below the epoch, so nothing is cleared but once in a long
+        // while.
+        let count = index_u32(seeds.len());
+        if self.next_epoch > u32::MAX - count {
+            self.stamps.fill(0);
+            self.next_epoch = 0;
+        }
+        self.epoch = self.next_epoch.max(1);
+        self.next_epoch = self.epoch + count;
+        for (i, &seed) in seeds.iter().enumerate() {
+            let search = &mut self.searches[i];
+            search.done = 0;
+            search.root = i;
+            search.piece = surface.piece(seed);
+            let stamp =
+                std::mem::replace(&mut self.stamps[seed.index()], self.epoch + index_u32(i));
+            if stamp < self.epoch {
+                self.searches[i].reached.push(seed);
+            } else {
+                self.join(i, (stamp - self.epoch) as usize);
+            }
+        }
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.searches[a.max(b)].root = a.min(b);
+    }
+
+    fn root(&self, mut i: usize) -> usize {
+        while self.searches[i].root != i {
+            i = self.searches[i].root;
+        }
+        i
+    }
+
+    /// Collects the parts that the searches have joined so far, by piece, then by root.
+    fn parts(&mut self, out: &mut Vec<Part>) {
+        for i in 0..self.searches.len() {
+            self.searches[i].root = self.root(i);
+        }
+        self.members.clear();
+        self.members.extend(0..self.searches.len());
+        let searches = &self.searches;
+        self.members.sort_by_key(|&i| searches[i].root);
+        out.clear();
+        let mut from = 0;
+        for own in self
+            .members
+            .chunk_by(|&a, &b| searches[a].root == searches[b].root)
+        {
+            let own_searches = || own.iter().map(|&i| &searches[i]);
+            let pieces = || own_searches().map(|s| s.piece);
+            let piece = pieces().min().unwrap_or_default();
+            out.push(Part {
+                members: (from, from + own.len()),
+                piece,
+                is_mixed: pieces().any(|p| p != piece),
+                triangles: own_searches().map(|s| s.reached.len()).sum(),
+                is_finished: own_searches().all(|s| s.done == s.reached.len()),
+                first_triangle: TriangleId::NULL,
+            });
+            from += own.len();
+        }
+        // Stable, so that parts of a piece stay in the order of their roots.
+        out.sort_by_key(|part| part.piece);
+    }
+
+    /// Lets the searches of a part visit more triangles.
+    fn advance(&mut self, surface: &Surface, part: &Part) {
+        let topology = surface.topology();
+        for k in part.members.0..part.members.1 {
+            let i = self.members[k];
+            let mut turn = if i % 2 == self.smaller {
+                SMALLER_SIDE_FACTOR * TURN
+            } else {
+                TURN
+            };
+            while turn > 0 && self.searches[i].done < self.searches[i].reached.len() {
+                self.visit(topology, i);
+                turn -= BATCH;
+            }
+        }
+    }
+
+    /// Visits the next few triangles of a search.
+    ///
+    /// All neighbors are read before any is tested, so that memory reads overlap, and no branch
+    /// depends on whether one is new.
+    fn visit(&mut self, topology: &Topology, i: usize) {
+        let search = &mut self.searches[i];
+        let mut near = [TriangleId::NULL; 3 * BATCH];
+        let mut count = 0;
+        let end = search.reached.len().min(search.done + BATCH);
+        for &t in &search.reached[search.done..end] {
+            for twin in t.half_edges().map(|h| topology.twin(h)) {
+                near[count] = twin.triangle();
+                count += usize::from(!twin.is_null());
+            }
+        }
+        search.done = end;
+        let own = self.epoch + index_u32(i);
+        let mut new = [TriangleId::NULL; 3 * BATCH];
+        let mut fresh = 0;
+        for &t in &near[..count] {
+            let stamp = std::mem::replace(&mut self.stamps[t.index()], own);
+            new[fresh] = t;
+            fresh += usize::from(stamp < self.epoch);
+            if stamp >= self.epoch && stamp != own {
+                self.join(i, (stamp - self.epoch) as usize);
+            }
+        }
+        self.searches[i].reached.extend_from_slice(&new[..fresh]);
+    }
+
+    /// Writes the piece numbers of the parts.
+    fn number_parts(&self, edit: &mut Edit<'_>, parts: &[Part]) {
+        let mut parts = parts.to_vec();
+        for part in parts.iter_mut().filter(|p| p.is_finished) {
+            part.first_triangle = (self.triangles(part).min()).expect("a search has a triangle");
+        }
+        parts.sort_by_key(|part| (part.piece, part.first_triangle));
+        for group in parts.chunk_by(|a, b| a.piece == b.piece) {
+            // An unfinished part is larger than all others; of finished ones the first of the
+            // largest.
+            let size = |p: &Part| {
+                if p.is_finished {
+                    p.triangles
+                } else {
+                    usize::MAX
+                }
+            };
+            let kept = group.iter().rev().max_by_key(|p| size(p));
+            let kept = kept.expect("a group has a part").members;
+            for part in group {
+                if part.members == kept && !part.is_mixed {
+                    continue;
+                }
+                let number = if part.members == kept {
+                    part.piece
+                } else {
+                    edit.new_piece(part.piece)
+                };
+                edit.set_pieces(self.triangles(part), number);
+            }
+        }
+    }
+
+    /// Returns the triangles that the searches of a part reached.
+    fn triangles(&self, part: &Part) -> impl Iterator<Item = TriangleId> + '_ {
+        let own = &self.members[part.members.0..part.members.1];
+        own.iter()
+            .flat_map(|&i| self.searches[i].reached.iter().copied())
+    }
+}
+
+/// Estimates on which side of the sweep's plane a piece has fewer triangles, from samples.
+///
+/// Only the time of the searches depends on it.
+fn estimate_smaller_side(surface: &Surface, sweep: &Sweep, piece: u32) -> usize {
+    let (point, normal) = sweep.plane();
+    let slots = surface.topology().triangle_slots();
+    let samples = (0..SAMPLES).map(|i| TriangleId::from_index(i * slots / SAMPLES));
+    let own = samples.filter(|&t| surface.topology().is_triangle(t) && surface.piece(t) == piece);
+    let above: i32 = own
+        .map(|t| {
+            let [corner, ..] = surface.triangle_positions(t);
+            if normal.dot(&(corner - point)) > 0.0 {
+                1
+            } else {
+                -1
+            }
+        })
+        .sum();
+    usize::from(above <= 0)
+}

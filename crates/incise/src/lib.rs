@@ -1,0 +1,24 @@
+#![doc = include_str!("../README.md")]
+
+pub use incise_cut as cut;
+pub use incise_mesh as mesh;
+pub use incise_pbd_gpu as pbd;
+pub use incise_refine as refine;
+#[cfg(feature = "render")]
+pub use incise_render as render;
+pub use incise_scene as scene;
+
+/// The types that a first scene needs.
+pub mod prelude {
+    pub use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
+    pub use incise_mesh::{Surface, Vec3, VertexId, icosphere};
+    #[cfg(feature = "io")]
+    pub use incise_mesh::{read_mesh, write_obj};
+    pub use incise_pbd_gpu::{
+        Collider, InteriorSprings, Material, SolverParams, Stiffness, Volume,
+    };
+    pub use incise_scene::{
+        BackendChoice, BackendRequest, BladeId, BodyId, ContactParams, FrameStats, Scene,
+        SceneError, SceneParams, SleepParams,
+    };
+}

@@ -1,0 +1,96 @@
+//! Overlap queries: triangles that a sweep may touch.
+
+use super::{Bvh, MAX_HEIGHT, triangle_bounds};
+use crate::geometry::{area_vector, to_f32, to_f64};
+use crate::{Aabb, Surface, TriangleId, Vec3};
+
+impl Bvh {
+    /// Appends every triangle whose bounding box may touch one of `triangles` to `out`.
+    ///
+    /// The result is conservative and in the order of the tree. A query triangle without area
+    /// touches nothing. O(k + log n) for k results, if `triangles` are small or coplanar.
+    pub fn query<const N: usize>(
+        &self,
+        surface: &Surface,
+        triangles: &[[Vec3; 3]; N],
+        out: &mut Vec<TriangleId>,
+    ) {
+        let slabs = triangles.map(Slab::new);
+        self.traverse(surface, |b| slabs.iter().any(|slab| slab.may_touch(b)), out);
+    }
+
+    /// Appends every triangle whose box `touches` to `out`.
+    ///
+    /// Boxes of whole subtrees are tested first: `touches` must accept every box that contains an
+    /// accepted one.
+    pub fn traverse(
+        &self,
+        surface: &Surface,
+        touches: impl Fn(&Aabb) -> bool,
+        out: &mut Vec<TriangleId>,
+    ) {
+        let mut at = 0;
+        let mut rights = [0; MAX_HEIGHT];
+        let mut depth = 0;
+        while let Some(node) = self.nodes.get(at as usize) {
+            if touches(&node.bounds) {
+                if !node.is_leaf() {
+                    rights[depth] = node.index + 1;
+                    depth += 1;
+                    at = node.index;
+                    continue;
+                }
+                let block = &self.blocks[node.index as usize];
+                for k in 0..node.count as usize {
+                    if touches(&triangle_bounds(surface, block.corners[k])) {
+                        out.push(block.triangles[k]);
+                    }
+                }
+            }
+            // The next node to visit is the right child of the nearest ancestor entered on the
+            // left.
+            if depth == 0 {
+                break;
+            }
+            depth -= 1;
+            at = rights[depth];
+        }
+    }
+}
+
+/// A query triangle as a bounding box and a plane.
+struct Slab {
+    /// Empty if the triangle has no area.
+    bounds: Aabb,
+    point: Vec3,
+    normal: Vec3,
+}
+
+impl Slab {
+    fn new(corners: [Vec3; 3]) -> Self {
+        let normal = area_vector(corners);
+        let bounds = if normal.norm() > 0.0 {
+            Aabb::around(corners.map(to_f32))
+        } else {
+            Aabb::default()
+        };
+        Self {
+            bounds,
+            point: corners[0],
+            normal,
+        }
+    }
+
+    /// Returns false only if the box is certainly off the triangle; the slack exceeds f64 rounding.
+    fn may_touch(&self, bounds: &Aabb) -> bool {
+        if !self.bounds.overlaps(bounds) {
+            return false;
+        }
+        let (min, max) = (to_f64(bounds.min), to_f64(bounds.max));
+        let half = (max - min) / 2.0;
+        let offset = (min + max) / 2.0 - self.point;
+        let reach = self.normal.abs().dot(&half);
+        let scale = self.normal.abs().dot(&offset.abs()) + reach;
+        self.normal.dot(&offset).abs() <= reach + scale * 1e-12
+    }
+}

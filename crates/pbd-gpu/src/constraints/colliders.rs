@@ -1,0 +1,215 @@
+//! Colliders: static solid shapes that vertices are pushed out of.
+
+use crate::error::ConstraintError;
+use incise_mesh::Aabb;
+
+/// A static solid shape that pushes bodies out, with the friction coefficient of the body.
+///
+/// Vertices are outside at the end of each substep. Triangles much larger than the shape may
+/// intersect it, and vertices that pass it within a substep are not stopped. A collider that is
+/// placed inside a body pushes the vertices out within one substep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Collider {
+    /// A half-space.
+    Plane {
+        /// A point on the boundary \[m\].
+        point: [f32; 3],
+        /// Outward normal, of any length above 0.
+        normal: [f32; 3],
+    },
+    /// A ball.
+    Sphere {
+        /// Center \[m\].
+        center: [f32; 3],
+        /// Radius \[m\].
+        radius: f32,
+    },
+    /// The points within a radius of a segment.
+    Capsule {
+        /// Ends of the segment \[m\].
+        ends: [[f32; 3]; 2],
+        /// Radius \[m\].
+        radius: f32,
+    },
+    /// An oriented box.
+    Box {
+        /// Center \[m\].
+        center: [f32; 3],
+        /// Half extents \[m\].
+        half: [f32; 3],
+        /// Directions of the first two sides; they are orthonormalized, the first one first.
+        axes: [[f32; 3]; 2],
+    },
+}
+
+/// A collider as the kernels on the CPU and on the GPU read it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "gpu", derive(bytemuck::Pod, bytemuck::Zeroable))]
+pub(crate) struct ColliderRecord {
+    /// [`PLANE`], [`ROUND`] or [`BOX`].
+    pub(crate) kind: u32,
+    /// Radius of spheres and capsules \[m\].
+    pub(crate) radius: f32,
+    /// Point of a plane, center of a sphere, first end of a capsule, center of a box \[m\].
+    pub(crate) origin: [f32; 3],
+    /// Normal of a plane, segment of a capsule \[m\], half extents of a box \[m\].
+    pub(crate) extent: [f32; 3],
+    /// First two axes of a box; segment of a capsule over its squared length.
+    pub(crate) axes: [[f32; 3]; 2],
+    pub(crate) pad: [u32; 2],
+}
+
+pub(crate) const PLANE: u32 = 0;
+pub(crate) const ROUND: u32 = 1;
+pub(crate) const BOX: u32 = 2;
+
+impl Collider {
+    /// Returns the bounding box; that of a plane is unbounded.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        let around = |center: [f32; 3], reach: [f32; 3]| Aabb {
+            min: [0, 1, 2].map(|k| center[k] - reach[k]),
+            max: [0, 1, 2].map(|k| center[k] + reach[k]),
+        };
+        match *self {
+            Self::Plane { .. } => Aabb {
+                min: [f32::NEG_INFINITY; 3],
+                max: [f32::INFINITY; 3],
+            },
+            Self::Sphere { center, radius } => around(center, [radius; 3]),
+            Self::Capsule {
+                ends: [a, b],
+                radius,
+            } => {
+                let ends = [around(a, [radius; 3]), around(b, [radius; 3])];
+                Aabb {
+                    min: [0, 1, 2].map(|k| ends[0].min[k].min(ends[1].min[k])),
+                    max: [0, 1, 2].map(|k| ends[0].max[k].max(ends[1].max[k])),
+                }
+            }
+            Self::Box { center, half, .. } => {
+                let diagonal = norm(half);
+                around(center, [diagonal; 3])
+            }
+        }
+    }
+
+    /// Returns true if all numbers are finite, sizes are positive and directions are not zero.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        self.record().is_some()
+    }
+
+    /// Returns the record of a valid collider.
+    pub(crate) fn record(&self) -> Option<ColliderRecord> {
+        let mut record = ColliderRecord {
+            kind: ROUND,
+            radius: 0.0,
+            origin: [0.0; 3],
+            extent: [0.0; 3],
+            axes: [[0.0; 3]; 2],
+            pad: [0; 2],
+        };
+        match *self {
+            Self::Plane { point, normal } => {
+                record.kind = PLANE;
+                record.origin = point;
+                record.extent = unit(normal)?;
+            }
+            Self::Sphere { center, radius } => {
+                record.origin = center;
+                record.radius = radius;
+            }
+            Self::Capsule {
+                ends: [a, b],
+                radius,
+            } => {
+                record.origin = a;
+                record.extent = [0, 1, 2].map(|k| b[k] - a[k]);
+                let square = dot(record.extent, record.extent);
+                if square > 0.0 {
+                    record.axes[0] = record.extent.map(|c| c / square);
+                }
+                record.radius = radius;
+            }
+            Self::Box { center, half, axes } => {
+                record.kind = BOX;
+                record.origin = center;
+                record.extent = half;
+                let first = unit(axes[0])?;
+                let across = dot(first, axes[1]);
+                let second = [0, 1, 2].map(|k| axes[1][k] - across * first[k]);
+                record.axes = [first, unit(second)?];
+            }
+        }
+        let numbers = record.origin.iter().chain(&record.extent);
+        let numbers = numbers.chain(record.axes.as_flattened());
+        let sizes_are_positive = match self {
+            Self::Plane { .. } => true,
+            Self::Box { half, .. } => half.iter().all(|&c| c > 0.0),
+            _ => record.radius > 0.0,
+        };
+        let is_valid = numbers.chain([&record.radius]).all(|n| n.is_finite()) && sizes_are_positive;
+        is_valid.then_some(record)
+    }
+}
+
+/// The colliders of a body, with their records.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Colliders {
+    shapes: Vec<Collider>,
+    records: Vec<ColliderRecord>,
+    generation: u64,
+}
+
+impl Colliders {
+    /// Returns the colliders as they were set.
+    pub(crate) fn shapes(&self) -> &[Collider] {
+        &self.shapes
+    }
+
+    /// Returns the records that kernels read.
+    pub(crate) fn records(&self) -> &[ColliderRecord] {
+        &self.records
+    }
+
+    /// Returns a number that changes whenever colliders are set.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn generation(&self) -> u64 {
+        self.generation
+    }
+
+    /// Replaces the colliders.
+    ///
+    /// # Errors
+    /// [`ConstraintError::BadCollider`]; nothing is changed then.
+    pub(crate) fn set(&mut self, colliders: &[Collider]) -> Result<(), ConstraintError> {
+        if self.shapes == colliders {
+            return Ok(());
+        }
+        if let Some(number) = colliders.iter().position(|c| !c.is_valid()) {
+            return Err(ConstraintError::BadCollider { number });
+        }
+        self.shapes.clear();
+        self.shapes.extend_from_slice(colliders);
+        self.records.clear();
+        self.records
+            .extend(colliders.iter().filter_map(Collider::record));
+        self.generation += 1;
+        Ok(())
+    }
+}
+
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn norm(a: [f32; 3]) -> f32 {
+    dot(a, a).sqrt()
+}
+
+fn unit(a: [f32; 3]) -> Option<[f32; 3]> {
+    let length = norm(a);
+    (length > 0.0 && length.is_finite()).then(|| a.map(|c| c / length))
+}

@@ -1,0 +1,229 @@
+//! Volume constraints: one per closed piece that encloses a volume at rest.
+//!
+//! A cut gives each half the volume that it has at rest. A constraint stores only the list of the
+//! vertices of its piece; kernels traverse the half-edges of the surface.
+
+use incise_mesh::geometry::{Vec3, area_vector};
+use incise_mesh::{HalfEdge, Surface, VertexId};
+use std::f64::consts::PI;
+
+/// Maximum displacement of a vertex per projection, relative to the rest thickness `3 |V| / A`.
+///
+/// The thickness is the radius of a ball, or 3/2 of that of a plate. Without a limit the gradient
+/// of a nearly collapsed piece would throw its vertices away.
+const REACH: f64 = 0.25;
+
+/// Volume relative to a ball of the same area, below which it is a rounding error of a flat piece.
+const FLAT: f64 = 1e-6;
+
+/// A vertex of a closed piece, with the first half-edge of the traversal around it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Spoke {
+    pub(crate) vertex: VertexId,
+    /// An outgoing half-edge.
+    pub(crate) outgoing: HalfEdge,
+}
+
+/// The volume constraint of a piece: its rest volume times the pressure of the material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PieceVolume {
+    pub(crate) piece: u32,
+    pub(crate) rest: f32,
+    /// Maximum displacement of a vertex per projection \[m\].
+    pub(crate) reach: f32,
+    /// Range in the list of spokes.
+    pub(crate) first: usize,
+    pub(crate) end: usize,
+}
+
+impl PieceVolume {
+    /// Returns the number of the piece.
+    #[must_use]
+    pub fn piece(&self) -> u32 {
+        self.piece
+    }
+
+    /// Returns the rest volume [m^3], negative for a cavity, whose normals point inward.
+    #[must_use]
+    pub fn rest(&self) -> f32 {
+        self.rest
+    }
+
+    /// Returns the number of vertices of the piece.
+    #[must_use]
+    pub fn vertices(&self) -> usize {
+        self.end - self.first
+    }
+}
+
+/// Sums over the triangles and vertices of a piece.
+#[derive(Debug, Clone, Copy, Default)]
+struct Tally {
+    /// Apex of the cones that are summed up \[m\].
+    apex: Option<Vec3>,
+    /// Rest volume [m^3].
+    volume: f64,
+    /// Rest area [m^2].
+    area: f64,
+    /// Half-edges of its triangles minus those in the fans of its vertices; 0 unless two fans share
+    /// a vertex.
+    untraversed: i64,
+    is_open: bool,
+    /// Number of vertices; later the index of the next one in the list of spokes.
+    vertices: usize,
+    has_volume: bool,
+}
+
+/// The volume constraints of a body, by piece.
+#[derive(Debug, Clone, Default)]
+pub struct VolumeSet {
+    pub(crate) pieces: Vec<PieceVolume>,
+    /// Ordered by piece, then by vertex.
+    pub(crate) spokes: Vec<Spoke>,
+    /// Multipliers of the substep, shape \[pieces\].
+    pub(crate) lambda: Vec<f32>,
+    generation: u64,
+    tallies: Vec<Tally>,
+}
+
+impl VolumeSet {
+    /// Returns the constraints, in order of pieces.
+    #[must_use]
+    pub fn pieces(&self) -> &[PieceVolume] {
+        &self.pieces
+    }
+
+    /// Returns the XPBD multipliers after the last substep on the CPU, shape \[pieces\].
+    ///
+    /// A multiplier is the excess pressure \[Pa\] times `h^2`; all are 0 if they do not accumulate.
+    #[must_use]
+    pub fn multipliers(&self) -> &[f32] {
+        &self.lambda
+    }
+
+    /// Returns a number that changes whenever the constraints are found again.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn generation(&self) -> u64 {
+        self.generation
+    }
+
+    /// Sets all multipliers to 0.
+    pub(crate) fn reset_multipliers(&mut self) {
+        self.lambda.fill(0.0);
+    }
+
+    /// Returns the allocated size in elements.
+    pub(crate) fn capacity(&self) -> usize {
+        self.pieces.capacity()
+            + self.spokes.capacity()
+            + self.lambda.capacity()
+            + self.tallies.capacity()
+    }
+
+    /// Removes all constraints.
+    pub(crate) fn clear(&mut self) {
+        self.generation += 1;
+        self.pieces.clear();
+        self.spokes.clear();
+        self.lambda.clear();
+    }
+
+    /// Finds the constraints of the surface as it is now. O(n).
+    pub(crate) fn update(&mut self, surface: &Surface) {
+        self.generation += 1;
+        self.tally_triangles(surface);
+        self.tally_vertices(surface);
+        self.pieces.clear();
+        let mut first = 0;
+        for (piece, tally) in (0..).zip(&mut self.tallies) {
+            if let Some((rest, reach)) = tally.rest() {
+                let end = first + tally.vertices;
+                self.pieces.push(PieceVolume {
+                    piece,
+                    rest,
+                    reach,
+                    first,
+                    end,
+                });
+                tally.has_volume = true;
+                tally.vertices = first;
+                first = end;
+            }
+        }
+        self.lambda.clear();
+        self.lambda.resize(self.pieces.len(), 0.0);
+        let nowhere = Spoke {
+            vertex: VertexId::NULL,
+            outgoing: HalfEdge::NULL,
+        };
+        self.spokes.clear();
+        self.spokes.resize(first, nowhere);
+        let topology = surface.topology();
+        for vertex in topology.vertices() {
+            let outgoing = topology.outgoing(vertex);
+            let tally = &mut self.tallies[surface.piece(outgoing.triangle()) as usize];
+            if tally.has_volume {
+                self.spokes[tally.vertices] = Spoke { vertex, outgoing };
+                tally.vertices += 1;
+            }
+        }
+    }
+
+    fn tally_triangles(&mut self, surface: &Surface) {
+        let topology = surface.topology();
+        self.tallies.clear();
+        self.tallies
+            .resize(surface.piece_bound() as usize, Tally::default());
+        for t in topology.triangles() {
+            let tally = &mut self.tallies[surface.piece(t) as usize];
+            let corners = topology.triangle(t).map(|v| surface.rest_position(v));
+            let apex = *tally.apex.get_or_insert(corners[0]);
+            let normal = area_vector(corners);
+            tally.volume += normal.dot(&(corners[0] - apex)) / 6.0;
+            tally.area += normal.norm() / 2.0;
+            tally.untraversed += 3;
+            tally.is_open |= t.half_edges().iter().any(|&h| topology.twin(h).is_null());
+        }
+    }
+
+    /// Counts vertices and the half-edges in their fans.
+    ///
+    /// A vertex with several fans has half-edges that a traversal around it misses.
+    fn tally_vertices(&mut self, surface: &Surface) {
+        let topology = surface.topology();
+        for v in topology.vertices() {
+            let first = topology.outgoing(v);
+            let tally = &mut self.tallies[surface.piece(first.triangle()) as usize];
+            if tally.is_open {
+                continue;
+            }
+            tally.vertices += 1;
+            let mut at = first;
+            loop {
+                tally.untraversed -= 1;
+                at = topology.twin(at.prev());
+                if at == first || at.is_null() {
+                    break;
+                }
+            }
+        }
+    }
+}
+
+impl Tally {
+    /// Returns rest volume [m^3] and maximum displacement per projection \[m\].
+    ///
+    /// Returns `None` if the piece is not closed or encloses no volume.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "computed values are rounded once to storage"
+    )]
+    fn rest(&self) -> Option<(f32, f32)> {
+        let ball = self.area.powf(1.5) / (6.0 * PI.sqrt());
+        let encloses = self.volume.abs() > FLAT * ball;
+        let rest = self.volume as f32;
+        let is_closed = !self.is_open && self.untraversed == 0;
+        let reach = (REACH * 3.0 * self.volume.abs() / self.area) as f32;
+        (is_closed && encloses && rest.is_normal() && reach.is_normal()).then_some((rest, reach))
+    }
+}

@@ -1,0 +1,63 @@
+//! Updates a solver after an edit of its surface.
+//!
+//! Constraints of deleted triangles are removed and those of new triangles are added. Mass and
+//! momentum pass to the surviving vertices, and an undo restores the state before the edit.
+
+mod add_constraints;
+pub(crate) mod affected;
+pub(crate) mod changes;
+pub(crate) mod delta;
+pub(crate) mod mass_transfer;
+pub(crate) mod momentum;
+mod pins;
+pub(crate) mod undo_state;
+
+use crate::constraints::edges::EdgeLists;
+use changes::ChangeLog;
+use incise_mesh::VertexId;
+use mass_transfer::MassTransfer;
+use pins::DroppedPins;
+use undo_state::UndoStack;
+
+/// State that edits need from one another, and their scratch memory.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct FollowState {
+    pub(crate) log: ChangeLog,
+    undo: UndoStack,
+    dropped_pins: DroppedPins,
+    /// First vertices of the interior springs that the last edit removed.
+    lost_interior_springs: Vec<VertexId>,
+    scratch: Scratch,
+}
+
+/// Memory that is reused from edit to edit.
+#[derive(Debug, Default)]
+struct Scratch {
+    lists: EdgeLists,
+    mass_transfer: MassTransfer,
+    restored: Vec<VertexId>,
+}
+
+impl Clone for Scratch {
+    /// Returns empty scratch memory.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl FollowState {
+    /// Allocates scratch memory for a body of `slots` vertices and for more `vertices`.
+    pub(crate) fn reserve(&mut self, slots: usize, vertices: usize) {
+        self.scratch.mass_transfer.reserve(slots, vertices);
+    }
+
+    /// Returns the surviving first vertices of the interior springs that the last edit removed.
+    pub(crate) fn lost_interior_springs(&self) -> &[VertexId] {
+        &self.lost_interior_springs
+    }
+
+    /// Returns the allocated size in elements, without scratch memory.
+    pub(crate) fn capacity(&self) -> usize {
+        self.undo.capacity() + self.dropped_pins.capacity() + self.lost_interior_springs.capacity()
+    }
+}

@@ -1,0 +1,141 @@
+//! Applies the delta of an edit to particles and constraints.
+//!
+//! Deleted edges lose their constraints as in the paper's Algorithm A1, by lookup instead of a
+//! scan.
+
+use crate::constraints::Constraints;
+use crate::constraints::edges::{EdgeLists, EdgeTable, Sets};
+use crate::error::ConstraintError;
+use crate::follow::FollowState;
+use crate::particles::Particles;
+use incise_mesh::{Surface, TopologyDelta, VertexId};
+
+/// Checks that a delta matches the edge table and the surface, and that new vertices are finite.
+pub(crate) fn check(
+    edges: &EdgeTable,
+    surface: &Surface,
+    delta: &TopologyDelta,
+) -> Result<(), ConstraintError> {
+    for &(triangle, corners) in &delta.triangles_removed {
+        if !edges.has_triangle(triangle, corners) {
+            return Err(ConstraintError::DeltaMismatch { triangle });
+        }
+    }
+    for &triangle in &delta.triangles_added {
+        if !surface.topology().is_triangle(triangle) {
+            return Err(ConstraintError::DeltaUnknownTriangle { triangle });
+        }
+    }
+    for vertex in delta.vertices_added.iter().map(|added| added.vertex) {
+        let i = vertex.index();
+        let (Some(p), Some(rest)) = (surface.positions().get(i), surface.rest_positions().get(i))
+        else {
+            return Err(ConstraintError::UnknownVertex { vertex });
+        };
+        if !p[..3].iter().chain(rest).all(|c| c.is_finite()) {
+            return Err(ConstraintError::NonFinitePosition { vertex });
+        }
+    }
+    Ok(())
+}
+
+impl FollowState {
+    /// Updates particles, edge constraints and interior springs after a checked edit.
+    pub(crate) fn apply_delta(
+        &mut self,
+        particles: &mut Particles,
+        constraints: &mut Constraints,
+        surface: &mut Surface,
+        delta: &TopologyDelta,
+    ) {
+        // An undo removes slots. Their vertices pass on mass and constraints before that.
+        let (before, slots) = (particles.len(), surface.topology().vertex_slots());
+        resize(particles, constraints, slots.max(before));
+        update_edge_constraints(constraints, &mut self.scratch.lists, surface, delta);
+        self.drop_interior_springs(constraints, surface);
+        interpolate_velocities(particles, delta);
+        let restored = &mut self.scratch.restored;
+        let mut pins_changed = self.dropped_pins.restore_pins(particles, delta, restored);
+        let transfer = &mut self.scratch.mass_transfer;
+        transfer.run(particles, &mut self.undo, surface, delta);
+        pins_changed |= self.dropped_pins.drop_pins(particles, surface, delta);
+        if pins_changed {
+            self.log.mark_pins();
+        }
+        resize(particles, constraints, slots);
+        let affected = &self.scratch.mass_transfer.affected.vertices;
+        for &v in affected.iter().chain(&delta.vertices_removed) {
+            if v.index() < slots {
+                self.log.mark_vertex(v);
+            }
+        }
+        // A backend that steps all slots also needs new unused ones.
+        (before..slots).for_each(|i| self.log.mark_vertex(VertexId::from_index(i)));
+    }
+
+    /// Removes interior springs whose ends are no longer vertices of one piece.
+    fn drop_interior_springs(&mut self, constraints: &mut Constraints, surface: &Surface) {
+        use crate::constraints::interior_springs::is_inside;
+        let lost = &mut self.lost_interior_springs;
+        lost.clear();
+        constraints.remove_interior_springs(|ends| !is_inside(surface, ends), lost);
+        lost.retain(|&v| !surface.topology().outgoing(v).is_null());
+    }
+}
+
+/// Sets the number of vertex slots of particles and constraints.
+fn resize(particles: &mut Particles, constraints: &mut Constraints, slots: usize) {
+    particles.resize(slots);
+    constraints.resize_vertices(slots);
+}
+
+/// Removes the stretch and bending constraints of deleted edges and adds those of new ones.
+fn update_edge_constraints(
+    constraints: &mut Constraints,
+    lists: &mut EdgeLists,
+    surface: &Surface,
+    delta: &TopologyDelta,
+) {
+    let Constraints {
+        stretch,
+        bending,
+        edges,
+        patches,
+        ..
+    } = constraints;
+    let topology = surface.topology();
+    lists.clear();
+    for &(t, _) in &delta.triangles_removed {
+        edges.remove_triangle(t, lists);
+    }
+    edges.resize_triangles(topology.triangle_slots());
+    for &t in &delta.triangles_added {
+        edges.add_triangle(t, topology, lists);
+    }
+    let mut sets = Sets {
+        stretch,
+        bending: bending.as_mut(),
+        patches: patches.as_mut(),
+    };
+    (lists.changed).retain(|&edge| edges.drop_stale(edge, surface, &mut sets));
+    let bends = sets.bending.is_some();
+    if let Some(patches) = &mut sets.patches {
+        patches.remove_vertices(surface, delta);
+        patches.add_vertices(surface, delta, lists.edges(), edges, bends);
+    }
+    edges.add_missing(lists, surface, &mut sets);
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "an interpolated velocity is rounded once to storage"
+)]
+fn interpolate_velocities(particles: &mut Particles, delta: &TopologyDelta) {
+    let velocities = &mut particles.velocities;
+    for added in &delta.vertices_added {
+        let velocity = added
+            .origin
+            .interpolate(|v| velocities.get(v.index()).copied().unwrap_or_default());
+        velocities[added.vertex.index()] = velocity.map(|c| c as f32);
+    }
+}

@@ -1,0 +1,262 @@
+//! Particles of a solver: masses, velocities, pins, energy and momentum.
+
+use super::Solver;
+use crate::error::ConstraintError;
+use crate::particles::{Pin, inverse};
+use incise_mesh::{Surface, Vec3, VertexId};
+
+impl Solver {
+    /// Returns the velocity of `v` [m/s].
+    ///
+    /// # Panics
+    /// If the vertex slot does not exist.
+    #[must_use]
+    pub fn velocity(&self, v: VertexId) -> [f32; 3] {
+        let [x, y, z, _] = self.particles.velocities[v.index()];
+        [x, y, z]
+    }
+
+    /// Returns all velocities [m/s], last component 0, shape [vertex slots].
+    #[must_use]
+    pub fn velocities(&self) -> &[[f32; 4]] {
+        &self.particles.velocities
+    }
+
+    /// Returns masses, velocities and pins.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn particles(&self) -> &crate::particles::Particles {
+        &self.particles
+    }
+
+    /// Returns all velocities for the readback from a GPU, which the log does not record.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn velocities_mut(&mut self) -> &mut [[f32; 4]] {
+        &mut self.particles.velocities
+    }
+
+    /// Returns all masses \[kg\], also of pinned vertices, shape [vertex slots].
+    #[must_use]
+    pub fn masses(&self) -> &[f32] {
+        &self.particles.mass
+    }
+
+    /// Sets the velocity of `v` [m/s].
+    ///
+    /// # Errors
+    /// [`ConstraintError`] if the vertex is unknown or the velocity is not finite.
+    pub fn set_velocity(&mut self, v: VertexId, to: [f32; 3]) -> Result<(), ConstraintError> {
+        self.check_vertex(v)?;
+        check_value(v, to)?;
+        self.particles.velocities[v.index()] = [to[0], to[1], to[2], 0.0];
+        self.follow.log.mark_velocity(v);
+        Ok(())
+    }
+
+    /// Sets the mass of `v` \[kg\], for example to add a load.
+    ///
+    /// By default it follows from material and rest area. An edit at `v` redistributes the mass.
+    ///
+    /// # Errors
+    /// [`ConstraintError`] if the vertex is unknown, or the mass or its inverse is not positive and
+    /// finite.
+    pub fn set_mass(
+        &mut self,
+        surface: &mut Surface,
+        v: VertexId,
+        mass: f32,
+    ) -> Result<(), ConstraintError> {
+        self.check_surface(surface)?;
+        self.check_vertex(v)?;
+        let inverse_mass = inverse(mass);
+        if !(mass.is_finite() && inverse_mass > 0.0 && inverse_mass.is_finite()) {
+            return Err(ConstraintError::BadMass {
+                vertex: v,
+                value: mass,
+            });
+        }
+        self.particles.mass[v.index()] = mass;
+        if self.pin_of(v).is_err() {
+            surface.positions_mut()[v.index()][3] = inverse_mass;
+        }
+        self.follow.log.mark_mass(v);
+        Ok(())
+    }
+
+    /// Pins `v` at its current position by setting its inverse mass to 0.
+    ///
+    /// A pinned vertex gets its current position as target.
+    ///
+    /// # Errors
+    /// [`ConstraintError::UnknownVertex`].
+    pub fn pin(&mut self, surface: &mut Surface, v: VertexId) -> Result<(), ConstraintError> {
+        self.check_surface(surface)?;
+        self.check_vertex(v)?;
+        let position = &mut surface.positions_mut()[v.index()];
+        position[3] = 0.0;
+        let target = [position[0], position[1], position[2]];
+        self.particles.velocities[v.index()] = [0.0; 4];
+        self.follow.log.mark_mass(v);
+        self.follow.log.mark_velocity(v);
+        self.follow.log.mark_pins();
+        match self.particles.find_pin(v) {
+            Ok(i) => self.particles.pins[i].target = target,
+            Err(i) => {
+                self.particles.pins.insert(i, Pin { vertex: v, target });
+                self.constraints.attachments.invalidate();
+            }
+        }
+        Ok(())
+    }
+
+    /// Releases `v` with its current velocity.
+    ///
+    /// # Errors
+    /// [`ConstraintError::NotPinned`].
+    pub fn unpin(&mut self, surface: &mut Surface, v: VertexId) -> Result<(), ConstraintError> {
+        self.check_surface(surface)?;
+        let i = self.pin_of(v)?;
+        self.particles.pins.remove(i);
+        self.constraints.attachments.invalidate();
+        self.follow.log.mark_mass(v);
+        self.follow.log.mark_pins();
+        surface.positions_mut()[v.index()][3] = self.particles.inverse_mass(v);
+        Ok(())
+    }
+
+    /// Sets the position of a pinned vertex at the end of the next frame \[m\].
+    ///
+    /// The vertex moves there in equal parts over the substeps.
+    ///
+    /// # Errors
+    /// [`ConstraintError`] if the vertex is not pinned or the target is not finite.
+    pub fn set_pin_target(&mut self, v: VertexId, to: [f32; 3]) -> Result<(), ConstraintError> {
+        check_value(v, to)?;
+        let i = self.pin_of(v)?;
+        self.particles.pins[i].target = to;
+        self.follow.log.mark_pins();
+        Ok(())
+    }
+
+    /// Returns the pinned vertices, ascending.
+    #[must_use]
+    pub fn pins(&self) -> &[Pin] {
+        &self.particles.pins
+    }
+
+    /// Returns the mass of the body \[kg\], including pinned vertices.
+    #[must_use]
+    pub fn total_mass(&self) -> f64 {
+        self.particles.mass.iter().map(|&m| f64::from(m)).sum()
+    }
+
+    /// Returns the linear momentum of the body [kg m/s].
+    #[must_use]
+    pub fn momentum(&self) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for (&mass, v) in self.particles.mass.iter().zip(&self.particles.velocities) {
+            for k in 0..3 {
+                sum[k] += f64::from(mass) * f64::from(v[k]);
+            }
+        }
+        sum
+    }
+
+    /// Returns the angular momentum of the body about a fixed point \[m\] [kg m^2/s].
+    ///
+    /// # Panics
+    /// If the surface has fewer vertex slots than the body.
+    #[must_use]
+    pub fn angular_momentum(&self, surface: &Surface, about: [f64; 3]) -> [f64; 3] {
+        let mut sum = Vec3::zeros();
+        for (i, (&mass, v)) in self
+            .particles
+            .mass
+            .iter()
+            .zip(&self.particles.velocities)
+            .enumerate()
+        {
+            if mass > 0.0 {
+                let arm = surface.position(VertexId::from_index(i)) - Vec3::from(about);
+                let velocity = Vec3::new(v[0].into(), v[1].into(), v[2].into());
+                sum += arm.cross(&velocity) * f64::from(mass);
+            }
+        }
+        sum.into()
+    }
+
+    /// Returns the kinetic energy of the body \[J\].
+    #[must_use]
+    pub fn kinetic_energy(&self) -> f64 {
+        self.particles
+            .mass
+            .iter()
+            .zip(&self.particles.velocities)
+            .map(|(&mass, v)| {
+                let square: f64 = v.iter().map(|&c| f64::from(c) * f64::from(c)).sum();
+                f64::from(mass) * square / 2.0
+            })
+            .sum()
+    }
+
+    /// Returns the relative length error of edges: the sum of `|l - l0|` over the sum of `l0`.
+    ///
+    /// Returns 0 if the sum of rest lengths is 0.
+    #[must_use]
+    pub fn stretch_error(&self, surface: &Surface) -> f64 {
+        let (mut error, mut total) = (0.0, 0.0);
+        for batch in self.constraints.stretch.all() {
+            for (&[a, b], &rest) in batch.vertices().iter().zip(batch.rest()) {
+                let length = (surface.position(a) - surface.position(b)).norm();
+                error += (length - f64::from(rest)).abs();
+                total += f64::from(rest);
+            }
+        }
+        if total > 0.0 { error / total } else { 0.0 }
+    }
+
+    /// Returns the mean rest length of edges \[m\], or 0 without edges. O(n).
+    #[must_use]
+    pub fn mean_rest_length(&self) -> f64 {
+        let lengths = self
+            .constraints
+            .stretch
+            .all()
+            .flat_map(|batch| batch.rest());
+        let (sum, count) = lengths.fold((0.0, 0_u32), |(sum, count), &rest| {
+            (sum + f64::from(rest), count + 1)
+        });
+        sum / f64::from(count.max(1))
+    }
+
+    /// Checks that a surface has the vertex slots of the solver.
+    pub(crate) fn check_surface(&self, surface: &Surface) -> Result<(), ConstraintError> {
+        let (surface, solver) = (surface.positions().len(), self.particles.len());
+        if surface == solver {
+            Ok(())
+        } else {
+            Err(ConstraintError::SurfaceMismatch { surface, solver })
+        }
+    }
+
+    fn check_vertex(&self, vertex: VertexId) -> Result<(), ConstraintError> {
+        if self.particles.is_used(vertex) {
+            Ok(())
+        } else {
+            Err(ConstraintError::UnknownVertex { vertex })
+        }
+    }
+
+    fn pin_of(&self, vertex: VertexId) -> Result<usize, ConstraintError> {
+        self.particles
+            .find_pin(vertex)
+            .map_err(|_| ConstraintError::NotPinned { vertex })
+    }
+}
+
+fn check_value(vertex: VertexId, value: [f32; 3]) -> Result<(), ConstraintError> {
+    if value.iter().all(|c| c.is_finite()) {
+        Ok(())
+    } else {
+        Err(ConstraintError::NonFiniteValue { vertex })
+    }
+}

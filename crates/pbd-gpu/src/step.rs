@@ -1,0 +1,31 @@
+//! A step of the solver: its list of passes, its constants and the CPU backend that executes it.
+
+pub(crate) mod backend;
+pub(crate) mod body;
+pub(crate) mod constants;
+pub(crate) mod params;
+pub(crate) mod plan;
+pub(crate) mod prepare;
+pub(crate) mod second_order;
+pub(crate) mod sweep;
+
+use params::StepStats;
+use plan::StepPlan;
+use second_order::History;
+
+/// State that a step hands to the next one.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct StepState {
+    pub(crate) plan: StepPlan,
+    pub(crate) history: History,
+    /// Longest recent substep, which decays over frames \[s\].
+    pub(crate) longest_substep: f32,
+    pub(crate) stats: StepStats,
+}
+
+impl StepState {
+    /// Returns the allocated size in elements.
+    pub(crate) fn capacity(&self) -> usize {
+        self.plan.capacity() + self.history.capacity()
+    }
+}

@@ -1,0 +1,349 @@
+//! Execution of a plan: the `Backend` trait and the CPU backend, which calls one kernel per pass.
+
+use crate::constraints::batches::{Batch, BatchId, ConstraintSet};
+use crate::error::StepError;
+use crate::kernels::bending::Bending;
+use crate::kernels::displacements::{Cell, Displacements, Exclusive};
+use crate::kernels::stretch::Stretch;
+use crate::kernels::volume::{self, VolumeScratch};
+use crate::kernels::{attachments, colliders, contacts, ground, integrate, pins, predict};
+use crate::step::body::Body;
+use crate::step::constants::Projection;
+use crate::step::constants::StepConstants;
+use crate::step::params::StepStats;
+use crate::step::plan::{ConstraintKind, Pass, StepPlan};
+use crate::step::sweep::{Kernel, is_parallel, sweep};
+use pulp::{Arch, NullaryFnOnce};
+
+/// Executes the passes of a plan in order, once per substep.
+pub trait Backend {
+    /// Steps a body by one frame.
+    ///
+    /// # Errors
+    /// [`StepError::NonFinitePosition`]; the body is unusable then.
+    fn execute(
+        &mut self,
+        plan: &StepPlan,
+        constants: &StepConstants,
+        body: &mut Body<'_>,
+    ) -> Result<StepStats, StepError>;
+}
+
+/// The CPU backend. Its results have the same bits on every machine and any number of threads.
+#[derive(Debug, Default)]
+pub struct CpuBackend {
+    /// Displacements of the substep, shape [vertex slots].
+    displacements: Vec<Cell>,
+    /// Displacements before the current iteration, shape [vertex slots]; empty without a residual.
+    before: Vec<[f32; 4]>,
+    volume_scratch: VolumeScratch,
+}
+
+impl Clone for CpuBackend {
+    /// Returns a backend with empty scratch memory.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl CpuBackend {
+    /// Returns the allocated size in elements.
+    pub(crate) fn capacity(&self) -> usize {
+        self.displacements.capacity() + self.before.capacity() + self.volume_scratch.capacity()
+    }
+}
+
+impl Backend for CpuBackend {
+    fn execute(
+        &mut self,
+        plan: &StepPlan,
+        constants: &StepConstants,
+        body: &mut Body<'_>,
+    ) -> Result<StepStats, StepError> {
+        let slots = body.positions.len();
+        self.displacements.resize_with(slots, Cell::default);
+        let arch = Arch::new();
+        let edges = [Some(&*body.stretch), body.interior_springs.as_deref()];
+        let stretch = edges
+            .into_iter()
+            .flatten()
+            .flat_map(|set| set.all().map(Batch::len));
+        let bending = body.bending.iter().flat_map(|set| set.all());
+        let volumes = [body.volumes.spokes.len()];
+        let batches = stretch.chain(bending.map(Batch::len)).chain(volumes);
+        let is_parallel = batches.into_iter().any(is_parallel);
+        let frame = Frame {
+            plan,
+            constants,
+            body,
+            displacements: &mut self.displacements,
+            before: &mut self.before,
+            volume_scratch: &mut self.volume_scratch,
+            arch,
+            stats: StepStats::default(),
+            lowest: f32::INFINITY,
+        };
+        if is_parallel {
+            // Enters the thread pool once per frame instead of once per pass.
+            rayon::scope(|_| arch.dispatch(frame))
+        } else {
+            arch.dispatch(frame)
+        }
+    }
+}
+
+/// The execution of one frame.
+///
+/// All kernels are inlined into [`NullaryFnOnce::call`], so that they are compiled for the
+/// instruction set that is detected at run time.
+struct Frame<'a, 'b> {
+    plan: &'a StepPlan,
+    constants: &'a StepConstants,
+    body: &'a mut Body<'b>,
+    displacements: &'a mut [Cell],
+    before: &'a mut Vec<[f32; 4]>,
+    volume_scratch: &'a mut VolumeScratch,
+    arch: Arch,
+    stats: StepStats,
+    /// Minimum predicted height of the substep \[m\].
+    lowest: f32,
+}
+
+impl NullaryFnOnce for Frame<'_, '_> {
+    type Output = Result<StepStats, StepError>;
+
+    #[inline(always)]
+    fn call(mut self) -> Self::Output {
+        self.stats.substeps = self.constants.substeps;
+        for substep in 0..self.constants.substeps {
+            let plan = self.plan;
+            // The prologue, the iterations, the epilogue.
+            let last = plan.iterations() + 1;
+            let mut part = 0;
+            while part <= last {
+                for &pass in plan.part(part) {
+                    if pass == Pass::Ground && self.lowest > self.constants.ground {
+                        self.stats.ground_passes_skipped += 1;
+                    } else {
+                        self.stats.passes += 1;
+                        self.run(pass, substep)?;
+                    }
+                }
+                part += 1;
+                if let Some(residual) = self.constants.residual
+                    && part < last
+                {
+                    let moved = max_change(self.displacements, self.before);
+                    if part > 1 && moved < residual {
+                        self.stats.iterations_skipped += last - part;
+                        part = last;
+                    }
+                }
+            }
+        }
+        Ok(self.stats)
+    }
+}
+
+/// Returns the largest change of a displacement along an axis since `before`, and updates `before`.
+#[inline(always)]
+fn max_change(now: &mut [Cell], before: &mut Vec<[f32; 4]>) -> f32 {
+    before.resize(now.len(), [0.0; 4]);
+    let mut now = Exclusive(now);
+    let mut max = [0.0_f32; 4];
+    for (i, before) in before.iter_mut().enumerate() {
+        let d = now.get(i);
+        for k in 0..4 {
+            let change = (d[k] - before[k]).abs();
+            // Ignores NaN, which is an error at the end of the substep.
+            max[k] = if change > max[k] { change } else { max[k] };
+        }
+        *before = d;
+    }
+    max.into_iter().fold(0.0, f32::max)
+}
+
+/// Projects a batch and returns its number of constraints; the overflow is projected serially.
+#[inline(always)]
+fn project_batch<K: Kernel<N>, const N: usize>(
+    arch: Arch,
+    x: &[[f32; 4]],
+    d: &mut [Cell],
+    set: Option<&mut ConstraintSet<N>>,
+    batch: BatchId,
+    projection: Projection,
+) -> u64 {
+    let Some(set) = set else { return 0 };
+    let part = set
+        .batch_mut(batch.number())
+        .part(projection.accumulates_lambda);
+    let count = part.vertices.len() as u64;
+    match batch {
+        BatchId::Color(_) => sweep::<K, N>(arch, x, d, part, projection),
+        BatchId::Overflow => K::project_serial(x, &mut Exclusive(d), part, projection),
+    }
+    count
+}
+
+impl Frame<'_, '_> {
+    #[inline(always)]
+    fn run(&mut self, pass: Pass, substep: u32) -> Result<(), StepError> {
+        let Self {
+            constants,
+            body,
+            arch,
+            stats,
+            ..
+        } = self;
+        let (x, v) = (&mut *body.positions, &mut *body.velocities);
+        let d = &mut Exclusive(self.displacements);
+        match pass {
+            Pass::Predict => self.lowest = predict::predict(x, d, v, constants),
+            Pass::Pins => pins::pins(x, d, body.pins, constants.substeps - substep),
+            Pass::LongRangeAttachments => {
+                attachments::attachments(x, d, body.attachments, constants.h)
+            }
+            Pass::ResetMultipliers => {
+                if constants.stretch.accumulates_lambda {
+                    body.stretch.all_mut().for_each(Batch::reset_multipliers);
+                }
+                if constants.bending.accumulates_lambda {
+                    let sets = body.bending.iter_mut();
+                    sets.flat_map(|set| set.all_mut())
+                        .for_each(Batch::reset_multipliers);
+                }
+                if constants.interior_springs.accumulates_lambda {
+                    let sets = body.interior_springs.iter_mut();
+                    sets.flat_map(|set| set.all_mut())
+                        .for_each(Batch::reset_multipliers);
+                }
+                body.contacts.reset_friction();
+                if constants.volume.accumulates_lambda {
+                    body.volumes.reset_multipliers();
+                }
+            }
+            Pass::Project { kind, batch } => {
+                let arch = *arch;
+                match kind {
+                    ConstraintKind::Stretch => {
+                        let (set, by) = (Some(&mut *body.stretch), constants.stretch);
+                        stats.stretch_projections +=
+                            project_batch::<Stretch, 2>(arch, x, d.0, set, batch, by);
+                    }
+                    ConstraintKind::Bending => {
+                        let (set, by) = (body.bending.as_deref_mut(), constants.bending);
+                        stats.bending_projections +=
+                            project_batch::<Bending, 4>(arch, x, d.0, set, batch, by);
+                    }
+                    ConstraintKind::InteriorSpring => {
+                        let set = body.interior_springs.as_deref_mut();
+                        let by = constants.interior_springs;
+                        stats.interior_spring_projections +=
+                            project_batch::<Stretch, 2>(arch, x, d.0, set, batch, by);
+                    }
+                }
+            }
+            Pass::ContactsBeforeVolumes | Pass::Contacts => {
+                stats.contact_projections += body.contacts.len() as u64;
+                for color in &mut body.contacts.colors {
+                    let accumulates = self.plan.iterations() > 1;
+                    let time = (substep + 1) as f32 * constants.h;
+                    contacts::contacts(x, d, color, (constants.friction, accumulates), time);
+                }
+            }
+            Pass::Volumes => {
+                stats.volume_projections += body.volumes.pieces().len() as u64;
+                let piece = (body.topology, &mut *body.volumes);
+                volume::volumes(*arch, x, d.0, piece, constants.volume, self.volume_scratch);
+            }
+            Pass::Colliders => {
+                colliders::colliders(x, d, v, body.colliders, constants.friction);
+            }
+            Pass::Ground => {
+                stats.ground_passes += 1;
+                ground::ground(x, d, v, constants.ground, constants.friction);
+            }
+            Pass::Integrate => match integrate::integrate(x, d, v, constants) {
+                Some(change) => {
+                    stats.max_displacement += change;
+                    stats.max_substep_displacement = stats.max_substep_displacement.max(change);
+                }
+                None => {
+                    let vertex = integrate::first_non_finite(x);
+                    return Err(StepError::NonFinitePosition { vertex, substep });
+                }
+            },
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::constraints::batches::StretchSet;
+    use crate::constraints::contacts::ContactSet;
+    use crate::constraints::volumes::VolumeSet;
+    use crate::material::Stiffness;
+    use crate::step::constants::{Projection, VolumeProjection};
+    use crate::step::plan::PlanKey;
+    use incise_mesh::{Topology, VertexId};
+
+    #[test]
+    fn a_spring_moves_as_in_backward_euler() {
+        let (compliance, mass, h) = (1e-3_f32, 2.0_f32, 0.01_f32);
+        let mut positions = [[0.0; 4], [1.25, 0.0, 0.0, 1.0 / mass]];
+        let mut velocities = [[0.0; 4]; 2];
+        let mut cpu = CpuBackend::default();
+        let mut stretch = StretchSet::new(2);
+        stretch.insert([VertexId(0), VertexId(1)], 1.0);
+        for iterations in [1, 5] {
+            let projection = Stiffness::Compliance(compliance).projection(iterations, h);
+            let mut plan = StepPlan::default();
+            let key = PlanKey {
+                iterations,
+                multipliers: projection.accumulates_lambda,
+                ..PlanKey::default()
+            };
+            plan.update(key, &stretch, None, None);
+            let constants = StepConstants {
+                h,
+                substeps: 1,
+                gravity_step: [0.0; 3],
+                velocity_factor: 1.0,
+                stretch: projection,
+                bending: Projection::NONE,
+                interior_springs: Projection::NONE,
+                volume: VolumeProjection::NONE,
+                ground: f32::NEG_INFINITY,
+                friction: 0.0,
+                residual: None,
+            };
+            let stiff = 1.0 + f64::from(h * h) / f64::from(compliance * mass);
+            let mut expected = f64::from(positions[1][0]) - 1.0;
+            let mut before = expected - f64::from(velocities[1][0]) * f64::from(h);
+            for step in 0..200 {
+                let mut body = Body {
+                    positions: &mut positions,
+                    velocities: &mut velocities,
+                    stretch: &mut stretch,
+                    bending: None,
+                    interior_springs: None,
+                    contacts: &mut ContactSet::default(),
+                    colliders: &[],
+                    volumes: &mut VolumeSet::default(),
+                    topology: &Topology::default(),
+                    pins: &[],
+                    attachments: &[],
+                };
+                cpu.execute(&plan, &constants, &mut body).unwrap();
+                (before, expected) = (expected, (2.0 * expected - before) / stiff);
+                let found = f64::from(positions[1][0]) - 1.0;
+                assert!(
+                    (found - expected).abs() < 2e-6,
+                    "{found}, not {expected}, in step {step} with {iterations} iterations"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! The arrays of a body as backends see them.
+
+use crate::constraints::Constraints;
+use crate::constraints::attachments::LongRangeAttachment;
+use crate::constraints::batches::{BendingSet, StretchSet};
+use crate::constraints::colliders::ColliderRecord;
+use crate::constraints::contacts::ContactSet;
+use crate::constraints::volumes::VolumeSet;
+use crate::particles::{Particles, Pin};
+use incise_mesh::{Surface, Topology};
+
+/// The arrays of a body that kernels read and write.
+#[derive(Debug)]
+pub struct Body<'a> {
+    /// Position at the start of the substep \[m\] and inverse mass [1/kg], shape [vertex slots].
+    pub positions: &'a mut [[f32; 4]],
+    /// Velocity [m/s], last component 0, shape [vertex slots].
+    pub velocities: &'a mut [[f32; 4]],
+    /// Stretch constraints.
+    pub stretch: &'a mut StretchSet,
+    /// Bending constraints, if the material has bending.
+    pub bending: Option<&'a mut BendingSet>,
+    /// Interior springs, if the material has them.
+    pub interior_springs: Option<&'a mut StretchSet>,
+    /// Volume constraints.
+    pub volumes: &'a mut VolumeSet,
+    /// Contacts of the frame.
+    pub contacts: &'a mut ContactSet,
+    /// Colliders of the frame.
+    pub(crate) colliders: &'a [ColliderRecord],
+    /// Topology that volume constraints traverse.
+    pub topology: &'a Topology,
+    /// Pinned vertices, ascending.
+    pub pins: &'a [Pin],
+    /// Long range attachments.
+    pub attachments: &'a [LongRangeAttachment],
+}
+
+impl<'a> Body<'a> {
+    /// Borrows the arrays of a solver and its surface.
+    pub(crate) fn new(
+        particles: &'a mut Particles,
+        constraints: &'a mut Constraints,
+        surface: &'a mut Surface,
+    ) -> Self {
+        let (positions, topology) = surface.positions_and_topology();
+        Self {
+            positions,
+            velocities: &mut particles.velocities,
+            stretch: &mut constraints.stretch,
+            bending: constraints.bending.as_mut(),
+            interior_springs: constraints.interior_springs.as_mut(),
+            volumes: &mut constraints.volumes,
+            contacts: &mut constraints.contacts,
+            colliders: constraints.colliders.records(),
+            topology,
+            pins: &particles.pins,
+            attachments: constraints.attachments.list(),
+        }
+    }
+}

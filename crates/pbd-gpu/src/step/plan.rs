@@ -1,0 +1,340 @@
+//! The passes of a step in the order in which they run.
+//!
+//! [`Pass`]'s `Ord` is the only place that states this order. The CPU backend executes a
+//! [`StepPlan`] as it is; the GPU backend merges the plans of several bodies by it, and a unit test
+//! compares the shader that steps a whole body in one dispatch with it.
+
+use crate::constraints::batches::{BatchId, BendingSet, ConstraintSet, StretchSet};
+use std::cmp::Ordering;
+
+/// A kind of constraint that is projected in batches; layers project the kinds in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ConstraintKind {
+    /// Lengths of edges.
+    Stretch,
+    /// Dihedral angles of edges.
+    Bending,
+    /// Lengths of interior springs, after all layers of the other kinds.
+    InteriorSpring,
+}
+
+impl ConstraintKind {
+    /// All kinds; the index of a kind is its number.
+    pub const ALL: [Self; 3] = [Self::Stretch, Self::Bending, Self::InteriorSpring];
+}
+
+/// One pass over vertices or over the constraints of one batch.
+///
+/// Passes are ordered as they run in a substep, so that the lists of several bodies can be merged.
+/// The variants below are listed in that order; the batches of stretch and bending alternate by
+/// layer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Pass {
+    /// Applies gravity and damping to velocities, predicts displacements, and finds the lowest
+    /// vertex (Algorithm 1, lines 5 to 8).
+    Predict,
+    /// Moves pinned vertices towards their targets.
+    Pins,
+    /// Sets all multipliers to zero.
+    ResetMultipliers,
+    /// Pulls vertices back that are too far from their pinned anchor.
+    LongRangeAttachments,
+    /// Projects the constraints of one batch.
+    Project {
+        /// The kind of the constraints.
+        kind: ConstraintKind,
+        /// The batch in the set of that kind.
+        batch: BatchId,
+    },
+    /// Projects contacts before volumes, in a body that has both.
+    ///
+    /// The volumes pass then restores in the same substep the volume that contacts removed.
+    /// Otherwise that loss would be an old error in the next substep, which is corrected slowly,
+    /// and stacked pieces would collapse.
+    ContactsBeforeVolumes,
+    /// Restores the volumes of closed pieces.
+    Volumes,
+    /// Projects contacts, color by color.
+    Contacts,
+    /// Pushes vertices out of colliders and applies friction.
+    Colliders,
+    /// Lifts vertices onto the ground and applies friction.
+    ///
+    /// Skipped in a substep in which the whole body is predicted above the ground.
+    Ground,
+    /// Updates velocities and positions from displacements (Algorithm 1, lines 10 to 13).
+    Integrate,
+}
+
+impl Pass {
+    /// Returns the sort key of the pass: stage, layer, kind, batch.
+    fn rank(self) -> (u32, usize, Option<ConstraintKind>, Option<BatchId>) {
+        let stage = |stage| (stage, 0, None, None);
+        match self {
+            Self::Predict => stage(0),
+            Self::Pins => stage(1),
+            Self::ResetMultipliers => stage(2),
+            Self::LongRangeAttachments => stage(3),
+            Self::Project { kind, batch } => {
+                let stage = match kind {
+                    ConstraintKind::Stretch | ConstraintKind::Bending => 4,
+                    ConstraintKind::InteriorSpring => 5,
+                };
+                (stage, batch.layer(), Some(kind), Some(batch))
+            }
+            Self::ContactsBeforeVolumes => stage(6),
+            Self::Volumes => stage(7),
+            Self::Contacts => stage(8),
+            Self::Colliders => stage(9),
+            Self::Ground => stage(10),
+            Self::Integrate => stage(11),
+        }
+    }
+
+    /// Returns kind and layer of a pass over constraints. Passes that agree in both may share a
+    /// dispatch.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn kind_and_layer(self) -> Option<(ConstraintKind, usize)> {
+        match self {
+            Self::Project { kind, batch } => Some((kind, batch.layer())),
+            _ => None,
+        }
+    }
+
+    /// Returns the batch of a pass over constraints.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn batch(self) -> Option<BatchId> {
+        match self {
+            Self::Project { batch, .. } => Some(batch),
+            _ => None,
+        }
+    }
+}
+
+impl Ord for Pass {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.rank().cmp(&other.rank())
+    }
+}
+
+impl PartialOrd for Pass {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// Inputs of the plan, besides the constraint sets.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct PlanKey {
+    pub(crate) iterations: u32,
+    pub(crate) pins: bool,
+    pub(crate) attachments: bool,
+    pub(crate) volumes: bool,
+    pub(crate) contacts: bool,
+    pub(crate) colliders: bool,
+    pub(crate) ground: bool,
+    pub(crate) multipliers: bool,
+}
+
+/// The passes of one substep: prologue, repeated iterations, epilogue.
+///
+/// Each list is ascending. It is rebuilt when topology or parameters change.
+#[derive(Debug, Clone, Default)]
+pub struct StepPlan {
+    prologue: Vec<Pass>,
+    iteration: Vec<Pass>,
+    epilogue: Vec<Pass>,
+    key: PlanKey,
+    is_current: bool,
+    generation: u64,
+}
+
+impl StepPlan {
+    /// Returns the passes before the iterations, ascending.
+    #[must_use]
+    pub fn prologue(&self) -> &[Pass] {
+        &self.prologue
+    }
+
+    /// Returns the passes of one iteration, ascending.
+    #[must_use]
+    pub fn iteration(&self) -> &[Pass] {
+        &self.iteration
+    }
+
+    /// Returns the number of iterations of a substep.
+    #[must_use]
+    pub fn iterations(&self) -> u32 {
+        self.key.iterations
+    }
+
+    /// Returns the passes after the iterations, ascending.
+    #[must_use]
+    pub fn epilogue(&self) -> &[Pass] {
+        &self.epilogue
+    }
+
+    /// Returns all passes of one substep in order of execution.
+    pub fn passes(&self) -> impl Iterator<Item = Pass> {
+        let parts = 0..=self.key.iterations + 1;
+        parts.flat_map(|i| self.part(i)).copied()
+    }
+
+    /// Returns the prologue for part 0, then the iterations, then the epilogue.
+    pub(crate) fn part(&self, i: u32) -> &[Pass] {
+        match i {
+            0 => &self.prologue,
+            i if i <= self.key.iterations => &self.iteration,
+            _ => &self.epilogue,
+        }
+    }
+
+    /// Returns a number that changes whenever the lists are rebuilt.
+    ///
+    /// A backend that derives data from the lists rebuilds it then.
+    #[must_use]
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+
+    /// Returns the allocated size in elements.
+    pub(crate) fn capacity(&self) -> usize {
+        self.prologue.capacity() + self.iteration.capacity() + self.epilogue.capacity()
+    }
+
+    /// Makes the next [`StepPlan::update`] rebuild the lists, after a change of constraints.
+    pub(crate) fn invalidate(&mut self) {
+        self.is_current = false;
+    }
+
+    /// Rebuilds the lists if their inputs have changed.
+    pub(crate) fn update(
+        &mut self,
+        key: PlanKey,
+        stretch: &StretchSet,
+        bending: Option<&BendingSet>,
+        interior_springs: Option<&StretchSet>,
+    ) {
+        if self.is_current && self.key == key {
+            return;
+        }
+        self.key = key;
+        self.is_current = true;
+        self.generation += 1;
+        self.prologue.clear();
+        self.prologue.push(Pass::Predict);
+        push_if(&mut self.prologue, key.pins, Pass::Pins);
+        push_if(&mut self.prologue, key.multipliers, Pass::ResetMultipliers);
+        self.iteration.clear();
+        let list = &mut self.iteration;
+        push_if(list, key.attachments, Pass::LongRangeAttachments);
+        push_batches(list, ConstraintKind::Stretch, Some(stretch));
+        push_batches(list, ConstraintKind::Bending, bending);
+        push_batches(list, ConstraintKind::InteriorSpring, interior_springs);
+        let before_volumes = key.contacts && key.volumes;
+        push_if(list, before_volumes, Pass::ContactsBeforeVolumes);
+        push_if(list, key.volumes, Pass::Volumes);
+        push_if(list, key.contacts, Pass::Contacts);
+        push_if(list, key.colliders, Pass::Colliders);
+        push_if(list, key.ground, Pass::Ground);
+        self.epilogue.clear();
+        self.epilogue.push(Pass::Integrate);
+        for list in [&mut self.prologue, &mut self.iteration, &mut self.epilogue] {
+            list.sort_unstable();
+        }
+    }
+}
+
+fn push_if(passes: &mut Vec<Pass>, is_needed: bool, pass: Pass) {
+    if is_needed {
+        passes.push(pass);
+    }
+}
+
+/// Adds a pass for every batch that has constraints.
+fn push_batches<const N: usize>(
+    passes: &mut Vec<Pass>,
+    kind: ConstraintKind,
+    set: Option<&ConstraintSet<N>>,
+) {
+    let batches = set.into_iter().flat_map(ConstraintSet::numbered);
+    let filled = batches.filter(|(_, batch)| !batch.is_empty());
+    passes.extend(filled.map(|(number, _)| Pass::Project {
+        kind,
+        batch: BatchId::from_number(number),
+    }));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use incise_mesh::VertexId;
+
+    /// More constraints at one vertex than there are colors, so that all batches are in use.
+    fn sets() -> (StretchSet, BendingSet, StretchSet) {
+        let (mut stretch, mut bending) = (StretchSet::new(100), BendingSet::new(100));
+        let mut interior_springs = StretchSet::new(100);
+        for i in 1..70 {
+            interior_springs.insert([VertexId(i), VertexId(0)], 1.0);
+            stretch.insert([VertexId(0), VertexId(i)], 1.0);
+            bending.insert([0, i, i + 10, i + 20].map(VertexId), 0.0);
+        }
+        (stretch, bending, interior_springs)
+    }
+
+    #[test]
+    fn the_lists_are_ascending_and_make_up_the_substep() {
+        let (stretch, bending, interior_springs) = sets();
+        let mut plan = StepPlan::default();
+        let key = PlanKey {
+            iterations: 3,
+            pins: true,
+            attachments: true,
+            volumes: true,
+            contacts: true,
+            colliders: true,
+            ground: true,
+            multipliers: true,
+        };
+        plan.update(key, &stretch, Some(&bending), Some(&interior_springs));
+        let [prologue, iteration, epilogue] = [plan.prologue(), plan.iteration(), plan.epilogue()];
+        let once: Vec<Pass> = [prologue, iteration, epilogue].concat();
+        assert!(once.is_sorted_by(|a, b| a < b), "{once:?}");
+        assert_eq!(iteration.len(), 1 + 3 * (64 + 1) + 1 + 1 + 1 + 1 + 1);
+        let all: Vec<Pass> = plan.passes().collect();
+        let expected = [prologue, iteration, iteration, iteration, epilogue].concat();
+        assert_eq!(all, expected);
+        let without_volumes = PlanKey {
+            volumes: false,
+            ..key
+        };
+        plan.update(
+            without_volumes,
+            &stretch,
+            Some(&bending),
+            Some(&interior_springs),
+        );
+        let before = plan.iteration().contains(&Pass::ContactsBeforeVolumes);
+        assert!(!before, "there is no volume to restore");
+    }
+
+    #[test]
+    fn the_generation_changes_with_the_lists() {
+        let (stretch, bending, interior_springs) = sets();
+        let mut plan = StepPlan::default();
+        let key = PlanKey {
+            iterations: 2,
+            ..PlanKey::default()
+        };
+        plan.update(key, &stretch, Some(&bending), Some(&interior_springs));
+        let first = plan.generation();
+        plan.update(key, &stretch, Some(&bending), Some(&interior_springs));
+        assert_eq!(plan.generation(), first, "nothing has changed");
+        plan.invalidate();
+        plan.update(key, &stretch, None, None);
+        assert!(plan.generation() > first, "constraints were removed");
+        let second = plan.generation();
+        plan.update(PlanKey { pins: true, ..key }, &stretch, None, None);
+        assert!(plan.generation() > second, "pins were added");
+    }
+}

@@ -1,0 +1,153 @@
+//! Prepares a frame: updates the plan and computes the constants that kernels read.
+
+use crate::constraints::Constraints;
+use crate::constraints::interior_springs::DIAGONAL_SCALE;
+use crate::error::StepError;
+use crate::material::{InteriorSprings, Material, Stiffness, Volume};
+use crate::particles::Particles;
+use crate::step::StepState;
+use crate::step::constants::StepConstants;
+use crate::step::constants::{Projection, VolumeProjection};
+use crate::step::params::{Integrator, SolverParams};
+use crate::step::plan::PlanKey;
+use crate::step::second_order::{Orders, SUBSTEP_RATIO};
+
+/// Number of its own lengths for which a long substep counts as recent.
+const MEMORY: f32 = 10.0;
+
+/// Updates the plan and returns the constants of a frame.
+///
+/// # Errors
+/// [`StepError::SubstepTooShort`]; nothing is changed then.
+pub(crate) fn prepare(
+    step: &mut StepState,
+    constraints: &mut Constraints,
+    particles: &Particles,
+    material: &Material,
+    dt: f32,
+    params: &SolverParams,
+) -> Result<StepConstants, StepError> {
+    let h = dt / params.substeps as f32;
+    let mut constants = constants_of(material, h, params.substeps, params);
+    constants.check()?;
+    let pieces = constraints.volumes.pieces().iter();
+    let max_volume = pieces.map(|piece| piece.rest().abs()).fold(0.0, f32::max);
+    if !(constants.volume.alpha * max_volume).is_finite() {
+        return Err(StepError::SubstepTooShort { h });
+    }
+    if params.integrator == Integrator::Bdf2 {
+        constants_of(material, SUBSTEP_RATIO * h, 1, params).check()?;
+    }
+    constants.set_error_carryover(error_carryover(&mut step.longest_substep, dt, h));
+    let attachments =
+        params.attachments && !particles.pins.is_empty() && material.stretch.is_rigid();
+    let Constraints {
+        stretch,
+        bending,
+        interior_springs,
+        volumes,
+        contacts,
+        colliders,
+        attachments: list,
+        ..
+    } = constraints;
+    if attachments {
+        list.update(stretch, &particles.pins, particles.len());
+    }
+    let key = PlanKey {
+        attachments,
+        iterations: params.iterations,
+        pins: !particles.pins.is_empty(),
+        volumes: !volumes.pieces().is_empty(),
+        contacts: !contacts.is_empty(),
+        colliders: !colliders.records().is_empty(),
+        ground: params.ground.is_some(),
+        multipliers: constants.accumulates_lambda()
+            || params.iterations > 1 && !contacts.is_empty(),
+    };
+    (step.plan).update(key, stretch, bending.as_ref(), interior_springs.as_ref());
+    Ok(constants)
+}
+
+/// Returns the fraction of old errors that rigid constraints leave in a frame of `dt` \[s\].
+///
+/// Velocities follow from displacements, so the remaining error of a long substep would be an
+/// impulse in a short one. It is corrected as fast as in the longest recent substep instead.
+fn error_carryover(longest_substep: &mut f32, dt: f32, h: f32) -> f32 {
+    let longest = *longest_substep;
+    if h >= longest {
+        *longest_substep = h;
+        return 0.0;
+    }
+    *longest_substep -= dt / MEMORY;
+    1.0 - h / longest
+}
+
+/// Returns the constants of single substeps of first and second order, for BDF2.
+pub(crate) fn both_orders(
+    material: &Material,
+    constants: &StepConstants,
+    params: &SolverParams,
+) -> Orders {
+    let order = |h| {
+        let mut order = constants_of(material, h, 1, params);
+        order.stretch.error_carryover = constants.stretch.error_carryover;
+        order.bending.error_carryover = constants.bending.error_carryover;
+        order.interior_springs.error_carryover = constants.interior_springs.error_carryover;
+        order.volume.error_carryover = constants.volume.error_carryover;
+        order
+    };
+    Orders {
+        first: order(constants.h),
+        second: order(SUBSTEP_RATIO * constants.h),
+    }
+}
+
+/// Returns the constants of substeps of `h` \[s\].
+fn constants_of(
+    material: &Material,
+    h: f32,
+    substeps: u32,
+    params: &SolverParams,
+) -> StepConstants {
+    let damping = 1.0 + material.damping * h;
+    // Damping acts on constraint forces as on gravity; otherwise it would hold up a soft body that
+    // hangs at rest.
+    let projection = |stiffness: Stiffness| {
+        let projection = stiffness.projection(params.iterations, h);
+        Projection {
+            alpha: projection.alpha * damping,
+            diagonal_scale: params.diagonal_scale,
+            ..projection
+        }
+    };
+    let stretch = projection(material.stretch);
+    let bending = |stiffness| projection(stiffness).beside_edges(stretch.alpha);
+    let interior_springs = |springs: InteriorSprings| Projection {
+        diagonal_scale: DIAGONAL_SCALE,
+        ..projection(springs.stiffness)
+    };
+    let volume = |volume: Volume| {
+        let projection = volume.projection(params.iterations, h);
+        VolumeProjection {
+            alpha: projection.alpha * damping,
+            diagonal_scale: params.diagonal_scale,
+            ..projection
+        }
+    };
+    let springs = material.interior_springs;
+    StepConstants {
+        h,
+        substeps,
+        gravity_step: params.gravity.map(|g| g * h),
+        velocity_factor: 1.0 / damping,
+        stretch,
+        bending: material.bending.map_or(Projection::NONE, bending),
+        interior_springs: springs.map_or(Projection::NONE, interior_springs),
+        volume: material.volume.map_or(VolumeProjection::NONE, volume),
+        ground: params.ground.unwrap_or(f32::NEG_INFINITY),
+        friction: material.friction,
+        // A single iteration cannot end early.
+        residual: params.residual.filter(|_| params.iterations > 1),
+    }
+}

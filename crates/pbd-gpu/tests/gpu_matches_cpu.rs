@@ -1,0 +1,76 @@
+//! GPU steps match CPU steps bit for bit on a strict adapter, in every schedule.
+
+#![expect(
+    clippy::missing_assert_message,
+    reason = "these are tests, which the lint knows by an attribute only"
+)]
+
+use incise_mesh::{Surface, VertexId};
+use incise_models::{Model, build_model};
+use incise_pbd_gpu::{Context, GpuBackend, Material, Schedule, Solver};
+use incise_test_support::cpu_gpu_pair::{DT, SCHEDULES, solver_for, with_most_features};
+use incise_test_support::gpu::{Needs, trial};
+use std::process::ExitCode;
+
+/// A body and its solver with a few pins on the move.
+fn set_up(model: Model, schedule: Schedule, material: &Material) -> (Surface, Solver) {
+    let mut surface = build_model(model);
+    let mut solver = solver_for(&mut surface, material, schedule);
+    for v in [0, 5].map(VertexId) {
+        solver.pin(&mut surface, v).expect("a model's vertex");
+    }
+    (surface, solver)
+}
+
+fn bits(surface: &Surface) -> Vec<[u32; 3]> {
+    let bits = |p: &[f32; 4]| [p[0], p[1], p[2]].map(f32::to_bits);
+    surface.positions().iter().map(bits).collect()
+}
+
+fn equal(context: Context, model: Model, schedule: Schedule, frames: u32) {
+    let (material, params) = with_most_features();
+    let (mut on_cpu, mut cpu) = set_up(model, schedule, &material);
+    let (mut on_gpu, mut solver) = set_up(model, schedule, &material);
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
+    gpu.force_schedule(Some(schedule));
+    let body = gpu.add(&on_gpu, &mut solver).expect("room");
+    assert_eq!(gpu.schedule(body), Ok(schedule));
+    for frame in 0..frames {
+        let target = [0.1, 0.01 * frame as f32, 0.0];
+        for solver in [&mut cpu, &mut solver] {
+            solver.set_pin_target(VertexId(5), target).expect("pinned");
+        }
+        cpu.step(&mut on_cpu, DT, &params).expect("a step");
+        gpu.step([(body, &mut solver)], DT, &params)
+            .expect("a step");
+        if frame % 10 == 0 || frame + 1 == frames {
+            gpu.read(body, &mut on_gpu, &mut solver).expect("a state");
+            assert!(
+                bits(&on_cpu) == bits(&on_gpu),
+                "positions differ in frame {frame}"
+            );
+            assert!(
+                cpu.velocities() == solver.velocities(),
+                "velocities differ in frame {frame}"
+            );
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let mut trials = Vec::new();
+    for (model, frames) in [
+        (Model::Sphere20, 120),
+        (Model::Sphere80, 60),
+        (Model::Sphere768, 20),
+        (Model::Octopus, 3),
+    ] {
+        for schedule in SCHEDULES {
+            let name = format!("{} by {}", model.name(), schedule.name());
+            trials.push(trial(&name, Needs::Strict, move |context| {
+                equal(context, model, schedule, frames);
+            }));
+        }
+    }
+    incise_test_support::gpu::run(trials)
+}

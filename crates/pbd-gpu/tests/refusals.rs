@@ -1,0 +1,212 @@
+//! Invalid inputs cause typed errors and change nothing.
+
+use incise_mesh::{Surface, TopologyDelta, TriangleId, VertexId};
+use incise_pbd_gpu::{
+    ConstraintError, Density, Material, Solver, SolverParams, StepError, Stiffness,
+};
+use incise_test_support::surfaces::sphere;
+
+const FRAME: f32 = 1.0 / 60.0;
+
+const GROUND: SolverParams = SolverParams {
+    ground: Some(0.0),
+    ..SolverParams::paper()
+};
+
+/// Returns the bits of positions and velocities.
+fn bits(surface: &Surface, solver: &Solver) -> [Vec<[u32; 4]>; 2] {
+    [surface.positions(), solver.velocities()]
+        .map(|all| all.iter().map(|v| v.map(f32::to_bits)).collect())
+}
+
+/// A ball that has moved for some frames.
+fn moving() -> (Surface, Solver) {
+    let mut surface = sphere(2, [0.0, 1.1, 0.0]);
+    let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
+    for _ in 0..10 {
+        solver.step(&mut surface, FRAME, &GROUND).unwrap();
+    }
+    (surface, solver)
+}
+
+#[test]
+fn invalid_materials_and_positions_leave_the_surface_unchanged() {
+    type Spoil = fn(&mut Surface, &mut Material);
+    let bad: [(&str, Spoil); 14] = [
+        ("density 0", |_, m| m.density = Density::Area(0.0)),
+        ("density NaN", |_, m| m.density = Density::Area(f32::NAN)),
+        ("compliance -1", |_, m| {
+            m.stretch = Stiffness::Compliance(-1.0);
+        }),
+        ("compliance NaN", |_, m| {
+            m.bending = Some(Stiffness::Compliance(f32::NAN));
+        }),
+        ("compliance infinite", |_, m| {
+            m.stretch = Stiffness::Compliance(f32::INFINITY);
+        }),
+        ("stiffness 1.5", |_, m| m.stretch = Stiffness::Pbd(1.5)),
+        ("stiffness NaN", |_, m| {
+            m.bending = Some(Stiffness::Pbd(f32::NAN));
+        }),
+        ("friction -1", |_, m| m.friction = -1.0),
+        ("damping NaN", |_, m| m.damping = f32::NAN),
+        ("position NaN", |s, _| s.positions_mut()[7][1] = f32::NAN),
+        ("position infinite", |s, _| {
+            s.positions_mut()[7][1] = f32::NEG_INFINITY;
+        }),
+        ("rest position NaN", |s, _| {
+            s.rest_positions_mut()[7][2] = f32::NAN
+        }),
+        ("rest position infinite", |s, _| {
+            s.rest_positions_mut()[7][2] = f32::INFINITY;
+        }),
+        ("a density by volume of a body inside out", |s, m| {
+            m.density = Density::Volume(1.0);
+            s.rest_positions_mut().iter_mut().for_each(|r| r[0] = -r[0]);
+        }),
+    ];
+    for (name, spoil) in bad {
+        let (mut surface, mut material) = (sphere(1, [0.0; 3]), Material::default());
+        spoil(&mut surface, &mut material);
+        let bits = |s: &Surface| -> Vec<[u32; 4]> {
+            s.positions().iter().map(|p| p.map(f32::to_bits)).collect()
+        };
+        let before = bits(&surface);
+        assert!(Solver::new(&mut surface, &material).is_err(), "{name}");
+        assert!(bits(&surface) == before, "{name} changed something");
+    }
+}
+
+#[test]
+fn a_failed_step_moves_nothing() {
+    let (mut surface, mut solver) = moving();
+    let with = |change: fn(&mut SolverParams)| {
+        let mut params = GROUND;
+        change(&mut params);
+        params
+    };
+    let time_step = |value| (value, GROUND, StepError::BadTimeStep { value });
+    let count = |name, params| (FRAME, params, StepError::ZeroCount { name });
+    let not_finite = |name, params| (FRAME, params, StepError::NonFiniteParameter { name });
+    for (dt, params, expected) in [
+        time_step(0.0),
+        time_step(-1.0),
+        time_step(f32::INFINITY),
+        count("iteration", with(|p| p.iterations = 0)),
+        count("substep", with(|p| p.substeps = 0)),
+        not_finite("gravity", with(|p| p.gravity[1] = f32::NAN)),
+        not_finite("gravity", with(|p| p.gravity[1] = f32::INFINITY)),
+        not_finite("the ground", with(|p| p.ground = Some(f32::NAN))),
+        not_finite("the ground", with(|p| p.ground = Some(f32::INFINITY))),
+    ] {
+        let before = bits(&surface, &solver);
+        let result = solver.step(&mut surface, dt, &params).map(|_| ());
+        assert_eq!(result, Err(expected), "{dt} s, {params:?}");
+        assert!(bits(&surface, &solver) == before, "{dt} s moved something");
+    }
+    let before = bits(&surface, &solver);
+    assert!(solver.step(&mut surface, f32::NAN, &GROUND).is_err());
+    assert!(bits(&surface, &solver) == before, "NaN moved something");
+    solver.step(&mut surface, FRAME, &GROUND).unwrap();
+    surface.add_vertex([0.0, 0.0, 0.0, 1.0], [0.0; 3]);
+    let before = bits(&surface, &solver);
+    let refused = solver.step(&mut surface, FRAME, &GROUND).map(|_| ());
+    assert!(matches!(refused, Err(StepError::SurfaceMismatch { .. })));
+    assert!(
+        bits(&surface, &solver) == before,
+        "an edit without its delta"
+    );
+}
+
+#[test]
+fn invalid_pins_velocities_and_masses_change_nothing() {
+    let (mut surface, mut solver) = moving();
+    let state = |surface: &Surface, solver: &Solver| {
+        let (masses, pins) = (solver.masses().to_vec(), solver.pins().to_vec());
+        (bits(surface, solver), masses, pins)
+    };
+    let before = state(&surface, &solver);
+    let (v, unknown, nan) = (VertexId(3), VertexId(1 << 20), [0.0, f32::NAN, 0.0]);
+    let refused = [
+        solver.set_velocity(v, nan),
+        solver.set_velocity(unknown, [0.0; 3]),
+        solver.pin(&mut surface, unknown),
+        solver.pin(&mut surface, VertexId::NULL),
+        solver.unpin(&mut surface, v),
+        solver.set_pin_target(v, [0.0; 3]),
+        solver.set_pin_target(v, nan),
+        solver.set_mass(&mut surface, v, 0.0),
+        solver.set_mass(&mut surface, v, -1.0),
+        solver.set_mass(&mut surface, v, f32::NAN),
+        solver.set_mass(&mut surface, v, f32::INFINITY),
+        // A mass whose inverse is infinite.
+        solver.set_mass(&mut surface, v, 1e-45),
+        solver.set_mass(&mut surface, unknown, 1.0),
+        solver.set_stretch(Stiffness::Compliance(f32::NAN)),
+        solver.set_stretch(Stiffness::Pbd(2.0)),
+    ];
+    assert!(refused.iter().all(Result::is_err), "{refused:?}");
+    assert!(state(&surface, &solver) == before, "one left a trace");
+    solver.step(&mut surface, FRAME, &GROUND).unwrap();
+}
+
+#[test]
+fn a_delta_of_another_surface_changes_nothing() {
+    let (mut surface, mut solver) = moving();
+    let corners = surface.topology().triangle(TriangleId(0));
+    let [a, b, c] = corners;
+    let unknown = TriangleId(1 << 20);
+    let removed = |t, corners| TopologyDelta {
+        triangles_removed: vec![(t, corners)],
+        ..TopologyDelta::default()
+    };
+    let added = TopologyDelta {
+        triangles_added: vec![unknown],
+        ..TopologyDelta::default()
+    };
+    for delta in [
+        removed(TriangleId(0), [b, a, c]),
+        removed(unknown, corners),
+        added,
+    ] {
+        let before = bits(&surface, &solver);
+        let refused = solver.apply_delta(&mut surface, &delta);
+        assert!(
+            matches!(
+                refused,
+                Err(ConstraintError::DeltaMismatch { .. }
+                    | ConstraintError::DeltaUnknownTriangle { .. })
+            ),
+            "{refused:?}"
+        );
+        solver.validate(&surface).unwrap();
+        assert!(bits(&surface, &solver) == before, "{delta:?} left a trace");
+    }
+    solver.step(&mut surface, FRAME, &GROUND).unwrap();
+}
+
+#[test]
+fn bodies_of_a_few_triangles_are_simulated() {
+    let points = [
+        [0.0, 0.5, 0.0],
+        [1.0, 0.5, 0.0],
+        [0.0, 1.5, 0.0],
+        [0.0, 0.5, 1.0],
+    ];
+    let faces: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let elastic = Material {
+        stretch: Stiffness::Compliance(1e-4),
+        bending: Some(Stiffness::Compliance(1e-2)),
+        ..Material::default()
+    };
+    for (vertices, triangles) in [(0, 0), (3, 1), (4, 4)] {
+        for material in [Material::default(), elastic] {
+            let body = Surface::from_triangles(&points[..vertices], &faces[..triangles]);
+            let mut surface = body.unwrap();
+            let mut solver = Solver::new(&mut surface, &material).unwrap();
+            for _ in 0..60 {
+                solver.step(&mut surface, FRAME, &GROUND).unwrap();
+            }
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Steiner points of a valid group of loops: lattice core, then refinement of the band.
+//!
+//! Core points are fixed. In a section that is a few triangles wide they can prevent better angles
+//! around them; then all lattice points go to the band, where smoothing may move them.
+
+use super::SectionMesh;
+use super::boundary_band::BoundaryBand;
+use super::lattice::Lattice;
+use super::loop_triangulation::{INSIDE, LoopTriangulation};
+use super::loops::SectionLoops;
+use super::refinement::Refiner;
+use super::target_length::TargetLengths;
+use crate::error::RefineError;
+use incise_mesh::index_u32;
+
+/// Edge length, in targets, of equilateral triangles that bound the triangle count from below.
+const BOUND_EDGE: f64 = 2.0;
+
+/// The input of filling a group of loops with Steiner points.
+pub(crate) struct Interior<'a> {
+    pub(crate) loops: &'a SectionLoops,
+    pub(crate) targets: &'a TargetLengths,
+    /// The group's loops.
+    pub(crate) group: &'a [u32],
+    pub(crate) mirrored: bool,
+    pub(crate) crease: bool,
+    /// Maximum number of triangles.
+    pub(crate) limit: usize,
+}
+
+impl Interior<'_> {
+    /// Adds the core's triangles to the mesh and the band's points to the triangulation.
+    pub(crate) fn fill(
+        &self,
+        triangulation: &mut LoopTriangulation,
+        lattice: &mut Lattice,
+        band: &mut BoundaryBand,
+        refiner: &mut Refiner,
+        mesh: &mut SectionMesh,
+    ) -> Result<(), RefineError> {
+        let (targets, limit) = (self.targets, self.limit);
+        if self.is_too_fine(triangulation) {
+            return Err(RefineError::TooManyTriangles { limit });
+        }
+        refiner.save_base(triangulation);
+        let common = targets.common(&triangulation.corner_of);
+        let mark = mesh.triangles.len();
+        for has_core in [true, false] {
+            // Every point adds two triangles.
+            let mut budget = limit / 2 + 1;
+            if let Some(length) = common {
+                if !lattice.fill(triangulation, length, limit + triangulation.corner_of.len()) {
+                    return Err(RefineError::TooManyTriangles { limit });
+                }
+                if !lattice.points.is_empty() {
+                    if has_core {
+                        let offset =
+                            index_u32(self.loops.point_ids.len() + mesh.steiner_points.len());
+                        lattice.triangles(offset, &mut mesh.triangles);
+                    } else {
+                        lattice.assign_to_band();
+                    }
+                    if band.connect(triangulation, lattice) {
+                        budget = 2 * triangulation.corner_of.len() + 64;
+                    } else {
+                        mesh.triangles.truncate(mark);
+                        self.restart(triangulation, lattice, band);
+                    }
+                }
+            }
+            let core = mesh.triangles.len() - mark;
+            refiner.run(triangulation, lattice, band, targets, budget, core);
+            if core == 0
+                || !Refiner::is_blocked_by_core(triangulation, lattice, band, targets, core)
+            {
+                break;
+            }
+            mesh.triangles.truncate(mark);
+            self.restart(triangulation, lattice, band);
+        }
+        Ok(())
+    }
+
+    /// Rebuilds the triangulation of the loops, without a lattice.
+    fn restart(
+        &self,
+        triangulation: &mut LoopTriangulation,
+        lattice: &mut Lattice,
+        band: &mut BoundaryBand,
+    ) {
+        triangulation.build(self.loops, self.group, self.mirrored, self.crease);
+        lattice.clear();
+        band.clear(triangulation);
+    }
+
+    /// Returns whether a lower bound of the triangle count exceeds the limit.
+    ///
+    /// The bound assumes equilateral triangles with sides of [`BOUND_EDGE`] targets.
+    #[expect(clippy::cast_precision_loss, reason = "a bound, far from both sides")]
+    fn is_too_fine(&self, triangulation: &LoopTriangulation) -> bool {
+        let (cdt, targets) = (&triangulation.cdt, self.targets);
+        let inside = (0..cdt.triangles()).filter(|&t| cdt.region[t as usize] == INSIDE);
+        let least: f64 = inside
+            .map(|t| {
+                // The mean of targets in a triangle. No point is farther than 2 from the loops, in
+                // their scale.
+                let [a, b, c] = cdt.corners(t).map(|v| triangulation.corner_of[v as usize]);
+                let mean = (targets.at(a) + targets.at(b) + targets.at(c)) / 3.0;
+                let side = BOUND_EDGE * (mean + 2.0 * targets.grading);
+                let [p, q, r] = cdt.corner_points(t);
+                let twice = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+                twice / (0.75f64.sqrt() * side * side)
+            })
+            .sum();
+        least > self.limit as f64
+    }
+}

@@ -1,0 +1,230 @@
+//! Input loops of a section: checked, scaled, and renumbered as corners.
+
+use super::Section;
+use super::cdt::orient;
+use crate::error::RefineError;
+use incise_mesh::index_u32;
+
+/// Scaled coordinates below this become zero.
+///
+/// Products of four differences then keep all their bits, and the predicates stay exact.
+const ZERO: f64 = 1.0 / (1u128 << 100) as f64;
+
+/// The loops of a section, scaled to about 1 by a power of two.
+///
+/// A corner is a position in a loop; corners are numbered loop by loop.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct SectionLoops {
+    /// Scaled position of each corner.
+    pub(crate) points: Vec<[f64; 2]>,
+    /// The section's point at each corner.
+    pub(crate) point_ids: Vec<u32>,
+    /// Corners that remain after [`SectionLoops::clip`], loop after loop.
+    pub(crate) corners: Vec<u32>,
+    /// Start of each loop in `corners`, and the end of the last.
+    pub(crate) starts: Vec<usize>,
+    /// Power of two that scales input coordinates.
+    pub(crate) scale: f64,
+    /// Positions before the first displacement; empty if there was none.
+    original: Vec<[f64; 2]>,
+    /// Whether corners were displaced to separate touching loops.
+    pub(crate) moved: bool,
+    /// Bit set of the section's points that a loop uses.
+    seen: Vec<u64>,
+}
+
+impl SectionLoops {
+    /// Reads, checks and scales the loops of a section.
+    pub(crate) fn read(&mut self, section: &Section<'_>) -> Result<(), RefineError> {
+        self.points.clear();
+        self.point_ids.clear();
+        self.corners.clear();
+        self.starts.clear();
+        self.original.clear();
+        self.moved = false;
+        self.seen.clear();
+        self.seen.resize(section.points.len().div_ceil(64), 0);
+        let mut largest = 0.0f64;
+        for (index, corners) in section.loops.iter().enumerate() {
+            if corners.len() < 3 {
+                return Err(RefineError::LoopTooShort {
+                    index,
+                    points: corners.len(),
+                });
+            }
+            self.starts.push(self.point_ids.len());
+            for &point in corners {
+                let Some(at) = section.points.get(point as usize) else {
+                    return Err(RefineError::UnknownPoint { index, point });
+                };
+                if !(at[0].is_finite() && at[1].is_finite()) {
+                    return Err(RefineError::NonFinite {
+                        vertex: point as usize,
+                    });
+                }
+                let (word, bit) = (point as usize / 64, 1 << (point % 64));
+                if self.seen[word] & bit != 0 {
+                    return Err(RefineError::RepeatedPoint { index, point });
+                }
+                self.seen[word] |= bit;
+                largest = largest.max(at[0].abs()).max(at[1].abs());
+                self.points.push(*at);
+                self.point_ids.push(point);
+            }
+        }
+        self.starts.push(self.point_ids.len());
+        self.corners.extend(0..index_u32(self.point_ids.len()));
+        self.scale = power_of_two_near(largest);
+        for p in &mut self.points {
+            for x in p {
+                *x *= self.scale;
+                if x.abs() < ZERO {
+                    *x = 0.0;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the number of loops, those added by [`Self::push_loop`] included.
+    pub(crate) fn loop_count(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Returns the remaining corners of a loop.
+    pub(crate) fn corners(&self, i: usize) -> &[u32] {
+        &self.corners[self.starts[i]..self.starts[i + 1]]
+    }
+
+    /// Appends a loop.
+    pub(crate) fn push_loop(&mut self, corners: impl Iterator<Item = u32>) {
+        self.corners.extend(corners);
+        self.starts.push(self.corners.len());
+    }
+
+    /// Saves the positions before the first displacement.
+    pub(crate) fn remember(&mut self) {
+        if self.original.is_empty() {
+            self.original.clone_from(&self.points);
+        }
+        self.moved = true;
+    }
+
+    /// Returns the position of a corner before any displacement.
+    pub(crate) fn original(&self, corner: u32) -> [f64; 2] {
+        self.original[corner as usize]
+    }
+
+    /// Undoes all displacements.
+    pub(crate) fn restore(&mut self) {
+        if !self.original.is_empty() {
+            self.points.clone_from(&self.original);
+        }
+    }
+
+    /// Clips corners without area, which are duplicates and spikes, with one triangle each.
+    ///
+    /// A cut through a vertex or along an edge of a surface leaves many. Repeats until no loop has
+    /// any, and returns the number of triangles.
+    pub(crate) fn clip(
+        &mut self,
+        has_edge: &impl Fn(u32, u32) -> bool,
+        triangles: &mut Vec<[u32; 3]>,
+    ) -> usize {
+        let before = triangles.len();
+        let mut kept: Vec<u32> = Vec::new();
+        let flat = |points: &[[f64; 2]], [a, b, c]: [u32; 3]| {
+            let [a, b, c] = [a, b, c].map(|v| points[v as usize]);
+            let ahead =
+                (a[0] - b[0]) * (c[0] - b[0]) >= 0.0 && (a[1] - b[1]) * (c[1] - b[1]) >= 0.0;
+            ahead && orient(a, b, c) == 0.0
+        };
+        let clean = (0..self.loop_count()).all(|i| {
+            let corners = self.corners(i);
+            let n = corners.len();
+            (0..n).all(|k| {
+                !flat(
+                    &self.points,
+                    [corners[k], corners[(k + 1) % n], corners[(k + 2) % n]],
+                )
+            })
+        });
+        if clean {
+            return 0;
+        }
+        let mut starts = vec![0];
+        let mut corners: Vec<u32> = Vec::with_capacity(self.corners.len());
+        for i in 0..self.loop_count() {
+            kept.clear();
+            kept.extend_from_slice(self.corners(i));
+            // A stack of corners without spikes; each new corner may make the top a spike.
+            let mut changed = true;
+            while changed && kept.len() > 3 {
+                changed = false;
+                let mut stack: Vec<u32> = Vec::with_capacity(kept.len());
+                let mut left = kept.len();
+                for &c in &kept {
+                    while let [.., a, b] = stack[..]
+                        && left > 3
+                        && flat(&self.points, [a, b, c])
+                        && !has_edge(self.point_ids[a as usize], self.point_ids[c as usize])
+                    {
+                        triangles.push([a, b, c]);
+                        stack.pop();
+                        left -= 1;
+                        changed = true;
+                    }
+                    stack.push(c);
+                }
+                // The corner at which the loop was cut open comes first in the next round.
+                stack.rotate_left(1);
+                kept.clear();
+                kept.append(&mut stack);
+                changed |= left > 3 && {
+                    let n = kept.len();
+                    [
+                        [kept[n - 2], kept[n - 1], kept[0]],
+                        [kept[n - 1], kept[0], kept[1]],
+                    ]
+                    .into_iter()
+                    .any(|t| {
+                        flat(&self.points, t)
+                            && !has_edge(
+                                self.point_ids[t[0] as usize],
+                                self.point_ids[t[2] as usize],
+                            )
+                    })
+                };
+            }
+            if let [a, b, c] = kept[..]
+                && orient(
+                    self.points[a as usize],
+                    self.points[b as usize],
+                    self.points[c as usize],
+                ) == 0.0
+            {
+                triangles.push([a, b, c]);
+                continue;
+            }
+            corners.extend_from_slice(&kept);
+            starts.push(corners.len());
+        }
+        self.corners = corners;
+        self.starts = starts;
+        triangles.len() - before
+    }
+}
+
+/// Returns the power of two that scales `x` to about 1.
+fn power_of_two_near(x: f64) -> f64 {
+    if x > 0.0 {
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "the exponent of a finite number has 11 bits"
+        )]
+        let exponent = (-x.log2().floor()).clamp(-1022.0, 1022.0) as i32;
+        2f64.powi(exponent)
+    } else {
+        1.0
+    }
+}

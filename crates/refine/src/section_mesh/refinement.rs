@@ -1,0 +1,379 @@
+//! Frontal Delaunay refinement of the boundary band, or of a whole section without a lattice.
+//!
+//! Loops have edges much shorter and longer than the target, side by side, and none may be split,
+//! so the guarantees of Delaunay refinement do not hold. A point is inserted only if its triangles
+//! have a larger minimum angle than those that it replaces, or if their angles are good anyway.
+//! Between a short and a long edge of the rim, points form a [`spiral`].
+//!
+//! Triangles wait in a queue, so points form layers from the rim inward, at the target distance
+//! (Engwirda and Ivers 2016). [`smoothing`] then moves points, and refinement runs once more.
+//!
+//! Angles are compared as cos^2 of the minimum angle of a triangle, see
+//! [`cos2_min_angle`](off_center::cos2_min_angle).
+
+pub(crate) mod off_center;
+mod smoothing;
+mod spiral;
+
+use super::barycentric::barycentric_weights;
+use super::boundary_band::BoundaryBand;
+use super::cdt::{Cdt, constraint, prev};
+use super::lattice::Lattice;
+use super::loop_triangulation::{INSIDE, LoopTriangulation};
+use super::target_length::{AngleBounds, TargetLengths};
+use incise_mesh::index_u32;
+use off_center::{
+    Candidate, CavityScratch, OFF_CENTER_REACH, cos2_min_angle, distance_squared, midpoint,
+    off_center, shortest_side,
+};
+use smoothing::Star;
+
+/// Maximum length of an inner edge in targets; a longer one gets a point.
+const MAX_EDGE_RATIO: f64 = 1.5;
+/// cos^2 of 30 degrees: a point for a long edge must not make a smaller angle.
+const COS2_30: f64 = 0.75;
+/// cos^2 of 20 degrees: the same bound for a point at the midpoint of the edge.
+const COS2_20: f64 = 0.88;
+/// Minimum growth of sin^2 of the minimum angle for a point to be inserted.
+const MIN_GAIN: f64 = 1.1;
+/// The same factor for triangles with an angle below 20 degrees: any improvement counts.
+const MIN_GAIN_BELOW_20: f64 = 1.0;
+/// The same factor for triangles below [`COS2_10`] with edges that are too long.
+const MIN_GAIN_NEEDLES: f64 = 0.5;
+/// cos^2 of 10 degrees.
+const COS2_10: f64 = 0.97;
+/// Number of rounds of insertion and smoothing.
+const ROUNDS: usize = 2;
+/// One in this many triangles may miss the minimum angle.
+const BAD_SHARE: usize = 20;
+/// Meshes with more triangles get no additional round.
+///
+/// The bad triangles at a few places are a small share of theirs.
+const MAX_EXTRA_ROUND_TRIANGLES: usize = 1024;
+/// Minimum distance, in targets, of a point on the crease from other points.
+const MIN_CREASE_DISTANCE: f64 = 0.35;
+
+/// State and scratch memory of the refinement.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Refiner {
+    /// The triangulation of the loops alone, in which the parents of points are found.
+    pub(super) base: Cdt,
+    /// Target length at each vertex.
+    pub(super) targets: Vec<f64>,
+    /// Angle bounds of the current round.
+    pub(super) bounds: AngleBounds,
+    /// Triangles to refine, with their corners at the time of queueing.
+    queue: Vec<(u32, [u32; 3])>,
+    pub(super) sides: Vec<u32>,
+    /// A triangle of `base` near each vertex.
+    pub(super) hints: Vec<u32>,
+    /// Whether the neighborhood of each vertex has changed since its last smoothing.
+    pub(super) stale: Vec<bool>,
+    pub(super) star: Star,
+    cavity: CavityScratch,
+}
+
+impl Refiner {
+    /// Saves the triangulation of the loops before lattice points are inserted.
+    pub(crate) fn save_base(&mut self, triangulation: &LoopTriangulation) {
+        self.base.copy_triangles(&triangulation.cdt);
+    }
+
+    /// Inserts at most `budget` points into the band and smooths them, in rounds.
+    ///
+    /// `core` is the number of lattice triangles, which are not part of the triangulation.
+    pub(crate) fn run(
+        &mut self,
+        triangulation: &mut LoopTriangulation,
+        lattice: &mut Lattice,
+        band: &mut BoundaryBand,
+        targets: &TargetLengths,
+        budget: usize,
+        core: usize,
+    ) {
+        self.start(triangulation, lattice, band, targets);
+        let mut left = budget;
+        for _ in 0..ROUNDS {
+            left -= self.insert(triangulation, lattice, band, targets, left);
+            self.smooth(triangulation, lattice, band);
+            // Smoothing may have made room where no point could be inserted.
+            self.bounds.insert = self.bounds.insert_after_smoothing;
+        }
+        let bound = self.bounds.insert_after_smoothing;
+        let is_improvable = |t: u32| cos2_min_angle(triangulation.cdt.corner_points(t)) <= bound;
+        if has_many_bad_triangles(triangulation, core, targets.bounds.insert, is_improvable) {
+            self.bounds.insert = self.bounds.search;
+            self.insert(triangulation, lattice, band, targets, left);
+            self.smooth(triangulation, lattice, band);
+        }
+    }
+
+    /// Returns whether many triangles miss the minimum angle because core points are fixed.
+    pub(crate) fn is_blocked_by_core(
+        triangulation: &LoopTriangulation,
+        lattice: &Lattice,
+        band: &BoundaryBand,
+        targets: &TargetLengths,
+        core: usize,
+    ) -> bool {
+        let is_core = |v: u32| {
+            let point = v.checked_sub(band.first).map(|i| band.lattice[i as usize]);
+            point.is_some_and(|point| lattice.in_core.get(point as usize) == Some(&true))
+        };
+        let is_blocked_by_core = |t: u32| triangulation.cdt.corners(t).into_iter().any(is_core);
+        has_many_bad_triangles(
+            triangulation,
+            core,
+            targets.bounds.insert,
+            is_blocked_by_core,
+        )
+    }
+
+    /// Initializes the state for a triangulation.
+    fn start(
+        &mut self,
+        triangulation: &LoopTriangulation,
+        lattice: &Lattice,
+        band: &BoundaryBand,
+        targets: &TargetLengths,
+    ) {
+        self.cavity.clear();
+        self.targets.clear();
+        self.bounds = targets.bounds;
+        targets.along_rim(triangulation, &mut self.targets);
+        // The target of lattice points; the corners of the box do not use theirs.
+        self.targets
+            .resize(triangulation.cdt.points.len(), lattice.length);
+        if lattice.boundary.is_empty() {
+            // Without a core, lattice points take the rim's target, grown by their distance.
+            for v in band.first..index_u32(triangulation.cdt.points.len()) {
+                self.targets[v as usize] =
+                    self.graded_target(&triangulation.cdt, v, lattice.length, targets);
+            }
+        }
+        self.stale.clear();
+        self.stale.resize(triangulation.cdt.points.len(), true);
+        self.hints.clear();
+        let base = self.base.outgoing.iter().map(|h| h / 3);
+        self.hints.extend(base);
+        for &point in &band.lattice {
+            // A corner of the triangle that contains the point.
+            let corner = lattice.parents[point as usize][0];
+            self.hints.push(self.hints[corner as usize]);
+        }
+    }
+
+    /// Inserts points until the queue is empty and returns their number.
+    fn insert(
+        &mut self,
+        triangulation: &mut LoopTriangulation,
+        lattice: &mut Lattice,
+        band: &mut BoundaryBand,
+        targets: &TargetLengths,
+        budget: usize,
+    ) -> usize {
+        let cdt = &mut triangulation.cdt;
+        self.queue.clear();
+        for t in 0..cdt.triangles() {
+            self.queue_if_bad(cdt, t);
+        }
+        let (mut at, mut inserted) = (0, 0);
+        while at < self.queue.len() && inserted < budget {
+            let (t, corners) = self.queue[at];
+            at += 1;
+            if cdt.corners(t) != corners {
+                continue;
+            }
+            let middle = self.long_crease(cdt, t);
+            let Some(candidate) = middle.or_else(|| self.find_candidate(cdt, t)) else {
+                continue;
+            };
+            let v = cdt.push_point(candidate.at);
+            cdt.last = candidate.triangle;
+            let near = cdt.corners(candidate.triangle)[0];
+            self.base.last = self.hints[near as usize];
+            // A point without parents in the triangulation of the loops is not inserted.
+            let Some((parents, weights)) = barycentric_weights(&mut self.base, candidate.at) else {
+                cdt.pop_point();
+                continue;
+            };
+            if cdt.insert(v).is_err() {
+                cdt.pop_point();
+                continue;
+            }
+            inserted += 1;
+            self.hints.push(self.base.last);
+            band.lattice.push(index_u32(lattice.points.len()));
+            lattice.points.push(candidate.at);
+            lattice.parents.push(parents);
+            lattice.weights.push(weights);
+            let far =
+                |i: usize| weights[i] * targets.at(triangulation.corner_of[parents[i] as usize]);
+            let far = far(0) + far(1) + far(2);
+            self.targets.push(self.graded_target(cdt, v, far, targets));
+            self.stale.push(true);
+            self.mark_stale(cdt, v);
+            for h in outgoing_half_edges(cdt, v) {
+                self.queue_if_bad(cdt, h / 3);
+            }
+        }
+        inserted
+    }
+
+    /// Returns the target at `v`: the smallest of its neighbors' targets, grown by distance.
+    ///
+    /// `far` is the target far from the rim.
+    fn graded_target(&self, cdt: &Cdt, v: u32, far: f64, targets: &TargetLengths) -> f64 {
+        let from = |w: u32| {
+            let distance = distance_squared(cdt.point(v), cdt.point(w)).sqrt();
+            targets.graded(self.targets[w as usize], far, distance)
+        };
+        outgoing_half_edges(cdt, v)
+            .map(|h| from(cdt.end(h)))
+            .fold(f64::MAX, f64::min)
+    }
+
+    /// Queues a triangle that misses the minimum angle or has a long edge.
+    fn queue_if_bad(&mut self, cdt: &Cdt, t: u32) {
+        if cdt.region[t as usize] == INSIDE
+            && (cos2_min_angle(cdt.corner_points(t)) > self.bounds.insert
+                || self.has_long_edge(cdt, t))
+        {
+            self.queue.push((t, cdt.corners(t)));
+        }
+    }
+
+    /// Returns the best point to insert for triangle `t`, if one is worth it.
+    fn find_candidate(&mut self, cdt: &Cdt, t: u32) -> Option<Candidate> {
+        let p = cdt.corner_points(t);
+        let (k, side) = shortest_side(p);
+        if cos2_min_angle(p) > self.bounds.insert {
+            // Among needles from rim to rim no single point helps, but rows of points do.
+            let is_needle = cos2_min_angle(p) > COS2_10 && self.has_long_edge(cdt, t);
+            let gain = if is_needle {
+                MIN_GAIN_NEEDLES
+            } else if cos2_min_angle(p) > COS2_20 {
+                MIN_GAIN_BELOW_20
+            } else {
+                MIN_GAIN
+            };
+            let is_gain = |candidate: &Candidate| {
+                1.0 - candidate.new_cos2 > gain * (1.0 - candidate.old_cos2)
+            };
+            // Try closer to the short side if the usual off-center does not help.
+            let mut usual = OFF_CENTER_REACH.into_iter().filter_map(|reach| {
+                let candidate = self.cavity.evaluate(cdt, t, off_center(p, k, reach)?)?;
+                is_gain(&candidate).then_some(candidate)
+            });
+            let mut best = usual.next();
+            for at in spiral::points(cdt, t) {
+                let candidate = self.cavity.evaluate(cdt, t, at).filter(is_gain);
+                let is_better = |candidate: &Candidate| {
+                    best.is_none_or(|best| candidate.new_cos2 < best.new_cos2)
+                };
+                best = candidate.filter(is_better).or(best);
+            }
+            return best;
+        }
+        if !self.has_long_edge(cdt, t) {
+            return None;
+        }
+        // The distance at which the other two sides are as long as the target.
+        let target = self.target(cdt, 3 * t + index_u32(k));
+        let far = ((target / side).powi(2) - 0.25)
+            .max(OFF_CENTER_REACH[1].powi(2))
+            .sqrt();
+        let places = [far.min(OFF_CENTER_REACH[0]), f64::INFINITY].into_iter();
+        let best = places
+            .filter_map(|reach| off_center(p, k, reach))
+            .find_map(|at| {
+                let candidate = self.cavity.evaluate(cdt, t, at)?;
+                (candidate.direct_cos2 < candidate.old_cos2.max(COS2_30)).then_some(candidate)
+            });
+        best.or_else(|| {
+            let sides = [3 * t, 3 * t + 1, 3 * t + 2].into_iter();
+            let free = sides.filter(|&h| cdt.constraints[h as usize] == constraint::FREE);
+            let length = |h: u32| distance_squared(cdt.point(cdt.start(h)), cdt.point(cdt.end(h)));
+            let h = free.max_by(|&g, &h| length(g).total_cmp(&length(h)))?;
+            let at = midpoint(cdt.point(cdt.start(h)), cdt.point(cdt.end(h)));
+            let candidate = self.cavity.evaluate(cdt, t, at)?;
+            (candidate.direct_cos2 < candidate.old_cos2.max(COS2_20)).then_some(candidate)
+        })
+    }
+
+    /// Returns the target of an edge: the mean of its ends'.
+    fn target(&self, cdt: &Cdt, h: u32) -> f64 {
+        let of = |v: u32| self.targets[v as usize];
+        0.5 * of(cdt.start(h)) + 0.5 * of(cdt.end(h))
+    }
+
+    fn is_long(&self, cdt: &Cdt, h: u32) -> bool {
+        distance_squared(cdt.point(cdt.start(h)), cdt.point(cdt.end(h)))
+            > (MAX_EDGE_RATIO * self.target(cdt, h)).powi(2)
+    }
+
+    fn has_long_edge(&self, cdt: &Cdt, t: u32) -> bool {
+        [3 * t, 3 * t + 1, 3 * t + 2].into_iter().any(|h| {
+            matches!(
+                cdt.constraints[h as usize],
+                constraint::FREE | constraint::CREASE
+            ) && self.is_long(cdt, h)
+        })
+    }
+
+    /// Returns the midpoint of a side on the crease that is long and far enough from other points.
+    fn long_crease(&self, cdt: &Cdt, t: u32) -> Option<Candidate> {
+        [3 * t, 3 * t + 1, 3 * t + 2].into_iter().find_map(|h| {
+            let g = cdt.twin[h as usize];
+            let at = midpoint(cdt.point(cdt.start(h)), cdt.point(cdt.end(h)));
+            let near = (MIN_CREASE_DISTANCE * self.target(cdt, h)).powi(2);
+            let splits = cdt.constraints[h as usize] == constraint::CREASE
+                && self.is_long(cdt, h)
+                && [h, g].into_iter().all(|h| {
+                    cdt.region[(h / 3) as usize] == INSIDE
+                        && distance_squared(cdt.point(cdt.opposite(h)), at) > near
+                        && cdt.orientation(cdt.start(h), cdt.end(h), cdt.opposite(h)) > 0.0
+                });
+            splits.then_some(Candidate {
+                at,
+                triangle: t,
+                old_cos2: 1.0,
+                new_cos2: 1.0,
+                direct_cos2: 1.0,
+            })
+        })
+    }
+}
+
+/// Returns whether too many triangles of a small mesh exceed `asked` and `helps` could mend it.
+///
+/// Too many is more than one in [`BAD_SHARE`]. `helps` names the triangles that a measure improves;
+/// the others must not be too many. `core` is the number of additional good triangles.
+fn has_many_bad_triangles(
+    triangulation: &LoopTriangulation,
+    core: usize,
+    asked: f64,
+    helps: impl Fn(u32) -> bool,
+) -> bool {
+    let cdt = &triangulation.cdt;
+    if cdt.triangles() as usize + core > MAX_EXTRA_ROUND_TRIANGLES {
+        return false;
+    }
+    let (mut all, mut sharp, mut others) = (core, 0, 0);
+    for t in (0..cdt.triangles()).filter(|&t| cdt.region[t as usize] == INSIDE) {
+        all += 1;
+        if cos2_min_angle(cdt.corner_points(t)) > asked {
+            sharp += 1;
+            others += usize::from(!helps(t));
+        }
+    }
+    BAD_SHARE * sharp > all && BAD_SHARE * others <= all
+}
+
+/// Returns the outgoing half-edges of an inner vertex.
+pub(super) fn outgoing_half_edges(cdt: &Cdt, v: u32) -> impl Iterator<Item = u32> + '_ {
+    let first = cdt.outgoing[v as usize];
+    std::iter::successors(Some(first), move |&h| {
+        Some(cdt.twin[prev(h) as usize]).filter(|&h| h != first)
+    })
+}

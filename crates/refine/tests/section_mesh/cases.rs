@@ -1,0 +1,350 @@
+//! Sections with a known answer: touching, crossing and clockwise loops, quality, errors.
+
+use crate::sections::{Shape, check_any, check_clean, corners, polygon_area, run};
+use incise_refine::{
+    RefineError, Section, SectionMesh, SectionMeshParams, SectionMeshScratch, SectionMeshSize,
+    triangulate_section,
+};
+use std::f64::consts::TAU;
+
+/// Returns the sum of unsigned areas, which exceeds the section's area where triangles overlap.
+fn covered(shape: &Shape, mesh: &SectionMesh) -> f64 {
+    let area = |&t: &[u32; 3]| polygon_area(&corners(shape, mesh, t)).abs();
+    mesh.triangles.iter().map(area).sum()
+}
+
+fn square(x: f64, y: f64, size: f64) -> [[f64; 2]; 4] {
+    [[x, y], [x + size, y], [x + size, y + size], [x, y + size]]
+}
+
+fn hole<const N: usize>(mut points: [[f64; 2]; N]) -> [[f64; 2]; N] {
+    points.reverse();
+    points
+}
+
+fn circle(n: u32, radius: f64) -> Vec<[f64; 2]> {
+    (0..n)
+        .map(|i| f64::from(i) * TAU / f64::from(n))
+        .map(|a| [radius * a.cos(), radius * a.sin()])
+        .collect()
+}
+
+#[test]
+fn touching_loops_give_no_overlap() {
+    let outer = square(0.0, 0.0, 4.0);
+    let shapes: [(&str, Vec<Vec<[f64; 2]>>); 7] = [
+        (
+            "a hole at a corner",
+            vec![outer.into(), hole(square(0.0, 0.0, 1.0)).into()],
+        ),
+        (
+            "a hole that touches an edge",
+            vec![outer.into(), vec![[2.0, 0.0], [1.0, 1.0], [3.0, 1.0]]],
+        ),
+        (
+            "a hole along an edge",
+            vec![outer.into(), hole(square(1.0, 0.0, 2.0)).into()],
+        ),
+        (
+            "islands with a common edge",
+            vec![outer.into(), square(4.0, 0.0, 4.0).into()],
+        ),
+        (
+            "islands that meet at a corner",
+            vec![outer.into(), square(4.0, 4.0, 1.0).into()],
+        ),
+        (
+            "holes that meet at a corner",
+            vec![
+                outer.into(),
+                hole(square(1.0, 1.0, 1.0)).into(),
+                hole(square(2.0, 2.0, 1.0)).into(),
+            ],
+        ),
+        (
+            "an island that fills its hole",
+            vec![
+                outer.into(),
+                hole(square(1.0, 1.0, 2.0)).into(),
+                square(1.0, 1.0, 2.0).into(),
+            ],
+        ),
+    ];
+    for (name, loops) in shapes {
+        let mut shape = Shape::default();
+        for points in loops {
+            shape.add(points);
+        }
+        for length in [None, Some(0.3)] {
+            let mesh = run(&shape, length, false).expect(name);
+            check_any(&shape, &mesh);
+            let (sum, area) = (covered(&shape, &mesh), shape.area());
+            assert!((sum - area).abs() < 1e-3 * area, "{name}: {sum} for {area}");
+            assert_eq!(
+                (
+                    mesh.report.separated_loops,
+                    mesh.report.self_intersecting_loops
+                ),
+                (0, 0),
+                "{name}"
+            );
+        }
+    }
+}
+
+/// The loop has a slit without width and duplicate points.
+#[test]
+fn a_slit_without_width_is_clipped() {
+    let mut shape = Shape::default();
+    shape.add([
+        [0.0, 0.0],
+        [2.0, 0.0],
+        [2.0, 0.0],
+        [2.0, 1.0],
+        [2.0, 0.0],
+        [4.0, 0.0],
+        [4.0, 4.0],
+        [0.0, 4.0],
+        [0.0, 4.0],
+        [0.0, 4.0],
+    ]);
+    let mesh = run(&shape, Some(0.25), false).expect("valid loops");
+    check_any(&shape, &mesh);
+    assert!((covered(&shape, &mesh) - 16.0).abs() < 1e-9, "no overlap");
+    assert!(mesh.report.clipped_corners >= 4, "{:?}", mesh.report);
+    assert!(mesh.steiner_points.len() > 200, "refined as any other");
+}
+
+#[test]
+fn a_self_crossing_loop_is_split_at_the_crossing() {
+    // A figure eight, whose lobes have opposite orientations.
+    let n = 200;
+    let mut shape = Shape::default();
+    shape.add((0..n).map(|i| {
+        let a = (f64::from(i) + 0.25) * TAU / f64::from(n);
+        [2.0 * a.sin(), (2.0 * a).sin()]
+    }));
+    let lobes: f64 = 2.0 * 4.0 / 3.0;
+    for length in [None, Some(0.06)] {
+        let mesh = run(&shape, length, false).expect("valid loops");
+        check_any(&shape, &mesh);
+        let sum = covered(&shape, &mesh);
+        // The analytic area of both lobes.
+        assert!((sum - 2.0 * lobes).abs() < 0.01 * lobes, "{sum}");
+        assert_eq!(
+            mesh.report.self_intersecting_loops, 1,
+            "only the crossing itself"
+        );
+        assert!(
+            length.is_none() || mesh.steiner_points.len() > 800,
+            "both lobes are refined"
+        );
+    }
+}
+
+#[test]
+fn clockwise_loops_give_clockwise_triangles() {
+    for length in [None, Some(0.1)] {
+        let mut shape = Shape::default();
+        shape.add(circle(60, 1.0));
+        let forward = run(&shape, length, true).expect("valid loops");
+        shape.loops[0].reverse();
+        let mesh = run(&shape, length, true).expect("valid loops");
+        check_any(&shape, &mesh);
+        assert_eq!(mesh.triangles.len(), forward.triangles.len(), "as many");
+        let backward = |&t: &[u32; 3]| polygon_area(&corners(&shape, &mesh, t)) < 0.0;
+        assert!(
+            mesh.triangles.iter().all(backward),
+            "every triangle has the loop's orientation"
+        );
+    }
+}
+
+/// Bounds on angles and edges of fine meshes of a smooth rim with even and uneven edges.
+#[test]
+fn smooth_rims_get_good_triangles() {
+    for (n, uneven, z) in [
+        (280, 0.6, 1.0),
+        (280, 0.6, 1.5),
+        (280, 0.6, 2.0),
+        (280, 0.0, 1.0),
+        (112, 0.6, 1.0),
+    ] {
+        let n = f64::from(n);
+        let points: Vec<[f64; 2]> = (0..)
+            .map(f64::from)
+            .take_while(|i| *i < n)
+            .map(|i| (i + uneven * (1.7 * i).sin() * 0.5) * TAU / n)
+            .map(|a| {
+                let r = 1.0 + 0.2 * (3.0 * a).cos();
+                [r * a.cos(), r * a.sin()]
+            })
+            .collect();
+        let distance = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
+        let mean = (0..points.len())
+            .map(|i| distance(points[i], points[(i + 1) % points.len()]))
+            .sum::<f64>()
+            / n;
+        let length = z * mean;
+        let mut shape = Shape::default();
+        shape.add(points);
+        let mesh = run(&shape, Some(length), false).expect("valid loops");
+        check_clean(&shape, &mesh, false);
+        let rim = shape.points.len();
+        let (mut angles, mut edges) = (Vec::new(), Vec::new());
+        for &t in &mesh.triangles {
+            let p = corners(&shape, &mesh, t);
+            let sides = [0, 1, 2].map(|i| distance(p[i], p[(i + 1) % 3]));
+            let angle = |i: usize| {
+                let (a, b, c) = (sides[i], sides[(i + 1) % 3], sides[(i + 2) % 3]);
+                ((b * b + c * c - a * a) / (2.0 * b * c))
+                    .acos()
+                    .to_degrees()
+            };
+            angles.push(angle(0).min(angle(1)).min(angle(2)));
+            for i in 0..3 {
+                let (v, w) = (t[i] as usize, t[(i + 1) % 3] as usize);
+                if v < w && w >= rim {
+                    edges.push(sides[i] / length);
+                }
+            }
+        }
+        angles.sort_unstable_by(f64::total_cmp);
+        let count = angles.len();
+        let mean = edges.iter().sum::<f64>() / edges.len() as f64;
+        let longest = edges.iter().copied().fold(0.0, f64::max);
+        let name = format!("{n} {uneven} {z}");
+        assert!(angles[0] >= 20.0, "{name}: smallest {}", angles[0]);
+        assert!(
+            angles[count / 20] >= 30.0,
+            "{name}: 5 percent {}",
+            angles[count / 20]
+        );
+        assert!(
+            angles[count / 2] >= 45.0,
+            "{name}: median {}",
+            angles[count / 2]
+        );
+        assert!((0.85..=1.15).contains(&mean), "{name}: mean {mean}");
+        assert!(longest <= 1.8, "{name}: longest {longest}");
+    }
+}
+
+/// The crease is too close to the rim for lattice points, yet must be subdivided.
+#[test]
+fn a_crease_beside_a_rim_has_no_long_edges() {
+    let side = |from: [f64; 2], to: [f64; 2]| {
+        (0..20).map(move |i| {
+            let s = f64::from(i) / 20.0;
+            [
+                from[0] + s * (to[0] - from[0]),
+                from[1] + s * (to[1] - from[1]),
+            ]
+        })
+    };
+    // A box of 20 by 10; the crease 0.5 above its floor.
+    let mut shape = Shape::default();
+    let mut points: Vec<[f64; 2]> = side([0.0, -0.5], [20.0, -0.5]).collect();
+    points.extend([[20.0, -0.5], [20.0, 0.0]]);
+    points.extend(side([20.0, 0.5], [20.0, 9.5]));
+    points.extend(side([20.0, 9.5], [0.0, 9.5]));
+    points.extend(side([0.0, 9.5], [0.0, 0.5]));
+    points.extend([[0.0, 0.5], [0.0, 0.0]]);
+    shape.add(points);
+    let mesh = run(&shape, Some(1.0), true).expect("valid loops");
+    check_clean(&shape, &mesh, true);
+    let mut along = 0.0;
+    for &t in &mesh.triangles {
+        let p = corners(&shape, &mesh, t);
+        for i in 0..3 {
+            let (p, q) = (p[i], p[(i + 1) % 3]);
+            if p[1] == 0.0 && q[1] == 0.0 {
+                along += (p[0] - q[0]).abs() / 2.0;
+                assert!((p[0] - q[0]).abs() <= 1.8, "an edge from {p:?} to {q:?}");
+            }
+        }
+    }
+    assert!(
+        (along - 20.0).abs() < 1e-9,
+        "the whole crease, from side to side: {along}"
+    );
+}
+
+#[test]
+fn random_tangles_terminate() {
+    let mut state = 1u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1 << 24)
+    };
+    let mut shape = Shape::default();
+    shape.add((0..1500).map(|_| [random(), random()]).collect::<Vec<_>>());
+    shape.add(
+        (0..1500)
+            .map(|_| [random(), (8.0 * random()).floor()])
+            .collect::<Vec<_>>(),
+    );
+    let mesh = run(&shape, Some(0.05), true).expect("valid loops");
+    check_any(&shape, &mesh);
+}
+
+#[test]
+fn bad_input_is_an_error() {
+    let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [f64::NAN, 0.0]];
+    let run_with = |loops: &[Vec<u32>], length: Option<f64>, max_triangles: usize| {
+        let section = Section {
+            points: &points,
+            loops,
+            crease: false,
+        };
+        let params = SectionMeshParams {
+            size: length.map_or(SectionMeshSize::Any, SectionMeshSize::Uniform),
+            max_triangles,
+            ..SectionMeshParams::default()
+        };
+        triangulate_section(
+            &section,
+            &params,
+            |_, _| false,
+            &mut SectionMeshScratch::default(),
+        )
+        .map(|c| c.triangles.len())
+    };
+    let good = [vec![0, 1, 2]];
+    assert_eq!(run_with(&good, None, 1), Ok(1));
+    assert_eq!(run_with(&[], None, 1), Ok(0));
+    assert_eq!(
+        run_with(&[vec![0, 1]], None, 9),
+        Err(RefineError::LoopTooShort {
+            index: 0,
+            points: 2
+        })
+    );
+    assert_eq!(
+        run_with(&[vec![0, 1, 4]], None, 9),
+        Err(RefineError::UnknownPoint { index: 0, point: 4 })
+    );
+    assert_eq!(
+        run_with(&[vec![0, 1, 0]], None, 9),
+        Err(RefineError::RepeatedPoint { index: 0, point: 0 })
+    );
+    assert_eq!(
+        run_with(&[vec![0, 1, 3]], None, 9),
+        Err(RefineError::NonFinite { vertex: 3 })
+    );
+    for length in [0.0, -1.0] {
+        assert_eq!(
+            run_with(&good, Some(length), 9),
+            Err(RefineError::NonPositiveLength { length })
+        );
+    }
+    assert!(run_with(&good, Some(f64::NAN), 9).is_err());
+    for length in [1e-2, 1e-5, 1e-12, 1e-300] {
+        assert_eq!(
+            run_with(&good, Some(length), 1000),
+            Err(RefineError::TooManyTriangles { limit: 1000 })
+        );
+    }
+    assert!(run_with(&good, Some(0.1), 1000).is_ok_and(|n| n > 50));
+    assert_eq!(run_with(&good, Some(1e300), 1), Ok(1));
+}

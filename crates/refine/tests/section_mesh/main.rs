@@ -1,0 +1,8 @@
+//! Section meshes: invariants of all of them, quality, and cases with a known answer.
+
+mod cases;
+mod paper;
+mod properties;
+mod quality;
+mod sections;
+mod sizes;

@@ -1,0 +1,247 @@
+//! Broad phase: pairs of pieces whose boxes may overlap within the frame, and their islands.
+//!
+//! Called by [`super::ContactSearch`]; the narrow phase reads the pairs and displacements.
+
+use super::{BladeFace, ContactFrame, SPEED_MARGIN, Velocities};
+use incise_mesh::geometry::to_f64;
+use incise_mesh::{Aabb, Surface, Vec3, VertexId, index_u32};
+use incise_pbd_gpu::Collider;
+
+/// A piece of the body.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Piece {
+    pub(super) number: u32,
+    pub(super) bounds: Aabb,
+    /// `bounds` grown by the motion of the frame and a thickness.
+    grown_bounds: Aabb,
+    /// Minimum and maximum velocity of its vertices along each axis [m/s].
+    velocity_bounds: [Vec3; 2],
+    /// Whether a pin, the ground, a collider or a blade face may stop it.
+    is_held: bool,
+    /// Index of the first piece of its island.
+    island: u32,
+    /// The common velocity of its island, stored in the first piece [m/s].
+    island_velocity: Vec3,
+    /// Maximum displacement of its vertices relative to the island \[m\].
+    pub(super) max_displacement: f64,
+}
+
+/// All pieces of a body, in memory reused between frames.
+///
+/// Pieces that may collide, directly or through others, form an island. The common velocity of an
+/// island in free flight is subtracted, so that only motion within it enlarges the searches. An
+/// island that may hit an obstacle has none: the obstacle may stop it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Pieces {
+    list: Vec<Piece>,
+    /// By piece number: index into `list`.
+    index_of: Vec<u32>,
+    /// Pairs of indices of pieces whose grown boxes overlap, in both orders, ascending.
+    pairs: Vec<(u32, u32)>,
+    /// By index of an island's first piece: the island's velocity bounds [m/s].
+    island_velocity_bounds: Vec<[Vec3; 2]>,
+    /// By vertex slot: maximum displacement relative to its island \[m\].
+    displacements: Vec<f64>,
+}
+
+impl Pieces {
+    /// Finds boxes, velocities, pairs, islands and displacements for a frame.
+    pub(super) fn update(
+        &mut self,
+        surface: &Surface,
+        velocities: &Velocities<'_>,
+        (thickness, frame): (f64, &ContactFrame<'_>),
+    ) {
+        self.measure(surface, velocities);
+        for piece in &mut self.list {
+            piece.grown_bounds = piece.bounds;
+            let speed = max_difference(piece.velocity_bounds, Vec3::zeros());
+            let displacement = (SPEED_MARGIN * speed + frame.speed_gain) * frame.dt;
+            grow(&mut piece.grown_bounds, thickness + displacement);
+            let at_ground = frame
+                .ground
+                .is_some_and(|ground| piece.grown_bounds.min[1] <= ground);
+            let at_collider = |c: &Collider| c.bounds().overlaps(&piece.grown_bounds);
+            let at_face = |face: &BladeFace| face.bounds().overlaps(&piece.grown_bounds);
+            piece.is_held |= at_ground
+                || frame.colliders.iter().any(at_collider)
+                || frame.blade_faces.iter().any(at_face);
+        }
+        self.find_pairs();
+        self.find_islands();
+        self.find_displacements(surface, velocities, frame.dt);
+    }
+
+    /// Returns whether any two pieces may collide.
+    pub(super) fn has_pairs(&self) -> bool {
+        !self.pairs.is_empty()
+    }
+
+    /// Returns the maximum displacements relative to the islands \[m\], shape [vertex slots].
+    pub(super) fn displacements(&self) -> &[f64] {
+        &self.displacements
+    }
+
+    /// Returns the index of a piece by its number.
+    pub(super) fn index(&self, number: u32) -> u32 {
+        self.index_of[number as usize]
+    }
+
+    /// Returns the pieces with which a piece, by index, may collide.
+    pub(super) fn neighbors(&self, index: u32) -> impl Iterator<Item = &Piece> {
+        let first = self.pairs.partition_point(|pair| pair.0 < index);
+        let pairs = self.pairs[first..].iter();
+        pairs
+            .take_while(move |pair| pair.0 == index)
+            .map(|pair| &self.list[pair.1 as usize])
+    }
+
+    /// Finds the boxes and velocity bounds of all pieces.
+    fn measure(&mut self, surface: &Surface, velocities: &Velocities<'_>) {
+        let topology = surface.topology();
+        self.list.clear();
+        self.index_of.clear();
+        self.index_of
+            .resize(surface.piece_bound() as usize, u32::MAX);
+        for v in topology.vertices() {
+            let number = surface.piece(topology.outgoing(v).triangle());
+            let index = &mut self.index_of[number as usize];
+            if *index == u32::MAX {
+                *index = index_u32(self.list.len());
+                self.list.push(Piece {
+                    number,
+                    bounds: Aabb::default(),
+                    grown_bounds: Aabb::default(),
+                    velocity_bounds: [Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)],
+                    is_held: false,
+                    island: 0,
+                    island_velocity: Vec3::zeros(),
+                    max_displacement: 0.0,
+                });
+            }
+            let piece = &mut self.list[*index as usize];
+            let [x, y, z, _] = surface.positions()[v.index()];
+            for (k, c) in [x, y, z].into_iter().enumerate() {
+                piece.bounds.min[k] = piece.bounds.min[k].min(c);
+                piece.bounds.max[k] = piece.bounds.max[k].max(c);
+            }
+            let velocity = velocities.of(v);
+            let [min, max] = piece.velocity_bounds;
+            piece.velocity_bounds = [min.inf(&velocity), max.sup(&velocity)];
+        }
+        for pin in velocities.pins {
+            if let Some(number) = piece_of(surface, pin.vertex) {
+                let index = self.index_of[number as usize];
+                self.list[index as usize].is_held = true;
+            }
+        }
+    }
+
+    /// Finds the pairs of overlapping grown boxes by a sweep along the x axis.
+    fn find_pairs(&mut self) {
+        self.pairs.clear();
+        let x = |piece: &Piece| piece.grown_bounds.min[0];
+        self.list.sort_unstable_by(|a, b| {
+            let by_position = x(a).total_cmp(&x(b));
+            by_position.then(a.number.cmp(&b.number))
+        });
+        for (i, a) in (0..).zip(&self.list) {
+            self.index_of[a.number as usize] = i;
+            let later = self.list.iter().enumerate().skip(i as usize + 1);
+            for (j, b) in later.take_while(|(_, b)| x(b) <= a.grown_bounds.max[0]) {
+                if a.grown_bounds.overlaps(&b.grown_bounds) {
+                    self.pairs.extend([(i, index_u32(j)), (index_u32(j), i)]);
+                }
+            }
+        }
+        self.pairs.sort_unstable();
+    }
+
+    /// Finds the islands by union-find, and their common velocities.
+    fn find_islands(&mut self) {
+        let list = &mut self.list;
+        for (i, piece) in (0..).zip(list.iter_mut()) {
+            piece.island = i;
+        }
+        for &(a, b) in &self.pairs {
+            let (a, b) = (find_root(list, a), find_root(list, b));
+            list[a.max(b) as usize].island = a.min(b);
+        }
+        let bounds = &mut self.island_velocity_bounds;
+        bounds.clear();
+        bounds.extend(list.iter().map(|piece| piece.velocity_bounds));
+        for i in 0..index_u32(list.len()) {
+            let root = find_root(list, i);
+            let piece = list[i as usize];
+            list[i as usize].island = root;
+            list[root as usize].is_held |= piece.is_held;
+            let [min, max] = bounds[root as usize];
+            let [low, high] = piece.velocity_bounds;
+            bounds[root as usize] = [min.inf(&low), max.sup(&high)];
+        }
+        for (root, &[min, max]) in list.iter_mut().zip(bounds.iter()) {
+            root.island_velocity = if root.is_held {
+                Vec3::zeros()
+            } else {
+                (min + max) / 2.0
+            };
+        }
+    }
+
+    /// Finds the displacements of vertices and pieces relative to their islands.
+    fn find_displacements(&mut self, surface: &Surface, velocities: &Velocities<'_>, dt: f64) {
+        let topology = surface.topology();
+        self.displacements.clear();
+        self.displacements.resize(surface.positions().len(), 0.0);
+        for v in topology.vertices() {
+            let number = surface.piece(topology.outgoing(v).triangle());
+            let index = self.index_of[number as usize] as usize;
+            let common = self.list[self.list[index].island as usize].island_velocity;
+            let displacement = SPEED_MARGIN * (velocities.of(v) - common).norm() * dt;
+            self.displacements[v.index()] = displacement;
+            let piece = &mut self.list[index];
+            piece.max_displacement = piece.max_displacement.max(displacement);
+        }
+    }
+}
+
+impl Piece {
+    /// Returns whether a point lies in the piece's box grown by `margin` \[m\].
+    pub(super) fn is_near(&self, p: Vec3, margin: f64) -> bool {
+        let (min, max) = (to_f64(self.bounds.min), to_f64(self.bounds.max));
+        (0..3).all(|k| min[k] - margin <= p[k] && p[k] <= max[k] + margin)
+    }
+}
+
+/// Returns the maximum difference between a velocity within bounds and another one [m/s].
+fn max_difference([min, max]: [Vec3; 2], from: Vec3) -> f64 {
+    (min - from).abs().sup(&(max - from).abs()).norm()
+}
+
+/// Returns the index of the first piece of an island, halving paths on the way.
+fn find_root(list: &mut [Piece], mut i: u32) -> u32 {
+    while list[i as usize].island != i {
+        let next = list[list[i as usize].island as usize].island;
+        list[i as usize].island = next;
+        i = next;
+    }
+    i
+}
+
+/// Returns the number of a vertex' piece; `None` for a vertex that no triangle uses.
+fn piece_of(surface: &Surface, v: VertexId) -> Option<u32> {
+    let h = surface.topology().outgoing(v);
+    (!h.is_null()).then(|| surface.piece(h.triangle()))
+}
+
+/// Grows a box on all sides by `margin` \[m\].
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the box is grown by much more than the rounding of its corners"
+)]
+fn grow(bounds: &mut Aabb, margin: f64) {
+    for k in 0..3 {
+        bounds.min[k] = (f64::from(bounds.min[k]) - margin) as f32;
+        bounds.max[k] = (f64::from(bounds.max[k]) + margin) as f32;
+    }
+}

@@ -1,0 +1,149 @@
+//! Friction on slopes, colliders, and parameters out of range.
+
+use super::*;
+
+/// Returns how far a block slides down a slope in half a second \[m\].
+///
+/// `slope` is the tangent of its angle.
+fn slide_distance(friction: f32, slope: f32) -> f32 {
+    let block = moved(&cube(3), [-0.5, 0.22, 0.0], [0.2; 3]);
+    let plate = moved(&cube(6), [0.0, -0.1, 0.0], [2.0, 0.1, 2.0]);
+    let g = 9.81 / (1.0 + slope * slope).sqrt();
+    // The plate is horizontal and gravity is inclined.
+    let mut scene = Scene::new(params([g * slope, -g, 0.0], None));
+    let id = (scene.add_body(merged(&[plate, block]), &firm(friction, 0.0))).unwrap();
+    pin_piece(&mut scene, id, 0);
+    let along = |scene: &Scene| {
+        let surface = scene.body(id).unwrap().surface();
+        let block = of_piece(surface, 1);
+        let sum: f32 = block
+            .iter()
+            .map(|v| surface.positions()[v.index()][0])
+            .sum();
+        sum / block.len() as f32
+    };
+    let start = along(&scene);
+    for _ in 0..30 {
+        scene.step().unwrap();
+    }
+    along(&scene) - start
+}
+
+#[test]
+fn a_block_slides_where_the_slope_is_steeper_than_friction() {
+    let found = slide_distance(0.5, 0.4);
+    assert!(found < 0.01, "it holds, but for {found} m");
+    for friction in [0.0, 0.3] {
+        let slope = 0.6_f32;
+        let a = 9.81 * (slope - friction) / (1.0 + slope * slope).sqrt();
+        let (found, expected) = (slide_distance(friction, slope), a * 0.125);
+        assert!(
+            (found / expected - 1.0).abs() < 0.1,
+            "{found}, not {expected} m"
+        );
+    }
+}
+
+#[test]
+fn bodies_stay_out_of_colliders_and_sleep_on_flat_ones() {
+    // A block, since a ball would roll off the round colliders.
+    let block = moved(&cube(4), [0.0, 1.0, 0.0], [0.5; 3]);
+    let all = [
+        Collider::Plane {
+            point: [0.0, 0.2, 0.0],
+            normal: [0.0, 1.0, 0.0],
+        },
+        Collider::Box {
+            center: [0.0, -0.3, 0.0],
+            half: [2.0, 0.5, 2.0],
+            axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        },
+        Collider::Sphere {
+            center: [0.0, -19.8, 0.0],
+            radius: 20.0,
+        },
+        Collider::Capsule {
+            ends: [[-3.0, -19.8, 0.0], [3.0, -19.8, 0.0]],
+            radius: 20.0,
+        },
+    ];
+    for collider in all {
+        let mut scene = Scene::new(SceneParams {
+            contacts: None,
+            sleep: Some(SleepParams::default()),
+            ..params([0.0, -9.81, 0.0], None)
+        });
+        // The broad phase excludes the distant collider.
+        let far = Collider::Sphere {
+            center: [100.0, 0.0, 0.0],
+            radius: 1.0,
+        };
+        scene.colliders = vec![far, collider];
+        let material = Material {
+            damping: 1.0,
+            ..firm(1.0, 0.0)
+        };
+        let body = merged(std::slice::from_ref(&block));
+        let id = scene.add_body(body, &material).unwrap();
+        let mut lowest = f32::INFINITY;
+        for frame in 0..1800 {
+            scene.step().unwrap();
+            assert!(scene.stats().collider_pairs <= 1, "in frame {frame}");
+            lowest = lowest.min(height_range(scene.body(id).unwrap(), 0)[0]);
+            if scene.is_asleep(id).unwrap() {
+                break;
+            }
+        }
+        // The corners of the block touch the ball of 20 m 12.5 mm below its top.
+        assert!(lowest > 0.187, "it got to {lowest} m in {collider:?}");
+        assert!(lowest < 0.21, "it has fallen: {lowest} m at {collider:?}");
+        // On a round collider the block rocks on a point.
+        let is_flat = matches!(collider, Collider::Plane { .. } | Collider::Box { .. });
+        assert!(
+            scene.is_asleep(id).unwrap() || !is_flat,
+            "it rests on {collider:?}"
+        );
+        scene.colliders.clear();
+        for _ in 0..30 {
+            scene.step().unwrap();
+        }
+        let low = height_range(scene.body(id).unwrap(), 0)[0];
+        assert!(low < -0.5, "it falls without the collider: {low} m");
+    }
+}
+
+#[test]
+fn an_invalid_collider_is_an_error_before_anything_moves() {
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0], None));
+    let id = scene
+        .add_body(cube_sphere(3, 0.5), &firm(0.5, 0.0))
+        .unwrap();
+    let far = |radius| Collider::Sphere {
+        center: [1e3; 3],
+        radius,
+    };
+    scene.colliders = vec![far(1.0), far(f32::NAN)];
+    let error = scene.step().unwrap_err();
+    assert!(error.to_string().contains("collider 1"), "{error}");
+    assert_eq!(scene.body(id).unwrap().solver().kinetic_energy(), 0.0);
+    scene.colliders.pop();
+    scene.step().unwrap();
+}
+
+#[test]
+fn a_thickness_out_of_range_is_an_error() {
+    for thickness in [0.0, -1.0, f32::NAN] {
+        let contacts = ContactParams {
+            thickness,
+            ..ContactParams::default()
+        };
+        let mut scene = Scene::new(SceneParams {
+            contacts: Some(contacts),
+            ..SceneParams::default()
+        });
+        assert!(matches!(
+            scene.step(),
+            Err(SceneError::InvalidContactThickness { .. })
+        ));
+    }
+}

@@ -1,0 +1,138 @@
+//! Invariants of every cut, as assertions.
+
+mod delta;
+mod exact;
+mod section;
+
+pub use exact::{assert_caps_cover_section, exact_params};
+
+use delta::assert_delta_matches;
+use exact::assert_exact;
+use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter, Sweep};
+use incise_mesh::{EdgeKey, Surface, TriangleId, VertexId};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Asserts that a surface is a closed manifold of whole pieces.
+///
+/// # Panics
+/// If [`Surface::validate_closed`] fails.
+pub fn assert_closed_manifold(surface: &Surface) {
+    if let Err(error) = surface.validate_closed() {
+        panic!("the surface is not a closed manifold: {error}");
+    }
+}
+
+/// Asserts that two surfaces are equal bit for bit, including free slots.
+///
+/// # Panics
+/// If they differ.
+pub fn assert_same_bits(a: &Surface, b: &Surface) {
+    assert_eq!(a.topology(), b.topology(), "the connectivity differs");
+    assert!(
+        bits(a.positions()) == bits(b.positions()),
+        "positions differ"
+    );
+    assert!(
+        bits(a.rest_positions()) == bits(b.rest_positions()),
+        "rest positions differ"
+    );
+    let same_uv = bits(a.corner_uvs()) == bits(b.corner_uvs());
+    let same_normals = bits(a.corner_normals()) == bits(b.corner_normals());
+    assert!(same_uv && same_normals, "corner attributes differ");
+    for t in a.topology().triangles() {
+        assert_eq!(a.piece(t), b.piece(t), "the piece of {t}");
+        assert_eq!(a.material(t), b.material(t), "the material of {t}");
+    }
+    assert_eq!(a.piece_bound(), b.piece_bound(), "the next piece differs");
+}
+
+fn bits<const N: usize>(values: &[[f32; N]]) -> Vec<[u32; N]> {
+    values.iter().map(|v| v.map(f32::to_bits)).collect()
+}
+
+/// Returns vertices - edges + triangles of every piece.
+#[must_use]
+pub fn euler_characteristics(surface: &Surface) -> BTreeMap<u32, i64> {
+    let topology = surface.topology();
+    let mut sums = vec![None; surface.piece_bound() as usize];
+    let mut add = |t: TriangleId, sign: i64| {
+        *sums[surface.piece(t) as usize].get_or_insert(0) += sign;
+    };
+    topology.triangles().for_each(|t| add(t, 1));
+    topology.edges().for_each(|h| add(h.triangle(), -1));
+    let corner = |v: VertexId| topology.outgoing(v).triangle();
+    topology.vertices().for_each(|v| add(corner(v), 1));
+    let pieces = (0..).zip(sums);
+    pieces
+        .filter_map(|(piece, sum)| Some((piece, sum?)))
+        .collect()
+}
+
+/// Returns vertices - edges + triangles of a part of a surface.
+fn euler_characteristic_of(surface: &Surface, part: &[TriangleId]) -> i64 {
+    let topology = surface.topology();
+    let half_edges = || part.iter().flat_map(|t| t.half_edges());
+    let edges: BTreeSet<EdgeKey> = half_edges()
+        .map(|h| EdgeKey::new(topology.origin(h), topology.target(h)))
+        .collect();
+    let vertices: BTreeSet<VertexId> = half_edges().map(|h| topology.origin(h)).collect();
+    let count = |n: usize| i64::try_from(n).expect("parts are small");
+    count(vertices.len()) - count(edges.len()) + count(part.len())
+}
+
+/// Cuts, and asserts the invariants of the result:
+///
+/// - a failed cut and a miss leave every bit of the surface;
+/// - the result is a closed manifold and the BVH matches it;
+/// - the delta lists the whole difference and nothing else;
+/// - the Euler characteristic grows by that of the caps, which is 1 for a disk;
+/// - those of the exact method, see `invariants/exact.rs`.
+///
+/// # Errors
+/// [`CutError`] of a failed cut.
+///
+/// # Panics
+/// If an invariant does not hold.
+pub fn cut_and_check(
+    surface: &mut Surface,
+    cutter: &mut Cutter,
+    sweep: &Sweep,
+    params: &CutParams,
+) -> Result<CutOutcome, CutError> {
+    let before = surface.clone();
+    let result = cutter.cut(surface, sweep, params);
+    cutter
+        .bvh()
+        .validate(surface)
+        .expect("the BVH matches the surface");
+    let outcome = match result {
+        Ok(outcome) if !outcome.is_miss() => outcome,
+        other => {
+            assert_same_bits(&before, surface);
+            return other;
+        }
+    };
+    assert_closed_manifold(surface);
+    assert_delta_matches(&before, surface, &outcome.delta);
+    let added: BTreeSet<TriangleId> = outcome.delta.triangles_added.iter().copied().collect();
+    assert!(
+        outcome.cap.iter().all(|t| added.contains(t)),
+        "caps are new triangles"
+    );
+    let sum = |s: &Surface| euler_characteristics(s).values().sum::<i64>();
+    let added = match params.method {
+        // Two disks per loop.
+        CutMethod::Paper(_) => 2 * i64::try_from(outcome.report.loops).expect("loops are few"),
+        CutMethod::Exact(_) => euler_characteristic_of(surface, &outcome.cap),
+    };
+    assert_eq!(
+        sum(surface),
+        sum(&before) + added,
+        "{} loops cut and closed",
+        outcome.report.loops
+    );
+    if let CutMethod::Exact(_) = params.method {
+        assert_exact(&before, surface, sweep, params, &outcome);
+    }
+    Ok(outcome)
+}
