@@ -191,7 +191,7 @@ fn class_of_read_error(error: &ReadError) -> &'static str {
             ParseError::Truncated { .. } => "E_TRUNCATED",
             ParseError::NotFinite { .. } => "E_NONFINITE",
             ParseError::IndexOutOfRange { .. } => "E_INDEX",
-            ParseError::NoFaces => "E_EMPTY",
+            ParseError::Empty | ParseError::NoFaces => "E_EMPTY",
             ParseError::Buffer { .. } => "E_IO",
             ParseError::Unsupported { .. } => UNSUPPORTED,
             _ => "E_PARSE",
