@@ -1,10 +1,10 @@
 //! `incise check`: prints the properties of a mesh and the reasons that it cannot be cut.
 
 use crate::failure::Failure;
-use crate::input::{read_unrepaired, refuse};
+use crate::input::{InputOptions, read_unrepaired};
 use crate::json::lossy;
 use crate::reporter::Reporter;
-use incise_mesh::{Defect, MeshReport, NotCuttable, check};
+use incise_mesh::{Defect, MeshReport, NotCuttable, check_with};
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, Write};
@@ -17,6 +17,8 @@ pub(crate) struct CheckArguments {
     /// The mesh (obj, ply, stl, glb or gltf), or a built-in model such as Bunny.
     #[arg(value_name = "FILE|MODEL")]
     file: PathBuf,
+    #[command(flatten)]
+    reading: InputOptions,
 }
 
 const AFTER_HELP: &str = "\
@@ -44,14 +46,17 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     let path = &arguments.file;
     let data = read_unrepaired(path)?;
-    let report = check(&data);
+    let report = check_with(&data, arguments.reading.repairs(false));
     let json = JsonReport {
         file: path,
         cuttable: report.is_cuttable().is_ok(),
         report: &report,
     };
     reporter.report(&json, |_, out| print(path, &report, out))?;
-    let refused = |defects: &[Defect]| refuse(path, NotCuttable::from(defects), &data);
+    let refused = |defects: &[Defect]| {
+        let source = NotCuttable::from(defects);
+        arguments.reading.refuse(path, source, &data)
+    };
     report.is_cuttable().map_err(refused)
 }
 

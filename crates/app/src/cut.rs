@@ -3,7 +3,7 @@
 use crate::clock::{milliseconds, timed};
 use crate::cut_options::CutOptions;
 use crate::failure::Failure;
-use crate::input::read_closed;
+use crate::input::InputOptions;
 use crate::json::{all_lossy, lossy};
 use crate::numbers::counted;
 use crate::pieces::{self, Piece, output_path};
@@ -27,6 +27,8 @@ pub(crate) struct CutArguments {
     /// The mesh (obj, ply, stl, glb or gltf), or a built-in model such as Bunny.
     #[arg(value_name = "FILE|MODEL")]
     input: PathBuf,
+    #[command(flatten)]
+    reading: InputOptions,
     #[command(flatten)]
     cut: CutOptions,
     /// The folder for the pieces.
@@ -135,7 +137,7 @@ pub(crate) fn run(
     let options = arguments.cut.check()?;
     let progress = reporter.stages(3);
     progress.begin("read");
-    let (read, surface) = timed(|| read_closed(path));
+    let (read, surface) = timed(|| arguments.reading.read_closed(path));
     let (mut surface, warnings) = surface?;
     progress.step();
     for warning in &warnings {

@@ -2,7 +2,7 @@
 
 use crate::clock::{milliseconds, timed};
 use crate::failure::Failure;
-use crate::input::{FLAT_VOLUME, components_without_volume, read_open};
+use crate::input::{FLAT_VOLUME, InputOptions, components_without_volume};
 use crate::json::lossy;
 use crate::numbers::counted;
 use crate::pieces::{check_target, output_path};
@@ -21,6 +21,8 @@ pub(crate) struct FillArguments {
     /// The mesh (obj, ply, stl, glb or gltf), or a built-in model such as Bunny.
     #[arg(value_name = "FILE|MODEL")]
     input: PathBuf,
+    #[command(flatten)]
+    reading: InputOptions,
     /// The file for the closed mesh: obj or ply.
     #[arg(short, long, value_name = "FILE", value_parser = output_path())]
     output: PathBuf,
@@ -152,7 +154,7 @@ pub(crate) fn run(
     let write = writer(output)?;
     let progress = reporter.stages(3);
     progress.begin("read");
-    let (read, surface) = timed(|| read_open(input));
+    let (read, surface) = timed(|| arguments.reading.read_open(input));
     let (mut surface, warnings) = surface?;
     check_target(output, input)?;
     progress.step();

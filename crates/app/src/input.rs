@@ -2,21 +2,92 @@
 
 use crate::failure::Failure;
 use incise_mesh::{
-    Defect, MeshData, NotCuttable, ParseError, ReadError, Surface, Warning, read_mesh,
+    Defect, MeshData, NotCuttable, ParseError, ReadError, RepairParams, Surface, Warning, read_mesh,
 };
 use incise_models::{Model, build_model};
 use incise_refine::{HoleParams, fill_holes};
 use std::fmt;
 use std::path::Path;
 
-/// Reads a closed mesh that can be cut, with the warnings of its repair.
-pub(crate) fn read_closed(input: &Path) -> Result<(Surface, Vec<Warning>), Failure> {
-    match model_of(input) {
-        Some(model) => Ok((build_model(model), Vec::new())),
-        None => {
-            let data = read_data(input)?;
-            let surface = data.clone().into_surface();
-            surface.map_err(|source| refuse(input, source, &data))
+/// Options of reading meshes.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(crate) struct InputOptions {
+    /// Refuse meshes with edges of more than two triangles instead of separating the sheets and
+    /// bodies that meet there.
+    #[arg(long)]
+    no_repair: bool,
+}
+
+impl InputOptions {
+    /// Returns the repairs to make.
+    pub(crate) fn repairs(self, allow_boundaries: bool) -> RepairParams {
+        RepairParams {
+            allow_boundaries,
+            separate_sheets: !self.no_repair,
+        }
+    }
+
+    /// Reads a closed mesh that can be cut, with the warnings of its repair.
+    pub(crate) fn read_closed(self, input: &Path) -> Result<(Surface, Vec<Warning>), Failure> {
+        match model_of(input) {
+            Some(model) => Ok((build_model(model), Vec::new())),
+            None => {
+                let data = read_data(input)?;
+                let surface = data.clone().repair(self.repairs(false));
+                surface.map_err(|source| self.refuse(input, source, &data))
+            }
+        }
+    }
+
+    /// Reads a mesh that may have holes, with the warnings of its repair.
+    pub(crate) fn read_open(self, input: &Path) -> Result<(Surface, Vec<Warning>), Failure> {
+        match model_of(input) {
+            Some(model) => Ok((build_model(model), Vec::new())),
+            None => {
+                let surface = read_data(input)?.repair(self.repairs(true));
+                surface.map_err(|source| Failure::NotCuttable {
+                    path: input.to_owned(),
+                    source,
+                    advice: OpenMeshAdvice::None,
+                })
+            }
+        }
+    }
+
+    /// Returns the error for a mesh that cannot be cut, with advice for an open mesh.
+    pub(crate) fn refuse(self, input: &Path, source: NotCuttable, data: &MeshData) -> Failure {
+        let is_open = |defect: &Defect| matches!(defect, Defect::OpenEdge { gap: None, .. });
+        let advice = if source.defects.iter().all(is_open) {
+            self.advice_for_open(data.clone())
+        } else {
+            OpenMeshAdvice::None
+        };
+        Failure::NotCuttable {
+            path: input.to_owned(),
+            source,
+            advice,
+        }
+    }
+
+    /// Fills all holes and returns the advice that the result gives.
+    fn advice_for_open(self, data: MeshData) -> OpenMeshAdvice {
+        let Ok((mut surface, _)) = data.repair(self.repairs(true)) else {
+            return OpenMeshAdvice::None;
+        };
+        let Ok(filled) = fill_holes(&mut surface, &HoleParams::default()) else {
+            return OpenMeshAdvice::None;
+        };
+        let is_simple = filled.holes.iter().all(|hole| !hole.self_intersecting);
+        if !is_simple || !surface.topology().is_closed() {
+            return OpenMeshAdvice::None;
+        }
+        let is_cuttable =
+            |surface| to_data(surface).is_ok_and(|data| data.repair(self.repairs(false)).is_ok());
+        match components_without_volume(&surface) {
+            0 if is_cuttable(&surface) => OpenMeshAdvice::Fill,
+            0 => OpenMeshAdvice::None,
+            count if count == surface.piece_count() => OpenMeshAdvice::Thicken,
+            count => OpenMeshAdvice::ThickenSome { count },
         }
     }
 }
@@ -31,21 +102,6 @@ pub(crate) fn read_unrepaired(input: &Path) -> Result<MeshData, Failure> {
         path: input.to_owned(),
         source,
     })?)
-}
-
-/// Reads a mesh that may have holes, with the warnings of its repair.
-pub(crate) fn read_open(input: &Path) -> Result<(Surface, Vec<Warning>), Failure> {
-    match model_of(input) {
-        Some(model) => Ok((build_model(model), Vec::new())),
-        None => {
-            let surface = read_data(input)?.into_open_surface();
-            surface.map_err(|source| Failure::NotCuttable {
-                path: input.to_owned(),
-                source,
-                advice: OpenMeshAdvice::None,
-            })
-        }
-    }
 }
 
 /// Volume of a closed component, relative to its area to the 3/2, below which it is a flat sheet of
@@ -84,43 +140,6 @@ impl fmt::Display for OpenMeshAdvice {
             ),
             Self::None => Ok(()),
         }
-    }
-}
-
-/// Returns the error for a mesh that cannot be cut, with advice for an open mesh.
-pub(crate) fn refuse(input: &Path, source: NotCuttable, data: &MeshData) -> Failure {
-    let is_open = |defect: &Defect| matches!(defect, Defect::OpenEdge { gap: None, .. });
-    let advice = if source.defects.iter().all(is_open) {
-        advice_for_open(data.clone())
-    } else {
-        OpenMeshAdvice::None
-    };
-    Failure::NotCuttable {
-        path: input.to_owned(),
-        source,
-        advice,
-    }
-}
-
-/// Fills all holes and returns the advice that the result gives.
-fn advice_for_open(data: MeshData) -> OpenMeshAdvice {
-    let Ok((mut surface, _)) = data.into_open_surface() else {
-        return OpenMeshAdvice::None;
-    };
-    let Ok(filled) = fill_holes(&mut surface, &HoleParams::default()) else {
-        return OpenMeshAdvice::None;
-    };
-    let is_simple = filled.holes.iter().all(|hole| !hole.self_intersecting);
-    if !is_simple || !surface.topology().is_closed() {
-        return OpenMeshAdvice::None;
-    }
-    match components_without_volume(&surface) {
-        0 if to_data(&surface).is_ok_and(|data| data.into_surface().is_ok()) => {
-            OpenMeshAdvice::Fill
-        }
-        0 => OpenMeshAdvice::None,
-        count if count == surface.piece_count() => OpenMeshAdvice::Thicken,
-        count => OpenMeshAdvice::ThickenSome { count },
     }
 }
 

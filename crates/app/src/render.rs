@@ -6,6 +6,7 @@ mod values;
 use crate::clock::{milliseconds, timed};
 use crate::cut_options::CutOptions;
 use crate::failure::Failure;
+use crate::input::InputOptions;
 use crate::json::{all_lossy, lossy};
 use crate::numbers::{counted, positive};
 use crate::pieces::{check_target, output_path};
@@ -36,6 +37,8 @@ pub(crate) struct RenderArguments {
     /// Bunny, Octopus, Banana or Armadillo. A file of the same name takes precedence.
     #[arg(required = true, value_name = "FILE|MODEL")]
     inputs: Vec<PathBuf>,
+    #[command(flatten)]
+    reading: InputOptions,
     /// The file for the image.
     #[arg(short, long, value_name = "PNG", value_parser = output_path())]
     output: PathBuf,
@@ -163,7 +166,7 @@ pub(crate) fn run(
     let progress = reporter.stages(3);
     progress.begin("read and cut");
     let (prepare, bodies) = timed(|| {
-        let mut bodies = Bodies::read(&arguments.inputs, plan, reporter)?;
+        let mut bodies = Bodies::read(&arguments.inputs, arguments.reading, plan, reporter)?;
         bodies.hide(&look.without)?;
         bodies.explode(look.explode.unwrap_or(0.0));
         Ok::<_, Failure>(bodies)

@@ -3,7 +3,7 @@
 use crate::clock::{milliseconds, timed};
 use crate::cut_options::plane_sweep;
 use crate::failure::Failure;
-use crate::input::read_closed;
+use crate::input::InputOptions;
 use crate::json::{all_lossy, lossy};
 use crate::numbers::{Numbers, counted, numbers, positive};
 use crate::pieces::{self, Piece, output_path};
@@ -30,6 +30,8 @@ pub(crate) struct SimulateArguments {
     /// The mesh (obj, ply, stl, glb or gltf; units are meters), or a built-in model such as Bunny.
     #[arg(value_name = "FILE|MODEL")]
     input: PathBuf,
+    #[command(flatten)]
+    reading: InputOptions,
     /// Simulated time [s].
     #[arg(long, value_name = "S", value_parser = positive)]
     seconds: f64,
@@ -167,7 +169,7 @@ pub(crate) fn run(
     if cut_at.is_some_and(|frame| frame >= frames) {
         return Err(Failure::CutAfterEnd);
     }
-    let (surface, warnings) = read_closed(path)?;
+    let (surface, warnings) = arguments.reading.read_closed(path)?;
     for warning in &warnings {
         reporter.warn(format_args!("{}: {warning}", path.display()));
     }

@@ -1,7 +1,7 @@
 //! `incise view`: opens a window to cut and drag a soft body.
 
 use crate::failure::Failure;
-use crate::input::read_closed;
+use crate::input::InputOptions;
 use crate::numbers::counted;
 use crate::pieces;
 use crate::render::{Size, size};
@@ -24,6 +24,8 @@ pub(crate) struct ViewArguments {
     /// precedence.
     #[arg(value_name = "FILE|MODEL", default_value = "Sphere768")]
     input: PathBuf,
+    #[command(flatten)]
+    reading: InputOptions,
     /// Backend that steps the body.
     #[arg(long, value_enum, default_value_t = Backend::Auto)]
     backend: Backend,
@@ -64,7 +66,7 @@ pub(crate) fn run(
     reporter: &Reporter<impl Write>,
 ) -> Result<(), Failure> {
     let input = arguments.input.clone();
-    let (body, warnings) = read_closed(&input)?;
+    let (body, warnings) = arguments.reading.read_closed(&input)?;
     for warning in &warnings {
         reporter.warn(format_args!("{}: {warning}", input.display()));
     }

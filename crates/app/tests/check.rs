@@ -70,6 +70,36 @@ fn defects_of_an_open_mesh_are_listed() {
     assert!(out.contains("cuttable              no"), "{out}");
 }
 
+/// Two tetrahedra that share an edge and its two vertices.
+const TWO: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nv 0 0 -1\nf 1 3 2\nf 1 2 4\n\
+                   f 2 3 4\nf 3 1 4\nf 1 5 2\nf 1 2 6\nf 2 5 6\nf 5 1 6\n";
+
+#[test]
+fn bodies_that_share_an_edge_are_separated_unless_repair_is_off() {
+    let (code, out, err) = check(TWO, &[]);
+    assert_eq!((code, err.as_str()), (Some(0), ""));
+    assert!(
+        out.contains("edges with more than two triangles, split: 1, first v0-v1"),
+        "{out}"
+    );
+    assert!(out.contains("non-manifold edges    1"), "{out}");
+    let (code, _, err) = check(TWO, &["--no-repair"]);
+    assert_eq!(code, Some(1));
+    assert!(
+        err.contains("edges with more than two triangles: 1"),
+        "{err}"
+    );
+    let (folder, path) = file(TWO);
+    let pieces = folder.path().join("pieces");
+    let (path, pieces) = (path.to_str().unwrap(), pieces.to_str().unwrap());
+    let arguments = ["cut", path, "--plane", "1,0,0,0.4", "-o", pieces];
+    let output = incise(&arguments);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert_eq!(std::fs::read_dir(pieces).unwrap().count(), 4);
+    let output = incise(&[&arguments[..], &["--no-repair"]].concat());
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+}
+
 #[test]
 fn json_has_every_field_under_its_name() {
     let (code, out, _) = check(TETRAHEDRON, &["--json"]);

@@ -445,5 +445,14 @@ fn fill_is_recommended_where_it_helps() {
         "{told}"
     );
     let fan = format!("{tetrahedron}v 1 1 1\nf 1 2 5\n");
-    assert!(!error("fan.obj", &fan).contains("incise fill"));
+    // Separated, the fan's triangle is a sheet.
+    let told = error("fan.obj", &fan);
+    assert!(
+        told.contains("sheets without volume") && told.ends_with(": 1"),
+        "{told}"
+    );
+    let input = folder.path().join("fan.obj");
+    let (code, _, told) = cut(&input, &output, &["--plane", "1,0,0,0.2", "--no-repair"]);
+    assert_eq!(code, Some(1), "{told}");
+    assert!(!told.contains("incise fill"), "{told}");
 }

@@ -168,8 +168,15 @@ fn refusals_name_the_reason() {
     assert!(error.contains("none.obj"), "{error}");
     let three = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nf 1 2 3\nf 1 2 4\nf 2 1 5\n";
     std::fs::write(folder.path().join("three.obj"), three).unwrap();
-    let error = refusal(&folder, &["fill", "three.obj", "-o", "out.obj"], 1);
-    assert!(error.contains("more than two triangles"), "{error}");
+    let fill = ["fill", "three.obj", "-o", "out.obj"];
+    let error = refusal(&folder, &[&fill[..], &["--no-repair"]].concat(), 1);
+    assert!(error.contains("more than two triangles: 1"), "{error}");
+    // Three sheets by default, whose common edge is no gap to weld.
+    let output = incise(&folder, &fill);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{error}");
+    assert!(error.contains("detached: 3"), "{error}");
+    assert!(!error.contains("weld"), "{error}");
 }
 
 /// Gaps between nearly coincident vertices are not holes: the error recommends to weld them.

@@ -6,14 +6,21 @@
 //! - Removed: triangles with coincident corners, duplicate triangles.
 //! - Flipped: triangles against the majority of their component, and all if the volume is negative.
 //! - Split: vertices at which parts touch in a point.
-//! - Kept separate: bodies that touch along edges or faces but have separate indices in the file.
+//! - Kept separate: bodies that touch along edges or faces but have separate indices in the file,
+//!   and coincident walls of one body.
 //! - Rejected: boundaries, edges of more than two triangles, one-sided surfaces, components without
 //!   volume.
+//!
+//! [`MeshData::repair`] can also separate sheets and bodies that share edges.
 
+mod around;
+mod duplicates;
 mod gaps;
 mod links;
 mod repair;
+mod separate;
 mod tally;
+mod weld;
 mod winding;
 
 use crate::geometry::{Aabb, Vec3, area_vector, to_f64};
@@ -23,6 +30,7 @@ use crate::measure::cone_volume;
 use crate::partition::Partition;
 use crate::quality::{AngleStats, EdgeStats};
 use links::Links;
+pub use repair::RepairParams;
 use robust::{Coord, orient2d};
 use std::fmt;
 
@@ -242,6 +250,12 @@ impl MeshReport {
 /// Measures a mesh.
 #[must_use]
 pub fn check(data: &MeshData) -> MeshReport {
+    check_with(data, RepairParams::default())
+}
+
+/// Measures a mesh, and lists the warnings and defects of [`MeshData::repair`] with `params`.
+#[must_use]
+pub fn check_with(data: &MeshData, params: RepairParams) -> MeshReport {
     let corners = |t: &[u32; 3]| t.map(|v| to_f64(data.positions[v as usize]));
     let sound: Vec<[u32; 3]> = data
         .triangles
@@ -272,7 +286,7 @@ pub fn check(data: &MeshData) -> MeshReport {
     let oriented = edges.conflicts == 0;
     let bounds = Aabb::around(data.positions.iter().copied());
     let center = bounds.center();
-    let repaired = repair::repair(data, false);
+    let repaired = repair::repair(data, params);
     MeshReport {
         vertices: data.positions.len(),
         file_vertices: data.file_vertices,

@@ -3,7 +3,7 @@
 use crate::cut_options::CutPlan;
 use crate::explode::{centers, move_pieces};
 use crate::failure::Failure;
-use crate::input::{read_closed, read_open};
+use crate::input::InputOptions;
 use crate::json::lossy;
 use crate::reporter::Reporter;
 use incise_cut::{CutParams, Sweep};
@@ -68,6 +68,7 @@ impl Bodies {
     /// Reads all inputs, and cuts them if there is a plan.
     pub(super) fn read(
         inputs: &[PathBuf],
+        reading: InputOptions,
         plan: Option<CutPlan<'_>>,
         reporter: &Reporter<impl Write>,
     ) -> Result<Self, Failure> {
@@ -75,8 +76,8 @@ impl Bodies {
         let mut hits = plan.map(|_| 0);
         for input in inputs {
             let (mut surface, found) = match plan {
-                Some(_) => read_closed(input)?,
-                None => read_open(input)?,
+                Some(_) => reading.read_closed(input)?,
+                None => reading.read_open(input)?,
             };
             for warning in &found {
                 reporter.warn(format_args!("{}: {warning}", input.display()));

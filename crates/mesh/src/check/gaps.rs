@@ -13,7 +13,8 @@ const LOOK: usize = 64;
 /// Returns the distance within which most ends of open edges have another end \[m\], if there is
 /// one.
 ///
-/// Welding by that distance may close the mesh. A few pairs in different cells may be missed. O(n
+/// Welding by that distance may close the mesh. Ends at equal positions do not count: they were
+/// separated on purpose. A few pairs in different cells may be missed. O(n
 /// log n).
 pub(super) fn gap(links: &Links, position: impl Fn(u32) -> [f32; 3]) -> Option<f64> {
     let mut ends = Vec::new();
@@ -47,7 +48,7 @@ pub(super) fn gap(links: &Links, position: impl Fn(u32) -> [f32; 3]) -> Option<f
                 let p = to_f64(position(ends[i as usize]));
                 for &(_, j) in cell[k + 1..].iter().take(LOOK) {
                     let distance = (to_f64(position(ends[j as usize])) - p).norm();
-                    if distance < near {
+                    if distance > 0.0 && distance < near {
                         widest = widest.max(distance);
                         has_other[i as usize] = true;
                         has_other[j as usize] = true;

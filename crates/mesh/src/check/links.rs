@@ -64,19 +64,19 @@ impl Links {
     /// Corners of a vertex are in one fan if a chain of triangles with common edges at the vertex
     /// connects them.
     pub(super) fn fans(&self, triangles: &[[u32; 3]]) -> Fans {
-        let mut corners = Partition::new(3 * triangles.len());
+        let mut fans = Fans::single(3 * triangles.len());
         for edge in self.edges() {
-            let (key, first) = edge[0];
             for &(_, other) in &edge[1..] {
-                for v in key.vertices() {
-                    corners.join(
-                        corner_at(triangles, first, v).0,
-                        corner_at(triangles, other, v).0,
-                    );
-                }
+                fans.join_across(triangles, edge[0].1, other);
             }
         }
-        Fans { corners }
+        fans
+    }
+
+    /// Returns whether no two triangles of an edge of [`Self::edges`] have the same direction.
+    pub(super) fn is_consistent(edge: &[(EdgeKey, HalfEdge)], triangles: &[[u32; 3]]) -> bool {
+        edge.len() < 2
+            || edge.len() == 2 && origin(triangles, edge[0].1) != origin(triangles, edge[1].1)
     }
 }
 
@@ -86,6 +86,20 @@ pub(super) struct Fans {
 }
 
 impl Fans {
+    /// Returns a fan for each of `count` corners.
+    pub(super) fn single(count: usize) -> Self {
+        Self {
+            corners: Partition::new(count),
+        }
+    }
+
+    /// Merges the fans of two triangles at both ends of their common edge.
+    pub(super) fn join_across(&mut self, triangles: &[[u32; 3]], h: HalfEdge, g: HalfEdge) {
+        for v in [origin(triangles, h), origin(triangles, h.next())] {
+            self.join(corner_at(triangles, h, v), corner_at(triangles, g, v));
+        }
+    }
+
     /// Merges the fans of two corners.
     pub(super) fn join(&mut self, a: HalfEdge, b: HalfEdge) {
         self.corners.join(a.0, b.0);

@@ -2,7 +2,7 @@
 
 use super::gaps::gap;
 use super::links::Links;
-use super::tally::Tally;
+use super::weld::Weld;
 use super::{Defect, NotCuttable};
 use crate::geometry::{Aabb, to_f64};
 use crate::ids::{TriangleId, VertexId};
@@ -10,6 +10,15 @@ use crate::io::{MeshData, Warning};
 use crate::quality::EdgeStats;
 use crate::surface::{CornerAttributes, Surface};
 use crate::topology::Topology;
+
+/// The repairs to make beyond those of [`MeshData::into_surface`]. The default is none.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct RepairParams {
+    /// Whether to accept boundaries, see [`MeshData::into_open_surface`].
+    pub allow_boundaries: bool,
+    /// Whether to separate sheets and bodies that share edges, see [`MeshData::repair`].
+    pub separate_sheets: bool,
+}
 
 /// Repaired mesh data.
 pub(super) struct Repaired {
@@ -36,7 +45,7 @@ impl MeshData {
     /// [`NotCuttable`] if the mesh has boundaries, edges of more than two triangles, one-sided
     /// components or components without volume.
     pub fn into_surface(self) -> Result<(Surface, Vec<Warning>), NotCuttable> {
-        self.build(false)
+        self.repair(RepairParams::default())
     }
 
     /// Converts a mesh that may have boundaries, like [`Self::into_surface`].
@@ -49,11 +58,33 @@ impl MeshData {
     /// [`NotCuttable`] if the mesh has edges of more than two triangles or one-sided components, or
     /// has no boundary and components without volume.
     pub fn into_open_surface(self) -> Result<(Surface, Vec<Warning>), NotCuttable> {
-        self.build(true)
+        self.repair(RepairParams {
+            allow_boundaries: true,
+            ..RepairParams::default()
+        })
     }
 
-    fn build(self, may_be_open: bool) -> Result<(Surface, Vec<Warning>), NotCuttable> {
-        let repaired = repair(&self, may_be_open);
+    /// Converts the mesh to a surface at rest, with the repairs of `params`.
+    ///
+    /// The separation of sheets adds these repairs to those of [`Self::into_surface`]:
+    /// - Of two triangles with the same corners and opposite orientations one is removed, unless
+    ///   they are a wall between two bodies.
+    /// - Edges of more than two triangles are split. The triangles are sorted around the edge by
+    ///   exact predicates and paired so that each pair encloses material.
+    /// - Sheets that end at other triangles, and walls within a closed surface, are detached. They
+    ///   have a boundary there, and closed surfaces stay closed.
+    /// - Closed components without volume are removed if others remain, and none has a boundary.
+    /// - If closed components remain, a negative sum of their volumes flips the whole mesh.
+    ///
+    /// Each repair is a [`Warning`]. The result depends on the data alone. A mesh that needs no
+    /// separation has the same result without it.
+    ///
+    /// # Errors
+    /// [`NotCuttable`] if the mesh has one-sided patches, edges at which closed surfaces can be
+    /// separated in several ways, boundaries unless allowed, or no boundary and components without
+    /// volume.
+    pub fn repair(self, params: RepairParams) -> Result<(Surface, Vec<Warning>), NotCuttable> {
+        let repaired = repair(&self, params);
         if !repaired.defects.is_empty() {
             return Err(NotCuttable {
                 defects: repaired.defects,
@@ -88,7 +119,7 @@ const FAR: f64 = 10.0;
 const COARSE: f64 = 1.0 / 64.0;
 
 /// Returns the spacing of 32-bit coordinates at the mesh \[m\], if it may have merged vertices.
-fn rounding(data: &MeshData) -> Option<f64> {
+pub(super) fn rounding(data: &MeshData) -> Option<f64> {
     let corners = data.triangles.iter().flatten();
     let bounds = Aabb::around(corners.map(|&v| data.positions[v as usize]));
     let reach = bounds.center().amax();
@@ -103,85 +134,70 @@ pub(super) fn is_collapsed(t: &[u32; 3]) -> bool {
     t[0] == t[1] || t[1] == t[2] || t[2] == t[0]
 }
 
-/// Repairs a mesh and collects the remaining defects; boundaries are defects unless allowed.
-pub(super) fn repair(data: &MeshData, may_be_open: bool) -> Repaired {
-    let vertices = (0..).take(data.positions.len()).collect();
-    let welded = Repaired::attempt(data, vertices, &data.triangles, may_be_open);
+/// Repairs a mesh and collects the remaining defects.
+pub(super) fn repair(data: &MeshData, params: RepairParams) -> Repaired {
+    let attempt = |weld, separate| Repaired::attempt(data, weld, params, separate);
+    let welded = attempt(Weld::everything(data), false);
+    if welded.defects.is_empty() {
+        return welded;
+    }
     let in_contact = welded
         .defects
         .iter()
         .any(|d| matches!(d, Defect::NonManifoldEdge { .. }));
     if in_contact {
-        let (vertices, triangles) = weld_within_components(data);
-        let mut apart = Repaired::attempt(data, vertices, &triangles, may_be_open);
-        if apart.defects.is_empty() {
-            let mut bodies = data.file_components.clone();
-            bodies.sort_unstable();
-            bodies.dedup();
-            apart.warnings.push(Warning::BodiesKeptApart {
-                count: bodies.len(),
-            });
-            return apart;
+        for weld in [Weld::within_components, Weld::except_closed_components] {
+            let apart = weld(data).map(|weld| attempt(weld, false));
+            if let Some(apart) = apart.filter(|apart| apart.defects.is_empty()) {
+                return apart;
+            }
         }
+    }
+    if params.separate_sheets {
+        let weld = Weld::except_closed_components(data);
+        let weld = weld.unwrap_or_else(|| Weld::everything(data));
+        return attempt(weld, true);
     }
     welded
 }
 
-/// Welds equal positions only within components of the file's indices.
-///
-/// Returns the data's vertex of every vertex, and the triangles.
-fn weld_within_components(data: &MeshData) -> (Vec<u32>, Vec<[u32; 3]>) {
-    let corners = data.triangles.iter().zip(&data.file_components);
-    let mut keys: Vec<(u32, u32)> = corners
-        .clone()
-        .flat_map(|(t, &component)| t.map(|v| (component, v)))
-        .collect();
-    keys.sort_unstable();
-    keys.dedup();
-    let triangles = corners
-        .map(|(t, &component)| {
-            t.map(|v| {
-                let i = keys
-                    .binary_search(&(component, v))
-                    .expect("every corner's key is there");
-                VertexId::from_index(i).0
-            })
-        })
-        .collect();
-    (keys.iter().map(|&(_, v)| v).collect(), triangles)
-}
-
 impl Repaired {
-    fn attempt(
-        data: &MeshData,
-        vertices: Vec<u32>,
-        triangles: &[[u32; 3]],
-        may_be_open: bool,
-    ) -> Self {
+    fn attempt(data: &MeshData, weld: Weld, params: RepairParams, separate: bool) -> Self {
         let mut out = Self {
-            vertices,
+            vertices: weld.vertices,
             triangles: Vec::new(),
             sources: Vec::new(),
             flipped: Vec::new(),
             warnings: Vec::new(),
             defects: Vec::new(),
         };
-        out.keep_distinct(triangles);
+        out.keep_distinct(&weld.triangles);
+        if separate {
+            out.remove_back_sides();
+        }
         if out.triangles.is_empty() {
             out.defects.push(Defect::Empty);
             return out;
         }
-        let links = Links::new(&out.triangles);
-        out.find_bad_edges(data, &links);
-        let manifold = !out
-            .defects
-            .iter()
-            .any(|d| matches!(d, Defect::NonManifoldEdge { .. }));
-        if manifold {
+        let is_crowded = |d: &Defect| matches!(d, Defect::NonManifoldEdge { .. });
+        let mut links = Links::new(&out.triangles);
+        if separate {
+            out.orient(&links);
+            if out.defects.is_empty() {
+                // Half-edges of flipped triangles have moved.
+                links = Links::new(&out.triangles);
+                out.separate_sheets(data, &links);
+                links = Links::new(&out.triangles);
+            }
+        }
+        if !out.defects.iter().any(is_crowded) {
+            out.find_bad_edges(data, &links);
+        }
+        if !separate && !out.defects.iter().any(is_crowded) {
             out.orient(&links);
         }
         let all = out.defects.len();
-        if may_be_open {
+        if params.allow_boundaries {
             for defect in &out.defects {
                 if let &Defect::OpenEdge {
                     count,
@@ -198,41 +214,13 @@ impl Repaired {
         let is_open = out.defects.len() < all;
         if out.defects.is_empty() {
             out.split_vertices(is_open);
+            if !is_open || params.separate_sheets {
+                out.check_volumes(data, is_open, separate);
+            }
             out.remove_unused_vertices();
-            if !is_open {
-                out.check_volumes(data);
-            }
         }
+        out.warnings.extend(weld.warning);
         out
-    }
-
-    /// Keeps the triangles with three different corners that do not repeat an earlier one.
-    fn keep_distinct(&mut self, triangles: &[[u32; 3]]) {
-        let (mut collapsed, mut duplicates) = (Tally::default(), Tally::default());
-        let mut keyed: Vec<([u32; 3], u32)> = (0..)
-            .zip(triangles)
-            .filter(|&(i, t)| !collapsed.note(is_collapsed(t), i))
-            .map(|(i, &[a, b, c])| ([a, b, c].min([b, c, a]).min([c, a, b]), i))
-            .collect();
-        keyed.sort_unstable();
-        let mut repeats = vec![false; triangles.len()];
-        for pair in keyed.windows(2) {
-            repeats[pair[1].1 as usize] = pair[0].0 == pair[1].0;
-        }
-        for (i, &t) in (0..).zip(triangles) {
-            if !is_collapsed(&t) && !duplicates.note(repeats[i as usize], i) {
-                self.triangles.push(t);
-                self.sources.push(i);
-            }
-        }
-        self.flipped = vec![false; self.triangles.len()];
-        if let Some((triangle, count)) = collapsed.found() {
-            self.warnings.push(Warning::Collapsed { triangle, count });
-        }
-        if let Some((triangle, count)) = duplicates.found() {
-            self.warnings
-                .push(Warning::DuplicatesRemoved { triangle, count });
-        }
     }
 
     fn find_bad_edges(&mut self, data: &MeshData, links: &Links) {

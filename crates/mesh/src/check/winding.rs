@@ -78,12 +78,16 @@ impl Repaired {
     }
 
     /// Finds components without volume, and flips everything if the total volume is negative.
-    pub(super) fn check_volumes(&mut self, data: &MeshData) {
+    ///
+    /// Components with boundaries do not count. Beside them a component may be flat. If
+    /// `remove_flat` is set, flat components beside others are removed.
+    pub(super) fn check_volumes(&mut self, data: &MeshData, is_open: bool, remove_flat: bool) {
         #[derive(Clone, Copy, Default)]
         struct Component {
             volume: f64,
             area: f64,
             bounds: Aabb,
+            is_open: bool,
         }
         let mut parts = Partition::new(self.vertices.len());
         for &[a, b, c] in &self.triangles {
@@ -100,19 +104,34 @@ impl Repaired {
             component.area += area_vector(corners).norm() / 2.0;
             t.iter().for_each(|&v| component.bounds.grow(position(v)));
         }
+        let links = is_open.then(|| Links::new(&self.triangles));
+        for edge in links.iter().flat_map(Links::edges) {
+            if let [(key, _)] = *edge {
+                components[parts.find(key.vertices()[0].0) as usize].is_open = true;
+            }
+        }
         let is_flat = |c: &Component| c.volume.abs() <= FLAT * c.area * c.bounds.diagonal();
         let mut flat = Tally::default();
         let mut is_reported = vec![false; components.len()];
+        let mut is_kept = Vec::with_capacity(self.triangles.len());
         for (t, &source) in self.triangles.iter().zip(&self.sources) {
             let root = parts.find(t[0]) as usize;
+            is_kept.push(!is_flat(&components[root]));
             if !std::mem::replace(&mut is_reported[root], true) {
                 flat.note(is_flat(&components[root]), source);
             }
         }
-        if let Some((triangle, count)) = flat.found() {
-            self.defects.push(Defect::ZeroVolume { triangle, count });
+        if let Some((triangle, count)) = flat.found().filter(|_| !is_open) {
+            if remove_flat && is_kept.contains(&true) {
+                self.retain_triangles(&is_kept);
+                self.warnings
+                    .push(Warning::FlatComponentsRemoved { triangle, count });
+            } else {
+                self.defects.push(Defect::ZeroVolume { triangle, count });
+            }
         }
-        if components.iter().map(|c| c.volume).sum::<f64>() < 0.0 {
+        let closed = components.iter().filter(|c| !c.is_open);
+        if closed.map(|c| c.volume).sum::<f64>() < 0.0 {
             for (t, flipped) in self.triangles.iter_mut().zip(&mut self.flipped) {
                 t.swap(1, 2);
                 *flipped = !*flipped;

@@ -4,7 +4,6 @@ use crate::ids::index_u32;
 use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, SourceLocation};
 use crate::io::polygon::triangulate;
-use crate::partition::Partition;
 use crate::surface::CornerAttributes;
 
 /// Marks a corner without texture coordinates or normal.
@@ -127,7 +126,13 @@ impl Builder {
             .iter()
             .map(|t| t.map(|c| welded[c.position as usize]))
             .collect();
-        let file_components = self.file_components(&corners);
+        let used = welded.iter().filter(|&&v| v != NONE).count();
+        let file_triangles = if used == positions.len() {
+            Vec::new()
+        } else {
+            let triangles = corners.as_chunks::<3>().0.iter();
+            triangles.map(|t| t.map(|c| c.position)).collect()
+        };
         let attributes = self.attributes(&corners);
         let mut tuples = corners;
         tuples.sort_unstable();
@@ -139,7 +144,7 @@ impl Builder {
             materials,
             file_vertices: tuples.len(),
             warnings: self.warnings,
-            file_components,
+            file_triangles,
         })
     }
 
@@ -229,20 +234,6 @@ impl Builder {
                 .push(Warning::UnusedVertices { count: unused });
         }
         (positions, welded)
-    }
-
-    fn file_components(&self, corners: &[Corner]) -> Vec<u32> {
-        let mut partition = Partition::new(self.positions.len());
-        for t in corners.as_chunks::<3>().0 {
-            partition.join(t[0].position, t[1].position);
-            partition.join(t[0].position, t[2].position);
-        }
-        corners
-            .as_chunks::<3>()
-            .0
-            .iter()
-            .map(|t| partition.find(t[0].position))
-            .collect()
     }
 
     fn attributes(&mut self, corners: &[Corner]) -> CornerAttributes {

@@ -29,8 +29,8 @@ pub struct MeshData {
     pub file_vertices: usize,
     /// Warnings of the reader.
     pub warnings: Vec<Warning>,
-    /// Component of every triangle by the file's own indices, before welding.
-    pub(crate) file_components: Vec<u32>,
+    /// Triangles over the file's own vertices; empty if welding merged none of them.
+    pub(crate) file_triangles: Vec<[u32; 3]>,
 }
 
 impl MeshData {
@@ -115,6 +115,43 @@ pub enum Warning {
         /// Number of bodies.
         count: usize,
     },
+    /// Closed bodies have several vertices at one position, and kept the file's own indices.
+    IndicesKept {
+        /// The first such vertex, as welded.
+        vertex: VertexId,
+        /// Number of positions.
+        count: usize,
+    },
+    /// Triangles that another one covers with the opposite orientation were removed.
+    BackSidesRemoved {
+        /// The first triangle.
+        triangle: TriangleId,
+        /// Number of triangles.
+        count: usize,
+    },
+    /// Edges of more than two triangles were split.
+    EdgesSplit {
+        /// One end of the first such edge.
+        a: VertexId,
+        /// Its other end.
+        b: VertexId,
+        /// Number of edges.
+        count: usize,
+    },
+    /// Closed components that enclose no volume were removed.
+    FlatComponentsRemoved {
+        /// First triangle of the first such component.
+        triangle: TriangleId,
+        /// Number of components.
+        count: usize,
+    },
+    /// Sheets that end at other triangles were detached and have a boundary there.
+    SheetsDetached {
+        /// First triangle of the first such sheet.
+        triangle: TriangleId,
+        /// Number of sheets.
+        count: usize,
+    },
     /// Most open edges have ends close to other ends: vertices that belong together differ.
     NearlyMeeting {
         /// Number of open edges.
@@ -157,6 +194,27 @@ impl fmt::Display for Warning {
             Self::BodiesKeptApart { count } => {
                 write!(f, "bodies that touch, kept separate: {count}")
             }
+            Self::IndicesKept { vertex, count } => write!(
+                f,
+                "positions with several vertices, kept separate as in the file: {count}, first \
+                 {vertex}"
+            ),
+            Self::BackSidesRemoved { triangle, count } => write!(
+                f,
+                "back sides of other triangles, removed: {count}, first {triangle}"
+            ),
+            Self::EdgesSplit { a, b, count } => write!(
+                f,
+                "edges with more than two triangles, split: {count}, first {a}-{b}"
+            ),
+            Self::FlatComponentsRemoved { triangle, count } => write!(
+                f,
+                "components without volume, removed: {count}, first with {triangle}"
+            ),
+            Self::SheetsDetached { triangle, count } => write!(
+                f,
+                "sheets that end at other triangles, detached: {count}, first with {triangle}"
+            ),
             Self::NearlyMeeting { count, gap } => write!(
                 f,
                 "open edges: {count}; most of their ends have another vertex within {gap:.1e}, so \
