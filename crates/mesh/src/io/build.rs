@@ -31,6 +31,18 @@ impl Corner {
     }
 }
 
+/// Iterates over the triangles of a strip, all with the orientation of the first.
+pub(super) fn strip_triangles(strip: &[u32]) -> impl Iterator<Item = [u32; 3]> {
+    let triangles = strip.windows(3).enumerate();
+    triangles.map(|(i, t)| {
+        if i % 2 == 0 {
+            [t[0], t[1], t[2]]
+        } else {
+            [t[0], t[2], t[1]]
+        }
+    })
+}
+
 /// Collects the elements of a file in any order; references are checked at the end.
 #[derive(Debug, Default)]
 pub(super) struct Builder {

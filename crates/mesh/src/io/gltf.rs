@@ -8,7 +8,7 @@ mod buffer;
 mod document;
 
 use crate::geometry::{Vec3, to_f32};
-use crate::io::build::{Builder, Corner, NONE};
+use crate::io::build::{Builder, Corner, NONE, strip_triangles};
 use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, SourceLocation};
 use accessor::Accessors;
@@ -231,14 +231,7 @@ fn add_primitive(
             triangles.iter().try_for_each(|&t| add(t))?;
         }
         TRIANGLE_STRIP => {
-            for (i, t) in indices.windows(3).enumerate() {
-                let even = i % 2 == 0;
-                add(if even {
-                    [t[0], t[1], t[2]]
-                } else {
-                    [t[0], t[2], t[1]]
-                })?;
-            }
+            strip_triangles(&indices).try_for_each(add)?;
         }
         _ => {
             for pair in indices.get(1..).unwrap_or_default().windows(2) {

@@ -2,9 +2,11 @@
 //!
 //! Of vertices, `x y z`, texture coordinates (`s t`, `u v` or `texture_u texture_v`) and normals
 //! (`nx ny nz`) are read. Of faces, `vertex_indices` (or `vertex_index`) and `texcoord` with two
-//! numbers for each corner are read. Everything else is skipped.
+//! numbers for each corner are read. Of `tristrips`, `vertex_indices` are read as triangle strips
+//! that -1 ends. Everything else is skipped.
 
 mod header;
+mod strips;
 mod values;
 
 use crate::geometry::round_to_f32;
@@ -13,6 +15,7 @@ use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, SourceLocation};
 use header::{Element, Header, read_header};
 use rustc_hash::FxHashMap;
+use strips::read_strips;
 use values::Values;
 
 /// Reads a PLY file.
@@ -32,6 +35,7 @@ pub fn read_ply(bytes: &[u8]) -> Result<MeshData, ParseError> {
         match element.name {
             b"vertex" => read_vertices(element, &mut values, &mut builder)?,
             b"face" => read_faces(element, &mut values, &mut builder)?,
+            b"tristrips" => read_strips(element, number, &mut values, &mut builder)?,
             _ => skip(element, number, &mut values)?,
         }
     }

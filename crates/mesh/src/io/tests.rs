@@ -12,6 +12,10 @@ const PLY_TEXT: &[u8] =
     property float z\nproperty float s\nproperty float t\nelement face 1\n\
     property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n\
     0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2 6 0 0 1 0 1 1\n";
+const PLY_STRIPS: &[u8] =
+    b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
+    property float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n\
+    0 0 0\n1 0 0\n0 1 0\n1 1 0\n8 0 1 2 3 -1 0 2 1\n";
 const GLTF: &[u8] = concat!(
     r#"{"scenes":[{"nodes":[0]}],
     "nodes":[{"mesh":0,"scale":[1,2,-3],"children":[1]},{}],
@@ -57,13 +61,14 @@ fn glb() -> Vec<u8> {
     out
 }
 
-fn valid_files() -> [Vec<u8>; 7] {
+fn valid_files() -> [Vec<u8>; 8] {
     [
         OBJ.to_vec(),
         STL_TEXT.to_vec(),
         stl_binary(),
         PLY_TEXT.to_vec(),
         ply_binary(),
+        PLY_STRIPS.to_vec(),
         GLTF.to_vec(),
         glb(),
     ]
@@ -124,7 +129,7 @@ proptest! {
 
     #[test]
     fn broken_files_are_survived(
-        file in 0..7usize,
+        file in 0..8usize,
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0..4u8), 0..4),
         end in prop::option::of(any::<prop::sample::Index>()),
     ) {
