@@ -123,7 +123,9 @@ fn an_undo_with_a_cutter_that_missed_the_cut_fits_its_bvh() {
 fn compacting_after_a_cut_is_refused() {
     let mut surface = body();
     let mut cutter = Cutter::new(&surface);
-    let outcome = cutter.cut(&mut surface, &plane(), &CutParams::default());
+    // Not along `plane`, which would only touch the caps when it cuts again.
+    let across = Sweep::from_plane([1.0, 0.1, 0.0], 0.0, &surface.bounds()).expect("a plane");
+    let outcome = cutter.cut(&mut surface, &across, &CutParams::default());
     assert!(!outcome.expect("a full slice").is_miss());
     surface.compact();
     assert_refused(&mut surface, &mut cutter, &CutError::SurfaceEdited);

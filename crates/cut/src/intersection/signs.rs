@@ -116,17 +116,6 @@ impl Signs {
         sign < 0.0 || (sign == 0.0 && self.tie_is_above[i])
     }
 
-    /// Returns whether a point on the plane of sweep triangle `i` counts as above it.
-    pub(crate) fn tie_is_above(&self, i: usize) -> bool {
-        self.tie_is_above[i]
-    }
-
-    /// Returns whether `p` is exactly on the plane of sweep triangle `i`.
-    pub(crate) fn is_on(&self, i: usize, p: Vec3) -> bool {
-        let [a, b, c] = TRIANGLES[i].map(|k| coord(self.corners[k]));
-        orient3d(a, b, c, coord(p)) == 0.0
-    }
-
     /// Tests on which side of each sweep edge the edge from `p` to `q` crosses the plane of sweep
     /// triangle `i`. `p` and `q` are on different sides of it; `q` is above if `rises`.
     pub(crate) fn inside(&self, i: usize, p: Vec3, q: Vec3, rises: bool) -> Inside {

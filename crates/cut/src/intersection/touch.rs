@@ -1,71 +1,269 @@
 //! Detects curves that only touch the surface, so that no piece without volume is cut off.
 //!
-//! Everything that such a curve would cut off lies exactly on the sweep, as the lowest vertex, edge
-//! or face of a body that stands on the plane. Only the tie rule puts it on the other side.
+//! The lowest vertex, edge or face of a body that stands on the sweep is cut off only because a
+//! tie or a rounded coordinate puts it on the other side. So is a part of a cap when the surface
+//! is cut again along the same sweep.
+//!
+//! The sweep divides the surface into regions of vertices on one side. A region is flat if all of
+//! it is within rounding of the sweep. Flat regions above the sweep count as below it, together
+//! with the regions around them; then flat regions below count as above it. A curve between two
+//! regions that are now on one side is dropped. All curves of a flat region are dropped with it,
+//! so the curves that remain still bound a cross-section.
 
 use super::node::{Node, On};
 use super::signs::Signs;
-use incise_mesh::{Surface, VertexId};
+use incise_mesh::{Surface, TriangleId, Vec3, VertexId};
 
-/// Scratch memory of the search for vertices on the sweep.
+/// Rounding of a cap's vertices and of the sweep [of the largest coordinate].
+const ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
+
+/// Maximum ratio of the coordinates of a sweep and of the surface of which rounding counts.
+///
+/// A larger sweep is no reason to take a thicker slice for rounding.
+const MAX_SWEEP_RATIO: f64 = 4.0;
+
+/// Maximum distance of a flat region from the sweep [mean edge length].
+///
+/// Bounds the slices that are dropped far from the origin, where edges are few roundings long.
+const MAX_HEIGHT: f64 = 0.1;
+
+/// The part of the surface around a vertex that is tested for flatness.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part {
+    /// The region of the vertex.
+    Region,
+    /// The region of a vertex below, with the flat regions above that border it and so on.
+    Merged,
+}
+
+/// Flat regions of a surface, found as curves ask for them. Kept between cuts for its memory.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Touch {
-    /// Visited vertices, one bit each.
-    seen: Vec<u64>,
-    on_sweep: Vec<VertexId>,
+    /// Distance from the sweep that is within rounding \[m\].
+    tolerance: f64,
+    /// By vertex and [`Part`], whether the part is flat, if known.
+    is_flat: Vec<[Option<bool>; 2]>,
+    /// Vertices with an entry.
+    known: Vec<VertexId>,
+    /// By [`Part`], the vertices of a search.
+    queues: [Vec<VertexId>; 2],
 }
 
 impl Touch {
-    /// Returns whether a closed curve only touches the surface.
+    /// Forgets the last cut and sets the tolerance for a cut through `triangles`.
+    pub(crate) fn start(
+        &mut self,
+        surface: &Surface,
+        signs: &Signs,
+        triangles: impl Iterator<Item = TriangleId>,
+    ) {
+        for v in self.known.drain(..) {
+            self.is_flat[v.index()] = [None; 2];
+        }
+        let (mut largest, mut length, mut count) = (f64::from(f32::MIN_POSITIVE), 0.0, 0.0);
+        for t in triangles {
+            let [a, b, c] = surface.triangle_positions(t);
+            largest = [a, b, c].iter().fold(largest, |m, p| p.amax().max(m));
+            let edges = [b - a, c - b, a - c];
+            length += edges.iter().fold(0.0, |m, e| e.norm().max(m));
+            count += 1.0;
+        }
+        let sweep = signs.crease().iter().fold(0.0, |m, p| p.amax().max(m));
+        let coordinate = largest.max(sweep.min(MAX_SWEEP_RATIO * largest));
+        self.tolerance = (ROUNDING * coordinate).min(MAX_HEIGHT * length / count);
+    }
+
+    /// Returns whether a closed curve only touches the surface. See the module.
     ///
-    /// O(1) unless it runs along vertices that are exactly on the sweep.
+    /// O(1) unless the curve begins within rounding of vertices. All curves of a cut together
+    /// visit each vertex on the sweep a few times.
     pub(crate) fn is_touch(&mut self, surface: &Surface, signs: &Signs, nodes: &[Node]) -> bool {
-        let Some(On::Edge { plane, .. }) = nodes.first().map(|node| node.on) else {
-            return false;
-        };
-        self.seen.clear();
-        self.on_sweep.clear();
+        // Below, above.
+        let mut is_near = [true; 2];
         for node in nodes {
-            match tie(surface, signs, node) {
-                Some(v) => self.add(v),
-                None => return false,
+            let Some(ends) = ends(node) else { continue };
+            let mut near = ends.map(|v| self.is_near(surface, signs, v));
+            if near == [false; 2] {
+                return false;
+            }
+            if let Some(side) = passed_twice(surface, signs, ends) {
+                near[1 - side] = self.is_edge_near(surface, signs, ends)
+                    || self.is_near_both(signs, node.position);
+            }
+            is_near = [0, 1].map(|side| is_near[side] && near[side]);
+            if is_near == [false; 2] {
+                return false;
             }
         }
-        let mut at = 0;
-        while let Some(&v) = self.on_sweep.get(at) {
-            at += 1;
+        let has_crease = nodes.iter().any(|node| ends(node).is_none());
+        let mut is_flat = |part: Part, side: usize| {
+            let mut seeds = nodes
+                .iter()
+                .filter_map(|node| seed(surface, signs, node, side));
+            // Without a vertex it is the part of an edge across the crease, or of a slice between
+            // sweep triangles that overlap.
+            is_near[side]
+                && (has_crease || seeds.clone().next().is_some())
+                && seeds.all(|v| self.is_flat(surface, signs, v, part))
+        };
+        is_flat(Part::Region, 1) || is_flat(Part::Merged, 0)
+    }
+
+    /// Returns whether the part around `start` is flat.
+    fn is_flat(&mut self, surface: &Surface, signs: &Signs, start: VertexId, part: Part) -> bool {
+        if let Some(known) = self.get(start, part) {
+            return known;
+        }
+        let mut queue = std::mem::take(&mut self.queues[part as usize]);
+        queue.clear();
+        queue.push(start);
+        self.set(start, part, true);
+        let mut is_flat = self.is_near(surface, signs, start);
+        let mut next = 0;
+        while is_flat && let Some(&v) = queue.get(next) {
+            next += 1;
             for h in surface.topology().outgoing_fan(v) {
                 let w = surface.topology().target(h);
-                let p = surface.position(w);
-                if signs.is_on(plane, p) {
-                    self.add(w);
-                } else if signs.is_above(plane, p) == signs.tie_is_above(plane) {
-                    return false;
+                let Some(is_near) = self.step(surface, signs, [v, w], part) else {
+                    continue;
+                };
+                let known = self.get(w, part);
+                if !is_near || known == Some(false) {
+                    is_flat = false;
+                    break;
+                }
+                if known.is_none() {
+                    self.set(w, part, true);
+                    queue.push(w);
                 }
             }
         }
-        true
+        if !is_flat {
+            // Searches that meet these vertices end there.
+            for &v in &queue {
+                self.set(v, part, false);
+            }
+        }
+        self.queues[part as usize] = queue;
+        is_flat
     }
 
-    fn add(&mut self, v: VertexId) {
-        let (word, bit) = (v.index() / 64, 1 << (v.index() % 64));
-        self.seen.resize(self.seen.len().max(word + 1), 0);
-        if self.seen[word] & bit == 0 {
-            self.seen[word] |= bit;
-            self.on_sweep.push(v);
+    /// Returns whether the part of `from` stays within rounding of the sweep up to its neighbor
+    /// `to`; none if `to` is beyond a curve.
+    fn step(
+        &mut self,
+        surface: &Surface,
+        signs: &Signs,
+        [from, to]: [VertexId; 2],
+        part: Part,
+    ) -> Option<bool> {
+        let ends = [from, to];
+        let [was_above, is_above] =
+            ends.map(|v| is_above(signs, |i| signs.is_above(i, surface.position(v))));
+        if was_above == is_above {
+            // The middle of an edge that passes twice is on the other side. Where another edge
+            // bridges the crease the region itself is off the sweep.
+            let is_twice = passed_twice(surface, signs, ends).is_some();
+            return Some(if is_twice {
+                self.is_near(surface, signs, to)
+            } else {
+                self.is_edge_near(surface, signs, ends)
+            });
         }
+        match part {
+            Part::Region => None,
+            Part::Merged if was_above => Some(self.is_near(surface, signs, to)),
+            Part::Merged => {
+                let is_merged = self.is_near(surface, signs, to)
+                    && self.is_flat(surface, signs, to, Part::Region);
+                is_merged.then_some(true)
+            }
+        }
+    }
+
+    /// Returns whether a vertex is within rounding of the sweep.
+    fn is_near(&self, surface: &Surface, signs: &Signs, v: VertexId) -> bool {
+        (0..2).any(|i| self.is_near_triangle(signs, i, surface.position(v)))
+    }
+
+    /// Returns whether a point is within rounding of the planes of both sweep triangles.
+    fn is_near_both(&self, signs: &Signs, p: Vec3) -> bool {
+        let is_near = |i| signs.height(i, p).abs() <= self.tolerance * signs.normal(i).norm();
+        is_near(0) && is_near(1)
+    }
+
+    /// Returns whether a whole edge is within rounding of the sweep.
+    fn is_edge_near(&self, surface: &Surface, signs: &Signs, ends: [VertexId; 2]) -> bool {
+        let [p, q] = ends.map(|v| surface.position(v));
+        let [near_p, near_q] = [p, q].map(|x| [0, 1].map(|i| self.is_near_triangle(signs, i, x)));
+        if (0..2).any(|i| near_p[i] && near_q[i]) {
+            return true;
+        }
+        // From one triangle to the other: the edge has to pass the crease.
+        if near_p == [false; 2] || near_q == [false; 2] {
+            return false;
+        }
+        let [yp, yq] = [p, q].map(|x| signs.across(0, x));
+        signs.off_crease(p + (q - p) * (yp / (yp - yq))) <= self.tolerance
+    }
+
+    fn is_near_triangle(&self, signs: &Signs, i: usize, p: Vec3) -> bool {
+        signs.exists(i) && signs.miss(i, p) <= self.tolerance
+    }
+
+    fn get(&self, v: VertexId, part: Part) -> Option<bool> {
+        self.is_flat.get(v.index())?[part as usize]
+    }
+
+    fn set(&mut self, v: VertexId, part: Part, is_flat: bool) {
+        if self.is_flat.len() <= v.index() {
+            self.is_flat.resize(v.index() + 1, [None; 2]);
+        }
+        let entry = &mut self.is_flat[v.index()];
+        if *entry == [None; 2] {
+            self.known.push(v);
+        }
+        entry[part as usize] = Some(is_flat);
     }
 }
 
-/// Returns the end of a node's edge that is exactly on the sweep and on its side by a tie.
-fn tie(surface: &Surface, signs: &Signs, node: &Node) -> Option<VertexId> {
+/// Returns the ends of a node's edge below and above its sweep triangle.
+fn ends(node: &Node) -> Option<[VertexId; 2]> {
     match node.on {
         On::Edge {
-            plane, ends, rises, ..
-        } => {
-            let end = ends[usize::from(rises == signs.tie_is_above(plane))];
-            signs.is_on(plane, surface.position(end)).then_some(end)
-        }
+            ends: [a, b],
+            rises,
+            ..
+        } => Some(if rises { [a, b] } else { [b, a] }),
         On::Face { .. } => None,
     }
+}
+
+/// Returns whether a point is above the sweep, continued without end, from whether it is above the
+/// plane of each sweep triangle.
+fn is_above(signs: &Signs, is_above: impl Fn(usize) -> bool) -> bool {
+    match [0, 1].map(|i| signs.exists(i)) {
+        [true, true] if signs.is_valley => is_above(0) && is_above(1),
+        [true, true] => is_above(0) || is_above(1),
+        [first, _] => is_above(usize::from(!first)),
+    }
+}
+
+/// Returns the side of both ends of an edge that may pass both sweep triangles, so that its middle
+/// is on the other side.
+fn passed_twice(surface: &Surface, signs: &Signs, ends: [VertexId; 2]) -> Option<usize> {
+    if !signs.has_crease() {
+        return None;
+    }
+    let [p, q] = ends.map(|v| [0, 1].map(|i| signs.is_above(i, surface.position(v))));
+    let side = is_above(signs, |i| p[i]);
+    let is_twice = p[0] != q[0] && p[1] != q[1] && side == is_above(signs, |i| q[i]);
+    is_twice.then_some(usize::from(side))
+}
+
+/// Returns the end of a node's edge that is next to the node on a side, if there is one.
+fn seed(surface: &Surface, signs: &Signs, node: &Node, side: usize) -> Option<VertexId> {
+    let ends = ends(node)?;
+    let is_middle = passed_twice(surface, signs, ends) == Some(1 - side);
+    (!is_middle).then_some(ends[side])
 }

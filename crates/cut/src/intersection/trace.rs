@@ -112,6 +112,8 @@ impl Trace {
         if self.open_end.is_some() {
             return Ok(());
         }
+        let hit = self.meetings.iter().map(|meeting| meeting.triangle);
+        self.touch.start(surface, signs, hit);
         for start in 0..self.meetings.len() {
             for plane in 0..2 {
                 if self.meetings[start].segments[plane].is_some() && !self.seen[start][plane] {
