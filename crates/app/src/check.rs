@@ -27,7 +27,8 @@ Examples:
   incise check scan.ply --json
 
 JSON report (--json): file, cuttable, counts of vertices, triangles, edges and components, genus,
-closed, manifold, oriented, area, volume, bounds, angles, edge lengths, warnings and defects.";
+closed, manifold, oriented, area, volume, bounds, angles, edge lengths, warnings and defects. Far
+from the origin also origin, to which bounds are relative.";
 
 /// The report as JSON.
 #[derive(Serialize)]
@@ -85,7 +86,12 @@ fn print(path: &Path, report: &MeshReport, out: &mut impl Write) -> io::Result<(
     line("area", &significant(report.area))?;
     line("volume", &significant(report.volume))?;
     let (low, high) = (report.bounds.min, report.bounds.max);
-    line("box", &format!("{low:?} to {high:?}"))?;
+    if report.origin == [0.0; 3] {
+        line("box", &format!("{low:?} to {high:?}"))?;
+    } else {
+        let place = |p: [f32; 3]| [0, 1, 2].map(|k| report.origin[k] + f64::from(p[k]));
+        line("box", &format!("{:?} to {:?}", place(low), place(high)))?;
+    }
     let a = &report.angles;
     line(
         "angles",

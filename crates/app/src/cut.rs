@@ -3,7 +3,7 @@
 use crate::clock::{milliseconds, timed};
 use crate::cut_options::CutOptions;
 use crate::failure::Failure;
-use crate::input::InputOptions;
+use crate::input::{InputOptions, file_bounds};
 use crate::json::{all_lossy, lossy};
 use crate::numbers::counted;
 use crate::pieces::{self, Piece, output_path};
@@ -204,7 +204,7 @@ pub(crate) fn run(
     if report.triangles_hit == 0 {
         return Err(Failure::Missed {
             path: path.clone(),
-            bounds: surface.bounds(),
+            bounds: file_bounds(&surface),
             output: "the files hold the uncut mesh",
         });
     }

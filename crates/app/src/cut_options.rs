@@ -2,14 +2,15 @@
 
 use crate::clock::timed;
 use crate::failure::Failure;
+use crate::input::file_bounds;
 use crate::numbers::{Numbers, numbers};
 use clap::ValueEnum;
 use incise_cut::{
     CutError, CutMethod, CutOutcome, CutParams, Cutter, ExactParams, PaperParams, Sweep,
     blade_starts_inside,
 };
-use incise_mesh::geometry::area_vector;
-use incise_mesh::{Aabb, Surface};
+use incise_mesh::geometry::{area_vector, to_f32};
+use incise_mesh::{Surface, Vec3};
 use incise_refine::{RefineMethod, RefineParams, RefinementLevel};
 use std::path::Path;
 use std::time::Duration;
@@ -210,11 +211,12 @@ impl CutOptions {
 
     fn sweep(&self, surface: &Surface, path: &Path) -> Result<Sweep, Failure> {
         if let Some(plane) = self.plane {
-            return plane_sweep(plane, surface.bounds(), path);
+            return plane_sweep(plane, surface, path);
         }
+        let origin = Vec3::from(surface.origin());
         let edge = |numbers: Option<Numbers<6>>| {
             let Numbers([a, b, c, d, e, f]) = numbers.unwrap_or(Numbers([0.0; 6]));
-            [[a, b, c], [d, e, f]].map(|p| incise_mesh::geometry::to_f32(p.into()))
+            [[a, b, c], [d, e, f]].map(|p| to_f32(Vec3::from(p) - origin))
         };
         Sweep::new(edge(self.blade), edge(self.to)).map_err(Failure::Sweep)
     }
@@ -299,14 +301,19 @@ impl CutPlan<'_> {
     }
 }
 
-/// Returns the sweep of a plane of the command line through a bounding box.
-pub(crate) fn plane_sweep(plane: Numbers<4>, bounds: Aabb, path: &Path) -> Result<Sweep, Failure> {
+/// Returns the sweep of a plane of the command line, in the file's coordinates, through a surface.
+pub(crate) fn plane_sweep(
+    plane: Numbers<4>,
+    surface: &Surface,
+    path: &Path,
+) -> Result<Sweep, Failure> {
     let Numbers([x, y, z, d]) = plane;
-    Sweep::from_plane([x, y, z], d, &bounds).map_err(|error| match error {
+    let d = d - Vec3::new(x, y, z).dot(&Vec3::from(surface.origin()));
+    Sweep::from_plane([x, y, z], d, &surface.bounds()).map_err(|error| match error {
         // The plane's numbers are finite, so the box is too large.
         CutError::SweepNotFinite { .. } => Failure::TooLarge {
             path: path.to_owned(),
-            bounds,
+            bounds: file_bounds(surface),
         },
         error => Failure::Sweep(error),
     })

@@ -7,6 +7,7 @@ use crate::json::lossy;
 use crate::numbers::counted;
 use crate::pieces::{check_target, output_path};
 use crate::reporter::Reporter;
+use incise_mesh::geometry::to_file;
 use incise_mesh::{Surface, TriangleId, Warning, WriteError, write_obj, write_ply};
 use incise_refine::{HoleParams, HoleReport, RefinementLevel, fill_holes};
 use serde::Serialize;
@@ -257,6 +258,7 @@ fn flip(surface: &mut Surface) -> bool {
     let Ok(mut flipped) = Surface::from_triangles(&positions, &triangles) else {
         return false;
     };
+    flipped.set_origin(surface.origin());
     for t in surface.topology().triangles() {
         flipped.set_material(t, surface.material(t));
     }
@@ -280,9 +282,10 @@ fn turn_corners<T: Copy>(values: &[T]) -> Vec<T> {
 impl Hole {
     fn of(hole: &HoleReport, surface: &Surface) -> Self {
         let [x, y, z, _] = surface.positions()[hole.rim_vertex.index()];
+        let at = to_file(surface.origin(), [x, y, z]);
         Self {
             rim_edges: hole.rim_edges,
-            at: [x, y, z],
+            at,
             triangles: hole.triangles.len(),
             inserted_vertices: hole.new_vertices,
             planar: hole.planar,

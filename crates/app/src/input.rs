@@ -1,8 +1,10 @@
 //! Input meshes: a file, or a built-in model by its name.
 
 use crate::failure::Failure;
+use incise_mesh::geometry::to_file;
 use incise_mesh::{
-    Defect, MeshData, NotCuttable, ParseError, ReadError, RepairParams, Surface, Warning, read_mesh,
+    Aabb, Defect, MeshData, NotCuttable, ParseError, ReadError, RepairParams, Surface, Warning,
+    read_mesh,
 };
 use incise_models::{Model, build_model};
 use incise_refine::{HoleParams, fill_holes};
@@ -150,6 +152,15 @@ pub(crate) fn components_without_volume(surface: &Surface) -> usize {
     };
     let parts = surface.extract_pieces();
     parts.filter(|(_, part)| is_flat(part)).count()
+}
+
+/// Returns the bounding box of a surface in the coordinates of its file.
+pub(crate) fn file_bounds(surface: &Surface) -> Aabb {
+    let bounds = surface.bounds();
+    Aabb {
+        min: to_file(surface.origin(), bounds.min),
+        max: to_file(surface.origin(), bounds.max),
+    }
 }
 
 /// Returns the positions and triangles of a surface as the data of a mesh file.

@@ -213,7 +213,7 @@ pub(crate) fn run(
         let path = arguments.inputs[0].clone();
         return Err(Failure::Missed {
             path,
-            bounds: bodies.bounds(),
+            bounds: bodies.file_bounds(),
             output: "the image shows it uncut",
         });
     }

@@ -3,7 +3,7 @@
 use crate::clock::{milliseconds, timed};
 use crate::cut_options::plane_sweep;
 use crate::failure::Failure;
-use crate::input::InputOptions;
+use crate::input::{InputOptions, file_bounds};
 use crate::json::{all_lossy, lossy};
 use crate::numbers::{Numbers, counted, numbers, positive};
 use crate::pieces::{self, Piece, output_path};
@@ -173,14 +173,13 @@ pub(crate) fn run(
     for warning in &warnings {
         reporter.warn(format_args!("{}: {warning}", path.display()));
     }
-    let lowest = surface.bounds().min[1];
-    if let Some(ground) = arguments.ground()
-        && lowest < ground
+    let height = surface.origin()[1];
+    if let Some(ground) = arguments.ground(0.0)
+        && arguments.ground(height) > Some(surface.bounds().min[1])
     {
-        let path = path.clone();
         return Err(Failure::BelowGround {
-            path,
-            lowest,
+            path: path.clone(),
+            lowest: file_bounds(&surface).min[1],
             ground,
         });
     }
@@ -226,17 +225,20 @@ pub(crate) fn run(
 }
 
 impl SimulateArguments {
-    fn ground(&self) -> Option<f32> {
-        self.ground.map(|Numbers([height])| round_to_f32(height))
+    /// Returns the height of the ground above a height of the file.
+    fn ground(&self, origin: f64) -> Option<f32> {
+        self.ground
+            .map(|Numbers([height])| round_to_f32(height - origin))
     }
 
-    fn scene(&self) -> Result<Scene, SceneError> {
+    /// Creates a scene with its origin at this height of the file.
+    fn scene(&self, origin_height: f64) -> Result<Scene, SceneError> {
         let params = SceneParams {
             dt: round_to_f32(self.dt),
             solver: SolverParams {
                 iterations: self.iterations,
                 substeps: self.substeps,
-                ground: self.ground(),
+                ground: self.ground(origin_height),
                 ..SolverParams::default()
             },
             contacts: self.contacts.then(ContactParams::default),
@@ -275,7 +277,7 @@ impl SimulateArguments {
             path: path.clone(),
             source,
         };
-        let mut scene = self.scene().map_err(failed)?;
+        let mut scene = self.scene(surface.origin()[1]).map_err(failed)?;
         let body = scene.add_body(surface, &self.material()).map_err(failed)?;
         let (mut triangles_hit, mut bounds_at_cut) = (None, Aabb::default());
         let a_second = whole(1.0 / self.dt).clamp(1, frames);
@@ -324,8 +326,9 @@ impl SimulateArguments {
             path: self.input.clone(),
             source,
         };
-        let bounds = scene.body(body).map_err(failed)?.surface().bounds();
-        let sweep = plane_sweep(plane, bounds, &self.input)?;
+        let surface = scene.body(body).map_err(failed)?.surface();
+        let sweep = plane_sweep(plane, surface, &self.input)?;
+        let bounds = file_bounds(surface);
         let [start, end, end_after, start_after] = sweep.corners();
         let blade = scene.add_blade([start, end]);
         let moved = scene.move_blade(blade, [start_after, end_after]);

@@ -408,6 +408,49 @@ fn a_built_in_model_needs_no_file() {
     assert!(error.contains("Bunny"), "{error}");
 }
 
+/// A body far from the origin has the pieces of one at the origin, at its place.
+#[test]
+fn a_body_far_from_the_origin_is_cut_as_exactly() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = [4e6, 250_000.0, -1e6];
+    let near = build_model(Model::Sphere80);
+    let mut text = String::new();
+    for &[x, y, z, _] in near.positions() {
+        let p = [x, y, z].map(f64::from);
+        text += &format!("v {} {} {}\n", p[0] + at[0], p[1] + at[1], p[2] + at[2]);
+    }
+    for t in near.topology().triangles() {
+        let [a, b, c] = near.topology().triangle(t).map(|v| v.0 + 1);
+        text += &format!("f {a} {b} {c}\n");
+    }
+    let (far, far_pieces) = (folder.path().join("far.obj"), folder.path().join("far"));
+    std::fs::write(&far, text).unwrap();
+    let plane = format!("1,0.5,0,{}", at[0] + 0.5 * at[1] + 0.013);
+    let (code, report, error) = cut(&far, &far_pieces, &["--plane", &plane]);
+    assert_eq!(code, Some(0), "{error}");
+    assert_eq!(report["warnings"][0]["kind"], "origin_moved");
+    let near_pieces = folder.path().join("near");
+    let plane = ["--plane", "1,0.5,0,0.013"];
+    let (_, expected, _) = cut("Sphere80".as_ref(), &near_pieces, &plane);
+    for i in 0..2 {
+        let volume = |report: &serde_json::Value| report["pieces"][i]["volume"].as_f64().unwrap();
+        let error = volume(&report) / volume(&expected) - 1.0;
+        assert!(error.abs() < 1e-6, "{error}");
+        let name = format!("piece_00{i}.obj");
+        let text = std::fs::read_to_string(far_pieces.join(name)).unwrap();
+        let first: Vec<f64> = text.lines().next().unwrap()[2..]
+            .split(' ')
+            .map(|word| word.parse().unwrap())
+            .collect();
+        for k in 0..3 {
+            assert!((first[k] - at[k]).abs() <= 1.0, "{first:?}");
+        }
+    }
+    let (code, _, error) = cut(&far, &far_pieces, &["--plane", "1,0,0,0"]);
+    assert_eq!(code, Some(4));
+    assert!(error.contains("[3999999."), "{error}");
+}
+
 /// Errors recommend `incise fill` only where its result can be cut.
 #[test]
 fn fill_is_recommended_where_it_helps() {

@@ -219,7 +219,10 @@ pub struct MeshReport {
     pub area: f64,
     /// Volume \[m^3\]; meaningless unless the mesh is closed and oriented.
     pub volume: f64,
-    /// Bounding box of the vertices that faces use \[m\].
+    /// Origin of the bounding box in the file's coordinates, see [`MeshData::origin`] \[m\].
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "is_zero"))]
+    pub origin: [f64; 3],
+    /// Bounding box of the vertices that faces use, relative to `origin` \[m\].
     pub bounds: Aabb,
     /// Angles \[degrees\].
     pub angles: AngleStats,
@@ -318,12 +321,18 @@ pub fn check_with(data: &MeshData, params: RepairParams) -> MeshReport {
             .iter()
             .map(|t| cone_volume(corners(t), center))
             .sum(),
+        origin: data.origin,
         bounds,
         angles: AngleStats::from_triangles(data.triangles.iter().map(corners)),
         edge_lengths: EdgeStats::from_triangles(data.triangles.iter().map(corners)),
         warnings: [data.warnings.as_slice(), &repaired.warnings].concat(),
         defects: repaired.defects,
     }
+}
+
+#[cfg(feature = "serde")]
+fn is_zero(origin: &[f64; 3]) -> bool {
+    *origin == [0.0; 3]
 }
 
 /// Returns whether the corners are collinear, which holds exactly if it does in each projection.

@@ -34,6 +34,16 @@ pub const fn round_to_f32(x: f64) -> f32 {
     x as f32
 }
 
+/// Returns a position relative to `origin` in the coordinates of the origin, rounded to 32 bits.
+#[must_use]
+pub fn to_file(origin: [f64; 3], p: [f32; 3]) -> [f32; 3] {
+    // Adding zero would lose the sign of -0.
+    if origin == [0.0; 3] {
+        return p;
+    }
+    [0, 1, 2].map(|k| round_to_f32(origin[k] + f64::from(p[k])))
+}
+
 /// Returns the outward normal of a triangle, with twice its area as length \[m^2\].
 #[must_use]
 #[inline]

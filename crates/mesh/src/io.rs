@@ -11,6 +11,7 @@ mod error;
 #[cfg(feature = "gltf")]
 mod gltf;
 mod obj;
+mod origin;
 mod ply;
 mod polygon;
 mod stl;

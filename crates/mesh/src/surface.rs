@@ -7,6 +7,7 @@ use crate::pieces::Pieces;
 use crate::topology::{Topology, TopologyError, copy};
 
 mod attributes;
+mod origin;
 mod parts;
 mod validate;
 
@@ -24,6 +25,8 @@ pub struct Surface {
     pub(crate) topology: Topology,
     /// Position \[m\] and inverse mass \[1/kg\], 0 = pinned, shape \[vertex slots\].
     pub(crate) positions: Vec<[f32; 4]>,
+    /// Origin of the positions in the coordinates of its file \[m\].
+    pub(crate) origin: [f64; 3],
     /// Rest position \[m\], shape \[vertex slots\].
     pub(crate) rest: Vec<[f32; 3]>,
     /// Attributes of corners.
@@ -42,6 +45,7 @@ impl Clone for Surface {
         Self {
             topology: self.topology.clone(),
             positions: copy(&self.positions),
+            origin: self.origin,
             rest: copy(&self.rest),
             corners: CornerAttributes {
                 uv: copy(&self.corners.uv),
@@ -60,6 +64,7 @@ impl PartialEq for Surface {
     fn eq(&self, other: &Self) -> bool {
         self.topology == other.topology
             && self.positions == other.positions
+            && self.origin == other.origin
             && self.rest == other.rest
             && self.corners == other.corners
             && self.piece == other.piece
@@ -98,6 +103,7 @@ impl Surface {
             topology,
             positions: positions.iter().map(|&[x, y, z]| [x, y, z, 1.0]).collect(),
             rest: positions.to_vec(),
+            origin: [0.0; 3],
             corners: CornerAttributes::default(),
             piece,
             motion: 0,

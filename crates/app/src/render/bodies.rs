@@ -7,7 +7,7 @@ use crate::input::InputOptions;
 use crate::json::lossy;
 use crate::reporter::Reporter;
 use incise_cut::{CutParams, Sweep};
-use incise_mesh::geometry::{to_f32, to_f64};
+use incise_mesh::geometry::{to_f32, to_f64, to_file};
 use incise_mesh::{Aabb, Surface, TriangleId, Vec3, Warning};
 use serde::Serialize;
 use std::io::Write;
@@ -74,6 +74,7 @@ impl Bodies {
     ) -> Result<Self, Failure> {
         let (mut bodies, mut warnings, mut pieces) = (Vec::new(), Vec::new(), 0);
         let mut hits = plan.map(|_| 0);
+        let mut origin = None;
         for input in inputs {
             let (mut surface, found) = match plan {
                 Some(_) => reading.read_closed(input)?,
@@ -86,6 +87,9 @@ impl Bodies {
                 input: input.clone(),
                 warning,
             }));
+            // All bodies have the origin of the first.
+            let origin = *origin.get_or_insert(surface.origin());
+            surface.move_origin(origin);
             let bounds = surface.bounds();
             let mut sweep = None;
             if let Some(plan) = plan {
@@ -135,6 +139,16 @@ impl Bodies {
     pub(super) fn bounds(&self) -> Aabb {
         let boxes = self.bodies.iter().map(|body| body.bounds);
         boxes.fold(Aabb::default(), Aabb::union)
+    }
+
+    /// Returns [`Self::bounds`] in the coordinates of the files.
+    pub(super) fn file_bounds(&self) -> Aabb {
+        let origin = self.bodies.first().map(|body| body.surface.origin());
+        let (origin, bounds) = (origin.unwrap_or_default(), self.bounds());
+        Aabb {
+            min: to_file(origin, bounds.min),
+            max: to_file(origin, bounds.max),
+        }
     }
 
     /// Moves pieces apart by a part of the diagonal of the scene.

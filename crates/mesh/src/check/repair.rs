@@ -97,6 +97,7 @@ impl MeshData {
             .collect();
         let mut surface = Surface::from_triangles(&positions, &repaired.triangles)
             .expect("a mesh without defects is an oriented manifold");
+        surface.origin = self.origin;
         surface.corners = CornerAttributes {
             uv: repaired.gather(&self.corners.uv),
             normal: repaired.gather(&self.corners.normal),
@@ -228,7 +229,7 @@ impl Repaired {
         let first = |bad: fn(usize) -> bool| {
             let (key, _) = links.edges().find(|edge| bad(edge.len()))?[0];
             let [a, b] = key.vertices().map(|v| self.vertices[v.index()]);
-            Some((VertexId(a), VertexId(b), data.positions[a as usize]))
+            Some((VertexId(a), VertexId(b), data.file_position(a)))
         };
         let nonmanifold = first(|n| n > 2).map(|(a, b, at)| Defect::NonManifoldEdge {
             a,

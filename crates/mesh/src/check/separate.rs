@@ -93,7 +93,7 @@ impl Repaired {
             self.defects.push(Defect::NonManifoldEdge {
                 a: VertexId(a),
                 b: VertexId(b),
-                at: data.positions[a as usize],
+                at: data.file_position(a),
                 count: edges.len(),
                 rounding: rounding(data),
             });

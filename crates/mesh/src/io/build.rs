@@ -1,5 +1,6 @@
 //! Builds welded mesh data from a reader's vertices and faces.
 
+use crate::geometry::round_to_f32;
 use crate::ids::index_u32;
 use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, SourceLocation};
@@ -46,6 +47,8 @@ pub(super) fn strip_triangles(strip: &[u32]) -> impl Iterator<Item = [u32; 3]> {
 /// Collects the elements of a file in any order; references are checked at the end.
 #[derive(Debug, Default)]
 pub(super) struct Builder {
+    /// The point of the file that becomes the origin of the positions \[m\].
+    pub(super) origin: [f64; 3],
     /// 1 if the file counts indices from 1, else 0.
     pub(super) index_base: i64,
     pub(super) warnings: Vec<Warning>,
@@ -62,6 +65,14 @@ pub(super) struct Builder {
 }
 
 impl Builder {
+    /// Creates a builder of positions relative to `origin`.
+    pub(super) fn with_origin(origin: [f64; 3]) -> Self {
+        Self {
+            origin,
+            ..Self::default()
+        }
+    }
+
     pub(super) fn position_count(&self) -> usize {
         self.positions.len()
     }
@@ -79,7 +90,20 @@ impl Builder {
         self.normals.len()
     }
 
-    pub(super) fn position(&mut self, p: [f32; 3], at: SourceLocation) -> Result<(), ParseError> {
+    /// Parses a coordinate of a text file for [`Self::position`].
+    ///
+    /// It is rounded once: to 32 bits here, or after the origin was subtracted.
+    pub(super) fn coordinate(&self, word: &str) -> Option<f64> {
+        if self.origin == [0.0; 3] {
+            word.parse::<f32>().ok().map(f64::from)
+        } else {
+            word.parse().ok()
+        }
+    }
+
+    /// Adds a position in the file's coordinates.
+    pub(super) fn position(&mut self, p: [f64; 3], at: SourceLocation) -> Result<(), ParseError> {
+        let p = [0, 1, 2].map(|k| round_to_f32(p[k] - self.origin[k]));
         if !p.iter().all(|x| x.is_finite()) {
             return Err(ParseError::NotFinite { at });
         }
@@ -157,6 +181,7 @@ impl Builder {
             file_vertices: tuples.len(),
             warnings: self.warnings,
             file_triangles,
+            origin: self.origin,
         })
     }
 

@@ -1,5 +1,6 @@
 //! Mesh data: the content of a mesh file, and warnings about it.
 
+use crate::geometry::to_file;
 use crate::ids::{TriangleId, VertexId};
 use crate::io::ParseError;
 use crate::io::build::{Builder, Corner};
@@ -10,8 +11,14 @@ use std::fmt;
 /// A welded mesh as read from a file, without further requirements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshData {
-    /// Positions that faces use, in the file's order, without duplicates; -0 equals 0.
+    /// Positions that faces use, relative to `origin`, in the file's order, without duplicates.
+    ///
+    /// -0 equals 0.
     pub positions: Vec<[f32; 3]>,
+    /// Origin of the positions in the file's coordinates \[m\].
+    ///
+    /// Zero unless the file's coordinates are far from its origin compared to the mesh's size.
+    pub origin: [f64; 3],
     /// Triangles over `positions`. Faces with more corners are triangulated.
     ///
     /// Welding may make corners of a triangle equal.
@@ -45,12 +52,17 @@ impl MeshData {
     ) -> Result<Self, ParseError> {
         let mut builder = Builder::default();
         for (i, &p) in positions.iter().enumerate() {
-            builder.position(p, SourceLocation::Vertex(i))?;
+            builder.position(p.map(f64::from), SourceLocation::Vertex(i))?;
         }
         for (i, t) in triangles.iter().enumerate() {
             builder.face(&t.map(Corner::position), SourceLocation::Face(i))?;
         }
         builder.finish()
+    }
+
+    /// Returns the position of a vertex in the file's coordinates, rounded to 32 bits \[m\].
+    pub(crate) fn file_position(&self, vertex: u32) -> [f32; 3] {
+        to_file(self.origin, self.positions[vertex as usize])
     }
 }
 
@@ -69,6 +81,11 @@ pub enum Warning {
     TrailingBytes {
         /// Number of bytes.
         count: usize,
+    },
+    /// The mesh is far from the origin; its positions are relative to a nearby point.
+    OriginMoved {
+        /// The point in the file's coordinates \[m\].
+        origin: [f64; 3],
     },
     /// Some corners lack finite texture coordinates or normals, and got zeros.
     PartialAttributes {
@@ -166,6 +183,9 @@ impl fmt::Display for Warning {
         match *self {
             Self::UnusedVertices { count } => write!(f, "vertices that no face uses: {count}"),
             Self::TrailingBytes { count } => write!(f, "bytes after the end, ignored: {count}"),
+            Self::OriginMoved { origin } => {
+                write!(f, "far from the origin, computed relative to {origin:?}")
+            }
             Self::PartialAttributes { corners } => {
                 write!(
                     f,

@@ -11,6 +11,7 @@ use crate::geometry::{Vec3, to_f32};
 use crate::io::build::{Builder, Corner, NONE, strip_triangles};
 use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, SourceLocation};
+use crate::io::origin::read_near_origin;
 use accessor::Accessors;
 use document::{Document, Node, Primitive};
 use nalgebra::{Matrix3, Matrix4, Quaternion};
@@ -54,10 +55,21 @@ pub fn read_gltf(bytes: &[u8], folder: Option<&Path>) -> Result<MeshData, ParseE
     let most = size
         .saturating_mul(CORNERS_A_BYTE)
         .saturating_add(FREE_CORNERS);
-    let mut builder = Builder::default();
+    let meshes = placed_meshes(&document)?;
+    read_near_origin(|builder| read_meshes(&meshes, &accessors, most, builder))
+}
+
+/// Reads placed meshes with at most `most` positions and corners.
+fn read_meshes(
+    meshes: &[(usize, Matrix4<f64>)],
+    accessors: &Accessors<'_>,
+    most: usize,
+    builder: &mut Builder,
+) -> Result<(), ParseError> {
     let mut skipped = 0;
-    for (mesh, transform) in placed_meshes(&document)? {
-        let primitives = &document
+    for &(mesh, transform) in meshes {
+        let primitives = &accessors
+            .document
             .meshes
             .get(mesh)
             .ok_or(ParseError::Syntax {
@@ -67,7 +79,7 @@ pub fn read_gltf(bytes: &[u8], folder: Option<&Path>) -> Result<MeshData, ParseE
             .primitives;
         for (i, primitive) in primitives.iter().enumerate() {
             let at = SourceLocation::Primitive(mesh, i);
-            if !add_primitive(primitive, &transform, &accessors, at, &mut builder)? {
+            if !add_primitive(primitive, &transform, accessors, at, builder)? {
                 skipped += 1;
             }
             if builder.position_count().max(builder.corner_count()) > most {
@@ -78,7 +90,7 @@ pub fn read_gltf(bytes: &[u8], folder: Option<&Path>) -> Result<MeshData, ParseE
     if skipped > 0 {
         builder.warnings.push(Warning::Skipped { count: skipped });
     }
-    builder.finish()
+    Ok(())
 }
 
 /// Returns the meshes of the scene and their transforms, parents before children.
@@ -168,7 +180,7 @@ fn add_primitive(
     let positions = accessors.vectors::<3>(position)?;
     let count = positions.len();
     for p in positions {
-        builder.position(to_f32(linear * Vec3::from(p) + translation), at)?;
+        builder.position((linear * Vec3::from(p) + translation).into(), at)?;
     }
     let first_uv = builder.uv_count();
     if let Some(uv) = primitive.attributes.texcoord {

@@ -5,6 +5,7 @@
 use crate::io::build::{Builder, Corner, NONE};
 use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, SourceLocation};
+use crate::io::origin::read_near_origin;
 
 /// Statements that do not concern the shape of a triangle mesh.
 const IGNORED: [&[u8]; 7] = [b"g", b"o", b"s", b"mtllib", b"usemap", b"maplib", b"vp"];
@@ -17,7 +18,10 @@ const IGNORED: [&[u8]; 7] = [b"g", b"o", b"s", b"mtllib", b"usemap", b"maplib", 
 /// # Errors
 /// [`ParseError`] with the line.
 pub fn read_obj(bytes: &[u8]) -> Result<MeshData, ParseError> {
-    let mut builder = Builder::default();
+    read_near_origin(|builder| read_statements(bytes, builder))
+}
+
+fn read_statements(bytes: &[u8], builder: &mut Builder) -> Result<(), ParseError> {
     builder.index_base = 1;
     let mut skipped = 0;
     let mut face = Vec::new();
@@ -33,11 +37,12 @@ pub fn read_obj(bytes: &[u8]) -> Result<MeshData, ParseError> {
         match keyword {
             b"v" => {
                 let expected = "three coordinates after v";
-                let p = [
-                    number_of(words.next(), at, expected)?,
-                    number_of(words.next(), at, expected)?,
-                    number_of(words.next(), at, expected)?,
-                ];
+                let mut coordinate = || {
+                    let word = words.next().and_then(|word| std::str::from_utf8(word).ok());
+                    word.and_then(|word| builder.coordinate(word))
+                        .ok_or(ParseError::Syntax { at, expected })
+                };
+                let p = [coordinate()?, coordinate()?, coordinate()?];
                 builder.position(p, at)?;
             }
             b"vt" => {
@@ -60,7 +65,7 @@ pub fn read_obj(bytes: &[u8]) -> Result<MeshData, ParseError> {
             b"f" | b"fo" => {
                 face.clear();
                 for word in words {
-                    face.push(corner(word, &builder, at)?);
+                    face.push(corner(word, builder, at)?);
                 }
                 builder.face(&face, at)?;
             }
@@ -78,7 +83,7 @@ pub fn read_obj(bytes: &[u8]) -> Result<MeshData, ParseError> {
     if skipped > 0 {
         builder.warnings.push(Warning::Skipped { count: skipped });
     }
-    builder.finish()
+    Ok(())
 }
 
 /// Lines without comments, joined where they end in a backslash.

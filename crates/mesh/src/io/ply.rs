@@ -13,6 +13,7 @@ use crate::geometry::round_to_f32;
 use crate::io::build::{Builder, Corner, NONE};
 use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, SourceLocation};
+use crate::io::origin::read_near_origin;
 use header::{Element, Header, read_header};
 use rustc_hash::FxHashMap;
 use strips::read_strips;
@@ -23,19 +24,24 @@ use values::Values;
 /// # Errors
 /// [`ParseError`] with the line, vertex or face.
 pub fn read_ply(bytes: &[u8]) -> Result<MeshData, ParseError> {
-    let Header {
-        encoding,
-        elements,
-        body,
-        lines,
-    } = read_header(bytes)?;
-    let mut values = Values::new(encoding, &bytes[body..], lines);
-    let mut builder = Builder::default();
-    for (number, element) in elements.iter().enumerate() {
+    let header = read_header(bytes)?;
+    read_near_origin(|builder| read_elements(bytes, &header, builder))
+}
+
+fn read_elements(
+    bytes: &[u8],
+    header: &Header<'_>,
+    builder: &mut Builder,
+) -> Result<(), ParseError> {
+    // A second pass needs all digits of a text, even of numbers declared to have 32 bits.
+    let is_exact = builder.origin != [0.0; 3];
+    let body = &bytes[header.body..];
+    let mut values = Values::new(header.encoding, body, header.lines, is_exact);
+    for (number, element) in header.elements.iter().enumerate() {
         match element.name {
-            b"vertex" => read_vertices(element, &mut values, &mut builder)?,
-            b"face" => read_faces(element, &mut values, &mut builder)?,
-            b"tristrips" => read_strips(element, number, &mut values, &mut builder)?,
+            b"vertex" => read_vertices(element, &mut values, builder)?,
+            b"face" => read_faces(element, &mut values, builder)?,
+            b"tristrips" => read_strips(element, number, &mut values, builder)?,
             _ => skip(element, number, &mut values)?,
         }
     }
@@ -43,7 +49,7 @@ pub fn read_ply(bytes: &[u8]) -> Result<MeshData, ParseError> {
     if count > 0 {
         builder.warnings.push(Warning::TrailingBytes { count });
     }
-    builder.finish()
+    Ok(())
 }
 
 fn read_vertices(
@@ -76,7 +82,7 @@ fn read_vertices(
                 }
             }
         }
-        builder.position([x, y, z].map(|k| round_to_f32(row[k])), at)?;
+        builder.position([x, y, z].map(|k| row[k]), at)?;
         if let Some((u, v)) = uv {
             builder.uv([u, v].map(|k| round_to_f32(row[k])));
         }

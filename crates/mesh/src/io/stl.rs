@@ -3,6 +3,7 @@
 use crate::io::build::{Builder, Corner};
 use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, SourceLocation};
+use crate::io::origin::read_near_origin;
 
 /// Size of a binary file's header: free text, then the number of facets.
 const HEADER: usize = 84;
@@ -14,13 +15,13 @@ const FACET: usize = 50;
 /// # Errors
 /// [`ParseError`] with the line or facet.
 pub fn read_stl(bytes: &[u8]) -> Result<MeshData, ParseError> {
-    let mut builder = Builder::default();
-    if is_text(bytes) {
-        read_text(bytes, &mut builder)?;
-    } else {
-        read_binary(bytes, &mut builder)?;
-    }
-    let mut data = builder.finish()?;
+    let mut data = read_near_origin(|builder| {
+        if is_text(bytes) {
+            read_text(bytes, builder)
+        } else {
+            read_binary(bytes, builder)
+        }
+    })?;
     data.file_vertices = data.positions.len();
     Ok(data)
 }
@@ -55,7 +56,7 @@ fn read_binary(bytes: &[u8], builder: &mut Builder) -> Result<(), ParseError> {
         let numbers = facet.as_chunks::<4>().0;
         let corners =
             [3, 6, 9].map(|k| [numbers[k], numbers[k + 1], numbers[k + 2]].map(f32::from_le_bytes));
-        add_facet(corners, at, builder)?;
+        add_facet(corners.map(|p| p.map(f64::from)), at, builder)?;
     }
     if !rest.is_empty() {
         builder
@@ -74,7 +75,7 @@ fn read_text(bytes: &[u8], builder: &mut Builder) -> Result<(), ParseError> {
         Facet,
     }
     let mut inside = Inside::Nothing;
-    let mut corners: Vec<[f32; 3]> = Vec::new();
+    let mut corners: Vec<[f64; 3]> = Vec::new();
     let mut number = 0;
     for line in bytes.split(|&b| b == b'\n') {
         number += 1;
@@ -97,7 +98,7 @@ fn read_text(bytes: &[u8], builder: &mut Builder) -> Result<(), ParseError> {
                     words
                         .next()
                         .and_then(|word| std::str::from_utf8(word).ok())
-                        .and_then(|word| word.parse().ok())
+                        .and_then(|word| builder.coordinate(word))
                         .ok_or(ParseError::Syntax {
                             at,
                             expected: "three coordinates after vertex",
@@ -147,7 +148,7 @@ fn read_text(bytes: &[u8], builder: &mut Builder) -> Result<(), ParseError> {
 }
 
 fn add_facet(
-    corners: [[f32; 3]; 3],
+    corners: [[f64; 3]; 3],
     at: SourceLocation,
     builder: &mut Builder,
 ) -> Result<(), ParseError> {

@@ -13,7 +13,8 @@ use std::path::Path;
 /// Positions have as many digits as `f32` needs; texture coordinates (`vt`) and normals (`vn`) are
 /// written once for each distinct value. If triangles have different materials
 /// ([`Surface::material`]), `usemtl material_N` lines precede them, without a material library.
-/// Free slots are skipped.
+/// Free slots are skipped. The surface's origin is added to positions, which then have the digits
+/// of `f64`.
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.
@@ -23,7 +24,7 @@ pub fn write_obj(path: &Path, surface: &Surface) -> Result<(), WriteError> {
 
 /// Writes a surface as little-endian PLY, with texture coordinates as the faces' `texcoord`.
 ///
-/// Normals and free slots are skipped.
+/// Normals and free slots are skipped. Coordinates are doubles if the surface's origin is not zero.
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.
@@ -74,8 +75,11 @@ fn replace(
 }
 
 fn obj(surface: &Surface, out: &mut impl Write) -> io::Result<()> {
-    for [x, y, z, _] in &surface.positions {
-        writeln!(out, "v {x:?} {y:?} {z:?}")?;
+    for &[x, y, z, _] in &surface.positions {
+        match surface.file_position([x, y, z]) {
+            None => writeln!(out, "v {x:?} {y:?} {z:?}")?,
+            Some([x, y, z]) => writeln!(out, "v {x:?} {y:?} {z:?}")?,
+        }
     }
     let uv = distinct(&surface.corners.uv);
     for [u, v] in uv.iter().map(|uv| uv.map(f32::from_bits)) {
@@ -128,10 +132,15 @@ fn index_in<const N: usize>(distinct: &[[u32; N]], value: Option<&[f32; N]>) -> 
 fn ply(surface: &Surface, out: &mut impl Write) -> io::Result<()> {
     let topology = surface.topology();
     let uv = &surface.corners.uv;
+    let kind = if surface.origin == [0.0; 3] {
+        "float"
+    } else {
+        "double"
+    };
     write!(
         out,
-        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\n\
-         property float y\nproperty float z\nelement face {}\n\
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty {kind} x\n\
+         property {kind} y\nproperty {kind} z\nelement face {}\n\
          property list uchar uint vertex_indices\n",
         topology.vertex_slots(),
         topology.triangle_slots(),
@@ -140,9 +149,18 @@ fn ply(surface: &Surface, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "property list uchar float texcoord")?;
     }
     writeln!(out, "end_header")?;
-    for position in &surface.positions {
-        for x in &position[..3] {
-            out.write_all(&x.to_le_bytes())?;
+    for &[x, y, z, _] in &surface.positions {
+        match surface.file_position([x, y, z]) {
+            None => {
+                for x in [x, y, z] {
+                    out.write_all(&x.to_le_bytes())?;
+                }
+            }
+            Some(p) => {
+                for x in p {
+                    out.write_all(&x.to_le_bytes())?;
+                }
+            }
         }
     }
     for t in topology.triangles() {

@@ -64,7 +64,10 @@ impl Surface {
         let mut vertices: Vec<VertexId> = corners.collect();
         vertices.sort_unstable();
         vertices.dedup();
-        let mut out = Self::default();
+        let mut out = Self {
+            origin: self.origin,
+            ..Self::default()
+        };
         for v in vertices {
             vertex_map[v.index()] = out.add_vertex(self.positions[v.index()], self.rest[v.index()]);
         }

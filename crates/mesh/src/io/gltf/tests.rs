@@ -163,3 +163,15 @@ fn a_buffer_that_is_no_regular_file_is_an_error() {
     let error = read_gltf(&beside("mesh.bin"), Some(folder.path())).unwrap_err();
     assert!(matches!(error, ParseError::Buffer { .. }), "{error}");
 }
+
+#[test]
+fn distant_nodes_keep_the_shape_of_their_meshes() {
+    let at = |translation: &str| {
+        let nodes = format!(r#"[{{"mesh":0,"translation":[{translation}]}}]"#);
+        read(&nodes, r#","mode":5"#).unwrap()
+    };
+    let (far, near) = (at("1000000.25,0,-4000000"), at("0.25,0,0"));
+    assert_eq!(far.origin, [1e6, 0.0, -4e6]);
+    assert_eq!(far.positions, near.positions);
+    assert_eq!(far.triangles, near.triangles);
+}

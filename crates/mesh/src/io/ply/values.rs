@@ -8,15 +8,20 @@ pub(super) struct Values<'a> {
     encoding: Encoding,
     rest: &'a [u8],
     line: usize,
+    /// Whether words keep 64 bits.
+    is_exact: bool,
 }
 
 impl<'a> Values<'a> {
     /// Returns the numbers of `body`, which `lines` lines precede.
-    pub(super) fn new(encoding: Encoding, body: &'a [u8], lines: usize) -> Self {
+    ///
+    /// With `is_exact`, words of 32-bit properties keep 64 bits.
+    pub(super) fn new(encoding: Encoding, body: &'a [u8], lines: usize, is_exact: bool) -> Self {
         Self {
             encoding,
             rest: body,
             line: lines + 1,
+            is_exact,
         }
     }
 
@@ -100,7 +105,7 @@ impl<'a> Values<'a> {
             .ok()
             .and_then(|word| match kind {
                 // Rounded once, not first to 64 bits.
-                Kind::F32 => word.parse::<f32>().ok().map(f64::from),
+                Kind::F32 if !self.is_exact => word.parse::<f32>().ok().map(f64::from),
                 _ => word.parse().ok(),
             })
             .ok_or(ParseError::Syntax {
