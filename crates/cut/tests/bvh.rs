@@ -173,6 +173,52 @@ fn around(surface: &Surface, v: VertexId) -> Vec<TriangleId> {
     fan.map(|h| h.triangle()).collect()
 }
 
+/// A huge sweep with nearly collinear corners has a normal that is mostly rounding. Triangles that
+/// it crosses were no candidates then, and the cut failed with `StaleBvh` or missed.
+#[test]
+fn a_nearly_collinear_sweep_finds_all_triangles_that_it_crosses() {
+    let body = torus(0.4, 0.15, 24, 12);
+    let bvh = Bvh::build(&body);
+    let mut random = Random(11);
+    let (mut crossing, mut crossed) = (0, 0);
+    for _ in 0..2_000 {
+        let along = [0; 3].map(|_| f64::from(random.unit()));
+        let near = [0; 3].map(|_| 0.4 * f64::from(random.unit()));
+        // Far in both directions, by up to 10^8, and a few sizes of the body to the side.
+        let mut corner = |side: f64| {
+            let far = side * 10f64.powf(4.0 + 4.0 * f64::from(random.unit()));
+            let off = 10f64.powf(0.5 + 1.5 * f64::from(random.unit()));
+            let p = [0, 1, 2].map(|k| near[k] + far * along[k] + off * f64::from(random.unit()));
+            incise_mesh::geometry::to_f32(p.into())
+        };
+        let corners = [corner(-1.0), corner(1.0), corner(1.0), corner(-1.0)];
+        let [a, b, c, d] = corners;
+        let Ok(sweep) = Sweep::new([a, b], [d, c]) else {
+            continue;
+        };
+        let mut found = Vec::new();
+        bvh.query(&body, &sweep.triangles(), &mut found);
+        found.sort_unstable();
+        let before = crossed;
+        for t in body.topology().triangles() {
+            let corners = body.topology().triangle(t).map(|v| {
+                let [x, y, z, _] = body.positions()[v.index()];
+                [x, y, z]
+            });
+            let crosses = |k: usize| sweep.intersects_segment(corners[k], corners[(k + 1) % 3]);
+            if (0..3).any(crosses) {
+                crossed += 1;
+                assert!(
+                    found.binary_search(&t).is_ok(),
+                    "{t} is crossed by {sweep:?} and no candidate"
+                );
+            }
+        }
+        crossing += usize::from(crossed > before);
+    }
+    assert!(crossing > 300, "only {crossing} sweeps crossed the body");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 

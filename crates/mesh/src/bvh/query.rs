@@ -3,6 +3,7 @@
 use super::{Bvh, MAX_HEIGHT, triangle_bounds};
 use crate::geometry::{area_vector, to_f32, to_f64};
 use crate::{Aabb, Surface, TriangleId, Vec3};
+use robust::{Coord, orient2d};
 
 impl Bvh {
     /// Appends every triangle whose bounding box may touch one of `triangles` to `out`.
@@ -64,20 +65,28 @@ struct Slab {
     bounds: Aabb,
     point: Vec3,
     normal: Vec3,
+    /// By component, the sum of the unsigned products of which the normal is the difference.
+    products: Vec3,
 }
 
 impl Slab {
     fn new(corners: [Vec3; 3]) -> Self {
-        let normal = area_vector(corners);
-        let bounds = if normal.norm() > 0.0 {
+        let [a, b, c] = corners;
+        let bounds = if has_area(corners) {
             Aabb::around(corners.map(to_f32))
         } else {
             Aabb::default()
         };
+        let (u, v) = ((b - a).abs(), (c - a).abs());
         Self {
             bounds,
-            point: corners[0],
-            normal,
+            point: a,
+            normal: area_vector(corners),
+            products: Vec3::new(
+                u.y * v.z + u.z * v.y,
+                u.z * v.x + u.x * v.z,
+                u.x * v.y + u.y * v.x,
+            ),
         }
     }
 
@@ -91,6 +100,16 @@ impl Slab {
         let offset = (min + max) / 2.0 - self.point;
         let reach = self.normal.abs().dot(&half);
         let scale = self.normal.abs().dot(&offset.abs()) + reach;
-        self.normal.dot(&offset).abs() <= reach + scale * 1e-12
+        // The normal of a nearly collinear triangle is mostly rounding of its products.
+        let rounding = self.products.dot(&(offset.abs() + half));
+        self.normal.dot(&offset).abs() <= reach + scale * 1e-12 + rounding * 1e-15
     }
+}
+
+/// Returns whether a triangle has an area, decided exactly: that in one of three projections.
+fn has_area([a, b, c]: [Vec3; 3]) -> bool {
+    [(0, 1), (1, 2), (2, 0)].into_iter().any(|(i, j)| {
+        let [a, b, c] = [a, b, c].map(|p| Coord { x: p[i], y: p[j] });
+        orient2d(a, b, c) != 0.0
+    })
 }
