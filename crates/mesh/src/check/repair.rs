@@ -29,6 +29,8 @@ pub(super) struct Repaired {
     pub(super) sources: Vec<u32>,
     /// Whether each triangle was flipped.
     pub(super) flipped: Vec<bool>,
+    /// Number of edges with one triangle.
+    open_edges: usize,
     pub(super) warnings: Vec<Warning>,
     /// Defects that remain; the other fields form a surface only if there are none.
     pub(super) defects: Vec<Defect>,
@@ -146,18 +148,29 @@ pub(super) fn repair(data: &MeshData, params: RepairParams) -> Repaired {
         .defects
         .iter()
         .any(|d| matches!(d, Defect::NonManifoldEdge { .. }));
+    let mut torn = None;
     if in_contact {
         for weld in [Weld::within_components, Weld::except_closed_components] {
             let apart = weld(data).map(|weld| attempt(weld, false));
-            if let Some(apart) = apart.filter(|apart| apart.defects.is_empty()) {
+            let Some(apart) = apart.filter(|apart| apart.defects.is_empty()) else {
+                continue;
+            };
+            // Without common indices in the file, every triangle would be a sheet.
+            let is_torn = apart.open_edges > welded.open_edges;
+            if !is_torn || !params.separate_sheets {
                 return apart;
             }
+            torn.get_or_insert(apart);
         }
     }
     if params.separate_sheets {
         let weld = Weld::except_closed_components(data);
         let weld = weld.unwrap_or_else(|| Weld::everything(data));
-        return attempt(weld, true);
+        let separated = attempt(weld, true);
+        return match torn {
+            Some(torn) if !separated.defects.is_empty() => torn,
+            _ => separated,
+        };
     }
     welded
 }
@@ -169,6 +182,7 @@ impl Repaired {
             triangles: Vec::new(),
             sources: Vec::new(),
             flipped: Vec::new(),
+            open_edges: 0,
             warnings: Vec::new(),
             defects: Vec::new(),
         };
@@ -226,6 +240,7 @@ impl Repaired {
 
     fn find_bad_edges(&mut self, data: &MeshData, links: &Links) {
         let counts = links.edge_counts(&self.triangles);
+        self.open_edges = counts.open;
         let first = |bad: fn(usize) -> bool| {
             let (key, _) = links.edges().find(|edge| bad(edge.len()))?[0];
             let [a, b] = key.vertices().map(|v| self.vertices[v.index()]);

@@ -233,6 +233,28 @@ fn the_walls_of_a_slit_stay_separate() {
     }
 }
 
+/// Without indices the order of the triangles around each edge tells the walls apart.
+#[test]
+fn a_slit_without_indices_is_separated() {
+    let (positions, triangles) = slit_cube(0.0);
+    let soup: Vec<[f32; 3]> = triangles
+        .iter()
+        .flat_map(|t| t.map(|v| positions[v as usize]))
+        .collect();
+    let corners: Vec<[u32; 3]> = (0..)
+        .take(triangles.len())
+        .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
+        .collect();
+    let data = MeshData::from_triangles(&soup, &corners).unwrap();
+    assert!(data.clone().into_surface().is_err());
+    let (surface, warnings) = repaired(data);
+    surface.validate_closed().unwrap();
+    assert_eq!(surface.topology().vertex_count(), 14);
+    assert_eq!(surface.topology().triangle_count(), triangles.len());
+    assert_eq!(volumes(&surface), (vec![1.0], 0));
+    assert!(matches!(warnings[..], [Warning::EdgesSplit { .. }]));
+}
+
 #[test]
 fn a_slit_stays_open_beside_other_repairs() {
     // The slit body touches a cube whose every triangle has its own vertices, and a fin.
@@ -320,6 +342,7 @@ proptest! {
         let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|v| v % count)).collect();
         let data = MeshData::from_triangles(&positions, &triangles).unwrap();
         let open = data.clone().into_open_surface();
+        let nonmanifold = check(&data).nonmanifold_edges;
         match data.clone().repair(ALL) {
             Ok((surface, warnings)) => {
                 surface.validate().unwrap();
@@ -335,7 +358,7 @@ proptest! {
                 let count = edges.len();
                 edges.dedup();
                 prop_assert_eq!(edges.len(), count, "an edge has two triangles at most");
-                if let Ok((open, _)) = open {
+                if let (Ok((open, _)), 0) = (open, nonmanifold) {
                     let same = open.topology() == surface.topology();
                     prop_assert!(same || warnings.contains(&Warning::Inverted));
                 }
