@@ -390,3 +390,40 @@ fn a_cap_does_not_keep_its_plane_from_cutting_elsewhere() {
         }
     }
 }
+
+/// A sweep between the two caps of a cut that ends there touches both and is no partial cut.
+#[test]
+fn a_sweep_that_ends_between_two_caps_is_a_miss() {
+    for (name, whole) in bodies() {
+        for params in all_params() {
+            for (i, normal) in NORMALS.into_iter().enumerate() {
+                let what = format!("{name}, {params:?}, {normal:?}");
+                let n = Vec3::from(normal).normalize();
+                let d = n.dot(&whole.bounds().center()) + 0.01;
+                let mut body = whole.clone();
+                let sweep = Sweep::from_plane(n.into(), d, &body.bounds()).unwrap();
+                let outcome = Cutter::new(&body).cut(&mut body, &sweep, &params);
+                assert!(!outcome.unwrap().is_miss(), "{what}");
+                let u = n.cross(&Vec3::x()).normalize();
+                let v = n.cross(&u);
+                let at = |x: f64, y: f64| to_f32(n * d + u * x + v * y);
+                // One ends along a line through the caps, one in a corner.
+                let parts = [[-1.0, -1.0, 0.1, 1.0], [-1.0, -1.0, 0.2, 0.1]];
+                let parts = parts.map(|[x, y, to_x, to_y]| {
+                    Sweep::new([at(x, y), at(x, to_y)], [at(to_x, y), at(to_x, to_y)]).unwrap()
+                });
+                assert_misses(&body, &parts, &params, &what);
+                // Away from the caps it ends inside the body.
+                let n = n * if i % 2 == 0 { 1.0 } else { -1.0 };
+                let off = |x: f64, y: f64| to_f32(n * (d + 0.005) + u * x + v * y);
+                let part = Sweep::new(
+                    [off(-1.0, -1.0), off(-1.0, 1.0)],
+                    [off(0.01, -1.0), off(0.01, 1.0)],
+                );
+                let result = Cutter::new(&body).cut(&mut body, &part.unwrap(), &params);
+                let is_partial = matches!(result, Err(incise_cut::CutError::PartialCut { .. }));
+                assert!(is_partial || name != "ball", "{what}");
+            }
+        }
+    }
+}

@@ -109,6 +109,22 @@ impl Touch {
         is_flat(Part::Region, 1) || is_flat(Part::Merged, 0)
     }
 
+    /// Returns whether a curve through a triangle only touches the surface there.
+    pub(crate) fn is_touch_in(
+        &mut self,
+        surface: &Surface,
+        signs: &Signs,
+        triangle: TriangleId,
+    ) -> bool {
+        let corners = surface.topology().triangle(triangle);
+        let side = |v| is_above(signs, |i| signs.is_above(i, surface.position(v)));
+        let mut is_flat = |part, is_above| {
+            let mut seeds = corners.into_iter().filter(|&v| side(v) == is_above);
+            seeds.clone().next().is_some() && seeds.all(|v| self.is_flat(surface, signs, v, part))
+        };
+        is_flat(Part::Region, true) || is_flat(Part::Merged, false)
+    }
+
     /// Returns whether the part around `start` is flat.
     fn is_flat(&mut self, surface: &Surface, signs: &Signs, start: VertexId, part: Part) -> bool {
         if let Some(known) = self.get(start, part) {

@@ -108,12 +108,12 @@ impl Trace {
         }
         self.seen.clear();
         self.seen.resize(self.meetings.len(), [false; 2]);
-        self.find_open_end();
+        let hit = self.meetings.iter().map(|meeting| meeting.triangle);
+        self.touch.start(surface, signs, hit);
+        self.find_open_end(surface, signs)?;
         if self.open_end.is_some() {
             return Ok(());
         }
-        let hit = self.meetings.iter().map(|meeting| meeting.triangle);
-        self.touch.start(surface, signs, hit);
         for start in 0..self.meetings.len() {
             for plane in 0..2 {
                 if self.meetings[start].segments[plane].is_some() && !self.seen[start][plane] {
@@ -126,13 +126,50 @@ impl Trace {
         Ok(())
     }
 
-    fn find_open_end(&mut self) {
-        let ends = |segment: Option<Segment>| {
-            segment.is_some_and(|s| s.from == End::Boundary || s.to == End::Boundary)
-        };
-        let open = self.meetings.iter();
-        let mut open = open.filter(|m| m.segments.into_iter().any(ends));
-        self.open_end = open.next().map(|m| m.triangle);
+    /// Finds a curve that ends on the sweep's boundary, and marks those that only touch as seen.
+    fn find_open_end(&mut self, surface: &Surface, signs: &Signs) -> Result<(), CutError> {
+        for start in 0..self.meetings.len() {
+            for plane in 0..2 {
+                let segment = self.meetings[start].segments[plane];
+                if segment.is_some_and(|s| s.from == End::Boundary)
+                    && !self.is_open_touch(surface, signs, start, plane)?
+                {
+                    self.open_end = Some(self.meetings[start].triangle);
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Follows a curve from boundary to boundary; returns whether it only touches the surface.
+    fn is_open_touch(
+        &mut self,
+        surface: &Surface,
+        signs: &Signs,
+        start: usize,
+        start_plane: usize,
+    ) -> Result<bool, CutError> {
+        let (mut at, mut plane) = (start, start_plane);
+        loop {
+            let triangle = self.meetings[at].triangle;
+            if !self.touch.is_touch_in(surface, signs, triangle) {
+                return Ok(false);
+            }
+            match self.take(at, plane).to {
+                End::Boundary => return Ok(true),
+                End::Crease => plane = 1 - plane,
+                End::Edge(exit) => {
+                    let entry = surface.topology().twin(exit);
+                    if entry.is_null() {
+                        return Err(CutError::OpenSurface { triangle });
+                    }
+                    let across = entry.triangle();
+                    let found = (self.meetings).binary_search_by_key(&across, |m| m.triangle);
+                    at = found.map_err(|_| missing_candidate(surface, across))?;
+                }
+            }
+        }
     }
 
     /// Follows a closed curve once around.
