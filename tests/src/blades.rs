@@ -87,7 +87,7 @@ impl Blade {
 /// The square around the circle inside a plane's triangle, one side along the triangle's first,
 /// which touches the circle.
 fn square(plane: &Sweep) -> [Vec3; 4] {
-    let [[a, b, c], _] = plane.triangles();
+    let [[a, b], [c, _]] = plane.ends().map(|edge| edge.map(to_f64));
     // An equilateral triangle is three times as high as the circle's radius.
     let side = (b - a).normalize() * ((c - (a + b) / 2.0).norm() / 3.0);
     let up = (c - (a + b) / 2.0) * (2.0 / 3.0);

@@ -186,7 +186,7 @@ fn parameters_out_of_range_are_errors() {
         let result = Sweep::new([corner, [1.0, 0.0, 0.0]], [[0.0, value, 0.0], [1.0; 3]]);
         assert_eq!(
             result,
-            Err(CutError::SweepNotFinite { corner: 3 }),
+            Err(CutError::SweepNotFinite { corner: 2 }),
             "{value}"
         );
     }

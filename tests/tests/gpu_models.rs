@@ -102,11 +102,9 @@ fn slice(scene: &mut Scene, id: BodyId) -> Result<(), SceneError> {
     let normal = Vec3::new(0.2, 1.0, 0.1);
     let sweep = Sweep::from_plane(normal.into(), normal.dot(&bounds.center()), &bounds)
         .expect("the normal is finite");
-    let [a, b, c, d] = sweep.corners();
-    let blade = scene.add_blade([a, b]);
-    scene
-        .move_blade(blade, [d, c])
-        .expect("an id of this scene");
+    let [before, after] = sweep.ends();
+    let blade = scene.add_blade(before);
+    scene.move_blade(blade, after).expect("an id of this scene");
     let stats = *scene.cut()?;
     assert_eq!(stats.cuts, 1, "{:?}", scene.failed_cuts());
     scene.advance()?;

@@ -326,6 +326,7 @@ const FOLDED: f64 = -0.999;
 /// Returns true if the sweep's two triangles lie on each other. Such a sweep could be cut along,
 /// but its user meant the sweep without the fold.
 fn crosses_itself(sweep: &Sweep) -> bool {
-    let [first, second] = sweep.triangles().map(area_vector);
+    let normals: Vec<Vec3> = sweep.triangles().map(area_vector).collect();
+    let (first, second) = (normals[0], normals[1]);
     first.dot(&second) < FOLDED * first.norm() * second.norm()
 }

@@ -329,9 +329,9 @@ impl SimulateArguments {
         let surface = scene.body(body).map_err(failed)?.surface();
         let sweep = plane_sweep(plane, surface, &self.input)?;
         let bounds = file_bounds(surface);
-        let [start, end, end_after, start_after] = sweep.corners();
-        let blade = scene.add_blade([start, end]);
-        let moved = scene.move_blade(blade, [start_after, end_after]);
+        let [before, after] = sweep.ends();
+        let blade = scene.add_blade(before);
+        let moved = scene.move_blade(blade, after);
         moved.map_err(failed)?;
         Ok(bounds)
     }

@@ -11,7 +11,7 @@ use incise_mesh::geometry::to_f64;
 /// of the surface is more than half of the full one (van Oosterom and Strackee 1983).
 #[must_use]
 pub fn blade_starts_inside(surface: &Surface, sweep: &Sweep) -> bool {
-    let at = to_f64(sweep.corners()[0]);
+    let at = to_f64(sweep.points()[0]);
     let angle: f64 = surface
         .topology()
         .triangles()

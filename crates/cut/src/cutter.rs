@@ -2,9 +2,10 @@
 
 use crate::error::CutError;
 use crate::exact::Exact;
+use crate::incision::{Incision, Stroke};
 use crate::intersection::Intersection;
-use crate::intersection::signs::Signs;
-use crate::intersection::trace::Trace;
+use crate::intersection::facets::{Facets, Weld};
+use crate::intersection::trace::{Curve, Trace};
 use crate::outcome::CutOutcome;
 use crate::paper;
 use crate::params::{CutMethod, CutParams};
@@ -28,6 +29,7 @@ pub struct Cutter {
     /// The state of the surface that the BVH fits.
     version: SurfaceVersion,
     candidates: Vec<TriangleId>,
+    facets: Facets,
     trace: Trace,
     exact: Exact,
     separator: Separator,
@@ -59,6 +61,7 @@ impl Cutter {
             bvh: Bvh::build(surface),
             version: SurfaceVersion::new(surface),
             candidates: Vec::new(),
+            facets: Facets::default(),
             trace: Trace::default(),
             exact: Exact::default(),
             separator: Separator::default(),
@@ -91,13 +94,12 @@ impl Cutter {
         self.version = SurfaceVersion::new(surface);
     }
 
-    /// Returns the cross-section of the last cut by the exact method, laid flat, and the target
-    /// edge length at each of its points \[m\].
+    /// Iterates over the cross-sections of the last cut by the exact method, one for each triangle of
+    /// the sweep that has any, with the target edge length at each of their points \[m\].
     ///
-    /// Both caps cover this section. Empty before the first cut.
-    #[must_use]
-    pub fn section(&self) -> (Section<'_>, &[f64]) {
-        self.exact.section()
+    /// Both caps cover them. Nothing before the first cut.
+    pub fn sections(&self) -> impl Iterator<Item = (Section<'_>, &[f64])> {
+        self.exact.sections()
     }
 
     /// Returns the BVH of the surface.
@@ -145,7 +147,7 @@ impl Cutter {
         let bounds = self.bvh.bounds();
         let coordinates = bounds.min.iter().chain(&bounds.max);
         let largest = coordinates.fold(0.0, |m, x| f64::from(x.abs()).max(m));
-        for (corner, p) in sweep.corners().iter().enumerate() {
+        for (corner, p) in sweep.points().iter().enumerate() {
             let reach = p.iter().fold(0.0, |m, x| f64::from(x.abs()).max(m));
             if reach > MAX_SWEEP_RATIO * largest {
                 let times = reach / largest;
@@ -155,48 +157,120 @@ impl Cutter {
         Ok(())
     }
 
-    /// Cuts `surface` along `sweep`.
+    /// Cuts `surface` along `sweep`, which passes through the body as a whole.
     ///
     /// A sweep that misses changes nothing, see [`CutOutcome::is_miss`], and allocates nothing once
     /// warm.
     ///
     /// # Errors
-    /// [`CutError`]; the surface is then bit for bit what it was.
+    /// [`CutError`], also [`CutError::PartialCut`] for a sweep that ends inside the body; the
+    /// surface is then bit for bit what it was.
     pub fn cut(
         &mut self,
         surface: &mut Surface,
         sweep: &Sweep,
         params: &CutParams,
     ) -> Result<CutOutcome, CutError> {
+        self.cut_along(surface, sweep, params, None)
+    }
+
+    /// Cuts `surface` along `sweep`, which may end inside the body: an incision.
+    ///
+    /// The surface is slit along the sweep and gets two mirrored walls, which share the vertices of
+    /// the slit's ends and of the incision's tip and coincide at first. Where the sweep does not
+    /// end inside the body this is [`Self::cut`].
+    ///
+    /// # Errors
+    /// [`CutError`]; [`CutError::PartialCut`] if the sweep's boundary lies inside the body as a
+    /// whole, [`CutError::IncisionByPaper`] for the paper's method. The surface is then bit for bit
+    /// what it was.
+    pub fn incise(
+        &mut self,
+        surface: &mut Surface,
+        sweep: &Sweep,
+        params: &CutParams,
+    ) -> Result<CutOutcome, CutError> {
+        self.cut_along(surface, sweep, params, Some(&Weld::default()))
+    }
+
+    /// Moves a blade on: cuts `surface` from the tip of `incision` to the blade's new pose \[m\].
+    ///
+    /// The first call only takes the pose. Where the blade ended inside the body, the next call
+    /// goes on at the tip's present vertices, so the body may move in between. A motion of less
+    /// than half an edge length is a miss and adds up. When the tip has left the body, its parts
+    /// come apart. A blade of another number of points starts anew.
+    ///
+    /// # Errors
+    /// [`CutError`]; the surface is then bit for bit what it was, and so is the incision. Call
+    /// [`Incision::restart`] to go on from another pose.
+    pub fn advance(
+        &mut self,
+        surface: &mut Surface,
+        incision: &mut Incision,
+        blade: &[[f32; 3]],
+        params: &CutParams,
+    ) -> Result<CutOutcome, CutError> {
+        self.check_bvh(surface)?;
+        let Some(stroke) = incision.stroke(surface, blade)? else {
+            return Ok(CutOutcome::default());
+        };
+        let Stroke {
+            sweep,
+            weld,
+            places,
+        } = stroke;
+        let outcome = self.cut_along(surface, &sweep, params, Some(&weld))?;
+        let tip = if outcome.is_miss() {
+            Vec::new()
+        } else {
+            self.exact.tip(surface, &self.facets, &places)
+        };
+        incision.finish_step(blade, tip);
+        Ok(outcome)
+    }
+
+    fn cut_along(
+        &mut self,
+        surface: &mut Surface,
+        sweep: &Sweep,
+        params: &CutParams,
+        weld: Option<&Weld>,
+    ) -> Result<CutOutcome, CutError> {
         params.method.check()?;
         self.check_bvh(surface)?;
         let begin = Instant::now();
         self.candidates.clear();
-        self.bvh
-            .query(surface, &sweep.triangles(), &mut self.candidates);
+        (self.bvh).query(surface, sweep.triangles(), &mut self.candidates);
         if let Some(piece) = params.only_piece {
             self.candidates.retain(|&t| surface.piece(t) == piece);
         }
         if !self.candidates.is_empty() {
             self.check_sweep_size(sweep)?;
         }
-        let signs = Signs::new(sweep);
-        self.trace.find(surface, &signs, &mut self.candidates)?;
-        if let Some(triangle) = self.trace.open_end {
-            return Err(CutError::PartialCut { triangle });
+        self.facets.read(sweep, weld.unwrap_or(&Weld::default()));
+        (self.trace).find(surface, &self.facets, &mut self.candidates)?;
+        if let Some(triangle) = self.trace.open_end() {
+            if weld.is_none() {
+                return Err(CutError::PartialCut { triangle });
+            }
+            if matches!(params.method, CutMethod::Paper(_)) {
+                return Err(CutError::IncisionByPaper { triangle });
+            }
         }
         let mut outcome = CutOutcome::default();
         outcome.report.candidates = self.candidates.len();
         outcome.report.hits = self.trace.hits();
-        outcome.report.loops = self.trace.loops.len();
+        let is_closed = |curve: &&Curve| curve.is_closed;
+        outcome.report.loops = self.trace.curves.iter().filter(is_closed).count();
+        outcome.report.slits = self.trace.curves.len() - outcome.report.loops;
         outcome.report.detection = begin.elapsed();
-        if self.trace.loops.is_empty() {
+        if self.trace.curves.is_empty() {
             return Ok(outcome);
         }
         let (separator, outcome_mut) = (&mut self.separator, &mut outcome);
         let at = Intersection {
             sweep,
-            signs: &signs,
+            facets: &self.facets,
             trace: &self.trace,
         };
         match params.method {

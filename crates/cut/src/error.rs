@@ -13,6 +13,17 @@ pub enum CutError {
          normal is zero"
     )]
     BladeDegenerate,
+    /// The polylines of a sweep do not match.
+    #[error(
+        "the blade has {previous} points before and {current} after the step; pass the same \
+         number, at least 2"
+    )]
+    PolylineLength {
+        /// Number of points in the previous frame.
+        previous: usize,
+        /// Number of points in the current frame.
+        current: usize,
+    },
     /// A parameter of the method is negative, too large or not a number.
     #[error("{parameter} is {value}; it must be at least 0 and below {limit}")]
     ParameterOutOfRange {
@@ -26,7 +37,7 @@ pub enum CutError {
     /// A coordinate of the sweep is NaN or infinite.
     #[error("corner {corner} of the sweep is not finite; pass finite positions of the blade")]
     SweepNotFinite {
-        /// Number of the corner, 0 to 3.
+        /// Number of the corner: an index of [`crate::Sweep::points`].
         corner: usize,
     },
     /// A corner of the sweep is so far away that rounding would move the cut.
@@ -35,7 +46,7 @@ pub enum CutError {
          5e8 times is possible; make the sweep smaller, or use Sweep::from_plane"
     )]
     SweepTooLarge {
-        /// Number of the corner, 0 to 3.
+        /// Number of the corner: an index of [`crate::Sweep::points`].
         corner: usize,
         /// Ratio of its largest coordinate to the body's.
         times: f64,
@@ -63,13 +74,37 @@ pub enum CutError {
     SurfaceEdited,
     /// The sweep ends inside the body.
     #[error(
-        "the sweep ends inside the body at triangle {triangle}; only full slices can be cut, so \
-         make the sweep larger"
+        "the sweep ends inside the body at triangle {triangle}; make the sweep larger, or let it \
+         end there with Cutter::incise"
     )]
     PartialCut {
         /// The triangle in which it ends.
         triangle: TriangleId,
     },
+    /// The paper's method has full slices only.
+    #[error(
+        "the sweep ends inside the body at triangle {triangle}, and the paper's method cuts full \
+         slices only; use CutMethod::Exact"
+    )]
+    IncisionByPaper {
+        /// The triangle in which it ends.
+        triangle: TriangleId,
+    },
+    /// The sweep meets the walls of the incision at the tip that it continues.
+    #[error(
+        "the blade turned into a wall of its incision at triangle {triangle}; pull it out and start \
+         anew, or move it in smaller steps"
+    )]
+    TipBlocked {
+        /// The triangle of the wall.
+        triangle: TriangleId,
+    },
+    /// Parts of the body overlap so that the boundaries of its section do not close.
+    #[error(
+        "the body overlaps itself where the sweep cuts it, and its section is not closed; cut its \
+         parts one by one with CutParams::only_piece"
+    )]
+    OverlappingShells,
     /// A bent sweep passes a vertex on both sides.
     #[error("the bent sweep passes vertex {vertex} on both sides; use a flatter or smaller sweep")]
     SideConflict {

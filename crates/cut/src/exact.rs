@@ -1,18 +1,24 @@
 //! The exact method: splits hit triangles along the sweep, so that no surface is lost.
 //!
-//! 1. [`crate::intersection`] finds the closed curves along which the sweep crosses the surface.
+//! 1. [`crate::intersection`] finds the curves along which the sweep crosses the surface.
 //! 2. [`split`] and [`open`] split the hit triangles; every curve becomes a rim on two sides.
 //! 3. [`snap`] contracts rim edges much shorter than the local edge length.
 //! 4. [`remesh`], if asked for, removes slivers around the rim.
-//! 5. [`unfold`] and [`section`] lay the cross-section flat, [`cap`] meshes it and closes both
-//!    sides. [`rest`] interpolates rest positions inside caps.
+//! 5. [`chains`] finds the parts of sweep edges inside the body, [`section`] the section of the
+//!    body in the plane of each facet, with coordinates from [`frames`]. [`cap`] meshes the
+//!    sections and closes both sides. [`rest`] interpolates rest positions inside the body.
 //! 6. [`crate::separate`] gives separated parts piece numbers of their own.
+//!
+//! A curve that ends where the sweep does makes an incision: both sides share the vertex at the end
+//! and, along the sweep's boundary inside the body, the tip at which the walls meet.
 //!
 //! All of it is one [`incise_mesh::Edit`], which restores every byte if a step fails. Time is
 //! O(k log k) for k triangles hit and made, plus all triangles of separated parts but the largest.
 
 mod cap;
+mod chains;
 mod contract;
+mod frames;
 mod open;
 mod remesh;
 mod rest;
@@ -20,25 +26,28 @@ mod rim;
 mod section;
 mod snap;
 mod split;
-mod unfold;
 
 use crate::blade_position::blade_starts_inside;
 use crate::error::CutError;
+use crate::incision::TipPoint;
 use crate::intersection::Intersection;
+use crate::intersection::facets::{EdgeKind, Facets};
 use crate::outcome::CutOutcome;
 use crate::params::{CutParams, ExactParams};
 use crate::separate::Separator;
-use cap::{Cap, Rims};
+use cap::Cap;
+use chains::{Chain, Chains, Opening};
 use contract::Opened;
-use incise_mesh::{HalfEdge, Surface};
-use incise_refine::Section;
+use frames::Frames;
+use incise_mesh::{Edit, HalfEdge, Surface, Vec3};
+use incise_refine::{RefineParams, Section};
 use open::Sides;
 use remesh::Remesher;
 use rim::Rim;
+use section::{Rims, target_lengths};
 use snap::Snapper;
 use split::Splitter;
 use std::time::Instant;
-use unfold::Unfold;
 
 /// Scratch memory, kept between cuts.
 #[derive(Debug, Clone, Default)]
@@ -48,16 +57,65 @@ pub(crate) struct Exact {
     rim: Rim,
     snapper: Snapper,
     remesher: Remesher,
+    frames: Frames,
+    lengths: Vec<f64>,
+    chains: Chains,
     cap: Cap,
 }
 
 impl Exact {
-    /// Returns the cross-section of the last cut and the target edge length at each point.
-    pub(crate) fn section(&self) -> (Section<'_>, &[f64]) {
-        (self.cap.section.section(), self.cap.section.lengths())
+    /// Iterates over the sections of the last cut and the target edge length at each point.
+    pub(crate) fn sections(&self) -> impl Iterator<Item = (Section<'_>, &[f64])> {
+        let sections = self.cap.section.sections().iter();
+        sections.map(|section| (section.section(), section.lengths.as_slice()))
     }
 
-    /// Cuts `surface` along closed intersection curves. See the module.
+    /// Returns the tip along the current edge of the last sweep, whose points were at `places` of the
+    /// blade.
+    pub(crate) fn tip(&self, surface: &Surface, facets: &Facets, places: &[f64]) -> Vec<TipPoint> {
+        let chains = self.chains.chains.iter();
+        let mut own: Vec<(f64, &Chain, [f64; 2], [Vec3; 2])> = chains
+            .filter(|chain| facets.kind(chain.edge) == EdgeKind::Current)
+            .filter_map(|chain| {
+                let pair = facets.pair_of(chain.edge)? as usize;
+                let ends = facets.ends(chain.edge);
+                let places = [places[pair], places[pair + 1]];
+                let first = self.chains.nodes[chain.nodes.start];
+                let [vertex, _] = self.sides.vertices[first as usize];
+                let part = part_of(ends, surface.position(vertex));
+                Some((
+                    places[0] + (places[1] - places[0]) * part,
+                    chain,
+                    places,
+                    ends,
+                ))
+            })
+            .collect();
+        own.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut tip: Vec<TipPoint> = Vec::new();
+        for (_, chain, [from, to], ends) in own {
+            for (i, &node) in self.chains.nodes[chain.nodes.clone()].iter().enumerate() {
+                let [vertex, _] = self.sides.vertices[node as usize];
+                let place = from + (to - from) * part_of(ends, surface.position(vertex));
+                match tip.last_mut() {
+                    Some(last) if last.vertex == vertex => continue,
+                    // Tips in overlapping bodies end.
+                    Some(last) if last.place >= place => break,
+                    Some(last) => last.is_joined = i > 0,
+                    None => {}
+                }
+                tip.push(TipPoint {
+                    vertex,
+                    rest: surface.rest_position(vertex),
+                    place,
+                    is_joined: false,
+                });
+            }
+        }
+        tip
+    }
+
+    /// Cuts `surface` along intersection curves. See the module.
     ///
     /// # Errors
     /// [`CutError`]; the surface is then bit for bit what it was.
@@ -88,11 +146,7 @@ impl Exact {
     fn split(
         &mut self,
         surface: &mut Surface,
-        Intersection {
-            sweep,
-            signs,
-            trace,
-        }: Intersection<'_>,
+        at: Intersection<'_>,
         params: &CutParams,
         exact: &ExactParams,
         may_merge: bool,
@@ -100,10 +154,14 @@ impl Exact {
         outcome: &mut CutOutcome,
     ) -> Result<bool, CutError> {
         let begin = Instant::now();
+        let Intersection {
+            sweep,
+            facets,
+            trace,
+        } = at;
         let report = &mut outcome.report;
         let mut edit = surface.edit();
-        let is_valley = signs.is_valley;
-        (self.sides).open(&mut edit, trace, is_valley, &mut self.splitter);
+        (self.sides).open(&mut edit, trace, facets, &mut self.splitter);
         self.rim.reset(trace);
         let mut opened = Opened {
             edit: &mut edit,
@@ -111,8 +169,8 @@ impl Exact {
             sides: &mut self.sides,
             rim: &mut self.rim,
         };
-        let unfold = Unfold::new(signs);
-        let (area, rim_length) = unfold.section_size(trace);
+        self.frames.read(facets);
+        let (area, rim_length) = self.frames.section_size(trace);
         // The radius of a disc; NaN if the section is a point.
         let width = 2.0 * area / rim_length;
         let max_volume = snap::MAX_TOTAL_VOLUME * area * trace.mean_local().min(width);
@@ -122,20 +180,19 @@ impl Exact {
         report.moved_volume = snapped.volume;
         report.split = begin.elapsed();
         let begin = Instant::now();
-        let may_join = may_merge && exact.remesh > 0.0 && trace.loops.len() > 1;
+        let may_join = may_merge && exact.remesh > 0.0 && trace.curves.len() > 1;
         let groups = if may_join {
-            let rims = Rims {
-                nodes: &trace.nodes,
-                sides: opened.sides,
-                rim: opened.rim,
-                unfold: &unfold,
-                has_crease: signs.has_crease(),
-            };
-            self.cap.section.project(&rims, &params.refine);
-            let topology = opened.edit.surface().topology();
-            Some(self.cap.groups(&rims, topology, &params.refine)?)
+            // Groups depend on the curves alone, so meshes without new points are enough.
+            self.mesh_sections(&mut edit, at, &params.refine, false)?;
+            Some(self.cap.groups().to_vec())
         } else {
             None
+        };
+        let mut opened = Opened {
+            edit: &mut edit,
+            nodes: &trace.nodes,
+            sides: &mut self.sides,
+            rim: &mut self.rim,
         };
         let remeshed = (self.remesher).remesh(&mut opened, exact.remesh, width, may_merge);
         report.flipped_edges = remeshed.flips;
@@ -146,26 +203,14 @@ impl Exact {
         report.short_rim_edges = Snapper::short_edges(&opened, exact.snap);
         report.remeshing = begin.elapsed();
         let begin = Instant::now();
-        let rims = Rims {
-            nodes: &trace.nodes,
-            sides: &self.sides,
-            rim: &self.rim,
-            unfold: &unfold,
-            has_crease: signs.has_crease(),
-        };
-        self.cap.section.project(&rims, &params.refine);
+        report.refined = self.mesh_sections(&mut edit, at, &params.refine, true)?;
         let triangles = edit.surface().topology().triangle_count();
         let is_inside = || blade_starts_inside(edit.surface(), sweep);
         if self.cap.section.ends_inside(triangles, is_inside) {
             let triangle = trace.chords[0].triangle;
             return Err(CutError::PartialCut { triangle });
         }
-        let topology = edit.surface().topology();
-        let mesh = (self.cap.section).triangulate(&rims, topology, &params.refine, true)?;
-        // A disc has no inner points.
-        report.refined = mesh.report.self_intersecting_loops == 0 && mesh.report.unconverged == 0;
-        self.cap.group_loops(&mesh);
-        if remeshed.nodes > 0 && groups.is_some_and(|groups| groups != self.cap.last_groups()) {
+        if remeshed.nodes > 0 && groups.is_some_and(|groups| groups != self.cap.groups()) {
             return Ok(false);
         }
         report.cap = begin.elapsed();
@@ -173,12 +218,18 @@ impl Exact {
         // Side 0 of a loop has an even number, side 1 the next.
         let sides = self.rim.first.iter();
         let sides = sides.flat_map(|&node| self.sides.rim[node as usize].map(HalfEdge::triangle));
-        let joined = self.cap.joined();
-        let joined = joined.flat_map(|(a, b)| [(2 * a, 2 * b), (2 * a + 1, 2 * b + 1)]);
-        separator.separate(&mut edit, sweep, sides, joined);
+        separator.separate(&mut edit, sweep, sides, self.cap.joined());
         report.separation = begin.elapsed();
         let begin = Instant::now();
-        (self.cap).close(&mut edit, &rims, &mesh, params.cap_material);
+        let rims = Rims {
+            nodes: &trace.nodes,
+            sides: &self.sides,
+            rim: &self.rim,
+            facets,
+            frames: &self.frames,
+            chains: &self.chains,
+        };
+        (self.cap).close(&mut edit, &rims, params.cap_material);
         report.cap += begin.elapsed();
         let begin = Instant::now();
         let (delta, undo) = edit.finish();
@@ -187,5 +238,57 @@ impl Exact {
         outcome.cap = self.cap.triangles.concat();
         report.commit = begin.elapsed();
         Ok(true)
+    }
+
+    /// Meshes the sections of the opened surface, which get new points if `is_refined`.
+    ///
+    /// Returns whether they reached their target lengths.
+    ///
+    /// # Errors
+    /// [`CutError`].
+    fn mesh_sections(
+        &mut self,
+        edit: &mut Edit<'_>,
+        Intersection {
+            sweep,
+            facets,
+            trace,
+        }: Intersection<'_>,
+        refine: &RefineParams,
+        is_refined: bool,
+    ) -> Result<bool, CutError> {
+        target_lengths(&trace.nodes, &self.rim, refine, &mut self.lengths);
+        self.sides.vertices.truncate(trace.nodes.len());
+        let opening = Opening {
+            sweep,
+            facets,
+            nodes: &trace.nodes,
+            rim: &self.rim,
+            refine,
+            lengths: &self.lengths,
+        };
+        self.chains.find(edit, &opening, &mut self.sides);
+        let rims = Rims {
+            nodes: &trace.nodes,
+            sides: &self.sides,
+            rim: &self.rim,
+            facets,
+            frames: &self.frames,
+            chains: &self.chains,
+        };
+        self.cap.section.project(&rims, &self.lengths)?;
+        let topology = edit.surface().topology();
+        Ok(self.cap.triangulate(&rims, topology, refine, is_refined)?)
+    }
+}
+
+/// Returns the part of the way from the first end to the second at which a point lies, 0 to 1.
+fn part_of([from, to]: [Vec3; 2], point: Vec3) -> f64 {
+    let along = to - from;
+    let part = along.dot(&(point - from)) / along.norm_squared();
+    if part.is_nan() {
+        0.0
+    } else {
+        part.clamp(0.0, 1.0)
     }
 }

@@ -36,8 +36,10 @@ pub struct CutReport {
     pub candidates: usize,
     /// Triangles that the sweep crosses.
     pub hits: usize,
-    /// Closed loops of the cross-section.
+    /// Closed curves along which the sweep crosses the surface.
     pub loops: usize,
+    /// Curves with ends, where the sweep ends inside the body: slits.
+    pub slits: usize,
     /// Vertices that snapping moved into the rim (exact method).
     pub snapped_vertices: usize,
     /// Intersection points that snapping merged into others (exact method).

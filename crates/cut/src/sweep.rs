@@ -4,38 +4,49 @@ use crate::error::CutError;
 use incise_mesh::geometry::{area_vector, to_f32, to_f64};
 use incise_mesh::{Aabb, Vec3};
 use robust::{Coord3D, orient3d};
+use smallvec::SmallVec;
 
-/// The two triangles that a blade's edge spans between two frames.
+/// The strip of triangles that a blade's edge spans between two frames.
 ///
-/// Their corners are previous start, previous end, current end, and previous start, current end,
-/// current start. They share the diagonal and need not lie in one plane. If the blade turned over
-/// they overlap: the overlap is cut twice, and a piece without volume is left between.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// The edge is a polyline of n points, two for a straight blade. Points i and i + 1 of both
+/// frames span two triangles, which share the diagonal from the previous point i to the current
+/// point i + 1 and need not lie in one plane. If the blade turned over they overlap: the overlap
+/// is cut twice, and a piece without volume is left between.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Sweep {
-    corners: [[f32; 3]; 4],
+    /// The points of the previous frame, then those of the current one.
+    points: SmallVec<[[f32; 3]; 4]>,
 }
 
 impl Sweep {
-    /// Makes the sweep of a blade's edge (start, end) \[m\] from `previous` to `current`.
+    /// Makes the sweep of a straight blade's edge (start, end) \[m\] from `previous` to `current`.
     ///
     /// # Errors
-    /// [`CutError::SweepNotFinite`], and [`CutError::BladeDegenerate`] when neither triangle has an
-    /// area.
+    /// As [`Self::strip`].
     pub fn new(previous: [[f32; 3]; 2], current: [[f32; 3]; 2]) -> Result<Self, CutError> {
-        let corners = [previous[0], previous[1], current[1], current[0]];
-        if let Some(corner) = corners
-            .iter()
-            .position(|p| p.iter().any(|x| !x.is_finite()))
-        {
+        Self::strip(&previous, &current)
+    }
+
+    /// Makes the sweep of a polyline \[m\] from `previous` to `current`.
+    ///
+    /// # Errors
+    /// [`CutError::PolylineLength`] unless both have the same number of points, at least two;
+    /// [`CutError::SweepNotFinite`]; and [`CutError::BladeDegenerate`] when no triangle has an
+    /// area.
+    pub fn strip(previous: &[[f32; 3]], current: &[[f32; 3]]) -> Result<Self, CutError> {
+        if previous.len() < 2 || previous.len() != current.len() {
+            return Err(CutError::PolylineLength {
+                previous: previous.len(),
+                current: current.len(),
+            });
+        }
+        let points: SmallVec<[[f32; 3]; 4]> = previous.iter().chain(current).copied().collect();
+        if let Some(corner) = (points.iter()).position(|p| p.iter().any(|x| !x.is_finite())) {
             return Err(CutError::SweepNotFinite { corner });
         }
-        let sweep = Self { corners };
+        let sweep = Self { points };
         // Not the sum: in a bow tie, a blade that turned over, the two cancel.
-        if sweep
-            .triangles()
-            .iter()
-            .all(|&t| area_vector(t).norm() == 0.0)
-        {
+        if (sweep.triangles()).all(|t| area_vector(t).norm() == 0.0) {
             return Err(CutError::BladeDegenerate);
         }
         Ok(sweep)
@@ -80,26 +91,48 @@ impl Sweep {
         Self::new([corner(-root, -1.0), corner(root, -1.0)], [top, top])
     }
 
-    /// Returns the corners \[m\]: previous start, previous end, current end, current start.
-    ///
-    /// Those of [`Self::from_plane`] end with the same corner twice.
+    /// Returns the blade's points in the previous frame \[m\].
     #[must_use]
-    pub const fn corners(&self) -> [[f32; 3]; 4] {
-        self.corners
+    pub fn previous(&self) -> &[[f32; 3]] {
+        &self.points[..self.points.len() / 2]
     }
 
-    /// Returns the two triangles \[m\]. The shared diagonal runs from the first to the third
-    /// corner.
+    /// Returns the blade's points in the current frame \[m\].
+    ///
+    /// Those of [`Self::from_plane`] are equal.
     #[must_use]
-    pub fn triangles(&self) -> [[Vec3; 3]; 2] {
-        let [a, b, c, d] = self.corners.map(to_f64);
-        [[a, b, c], [a, c, d]]
+    pub fn current(&self) -> &[[f32; 3]] {
+        &self.points[self.points.len() / 2..]
+    }
+
+    /// Returns the ends of the blade's edge in the previous and in the current frame \[m\].
+    #[must_use]
+    pub fn ends(&self) -> [[[f32; 3]; 2]; 2] {
+        [self.previous(), self.current()].map(|edge| [edge[0], edge[edge.len() - 1]])
+    }
+
+    /// Returns the previous points, then the current ones \[m\].
+    #[must_use]
+    pub fn points(&self) -> &[[f32; 3]] {
+        &self.points
+    }
+
+    /// Iterates over the triangles \[m\]: two between each two neighbors of the polyline.
+    ///
+    /// Of points a and b and their current positions c and d these are a, b, d and a, d, c.
+    pub fn triangles(&self) -> impl Iterator<Item = [Vec3; 3]> + '_ {
+        let n = self.points.len() / 2;
+        let point = |i: usize| to_f64(self.points[i]);
+        (0..n - 1).flat_map(move |i| {
+            let [a, b, c, d] = [i, i + 1, n + i, n + i + 1].map(point);
+            [[a, b, d], [a, d, c]]
+        })
     }
 
     /// Returns the bounding box.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        Aabb::around(self.corners)
+        Aabb::around(self.points.iter().copied())
     }
 
     /// Returns whether the segment between two points intersects or touches the sweep.
@@ -107,13 +140,14 @@ impl Sweep {
     /// Decided by exact predicates.
     #[must_use]
     pub fn intersects_segment(&self, from: [f32; 3], to: [f32; 3]) -> bool {
-        let point = |p: [f32; 3]| {
-            let [x, y, z] = p.map(f64::from);
-            Coord3D { x, y, z }
+        let point = |p: Vec3| Coord3D {
+            x: p.x,
+            y: p.y,
+            z: p.z,
         };
-        let [a, b, c, d] = self.corners.map(point);
-        let (p, q) = (point(from), point(to));
-        [[a, b, c], [a, c, d]].into_iter().any(|[a, b, c]| {
+        let (p, q) = (point(to_f64(from)), point(to_f64(to)));
+        self.triangles().any(|triangle| {
+            let [a, b, c] = triangle.map(point);
             let sides = [p, q].map(|end| orient3d(a, b, c, end));
             let turns = [(a, b), (b, c), (c, a)].map(|(s, t)| orient3d(p, q, s, t));
             let is_one_side =
@@ -127,15 +161,18 @@ impl Sweep {
 
     /// Returns the cutting plane of Algorithm 2, lines 15 and 16: a point and the unit normal.
     ///
-    /// The normal of a bent sweep is the mean of the two triangles' weighted by area, or the first
+    /// The normal of a bent sweep is the mean of the triangles' weighted by area, or the first
     /// one's if they cancel.
     #[must_use]
     pub fn plane(&self) -> (Vec3, Vec3) {
-        let [a, b, c, d] = self.corners.map(to_f64);
-        let sum = (c - a).cross(&(d - b));
-        let normal = sum.try_normalize(0.0);
-        let normal = normal.unwrap_or_else(|| area_vector([a, b, c]).normalize());
-        ((a + b + c + d) / 4.0, normal)
+        let sum: Vec3 = self.triangles().map(area_vector).sum();
+        let mut normals = self.triangles().map(|t| area_vector(t).try_normalize(0.0));
+        let normal = (sum.try_normalize(0.0)).or_else(|| normals.find_map(|normal| normal));
+        let points = self.points.iter().map(|&p| to_f64(p));
+        (
+            points.sum::<Vec3>() / self.points.len() as f64,
+            normal.expect("a triangle of the sweep has an area"),
+        )
     }
 }
 
@@ -163,7 +200,8 @@ mod tests {
         for n in [[1.0, 0.0, 0.0], [0.3, -2.0, 0.5], [-1.0, 1.0, 1.0]] {
             let n = Vec3::from(n).normalize();
             let sweep = Sweep::from_plane(n.into(), n.dot(&bounds.center()), &bounds).unwrap();
-            let [[a, b, c], none] = sweep.triangles();
+            let triangles: Vec<_> = sweep.triangles().collect();
+            let ([a, b, c], none) = (triangles[0], triangles[1]);
             assert_eq!(none[1], none[2], "the second triangle has no area");
             for i in 0..8 {
                 let pick = |k: usize| [bounds.min, bounds.max][i >> k & 1][k];
@@ -196,7 +234,7 @@ mod tests {
         let edge = [[0.0; 3], [1.0, 0.0, 0.0]];
         assert_eq!(Sweep::new(edge, edge), Err(CutError::BladeDegenerate));
         let nan = Sweep::new(edge, [[0.0, 1.0, 0.0], [f32::NAN, 1.0, 0.0]]);
-        assert_eq!(nan, Err(CutError::SweepNotFinite { corner: 2 }));
+        assert_eq!(nan, Err(CutError::SweepNotFinite { corner: 3 }));
         let line = Sweep::new(edge, [[3.0, 0.0, 0.0], [5.0, 0.0, 0.0]]);
         assert_eq!(line, Err(CutError::BladeDegenerate));
     }

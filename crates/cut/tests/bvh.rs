@@ -62,12 +62,12 @@ impl SingleTriangles {
     /// Compares a query of `bvh` with one over each triangle alone.
     fn assert_same_query(&self, bvh: &Bvh, surface: &Surface, sweep: &Sweep) {
         let mut found = Vec::new();
-        bvh.query(surface, &sweep.triangles(), &mut found);
+        bvh.query(surface, sweep.triangles(), &mut found);
         found.sort_unstable();
         let mut one = Vec::new();
         let expected = self.0.iter().filter_map(|(t, alone, bvh)| {
             one.clear();
-            bvh.query(alone, &sweep.triangles(), &mut one);
+            bvh.query(alone, sweep.triangles(), &mut one);
             (!one.is_empty()).then_some(*t)
         });
         let expected: Vec<TriangleId> = expected.collect();

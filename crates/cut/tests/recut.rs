@@ -177,7 +177,7 @@ fn a_hundred_cuts_along_a_plane_are_one() {
         let sweep = plane(&body, normal, 0.01);
         let outcome = Cutter::new(&body).cut(&mut body, &sweep, &params);
         assert!(!outcome.unwrap().is_miss(), "{name}");
-        assert_misses(&body, &[sweep; 99], &params, name);
+        assert_misses(&body, &vec![sweep; 99], &params, name);
     }
 }
 
@@ -195,7 +195,7 @@ fn a_second_cut_along_a_bent_sweep_changes_nothing() {
                 let outcome = Cutter::new(&body).cut(&mut body, &sweep, &params);
                 // The plate does not reach up to all sweeps.
                 assert!(!outcome.unwrap().is_miss() || name == "plate", "{name}");
-                assert_misses(&body, &[sweep; 4], &params, &format!("{name}, {params:?}"));
+                assert_misses(&body, &vec![sweep; 4], &params, &format!("{name}, {params:?}"));
             }
         }
     }
@@ -351,7 +351,7 @@ fn what_stands_on_a_flush_face_is_cut_off() {
                             "{what}: {found}"
                         );
                     }
-                    assert_misses(&body, &[sweep; 3], &params, &what);
+                    assert_misses(&body, &vec![sweep; 3], &params, &what);
                 }
             }
         }

@@ -27,7 +27,7 @@ pub enum VertexOrigin {
     /// Inside a cap, between three earlier vertices.
     ///
     /// Its rest position is stored: it may differ from the parents' mean where the rest positions
-    /// along the rim are not affine.
+    /// along the rim are not affine. A corner of an incision's tip lies beside its parents.
     OnCap {
         /// The parents, which may be new vertices themselves.
         parents: [VertexId; 3],

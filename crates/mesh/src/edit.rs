@@ -211,6 +211,12 @@ impl Edit<'_> {
         self.surface.history.pair(b.0, 0);
     }
 
+    /// Makes a half-edge and its twin boundaries.
+    pub fn open_edge(&mut self, h: HalfEdge) {
+        self.part(h);
+        self.surface.history.step(Step::OpenEdge, h.0);
+    }
+
     /// Sets the texture coordinates of the corner at `h`, if the surface has any.
     pub fn set_uv(&mut self, h: HalfEdge, uv: [f32; 2]) {
         if h.index() < self.surface.corners.uv.len() {

@@ -10,6 +10,7 @@ pub(crate) enum Step {
     RemoveVertex,
     SetCorner,
     Join,
+    OpenEdge,
     SetPiece,
     SetMaterial,
     SetUv,

@@ -45,7 +45,7 @@ proptest! {
         let corner = |s: f64, t: f64| normal * d + (u * s + normal.cross(&u) * t) * size;
         let plane = [[corner(-2.0, -1.0), corner(2.0, -1.0), corner(0.0, 2.0)]];
         let mut found = Vec::new();
-        bvh.query(&surface, &plane, &mut found);
+        bvh.query(&surface, plane, &mut found);
         found.sort_unstable();
         let (straddles, reaches) = on_plane(&surface, normal, d);
         prop_assert!(straddles.iter().all(|t| found.binary_search(t).is_ok()));
@@ -60,7 +60,7 @@ fn an_empty_surface_has_an_empty_tree() {
     bvh.validate(&surface).unwrap();
     let triangle = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vec3::from);
     let mut found = Vec::new();
-    bvh.query(&surface, &[triangle], &mut found);
+    bvh.query(&surface, [triangle], &mut found);
     assert!(found.is_empty());
 }
 

@@ -59,9 +59,9 @@ fn cut(scene: &mut Scene, body: BodyId, blade: BladeId, normal: Vec3) {
     let surface: &Surface = scene.body(body).unwrap().surface();
     let (bounds, middle) = (surface.bounds(), surface.bounds().center());
     let sweep = Sweep::from_plane(normal.into(), normal.dot(&middle), &bounds).unwrap();
-    let [a, b, c, d] = sweep.corners();
-    scene.teleport_blade(blade, [a, b]).unwrap();
-    scene.move_blade(blade, [d, c]).unwrap();
+    let [before, after] = sweep.ends();
+    scene.teleport_blade(blade, before).unwrap();
+    scene.move_blade(blade, after).unwrap();
     scene.step().unwrap();
 }
 

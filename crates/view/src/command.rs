@@ -1,6 +1,6 @@
 //! Commands and settings of a session, as serializable data.
 
-use incise_cut::{CutMethod, CutParams, PaperParams, Sweep};
+use incise_cut::{CutMethod, CutParams, PaperParams};
 use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Stiffness, Volume};
 use incise_refine::RefinementLevel;
 use incise_scene::{ContactParams, SceneParams};
@@ -186,12 +186,6 @@ impl Settings {
             ..SceneParams::default()
         }
     }
-}
-
-/// Returns the first and the last blade edge of a sweep.
-pub(crate) fn blade_edges(sweep: &Sweep) -> [Edge; 2] {
-    let [start, end, end_after, start_after] = sweep.corners();
-    [[start, end], [start_after, end_after]]
 }
 
 /// Serializes refinement levels by name.

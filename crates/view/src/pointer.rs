@@ -1,6 +1,6 @@
 //! Mouse gestures: tools that cut, drag and pin, and the orbit camera.
 
-use crate::command::{Command, Edge, blade_edges};
+use crate::command::{Command, Edge};
 use crate::session::Session;
 use incise_cut::Sweep;
 use incise_mesh::geometry::{to_f32, to_f64};
@@ -313,7 +313,7 @@ pub fn slice_command([from, to]: [Ray; 2], is_extended: bool, bounds: &Aabb) -> 
     let normal = from.direction.cross(&to.direction).try_normalize(0.0)?;
     let d = normal.dot(&from.origin);
     let sweep = Sweep::from_plane(normal.into(), d, bounds).ok()?;
-    let [from, to] = blade_edges(&sweep);
+    let [from, to] = sweep.ends();
     Some(Command::Slice { from, to })
 }
 

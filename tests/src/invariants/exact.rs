@@ -113,10 +113,8 @@ fn assert_caps_are_on_the_sweep(
     outcome: &CutOutcome,
     scale: &Scale,
 ) {
-    let planes = sweep
-        .triangles()
-        .map(|t| (t[0], area_vector(t)))
-        .map(|(p, n)| (p, n.try_normalize(0.0)));
+    let planes = sweep.triangles().map(|t| (t[0], area_vector(t)));
+    let planes: Vec<_> = planes.map(|(p, n)| (p, n.try_normalize(0.0))).collect();
     for &t in &outcome.cap {
         for p in after.triangle_positions(t) {
             let distance = planes
@@ -240,7 +238,7 @@ fn assert_pieces_lie_on_one_side(
 
 /// Returns origin and normal of a sweep of one triangle.
 fn flat(sweep: &Sweep) -> Option<(Vec3, Vec3)> {
-    let [.., c, d] = sweep.corners();
+    let [c, d] = [0, 1].map(|i| sweep.current()[i]);
     (c == d).then(|| sweep.plane())
 }
 

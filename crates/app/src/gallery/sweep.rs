@@ -28,7 +28,7 @@ pub(super) fn sweep_plane() -> Result<Vec<Row>, FigureError> {
     });
     let camera = against(Vec3::new(1.0, 0.45, 0.55));
     let corners = before.corners().chain(now.corners());
-    let camera = camera.frame(corners.chain(sweep.corners()), 1.0);
+    let camera = camera.frame(corners.chain(sweep.points().iter().copied()), 1.0);
     let panel = |label: &str, shown: &[&Rc<ColoredSurface>]| {
         let shown: Vec<Rc<ColoredSurface>> = shown.iter().map(|&shown| Rc::clone(shown)).collect();
         let mut panel = Panel::from_surfaces(label.to_owned(), camera, shown, Facts::default());
@@ -40,7 +40,7 @@ pub(super) fn sweep_plane() -> Result<Vec<Row>, FigureError> {
     area.lines.push(line(BEFORE, SWEEP, 2.5));
     let mut triangles = panel("(c) sweep of two triangles", &[]);
     triangles.sheets = sheets(&sweep, [SWEEP, EDGE]);
-    let [a, b, c, d] = sweep.corners();
+    let [[a, b], [d, c]] = sweep.ends();
     let sides = [[a, b], [a, c], [a, d], [b, c]];
     (triangles.lines).extend(sides.map(|ends| line(ends, SWEEP, 2.0)));
     let mut hit = panel("", &[&body]);
@@ -67,7 +67,7 @@ fn blade([tip, end]: [[f32; 3]; 2]) -> Result<Rc<ColoredSurface>, FigureError> {
 /// Returns the triangles that the sweep crosses.
 fn hits(body: &Surface, sweep: &Sweep) -> Vec<TriangleId> {
     let mut candidates = Vec::new();
-    Bvh::build(body).query(body, &sweep.triangles(), &mut candidates);
+    Bvh::build(body).query(body, sweep.triangles(), &mut candidates);
     candidates.retain(|&t| {
         let [a, b, c] = body.topology().triangle(t).map(|v| place(body, v));
         [[a, b], [b, c], [c, a]]
@@ -83,7 +83,7 @@ fn line(ends: [[f32; 3]; 2], color: Color, width: f32) -> Line {
 
 /// Returns the sweep's two triangles, translucent.
 fn sheets(sweep: &Sweep, colors: [Color; 2]) -> Vec<OverlayTriangle> {
-    let [a, b, c, d] = sweep.corners();
+    let [[a, b], [d, c]] = sweep.ends();
     let triangles = [[a, b, c], [a, c, d]].into_iter().zip(colors);
     triangles
         .map(|(corners, color)| OverlayTriangle {

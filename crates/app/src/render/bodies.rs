@@ -202,7 +202,8 @@ impl Bodies {
             if is_plane {
                 section(sweep, &body.bounds)
             } else {
-                Some(sweep.corners())
+                let [[a, b], [d, c]] = sweep.ends();
+                Some([a, b, c, d])
             }
         };
         self.bodies.iter().filter_map(of).collect()

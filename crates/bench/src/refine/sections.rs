@@ -102,7 +102,7 @@ fn cut_once(
     let Some(undo) = outcome.undo else {
         return Ok(Ok(None));
     };
-    let (section, lengths) = cutter.section();
+    let (section, lengths) = cutter.sections().next().ok_or("a cut has a section")?;
     let section = CutSection {
         points: section.points.to_vec(),
         loops: section.loops.to_vec(),

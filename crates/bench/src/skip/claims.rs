@@ -282,13 +282,13 @@ impl Features {
         if self.cut {
             let bounds = scene.body(body)?.surface().bounds();
             let sweep = Sweep::from_plane([0.1, 1.0, 0.2], bounds.center().y, &bounds)?;
-            let [a, b, c, d] = sweep.corners();
-            let blade = scene.add_blade([a, b]);
-            scene.move_blade(blade, [d, c])?;
+            let [before, after] = sweep.ends();
+            let blade = scene.add_blade(before);
+            scene.move_blade(blade, after)?;
             if scene.cut()?.cuts != 1 {
                 return Err(format!("the blade missed {}", model.name()).into());
             }
-            scene.teleport_blade(blade, [a, b].map(|p| p.map(|c| c + 1e4)))?;
+            scene.teleport_blade(blade, before.map(|p| p.map(|c| c + 1e4)))?;
         }
         let (solver, surface) = scene.edit(body)?.solver_mut();
         motion::start(solver, surface)?;

@@ -54,9 +54,9 @@ fn settle(scene: &mut Scene, body: BodyId) -> Result<f64, StressError> {
 
 /// Moves a blade along a sweep in the next frame.
 fn swing(scene: &mut Scene, blade: BladeId, sweep: &Sweep) -> Result<(), StressError> {
-    let [a, b, c, d] = sweep.corners();
-    scene.teleport_blade(blade, [a, b])?;
-    Ok(scene.move_blade(blade, [d, c])?)
+    let [before, after] = sweep.ends();
+    scene.teleport_blade(blade, before)?;
+    Ok(scene.move_blade(blade, after)?)
 }
 
 /// Cuts a random piece of a sleeping body, which must wake.

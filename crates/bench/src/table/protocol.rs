@@ -167,8 +167,8 @@ fn run_scene(
         if let Some(blade) = blade {
             if slices {
                 let sweep = aim(&mut scene, body, blade, &mut directions)?;
-                let [_, _, end, start] = sweep.corners();
-                scene.move_blade(blade, [start, end])?;
+                let [_, after] = sweep.ends();
+                scene.move_blade(blade, after)?;
             } else {
                 scene.set_blade_piece(blade, None)?;
                 scene.move_blade(blade, hover(diagonal, frame))?;
@@ -292,8 +292,8 @@ fn aim(
     let bounds = piece.bounds();
     let normal = directions.next_unit();
     let sweep = Sweep::from_plane(normal.into(), normal.dot(&middle(&piece)), &bounds)?;
-    let [start, end, _, _] = sweep.corners();
-    scene.teleport_blade(blade, [start, end])?;
+    let [before, _] = sweep.ends();
+    scene.teleport_blade(blade, before)?;
     scene.set_blade_piece(blade, Some(largest))?;
     Ok(sweep)
 }

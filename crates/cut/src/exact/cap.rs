@@ -1,21 +1,25 @@
-//! Closes both sides with the same mesh of the cross-section, one the mirror image of the other.
+//! Closes both sides with the same meshes of the sections, one the mirror image of the other.
 
+use super::frames::Frames;
 use super::open::Sides;
 use super::rest::CapRest;
-use super::rim::Rim;
-use super::section::CrossSection;
-use super::unfold::Unfold;
-use crate::intersection::node::Node;
+use super::section::{CrossSection, FacetSection, Rims, Side};
 use incise_mesh::geometry::{round_to_f32, to_f32};
-use incise_mesh::{Edit, Surface, Topology, TriangleId, VertexId, VertexOrigin, index_u32};
+use incise_mesh::{
+    Edit, HalfEdge, Surface, Topology, TriangleId, VertexId, VertexOrigin, index_u32,
+};
 use incise_refine::{RefineError, RefineParams, SectionMesh};
 
-/// Caps of a cut: one mesh of the cross-section, used for both sides.
+/// Caps and walls of a cut: meshes of the sections, used for both sides.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Cap {
     pub(super) section: CrossSection,
+    /// The meshes of the sections.
+    meshes: Vec<SectionMesh>,
+    /// By section and triangle, a node of the part of the section that it belongs to.
+    parts: Vec<Vec<u32>>,
     rest: CapRest,
-    /// By side, the vertex of each point of the mesh.
+    /// By side, the vertex of each point of a mesh.
     vertices: [Vec<VertexId>; 2],
     /// Vertices, piece and twins of the triangles of a side.
     corners: Vec<[VertexId; 3]>,
@@ -24,134 +28,186 @@ pub(crate) struct Cap {
     /// First half-edge that leaves each point, and the next half-edge with its target.
     first: Vec<u32>,
     following: Vec<(u32, u32)>,
-    /// Union-find forest over the points.
-    parents: Vec<u32>,
-    /// First loop of each loop's group.
+    /// By chain segment and side, a half-edge that waits for its twin.
+    segments: Vec<[HalfEdge; 2]>,
+    /// Union-find forests: over the points of a mesh, and over all nodes.
+    point_parents: Vec<u32>,
+    node_parents: Vec<u32>,
+    /// First curve of each curve's group.
     groups: Vec<usize>,
+    /// By curve, whether its two sides join at a tip.
+    has_tip: Vec<bool>,
     /// New triangles by side.
     pub(super) triangles: [Vec<TriangleId>; 2],
-}
-
-/// Rims of the opened surface, and the plane of their cross-section.
-pub(super) struct Rims<'a> {
-    pub(super) nodes: &'a [Node],
-    pub(super) sides: &'a Sides,
-    pub(super) rim: &'a Rim,
-    pub(super) unfold: &'a Unfold,
-    pub(super) has_crease: bool,
+    added: Vec<TriangleId>,
 }
 
 impl Cap {
-    /// Groups the loops whose caps would be joined; returns the first loop of each loop's group.
+    /// Triangulates all sections, see [`CrossSection::triangulate`], and groups the curves.
+    ///
+    /// Returns whether the sections reached their target lengths.
     ///
     /// # Errors
     /// As [`CrossSection::triangulate`].
-    pub(super) fn groups(
+    pub(super) fn triangulate(
         &mut self,
         rims: &Rims<'_>,
         topology: &Topology,
         refine: &RefineParams,
-    ) -> Result<Vec<usize>, RefineError> {
-        // Groups depend on the loops alone, so a mesh without new points is enough.
-        let mesh = self.section.triangulate(rims, topology, refine, false)?;
-        self.group_loops(&mesh);
-        Ok(self.groups.clone())
+        is_refined: bool,
+    ) -> Result<bool, RefineError> {
+        self.meshes.clear();
+        let mut has_converged = true;
+        for i in 0..self.section.sections().len() {
+            let mesh = (self.section).triangulate(i, rims, topology, refine, is_refined)?;
+            // A disc has no inner points.
+            has_converged &=
+                mesh.report.self_intersecting_loops == 0 && mesh.report.unconverged == 0;
+            self.meshes.push(mesh);
+        }
+        self.group_curves(rims);
+        Ok(has_converged)
     }
 
-    /// Returns the groups of the last [`Self::group_loops`].
-    pub(super) fn last_groups(&self) -> &[usize] {
+    /// Returns the first curve of each curve's group, whose caps are connected.
+    pub(super) fn groups(&self) -> &[usize] {
         &self.groups
     }
 
-    /// Groups the loops that a mesh of the section connects.
-    pub(super) fn group_loops(&mut self, mesh: &SectionMesh) {
+    /// Groups the curves that the meshes of the sections connect.
+    fn group_curves(&mut self, rims: &Rims<'_>) {
+        let count = index_u32(rims.sides.vertices.len());
+        self.node_parents.clear();
+        self.node_parents.extend(0..count);
+        self.parts.resize(self.meshes.len(), Vec::new());
+        for (i, section) in self.section.sections().iter().enumerate() {
+            self.parts[i].clear();
+            for points in &section.loops {
+                let first = section.nodes[points[0] as usize];
+                for &point in points {
+                    join(&mut self.node_parents, first, section.nodes[point as usize]);
+                }
+            }
+            let triangles = &self.meshes[i].triangles;
+            if section.loops.len() == 1 {
+                let node = section.nodes[0];
+                self.parts[i].resize(triangles.len(), node);
+                continue;
+            }
+            let points = section.points.len() + self.meshes[i].steiner_points.len();
+            self.point_parents.clear();
+            self.point_parents.extend(0..index_u32(points));
+            for &[a, b, c] in triangles {
+                join(&mut self.point_parents, a, b);
+                join(&mut self.point_parents, a, c);
+            }
+            for (point, &node) in (0..).zip(&section.nodes) {
+                let root = find(&mut self.point_parents, point);
+                let first = section.nodes[root as usize];
+                join(&mut self.node_parents, first, node);
+            }
+            for &[a, ..] in triangles {
+                let root = find(&mut self.point_parents, a);
+                self.parts[i].push(section.nodes[root as usize]);
+            }
+        }
+        // Curves whose nodes are all crossings of facets have no loop of their own.
+        for curve in 0..rims.rim.sizes.len() {
+            let first = rims.rim.first[curve];
+            for node in rims.rim.ring(curve) {
+                join(&mut self.node_parents, first, node);
+            }
+        }
+        self.number_groups(rims);
+    }
+
+    /// Numbers the groups, and marks those with a tip.
+    fn number_groups(&mut self, rims: &Rims<'_>) {
+        let mut first_curve = vec![usize::MAX; self.node_parents.len()];
         self.groups.clear();
-        self.groups.extend(0..self.section.loops.len());
-        if self.section.loops.len() == 1 {
-            return;
-        }
-        // Union-find over points; the smallest point is the root.
-        self.parents.clear();
-        let count = index_u32(self.section.points.len() + mesh.steiner_points.len());
-        self.parents.extend(0..count);
-        for &[a, b, c] in &mesh.triangles {
-            let a = find(&mut self.parents, a);
-            let b = find(&mut self.parents, b);
-            let c = find(&mut self.parents, c);
-            let least = a.min(b).min(c);
-            for root in [a, b, c] {
-                self.parents[root as usize] = least;
+        for (i, &node) in rims.rim.first.iter().enumerate() {
+            let root = find(&mut self.node_parents, node) as usize;
+            if first_curve[root] == usize::MAX {
+                first_curve[root] = i;
             }
+            self.groups.push(first_curve[root]);
         }
-        let mut first_loop = vec![usize::MAX; self.section.points.len()];
-        for (i, points) in self.section.loops.iter().enumerate() {
-            let root = find(&mut self.parents, points[0]) as usize;
-            if first_loop[root] == usize::MAX {
-                first_loop[root] = i;
+        self.has_tip.clear();
+        self.has_tip.resize(self.groups.len(), false);
+        for chain in rims.chains.chains.iter().filter(|chain| chain.is_tip) {
+            let node = rims.chains.nodes[chain.nodes.start];
+            let curve = first_curve[find(&mut self.node_parents, node) as usize];
+            if let Some(has_tip) = self.has_tip.get_mut(curve) {
+                *has_tip = true;
             }
-            self.groups[i] = first_loop[root];
         }
     }
 
-    /// Returns each loop that is in the group of an earlier loop, with that loop.
+    /// Returns pairs of numbers of sides that caps or tips connect: 2 i below curve i, 2 i + 1
+    /// above it.
     pub(super) fn joined(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        (self.groups.iter().copied().enumerate()).filter(|&(i, first)| i != first)
+        let groups = || self.groups.iter().copied().enumerate();
+        let caps = groups().filter(|&(i, first)| i != first);
+        let caps = caps.flat_map(|(i, j)| [(2 * i, 2 * j), (2 * i + 1, 2 * j + 1)]);
+        let tips = groups().filter(|&(i, first)| i == first && self.has_tip[i]);
+        caps.chain(tips.map(|(i, _)| (2 * i, 2 * i + 1)))
     }
 
-    /// Closes both sides with a mesh of the section. Caps belong to the pieces of their sides.
-    pub(super) fn close(
-        &mut self,
-        edit: &mut Edit<'_>,
-        rims: &Rims<'_>,
-        mesh: &SectionMesh,
-        material: u32,
-    ) {
-        self.find_twins(mesh);
-        let vertices = self.section.nodes.iter();
-        let vertices = vertices.map(|&n| rims.sides.vertices[n as usize][0]);
-        let section = self.section.section();
-        self.rest.find(edit.surface(), vertices, mesh, &section);
-        for side in 0..2 {
-            self.add_vertices(edit, rims, mesh, side);
-            self.find_pieces(edit.surface(), rims, mesh, side);
-            let vertices = &self.vertices[side];
-            self.corners.clear();
-            self.corners.extend(mesh.triangles.iter().map(|triangle| {
-                let [a, b, c] = triangle.map(|p| vertices[p as usize]);
-                if side == 0 { [a, b, c] } else { [a, c, b] }
-            }));
-            if side == 1 {
-                self.mirror_twins();
+    /// Closes both sides with the meshes of the sections. Caps belong to the pieces of their sides.
+    pub(super) fn close(&mut self, edit: &mut Edit<'_>, rims: &Rims<'_>, material: u32) {
+        self.triangles.iter_mut().for_each(Vec::clear);
+        self.segments.clear();
+        (self.segments).resize(rims.chains.nodes.len(), [HalfEdge::NULL; 2]);
+        let meshes = std::mem::take(&mut self.meshes);
+        for (i, mesh) in meshes.iter().enumerate() {
+            self.find_twins(self.section.sections()[i].points.len(), mesh);
+            let section = &self.section.sections()[i];
+            let vertices = section.nodes.iter();
+            let vertices = vertices.map(|&n| rims.sides.vertices[n as usize][0]);
+            (self.rest).find(edit.surface(), vertices, mesh, &section.section());
+            for side in 0..2 {
+                self.add_vertices(edit, rims, i, mesh, side);
+                self.find_pieces(edit.surface(), rims, i, side);
+                let vertices = &self.vertices[side];
+                self.corners.clear();
+                self.corners.extend(mesh.triangles.iter().map(|triangle| {
+                    let [a, b, c] = triangle.map(|p| vertices[p as usize]);
+                    if side == 0 { [a, b, c] } else { [a, c, b] }
+                }));
+                if side == 1 {
+                    self.mirror_twins();
+                }
+                self.added.clear();
+                edit.add_patch(
+                    &self.corners,
+                    &self.twins,
+                    &self.pieces,
+                    material,
+                    &mut self.added,
+                );
+                self.join_boundary(edit, rims.sides, i, mesh, side);
+                self.set_attributes(edit, rims.frames, i, mesh, side);
+                self.triangles[side].extend_from_slice(&self.added);
             }
-            self.triangles[side].clear();
-            edit.add_patch(
-                &self.corners,
-                &self.twins,
-                &self.pieces,
-                material,
-                &mut self.triangles[side],
-            );
-            self.join_rim(edit, rims, mesh, side);
-            self.set_attributes(edit, rims, mesh, side);
         }
+        self.meshes = meshes;
     }
 
-    /// Finds the piece of each triangle of the mesh on a side.
-    fn find_pieces(&mut self, surface: &Surface, rims: &Rims<'_>, mesh: &SectionMesh, side: usize) {
-        let first = |i: usize| rims.rim.first[i] as usize;
-        let piece = |i: usize| surface.piece(rims.sides.rim[first(i)][side].triangle());
+    /// Finds the piece of each triangle of section `i` on a side.
+    fn find_pieces(&mut self, surface: &Surface, rims: &Rims<'_>, i: usize, side: usize) {
         self.pieces.clear();
-        if self.section.loops.len() == 1 {
-            self.pieces.resize(mesh.triangles.len(), piece(0));
-            return;
-        }
-        let mut of_root = vec![0; self.section.points.len()];
-        for (i, points) in self.section.loops.iter().enumerate() {
-            of_root[find(&mut self.parents, points[0]) as usize] = piece(i);
-        }
-        for &[a, ..] in &mesh.triangles {
-            let root = find(&mut self.parents, a);
-            self.pieces.push(of_root[root as usize]);
+        let mut last = (u32::MAX, 0);
+        for &node in &self.parts[i] {
+            if last.0 != node {
+                let root = find(&mut self.node_parents, node);
+                let mut firsts = rims.rim.first.iter();
+                let parents = &mut self.node_parents;
+                let curve = firsts.find(|&&first| find(parents, first) == root);
+                let along = *curve.expect("a section has a curve on its boundary");
+                let triangle = rims.sides.rim[along as usize][side].triangle();
+                last = (node, surface.piece(triangle));
+            }
+            self.pieces.push(last.1);
         }
     }
 
@@ -159,54 +215,83 @@ impl Cap {
         &mut self,
         edit: &mut Edit<'_>,
         rims: &Rims<'_>,
+        i: usize,
         mesh: &SectionMesh,
         side: usize,
     ) {
+        let section = &self.section.sections()[i];
         let vertices = &mut self.vertices[side];
         vertices.clear();
-        let own = self
-            .section
-            .nodes
-            .iter()
-            .map(|&n| rims.sides.vertices[n as usize][side]);
-        vertices.extend(own);
-        for (i, inner) in mesh.steiner_points.iter().enumerate() {
+        let own = section.nodes.iter();
+        vertices.extend(own.map(|&n| rims.sides.vertices[n as usize][side]));
+        for (k, inner) in mesh.steiner_points.iter().enumerate() {
             let parents = inner.parents.map(|p| vertices[p as usize]);
             let weights = inner.weights.map(round_to_f32);
             let origin = VertexOrigin::OnCap { parents, weights };
             let surface = edit.surface();
             let mean = origin.interpolate(|v| surface.rest_positions()[v.index()]);
-            let rest = self.rest.position(i, to_f32(mean.into()));
+            let rest = self.rest.position(k, to_f32(mean.into()));
             let [w] = origin.interpolate(|v| [surface.positions()[v.index()][3]]);
-            let [x, y, z] = to_f32(rims.unfold.lift(inner.position).0);
+            let local = section.uncentered(inner.position);
+            let [x, y, z] = to_f32(rims.frames.lift(section.facet, local));
             let position = [x, y, z, round_to_f32(w)];
             vertices.push(edit.add_vertex(position, rest, origin));
         }
     }
 
-    fn join_rim(&self, edit: &mut Edit<'_>, rims: &Rims<'_>, mesh: &SectionMesh, side: usize) {
+    /// Joins the boundary of a side to the rim, to the sections beside it and, at tips, to the
+    /// other side.
+    fn join_boundary(
+        &mut self,
+        edit: &mut Edit<'_>,
+        sides: &Sides,
+        i: usize,
+        mesh: &SectionMesh,
+        side: usize,
+    ) {
         for (t, triangle) in mesh.triangles.iter().enumerate() {
             for (k, &point) in triangle.iter().enumerate() {
                 let own = if side == 0 { k } else { 2 - k };
                 if self.twins[3 * t + own] == u32::MAX {
-                    let node = self.section.nodes[point as usize];
-                    let h = self.triangles[side][t].half_edges()[own];
-                    edit.set_twins(h, rims.sides.rim[node as usize][side]);
+                    let h = self.added[t].half_edges()[own];
+                    let along = self.section.sections()[i].sides[point as usize];
+                    self.join_half_edge(edit, sides, along, h, side);
                 }
             }
         }
     }
 
+    /// Joins a half-edge of a boundary to its twin, or lets it wait for that.
+    fn join_half_edge(
+        &mut self,
+        edit: &mut Edit<'_>,
+        sides: &Sides,
+        along: Side,
+        h: HalfEdge,
+        side: usize,
+    ) {
+        let (segment, place) = match along {
+            Side::Rim(node) => {
+                edit.set_twins(h, sides.rim[node as usize][side]);
+                return;
+            }
+            Side::Chain { segment, is_tip } => (segment, if is_tip { 0 } else { side }),
+        };
+        let waiting = &mut self.segments[segment][place];
+        if waiting.is_null() {
+            *waiting = h;
+        } else {
+            edit.set_twins(h, *waiting);
+        }
+    }
+
     /// Finds the twin of each half-edge 3 t + k of the mesh.
-    fn find_twins(&mut self, mesh: &SectionMesh) {
+    fn find_twins(&mut self, points: usize, mesh: &SectionMesh) {
         self.twins.clear();
         self.twins.resize(3 * mesh.triangles.len(), u32::MAX);
         // The half-edges that leave each point, chained.
         self.first.clear();
-        (self.first).resize(
-            self.section.points.len() + mesh.steiner_points.len(),
-            u32::MAX,
-        );
+        (self.first).resize(points + mesh.steiner_points.len(), u32::MAX);
         self.following.clear();
         let mut h = 0;
         for &[a, b, c] in &mesh.triangles {
@@ -242,11 +327,12 @@ impl Cap {
         }
     }
 
-    /// Sets texture coordinates to positions in the plane \[m\] and normals to the sweep's.
+    /// Sets texture coordinates to positions in the sweep laid flat \[m\] and normals to its own.
     fn set_attributes(
         &self,
         edit: &mut Edit<'_>,
-        rims: &Rims<'_>,
+        frames: &Frames,
+        i: usize,
         mesh: &SectionMesh,
         side: usize,
     ) {
@@ -254,21 +340,36 @@ impl Cap {
         if surface.corner_uvs().is_empty() && surface.corner_normals().is_empty() {
             return;
         }
+        let section = &self.section.sections()[i];
+        let normal = frames.normal(section.facet);
+        let normal = to_f32(if side == 0 { normal } else { -normal });
         for h in 0..3 * mesh.triangles.len() {
             let point = mesh.triangles[h / 3][h % 3] as usize;
-            let at = match point.checked_sub(self.section.points.len()) {
+            let at = match point.checked_sub(section.points.len()) {
                 Some(inner) => mesh.steiner_points[inner].position,
-                None => self.section.points[point],
+                None => section.points[point],
             };
-            let corner = self.triangles[side][h / 3].half_edges();
+            let corner = self.added[h / 3].half_edges();
             let corner = corner[if side == 0 { h % 3 } else { (3 - h % 3) % 3 }];
-            let [u, v] = at;
+            let [u, v] = frames.flat(section.facet, section.uncentered(at));
             let [u, v, _] = to_f32([u, v, 0.0].into());
             edit.set_uv(corner, [u, v]);
-            let normal = rims.unfold.lift(at).1;
-            edit.set_normal(corner, to_f32(if side == 0 { normal } else { -normal }));
+            edit.set_normal(corner, normal);
         }
     }
+}
+
+impl FacetSection {
+    /// Returns the coordinates in the facet's plane of a point of the section \[m\].
+    fn uncentered(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [x + self.center[0], y + self.center[1]]
+    }
+}
+
+/// Joins two sets of a union-find forest. The smaller root remains.
+fn join(parents: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (find(parents, a), find(parents, b));
+    parents[a.max(b) as usize] = a.min(b);
 }
 
 /// Returns the root of `i` in a union-find forest.

@@ -67,19 +67,22 @@ impl Opened<'_, '_> {
         }
     }
 
-    /// Returns whether a node lies on the crease, where the rim has a corner.
-    pub(super) fn is_on_crease(&self, node: u32) -> bool {
-        matches!(self.nodes[node as usize].on, On::Face { .. })
+    /// Returns whether a node lies on a sweep edge, where the rim has a corner or ends.
+    pub(super) fn is_on_sweep_edge(&self, node: u32) -> bool {
+        !matches!(self.nodes[node as usize].on, On::Edge { .. })
     }
 
     /// Returns whether the loop stays valid without the rim edge that begins at `node`.
     ///
-    /// A loop keeps three edges, and a side keeps two triangles.
+    /// A loop keeps three edges, and a side keeps two triangles. Nothing changes near ends.
     pub(super) fn may_lose_edge(&self, node: u32) -> bool {
         let next = self.rim.next[node as usize];
+        if self.rim.is_near_end(node) || self.rim.is_near_end(next) {
+            return false;
+        }
         let (before, after) = (self.rim.prev[node as usize], self.rim.next[next as usize]);
         let ring = [before, node, next, after];
-        let size = self.rim.sizes[self.rim.loop_of[node as usize] as usize];
+        let size = self.rim.sizes[self.rim.curve_of[node as usize] as usize];
         let topology = self.edit.surface().topology();
         let is_alone = |side: usize| {
             let along = self.sides.rim[node as usize][side];

@@ -1,21 +1,24 @@
 //! Opens the surface along the curves: replaces hit triangles by their parts on two sides.
 
-use super::split::{Corner, EdgeRole, Part, Splitter};
+use super::split::{Corner, EdgeRole, Hit, Part, Splitter};
 use crate::interpolate::{OldTriangle, add_vertex};
-use crate::intersection::node::Node;
+use crate::intersection::facets::{Facets, Weld};
+use crate::intersection::node::{Node, On};
 use crate::intersection::trace::Trace;
 use incise_mesh::{Edit, HalfEdge, Surface, TriangleId, VertexId};
 
 /// Both sides of the rim. Side 0 is below the sweep, side 1 above it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Sides {
-    /// The vertices of each node, by side.
+    /// The vertices of each node, by side; the same vertex twice where a curve ends.
     pub(super) vertices: Vec<[VertexId; 2]>,
     /// The boundary half-edges along the rim's edge that begins at each node, by side. On side 0 it
-    /// runs to the node, on side 1 from it.
+    /// runs to the node, on side 1 from it. Null at the last node of an open curve.
     pub(super) rim: Vec<[HalfEdge; 2]>,
     /// Hit triangles and how their edges are to be joined, ascending.
     seams: Vec<Seam>,
+    /// New half-edges along the edges of hit triangles, in the order of the edges.
+    along: Vec<HalfEdge>,
     added: Vec<TriangleId>,
 }
 
@@ -27,43 +30,99 @@ struct Seam {
     beyond: [HalfEdge; 3],
     piece: u32,
     material: u32,
-    /// New half-edges along each edge, in order; null where there are fewer.
-    along: [[HalfEdge; 3]; 3],
+    /// Range of the new half-edges along edge k: from entry k to entry k + 1.
+    along: [usize; 4],
 }
 
 impl Sides {
-    /// Adds two vertices per node and replaces hit triangles by their parts.
+    /// Adds the vertices of the nodes and replaces hit triangles by their parts.
     pub(super) fn open(
         &mut self,
         edit: &mut Edit<'_>,
         trace: &Trace,
-        is_valley: bool,
+        facets: &Facets,
         splitter: &mut Splitter,
     ) {
         self.vertices.clear();
         for node in &trace.nodes {
-            let vertex = [0, 1].map(|_| add_vertex(edit, node.position, node.origin()));
-            self.vertices.push(vertex);
+            let first = match node.on {
+                On::Tip(vertex) => vertex,
+                _ => add_vertex(edit, node.position, node.origin()),
+            };
+            let second = if node.is_end {
+                first
+            } else {
+                add_vertex(edit, node.position, node.origin())
+            };
+            self.vertices.push([first, second]);
         }
         self.rim.clear();
         self.rim.resize(trace.nodes.len(), [HalfEdge::NULL; 2]);
         self.seams.clear();
+        self.along.clear();
         // All before the first removal, which makes its neighbors boundaries.
         let hits = || trace.chords.chunk_by(|a, b| a.triangle == b.triangle);
         (self.seams).extend(hits().map(|chords| Seam::of(edit.surface(), chords[0].triangle)));
         for (i, chords) in hits().enumerate() {
             let mut seam = self.seams[i];
-            let corners = edit.surface().triangle_positions(seam.old.triangle);
-            splitter.split(corners, seam.beyond, &trace.nodes, is_valley, chords);
+            let hit = Hit {
+                vertices: seam.old.corners,
+                corners: edit.surface().triangle_positions(seam.old.triangle),
+                beyond: seam.beyond,
+                chords,
+            };
+            splitter.split(hit, &trace.nodes, facets);
             self.replace(edit, &trace.nodes, &mut seam, &splitter.parts);
             self.seams[i] = seam;
         }
         self.join(edit);
+        self.open_tips(edit, trace, facets);
+    }
+
+    /// Separates the walls along the tip that the sweep continues.
+    fn open_tips(&mut self, edit: &mut Edit<'_>, trace: &Trace, facets: &Facets) {
+        let Weld {
+            vertices,
+            half_edges,
+        } = facets.weld();
+        for (i, node) in trace.nodes.iter().enumerate() {
+            let On::Tip(vertex) = node.on else { continue };
+            let corner = vertices.iter().position(|&v| v == vertex);
+            let along = corner.and_then(|corner| half_edges.get(corner).copied());
+            if let Some(above) = along.filter(|h| !h.is_null()) {
+                // The walls below and above the sweep are on the sides of the same number.
+                let below = edit.surface().topology().twin(above);
+                edit.open_edge(above);
+                self.rim[i] = [below, above];
+            }
+        }
+        for (i, node) in trace.nodes.iter().enumerate() {
+            let [below, above] = self.vertices[i];
+            if !matches!(node.on, On::Tip(_)) || below == above {
+                continue;
+            }
+            let mut at = self.rim[i][1];
+            while !at.is_null() {
+                edit.set_corner(at, above);
+                at = edit.surface().topology().twin(at.prev());
+            }
+        }
     }
 
     /// Replaces a hit triangle by its parts.
     fn replace(&mut self, edit: &mut Edit<'_>, nodes: &[Node], seam: &mut Seam, parts: &[Part]) {
         edit.remove_triangle(seam.old.triangle);
+        let outer = |edge: usize| {
+            let roles = parts.iter().flat_map(|part| part.edges);
+            let is_own =
+                |role: &EdgeRole| matches!(role, EdgeRole::Outer { edge: e, .. } if *e == edge);
+            roles.filter(is_own).count()
+        };
+        seam.along[0] = self.along.len();
+        for edge in 0..3 {
+            seam.along[edge + 1] = seam.along[edge] + outer(edge);
+        }
+        self.along.resize(seam.along[3], HalfEdge::NULL);
         self.added.clear();
         for part in parts {
             let corners = part.corners.map(|corner| match corner {
@@ -86,7 +145,7 @@ impl Sides {
         for (t, part) in self.added.iter().zip(parts) {
             for (h, role) in t.half_edges().into_iter().zip(part.edges) {
                 match role {
-                    EdgeRole::Outer { edge, part } => seam.along[edge][part] = h,
+                    EdgeRole::Outer { edge, part } => self.along[seam.along[edge] + part] = h,
                     EdgeRole::Rim { node, side } => self.rim[node as usize][side] = h,
                     EdgeRole::Inner { other, edge } => {
                         let twin = self.added[other].half_edges()[edge];
@@ -102,10 +161,11 @@ impl Sides {
     /// Joins the parts to each other and to the triangles around.
     fn join(&self, edit: &mut Edit<'_>) {
         for seam in &self.seams {
-            for (beyond, along) in seam.beyond.into_iter().zip(seam.along) {
+            for (k, beyond) in seam.beyond.into_iter().enumerate() {
                 if beyond.is_null() {
                     continue;
                 }
+                let along = &self.along[seam.along[k]..seam.along[k + 1]];
                 let other = self
                     .seams
                     .binary_search_by_key(&beyond.triangle(), |s| s.old.triangle);
@@ -118,10 +178,10 @@ impl Sides {
                 }
                 let [first, ..] = beyond.triangle().half_edges();
                 let edge = beyond.index() - first.index();
-                let across = self.seams[other].along[edge];
-                let parts = along.iter().filter(|h| !h.is_null()).count();
-                for part in 0..parts {
-                    edit.set_twins(along[part], across[parts - 1 - part]);
+                let across = &self.seams[other].along;
+                let across = &self.along[across[edge]..across[edge + 1]];
+                for (&h, &twin) in along.iter().zip(across.iter().rev()) {
+                    edit.set_twins(h, twin);
                 }
             }
         }
@@ -135,7 +195,7 @@ impl Seam {
             beyond: triangle.half_edges().map(|h| surface.topology().twin(h)),
             piece: surface.piece(triangle),
             material: surface.material(triangle),
-            along: [[HalfEdge::NULL; 3]; 3],
+            along: [0; 4],
         }
     }
 }

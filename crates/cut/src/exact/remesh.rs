@@ -210,6 +210,9 @@ impl Remesher {
         let star = &mut self.stars[number][0];
         let node = self.ring.node_of(star.vertices[onto]);
         // The last vertex off the rim stays: without it a tip would be flat.
+        if node.is_some_and(|(node, _)| cut.rim.is_near_end(node)) {
+            return false;
+        }
         if star.joins_rim(onto) || star.is_on_rim.iter().all(|&is_on_rim| is_on_rim) {
             return false;
         }

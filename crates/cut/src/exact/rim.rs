@@ -1,76 +1,92 @@
-//! The loops of the rim as linked lists, and fans around their vertices.
+//! The curves of the rim as linked lists, and fans around their vertices.
 
 use super::open::Sides;
 use crate::intersection::trace::Trace;
 use incise_mesh::{HalfEdge, Topology, VertexId};
+use std::ops::Range;
 
-/// Linked lists of the nodes of each loop. Merged nodes are removed.
+/// No node: beyond the ends of an open curve.
+pub(super) const NO_NODE: u32 = u32::MAX;
+
+/// Linked lists of the nodes of each curve. Merged nodes are removed.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Rim {
     pub(super) next: Vec<u32>,
     pub(super) prev: Vec<u32>,
     pub(super) is_removed: Vec<bool>,
-    /// Number of nodes in each loop, and the loop of each node.
+    /// Number of nodes in each curve, and the curve of each node.
     pub(super) sizes: Vec<u32>,
-    pub(super) loop_of: Vec<u32>,
-    /// A remaining node of each loop.
+    pub(super) curve_of: Vec<u32>,
+    /// The first node of each open curve, a remaining node of each closed one.
     pub(super) first: Vec<u32>,
 }
 
 impl Rim {
     pub(super) fn reset(&mut self, trace: &Trace) {
         let count = trace.nodes.len();
-        for array in [&mut self.next, &mut self.prev, &mut self.loop_of] {
+        for array in [&mut self.next, &mut self.prev, &mut self.curve_of] {
             array.clear();
-            array.resize(count, 0);
+            array.resize(count, NO_NODE);
         }
         self.is_removed.clear();
         self.is_removed.resize(count, false);
         self.sizes.clear();
         self.first.clear();
-        for (i, range) in (0..).zip(&trace.loops) {
-            for node in range.clone() {
-                let next = if node + 1 == range.end {
-                    range.start
-                } else {
-                    node + 1
-                };
-                self.next[node as usize] = next;
-                self.prev[next as usize] = node;
-                self.loop_of[node as usize] = i;
+        for (i, curve) in (0..).zip(&trace.curves) {
+            let Range { start, end } = curve.nodes;
+            for node in start..end {
+                self.curve_of[node as usize] = i;
+                let next = if node + 1 < end { node + 1 } else { start };
+                if next != start || curve.is_closed {
+                    self.next[node as usize] = next;
+                    self.prev[next as usize] = node;
+                }
             }
-            self.sizes.push(range.end - range.start);
-            self.first.push(range.start);
+            self.sizes.push(end - start);
+            self.first.push(start);
         }
     }
 
-    /// Removes a node from its loop.
+    /// Returns whether an open curve ends at a node or at one beside it.
+    ///
+    /// Such nodes stay as they are.
+    pub(super) fn is_near_end(&self, node: u32) -> bool {
+        let [prev, next] = [&self.prev, &self.next].map(|list| list[node as usize]);
+        let is_end = |node: u32| {
+            node == NO_NODE
+                || self.prev[node as usize] == NO_NODE
+                || self.next[node as usize] == NO_NODE
+        };
+        is_end(prev) || is_end(next)
+    }
+
+    /// Removes a node from its curve, not an end.
     pub(super) fn remove(&mut self, node: u32) {
         let (prev, next) = (self.prev[node as usize], self.next[node as usize]);
         self.next[prev as usize] = next;
         self.prev[next as usize] = prev;
         self.is_removed[node as usize] = true;
-        let i = self.loop_of[node as usize] as usize;
+        let i = self.curve_of[node as usize] as usize;
         self.sizes[i] -= 1;
         if self.first[i] == node {
             self.first[i] = next;
         }
     }
 
-    /// Iterates over the nodes of loop `i`, in order.
+    /// Iterates over the nodes of curve `i`, in order.
     pub(super) fn ring(&self, i: usize) -> impl Iterator<Item = u32> + '_ {
         let first = self.first[i];
         let mut at = Some(first);
         std::iter::from_fn(move || {
             let node = at?;
             let next = self.next[node as usize];
-            at = (next != first).then_some(next);
+            at = (next != first && next != NO_NODE).then_some(next);
             Some(node)
         })
     }
 
     /// Iterates over the half-edges that leave a node's vertex on a side, from boundary to
-    /// boundary.
+    /// boundary; at the end of a curve over those of both sides.
     pub(super) fn fan<'a>(
         &'a self,
         topology: &'a Topology,
@@ -78,12 +94,12 @@ impl Rim {
         node: u32,
         side: usize,
     ) -> impl Iterator<Item = HalfEdge> + 'a {
-        let start = if side == 0 {
-            self.prev[node as usize]
-        } else {
-            node
+        let (prev, next) = (self.prev[node as usize], self.next[node as usize]);
+        let mut at = match side {
+            0 if prev != NO_NODE => sides.rim[prev as usize][0],
+            1 if next == NO_NODE => sides.rim[prev as usize][0],
+            _ => sides.rim[node as usize][1],
         };
-        let mut at = sides.rim[start as usize][side];
         std::iter::from_fn(move || {
             if at.is_null() {
                 return None;
@@ -91,6 +107,20 @@ impl Rim {
             let current = at;
             at = topology.twin(current.prev());
             Some(current)
+        })
+    }
+
+    /// Returns whether an edge of the surface joins a node's vertex to `others` on either side.
+    pub(super) fn is_beside(
+        &self,
+        topology: &Topology,
+        sides: &Sides,
+        node: u32,
+        others: [VertexId; 2],
+    ) -> bool {
+        (0..2).zip(others).any(|(side, other)| {
+            let mut fan = self.fan(topology, sides, node, side);
+            fan.any(|h| topology.target(h) == other || topology.origin(h.prev()) == other)
         })
     }
 

@@ -12,6 +12,7 @@
 //! short rim edge, which the report counts.
 
 use super::contract::{Opened, closed_fan, flatness, swept_volume};
+use super::rim::NO_NODE;
 use crate::intersection::node::On;
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{HalfEdge, Surface, Topology, VertexId, index_u32};
@@ -90,6 +91,9 @@ impl Snapper {
 
     fn is_short(cut: &Opened<'_, '_>, node: u32, snap: f64) -> bool {
         let next = cut.rim.next[node as usize];
+        if next == NO_NODE {
+            return false;
+        }
         let [a, b] = [node, next].map(|n| &cut.nodes[n as usize]);
         (b.position - a.position).norm() < snap * a.local.min(b.local)
     }
@@ -99,6 +103,9 @@ impl Snapper {
         let On::Edge { ends, t, rises, .. } = cut.nodes[node as usize].on else {
             return;
         };
+        if cut.rim.is_near_end(node) {
+            return;
+        }
         let t = f64::from(t);
         let (vertex, side) = if t < snap {
             (ends[0], usize::from(!rises))
@@ -154,10 +161,10 @@ impl Snapper {
     /// Merges a node and the next one, on both sides.
     fn merge(&mut self, cut: &mut Opened<'_, '_>, node: u32, done: &mut Snapped) -> bool {
         let next = cut.rim.next[node as usize];
-        let (before, after) = (cut.rim.prev[node as usize], cut.rim.next[next as usize]);
         if !cut.may_lose_edge(node) {
             return false;
         }
+        let (before, after) = (cut.rim.prev[node as usize], cut.rim.next[next as usize]);
         let at = |n: u32| cut.nodes[n as usize].position;
         // The one with less room on its other side goes; what lies on the crease stays.
         let next_goes = (at(after) - at(next)).norm() <= (at(node) - at(before)).norm();
@@ -172,7 +179,7 @@ impl Snapper {
             } else {
                 (next, node)
             };
-            if cut.is_on_crease(gone) {
+            if cut.is_on_sweep_edge(gone) {
                 continue;
             }
             let mut volume = 0.0;

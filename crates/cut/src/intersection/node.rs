@@ -1,27 +1,33 @@
 //! Nodes of an intersection curve: positions and interpolation weights.
 
-use super::signs::Signs;
+use super::facets::{Facets, NO_FACET};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3, VertexId, VertexOrigin};
+
+/// No sweep edge.
+pub(crate) const NO_EDGE: u32 = u32::MAX;
 
 /// The mesh element on which a node lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum On {
-    /// The mesh edge of half-edge `exit`, through which the curve leaves a triangle, and sweep
-    /// triangle `plane`. The edge runs from `ends[0]` to `ends[1]`, the node is at `t` between
-    /// them, and `ends[1]` is above the sweep triangle if `rises`.
+    /// The mesh edge of half-edge `exit`, through which the curve leaves a triangle, and a facet.
+    /// The edge runs from `ends[0]` to `ends[1]`, the node is at `t` between them, and `ends[1]` is
+    /// above the facet if `rises`.
     Edge {
         exit: HalfEdge,
-        plane: usize,
+        facet: u32,
         ends: [VertexId; 2],
         t: f32,
         rises: bool,
     },
-    /// A mesh triangle, where the crease pierces it.
+    /// A mesh triangle, where a sweep edge pierces it, or [`NO_EDGE`] between two such points.
     Face {
+        edge: u32,
         corners: [VertexId; 3],
         weights: [f32; 3],
     },
+    /// A vertex of the tip that the sweep continues.
+    Tip(VertexId),
 }
 
 /// A node of a curve.
@@ -32,78 +38,135 @@ pub(crate) struct Node {
     pub(crate) position: Vec3,
     /// Local edge length: the mean over the edges of its mesh triangles \[m\].
     pub(crate) local: f64,
+    /// The facet in which the curve goes on.
+    pub(crate) facet: u32,
+    /// Whether the curve begins or ends here, on the sweep's boundary.
+    pub(crate) is_end: bool,
 }
 
 impl Node {
-    /// Makes the node where the edge of `exit` crosses sweep triangle `plane`.
-    pub(crate) fn on_edge(surface: &Surface, signs: &Signs, exit: HalfEdge, plane: usize) -> Self {
+    /// Makes the node where the edge of `exit` crosses a facet.
+    pub(crate) fn on_edge(surface: &Surface, facets: &Facets, exit: HalfEdge, facet: u32) -> Self {
         let topology = surface.topology();
         let (from, to) = (topology.origin(exit), topology.target(exit));
         // From the smaller id, so that the edge's two triangles round alike.
         let ends = if from < to { [from, to] } else { [to, from] };
         let [p, q] = ends.map(|v| surface.position(v));
-        let [hp, hq] = [p, q].map(|x| signs.height(plane, x));
+        let [hp, hq] = [p, q].map(|x| facets.height(facet, x));
         let at = |t: f32| p + (q - p) * f64::from(t);
         let mut t = round_part(hp / (hp - hq));
-        if signs.beyond(plane, at(t)) > 0.0 {
+        if let Some((side, _)) = facets.beyond(facet, at(t)) {
             // An edge that lies nearly in the plane passes it anywhere, as far as rounding knows.
             // That it is on this side of the crease is exact: so it is there or next to it.
-            let [yp, yq] = [p, q].map(|x| signs.across(plane, x));
+            let [yp, yq] = [p, q].map(|x| facets.outside(facet, side, x));
             let there = round_part(yp / (yp - yq));
-            if signs.miss(plane, at(there)) < signs.miss(plane, at(t)) {
+            if facets.miss(facet, at(there)) < facets.miss(facet, at(t)) {
                 t = there;
             }
         }
         Self {
             on: On::Edge {
                 exit,
-                plane,
+                facet,
                 ends,
                 t,
                 rises: from < to,
             },
             position: at(t),
             local: mean_edge(surface, [Some(exit), Some(topology.twin(exit))]),
+            facet,
+            is_end: false,
         }
     }
 
-    /// Makes the node where the crease pierces `triangle`.
-    pub(crate) fn on_crease(surface: &Surface, signs: &Signs, triangle: TriangleId) -> Self {
+    /// Makes the node where sweep edge `edge` pierces `triangle`; the curve goes on in `facet`.
+    pub(crate) fn in_face(
+        surface: &Surface,
+        facets: &Facets,
+        triangle: TriangleId,
+        edge: u32,
+        facet: u32,
+    ) -> Self {
         let corners = surface.topology().triangle(triangle);
         let [a, b, c] = corners.map(|v| surface.position(v));
         let normal = area_vector([a, b, c]);
-        let [start, end] = signs.crease();
+        let [start, end] = facets.ends(edge);
         let [from, to] = [start, end].map(|x| normal.dot(&(x - a)));
         let x = start + (end - start) * (from / (from - to));
-        let part = |p: Vec3, q: Vec3| normal.dot(&area_vector([p, q, x])).max(0.0);
-        let parts = [part(b, c), part(c, a)];
-        let sum = parts[0] + parts[1] + part(a, b);
-        let mut weights = if sum > 0.0 && sum.is_finite() {
-            round_parts(parts.map(|part| part / sum))
-        } else {
-            [1.0 / 3.0; 3]
-        };
+        let mut weights = weights_of([a, b, c], x);
         let at = |weights: [f32; 3]| {
             let [u, v, w] = weights.map(f64::from);
             a * u + b * v + c * w
         };
-        // Along a crease that lies nearly in the triangle's plane rounding does not know where it
+        // Along an edge that lies nearly in the triangle's plane rounding does not know where it
         // pierces that; but it does so where it runs through the triangle.
-        let mut off = signs.off_crease(at(weights));
+        let mut off = facets.off_edge(edge, at(weights));
         if off > 0.0 {
-            for i in 0..2 {
-                let [u, v, _] = middle([a, b, c].map(|p| signs.across(i, p)));
+            let sides = facets.edges()[edge as usize].facets;
+            for side in sides.into_iter().filter(|&i| i != NO_FACET) {
+                let k = facets.edges_of(side).iter().position(|&e| e == edge);
+                let k = k.expect("a facet beside an edge has it");
+                let [u, v, _] = middle([a, b, c].map(|p| facets.outside(side, k, p)));
                 let there = round_parts([u, v]);
-                let other = signs.off_crease(at(there));
+                let other = facets.off_edge(edge, at(there));
                 if other < off {
                     (weights, off) = (there, other);
                 }
             }
         }
         Self {
-            on: On::Face { corners, weights },
+            on: On::Face {
+                edge,
+                corners,
+                weights,
+            },
             position: at(weights),
             local: mean_edge(surface, [triangle.half_edges().first().copied(), None]),
+            facet,
+            is_end: !facets.edges()[edge as usize].is_crease(),
+        }
+    }
+
+    /// Makes the node at a vertex of the tip that the sweep continues; the curve goes on in `facet`.
+    pub(crate) fn at_tip(surface: &Surface, vertex: VertexId, facet: u32) -> Self {
+        let around = surface.topology().outgoing_fan(vertex).map(Some);
+        Self {
+            on: On::Tip(vertex),
+            position: surface.position(vertex),
+            local: mean_edge(surface, around),
+            facet,
+            is_end: false,
+        }
+    }
+
+    /// Makes the node midway between two nodes in the inside of one mesh triangle.
+    pub(crate) fn between(surface: &Surface, triangle: TriangleId, a: &Self, b: &Self) -> Self {
+        let corners = surface.topology().triangle(triangle);
+        let points = corners.map(|v| surface.position(v));
+        let weights = weights_of(points, (a.position + b.position) / 2.0);
+        let [u, v, w] = weights.map(f64::from);
+        Self {
+            on: On::Face {
+                edge: NO_EDGE,
+                corners,
+                weights,
+            },
+            position: points[0] * u + points[1] * v + points[2] * w,
+            is_end: false,
+            ..*a
+        }
+    }
+
+    /// Returns whether the node joins parts of its curve in different facets.
+    pub(crate) fn is_between_facets(&self) -> bool {
+        matches!(self.on, On::Tip(_)) || self.sweep_edge().is_some()
+    }
+
+    /// Returns the sweep edge that pierces the surface here, if one does.
+    pub(crate) fn sweep_edge(&self) -> Option<u32> {
+        match self.on {
+            On::Face { edge, .. } if edge != NO_EDGE => Some(edge),
+            _ => None,
         }
     }
 
@@ -113,7 +176,14 @@ impl Node {
             On::Edge {
                 ends: [a, b], t, ..
             } => VertexOrigin::OnEdge { a, b, t },
-            On::Face { corners, weights } => VertexOrigin::InFace { corners, weights },
+            On::Face {
+                corners, weights, ..
+            } => VertexOrigin::InFace { corners, weights },
+            On::Tip(vertex) => VertexOrigin::OnEdge {
+                a: vertex,
+                b: vertex,
+                t: 0.0,
+            },
         }
     }
 
@@ -132,7 +202,21 @@ impl Node {
                 }
             }),
             On::Face { weights, .. } => weights,
+            On::Tip(vertex) => corners.map(|v| if v == vertex { 1.0 } else { 0.0 }),
         }
+    }
+}
+
+/// Returns the barycentric weights of a point in a triangle's plane.
+fn weights_of([a, b, c]: [Vec3; 3], x: Vec3) -> [f32; 3] {
+    let normal = area_vector([a, b, c]);
+    let part = |p: Vec3, q: Vec3| normal.dot(&area_vector([p, q, x])).max(0.0);
+    let parts = [part(b, c), part(c, a)];
+    let sum = parts[0] + parts[1] + part(a, b);
+    if sum > 0.0 && sum.is_finite() {
+        round_parts(parts.map(|part| part / sum))
+    } else {
+        [1.0 / 3.0; 3]
     }
 }
 
@@ -176,7 +260,7 @@ fn middle(values: [f64; 3]) -> [f64; 3] {
 }
 
 /// Returns the mean edge length of the triangles of half-edges \[m\].
-fn mean_edge(surface: &Surface, half_edges: [Option<HalfEdge>; 2]) -> f64 {
+fn mean_edge(surface: &Surface, half_edges: impl IntoIterator<Item = Option<HalfEdge>>) -> f64 {
     let triangles = half_edges.into_iter().flatten().filter(|h| !h.is_null());
     let (sum, count) = triangles.fold((0.0, 0.0), |(sum, count), h| {
         let [a, b, c] = surface.triangle_positions(h.triangle());

@@ -9,9 +9,11 @@
 //! with the regions around them; then flat regions below count as above it. A curve between two
 //! regions that are now on one side is dropped. All curves of a flat region are dropped with it,
 //! so the curves that remain still bound a cross-section.
+//!
+//! Sweeps of more than two facets are not tested.
 
+use super::facets::Facets;
 use super::node::{Node, On};
-use super::signs::Signs;
 use incise_mesh::{Surface, TriangleId, Vec3, VertexId};
 
 /// Rounding of a cap's vertices and of the sweep [of the largest coordinate].
@@ -26,6 +28,9 @@ const MAX_SWEEP_RATIO: f64 = 4.0;
 ///
 /// Bounds the slices that are dropped far from the origin, where edges are few roundings long.
 const MAX_HEIGHT: f64 = 0.1;
+
+/// The side of the first facet at which the second one lies.
+const CREASE_SIDE: usize = 2;
 
 /// The part of the surface around a vertex that is tested for flatness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,7 +59,7 @@ impl Touch {
     pub(crate) fn start(
         &mut self,
         surface: &Surface,
-        signs: &Signs,
+        facets: &Facets,
         triangles: impl Iterator<Item = TriangleId>,
     ) {
         for v in self.known.drain(..) {
@@ -68,7 +73,10 @@ impl Touch {
             length += edges.iter().fold(0.0, |m, e| e.norm().max(m));
             count += 1.0;
         }
-        let sweep = signs.crease().iter().fold(0.0, |m, p| p.amax().max(m));
+        let sweep = facets
+            .ends(facets.crease())
+            .iter()
+            .fold(0.0, |m, p| p.amax().max(m));
         let coordinate = largest.max(sweep.min(MAX_SWEEP_RATIO * largest));
         self.tolerance = (ROUNDING * coordinate).min(MAX_HEIGHT * length / count);
     }
@@ -77,18 +85,21 @@ impl Touch {
     ///
     /// O(1) unless the curve begins within rounding of vertices. All curves of a cut together
     /// visit each vertex on the sweep a few times.
-    pub(crate) fn is_touch(&mut self, surface: &Surface, signs: &Signs, nodes: &[Node]) -> bool {
+    pub(crate) fn is_touch(&mut self, surface: &Surface, facets: &Facets, nodes: &[Node]) -> bool {
+        if facets.len() > 2 {
+            return false;
+        }
         // Below, above.
         let mut is_near = [true; 2];
         for node in nodes {
             let Some(ends) = ends(node) else { continue };
-            let mut near = ends.map(|v| self.is_near(surface, signs, v));
+            let mut near = ends.map(|v| self.is_near(surface, facets, v));
             if near == [false; 2] {
                 return false;
             }
-            if let Some(side) = passed_twice(surface, signs, ends) {
-                near[1 - side] = self.is_edge_near(surface, signs, ends)
-                    || self.is_near_both(signs, node.position);
+            if let Some(side) = passed_twice(surface, facets, ends) {
+                near[1 - side] = self.is_edge_near(surface, facets, ends)
+                    || self.is_near_both(facets, node.position);
             }
             is_near = [0, 1].map(|side| is_near[side] && near[side]);
             if is_near == [false; 2] {
@@ -99,12 +110,12 @@ impl Touch {
         let mut is_flat = |part: Part, side: usize| {
             let mut seeds = nodes
                 .iter()
-                .filter_map(|node| seed(surface, signs, node, side));
+                .filter_map(|node| seed(surface, facets, node, side));
             // Without a vertex it is the part of an edge across the crease, or of a slice between
-            // sweep triangles that overlap.
+            // facets that overlap.
             is_near[side]
                 && (has_crease || seeds.clone().next().is_some())
-                && seeds.all(|v| self.is_flat(surface, signs, v, part))
+                && seeds.all(|v| self.is_flat(surface, facets, v, part))
         };
         is_flat(Part::Region, 1) || is_flat(Part::Merged, 0)
     }
@@ -113,20 +124,23 @@ impl Touch {
     pub(crate) fn is_touch_in(
         &mut self,
         surface: &Surface,
-        signs: &Signs,
+        facets: &Facets,
         triangle: TriangleId,
     ) -> bool {
+        if facets.len() > 2 {
+            return false;
+        }
         let corners = surface.topology().triangle(triangle);
-        let side = |v| is_above(signs, |i| signs.is_above(i, surface.position(v)));
+        let side = |v| is_above(facets, |i| facets.is_above(i, surface.position(v)));
         let mut is_flat = |part, is_above| {
             let mut seeds = corners.into_iter().filter(|&v| side(v) == is_above);
-            seeds.clone().next().is_some() && seeds.all(|v| self.is_flat(surface, signs, v, part))
+            seeds.clone().next().is_some() && seeds.all(|v| self.is_flat(surface, facets, v, part))
         };
         is_flat(Part::Region, true) || is_flat(Part::Merged, false)
     }
 
     /// Returns whether the part around `start` is flat.
-    fn is_flat(&mut self, surface: &Surface, signs: &Signs, start: VertexId, part: Part) -> bool {
+    fn is_flat(&mut self, surface: &Surface, facets: &Facets, start: VertexId, part: Part) -> bool {
         if let Some(known) = self.get(start, part) {
             return known;
         }
@@ -134,13 +148,13 @@ impl Touch {
         queue.clear();
         queue.push(start);
         self.set(start, part, true);
-        let mut is_flat = self.is_near(surface, signs, start);
+        let mut is_flat = self.is_near(surface, facets, start);
         let mut next = 0;
         while is_flat && let Some(&v) = queue.get(next) {
             next += 1;
             for h in surface.topology().outgoing_fan(v) {
                 let w = surface.topology().target(h);
-                let Some(is_near) = self.step(surface, signs, [v, w], part) else {
+                let Some(is_near) = self.step(surface, facets, [v, w], part) else {
                     continue;
                 };
                 let known = self.get(w, part);
@@ -169,49 +183,49 @@ impl Touch {
     fn step(
         &mut self,
         surface: &Surface,
-        signs: &Signs,
+        facets: &Facets,
         [from, to]: [VertexId; 2],
         part: Part,
     ) -> Option<bool> {
         let ends = [from, to];
         let [was_above, is_above] =
-            ends.map(|v| is_above(signs, |i| signs.is_above(i, surface.position(v))));
+            ends.map(|v| is_above(facets, |i| facets.is_above(i, surface.position(v))));
         if was_above == is_above {
             // The middle of an edge that passes twice is on the other side. Where another edge
             // bridges the crease the region itself is off the sweep.
-            let is_twice = passed_twice(surface, signs, ends).is_some();
+            let is_twice = passed_twice(surface, facets, ends).is_some();
             return Some(if is_twice {
-                self.is_near(surface, signs, to)
+                self.is_near(surface, facets, to)
             } else {
-                self.is_edge_near(surface, signs, ends)
+                self.is_edge_near(surface, facets, ends)
             });
         }
         match part {
             Part::Region => None,
-            Part::Merged if was_above => Some(self.is_near(surface, signs, to)),
+            Part::Merged if was_above => Some(self.is_near(surface, facets, to)),
             Part::Merged => {
-                let is_merged = self.is_near(surface, signs, to)
-                    && self.is_flat(surface, signs, to, Part::Region);
+                let is_merged = self.is_near(surface, facets, to)
+                    && self.is_flat(surface, facets, to, Part::Region);
                 is_merged.then_some(true)
             }
         }
     }
 
     /// Returns whether a vertex is within rounding of the sweep.
-    fn is_near(&self, surface: &Surface, signs: &Signs, v: VertexId) -> bool {
-        (0..2).any(|i| self.is_near_triangle(signs, i, surface.position(v)))
+    fn is_near(&self, surface: &Surface, facets: &Facets, v: VertexId) -> bool {
+        (0..2).any(|i| self.is_near_triangle(facets, i, surface.position(v)))
     }
 
-    /// Returns whether a point is within rounding of the planes of both sweep triangles.
-    fn is_near_both(&self, signs: &Signs, p: Vec3) -> bool {
-        let is_near = |i| signs.height(i, p).abs() <= self.tolerance * signs.normal(i).norm();
+    /// Returns whether a point is within rounding of the planes of both facets.
+    fn is_near_both(&self, facets: &Facets, p: Vec3) -> bool {
+        let is_near = |i| facets.height(i, p).abs() <= self.tolerance * facets.normal(i).norm();
         is_near(0) && is_near(1)
     }
 
     /// Returns whether a whole edge is within rounding of the sweep.
-    fn is_edge_near(&self, surface: &Surface, signs: &Signs, ends: [VertexId; 2]) -> bool {
+    fn is_edge_near(&self, surface: &Surface, facets: &Facets, ends: [VertexId; 2]) -> bool {
         let [p, q] = ends.map(|v| surface.position(v));
-        let [near_p, near_q] = [p, q].map(|x| [0, 1].map(|i| self.is_near_triangle(signs, i, x)));
+        let [near_p, near_q] = [p, q].map(|x| [0, 1].map(|i| self.is_near_triangle(facets, i, x)));
         if (0..2).any(|i| near_p[i] && near_q[i]) {
             return true;
         }
@@ -219,12 +233,12 @@ impl Touch {
         if near_p == [false; 2] || near_q == [false; 2] {
             return false;
         }
-        let [yp, yq] = [p, q].map(|x| signs.across(0, x));
-        signs.off_crease(p + (q - p) * (yp / (yp - yq))) <= self.tolerance
+        let [yp, yq] = [p, q].map(|x| facets.outside(0, CREASE_SIDE, x));
+        facets.off_edge(facets.crease(), p + (q - p) * (yp / (yp - yq))) <= self.tolerance
     }
 
-    fn is_near_triangle(&self, signs: &Signs, i: usize, p: Vec3) -> bool {
-        signs.exists(i) && signs.miss(i, p) <= self.tolerance
+    fn is_near_triangle(&self, facets: &Facets, i: u32, p: Vec3) -> bool {
+        facets.exists(i) && facets.miss(i, p) <= self.tolerance
     }
 
     fn get(&self, v: VertexId, part: Part) -> Option<bool> {
@@ -243,7 +257,7 @@ impl Touch {
     }
 }
 
-/// Returns the ends of a node's edge below and above its sweep triangle.
+/// Returns the ends of a node's edge below and above its facet.
 fn ends(node: &Node) -> Option<[VertexId; 2]> {
     match node.on {
         On::Edge {
@@ -251,35 +265,35 @@ fn ends(node: &Node) -> Option<[VertexId; 2]> {
             rises,
             ..
         } => Some(if rises { [a, b] } else { [b, a] }),
-        On::Face { .. } => None,
+        On::Face { .. } | On::Tip(_) => None,
     }
 }
 
 /// Returns whether a point is above the sweep, continued without end, from whether it is above the
-/// plane of each sweep triangle.
-fn is_above(signs: &Signs, is_above: impl Fn(usize) -> bool) -> bool {
-    match [0, 1].map(|i| signs.exists(i)) {
-        [true, true] if signs.is_valley => is_above(0) && is_above(1),
+/// plane of each facet.
+fn is_above(facets: &Facets, is_above: impl Fn(u32) -> bool) -> bool {
+    match [0, 1].map(|i| facets.exists(i)) {
+        [true, true] if facets.is_valley() => is_above(0) && is_above(1),
         [true, true] => is_above(0) || is_above(1),
-        [first, _] => is_above(usize::from(!first)),
+        [first, _] => is_above(u32::from(!first)),
     }
 }
 
-/// Returns the side of both ends of an edge that may pass both sweep triangles, so that its middle
+/// Returns the side of both ends of an edge that may pass both facets, so that its middle
 /// is on the other side.
-fn passed_twice(surface: &Surface, signs: &Signs, ends: [VertexId; 2]) -> Option<usize> {
-    if !signs.has_crease() {
+fn passed_twice(surface: &Surface, facets: &Facets, ends: [VertexId; 2]) -> Option<usize> {
+    if !facets.has_crease() {
         return None;
     }
-    let [p, q] = ends.map(|v| [0, 1].map(|i| signs.is_above(i, surface.position(v))));
-    let side = is_above(signs, |i| p[i]);
-    let is_twice = p[0] != q[0] && p[1] != q[1] && side == is_above(signs, |i| q[i]);
+    let [p, q] = ends.map(|v| [0, 1].map(|i| facets.is_above(i, surface.position(v))));
+    let side = is_above(facets, |i| p[i as usize]);
+    let is_twice = p[0] != q[0] && p[1] != q[1] && side == is_above(facets, |i| q[i as usize]);
     is_twice.then_some(usize::from(side))
 }
 
 /// Returns the end of a node's edge that is next to the node on a side, if there is one.
-fn seed(surface: &Surface, signs: &Signs, node: &Node, side: usize) -> Option<VertexId> {
+fn seed(surface: &Surface, facets: &Facets, node: &Node, side: usize) -> Option<VertexId> {
     let ends = ends(node)?;
-    let is_middle = passed_twice(surface, signs, ends) == Some(1 - side);
+    let is_middle = passed_twice(surface, facets, ends) == Some(1 - side);
     (!is_middle).then_some(ends[side])
 }

@@ -1,12 +1,15 @@
 //! Intersection curves of a sweep and a surface, followed from triangle to triangle.
 //!
-//! Nodes of a curve lie where a mesh edge crosses a sweep triangle and where a sweep edge pierces a
-//! mesh triangle. A mesh triangle and a sweep triangle share two nodes or none, so the next node is
-//! unique. A curve closes, or it ends in a mesh triangle that the sweep's boundary pierces. A curve
-//! that cuts off nothing but vertices on the sweep is dropped, see [`super::touch`].
+//! Nodes of a curve lie where a mesh edge crosses a facet of the sweep and where a sweep edge
+//! pierces a mesh triangle. A mesh triangle and a facet share two nodes or none, so the next node
+//! is unique. A curve closes, or it ends in mesh triangles that the sweep's boundary pierces. A
+//! closed curve that cuts off nothing but vertices on the sweep is dropped, see [`super::touch`].
+//!
+//! Where the sweep continues an incision, a curve that reaches one end of the tip follows the tip
+//! to its other end and goes on from there.
 
-use super::node::Node;
-use super::signs::Signs;
+use super::facets::{Facets, NO_FACET, Shared, Weld};
+use super::node::{Node, On};
 use super::touch::Touch;
 use crate::error::CutError;
 use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3, VertexId, index_u32};
@@ -16,56 +19,65 @@ use std::ops::Range;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum End {
     /// Across the edge of this half-edge of the mesh triangle.
-    Edge(HalfEdge),
-    /// Onto the other sweep triangle.
-    Crease,
-    /// Nowhere: the sweep ends here.
-    Boundary,
+    Mesh(HalfEdge),
+    /// Across this edge of the facet: onto the next one, or nowhere at the sweep's boundary.
+    Sweep(u32),
+    /// At a vertex of the tip that the sweep continues.
+    Tip(VertexId),
 }
 
-/// The segment of a curve in one mesh triangle and one sweep triangle.
+/// The segment of a curve in one mesh triangle and one facet.
 ///
-/// The inside of the body is on its left, seen against the sweep triangle's normal.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The inside of the body is on its left, seen against the facet's normal.
+#[derive(Debug, Clone, Copy)]
 struct Segment {
+    triangle: TriangleId,
+    facet: u32,
     from: End,
     to: End,
+    /// Whether a curve has run along it.
+    is_seen: bool,
 }
 
-/// A mesh triangle that the sweep intersects.
-#[derive(Debug, Clone, Copy)]
-struct Meeting {
-    triangle: TriangleId,
-    /// By sweep triangle.
-    segments: [Option<Segment>; 2],
-}
-
-/// The part of a curve across one mesh triangle, from edge to edge.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The part of a curve across one mesh triangle: between edges, or from or to an end of the curve.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Chord {
     pub(crate) triangle: TriangleId,
-    /// The node where it enters, across an edge that falls there.
+    /// The node where it enters, across an edge that falls there, or the curve's first node.
     pub(crate) from: u32,
-    /// The node on the crease, if it changes from one sweep triangle to the other.
-    pub(crate) crease: Option<u32>,
-    /// The node where it leaves, across an edge that rises there.
+    /// The nodes inside the triangle, where it changes from one facet to another.
+    pub(crate) inner: Range<u32>,
+    /// The node where it leaves, across an edge that rises there, or the curve's last node.
     pub(crate) to: u32,
+}
+
+impl Chord {
+    /// Iterates over its nodes, in order.
+    pub(crate) fn nodes(&self) -> impl DoubleEndedIterator<Item = u32> + Clone + use<> {
+        let inner = self.inner.clone();
+        [self.from].into_iter().chain(inner).chain([self.to])
+    }
+}
+
+/// An intersection curve.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Curve {
+    pub(crate) nodes: Range<u32>,
+    /// Whether the first node follows the last one; else both are on the sweep's boundary.
+    pub(crate) is_closed: bool,
 }
 
 /// The intersection curves of a cut. Kept between cuts for its memory.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Trace {
-    meetings: Vec<Meeting>,
-    /// By meeting, whether a curve has run along the segment.
-    seen: Vec<[bool; 2]>,
+    /// Sorted by triangle, then by facet.
+    segments: Vec<Segment>,
     /// All nodes, those of a curve one after the other.
     pub(crate) nodes: Vec<Node>,
-    /// The nodes of each closed curve.
-    pub(crate) loops: Vec<Range<u32>>,
+    /// Open curves, then closed ones.
+    pub(crate) curves: Vec<Curve>,
     /// Sorted by triangle; of two in a triangle, in the order in which curves were found.
     pub(crate) chords: Vec<Chord>,
-    /// A mesh triangle that the sweep's boundary pierces: the end of a curve that does not close.
-    pub(crate) open_end: Option<TriangleId>,
     touch: Touch,
 }
 
@@ -83,173 +95,336 @@ impl Trace {
         sum / self.nodes.len() as f64
     }
 
+    /// Returns a mesh triangle that the sweep's boundary pierces, if a curve ends.
+    pub(crate) fn open_end(&self) -> Option<TriangleId> {
+        let open = self.curves.iter().find(|curve| !curve.is_closed)?;
+        let own = |chord: &&Chord| open.nodes.contains(&chord.to);
+        self.chords.iter().find(own).map(|chord| chord.triangle)
+    }
+
     /// Finds all curves through `candidates`, which is sorted.
     ///
     /// # Errors
     /// [`CutError::VertexNotFinite`], [`CutError::OpenSurface`] where a curve leaves the surface,
-    /// and [`CutError::StaleBvh`] where it leaves the candidates.
+    /// [`CutError::StaleBvh`] where it leaves the candidates, and [`CutError::TipBlocked`] where the
+    /// sweep meets the walls at the tip.
     pub(crate) fn find(
         &mut self,
         surface: &Surface,
-        signs: &Signs,
+        facets: &Facets,
         candidates: &mut Vec<TriangleId>,
     ) -> Result<(), CutError> {
         self.nodes.clear();
-        self.loops.clear();
+        self.curves.clear();
         self.chords.clear();
-        self.open_end = None;
         candidates.sort_unstable();
-        self.meetings.clear();
+        self.segments.clear();
         for &triangle in &*candidates {
-            let segments = meet(surface, signs, triangle)?;
-            if segments != [None; 2] {
-                self.meetings.push(Meeting { triangle, segments });
+            meet(surface, facets, triangle, &mut self.segments)?;
+        }
+        let hits = self.segments.chunk_by(|a, b| a.triangle == b.triangle);
+        let hits = hits.map(|own| own[0].triangle);
+        self.touch.start(surface, facets, hits);
+        let is_start = |segment: &Segment| match segment.from {
+            End::Mesh(_) | End::Tip(_) => false,
+            End::Sweep(edge) => !facets.edges()[edge as usize].is_crease(),
+        };
+        for start in 0..self.segments.len() {
+            if is_start(&self.segments[start]) {
+                self.follow(surface, facets, Start::Segment(start), false)?;
             }
         }
-        self.seen.clear();
-        self.seen.resize(self.meetings.len(), [false; 2]);
-        let hit = self.meetings.iter().map(|meeting| meeting.triangle);
-        self.touch.start(surface, signs, hit);
-        self.find_open_end(surface, signs)?;
-        if self.open_end.is_some() {
-            return Ok(());
-        }
-        for start in 0..self.meetings.len() {
-            for plane in 0..2 {
-                if self.meetings[start].segments[plane].is_some() && !self.seen[start][plane] {
-                    self.follow(surface, signs, start, plane)?;
-                }
+        self.follow_tips(surface, facets)?;
+        for start in 0..self.segments.len() {
+            if !self.segments[start].is_seen {
+                let start = self.first_of_chord(facets, start)?;
+                self.follow(surface, facets, Start::Segment(start), true)?;
             }
         }
         // Stable, so that the order of a triangle's chords is that of the curves.
         self.chords.sort_by_key(|chord| chord.triangle);
-        Ok(())
-    }
-
-    /// Finds a curve that ends on the sweep's boundary, and marks those that only touch as seen.
-    fn find_open_end(&mut self, surface: &Surface, signs: &Signs) -> Result<(), CutError> {
-        for start in 0..self.meetings.len() {
-            for plane in 0..2 {
-                let segment = self.meetings[start].segments[plane];
-                if segment.is_some_and(|s| s.from == End::Boundary)
-                    && !self.is_open_touch(surface, signs, start, plane)?
-                {
-                    self.open_end = Some(self.meetings[start].triangle);
-                    return Ok(());
-                }
+        let tips = facets.weld().half_edges.iter().filter(|h| !h.is_null());
+        let walls = tips.flat_map(|&h| [h, surface.topology().twin(h)].map(HalfEdge::triangle));
+        for triangle in walls {
+            if self
+                .chords
+                .binary_search_by_key(&triangle, |c| c.triangle)
+                .is_ok()
+            {
+                return Err(CutError::TipBlocked { triangle });
             }
         }
         Ok(())
     }
 
-    /// Follows a curve from boundary to boundary; returns whether it only touches the surface.
-    fn is_open_touch(
-        &mut self,
-        surface: &Surface,
-        signs: &Signs,
-        start: usize,
-        start_plane: usize,
-    ) -> Result<bool, CutError> {
-        let (mut at, mut plane) = (start, start_plane);
-        loop {
-            let triangle = self.meetings[at].triangle;
-            if !self.touch.is_touch_in(surface, signs, triangle) {
-                return Ok(false);
+    /// Follows the curves that begin at an end of a tip: those that run around back to it, and
+    /// those that begin there because the sweep goes on inside the body.
+    fn follow_tips(&mut self, surface: &Surface, facets: &Facets) -> Result<(), CutError> {
+        let mut corner = 0;
+        while let Some(tip) = Tip::from_corner(facets, corner) {
+            corner = tip.last + 1;
+            let vertex = facets.vertex_at(tip.first);
+            let is_reached = |node: &Node| node.on == On::Tip(vertex);
+            if tip.first < tip.last && !self.nodes.iter().any(is_reached) {
+                let is_closed = self.segments.iter().any(|s| s.to == End::Tip(vertex));
+                self.follow(surface, facets, Start::Tip(tip), is_closed)?;
             }
-            match self.take(at, plane).to {
-                End::Boundary => return Ok(true),
-                End::Crease => plane = 1 - plane,
-                End::Edge(exit) => {
-                    let entry = surface.topology().twin(exit);
-                    if entry.is_null() {
-                        return Err(CutError::OpenSurface { triangle });
-                    }
-                    let across = entry.triangle();
-                    let found = (self.meetings).binary_search_by_key(&across, |m| m.triangle);
-                    at = found.map_err(|_| missing_candidate(surface, across))?;
-                }
-            }
+        }
+        let is_left =
+            |s: &&Segment| !s.is_seen && [s.from, s.to].iter().any(|e| matches!(e, End::Tip(_)));
+        match self.segments.iter().find(is_left) {
+            Some(segment) => Err(CutError::TipBlocked {
+                triangle: segment.triangle,
+            }),
+            None => Ok(()),
         }
     }
 
-    /// Follows a closed curve once around.
+    /// Returns the segment with which the chord of a closed curve enters its mesh triangle.
+    fn first_of_chord(&self, facets: &Facets, mut at: usize) -> Result<usize, CutError> {
+        while let End::Sweep(edge) = self.segments[at].from {
+            let Segment {
+                triangle, facet, ..
+            } = self.segments[at];
+            at = (self.segment(triangle, facets.beyond_edge(facet, edge)))
+                .ok_or(CutError::TipBlocked { triangle })?;
+        }
+        Ok(at)
+    }
+
+    fn segment(&self, triangle: TriangleId, facet: u32) -> Option<usize> {
+        let key = |s: &Segment| (s.triangle, s.facet);
+        self.segments
+            .binary_search_by_key(&(triangle, facet), key)
+            .ok()
+    }
+
+    /// Appends the nodes along a tip. Returns the segment with which the curve leaves it.
+    fn follow_tip(&mut self, surface: &Surface, facets: &Facets, tip: Tip) -> Option<usize> {
+        let last = facets.vertex_at(tip.last);
+        let next = self.segments.iter().position(|s| s.from == End::Tip(last));
+        for corner in tip.first..=tip.last {
+            // The facet on the inner side of the edge to the next corner.
+            let facet = match next {
+                Some(next) if corner == tip.last => self.segments[next].facet,
+                _ => 2 * corner.min(tip.last - 1),
+            };
+            let vertex = facets.vertex_at(corner);
+            self.nodes.push(Node::at_tip(surface, vertex, facet));
+        }
+        next
+    }
+
+    /// Follows a curve to its end, or a closed one once around.
     fn follow(
         &mut self,
         surface: &Surface,
-        signs: &Signs,
-        start: usize,
-        start_plane: usize,
+        facets: &Facets,
+        start: Start,
+        is_closed: bool,
     ) -> Result<(), CutError> {
-        let topology = surface.topology();
         let first = index_u32(self.nodes.len());
         let first_chord = self.chords.len();
-        // A curve that begins on the crease begins in the middle of a chord: go back to its edge.
-        let (mut at, mut plane) = (start, start_plane);
-        if self.segment(at, plane).from == End::Crease {
-            plane = 1 - plane;
+        let mut at = match start {
+            Start::Segment(at) => at,
+            Start::Tip(tip) => match self.follow_tip(surface, facets, tip) {
+                Some(at) => at,
+                None => {
+                    self.finish_curve(first, is_closed);
+                    return Ok(());
+                }
+            },
+        };
+        if let End::Sweep(edge) = self.segments[at].from {
+            let Segment {
+                triangle, facet, ..
+            } = self.segments[at];
+            let node = Node::in_face(surface, facets, triangle, edge, facet);
+            self.nodes.push(node);
         }
         loop {
-            let triangle = self.meetings[at].triangle;
-            let mut segment = self.take(at, plane);
-            let mut chord = Chord {
+            let triangle = self.segments[at].triangle;
+            // The node through which the curve came in was made before, or closes it.
+            let from = index_u32(self.nodes.len()).wrapping_sub(1);
+            let inner = index_u32(self.nodes.len());
+            let exit = loop {
+                let segment = &mut self.segments[at];
+                segment.is_seen = true;
+                let facet = segment.facet;
+                match segment.to {
+                    End::Tip(vertex) => {
+                        let tip = Tip::from_vertex(facets, vertex)
+                            .ok_or(CutError::TipBlocked { triangle })?;
+                        if let Start::Tip(start) = start
+                            && start.first == tip.first
+                        {
+                            // Around the body and back.
+                            break Exit::Closed;
+                        }
+                        break Exit::Tip(tip);
+                    }
+                    End::Mesh(exit) => {
+                        self.nodes.push(Node::on_edge(surface, facets, exit, facet));
+                        break Exit::Mesh(exit, facet);
+                    }
+                    End::Sweep(edge) => {
+                        let beyond = facets.beyond_edge(facet, edge);
+                        let node = Node::in_face(surface, facets, triangle, edge, beyond);
+                        if beyond == NO_FACET {
+                            let begins = index_u32(self.nodes.len()) == first + 1;
+                            if begins {
+                                let from = self.nodes[first as usize];
+                                let middle = Node::between(surface, triangle, &from, &node);
+                                self.nodes.push(middle);
+                            }
+                            self.nodes.push(node);
+                            break Exit::End;
+                        }
+                        self.nodes.push(node);
+                        at = (self.segment(triangle, beyond))
+                            .ok_or(CutError::TipBlocked { triangle })?;
+                    }
+                }
+            };
+            let count = index_u32(self.nodes.len());
+            // The first node of a tip is added after this chord.
+            let (end, to) = match exit {
+                Exit::Mesh(..) | Exit::End => (count - 1, count - 1),
+                Exit::Tip(_) => (count, count),
+                Exit::Closed => (count, first),
+            };
+            self.chords.push(Chord {
                 triangle,
-                // The node across the edge through which the curve came in was made before, or
-                // closes it.
-                from: index_u32(self.nodes.len()).wrapping_sub(1),
-                crease: None,
-                to: index_u32(self.nodes.len()),
+                from,
+                inner: inner..end,
+                to,
+            });
+            let (exit, facet) = match exit {
+                Exit::End | Exit::Closed => break,
+                Exit::Tip(tip) => match self.follow_tip(surface, facets, tip) {
+                    Some(next) => {
+                        at = next;
+                        continue;
+                    }
+                    None => break,
+                },
+                Exit::Mesh(exit, facet) => (exit, facet),
             };
-            if segment.to == End::Crease {
-                chord.crease = Some(chord.to);
-                chord.to += 1;
-                self.nodes.push(Node::on_crease(surface, signs, triangle));
-                plane = 1 - plane;
-                segment = self.take(at, plane);
-            }
-            let End::Edge(exit) = segment.to else {
-                unreachable!("a curve that ends was found before, and the crease is crossed once");
-            };
-            self.nodes.push(Node::on_edge(surface, signs, exit, plane));
-            self.chords.push(chord);
-            let entry = topology.twin(exit);
+            let entry = surface.topology().twin(exit);
             if entry.is_null() {
                 return Err(CutError::OpenSurface { triangle });
             }
             let across = entry.triangle();
-            let found = self.meetings.binary_search_by_key(&across, |m| m.triangle);
-            at = found.map_err(|_| missing_candidate(surface, across))?;
-            if self.seen[at][plane] {
+            at = (self.segment(across, facet)).ok_or_else(|| missing_candidate(surface, across))?;
+            if self.segments[at].is_seen {
                 break;
             }
         }
-        let nodes = &self.nodes[first as usize..];
-        if self.touch.is_touch(surface, signs, nodes) {
+        if self.is_touch(surface, facets, first, first_chord, is_closed) {
             self.nodes.truncate(first as usize);
             self.chords.truncate(first_chord);
             return Ok(());
         }
-        let last = index_u32(self.nodes.len()) - 1;
-        self.chords[first_chord].from = last;
-        self.loops.push(first..last + 1);
+        if is_closed && matches!(start, Start::Segment(_)) {
+            self.chords[first_chord].from = index_u32(self.nodes.len()) - 1;
+        }
+        self.finish_curve(first, is_closed);
         Ok(())
     }
 
-    fn segment(&self, at: usize, plane: usize) -> Segment {
-        self.meetings[at].segments[plane].expect("a curve goes on in the sweep triangle it is in")
+    /// Returns whether the curve of the last nodes and chords only touches the surface.
+    fn is_touch(
+        &mut self,
+        surface: &Surface,
+        facets: &Facets,
+        first: u32,
+        first_chord: usize,
+        is_closed: bool,
+    ) -> bool {
+        let nodes = &self.nodes[first as usize..];
+        if nodes.iter().any(|node| matches!(node.on, On::Tip(_))) {
+            return false;
+        }
+        if is_closed {
+            return self.touch.is_touch(surface, facets, nodes);
+        }
+        let chords = &self.chords[first_chord..];
+        let touch = &mut self.touch;
+        (chords.iter()).all(|chord| touch.is_touch_in(surface, facets, chord.triangle))
     }
 
-    fn take(&mut self, at: usize, plane: usize) -> Segment {
-        self.seen[at][plane] = true;
-        self.segment(at, plane)
+    /// Adds the curve of all nodes from `first` on.
+    fn finish_curve(&mut self, first: u32, is_closed: bool) {
+        let end = index_u32(self.nodes.len());
+        if !is_closed {
+            for node in [first, end - 1] {
+                self.nodes[node as usize].is_end = true;
+            }
+        }
+        self.curves.push(Curve {
+            nodes: first..end,
+            is_closed,
+        });
     }
 }
 
-/// Returns the segments of curves in one mesh triangle, by sweep triangle.
+/// The first segment of a curve, or the tip along which it begins.
+#[derive(Debug, Clone, Copy)]
+enum Start {
+    Segment(usize),
+    Tip(Tip),
+}
+
+/// The place at which a chord leaves its mesh triangle.
+#[derive(Debug, Clone, Copy)]
+enum Exit {
+    /// Across a half-edge, in a facet.
+    Mesh(HalfEdge, u32),
+    /// At an end of a tip, which the curve follows.
+    Tip(Tip),
+    /// At the tip along which the curve began.
+    Closed,
+    /// At the sweep's boundary.
+    End,
+}
+
+/// A part of the tip that the sweep continues: corners of the sweep joined by edges of the surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Tip {
+    first: u32,
+    last: u32,
+}
+
+impl Tip {
+    /// Returns the first tip whose corners are `corner` or later.
+    fn from_corner(facets: &Facets, corner: u32) -> Option<Self> {
+        let Weld {
+            vertices,
+            half_edges,
+        } = facets.weld();
+        let mut corners = vertices.iter().enumerate().skip(corner as usize);
+        let first = corners.find(|(_, vertex)| !vertex.is_null())?.0;
+        let joined = half_edges.iter().skip(first).take_while(|h| !h.is_null());
+        let (first, last) = (index_u32(first), index_u32(first + joined.count()));
+        Some(Self { first, last })
+    }
+
+    /// Returns the tip that begins at a vertex.
+    fn from_vertex(facets: &Facets, vertex: VertexId) -> Option<Self> {
+        let corner = facets.weld().vertices.iter().position(|&v| v == vertex)?;
+        let before = corner.checked_sub(1).map(|i| facets.weld().half_edges[i]);
+        let is_first = before.is_none_or(HalfEdge::is_null);
+        Self::from_corner(facets, index_u32(corner)).filter(|_| is_first)
+    }
+}
+
+/// Appends the segments of curves in one mesh triangle.
 fn meet(
     surface: &Surface,
-    signs: &Signs,
+    facets: &Facets,
     triangle: TriangleId,
-) -> Result<[Option<Segment>; 2], CutError> {
+    segments: &mut Vec<Segment>,
+) -> Result<(), CutError> {
     let vertices = surface.topology().triangle(triangle);
     let corners = vertices.map(|v| surface.position(v));
     for (v, p) in vertices.into_iter().zip(&corners) {
@@ -257,7 +432,16 @@ fn meet(
             return Err(CutError::VertexNotFinite { vertex: v });
         }
     }
-    Ok([0, 1].map(|i| meet_one(signs, i, triangle, &corners)))
+    let own = (0..facets.len()).filter(|&i| facets.exists(i) && facets.may_touch(i, &corners));
+    segments.extend(own.filter_map(|i| match facets.shared(i, vertices) {
+        Shared::No => meet_facet(facets, i, triangle, &corners),
+        Shared::One {
+            facet: k,
+            triangle: j,
+        } => meet_at_tip(facets, i, k, (triangle, vertices[j]), j, &corners),
+        Shared::Edge => None,
+    }));
+    Ok(())
 }
 
 /// Returns why a triangle that a curve enters is no candidate.
@@ -272,45 +456,80 @@ fn missing_candidate(surface: &Surface, triangle: TriangleId) -> CutError {
     }
 }
 
-fn meet_one(signs: &Signs, i: usize, triangle: TriangleId, corners: &[Vec3; 3]) -> Option<Segment> {
-    if !signs.exists(i) {
-        return None;
-    }
-    let above = corners.map(|p| signs.is_above(i, p));
+fn meet_facet(
+    facets: &Facets,
+    facet: u32,
+    triangle: TriangleId,
+    corners: &[Vec3; 3],
+) -> Option<Segment> {
+    let above = corners.map(|p| facets.is_above(facet, p));
     // Of the three edges one falls and one rises, unless all corners are on one side.
     let rises = (0..3).find(|&k| !above[k] && above[(k + 1) % 3])?;
     let falls = (0..3).find(|&k| above[k] && !above[(k + 1) % 3])?;
     let inside = |k: usize| {
         let (p, q) = (corners[k], corners[(k + 1) % 3]);
-        signs.inside(i, p, q, above[(k + 1) % 3])
+        facets.inside(facet, p, q, above[(k + 1) % 3])
     };
     let (entry, exit) = (inside(falls), inside(rises));
     let mut out = [(entry, falls), (exit, rises)].map(|(inside, k)| {
         let h = triangle.half_edges()[k];
-        (inside == [true; 3]).then_some(End::Edge(h))
+        (inside == [true; 3]).then_some(End::Mesh(h))
     });
-    if let [Some(from), Some(to)] = out {
-        return Some(Segment { from, to });
-    }
-    // On the outer side of one sweep edge as a whole: the common case of a triangle beyond the
-    // sweep.
-    if (0..3).any(|side| !entry[side] && !exit[side]) {
-        return None;
-    }
-    // Clipped by the sweep edges that it passes. Going in where the entry is beyond the sweep edge.
-    for side in (0..3).filter(|&side| entry[side] != exit[side]) {
-        if signs.pierces(i, side, *corners) {
-            let is_crease = side == 0 && signs.has_crease();
-            let end = if is_crease {
-                End::Crease
-            } else {
-                End::Boundary
-            };
-            out[usize::from(entry[side])] = Some(end);
+    if out.contains(&None) {
+        // On the outer side of one sweep edge as a whole: the common case of a triangle beyond the
+        // sweep.
+        if (0..3).any(|side| !entry[side] && !exit[side]) {
+            return None;
+        }
+        // Clipped by the sweep edges that it passes. Going in where the entry is beyond the edge.
+        for (side, edge) in facets.edges_of(facet).into_iter().enumerate() {
+            if entry[side] != exit[side] && facets.pierces(edge, *corners) {
+                out[usize::from(entry[side])] = Some(End::Sweep(edge));
+            }
         }
     }
-    match out {
-        [Some(from), Some(to)] => Some(Segment { from, to }),
-        _ => None,
+    let [Some(from), Some(to)] = out else {
+        return None;
+    };
+    Some(Segment {
+        triangle,
+        facet,
+        from,
+        to,
+        is_seen: false,
+    })
+}
+
+/// Returns the segment in a triangle and a facet that have corner `j` and corner `k` in common.
+///
+/// It runs from there to the opposite side of one of them, if it is not a point.
+fn meet_at_tip(
+    facets: &Facets,
+    facet: u32,
+    k: usize,
+    (triangle, vertex): (TriangleId, VertexId),
+    j: usize,
+    corners: &[Vec3; 3],
+) -> Option<Segment> {
+    let (p, q) = (corners[(j + 1) % 3], corners[(j + 2) % 3]);
+    let [is_above, rises] = [p, q].map(|x| facets.is_above(facet, x));
+    if is_above == rises {
+        return None;
     }
+    let inside = facets.inside(facet, p, q, rises);
+    let opposite = (k + 1) % 3;
+    let other = match inside {
+        [true, true, true] => End::Mesh(triangle.half_edges()[(j + 1) % 3]),
+        _ if (0..3).any(|side| side != opposite && !inside[side]) => return None,
+        _ => End::Sweep(facets.edges_of(facet)[opposite]),
+    };
+    let tip = End::Tip(vertex);
+    let (from, to) = if rises { (tip, other) } else { (other, tip) };
+    Some(Segment {
+        triangle,
+        facet,
+        from,
+        to,
+        is_seen: false,
+    })
 }

@@ -4,19 +4,20 @@ use super::{Bvh, MAX_HEIGHT, triangle_bounds};
 use crate::geometry::{area_vector, to_f32, to_f64};
 use crate::{Aabb, Surface, TriangleId, Vec3};
 use robust::{Coord, orient2d};
+use smallvec::SmallVec;
 
 impl Bvh {
     /// Appends every triangle whose bounding box may touch one of `triangles` to `out`.
     ///
     /// The result is conservative and in the order of the tree. A query triangle without area
     /// touches nothing. O(k + log n) for k results, if `triangles` are small or coplanar.
-    pub fn query<const N: usize>(
+    pub fn query(
         &self,
         surface: &Surface,
-        triangles: &[[Vec3; 3]; N],
+        triangles: impl IntoIterator<Item = [Vec3; 3]>,
         out: &mut Vec<TriangleId>,
     ) {
-        let slabs = triangles.map(Slab::new);
+        let slabs: SmallVec<[Slab; 2]> = triangles.into_iter().map(Slab::new).collect();
         self.traverse(surface, |b| slabs.iter().any(|slab| slab.may_touch(b)), out);
     }
 

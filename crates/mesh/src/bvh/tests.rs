@@ -90,7 +90,7 @@ fn some_triangles(random: &mut Random, surface: &Surface, part: usize) -> Vec<Tr
 /// Compares a query with a test of every triangle.
 fn assert_equals_brute_force<const N: usize>(bvh: &Bvh, surface: &Surface, query: &[[Vec3; 3]; N]) {
     let mut found = Vec::new();
-    bvh.query(surface, query, &mut found);
+    bvh.query(surface, *query, &mut found);
     found.sort_unstable();
     let mut expected = Vec::new();
     let mut alone = Bvh::default();
@@ -102,7 +102,7 @@ fn assert_equals_brute_force<const N: usize>(bvh: &Bvh, surface: &Surface, query
         alone.free_blocks.extend(0..index_u32(alone.blocks.len()));
         let leaf = alone.leaf(surface, std::iter::once(t));
         alone.put(0, leaf);
-        alone.query(surface, query, &mut expected);
+        alone.query(surface, *query, &mut expected);
     }
     assert_eq!(
         found, expected,

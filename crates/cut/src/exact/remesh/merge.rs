@@ -10,7 +10,7 @@ impl Remesher {
     pub(super) fn propose_merges(&mut self, cut: &Opened<'_, '_>, star: usize, node: u32) {
         let around = &mut self.stars[star];
         let mut sides = (0..2).zip(&mut *around);
-        if cut.is_on_crease(node)
+        if cut.is_on_sweep_edge(node)
             || !sides.all(|(side, around)| around.find_at_node(cut, &self.ring, (node, side)))
         {
             return;

@@ -61,8 +61,10 @@ impl Ring {
                 let limit = tolerance * cut.nodes[node as usize].local.min(width);
                 for side in 0..2 {
                     let (_, is_new) = self.rim.insert(cut.sides.vertices[node as usize][side].0);
-                    debug_assert!(is_new, "a side has a vertex of its own for every node");
-                    self.places.push((node, side));
+                    // Where a curve ends, both sides have the same vertex.
+                    if is_new {
+                        self.places.push((node, side));
+                    }
                     for h in cut.rim.fan(topology, cut.sides, node, side) {
                         self.add(h.triangle(), limit);
                     }
