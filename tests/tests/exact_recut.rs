@@ -34,7 +34,7 @@ fn assert_miss(surface: &mut Surface, cutter: &mut Cutter, sweep: &Sweep, params
         outcome.is_miss(),
         "{before} triangles became {} by {:?} with {params:?}",
         surface.topology().triangle_count(),
-        sweep.corners()
+        sweep.points()
     );
 }
 

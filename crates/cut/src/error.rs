@@ -99,12 +99,12 @@ pub enum CutError {
         /// The triangle of the wall.
         triangle: TriangleId,
     },
-    /// Parts of the body overlap so that the boundaries of its section do not close.
+    /// The boundaries of the section do not close.
     #[error(
-        "the body overlaps itself where the sweep cuts it, and its section is not closed; cut its \
-         parts one by one with CutParams::only_piece"
+        "the section of the body is not closed: the body overlaps itself where the sweep cuts it, \
+         or the tip of the incision lies on its surface; move the blade, or cut piece by piece"
     )]
-    OverlappingShells,
+    OpenSection,
     /// A bent sweep passes a vertex on both sides.
     #[error("the bent sweep passes vertex {vertex} on both sides; use a flatter or smaller sweep")]
     SideConflict {

@@ -96,13 +96,17 @@ impl Exact {
         for (_, chain, [from, to], ends) in own {
             for (i, &node) in self.chains.nodes[chain.nodes.clone()].iter().enumerate() {
                 let [vertex, _] = self.sides.vertices[node as usize];
-                let place = from + (to - from) * part_of(ends, surface.position(vertex));
+                let mut place = from + (to - from) * part_of(ends, surface.position(vertex));
                 match tip.last_mut() {
                     Some(last) if last.vertex == vertex => continue,
+                    Some(last) if i > 0 => {
+                        last.is_joined = true;
+                        // The end of a curve may lie beside the corner that is next to it.
+                        place = place.max(last.place + MIN_PLACE_STEP * (to - from));
+                    }
                     // Tips in overlapping bodies end.
                     Some(last) if last.place >= place => break,
-                    Some(last) => last.is_joined = i > 0,
-                    None => {}
+                    _ => {}
                 }
                 tip.push(TipPoint {
                     vertex,
@@ -281,6 +285,9 @@ impl Exact {
         Ok(self.cap.triangulate(&rims, topology, refine, is_refined)?)
     }
 }
+
+/// Minimum distance of neighbors along a tip [part between two points of the sweep].
+const MIN_PLACE_STEP: f64 = 1e-3;
 
 /// Returns the part of the way from the first end to the second at which a point lies, 0 to 1.
 fn part_of([from, to]: [Vec3; 2], point: Vec3) -> f64 {

@@ -3,7 +3,7 @@
 use crate::error::CutError;
 use crate::intersection::facets::Weld;
 use crate::sweep::Sweep;
-use incise_mesh::geometry::{to_f32, to_f64};
+use incise_mesh::geometry::{area_vector, to_f32, to_f64};
 use incise_mesh::{HalfEdge, Surface, Vec3, VertexId};
 
 /// Motion of the blade after which the cut goes on [local edge lengths].
@@ -13,6 +13,8 @@ const MIN_STEP: f64 = 0.5;
 
 /// Displacement of the sweep beyond the ends of a tip [local edge lengths].
 const WIDENING: f64 = 0.3;
+/// Its maximum [distance to the next point of the sweep].
+const MAX_WIDENING: f64 = 0.2;
 
 /// A blade that moves through a surface from frame to frame, see [`crate::Cutter::advance`].
 ///
@@ -36,6 +38,19 @@ pub(crate) struct TipPoint {
     pub(crate) place: f64,
     /// Whether an edge of the tip joins it to the next point.
     pub(crate) is_joined: bool,
+}
+
+/// A point of the next sweep in both frames.
+#[derive(Debug, Clone, Copy)]
+struct Column {
+    /// Its place on the blade now, see [`TipPoint::place`].
+    place: f64,
+    /// Its position before the step \[m\].
+    previous: Vec3,
+    /// The vertex of the tip, or null.
+    vertex: VertexId,
+    /// Whether an edge of the tip joins it to the next column.
+    is_joined: bool,
 }
 
 /// The sweep of one step, the tip that it continues, and the places of its points on the blade.
@@ -117,7 +132,40 @@ impl Incision {
         if self.is_inside() && !self.has_moved(surface, blade) {
             return Ok(None);
         }
-        let mut points: Vec<(f64, Vec3, VertexId)> = Vec::new();
+        let columns = self.columns(surface, blade);
+        let previous: Vec<[f32; 3]> = columns.iter().map(|c| to_f32(c.previous)).collect();
+        let places: Vec<f64> = columns.iter().map(|c| c.place).collect();
+        let current = places.iter().map(|&place| to_f32(point_at(blade, place)));
+        let current: Vec<[f32; 3]> = current.collect();
+        let sweep = match Sweep::strip(&previous, &current) {
+            Err(CutError::BladeDegenerate) => return Ok(None),
+            sweep => sweep?,
+        };
+        let mut weld = Weld::default();
+        if self.is_inside() {
+            weld.vertices.extend(columns.iter().map(|c| c.vertex));
+            let topology = surface.topology();
+            let half_edge = |pair: &[Column]| {
+                let [a, b] = [pair[0].vertex, pair[1].vertex];
+                let found = pair[0].is_joined.then(|| topology.find_half_edge(a, b));
+                found.flatten().unwrap_or(HalfEdge::NULL)
+            };
+            weld.half_edges.extend(columns.windows(2).map(half_edge));
+        }
+        Ok(Some(Stroke {
+            sweep,
+            weld,
+            places,
+        }))
+    }
+
+    /// Returns the points of the next sweep: those of the tip, and those of the blade outside.
+    ///
+    /// Beside an end of the tip, the sweep widens and rises from the surface. Otherwise the line
+    /// from there to the blade's last pose could cross the surface once more. And a body is often
+    /// symmetric, so that the same place of the blade enters and leaves it.
+    fn columns(&self, surface: &Surface, blade: &[[f32; 3]]) -> Vec<Column> {
+        let mut columns: Vec<Column> = Vec::new();
         for (i, point) in self.pose.iter().enumerate() {
             #[expect(clippy::cast_precision_loss, reason = "few points")]
             let place = i as f64;
@@ -126,66 +174,48 @@ impl Incision {
                 .windows(2)
                 .any(|pair| pair[0].is_joined && pair[0].place <= place && place <= pair[1].place);
             if !is_covered {
-                points.push((place, to_f64(*point), VertexId::NULL));
+                columns.push(Column {
+                    place,
+                    previous: to_f64(*point),
+                    vertex: VertexId::NULL,
+                    is_joined: false,
+                });
             }
         }
-        let tip = self.tip.iter();
-        points.extend(tip.map(|p| (p.place, surface.position(p.vertex), p.vertex)));
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let previous: Vec<[f32; 3]> = points.iter().map(|p| to_f32(p.1)).collect();
-        let mut places: Vec<f64> = points.iter().map(|p| p.0).collect();
-        self.widen(surface, blade, &mut places);
-        let current = places.iter().map(|&place| to_f32(point_at(blade, place)));
-        let current: Vec<[f32; 3]> = current.collect();
-        let sweep = match Sweep::strip(&previous, &current) {
-            Err(CutError::BladeDegenerate) => return Ok(None),
-            sweep => sweep?,
-        };
-        let vertices: Vec<VertexId> = points.iter().map(|p| p.2).collect();
-        let half_edges = vertices.windows(2).map(|pair| {
-            let is_pair = |t: &[TipPoint]| t[0].is_joined && [t[0].vertex, t[1].vertex] == *pair;
-            let edge = self.tip.windows(2).any(is_pair);
-            let found = edge.then(|| surface.topology().find_half_edge(pair[0], pair[1]));
-            found.flatten().unwrap_or(HalfEdge::NULL)
-        });
-        let weld = if self.is_inside() {
-            Weld {
-                half_edges: half_edges.collect(),
-                vertices,
-            }
-        } else {
-            Weld::default()
-        };
-        Ok(Some(Stroke {
-            sweep,
-            weld,
-            places,
-        }))
-    }
-
-    /// Moves the places at which the sweep leaves the ends of tips outward.
-    ///
-    /// The blade often moves along a symmetric body, in which the same place of the blade enters
-    /// and leaves the body exactly at points of the sweep.
-    fn widen(&self, surface: &Surface, blade: &[[f32; 3]], places: &mut [f64]) {
-        let old = places.to_vec();
-        for (i, point) in self.tip.iter().enumerate() {
-            let is_first = i == 0 || !self.tip[i - 1].is_joined;
-            let Some(at) = old.iter().position(|&place| place == point.place) else {
-                continue;
+        columns.extend(self.tip.iter().map(|point| Column {
+            place: point.place,
+            previous: surface.position(point.vertex),
+            vertex: point.vertex,
+            is_joined: point.is_joined,
+        }));
+        columns.sort_by(|a, b| a.place.total_cmp(&b.place));
+        let mut out = Vec::with_capacity(columns.len() + 4);
+        for (i, &column) in columns.iter().enumerate() {
+            let is_tip = !column.vertex.is_null();
+            let before = i.checked_sub(1).map(|i| columns[i]);
+            let after = columns.get(i + 1).copied();
+            let mut own = column;
+            let mut risen = |beyond: Column| {
+                let [a, b] = [column, beyond].map(|c| point_at(blade, c.place));
+                let local = local_length(surface, column.vertex);
+                let part = (WIDENING * local / (b - a).norm()).min(MAX_WIDENING);
+                let step = (beyond.place - column.place) * part;
+                own.place = column.place + step;
+                Column {
+                    place: column.place + 2.0 * step,
+                    previous: column.previous + outward(surface, column, a - b, a) * local,
+                    vertex: VertexId::NULL,
+                    is_joined: false,
+                }
             };
-            let beyond = if is_first {
-                at.checked_sub(1)
-            } else {
-                Some(at + 1)
-            };
-            let beyond = beyond.and_then(|k| old.get(k).copied());
-            if let Some(beyond) = beyond.filter(|_| is_first || !point.is_joined) {
-                let [a, b] = [point.place, beyond].map(|place| point_at(blade, place));
-                let part = WIDENING * local_length(surface, point.vertex) / (b - a).norm();
-                places[at] += (beyond - point.place) * part.min(0.5);
-            }
+            let is_first = is_tip && before.is_none_or(|before| !before.is_joined);
+            let is_last = is_tip && !column.is_joined;
+            out.extend(before.filter(|_| is_first).map(&mut risen));
+            let risen = after.filter(|_| is_last).map(risen);
+            out.push(own);
+            out.extend(risen);
         }
+        out
     }
 
     /// Returns whether a part of the blade is far enough from the tip for the next step.
@@ -195,6 +225,19 @@ impl Incision {
             motion.norm() >= MIN_STEP * local_length(surface, point.vertex)
         })
     }
+}
+
+/// Returns the unit vector away from the surface at a column, in the plane of the sweep there.
+///
+/// `along` is the direction of the blade, `to` the column's next position \[m\].
+fn outward(surface: &Surface, column: Column, along: Vec3, to: Vec3) -> Vec3 {
+    let fan = surface.topology().outgoing_fan(column.vertex);
+    let normals = fan.map(|h| area_vector(surface.triangle_positions(h.triangle())));
+    let normal: Vec3 = normals.sum();
+    let across = along.cross(&(to - column.previous));
+    let across = across.try_normalize(0.0).unwrap_or_default();
+    let in_plane = normal - across * across.dot(&normal);
+    in_plane.try_normalize(0.0).unwrap_or_default()
 }
 
 /// Returns the mean length of the edges at a vertex \[m\].

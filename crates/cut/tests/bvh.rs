@@ -197,7 +197,7 @@ fn a_nearly_collinear_sweep_finds_all_triangles_that_it_crosses() {
             continue;
         };
         let mut found = Vec::new();
-        bvh.query(&body, &sweep.triangles(), &mut found);
+        bvh.query(&body, sweep.triangles(), &mut found);
         found.sort_unstable();
         let before = crossed;
         for t in body.topology().triangles() {

@@ -328,7 +328,7 @@ fn regressions_of_bent_strokes() {
         ),
     ];
     for (whole, [a, b, c, d]) in cases {
-        incise(whole, &Sweep::new([a, b], [c, d]).unwrap(), 0.0);
+        let _ = incise(whole, &Sweep::new([a, b], [c, d]).unwrap(), 0.0);
     }
 }
 
@@ -351,7 +351,7 @@ fn regressions_of_strips() {
             0.730_445_86,
         ),
     ] {
-        incise(&ring, &curved_stroke(n, seed, depth, bend, half), 0.1);
+        let _ = incise(&ring, &curved_stroke(n, seed, depth, bend, half), 0.1);
     }
 }
 

@@ -195,7 +195,12 @@ fn a_second_cut_along_a_bent_sweep_changes_nothing() {
                 let outcome = Cutter::new(&body).cut(&mut body, &sweep, &params);
                 // The plate does not reach up to all sweeps.
                 assert!(!outcome.unwrap().is_miss() || name == "plate", "{name}");
-                assert_misses(&body, &vec![sweep; 4], &params, &format!("{name}, {params:?}"));
+                assert_misses(
+                    &body,
+                    &vec![sweep; 4],
+                    &params,
+                    &format!("{name}, {params:?}"),
+                );
             }
         }
     }

@@ -109,7 +109,7 @@ impl CrossSection {
     /// Collects the loops of all sections.
     ///
     /// # Errors
-    /// [`CutError::OverlappingShells`] if parts of boundaries do not close.
+    /// [`CutError::OpenSection`] if parts of boundaries do not close.
     pub(super) fn project(&mut self, rims: &Rims<'_>, lengths: &[f64]) -> Result<(), CutError> {
         self.count = 0;
         self.stretches.clear();
@@ -220,12 +220,12 @@ impl CrossSection {
             at = (self
                 .stretches
                 .binary_search_by_key(&(facet, stretch.end), key))
-            .map_err(|_| CutError::OverlappingShells)?;
+            .map_err(|_| CutError::OpenSection)?;
             if at == first {
                 break;
             }
             if self.stretches[at].is_used {
-                return Err(CutError::OverlappingShells);
+                return Err(CutError::OpenSection);
             }
         }
         self.add_loop(rims, lengths, facet);

@@ -193,7 +193,7 @@ impl Splitter {
                 let partner = self.partner(mark.chord, mark.ends);
                 self.along(chord, mark.ends);
                 if let Some(corner) = mark.corner {
-                    let first = self.polygon.len() - chord.nodes().count() + 1;
+                    let first = self.polygon.len() + 1 - chord.nodes().count();
                     self.polygon[first].corner = Corner::Old(corner);
                 }
                 let last = if mark.ends { chord.from } else { chord.to };

@@ -4,6 +4,9 @@ use super::facets::{Facets, NO_FACET};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3, VertexId, VertexOrigin};
 
+/// Distance of the end of a curve from the edges of its mesh triangle [length across the triangle].
+const END_MARGIN: f64 = 0.15;
+
 /// No sweep edge.
 pub(crate) const NO_EDGE: u32 = u32::MAX;
 
@@ -137,6 +140,45 @@ impl Node {
             facet,
             is_end: false,
         }
+    }
+
+    /// Moves the end of a curve along it, away from the edges of its mesh triangle.
+    ///
+    /// `before` is the node beside it. Next to an edge, rounding could fold the surface around the
+    /// end, where the next step has to go on.
+    pub(crate) fn center_end(
+        &mut self,
+        surface: &Surface,
+        facets: &Facets,
+        before: &Self,
+        facet: u32,
+    ) {
+        let On::Face {
+            corners, weights, ..
+        } = &mut self.on
+        else {
+            return;
+        };
+        let points = corners.map(|v| surface.position(v));
+        let heights = points.map(|p| facets.height(facet, p));
+        let from = before.position;
+        let reach = |p: &Vec3| (p - from).dot(&(self.position - from));
+        let crossings = [(0, 1), (1, 2), (2, 0)].into_iter().filter_map(|(k, l)| {
+            let crosses = (heights[k] < 0.0) != (heights[l] < 0.0);
+            let part = heights[k] / (heights[k] - heights[l]);
+            crosses.then(|| points[k] + (points[l] - points[k]) * part)
+        });
+        let Some(to) = crossings.max_by(|a, b| reach(a).total_cmp(&reach(b))) else {
+            return;
+        };
+        let part = (self.position - from).norm() / (to - from).norm();
+        if part.is_nan() || (END_MARGIN..=1.0 - END_MARGIN).contains(&part) {
+            return;
+        }
+        let part = part.clamp(END_MARGIN, 1.0 - END_MARGIN);
+        *weights = weights_of(points, from + (to - from) * part);
+        let [u, v, w] = weights.map(f64::from);
+        self.position = points[0] * u + points[1] * v + points[2] * w;
     }
 
     /// Makes the node midway between two nodes in the inside of one mesh triangle.

@@ -320,6 +320,9 @@ impl Trace {
                 break;
             }
         }
+        if !is_closed {
+            self.center_ends(surface, facets, first as usize);
+        }
         if self.is_touch(surface, facets, first, first_chord, is_closed) {
             self.nodes.truncate(first as usize);
             self.chords.truncate(first_chord);
@@ -330,6 +333,16 @@ impl Trace {
         }
         self.finish_curve(first, is_closed);
         Ok(())
+    }
+
+    /// Moves the ends of the open curve of the last nodes away from mesh edges.
+    fn center_ends(&mut self, surface: &Surface, facets: &Facets, first: usize) {
+        let last = self.nodes.len() - 1;
+        for (end, beside) in [(first, first + 1), (last, last - 1)] {
+            let before = self.nodes[beside];
+            let facet = self.nodes[end.min(beside)].facet;
+            self.nodes[end].center_end(surface, facets, &before, facet);
+        }
     }
 
     /// Returns whether the curve of the last nodes and chords only touches the surface.
