@@ -94,8 +94,8 @@ impl Cutter {
         self.version = SurfaceVersion::new(surface);
     }
 
-    /// Iterates over the cross-sections of the last cut by the exact method, one for each triangle of
-    /// the sweep that has any, with the target edge length at each of their points \[m\].
+    /// Iterates over the cross-sections of the last cut by the exact method, one for each triangle
+    /// of the sweep that has any, with the target edge length at each of their points \[m\].
     ///
     /// Both caps cover them. Nothing before the first cut.
     pub fn sections(&self) -> impl Iterator<Item = (Section<'_>, &[f64])> {

@@ -92,8 +92,8 @@ pub enum CutError {
     },
     /// The sweep meets the walls of the incision at the tip that it continues.
     #[error(
-        "the blade turned into a wall of its incision at triangle {triangle}; pull it out and start \
-         anew, or move it in smaller steps"
+        "the blade turned into a wall of its incision at triangle {triangle}; pull it out and \
+         start anew, or move it in smaller steps"
     )]
     TipBlocked {
         /// The triangle of the wall.

@@ -70,8 +70,8 @@ impl Exact {
         sections.map(|section| (section.section(), section.lengths.as_slice()))
     }
 
-    /// Returns the tip along the current edge of the last sweep, whose points were at `places` of the
-    /// blade.
+    /// Returns the tip along the current edge of the last sweep, whose points were at `places` of
+    /// the blade.
     pub(crate) fn tip(&self, surface: &Surface, facets: &Facets, places: &[f64]) -> Vec<TipPoint> {
         let chains = self.chains.chains.iter();
         let mut own: Vec<(f64, &Chain, [f64; 2], [Vec3; 2])> = chains

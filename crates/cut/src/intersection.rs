@@ -1,7 +1,7 @@
 //! Intersection of a sweep with a surface: the first step of both methods.
 //!
-//! [`facets`] decides every tie, [`order`] the order along an edge, [`trace`] follows the intersection curves from triangle to triangle
-//! and [`node`] holds a point where a curve crosses an edge.
+//! [`facets`] decides every tie, [`order`] the order along an edge. [`trace`] follows the
+//! intersection curves from triangle to triangle, and [`node`] holds a point of a curve.
 
 pub(crate) mod facets;
 pub(crate) mod node;

@@ -374,8 +374,8 @@ impl Facets {
 
     /// Compares the points at which the mesh edge from `p` to `q` crosses facets `i` and `j`.
     ///
-    /// The order from `q` to `p` is the reverse. Of two facets in one plane, as those of a blade that
-    /// turned over, the later one counts as above the other.
+    /// The order from `q` to `p` is the reverse. Of two facets in one plane, as those of a blade
+    /// that turned over, the later one counts as above the other.
     pub(crate) fn compare_on_mesh_edge(&self, [p, q]: [Vec3; 2], i: u32, j: u32) -> Ordering {
         let planes = [i, j].map(|i| Plane(self.corners_of(i)));
         compare_along([p, q], [&planes[0], &planes[1]], 1.0).then_with(|| {

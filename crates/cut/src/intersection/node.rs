@@ -130,7 +130,9 @@ impl Node {
         }
     }
 
-    /// Makes the node at a vertex of the tip that the sweep continues; the curve goes on in `facet`.
+    /// Makes the node at a vertex of the tip that the sweep continues.
+    ///
+    /// The curve goes on in `facet`.
     pub(crate) fn at_tip(surface: &Surface, vertex: VertexId, facet: u32) -> Self {
         let around = surface.topology().outgoing_fan(vertex).map(Some);
         Self {

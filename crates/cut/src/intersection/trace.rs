@@ -106,8 +106,8 @@ impl Trace {
     ///
     /// # Errors
     /// [`CutError::VertexNotFinite`], [`CutError::OpenSurface`] where a curve leaves the surface,
-    /// [`CutError::StaleBvh`] where it leaves the candidates, and [`CutError::TipBlocked`] where the
-    /// sweep meets the walls at the tip.
+    /// [`CutError::StaleBvh`] where it leaves the candidates, and [`CutError::TipBlocked`] where
+    /// the sweep meets the walls at the tip.
     pub(crate) fn find(
         &mut self,
         surface: &Surface,
