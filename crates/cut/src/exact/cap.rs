@@ -3,7 +3,7 @@
 use super::frames::Frames;
 use super::open::Sides;
 use super::rest::CapRest;
-use super::section::{CrossSection, FacetSection, Rims, Side};
+use super::section::{BoundaryEdge, CrossSection, FacetSection, Rims};
 use incise_mesh::geometry::{round_to_f32, to_f32};
 use incise_mesh::{
     Edit, HalfEdge, Surface, Topology, TriangleId, VertexId, VertexOrigin, index_u32,
@@ -254,7 +254,7 @@ impl Cap {
                 let own = if side == 0 { k } else { 2 - k };
                 if self.twins[3 * t + own] == u32::MAX {
                     let h = self.added[t].half_edges()[own];
-                    let along = self.section.sections()[i].sides[point as usize];
+                    let along = self.section.sections()[i].boundary[point as usize];
                     self.join_half_edge(edit, sides, along, h, side);
                 }
             }
@@ -266,16 +266,16 @@ impl Cap {
         &mut self,
         edit: &mut Edit<'_>,
         sides: &Sides,
-        along: Side,
+        along: BoundaryEdge,
         h: HalfEdge,
         side: usize,
     ) {
         let (segment, place) = match along {
-            Side::Rim(node) => {
+            BoundaryEdge::Rim(node) => {
                 edit.set_twins(h, sides.rim[node as usize][side]);
                 return;
             }
-            Side::Chain { segment, is_tip } => (segment, if is_tip { 0 } else { side }),
+            BoundaryEdge::Chain { segment, is_tip } => (segment, if is_tip { 0 } else { side }),
         };
         let waiting = &mut self.segments[segment][place];
         if waiting.is_null() {

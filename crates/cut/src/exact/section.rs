@@ -32,7 +32,7 @@ pub(super) struct Rims<'a> {
 
 /// The element along an edge of a section's boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Side {
+pub(super) enum BoundaryEdge {
     /// The rim's edge that begins at this node.
     Rim(u32),
     /// The edge of a chain that begins at this place of [`Chains::nodes`].
@@ -46,7 +46,7 @@ pub(super) struct FacetSection {
     /// Node of each point.
     pub(super) nodes: Vec<u32>,
     /// What follows each point on its loop.
-    pub(super) sides: Vec<Side>,
+    pub(super) boundary: Vec<BoundaryEdge>,
     /// Place in the facet's plane from which the points are counted \[m\].
     pub(super) center: [f64; 2],
     /// Positions in the plane \[m\].
@@ -76,8 +76,8 @@ pub(super) struct CrossSection {
     sections: Vec<FacetSection>,
     count: usize,
     stretches: Vec<Stretch>,
-    /// Nodes and sides of the current loop.
-    outline: Vec<(u32, Side)>,
+    /// Nodes and edges of the current loop.
+    outline: Vec<(u32, BoundaryEdge)>,
     scratch: SectionMeshScratch,
 }
 
@@ -155,7 +155,7 @@ impl CrossSection {
             self.outline.clear();
             let ring = rims.rim.ring(curve);
             self.outline
-                .extend(ring.map(|node| (node, Side::Rim(node))));
+                .extend(ring.map(|node| (node, BoundaryEdge::Rim(node))));
             let facet = rims.nodes[self.outline[0].0 as usize].facet;
             self.add_loop(rims, lengths, facet);
             return;
@@ -202,7 +202,7 @@ impl CrossSection {
                 let is_tip = chain.is_tip;
                 let (low, high) = (chain.nodes.start, chain.nodes.end - 1);
                 let own = &rims.chains.nodes;
-                let side = |segment| Side::Chain { segment, is_tip };
+                let side = |segment| BoundaryEdge::Chain { segment, is_tip };
                 if is_forward {
                     self.outline.extend((low..high).map(|k| (own[k], side(k))));
                 } else {
@@ -212,7 +212,7 @@ impl CrossSection {
             } else {
                 let mut node = stretch.start;
                 while node != stretch.end {
-                    self.outline.push((node, Side::Rim(node)));
+                    self.outline.push((node, BoundaryEdge::Rim(node)));
                     node = rims.rim.next[node as usize];
                 }
             }
@@ -251,7 +251,7 @@ impl CrossSection {
         for &(node, side) in &self.outline {
             points.push(index_u32(section.nodes.len()));
             section.nodes.push(node);
-            section.sides.push(side);
+            section.boundary.push(side);
             let [x, y] = rims.frames.local(facet, rims.position(node));
             section
                 .points
@@ -319,7 +319,7 @@ impl FacetSection {
         self.facet = facet;
         self.center = center;
         self.nodes.clear();
-        self.sides.clear();
+        self.boundary.clear();
         self.points.clear();
         self.loops.clear();
         self.lengths.clear();

@@ -1,11 +1,15 @@
 //! Splits a hit triangle along the chords that cross it.
 
+mod ears;
+mod slit;
+
 use crate::intersection::facets::Facets;
 use crate::intersection::node::{Node, On};
 use crate::intersection::trace::Chord;
-use incise_mesh::geometry::{area_vector, corner_angles};
+use incise_mesh::geometry::area_vector;
 use incise_mesh::{HalfEdge, Vec3, VertexId};
 use robust::{Coord, orient2d};
+use slit::join_slit;
 
 /// A corner of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -250,118 +254,6 @@ impl Splitter {
         let is_partner = |m: &Mark| m.node.is_some() && m.chord == chord && m.ends != ends;
         self.boundary.iter().position(is_partner)
     }
-
-    /// Cuts the polygon into triangles.
-    fn triangulate(&mut self, nodes: &[Node], corners: &[Vec3; 3]) {
-        let polygon = &self.polygon;
-        let count = polygon.len();
-        let at = |i: usize| position(polygon[i].corner, nodes, corners);
-        self.ears.clear();
-        let is_inner = |edge: &PolygonEdge| match edge.corner {
-            Corner::Old(_) => false,
-            Corner::Node { node, .. } => matches!(nodes[node as usize].on, On::Face { .. }),
-        };
-        let mut inner = (0..count).filter(|&i| is_inner(&polygon[i]));
-        match (inner.next(), inner.next()) {
-            (Some(apex), None) => {
-                // From the notch's tip the whole part is seen.
-                let fan = 1..count - 1;
-                let fan = fan.map(|i| [apex, (apex + i) % count, (apex + i + 1) % count]);
-                self.ears.extend(fan);
-            }
-            (None, _) if count == 4 => {
-                let first = is_joinable(polygon, nodes, 0, 2);
-                let second = is_joinable(polygon, nodes, 1, 3);
-                if first && (!second || is_delaunay([0, 1, 2, 3].map(at))) {
-                    self.ears.extend([[0, 1, 2], [2, 3, 0]]);
-                } else {
-                    self.ears.extend([[1, 2, 3], [3, 0, 1]]);
-                }
-            }
-            (other, _) => self.clip_ears(nodes, corners, other.is_some()),
-        }
-        self.number_parts();
-    }
-
-    /// Cuts ears off the polygon, the one with the largest angles first.
-    ///
-    /// With nodes inside the triangle a polygon is not convex, and ears must be empty.
-    fn clip_ears(&mut self, nodes: &[Node], corners: &[Vec3; 3], has_inner: bool) {
-        let polygon = &self.polygon;
-        let at = |i: usize| position(polygon[i].corner, nodes, corners);
-        if has_inner {
-            let plane = Projection::new(corners);
-            let outline: Vec<_> = (0..polygon.len()).map(|i| plane.project(at(i))).collect();
-            inset(&outline, &mut self.inset);
-        }
-        let inset = &self.inset;
-        self.ring.clear();
-        self.ring.extend(0..polygon.len());
-        while self.ring.len() > 3 {
-            let ring = &self.ring;
-            let n = ring.len();
-            let ear = |i: usize| [ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]];
-            let quality = |i: usize| {
-                let [a, b, c] = ear(i);
-                if !is_joinable(polygon, nodes, a, c)
-                    || (has_inner && are_neighbors(polygon, &self.ears, nodes, [a, c]))
-                {
-                    return -2.0;
-                }
-                let points = [a, b, c].map(at);
-                if has_inner && !is_empty_ear(inset, [a, b, c], ring) {
-                    return -1.0;
-                }
-                let angles = corner_angles(points);
-                angles.into_iter().fold(f64::MAX, f64::min)
-            };
-            let best = (0..n).max_by(|&i, &j| quality(i).total_cmp(&quality(j)));
-            let best = best.expect("a ring of more than three has a largest ear");
-            self.ears.push(ear(best));
-            self.ring.remove(best);
-        }
-        self.ears.push([self.ring[0], self.ring[1], self.ring[2]]);
-    }
-
-    /// Makes the ears parts, with the roles of their edges.
-    fn number_parts(&mut self) {
-        let (polygon, ears) = (&self.polygon, &self.ears);
-        let count = polygon.len();
-        let first = self.parts.len();
-        let find = |a: usize, b: usize, own: usize| {
-            let shares =
-                |other: &[usize; 3]| (0..3).find(|&k| other[k] == a && other[(k + 1) % 3] == b);
-            let others = ears.iter().enumerate().filter(|&(j, _)| j != own);
-            let found = others
-                .into_iter()
-                .find_map(|(j, other)| Some((first + j, shares(other)?)));
-            let (other, edge) = found.expect("an inner edge has two triangles");
-            EdgeRole::Inner { other, edge }
-        };
-        for (i, ear) in ears.iter().enumerate() {
-            let role = |k: usize| {
-                let (a, b) = (ear[k], ear[(k + 1) % 3]);
-                if b != (a + 1) % count {
-                    return find(b, a, i);
-                }
-                polygon[a].role.unwrap_or_else(|| {
-                    let back = (0..count).find(|&j| {
-                        let next = polygon[(j + 1) % count].corner;
-                        j != a
-                            && polygon[j].role.is_none()
-                            && polygon[j].corner == polygon[b].corner
-                            && next == polygon[a].corner
-                    });
-                    let back = back.expect("a bridge is followed in both directions");
-                    find(back, (back + 1) % count, i)
-                })
-            };
-            self.parts.push(Part {
-                corners: ear.map(|i| polygon[i].corner),
-                edges: [0, 1, 2].map(role),
-            });
-        }
-    }
 }
 
 /// Returns the position of a corner \[m\].
@@ -370,84 +262,6 @@ fn position(corner: Corner, nodes: &[Node], corners: &[Vec3; 3]) -> Vec3 {
         Corner::Old(k) => corners[k],
         Corner::Node { node, .. } => nodes[node as usize].position,
     }
-}
-
-/// Joins a slit that lies inside the triangle to the polygon around it, by a bridge.
-fn join_slit(
-    polygons: &mut [Vec<PolygonEdge>],
-    slit: &Chord,
-    nodes: &[Node],
-    corners: &[Vec3; 3],
-    plane: Projection,
-) {
-    let point = |edge: &PolygonEdge| plane.project(position(edge.corner, nodes, corners));
-    let ends = [slit.from, slit.to].map(|n| nodes[n as usize].position);
-    let start = plane.project(ends[0]);
-    // The shortest bridge that meets nothing else; rounding may leave none.
-    let mut best = (false, f64::INFINITY, 0, 0);
-    for (p, polygon) in polygons.iter().enumerate() {
-        let outline = || polygon.iter().map(&point);
-        let sides = || outline().zip(outline().cycle().skip(1));
-        let is_around = sides()
-            .filter(|&(a, b)| is_crossed_upward(a, b, start))
-            .count()
-            % 2
-            == 1;
-        for (i, from) in outline().enumerate() {
-            let is_free = is_around && !sides().any(|(a, b)| do_cross([from, start], [a, b]));
-            let length = (start[0] - from[0]).hypot(start[1] - from[1]);
-            if (!is_free, length) < (!best.0, best.1) {
-                best = (is_free, length, p, i);
-            }
-        }
-    }
-    let (_, _, p, i) = best;
-    let polygon = &mut polygons[p];
-    let own: Vec<u32> = slit.nodes().collect();
-    let mut detour = vec![PolygonEdge {
-        corner: polygon[i].corner,
-        role: None,
-    }];
-    let mut add = |node: u32, side: usize, role| {
-        let corner = Corner::Node { node, side };
-        detour.push(PolygonEdge { corner, role });
-    };
-    for pair in own.windows(2) {
-        let side = 1;
-        add(
-            pair[0],
-            side,
-            Some(EdgeRole::Rim {
-                node: pair[0],
-                side,
-            }),
-        );
-    }
-    for pair in own.windows(2).rev() {
-        let side = 0;
-        add(
-            pair[1],
-            side,
-            Some(EdgeRole::Rim {
-                node: pair[0],
-                side,
-            }),
-        );
-    }
-    // Both sides share the vertices of the ends.
-    let side = 1;
-    add(own[0], side, None);
-    polygon.splice(i..i, detour);
-}
-
-/// Returns whether the ray from `p` to the right crosses an edge.
-fn is_crossed_upward(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> bool {
-    (a[1] > p[1]) != (b[1] > p[1]) && (turn(a, b, p) > 0.0) == (b[1] > a[1])
-}
-
-/// Returns whether two segments cross in a point inside both.
-fn do_cross([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
-    turn(a, b, c) * turn(a, b, d) < 0.0 && turn(c, d, a) * turn(c, d, b) < 0.0
 }
 
 /// Returns a number with the exact sign of the turn from a over b to c, positive to the left.
@@ -471,103 +285,4 @@ impl Projection {
     fn project(self, p: Vec3) -> [f64; 2] {
         self.0.map(|k| p[k])
     }
-}
-
-/// Moves the corners of an outline inward by a little, so that a slit opens.
-fn inset(outline: &[[f64; 2]], out: &mut Vec<[f64; 2]>) {
-    let n = outline.len();
-    let between = |a: [f64; 2], b: [f64; 2]| [b[0] - a[0], b[1] - a[1]];
-    let pairs = (0..n).flat_map(|i| (0..i).map(move |j| (i, j)));
-    let distances = pairs.map(|(i, j)| {
-        let [x, y] = between(outline[i], outline[j]);
-        x.hypot(y)
-    });
-    let least = distances.filter(|&d| d > 0.0).fold(f64::INFINITY, f64::min);
-    let left = |a: [f64; 2], b: [f64; 2]| {
-        let [x, y] = between(a, b);
-        let length = x.hypot(y);
-        if length > 0.0 {
-            [-y / length, x / length]
-        } else {
-            [0.0; 2]
-        }
-    };
-    out.clear();
-    out.extend((0..n).map(|i| {
-        let (before, at, after) = (outline[(i + n - 1) % n], outline[i], outline[(i + 1) % n]);
-        let (u, v) = (left(before, at), left(at, after));
-        [0, 1].map(|k| at[k] + INSET * least * (u[k] + v[k]))
-    }));
-}
-
-/// Displacement of corners by [`inset`] [of the smallest distance between two].
-const INSET: f64 = 1e-4;
-
-/// Returns whether an ear of a ring of points has an area and no other point inside or on it.
-fn is_empty_ear(points: &[[f64; 2]], ear: [usize; 3], ring: &[usize]) -> bool {
-    let [a, b, c] = ear.map(|i| points[i]);
-    let mut others = ring.iter().filter(|i| !ear.contains(i)).map(|&i| points[i]);
-    turn(a, b, c) > 0.0
-        && !others.any(|p| turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0)
-}
-
-/// Returns whether a diagonal cannot repeat an edge of the surface.
-///
-/// It must join neither two old corners nor two nodes of one mesh edge.
-fn is_joinable(polygon: &[PolygonEdge], nodes: &[Node], a: usize, b: usize) -> bool {
-    match (polygon[a].corner, polygon[b].corner) {
-        (Corner::Old(_), Corner::Old(_)) => false,
-        (Corner::Node { node: a, .. }, Corner::Node { node: b, .. }) => {
-            match (nodes[a as usize].on, nodes[b as usize].on) {
-                (On::Edge { ends: a, .. }, On::Edge { ends: b, .. }) => a != b,
-                _ => a != b,
-            }
-        }
-        _ => true,
-    }
-}
-
-/// Returns whether the polygon or one of its ears has an edge between the vertices of two corners.
-///
-/// The polygon may pass a vertex twice.
-fn are_neighbors(
-    polygon: &[PolygonEdge],
-    ears: &[[usize; 3]],
-    nodes: &[Node],
-    corners: [usize; 2],
-) -> bool {
-    let vertex = |i: usize| match polygon[i].corner {
-        Corner::Node { node, .. } if nodes[node as usize].is_end => Corner::Node { node, side: 0 },
-        corner => corner,
-    };
-    let ends = corners.map(vertex);
-    let is_same = |a: usize, b: usize| {
-        let edge = [vertex(a), vertex(b)];
-        edge == ends || edge == [ends[1], ends[0]]
-    };
-    let count = polygon.len();
-    ends[0] == ends[1]
-        || (0..count).any(|i| is_same(i, (i + 1) % count))
-        || ears
-            .iter()
-            .any(|ear| (0..3).any(|k| is_same(ear[k], ear[(k + 1) % 3])))
-}
-
-/// Returns whether the diagonal from `a` to `c` is Delaunay: the angles at `b` and `d` sum to at
-/// most 180 degrees.
-fn is_delaunay([a, b, c, d]: [Vec3; 4]) -> bool {
-    let at = |p: Vec3, q: Vec3, r: Vec3| {
-        let (u, w) = (p - q, r - q);
-        (u.dot(&w), u.cross(&w).norm())
-    };
-    let ((cos_b, sin_b), (cos_d, sin_d)) = (at(a, b, c), at(c, d, a));
-    let flat = |t: [Vec3; 3]| area_vector(t).norm() == 0.0;
-    // A diagonal along the boundary makes a triangle without area.
-    if flat([a, b, c]) || flat([c, d, a]) {
-        return false;
-    }
-    if flat([b, c, d]) || flat([d, a, b]) {
-        return true;
-    }
-    sin_b * cos_d + cos_b * sin_d >= 0.0
 }

@@ -1,0 +1,219 @@
+//! Triangulation of the polygons into which chords divide a hit triangle.
+
+use super::{Corner, EdgeRole, Part, PolygonEdge, Projection, Splitter, position, turn};
+use crate::intersection::node::{Node, On};
+use incise_mesh::Vec3;
+use incise_mesh::geometry::{area_vector, corner_angles};
+
+impl Splitter {
+    /// Cuts the polygon into triangles.
+    pub(super) fn triangulate(&mut self, nodes: &[Node], corners: &[Vec3; 3]) {
+        let polygon = &self.polygon;
+        let count = polygon.len();
+        let at = |i: usize| position(polygon[i].corner, nodes, corners);
+        self.ears.clear();
+        let is_inner = |edge: &PolygonEdge| match edge.corner {
+            Corner::Old(_) => false,
+            Corner::Node { node, .. } => matches!(nodes[node as usize].on, On::Face { .. }),
+        };
+        let mut inner = (0..count).filter(|&i| is_inner(&polygon[i]));
+        match (inner.next(), inner.next()) {
+            (Some(apex), None) => {
+                // From the notch's tip the whole part is seen.
+                let fan = 1..count - 1;
+                let fan = fan.map(|i| [apex, (apex + i) % count, (apex + i + 1) % count]);
+                self.ears.extend(fan);
+            }
+            (None, _) if count == 4 => {
+                let first = is_joinable(polygon, nodes, 0, 2);
+                let second = is_joinable(polygon, nodes, 1, 3);
+                if first && (!second || is_delaunay([0, 1, 2, 3].map(at))) {
+                    self.ears.extend([[0, 1, 2], [2, 3, 0]]);
+                } else {
+                    self.ears.extend([[1, 2, 3], [3, 0, 1]]);
+                }
+            }
+            (other, _) => self.clip_ears(nodes, corners, other.is_some()),
+        }
+        self.number_parts();
+    }
+
+    /// Cuts ears off the polygon, the one with the largest angles first.
+    ///
+    /// With nodes inside the triangle a polygon is not convex, and ears must be empty.
+    fn clip_ears(&mut self, nodes: &[Node], corners: &[Vec3; 3], has_inner: bool) {
+        let polygon = &self.polygon;
+        let at = |i: usize| position(polygon[i].corner, nodes, corners);
+        if has_inner {
+            let plane = Projection::new(corners);
+            let outline: Vec<_> = (0..polygon.len()).map(|i| plane.project(at(i))).collect();
+            inset(&outline, &mut self.inset);
+        }
+        let inset = &self.inset;
+        self.ring.clear();
+        self.ring.extend(0..polygon.len());
+        while self.ring.len() > 3 {
+            let ring = &self.ring;
+            let n = ring.len();
+            let ear = |i: usize| [ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]];
+            let quality = |i: usize| {
+                let [a, b, c] = ear(i);
+                if !is_joinable(polygon, nodes, a, c)
+                    || (has_inner && are_neighbors(polygon, &self.ears, nodes, [a, c]))
+                {
+                    return -2.0;
+                }
+                let points = [a, b, c].map(at);
+                if has_inner && !is_empty_ear(inset, [a, b, c], ring) {
+                    return -1.0;
+                }
+                let angles = corner_angles(points);
+                angles.into_iter().fold(f64::MAX, f64::min)
+            };
+            let best = (0..n).max_by(|&i, &j| quality(i).total_cmp(&quality(j)));
+            let best = best.expect("a ring of more than three has a largest ear");
+            self.ears.push(ear(best));
+            self.ring.remove(best);
+        }
+        self.ears.push([self.ring[0], self.ring[1], self.ring[2]]);
+    }
+
+    /// Makes the ears parts, with the roles of their edges.
+    fn number_parts(&mut self) {
+        let (polygon, ears) = (&self.polygon, &self.ears);
+        let count = polygon.len();
+        let first = self.parts.len();
+        let find = |a: usize, b: usize, own: usize| {
+            let shares =
+                |other: &[usize; 3]| (0..3).find(|&k| other[k] == a && other[(k + 1) % 3] == b);
+            let others = ears.iter().enumerate().filter(|&(j, _)| j != own);
+            let found = others
+                .into_iter()
+                .find_map(|(j, other)| Some((first + j, shares(other)?)));
+            let (other, edge) = found.expect("an inner edge has two triangles");
+            EdgeRole::Inner { other, edge }
+        };
+        for (i, ear) in ears.iter().enumerate() {
+            let role = |k: usize| {
+                let (a, b) = (ear[k], ear[(k + 1) % 3]);
+                if b != (a + 1) % count {
+                    return find(b, a, i);
+                }
+                polygon[a].role.unwrap_or_else(|| {
+                    let back = (0..count).find(|&j| {
+                        let next = polygon[(j + 1) % count].corner;
+                        j != a
+                            && polygon[j].role.is_none()
+                            && polygon[j].corner == polygon[b].corner
+                            && next == polygon[a].corner
+                    });
+                    let back = back.expect("a bridge is followed in both directions");
+                    find(back, (back + 1) % count, i)
+                })
+            };
+            self.parts.push(Part {
+                corners: ear.map(|i| polygon[i].corner),
+                edges: [0, 1, 2].map(role),
+            });
+        }
+    }
+}
+
+/// Moves the corners of an outline inward by a little, so that a slit opens.
+fn inset(outline: &[[f64; 2]], out: &mut Vec<[f64; 2]>) {
+    let n = outline.len();
+    let between = |a: [f64; 2], b: [f64; 2]| [b[0] - a[0], b[1] - a[1]];
+    let pairs = (0..n).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let distances = pairs.map(|(i, j)| {
+        let [x, y] = between(outline[i], outline[j]);
+        x.hypot(y)
+    });
+    let least = distances.filter(|&d| d > 0.0).fold(f64::INFINITY, f64::min);
+    let left = |a: [f64; 2], b: [f64; 2]| {
+        let [x, y] = between(a, b);
+        let length = x.hypot(y);
+        if length > 0.0 {
+            [-y / length, x / length]
+        } else {
+            [0.0; 2]
+        }
+    };
+    out.clear();
+    out.extend((0..n).map(|i| {
+        let (before, at, after) = (outline[(i + n - 1) % n], outline[i], outline[(i + 1) % n]);
+        let (u, v) = (left(before, at), left(at, after));
+        [0, 1].map(|k| at[k] + INSET * least * (u[k] + v[k]))
+    }));
+}
+
+/// Displacement of corners by [`inset`] [of the smallest distance between two].
+const INSET: f64 = 1e-4;
+
+/// Returns whether an ear of a ring of points has an area and no other point inside or on it.
+fn is_empty_ear(points: &[[f64; 2]], ear: [usize; 3], ring: &[usize]) -> bool {
+    let [a, b, c] = ear.map(|i| points[i]);
+    let mut others = ring.iter().filter(|i| !ear.contains(i)).map(|&i| points[i]);
+    turn(a, b, c) > 0.0
+        && !others.any(|p| turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0)
+}
+
+/// Returns whether a diagonal cannot repeat an edge of the surface.
+///
+/// It must join neither two old corners nor two nodes of one mesh edge.
+fn is_joinable(polygon: &[PolygonEdge], nodes: &[Node], a: usize, b: usize) -> bool {
+    match (polygon[a].corner, polygon[b].corner) {
+        (Corner::Old(_), Corner::Old(_)) => false,
+        (Corner::Node { node: a, .. }, Corner::Node { node: b, .. }) => {
+            match (nodes[a as usize].on, nodes[b as usize].on) {
+                (On::Edge { ends: a, .. }, On::Edge { ends: b, .. }) => a != b,
+                _ => a != b,
+            }
+        }
+        _ => true,
+    }
+}
+
+/// Returns whether the polygon or one of its ears has an edge between the vertices of two corners.
+///
+/// The polygon may pass a vertex twice.
+fn are_neighbors(
+    polygon: &[PolygonEdge],
+    ears: &[[usize; 3]],
+    nodes: &[Node],
+    corners: [usize; 2],
+) -> bool {
+    let vertex = |i: usize| match polygon[i].corner {
+        Corner::Node { node, .. } if nodes[node as usize].is_end => Corner::Node { node, side: 0 },
+        corner => corner,
+    };
+    let ends = corners.map(vertex);
+    let is_same = |a: usize, b: usize| {
+        let edge = [vertex(a), vertex(b)];
+        edge == ends || edge == [ends[1], ends[0]]
+    };
+    let count = polygon.len();
+    ends[0] == ends[1]
+        || (0..count).any(|i| is_same(i, (i + 1) % count))
+        || ears
+            .iter()
+            .any(|ear| (0..3).any(|k| is_same(ear[k], ear[(k + 1) % 3])))
+}
+
+/// Returns whether the diagonal from `a` to `c` is Delaunay: the angles at `b` and `d` sum to at
+/// most 180 degrees.
+fn is_delaunay([a, b, c, d]: [Vec3; 4]) -> bool {
+    let at = |p: Vec3, q: Vec3, r: Vec3| {
+        let (u, w) = (p - q, r - q);
+        (u.dot(&w), u.cross(&w).norm())
+    };
+    let ((cos_b, sin_b), (cos_d, sin_d)) = (at(a, b, c), at(c, d, a));
+    let flat = |t: [Vec3; 3]| area_vector(t).norm() == 0.0;
+    // A diagonal along the boundary makes a triangle without area.
+    if flat([a, b, c]) || flat([c, d, a]) {
+        return false;
+    }
+    if flat([b, c, d]) || flat([d, a, b]) {
+        return true;
+    }
+    sin_b * cos_d + cos_b * sin_d >= 0.0
+}

@@ -1,0 +1,87 @@
+//! Edges of the sweep: between two facets, or on its boundary.
+
+use super::{Facets, NO_FACET};
+use incise_mesh::{Vec3, index_u32};
+
+/// An edge of the sweep's facets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct SweepEdge {
+    pub(crate) ends: [u32; 2],
+    /// The facet on its left and the one on its right, [`NO_FACET`] at the sweep's boundary.
+    pub(crate) facets: [u32; 2],
+}
+
+impl SweepEdge {
+    /// Returns whether the edge is between two facets; else it is part of the sweep's boundary.
+    pub(crate) fn is_crease(&self) -> bool {
+        !self.facets.contains(&NO_FACET)
+    }
+}
+
+/// The kinds of edges of a sweep.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum EdgeKind {
+    /// From a previous point to the same point now.
+    Rib,
+    /// Across two neighbors.
+    Diagonal,
+    /// Between two neighbors in the previous frame.
+    Previous,
+    /// Between two neighbors in the current frame.
+    Current,
+}
+
+impl Facets {
+    /// Returns the diagonal between the first two facets.
+    pub(crate) fn crease(&self) -> u32 {
+        index_u32(self.corners.len() / 2)
+    }
+
+    /// Returns whether the first two facets meet at their diagonal.
+    pub(crate) fn has_crease(&self) -> bool {
+        self.edges[self.crease() as usize].is_crease()
+    }
+
+    /// Returns the kind of an edge.
+    pub(crate) fn kind(&self, edge: u32) -> EdgeKind {
+        let ribs = index_u32(self.corners.len() / 2);
+        match edge.checked_sub(ribs).map(|i| i % 3) {
+            None => EdgeKind::Rib,
+            Some(0) => EdgeKind::Diagonal,
+            Some(1) => EdgeKind::Previous,
+            Some(_) => EdgeKind::Current,
+        }
+    }
+
+    /// Returns the pair of neighbors on the polyline at which a diagonal, previous or current edge
+    /// lies; for others none.
+    pub(crate) fn pair_of(&self, edge: u32) -> Option<u32> {
+        let ribs = index_u32(self.corners.len() / 2);
+        edge.checked_sub(ribs).map(|i| i / 3)
+    }
+
+    /// Returns whether parts of an edge inside the body become chains.
+    ///
+    /// Not where the sweep continues a tip, nor on edges of triangles without area alone.
+    pub(crate) fn may_have_chain(&self, edge: u32) -> bool {
+        let is_tip = || {
+            let pair = self.pair_of(edge).map(|pair| pair as usize);
+            let along = pair.and_then(|pair| self.weld.half_edges.get(pair));
+            self.kind(edge) == EdgeKind::Previous && along.is_some_and(|h| !h.is_null())
+        };
+        self.edges[edge as usize].facets != [NO_FACET; 2] && !is_tip()
+    }
+
+    /// Returns the facet beyond an edge of facet `i`, [`NO_FACET`] at the sweep's boundary.
+    pub(crate) fn beyond_edge(&self, i: u32, edge: u32) -> u32 {
+        let [left, right] = self.edges[edge as usize].facets;
+        if left == i { right } else { left }
+    }
+
+    /// Returns the distance of `p` from the line of a sweep edge \[m\].
+    pub(crate) fn off_edge(&self, edge: u32, p: Vec3) -> f64 {
+        let [start, end] = self.ends(edge);
+        let along = end - start;
+        along.cross(&(p - start)).norm() / along.norm()
+    }
+}
