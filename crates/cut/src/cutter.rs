@@ -220,12 +220,12 @@ impl Cutter {
             places,
         } = stroke;
         let outcome = self.cut_along(surface, &sweep, params, Some(&weld))?;
-        let tip = if outcome.is_miss() {
-            Vec::new()
+        if outcome.is_miss() {
+            incision.restart(blade);
         } else {
-            self.exact.tip(surface, &self.facets, &places)
-        };
-        incision.finish_step(blade, tip);
+            let tip = self.exact.tip(surface, &self.facets, &places);
+            incision.finish_step(blade, tip, sweep);
+        }
         Ok(outcome)
     }
 

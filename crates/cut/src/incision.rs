@@ -25,6 +25,7 @@ const MAX_WIDENING: f64 = 0.2;
 pub struct Incision {
     pose: Vec<[f32; 3]>,
     tip: Vec<TipPoint>,
+    sweep: Option<Sweep>,
 }
 
 /// A vertex of the tip.
@@ -72,6 +73,12 @@ impl Incision {
         self.tip.iter().map(|point| point.vertex)
     }
 
+    /// Returns the sweep of the last step that cut.
+    #[must_use]
+    pub fn sweep(&self) -> Option<&Sweep> {
+        self.sweep.as_ref()
+    }
+
     /// Ends the incision where it is; the next motion of the blade starts at `pose` \[m\].
     pub fn restart(&mut self, pose: &[[f32; 3]]) {
         self.pose.clear();
@@ -80,9 +87,10 @@ impl Incision {
     }
 
     /// Sets the pose and the tip after a step.
-    pub(crate) fn finish_step(&mut self, pose: &[[f32; 3]], tip: Vec<TipPoint>) {
+    pub(crate) fn finish_step(&mut self, pose: &[[f32; 3]], tip: Vec<TipPoint>, sweep: Sweep) {
         self.restart(pose);
         self.tip = tip;
+        self.sweep = Some(sweep);
     }
 
     /// Removes the parts of the tip that other cuts have removed.

@@ -18,7 +18,7 @@ pub mod prelude {
         Collider, InteriorSprings, Material, SolverParams, Stiffness, Volume,
     };
     pub use incise_scene::{
-        BackendChoice, BackendRequest, BladeId, BodyId, ContactParams, FrameStats, Scene,
-        SceneError, SceneParams, SleepParams,
+        BackendChoice, BackendRequest, BladeId, BladeMode, BodyId, ContactParams, FrameStats,
+        Scene, SceneError, SceneParams, SleepParams,
     };
 }

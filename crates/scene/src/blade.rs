@@ -20,6 +20,19 @@ impl fmt::Display for BladeId {
     }
 }
 
+/// Whether a blade may end inside a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BladeMode {
+    /// Cuts full slices: a sweep that ends inside a body is refused.
+    #[default]
+    FullSlices,
+    /// Cuts as far as the blade moves and goes on from there in later frames.
+    ///
+    /// The walls of an incision belong to one piece: contacts between them need
+    /// [`crate::ContactParams::self_collision`].
+    Progressive,
+}
+
 /// A cutting edge with its pose in this and the previous frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blade {
@@ -31,6 +44,8 @@ pub struct Blade {
     pub face: Option<[f32; 3]>,
     /// The only piece that the blade cuts; `None` cuts all pieces.
     pub only_piece: Option<u32>,
+    /// Whether the blade may end inside a body.
+    pub mode: BladeMode,
 }
 
 impl Blade {
@@ -41,6 +56,7 @@ impl Blade {
             previous_face: None,
             face: None,
             only_piece: None,
+            mode: BladeMode::FullSlices,
         }
     }
 
@@ -60,6 +76,11 @@ impl Blade {
             Err(CutError::BladeDegenerate) => Ok(None),
             Err(error) => Err(error),
         }
+    }
+
+    /// Returns the edge in the last frame \[m\].
+    pub(crate) const fn previous_edge(&self) -> [[f32; 3]; 2] {
+        self.previous_edge
     }
 
     /// Ends the sweep: the next one starts at the present pose.
@@ -123,6 +144,22 @@ impl Scene {
         Ok(())
     }
 
+    /// Sets whether a blade may end inside a body. Ends its incisions.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBlade`].
+    pub fn set_blade_mode(&mut self, id: BladeId, mode: BladeMode) -> Result<(), SceneError> {
+        self.blade_mut(id)?.mode = mode;
+        self.end_incisions(id);
+        Ok(())
+    }
+
+    fn end_incisions(&mut self, id: BladeId) {
+        for body in self.bodies.iter_mut().flatten() {
+            body.end_incision(id.index);
+        }
+    }
+
     /// Gives a blade a face: the parallelogram from its edge to its back.
     ///
     /// `face` is the vector from the edge to the back \[m\]. With [`crate::SceneParams::contacts`]
@@ -154,7 +191,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Moves a blade without cutting.
+    /// Moves a blade without cutting. Ends its incisions.
     ///
     /// # Errors
     /// [`SceneError::UnknownBlade`].
@@ -163,6 +200,7 @@ impl Scene {
         blade.edge = edge;
         blade.previous_edge = edge;
         blade.previous_face = None;
+        self.end_incisions(id);
         Ok(())
     }
 

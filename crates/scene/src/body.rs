@@ -1,10 +1,11 @@
 //! [`Body`]: a soft body of a [`crate::Scene`], its surface, solver and cutter kept consistent.
 
+use crate::blade::{Blade, BladeMode};
 use crate::contacts::{ContactFrame, ContactParams, ContactSearch};
 use crate::error::SceneError;
 use crate::interior_springs::InteriorSpringSearch;
 use crate::scene::SceneNumber;
-use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
+use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Incision, Sweep};
 use incise_mesh::{Aabb, RayHit, Surface, Undo, Vec3, VertexId};
 use incise_pbd_gpu::{
     ConstraintError, Material, PatchParams, Solver, SolverParams, StepError, StepStats,
@@ -31,6 +32,8 @@ pub struct Body {
     surface: Surface,
     solver: Solver,
     cutter: Cutter,
+    /// Incisions by the numbers of their blades.
+    incisions: Vec<(usize, Incision)>,
     spring_search: InteriorSpringSearch,
     contact_search: ContactSearch,
     /// Whether vertices moved since the BVH was last refitted.
@@ -75,6 +78,7 @@ impl Body {
             surface,
             solver,
             cutter,
+            incisions: Vec::new(),
             spring_search,
             contact_search: ContactSearch::default(),
             stale: false,
@@ -201,9 +205,47 @@ impl Body {
         std::mem::replace(&mut self.stale, false)
     }
 
-    /// Cuts and updates constraints and masses. The BVH must be refitted.
-    pub(crate) fn cut(&mut self, sweep: &Sweep, params: &CutParams) -> Result<BodyCut, SceneError> {
-        let cut = self.cutter.cut(&mut self.surface, sweep, params);
+    /// Returns whether a blade is inside the body.
+    pub(crate) fn has_incision(&self, blade: usize) -> bool {
+        let mut own = self.incisions.iter();
+        own.any(|(number, incision)| *number == blade && incision.is_inside())
+    }
+
+    /// Ends the incision of a blade, if it has one.
+    pub(crate) fn end_incision(&mut self, blade: usize) {
+        self.incisions.retain(|(number, _)| *number != blade);
+    }
+
+    /// Cuts along the sweep of a blade and updates constraints and masses. The BVH must be refitted.
+    pub(crate) fn cut(
+        &mut self,
+        (number, blade): (usize, &Blade),
+        sweep: &Sweep,
+        params: &CutParams,
+    ) -> Result<BodyCut, SceneError> {
+        let mut stepped = None;
+        let cut = match blade.mode {
+            BladeMode::FullSlices => self.cutter.cut(&mut self.surface, sweep, params),
+            BladeMode::Progressive => {
+                let own = self.incisions.iter().position(|own| own.0 == number);
+                let own = own.unwrap_or_else(|| {
+                    self.incisions.push((number, Incision::default()));
+                    self.incisions.len() - 1
+                });
+                let incision = &mut self.incisions[own].1;
+                if !incision.is_inside() {
+                    incision.restart(&blade.previous_edge());
+                }
+                let edge = blade.edge();
+                let cut = (self.cutter).advance(&mut self.surface, incision, &edge, params);
+                if cut.is_err() {
+                    incision.restart(&edge);
+                }
+                stepped = incision.sweep().cloned();
+                cut
+            }
+        };
+        let sweep = stepped.as_ref().unwrap_or(sweep);
         self.topology_version = self.surface.fingerprint();
         let begin = Instant::now();
         if let Ok(outcome) = &cut

@@ -1,6 +1,6 @@
 //! One frame of a [`Scene`] in order: sweeps and cuts, then contacts, then the solver.
 
-use crate::blade::BladeId;
+use crate::blade::{Blade, BladeId};
 use crate::body::BodyId;
 use crate::contacts::ContactFrame;
 use crate::error::SceneError;
@@ -269,7 +269,7 @@ impl Scene {
             }
         };
         self.stats.sweeps += 1;
-        while let Err(error) = self.find_near_bodies(&sweep) {
+        while let Err(error) = self.find_near_bodies(index, &sweep) {
             // After a fallback the CPU copies are the bodies: the broad phase starts again.
             self.recover(None, error)?;
         }
@@ -278,7 +278,7 @@ impl Scene {
         self.stats.detection += begin.elapsed();
         let results = self.cuts.len() + self.failed_cuts.len();
         for n in 0..self.near.len() {
-            self.cut_body(id, self.near[n], &sweep, &params)?;
+            self.cut_body((id, &blade), self.near[n], &sweep, &params)?;
         }
         if self.cuts.len() + self.failed_cuts.len() == results {
             self.stats.missed_sweeps += 1;
@@ -291,15 +291,18 @@ impl Scene {
     }
 
     /// Finds the bodies whose bounding boxes overlap a sweep's, and reads them back.
-    fn find_near_bodies(&mut self, sweep: &Sweep) -> Result<(), SceneError> {
+    ///
+    /// So is a body that the blade is inside.
+    fn find_near_bodies(&mut self, blade: usize, sweep: &Sweep) -> Result<(), SceneError> {
         let swept = sweep.bounds();
         self.near.clear();
         for (i, body) in self.bodies.iter_mut().enumerate() {
-            if self.params.skip_far_sweeps && self.sleep.is_far(i, &swept) {
+            let is_inside = body.as_ref().is_some_and(|body| body.has_incision(blade));
+            if !is_inside && self.params.skip_far_sweeps && self.sleep.is_far(i, &swept) {
                 continue;
             }
             let Some(body) = body else { continue };
-            if self.params.skip_far_sweeps {
+            if !is_inside && self.params.skip_far_sweeps {
                 let is_near = match &mut self.gpu {
                     Some(gpu) if gpu.holds(i) => {
                         let bounds = match gpu.bounds(i)? {
@@ -329,7 +332,7 @@ impl Scene {
     /// Cuts a body, whose CPU copy is up to date, along a sweep.
     fn cut_body(
         &mut self,
-        blade: BladeId,
+        (id, blade): (BladeId, &Blade),
         i: usize,
         sweep: &Sweep,
         params: &CutParams,
@@ -342,7 +345,7 @@ impl Scene {
         self.stats.narrow_phase_queries += 1;
         self.stats.detection += begin.elapsed();
         let begin = Instant::now();
-        let result = body.cut(sweep, params)?;
+        let result = body.cut((id.index, blade), sweep, params)?;
         self.stats.constraint_update += result.constraints;
         match result.cut {
             Ok(outcome) => {
@@ -357,7 +360,7 @@ impl Scene {
                     self.stats.cuts += 1;
                     self.sleep.wake(i);
                     self.cuts.push(SweepResult {
-                        blade,
+                        blade: id,
                         cut: Some((self.body_id(i), outcome)),
                     });
                     if let Some(gpu) = &mut self.gpu {
@@ -369,7 +372,7 @@ impl Scene {
             }
             Err(error) => {
                 self.stats.detection += begin.elapsed();
-                self.record_failed_cut(blade, i, error);
+                self.record_failed_cut(id, i, error);
             }
         }
         Ok(())

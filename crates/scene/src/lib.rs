@@ -16,7 +16,7 @@ mod sleep;
 mod stats;
 
 pub use backend::{BackendChoice, BackendReport, BackendRequest};
-pub use blade::{Blade, BladeId};
+pub use blade::{Blade, BladeId, BladeMode};
 pub use body::{Body, BodyId};
 pub use contacts::ContactParams;
 pub use error::{FallbackReason, SceneError};
