@@ -216,7 +216,9 @@ impl Body {
         self.incisions.retain(|(number, _)| *number != blade);
     }
 
-    /// Cuts along the sweep of a blade and updates constraints and masses. The BVH must be refitted.
+    /// Cuts along the sweep of a blade and updates constraints and masses.
+    ///
+    /// The BVH must be refitted.
     pub(crate) fn cut(
         &mut self,
         (number, blade): (usize, &Blade),
