@@ -126,7 +126,8 @@ proptest! {
     /// where its tip is on the surface, or where the blade is in the body without touching it.
     #[test]
     fn blades_in_motion_keep_the_surface_closed(
-        body in 0usize..3,
+        body in 0usize..5,
+        noise in prop::sample::select(vec![0.0, 0.0, 0.04]),
         half in 0.15f32..0.95,
         (y, z, tilt) in (-0.3f32..0.3, -0.3f32..0.3, -0.3f32..0.3),
         (turn, drop) in (-0.5f32..0.5, -0.2f32..0.2),
@@ -134,8 +135,19 @@ proptest! {
         is_moving in any::<bool>(),
         snap in prop::sample::select(vec![0.0, 0.1]),
     ) {
-        let bodies = [icosphere(3, 0.5), torus(0.35, 0.15, 32, 16), cube_sphere(6, 0.5)];
+        let bodies = [
+            icosphere(3, 0.5),
+            torus(0.35, 0.15, 32, 16),
+            cube_sphere(6, 0.5),
+            cube_sphere(1, 0.5),
+            icosphere(0, 0.5),
+        ];
         let mut body = bodies[body].clone();
+        // So much noise makes bodies of small triangles intersect themselves.
+        for (i, p) in (0u16..).zip(body.positions_mut()) {
+            let wave = |k: u16| (f32::from(i) * f32::from(7 * k + 5)).sin();
+            (0..3).for_each(|k| p[k] += noise * wave(u16::try_from(k).unwrap()));
+        }
         let mut cutter = Cutter::new(&body);
         let mut incision = Incision::default();
         for i in 0..=steps {
@@ -148,7 +160,8 @@ proptest! {
             match cutter.advance(&mut body, &mut incision, &pose, &params(snap)) {
                 Ok(_) => {
                     let error = (body.volume() - before.1).abs() / before.1;
-                    prop_assert!(error < if snap == 0.0 { 1e-5 } else { 2e-3 }, "{}", error);
+                    let bound = if snap == 0.0 { 1e-5 } else { 2e-3 };
+                    prop_assert!(error < bound || noise > 0.0, "{}", error);
                 }
                 Err(error) => {
                     let is_expected = matches!(

@@ -17,7 +17,7 @@ use super::rest::RestMap;
 use super::rim::Rim;
 use crate::blade_position::blade_starts_inside;
 use crate::interpolate::add_vertex;
-use crate::intersection::facets::Facets;
+use crate::intersection::facets::{EdgeKind, Facets};
 use crate::intersection::node::Node;
 use crate::sweep::Sweep;
 use incise_mesh::geometry::{round_to_f32, to_f32};
@@ -182,6 +182,19 @@ impl Chains {
         node
     }
 
+    /// Returns whether a chain along the blade's present edge is a tip by itself.
+    ///
+    /// A tip of one edge could not be opened by the next step, which shares both of its vertices.
+    fn is_whole_tip(&self, facets: &Facets, edge: u32, ends: [u32; 2]) -> bool {
+        let count = index_u32(facets.corner_count());
+        let is_inner = |corner: u32| corner != count / 2 && corner != count - 1;
+        let corners = facets.edges()[edge as usize].ends;
+        let goes_on = |(corner, node): (u32, u32)| {
+            is_inner(corner) && self.corners.iter().any(|c| (c.0, c.2) == (corner, node))
+        };
+        facets.kind(edge) == EdgeKind::Current && !corners.into_iter().zip(ends).any(goes_on)
+    }
+
     /// Makes the nodes between the ends of a chain, spaced by the target lengths.
     fn add_chain(
         &mut self,
@@ -211,7 +224,8 @@ impl Chains {
         let topology = edit.surface().topology();
         let is_edge = ends.into_iter().all(is_on_rim)
             && at.rim.is_beside(topology, sides, ends[0], vertices[1]);
-        let min_count = 1 + u32::from(has_shared_ends || is_edge);
+        let is_alone = self.is_whole_tip(at.facets, edge, ends);
+        let min_count = 1 + u32::from(has_shared_ends || is_edge || is_alone);
         let distance = (q - p).norm();
         let spacing = Spacing::new(ends.map(length), at.refine.grading, distance, min_count);
         let first = self.nodes.len();

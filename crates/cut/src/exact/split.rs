@@ -99,7 +99,7 @@ impl Splitter {
             if !self.boundary[start].used {
                 self.walk(start, hit.chords);
                 if slits.is_empty() {
-                    self.triangulate(nodes, &hit.corners);
+                    self.triangulate(nodes, hit);
                 } else {
                     self.polygons.push(self.polygon.clone());
                 }
@@ -114,7 +114,7 @@ impl Splitter {
         }
         for polygon in std::mem::take(&mut self.polygons) {
             self.polygon = polygon;
-            self.triangulate(nodes, &hit.corners);
+            self.triangulate(nodes, hit);
         }
     }
 

@@ -1,13 +1,14 @@
 //! Triangulation of the polygons into which chords divide a hit triangle.
 
-use super::{Corner, EdgeRole, Part, PolygonEdge, Projection, Splitter, position, turn};
+use super::{Corner, EdgeRole, Hit, Part, PolygonEdge, Projection, Splitter, position, turn};
 use crate::intersection::node::{Node, On};
-use incise_mesh::Vec3;
 use incise_mesh::geometry::{area_vector, corner_angles};
+use incise_mesh::{Vec3, VertexId};
 
 impl Splitter {
     /// Cuts the polygon into triangles.
-    pub(super) fn triangulate(&mut self, nodes: &[Node], corners: &[Vec3; 3]) {
+    pub(super) fn triangulate(&mut self, nodes: &[Node], hit: Hit<'_>) {
+        let corners = &hit.corners;
         let polygon = &self.polygon;
         let count = polygon.len();
         let at = |i: usize| position(polygon[i].corner, nodes, corners);
@@ -25,15 +26,15 @@ impl Splitter {
                 self.ears.extend(fan);
             }
             (None, _) if count == 4 => {
-                let first = is_joinable(polygon, nodes, 0, 2);
-                let second = is_joinable(polygon, nodes, 1, 3);
+                let first = is_joinable(polygon, &hit.vertices, nodes, 0, 2);
+                let second = is_joinable(polygon, &hit.vertices, nodes, 1, 3);
                 if first && (!second || is_delaunay([0, 1, 2, 3].map(at))) {
                     self.ears.extend([[0, 1, 2], [2, 3, 0]]);
                 } else {
                     self.ears.extend([[1, 2, 3], [3, 0, 1]]);
                 }
             }
-            (other, _) => self.clip_ears(nodes, corners, other.is_some()),
+            (other, _) => self.clip_ears(nodes, hit, other.is_some()),
         }
         self.number_parts();
     }
@@ -41,7 +42,8 @@ impl Splitter {
     /// Cuts ears off the polygon, the one with the largest angles first.
     ///
     /// With nodes inside the triangle a polygon is not convex, and ears must be empty.
-    fn clip_ears(&mut self, nodes: &[Node], corners: &[Vec3; 3], has_inner: bool) {
+    fn clip_ears(&mut self, nodes: &[Node], hit: Hit<'_>, has_inner: bool) {
+        let corners = &hit.corners;
         let polygon = &self.polygon;
         let at = |i: usize| position(polygon[i].corner, nodes, corners);
         if has_inner {
@@ -58,7 +60,7 @@ impl Splitter {
             let ear = |i: usize| [ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]];
             let quality = |i: usize| {
                 let [a, b, c] = ear(i);
-                if !is_joinable(polygon, nodes, a, c)
+                if !is_joinable(polygon, &hit.vertices, nodes, a, c)
                     || (has_inner && are_neighbors(polygon, &self.ears, nodes, [a, c]))
                 {
                     return -2.0;
@@ -159,8 +161,14 @@ fn is_empty_ear(points: &[[f64; 2]], ear: [usize; 3], ring: &[usize]) -> bool {
 
 /// Returns whether a diagonal cannot repeat an edge of the surface.
 ///
-/// It must join neither two old corners nor two nodes of one mesh edge.
-fn is_joinable(polygon: &[PolygonEdge], nodes: &[Node], a: usize, b: usize) -> bool {
+/// It must not join two corners or nodes of one edge of the hit triangle.
+fn is_joinable(
+    polygon: &[PolygonEdge],
+    vertices: &[VertexId; 3],
+    nodes: &[Node],
+    a: usize,
+    b: usize,
+) -> bool {
     match (polygon[a].corner, polygon[b].corner) {
         (Corner::Old(_), Corner::Old(_)) => false,
         (Corner::Node { node: a, .. }, Corner::Node { node: b, .. }) => {
@@ -169,7 +177,11 @@ fn is_joinable(polygon: &[PolygonEdge], nodes: &[Node], a: usize, b: usize) -> b
                 _ => a != b,
             }
         }
-        _ => true,
+        (Corner::Old(k), Corner::Node { node, .. })
+        | (Corner::Node { node, .. }, Corner::Old(k)) => match nodes[node as usize].on {
+            On::Edge { ends, .. } => !ends.contains(&vertices[k]),
+            _ => true,
+        },
     }
 }
 
