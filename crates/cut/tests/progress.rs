@@ -1,37 +1,11 @@
 //! Blades that move on from frame to frame.
 
-use incise_cut::{CutError, CutMethod, CutParams, Cutter, ExactParams, Incision, Sweep};
+mod common;
+
+use common::{check, params};
+use incise_cut::{CutError, Cutter, Incision, Sweep};
 use incise_mesh::{Surface, cube_sphere, icosphere, torus};
 use proptest::prelude::*;
-use std::collections::BTreeMap;
-
-fn params(snap: f64) -> CutParams {
-    CutParams {
-        method: CutMethod::Exact(ExactParams {
-            snap,
-            ..ExactParams::default()
-        }),
-        ..CutParams::default()
-    }
-}
-
-fn check(surface: &Surface) -> i64 {
-    surface.validate().unwrap();
-    let topology = surface.topology();
-    assert!(topology.is_closed(), "the surface is open");
-    let mut edges = BTreeMap::new();
-    for t in topology.triangles() {
-        let [a, b, c] = topology.triangle(t);
-        for (v, w) in [(a, b), (b, c), (c, a)] {
-            *edges.entry((v.min(w), v.max(w))).or_insert(0) += 1;
-        }
-    }
-    for (edge, count) in &edges {
-        assert_eq!(*count, 2, "{edge:?} has {count} triangles");
-    }
-    let count = |n: usize| i64::try_from(n).unwrap();
-    count(topology.vertex_count()) - count(edges.len()) + count(topology.triangle_count())
-}
 
 /// Advances a blade of two points in equal steps.
 fn advance(

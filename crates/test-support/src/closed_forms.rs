@@ -183,15 +183,13 @@ fn quarter(advance: Advance<'_>, h: f64) -> f64 {
     let (mut surface, mut solver) = body(&points, &[[0, 1, 2]], &edges(0.0, 0.0));
     hold(&mut surface, &mut solver, [0, 1]);
     let mut last = 1.0;
-    for step in 0..10_000 {
+    let time = (0..10_000).find_map(|step| {
         advance(&mut surface, &mut solver, h as f32, &falling(20, 1), 1);
         let x = surface.position(VertexId(2)).x;
-        if x <= 0.0 {
-            return h * (f64::from(step) + last / (last - x));
-        }
-        last = x;
-    }
-    panic!("the body does not fall within 10,000 steps");
+        let before = std::mem::replace(&mut last, x);
+        (x <= 0.0).then(|| h * (f64::from(step) + before / (before - x)))
+    });
+    time.expect("the pendulum falls within 10,000 steps")
 }
 
 fn pendulum(advance: Advance<'_>) {

@@ -142,7 +142,9 @@ pub fn replace_with_undo(
     }
     pairs.into_iter().for_each(|(g, h)| edit.set_twins(g, h));
     let done = edit.finish();
-    surface.validate().unwrap();
+    surface
+        .validate()
+        .expect("the edit pairs the same edges as before");
     done
 }
 

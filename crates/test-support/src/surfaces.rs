@@ -1,6 +1,6 @@
 //! Small closed surfaces made of spheres.
 
-use incise_mesh::{EdgeKey, Surface};
+use incise_mesh::{EdgeKey, Surface, index_u32};
 use std::collections::HashMap;
 
 /// Returns a unit sphere around `center`: an octahedron subdivided `levels` times.
@@ -10,7 +10,7 @@ use std::collections::HashMap;
 #[must_use]
 pub fn sphere(levels: u32, center: [f32; 3]) -> Surface {
     let (positions, faces) = sphere_parts(levels, center);
-    Surface::from_triangles(&positions, &faces).unwrap()
+    Surface::from_triangles(&positions, &faces).expect("spheres are closed manifolds")
 }
 
 /// Returns a surface of two separate spheres.
@@ -21,10 +21,10 @@ pub fn sphere(levels: u32, center: [f32; 3]) -> Surface {
 pub fn two_spheres(levels: u32) -> Surface {
     let (mut positions, mut faces) = sphere_parts(levels, [0.0, 2.0, 0.0]);
     let (more, other) = sphere_parts(levels, [3.0, 2.0, 0.0]);
-    let offset = u32::try_from(positions.len()).unwrap();
+    let offset = index_u32(positions.len());
     positions.extend(more);
     faces.extend(other.iter().map(|t| t.map(|v| v + offset)));
-    Surface::from_triangles(&positions, &faces).unwrap()
+    Surface::from_triangles(&positions, &faces).expect("spheres are closed manifolds")
 }
 
 fn sphere_parts(levels: u32, center: [f32; 3]) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
@@ -56,7 +56,7 @@ fn sphere_parts(levels: u32, center: [f32; 3]) -> (Vec<[f32; 3]>, Vec<[u32; 3]>)
                     let sum = [0, 1, 2].map(|k: usize| x[k] + y[k]);
                     let norm = sum.iter().map(|c| c * c).sum::<f32>().sqrt();
                     positions.push(sum.map(|c| c / norm));
-                    u32::try_from(positions.len() - 1).unwrap()
+                    index_u32(positions.len() - 1)
                 })
             });
             finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);

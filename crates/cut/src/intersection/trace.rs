@@ -138,8 +138,9 @@ impl Trace {
         Ok(())
     }
 
-    /// Follows the curves that begin at an end of a tip: those that run around back to it, and
-    /// those that begin there because the sweep goes on inside the body.
+    /// Follows the curves that begin at the end of a tip.
+    ///
+    /// A curve that returns to the tip is closed. A curve that starts inside the body is open.
     fn follow_tips(&mut self, surface: &Surface, facets: &Facets) -> Result<(), CutError> {
         let mut corner = 0;
         while let Some(tip) = Tip::from_corner(facets, corner) {

@@ -39,8 +39,8 @@ fn side_along(axis: usize, a: Point, b: Point, c: Point) -> f64 {
 
 /// Sorts the triangles around the edge from `a` to `b` counterclockwise, seen from `b`.
 ///
-/// Of triangles with equal angles, those that end material come before those that start it, so that
-/// no wedge between them is empty. Returns false, and sorts nothing, if a triangle has no area.
+/// At equal angles, triangles that end material precede triangles that start it. This avoids empty
+/// wedges between them. Returns false, and sorts nothing, if a triangle has no area.
 pub(super) fn sort_around(
     [a, b]: [Point; 2],
     spokes: &mut [Spoke],

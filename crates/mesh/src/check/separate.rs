@@ -27,8 +27,7 @@ pub(super) struct Crowd {
     pub(super) is_sorted: bool,
     /// Whether the pairs enclose void instead of material.
     is_inverted: bool,
-    /// Numbers of triangles of patches that are not loose: those that end material, and that start
-    /// it.
+    /// Numbers of triangles in attached patches: ends of material, starts of material.
     closed: [usize; 2],
 }
 

@@ -10,10 +10,11 @@ use crate::constraints::attachments::LongRangeAttachment;
 /// edges correct most of the distance; this rate only keeps them from increasing it again.
 pub(crate) const RETURN: f32 = 0.05;
 
-/// Projects vertices that are farther from their anchor than the attachment's length.
+/// Projects vertices whose distance from their anchor exceeds the attachment's length.
 ///
-/// They move straight back to that length. A vertex that was farther at the start of a substep of
-/// `h` \[s\] moves back to that distance, reduced at rate [`RETURN`]. Anchors do not move, and no
+/// Vertices move straight toward the anchor, to that length. If the distance exceeded the length at
+/// the start of a substep of `h` \[s\], it is instead limited to that distance, reduced at rate
+/// [`RETURN`]. Anchors do not move, and no
 /// two attachments share a vertex.
 #[inline(always)]
 pub(crate) fn attachments(

@@ -162,8 +162,8 @@ impl Star {
     ///
     /// Projected along the mean normal, old and new triangles cover the same outline once. Their
     /// distance is linear between the vertex and the crossings of old and new edges, so its maximum
-    /// is at one of these. A vertex of the rim first moves to the new rim edge. No triangle moves
-    /// farther than that vertex. Both outlines are then equal.
+    /// is at one of these. A vertex of the rim first moves to the new rim edge, which makes both
+    /// outlines equal. This moves each triangle by at most the displacement of the vertex.
     pub(super) fn distance_onto(&mut self, k: usize) -> Option<f64> {
         let center = self.center?;
         let scale = texture_scale(self.points.iter().map(|&p| [center, p]));
