@@ -110,7 +110,57 @@ impl Edit<'_> {
         without.retain(|&v| topology.outgoing(v).is_null());
         without.sort_unstable();
         without.dedup();
+        if self.has_lost_boundary(changes, &without) {
+            self.find_other_fans();
+            let topology = &self.surface.topology;
+            without.retain(|&v| topology.outgoing(v).is_null());
+        }
         without
+    }
+
+    /// Returns whether a vertex without triangles nearby was on a boundary before the edit.
+    ///
+    /// Such a vertex may have another fan, which the edit did not touch. `without` is ascending.
+    fn has_lost_boundary(&self, changes: &[Change], without: &[VertexId]) -> bool {
+        if without.is_empty() {
+            return false;
+        }
+        // Sides of removed triangles at these vertices, with their twins before the edit.
+        let mut sides = Vec::new();
+        for change in changes {
+            for (h, v) in change.triangle.half_edges().into_iter().zip(change.before) {
+                if !v.is_null() && without.binary_search(&v).is_ok() {
+                    sides.extend([(h, None), (h.prev(), None)]);
+                }
+            }
+        }
+        sides.sort_unstable_by_key(|side| side.0);
+        sides.dedup_by_key(|side| side.0);
+        for (h, twin) in self.log.twin.overwrites() {
+            if let Ok(at) = sides.binary_search_by_key(&HalfEdge(h), |side| side.0) {
+                sides[at].1.get_or_insert(twin);
+            }
+        }
+        let topology = &self.surface.topology;
+        let mut twins = sides
+            .into_iter()
+            .map(|(h, twin)| twin.unwrap_or_else(|| topology.twin(h)));
+        twins.any(HalfEdge::is_null)
+    }
+
+    /// Sets the outgoing half-edges of vertices that have none but have a fan. O(n).
+    ///
+    /// Nothing leads from one fan of a boundary vertex to its others. Each starts at a boundary.
+    fn find_other_fans(&mut self) {
+        let topology = &mut self.surface.topology;
+        for i in 0..topology.twin.len() {
+            let v = topology.origin[i];
+            if topology.twin[i].is_null() && !v.is_null() && topology.outgoing[v.index()].is_null()
+            {
+                let h = HalfEdge::from_index(i);
+                self.log.outgoing.set(&mut topology.outgoing, v.0, h);
+            }
+        }
     }
 
     /// Returns the vertices that are used now but were not before, with the piece of one triangle.
@@ -146,7 +196,7 @@ impl Edit<'_> {
         // A quick test first: the triangles of a piece come in runs.
         let kept = held.clone().map(|c| surface.piece[c.triangle.index()]);
         let mut last = None;
-        let mut runs = (self.log.piece.overwritten().chain(kept))
+        let mut runs = (self.log.piece.overwrites().map(|entry| entry.1).chain(kept))
             .filter(|&piece| last.replace(piece) != Some(piece));
         if !runs.any(is_gone) {
             return Vec::new();

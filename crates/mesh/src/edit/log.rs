@@ -64,9 +64,9 @@ impl<T: Copy> Track<T> {
         order.into_iter().map(|key| self.old[time(key)]).collect()
     }
 
-    /// Iterates over all overwritten values.
-    pub(super) fn overwritten(&self) -> impl Iterator<Item = T> + '_ {
-        self.old.iter().map(|entry| entry.1)
+    /// Iterates over all overwritten values with their indices, in the order of overwriting.
+    pub(super) fn overwrites(&self) -> impl Iterator<Item = (u32, T)> + '_ {
+        self.old.iter().copied()
     }
 
     fn put_back(&self, array: &mut Vec<T>, len: usize) {

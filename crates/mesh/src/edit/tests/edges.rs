@@ -4,7 +4,7 @@ use super::{assert_same_bytes, body};
 use crate::ids::HalfEdge;
 use crate::shapes::{icosphere, torus};
 use crate::surface::Surface;
-use crate::{EdgeError, TriangleId};
+use crate::{EdgeError, TriangleId, VertexId};
 use proptest::prelude::*;
 
 /// Applies up to `steps.len()` operations in one edit and returns the number that succeeded.
@@ -50,22 +50,63 @@ proptest! {
         steps in prop::collection::vec((0..3_u8, any::<u16>()), 0..40),
         holes in prop::collection::vec(any::<u16>(), 0..4),
     ) {
-        let mut surface = body();
-        for hole in holes {
-            let triangles: Vec<TriangleId> = surface.topology().triangles().collect();
-            let t = triangles[usize::from(hole) % triangles.len()];
-            let unused = surface.remove_triangles(&[t]);
-            surface.remove_vertices(&unused);
-        }
+        check_open(&steps, &holes);
+    }
+}
+
+/// Applies operations to a body with holes and checks the surface and the undo.
+fn check_open(steps: &[(u8, u16)], holes: &[u16]) {
+    let mut surface = body();
+    for &hole in holes {
+        let triangles: Vec<TriangleId> = surface.topology().triangles().collect();
+        let t = triangles[usize::from(hole) % triangles.len()];
+        let unused = surface.remove_triangles(&[t]);
+        surface.remove_vertices(&unused);
+    }
+    let before = surface.clone();
+    let (_, undo) = apply(&mut surface, steps);
+    surface.validate().unwrap();
+    let topology = surface.topology();
+    let mut directed: Vec<_> = topology
+        .triangles()
+        .flat_map(TriangleId::half_edges)
+        .map(|h| (topology.origin(h), topology.target(h)))
+        .collect();
+    directed.sort_unstable();
+    assert!(
+        directed.windows(2).all(|w| w[0] != w[1]),
+        "each edge is there once"
+    );
+    undo.revert(&mut surface).unwrap();
+    assert_same_bytes(&surface, &before);
+}
+
+/// The removed fan was found by its neighbors, the other one by nothing.
+#[test]
+fn a_boundary_vertex_keeps_its_other_fan() {
+    check_open(
+        &[(1, 0), (2, 5663), (1, 0), (1, 0), (2, 60203)],
+        &[5401, 56600, 0],
+    );
+    // Two triangles that share one vertex: each is a fan of it.
+    let corners = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [-1.0, 0.0, 0.0],
+        [0.0, -1.0, 0.0],
+    ];
+    let faces = [[0, 1, 2], [0, 3, 4]];
+    for removed in [0, 1] {
+        let mut surface = Surface::from_triangles(&corners, &faces).unwrap();
         let before = surface.clone();
-        let (_, undo) = apply(&mut surface, &steps);
+        let mut edit = surface.edit();
+        edit.remove_triangle(TriangleId(removed));
+        let (delta, undo) = edit.finish();
         surface.validate().unwrap();
-        let mut directed: Vec<_> = surface.topology().triangles()
-            .flat_map(|t| t.half_edges())
-            .map(|h| (surface.topology().origin(h), surface.topology().target(h)))
-            .collect();
-        directed.sort_unstable();
-        prop_assert!(directed.windows(2).all(|w| w[0] != w[1]), "each edge is there once");
+        let center = surface.topology().outgoing(VertexId(0));
+        assert_eq!(center.triangle(), TriangleId(1 - removed));
+        assert_eq!(delta.vertices_removed.len(), 2, "the center has a triangle");
         undo.revert(&mut surface).unwrap();
         assert_same_bytes(&surface, &before);
     }
