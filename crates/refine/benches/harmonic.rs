@@ -54,7 +54,6 @@ fn main() {
         let section = Section {
             points: &points,
             loops: &loops,
-            crease: false,
         };
         let params = SectionMeshParams {
             size: SectionMeshSize::Uniform(2.3 * std::f64::consts::PI / f64::from(n)),

@@ -116,50 +116,43 @@ fn main() {
         {
             continue;
         }
-        for crease in [false, true] {
-            let mut points = wavy(n, jitter);
-            if crease {
-                points = points.iter().map(|p| [p[0], p[1] - points[0][1]]).collect();
-            }
-            let mean = (0..points.len())
-                .map(|i| distance(points[i], points[(i + 1) % points.len()]))
-                .sum::<f64>()
-                / f64::from(n);
-            let loops = [(0..n).collect::<Vec<u32>>()];
-            let section = Section {
-                points: &points,
-                loops: &loops,
-                crease,
-            };
-            let params = SectionMeshParams {
-                size: factor.map_or(SectionMeshSize::Any, |f| SectionMeshSize::Uniform(f * mean)),
-                ..SectionMeshParams::default()
-            };
-            let mut times = Vec::new();
-            let mut result = SectionMesh::default();
-            let begin = Instant::now();
-            while times.len() < 5 || begin.elapsed().as_millis() < 300 {
-                let start = Instant::now();
-                result = triangulate_section(&section, &params, |_, _| false, &mut scratch)
-                    .expect("a valid loop");
-                times.push(start.elapsed().as_secs_f64() * 1e3);
-            }
-            times.sort_unstable_by(f64::total_cmp);
-            let (median, best) = (times[times.len() / 2], times[0]);
-            let q = quality(&points, &result, factor.unwrap_or(1.0) * mean);
-            println!(
-                "{n:>6} {jitter:>6} {:>9} {median:>9.3} {best:>9.3} {:>8.2}   \
-                 {:>10.1} {:>5.1} {:>5.1}   {:>10.2} {:>5.2} {:>5.2}{}",
-                result.triangles.len(),
-                result.triangles.len() as f64 / median / 1e3,
-                q.smallest,
-                q.fifth,
-                q.median,
-                q.shortest,
-                q.mean,
-                q.longest,
-                if crease { "  crease" } else { "" }
-            );
+        let points = wavy(n, jitter);
+        let mean = (0..points.len())
+            .map(|i| distance(points[i], points[(i + 1) % points.len()]))
+            .sum::<f64>()
+            / f64::from(n);
+        let loops = [(0..n).collect::<Vec<u32>>()];
+        let section = Section {
+            points: &points,
+            loops: &loops,
+        };
+        let params = SectionMeshParams {
+            size: factor.map_or(SectionMeshSize::Any, |f| SectionMeshSize::Uniform(f * mean)),
+            ..SectionMeshParams::default()
+        };
+        let mut times = Vec::new();
+        let mut result = SectionMesh::default();
+        let begin = Instant::now();
+        while times.len() < 5 || begin.elapsed().as_millis() < 300 {
+            let start = Instant::now();
+            result = triangulate_section(&section, &params, |_, _| false, &mut scratch)
+                .expect("a valid loop");
+            times.push(start.elapsed().as_secs_f64() * 1e3);
         }
+        times.sort_unstable_by(f64::total_cmp);
+        let (median, best) = (times[times.len() / 2], times[0]);
+        let q = quality(&points, &result, factor.unwrap_or(1.0) * mean);
+        println!(
+            "{n:>6} {jitter:>6} {:>9} {median:>9.3} {best:>9.3} {:>8.2}   \
+                 {:>10.1} {:>5.1} {:>5.1}   {:>10.2} {:>5.2} {:>5.2}",
+            result.triangles.len(),
+            result.triangles.len() as f64 / median / 1e3,
+            q.smallest,
+            q.fifth,
+            q.median,
+            q.shortest,
+            q.mean,
+            q.longest
+        );
     }
 }

@@ -93,8 +93,7 @@ pub enum RefineMethod {
     /// The paper's method: ear clipping (Algorithm A2), then subdivision and edge swaps.
     ///
     /// Algorithms 4 and A3 run until mean edges reach the mean of the targets along the rim. The
-    /// paper has no nested loops and no crease; both start from a constrained Delaunay
-    /// triangulation.
+    /// paper has no nested loops; they start from a constrained Delaunay triangulation.
     Paper,
 }
 

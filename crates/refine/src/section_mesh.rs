@@ -57,8 +57,6 @@ pub struct Section<'a> {
     ///
     /// A point is on at most one loop, once. Two points may have the same position.
     pub loops: &'a [Vec<u32>],
-    /// Whether edges must follow the line y = 0.
-    pub crease: bool,
 }
 
 /// Parameters of [`triangulate_section`].
@@ -195,14 +193,8 @@ pub fn triangulate_section(
             refiner,
             paper,
         } = &mut *scratch;
-        let validity = repair_loops::triangulate(
-            loops,
-            triangulation,
-            &group,
-            mirrored,
-            section.crease,
-            &mut repair_budget,
-        );
+        let validity =
+            repair_loops::triangulate(loops, triangulation, &group, mirrored, &mut repair_budget);
         if validity == LoopValidity::Valid && params.method == RefineMethod::Paper {
             lattice.clear();
             band.clear(triangulation);
@@ -226,7 +218,6 @@ pub fn triangulate_section(
                     targets,
                     group: &group,
                     mirrored,
-                    crease: section.crease,
                     limit,
                 };
                 task.fill(triangulation, lattice, band, refiner, &mut mesh)?;

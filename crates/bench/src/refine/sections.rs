@@ -25,7 +25,6 @@ struct CutSection {
     points: Vec<[f64; 2]>,
     loops: Vec<Vec<u32>>,
     lengths: Vec<f64>,
-    crease: bool,
 }
 
 /// The sections of planes of one kind at one refinement level.
@@ -107,7 +106,6 @@ fn cut_once(
         points: section.points.to_vec(),
         loops: section.loops.to_vec(),
         lengths: lengths.to_vec(),
-        crease: section.crease,
     };
     cutter.undo(surface, undo)?;
     Ok(Ok(Some(section)))
@@ -118,7 +116,6 @@ impl CutSection {
         Section {
             points: &self.points,
             loops: &self.loops,
-            crease: self.crease,
         }
     }
 

@@ -330,7 +330,6 @@ impl FacetSection {
         Section {
             points: &self.points,
             loops: &self.loops,
-            crease: false,
         }
     }
 

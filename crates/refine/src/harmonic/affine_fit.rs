@@ -17,16 +17,11 @@ pub(super) struct AffineFit {
 }
 
 impl AffineFit {
-    /// Fits the points of the loops for whose y `is_taken` is true.
-    pub(super) fn fit(
-        section: &Section<'_>,
-        values: &[[f64; 3]],
-        is_taken: impl Fn(f64) -> bool,
-    ) -> Self {
+    /// Fits the points of the loops.
+    pub(super) fn fit(section: &Section<'_>, values: &[[f64; 3]]) -> Self {
         let points = || {
             let all = section.loops.iter().flatten().map(|&p| p as usize);
-            let pairs = all.map(|p| (section.points[p], values[p]));
-            pairs.filter(|(at, _)| is_taken(at[1]))
+            all.map(|p| (section.points[p], values[p]))
         };
         let (mut count, mut center, mut mean) = (0.0_f64, [0.0; 2], [0.0; 3]);
         for (at, value) in points() {

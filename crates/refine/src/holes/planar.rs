@@ -128,7 +128,6 @@ pub(super) fn triangulate_loop(
     let section = Section {
         points,
         loops: &loops,
-        crease: false,
     };
     let params = SectionMeshParams {
         size: SectionMeshSize::Local(sizes),

@@ -64,7 +64,7 @@ pub(super) fn refine(
                 / 3.0,
         );
     }
-    let mut dictionary = EdgeDictionary::of(&patch.triangles, |_, _| false);
+    let mut dictionary = EdgeDictionary::of(&patch.triangles);
     flip_to_delaunay(patch, &mut dictionary, has_edge);
     for _ in 0..MAX_ROUNDS {
         let mut grew = false;
@@ -102,7 +102,7 @@ fn is_too_fine(patch: &HolePatch, sizes: &[f64], limit: usize) -> bool {
 
 /// Flips edges and smooths vertices of a refined patch, after folding it back into space.
 pub(super) fn flip_and_smooth(patch: &mut HolePatch, has_edge: &impl Fn(u32, u32) -> bool) {
-    let mut dictionary = EdgeDictionary::of(&patch.triangles, |_, _| false);
+    let mut dictionary = EdgeDictionary::of(&patch.triangles);
     for _ in 0..FINAL_PASSES {
         flip_to_delaunay(patch, &mut dictionary, has_edge);
         smooth(patch);
@@ -146,7 +146,7 @@ fn split(patch: &mut HolePatch, sizes: &mut Vec<f64>, dictionary: &mut EdgeDicti
 /// Flips edges toward Delaunay at the vertices' current positions.
 #[cfg(feature = "fair")]
 pub(super) fn flip_to_delaunay_again(patch: &mut HolePatch, has_edge: &impl Fn(u32, u32) -> bool) {
-    let mut dictionary = EdgeDictionary::of(&patch.triangles, |_, _| false);
+    let mut dictionary = EdgeDictionary::of(&patch.triangles);
     flip_to_delaunay(patch, &mut dictionary, has_edge);
 }
 

@@ -58,10 +58,8 @@ fn key(a: u32, b: u32) -> [u32; 2] {
 }
 
 impl EdgeDictionary {
-    /// Collects the edges that two of `triangles` share, except those with `is_fixed` ends.
-    ///
-    /// Edges that are not in the dictionary are not flipped.
-    pub(crate) fn of(triangles: &[[u32; 3]], is_fixed: impl Fn(u32, u32) -> bool) -> Self {
+    /// Collects the edges that two of `triangles` share.
+    pub(crate) fn of(triangles: &[[u32; 3]]) -> Self {
         let mut sides: Vec<([u32; 2], u32)> = (0u32..)
             .zip(triangles)
             .flat_map(|(t, &[a, b, c])| [(key(a, b), t), (key(b, c), t), (key(c, a), t)])
@@ -69,9 +67,7 @@ impl EdgeDictionary {
         sides.sort_unstable();
         let mut dictionary = Self::default();
         for pair in sides.chunk_by(|x, y| x.0 == y.0) {
-            if let [(vertices, t1), (_, t2)] = *pair
-                && !is_fixed(vertices[0], vertices[1])
-            {
+            if let [(vertices, t1), (_, t2)] = *pair {
                 dictionary.add(vertices, [t1, t2]);
             }
         }

@@ -1,9 +1,8 @@
 //! The paper's refinement of a section (Algorithms A2, 4 and A3), one connected part at a time.
 //!
-//! A part bounded by a single loop is triangulated by Algorithm A2. The listing has no nested loops
-//! and no crease; such parts start from the constrained Delaunay triangulation of the loops. Their
-//! crease is subdivided first, because Algorithm 4 splits triangles only. Then Algorithms 4 and A3
-//! run, without swaps of crease edges.
+//! A part bounded by a single loop is triangulated by Algorithm A2. The listing has no nested loops;
+//! parts with holes start from the constrained Delaunay triangulation of the loops. Then Algorithms
+//! 4 and A3 run.
 //!
 //! In the listing, new vertices are means of means. Here, each also has three parents among the
 //! corners of the loops: those of the triangle that contains it in the loops' triangulation.
@@ -55,8 +54,6 @@ struct Part {
     patch: Patch,
     /// Parents and weights of the patch's other vertices.
     means: Vec<Mean>,
-    /// Whether each vertex is on the crease; vertices beyond the end are not.
-    on_crease: Vec<bool>,
 }
 
 impl SectionPaper {
@@ -142,20 +139,13 @@ impl SectionPaper {
             Vec3::new(x, y, 0.0)
         };
         let points: Vec<Vec3> = corners.iter().map(place).collect();
-        let half_edges = || {
-            triangles
-                .iter()
-                .flat_map(|&t| [3 * t, 3 * t + 1, 3 * t + 2])
-        };
-        let has_crease = half_edges().any(|h| cdt.constraints[h as usize] == constraint::CREASE);
         let loop_of = |v: u32| triangulation.loop_of[v as usize];
-        if !has_crease && loop_of(corners[0]) == loop_of(corners[rim - 1]) {
+        if loop_of(corners[0]) == loop_of(corners[rim - 1]) {
             let has_edge = |a: u32, b: u32| has_edge(corners[a as usize], corners[b as usize]);
             let patch = triangulate(&points, Vec3::z(), &has_edge);
             let mean = |parents: &[u32; 3]| (parents.map(|p| corners[p as usize]), [1.0 / 3.0; 3]);
             return Part {
                 means: patch.parents.iter().map(mean).collect(),
-                on_crease: vec![false; patch.points.len()],
                 corners,
                 patch,
             };
@@ -165,11 +155,6 @@ impl SectionPaper {
             self.local[v as usize] = local;
         }
         let local = |v: u32| self.local[v as usize];
-        let mut on_crease = vec![false; rim + inserted.len()];
-        for h in half_edges().filter(|&h| cdt.constraints[h as usize] == constraint::CREASE) {
-            on_crease[local(cdt.start(h)) as usize] = true;
-            on_crease[local(cdt.end(h)) as usize] = true;
-        }
         let mean = |v: &u32| {
             let point = (*v - box_corner - 4) as usize;
             (lattice.parents[point], lattice.weights[point])
@@ -194,7 +179,6 @@ impl SectionPaper {
             },
             corners,
             means,
-            on_crease,
         }
     }
 
@@ -211,37 +195,22 @@ impl SectionPaper {
             corners,
             patch,
             means,
-            on_crease,
         } = part;
         let targets = corners
             .iter()
             .map(|&v| task.targets.at(triangulation.corner_of[v as usize]));
         let alpha = targets.sum::<f64>() / corners.len() as f64;
-        let limit = task.refine.max_triangles;
         let is_rim = |a: u32, b: u32| {
             let ends = corners.get(a as usize).zip(corners.get(b as usize));
             ends.is_some_and(|(&v, &w)| {
                 triangulation.next[v as usize] == w || triangulation.next[w as usize] == v
             })
         };
-        let crease = Crease {
-            means,
-            on_crease,
-            alpha,
-            limit,
-        };
-        if !crease.divide(patch, corners, is_rim) {
-            return Err(RefineError::TooManyTriangles { limit });
-        }
-        let is_fixed = |a: u32, b: u32| {
-            let is_on_crease = |v: u32| on_crease.get(v as usize).is_some_and(|&on| on);
-            is_on_crease(a) && is_on_crease(b)
-        };
         let is_taken = |a: u32, b: u32| {
             let ends = corners.get(a as usize).zip(corners.get(b as usize));
-            is_rim(a, b) || is_fixed(a, b) || ends.is_some_and(|(&v, &w)| has_edge(v, w))
+            is_rim(a, b) || ends.is_some_and(|(&v, &w)| has_edge(v, w))
         };
-        let dictionary = EdgeDictionary::of(&patch.triangles, is_fixed);
+        let dictionary = EdgeDictionary::of(&patch.triangles);
         let base = &mut self.base;
         let place = |center: Vec3| {
             let mean = barycentric_weights(base, [center.x, center.y]);
@@ -250,75 +219,6 @@ impl SectionPaper {
         };
         let up = Vec3::z();
         refine_edges(patch, dictionary, up, alpha, &task.refine, &is_taken, place)
-    }
-}
-
-/// The subdivision of edges on the crease.
-struct Crease<'a> {
-    means: &'a mut Vec<Mean>,
-    on_crease: &'a mut Vec<bool>,
-    alpha: f64,
-    limit: usize,
-}
-
-impl Crease<'_> {
-    /// Subdivides crease edges longer than `alpha` evenly, and splits the triangles beside them.
-    ///
-    /// Returns false if that takes more triangles than the limit.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a count below the limit"
-    )]
-    fn divide(self, patch: &mut Patch, corners: &[u32], is_rim: impl Fn(u32, u32) -> bool) -> bool {
-        // Subdivided edges: their ends, the smaller first, and the first new point.
-        let mut divided: Vec<([u32; 2], u32)> = Vec::new();
-        for t in 0..patch.triangles.len() {
-            let corner = |k: usize| patch.triangles[t][k % 3];
-            let is_crease = |&k: &usize| {
-                let [a, b] = [corner(k), corner(k + 1)];
-                // The ends must be corners of loops, because new points need such parents.
-                let is_old = a.max(b) < index_u32(corners.len());
-                is_old && [a, b].iter().all(|&v| self.on_crease[v as usize]) && !is_rim(a, b)
-            };
-            let Some(k) = (0..3).find(is_crease) else {
-                continue;
-            };
-            let [a, b, apex] = [corner(k), corner(k + 1), corner(k + 2)];
-            let [low, high] = [a.min(b), a.max(b)];
-            let [p, q] = [low, high].map(|v| patch.points[v as usize]);
-            let parts = ((q - p).norm() / self.alpha).ceil();
-            if parts > self.limit as f64 {
-                return false;
-            }
-            let between = (parts as u32).saturating_sub(1);
-            if between == 0 {
-                continue;
-            }
-            let known = divided.iter().find(|(ends, _)| *ends == [low, high]);
-            let first = known.map_or_else(|| index_u32(patch.points.len()), |&(_, first)| first);
-            if known.is_none() {
-                divided.push(([low, high], first));
-                let parents = [low, high, low].map(|v| corners[v as usize]);
-                for i in 1..=between {
-                    let along = f64::from(i) / parts;
-                    patch.points.push(p * (1.0 - along) + q * along);
-                    patch.parents.push([low, high, low]);
-                    self.means.push((parents, [1.0 - along, along, 0.0]));
-                    self.on_crease.push(true);
-                }
-            }
-            let mut row: Vec<u32> = (first..first + between).collect();
-            if a == high {
-                row.reverse();
-            }
-            row.push(b);
-            patch.triangles[t] = [a, row[0], apex];
-            let rest = row.windows(2).map(|pair| [pair[0], pair[1], apex]);
-            patch.triangles.extend(rest);
-        }
-        true
     }
 }
 

@@ -60,7 +60,7 @@ pub fn refine(
         let (i, j) = (a as usize, b as usize);
         i < rim && j < rim && ((i + 1) % rim == j || (j + 1) % rim == i || has_edge(a, b))
     };
-    let dictionary = EdgeDictionary::of(&patch.triangles, |_, _| false);
+    let dictionary = EdgeDictionary::of(&patch.triangles);
     refine_edges(patch, dictionary, normal, alpha, params, &is_taken, |_| {
         true
     })

@@ -64,13 +64,9 @@ impl BoundaryBand {
                 return false;
             }
         }
-        if triangulation.crease_cuts_edge {
-            triangulation.follow_crease();
-        }
         self.queue.clear();
         for ends in &lattice.boundary {
             let [v, w] = ends.map(|p| self.vertex[p as usize]);
-            // An edge on the crease keeps its constraint, which bounds the core as well.
             if let Some(h) = triangulation.cdt.find_half_edge(v, w) {
                 if triangulation.cdt.constraints[h as usize] == constraint::FREE {
                     triangulation.cdt.set_constraint(h, constraint::CORE);

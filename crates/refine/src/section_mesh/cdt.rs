@@ -30,10 +30,8 @@ pub(crate) mod constraint {
     pub(crate) const FREE: u8 = 0;
     /// An edge of a loop.
     pub(crate) const LOOP: u8 = 1;
-    /// An edge on the crease.
-    pub(crate) const CREASE: u8 = 2;
     /// An edge between the boundary band and the lattice core.
-    pub(crate) const CORE: u8 = 3;
+    pub(crate) const CORE: u8 = 2;
 }
 
 /// A constrained Delaunay triangulation inside a bounding box.

@@ -23,7 +23,6 @@ pub(crate) struct Interior<'a> {
     /// The group's loops.
     pub(crate) group: &'a [u32],
     pub(crate) mirrored: bool,
-    pub(crate) crease: bool,
     /// Maximum number of triangles.
     pub(crate) limit: usize,
 }
@@ -88,7 +87,7 @@ impl Interior<'_> {
         lattice: &mut Lattice,
         band: &mut BoundaryBand,
     ) {
-        triangulation.build(self.loops, self.group, self.mirrored, self.crease);
+        triangulation.build(self.loops, self.group, self.mirrored);
         lattice.clear();
         band.clear(triangulation);
     }

@@ -95,12 +95,7 @@ impl Lattice {
         self.clear();
         self.length = length;
         self.height = length * 0.75f64.sqrt();
-        let y = if triangulation.crosses_crease {
-            0.0
-        } else {
-            triangulation.low[1]
-        };
-        self.base = [triangulation.low[0], y];
+        self.base = triangulation.low;
         if !self.rasterize(triangulation, most) {
             return false;
         }

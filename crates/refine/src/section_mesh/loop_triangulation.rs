@@ -73,14 +73,9 @@ pub(crate) struct LoopTriangulation {
     pub(crate) low: [f64; 2],
     /// Bounding box of the loops, upper corner.
     pub(crate) high: [f64; 2],
-    /// Whether some loop crosses the crease.
-    pub(crate) crosses_crease: bool,
-    /// Whether some edge of a loop crosses the crease without a vertex on it.
-    pub(crate) crease_cuts_edge: bool,
     pub(crate) segments: SegmentScratch,
     order: Vec<(u64, u32)>,
     queue: Vec<u32>,
-    on_crease: Vec<u32>,
     seen: Vec<bool>,
 }
 
@@ -91,7 +86,6 @@ impl LoopTriangulation {
         loops: &SectionLoops,
         group: &[u32],
         mirrored: bool,
-        crease: bool,
     ) -> LoopValidity {
         self.load(loops, group, mirrored);
         let m = self.corner_of.len();
@@ -136,14 +130,6 @@ impl LoopTriangulation {
         self.classify_regions(index_u32(m));
         if self.misoriented.contains(&true) {
             return LoopValidity::Invalid;
-        }
-        self.crosses_crease = crease && self.low[1] < 0.0 && self.high[1] > 0.0;
-        if self.crosses_crease {
-            self.crease_cuts_edge = (0..m).any(|v| {
-                let (y, z) = (self.cdt.points[v][1], self.cdt.point(self.next[v])[1]);
-                (y < 0.0 && z > 0.0) || (y > 0.0 && z < 0.0)
-            });
-            self.follow_crease();
         }
         LoopValidity::Valid
     }
@@ -256,36 +242,6 @@ impl LoopTriangulation {
                 }
                 cdt.region[(g / 3) as usize] = there;
                 self.queue.push(g / 3);
-            }
-        }
-    }
-
-    /// Inserts crease segments between consecutive vertices on y = 0 where the line lies inside.
-    pub(crate) fn follow_crease(&mut self) {
-        let cdt = &mut self.cdt;
-        self.on_crease.clear();
-        self.on_crease.extend(
-            (0..index_u32(cdt.points.len()))
-                .filter(|&v| cdt.points[v as usize][1] == 0.0 && cdt.outgoing[v as usize] != NONE),
-        );
-        let m = index_u32(self.corner_of.len());
-        self.on_crease.retain(|v| !(m..m + 4).contains(v));
-        self.on_crease
-            .sort_unstable_by(|&v, &w| cdt.point(v)[0].total_cmp(&cdt.point(w)[0]));
-        for pair in self.on_crease.windows(2) {
-            let [v, w] = [pair[0], pair[1]];
-            if let Some(h) = cdt.find_half_edge(v, w) {
-                if cdt.constraints[h as usize] == constraint::FREE
-                    && cdt.region[(h / 3) as usize] == INSIDE
-                {
-                    cdt.set_constraint(h, constraint::CREASE);
-                }
-            } else if cdt
-                .triangle_toward(v, w)
-                .is_some_and(|t| cdt.region[t as usize] == INSIDE)
-            {
-                // Fails where a loop's edge crosses the crease without a vertex: it ends there.
-                cdt.insert_segment(v, w, constraint::CREASE, &mut self.segments);
             }
         }
     }

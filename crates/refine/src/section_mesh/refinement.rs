@@ -50,8 +50,6 @@ const BAD_SHARE: usize = 20;
 ///
 /// The bad triangles at a few places are a small share of theirs.
 const MAX_EXTRA_ROUND_TRIANGLES: usize = 1024;
-/// Minimum distance, in targets, of a point on the crease from other points.
-const MIN_CREASE_DISTANCE: f64 = 0.35;
 
 /// State and scratch memory of the refinement.
 #[derive(Debug, Clone, Default)]
@@ -184,8 +182,7 @@ impl Refiner {
             if cdt.corners(t) != corners {
                 continue;
             }
-            let middle = self.long_crease(cdt, t);
-            let Some(candidate) = middle.or_else(|| self.find_candidate(cdt, t)) else {
+            let Some(candidate) = self.find_candidate(cdt, t) else {
                 continue;
             };
             let v = cdt.push_point(candidate.at);
@@ -313,35 +310,9 @@ impl Refiner {
     }
 
     fn has_long_edge(&self, cdt: &Cdt, t: u32) -> bool {
-        [3 * t, 3 * t + 1, 3 * t + 2].into_iter().any(|h| {
-            matches!(
-                cdt.constraints[h as usize],
-                constraint::FREE | constraint::CREASE
-            ) && self.is_long(cdt, h)
-        })
-    }
-
-    /// Returns the midpoint of a side on the crease that is long and far enough from other points.
-    fn long_crease(&self, cdt: &Cdt, t: u32) -> Option<Candidate> {
-        [3 * t, 3 * t + 1, 3 * t + 2].into_iter().find_map(|h| {
-            let g = cdt.twin[h as usize];
-            let at = midpoint(cdt.point(cdt.start(h)), cdt.point(cdt.end(h)));
-            let near = (MIN_CREASE_DISTANCE * self.target(cdt, h)).powi(2);
-            let splits = cdt.constraints[h as usize] == constraint::CREASE
-                && self.is_long(cdt, h)
-                && [h, g].into_iter().all(|h| {
-                    cdt.region[(h / 3) as usize] == INSIDE
-                        && distance_squared(cdt.point(cdt.opposite(h)), at) > near
-                        && cdt.orientation(cdt.start(h), cdt.end(h), cdt.opposite(h)) > 0.0
-                });
-            splits.then_some(Candidate {
-                at,
-                triangle: t,
-                old_cos2: 1.0,
-                new_cos2: 1.0,
-                direct_cos2: 1.0,
-            })
-        })
+        [3 * t, 3 * t + 1, 3 * t + 2]
+            .into_iter()
+            .any(|h| cdt.constraints[h as usize] == constraint::FREE && self.is_long(cdt, h))
     }
 }
 

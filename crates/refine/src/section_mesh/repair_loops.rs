@@ -10,7 +10,6 @@
 
 use super::loop_triangulation::{Intersection, LoopTriangulation, LoopValidity};
 use super::loops::SectionLoops;
-use super::refinement::off_center::distance_squared;
 use incise_mesh::index_u32;
 
 /// Displacements to try, relative to the extent of the group.
@@ -43,10 +42,9 @@ pub(crate) fn triangulate(
     triangulation: &mut LoopTriangulation,
     group: &[u32],
     mirrored: bool,
-    crease: bool,
     repair_budget: &mut usize,
 ) -> LoopValidity {
-    let validity = triangulation.build(loops, group, mirrored, crease);
+    let validity = triangulation.build(loops, group, mirrored);
     let short = || intersecting_vertices(triangulation).any(|v| is_short(triangulation, v));
     if triangulation.intersections.is_empty() || crosses_deeply(triangulation) || short() {
         return validity;
@@ -69,22 +67,15 @@ pub(crate) fn triangulate(
                 continue;
             }
             loops.restore();
-            move_corners(
-                loops,
-                triangulation,
-                [mirrored, crease],
-                reach,
-                inward,
-                &moves,
-            );
-            let validity = triangulation.build(loops, group, mirrored, crease);
+            move_corners(loops, triangulation, mirrored, reach, inward, &moves);
+            let validity = triangulation.build(loops, group, mirrored);
             if triangulation.intersections.is_empty() {
                 return validity;
             }
         }
     }
     loops.restore();
-    triangulation.build(loops, group, mirrored, crease)
+    triangulation.build(loops, group, mirrored)
 }
 
 /// Returns a length that exceeds every displacement.
@@ -169,11 +160,11 @@ fn add_moves(
     moves.extend(intersection.vertices(triangulation).map(|v| (v, inward)));
 }
 
-/// Displaces corners along their normals. No corner leaves the crease or reaches it.
+/// Displaces corners along their normals.
 fn move_corners(
     loops: &mut SectionLoops,
     triangulation: &LoopTriangulation,
-    [mirrored, crease]: [bool; 2],
+    mirrored: bool,
     reach: f64,
     otherwise: bool,
     moves: &[(u32, Option<bool>)],
@@ -197,10 +188,7 @@ fn move_corners(
             -1.0
         };
         let step = direction * reach.min(MAX_EDGE_FRACTION * a.min(b)) / size;
-        let mut at = [p[0] + step * normal[0], p[1] + step * normal[1]];
-        if crease && at[1] * p[1] <= 0.0 {
-            at[1] = p[1];
-        }
+        let at = [p[0] + step * normal[0], p[1] + step * normal[1]];
         if at[0].is_finite() && at[1].is_finite() {
             loops.points[triangulation.corner_of[v as usize] as usize] = [side * at[0], at[1]];
         }
@@ -305,7 +293,6 @@ fn clip_short_edges(
     let mut triangles = Vec::new();
     let corner = |v: u32| triangulation.corner_of[v as usize];
     for v in intersecting_vertices(triangulation) {
-        let v = beside_crease(triangulation, v);
         let (o, q) = (triangulation.prev(v), triangulation.next[v as usize]);
         let index = triangulation.loop_of[v as usize] as usize;
         let free = ![o, v, q].iter().any(|&w| taken[w as usize]);
@@ -325,22 +312,6 @@ fn clip_short_edges(
         loops.push_loop(kept.map(|(_, &corner)| corner));
     }
     triangles
-}
-
-/// Returns `v`, or its nearer neighbor if its loop crosses the crease at `v`.
-///
-/// Without the vertex on the crease, an edge of the loop would cross it.
-fn beside_crease(triangulation: &LoopTriangulation, v: u32) -> u32 {
-    let [o, q] = [triangulation.prev(v), triangulation.next[v as usize]];
-    let [from, at, to] = [o, v, q].map(|v| triangulation.cdt.point(v));
-    if at[1] != 0.0 || from[1] * to[1] >= 0.0 {
-        return v;
-    }
-    if distance_squared(from, at) < distance_squared(at, to) {
-        o
-    } else {
-        q
-    }
 }
 
 /// Splits a loop at a self-intersection.

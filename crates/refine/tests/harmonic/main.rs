@@ -13,12 +13,11 @@ use std::f64::consts::TAU;
 struct Patch {
     points: Vec<[f64; 2]>,
     loops: Vec<Vec<u32>>,
-    crease: bool,
     mesh: SectionMesh,
 }
 
 impl Patch {
-    fn new(loops_of_points: &[Vec<[f64; 2]>], length: f64, crease: bool) -> Self {
+    fn new(loops_of_points: &[Vec<[f64; 2]>], length: f64) -> Self {
         let points = loops_of_points.concat();
         let mut ends = 0..;
         let loops: Vec<Vec<u32>> = (loops_of_points.iter())
@@ -27,7 +26,6 @@ impl Patch {
         let section = Section {
             points: &points,
             loops: &loops,
-            crease,
         };
         let params = SectionMeshParams {
             size: SectionMeshSize::Uniform(length),
@@ -44,7 +42,6 @@ impl Patch {
         Self {
             points,
             loops,
-            crease,
             mesh,
         }
     }
@@ -53,7 +50,6 @@ impl Patch {
         Section {
             points: &self.points,
             loops: &self.loops,
-            crease: self.crease,
         }
     }
 
@@ -98,13 +94,9 @@ fn ring(n: u32, center: [f64; 2], radius: impl Fn(f64) -> f64, hole: bool) -> Ve
     points
 }
 
-fn wavy(n: u32, length: f64, crease: bool) -> Patch {
+fn wavy(n: u32, length: f64) -> Patch {
     let outer = ring(n, [0.0; 2], |a| 1.0 + 0.2 * (3.0 * a).cos(), false);
-    Patch::new(
-        &[outer, ring(n / 4, [-0.3, 0.0], |_| 0.2, true)],
-        length,
-        crease,
-    )
+    Patch::new(&[outer, ring(n / 4, [-0.3, 0.0], |_| 0.2, true)], length)
 }
 
 /// A bent and rippled shape.
@@ -125,7 +117,7 @@ fn largest_difference(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
 
 #[test]
 fn affine_values_need_no_solve() {
-    let patch = wavy(60, 0.1, false);
+    let patch = wavy(60, 0.1);
     let affine = |[x, y]: [f64; 2]| [x - 2.0 * y + 7.0, 0.5 * y, -3.0 * x];
     let values = patch.rim(affine);
     let mut scratch = HarmonicScratch::default();
@@ -148,7 +140,7 @@ fn affine_values_need_no_solve() {
 /// Adding an affine function to the values adds it to the result.
 #[test]
 fn affine_functions_are_reproduced() {
-    let patch = wavy(60, 0.1, false);
+    let patch = wavy(60, 0.1);
     let affine = |[x, y]: [f64; 2]| [3.0 * x - y, 2.0 * y + 5.0, x + y];
     let plain = patch.solve(&patch.rim(bent));
     let both = patch.solve(&patch.rim(|p| [0, 1, 2].map(|k| bent(p)[k] + affine(p)[k])));
@@ -159,48 +151,13 @@ fn affine_functions_are_reproduced() {
     assert!(off < 1e-11, "off by {off}");
 }
 
-/// Values that are affine on each side of the crease stay affine there.
-#[test]
-fn a_fold_at_the_crease_stays_sharp() {
-    let outer = [
-        [-1.0, 0.0],
-        [-0.9, -0.7],
-        [-0.2, -1.0],
-        [0.5, -0.9],
-        [1.0, 0.0],
-        [0.8, 0.6],
-        [0.1, 1.0],
-        [-0.7, 0.6],
-    ];
-    let patch = Patch::new(&[outer.to_vec()], 0.1, true);
-    let folded = |[x, y]: [f64; 2]| [x, if y > 0.0 { 0.3 * y } else { y }, 0.8 * y.max(0.0)];
-    let values = patch.rim(folded);
-    let inner: Vec<_> = patch
-        .mesh
-        .steiner_points
-        .iter()
-        .map(|p| folded(p.position))
-        .collect();
-    let off = largest_difference(&patch.solve(&values), &inner);
-    assert!(off < 1e-12, "off by {off}");
-    let on_crease = patch
-        .mesh
-        .steiner_points
-        .iter()
-        .filter(|p| p.position[1] == 0.0);
-    assert!(on_crease.count() > 10, "the crease has points");
-    let mut scratch = HarmonicScratch::default();
-    let found = interpolate_harmonic(&patch.mesh, &patch.section(), &values, 1e-13, &mut scratch);
-    assert_eq!(found, None, "each half is affine");
-}
-
 /// Real parts of complex powers are harmonic.
 #[test]
 fn harmonic_polynomials_are_found_in_a_disc() {
     let known = |[x, y]: [f64; 2]| [x * x - y * y, 2.0 * x * y, x * x * x - 3.0 * x * y * y];
     let mut errors = Vec::new();
     for (n, length) in [(60, 0.1), (240, 0.025)] {
-        let patch = Patch::new(&[ring(n, [0.0; 2], |_| 1.0, false)], length, false);
+        let patch = Patch::new(&[ring(n, [0.0; 2], |_| 1.0, false)], length);
         let exact: Vec<_> = patch
             .mesh
             .steiner_points
@@ -218,7 +175,7 @@ fn harmonic_polynomials_are_found_in_a_disc() {
 #[test]
 fn a_dense_solver_agrees() {
     for n in [24, 60, 100] {
-        let patch = wavy(n, 6.0 / f64::from(n), false);
+        let patch = wavy(n, 6.0 / f64::from(n));
         let values = patch.rim(bent);
         let (found, exact) = (
             patch.solve(&values),
@@ -228,22 +185,22 @@ fn a_dense_solver_agrees() {
         let off = largest_difference(&found, &exact);
         let before = largest_difference(&linear, &exact);
         assert!(off < 0.02 * before, "{off} off, interpolation {before}");
-        let [least, smooth, creased] = [&exact, &found, &linear]
+        let [least, smooth, interpolated] = [&exact, &found, &linear]
             .map(|inner| energy(&patch.mesh, &patch.points, &values, inner));
         assert!(
             least <= smooth * (1.0 + 1e-9),
             "{least} is the least, not {smooth}"
         );
         assert!(
-            smooth - least < 1e-4 * (creased - least),
-            "{least} {smooth} {creased}"
+            smooth - least < 1e-4 * (interpolated - least),
+            "{least} {smooth} {interpolated}"
         );
     }
 }
 
 #[test]
 fn used_scratch_memory_changes_no_bit() {
-    let (patch, other) = (wavy(60, 0.1, false), wavy(100, 0.1, true));
+    let (patch, other) = (wavy(60, 0.1), wavy(100, 0.1));
     let values = patch.rim(bent);
     let mut scratch = HarmonicScratch::default();
     interpolate_harmonic(
@@ -272,7 +229,6 @@ proptest! {
         radii in prop::collection::vec(0.4f64..1.0, 8..60),
         heights in prop::collection::vec(-1.0f64..1.0, 60),
         length in 0.05f64..0.5,
-        crease: bool,
         shift in prop::option::of(1e3f64..1e4),
     ) {
         let even = radii.len() - radii.len() % 2;
@@ -281,12 +237,7 @@ proptest! {
         for (p, radius) in outer.iter_mut().zip(&radii) {
             *p = p.map(|x| radius * x);
         }
-        if crease {
-            // The crease meets the rim at two of its points.
-            outer[0][1] = 0.0;
-            outer[even / 2][1] = 0.0;
-        }
-        let patch = Patch::new(&[outer], length, crease);
+        let patch = Patch::new(&[outer], length);
         let shift = shift.unwrap_or(0.0);
         let values: Vec<_> = (patch.points.iter().zip(&heights))
             .map(|(p, h)| [p[0] + shift, p[1] * h, *h])
@@ -301,7 +252,7 @@ proptest! {
             prop_assert!(rim.0 <= inner.0 && inner.1 <= rim.1, "{rim:?} {inner:?}");
         }
         let energy = |inner: &[[f64; 3]]| energy(&patch.mesh, &patch.points, &values, inner);
-        let [smooth, creased] = [&found, &patch.linear(&values)].map(|inner| energy(inner));
-        prop_assert!(smooth <= creased * (1.0 + 1e-5), "{smooth} {creased}");
+        let [smooth, interpolated] = [&found, &patch.linear(&values)].map(|inner| energy(inner));
+        prop_assert!(smooth <= interpolated * (1.0 + 1e-5), "{smooth} {interpolated}");
     }
 }

@@ -76,7 +76,7 @@ fn touching_loops_give_no_overlap() {
             shape.add(points);
         }
         for length in [None, Some(0.3)] {
-            let mesh = run(&shape, length, false).expect(name);
+            let mesh = run(&shape, length).expect(name);
             check_any(&shape, &mesh);
             let (sum, area) = (covered(&shape, &mesh), shape.area());
             assert!((sum - area).abs() < 1e-3 * area, "{name}: {sum} for {area}");
@@ -108,7 +108,7 @@ fn a_slit_without_width_is_clipped() {
         [0.0, 4.0],
         [0.0, 4.0],
     ]);
-    let mesh = run(&shape, Some(0.25), false).expect("valid loops");
+    let mesh = run(&shape, Some(0.25)).expect("valid loops");
     check_any(&shape, &mesh);
     assert!((covered(&shape, &mesh) - 16.0).abs() < 1e-9, "no overlap");
     assert!(mesh.report.clipped_corners >= 4, "{:?}", mesh.report);
@@ -126,7 +126,7 @@ fn a_self_crossing_loop_is_split_at_the_crossing() {
     }));
     let lobes: f64 = 2.0 * 4.0 / 3.0;
     for length in [None, Some(0.06)] {
-        let mesh = run(&shape, length, false).expect("valid loops");
+        let mesh = run(&shape, length).expect("valid loops");
         check_any(&shape, &mesh);
         let sum = covered(&shape, &mesh);
         // The analytic area of both lobes.
@@ -147,9 +147,9 @@ fn clockwise_loops_give_clockwise_triangles() {
     for length in [None, Some(0.1)] {
         let mut shape = Shape::default();
         shape.add(circle(60, 1.0));
-        let forward = run(&shape, length, true).expect("valid loops");
+        let forward = run(&shape, length).expect("valid loops");
         shape.loops[0].reverse();
-        let mesh = run(&shape, length, true).expect("valid loops");
+        let mesh = run(&shape, length).expect("valid loops");
         check_any(&shape, &mesh);
         assert_eq!(mesh.triangles.len(), forward.triangles.len(), "as many");
         let backward = |&t: &[u32; 3]| polygon_area(&corners(&shape, &mesh, t)) < 0.0;
@@ -188,8 +188,8 @@ fn smooth_rims_get_good_triangles() {
         let length = z * mean;
         let mut shape = Shape::default();
         shape.add(points);
-        let mesh = run(&shape, Some(length), false).expect("valid loops");
-        check_clean(&shape, &mesh, false);
+        let mesh = run(&shape, Some(length)).expect("valid loops");
+        check_clean(&shape, &mesh);
         let rim = shape.points.len();
         let (mut angles, mut edges) = (Vec::new(), Vec::new());
         for &t in &mesh.triangles {
@@ -230,46 +230,6 @@ fn smooth_rims_get_good_triangles() {
     }
 }
 
-/// The crease is too close to the rim for lattice points, yet must be subdivided.
-#[test]
-fn a_crease_beside_a_rim_has_no_long_edges() {
-    let side = |from: [f64; 2], to: [f64; 2]| {
-        (0..20).map(move |i| {
-            let s = f64::from(i) / 20.0;
-            [
-                from[0] + s * (to[0] - from[0]),
-                from[1] + s * (to[1] - from[1]),
-            ]
-        })
-    };
-    // A box of 20 by 10; the crease 0.5 above its floor.
-    let mut shape = Shape::default();
-    let mut points: Vec<[f64; 2]> = side([0.0, -0.5], [20.0, -0.5]).collect();
-    points.extend([[20.0, -0.5], [20.0, 0.0]]);
-    points.extend(side([20.0, 0.5], [20.0, 9.5]));
-    points.extend(side([20.0, 9.5], [0.0, 9.5]));
-    points.extend(side([0.0, 9.5], [0.0, 0.5]));
-    points.extend([[0.0, 0.5], [0.0, 0.0]]);
-    shape.add(points);
-    let mesh = run(&shape, Some(1.0), true).expect("valid loops");
-    check_clean(&shape, &mesh, true);
-    let mut along = 0.0;
-    for &t in &mesh.triangles {
-        let p = corners(&shape, &mesh, t);
-        for i in 0..3 {
-            let (p, q) = (p[i], p[(i + 1) % 3]);
-            if p[1] == 0.0 && q[1] == 0.0 {
-                along += (p[0] - q[0]).abs() / 2.0;
-                assert!((p[0] - q[0]).abs() <= 1.8, "an edge from {p:?} to {q:?}");
-            }
-        }
-    }
-    assert!(
-        (along - 20.0).abs() < 1e-9,
-        "the whole crease, from side to side: {along}"
-    );
-}
-
 #[test]
 fn random_tangles_terminate() {
     let mut state = 1u32;
@@ -284,7 +244,7 @@ fn random_tangles_terminate() {
             .map(|_| [random(), (8.0 * random()).floor()])
             .collect::<Vec<_>>(),
     );
-    let mesh = run(&shape, Some(0.05), true).expect("valid loops");
+    let mesh = run(&shape, Some(0.05)).expect("valid loops");
     check_any(&shape, &mesh);
 }
 
@@ -295,7 +255,6 @@ fn bad_input_is_an_error() {
         let section = Section {
             points: &points,
             loops,
-            crease: false,
         };
         let params = SectionMeshParams {
             size: length.map_or(SectionMeshSize::Any, SectionMeshSize::Uniform),

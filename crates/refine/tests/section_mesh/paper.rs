@@ -22,16 +22,15 @@ fn params<'a>(length: Option<f64>) -> SectionMeshParams<'a> {
 fn run_with_edges(
     shape: &Shape,
     length: Option<f64>,
-    crease: bool,
     has_edge: impl Fn(u32, u32) -> bool,
 ) -> Result<SectionMesh, RefineError> {
-    let section = shape.section(crease);
+    let section = shape.section();
     let mut scratch = SectionMeshScratch::default();
     triangulate_section(&section, &params(length), has_edge, &mut scratch)
 }
 
-fn run(shape: &Shape, length: Option<f64>, crease: bool) -> Result<SectionMesh, RefineError> {
-    run_with_edges(shape, length, crease, |_, _| false)
+fn run(shape: &Shape, length: Option<f64>) -> Result<SectionMesh, RefineError> {
+    run_with_edges(shape, length, |_, _| false)
 }
 
 /// Checks that Algorithm 4 left no triangle with a mean edge above the target.
@@ -58,15 +57,14 @@ proptest! {
     fn nested_loops_are_covered_exactly_once(
         shape in nested(),
         length in prop::option::of(0.3f64..3.0),
-        crease: bool,
         scale in -30i32..=30,
     ) {
         prop_assume!(is_clean(&shape));
         let scale = 10f64.powi(scale);
         let shape = shape.map(|p| p.map(|x| x * scale));
         let length = length.map(|l| l * scale);
-        let found = run(&shape, length, crease)?;
-        check_clean(&shape, &found, crease);
+        let found = run(&shape, length)?;
+        check_clean(&shape, &found);
         prop_assert_eq!(found.report.unconverged, 0);
         if let Some(length) = length {
             assert_no_triangle_is_too_large(&shape, &found, length);
@@ -77,29 +75,26 @@ proptest! {
     fn any_loops_give_a_manifold(
         shape in any_loops(),
         length in prop::option::of(0.05f64..1.0),
-        crease: bool,
     ) {
-        check_any(&shape, &run(&shape, length, crease)?);
+        check_any(&shape, &run(&shape, length)?);
     }
 
     #[test]
     fn loops_on_a_coarse_grid_give_a_manifold(
         shape in grid_loops(),
         length in prop::option::of(0.05f64..1.0),
-        crease: bool,
     ) {
-        check_any(&shape, &run(&shape, length, crease)?);
+        check_any(&shape, &run(&shape, length)?);
     }
 
     #[test]
     fn edges_of_the_surface_are_not_duplicated(
         shape in nested(),
         length in prop::option::of(0.3f64..3.0),
-        crease: bool,
         surface in random_edges(),
     ) {
         let has_edge = |a: u32, b: u32| surface.has_edge(a, b);
-        let found = run_with_edges(&shape, length, crease, has_edge)?;
+        let found = run_with_edges(&shape, length, has_edge)?;
         check_any(&shape, &found);
         check_no_duplicate_edges(&shape, &found, has_edge);
     }
@@ -123,12 +118,12 @@ proptest! {
             sorted
         };
         let ears = triangulate(&rim, Vec3::z(), &|_, _| false);
-        let found = run(&shape, None, false)?;
+        let found = run(&shape, None)?;
         if found.report.clipped_corners == 0 {
             prop_assert_eq!(sorted(&found.triangles), sorted(&ears.triangles));
             let refine = RefineParams { rim_length: Some(length), ..RefineParams::default() };
             let patch = fill(&rim, Vec3::z(), &refine, |_, _| false)?;
-            let found = run(&shape, Some(length), false)?;
+            let found = run(&shape, Some(length))?;
             let [count, expected] = [&found.triangles, &patch.triangles].map(|t| t.len() as f64);
             let range = 0.9 * expected..=1.1 * expected;
             prop_assert!(range.contains(&count), "{count} for {expected}");
@@ -150,8 +145,8 @@ fn a_nearly_straight_reflex_corner_has_no_triangle_outside() {
         [13.643_464_519_888_521, 0.0],
     ]);
     let shape = shape.map(|p| p.map(|x| x * 1e24));
-    let found = run(&shape, None, false).unwrap();
-    check_clean(&shape, &found, false);
+    let found = run(&shape, None).unwrap();
+    check_clean(&shape, &found);
     assert_eq!(found.triangles.len(), 3, "{found:?}");
 }
 
@@ -168,8 +163,8 @@ fn a_nearly_straight_convex_corner_may_have_a_triangle() {
         [14.156_397_162_547_405, 0.879_402_314_889_309_1],
     ]);
     let shape = shape.map(|p| p.map(|x| x * 1e3));
-    let found = run(&shape, None, false).unwrap();
-    check_clean(&shape, &found, false);
+    let found = run(&shape, None).unwrap();
+    check_clean(&shape, &found);
     assert_eq!(found.triangles.len(), 2, "{found:?}");
 }
 
@@ -189,9 +184,8 @@ fn each_part_has_its_own_mean_target() {
         ..params(None)
     };
     let mut scratch = SectionMeshScratch::default();
-    let found =
-        triangulate_section(&shape.section(false), &params, |_, _| false, &mut scratch).unwrap();
-    check_clean(&shape, &found, false);
+    let found = triangulate_section(&shape.section(), &params, |_, _| false, &mut scratch).unwrap();
+    check_clean(&shape, &found);
     let n = shape.points.len();
     let mut inner: BTreeMap<bool, usize> = BTreeMap::new();
     for point in &found.steiner_points {
@@ -206,10 +200,7 @@ fn each_part_has_its_own_mean_target() {
     let alone = |points: &[u32], length: f64| {
         let mut disc = Shape::default();
         disc.add(points.iter().map(|&v| shape.points[v as usize]));
-        run(&disc, Some(length), false)
-            .unwrap()
-            .steiner_points
-            .len()
+        run(&disc, Some(length)).unwrap().steiner_points.len()
     };
     assert_eq!(
         found.steiner_points.len(),
@@ -234,7 +225,7 @@ fn rounds_and_triangles_have_limits() {
             ..params(Some(0.02))
         };
         let mut scratch = SectionMeshScratch::default();
-        triangulate_section(&shape.section(false), &params, |_, _| false, &mut scratch)
+        triangulate_section(&shape.section(), &params, |_, _| false, &mut scratch)
     };
     let two = of(2, 4_000_000).unwrap();
     assert_eq!(
@@ -248,8 +239,8 @@ fn rounds_and_triangles_have_limits() {
         of(24, 1000),
         Err(RefineError::TooManyTriangles { limit: 1000 })
     );
-    // The crease is two million targets long.
-    let section = shape.section(true);
+    // A mesh of a trillion triangles fails before it is made.
+    let section = shape.section();
     let params = SectionMeshParams {
         max_triangles: 1000,
         ..params(Some(1e-6))

@@ -9,11 +9,9 @@ use proptest::prelude::*;
 use std::f64::consts::TAU;
 
 /// Returns a star-shaped loop around `center`, clockwise for a hole.
-///
-/// A vertex is added wherever the loop crosses y = 0.
 pub(crate) fn star(center: [f64; 2], radii: &[f64], hole: bool) -> Vec<[f64; 2]> {
     let n = radii.len();
-    let points: Vec<[f64; 2]> = radii
+    let mut points: Vec<[f64; 2]> = radii
         .iter()
         .enumerate()
         .map(|(i, r)| {
@@ -21,23 +19,10 @@ pub(crate) fn star(center: [f64; 2], radii: &[f64], hole: bool) -> Vec<[f64; 2]>
             [center[0] + r * a.cos(), center[1] + r * a.sin()]
         })
         .collect();
-    let mut points = split_at_crease(&points);
     if hole {
         points.reverse();
     }
     points
-}
-
-fn split_at_crease(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let mut out = Vec::new();
-    for (i, &p) in points.iter().enumerate() {
-        let q = points[(i + 1) % points.len()];
-        out.push(p);
-        if p[1] * q[1] < 0.0 {
-            out.push([p[0] + (q[0] - p[0]) * p[1] / (p[1] - q[1]), 0.0]);
-        }
-    }
-    out
 }
 
 /// A loop with a hole, an island with a hole in that hole, and beside it a loop with a hole.
@@ -121,39 +106,35 @@ proptest! {
     fn nested_loops_are_covered_exactly_once(
         shape in nested(),
         length in prop::option::of(0.15f64..3.0),
-        crease: bool,
         scale in -30i32..=30,
         offset in prop::option::of(-1e5f64..1e5),
     ) {
         prop_assume!(is_clean(&shape));
-        // Translates x only, because the crease is at y = 0.
-        let x = offset.unwrap_or(0.0);
-        let shape = shape.map(|p| [p[0] + x, p[1]]);
-        let mesh = run(&shape, length, crease)?;
-        check_clean(&shape, &mesh, crease);
+        let offset = offset.unwrap_or(0.0);
+        let shape = shape.map(|p| p.map(|x| x + offset));
+        let mesh = run(&shape, length)?;
+        check_clean(&shape, &mesh);
         // Powers of ten round coordinates, so triangles may differ.
         let scale = 10f64.powi(scale);
         let shape = shape.map(|p| p.map(|x| x * scale));
-        let mesh = run(&shape, length.map(|l| l * scale), crease)?;
-        check_clean(&shape, &mesh, crease);
+        let mesh = run(&shape, length.map(|l| l * scale))?;
+        check_clean(&shape, &mesh);
     }
 
     #[test]
     fn any_loops_give_a_manifold(
         shape in any_loops(),
         length in prop::option::of(0.05f64..1.0),
-        crease: bool,
     ) {
-        check_any(&shape, &run(&shape, length, crease)?);
+        check_any(&shape, &run(&shape, length)?);
     }
 
     #[test]
     fn loops_on_a_coarse_grid_give_a_manifold(
         shape in grid_loops(),
         length in prop::option::of(0.05f64..1.0),
-        crease: bool,
     ) {
-        check_any(&shape, &run(&shape, length, crease)?);
+        check_any(&shape, &run(&shape, length)?);
     }
 
     /// Coordinates of one loop may differ by 600 orders of magnitude.
@@ -164,13 +145,12 @@ proptest! {
             3..20,
         ),
         fine in prop::option::of(0.05f64..1.0),
-        crease: bool,
     ) {
         let mut shape = Shape::default();
         let scaled = |(p, e): ([f64; 2], [i32; 2])| [0, 1].map(|k| p[k] * 10f64.powi(e[k]));
         shape.add(points.into_iter().map(scaled));
-        let mesh = run(&shape, fine.map(|l| l * shape.extent()), crease)?;
-        prop_assert!(mesh.validate(&shape.section(crease), f64::MAX).is_ok());
+        let mesh = run(&shape, fine.map(|l| l * shape.extent()))?;
+        prop_assert!(mesh.validate(&shape.section(), f64::MAX).is_ok());
     }
 
     /// Coordinates are rounded to more than the distance of some neighbors, as 32 bits would.
@@ -195,7 +175,7 @@ proptest! {
             shape.add(star([0.1, 0.0], &[0.3; 30], true));
         }
         let shape = shape.map(|p| p.map(|x| (x * 1e7).round() * 1e-7));
-        let mesh = run(&shape, Some(0.1), false)?;
+        let mesh = run(&shape, Some(0.1))?;
         check_any(&shape, &mesh);
         let area = |&t: &[u32; 3]| polygon_area(&corners(&shape, &mesh, t)).abs();
         let error = mesh.triangles.iter().map(area).sum::<f64>() - shape.area();
@@ -210,7 +190,7 @@ proptest! {
         surface in random_edges(),
     ) {
         let has_edge = |a: u32, b: u32| surface.has_edge(a, b);
-        let mesh = run_with_edges(&shape, length, false, has_edge)?;
+        let mesh = run_with_edges(&shape, length, has_edge)?;
         check_any(&shape, &mesh);
         check_no_duplicate_edges(&shape, &mesh, has_edge);
     }
@@ -223,10 +203,10 @@ proptest! {
         let size = length.map_or(SectionMeshSize::Any, SectionMeshSize::Uniform);
         let params = SectionMeshParams { size, ..SectionMeshParams::default() };
         let mut scratch = SectionMeshScratch::default();
-        let section = shape.section(true);
+        let section = shape.section();
         let first = triangulate_section(&section, &params, |_, _| false, &mut scratch)?;
         let second = triangulate_section(&section, &params, |_, _| false, &mut scratch)?;
         prop_assert_eq!(&first, &second);
-        prop_assert_eq!(&first, &run(&shape, length, true)?);
+        prop_assert_eq!(&first, &run(&shape, length)?);
     }
 }

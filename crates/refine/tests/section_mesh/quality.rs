@@ -59,11 +59,10 @@ fn waved(n: usize, (lobes, depth, phase): (f64, f64, f64), hole: bool) -> Shape 
     shape
 }
 
-/// Sections of [`waved`] with at least `min_points` points, and whether they have a crease.
-fn any_waved(min_points: usize) -> impl Strategy<Value = (Shape, bool)> {
+/// Sections of [`waved`] with at least `min_points` points.
+fn any_waved(min_points: usize) -> impl Strategy<Value = Shape> {
     let waves = ((1u32..6).prop_map(f64::from), 0.0f64..0.3, 0.0f64..TAU);
-    (min_points..200, waves, any::<bool>(), any::<bool>())
-        .prop_map(|(n, waves, hole, crease)| (waved(n, waves, hole), crease))
+    (min_points..200, waves, any::<bool>()).prop_map(|(n, waves, hole)| waved(n, waves, hole))
 }
 
 /// Returns a circle with even edges, the first of which is split in the ratio `part`.
@@ -80,67 +79,30 @@ fn with_short_edge(n: usize, part: f64) -> Shape {
 }
 
 /// Triangulates a section with z times the rim's edge lengths and measures the quality.
-fn measure(shape: &Shape, crease: bool, z: f64) -> Result<SectionMeshQuality, RefineError> {
+fn measure(shape: &Shape, z: f64) -> Result<SectionMeshQuality, RefineError> {
     let lengths = targets(shape, z);
     let params = SectionMeshParams {
         size: SectionMeshSize::Local(&lengths),
         ..SectionMeshParams::default()
     };
-    let section = shape.section(crease);
+    let section = shape.section();
     let mesh = triangulate_section(
         &section,
         &params,
         |_, _| false,
         &mut SectionMeshScratch::default(),
     )?;
-    // Without the crease check: a loop may have an edge across the crease.
-    check_clean(shape, &mesh, false);
+    check_clean(shape, &mesh);
     Ok(mesh.quality(&section, &params))
-}
-
-/// The rim crosses the crease between two of its points.
-///
-/// Points whose parents are slightly beyond the crease were rejected, which left long edges.
-#[test]
-fn a_crease_across_rim_edges_leaves_no_long_edges() -> Result<(), RefineError> {
-    for (n, waves, hole, z) in [
-        (
-            113,
-            (1.0, 0.278_256_642_040_613_9, 5.919_153_333_000_914),
-            false,
-            2.0,
-        ),
-        (
-            166,
-            (2.0, 0.021_343_197_302_260_114, 2.131_362_920_977_734),
-            false,
-            1.0 / 1.5,
-        ),
-        (
-            160,
-            (4.0, 0.201_220_460_221_438_6, 5.600_674_668_260_396),
-            true,
-            1.5,
-        ),
-    ] {
-        let quality = measure(&waved(n, waves, hole), true, z)?;
-        assert!(
-            quality.long_edges.is_empty(),
-            "longest {:?}",
-            quality.edges.last()
-        );
-    }
-    Ok(())
 }
 
 /// In narrow sections, fixed core points or missing points in a single row caused small angles.
 #[test]
 fn narrow_sections_have_few_small_angles() -> Result<(), RefineError> {
-    for (n, waves, hole, crease, z) in [
+    for (n, waves, hole, z) in [
         (
             23,
             (1.0, 0.173_502_854_708_146_36, 1.703_371_917_034_840_5),
-            false,
             false,
             2.0,
         ),
@@ -148,13 +110,11 @@ fn narrow_sections_have_few_small_angles() -> Result<(), RefineError> {
             22,
             (5.0, 0.289_888_043_804_137_6, 3.236_763_338_755_499),
             false,
-            false,
             2.0,
         ),
         (
             20,
             (4.0, 0.208_647_974_053_864_76, 3.194_041_280_048_085),
-            true,
             true,
             1.0 / 1.5,
         ),
@@ -162,18 +122,16 @@ fn narrow_sections_have_few_small_angles() -> Result<(), RefineError> {
             37,
             (1.0, 0.071_649_555_957_333_98, 4.176_273_814_134_402),
             true,
-            true,
             2.0,
         ),
         (
             39,
             (4.0, 0.009_681_685_653_645_284, 2.694_134_393_690_991),
             true,
-            false,
             2.0,
         ),
     ] {
-        let angles = measure(&waved(n, waves, hole), crease, z)?.angles;
+        let angles = measure(&waved(n, waves, hole), z)?.angles;
         let [smallest, few] = [0, angles.len() / 20].map(|i| angles[i]);
         assert!(
             smallest >= 20.0 && few >= 30.0,
@@ -192,7 +150,7 @@ fn short_edges_get_complete_spirals() -> Result<(), RefineError> {
         (150, 0.105_828_539_399_748_22, 1.769_890_287_451_696_6),
         (29, 0.104_964_675_842_516_13, 1.606_667_302_577_598_2),
     ] {
-        let angles = measure(&with_short_edge(n, part), false, z)?.angles;
+        let angles = measure(&with_short_edge(n, part), z)?.angles;
         assert!(angles[0] >= 18.0, "{n} points: smallest {}", angles[0]);
     }
     Ok(())
@@ -204,10 +162,10 @@ proptest! {
     /// Narrow sections have too few triangles for bounds on the median and the mean.
     #[test]
     fn smooth_sections_have_good_triangles(
-        (shape, crease) in any_waved(20),
+        shape in any_waved(20),
         z in prop::sample::select(vec![1.0 / 1.5, 1.0, 1.5, 2.0]),
     ) {
-        let quality = measure(&shape, crease, z)?;
+        let quality = measure(&shape, z)?;
         let (angles, count) = (&quality.angles, quality.angles.len());
         prop_assert!(angles[0] >= 20.0, "smallest {}", angles[0]);
         prop_assert!(angles[count / 20] >= 30.0, "5 percent {}", angles[count / 20]);
@@ -224,7 +182,7 @@ proptest! {
         (n, part) in (20usize..200, 0.1f64..1.0),
         z in 0.667f64..2.0,
     ) {
-        let quality = measure(&with_short_edge(n, part), false, z)?;
+        let quality = measure(&with_short_edge(n, part), z)?;
         let bound = if part < 0.2 { 18.0 } else { 20.0 };
         prop_assert!(quality.angles[0] >= bound, "smallest {}", quality.angles[0]);
     }
@@ -232,10 +190,10 @@ proptest! {
     /// Rim edges are up to 2 targets long, so the few triangles at the rim have no bounds.
     #[test]
     fn smooth_sections_may_be_finer_than_their_rims(
-        (shape, crease) in any_waved(60),
+        shape in any_waved(60),
         z in 0.5f64..0.667,
     ) {
-        let quality = measure(&shape, crease, z)?;
+        let quality = measure(&shape, z)?;
         let (angles, count) = (&quality.angles, quality.angles.len());
         prop_assert!(angles[count / 20] >= 30.0, "5 percent {}", angles[count / 20]);
         prop_assert!(angles[count / 2] >= 45.0, "median {}", angles[count / 2]);

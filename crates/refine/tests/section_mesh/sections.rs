@@ -22,11 +22,10 @@ impl Shape {
             .push((first..index_u32(self.points.len())).collect());
     }
 
-    pub(crate) fn section(&self, crease: bool) -> Section<'_> {
+    pub(crate) fn section(&self) -> Section<'_> {
         Section {
             points: &self.points,
             loops: &self.loops,
-            crease,
         }
     }
 
@@ -125,18 +124,13 @@ pub(crate) fn corners(shape: &Shape, mesh: &SectionMesh, t: [u32; 3]) -> [[f64; 
     })
 }
 
-pub(crate) fn run(
-    shape: &Shape,
-    length: Option<f64>,
-    crease: bool,
-) -> Result<SectionMesh, RefineError> {
-    run_with_edges(shape, length, crease, |_, _| false)
+pub(crate) fn run(shape: &Shape, length: Option<f64>) -> Result<SectionMesh, RefineError> {
+    run_with_edges(shape, length, |_, _| false)
 }
 
 pub(crate) fn run_with_edges(
     shape: &Shape,
     length: Option<f64>,
-    crease: bool,
     has_edge: impl Fn(u32, u32) -> bool,
 ) -> Result<SectionMesh, RefineError> {
     let params = SectionMeshParams {
@@ -144,7 +138,7 @@ pub(crate) fn run_with_edges(
         ..SectionMeshParams::default()
     };
     triangulate_section(
-        &shape.section(crease),
+        &shape.section(),
         &params,
         has_edge,
         &mut SectionMeshScratch::default(),
@@ -154,7 +148,7 @@ pub(crate) fn run_with_edges(
 /// Checks the invariants that hold for any loops.
 pub(crate) fn check_any(shape: &Shape, mesh: &SectionMesh) {
     let tolerance = 1e-12 * shape.extent();
-    if let Err(fault) = mesh.validate(&shape.section(false), tolerance) {
+    if let Err(fault) = mesh.validate(&shape.section(), tolerance) {
         panic!("{fault}: {shape:?}");
     }
     let signed: f64 = mesh
@@ -171,7 +165,7 @@ pub(crate) fn check_any(shape: &Shape, mesh: &SectionMesh) {
 }
 
 /// Checks the invariants that hold for disjoint loops with the right orientation.
-pub(crate) fn check_clean(shape: &Shape, mesh: &SectionMesh, crease: bool) {
+pub(crate) fn check_clean(shape: &Shape, mesh: &SectionMesh) {
     check_any(shape, mesh);
     let area = shape.area();
     let mut sum = 0.0;
@@ -181,13 +175,6 @@ pub(crate) fn check_clean(shape: &Shape, mesh: &SectionMesh, crease: bool) {
         // Exact, because the area of a nearly straight corner vanishes in rounded differences.
         assert!(turn(p) > 0.0, "triangle {t:?} has area {part}");
         sum += part;
-        if crease {
-            let (low, high) = (p.iter().any(|p| p[1] < 0.0), p.iter().any(|p| p[1] > 0.0));
-            assert!(
-                !(low && high),
-                "triangle {t:?} lies on both sides of the crease: {p:?}"
-            );
-        }
     }
     assert!(
         (sum - area).abs() <= 1e-9 * area,

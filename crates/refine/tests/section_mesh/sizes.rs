@@ -35,14 +35,9 @@ impl Sizes {
         }
     }
 
-    fn run(&self, shape: &Shape, crease: bool) -> Result<SectionMesh, RefineError> {
+    fn run(&self, shape: &Shape) -> Result<SectionMesh, RefineError> {
         let mut scratch = SectionMeshScratch::default();
-        triangulate_section(
-            &shape.section(crease),
-            &self.params(),
-            |_, _| false,
-            &mut scratch,
-        )
+        triangulate_section(&shape.section(), &self.params(), |_, _| false, &mut scratch)
     }
 
     /// Returns the maximum number of triangles.
@@ -87,10 +82,10 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
     #[test]
-    fn any_targets_give_a_mesh_of_bounded_size((shape, sizes) in sized(), crease: bool) {
+    fn any_targets_give_a_mesh_of_bounded_size((shape, sizes) in sized()) {
         prop_assume!(is_clean(&shape));
-        let mesh = sizes.run(&shape, crease)?;
-        check_clean(&shape, &mesh, crease);
+        let mesh = sizes.run(&shape)?;
+        check_clean(&shape, &mesh);
         prop_assert_eq!(euler(&shape, &mesh), 0, "three annuli");
         let (count, most) = (mesh.triangles.len() as f64, sizes.max_triangles(&shape));
         prop_assert!(count <= most, "{} triangles, at most {}", count, most);
@@ -102,10 +97,9 @@ proptest! {
         lengths in prop::collection::vec(0.05f64..1.0, 100),
         grading in 0.0f64..2.0,
         min_angle in 0.0f64..40.0,
-        crease: bool,
     ) {
         let sizes = Sizes { lengths, grading, min_angle };
-        check_any(&shape, &sizes.run(&shape, crease)?);
+        check_any(&shape, &sizes.run(&shape)?);
     }
 
     /// A clockwise loop is triangulated like its mirror image, point by point.
@@ -115,15 +109,14 @@ proptest! {
         lengths in prop::collection::vec(0.05f64..0.5, 120),
         grading in 0.0f64..2.0,
         min_angle in 0.0f64..40.0,
-        crease: bool,
     ) {
         let mut shape = Shape::default();
         shape.add(star([0.0, 0.0], &radii, true));
         let sizes = Sizes { lengths, grading, min_angle };
-        let backward = sizes.run(&shape, crease)?;
+        let backward = sizes.run(&shape)?;
         let mirror = |p: [f64; 2]| [-p[0], p[1]];
         let image = shape.clone().map(mirror);
-        let forward = sizes.run(&image, crease)?;
+        let forward = sizes.run(&image)?;
         prop_assert_eq!(&backward.triangles, &forward.triangles);
         for (p, q) in backward.steiner_points.iter().zip(&forward.steiner_points) {
             prop_assert_eq!(p.position, mirror(q.position));
@@ -139,12 +132,12 @@ proptest! {
         more in 0usize..400,
     ) {
         prop_assume!(is_clean(&shape));
-        let free = sizes.run(&shape, false)?;
+        let free = sizes.run(&shape)?;
         let count = free.triangles.len();
         let mut scratch = SectionMeshScratch::default();
         let mut limited = |max_triangles| {
             let params = SectionMeshParams { max_triangles, ..sizes.params() };
-            triangulate_section(&shape.section(false), &params, |_, _| false, &mut scratch)
+            triangulate_section(&shape.section(), &params, |_, _| false, &mut scratch)
         };
         prop_assert_eq!(limited(count + more), Ok(free));
         let limit = count.saturating_sub(1 + less);
@@ -155,15 +148,14 @@ proptest! {
     fn used_scratch_memory_changes_no_bit(
         (first, sizes) in sized(),
         (second, others) in sized(),
-        crease: bool,
     ) {
         let mut scratch = SectionMeshScratch::default();
         let mut run = |shape: &Shape, sizes: &Sizes| {
-            let section = shape.section(crease);
+            let section = shape.section();
             triangulate_section(&section, &sizes.params(), |_, _| false, &mut scratch)
         };
         run(&second, &others)?;
-        prop_assert_eq!(&run(&first, &sizes)?, &sizes.run(&first, crease)?);
+        prop_assert_eq!(&run(&first, &sizes)?, &sizes.run(&first)?);
     }
 }
 
@@ -180,7 +172,7 @@ fn bad_targets_are_errors() {
     let with = |at: usize, length: f64| {
         let mut sizes = good.clone();
         sizes.lengths[at] = length;
-        sizes.run(&shape, false)
+        sizes.run(&shape)
     };
     assert!(with(0, 1e300).is_ok(), "a target may exceed the section");
     for length in [0.0, -0.0, -1.0, f64::INFINITY, f64::NEG_INFINITY] {
@@ -195,17 +187,14 @@ fn bad_targets_are_errors() {
     let mut few = good.clone();
     few.lengths.truncate(n - 2);
     let point = index_u32(n - 2);
-    assert_eq!(
-        few.run(&shape, false),
-        Err(RefineError::MissingTarget { point })
-    );
+    assert_eq!(few.run(&shape), Err(RefineError::MissingTarget { point }));
     for grading in [-1e-9, f64::NEG_INFINITY, f64::INFINITY] {
         let sizes = Sizes {
             grading,
             ..good.clone()
         };
         let error = Err(RefineError::NegativeGrading { grading });
-        assert_eq!(sizes.run(&shape, false), error, "grading {grading}");
+        assert_eq!(sizes.run(&shape), error, "grading {grading}");
     }
     for min_angle in [-1.0, 60.1, f64::INFINITY] {
         let sizes = Sizes {
@@ -213,7 +202,7 @@ fn bad_targets_are_errors() {
             ..good.clone()
         };
         let error = Err(RefineError::InvalidMinAngle { degrees: min_angle });
-        assert_eq!(sizes.run(&shape, false), error, "minimum angle {min_angle}");
+        assert_eq!(sizes.run(&shape), error, "minimum angle {min_angle}");
     }
     for sizes in [
         Sizes {
@@ -225,7 +214,7 @@ fn bad_targets_are_errors() {
             ..good.clone()
         },
     ] {
-        let error = sizes.run(&shape, false).expect_err("NaN is an error");
+        let error = sizes.run(&shape).expect_err("NaN is an error");
         let expected = matches!(
             error,
             RefineError::NegativeGrading { .. } | RefineError::InvalidMinAngle { .. }
@@ -254,7 +243,7 @@ fn targets_too_fine_are_an_error() {
                 };
                 let mut scratch = SectionMeshScratch::default();
                 let found =
-                    triangulate_section(&shape.section(true), &params, |_, _| false, &mut scratch);
+                    triangulate_section(&shape.section(), &params, |_, _| false, &mut scratch);
                 let error = Err(RefineError::TooManyTriangles { limit: 5000 });
                 assert_eq!(found, error, "{tiny} to {spread} times, grading {grading}");
             }

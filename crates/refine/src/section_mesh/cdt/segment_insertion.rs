@@ -80,11 +80,6 @@ impl Cdt {
         )
     }
 
-    /// Returns the triangle at `a` that the segment to `b` enters, unless it follows an edge.
-    pub(crate) fn triangle_toward(&self, a: u32, b: u32) -> Option<u32> {
-        self.first_crossing(a, b).ok().map(|h| h / 3)
-    }
-
     /// Returns the first half-edge that the segment from `a` to `b` crosses.
     fn first_crossing(&self, a: u32, b: u32) -> Result<u32, SegmentInsertion> {
         let first = self.outgoing[a as usize];
