@@ -1,26 +1,28 @@
-//! `incise cut`: cuts a mesh along a plane or a blade's sweep and writes one file per piece.
+//! `incise cut`: cuts a mesh along a plane, a blade's sweep or its path, and writes the pieces.
 
+use crate::blade_path::BladePath;
 use crate::clock::{milliseconds, timed};
-use crate::cut_options::CutOptions;
+use crate::cut_options::{CutOptions, CutPlan};
 use crate::failure::Failure;
 use crate::input::{InputOptions, file_bounds};
 use crate::json::{all_lossy, lossy};
 use crate::numbers::counted;
 use crate::pieces::{self, Piece, output_path};
 use crate::reporter::Reporter;
+use crate::stroke::{Stroke, cut_along_path};
 use incise_mesh::geometry::is_flat;
-use incise_mesh::{AngleStats, TriangleId, Warning};
+use incise_mesh::{AngleStats, Surface, TriangleId, Warning};
 use serde::Serialize;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Cuts a mesh along a plane or a blade's sweep and writes its pieces.
+/// Cuts a mesh along a plane, a blade's sweep or its path, and writes its pieces.
 ///
 /// Writes one closed component per file: `DIR/piece_000.obj` and so on. Files of these
 /// names from an earlier run are overwritten or removed. A refused cut writes nothing.
 #[derive(clap::Args)]
 #[command(
-    group = clap::ArgGroup::new("cutter").required(true).args(["plane", "blade"]),
+    group = clap::ArgGroup::new("cutter").required(true).args(["plane", "blade", "path"]),
     after_long_help = AFTER_HELP
 )]
 pub(crate) struct CutArguments {
@@ -31,6 +33,14 @@ pub(crate) struct CutArguments {
     reading: InputOptions,
     #[command(flatten)]
     cut: CutOptions,
+    /// Move a blade through the mesh, pose by pose. The cut may end inside (exact method).
+    ///
+    /// Each line of the file is a pose, x y z of every point of the blade's edge: two for a
+    /// straight blade, more for a curved one, the same number on every line. Numbers are separated
+    /// by spaces, and # starts a comment. Where the blade stops inside the body, the cut has two
+    /// walls that coincide. Motions of less than half an edge length inside the body add up.
+    #[arg(long, value_name = "FILE")]
+    path: Option<PathBuf>,
     /// The folder for the pieces.
     #[arg(short, long, value_name = "DIR", value_parser = output_path())]
     output: PathBuf,
@@ -42,6 +52,9 @@ Examples:
     incise cut Bunny --plane 0,1,0.2,0.05 -o pieces
   A blade's edge along the z axis that moves along x, caps refined with shorter edges:
     incise cut scan.ply --blade -1,0,-1,-1,0,1 --to 1,0,-1,1,0,1 --level 1.5x-finer -o pieces
+  A cut into a ball that stops at its center: a blade along the z axis in three poses:
+    printf '%s\\n' '-1 0 -1 -1 0 1' '-0.4 0 -1 -0.4 0 1' '0 0 -1 0 0 1' > knife.txt
+    incise cut Sphere768 --path knife.txt -o pieces
   Exact volumes, a report for a script:
     incise cut part.stl --plane 1,0.1,0,0.037 --snap 0 --json -o pieces
 
@@ -61,7 +74,12 @@ JSON report (--json), lengths in the input's unit:
   moved_volume           volume moved across the sweep by --snap and --remesh
   cap_triangles, cap_flat_triangles, cap_min_angle_deg, cap_median_angle_deg
                          triangles of the caps, those without area, their angles [degrees]
-  pieces                 file, vertices, triangles, area, volume, cavity of each piece
+  steps, cutting_steps   with --path, else null: motions from pose to pose, and those that cut;
+                         counts and times of the cut are sums over all steps
+  tips                   with --path: vertices of the tip in the body at the end; 0 outside
+  wall_triangles         with --path: triangles of the walls at the end, as cap_triangles
+  pieces                 file, vertices, triangles, area, volume, cavity, euler_characteristic of
+                         each piece
   removed                pieces of an earlier run that were removed
   milliseconds           time of each stage
 
@@ -105,11 +123,29 @@ struct Report {
     cap_flat_triangles: usize,
     cap_min_angle_deg: f64,
     cap_median_angle_deg: f64,
+    /// Motions of the blade from pose to pose; none without a path.
+    steps: Option<usize>,
+    /// Steps that cut.
+    cutting_steps: Option<usize>,
+    /// Vertices of the tip at the end.
+    tips: Option<usize>,
+    /// Triangles of walls and caps at the end.
+    wall_triangles: Option<usize>,
     pieces: Vec<Piece>,
     /// Removed pieces of an earlier run.
     #[serde(serialize_with = "all_lossy")]
     removed: Vec<PathBuf>,
     milliseconds: Times,
+}
+
+impl Report {
+    /// Returns the noun for a triangle on a side of the cut.
+    fn cap_noun(&self) -> &'static str {
+        match self.steps {
+            Some(_) => "wall triangle",
+            None => "cap triangle",
+        }
+    }
 }
 
 /// Times of the stages \[ms\].
@@ -135,6 +171,7 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     let path = &arguments.input;
     let options = arguments.cut.check()?;
+    let blade_path = arguments.blade_path(options)?;
     let progress = reporter.stages(3);
     progress.begin("read");
     let (read, surface) = timed(|| arguments.reading.read_closed(path));
@@ -145,13 +182,22 @@ pub(crate) fn run(
     }
     progress.begin("cut");
     let (triangles, volume) = (surface.topology().triangle_count(), surface.volume());
-    let sweep = options.sweep(&surface, path)?;
-    let cut = options.cut(&mut surface, &sweep, path)?;
-    let (outcome, params) = (cut.outcome, options.params());
-    let cap =
-        AngleStats::from_triangles(outcome.cap.iter().map(|&t| surface.triangle_positions(t)));
+    let Stroke {
+        report: counts,
+        walls,
+        cutting_steps,
+        tips,
+        bvh_build,
+    } = match &blade_path {
+        Some((file, blade_path)) => {
+            cut_along_path(&mut surface, blade_path, &options.params(), file)?
+        }
+        None => cut_once(options, &mut surface, path)?,
+    };
+    let params = options.params();
+    let cap = AngleStats::from_triangles(walls.iter().map(|&t| surface.triangle_positions(t)));
     let is_flat = |&&t: &&TriangleId| is_flat(surface.triangle_positions(t));
-    let flat = outcome.cap.iter().filter(is_flat).count();
+    let flat = walls.iter().filter(is_flat).count();
     progress.step();
     progress.begin("write");
     let (write, written) = timed(|| pieces::write(&surface, path, &arguments.output));
@@ -168,33 +214,37 @@ pub(crate) fn run(
         warnings,
         triangles,
         volume,
-        triangles_hit: outcome.report.hits,
-        loops: outcome.report.loops,
-        snapped_vertices: outcome.report.snapped_vertices,
-        merged_points: outcome.report.merged_nodes,
-        short_rim_edges: outcome.report.short_rim_edges,
-        flipped_edges: outcome.report.flipped_edges,
-        collapsed_vertices: outcome.report.collapsed_vertices,
-        collapsed_points: outcome.report.collapsed_nodes,
-        moved_surface: outcome.report.moved_surface,
-        moved_volume: outcome.report.moved_volume,
-        cap_triangles: outcome.cap.len(),
+        triangles_hit: counts.hits,
+        loops: counts.loops,
+        snapped_vertices: counts.snapped_vertices,
+        merged_points: counts.merged_nodes,
+        short_rim_edges: counts.short_rim_edges,
+        flipped_edges: counts.flipped_edges,
+        collapsed_vertices: counts.collapsed_vertices,
+        collapsed_points: counts.collapsed_nodes,
+        moved_surface: counts.moved_surface,
+        moved_volume: counts.moved_volume,
+        cap_triangles: walls.len(),
         cap_flat_triangles: flat,
         cap_min_angle_deg: cap.min,
         cap_median_angle_deg: cap.median,
+        steps: blade_path.as_ref().map(|(_, path)| path.len() - 1),
+        cutting_steps: blade_path.as_ref().map(|_| cutting_steps),
+        tips: blade_path.as_ref().map(|_| tips),
+        wall_triangles: blade_path.as_ref().map(|_| walls.len()),
         pieces: written.pieces,
         removed: written.removed,
         milliseconds: Times {
             read: milliseconds(read),
-            bvh_build: milliseconds(cut.bvh_build),
-            bvh_update: milliseconds(outcome.report.bvh_update),
-            detection: milliseconds(outcome.report.detection),
-            split: milliseconds(outcome.report.split),
-            remeshing: milliseconds(outcome.report.remeshing),
-            cap: milliseconds(outcome.report.cap),
-            refinement: milliseconds(outcome.report.refinement),
-            separation: milliseconds(outcome.report.separation),
-            commit: milliseconds(outcome.report.commit),
+            bvh_build: milliseconds(bvh_build),
+            bvh_update: milliseconds(counts.bvh_update),
+            detection: milliseconds(counts.detection),
+            split: milliseconds(counts.split),
+            remeshing: milliseconds(counts.remeshing),
+            cap: milliseconds(counts.cap),
+            refinement: milliseconds(counts.refinement),
+            separation: milliseconds(counts.separation),
+            commit: milliseconds(counts.commit),
             write: milliseconds(write),
         },
     };
@@ -211,6 +261,35 @@ pub(crate) fn run(
     Ok(())
 }
 
+impl CutArguments {
+    /// Reads the path of the blade, if the command line names one.
+    fn blade_path(&self, options: CutPlan<'_>) -> Result<Option<(&Path, BladePath)>, Failure> {
+        let Some(file) = self.path.as_deref() else {
+            return Ok(None);
+        };
+        if !options.is_exact() {
+            return Err(Failure::NotWith {
+                option: "--path",
+                with: "--method paper, which has no cuts that end inside the body",
+            });
+        }
+        Ok(Some((file, BladePath::read(file)?)))
+    }
+}
+
+/// Cuts along the plane or the sweep of the command line.
+fn cut_once(options: CutPlan<'_>, surface: &mut Surface, input: &Path) -> Result<Stroke, Failure> {
+    let sweep = options.sweep(surface, input)?;
+    let cut = options.cut(surface, &sweep, input)?;
+    Ok(Stroke {
+        report: cut.outcome.report,
+        cutting_steps: usize::from(!cut.outcome.is_miss()),
+        walls: cut.outcome.cap,
+        tips: 0,
+        bvh_build: cut.bvh_build,
+    })
+}
+
 fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io::Result<()> {
     writeln!(
         out,
@@ -219,14 +298,17 @@ fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io::Result<()
         counted(report.triangles, "triangle"),
         report.volume
     )?;
+    print_steps(report, out)?;
     if report.triangles_hit > 0 {
         writeln!(
             out,
-            "  {} hit in {}; {}, smallest angle {:.1}, median {:.1} \
-             degrees",
+            "  {} hit{}; {}, smallest angle {:.1}, median {:.1} degrees",
             counted(report.triangles_hit, "triangle"),
-            counted(report.loops, "loop"),
-            counted(report.cap_triangles, "cap triangle"),
+            match report.steps {
+                Some(_) => String::new(),
+                None => format!(" in {}", counted(report.loops, "loop")),
+            },
+            counted(report.cap_triangles, report.cap_noun()),
             report.cap_min_angle_deg,
             report.cap_median_angle_deg
         )?;
@@ -235,7 +317,7 @@ fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io::Result<()
                 out,
                 "  {} without area: the cut passes very close to a vertex; move the \
                  plane or the blade a little",
-                counted(report.cap_flat_triangles, "cap triangle")
+                counted(report.cap_flat_triangles, report.cap_noun())
             )?;
         }
         if is_exact && report.snap > 0.0 {
@@ -289,4 +371,22 @@ fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io::Result<()
         t.commit,
         t.write
     )
+}
+
+/// Prints the motion of the blade along its path.
+fn print_steps(report: &Report, out: &mut impl Write) -> io::Result<()> {
+    let (Some(steps), Some(cutting), Some(tips)) =
+        (report.steps, report.cutting_steps, report.tips)
+    else {
+        return Ok(());
+    };
+    write!(out, "  {}, {cutting} with a cut; ", counted(steps, "step"))?;
+    match tips {
+        0 => writeln!(out, "the blade ends outside the body"),
+        tips => writeln!(
+            out,
+            "the blade ends inside the body, at a tip of {}",
+            counted(tips, "vertex")
+        ),
+    }
 }

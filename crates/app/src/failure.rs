@@ -1,5 +1,6 @@
 //! Errors that end a command, and their exit codes.
 
+use crate::blade_path::BladePathError;
 use crate::input::OpenMeshAdvice;
 #[cfg(feature = "gpu")]
 use crate::numbers::counted;
@@ -122,6 +123,36 @@ pub(crate) enum Failure {
         path: PathBuf,
         /// The reason.
         source: CutError,
+    },
+    /// The path of the blade cannot be used.
+    #[error("{}: {source}", path.display())]
+    Path {
+        /// The file of the path.
+        path: PathBuf,
+        /// The reason.
+        source: BladePathError,
+    },
+    /// A step of the blade along its path cannot be cut.
+    #[error("{}: line {line}: {source}; nothing was written", path.display())]
+    Step {
+        /// The file of the path.
+        path: PathBuf,
+        /// The line of the pose at the end of the step.
+        line: usize,
+        /// The reason.
+        source: CutError,
+    },
+    /// The blade moves inside the body and does not cross its surface.
+    #[error(
+        "{}: line {line}: the blade moves inside the body and does not reach its surface; make it \
+         longer, or let it start outside the body; nothing was written",
+        path.display()
+    )]
+    BladeInside {
+        /// The file of the path.
+        path: PathBuf,
+        /// The line of the pose at the end of the step.
+        line: usize,
     },
     /// The holes cannot be closed.
     #[error("{}: {source}", path.display())]

@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, 1 unusable input or no GPU, 2 wrong command line, 3 unwritable output, 4 the
 //! cut misses the mesh.
 
+mod blade_path;
 mod check;
 mod clock;
 mod cut;
@@ -22,6 +23,7 @@ mod pieces;
 mod render;
 mod reporter;
 mod simulate;
+mod stroke;
 #[cfg(feature = "view")]
 mod view;
 

@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::json::lossy;
 use crate::numbers::counted;
 use clap::builder::{PathBufValueParser, TypedValueParser};
-use incise_mesh::{Surface, write_obj};
+use incise_mesh::{Surface, Topology, write_obj};
 use serde::Serialize;
 use std::ffi::OsStr;
 use std::io::{self, Write};
@@ -33,6 +33,8 @@ pub(crate) struct Piece {
     volume: f64,
     /// Whether the piece is the wall of a cavity: its normals point inward.
     cavity: bool,
+    /// Vertices less edges plus triangles: 2 for a ball, 0 for a ring.
+    euler_characteristic: i64,
 }
 
 /// Changes to the output folder.
@@ -73,6 +75,7 @@ pub(crate) fn write(surface: &Surface, input: &Path, folder: &Path) -> Result<Wr
             area: part.area(),
             volume,
             cavity: volume < 0.0,
+            euler_characteristic: euler_characteristic(part.topology()),
         });
     }
     let removed = left_over(folder, parts.len());
@@ -83,6 +86,12 @@ pub(crate) fn write(surface: &Surface, input: &Path, folder: &Path) -> Result<Wr
         })?;
     }
     Ok(Written { pieces, removed })
+}
+
+/// Returns vertices less edges plus triangles of a closed surface, which has 3/2 edges a triangle.
+fn euler_characteristic(topology: &Topology) -> i64 {
+    let count = |n: usize| i64::try_from(n).unwrap_or(i64::MAX);
+    count(topology.vertex_count()) - count(topology.triangle_count() / 2)
 }
 
 /// Returns the piece files of the folder with numbers from `count` on.
@@ -129,12 +138,13 @@ pub(crate) fn print(pieces: &[Piece], removed: &[PathBuf], out: &mut impl Write)
     for piece in pieces {
         writeln!(
             out,
-            "  {}: {}, {}, area {:.6e}, volume {:.6e}{}",
+            "  {}: {}, {}, area {:.6e}, volume {:.6e}, Euler characteristic {}{}",
             piece.file.display(),
             counted(piece.vertices, "vertex"),
             counted(piece.triangles, "triangle"),
             piece.area,
             piece.volume,
+            piece.euler_characteristic,
             if piece.cavity { ", cavity" } else { "" }
         )?;
     }

@@ -1,0 +1,128 @@
+//! [`cut_along_path`]: moves a blade through a mesh, pose by pose, for `incise cut --path`.
+
+use crate::blade_path::{BladePath, BladePathError};
+use crate::clock::timed;
+use crate::failure::Failure;
+use incise_cut::{CutError, CutParams, CutReport, Cutter, Incision, Sweep, blade_starts_inside};
+use incise_mesh::{Surface, TriangleId};
+use std::collections::HashSet;
+use std::path::Path;
+use std::time::Duration;
+
+/// The result of moving a blade along a path.
+pub(crate) struct Stroke {
+    /// Sums over all steps.
+    pub(crate) report: CutReport,
+    /// Triangles of the walls and caps.
+    pub(crate) walls: Vec<TriangleId>,
+    /// Number of steps that cut.
+    pub(crate) cutting_steps: usize,
+    /// Number of vertices of the tip at the end.
+    pub(crate) tips: usize,
+    /// Time of building the BVH.
+    pub(crate) bvh_build: Duration,
+}
+
+/// Moves a blade along a path through a surface at rest.
+///
+/// `file` names the path in errors. The surface of a failed stroke is cut in part.
+pub(crate) fn cut_along_path(
+    surface: &mut Surface,
+    path: &BladePath,
+    params: &CutParams,
+    file: &Path,
+) -> Result<Stroke, Failure> {
+    // A number of their own tells the walls from caps that the mesh already has.
+    let used: HashSet<u32> = (surface.topology().triangles())
+        .map(|t| surface.material(t))
+        .collect();
+    let is_free = |material: &u32| !used.contains(material);
+    let wall_material = (params.cap_material..).find(is_free);
+    let wall_material = wall_material.unwrap_or(params.cap_material);
+    let wall_params = CutParams {
+        cap_material: wall_material,
+        ..*params
+    };
+    let (bvh_build, mut cutter) = timed(|| Cutter::new(surface));
+    let mut incision = Incision::default();
+    let mut report = CutReport::default();
+    let mut cutting_steps = 0;
+    let mut previous: Option<Vec<[f32; 3]>> = None;
+    // A step without an area, and one that misses, leave it open whether the blade began inside.
+    let (mut has_moved, mut has_hit) = (false, false);
+    for (line, pose) in path.poses(surface.origin()) {
+        let step = cutter.advance(surface, &mut incision, &pose, &wall_params);
+        let outcome = step.map_err(|error| step_failure(file, line, error))?;
+        add(&mut report, &outcome.report);
+        cutting_steps += usize::from(!outcome.is_miss());
+        has_hit |= outcome.report.hits > 0;
+        let sweep = previous.and_then(|previous| Sweep::strip(&previous, &pose).ok());
+        if let Some(sweep) = sweep {
+            if !has_moved && !has_hit && blade_starts_inside(surface, &sweep) {
+                return Err(inside(file, line));
+            }
+            has_moved = true;
+        }
+        previous = Some(pose);
+    }
+    if !has_moved {
+        return Err(Failure::Path {
+            path: file.to_owned(),
+            source: BladePathError::NoMotion,
+        });
+    }
+    let is_wall = |&t: &TriangleId| surface.material(t) == wall_material;
+    let walls: Vec<TriangleId> = surface.topology().triangles().filter(is_wall).collect();
+    for &t in &walls {
+        surface.set_material(t, params.cap_material);
+    }
+    Ok(Stroke {
+        report,
+        walls,
+        cutting_steps,
+        tips: incision.tip().count(),
+        bvh_build,
+    })
+}
+
+/// Returns the failure of the step to the pose of a line.
+pub(crate) fn step_failure(file: &Path, line: usize, error: CutError) -> Failure {
+    match error {
+        CutError::PartialCut { .. } => inside(file, line),
+        source => Failure::Step {
+            path: file.to_owned(),
+            line,
+            source,
+        },
+    }
+}
+
+fn inside(file: &Path, line: usize) -> Failure {
+    Failure::BladeInside {
+        path: file.to_owned(),
+        line,
+    }
+}
+
+/// Adds the counts and times of a step.
+fn add(sum: &mut CutReport, step: &CutReport) {
+    sum.hits += step.hits;
+    sum.loops += step.loops;
+    sum.slits += step.slits;
+    sum.snapped_vertices += step.snapped_vertices;
+    sum.merged_nodes += step.merged_nodes;
+    sum.short_rim_edges += step.short_rim_edges;
+    sum.flipped_edges += step.flipped_edges;
+    sum.collapsed_vertices += step.collapsed_vertices;
+    sum.collapsed_nodes += step.collapsed_nodes;
+    sum.moved_surface = sum.moved_surface.max(step.moved_surface);
+    sum.moved_volume += step.moved_volume;
+    sum.detection += step.detection;
+    sum.split += step.split;
+    sum.remeshing += step.remeshing;
+    sum.cap += step.cap;
+    sum.refinement += step.refinement;
+    sum.separation += step.separation;
+    sum.commit += step.commit;
+    sum.bvh_update += step.bvh_update;
+}
