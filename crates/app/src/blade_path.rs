@@ -15,6 +15,9 @@ struct Pose {
     points: Vec<[f64; 3]>,
 }
 
+/// A pose of a straight blade \[m\], and its line in the file.
+pub(crate) type StraightPose = (usize, [[f32; 3]; 2]);
+
 /// The poses of a moving blade: two or more, each with the same number of points.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct BladePath {
@@ -93,6 +96,17 @@ pub(crate) enum BladePathError {
     /// No motion of the blade has an area.
     #[error("the blade has no length, or it never moves across its edge")]
     NoMotion,
+    /// A pose has another number of points than two.
+    #[error(
+        "line {line}: the blade has {found} points; blades of simulations have 2, its start and \
+         end"
+    )]
+    NotStraight {
+        /// The line of the first pose.
+        line: usize,
+        /// The number of points.
+        found: usize,
+    },
 }
 
 impl BladePath {
@@ -166,6 +180,20 @@ impl BladePath {
             (pose.line, pose.points.iter().map(point).collect())
         })
     }
+
+    /// Returns the poses of a straight blade relative to an origin \[m\].
+    pub(crate) fn straight_poses(
+        &self,
+        origin: [f64; 3],
+    ) -> Result<Vec<StraightPose>, BladePathError> {
+        let straight = self.poses(origin).map(|(line, points)| {
+            let found = points.len();
+            let pose = <[[f32; 3]; 2]>::try_from(points);
+            let pose = pose.map_err(|_| BladePathError::NotStraight { line, found })?;
+            Ok((line, pose))
+        });
+        straight.collect()
+    }
 }
 
 /// Parses a coordinate that 32 bits can hold.
@@ -202,6 +230,8 @@ mod tests {
         let poses: Vec<_> = path.poses([1.0, 0.0, 0.0]).collect();
         assert_eq!(poses[0], (3, vec![[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0]]));
         assert_eq!(poses[1], (5, vec![[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]]));
+        let straight = path.straight_poses([0.0; 3]).unwrap();
+        assert_eq!(straight[1], (5, [[1.0, 0.0, -1.0], [1.0, 0.0, 1.0]]));
     }
 
     /// Near 1e6 the spacing of 32-bit numbers is 0.06.
@@ -238,5 +268,9 @@ mod tests {
             let error = error(text);
             assert!(error.contains(said), "{error}, not {said}");
         }
+        let three = b"0 0 0 1 0 0 2 0 0\n".repeat(2);
+        let curved = BladePath::parse(&three).unwrap();
+        let error = curved.straight_poses([0.0; 3]).unwrap_err().to_string();
+        assert!(error.contains("line 1: the blade has 3 points"), "{error}");
     }
 }

@@ -171,6 +171,17 @@ pub(crate) enum Failure {
     /// The time of the cut is after the end of the simulation.
     #[error("--at is not before the end of the simulation; increase --seconds")]
     CutAfterEnd,
+    /// The path of the blade has more poses than the simulation has frames after the first one.
+    #[error(
+        "the blade's path of {poses} poses, one per frame, ends after the simulation; give \
+         --seconds {seconds} or more"
+    )]
+    PathAfterEnd {
+        /// The number of poses.
+        poses: usize,
+        /// The time at which the path ends [s].
+        seconds: f64,
+    },
     /// The mesh starts below the ground, which would eject it.
     #[error(
         "{}: its lowest point is at {lowest}, below the ground at {ground}, which would eject \
@@ -291,6 +302,7 @@ impl Failure {
             | Self::NotWith { .. }
             | Self::SweepCrossesItself
             | Self::CutAfterEnd
+            | Self::PathAfterEnd { .. }
             | Self::BelowGround { .. }
             | Self::OutputFormat { .. } => WRONG_COMMAND_LINE,
             Self::Folder { .. }

@@ -1,7 +1,9 @@
 //! `incise simulate`: drops a mesh as a soft body, optionally cuts it, and writes its pieces.
 
+mod knife;
+
+use crate::blade_path::BladePath;
 use crate::clock::{milliseconds, timed};
-use crate::cut_options::plane_sweep;
 use crate::failure::Failure;
 use crate::input::{InputOptions, file_bounds};
 use crate::json::{all_lossy, lossy};
@@ -10,14 +12,15 @@ use crate::pieces::{self, Piece, output_path};
 use crate::reporter::Reporter;
 use clap::ValueEnum;
 use incise_mesh::geometry::round_to_f32;
-use incise_mesh::{Aabb, Surface, Warning};
+use incise_mesh::{Surface, Warning};
 use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Volume};
 use incise_scene::{
     BackendChoice, BackendRequest, BodyId, ContactParams, Scene, SceneError, SceneParams,
 };
+use knife::Knife;
 use serde::Serialize;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Drops a mesh as a soft body, optionally cuts it at a given time, and writes its pieces.
 ///
@@ -67,10 +70,22 @@ pub(crate) struct SimulateArguments {
     #[arg(long)]
     contacts: bool,
     /// Cut along the plane `nx x + ny y + nz z = d`.
-    #[arg(long, value_name = "NX,NY,NZ,D", value_parser = numbers::<4>, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "NX,NY,NZ,D",
+        value_parser = numbers::<4>,
+        allow_hyphen_values = true,
+        group = "cutter"
+    )]
     plane: Option<Numbers<4>>,
-    /// Time of the cut [s]; 0 by default.
-    #[arg(long, value_name = "S", value_parser = positive, requires = "plane")]
+    /// Move a straight blade through the body, one pose per frame. The cut may end inside.
+    ///
+    /// The file is that of `incise cut --path`, with two points per line. The blade stands at its
+    /// last pose. With --contacts the walls of the cut collide with each other.
+    #[arg(long, value_name = "FILE", group = "cutter")]
+    path: Option<PathBuf>,
+    /// Time of the cut, or of the first pose [s]; 0 by default.
+    #[arg(long, value_name = "S", value_parser = positive, requires = "cutter")]
     at: Option<f64>,
     /// Backend that steps the body.
     #[arg(long, value_enum, default_value_t = Backend::Cpu)]
@@ -87,10 +102,12 @@ const AFTER_HELP: &str = "\
 Examples:
   incise simulate Bunny --seconds 2 --ground -0.5 --volume --interior-springs 1 -o pieces
   incise simulate Bunny --seconds 2 --volume --contacts --plane 0,1,0.2,-1 --at 0.5 -o pieces
+  incise simulate Bunny --seconds 2 --volume --contacts --path knife.txt -o pieces
 
 JSON report (--json): input, warnings, backend, device, fallback_reason, frames, dt, iterations,
-substeps, triangles_hit, pieces (file, vertices, triangles, area, volume, cavity of each), removed,
-milliseconds.
+substeps, triangles_hit, steps, cutting_steps (with --path, else null: motions of the blade, and
+those that cut), pieces (file, vertices, triangles, area, volume, cavity, euler_characteristic of
+each), removed, milliseconds.
 
 Exit code 4: the cut misses the body, and the pieces are those of the uncut body.";
 
@@ -133,6 +150,10 @@ struct Report {
     substeps: u32,
     /// Triangles that the sweep crosses; none without a cut.
     triangles_hit: Option<usize>,
+    /// Motions of the blade from pose to pose; none without a path.
+    steps: Option<usize>,
+    /// Steps that cut.
+    cutting_steps: Option<usize>,
     pieces: Vec<Piece>,
     /// Removed pieces of an earlier run.
     #[serde(serialize_with = "all_lossy")]
@@ -147,15 +168,6 @@ struct Times {
     write: f64,
 }
 
-/// The result of a simulation.
-struct Simulated {
-    scene: Scene,
-    body: BodyId,
-    triangles_hit: Option<usize>,
-    /// Bounding box at the time of the cut, else empty.
-    bounds_at_cut: Aabb,
-}
-
 /// Runs the command.
 pub(crate) fn run(
     arguments: &SimulateArguments,
@@ -163,12 +175,8 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     let path = &arguments.input;
     let frames = whole(arguments.seconds / arguments.dt).max(1);
-    let cut_at = arguments
-        .plane
-        .map(|_| whole(arguments.at.unwrap_or(0.0) / arguments.dt));
-    if cut_at.is_some_and(|frame| frame >= frames) {
-        return Err(Failure::CutAfterEnd);
-    }
+    let start = whole(arguments.at.unwrap_or(0.0) / arguments.dt);
+    let blade_path = arguments.blade_path(start, frames)?;
     let (surface, warnings) = arguments.reading.read_closed(path)?;
     for warning in &warnings {
         reporter.warn(format_args!("{}: {warning}", path.display()));
@@ -183,18 +191,23 @@ pub(crate) fn run(
             ground,
         });
     }
-    let (simulate, simulated) = timed(|| arguments.simulate(surface, frames, cut_at, reporter));
-    let simulated = simulated?;
+    let mut knife = match (arguments.plane, &blade_path) {
+        (Some(plane), _) => Some(Knife::from_plane(path, plane, start)),
+        (None, Some(way)) => Some(Knife::from_path(path, way, surface.origin(), start)?),
+        (None, None) => None,
+    };
+    let (simulate, simulated) =
+        timed(|| arguments.simulate(surface, frames, knife.as_mut(), reporter));
+    let (scene, body) = simulated?;
     let failed = |source| Failure::Scene {
         path: path.clone(),
         source,
     };
-    let body = simulated.scene.body(simulated.body).map_err(failed)?;
-    let surface = body.surface();
+    let surface = scene.body(body).map_err(failed)?.surface();
     let (write, written) = timed(|| pieces::write(surface, path, &arguments.output));
     let written = written?;
-    let backend = simulated.scene.backend_report();
-    let is_on_device = backend.gpu_bodies.contains(&simulated.body);
+    let backend = scene.backend_report();
+    let is_on_device = backend.gpu_bodies.contains(&body);
     let report = Report {
         input: path.clone(),
         warnings,
@@ -205,7 +218,9 @@ pub(crate) fn run(
         dt: arguments.dt,
         iterations: arguments.iterations,
         substeps: arguments.substeps,
-        triangles_hit: simulated.triangles_hit,
+        triangles_hit: knife.as_ref().map(|knife| knife.triangles_hit),
+        steps: knife.as_ref().and_then(Knife::steps),
+        cutting_steps: knife.as_ref().and_then(Knife::cutting_steps),
         pieces: written.pieces,
         removed: written.removed,
         milliseconds: Times {
@@ -214,10 +229,12 @@ pub(crate) fn run(
         },
     };
     reporter.report(&report, print)?;
-    if report.triangles_hit == Some(0) {
+    if let Some(knife) = knife
+        && knife.triangles_hit == 0
+    {
         return Err(Failure::Missed {
             path: path.clone(),
-            bounds: simulated.bounds_at_cut,
+            bounds: knife.bounds_at_start,
             output: "the files hold the uncut body",
         });
     }
@@ -225,6 +242,25 @@ pub(crate) fn run(
 }
 
 impl SimulateArguments {
+    /// Checks the time of the cut, and reads the path of the blade, if there is one.
+    fn blade_path(&self, start: u32, frames: u32) -> Result<Option<(&Path, BladePath)>, Failure> {
+        if start >= frames {
+            return Err(Failure::CutAfterEnd);
+        }
+        let Some(file) = self.path.as_deref() else {
+            return Ok(None);
+        };
+        let path = BladePath::read(file)?;
+        let poses = path.len();
+        let end = poses.saturating_add(usize::try_from(start).unwrap_or(usize::MAX));
+        if end > usize::try_from(frames).unwrap_or(usize::MAX) {
+            #[expect(clippy::cast_precision_loss, reason = "for a message")]
+            let seconds = end as f64 * self.dt;
+            return Err(Failure::PathAfterEnd { poses, seconds });
+        }
+        Ok(Some((file, path)))
+    }
+
     /// Returns the height of the ground above a height of the file.
     fn ground(&self, origin: f64) -> Option<f32> {
         self.ground
@@ -241,7 +277,11 @@ impl SimulateArguments {
                 ground: self.ground(origin_height),
                 ..SolverParams::default()
             },
-            contacts: self.contacts.then(ContactParams::default),
+            contacts: self.contacts.then(|| ContactParams {
+                // Both walls of a cut that ends inside belong to one piece.
+                self_collision: self.path.is_some(),
+                ..ContactParams::default()
+            }),
             ..SceneParams::default()
         };
         let request = BackendRequest {
@@ -269,9 +309,9 @@ impl SimulateArguments {
         &self,
         surface: Surface,
         frames: u32,
-        cut_at: Option<u32>,
+        mut knife: Option<&mut Knife<'_>>,
         reporter: &Reporter<impl Write>,
-    ) -> Result<Simulated, Failure> {
+    ) -> Result<(Scene, BodyId), Failure> {
         let path = &self.input;
         let failed = |source| Failure::Scene {
             path: path.clone(),
@@ -279,61 +319,27 @@ impl SimulateArguments {
         };
         let mut scene = self.scene(surface.origin()[1]).map_err(failed)?;
         let body = scene.add_body(surface, &self.material()).map_err(failed)?;
-        let (mut triangles_hit, mut bounds_at_cut) = (None, Aabb::default());
         let a_second = whole(1.0 / self.dt).clamp(1, frames);
         let progress = reporter.progress(frames.div_ceil(a_second), a_second);
         for frame in 0..frames {
             if frame % a_second == 0 {
                 progress.begin(&format!("from {:.3} s", f64::from(frame) * self.dt));
             }
-            let cuts = cut_at == Some(frame);
-            if cuts {
-                scene.read_back(body).map_err(failed)?;
-                bounds_at_cut = self.aim(&mut scene, body)?;
+            if let Some(knife) = &mut knife {
+                knife.before_frame(frame, &mut scene, body)?;
             }
             let stats = *scene.step().map_err(failed)?;
             if stats.fell_back {
                 progress.suspend(|| warn_of_fallback(&scene, reporter));
             }
-            if cuts {
-                triangles_hit = Some(stats.hit_triangles);
-                if let Some(refusal) = scene.failed_cuts().first() {
-                    return Err(Failure::Cut {
-                        path: path.clone(),
-                        source: refusal.error,
-                    });
-                }
+            if let Some(knife) = &mut knife {
+                knife.after_frame(frame, &mut scene, body)?;
             }
             progress.step();
         }
         progress.end();
         scene.read_back(body).map_err(failed)?;
-        Ok(Simulated {
-            scene,
-            body,
-            triangles_hit,
-            bounds_at_cut,
-        })
-    }
-
-    /// Adds a blade that sweeps along the plane through the whole body in the next frame, and
-    /// returns the body's bounding box.
-    fn aim(&self, scene: &mut Scene, body: BodyId) -> Result<Aabb, Failure> {
-        let Some(plane) = self.plane else {
-            return Ok(Aabb::default());
-        };
-        let failed = |source| Failure::Scene {
-            path: self.input.clone(),
-            source,
-        };
-        let surface = scene.body(body).map_err(failed)?.surface();
-        let sweep = plane_sweep(plane, surface, &self.input)?;
-        let bounds = file_bounds(surface);
-        let [before, after] = sweep.ends();
-        let blade = scene.add_blade(before);
-        let moved = scene.move_blade(blade, after);
-        moved.map_err(failed)?;
-        Ok(bounds)
+        Ok((scene, body))
     }
 }
 
@@ -358,7 +364,13 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
         report.device.as_deref().unwrap_or("the CPU")
     )?;
     if let Some(hits @ 1..) = report.triangles_hit {
-        writeln!(out, "  {} hit", counted(hits, "triangle"))?;
+        write!(out, "  {} hit", counted(hits, "triangle"))?;
+        match (report.steps, report.cutting_steps) {
+            (Some(steps), Some(cutting)) => {
+                writeln!(out, "; {}, {cutting} with a cut", counted(steps, "step"))?;
+            }
+            _ => writeln!(out)?,
+        }
     }
     pieces::print(&report.pieces, &report.removed, out)?;
     let t = &report.milliseconds;

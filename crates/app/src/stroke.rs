@@ -1,4 +1,5 @@
-//! [`cut_along_path`]: moves a blade through a mesh, pose by pose, for `incise cut --path`.
+//! [`cut_along_path`]: moves a blade through a mesh, pose by pose, for `incise cut --path`; and the
+//! failures of its steps, which `incise simulate --path` shares.
 
 use crate::blade_path::{BladePath, BladePathError};
 use crate::clock::timed;
@@ -58,8 +59,8 @@ pub(crate) fn cut_along_path(
         has_hit |= outcome.report.hits > 0;
         let sweep = previous.and_then(|previous| Sweep::strip(&previous, &pose).ok());
         if let Some(sweep) = sweep {
-            if !has_moved && !has_hit && blade_starts_inside(surface, &sweep) {
-                return Err(inside(file, line));
+            if !has_moved && !has_hit {
+                check_start(surface, &sweep, file, line)?;
             }
             has_moved = true;
         }
@@ -83,6 +84,21 @@ pub(crate) fn cut_along_path(
         tips: incision.tip().count(),
         bvh_build,
     })
+}
+
+/// Refuses the first sweep of a blade, to the pose of a line, if it lies inside the body.
+///
+/// It must not hit the surface.
+pub(crate) fn check_start(
+    surface: &Surface,
+    sweep: &Sweep,
+    file: &Path,
+    line: usize,
+) -> Result<(), Failure> {
+    if blade_starts_inside(surface, sweep) {
+        return Err(inside(file, line));
+    }
+    Ok(())
 }
 
 /// Returns the failure of the step to the pose of a line.
