@@ -1,8 +1,10 @@
-//! `incise-bench cut`: the time of a cut, stage by stage, from 20 triangles to a million.
+//! `incise-bench cut`: the time of a cut, stage by stage, from 20 triangles to a million, and of the
+//! steps of a progressive one.
 
 mod body;
 mod latency;
 mod planes;
+pub(crate) mod progressive;
 pub(crate) mod row;
 pub(crate) mod times;
 
@@ -23,9 +25,17 @@ pub(crate) struct CutArguments {
     #[command(flatten)]
     from: ModelArguments,
     /// Models to cut, separated by commas: those of the table, finer armadillos such as
-    /// Armadillo120000, and spheres such as Sphere3072.
+    /// Armadillo120000, and spheres such as Sphere3072; with --progressive also Sphere30000,
+    /// Torus30000 and Icosphere1280.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     only: Vec<String>,
+    /// Move a blade on through bodies of 30,000 triangles, one mean edge length a step.
+    #[arg(long, conflicts_with_all = ["method", "planes", "max_triangles", "cuts"])]
+    progressive: bool,
+    /// Total number of steps over ten bodies, which are validated now and then and replaced when
+    /// they have grown.
+    #[arg(long, value_name = "N", requires = "progressive")]
+    steps: Option<usize>,
     /// Cut method.
     #[arg(long, value_enum, default_value_t = MethodChoice::Exact)]
     method: MethodChoice,
@@ -54,8 +64,6 @@ pub(crate) struct CutArguments {
 
 /// Measures all workloads, prints and writes the records.
 pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
-    let folder = arguments.from.models.as_deref();
-    let workloads = workload::workloads(folder, &arguments.only, arguments.max_triangles)?;
     let mut params = arguments.method.params(arguments.level);
     params.refine.grading = arguments.grading;
     let stamp = Stamp {
@@ -73,6 +81,11 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
         stamp.machine, stamp.commit, stamp.method, arguments.level, stamp.grading, stamp.seed
     )?;
     let mut json = Json::open(arguments.rows.json.as_deref())?;
+    if arguments.progressive {
+        return progressive::run(arguments, &params, &stamp, &mut json, out);
+    }
+    let folder = arguments.from.models.as_deref();
+    let workloads = workload::workloads(folder, &arguments.only, arguments.max_triangles)?;
     let mut records = Vec::new();
     let progress = arguments.rows.progress(workloads.len(), 1);
     for workload in &workloads {

@@ -1,5 +1,6 @@
-//! Records of `cut`: rows of models, slopes of families, latencies after many cuts.
+//! Records of `cut`: rows of models, slopes of families, latencies, and progressive cuts.
 
+use super::progressive::row::Row as ProgressiveRow;
 use super::times::Times;
 use crate::numbers::fixed;
 use crate::statistics::slope;
@@ -21,6 +22,7 @@ pub(crate) enum Record {
     Cut(Box<Row>),
     Slope(Slope),
     Latency(Box<Latency>),
+    Progressive(Box<ProgressiveRow>),
 }
 
 /// Options and origin of a record.
@@ -126,10 +128,18 @@ impl Record {
         }
     }
 
-    /// Returns a slope or a latency as a sentence; none for a row of the table.
+    /// Returns the row of a body that was cut step by step.
+    pub(crate) fn progressive(&self) -> Option<&ProgressiveRow> {
+        match self {
+            Self::Progressive(row) => Some(row),
+            _ => None,
+        }
+    }
+
+    /// Returns a slope or a latency as a sentence; none for a row of a table.
     pub(crate) fn sentence(&self) -> Option<String> {
         match self {
-            Self::Cut(_) => None,
+            Self::Cut(_) | Self::Progressive(_) => None,
             Self::Slope(slope) => Some(format!(
                 "{}: detect and split grow as n to the power of {:.2} ({} sizes from {} to {}).",
                 slope.family, slope.slope, slope.sizes, slope.triangles_from, slope.triangles_to
@@ -158,6 +168,8 @@ impl Record {
             Self::Cut(row) => (&row.model, row.cuts, &row.failures),
             Self::Latency(row) => (&row.model, row.probes, &row.failures),
             Self::Slope(slope) => (&slope.family, 0, &[]),
+            // Its failures are counted by kind.
+            Self::Progressive(row) => (&row.model, row.steps, &[]),
         }
     }
 }

@@ -9,6 +9,8 @@ use std::time::Duration;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct Times {
+    /// Refit of the BVH of a body that has moved.
+    pub(crate) refit: f64,
     /// Search and intersection.
     pub(crate) detect: f64,
     /// Edit of the mesh along the sweep.
@@ -33,6 +35,7 @@ impl Times {
     pub(crate) fn new(report: &CutReport, constraints: Duration) -> Self {
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
         Self {
+            refit: 0.0,
             detect: ms(report.detection),
             split: ms(report.split),
             cap: ms(report.cap),
@@ -47,22 +50,31 @@ impl Times {
 
     /// Returns the median and the 99th percentile of every stage.
     pub(crate) fn summary(all: &[Self]) -> [Self; 2] {
-        [50, 99].map(|percent| {
-            let of = |stage: fn(&Self) -> f64| {
-                percentile(&sorted(all.iter().map(stage).collect()), percent)
-            };
-            Self {
-                detect: of(|t| t.detect),
-                split: of(|t| t.split),
-                cap: of(|t| t.cap),
-                refine: of(|t| t.refine),
-                separate: of(|t| t.separate),
-                commit: of(|t| t.commit),
-                bvh_update: of(|t| t.bvh_update),
-                constraints: of(|t| t.constraints),
-                total: of(|t| t.total),
-            }
-        })
+        [50, 99].map(|percent| Self::percentile(all, percent))
+    }
+
+    /// Returns a percentile of every stage.
+    pub(crate) fn percentile(all: &[Self], percent: usize) -> Self {
+        let of =
+            |stage: fn(&Self) -> f64| percentile(&sorted(all.iter().map(stage).collect()), percent);
+        Self {
+            refit: of(|t| t.refit),
+            detect: of(|t| t.detect),
+            split: of(|t| t.split),
+            cap: of(|t| t.cap),
+            refine: of(|t| t.refine),
+            separate: of(|t| t.separate),
+            commit: of(|t| t.commit),
+            bvh_update: of(|t| t.bvh_update),
+            constraints: of(|t| t.constraints),
+            total: of(|t| t.total),
+        }
+    }
+
+    /// Returns the part of the total that no stage has.
+    pub(crate) fn rest(&self) -> f64 {
+        let mesh = self.detect + self.split + self.cap + self.refine + self.separate;
+        self.total - self.refit - mesh - self.commit - self.bvh_update - self.constraints
     }
 }
 

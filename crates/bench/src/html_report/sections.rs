@@ -6,6 +6,7 @@ use super::paper_table::paper_table;
 use super::sources::{Rows, Source};
 use super::summary::settings;
 use crate::chart::{Chart, Series};
+use crate::cut::progressive::row as progressive;
 use crate::cut::row::Record;
 use crate::cut::times::Times;
 use crate::picture;
@@ -179,6 +180,9 @@ fn cuts(html: &mut Html, sources: &Sources<'_>) -> Result<(), ReportError> {
         let (Rows::Cut(records), false) = (&source.rows, is_duplicate) else {
             continue;
         };
+        if !records.iter().any(|record| record.row().is_some()) {
+            continue;
+        }
         let series = STAGES.map(|(name, of)| {
             let middle = records.iter().filter_map(Record::row);
             let middle = middle.filter(|row| row.planes == "middle");
@@ -203,6 +207,16 @@ fn cuts(html: &mut Html, sources: &Sources<'_>) -> Result<(), ReportError> {
         !row.failures.is_empty()
     });
     html.paragraph(cut::row::LEGEND);
+    let rows = groups(sources, |rows| match rows {
+        Rows::Cut(records) => records.iter().filter_map(Record::progressive).collect(),
+        _ => Vec::new(),
+    });
+    if rows.iter().any(|group| !group.rows.is_empty()) {
+        html.table("Progressive cuts", progressive::COLUMNS, rows, |row| {
+            !row.failures.is_empty()
+        });
+        html.paragraph(progressive::LEGEND);
+    }
     Ok(())
 }
 

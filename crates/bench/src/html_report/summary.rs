@@ -29,6 +29,7 @@ pub(super) fn settings(source: &Source) -> String {
         }),
         Rows::Cut(records) => match records.first() {
             Some(Record::Cut(row)) => format!("{} method", row.stamp.method),
+            Some(Record::Progressive(_)) => "progressive cuts".to_owned(),
             _ => String::new(),
         },
         // The scenes of the accuracy bench are in separate files.

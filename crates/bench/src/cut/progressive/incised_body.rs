@@ -1,0 +1,171 @@
+//! A body that a blade cuts step by step, as a body of a scene.
+
+use super::strokes::turned;
+use crate::cut::times::Times;
+use crate::motion;
+use incise_cut::{CutError, CutParams, Cutter, Incision};
+use incise_mesh::Surface;
+use incise_mesh::geometry::{to_f32, to_f64};
+use incise_pbd_gpu::Solver;
+use std::error::Error;
+use std::time::Instant;
+
+/// Angle by which a turning body turns per step about the vertical axis \[rad\].
+const TURN: f64 = 0.003;
+/// Calls with the same pose that are timed together.
+const STANDING_CALLS: u32 = 100;
+
+/// A body with its cutter, its solver and the incision of one blade.
+pub(super) struct IncisedBody {
+    surface: Surface,
+    cutter: Cutter,
+    solver: Solver,
+    incision: Incision,
+    pose: [[f32; 3]; 2],
+    has_moved: bool,
+    /// Angle by which the body has turned \[rad\].
+    angle: f64,
+    step_length: f64,
+}
+
+/// A step that cut.
+#[derive(Debug)]
+pub(super) struct Step {
+    pub(super) times: Times,
+    pub(super) wall_triangles: usize,
+}
+
+impl IncisedBody {
+    /// Returns a body of the table's material.
+    ///
+    /// # Errors
+    /// An error of the solver.
+    pub(super) fn new(mut surface: Surface) -> Result<Self, Box<dyn Error>> {
+        let solver = Solver::new(&mut surface, &motion::material())?;
+        Ok(Self {
+            cutter: Cutter::new(&surface),
+            step_length: solver.mean_rest_length(),
+            surface,
+            solver,
+            incision: Incision::default(),
+            pose: [[0.0; 3]; 2],
+            has_moved: false,
+            angle: 0.0,
+        })
+    }
+
+    pub(super) fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    /// Returns the angle by which the body has turned about the vertical axis \[rad\].
+    pub(super) fn angle(&self) -> f64 {
+        self.angle
+    }
+
+    /// Returns the mean edge length of the uncut body \[m\].
+    pub(super) fn step_length(&self) -> f64 {
+        self.step_length
+    }
+
+    /// Moves the blade to a pose and times it; none for a step that cuts nothing.
+    ///
+    /// After the inner error, the incision begins anew at the pose, as in a scene.
+    ///
+    /// # Errors
+    /// An error of the solver.
+    pub(super) fn advance(
+        &mut self,
+        pose: &[[f32; 3]; 2],
+        params: &CutParams,
+    ) -> Result<Result<Option<Step>, CutError>, Box<dyn Error>> {
+        self.pose = *pose;
+        let begin = Instant::now();
+        if std::mem::take(&mut self.has_moved) {
+            self.cutter.refit(&self.surface);
+        } else {
+            // The solver has changed inverse masses, which share an array with positions.
+            self.cutter.refit_moved(&self.surface, &[]);
+        }
+        let refit = begin.elapsed();
+        let (surface, incision) = (&mut self.surface, &mut self.incision);
+        let outcome = match self.cutter.advance(surface, incision, pose, params) {
+            Ok(outcome) => outcome,
+            Err(error) => {
+                self.incision.restart(pose);
+                return Ok(Err(error));
+            }
+        };
+        if outcome.is_miss() {
+            return Ok(Ok(None));
+        }
+        let follow = Instant::now();
+        self.solver.apply_delta(&mut self.surface, &outcome.delta)?;
+        let (constraints, total) = (follow.elapsed(), begin.elapsed());
+        Ok(Ok(Some(Step {
+            times: Times {
+                refit: refit.as_secs_f64() * 1e3,
+                total: total.as_secs_f64() * 1e3,
+                ..Times::new(&outcome.report, constraints)
+            },
+            wall_triangles: outcome.cap.len(),
+        })))
+    }
+
+    /// Returns the time of a call with the blade's last pose \[us\], if the blade is inside.
+    ///
+    /// The body stands still meanwhile.
+    ///
+    /// # Errors
+    /// An error of the solver or of the cutter, or a message if a blade that stands cuts.
+    pub(super) fn standing_time(
+        &mut self,
+        params: &CutParams,
+    ) -> Result<Option<f64>, Box<dyn Error>> {
+        let pose = self.pose;
+        // A body that turned after the last step may be cut once more.
+        let is_refused = self.incision.is_inside() && self.advance(&pose, params)?.is_err();
+        if is_refused || !self.incision.is_inside() {
+            return Ok(None);
+        }
+        let begin = Instant::now();
+        for _ in 0..STANDING_CALLS {
+            self.cutter.refit_moved(&self.surface, &[]);
+            let (surface, incision) = (&mut self.surface, &mut self.incision);
+            let outcome = self.cutter.advance(surface, incision, &pose, params)?;
+            if !outcome.is_miss() {
+                return Err("a blade that stands has cut".into());
+            }
+        }
+        let us = begin.elapsed().as_secs_f64() * 1e6;
+        Ok(Some(us / f64::from(STANDING_CALLS)))
+    }
+
+    /// Ends the incision.
+    pub(super) fn lift_blade(&mut self) {
+        self.incision = Incision::default();
+    }
+
+    /// Turns the body about the vertical axis.
+    pub(super) fn turn(&mut self) {
+        for p in self.surface.positions_mut() {
+            let [x, y, z, inv_mass] = *p;
+            let [x, y, z] = to_f32(turned(to_f64([x, y, z]), TURN));
+            *p = [x, y, z, inv_mass];
+        }
+        self.angle += TURN;
+        self.has_moved = true;
+    }
+
+    /// Validates the surface and the BVH.
+    ///
+    /// # Errors
+    /// The first broken invariant.
+    pub(super) fn validate(&mut self) -> Result<(), Box<dyn Error>> {
+        self.surface.validate_closed()?;
+        if std::mem::take(&mut self.has_moved) {
+            self.cutter.refit(&self.surface);
+        }
+        Ok(self.cutter.bvh().validate(&self.surface)?)
+    }
+}
