@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 
 /// Opens a window to cut and drag a soft body. Press ? there for the keys.
 ///
-/// Cuts are full slices: a line that ends inside the body is refused, and a blade cuts when it
-/// leaves the body.
+/// A line that ends inside the body is refused. A blade cuts when it leaves the body, or as it moves
+/// if the panel says so.
 #[derive(clap::Args)]
 pub(crate) struct ViewArguments {
     /// A closed mesh (obj, ply, stl, glb or gltf; units are meters), or a built-in model: Sphere20,

@@ -1,9 +1,10 @@
 //! Blades: cutting edges with an optional face that bodies collide with, and their access by id.
 
+use crate::body::BodyId;
 use crate::contacts::BladeFace;
 use crate::error::SceneError;
 use crate::scene::{Scene, SceneNumber};
-use incise_cut::{CutError, Sweep};
+use incise_cut::{CutError, Incision, Sweep};
 use incise_mesh::Aabb;
 use std::fmt;
 
@@ -152,6 +153,15 @@ impl Scene {
         self.blade_mut(id)?.mode = mode;
         self.end_incisions(id);
         Ok(())
+    }
+
+    /// Returns the incision of a progressive blade in a body; none before its first cut.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBlade`] and [`SceneError::UnknownBody`].
+    pub fn incision(&self, blade: BladeId, body: BodyId) -> Result<Option<&Incision>, SceneError> {
+        self.blade(blade)?;
+        Ok(self.body(body)?.incision(blade.index))
     }
 
     fn end_incisions(&mut self, id: BladeId) {

@@ -205,10 +205,15 @@ impl Body {
         std::mem::replace(&mut self.stale, false)
     }
 
+    /// Returns the incision of a blade, if it has one.
+    pub(crate) fn incision(&self, blade: usize) -> Option<&Incision> {
+        let mut own = self.incisions.iter();
+        own.find_map(|(number, incision)| (*number == blade).then_some(incision))
+    }
+
     /// Returns whether a blade is inside the body.
     pub(crate) fn has_incision(&self, blade: usize) -> bool {
-        let mut own = self.incisions.iter();
-        own.any(|(number, incision)| *number == blade && incision.is_inside())
+        self.incision(blade).is_some_and(Incision::is_inside)
     }
 
     /// Ends the incision of a blade, if it has one.

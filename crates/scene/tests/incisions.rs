@@ -1,5 +1,6 @@
 //! Blades that stop inside bodies and go on in later frames.
 
+use incise_cut::Incision;
 use incise_mesh::Surface;
 use incise_models::{Model, build_model};
 use incise_pbd_gpu::Material;
@@ -66,13 +67,19 @@ fn a_blade_that_stands_inside_costs_nothing() {
         scene.move_blade(blade, pose(x)).unwrap();
         scene.step().unwrap();
     }
+    let is_inside = |scene: &Scene| {
+        let incision = scene.incision(blade, body).unwrap();
+        incision.is_some_and(Incision::is_inside)
+    };
     for _ in 0..20 {
         let stats = *scene.step().unwrap();
         assert_eq!((stats.cuts, stats.narrow_phase_queries), (0, 0));
         check(&scene, body);
+        assert!(is_inside(&scene));
     }
     // Pulled out by a jump: the slit stays, and the next stroke is a new one.
     scene.teleport_blade(blade, pose(-0.9)).unwrap();
+    assert!(!is_inside(&scene));
     scene.move_blade(blade, pose(-0.8)).unwrap();
     assert_eq!(scene.step().unwrap().cuts, 0);
     check(&scene, body);

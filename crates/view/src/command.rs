@@ -3,7 +3,7 @@
 use incise_cut::{CutMethod, CutParams, PaperParams};
 use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Stiffness, Volume};
 use incise_refine::RefinementLevel;
-use incise_scene::{ContactParams, SceneParams};
+use incise_scene::{BladeMode, ContactParams, SceneParams};
 use serde::{Deserialize, Serialize};
 
 /// The two ends of a blade's edge \[m\].
@@ -31,6 +31,8 @@ pub enum Command {
     /// Ends the stroke without cutting along the motion since the last frame.
     LiftBlade,
     /// Cuts along the motion of the held blade since the last frame and ends the stroke.
+    ///
+    /// Where the blade is inside the body, the cut ends there.
     FinishBlade,
     /// Grabs a vertex.
     Grab {
@@ -101,8 +103,14 @@ pub struct Settings {
     pub gravity: bool,
     /// Enables the ground plane.
     pub ground: bool,
-    /// Enables contacts between pieces.
+    /// Enables contacts between pieces, and within pieces after a cut that ends inside the body.
     pub contacts: bool,
+    /// Lets a held blade cut while it is inside the body (exact method); false in old recordings.
+    ///
+    /// Otherwise, and by default, it cuts when it leaves the body. Slow strokes may be refused, see
+    /// [`incise_cut::CutError::TipBlocked`].
+    #[serde(default)]
+    pub progressive: bool,
 }
 
 impl Default for Settings {
@@ -121,6 +129,7 @@ impl Default for Settings {
             gravity: true,
             ground: true,
             contacts: true,
+            progressive: false,
         }
     }
 }
@@ -153,6 +162,14 @@ impl Settings {
         self.bending != other.bending || self.interior_springs != other.interior_springs
     }
 
+    /// Returns the mode of a held blade: the paper's method cuts full slices only.
+    pub(crate) fn blade_mode(&self) -> BladeMode {
+        match self.method {
+            Method::Exact if self.progressive => BladeMode::Progressive,
+            _ => BladeMode::FullSlices,
+        }
+    }
+
     /// Returns the cut parameters.
     pub(crate) fn cut(&self) -> CutParams {
         let mut cut = CutParams {
@@ -167,7 +184,9 @@ impl Settings {
     }
 
     /// Returns the scene parameters for a ground at this height \[m\].
-    pub(crate) fn scene(&self, ground: f32) -> SceneParams {
+    ///
+    /// The walls of cuts that end inside the body collide with each other if there are any.
+    pub(crate) fn scene(&self, ground: f32, has_walls: bool) -> SceneParams {
         let default = SolverParams::default();
         SceneParams {
             solver: SolverParams {
@@ -182,7 +201,10 @@ impl Settings {
                 ..default
             },
             cut: self.cut(),
-            contacts: self.contacts.then(ContactParams::default),
+            contacts: self.contacts.then(|| ContactParams {
+                self_collision: has_walls,
+                ..ContactParams::default()
+            }),
             ..SceneParams::default()
         }
     }

@@ -80,7 +80,7 @@ pub const KEYS: [Key; 26] = [
     key(
         "2",
         Action::SelectTool(Tool::Blade),
-        "blade: drag it through the body",
+        "blade: drag it into or through the body",
     ),
     key("3", Action::SelectTool(Tool::Grab), "grab: drag a vertex"),
     key("4", Action::SelectTool(Tool::Pin), "pin or unpin a vertex"),

@@ -6,7 +6,7 @@ use incise_cut::Sweep;
 use incise_mesh::geometry::{to_f32, to_f64};
 use incise_mesh::{Aabb, Vec3};
 use incise_render::{Camera, Ray};
-use incise_scene::SceneError;
+use incise_scene::{BladeMode, SceneError};
 
 /// Rotation of the view per window height of pointer motion \[rad\].
 const TURN: f64 = std::f64::consts::PI;
@@ -19,6 +19,9 @@ const MAX_ELEVATION: f64 = 1.5;
 
 /// Minimum length of a slice line \[px\].
 const MIN_LINE: f64 = 4.0;
+
+/// Minimum distance of a progressive blade from the camera [distance of the body's center].
+const MIN_GAP: f64 = 0.1;
 
 /// A tool of the left mouse button.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -202,7 +205,7 @@ impl Pointer {
                 is_extended: shift,
             },
             (Button::Left, Tool::Blade) => {
-                let edge = edge(&orbit.ray(self.at), &session.bounds()?);
+                let edge = blade_edge(&orbit.ray(self.at), session)?;
                 session.apply(Command::Blade { edge });
                 Gesture::Blade
             }
@@ -246,7 +249,7 @@ impl Pointer {
             Some((_, Gesture::Rotate)) => orbit.rotate(by),
             Some((_, Gesture::Pan)) => orbit.pan(by),
             Some((_, Gesture::Blade)) => {
-                let edge = edge(&orbit.ray(to), &session.bounds()?);
+                let edge = blade_edge(&orbit.ray(to), session)?;
                 session.apply(Command::Blade { edge });
             }
             Some((_, Gesture::Drag { point })) => {
@@ -315,6 +318,21 @@ pub fn slice_command([from, to]: [Ray; 2], is_extended: bool, bounds: &Aabb) -> 
     let sweep = Sweep::from_plane(normal.into(), d, bounds).ok()?;
     let [from, to] = sweep.ends();
     Some(Command::Slice { from, to })
+}
+
+/// Returns the edge of a held blade along a ray.
+///
+/// That of a progressive blade starts in front of the body, so that all its points move with the
+/// ray: it would have no tip beside a point at rest.
+fn blade_edge(ray: &Ray, session: &mut Session) -> Result<Edge, SceneError> {
+    let bounds = session.bounds()?;
+    let [start, end] = edge(ray, &bounds);
+    if session.settings().blade_mode() == BladeMode::FullSlices {
+        return Ok([start, end]);
+    }
+    let away = (bounds.center() - ray.origin).norm();
+    let gap = (away - bounds.diagonal()).max(MIN_GAP * away);
+    Ok([to_f32(ray.origin + ray.direction * gap), end])
 }
 
 /// Returns the blade edge along a ray, from the camera to behind the box.

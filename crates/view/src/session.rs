@@ -64,6 +64,8 @@ pub struct Session {
     history: CutHistory,
     stroke: Option<Stroke>,
     dragged: Option<DraggedVertex>,
+    /// Whether a cut ended inside the body since the start or the last reset.
+    has_walls: bool,
     /// Number of frames so far.
     frame: u64,
     last_frame: FrameReport,
@@ -99,7 +101,7 @@ impl Session {
         let diagonal = round_to_f32(bounds.diagonal());
         let ground = bounds.min[1] - DROP * diagonal;
         let recording = Recording::new(&surface, settings);
-        scene.params = settings.scene(ground);
+        scene.params = settings.scene(ground, false);
         let body = scene.add_body(surface.clone(), &settings.material())?;
         let blade = scene.add_blade([[0.0; 3]; 2]);
         Ok(Self {
@@ -113,6 +115,7 @@ impl Session {
             history: CutHistory::default(),
             stroke: None,
             dragged: None,
+            has_walls: false,
             frame: 0,
             last_frame: FrameReport::default(),
             last_cut_stats: None,
@@ -178,12 +181,11 @@ impl Session {
 
     fn try_frame(&mut self) -> Result<(), SceneError> {
         self.advance_drag()?;
-        if self.advance_stroke()? {
+        if let Some(cut) = self.advance_stroke()? {
             let snapshot = self.snapshot()?;
             self.scene.cut()?;
-            if let Some(way) = self.end_stroke() {
-                self.record_cut(way, snapshot);
-            }
+            self.end_step()?;
+            self.record_cut(cut, snapshot)?;
         } else {
             self.scene.cut()?;
         }

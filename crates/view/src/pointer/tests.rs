@@ -1,6 +1,7 @@
 //! Tests of pointer gestures and the orbit camera, without a window.
 
 use super::*;
+use crate::command::Settings;
 use incise_mesh::icosphere;
 use incise_scene::{Scene, SceneParams};
 
@@ -115,6 +116,44 @@ fn blade_dragged_through_the_body_cuts() {
     drag(&mut pointer, false, way, &mut orbit, &mut session);
     assert_eq!(session.surface().piece_count(), 2);
     assert_eq!(session.held_blade(), None, "the stroke ended");
+}
+
+#[test]
+fn blade_dragged_into_the_body_opens_it() {
+    let (mut session, mut orbit) = set_up();
+    session.apply(Command::Set(Settings {
+        gravity: false,
+        progressive: true,
+        ..Settings::default()
+    }));
+    let mut pointer = Pointer {
+        tool: Tool::Blade,
+        ..Pointer::default()
+    };
+    let volume = session.surface().volume();
+    let triangles = session.surface().topology().triangle_count();
+    pointer
+        .move_to([20.0, 300.0], &mut orbit, &mut session)
+        .unwrap();
+    pointer
+        .press(Button::Left, false, &orbit, &mut session)
+        .unwrap();
+    let mut cuts = 0;
+    for i in 1..=20 {
+        let at = [20.0 + 14.0 * f64::from(i), 300.0];
+        pointer.move_to(at, &mut orbit, &mut session).unwrap();
+        session.frame();
+        cuts += session.last_frame().stats.cuts;
+    }
+    assert!(cuts > 1, "it opens while the button is down: {cuts} cuts");
+    pointer.release(Button::Left, &orbit, &mut session).unwrap();
+    assert_eq!(session.status_message(), None);
+    let surface = session.surface();
+    assert_eq!(surface.piece_count(), 1);
+    assert!(surface.topology().triangle_count() > triangles);
+    assert!(surface.topology().is_closed());
+    assert!((surface.volume() / volume - 1.0).abs() < 0.02);
+    assert_eq!(session.undo_count(), 1);
 }
 
 #[test]

@@ -18,7 +18,7 @@ impl Session {
             solver.set_damping(settings.damping)?;
             solver.set_volume(surface, settings.volume())?;
         }
-        let params = settings.scene(self.ground);
+        let params = settings.scene(self.ground, self.has_walls);
         if params != self.scene.params {
             self.scene.params = params;
             self.scene.wake(self.body)?;
@@ -58,6 +58,8 @@ impl Session {
         self.history = CutHistory::default();
         self.last_cut_stats = None;
         self.status_message = None;
+        self.has_walls = false;
+        self.scene.params = self.settings.scene(self.ground, false);
         self.replace(body);
         Ok(())
     }

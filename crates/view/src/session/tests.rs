@@ -294,6 +294,7 @@ fn play(s: &mut Session) {
             42 => s.apply(Command::Set(Settings {
                 bending: Some(0.7),
                 level: RefinementLevel::Z(0.8),
+                progressive: true,
                 ..Settings::default()
             })),
             45 => s.apply(Command::Slice {

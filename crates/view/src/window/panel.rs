@@ -10,6 +10,7 @@ use crate::session::{BladeState, Session};
 use egui::{Align2, Button, Color32, Grid, RichText, ScrollArea, Slider, Ui};
 use incise_mesh::geometry::round_to_f32;
 use incise_refine::RefinementLevel;
+use incise_scene::BladeMode;
 use winit::window::Window;
 
 /// Width of the panel \[points\].
@@ -134,11 +135,13 @@ fn messages(ui: &mut Ui, open: &OpenWindow) {
     if let Some((_, place)) = open.session.held_blade() {
         match place {
             BladeState::StartedInside => line(
-                "the blade started inside the body: move it out, then right through",
+                "nothing is cut before the blade was outside the body: move it out",
                 false,
             ),
             _ if open.paused => line("paused: the blade cuts when you release it", false),
             BladeState::Outside => {}
+            BladeState::Inside
+                if open.session.settings().blade_mode() == BladeMode::Progressive => {}
             BladeState::Inside => line(
                 "the blade is inside: it cuts when it leaves the body",
                 false,
@@ -156,6 +159,13 @@ fn cut(ui: &mut Ui, settings: &mut Settings) {
         ui.selectable_value(&mut settings.method, Method::Exact, "exact");
         ui.selectable_value(&mut settings.method, Method::Paper, "paper");
     });
+    ui.add_enabled(
+        settings.method == Method::Exact,
+        egui::Checkbox::new(
+            &mut settings.progressive,
+            "the blade cuts while it is inside",
+        ),
+    );
     ui.label("section edge length, relative to the rim");
     ui.horizontal_wrapped(|ui| {
         for level in RefinementLevel::FIVE {
