@@ -2,9 +2,13 @@
 
 use super::{Bvh, MAX_HEIGHT, triangle_bounds};
 use crate::geometry::{area_vector, to_f32, to_f64};
+use crate::ids::index_u32;
 use crate::{Aabb, Surface, TriangleId, Vec3};
 use robust::{Coord, orient2d};
 use smallvec::SmallVec;
+
+/// Maximum number of query triangles that are all tested at every node.
+const MAX_TESTED_SLABS: usize = 4;
 
 impl Bvh {
     /// Appends every triangle whose bounding box may touch one of `triangles` to `out`.
@@ -18,7 +22,53 @@ impl Bvh {
         out: &mut Vec<TriangleId>,
     ) {
         let slabs: SmallVec<[Slab; 2]> = triangles.into_iter().map(Slab::new).collect();
-        self.traverse(surface, |b| slabs.iter().any(|slab| slab.may_touch(b)), out);
+        if slabs.len() > MAX_TESTED_SLABS {
+            self.query_many(surface, &slabs, out);
+        } else {
+            self.traverse(surface, |b| slabs.iter().any(|slab| slab.may_touch(b)), out);
+        }
+    }
+
+    /// Answers a query of many triangles: each node is tested only against those that may touch its
+    /// parent.
+    fn query_many(&self, surface: &Surface, slabs: &[Slab], out: &mut Vec<TriangleId>) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        // The slabs at each node on the way to the current one, node after node.
+        let mut active: Vec<u32> = (0..index_u32(slabs.len())).collect();
+        let touches = |slab: u32, bounds: &Aabb| slabs[slab as usize].may_touch(bounds);
+        // Nodes to visit, with the range of their parent's slabs.
+        let mut stack = vec![(0, 0..active.len())];
+        while let Some((at, parent)) = stack.pop() {
+            let node = &self.nodes[at as usize];
+            active.truncate(parent.end);
+            for i in parent.clone() {
+                let slab = active[i];
+                if touches(slab, &node.bounds) {
+                    active.push(slab);
+                }
+            }
+            let own = parent.end..active.len();
+            if own.is_empty() {
+                continue;
+            }
+            if !node.is_leaf() {
+                stack.push((node.index + 1, own.clone()));
+                stack.push((node.index, own));
+                continue;
+            }
+            let block = &self.blocks[node.index as usize];
+            for k in 0..node.count as usize {
+                let bounds = triangle_bounds(surface, block.corners[k]);
+                if active[own.clone()]
+                    .iter()
+                    .any(|&slab| touches(slab, &bounds))
+                {
+                    out.push(block.triangles[k]);
+                }
+            }
+        }
     }
 
     /// Appends every triangle whose box `touches` to `out`.

@@ -128,6 +128,31 @@ fn visits(bvh: &Bvh, surface: &Surface, query: &[[Vec3; 3]; 2]) -> usize {
 }
 
 #[test]
+fn a_query_of_many_triangles_finds_what_each_of_them_finds() {
+    let mut random = Random(3);
+    for triangles in [0, 1, 5, 100, 400] {
+        let surface = soup(&mut random, triangles);
+        let bvh = Bvh::build(&surface);
+        for quads in 1..12 {
+            let mut query: Vec<[Vec3; 3]> = (0..quads).flat_map(|_| random.small_quad()).collect();
+            // A triangle without area touches nothing.
+            query.push([query[0][0]; 3]);
+            let mut found = Vec::new();
+            bvh.query(&surface, query.iter().copied(), &mut found);
+            let mut expected = Vec::new();
+            for triangle in query {
+                bvh.query(&surface, [triangle], &mut expected);
+            }
+            expected.sort_unstable();
+            expected.dedup();
+            assert!(quads < 11 || triangles < 100 || !found.is_empty(), "hits");
+            found.sort_unstable();
+            assert_eq!(found, expected, "{quads} quads, {triangles} triangles");
+        }
+    }
+}
+
+#[test]
 fn builds_and_updates_with_any_number_of_leaves() {
     let mut random = Random(1);
     for triangles in (1..=100).chain((101..=400).step_by(23)) {
