@@ -8,7 +8,7 @@ use crate::intersection::facets::{Facets, Weld};
 use crate::intersection::trace::{Curve, Trace};
 use crate::outcome::CutOutcome;
 use crate::paper;
-use crate::params::{CutMethod, CutParams};
+use crate::params::{Caps, CutMethod, CutParams};
 use crate::separate::Separator;
 use crate::sweep::Sweep;
 use incise_mesh::{Bvh, Surface, TopologyDelta, TriangleId, Undo, UndoError, VertexId};
@@ -33,6 +33,8 @@ pub struct Cutter {
     trace: Trace,
     exact: Exact,
     separator: Separator,
+    /// Whether the surface may have a boundary, so that it must be asked which pieces are sheets.
+    has_sheets: bool,
 }
 
 /// A state of a surface: equal for equal triangles and positions, and for no others.
@@ -65,6 +67,7 @@ impl Cutter {
             trace: Trace::default(),
             exact: Exact::default(),
             separator: Separator::default(),
+            has_sheets: !surface.topology().is_closed(),
         }
     }
 
@@ -77,6 +80,7 @@ impl Cutter {
             self.bvh.refit(surface);
         } else {
             self.bvh.rebuild(surface);
+            self.has_sheets = !surface.topology().is_closed();
         }
         self.version = SurfaceVersion::new(surface);
     }
@@ -223,7 +227,7 @@ impl Cutter {
         if outcome.is_miss() {
             incision.restart(blade);
         } else {
-            let tip = self.exact.tip(surface, &self.facets, &places);
+            let tip = self.exact.tip(surface, &self.facets, &self.trace, &places);
             incision.finish_step(blade, tip, sweep);
         }
         Ok(outcome)
@@ -249,29 +253,36 @@ impl Cutter {
         }
         self.facets.read(sweep, weld.unwrap_or(&Weld::default()));
         (self.trace).find(surface, &self.facets, &mut self.candidates)?;
-        if let Some(triangle) = self.trace.open_end() {
-            if weld.is_none() {
-                return Err(CutError::PartialCut { triangle });
-            }
-            if matches!(params.method, CutMethod::Paper(_)) {
-                return Err(CutError::IncisionByPaper { triangle });
-            }
-        }
+        self.check_ends(params, weld.is_some())?;
         let mut outcome = CutOutcome::default();
         outcome.report.candidates = self.candidates.len();
         outcome.report.hits = self.trace.hits();
-        let is_closed = |curve: &&Curve| curve.is_closed;
-        outcome.report.loops = self.trace.curves.iter().filter(is_closed).count();
-        outcome.report.slits = self.trace.curves.len() - outcome.report.loops;
+        let has_end = |curve: &&Curve| self.trace.has_end(curve);
+        outcome.report.slits = self.trace.curves.iter().filter(has_end).count();
+        outcome.report.loops = self.trace.curves.len() - outcome.report.slits;
         outcome.report.detection = begin.elapsed();
         if self.trace.curves.is_empty() {
             return Ok(outcome);
         }
+        let is_sheet = if self.has_sheets {
+            surface.open_pieces()
+        } else {
+            Vec::new()
+        };
+        self.trace.set_capped(surface, |piece, is_closed| {
+            let is_body = is_sheet.get(piece as usize) != Some(&true);
+            match params.caps {
+                Caps::Bodies => is_body,
+                Caps::AllLoops => is_body || is_closed,
+                Caps::None => false,
+            }
+        });
         let (separator, outcome_mut) = (&mut self.separator, &mut outcome);
         let at = Intersection {
             sweep,
             facets: &self.facets,
             trace: &self.trace,
+            is_sheet: &is_sheet,
         };
         match params.method {
             CutMethod::Exact(exact) => {
@@ -282,11 +293,23 @@ impl Cutter {
             }
         }
         if !outcome.is_miss() {
+            self.has_sheets |= params.caps == Caps::None;
             let begin = Instant::now();
             self.bvh.update(surface, &outcome.delta);
             self.version.topology = surface.fingerprint();
             outcome.report.bvh_update = begin.elapsed();
         }
         Ok(outcome)
+    }
+
+    /// Checks that a method can cut where curves end, on the sweep's boundary or the surface's.
+    fn check_ends(&self, params: &CutParams, is_incision: bool) -> Result<(), CutError> {
+        let is_paper = matches!(params.method, CutMethod::Paper(_));
+        match (self.trace.open_end(), self.trace.boundary_end()) {
+            (Some(triangle), _) if !is_incision => Err(CutError::PartialCut { triangle }),
+            (Some(triangle), _) if is_paper => Err(CutError::IncisionByPaper { triangle }),
+            (_, Some(triangle)) if is_paper => Err(CutError::OpenSurface { triangle }),
+            _ => Ok(()),
+        }
     }
 }

@@ -57,8 +57,12 @@ pub enum CutError {
         /// The vertex.
         vertex: VertexId,
     },
-    /// The surface has a boundary where the sweep crosses it.
-    #[error("the surface is open at triangle {triangle}; close its holes before a cut")]
+    /// The surface has a boundary where the sweep crosses it, and the paper's method has closed
+    /// bodies only.
+    #[error(
+        "the surface is open at triangle {triangle}, and the paper's method cuts closed bodies \
+         only; close its holes, or use CutMethod::Exact"
+    )]
     OpenSurface {
         /// The triangle at the boundary.
         triangle: TriangleId,

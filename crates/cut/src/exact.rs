@@ -27,16 +27,17 @@ mod section;
 mod snap;
 mod split;
 
-use crate::blade_position::blade_starts_inside;
+use crate::blade_position::is_in_body;
 use crate::error::CutError;
 use crate::incision::TipPoint;
 use crate::intersection::Intersection;
 use crate::intersection::facets::{EdgeKind, Facets};
+use crate::intersection::trace::Trace;
 use crate::outcome::CutOutcome;
 use crate::params::{CutParams, ExactParams};
 use crate::separate::Separator;
 use cap::Cap;
-use chains::{Chain, Chains, Opening};
+use chains::{Chains, Opening};
 use contract::Opened;
 use frames::Frames;
 use incise_mesh::{Edit, HalfEdge, Surface, Vec3};
@@ -72,45 +73,54 @@ impl Exact {
 
     /// Returns the tip along the current edge of the last sweep, whose points were at `places` of
     /// the blade.
-    pub(crate) fn tip(&self, surface: &Surface, facets: &Facets, places: &[f64]) -> Vec<TipPoint> {
-        let chains = self.chains.chains.iter();
-        let mut own: Vec<(f64, &Chain, [f64; 2], [Vec3; 2])> = chains
-            .filter(|chain| facets.kind(chain.edge) == EdgeKind::Current)
-            .filter_map(|chain| {
-                let pair = facets.pair_of(chain.edge)? as usize;
-                let ends = facets.ends(chain.edge);
-                let places = [places[pair], places[pair + 1]];
-                let first = self.chains.nodes[chain.nodes.start];
-                let [vertex, _] = self.sides.vertices[first as usize];
-                let part = part_of(ends, surface.position(vertex));
-                Some((
-                    places[0] + (places[1] - places[0]) * part,
-                    chain,
-                    places,
-                    ends,
-                ))
-            })
+    pub(crate) fn tip(
+        &self,
+        surface: &Surface,
+        facets: &Facets,
+        trace: &Trace,
+        places: &[f64],
+    ) -> Vec<TipPoint> {
+        let nodes = self.chains.chains.iter();
+        let chains = nodes.map(|chain| (chain.edge, &self.chains.nodes[chain.nodes.clone()]));
+        let sheets = trace.curves.iter().filter(|curve| !curve.is_capped);
+        let ends = sheets.flat_map(|curve| [curve.nodes.start, curve.nodes.end - 1]);
+        let ends: Vec<(u32, [u32; 1])> = ends
+            .filter(|&end| trace.nodes[end as usize].is_end)
+            .filter_map(|end| Some((trace.nodes[end as usize].sweep_edge()?, [end])))
             .collect();
-        own.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let ends = ends.iter().map(|(edge, end)| (*edge, end.as_slice()));
+        let current =
+            (chains.chain(ends)).filter(|&(edge, _)| facets.kind(edge) == EdgeKind::Current);
+        let vertex = |node: u32| self.sides.vertices[node as usize][0];
+        let place = |edge: u32, node: u32| {
+            let pair = facets.pair_of(edge).unwrap_or_default() as usize;
+            let part = part_of(facets.ends(edge), surface.position(vertex(node)));
+            places[pair] + (places[pair + 1] - places[pair]) * part
+        };
+        let mut parts: Vec<(f64, u32, &[u32])> = current
+            .map(|(edge, nodes)| (place(edge, nodes[0]), edge, nodes))
+            .collect();
+        parts.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut tip: Vec<TipPoint> = Vec::new();
-        for (_, chain, [from, to], ends) in own {
-            for (i, &node) in self.chains.nodes[chain.nodes.clone()].iter().enumerate() {
-                let [vertex, _] = self.sides.vertices[node as usize];
-                let mut place = from + (to - from) * part_of(ends, surface.position(vertex));
+        for (_, edge, nodes) in parts {
+            let pair = facets.pair_of(edge).unwrap_or_default() as usize;
+            let min_step = MIN_PLACE_STEP * (places[pair + 1] - places[pair]);
+            for (i, &node) in nodes.iter().enumerate() {
+                let mut place = place(edge, node);
                 match tip.last_mut() {
-                    Some(last) if last.vertex == vertex => continue,
+                    Some(last) if last.vertex == vertex(node) => continue,
                     Some(last) if i > 0 => {
                         last.is_joined = true;
                         // The end of a curve may lie beside the corner that is next to it.
-                        place = place.max(last.place + MIN_PLACE_STEP * (to - from));
+                        place = place.max(last.place + min_step);
                     }
                     // Tips in overlapping bodies end.
                     Some(last) if last.place >= place => break,
                     _ => {}
                 }
                 tip.push(TipPoint {
-                    vertex,
-                    rest: surface.rest_position(vertex),
+                    vertex: vertex(node),
+                    rest: surface.rest_position(vertex(node)),
                     place,
                     is_joined: false,
                 });
@@ -162,6 +172,7 @@ impl Exact {
             sweep,
             facets,
             trace,
+            is_sheet,
         } = at;
         let report = &mut outcome.report;
         let mut edit = surface.edit();
@@ -174,9 +185,7 @@ impl Exact {
             rim: &mut self.rim,
         };
         self.frames.read(facets);
-        let (area, rim_length) = self.frames.section_size(trace);
-        // The radius of a disc; NaN if the section is a point.
-        let width = 2.0 * area / rim_length;
+        let (area, width) = self.frames.section_size(trace);
         let max_volume = snap::MAX_TOTAL_VOLUME * area * trace.mean_local().min(width);
         let snapped = self.snapper.snap(&mut opened, exact.snap, max_volume);
         report.snapped_vertices = snapped.vertices;
@@ -209,7 +218,7 @@ impl Exact {
         let begin = Instant::now();
         report.refined = self.mesh_sections(&mut edit, at, &params.refine, true)?;
         let triangles = edit.surface().topology().triangle_count();
-        let is_inside = || blade_starts_inside(edit.surface(), sweep);
+        let is_inside = || is_in_body(edit.surface(), is_sheet, sweep);
         if self.cap.section.ends_inside(triangles, is_inside) {
             let triangle = trace.chords[0].triangle;
             return Err(CutError::PartialCut { triangle });
@@ -227,6 +236,7 @@ impl Exact {
         let begin = Instant::now();
         let rims = Rims {
             nodes: &trace.nodes,
+            curves: &trace.curves,
             sides: &self.sides,
             rim: &self.rim,
             facets,
@@ -257,6 +267,7 @@ impl Exact {
             sweep,
             facets,
             trace,
+            is_sheet,
         }: Intersection<'_>,
         refine: &RefineParams,
         is_refined: bool,
@@ -265,8 +276,10 @@ impl Exact {
         self.sides.vertices.truncate(trace.nodes.len());
         let opening = Opening {
             sweep,
+            is_sheet,
             facets,
             nodes: &trace.nodes,
+            curves: &trace.curves,
             rim: &self.rim,
             refine,
             lengths: &self.lengths,
@@ -274,6 +287,7 @@ impl Exact {
         self.chains.find(edit, &opening, &mut self.sides);
         let rims = Rims {
             nodes: &trace.nodes,
+            curves: &trace.curves,
             sides: &self.sides,
             rim: &self.rim,
             facets,

@@ -107,11 +107,12 @@ impl Incision {
             self.tip[i].is_joined &=
                 next.is_some_and(|next| topology.find_half_edge(own, next).is_some());
         }
+        // A single vertex is the tip of a sheet.
         let joined: Vec<bool> = self.tip.iter().map(|point| point.is_joined).collect();
         let mut i = 0;
-        self.tip.retain(|_| {
+        self.tip.retain(|point| {
             i += 1;
-            joined[i - 1] || (i > 1 && joined[i - 2])
+            joined[i - 1] || (i > 1 && joined[i - 2]) || is_at_boundary(surface, point.vertex)
         });
     }
 
@@ -237,15 +238,24 @@ impl Incision {
 
 /// Returns the unit vector away from the surface at a column, in the plane of the sweep there.
 ///
-/// `along` is the direction of the blade, `to` the column's next position \[m\].
+/// `along` is the direction of the blade towards the column, `to` the column's next position
+/// \[m\]. A sheet has two sides: there the vector is on that from which the blade comes.
 fn outward(surface: &Surface, column: Column, along: Vec3, to: Vec3) -> Vec3 {
     let fan = surface.topology().outgoing_fan(column.vertex);
     let normals = fan.map(|h| area_vector(surface.triangle_positions(h.triangle())));
     let normal: Vec3 = normals.sum();
+    let is_reversed = is_at_boundary(surface, column.vertex) && normal.dot(&along) > 0.0;
+    let normal = if is_reversed { -normal } else { normal };
     let across = along.cross(&(to - column.previous));
     let across = across.try_normalize(0.0).unwrap_or_default();
     let in_plane = normal - across * across.dot(&normal);
     in_plane.try_normalize(0.0).unwrap_or_default()
+}
+
+/// Returns whether a vertex is on the boundary of a sheet.
+fn is_at_boundary(surface: &Surface, vertex: VertexId) -> bool {
+    let first = surface.topology().outgoing_fan(vertex).next();
+    first.is_some_and(|h| surface.topology().twin(h).is_null())
 }
 
 /// Returns the mean length of the edges at a vertex \[m\].

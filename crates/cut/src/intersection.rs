@@ -19,4 +19,6 @@ pub(crate) struct Intersection<'a> {
     pub(crate) sweep: &'a Sweep,
     pub(crate) facets: &'a Facets,
     pub(crate) trace: &'a Trace,
+    /// By piece, whether it is a sheet; empty if none is.
+    pub(crate) is_sheet: &'a [bool],
 }

@@ -18,5 +18,5 @@ pub use cutter::Cutter;
 pub use error::CutError;
 pub use incision::Incision;
 pub use outcome::{CutOutcome, CutReport};
-pub use params::{CutMethod, CutParams, ExactParams, PaperParams};
+pub use params::{Caps, CutMethod, CutParams, ExactParams, PaperParams};
 pub use sweep::Sweep;

@@ -36,9 +36,10 @@ pub struct CutReport {
     pub candidates: usize,
     /// Triangles that the sweep crosses.
     pub hits: usize,
-    /// Closed curves along which the sweep crosses the surface.
+    /// Curves along which the sweep crosses the surface as a whole: closed ones and, in sheets,
+    /// those from boundary to boundary.
     pub loops: usize,
-    /// Curves with ends, where the sweep ends inside the body: slits.
+    /// Curves with an end where the sweep ends inside the body or the sheet: slits.
     pub slits: usize,
     /// Vertices that snapping moved into the rim (exact method).
     pub snapped_vertices: usize,

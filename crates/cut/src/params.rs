@@ -12,6 +12,8 @@ pub struct CutParams {
     /// follow the paper's listings. The paper's method ignores [`RefineParams::method`]: its caps
     /// always follow the listings.
     pub refine: RefineParams,
+    /// The curves along which the exact method closes the surface again.
+    pub caps: Caps,
     /// The material of caps.
     pub cap_material: u32,
     /// Cuts only this piece of the surface; the sweep passes through the others.
@@ -23,10 +25,27 @@ impl Default for CutParams {
         Self {
             method: CutMethod::default(),
             refine: RefineParams::default(),
+            caps: Caps::default(),
             cap_material: 1,
             only_piece: None,
         }
     }
+}
+
+/// The curves of a cut along which caps and walls close the surface again.
+///
+/// The paper's method closes all of its loops.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Caps {
+    /// Those in pieces without boundary. A piece with boundary is a sheet and stays open.
+    #[default]
+    Bodies,
+    /// Those in pieces without boundary and all closed curves in sheets: for the scan of a body
+    /// that has holes elsewhere.
+    AllLoops,
+    /// None: also a body is a sheet after the cut.
+    None,
 }
 
 /// A method to open a surface along a sweep. The default is [`Self::Exact`].

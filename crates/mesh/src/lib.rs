@@ -35,6 +35,6 @@ pub use io::{
     read_ply, read_stl, write_obj, write_ply,
 };
 pub use quality::{AngleStats, EdgeStats};
-pub use shapes::{cube_sphere, icosphere, torus};
+pub use shapes::{cube_sphere, icosphere, sheet, torus};
 pub use surface::{AttributeLengthError, CornerAttributes, InvalidSurface, Surface};
 pub use topology::{InvalidTopology, Topology, TopologyError};

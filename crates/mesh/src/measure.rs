@@ -33,6 +33,17 @@ impl Surface {
         volumes
     }
 
+    /// Returns by piece number whether the piece has a boundary: whether it is a sheet. O(n).
+    #[must_use]
+    pub fn open_pieces(&self) -> Vec<bool> {
+        let mut is_open = vec![false; self.piece_bound() as usize];
+        for t in self.topology().triangles() {
+            let twins = t.half_edges().map(|h| self.topology().twin(h));
+            is_open[self.piece(t) as usize] |= twins.iter().any(|h| h.is_null());
+        }
+        is_open
+    }
+
     /// Returns the volume between `triangles` and the center of the surface's bounding box \[m^3\].
     ///
     /// The center keeps the terms of the sum small for surfaces far from the origin.

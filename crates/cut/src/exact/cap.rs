@@ -35,7 +35,7 @@ pub(crate) struct Cap {
     node_parents: Vec<u32>,
     /// First curve of each curve's group.
     groups: Vec<usize>,
-    /// By curve, whether its two sides join at a tip.
+    /// By curve, whether its two sides join at a tip or at an end.
     has_tip: Vec<bool>,
     /// New triangles by side.
     pub(super) triangles: [Vec<TriangleId>; 2],
@@ -140,6 +140,11 @@ impl Cap {
             if let Some(has_tip) = self.has_tip.get_mut(curve) {
                 *has_tip = true;
             }
+        }
+        // Where a curve ends in a sheet, its sides meet.
+        for (&i, curve) in self.groups.iter().zip(rims.curves) {
+            let ends = [curve.nodes.start, curve.nodes.end - 1];
+            self.has_tip[i] |= ends.iter().any(|&end| rims.nodes[end as usize].is_end);
         }
     }
 

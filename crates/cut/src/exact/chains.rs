@@ -15,10 +15,11 @@ mod windings;
 use super::open::Sides;
 use super::rest::RestMap;
 use super::rim::Rim;
-use crate::blade_position::blade_starts_inside;
+use crate::blade_position::is_in_body;
 use crate::interpolate::add_vertex;
 use crate::intersection::facets::{EdgeKind, Facets};
 use crate::intersection::node::Node;
+use crate::intersection::trace::Curve;
 use crate::sweep::Sweep;
 use incise_mesh::geometry::{round_to_f32, to_f32};
 use incise_mesh::{Edit, Vec3, VertexId, VertexOrigin, index_u32};
@@ -62,8 +63,10 @@ pub(crate) struct Chains {
 /// The input of [`Chains::find`].
 pub(super) struct Opening<'a> {
     pub(super) sweep: &'a Sweep,
+    pub(super) is_sheet: &'a [bool],
     pub(super) facets: &'a Facets,
     pub(super) nodes: &'a [Node],
+    pub(super) curves: &'a [Curve],
     pub(super) rim: &'a Rim,
     pub(super) refine: &'a RefineParams,
     /// Target edge length at each node \[m\].
@@ -88,7 +91,7 @@ impl Chains {
         for solid in solids {
             let from = self.piercings.partition_point(|p| p.solid < solid);
             let to = self.piercings.partition_point(|p| p.solid <= solid);
-            let starts_inside = || blade_starts_inside(edit.surface(), at.sweep);
+            let starts_inside = || is_in_body(edit.surface(), at.is_sheet, at.sweep);
             self.count_windings(at.facets, from..to, solid, starts_inside);
             self.find_ends(at.facets, from..to, solid);
             self.add_chains(edit, at, sides, from..to, solid);

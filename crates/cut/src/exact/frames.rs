@@ -111,12 +111,19 @@ impl Frames {
         self.frames[facet as usize].normal
     }
 
-    /// Returns the area inside the curves without holes \[m^2\], and their length \[m\].
+    /// Returns the area inside the capped curves without holes \[m^2\], and the radius of a disc
+    /// with the same ratio of area to circumference \[m\]; NaN if the section is a point.
     ///
-    /// Open curves are closed by the straight line between their ends.
+    /// Open curves are closed by the straight line between their ends. Sheets count as strips one
+    /// edge wide and limit no radius, unless a body is cut too.
     pub(super) fn section_size(&self, trace: &Trace) -> (f64, f64) {
         let (mut doubled, mut length) = (0.0, 0.0);
-        for curve in &trace.curves {
+        let is_sheet = !trace.curves.iter().any(|curve| curve.is_capped);
+        let own = trace
+            .curves
+            .iter()
+            .filter(|curve| curve.is_capped || is_sheet);
+        for curve in own {
             let nodes = &trace.nodes[curve.nodes.start as usize..curve.nodes.end as usize];
             let outline = || {
                 nodes.iter().enumerate().map(|(i, node)| {
@@ -134,7 +141,11 @@ impl Frames {
                 length += (bx - ax).hypot(by - ay);
             }
         }
-        (f64::abs(doubled) / 2.0, length)
+        if is_sheet {
+            return (length * trace.mean_local(), f64::INFINITY);
+        }
+        let area = f64::abs(doubled) / 2.0;
+        (area, 2.0 * area / length)
     }
 }
 

@@ -106,6 +106,15 @@ impl Sides {
                 edit.set_corner(at, above);
                 at = edit.surface().topology().twin(at.prev());
             }
+            if !self.rim[i][1].is_null() {
+                continue;
+            }
+            // A curve ends at the tip of a sheet: its last half-edge above runs to the vertex.
+            let mut at = self.rim[i - 1][1];
+            while !at.is_null() {
+                edit.set_corner(at.next(), above);
+                at = edit.surface().topology().twin(at.next());
+            }
         }
     }
 

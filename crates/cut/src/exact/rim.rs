@@ -86,7 +86,7 @@ impl Rim {
     }
 
     /// Iterates over the half-edges that leave a node's vertex on a side, from boundary to
-    /// boundary; at the end of a curve over those of both sides.
+    /// boundary; over those of both sides where a curve ends on the sweep's boundary.
     pub(super) fn fan<'a>(
         &'a self,
         topology: &'a Topology,
@@ -95,10 +95,15 @@ impl Rim {
         side: usize,
     ) -> impl Iterator<Item = HalfEdge> + 'a {
         let (prev, next) = (self.prev[node as usize], self.next[node as usize]);
+        let [below, above] = sides.vertices[node as usize];
         let mut at = match side {
             0 if prev != NO_NODE => sides.rim[prev as usize][0],
-            1 if next == NO_NODE => sides.rim[prev as usize][0],
-            _ => sides.rim[node as usize][1],
+            1 if next != NO_NODE => sides.rim[node as usize][1],
+            _ if below == above && prev == NO_NODE => sides.rim[node as usize][1],
+            _ if below == above => sides.rim[prev as usize][0],
+            // At the surface's boundary the rim's last half-edge runs to the vertex.
+            0 => first_at_boundary(topology, sides.rim[node as usize][0].next()),
+            _ => first_at_boundary(topology, sides.rim[prev as usize][1].next()),
         };
         std::iter::from_fn(move || {
             if at.is_null() {
@@ -140,4 +145,13 @@ impl Rim {
         }
         out.push(last);
     }
+}
+
+/// Returns the half-edge at a boundary that leaves the same vertex, clockwise from `h`.
+fn first_at_boundary(topology: &Topology, h: HalfEdge) -> HalfEdge {
+    let mut at = h;
+    while !topology.twin(at).is_null() {
+        at = topology.twin(at).next();
+    }
+    at
 }

@@ -10,6 +10,7 @@ use super::rim::{NO_NODE, Rim};
 use crate::error::CutError;
 use crate::intersection::facets::{Facets, NO_FACET};
 use crate::intersection::node::Node;
+use crate::intersection::trace::Curve;
 use incise_mesh::{Topology, index_u32};
 use incise_refine::{
     RefineError, RefineParams, Section, SectionMesh, SectionMeshParams, SectionMeshScratch,
@@ -23,6 +24,7 @@ const SMOOTHING_NEIGHBORS: usize = 4;
 #[derive(Clone, Copy)]
 pub(super) struct Rims<'a> {
     pub(super) nodes: &'a [Node],
+    pub(super) curves: &'a [Curve],
     pub(super) sides: &'a Sides,
     pub(super) rim: &'a Rim,
     pub(super) facets: &'a Facets,
@@ -113,7 +115,8 @@ impl CrossSection {
     pub(super) fn project(&mut self, rims: &Rims<'_>, lengths: &[f64]) -> Result<(), CutError> {
         self.count = 0;
         self.stretches.clear();
-        for curve in 0..rims.rim.sizes.len() {
+        let capped = (0..rims.rim.sizes.len()).filter(|&curve| rims.curves[curve].is_capped);
+        for curve in capped {
             self.add_curve(rims, lengths, curve);
         }
         for (i, chain) in rims.chains.chains.iter().enumerate() {

@@ -151,10 +151,14 @@ impl Splitter {
                 On::Edge { exit, .. } => exit == expected,
                 On::Face { .. } | On::Tip(_) => false,
             };
+            // At the surface's boundary a chord begins at the triangle's own half-edge.
+            let entry = if hit.beyond[edge].is_null() {
+                h
+            } else {
+                hit.beyond[edge]
+            };
             for (i, chord) in hit.chords.iter().enumerate() {
-                for (node, expected, ends) in
-                    [(chord.from, hit.beyond[edge], false), (chord.to, h, true)]
-                {
+                for (node, expected, ends) in [(chord.from, entry, false), (chord.to, h, true)] {
                     if is_on(node, expected) {
                         self.boundary.push(Mark {
                             corner: None,

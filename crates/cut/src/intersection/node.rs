@@ -13,9 +13,9 @@ pub(crate) const NO_EDGE: u32 = u32::MAX;
 /// The mesh element on which a node lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum On {
-    /// The mesh edge of half-edge `exit`, through which the curve leaves a triangle, and a facet.
-    /// The edge runs from `ends[0]` to `ends[1]`, the node is at `t` between them, and `ends[1]` is
-    /// above the facet if `rises`.
+    /// The mesh edge of half-edge `exit`, through which the curve leaves a triangle or, where it
+    /// begins at the surface's boundary, enters it, and a facet. The edge runs from `ends[0]` to
+    /// `ends[1]`, the node is at `t` between them, and `ends[1]` is above the facet if `rises`.
     Edge {
         exit: HalfEdge,
         facet: u32,
@@ -44,14 +44,25 @@ pub(crate) struct Node {
     /// The facet in which the curve goes on.
     pub(crate) facet: u32,
     /// Whether the curve begins or ends here, on the sweep's boundary.
+    ///
+    /// Both sides then share the vertex. Not where a curve ends at the surface's boundary.
     pub(crate) is_end: bool,
 }
 
 impl Node {
     /// Makes the node where the edge of `exit` crosses a facet.
-    pub(crate) fn on_edge(surface: &Surface, facets: &Facets, exit: HalfEdge, facet: u32) -> Self {
+    ///
+    /// `begins` if the curve enters the surface there, at its boundary.
+    pub(crate) fn on_edge(
+        surface: &Surface,
+        facets: &Facets,
+        exit: HalfEdge,
+        facet: u32,
+        begins: bool,
+    ) -> Self {
         let topology = surface.topology();
         let (from, to) = (topology.origin(exit), topology.target(exit));
+        let rises = (from < to) != begins;
         // From the smaller id, so that the edge's two triangles round alike.
         let ends = if from < to { [from, to] } else { [to, from] };
         let [p, q] = ends.map(|v| surface.position(v));
@@ -73,7 +84,7 @@ impl Node {
                 facet,
                 ends,
                 t,
-                rises: from < to,
+                rises,
             },
             position: at(t),
             local: mean_edge(surface, [Some(exit), Some(topology.twin(exit))]),
@@ -146,7 +157,7 @@ impl Node {
 
     /// Moves the end of a curve along it, away from the edges of its mesh triangle.
     ///
-    /// `before` is the node beside it. Next to an edge, rounding could fold the surface around the
+    /// `before` is the node beside it; `is_last` of the two ends. Next to an edge, rounding could fold the surface around the
     /// end, where the next step has to go on.
     pub(crate) fn center_end(
         &mut self,
@@ -154,6 +165,7 @@ impl Node {
         facets: &Facets,
         before: &Self,
         facet: u32,
+        is_last: bool,
     ) {
         let On::Face {
             corners, weights, ..
@@ -164,15 +176,17 @@ impl Node {
         let points = corners.map(|v| surface.position(v));
         let heights = points.map(|p| facets.height(facet, p));
         let from = before.position;
-        let reach = |p: &Vec3| (p - from).dot(&(self.position - from));
-        let crossings = [(0, 1), (1, 2), (2, 0)].into_iter().filter_map(|(k, l)| {
-            let crosses = (heights[k] < 0.0) != (heights[l] < 0.0);
-            let part = heights[k] / (heights[k] - heights[l]);
-            crosses.then(|| points[k] + (points[l] - points[k]) * part)
+        // A curve leaves the triangle across the edge that rises there, and enters across the one
+        // that falls.
+        let crossed = [(0, 1), (1, 2), (2, 0)].into_iter().find(|&(k, l)| {
+            let is_below = [k, l].map(|i| heights[i] < 0.0);
+            is_below == [is_last, !is_last]
         });
-        let Some(to) = crossings.max_by(|a, b| reach(a).total_cmp(&reach(b))) else {
+        let Some((k, l)) = crossed else {
             return;
         };
+        let part = heights[k] / (heights[k] - heights[l]);
+        let to = points[k] + (points[l] - points[k]) * part;
         let part = (self.position - from).norm() / (to - from).norm();
         if part.is_nan() || (END_MARGIN..=1.0 - END_MARGIN).contains(&part) {
             return;
@@ -211,6 +225,17 @@ impl Node {
         match self.on {
             On::Face { edge, .. } if edge != NO_EDGE => Some(edge),
             _ => None,
+        }
+    }
+
+    /// Returns a vertex of the mesh element on which the node lies.
+    pub(crate) fn vertex(&self) -> VertexId {
+        match self.on {
+            On::Edge { ends: [v, _], .. }
+            | On::Face {
+                corners: [v, ..], ..
+            }
+            | On::Tip(v) => v,
         }
     }
 

@@ -10,9 +10,10 @@
 //! regions that are now on one side is dropped. All curves of a flat region are dropped with it,
 //! so the curves that remain still bound a cross-section.
 //!
-//! Sweeps of more than two facets are not tested.
+//! A vertex is above the sweep if it is above the facet next to it, continued without end, and
+//! above the facet across the next crease, or above either where the crease is a ridge.
 
-use super::facets::Facets;
+use super::facets::{Facets, NO_FACET};
 use super::node::{Node, On};
 use incise_mesh::{Surface, TriangleId, Vec3, VertexId};
 
@@ -28,9 +29,6 @@ const MAX_SWEEP_RATIO: f64 = 4.0;
 ///
 /// Bounds the slices that are dropped far from the origin, where edges are few roundings long.
 const MAX_HEIGHT: f64 = 0.1;
-
-/// The side of the first facet at which the second one lies.
-const CREASE_SIDE: usize = 2;
 
 /// The part of the surface around a vertex that is tested for flatness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,10 +71,7 @@ impl Touch {
             length += edges.iter().fold(0.0, |m, e| e.norm().max(m));
             count += 1.0;
         }
-        let sweep = facets
-            .ends(facets.crease())
-            .iter()
-            .fold(0.0, |m, p| p.amax().max(m));
+        let sweep = facets.largest_diagonal();
         let coordinate = largest.max(sweep.min(MAX_SWEEP_RATIO * largest));
         self.tolerance = (ROUNDING * coordinate).min(MAX_HEIGHT * length / count);
     }
@@ -86,9 +81,6 @@ impl Touch {
     /// O(1) unless the curve begins within rounding of vertices. All curves of a cut together
     /// visit each vertex on the sweep a few times.
     pub(crate) fn is_touch(&mut self, surface: &Surface, facets: &Facets, nodes: &[Node]) -> bool {
-        if facets.len() > 2 {
-            return false;
-        }
         // Below, above.
         let mut is_near = [true; 2];
         for node in nodes {
@@ -97,9 +89,9 @@ impl Touch {
             if near == [false; 2] {
                 return false;
             }
-            if let Some(side) = passed_twice(surface, facets, ends) {
+            if let Some((side, crease)) = passed_twice(surface, facets, ends) {
                 near[1 - side] = self.is_edge_near(surface, facets, ends)
-                    || self.is_near_both(facets, node.position);
+                    || self.is_near_both(facets, crease, node.position);
             }
             is_near = [0, 1].map(|side| is_near[side] && near[side]);
             if is_near == [false; 2] {
@@ -127,11 +119,8 @@ impl Touch {
         facets: &Facets,
         triangle: TriangleId,
     ) -> bool {
-        if facets.len() > 2 {
-            return false;
-        }
         let corners = surface.topology().triangle(triangle);
-        let side = |v| is_above(facets, |i| facets.is_above(i, surface.position(v)));
+        let side = |v| is_above(facets, surface.position(v));
         let mut is_flat = |part, is_above| {
             let mut seeds = corners.into_iter().filter(|&v| side(v) == is_above);
             seeds.clone().next().is_some() && seeds.all(|v| self.is_flat(surface, facets, v, part))
@@ -188,8 +177,7 @@ impl Touch {
         part: Part,
     ) -> Option<bool> {
         let ends = [from, to];
-        let [was_above, is_above] =
-            ends.map(|v| is_above(facets, |i| facets.is_above(i, surface.position(v))));
+        let [was_above, is_above] = ends.map(|v| is_above(facets, surface.position(v)));
         if was_above == is_above {
             // The middle of an edge that passes twice is on the other side. Where another edge
             // bridges the crease the region itself is off the sweep.
@@ -213,31 +201,37 @@ impl Touch {
 
     /// Returns whether a vertex is within rounding of the sweep.
     fn is_near(&self, surface: &Surface, facets: &Facets, v: VertexId) -> bool {
-        (0..2).any(|i| self.is_near_triangle(facets, i, surface.position(v)))
+        (0..facets.len()).any(|i| self.is_near_facet(facets, i, surface.position(v)))
     }
 
-    /// Returns whether a point is within rounding of the planes of both facets.
-    fn is_near_both(&self, facets: &Facets, p: Vec3) -> bool {
+    /// Returns whether a point is within rounding of the planes of both facets beside a crease.
+    fn is_near_both(&self, facets: &Facets, crease: u32, p: Vec3) -> bool {
         let is_near = |i| facets.height(i, p).abs() <= self.tolerance * facets.normal(i).norm();
-        is_near(0) && is_near(1)
+        facets.edges()[crease as usize]
+            .facets
+            .into_iter()
+            .all(is_near)
     }
 
     /// Returns whether a whole edge is within rounding of the sweep.
     fn is_edge_near(&self, surface: &Surface, facets: &Facets, ends: [VertexId; 2]) -> bool {
         let [p, q] = ends.map(|v| surface.position(v));
-        let [near_p, near_q] = [p, q].map(|x| [0, 1].map(|i| self.is_near_triangle(facets, i, x)));
-        if (0..2).any(|i| near_p[i] && near_q[i]) {
-            return true;
-        }
-        // From one triangle to the other: the edge has to pass the crease.
-        if near_p == [false; 2] || near_q == [false; 2] {
-            return false;
-        }
-        let [yp, yq] = [p, q].map(|x| facets.outside(0, CREASE_SIDE, x));
-        facets.off_edge(facets.crease(), p + (q - p) * (yp / (yp - yq))) <= self.tolerance
+        let near = (0..facets.len()).filter(|&i| self.is_near_facet(facets, i, p));
+        near.clone().any(|i| {
+            // From one facet to the other: the edge has to pass the crease.
+            let passes = |(k, edge): (usize, u32)| {
+                let beyond = facets.beyond_edge(i, edge);
+                if beyond == NO_FACET || !self.is_near_facet(facets, beyond, q) {
+                    return false;
+                }
+                let [yp, yq] = [p, q].map(|x| facets.outside(i, k, x));
+                facets.off_edge(edge, p + (q - p) * (yp / (yp - yq))) <= self.tolerance
+            };
+            self.is_near_facet(facets, i, q) || (0..).zip(facets.edges_of(i)).any(passes)
+        })
     }
 
-    fn is_near_triangle(&self, facets: &Facets, i: u32, p: Vec3) -> bool {
+    fn is_near_facet(&self, facets: &Facets, i: u32, p: Vec3) -> bool {
         facets.exists(i) && facets.miss(i, p) <= self.tolerance
     }
 
@@ -269,31 +263,43 @@ fn ends(node: &Node) -> Option<[VertexId; 2]> {
     }
 }
 
-/// Returns whether a point is above the sweep, continued without end, from whether it is above the
-/// plane of each facet.
-fn is_above(facets: &Facets, is_above: impl Fn(u32) -> bool) -> bool {
-    match [0, 1].map(|i| facets.exists(i)) {
-        [true, true] if facets.is_valley() => is_above(0) && is_above(1),
-        [true, true] => is_above(0) || is_above(1),
-        [first, _] => is_above(u32::from(!first)),
+/// Returns whether a point is above the sweep, continued without end.
+fn is_above(facets: &Facets, p: Vec3) -> bool {
+    match facets.nearest(p) {
+        Some((_, Some(crease))) => is_above_wedge(facets, crease, p),
+        Some((facet, None)) => facets.is_above(facet, p),
+        None => false,
     }
 }
 
-/// Returns the side of both ends of an edge that may pass both facets, so that its middle
-/// is on the other side.
-fn passed_twice(surface: &Surface, facets: &Facets, ends: [VertexId; 2]) -> Option<usize> {
-    if !facets.has_crease() {
-        return None;
+/// Returns whether a point is above the two facets beside a crease, continued without end.
+fn is_above_wedge(facets: &Facets, crease: u32, p: Vec3) -> bool {
+    let mut sides =
+        (facets.edges()[crease as usize].facets.into_iter()).map(|facet| facets.is_above(facet, p));
+    if facets.is_valley(crease) {
+        sides.all(|is_above| is_above)
+    } else {
+        sides.any(|is_above| is_above)
     }
-    let [p, q] = ends.map(|v| [0, 1].map(|i| facets.is_above(i, surface.position(v))));
-    let side = is_above(facets, |i| p[i as usize]);
-    let is_twice = p[0] != q[0] && p[1] != q[1] && side == is_above(facets, |i| q[i as usize]);
-    is_twice.then_some(usize::from(side))
+}
+
+/// Returns the side of both ends of an edge that may pass two facets, so that its middle is on the
+/// other side, and the crease between them.
+fn passed_twice(surface: &Surface, facets: &Facets, ends: [VertexId; 2]) -> Option<(usize, u32)> {
+    let [p, q] = ends.map(|v| surface.position(v));
+    let (_, crease) = facets.nearest(p)?;
+    let crease = crease?;
+    let beside = facets.edges()[crease as usize].facets;
+    let passes = |i: u32| facets.is_above(i, p) != facets.is_above(i, q);
+    let side = is_above_wedge(facets, crease, p);
+    let is_twice = beside.into_iter().all(passes) && side == is_above_wedge(facets, crease, q);
+    is_twice.then_some((usize::from(side), crease))
 }
 
 /// Returns the end of a node's edge that is next to the node on a side, if there is one.
 fn seed(surface: &Surface, facets: &Facets, node: &Node, side: usize) -> Option<VertexId> {
     let ends = ends(node)?;
-    let is_middle = passed_twice(surface, facets, ends) == Some(1 - side);
+    let passed = passed_twice(surface, facets, ends);
+    let is_middle = passed.is_some_and(|(outer, _)| outer == 1 - side);
     (!is_middle).then_some(ends[side])
 }

@@ -2,11 +2,13 @@
 //!
 //! Nodes of a curve lie where a mesh edge crosses a facet of the sweep and where a sweep edge
 //! pierces a mesh triangle. A mesh triangle and a facet share two nodes or none, so the next node
-//! is unique. A curve closes, or it ends in mesh triangles that the sweep's boundary pierces. A
-//! closed curve that cuts off nothing but vertices on the sweep is dropped, see [`super::touch`].
+//! is unique. A curve closes, or it ends in mesh triangles that the sweep's boundary pierces or at
+//! the surface's boundary. One that cuts off nothing but vertices on the sweep is dropped, see
+//! [`super::touch`].
 //!
 //! Where the sweep continues an incision, a curve that reaches one end of the tip follows the tip
-//! to its other end and goes on from there.
+//! to its other end and goes on from there. In a sheet the tip is one vertex, where a curve begins
+//! or ends.
 
 mod segment;
 mod tip;
@@ -44,8 +46,11 @@ impl Chord {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Curve {
     pub(crate) nodes: Range<u32>,
-    /// Whether the first node follows the last one; else both are on the sweep's boundary.
+    /// Whether the first node follows the last one; else both are on the sweep's boundary or the
+    /// surface's.
     pub(crate) is_closed: bool,
+    /// Whether the section that it bounds is closed by caps or walls.
+    pub(crate) is_capped: bool,
 }
 
 /// The intersection curves of a cut. Kept between cuts for its memory.
@@ -76,19 +81,44 @@ impl Trace {
         sum / self.nodes.len() as f64
     }
 
-    /// Returns a mesh triangle that the sweep's boundary pierces, if a curve ends.
+    /// Returns whether a curve ends on the sweep's boundary.
+    pub(crate) fn has_end(&self, curve: &Curve) -> bool {
+        let ends = [curve.nodes.start, curve.nodes.end - 1];
+        !curve.is_closed && ends.iter().any(|&end| self.nodes[end as usize].is_end)
+    }
+
+    /// Returns a mesh triangle that the sweep's boundary pierces, if a curve ends there.
     pub(crate) fn open_end(&self) -> Option<TriangleId> {
-        let open = self.curves.iter().find(|curve| !curve.is_closed)?;
-        let own = |chord: &&Chord| open.nodes.contains(&chord.to);
+        self.triangle_of(self.curves.iter().find(|curve| self.has_end(curve))?)
+    }
+
+    /// Returns a mesh triangle at the surface's boundary, if a curve ends there.
+    pub(crate) fn boundary_end(&self) -> Option<TriangleId> {
+        let is_own = |curve: &&Curve| !curve.is_closed && !self.has_end(curve);
+        self.triangle_of(self.curves.iter().find(is_own)?)
+    }
+
+    /// Returns a mesh triangle that a curve crosses.
+    fn triangle_of(&self, curve: &Curve) -> Option<TriangleId> {
+        let own = |chord: &&Chord| curve.nodes.contains(&chord.to);
         self.chords.iter().find(own).map(|chord| chord.triangle)
+    }
+
+    /// Sets which curves bound sections with caps: those for whose piece and closedness
+    /// `is_capped` holds.
+    pub(crate) fn set_capped(&mut self, surface: &Surface, is_capped: impl Fn(u32, bool) -> bool) {
+        for curve in &mut self.curves {
+            let vertex = self.nodes[curve.nodes.start as usize].vertex();
+            let triangle = surface.topology().outgoing(vertex).triangle();
+            curve.is_capped = is_capped(surface.piece(triangle), curve.is_closed);
+        }
     }
 
     /// Finds all curves through `candidates`, which is sorted.
     ///
     /// # Errors
-    /// [`CutError::VertexNotFinite`], [`CutError::OpenSurface`] where a curve leaves the surface,
-    /// [`CutError::StaleBvh`] where it leaves the candidates, and [`CutError::TipBlocked`] where
-    /// the sweep meets the walls at the tip.
+    /// [`CutError::VertexNotFinite`], [`CutError::StaleBvh`] where a curve leaves the candidates,
+    /// and [`CutError::TipBlocked`] where the sweep meets the walls at the tip.
     pub(crate) fn find(
         &mut self,
         surface: &Surface,
@@ -107,7 +137,8 @@ impl Trace {
         let hits = hits.map(|own| own[0].triangle);
         self.touch.start(surface, facets, hits);
         let is_start = |segment: &Segment| match segment.from {
-            End::Mesh(_) | End::Tip(_) => false,
+            End::Mesh(entry) => surface.topology().twin(entry).is_null(),
+            End::Tip(_) => false,
             End::Sweep(edge) => !facets.edges()[edge as usize].is_crease(),
         };
         for start in 0..self.segments.len() {
@@ -140,16 +171,33 @@ impl Trace {
 
     /// Follows the curves that begin at the end of a tip.
     ///
-    /// A curve that returns to the tip is closed. A curve that starts inside the body is open.
+    /// A curve that returns to the tip is closed. A curve that starts inside the body is open, and
+    /// so is one that starts at the tip of a sheet.
     fn follow_tips(&mut self, surface: &Surface, facets: &Facets) -> Result<(), CutError> {
         let mut corner = 0;
         while let Some(tip) = Tip::from_corner(facets, corner) {
             corner = tip.last + 1;
             let vertex = facets.vertex_at(tip.first);
             let is_reached = |node: &Node| node.on == On::Tip(vertex);
-            if tip.first < tip.last && !self.nodes.iter().any(is_reached) {
-                let is_closed = self.segments.iter().any(|s| s.to == End::Tip(vertex));
+            if self.nodes.iter().any(is_reached) {
+                continue;
+            }
+            let at_tip = End::Tip(vertex);
+            if tip.is_joined() {
+                let is_closed = self.segments.iter().any(|s| s.to == at_tip);
                 self.follow(surface, facets, Start::Tip(tip), is_closed)?;
+                continue;
+            }
+            let own = |s: &&Segment| s.from == at_tip || s.to == at_tip;
+            let mut own = self.segments.iter().filter(own);
+            match [own.next().copied(), own.next().copied()] {
+                [Some(first), None] if first.from == at_tip => {
+                    self.follow(surface, facets, Start::Tip(tip), false)?;
+                }
+                [_, None] => {}
+                [_, Some(Segment { triangle, .. })] => {
+                    return Err(CutError::TipBlocked { triangle });
+                }
             }
         }
         let is_left =
@@ -189,7 +237,7 @@ impl Trace {
             // The facet on the inner side of the edge to the next corner.
             let facet = match next {
                 Some(next) if corner == tip.last => self.segments[next].facet,
-                _ => 2 * corner.min(tip.last - 1),
+                _ => 2 * corner.min(tip.last.saturating_sub(1)),
             };
             let vertex = facets.vertex_at(corner);
             self.nodes.push(Node::at_tip(surface, vertex, facet));
@@ -212,17 +260,27 @@ impl Trace {
             Start::Tip(tip) => match self.follow_tip(surface, facets, tip) {
                 Some(at) => at,
                 None => {
-                    self.finish_curve(first, is_closed);
+                    self.finish_curve(facets, first, is_closed);
                     return Ok(());
                 }
             },
         };
-        if let End::Sweep(edge) = self.segments[at].from {
-            let Segment {
-                triangle, facet, ..
-            } = self.segments[at];
-            let node = Node::in_face(surface, facets, triangle, edge, facet);
-            self.nodes.push(node);
+        let Segment {
+            triangle,
+            facet,
+            from,
+            ..
+        } = self.segments[at];
+        match from {
+            End::Sweep(edge) => {
+                let node = Node::in_face(surface, facets, triangle, edge, facet);
+                self.nodes.push(node);
+            }
+            End::Mesh(entry) if !is_closed && matches!(start, Start::Segment(_)) => {
+                let node = Node::on_edge(surface, facets, entry, facet, true);
+                self.nodes.push(node);
+            }
+            End::Mesh(_) | End::Tip(_) => {}
         }
         loop {
             let triangle = self.segments[at].triangle;
@@ -246,7 +304,8 @@ impl Trace {
                         break Exit::Tip(tip);
                     }
                     End::Mesh(exit) => {
-                        self.nodes.push(Node::on_edge(surface, facets, exit, facet));
+                        let node = Node::on_edge(surface, facets, exit, facet, false);
+                        self.nodes.push(node);
                         break Exit::Mesh(exit, facet);
                     }
                     End::Sweep(edge) => {
@@ -254,8 +313,8 @@ impl Trace {
                         let node = Node::in_face(surface, facets, triangle, edge, beyond);
                         if beyond == NO_FACET {
                             let begins = index_u32(self.nodes.len()) == first + 1;
-                            if begins {
-                                let from = self.nodes[first as usize];
+                            let from = self.nodes[first as usize];
+                            if begins && matches!(from.on, On::Face { .. }) {
                                 let middle = Node::between(surface, triangle, &from, &node);
                                 self.nodes.push(middle);
                             }
@@ -294,7 +353,7 @@ impl Trace {
             };
             let entry = surface.topology().twin(exit);
             if entry.is_null() {
-                return Err(CutError::OpenSurface { triangle });
+                break;
             }
             let across = entry.triangle();
             at = (self.segment(across, facet)).ok_or_else(|| missing_candidate(surface, across))?;
@@ -313,17 +372,17 @@ impl Trace {
         if is_closed && matches!(start, Start::Segment(_)) {
             self.chords[first_chord].from = index_u32(self.nodes.len()) - 1;
         }
-        self.finish_curve(first, is_closed);
+        self.finish_curve(facets, first, is_closed);
         Ok(())
     }
 
     /// Moves the ends of the open curve of the last nodes away from mesh edges.
     fn center_ends(&mut self, surface: &Surface, facets: &Facets, first: usize) {
         let last = self.nodes.len() - 1;
-        for (end, beside) in [(first, first + 1), (last, last - 1)] {
+        for (end, beside, is_last) in [(first, first + 1, false), (last, last - 1, true)] {
             let before = self.nodes[beside];
             let facet = self.nodes[end.min(beside)].facet;
-            self.nodes[end].center_end(surface, facets, &before, facet);
+            self.nodes[end].center_end(surface, facets, &before, facet, is_last);
         }
     }
 
@@ -337,10 +396,15 @@ impl Trace {
         is_closed: bool,
     ) -> bool {
         let nodes = &self.nodes[first as usize..];
-        if nodes.iter().any(|node| matches!(node.on, On::Tip(_))) {
+        let is_joined = |node: &Node| match node.on {
+            On::Tip(vertex) => Tip::from_vertex(facets, vertex).is_none_or(Tip::is_joined),
+            _ => false,
+        };
+        if nodes.iter().any(is_joined) {
             return false;
         }
-        if is_closed {
+        let mut ends = [nodes.first(), nodes.last()].into_iter().flatten();
+        if is_closed || ends.all(|node| !matches!(node.on, On::Face { .. })) {
             return self.touch.is_touch(surface, facets, nodes);
         }
         let chords = &self.chords[first_chord..];
@@ -349,16 +413,22 @@ impl Trace {
     }
 
     /// Adds the curve of all nodes from `first` on.
-    fn finish_curve(&mut self, first: u32, is_closed: bool) {
+    fn finish_curve(&mut self, facets: &Facets, first: u32, is_closed: bool) {
         let end = index_u32(self.nodes.len());
         if !is_closed {
             for node in [first, end - 1] {
-                self.nodes[node as usize].is_end = true;
+                let node = &mut self.nodes[node as usize];
+                node.is_end = match node.on {
+                    On::Edge { .. } => false,
+                    On::Face { .. } => true,
+                    On::Tip(vertex) => Tip::from_vertex(facets, vertex).is_none_or(Tip::is_joined),
+                };
             }
         }
         self.curves.push(Curve {
             nodes: first..end,
             is_closed,
+            is_capped: true,
         });
     }
 }

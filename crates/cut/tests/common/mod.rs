@@ -2,7 +2,7 @@
 
 use incise_cut::{CutMethod, CutParams, ExactParams};
 use incise_mesh::Surface;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Returns parameters of the exact method.
 pub(crate) fn params(snap: f64) -> CutParams {
@@ -15,26 +15,36 @@ pub(crate) fn params(snap: f64) -> CutParams {
     }
 }
 
-/// Returns the Euler characteristic, and checks that the surface is a closed manifold on which no
-/// edge has more than two triangles, also by its vertices alone.
+/// Returns the Euler characteristic and checks that the surface is a closed manifold, see
+/// [`check_manifold`].
 pub(crate) fn check(surface: &Surface) -> i64 {
+    assert!(surface.topology().is_closed(), "the surface is open");
+    check_manifold(surface)
+}
+
+/// Returns the Euler characteristic and checks that the surface is an oriented manifold on which no
+/// edge has more than two triangles, also by its vertices alone.
+pub(crate) fn check_manifold(surface: &Surface) -> i64 {
     surface.validate().unwrap();
     let topology = surface.topology();
-    assert!(topology.is_closed(), "the surface is open");
     let mut edges = BTreeMap::new();
-    let mut vertices = BTreeSet::new();
-    let mut faces = 0;
     for t in topology.triangles() {
         let [a, b, c] = topology.triangle(t);
-        vertices.extend([a, b, c]);
-        faces += 1;
         for (v, w) in [(a, b), (b, c), (c, a)] {
-            *edges.entry((v.min(w), v.max(w))).or_insert(0) += 1;
+            let uses: &mut [u32; 2] = edges.entry((v.min(w), v.max(w))).or_default();
+            uses[usize::from(v < w)] += 1;
         }
     }
-    for (edge, count) in &edges {
-        assert_eq!(*count, 2, "{edge:?} has {count} triangles");
+    for (edge, uses) in &edges {
+        assert!(
+            uses.iter().all(|&n| n <= 1),
+            "{edge:?} has {uses:?} triangles"
+        );
     }
+    let vertices = topology.vertices();
+    let used = vertices
+        .filter(|&v| !topology.outgoing(v).is_null())
+        .count();
     let count = |n: usize| i64::try_from(n).unwrap();
-    count(vertices.len()) - count(edges.len()) + faces
+    count(used) - count(edges.len()) + count(topology.triangle_count())
 }

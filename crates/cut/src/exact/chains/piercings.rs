@@ -36,7 +36,7 @@ impl Chains {
     pub(super) fn find_piercings(&mut self, edit: &Edit<'_>, at: &Opening<'_>, sides: &Sides) {
         self.piercings.clear();
         let surface = edit.surface();
-        for curve in 0..at.rim.sizes.len() {
+        for curve in (0..at.rim.sizes.len()).filter(|&curve| at.curves[curve].is_capped) {
             for node in at.rim.ring(curve) {
                 let On::Face { edge, corners, .. } = at.nodes[node as usize].on else {
                     continue;
@@ -119,6 +119,9 @@ impl Chains {
             let Some(node) = at.nodes.iter().position(is_own).map(index_u32) else {
                 continue;
             };
+            if !at.curves[at.rim.curve_of[node as usize] as usize].is_capped {
+                continue;
+            }
             let is_joined = |i: Option<u32>| {
                 let along = i.and_then(|i| weld.half_edges.get(i as usize));
                 along.is_some_and(|h| !h.is_null())

@@ -32,14 +32,25 @@ pub(crate) enum EdgeKind {
 }
 
 impl Facets {
-    /// Returns the diagonal between the first two facets.
-    pub(crate) fn crease(&self) -> u32 {
-        index_u32(self.corners.len() / 2)
+    /// Returns the largest coordinate of the ends of diagonals \[m\].
+    pub(crate) fn largest_diagonal(&self) -> f64 {
+        let edges =
+            (0..index_u32(self.edges.len())).filter(|&e| self.kind(e) == EdgeKind::Diagonal);
+        let ends = edges.flat_map(|edge| self.ends(edge));
+        ends.fold(0.0, |largest, p| p.amax().max(largest))
     }
 
-    /// Returns whether the first two facets meet at their diagonal.
-    pub(crate) fn has_crease(&self) -> bool {
-        self.edges[self.crease() as usize].is_crease()
+    /// Returns the facet nearest to a point and the crease of that facet nearest to it.
+    ///
+    /// No crease for a facet that has none. Sweeps without area have no facet.
+    pub(crate) fn nearest(&self, p: Vec3) -> Option<(u32, Option<u32>)> {
+        let existing = (0..self.len()).filter(|&i| self.exists(i));
+        let distances = existing.map(|i| (i, self.miss(i, p)));
+        let (facet, _) = distances.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let sides = (0..3).map(|k| (self.edges_of(facet)[k], self.outside(facet, k, p)));
+        let creases = sides.filter(|&(edge, _)| self.edges[edge as usize].is_crease());
+        let crease = creases.max_by(|a, b| a.1.total_cmp(&b.1));
+        Some((facet, crease.map(|(edge, _)| edge)))
     }
 
     /// Returns the kind of an edge.

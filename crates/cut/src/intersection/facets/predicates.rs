@@ -71,10 +71,14 @@ impl Facets {
         compare_along(self.ends(edge), [&Plane(a), &Plane(b)], -1.0)
     }
 
-    /// Returns whether the second facet rises above the first one's plane.
-    pub(crate) fn is_valley(&self) -> bool {
-        let [a, b, c] = self.corners_of(0).map(coord);
-        orient3d(a, b, c, coord(self.corners_of(1)[2])) <= 0.0
+    /// Returns whether the facets beside a crease rise above each other's planes.
+    pub(crate) fn is_valley(&self, crease: u32) -> bool {
+        let [left, right] = self.edges[crease as usize].facets;
+        let (first, second) = (left.min(right), left.max(right));
+        let [a, b, c] = self.corners_of(first).map(coord);
+        let beyond = (0..3).find(|&k| self.edges_of(second)[k] == crease);
+        let opposite = beyond.map_or(0, |k| (k + 2) % 3);
+        orient3d(a, b, c, coord(self.corners_of(second)[opposite])) <= 0.0
     }
 
     /// Returns the sign of the line from `p` to `q` relative to the sweep's line from corner `a` to

@@ -3,7 +3,8 @@
 use crate::intersection::facets::{Facets, Weld};
 use incise_mesh::{HalfEdge, VertexId, index_u32};
 
-/// A part of the tip that the sweep continues: corners of the sweep joined by edges of the surface.
+/// A part of the tip that the sweep continues: corners of the sweep joined by edges of the surface,
+/// or a single one in a sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Tip {
     pub(super) first: u32,
@@ -11,6 +12,11 @@ pub(super) struct Tip {
 }
 
 impl Tip {
+    /// Returns whether the tip has edges, at which the walls of a body meet.
+    pub(super) fn is_joined(self) -> bool {
+        self.first < self.last
+    }
+
     /// Returns the first tip whose corners are `corner` or later.
     pub(super) fn from_corner(facets: &Facets, corner: u32) -> Option<Self> {
         let Weld {
