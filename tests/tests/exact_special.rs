@@ -1,7 +1,7 @@
 //! The exact method on degenerate input: planes through vertices, edges and faces, and errors that
 //! leave the surface unchanged.
 
-use incise_cut::{CutError, CutMethod, CutParams, Cutter, ExactParams, Sweep};
+use incise_cut::{CutError, CutMethod, CutParams, Cutter, ExactParams, PaperParams, Sweep};
 use incise_mesh::{Surface, TriangleId, VertexId, cube_sphere, icosphere, torus};
 use incise_tests::{
     Blade, Body, Deformation, Shape, any_blade, any_body, assert_same_bits, cases, cut_and_check,
@@ -306,7 +306,7 @@ fn a_ball_with_a_hole_is_cut_as_a_sheet() {
             outcome => assert!(outcome.is_ok(), "without {t}: {:?}", outcome.err()),
         }
     }
-    assert!(refused > 20, "only {refused} holes were found");
+    assert!(refused > 500, "{refused} of 1,280 holes were found");
 }
 
 /// The sweep of a blade that flips: two triangles that overlap.

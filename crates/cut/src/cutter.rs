@@ -253,7 +253,14 @@ impl Cutter {
         }
         self.facets.read(sweep, weld.unwrap_or(&Weld::default()));
         (self.trace).find(surface, &self.facets, &mut self.candidates)?;
-        self.check_ends(params, weld.is_some())?;
+        if let Some(triangle) = self.trace.open_end() {
+            if weld.is_none() {
+                return Err(CutError::PartialCut { triangle });
+            }
+            if matches!(params.method, CutMethod::Paper(_)) {
+                return Err(CutError::IncisionByPaper { triangle });
+            }
+        }
         let mut outcome = CutOutcome::default();
         outcome.report.candidates = self.candidates.len();
         outcome.report.hits = self.trace.hits();
@@ -269,14 +276,19 @@ impl Cutter {
         } else {
             Vec::new()
         };
+        let is_paper = matches!(params.method, CutMethod::Paper(_));
         self.trace.set_capped(surface, |piece, is_closed| {
             let is_body = is_sheet.get(piece as usize) != Some(&true);
             match params.caps {
+                _ if is_paper => is_body,
                 Caps::Bodies => is_body,
                 Caps::AllLoops => is_body || is_closed,
                 Caps::None => false,
             }
         });
+        if is_paper && let Some(triangle) = self.trace.open_loop() {
+            return Err(CutError::OpenSurface { triangle });
+        }
         let (separator, outcome_mut) = (&mut self.separator, &mut outcome);
         let at = Intersection {
             sweep,
@@ -300,16 +312,5 @@ impl Cutter {
             outcome.report.bvh_update = begin.elapsed();
         }
         Ok(outcome)
-    }
-
-    /// Checks that a method can cut where curves end, on the sweep's boundary or the surface's.
-    fn check_ends(&self, params: &CutParams, is_incision: bool) -> Result<(), CutError> {
-        let is_paper = matches!(params.method, CutMethod::Paper(_));
-        match (self.trace.open_end(), self.trace.boundary_end()) {
-            (Some(triangle), _) if !is_incision => Err(CutError::PartialCut { triangle }),
-            (Some(triangle), _) if is_paper => Err(CutError::IncisionByPaper { triangle }),
-            (_, Some(triangle)) if is_paper => Err(CutError::OpenSurface { triangle }),
-            _ => Ok(()),
-        }
     }
 }

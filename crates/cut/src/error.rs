@@ -57,14 +57,13 @@ pub enum CutError {
         /// The vertex.
         vertex: VertexId,
     },
-    /// The surface has a boundary where the sweep crosses it, and the paper's method has closed
-    /// bodies only.
+    /// The sweep crosses a sheet, and the paper's method has closed bodies only.
     #[error(
-        "the surface is open at triangle {triangle}, and the paper's method cuts closed bodies \
-         only; close its holes, or use CutMethod::Exact"
+        "the sweep crosses a surface with a boundary at triangle {triangle}, and the paper's \
+         method cuts closed bodies only; close its holes, or use CutMethod::Exact"
     )]
     OpenSurface {
-        /// The triangle at the boundary.
+        /// A triangle of the sheet.
         triangle: TriangleId,
     },
     /// Vertices have moved since the BVH was fitted.

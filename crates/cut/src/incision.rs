@@ -11,6 +11,9 @@ use incise_mesh::{HalfEdge, Surface, Vec3, VertexId};
 /// Smaller steps add up, so that walls do not get triangles far smaller than the surface's.
 const MIN_STEP: f64 = 0.5;
 
+/// Distance from its path within which the blade moves back in its own slit [local edge lengths].
+const PATH_WIDTH: f64 = 0.25;
+
 /// Displacement of the sweep beyond the ends of a tip [local edge lengths].
 const WIDENING: f64 = 0.3;
 /// Its maximum [distance to the next point of the sweep].
@@ -21,10 +24,16 @@ const MAX_WIDENING: f64 = 0.2;
 /// The blade's edge is a polyline. Where its last motion ended inside the body, the incision's tip
 /// consists of vertices of the surface. They move with the body, and the next motion starts at
 /// their present positions.
+///
+/// A blade that moves back the way it came cuts nothing until it is at the tip again. Where it
+/// leaves that way, it cuts a branch.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Incision {
     pose: Vec<[f32; 3]>,
     tip: Vec<TipPoint>,
+    path: Path,
+    /// Whether the blade has moved back from the tip.
+    is_back: bool,
     sweep: Option<Sweep>,
 }
 
@@ -83,12 +92,29 @@ impl Incision {
     pub fn restart(&mut self, pose: &[[f32; 3]]) {
         self.pose.clear();
         self.pose.extend_from_slice(pose);
+        self.leave();
+    }
+
+    /// Ends the incision where it is; the next motion of the blade starts at its last pose.
+    fn leave(&mut self) {
         self.tip.clear();
+        self.path.clear();
+        self.is_back = false;
     }
 
     /// Sets the pose and the tip after a step.
     pub(crate) fn finish_step(&mut self, pose: &[[f32; 3]], tip: Vec<TipPoint>, sweep: Sweep) {
-        self.restart(pose);
+        if self.tip.is_empty() {
+            self.path.start(&self.pose);
+        }
+        self.pose.clear();
+        self.pose.extend_from_slice(pose);
+        self.is_back = false;
+        if tip.is_empty() {
+            self.path.clear();
+        } else {
+            self.path.push(&tip);
+        }
         self.tip = tip;
         self.sweep = Some(sweep);
     }
@@ -138,8 +164,21 @@ impl Incision {
                 });
         }
         self.check_tip(surface);
-        if self.is_inside() && !self.has_moved(surface, blade) {
-            return Ok(None);
+        if self.is_inside() {
+            if !self.has_moved(surface, blade) {
+                return Ok(None);
+            }
+            let lengths = self.tip.iter().map(|end| local_length(surface, end.vertex));
+            let width = PATH_WIDTH * lengths.fold(0.0, f64::max);
+            if self.path.has(surface, blade, width) {
+                self.pose.clear();
+                self.pose.extend_from_slice(blade);
+                self.is_back = true;
+                return Ok(None);
+            }
+            if self.is_back && !self.passes_tip(surface, blade, width) {
+                self.leave();
+            }
         }
         let columns = self.columns(surface, blade);
         let previous: Vec<[f32; 3]> = columns.iter().map(|c| to_f32(c.previous)).collect();
@@ -147,7 +186,11 @@ impl Incision {
         let current = places.iter().map(|&place| to_f32(point_at(blade, place)));
         let current: Vec<[f32; 3]> = current.collect();
         let sweep = match Sweep::strip(&previous, &current) {
-            Err(CutError::BladeDegenerate) => return Ok(None),
+            Err(CutError::BladeDegenerate) => {
+                // A blade that moves along its edge leaves its tip.
+                self.restart(blade);
+                return Ok(None);
+            }
             sweep => sweep?,
         };
         let mut weld = Weld::default();
@@ -227,6 +270,15 @@ impl Incision {
         out
     }
 
+    /// Returns whether the blade is at the tip on its way to a new pose, up to `width` \[m\].
+    fn passes_tip(&self, surface: &Surface, blade: &[[f32; 3]], width: f64) -> bool {
+        let ends = [self.tip[0], self.tip[self.tip.len() - 1]];
+        let off = |pose: &[[f32; 3]]| {
+            ends.map(|end| point_at(pose, end.place) - surface.position(end.vertex))
+        };
+        do_vanish(off(&self.pose), off(blade), 0.0, width)
+    }
+
     /// Returns whether a part of the blade is far enough from the tip for the next step.
     fn has_moved(&self, surface: &Surface, blade: &[[f32; 3]]) -> bool {
         self.tip.iter().any(|point| {
@@ -234,6 +286,60 @@ impl Incision {
             motion.norm() >= MIN_STEP * local_length(surface, point.vertex)
         })
     }
+}
+
+/// The way of a blade since it entered the body: the pose before, then the ends of each tip.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Path {
+    entry: Vec<[f32; 3]>,
+    tips: Vec<[TipPoint; 2]>,
+}
+
+impl Path {
+    fn clear(&mut self) {
+        self.entry.clear();
+        self.tips.clear();
+    }
+
+    fn start(&mut self, pose: &[[f32; 3]]) {
+        self.clear();
+        self.entry.extend_from_slice(pose);
+    }
+
+    fn push(&mut self, tip: &[TipPoint]) {
+        self.tips.push([tip[0], tip[tip.len() - 1]]);
+    }
+
+    /// Returns whether a blade is on the way or behind its start, up to `width` \[m\].
+    fn has(&self, surface: &Surface, blade: &[[f32; 3]], width: f64) -> bool {
+        let slots = surface.topology().vertex_slots();
+        let Some(first) = self.tips.first() else {
+            return false;
+        };
+        let off = |place: f64, way: Vec3| point_at(blade, place) - way;
+        let mut from = first.map(|end| off(end.place, point_at(&self.entry, end.place)));
+        let mut earliest = f64::NEG_INFINITY;
+        self.tips.iter().any(|tip| {
+            if tip.iter().any(|end| end.vertex.index() >= slots) {
+                return false;
+            }
+            // The distances of the tip's ends change linearly along the way.
+            let to = tip.map(|end| off(end.place, surface.position(end.vertex)));
+            let is_on = do_vanish(from, to, earliest, width);
+            (from, earliest) = (to, 0.0);
+            is_on
+        })
+    }
+}
+
+/// Returns whether two vectors that change linearly are both at most as long as `width` at a time
+/// from `earliest` to 1.
+fn do_vanish(from: [Vec3; 2], to: [Vec3; 2], earliest: f64, width: f64) -> bool {
+    let change = [0, 1].map(|k| to[k] - from[k]);
+    let along: f64 = (0..2).map(|k| change[k].dot(&from[k])).sum();
+    let length: f64 = change.iter().map(Vec3::norm_squared).sum();
+    let part = (-along / length).clamp(earliest, 1.0);
+    (0..2).all(|k| (from[k] + change[k] * part).norm() <= width)
 }
 
 /// Returns the unit vector away from the surface at a column, in the plane of the sweep there.

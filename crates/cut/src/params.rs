@@ -34,7 +34,7 @@ impl Default for CutParams {
 
 /// The curves of a cut along which caps and walls close the surface again.
 ///
-/// The paper's method closes all of its loops.
+/// The paper's method cuts bodies only and closes all loops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Caps {

@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{check, params};
+use common::{check, check_manifold, params};
 use incise_cut::{CutError, Cutter, Incision, Sweep};
-use incise_mesh::{Surface, cube_sphere, icosphere, torus};
+use incise_mesh::{Surface, cube_sphere, icosphere, sheet, torus};
 use proptest::prelude::*;
 
 /// Advances a blade of two points in equal steps.
@@ -208,5 +208,60 @@ fn steps_of_a_stroke_equal_one_slice() {
                 }
             }
         }
+    }
+}
+
+/// Moves a blade along x at the given places and returns the body after each.
+fn along(whole: &Surface, places: &[f32]) -> Vec<(Surface, bool)> {
+    let mut body = whole.clone();
+    let mut cutter = Cutter::new(&body);
+    let mut incision = Incision::default();
+    let step = |&x: &f32| {
+        let pose = [[x, 0.01, -1.0], [x, 0.02, 1.0]];
+        let outcome = cutter.advance(&mut body, &mut incision, &pose, &params(0.1));
+        let _ = outcome.unwrap_or_else(|error| panic!("at {x}: {error}"));
+        check_manifold(&body);
+        (body.clone(), incision.is_inside())
+    };
+    places.iter().map(step).collect()
+}
+
+#[test]
+fn a_stroke_that_is_retraced_adds_nothing() {
+    for whole in [
+        icosphere(4, 0.5),
+        torus(0.35, 0.15, 32, 16),
+        sheet([1.0, 1.0], [31, 23]),
+    ] {
+        let mut places: Vec<f32> = (0..12u8).map(|i| -0.8 + 0.07 * f32::from(i)).collect();
+        let there = places.len() - 1;
+        let back: Vec<f32> = places[..there].iter().rev().copied().collect();
+        for _ in 0..20 {
+            let forth = places[1..=there].to_vec();
+            places.extend_from_slice(&back);
+            places.extend(forth);
+        }
+        let bodies = along(&whole, &places);
+        assert!(bodies[there].1, "the blade is inside");
+        for (body, _) in &bodies[there..] {
+            assert!(*body == bodies[there].0);
+        }
+    }
+}
+
+#[test]
+fn a_blade_goes_on_after_moving_back() {
+    let whole = icosphere(4, 0.5);
+    let there: Vec<f32> = (0..12u8).map(|i| -0.8 + 0.07 * f32::from(i)).collect();
+    let onward: Vec<f32> = (12..25u8).map(|i| -0.8 + 0.07 * f32::from(i)).collect();
+    let straight = along(&whole, &[there.clone(), onward.clone()].concat());
+    for back in [-0.1, -0.35, -0.8] {
+        let bent = along(
+            &whole,
+            &[there.clone(), vec![back], onward.clone()].concat(),
+        );
+        let (last, bent) = (straight.last().unwrap(), bent.last().unwrap());
+        assert!(last == bent, "back to {back}");
+        assert_eq!(bent.0.piece_count(), 2);
     }
 }

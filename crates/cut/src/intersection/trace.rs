@@ -92,10 +92,9 @@ impl Trace {
         self.triangle_of(self.curves.iter().find(|curve| self.has_end(curve))?)
     }
 
-    /// Returns a mesh triangle at the surface's boundary, if a curve ends there.
-    pub(crate) fn boundary_end(&self) -> Option<TriangleId> {
-        let is_own = |curve: &&Curve| !curve.is_closed && !self.has_end(curve);
-        self.triangle_of(self.curves.iter().find(is_own)?)
+    /// Returns a mesh triangle that a curve without caps crosses.
+    pub(crate) fn open_loop(&self) -> Option<TriangleId> {
+        self.triangle_of(self.curves.iter().find(|curve| !curve.is_capped)?)
     }
 
     /// Returns a mesh triangle that a curve crosses.
