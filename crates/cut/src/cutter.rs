@@ -20,6 +20,10 @@ use std::time::Instant;
 /// Differences in 53 bits then keep all 24 bits of the body's coordinates.
 const MAX_SWEEP_RATIO: f64 = (1u64 << 29) as f64;
 
+/// Displacements of a blade with which a step is tried again that its exact pose makes impossible,
+/// such as one at which the tip touches the surface along an edge [local edge lengths].
+const DISPLACEMENTS: [f64; 3] = [1e-3, -1e-3, 1e-2];
+
 /// Cuts one surface repeatedly: its BVH and scratch memory.
 ///
 /// The BVH follows cuts by itself. After any other change of the surface, call [`Self::refit`].
@@ -201,7 +205,8 @@ impl Cutter {
     ///
     /// The first call only takes the pose. Where the blade ended inside the body, the next call
     /// goes on at the tip's present vertices, so the body may move in between. A motion of less
-    /// than half an edge length is a miss and adds up. When the tip leaves the body, the separated
+    /// than half an edge length is a miss and adds up. Where a step is impossible with the blade
+    /// exactly there, the blade is displaced by up to a hundredth of an edge. When the tip leaves the body, the separated
     /// parts become pieces. A blade with a different number of points starts a new incision.
     ///
     /// # Errors
@@ -215,7 +220,7 @@ impl Cutter {
         params: &CutParams,
     ) -> Result<CutOutcome, CutError> {
         self.check_bvh(surface)?;
-        let Some(stroke) = incision.stroke(surface, blade)? else {
+        let Some(stroke) = incision.stroke(surface, &self.bvh, blade)? else {
             return Ok(CutOutcome::default());
         };
         let Stroke {
@@ -223,14 +228,38 @@ impl Cutter {
             weld,
             places,
         } = stroke;
-        let outcome = self.cut_along(surface, &sweep, params, Some(&weld))?;
+        let mut outcome = self.cut_along(surface, &sweep, params, Some(&weld));
+        let mut taken = sweep.clone();
+        for displacement in DISPLACEMENTS {
+            if !matches!(
+                outcome,
+                Err(CutError::TipBlocked { .. } | CutError::OpenSection)
+            ) {
+                break;
+            }
+            taken = sweep.displaced(displacement * self.mean_edge(surface))?;
+            let again = self.cut_along(surface, &taken, params, Some(&weld));
+            outcome = again.or(outcome);
+        }
+        let outcome = outcome?;
         if outcome.is_miss() {
             incision.restart(blade);
         } else {
             let tip = self.exact.tip(surface, &self.facets, &self.trace, &places);
-            incision.finish_step(blade, tip, sweep);
+            incision.finish_step(blade, tip, taken, self.trace.max_local());
         }
         Ok(outcome)
+    }
+
+    /// Returns the mean edge length of the triangles whose boxes touched the last sweep \[m\].
+    #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^53 triangles")]
+    fn mean_edge(&self, surface: &Surface) -> f64 {
+        let perimeter = |&t: &TriangleId| {
+            let [a, b, c] = surface.triangle_positions(t);
+            (b - a).norm() + (c - b).norm() + (a - c).norm()
+        };
+        let sum: f64 = self.candidates.iter().map(perimeter).sum();
+        sum / (3 * self.candidates.len()) as f64
     }
 
     fn cut_along(

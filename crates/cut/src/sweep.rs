@@ -52,6 +52,24 @@ impl Sweep {
         Ok(sweep)
     }
 
+    /// Returns the sweep that ends displaced by `length` \[m\], off its plane and along its motion.
+    ///
+    /// # Errors
+    /// As [`Self::strip`].
+    pub(crate) fn displaced(&self, length: f64) -> Result<Self, CutError> {
+        let (_, normal) = self.plane();
+        let (from, to) = (self.previous(), self.current());
+        let motion: Vec3 = from
+            .iter()
+            .zip(to)
+            .map(|(&p, &q)| to_f64(q) - to_f64(p))
+            .sum();
+        let along = motion.try_normalize(0.0).unwrap_or_default();
+        let offset = (normal + along * 0.6) * length;
+        let to: Vec<[f32; 3]> = to.iter().map(|&p| to_f32(to_f64(p) + offset)).collect();
+        Self::strip(from, &to)
+    }
+
     /// Makes a flat sweep along the plane `normal . x = d` that cuts everything in `bounds`.
     ///
     /// It is one large triangle, since four rounded corners would not lie in one plane. The last

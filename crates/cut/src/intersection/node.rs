@@ -5,7 +5,9 @@ use incise_mesh::geometry::area_vector;
 use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3, VertexId, VertexOrigin};
 
 /// Distance of the end of a curve from the edges of its mesh triangle [length across the triangle].
-const END_MARGIN: f64 = 0.15;
+const END_MARGIN: f64 = 0.05;
+/// Maximum of that distance [motion of the sweep].
+const MAX_END_MARGIN: f64 = 0.1;
 
 /// No sweep edge.
 pub(crate) const NO_EDGE: u32 = u32::MAX;
@@ -187,11 +189,13 @@ impl Node {
         };
         let part = heights[k] / (heights[k] - heights[l]);
         let to = points[k] + (points[l] - points[k]) * part;
-        let part = (self.position - from).norm() / (to - from).norm();
-        if part.is_nan() || (END_MARGIN..=1.0 - END_MARGIN).contains(&part) {
+        let across = (to - from).norm();
+        let part = (self.position - from).norm() / across;
+        let margin = (MAX_END_MARGIN * facets.motion(facet) / across).min(END_MARGIN);
+        if part.is_nan() || (margin..=1.0 - margin).contains(&part) {
             return;
         }
-        let part = part.clamp(END_MARGIN, 1.0 - END_MARGIN);
+        let part = part.clamp(margin, 1.0 - margin);
         *weights = weights_of(points, from + (to - from) * part);
         let [u, v, w] = weights.map(f64::from);
         self.position = points[0] * u + points[1] * v + points[2] * w;

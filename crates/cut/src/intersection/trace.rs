@@ -81,6 +81,11 @@ impl Trace {
         sum / self.nodes.len() as f64
     }
 
+    /// Returns the largest edge length around a node \[m\].
+    pub(crate) fn max_local(&self) -> f64 {
+        self.nodes.iter().fold(0.0, |m, node| node.local.max(m))
+    }
+
     /// Returns whether a curve ends on the sweep's boundary.
     pub(crate) fn has_end(&self, curve: &Curve) -> bool {
         let ends = [curve.nodes.start, curve.nodes.end - 1];

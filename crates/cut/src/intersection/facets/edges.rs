@@ -40,6 +40,15 @@ impl Facets {
         ends.fold(0.0, |largest, p| p.amax().max(largest))
     }
 
+    /// Returns the length of the shorter rib beside a facet \[m\].
+    pub(crate) fn motion(&self, facet: u32) -> f64 {
+        let length = |rib| {
+            let [from, to] = self.ends(rib);
+            (to - from).norm()
+        };
+        length(facet / 2).min(length(facet / 2 + 1))
+    }
+
     /// Returns the facet nearest to a point and the crease of that facet nearest to it.
     ///
     /// No crease for a facet that has none. Sweeps without area have no facet.

@@ -1,0 +1,203 @@
+//! The points of the next sweep: where it begins at the tip, and where it ends on the blade.
+
+use super::Incision;
+use incise_mesh::geometry::{area_vector, to_f64};
+use incise_mesh::{Aabb, Bvh, Surface, TriangleId, Vec3, VertexId};
+
+/// Displacement of the sweep beyond the ends of a tip [local edge lengths].
+const WIDENING: f64 = 0.3;
+/// Its maximum [distance to the next point of the sweep].
+const MAX_WIDENING: f64 = 0.2;
+
+/// Minimum distance of a point of the sweep from the surface, along the blade [local edge lengths].
+const CLEARANCE: f64 = 0.1;
+/// Its maximum [motion of the blade].
+const MAX_CLEARANCE: f64 = 0.5;
+
+/// A point of the next sweep in both frames.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Column {
+    /// Its place on the blade now, see [`TipPoint::place`].
+    pub(super) place: f64,
+    /// Its position before the step \[m\].
+    pub(super) previous: Vec3,
+    /// The vertex of the tip, or null.
+    pub(super) vertex: VertexId,
+    /// Whether an edge of the tip joins it to the next column.
+    pub(super) is_joined: bool,
+}
+
+impl Incision {
+    /// Returns the points of the next sweep: those of the tip, and those of the blade outside.
+    ///
+    /// Beside an end of the tip, the sweep widens and rises from the surface. Otherwise the line
+    /// from there to the blade's last pose could cross the surface once more. And a body is often
+    /// symmetric, so that the same place of the blade enters and leaves it.
+    pub(super) fn columns(&self, surface: &Surface, blade: &[[f32; 3]]) -> Vec<Column> {
+        let mut columns: Vec<Column> = Vec::new();
+        for (i, point) in self.pose.iter().enumerate() {
+            #[expect(clippy::cast_precision_loss, reason = "few points")]
+            let place = i as f64;
+            let is_covered = self
+                .tip
+                .windows(2)
+                .any(|pair| pair[0].is_joined && pair[0].place <= place && place <= pair[1].place);
+            if !is_covered {
+                columns.push(Column {
+                    place,
+                    previous: to_f64(*point),
+                    vertex: VertexId::NULL,
+                    is_joined: false,
+                });
+            }
+        }
+        columns.extend(self.tip.iter().map(|point| Column {
+            place: point.place,
+            previous: surface.position(point.vertex),
+            vertex: point.vertex,
+            is_joined: point.is_joined,
+        }));
+        columns.sort_by(|a, b| a.place.total_cmp(&b.place));
+        let mut out = Vec::with_capacity(columns.len() + 4);
+        for (i, &column) in columns.iter().enumerate() {
+            let is_tip = !column.vertex.is_null();
+            let before = i.checked_sub(1).map(|i| columns[i]);
+            let after = columns.get(i + 1).copied();
+            let mut own = column;
+            let mut risen = |beyond: Column| {
+                let [a, b] = [column, beyond].map(|c| point_at(blade, c.place));
+                let local = self.local;
+                let part = (WIDENING * local / (b - a).norm()).min(MAX_WIDENING);
+                let step = (beyond.place - column.place) * part;
+                own.place = column.place + step;
+                Column {
+                    place: column.place + 2.0 * step,
+                    previous: column.previous + outward(surface, column, a - b, a) * local,
+                    vertex: VertexId::NULL,
+                    is_joined: false,
+                }
+            };
+            let is_first = is_tip && before.is_none_or(|before| !before.is_joined);
+            let is_last = is_tip && !column.is_joined;
+            out.extend(before.filter(|_| is_first).map(&mut risen));
+            let risen = after.filter(|_| is_last).map(risen);
+            out.push(own);
+            out.extend(risen);
+        }
+        out
+    }
+}
+
+/// Returns the unit vector away from the surface at a column, in the plane of the sweep there.
+///
+/// `along` is the direction of the blade towards the column, `to` the column's next position
+/// \[m\]. A sheet has two sides: there the vector is on that from which the blade comes.
+fn outward(surface: &Surface, column: Column, along: Vec3, to: Vec3) -> Vec3 {
+    let fan = surface.topology().outgoing_fan(column.vertex);
+    let normals = fan.map(|h| area_vector(surface.triangle_positions(h.triangle())));
+    let normal: Vec3 = normals.sum();
+    let is_reversed = is_at_boundary(surface, column.vertex) && normal.dot(&along) > 0.0;
+    let normal = if is_reversed { -normal } else { normal };
+    let across = along.cross(&(to - column.previous));
+    let across = across.try_normalize(0.0).unwrap_or_default();
+    let in_plane = normal - across * across.dot(&normal);
+    in_plane.try_normalize(0.0).unwrap_or_default()
+}
+
+/// Returns whether a vertex is on the boundary of a sheet.
+pub(super) fn is_at_boundary(surface: &Surface, vertex: VertexId) -> bool {
+    let first = surface.topology().outgoing_fan(vertex).next();
+    first.is_some_and(|h| surface.topology().twin(h).is_null())
+}
+
+/// Returns the point of a polyline at a place \[m\].
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "places are between 0 and the number of points"
+)]
+pub(super) fn point_at(line: &[[f32; 3]], place: f64) -> Vec3 {
+    let i = (place.floor().max(0.0) as usize).min(line.len() - 2);
+    #[expect(clippy::cast_precision_loss, reason = "few points")]
+    let part = place - i as f64;
+    let [a, b] = [line[i], line[i + 1]].map(to_f64);
+    a + (b - a) * part
+}
+
+/// Moves the points of the next sweep along the blade, away from where that pierces the surface.
+///
+/// There the sweep's curves end. A point close to an end would leave a tip that turns back.
+pub(super) fn spread(columns: &mut [Column], surface: &Surface, bvh: &Bvh, blade: &[[f32; 3]]) {
+    let piercings = piercings(columns, surface, bvh, blade);
+    for (i, &[place, clearance]) in piercings.iter().enumerate() {
+        let others = [i.checked_sub(1), Some(i + 1)].into_iter().flatten();
+        let others = others.filter_map(|j| piercings.get(j));
+        let room = others.map(|other| (other[0] - place).abs() / 2.0);
+        let to_point = (place - place.round()).abs();
+        let reach = room.fold(to_point, f64::min).min(3.0 * clearance);
+        for column in &mut *columns {
+            let distance = column.place - place;
+            if distance.abs() < reach {
+                let moved = (reach + 2.0 * distance.abs()) / 3.0;
+                column.place = place + moved.copysign(distance);
+            }
+        }
+    }
+}
+
+/// Returns the places at which the blade pierces the surface, ascending, each with its clearance.
+fn piercings(
+    columns: &[Column],
+    surface: &Surface,
+    bvh: &Bvh,
+    blade: &[[f32; 3]],
+) -> Vec<[f64; 2]> {
+    let mut candidates: Vec<TriangleId> = Vec::new();
+    let mut found = Vec::new();
+    for (i, ends) in blade.windows(2).enumerate() {
+        let (p, q) = (to_f64(ends[0]), to_f64(ends[1]));
+        candidates.clear();
+        bvh.traverse(surface, |bounds| touches(bounds, p, q), &mut candidates);
+        for corners in candidates.iter().map(|&t| surface.triangle_positions(t)) {
+            let [a, b, c] = corners;
+            let normal = area_vector(corners);
+            let [from, to] = [p, q].map(|x| normal.dot(&(x - a)));
+            let part = from / (from - to);
+            let at = p + (q - p) * part;
+            let is_inside = |(u, v): (Vec3, Vec3)| normal.dot(&area_vector([u, v, at])) >= 0.0;
+            if (from < 0.0) != (to < 0.0) && [(a, b), (b, c), (c, a)].into_iter().all(is_inside) {
+                let mean = ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3.0;
+                #[expect(clippy::cast_precision_loss, reason = "few points")]
+                let place = i as f64 + part;
+                let nearest = |c: &&Column| (c.place - place).abs();
+                let column = columns
+                    .iter()
+                    .min_by(|a, b| nearest(a).total_cmp(&nearest(b)));
+                let motion = column.map_or(0.0, |c| (point_at(blade, c.place) - c.previous).norm());
+                let clearance = (CLEARANCE * mean).min(MAX_CLEARANCE * motion);
+                found.push([place, clearance / (q - p).norm()]);
+            }
+        }
+    }
+    found.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    found
+}
+
+/// Returns whether the line from `p` to `q` may touch a box, up to rounding.
+fn touches(bounds: &Aabb, p: Vec3, q: Vec3) -> bool {
+    let (mut first, mut last) = (0.0, 1.0);
+    for k in 0..3 {
+        let [low, high] = [bounds.min[k], bounds.max[k]].map(f64::from);
+        let along = q[k] - p[k];
+        if along == 0.0 {
+            if p[k] < low || p[k] > high {
+                return false;
+            }
+            continue;
+        }
+        let [s, t] = [low, high].map(|bound| (bound - p[k]) / along);
+        first = s.min(t).max(first);
+        last = s.max(t).min(last);
+    }
+    first <= last
+}
