@@ -134,7 +134,16 @@ fn a_circle_in_steps_cuts_out_a_disc() {
         let _ = outcome.unwrap_or_else(|error| panic!("step {i}: {error}"));
         check_manifold(&surface);
     }
-    assert_eq!(surface.piece_count(), 2);
+    let mut areas = vec![0.0; surface.piece_bound() as usize];
+    for t in surface.topology().triangles() {
+        let own = area_vector(surface.triangle_positions(t)).norm() / 2.0;
+        areas[surface.piece(t) as usize] += own;
+    }
+    areas.sort_by(|a, b| f64::total_cmp(b, a));
+    let disc = std::f64::consts::PI * 0.305 * 0.305;
+    assert!((areas[1] - disc).abs() < 0.02 * disc, "{areas:?}");
+    // Behind its start the blade does not follow exactly the same chords again.
+    assert!(areas[2..].iter().all(|&area| area < 1e-3), "{areas:?}");
 }
 
 /// Returns a sphere without the triangles below a height.
