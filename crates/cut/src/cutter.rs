@@ -20,9 +20,21 @@ use std::time::Instant;
 /// Differences in 53 bits then keep all 24 bits of the body's coordinates.
 const MAX_SWEEP_RATIO: f64 = (1u64 << 29) as f64;
 
-/// Displacements of a blade with which a step is tried again that its exact pose makes impossible,
-/// such as one at which the tip touches the surface along an edge [local edge lengths].
-const DISPLACEMENTS: [f64; 3] = [1e-3, -1e-3, 1e-2];
+/// Displacements of a blade with which a step is tried, the next one if its tip would end on a mesh
+/// edge, or if the cut is impossible there [local edge lengths].
+const DISPLACEMENTS: [f64; 4] = [0.0, 1e-3, -1e-3, 1e-2];
+
+/// Minimum barycentric weight of an end of a tip in its mesh triangle, unless no displacement has
+/// that.
+const MIN_END_WEIGHT: f64 = 2e-4;
+
+/// The end of an earlier cut at which a sweep goes on.
+#[derive(Debug, Clone, Copy)]
+struct Continuation<'a> {
+    weld: &'a Weld,
+    /// Minimum barycentric weight of the ends of curves.
+    min_weight: f64,
+}
 
 /// Cuts one surface repeatedly: its BVH and scratch memory.
 ///
@@ -39,6 +51,8 @@ pub struct Cutter {
     separator: Separator,
     /// Whether the surface may have a boundary, so that it must be asked which pieces are sheets.
     has_sheets: bool,
+    /// Whether this cutter has made incisions.
+    has_walls: bool,
 }
 
 /// A state of a surface: equal for equal triangles and positions, and for no others.
@@ -72,6 +86,7 @@ impl Cutter {
             exact: Exact::default(),
             separator: Separator::default(),
             has_sheets: !surface.topology().is_closed(),
+            has_walls: false,
         }
     }
 
@@ -198,7 +213,14 @@ impl Cutter {
         sweep: &Sweep,
         params: &CutParams,
     ) -> Result<CutOutcome, CutError> {
-        self.cut_along(surface, sweep, params, Some(&Weld::default()))
+        let weld = &Weld::default();
+        let min_weight = 0.0;
+        self.cut_along(
+            surface,
+            sweep,
+            params,
+            Some(Continuation { weld, min_weight }),
+        )
     }
 
     /// Moves a blade on: cuts `surface` from the tip of `incision` to the blade's new pose \[m\].
@@ -228,18 +250,31 @@ impl Cutter {
             weld,
             places,
         } = stroke;
-        let mut outcome = self.cut_along(surface, &sweep, params, Some(&weld));
         let mut taken = sweep.clone();
-        for displacement in DISPLACEMENTS {
-            if !matches!(
-                outcome,
-                Err(CutError::TipBlocked { .. } | CutError::OpenSection)
-            ) {
+        let mut outcome = Ok(CutOutcome::default());
+        for (i, displacement) in DISPLACEMENTS.repeat(2).into_iter().enumerate() {
+            if displacement != 0.0 {
+                taken = sweep.displaced(displacement * self.mean_edge(surface))?;
+            } else {
+                taken.clone_from(&sweep);
+            }
+            let is_second = i >= DISPLACEMENTS.len();
+            let min_weight = if is_second { 0.0 } else { MIN_END_WEIGHT };
+            let weld = &weld;
+            let from = Continuation { weld, min_weight };
+            let result = self.cut_along(surface, &taken, params, Some(from));
+            let is_blocked = matches!(
+                result,
+                Err(CutError::TipBlocked { .. }
+                    | CutError::OpenSection
+                    | CutError::NotManifold { .. })
+            );
+            if i == 0 || !is_blocked {
+                outcome = result;
+            }
+            if !is_blocked {
                 break;
             }
-            taken = sweep.displaced(displacement * self.mean_edge(surface))?;
-            let again = self.cut_along(surface, &taken, params, Some(&weld));
-            outcome = again.or(outcome);
         }
         let outcome = outcome?;
         if outcome.is_miss() {
@@ -267,7 +302,7 @@ impl Cutter {
         surface: &mut Surface,
         sweep: &Sweep,
         params: &CutParams,
-        weld: Option<&Weld>,
+        from: Option<Continuation<'_>>,
     ) -> Result<CutOutcome, CutError> {
         params.method.check()?;
         self.check_bvh(surface)?;
@@ -280,11 +315,16 @@ impl Cutter {
         if !self.candidates.is_empty() {
             self.check_sweep_size(sweep)?;
         }
-        self.facets.read(sweep, weld.unwrap_or(&Weld::default()));
+        let none = Weld::default();
+        self.facets
+            .read(sweep, from.map_or(&none, |from| from.weld));
         (self.trace).find(surface, &self.facets, &mut self.candidates)?;
         if let Some(triangle) = self.trace.open_end() {
-            if weld.is_none() {
+            let Some(from) = from else {
                 return Err(CutError::PartialCut { triangle });
+            };
+            if self.trace.min_end_weight() < from.min_weight {
+                return Err(CutError::TipBlocked { triangle });
             }
             if matches!(params.method, CutMethod::Paper(_)) {
                 return Err(CutError::IncisionByPaper { triangle });
@@ -324,10 +364,14 @@ impl Cutter {
             facets: &self.facets,
             trace: &self.trace,
             is_sheet: &is_sheet,
+            may_share_walls: self.has_walls || outcome_mut.report.slits > 0,
         };
         match params.method {
             CutMethod::Exact(exact) => {
-                (self.exact).cut(surface, at, params, &exact, separator, outcome_mut)?;
+                let done = (self.exact).cut(surface, at, params, &exact, separator, outcome_mut);
+                // A cut that is taken back counts as an edit.
+                self.version = SurfaceVersion::new(surface);
+                done?;
             }
             CutMethod::Paper(own) => {
                 paper::cut(surface, at, params, &own, separator, outcome_mut)?;
@@ -335,6 +379,7 @@ impl Cutter {
         }
         if !outcome.is_miss() {
             self.has_sheets |= params.caps == Caps::None;
+            self.has_walls |= outcome.report.slits > 0;
             let begin = Instant::now();
             self.bvh.update(surface, &outcome.delta);
             self.version.topology = surface.fingerprint();

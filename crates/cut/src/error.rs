@@ -126,9 +126,11 @@ pub enum CutError {
     /// The cap cannot be meshed.
     #[error("the cap cannot be meshed: {0}")]
     Refine(#[from] RefineError),
-    /// The paper's method would not leave a manifold.
+    /// The cut would not leave a manifold: the paper's method, or a cut across an incision whose
+    /// walls share vertices.
     #[error(
-        "the cut surface would not be a closed manifold at vertex {vertex}; use CutMethod::Exact"
+        "the cut surface would not be a manifold at vertex {vertex}; move the blade a little, or \
+         use CutMethod::Exact if the method is the paper's"
     )]
     NotManifold {
         /// A vertex at which it fails.

@@ -26,12 +26,13 @@ mod rim;
 mod section;
 mod snap;
 mod split;
+mod verify;
 
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
 use crate::incision::TipPoint;
 use crate::intersection::Intersection;
-use crate::intersection::facets::{EdgeKind, Facets};
+use crate::intersection::facets::Facets;
 use crate::intersection::trace::Trace;
 use crate::outcome::CutOutcome;
 use crate::params::{CutParams, ExactParams};
@@ -89,8 +90,7 @@ impl Exact {
             .filter_map(|end| Some((trace.nodes[end as usize].sweep_edge()?, [end])))
             .collect();
         let ends = ends.iter().map(|(edge, end)| (*edge, end.as_slice()));
-        let current =
-            (chains.chain(ends)).filter(|&(edge, _)| facets.kind(edge) == EdgeKind::Current);
+        let current = (chains.chain(ends)).filter(|&(edge, _)| facets.is_front(edge));
         let vertex = |node: u32| self.sides.vertices[node as usize][0];
         let place = |edge: u32, node: u32| {
             let pair = facets.pair_of(edge).unwrap_or_default() as usize;
@@ -173,6 +173,7 @@ impl Exact {
             facets,
             trace,
             is_sheet,
+            ..
         } = at;
         let report = &mut outcome.report;
         let mut edit = surface.edit();
@@ -247,6 +248,13 @@ impl Exact {
         report.cap += begin.elapsed();
         let begin = Instant::now();
         let (delta, undo) = edit.finish();
+        if at.may_share_walls {
+            let may_be_open = trace.curves.iter().any(|curve| !curve.is_capped);
+            if let Some(vertex) = verify::find_defect(surface, &delta, may_be_open) {
+                undo.revert(surface).expect("the last edit can be undone");
+                return Err(CutError::NotManifold { vertex });
+            }
+        }
         outcome.delta = delta;
         outcome.undo = Some(undo);
         outcome.cap = self.cap.triangles.concat();
@@ -268,6 +276,7 @@ impl Exact {
             facets,
             trace,
             is_sheet,
+            ..
         }: Intersection<'_>,
         refine: &RefineParams,
         is_refined: bool,

@@ -318,3 +318,79 @@ proptest! {
         prop_assert_eq!(refused, None);
     }
 }
+
+#[test]
+fn a_blade_that_turns_about_its_end_keeps_its_tip() {
+    let whole = icosphere(4, 0.5);
+    let mut body = whole.clone();
+    let mut cutter = Cutter::new(&body);
+    let mut incision = Incision::default();
+    for i in 0..=40u8 {
+        let x = -1.5 + 3.0 * f32::from(i) / 40.0;
+        let pose = [[0.0, 0.013, 3.0], [x, 0.02, -1.5]];
+        let outcome = cutter.advance(&mut body, &mut incision, &pose, &params(0.1));
+        let outcome = outcome.unwrap_or_else(|error| panic!("step {i}: {error}"));
+        check(&body);
+        assert!(
+            outcome.is_miss() || incision.is_inside() || x > 0.4,
+            "step {i}"
+        );
+    }
+    assert_eq!(body.piece_count(), 2);
+}
+
+#[test]
+fn a_motion_along_the_edge_outside_is_no_cut() {
+    let whole = icosphere(3, 0.5);
+    let mut body = whole.clone();
+    let mut cutter = Cutter::new(&body);
+    let mut incision = Incision::default();
+    for [x, low] in [[-0.8, -1.0], [-0.8, 4.0], [0.83, 4.0]] {
+        let pose = [[x, 0.013, low], [x, 0.013, low + 2.0]];
+        let outcome = cutter.advance(&mut body, &mut incision, &pose, &params(0.1));
+        assert!(outcome.unwrap().is_miss(), "the blade stays outside");
+    }
+    assert_eq!(body, whole);
+}
+
+/// Strokes of random direction and turn that cross each other's walls leave a valid body. A step
+/// may be refused, and the next stroke goes on.
+#[test]
+fn crossing_strokes_keep_the_surface_closed() {
+    let mut seed = 777u64;
+    let mut random = move || {
+        seed = seed
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        f32::from(u16::try_from(seed >> 48).unwrap()) / 65_536.0
+    };
+    let (mut steps, mut refused) = (0, 0);
+    for whole in [icosphere(1, 0.5), cube_sphere(8, 0.5)] {
+        for _ in 0..10 {
+            let mut body = whole.clone();
+            let mut cutter = Cutter::new(&body);
+            for _ in 0..4 {
+                let mut incision = Incision::default();
+                let mut vector = |size: f32| [0, 1, 2].map(|_| (random() - 0.5) * size);
+                let (from, motion, edge) = (vector(1.2), vector(2.0), vector(2.0));
+                for i in 0..8u8 {
+                    let s = f32::from(i) / 7.0 - 0.2;
+                    let at = |c: usize, e: f32| from[c] + motion[c] * s + edge[c] * e;
+                    let pose = [-0.5, 0.5].map(|e| [0, 1, 2].map(|c| at(c, e)));
+                    let outcome = cutter.advance(&mut body, &mut incision, &pose, &params(0.1));
+                    steps += 1;
+                    if outcome.is_err() {
+                        refused += 1;
+                        incision.restart(&pose);
+                    }
+                    check(&body);
+                    cutter.bvh().validate(&body).unwrap();
+                }
+            }
+        }
+    }
+    assert!(
+        refused * 50 < steps,
+        "{refused} of {steps} steps were refused"
+    );
+}

@@ -17,7 +17,7 @@ use super::rest::RestMap;
 use super::rim::Rim;
 use crate::blade_position::is_in_body;
 use crate::interpolate::add_vertex;
-use crate::intersection::facets::{EdgeKind, Facets};
+use crate::intersection::facets::Facets;
 use crate::intersection::node::Node;
 use crate::intersection::trace::Curve;
 use crate::sweep::Sweep;
@@ -195,7 +195,7 @@ impl Chains {
         let goes_on = |(corner, node): (u32, u32)| {
             is_inner(corner) && self.corners.iter().any(|c| (c.0, c.2) == (corner, node))
         };
-        facets.kind(edge) == EdgeKind::Current && !corners.into_iter().zip(ends).any(goes_on)
+        facets.is_front(edge) && !corners.into_iter().zip(ends).any(goes_on)
     }
 
     /// Makes the nodes between the ends of a chain, spaced by the target lengths.

@@ -92,6 +92,16 @@ impl Trace {
         !curve.is_closed && ends.iter().any(|&end| self.nodes[end as usize].is_end)
     }
 
+    /// Returns the smallest barycentric weight of an end of a curve in its mesh triangle.
+    pub(crate) fn min_end_weight(&self) -> f64 {
+        let weights = self.nodes.iter().filter_map(|node| match node.on {
+            On::Face { weights, .. } if node.is_end => Some(weights),
+            _ => None,
+        });
+        let smallest = weights.flatten().fold(f32::INFINITY, f32::min);
+        f64::from(smallest)
+    }
+
     /// Returns a mesh triangle that the sweep's boundary pierces, if a curve ends there.
     pub(crate) fn open_end(&self) -> Option<TriangleId> {
         self.triangle_of(self.curves.iter().find(|curve| self.has_end(curve))?)

@@ -73,6 +73,18 @@ impl Facets {
         }
     }
 
+    /// Returns whether an edge is on the blade's present edge.
+    ///
+    /// Where a point of the blade stands still, the second facet beside it has no area, and the
+    /// diagonal is there.
+    pub(crate) fn is_front(&self, edge: u32) -> bool {
+        match self.kind(edge) {
+            EdgeKind::Current => true,
+            EdgeKind::Diagonal => self.edges[edge as usize].facets[0] == NO_FACET,
+            EdgeKind::Rib | EdgeKind::Previous => false,
+        }
+    }
+
     /// Returns the pair of neighbors on the polyline at which a diagonal, previous or current edge
     /// lies; for others none.
     pub(crate) fn pair_of(&self, edge: u32) -> Option<u32> {
