@@ -100,6 +100,7 @@ impl Cutter {
         } else {
             self.bvh.rebuild(surface);
             self.has_sheets = !surface.topology().is_closed();
+            self.exact.forget();
         }
         self.version = SurfaceVersion::new(surface);
     }

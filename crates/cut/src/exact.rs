@@ -129,6 +129,11 @@ impl Exact {
         tip
     }
 
+    /// Forgets what is known about a surface that was edited by something else.
+    pub(crate) fn forget(&mut self) {
+        self.chains.has_cavities = None;
+    }
+
     /// Cuts `surface` along intersection curves. See the module.
     ///
     /// # Errors

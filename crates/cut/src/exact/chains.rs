@@ -56,6 +56,8 @@ pub(crate) struct Chains {
     tips: Vec<TipCorner>,
     windings: Vec<i32>,
     ends: Vec<Ends>,
+    /// Whether the surface has cavities, once known: cuts of bodies without any make none.
+    pub(super) has_cavities: Option<bool>,
     /// Nodes of corners inside the body, by corner and level.
     corners: Vec<(u32, u32, u32)>,
 }

@@ -70,8 +70,11 @@ impl Chains {
                 .then(a.enters.cmp(&b.enters))
         });
         let first = self.piercings.first().map(|p| p.solid);
-        if self.piercings.iter().any(|p| Some(p.solid) != first) {
-            self.assign_cavities(&surface.piece_volumes());
+        let has_pieces = self.piercings.iter().any(|p| Some(p.solid) != first);
+        if has_pieces && self.has_cavities != Some(false) {
+            let volumes = surface.piece_volumes();
+            self.has_cavities = Some(volumes.iter().any(|&volume| volume < 0.0));
+            self.assign_cavities(&volumes);
         }
         self.piercings.sort_by_key(|p| p.solid);
     }

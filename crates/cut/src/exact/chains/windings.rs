@@ -1,7 +1,7 @@
 //! How often sweep edges are inside a solid, and the ends of the chains that follow from it.
 
 use super::Chains;
-use super::piercings::{Piercing, TipCorner};
+use super::piercings::Piercing;
 use crate::intersection::facets::{EdgeKind, Facets};
 use incise_mesh::index_u32;
 use std::ops::Range;
@@ -29,8 +29,9 @@ impl Chains {
     /// Returns the tip at an end of a sweep edge and whether the edge is inside the body there.
     fn tip_at(&self, facets: &Facets, edge: u32, end: usize, solid: u32) -> Option<(u32, bool)> {
         let corner = facets.edges()[edge as usize].ends[end];
-        let is_own = |tip: &&TipCorner| tip.corner == corner && tip.solid == solid;
-        let tip = self.tips.iter().find(is_own)?;
+        let found = self.tips.binary_search_by_key(&corner, |tip| tip.corner);
+        let tip = found.ok().map(|i| &self.tips[i]);
+        let tip = tip.filter(|tip| tip.solid == solid)?;
         let is_inside = match facets.kind(edge) {
             EdgeKind::Rib => tip.rib,
             EdgeKind::Diagonal => tip.diagonal,

@@ -1,0 +1,67 @@
+//! Questions about the curves of a cut: sizes, ends, and which of them are capped.
+
+use super::{Chord, Curve, Trace};
+use crate::intersection::node::On;
+use incise_mesh::{Surface, TriangleId};
+
+impl Trace {
+    /// Returns the number of mesh triangles that the curves cross.
+    pub(crate) fn hits(&self) -> usize {
+        let hits = self.chords.chunk_by(|a, b| a.triangle == b.triangle);
+        hits.count()
+    }
+
+    /// Returns the mean edge length around the nodes \[m\].
+    #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^53 nodes")]
+    pub(crate) fn mean_local(&self) -> f64 {
+        let sum: f64 = self.nodes.iter().map(|node| node.local).sum();
+        sum / self.nodes.len() as f64
+    }
+
+    /// Returns the largest edge length around a node \[m\].
+    pub(crate) fn max_local(&self) -> f64 {
+        self.nodes.iter().fold(0.0, |m, node| node.local.max(m))
+    }
+
+    /// Returns whether a curve ends on the sweep's boundary.
+    pub(crate) fn has_end(&self, curve: &Curve) -> bool {
+        let ends = [curve.nodes.start, curve.nodes.end - 1];
+        !curve.is_closed && ends.iter().any(|&end| self.nodes[end as usize].is_end)
+    }
+
+    /// Returns the smallest barycentric weight of an end of a curve in its mesh triangle.
+    pub(crate) fn min_end_weight(&self) -> f64 {
+        let weights = self.nodes.iter().filter_map(|node| match node.on {
+            On::Face { weights, .. } if node.is_end => Some(weights),
+            _ => None,
+        });
+        let smallest = weights.flatten().fold(f32::INFINITY, f32::min);
+        f64::from(smallest)
+    }
+
+    /// Returns a mesh triangle that the sweep's boundary pierces, if a curve ends there.
+    pub(crate) fn open_end(&self) -> Option<TriangleId> {
+        self.triangle_of(self.curves.iter().find(|curve| self.has_end(curve))?)
+    }
+
+    /// Returns a mesh triangle that a curve without caps crosses.
+    pub(crate) fn open_loop(&self) -> Option<TriangleId> {
+        self.triangle_of(self.curves.iter().find(|curve| !curve.is_capped)?)
+    }
+
+    /// Returns a mesh triangle that a curve crosses.
+    fn triangle_of(&self, curve: &Curve) -> Option<TriangleId> {
+        let own = |chord: &&Chord| curve.nodes.contains(&chord.to);
+        self.chords.iter().find(own).map(|chord| chord.triangle)
+    }
+
+    /// Sets which curves bound sections with caps: those for whose piece and closedness
+    /// `is_capped` holds.
+    pub(crate) fn set_capped(&mut self, surface: &Surface, is_capped: impl Fn(u32, bool) -> bool) {
+        for curve in &mut self.curves {
+            let vertex = self.nodes[curve.nodes.start as usize].vertex();
+            let triangle = surface.topology().outgoing(vertex).triangle();
+            curve.is_capped = is_capped(surface.piece(triangle), curve.is_closed);
+        }
+    }
+}
