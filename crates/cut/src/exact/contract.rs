@@ -74,9 +74,12 @@ impl Opened<'_, '_> {
 
     /// Returns whether the loop stays valid without the rim edge that begins at `node`.
     ///
-    /// A loop keeps three edges, and a side keeps two triangles. Nothing changes near ends.
+    /// A loop keeps three edges, and a side keeps two triangles. Nothing changes near ends, and
+    /// there is no edge before the first node of an open curve.
     pub(super) fn may_lose_edge(&self, node: u32) -> bool {
-        let next = self.rim.next[node as usize];
+        let Some(&next) = self.rim.next.get(node as usize) else {
+            return false;
+        };
         if self.rim.is_near_end(node) || self.rim.is_near_end(next) {
             return false;
         }
