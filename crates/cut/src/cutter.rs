@@ -24,16 +24,15 @@ const MAX_SWEEP_RATIO: f64 = (1u64 << 29) as f64;
 /// edge, or if the cut is impossible there [local edge lengths].
 const DISPLACEMENTS: [f64; 4] = [0.0, 1e-3, -1e-3, 1e-2];
 
-/// Minimum barycentric weight of an end of a tip in its mesh triangle, unless no displacement has
-/// that.
-const MIN_END_WEIGHT: f64 = 2e-4;
+/// Minimum of [`Trace::end_clearance`], unless no displacement has that.
+const MIN_CLEARANCE: f64 = 2e-4;
 
 /// The end of an earlier cut at which a sweep goes on.
 #[derive(Debug, Clone, Copy)]
 struct Continuation<'a> {
     weld: &'a Weld,
-    /// Minimum barycentric weight of the ends of curves.
-    min_weight: f64,
+    /// Minimum of [`Trace::end_clearance`].
+    clearance: f64,
 }
 
 /// Cuts one surface repeatedly: its BVH and scratch memory.
@@ -202,7 +201,8 @@ impl Cutter {
     ///
     /// The surface is slit along the sweep and gets two mirrored walls, which share the vertices of
     /// the slit's ends and of the incision's tip and coincide at first. Where the sweep does not
-    /// end inside the body this is [`Self::cut`].
+    /// end inside the body this is [`Self::cut`]. Where it would end on a mesh edge, it ends up to a
+    /// hundredth of an edge beside it.
     ///
     /// # Errors
     /// [`CutError`]; [`CutError::PartialCut`] if the sweep's boundary lies inside the body as a
@@ -214,14 +214,8 @@ impl Cutter {
         sweep: &Sweep,
         params: &CutParams,
     ) -> Result<CutOutcome, CutError> {
-        let weld = &Weld::default();
-        let min_weight = 0.0;
-        self.cut_along(
-            surface,
-            sweep,
-            params,
-            Some(Continuation { weld, min_weight }),
-        )
+        let outcome = self.try_displaced(surface, sweep, params, &Weld::default());
+        outcome.map(|(outcome, _)| outcome)
     }
 
     /// Moves a blade on: cuts `surface` from the tip of `incision` to the blade's new pose \[m\].
@@ -251,33 +245,7 @@ impl Cutter {
             weld,
             places,
         } = stroke;
-        let mut taken = sweep.clone();
-        let mut outcome = Ok(CutOutcome::default());
-        for (i, displacement) in DISPLACEMENTS.repeat(2).into_iter().enumerate() {
-            if displacement != 0.0 {
-                taken = sweep.displaced(displacement * self.mean_edge(surface))?;
-            } else {
-                taken.clone_from(&sweep);
-            }
-            let is_second = i >= DISPLACEMENTS.len();
-            let min_weight = if is_second { 0.0 } else { MIN_END_WEIGHT };
-            let weld = &weld;
-            let from = Continuation { weld, min_weight };
-            let result = self.cut_along(surface, &taken, params, Some(from));
-            let is_blocked = matches!(
-                result,
-                Err(CutError::TipBlocked { .. }
-                    | CutError::OpenSection
-                    | CutError::NotManifold { .. })
-            );
-            if i == 0 || !is_blocked {
-                outcome = result;
-            }
-            if !is_blocked {
-                break;
-            }
-        }
-        let outcome = outcome?;
+        let (outcome, taken) = self.try_displaced(surface, &sweep, params, &weld)?;
         if outcome.is_miss() {
             incision.restart(blade);
         } else {
@@ -285,6 +253,37 @@ impl Cutter {
             incision.finish_step(blade, tip, taken, self.trace.max_local());
         }
         Ok(outcome)
+    }
+
+    /// Cuts along a sweep that goes on from `weld`, or along the first displaced one that can be
+    /// cut, see [`DISPLACEMENTS`]. Returns that sweep as well.
+    fn try_displaced(
+        &mut self,
+        surface: &mut Surface,
+        sweep: &Sweep,
+        params: &CutParams,
+        weld: &Weld,
+    ) -> Result<(CutOutcome, Sweep), CutError> {
+        let mut first = None;
+        for clearance in [MIN_CLEARANCE, 0.0] {
+            for displacement in DISPLACEMENTS {
+                let taken = if displacement == 0.0 {
+                    sweep.clone()
+                } else {
+                    sweep.displaced(displacement * self.mean_edge(surface))?
+                };
+                let from = Continuation { weld, clearance };
+                match self.cut_along(surface, &taken, params, Some(from)) {
+                    Err(
+                        error @ (CutError::TipBlocked { .. }
+                        | CutError::OpenSection
+                        | CutError::NotManifold { .. }),
+                    ) => first = first.or(Some(error)),
+                    result => return result.map(|outcome| (outcome, taken)),
+                }
+            }
+        }
+        Err(first.unwrap_or(CutError::OpenSection))
     }
 
     /// Returns the mean edge length of the triangles whose boxes touched the last sweep \[m\].
@@ -324,7 +323,7 @@ impl Cutter {
             let Some(from) = from else {
                 return Err(CutError::PartialCut { triangle });
             };
-            if self.trace.min_end_weight() < from.min_weight {
+            if self.trace.end_clearance() < from.clearance {
                 return Err(CutError::TipBlocked { triangle });
             }
             if matches!(params.method, CutMethod::Paper(_)) {

@@ -182,7 +182,7 @@ impl Exact {
         } = at;
         let report = &mut outcome.report;
         let mut edit = surface.edit();
-        (self.sides).open(&mut edit, trace, facets, &mut self.splitter);
+        (self.sides).open(&mut edit, trace, facets, &mut self.splitter)?;
         self.rim.reset(trace);
         let mut opened = Opened {
             edit: &mut edit,
@@ -249,7 +249,7 @@ impl Exact {
             frames: &self.frames,
             chains: &self.chains,
         };
-        (self.cap).close(&mut edit, &rims, params.cap_material);
+        (self.cap).close(&mut edit, &rims, params.cap_material)?;
         report.cap += begin.elapsed();
         let begin = Instant::now();
         let (delta, undo) = edit.finish();

@@ -402,3 +402,20 @@ proptest! {
         }
     }
 }
+
+/// A sweep exactly through vertices that ends inside leaves no edges without length.
+#[test]
+fn a_sweep_through_vertices_has_room_at_its_ends() {
+    let whole = cube_sphere(16, 0.5);
+    let sweep = Sweep::strip(
+        &[[0.0, 1.0, -0.7], [0.0, 1.0, 0.7]],
+        &[[0.0, 0.2, -0.7], [0.0, 0.2, 0.7]],
+    );
+    let (body, outcome, euler) = incise(&whole, &sweep.unwrap(), 0.1);
+    assert_eq!((outcome.report.slits, euler), (1, 2));
+    let topology = body.topology();
+    for h in topology.edges() {
+        let [a, b] = [topology.origin(h), topology.target(h)];
+        assert_ne!(body.rest_position(a), body.rest_position(b), "{a} and {b}");
+    }
+}

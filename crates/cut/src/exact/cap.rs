@@ -1,9 +1,10 @@
 //! Closes both sides with the same meshes of the sections, one the mirror image of the other.
 
 use super::frames::Frames;
-use super::open::Sides;
+use super::open::{Sides, check_corners};
 use super::rest::CapRest;
 use super::section::{BoundaryEdge, CrossSection, FacetSection, Rims};
+use crate::error::CutError;
 use incise_mesh::geometry::{round_to_f32, to_f32};
 use incise_mesh::{
     Edit, HalfEdge, Surface, Topology, TriangleId, VertexId, VertexOrigin, index_u32,
@@ -159,7 +160,15 @@ impl Cap {
     }
 
     /// Closes both sides with the meshes of the sections. Caps belong to the pieces of their sides.
-    pub(super) fn close(&mut self, edit: &mut Edit<'_>, rims: &Rims<'_>, material: u32) {
+    ///
+    /// # Errors
+    /// [`CutError::NotManifold`] if a cap would have a vertex twice.
+    pub(super) fn close(
+        &mut self,
+        edit: &mut Edit<'_>,
+        rims: &Rims<'_>,
+        material: u32,
+    ) -> Result<(), CutError> {
         self.triangles.iter_mut().for_each(Vec::clear);
         self.segments.clear();
         (self.segments).resize(rims.chains.nodes.len(), [HalfEdge::NULL; 2]);
@@ -179,6 +188,7 @@ impl Cap {
                     let [a, b, c] = triangle.map(|p| vertices[p as usize]);
                     if side == 0 { [a, b, c] } else { [a, c, b] }
                 }));
+                self.corners.iter().copied().try_for_each(check_corners)?;
                 if side == 1 {
                     self.mirror_twins();
                 }
@@ -196,6 +206,7 @@ impl Cap {
             }
         }
         self.meshes = meshes;
+        Ok(())
     }
 
     /// Finds the piece of each triangle of section `i` on a side.

@@ -1,6 +1,7 @@
 //! Opens the surface along the curves: replaces hit triangles by their parts on two sides.
 
 use super::split::{Corner, EdgeRole, Hit, Part, Splitter};
+use crate::error::CutError;
 use crate::interpolate::{OldTriangle, add_vertex};
 use crate::intersection::facets::{Facets, Weld};
 use crate::intersection::node::{Node, On};
@@ -36,13 +37,16 @@ struct Seam {
 
 impl Sides {
     /// Adds the vertices of the nodes and replaces hit triangles by their parts.
+    ///
+    /// # Errors
+    /// [`CutError::NotManifold`] if a part has a vertex twice: a tip or an end on a mesh edge.
     pub(super) fn open(
         &mut self,
         edit: &mut Edit<'_>,
         trace: &Trace,
         facets: &Facets,
         splitter: &mut Splitter,
-    ) {
+    ) -> Result<(), CutError> {
         self.vertices.clear();
         for node in &trace.nodes {
             let first = match node.on {
@@ -72,11 +76,12 @@ impl Sides {
                 chords,
             };
             splitter.split(hit, &trace.nodes, facets);
-            self.replace(edit, &trace.nodes, &mut seam, &splitter.parts);
+            self.replace(edit, &trace.nodes, &mut seam, &splitter.parts)?;
             self.seams[i] = seam;
         }
         self.join(edit);
         self.open_tips(edit, trace, facets);
+        Ok(())
     }
 
     /// Separates the walls along the tip that the sweep continues.
@@ -119,7 +124,13 @@ impl Sides {
     }
 
     /// Replaces a hit triangle by its parts.
-    fn replace(&mut self, edit: &mut Edit<'_>, nodes: &[Node], seam: &mut Seam, parts: &[Part]) {
+    fn replace(
+        &mut self,
+        edit: &mut Edit<'_>,
+        nodes: &[Node],
+        seam: &mut Seam,
+        parts: &[Part],
+    ) -> Result<(), CutError> {
         edit.remove_triangle(seam.old.triangle);
         let outer = |edge: usize| {
             let roles = parts.iter().flat_map(|part| part.edges);
@@ -138,6 +149,7 @@ impl Sides {
                 Corner::Old(k) => seam.old.corners[k],
                 Corner::Node { node, side } => self.vertices[node as usize][side],
             });
+            check_corners(corners)?;
             let t = edit.add_triangle(corners, seam.piece, seam.material);
             self.added.push(t);
             if seam.old.is_plain() {
@@ -165,6 +177,7 @@ impl Sides {
                 }
             }
         }
+        Ok(())
     }
 
     /// Joins the parts to each other and to the triangles around.
@@ -195,6 +208,15 @@ impl Sides {
             }
         }
     }
+}
+
+/// Checks that a new triangle has three vertices.
+pub(super) fn check_corners([a, b, c]: [VertexId; 3]) -> Result<(), CutError> {
+    if a == b || b == c || c == a {
+        let vertex = if b == c { b } else { a };
+        return Err(CutError::NotManifold { vertex });
+    }
+    Ok(())
 }
 
 impl Seam {

@@ -4,6 +4,9 @@ use super::{Chord, Curve, Trace};
 use crate::intersection::node::On;
 use incise_mesh::{Surface, TriangleId};
 
+/// Number of edges of a curve beside an end at which nothing is merged.
+const NEAR_END: usize = 2;
+
 impl Trace {
     /// Returns the number of mesh triangles that the curves cross.
     pub(crate) fn hits(&self) -> usize {
@@ -29,14 +32,29 @@ impl Trace {
         !curve.is_closed && ends.iter().any(|&end| self.nodes[end as usize].is_end)
     }
 
-    /// Returns the smallest barycentric weight of an end of a curve in its mesh triangle.
-    pub(crate) fn min_end_weight(&self) -> f64 {
-        let weights = self.nodes.iter().filter_map(|node| match node.on {
-            On::Face { weights, .. } if node.is_end => Some(weights),
-            _ => None,
-        });
-        let smallest = weights.flatten().fold(f32::INFINITY, f32::min);
-        f64::from(smallest)
+    /// Returns the smallest barycentric weight of an end of a curve in its mesh triangle, or the
+    /// shortest edge of a curve beside an end [local edge lengths] if that is less.
+    ///
+    /// Snapping merges points elsewhere, but not there.
+    pub(crate) fn end_clearance(&self) -> f64 {
+        let mut least = f64::INFINITY;
+        for curve in self.curves.iter().filter(|curve| self.has_end(curve)) {
+            let nodes = &self.nodes[curve.nodes.start as usize..curve.nodes.end as usize];
+            for node in nodes.iter().filter(|node| node.is_end) {
+                if let On::Face { weights, .. } = node.on {
+                    least = weights.iter().fold(least, |m, &w| f64::from(w).min(m));
+                }
+            }
+            let last = nodes.len() - 1;
+            let beside = (0..last).filter(|&i| i < NEAR_END || i + NEAR_END >= last);
+            for (a, b) in beside.map(|i| (&nodes[i], &nodes[i + 1])) {
+                if !a.is_between_facets() && !b.is_between_facets() {
+                    let length = (b.position - a.position).norm();
+                    least = least.min(length / a.local.min(b.local));
+                }
+            }
+        }
+        least
     }
 
     /// Returns a mesh triangle that the sweep's boundary pierces, if a curve ends there.
