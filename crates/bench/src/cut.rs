@@ -1,5 +1,5 @@
-//! `incise-bench cut`: the time of a cut, stage by stage, from 20 triangles to a million, and of the
-//! steps of a progressive one.
+//! `incise-bench cut`: the time of a cut, stage by stage, from 20 triangles to a million, and of
+//! the steps of a progressive one.
 
 mod body;
 mod latency;

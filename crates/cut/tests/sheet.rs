@@ -241,7 +241,8 @@ proptest! {
     /// A blade that turns and moves at random through sheets and pieces of sheets.
     #[test]
     fn any_path_cuts_any_sheet(
-        poses in prop::collection::vec(prop::array::uniform2(prop::array::uniform3(-0.2f32..0.2)), 2..12),
+        poses in prop::collection::vec(
+            prop::array::uniform2(prop::array::uniform3(-0.2f32..0.2)), 2..12),
         waves in 0.0f32..10.0,
         height in 0.0f32..0.2,
     ) {

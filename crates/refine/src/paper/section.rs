@@ -1,8 +1,8 @@
 //! The paper's refinement of a section (Algorithms A2, 4 and A3), one connected part at a time.
 //!
-//! A part bounded by a single loop is triangulated by Algorithm A2. The listing has no nested loops;
-//! parts with holes start from the constrained Delaunay triangulation of the loops. Then Algorithms
-//! 4 and A3 run.
+//! A part bounded by a single loop is triangulated by Algorithm A2. The listing has no nested
+//! loops; parts with holes start from the constrained Delaunay triangulation of the loops. Then
+//! Algorithms 4 and A3 run.
 //!
 //! In the listing, new vertices are means of means. Here, each also has three parents among the
 //! corners of the loops: those of the triangle that contains it in the loops' triangulation.
