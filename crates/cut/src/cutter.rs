@@ -223,8 +223,9 @@ impl Cutter {
     /// The first call only takes the pose. Where the blade ended inside the body, the next call
     /// goes on at the tip's present vertices, so the body may move in between. A motion of less
     /// than half an edge length is a miss and adds up. Where a step is impossible with the blade
-    /// exactly there, the blade is displaced by up to a hundredth of an edge. When the tip leaves the
-    /// body, the separated parts become pieces. A blade with a different number of points starts a new incision.
+    /// exactly there, the blade is displaced by up to a hundredth of an edge. When the tip leaves
+    /// the body, the separated parts become pieces. A blade with a different number of points
+    /// starts a new incision.
     ///
     /// # Errors
     /// [`CutError`]; the surface is then bit for bit what it was, and so is the incision. Call
