@@ -1,9 +1,11 @@
-//! `incise gallery`: draws the paper's figures from the built-in models, by both methods.
+//! `incise gallery`: draws the paper's figures from the built-in models, by both methods, and a
+//! figure of incisions.
 
 mod boundary;
 mod catalog;
 mod draw;
 mod figure;
+mod incisions;
 mod levels;
 mod refinement;
 mod slice;
@@ -26,7 +28,7 @@ use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Draws the paper's figures, cut by the paper's and by the exact method.
+/// Draws the paper's figures, cut by the paper's and by the exact method, and incisions.
 ///
 /// Writes DIR/fig1.png and so on from the built-in models, and DIR/index.json with the parameters
 /// and triangle counts of every panel.
@@ -135,7 +137,7 @@ pub(crate) fn run(
 }
 
 impl GalleryArguments {
-    /// Returns the selected figures, in the paper's order.
+    /// Returns the selected figures, in the order of the catalog.
     fn entries(&self) -> impl Iterator<Item = &'static Entry> {
         let is_named = |entry: &&Entry| {
             let mut names = self.only.iter();

@@ -1,7 +1,9 @@
-//! The paper's figures by name, with captions and the functions that make them.
+//! The figures by name, with captions and the functions that make them: the paper's, and one of
+//! incisions.
 
 use super::boundary::{PLANE, boundary};
 use super::figure::{FigureError, Row};
+use super::incisions::incisions;
 use super::levels::{Look, levels};
 use super::refinement::refinement;
 use super::slice::Plane;
@@ -9,7 +11,7 @@ use super::slices::slices;
 use super::sweep::sweep_plane;
 use incise_models::Model;
 
-/// A figure of the paper.
+/// A figure.
 pub(super) struct Entry {
     /// Name of the figure and of its file.
     pub(super) name: &'static str,
@@ -17,8 +19,8 @@ pub(super) struct Entry {
     pub(super) make: fn() -> Result<Vec<Row>, FigureError>,
 }
 
-/// All figures that show models.
-pub(super) const ALL: [Entry; 14] = [
+/// All figures of the paper that show models, then incisions.
+pub(super) const ALL: [Entry; 15] = [
     Entry {
         name: "fig1",
         caption: "Sweep plane: the blade, the area between the previous and the current position \
@@ -109,6 +111,12 @@ pub(super) const ALL: [Entry; 14] = [
         name: "figA4",
         caption: "Refinement levels of Armadillo, second half removed.",
         make: || levels(Model::Armadillo, ARMADILLO, BOTH),
+    },
+    Entry {
+        name: "incisions",
+        caption: "Cuts that end inside, by the exact method, opened by pulling at the sides: five \
+                  depths in one ball, a curved blade, a cross, and slits in cloth. Walls in red.",
+        make: incisions,
     },
 ];
 

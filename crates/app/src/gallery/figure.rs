@@ -6,6 +6,7 @@ use incise_cut::CutError;
 use incise_mesh::{Surface, TopologyError, TriangleId};
 use incise_refine::RefineError;
 use incise_render::{Camera, Color, Line, OverlayTriangle};
+use incise_scene::SceneError;
 use serde::Serialize;
 use std::rc::Rc;
 
@@ -29,6 +30,9 @@ pub(crate) enum FigureError {
     /// Triangles do not form a surface.
     #[error(transparent)]
     Topology(#[from] TopologyError),
+    /// A body cannot be moved.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
 }
 
 impl FigureError {
