@@ -11,6 +11,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Prints the properties of a mesh; exits with 1 if it cannot be cut.
+///
+/// A mesh with a boundary is cut as a sheet, by the exact method.
 #[derive(clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct CheckArguments {
@@ -35,6 +37,7 @@ from the origin also origin, to which bounds are relative.";
 struct JsonReport<'a> {
     #[serde(serialize_with = "lossy")]
     file: &'a Path,
+    /// Whether the exact method can cut it, as a body or as a sheet.
     cuttable: bool,
     #[serde(flatten)]
     report: &'a MeshReport,
@@ -48,12 +51,19 @@ pub(crate) fn run(
     let path = &arguments.file;
     let data = read_unrepaired(path)?;
     let report = check_with(&data, arguments.reading.repairs(false));
+    let is_sheet = !report.closed
+        && check_with(&data, arguments.reading.repairs(true))
+            .is_cuttable()
+            .is_ok();
     let json = JsonReport {
         file: path,
-        cuttable: report.is_cuttable().is_ok(),
+        cuttable: is_sheet || report.is_cuttable().is_ok(),
         report: &report,
     };
-    reporter.report(&json, |_, out| print(path, &report, out))?;
+    reporter.report(&json, |json, out| print(json, is_sheet, out))?;
+    if is_sheet {
+        return Ok(());
+    }
     let refused = |defects: &[Defect]| {
         let source = NotCuttable::from(defects);
         arguments.reading.refuse(path, source, &data)
@@ -61,8 +71,9 @@ pub(crate) fn run(
     report.is_cuttable().map_err(refused)
 }
 
-fn print(path: &Path, report: &MeshReport, out: &mut impl Write) -> io::Result<()> {
-    writeln!(out, "{}", path.display())?;
+fn print(json: &JsonReport<'_>, is_sheet: bool, out: &mut impl Write) -> io::Result<()> {
+    let report = json.report;
+    writeln!(out, "{}", json.file.display())?;
     let mut line = |name: &str, value: &dyn Display| writeln!(out, "  {name:<22}{value}");
     let yes_no = |yes| if yes { "yes" } else { "no" };
     line("vertices", &report.vertices)?;
@@ -116,7 +127,10 @@ fn print(path: &Path, report: &MeshReport, out: &mut impl Write) -> io::Result<(
     for defect in &report.defects {
         line("defect", defect)?;
     }
-    line("cuttable", &yes_no(report.is_cuttable().is_ok()))
+    match is_sheet {
+        true => line("cuttable", &"yes, as a sheet: without caps"),
+        false => line("cuttable", &yes_no(json.cuttable)),
+    }
 }
 
 /// Formats seven significant digits, the precision of 32-bit coordinates.

@@ -1,25 +1,28 @@
 //! `incise cut`: cuts a mesh along a plane, a blade's sweep or its path, and writes the pieces.
 
+mod print;
+
 use crate::blade_path::BladePath;
 use crate::clock::{milliseconds, timed};
 use crate::cut_options::{CutOptions, CutPlan};
 use crate::failure::Failure;
-use crate::input::{InputOptions, file_bounds};
+use crate::input::{InputOptions, boundary_edges, closed_volume, file_bounds};
 use crate::json::{all_lossy, lossy};
-use crate::numbers::counted;
 use crate::pieces::{self, Piece, output_path};
 use crate::reporter::Reporter;
 use crate::stroke::{Stroke, cut_along_path};
 use incise_mesh::geometry::is_flat;
 use incise_mesh::{AngleStats, Surface, TriangleId, Warning};
+use print::print;
 use serde::Serialize;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Cuts a mesh along a plane, a blade's sweep or its path, and writes its pieces.
 ///
-/// Writes one closed component per file: `DIR/piece_000.obj` and so on. Files of these
-/// names from an earlier run are overwritten or removed. A refused cut writes nothing.
+/// Writes one component per file: `DIR/piece_000.obj` and so on. Files of these names from an
+/// earlier run are overwritten or removed. A refused cut writes nothing. A part with a boundary is
+/// a sheet: it is cut without caps, see --caps.
 #[derive(clap::Args)]
 #[command(
     group = clap::ArgGroup::new("cutter").required(true).args(["plane", "blade", "path"]),
@@ -55,6 +58,8 @@ Examples:
   A cut into a ball that stops at its center: a blade along the z axis in three poses:
     printf '%s\\n' '-1 0 -1 -1 0 1' '-0.4 0 -1 -0.4 0 1' '0 0 -1 0 0 1' > knife.txt
     incise cut Sphere768 --path knife.txt -o pieces
+  A scan with holes, with caps where the cut is a closed curve:
+    incise cut scan.ply --plane 0,1,0,0.4 --caps all-loops -o pieces
   Exact volumes, a report for a script:
     incise cut part.stl --plane 1,0.1,0,0.037 --snap 0 --json -o pieces
 
@@ -65,7 +70,9 @@ JSON report (--json), lengths in the input's unit:
   input, method, refine_method, snap, remesh, level, grading
                          the input and the parameters of the cut
   warnings               repairs made while reading
-  triangles, volume      of the input
+  caps                   curves of the cut that get caps: bodies, all-loops or none
+  triangles, boundary_edges, volume
+                         of the input; volume of its closed parts
   triangles_hit, loops   triangles that the sweep crosses; 0 if it misses; loops of the section
   snapped_vertices, merged_points, short_rim_edges
                          vertices moved into the rim, points merged, rim edges left short (--snap)
@@ -78,8 +85,8 @@ JSON report (--json), lengths in the input's unit:
                          counts and times of the cut are sums over all steps
   tips                   with --path: vertices of the tip in the body at the end; 0 outside
   wall_triangles         with --path: triangles of the walls at the end, as cap_triangles
-  pieces                 file, vertices, triangles, area, volume, cavity, euler_characteristic of
-                         each piece
+  pieces                 file, vertices, triangles, area, volume, cavity, boundary_edges and
+                         euler_characteristic of each piece
   removed                pieces of an earlier run that were removed
   milliseconds           time of each stage
 
@@ -99,6 +106,10 @@ struct Report {
     /// Repairs made while reading.
     warnings: Vec<Warning>,
     triangles: usize,
+    /// Edges of the input with one triangle.
+    boundary_edges: usize,
+    caps: &'static str,
+    /// Of closed parts of the input.
     volume: f64,
     triangles_hit: usize,
     loops: usize,
@@ -174,14 +185,15 @@ pub(crate) fn run(
     let blade_path = arguments.blade_path(options)?;
     let progress = reporter.stages(3);
     progress.begin("read");
-    let (read, surface) = timed(|| arguments.reading.read_closed(path));
+    let (read, surface) = timed(|| arguments.reading.read_for_cut(path, options.is_exact()));
     let (mut surface, warnings) = surface?;
     progress.step();
     for warning in &warnings {
         progress.suspend(|| reporter.warn(format_args!("{}: {warning}", path.display())));
     }
     progress.begin("cut");
-    let (triangles, volume) = (surface.topology().triangle_count(), surface.volume());
+    let (triangles, volume) = (surface.topology().triangle_count(), closed_volume(&surface));
+    let boundary_edges = boundary_edges(&surface);
     let Stroke {
         report: counts,
         walls,
@@ -213,6 +225,8 @@ pub(crate) fn run(
         grading: params.refine.grading,
         warnings,
         triangles,
+        boundary_edges,
+        caps: options.caps().name(),
         volume,
         triangles_hit: counts.hits,
         loops: counts.loops,
@@ -288,105 +302,4 @@ fn cut_once(options: CutPlan<'_>, surface: &mut Surface, input: &Path) -> Result
         tips: 0,
         bvh_build: cut.bvh_build,
     })
-}
-
-fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io::Result<()> {
-    writeln!(
-        out,
-        "{}: {}, volume {:.6e}",
-        report.input.display(),
-        counted(report.triangles, "triangle"),
-        report.volume
-    )?;
-    print_steps(report, out)?;
-    if report.triangles_hit > 0 {
-        writeln!(
-            out,
-            "  {} hit{}; {}, smallest angle {:.1}, median {:.1} degrees",
-            counted(report.triangles_hit, "triangle"),
-            match report.steps {
-                Some(_) => String::new(),
-                None => format!(" in {}", counted(report.loops, "loop")),
-            },
-            counted(report.cap_triangles, report.cap_noun()),
-            report.cap_min_angle_deg,
-            report.cap_median_angle_deg
-        )?;
-        if report.cap_flat_triangles > 0 {
-            writeln!(
-                out,
-                "  {} without area: the cut passes very close to a vertex; move the \
-                 plane or the blade a little",
-                counted(report.cap_flat_triangles, report.cap_noun())
-            )?;
-        }
-        if is_exact && report.snap > 0.0 {
-            writeln!(
-                out,
-                "  snap {}: {} and {} moved; {} left",
-                report.snap,
-                counted(report.snapped_vertices, "vertex"),
-                counted(report.merged_points, "point"),
-                counted(report.short_rim_edges, "short rim edge")
-            )?;
-        }
-        if is_exact && report.remesh > 0.0 {
-            writeln!(
-                out,
-                "  remesh {}: {} flipped, {} and {} contracted; the \
-                 surface moved by {:.1e} at most",
-                report.remesh,
-                counted(report.flipped_edges, "edge"),
-                counted(report.collapsed_vertices, "vertex"),
-                counted(report.collapsed_points, "rim point"),
-                report.moved_surface
-            )?;
-        }
-        if is_exact && report.snap.max(report.remesh) > 0.0 {
-            writeln!(out, "  volume {:.1e} moved", report.moved_volume)?;
-        }
-    }
-    writeln!(
-        out,
-        "  {}, {} method, {} refinement",
-        counted(report.pieces.len(), "piece"),
-        report.method,
-        report.refine_method
-    )?;
-    pieces::print(&report.pieces, &report.removed, out)?;
-    let t = &report.milliseconds;
-    writeln!(
-        out,
-        "  ms: read {:.2}, BVH build {:.2}, BVH update {:.2}, detection {:.2}, split {:.2}, \
-         remeshing {:.2}, cap {:.2}, refinement {:.2}, separation {:.2}, commit {:.2}, write {:.2}",
-        t.read,
-        t.bvh_build,
-        t.bvh_update,
-        t.detection,
-        t.split,
-        t.remeshing,
-        t.cap,
-        t.refinement,
-        t.separation,
-        t.commit,
-        t.write
-    )
-}
-
-/// Prints the motion of the blade along its path.
-fn print_steps(report: &Report, out: &mut impl Write) -> io::Result<()> {
-    let (Some(steps), Some(cutting), Some(tips)) =
-        (report.steps, report.cutting_steps, report.tips)
-    else {
-        return Ok(());
-    };
-    write!(out, "  {}, {cutting} with a cut; ", counted(steps, "step"))?;
-    match tips {
-        0 => writeln!(out, "the blade ends outside the body"),
-        tips => writeln!(
-            out,
-            "the blade ends inside the body, at a tip of {}",
-            counted(tips, "vertex")
-        ),
-    }
 }

@@ -1,5 +1,6 @@
 //! Command-line options of a cut, and the cut itself, for `cut`, `render` and `simulate`.
 
+use crate::caps::CapsOption;
 use crate::clock::timed;
 use crate::failure::Failure;
 use crate::input::file_bounds;
@@ -100,6 +101,9 @@ pub(crate) struct CutOptions {
         requires = "cutter"
     )]
     remesh: Option<f64>,
+    /// Curves along which caps close the cut (exact method). [default: bodies]
+    #[arg(long, value_enum, value_name = "CURVES", requires = "cutter")]
+    caps: Option<CapsOption>,
 }
 
 /// Validated options of a cut: no two exclude each other.
@@ -196,6 +200,7 @@ impl CutOptions {
             (Method::Paper, _) if self.snap.is_some() => refuse("--snap", paper),
             (Method::Paper, _) if self.remesh.is_some() => refuse("--remesh", paper),
             (Method::Paper, _) if self.grading.is_some() => refuse("--grading", paper),
+            (Method::Paper, _) if self.caps.is_some() => refuse("--caps", paper),
             (Method::Paper, Some(Refinement::Delaunay)) => refuse(
                 "--refine-method delaunay",
                 "--method paper, whose refinement is the paper's",
@@ -256,8 +261,14 @@ impl CutPlan<'_> {
                 max_triangles: options.max_triangles,
                 ..RefineParams::default()
             },
+            caps: self.caps().caps(),
             ..CutParams::default()
         }
+    }
+
+    /// Returns the curves that get caps.
+    pub(crate) fn caps(self) -> CapsOption {
+        self.options.caps.unwrap_or_default()
     }
 
     /// Returns the exact method's parameters; its defaults with the paper's method.

@@ -3,8 +3,8 @@
 use crate::failure::Failure;
 use incise_mesh::geometry::to_file;
 use incise_mesh::{
-    Aabb, Defect, MeshData, NotCuttable, ParseError, ReadError, RepairParams, Surface, Warning,
-    read_mesh,
+    Aabb, Defect, MeshData, NotCuttable, ParseError, ReadError, RepairParams, Surface, TriangleId,
+    Warning, read_mesh,
 };
 use incise_models::{Model, build_model};
 use incise_refine::{HoleParams, fill_holes};
@@ -29,8 +29,22 @@ impl InputOptions {
         }
     }
 
-    /// Reads a closed mesh that can be cut, with the warnings of its repair.
-    pub(crate) fn read_closed(self, input: &Path) -> Result<(Surface, Vec<Warning>), Failure> {
+    /// Reads a mesh that can be cut, with the warnings of its repair.
+    ///
+    /// The exact method cuts open meshes, too, the paper's closed ones only.
+    pub(crate) fn read_for_cut(
+        self,
+        input: &Path,
+        is_exact: bool,
+    ) -> Result<(Surface, Vec<Warning>), Failure> {
+        match is_exact {
+            true => self.read_open(input),
+            false => self.read_closed(input),
+        }
+    }
+
+    /// Reads a closed mesh, with the warnings of its repair.
+    fn read_closed(self, input: &Path) -> Result<(Surface, Vec<Warning>), Failure> {
         match model_of(input) {
             Some(model) => Ok((build_model(model), Vec::new())),
             None => {
@@ -92,6 +106,20 @@ impl InputOptions {
             count => OpenMeshAdvice::ThickenSome { count },
         }
     }
+}
+
+/// Returns the number of edges of a surface that have one triangle.
+pub(crate) fn boundary_edges(surface: &Surface) -> usize {
+    let topology = surface.topology();
+    let half_edges = topology.triangles().flat_map(TriangleId::half_edges);
+    half_edges.filter(|&h| topology.twin(h).is_null()).count()
+}
+
+/// Returns the volume of a surface without its pieces with a boundary.
+pub(crate) fn closed_volume(surface: &Surface) -> f64 {
+    let volumes = surface.piece_volumes().into_iter();
+    let closed = volumes.zip(surface.open_pieces()).filter(|(_, open)| !open);
+    closed.map(|(volume, _)| volume).sum()
 }
 
 /// Reads the data of a mesh, with its defects.

@@ -4,6 +4,7 @@
 //! cut misses the mesh.
 
 mod blade_path;
+mod caps;
 mod check;
 mod clock;
 mod cut;
@@ -35,7 +36,7 @@ use reporter::{OutputOptions, Reporter};
 use std::io::{self, BufWriter, Write};
 use std::process::ExitCode;
 
-/// Cuts closed triangle meshes, and checks, fills, simulates and draws them.
+/// Cuts triangle meshes, closed or open, and checks, fills, simulates and draws them.
 #[derive(Parser)]
 #[command(version, after_help = AFTER_HELP)]
 struct Arguments {

@@ -1,10 +1,11 @@
 //! Writes the pieces of a body, one file each.
 
 use crate::failure::Failure;
+use crate::input::boundary_edges;
 use crate::json::lossy;
 use crate::numbers::counted;
 use clap::builder::{PathBufValueParser, TypedValueParser};
-use incise_mesh::{Surface, Topology, write_obj};
+use incise_mesh::{Surface, write_obj};
 use serde::Serialize;
 use std::ffi::OsStr;
 use std::io::{self, Write};
@@ -29,11 +30,13 @@ pub(crate) struct Piece {
     vertices: usize,
     triangles: usize,
     area: f64,
-    /// Negative for a cavity.
+    /// Negative for a cavity, 0 for a sheet.
     volume: f64,
     /// Whether the piece is the wall of a cavity: its normals point inward.
     cavity: bool,
-    /// Vertices less edges plus triangles: 2 for a ball, 0 for a ring.
+    /// Edges with one triangle: more than 0 for a sheet.
+    boundary_edges: usize,
+    /// Vertices less edges plus triangles: 2 for a ball, 1 for a sheet, 0 for a ring.
     euler_characteristic: i64,
 }
 
@@ -67,7 +70,11 @@ pub(crate) fn write(surface: &Surface, input: &Path, folder: &Path) -> Result<Wr
     let mut pieces = Vec::with_capacity(parts.len());
     for (i, (piece, part)) in parts.iter().enumerate() {
         write_obj(&file(i), part)?;
-        let volume = volumes[*piece as usize];
+        let boundary_edges = boundary_edges(part);
+        let volume = match boundary_edges {
+            0 => volumes[*piece as usize],
+            _ => 0.0,
+        };
         pieces.push(Piece {
             file: file(i),
             vertices: part.topology().vertex_count(),
@@ -75,7 +82,8 @@ pub(crate) fn write(surface: &Surface, input: &Path, folder: &Path) -> Result<Wr
             area: part.area(),
             volume,
             cavity: volume < 0.0,
-            euler_characteristic: euler_characteristic(part.topology()),
+            boundary_edges,
+            euler_characteristic: euler_characteristic(part, boundary_edges),
         });
     }
     let removed = left_over(folder, parts.len());
@@ -88,10 +96,13 @@ pub(crate) fn write(surface: &Surface, input: &Path, folder: &Path) -> Result<Wr
     Ok(Written { pieces, removed })
 }
 
-/// Returns vertices less edges plus triangles of a closed surface, which has 3/2 edges a triangle.
-fn euler_characteristic(topology: &Topology) -> i64 {
+/// Returns vertices less edges plus triangles of a surface with this number of boundary edges.
+///
+/// Other edges have two triangles, so there are three sides a triangle for two edges.
+fn euler_characteristic(surface: &Surface, boundary_edges: usize) -> i64 {
+    let topology = surface.topology();
     let count = |n: usize| i64::try_from(n).unwrap_or(i64::MAX);
-    count(topology.vertex_count()) - count(topology.triangle_count() / 2)
+    count(topology.vertex_count()) - count((topology.triangle_count() + boundary_edges) / 2)
 }
 
 /// Returns the piece files of the folder with numbers from `count` on.
@@ -138,12 +149,15 @@ pub(crate) fn print(pieces: &[Piece], removed: &[PathBuf], out: &mut impl Write)
     for piece in pieces {
         writeln!(
             out,
-            "  {}: {}, {}, area {:.6e}, volume {:.6e}, Euler characteristic {}{}",
+            "  {}: {}, {}, area {:.6e}, {}, Euler characteristic {}{}",
             piece.file.display(),
             counted(piece.vertices, "vertex"),
             counted(piece.triangles, "triangle"),
             piece.area,
-            piece.volume,
+            match piece.boundary_edges {
+                0 => format!("volume {:.6e}", piece.volume),
+                edges => counted(edges, "boundary edge"),
+            },
             piece.euler_characteristic,
             if piece.cavity { ", cavity" } else { "" }
         )?;

@@ -1,16 +1,19 @@
 //! `incise simulate`: drops a mesh as a soft body, optionally cuts it, and writes its pieces.
 
 mod knife;
+mod print;
 
 use crate::blade_path::BladePath;
+use crate::caps::CapsOption;
 use crate::clock::{milliseconds, timed};
 use crate::failure::Failure;
 use crate::input::{InputOptions, file_bounds};
 use crate::json::{all_lossy, lossy};
-use crate::numbers::{Numbers, counted, numbers, positive};
+use crate::numbers::{Numbers, numbers, positive};
 use crate::pieces::{self, Piece, output_path};
 use crate::reporter::Reporter;
 use clap::ValueEnum;
+use incise_cut::CutParams;
 use incise_mesh::geometry::round_to_f32;
 use incise_mesh::{Surface, Warning};
 use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Volume};
@@ -18,15 +21,17 @@ use incise_scene::{
     BackendChoice, BackendRequest, BodyId, ContactParams, Scene, SceneError, SceneParams,
 };
 use knife::Knife;
+use print::print;
 use serde::Serialize;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Drops a mesh as a soft body, optionally cuts it at a given time, and writes its pieces.
 ///
 /// Writes one piece per file: `DIR/piece_000.obj` and so on. Files of these names from
 /// an earlier run are overwritten or removed. The y axis points up. Without --volume or
-/// --interior-springs the body is a shell, which collapses under its weight.
+/// --interior-springs the body is a shell, which collapses under its weight. A mesh with a boundary
+/// is a sheet, such as cloth.
 #[derive(clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct SimulateArguments {
@@ -84,6 +89,15 @@ pub(crate) struct SimulateArguments {
     /// last pose. With --contacts the walls of the cut collide with each other.
     #[arg(long, value_name = "FILE", group = "cutter")]
     path: Option<PathBuf>,
+    /// Curves along which caps close the cut.
+    #[arg(
+        long,
+        value_enum,
+        value_name = "CURVES",
+        default_value_t = CapsOption::Bodies,
+        requires = "cutter"
+    )]
+    caps: CapsOption,
     /// Time of the cut, or of the first pose [s]; 0 by default.
     #[arg(long, value_name = "S", value_parser = positive, requires = "cutter")]
     at: Option<f64>,
@@ -106,8 +120,8 @@ Examples:
 
 JSON report (--json): input, warnings, backend, device, fallback_reason, frames, dt, iterations,
 substeps, triangles_hit, steps, cutting_steps (with --path, else null: motions of the blade, and
-those that cut), pieces (file, vertices, triangles, area, volume, cavity, euler_characteristic of
-each), removed, milliseconds.
+those that cut), pieces (file, vertices, triangles, area, volume, cavity, boundary_edges and
+euler_characteristic of each), removed, milliseconds.
 
 Exit code 4: the cut misses the body, and the pieces are those of the uncut body.";
 
@@ -177,7 +191,7 @@ pub(crate) fn run(
     let frames = whole(arguments.seconds / arguments.dt).max(1);
     let start = whole(arguments.at.unwrap_or(0.0) / arguments.dt);
     let blade_path = arguments.blade_path(start, frames)?;
-    let (surface, warnings) = arguments.reading.read_closed(path)?;
+    let (surface, warnings) = arguments.reading.read_open(path)?;
     for warning in &warnings {
         reporter.warn(format_args!("{}: {warning}", path.display()));
     }
@@ -277,6 +291,10 @@ impl SimulateArguments {
                 ground: self.ground(origin_height),
                 ..SolverParams::default()
             },
+            cut: CutParams {
+                caps: self.caps.caps(),
+                ..CutParams::default()
+            },
             contacts: self.contacts.then(|| ContactParams {
                 // Both walls of a cut that ends inside belong to one piece.
                 self_collision: self.path.is_some(),
@@ -349,36 +367,6 @@ fn warn_of_fallback(scene: &Scene, reporter: &Reporter<impl Write>) {
     if let Some(why) = report.fallback_reason {
         reporter.warn(format_args!("continuing on the CPU: {why}"));
     }
-}
-
-fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
-    writeln!(
-        out,
-        "{}: {} of {:.6} s on {}",
-        report.input.display(),
-        counted(
-            usize::try_from(report.frames).unwrap_or(usize::MAX),
-            "frame"
-        ),
-        report.dt,
-        report.device.as_deref().unwrap_or("the CPU")
-    )?;
-    if let Some(hits @ 1..) = report.triangles_hit {
-        write!(out, "  {} hit", counted(hits, "triangle"))?;
-        match (report.steps, report.cutting_steps) {
-            (Some(steps), Some(cutting)) => {
-                writeln!(out, "; {}, {cutting} with a cut", counted(steps, "step"))?;
-            }
-            _ => writeln!(out)?,
-        }
-    }
-    pieces::print(&report.pieces, &report.removed, out)?;
-    let t = &report.milliseconds;
-    writeln!(
-        out,
-        "  ms: simulate {:.2}, write {:.2}",
-        t.simulate, t.write
-    )
 }
 
 #[expect(

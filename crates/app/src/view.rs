@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 /// if the panel says so.
 #[derive(clap::Args)]
 pub(crate) struct ViewArguments {
-    /// A closed mesh (obj, ply, stl, glb or gltf; units are meters), or a built-in model: Sphere20,
+    /// A mesh, closed or a sheet (obj, ply, stl, glb or gltf; units are meters), or a built-in model: Sphere20,
     /// Sphere80, Sphere768, Bunny, Octopus, Banana or Armadillo. A file of the same name takes
     /// precedence.
     #[arg(value_name = "FILE|MODEL", default_value = "Sphere768")]
@@ -66,7 +66,7 @@ pub(crate) fn run(
     reporter: &Reporter<impl Write>,
 ) -> Result<(), Failure> {
     let input = arguments.input.clone();
-    let (body, warnings) = arguments.reading.read_closed(&input)?;
+    let (body, warnings) = arguments.reading.read_open(&input)?;
     for warning in &warnings {
         reporter.warn(format_args!("{}: {warning}", input.display()));
     }

@@ -451,7 +451,8 @@ fn a_body_far_from_the_origin_is_cut_as_exactly() {
     assert!(error.contains("[3999999."), "{error}");
 }
 
-/// Errors recommend `incise fill` only where its result can be cut.
+/// Errors of the method that needs closed bodies recommend `incise fill` only where its result can
+/// be cut.
 #[test]
 fn fill_is_recommended_where_it_helps() {
     let folder = tempfile::tempdir().unwrap();
@@ -459,7 +460,8 @@ fn fill_is_recommended_where_it_helps() {
     let error = |name: &str, text: &str| {
         let input = folder.path().join(name);
         std::fs::write(&input, text).unwrap();
-        let (code, _, error) = cut(&input, &output, &["--plane", "1,0,0,0.2"]);
+        let plane = ["--plane", "1,0,0,0.2", "--method", "paper"];
+        let (code, _, error) = cut(&input, &output, &plane);
         assert_eq!(code, Some(1), "{error}");
         error
     };

@@ -65,6 +65,10 @@ fn options_of_the_exact_method_are_refused_with_the_others() {
             "--snap cannot be combined with --method paper",
         ),
         (
+            ["--method", "paper", "--caps", "none"],
+            "--caps cannot be combined with --method paper",
+        ),
+        (
             ["--method", "paper", "--grading", "0"],
             "--grading cannot be combined with --method paper",
         ),

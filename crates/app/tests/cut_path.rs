@@ -284,7 +284,7 @@ fn a_step_that_fails_names_its_line_and_writes_nothing() {
             "line 3: the blade moves inside the body",
         ),
         (
-            "-0.8 0 -1 -0.8 0 1\n0.1 0 -1 0.1 0 1\n\n-0.3 0.01 -1 -0.3 -0.01 1\n",
+            "-0.8 0 -1 -0.8 0 1\n0.1 0 -1 0.1 0 1\n\n-0.3 0.2 -1 -0.3 -0.2 1\n",
             "line 4: ",
         ),
     ] {

@@ -322,16 +322,14 @@ fn open_meshes(_: Context) {
     assert_eq!(report["triangles"], 220);
     assert!(picture.count(|color| color != [255; 3]) > 1000);
     let target = folder.join("cut.png");
-    let output = incise(&[
-        "render",
-        text(&path),
-        "--plane",
-        "0,1,0,0",
-        "-o",
-        text(&target),
-    ]);
+    let cut = ["render", text(&path), "--plane", "0,1,0,0", "-o"];
+    let with = |more: &[&str]| incise(&[&cut[..], &[text(&target)], more].concat());
+    let output = with(&["--method", "paper"]);
     assert_eq!(output.status.code(), Some(1), "{output:?}");
     assert!(!target.exists());
+    let output = with(&[]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert!(target.exists());
 }
 
 fn invalid_input() {

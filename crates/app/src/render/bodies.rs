@@ -77,7 +77,7 @@ impl Bodies {
         let mut origin = None;
         for input in inputs {
             let (mut surface, found) = match plan {
-                Some(_) => reading.read_closed(input)?,
+                Some(plan) => reading.read_for_cut(input, plan.is_exact())?,
                 None => reading.read_open(input)?,
             };
             for warning in &found {
