@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 
 /// Opens a window to cut and drag a soft body. Press ? there for the keys.
 ///
-/// A line that ends inside the body is refused. A blade cuts when it leaves the body, or as it moves
-/// if the panel says so.
+/// A line may end inside the body, and a held blade cuts as it moves. The paper's method cuts right
+/// through the body only.
 #[derive(clap::Args)]
 pub(crate) struct ViewArguments {
     /// A mesh, closed or a sheet (obj, ply, stl, glb or gltf; units are meters), or a built-in model: Sphere20,

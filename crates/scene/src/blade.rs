@@ -24,14 +24,16 @@ impl fmt::Display for BladeId {
 /// Whether a blade may end inside a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum BladeMode {
-    /// Cuts full slices: a sweep that ends inside a body is refused.
-    #[default]
-    FullSlices,
     /// Cuts as far as the blade moves and goes on from there in later frames.
     ///
     /// The walls of an incision belong to one piece: contacts between them need
-    /// [`crate::ContactParams::self_collision`].
+    /// [`crate::ContactParams::self_collision`]. They coincide at rest, so that the minimum
+    /// distance between them is zero. With [`incise_cut::CutMethod::Paper`] only full
+    /// slices are possible.
+    #[default]
     Progressive,
+    /// Cuts full slices: a sweep that ends inside a body is refused.
+    FullSlices,
 }
 
 /// A cutting edge with its pose in this and the previous frame.
@@ -57,7 +59,7 @@ impl Blade {
             previous_face: None,
             face: None,
             only_piece: None,
-            mode: BladeMode::FullSlices,
+            mode: BladeMode::Progressive,
         }
     }
 

@@ -4,7 +4,7 @@ use incise_cut::CutError;
 use incise_mesh::Aabb;
 use incise_models::{Model, build_model};
 use incise_pbd_gpu::Material;
-use incise_scene::{BladeId, BodyId, Scene, SceneError, SceneParams};
+use incise_scene::{BladeId, BladeMode, BodyId, Scene, SceneError, SceneParams};
 
 const LEFT: [[f32; 3]; 2] = [[-2.0, 0.1, -2.0], [-2.0, 0.1, 2.0]];
 const RIGHT: [[f32; 3]; 2] = [[2.0, 0.1, -2.0], [2.0, 0.1, 2.0]];
@@ -70,6 +70,8 @@ fn a_sweep_outside_the_bounding_box_tests_no_triangle() {
 fn bounding_boxes_are_computed_only_when_the_last_one_is_not_sufficient() {
     let (mut scene, id, _) = scene();
     let blade = scene.add_blade([[3.0, -0.2, -2.0], [3.0, -0.2, 2.0]]);
+    // The body that flies past it stays whole.
+    scene.set_blade_mode(blade, BladeMode::FullSlices).unwrap();
     let (solver, surface) = scene.edit(id).unwrap().solver_mut();
     for v in surface.topology().vertices() {
         // It also spins, so that its box grows faster.
@@ -119,8 +121,9 @@ fn a_slice_makes_two_pieces_that_can_be_stepped() -> Result<(), SceneError> {
 }
 
 #[test]
-fn a_sweep_that_ends_inside_is_refused_and_changes_nothing() {
+fn a_sweep_of_full_slices_that_ends_inside_is_refused_and_changes_nothing() {
     let (mut scene, body, blade) = scene();
+    scene.set_blade_mode(blade, BladeMode::FullSlices).unwrap();
     let before = scene.body(body).unwrap().surface().clone();
     scene
         .move_blade(blade, [[0.0, 0.1, -2.0], [0.0, 0.1, 2.0]])

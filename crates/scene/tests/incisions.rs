@@ -12,7 +12,8 @@ fn scene(material: &Material, model: Model) -> (Scene, BodyId, BladeId) {
     scene.params.solver.gravity = [0.0; 3];
     let body = scene.add_body(build_model(model), material).unwrap();
     let blade = scene.add_blade(pose(-0.7));
-    scene.set_blade_mode(blade, BladeMode::Progressive).unwrap();
+    let mode = scene.blade(blade).unwrap().mode;
+    assert_eq!(mode, BladeMode::Progressive, "the default");
     (scene, body, blade)
 }
 

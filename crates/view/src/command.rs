@@ -17,6 +17,8 @@ pub type Edge = [[f32; 3]; 2];
 #[serde(rename_all = "snake_case")]
 pub enum Command {
     /// Cuts immediately along the sweep of a blade between two positions of its edge.
+    ///
+    /// It may end inside the body with [`Settings::progressive`].
     Slice {
         /// Start of the edge.
         from: Edge,
@@ -105,10 +107,10 @@ pub struct Settings {
     pub ground: bool,
     /// Enables contacts between pieces, and within pieces after a cut that ends inside the body.
     pub contacts: bool,
-    /// Lets a held blade cut while it is inside the body (exact method); false in old recordings.
+    /// Lets cuts end inside the body (exact method); false in old recordings.
     ///
-    /// Otherwise, and by default, it cuts when it leaves the body. Slow strokes may be refused, see
-    /// [`incise_cut::CutError::TipBlocked`].
+    /// A held blade then cuts as it moves. Otherwise it cuts when it leaves the body, and a line
+    /// that ends inside the body is refused.
     #[serde(default)]
     pub progressive: bool,
 }
@@ -129,7 +131,7 @@ impl Default for Settings {
             gravity: true,
             ground: true,
             contacts: true,
-            progressive: false,
+            progressive: true,
         }
     }
 }
@@ -162,7 +164,7 @@ impl Settings {
         self.bending != other.bending || self.interior_springs != other.interior_springs
     }
 
-    /// Returns the mode of a held blade: the paper's method cuts full slices only.
+    /// Returns the mode of the blade: the paper's method cuts full slices only.
     pub(crate) fn blade_mode(&self) -> BladeMode {
         match self.method {
             Method::Exact if self.progressive => BladeMode::Progressive,

@@ -8,7 +8,7 @@ use crate::numbers::Numbers;
 use crate::stroke::{check_start, step_failure};
 use incise_cut::Sweep;
 use incise_mesh::Aabb;
-use incise_scene::{BladeId, BladeMode, BodyId, Scene, SceneError};
+use incise_scene::{BladeId, BodyId, Scene, SceneError};
 use std::path::Path;
 
 /// The motion of the blade.
@@ -97,11 +97,8 @@ impl<'a> Knife<'a> {
         if let Some(blade) = self.blade {
             return scene.move_blade(blade, pose).map_err(failed);
         }
-        let blade = scene.add_blade(pose);
-        self.blade = Some(blade);
-        scene
-            .set_blade_mode(blade, BladeMode::Progressive)
-            .map_err(failed)
+        self.blade = Some(scene.add_blade(pose));
+        Ok(())
     }
 
     /// Counts the cuts of a frame, and reports one that failed.

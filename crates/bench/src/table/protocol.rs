@@ -23,7 +23,7 @@ use incise_mesh::geometry::{area_vector, round_to_f32, to_f32};
 use incise_mesh::{AngleStats, Surface, Vec3};
 use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Volume};
 use incise_scene::{
-    BackendRequest, BladeId, Body, BodyId, ContactParams, FrameStats, Scene, SceneError,
+    BackendRequest, BladeId, BladeMode, Body, BodyId, ContactParams, FrameStats, Scene, SceneError,
     SceneParams,
 };
 use std::error::Error;
@@ -141,6 +141,10 @@ fn run_scene(
     scene.params.skip_far_sweeps = on_device;
     let diagonal = loaded.surface.bounds().diagonal();
     let blade = cutting.then(|| scene.add_blade(hover(diagonal, 0)));
+    if let Some(blade) = blade {
+        // The paper's blade cuts full slices.
+        scene.set_blade_mode(blade, BladeMode::FullSlices)?;
+    }
     let volume = rest_volume(scene.body(body)?.surface());
     let a_second = whole(1.0 / arguments.dt).max(1);
     let mut directions = Directions(arguments.seed);

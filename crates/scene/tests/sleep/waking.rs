@@ -1,6 +1,7 @@
 //! Edits, pin targets, parameters and cuts wake bodies; failed frames do not.
 
 use super::*;
+use incise_scene::BladeMode;
 
 #[test]
 fn an_edit_wakes_only_its_body() {
@@ -57,6 +58,8 @@ fn changed_parameters_wake_all_bodies() {
 #[test]
 fn a_blade_wakes_only_the_bodies_that_it_cuts() {
     let (mut scene, [first, second], blade) = sleeping_scene();
+    // A sweep that ends inside is refused.
+    scene.set_blade_mode(blade, BladeMode::FullSlices).unwrap();
     let move_to = |scene: &mut Scene, x: f32, y: f32| {
         scene
             .move_blade(blade, [[x, y, -2.0], [x, y, 2.0]])

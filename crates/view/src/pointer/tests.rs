@@ -79,10 +79,14 @@ fn slice_line_cuts_along_itself() {
 }
 
 #[test]
-fn short_line_cuts_only_with_shift() {
+fn short_line_of_full_slices_cuts_only_with_shift() {
     let way = [[280.0, 300.0], [320.0, 300.0]];
     for (shift, pieces) in [(false, 1), (true, 2)] {
         let (mut session, mut orbit) = set_up();
+        session.apply(Command::Set(Settings {
+            progressive: false,
+            ..Settings::default()
+        }));
         drag(
             &mut Pointer::default(),
             shift,
@@ -106,6 +110,35 @@ fn short_line_cuts_only_with_shift() {
 }
 
 #[test]
+fn line_that_ends_inside_slits_the_body() {
+    let (mut session, mut orbit) = set_up();
+    session.apply(Command::Set(Settings {
+        gravity: false,
+        ..Settings::default()
+    }));
+    let volume = session.surface().volume();
+    for way in [
+        [[20.0, 300.0], [300.0, 300.0]],
+        [[280.0, 200.0], [320.0, 220.0]],
+    ] {
+        let triangles = session.surface().topology().triangle_count();
+        let mut pointer = Pointer::default();
+        drag(&mut pointer, false, way, &mut orbit, &mut session);
+        assert_eq!(session.status_message(), None);
+        let surface = session.surface();
+        assert_eq!(surface.piece_count(), 1);
+        assert!(surface.topology().triangle_count() > triangles);
+        assert!(surface.topology().is_closed());
+        assert!((surface.volume() / volume - 1.0).abs() < 0.02);
+    }
+    assert_eq!(session.undo_count(), 2);
+    session.frame();
+    session.apply(Command::Undo);
+    session.apply(Command::Undo);
+    assert_eq!((session.undo_count(), session.redo_count()), (0, 2));
+}
+
+#[test]
 fn blade_dragged_through_the_body_cuts() {
     let (mut session, mut orbit) = set_up();
     let mut pointer = Pointer {
@@ -123,7 +156,6 @@ fn blade_dragged_into_the_body_opens_it() {
     let (mut session, mut orbit) = set_up();
     session.apply(Command::Set(Settings {
         gravity: false,
-        progressive: true,
         ..Settings::default()
     }));
     let mut pointer = Pointer {

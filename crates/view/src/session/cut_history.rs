@@ -65,10 +65,25 @@ impl Session {
 
     pub(super) fn slice(&mut self, from: Edge, to: Edge) -> Result<(), SceneError> {
         self.history.clear_redo();
-        let cut = self.full_slice(from, to);
-        let inside = "nothing was cut: the line ends inside the body; draw it right across, or \
-                      hold Shift to extend it";
+        let mode = self.settings.blade_mode();
+        let cut = RecordedCut {
+            mode,
+            ..self.full_slice(from, to)
+        };
+        let inside = match mode {
+            BladeMode::Progressive => {
+                "nothing was cut: the line does not reach the surface of the body"
+            }
+            BladeMode::FullSlices => {
+                "nothing was cut: the line ends inside the body; draw it right across, or hold \
+                 Shift to extend it"
+            }
+        };
         self.cut_now(cut, inside)?;
+        // The next step of a held blade is undone without the slice.
+        if let Some(stroke) = &mut self.stroke {
+            stroke.has_cut = false;
+        }
         let stats = self.scene.stats();
         if stats.cuts > 0 {
             self.status_message = None;

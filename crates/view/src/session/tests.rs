@@ -168,6 +168,10 @@ fn cut_statistics_appear_in_the_next_frame() {
 #[test]
 fn failed_cuts_are_reported_and_change_nothing() {
     let mut s = session();
+    s.apply(Command::Set(Settings {
+        progressive: false,
+        ..Settings::default()
+    }));
     let before = s.fingerprint().unwrap();
     s.apply(Command::Slice {
         from: [[-2.0, 0.0, -2.0], [-2.0, 0.0, 2.0]],
@@ -294,7 +298,6 @@ fn play(s: &mut Session) {
             42 => s.apply(Command::Set(Settings {
                 bending: Some(0.7),
                 level: RefinementLevel::Z(0.8),
-                progressive: true,
                 ..Settings::default()
             })),
             45 => s.apply(Command::Slice {

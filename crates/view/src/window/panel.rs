@@ -161,10 +161,7 @@ fn cut(ui: &mut Ui, settings: &mut Settings) {
     });
     ui.add_enabled(
         settings.method == Method::Exact,
-        egui::Checkbox::new(
-            &mut settings.progressive,
-            "the blade cuts while it is inside",
-        ),
+        egui::Checkbox::new(&mut settings.progressive, "cuts may end inside the body"),
     );
     ui.label("section edge length, relative to the rim");
     ui.horizontal_wrapped(|ui| {

@@ -2,12 +2,20 @@
 
 use super::*;
 
+/// Settings whose blade cuts full slices only.
+fn full_slices() -> Settings {
+    Settings {
+        progressive: false,
+        ..Settings::default()
+    }
+}
+
 #[test]
 fn held_blade_cuts_when_it_leaves_the_body() {
     let mut s = session();
     s.apply(Command::Set(Settings {
         gravity: false,
-        ..Settings::default()
+        ..full_slices()
     }));
     let edge = |x: f32| [[x, 0.02, -2.0], [x, 0.02, 2.0]];
     let mut cuts = Vec::new();
@@ -55,8 +63,9 @@ fn stroke_that_ends_outside_cuts() {
 }
 
 #[test]
-fn strokes_that_cannot_cut_are_reported() {
+fn full_slices_that_cannot_cut_are_reported() {
     let mut s = session();
+    s.apply(Command::Set(full_slices()));
     let place = |s: &Session| s.held_blade().map(|(_, place)| place);
     s.apply(upright(-1.0));
     assert_eq!(place(&s), Some(BladeState::Outside));
@@ -102,7 +111,6 @@ fn floating(method: Method) -> Session {
     let mut s = session();
     s.apply(Command::Set(Settings {
         gravity: false,
-        progressive: true,
         method,
         ..Settings::default()
     }));
