@@ -41,7 +41,7 @@ use cap::Cap;
 use chains::{Chains, Opening};
 use contract::Opened;
 use frames::Frames;
-use incise_mesh::{Edit, HalfEdge, Surface, Vec3};
+use incise_mesh::{Edit, HalfEdge, Surface, Vec3, VertexId};
 use incise_refine::{RefineParams, Section};
 use open::Sides;
 use remesh::Remesher;
@@ -101,6 +101,12 @@ impl Exact {
             .map(|(edge, nodes)| (place(edge, nodes[0]), edge, nodes))
             .collect();
         parts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let is_meeting = |last: VertexId, nodes: &[u32]| {
+            let [from, to] = [nodes[0], nodes[nodes.len().min(2) - 1]].map(vertex);
+            let at = surface.position(from);
+            let gap = (at - surface.position(last)).norm();
+            nodes.len() > 1 && gap <= MAX_GAP * (surface.position(to) - at).norm()
+        };
         let mut tip: Vec<TipPoint> = Vec::new();
         for (_, edge, nodes) in parts {
             let pair = facets.pair_of(edge).unwrap_or_default() as usize;
@@ -114,6 +120,11 @@ impl Exact {
                         // The end of a curve may lie beside the corner that is next to it.
                         place = place.max(last.place + min_step);
                     }
+                    // Across two walls that coincide the tip goes on.
+                    Some(last) if is_meeting(last.vertex, nodes) => {
+                        last.meets_next = true;
+                        place = last.place;
+                    }
                     // Tips in overlapping bodies end.
                     Some(last) if last.place >= place => break,
                     _ => {}
@@ -123,6 +134,7 @@ impl Exact {
                     rest: surface.rest_position(vertex(node)),
                     place,
                     is_joined: false,
+                    meets_next: false,
                 });
             }
         }
@@ -313,6 +325,9 @@ impl Exact {
         Ok(self.cap.triangulate(&rims, topology, refine, is_refined)?)
     }
 }
+
+/// Maximum distance of two parts of a tip that meet [first edge of the second part].
+const MAX_GAP: f64 = 1e-3;
 
 /// Minimum distance of neighbors along a tip [part between two points of the sweep].
 const MIN_PLACE_STEP: f64 = 1e-3;

@@ -53,6 +53,8 @@ pub(crate) struct TipPoint {
     pub(crate) place: f64,
     /// Whether an edge of the tip joins it to the next point.
     pub(crate) is_joined: bool,
+    /// Whether the next part of the tip begins at the same place, across two coincident walls.
+    pub(crate) meets_next: bool,
 }
 
 /// The sweep of one step, the tip that it continues, and the places of its points on the blade.
@@ -134,6 +136,10 @@ impl Incision {
             self.tip[i].is_joined &=
                 next.is_some_and(|next| topology.find_half_edge(own, next).is_some());
         }
+        for i in 0..self.tip.len() {
+            let next = self.tip.get(i + 1).map(|next| next.place);
+            self.tip[i].meets_next &= next == Some(self.tip[i].place);
+        }
         // A single vertex is the tip of a sheet.
         let joined: Vec<bool> = self.tip.iter().map(|point| point.is_joined).collect();
         let mut i = 0;
@@ -202,10 +208,10 @@ impl Incision {
         };
         let mut weld = Weld::default();
         if self.is_inside() {
-            weld.vertices.extend(columns.iter().map(|c| c.vertex));
+            (weld.vertices).extend(columns.iter().map(|c| [c.vertex, c.begins]));
             let topology = surface.topology();
             let half_edge = |pair: &[Column]| {
-                let [a, b] = [pair[0].vertex, pair[1].vertex];
+                let [a, b] = [pair[0].begins, pair[1].vertex];
                 let found = pair[0].is_joined.then(|| topology.find_half_edge(a, b));
                 found.flatten().unwrap_or(HalfEdge::NULL)
             };

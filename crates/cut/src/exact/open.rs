@@ -92,7 +92,7 @@ impl Sides {
         } = facets.weld();
         for (i, node) in trace.nodes.iter().enumerate() {
             let On::Tip(vertex) = node.on else { continue };
-            let corner = vertices.iter().position(|&v| v == vertex);
+            let corner = vertices.iter().position(|ends| ends[1] == vertex);
             let along = corner.and_then(|corner| half_edges.get(corner).copied());
             if let Some(above) = along.filter(|h| !h.is_null()) {
                 // The walls below and above the sweep are on the sides of the same number.

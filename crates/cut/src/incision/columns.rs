@@ -9,6 +9,9 @@ const WIDENING: f64 = 0.3;
 /// Its maximum [distance to the next point of the sweep].
 const MAX_WIDENING: f64 = 0.2;
 
+/// Width of a gap between walls up to which the tip passes it at one point [local edge lengths].
+const MAX_GAP: f64 = 1e-3;
+
 /// Minimum distance of a point of the sweep from the surface, along the blade [local edge lengths].
 const CLEARANCE: f64 = 0.1;
 /// Its maximum [motion of the blade].
@@ -21,10 +24,28 @@ pub(super) struct Column {
     pub(super) place: f64,
     /// Its position before the step \[m\].
     pub(super) previous: Vec3,
-    /// The vertex of the tip, or null.
+    /// The vertex of the tip, or null; and the one with which the tip goes on, another one across
+    /// two coincident walls.
     pub(super) vertex: VertexId,
+    pub(super) begins: VertexId,
     /// Whether an edge of the tip joins it to the next column.
     pub(super) is_joined: bool,
+    /// Whether the next part of the tip began at the same place, across a gap that has opened.
+    meets_next: bool,
+}
+
+impl Column {
+    /// Makes a column off the tip.
+    fn outside(place: f64, previous: Vec3) -> Self {
+        Self {
+            place,
+            previous,
+            vertex: VertexId::NULL,
+            begins: VertexId::NULL,
+            is_joined: false,
+            meets_next: false,
+        }
+    }
 }
 
 impl Incision {
@@ -43,20 +64,29 @@ impl Incision {
                 .windows(2)
                 .any(|pair| pair[0].is_joined && pair[0].place <= place && place <= pair[1].place);
             if !is_covered {
-                columns.push(Column {
-                    place,
-                    previous: to_f64(*point),
-                    vertex: VertexId::NULL,
-                    is_joined: false,
-                });
+                columns.push(Column::outside(place, to_f64(*point)));
             }
         }
-        columns.extend(self.tip.iter().map(|point| Column {
-            place: point.place,
-            previous: surface.position(point.vertex),
-            vertex: point.vertex,
-            is_joined: point.is_joined,
-        }));
+        for (i, point) in self.tip.iter().enumerate() {
+            let previous = surface.position(point.vertex);
+            if let (Some(last), Some(before)) = (columns.last_mut(), i.checked_sub(1))
+                && self.tip[before].meets_next
+                && (previous - last.previous).norm() <= MAX_GAP * self.local
+            {
+                last.begins = point.vertex;
+                last.is_joined = point.is_joined;
+                last.meets_next = point.meets_next;
+                continue;
+            }
+            columns.push(Column {
+                place: point.place,
+                previous,
+                vertex: point.vertex,
+                begins: point.vertex,
+                is_joined: point.is_joined,
+                meets_next: point.meets_next,
+            });
+        }
         columns.sort_by(|a, b| a.place.total_cmp(&b.place));
         let mut out = Vec::with_capacity(columns.len() + 4);
         for (i, &column) in columns.iter().enumerate() {
@@ -70,15 +100,12 @@ impl Incision {
                 let part = (WIDENING * local / (b - a).norm()).min(MAX_WIDENING);
                 let step = (beyond.place - column.place) * part;
                 own.place = column.place + step;
-                Column {
-                    place: column.place + 2.0 * step,
-                    previous: column.previous + outward(surface, column, a - b, a) * local,
-                    vertex: VertexId::NULL,
-                    is_joined: false,
-                }
+                let rise = outward(surface, column, a - b, a) * local;
+                Column::outside(column.place + 2.0 * step, column.previous + rise)
             };
-            let is_first = is_tip && before.is_none_or(|before| !before.is_joined);
-            let is_last = is_tip && !column.is_joined;
+            let goes_on = |column: Column| column.is_joined || column.meets_next;
+            let is_first = is_tip && !before.is_some_and(goes_on);
+            let is_last = is_tip && !goes_on(column);
             out.extend(before.filter(|_| is_first).map(&mut risen));
             let risen = after.filter(|_| is_last).map(risen);
             out.push(own);

@@ -36,10 +36,14 @@ pub(crate) struct Facets {
 /// by predicates but opened by identity.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Weld {
-    /// By previous point, the vertex of the tip on which it lies, or null. Empty if there is none.
-    pub(crate) vertices: Vec<VertexId>,
-    /// By pair of neighbors, the half-edge from the first vertex to the second along the tip, or
-    /// null.
+    /// By previous point, the vertices of the tip on which it lies, or null: of the part of the
+    /// tip that ends there or passes, and of the part that begins there or passes. Empty if there
+    /// is no tip.
+    ///
+    /// They differ where the tip crosses two coincident walls, and its parts end on these.
+    pub(crate) vertices: Vec<[VertexId; 2]>,
+    /// By pair of neighbors, the half-edge from the second vertex of the first to the first vertex
+    /// of the second along the tip, or null.
     pub(crate) half_edges: Vec<HalfEdge>,
 }
 
@@ -134,10 +138,10 @@ impl Facets {
         &self.weld
     }
 
-    /// Returns the vertex of the tip at a corner; null if there is none.
-    pub(crate) fn vertex_at(&self, corner: u32) -> VertexId {
-        let vertex = self.weld.vertices.get(corner as usize);
-        vertex.copied().unwrap_or(VertexId::NULL)
+    /// Returns the vertices of the tip at a corner, see [`Weld::vertices`]; null if there is none.
+    pub(crate) fn vertices_at(&self, corner: u32) -> [VertexId; 2] {
+        let vertices = self.weld.vertices.get(corner as usize);
+        vertices.copied().unwrap_or([VertexId::NULL; 2])
     }
 
     /// Returns the corners that a facet and a mesh triangle share.
@@ -147,10 +151,10 @@ impl Facets {
             return shared;
         }
         for (k, corner) in self.facets[i as usize].corners.into_iter().enumerate() {
-            let vertex = self.vertex_at(corner);
+            let own = self.vertices_at(corner);
             let found = triangle
                 .iter()
-                .position(|&v| v == vertex && !vertex.is_null());
+                .position(|v| own.contains(v) && !v.is_null());
             shared = match (found, shared) {
                 (None, shared) => shared,
                 (Some(j), Shared::No) => Shared::One {

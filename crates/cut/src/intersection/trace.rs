@@ -129,10 +129,8 @@ impl Trace {
     /// A curve that returns to the tip is closed. A curve that starts inside the body is open, and
     /// so is one that starts at the tip of a sheet.
     fn follow_tips(&mut self, surface: &Surface, facets: &Facets) -> Result<(), CutError> {
-        let mut corner = 0;
-        while let Some(tip) = Tip::from_corner(facets, corner) {
-            corner = tip.last + 1;
-            let vertex = facets.vertex_at(tip.first);
+        for tip in Tip::all(facets) {
+            let vertex = tip.vertex(facets, tip.first);
             let is_reached = |node: &Node| node.on == On::Tip(vertex);
             if self.nodes.iter().any(is_reached) {
                 continue;
@@ -186,7 +184,7 @@ impl Trace {
 
     /// Appends the nodes along a tip. Returns the segment with which the curve leaves it.
     fn follow_tip(&mut self, surface: &Surface, facets: &Facets, tip: Tip) -> Option<usize> {
-        let last = facets.vertex_at(tip.last);
+        let last = tip.vertex(facets, tip.last);
         let next = self.segments.iter().position(|s| s.from == End::Tip(last));
         for corner in tip.first..=tip.last {
             // The facet on the inner side of the edge to the next corner.
@@ -194,7 +192,7 @@ impl Trace {
                 Some(next) if corner == tip.last => self.segments[next].facet,
                 _ => 2 * corner.min(tip.last.saturating_sub(1)),
             };
-            let vertex = facets.vertex_at(corner);
+            let vertex = tip.vertex(facets, corner);
             self.nodes.push(Node::at_tip(surface, vertex, facet));
         }
         next

@@ -117,7 +117,13 @@ impl Chains {
     pub(super) fn find_tips(&mut self, edit: &Edit<'_>, at: &Opening<'_>, sides: &Sides) {
         self.tips.clear();
         let weld = at.facets.weld();
-        for (corner, &vertex) in (0..).zip(&weld.vertices) {
+        let ends = (0..).zip(&weld.vertices);
+        let ends = ends.flat_map(|(corner, &[ends, begins])| {
+            let begins = (begins != ends).then_some((corner, begins, [false, true]));
+            let ends = (corner, ends, [true, begins.is_none()]);
+            [Some(ends), begins].into_iter().flatten()
+        });
+        for (corner, vertex, [may_end, may_begin]) in ends {
             let is_own = |node: &Node| node.on == On::Tip(vertex);
             let Some(node) = at.nodes.iter().position(is_own).map(index_u32) else {
                 continue;
@@ -129,26 +135,27 @@ impl Chains {
                 let along = i.and_then(|i| weld.half_edges.get(i as usize));
                 along.is_some_and(|h| !h.is_null())
             };
+            let begins = may_begin && is_joined(Some(corner));
+            let ends = may_end && is_joined(corner.checked_sub(1));
             let (prev, next) = (at.rim.prev[node as usize], at.rim.next[node as usize]);
             let facet = |node: u32| at.nodes[node as usize].facet;
             // The facets around the corner that are inside the body, from the tip on: all, unless
             // the curve leaves the tip there.
             let (quad, inside) = (2 * corner, u32::MAX);
-            let [diagonal, rib, beyond] =
-                if is_joined(Some(corner)) && is_joined(corner.checked_sub(1)) {
-                    [true; 3]
-                } else if is_joined(Some(corner)) {
-                    let from = if prev == NO_NODE { inside } else { facet(prev) };
-                    [
-                        from != quad,
-                        from != quad && from != quad + 1,
-                        from == inside,
-                    ]
-                } else {
-                    let to = if next == NO_NODE { inside } else { facet(node) };
-                    let is_before = quad.checked_sub(2) == Some(to);
-                    [to == quad || to == inside, !is_before, to == inside]
-                };
+            let [diagonal, rib, beyond] = if begins && ends {
+                [true; 3]
+            } else if begins {
+                let from = if prev == NO_NODE { inside } else { facet(prev) };
+                [
+                    from != quad,
+                    from != quad && from != quad + 1,
+                    from == inside,
+                ]
+            } else {
+                let to = if next == NO_NODE { inside } else { facet(node) };
+                let is_before = quad.checked_sub(2) == Some(to);
+                [to == quad || to == inside, !is_before, to == inside]
+            };
             let along = if prev == NO_NODE || at.rim.next[node as usize] != NO_NODE {
                 node
             } else {

@@ -29,15 +29,21 @@ impl Chains {
     /// Returns the tip at an end of a sweep edge and whether the edge is inside the body there.
     fn tip_at(&self, facets: &Facets, edge: u32, end: usize, solid: u32) -> Option<(u32, bool)> {
         let corner = facets.edges()[edge as usize].ends[end];
-        let found = self.tips.binary_search_by_key(&corner, |tip| tip.corner);
-        let tip = found.ok().map(|i| &self.tips[i]);
-        let tip = tip.filter(|tip| tip.solid == solid)?;
-        let is_inside = match facets.kind(edge) {
-            EdgeKind::Rib => tip.rib,
-            EdgeKind::Diagonal => tip.diagonal,
-            _ => tip.beyond,
-        };
-        Some((tip.node, is_inside))
+        let kind = facets.kind(edge);
+        let from = self.tips.partition_point(|tip| tip.corner < corner);
+        let own = self.tips[from..]
+            .iter()
+            .take_while(|tip| tip.corner == corner);
+        let own = own.filter(|tip| tip.solid == solid).map(|tip| {
+            let is_inside = match kind {
+                EdgeKind::Rib => tip.rib,
+                EdgeKind::Diagonal => tip.diagonal,
+                _ => tip.beyond,
+            };
+            (tip.node, is_inside)
+        });
+        // Of two parts of the tip that end at a corner, the edge is inside at one.
+        own.max_by_key(|&(_, is_inside)| is_inside)
     }
 
     /// Counts how often each corner of the sweep that is on no tip is inside the solid.

@@ -1,7 +1,7 @@
 //! Parts of the tip that a sweep continues.
 
 use crate::intersection::facets::{Facets, Weld};
-use incise_mesh::{HalfEdge, VertexId, index_u32};
+use incise_mesh::{VertexId, index_u32};
 
 /// A part of the tip that the sweep continues: corners of the sweep joined by edges of the surface,
 /// or a single one in a sheet.
@@ -17,24 +17,44 @@ impl Tip {
         self.first < self.last
     }
 
-    /// Returns the first tip whose corners are `corner` or later.
-    pub(super) fn from_corner(facets: &Facets, corner: u32) -> Option<Self> {
+    /// Returns the vertex at a corner of the tip.
+    pub(super) fn vertex(self, facets: &Facets, corner: u32) -> VertexId {
+        let [ends, begins] = facets.vertices_at(corner);
+        if corner == self.last && self.is_joined() {
+            ends
+        } else {
+            begins
+        }
+    }
+
+    /// Iterates over all parts of the tip.
+    pub(super) fn all(facets: &Facets) -> impl Iterator<Item = Self> + '_ {
         let Weld {
             vertices,
             half_edges,
         } = facets.weld();
-        let mut corners = vertices.iter().enumerate().skip(corner as usize);
-        let first = corners.find(|(_, vertex)| !vertex.is_null())?.0;
-        let joined = half_edges.iter().skip(first).take_while(|h| !h.is_null());
-        let (first, last) = (index_u32(first), index_u32(first + joined.count()));
-        Some(Self { first, last })
+        let is_joined = |i: usize| half_edges.get(i).is_some_and(|h| !h.is_null());
+        let passes = move |i: usize| {
+            let [ends, begins] = vertices[i];
+            ends == begins && i > 0 && is_joined(i - 1) && is_joined(i)
+        };
+        let begins = move |&i: &usize| {
+            let [ends, begins] = vertices[i];
+            let is_end = i > 0 && is_joined(i - 1) && ends == begins;
+            !begins.is_null() && !is_end
+        };
+        (0..vertices.len()).filter(begins).map(move |first| {
+            let mut last = first;
+            while is_joined(last) && (last == first || passes(last)) {
+                last += 1;
+            }
+            let (first, last) = (index_u32(first), index_u32(last));
+            Self { first, last }
+        })
     }
 
-    /// Returns the tip that begins at a vertex.
+    /// Returns the part of the tip that begins at a vertex.
     pub(super) fn from_vertex(facets: &Facets, vertex: VertexId) -> Option<Self> {
-        let corner = facets.weld().vertices.iter().position(|&v| v == vertex)?;
-        let before = corner.checked_sub(1).map(|i| facets.weld().half_edges[i]);
-        let is_first = before.is_none_or(HalfEdge::is_null);
-        Self::from_corner(facets, index_u32(corner)).filter(|_| is_first)
+        Self::all(facets).find(|tip| tip.vertex(facets, tip.first) == vertex)
     }
 }
