@@ -19,9 +19,9 @@ use std::path::{Path, PathBuf};
 /// through the body only.
 #[derive(clap::Args)]
 pub(crate) struct ViewArguments {
-    /// A mesh, closed or a sheet (obj, ply, stl, glb or gltf; units are meters), or a built-in model: Sphere20,
-    /// Sphere80, Sphere768, Bunny, Octopus, Banana or Armadillo. A file of the same name takes
-    /// precedence.
+    /// A mesh, closed or a sheet (obj, ply, stl, glb or gltf; units are meters), or a built-in
+    /// model: Sphere20, Sphere80, Sphere768, Bunny, Octopus, Banana or Armadillo. A file of the
+    /// same name takes precedence.
     #[arg(value_name = "FILE|MODEL", default_value = "Sphere768")]
     input: PathBuf,
     #[command(flatten)]

@@ -199,7 +199,8 @@ fn a_refusal(display: &Display) {
     let folder = tempfile::tempdir().expect("a folder");
     let mut driver = WindowDriver::start(display, folder.path(), &[]);
     driver.key('h');
-    // A line that ends inside the ball, by the paper's method. The error message is red, like the line and like caps.
+    // A line that ends inside the ball, by the paper's method. The error message is red, like the
+    // line and like caps.
     driver.key('m');
     driver.drag(1, [20, 250], [400, 300]);
     let height = usize::from(window_driver::SIZE[1]);
