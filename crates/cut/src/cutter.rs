@@ -20,11 +20,11 @@ use std::time::Instant;
 /// Differences in 53 bits then keep all 24 bits of the body's coordinates.
 const MAX_SWEEP_RATIO: f64 = (1u64 << 29) as f64;
 
-/// Displacements of a blade with which a step is tried, the next one if its tip would end on a mesh
-/// edge, or if the cut is impossible there [local edge lengths].
+/// Displacements tried in turn until a step can be cut and its tip does not end on a mesh edge
+/// [local edge lengths].
 const DISPLACEMENTS: [f64; 4] = [0.0, 1e-3, -1e-3, 1e-2];
 
-/// Minimum of [`Trace::end_clearance`], unless no displacement has that.
+/// Minimum [`Trace::end_clearance`] of the first round of displacements; the second accepts any.
 const MIN_CLEARANCE: f64 = 2e-4;
 
 /// The end of an earlier cut at which a sweep goes on.
@@ -50,8 +50,6 @@ pub struct Cutter {
     separator: Separator,
     /// Whether the surface may have a boundary, so that it must be asked which pieces are sheets.
     has_sheets: bool,
-    /// Whether this cutter has made incisions.
-    has_walls: bool,
 }
 
 /// A state of a surface: equal for equal triangles and positions, and for no others.
@@ -85,7 +83,6 @@ impl Cutter {
             exact: Exact::default(),
             separator: Separator::default(),
             has_sheets: !surface.topology().is_closed(),
-            has_walls: false,
         }
     }
 
@@ -120,7 +117,7 @@ impl Cutter {
     /// Iterates over the cross-sections of the last cut by the exact method, one for each triangle
     /// of the sweep that has any, with the target edge length at each of their points \[m\].
     ///
-    /// Both caps cover them. Nothing before the first cut.
+    /// Both caps cover them. Nothing before the first cut and in sheets.
     pub fn sections(&self) -> impl Iterator<Item = (Section<'_>, &[f64])> {
         self.exact.sections()
     }
@@ -228,8 +225,8 @@ impl Cutter {
     /// starts a new incision.
     ///
     /// # Errors
-    /// [`CutError`]; the surface is then bit for bit what it was, and so is the incision. Call
-    /// [`Incision::restart`] to go on from another pose.
+    /// [`CutError`]; the surface is then bit for bit what it was, and the blade keeps its last
+    /// pose. Call [`Incision::restart`] to go on from another pose.
     pub fn advance(
         &mut self,
         surface: &mut Surface,
@@ -316,6 +313,13 @@ impl Cutter {
         if !self.candidates.is_empty() {
             self.check_sweep_size(sweep)?;
         }
+        if matches!(params.method, CutMethod::Paper(_))
+            && let Some(along) =
+                from.and_then(|from| from.weld.half_edges.iter().find(|h| !h.is_null()))
+        {
+            let triangle = along.triangle();
+            return Err(CutError::IncisionByPaper { triangle });
+        }
         let none = Weld::default();
         self.facets
             .read(sweep, from.map_or(&none, |from| from.weld));
@@ -365,7 +369,6 @@ impl Cutter {
             facets: &self.facets,
             trace: &self.trace,
             is_sheet: &is_sheet,
-            may_share_walls: self.has_walls || outcome_mut.report.slits > 0,
         };
         match params.method {
             CutMethod::Exact(exact) => {
@@ -380,7 +383,6 @@ impl Cutter {
         }
         if !outcome.is_miss() {
             self.has_sheets |= params.caps == Caps::None;
-            self.has_walls |= outcome.report.slits > 0;
             let begin = Instant::now();
             self.bvh.update(surface, &outcome.delta);
             self.version.topology = surface.fingerprint();

@@ -9,8 +9,9 @@
 //!    sections and closes both sides. [`rest`] interpolates rest positions inside the body.
 //! 6. [`crate::separate`] gives separated parts piece numbers of their own.
 //!
-//! A curve that ends where the sweep does makes an incision: both sides share the vertex at the end
-//! and, along the sweep's boundary inside the body, the tip at which the walls meet.
+//! A curve may end where the sweep ends. Both sides then share the vertex at the end; in a body,
+//! the walls meet along the tip, the sweep's boundary inside the body. Sheets get neither caps nor
+//! walls. [`verify`] checks the result.
 //!
 //! All of it is one [`incise_mesh::Edit`], which restores every byte if a step fails. Time is
 //! O(k log k) for k triangles hit and made, plus all triangles of separated parts but the largest.
@@ -265,12 +266,10 @@ impl Exact {
         report.cap += begin.elapsed();
         let begin = Instant::now();
         let (delta, undo) = edit.finish();
-        if at.may_share_walls {
-            let may_be_open = trace.curves.iter().any(|curve| !curve.is_capped);
-            if let Some(vertex) = verify::find_defect(surface, &delta, may_be_open) {
-                undo.revert(surface).expect("the last edit can be undone");
-                return Err(CutError::NotManifold { vertex });
-            }
+        let may_be_open = trace.curves.iter().any(|curve| !curve.is_capped);
+        if let Some(vertex) = verify::find_defect(surface, &delta, may_be_open) {
+            undo.revert(surface).expect("the last edit can be undone");
+            return Err(CutError::NotManifold { vertex });
         }
         outcome.delta = delta;
         outcome.undo = Some(undo);

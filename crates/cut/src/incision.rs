@@ -16,8 +16,8 @@ use path::{Path, do_vanish};
 /// Smaller steps add up, so that walls do not get triangles far smaller than the surface's.
 const MIN_STEP: f64 = 0.5;
 
-/// Ratio of the edge lengths of two steps, at least.
-const MAX_SHRINKAGE: f64 = 0.7;
+/// Minimum ratio of the local edge length of a step to that of the step before.
+const MIN_LOCAL_RATIO: f64 = 0.7;
 
 /// Distance from its path within which the blade moves back in its own slit [local edge lengths].
 const PATH_WIDTH: f64 = 0.25;
@@ -30,6 +30,9 @@ const PATH_WIDTH: f64 = 0.25;
 ///
 /// A blade that moves back the way it came cuts nothing until it is at the tip again. Where it
 /// leaves that way, it cuts a branch.
+///
+/// The undo of a cut does not restore it: keep a clone from before each step and put that back, or
+/// call [`Self::restart`].
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Incision {
     pose: Vec<[f32; 3]>,
@@ -109,7 +112,7 @@ impl Incision {
             self.local = 0.0;
         }
         // The edges beside a tip are parts of those that it has cut.
-        self.local = local.max(self.local * MAX_SHRINKAGE);
+        self.local = local.max(self.local * MIN_LOCAL_RATIO);
         self.pose.clear();
         self.pose.extend_from_slice(pose);
         self.back = None;
@@ -161,15 +164,16 @@ impl Incision {
         bvh: &Bvh,
         blade: &[[f32; 3]],
     ) -> Result<Option<Stroke>, CutError> {
+        if blade.len() < 2 {
+            let [previous, current] = [blade.len(); 2];
+            return Err(CutError::PolylineLength { previous, current });
+        }
+        if let Some(corner) = (blade.iter()).position(|p| !p.iter().all(|x| x.is_finite())) {
+            return Err(CutError::SweepNotFinite { corner });
+        }
         if self.pose.len() != blade.len() {
             self.restart(blade);
-            // A blade without length or with NaN is reported at once.
-            return Sweep::strip(blade, blade)
-                .map(|_| None)
-                .or_else(|error| match error {
-                    CutError::BladeDegenerate => Ok(None),
-                    error => Err(error),
-                });
+            return Ok(None);
         }
         self.check_tip(surface);
         if self.is_inside() {

@@ -10,7 +10,8 @@ use std::time::Duration;
 pub struct CutOutcome {
     /// The change; empty after a miss.
     pub delta: TopologyDelta,
-    /// The triangles of the caps.
+    /// The triangles of caps and walls: those below the sweep, then as many above it. Empty for
+    /// sheets.
     pub cap: Vec<TriangleId>,
     /// Undoes the cut; none after a miss.
     pub undo: Option<Undo>,
@@ -75,7 +76,7 @@ pub struct CutReport {
     pub refinement: Duration,
     /// Time of numbering the pieces.
     pub separation: Duration,
-    /// Time of deriving the delta and the undo.
+    /// Time of deriving the delta and the undo, and of checking the result.
     pub commit: Duration,
     /// Time of updating the BVH.
     pub bvh_update: Duration,

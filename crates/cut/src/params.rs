@@ -14,9 +14,10 @@ pub struct CutParams {
     pub refine: RefineParams,
     /// The curves along which the exact method closes the surface again.
     pub caps: Caps,
-    /// The material of caps.
+    /// The material of caps and walls.
     pub cap_material: u32,
-    /// Cuts only this piece of the surface; the sweep passes through the others.
+    /// Cuts only this piece of the surface; the sweep passes through the others. A step of an
+    /// incision may renumber the piece of its tip.
     pub only_piece: Option<u32>,
 }
 
@@ -38,21 +39,22 @@ impl Default for CutParams {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Caps {
-    /// Those in pieces without boundary. A piece with boundary is a sheet and stays open.
+    /// Caps bodies. A piece with a boundary is a sheet and stays open.
     #[default]
     Bodies,
-    /// Those in pieces without boundary and all closed curves in sheets: for the scan of a body
-    /// that has holes elsewhere.
+    /// Caps bodies and closed curves in sheets, for scans with holes elsewhere. Steps of a blade in
+    /// a sheet make open curves, which stay open.
     AllLoops,
-    /// None: also a body is a sheet after the cut.
+    /// Caps nothing. A cut body becomes a sheet.
     None,
 }
 
 /// A method to open a surface along a sweep. The default is [`Self::Exact`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CutMethod {
-    /// Splits the hit triangles along the sweep. The surface loses no area, a cross-section may
-    /// have any shape, and the time depends on the triangles near the sweep only.
+    /// Splits the hit triangles along the sweep. The surface loses no area, and a cross-section may
+    /// have any shape. The time depends on the triangles near the sweep, plus one pass over all
+    /// triangles if the surface has sheets.
     Exact(ExactParams),
     /// Deletes the hit triangles, rebuilds the boundary from the intersection points, patches and
     /// refines the hole (the paper's Algorithms 2, 3, A2, 4 and A3).

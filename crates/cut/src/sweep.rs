@@ -65,7 +65,8 @@ impl Sweep {
             .map(|(&p, &q)| to_f64(q) - to_f64(p))
             .sum();
         let along = motion.try_normalize(0.0).unwrap_or_default();
-        let offset = (normal + along * 0.6) * length;
+        // Not in any plane of the sweep or across it, which may be those of mesh edges.
+        let offset = (normal + along * 0.6).normalize() * length;
         let to: Vec<[f32; 3]> = to.iter().map(|&p| to_f32(to_f64(p) + offset)).collect();
         Self::strip(from, &to)
     }

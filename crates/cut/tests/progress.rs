@@ -340,6 +340,37 @@ fn a_blade_that_turns_about_its_end_keeps_its_tip() {
 }
 
 #[test]
+fn a_blade_that_is_no_polyline_is_an_error() {
+    let mut body = icosphere(2, 0.5);
+    let mut cutter = Cutter::new(&body);
+    let mut incision = Incision::default();
+    for x in [-0.8, -0.2] {
+        let pose = [[x, 0.01, -1.0], [x, 0.02, 1.0]];
+        let _ = cutter
+            .advance(&mut body, &mut incision, &pose, &params(0.1))
+            .unwrap();
+    }
+    assert!(incision.is_inside(), "the blade is inside");
+    let before = (body.clone(), incision.clone());
+    for _ in 0..2 {
+        for blade in [&[[0.1, 0.0, 0.0]][..], &[][..]] {
+            let refused = cutter.advance(&mut body, &mut incision, blade, &params(0.1));
+            assert!(
+                matches!(refused, Err(CutError::PolylineLength { .. })),
+                "{refused:?}"
+            );
+        }
+        let blade = [[f32::NAN, 0.01, -1.0], [0.2, 0.02, 1.0]];
+        let refused = cutter.advance(&mut body, &mut incision, &blade, &params(0.1));
+        assert!(
+            matches!(refused, Err(CutError::SweepNotFinite { corner: 0 })),
+            "{refused:?}"
+        );
+    }
+    assert_eq!((body, incision), before);
+}
+
+#[test]
 fn a_motion_along_the_edge_outside_is_no_cut() {
     let whole = icosphere(3, 0.5);
     let mut body = whole.clone();

@@ -1,14 +1,14 @@
 //! Checks a surface where a cut has changed it.
 //!
-//! The walls of incisions coincide, and share vertices at tips and ends. A later cut across them
-//! may need an edge twice. Nothing local tells so before all parts are joined.
+//! Walls of incisions coincide and share vertices at tips and ends, so a later cut across them may
+//! need the same edge twice. This shows only after all parts are joined.
 
-use incise_mesh::{HalfEdge, Surface, TopologyDelta, VertexId};
+use incise_mesh::{HalfEdge, Surface, Topology, TopologyDelta, VertexId};
 
 /// Returns a vertex around which a changed surface is not a manifold, if there is one.
 ///
-/// Every half-edge must run against its twin, and every vertex of a new triangle must have one fan
-/// with different neighbors; unless `may_be_open` the fan is closed. O(k log k) for k triangles.
+/// Every half-edge must run against its twin. The new triangles of a vertex must be in one closed
+/// fan, or if `may_be_open` in open fans, with different neighbors. O(k log k) for k triangles.
 pub(super) fn find_defect(
     surface: &Surface,
     delta: &TopologyDelta,
@@ -31,26 +31,56 @@ pub(super) fn find_defect(
     }
     corners.sort_unstable();
     let mut neighbors: Vec<VertexId> = Vec::new();
+    let mut reached: Vec<HalfEdge> = Vec::new();
     let is_defect = |own: &&[(VertexId, HalfEdge)]| {
-        let vertex = own[0].0;
         neighbors.clear();
-        let mut new = 0;
-        let mut is_open = false;
-        for h in topology.outgoing_fan(vertex) {
-            neighbors.push(topology.target(h));
-            new += usize::from(own.binary_search(&(vertex, h)).is_ok());
-            if topology.twin(h.prev()).is_null() {
-                neighbors.push(topology.origin(h.prev()));
-                is_open = true;
+        reached.clear();
+        let mut fans = 0;
+        let mut is_open = true;
+        for &(_, h) in *own {
+            if reached.contains(&h) {
+                continue;
+            }
+            fans += 1;
+            let first = first_of_fan(topology, h);
+            is_open &= topology.twin(first).is_null();
+            let mut at = first;
+            loop {
+                reached.push(at);
+                neighbors.push(topology.target(at));
+                let next = topology.twin(at.prev());
+                if next.is_null() {
+                    neighbors.push(topology.origin(at.prev()));
+                }
+                if next.is_null() || next == first {
+                    break;
+                }
+                at = next;
             }
         }
         let count = neighbors.len();
         neighbors.sort_unstable();
         neighbors.dedup();
-        new != own.len() || neighbors.len() != count || count < 3 - usize::from(is_open)
+        let is_simple = is_open || fans == 1;
+        !is_simple || neighbors.len() != count || count < 3 - usize::from(is_open)
     };
     corners
         .chunk_by(|a, b| a.0 == b.0)
         .find(is_defect)
         .map(|own| own[0].0)
+}
+
+/// Returns the first half-edge of the fan of `h`, at a boundary; or `h` itself.
+fn first_of_fan(topology: &Topology, h: HalfEdge) -> HalfEdge {
+    let mut at = h;
+    loop {
+        let twin = topology.twin(at);
+        if twin.is_null() {
+            return at;
+        }
+        at = twin.next();
+        if at == h {
+            return h;
+        }
+    }
 }

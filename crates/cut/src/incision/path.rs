@@ -82,6 +82,10 @@ pub(super) fn do_vanish(from: [Vec3; 2], to: [Vec3; 2], earliest: f64, width: f6
     let change = [0, 1].map(|k| to[k] - from[k]);
     let along: f64 = (0..2).map(|k| change[k].dot(&from[k])).sum();
     let length: f64 = change.iter().map(Vec3::norm_squared).sum();
-    let part = (-along / length).clamp(earliest, 1.0);
+    let part = if length > 0.0 {
+        (-along / length).clamp(earliest, 1.0)
+    } else {
+        1.0
+    };
     (0..2).all(|k| (from[k] + change[k] * part).norm() <= width)
 }

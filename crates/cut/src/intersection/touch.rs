@@ -76,7 +76,8 @@ impl Touch {
         self.tolerance = (ROUNDING * coordinate).min(MAX_HEIGHT * length / count);
     }
 
-    /// Returns whether a closed curve only touches the surface. See the module.
+    /// Returns whether a curve without ends inside a triangle only touches the surface. See the
+    /// module.
     ///
     /// O(1) unless the curve begins within rounding of vertices. All curves of a cut together
     /// visit each vertex on the sweep a few times.

@@ -47,8 +47,8 @@ impl Chord {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Curve {
     pub(crate) nodes: Range<u32>,
-    /// Whether the first node follows the last one; else both are on the sweep's boundary or the
-    /// surface's.
+    /// Whether the first node follows the last one. Else each end is on the sweep's boundary, on
+    /// the surface's boundary, or at a tip.
     pub(crate) is_closed: bool,
     /// Whether the section that it bounds is closed by caps or walls.
     pub(crate) is_capped: bool,

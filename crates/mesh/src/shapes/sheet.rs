@@ -3,10 +3,10 @@
 use crate::geometry::{Vec3, to_f32};
 use crate::surface::Surface;
 
-/// Returns a rectangle in the plane z = 0 around the origin, its normal along z.
+/// Returns a rectangular sheet in the plane z = 0, centered at the origin, with normal +z.
 ///
-/// `size` is the width and the height \[m\], `cells` the numbers of squares along them (at least
-/// 1), of two triangles each with alternating diagonals.
+/// `size` is the extent along x and y \[m\], `cells` the number of squares along each; 0 counts as
+/// 1. Each square has two triangles, with alternating diagonals.
 ///
 /// # Panics
 /// If the ids exceed 32 bits.

@@ -59,7 +59,8 @@ impl Trace {
 
     /// Returns a mesh triangle that the sweep's boundary pierces, if a curve ends there.
     pub(crate) fn open_end(&self) -> Option<TriangleId> {
-        self.triangle_of(self.curves.iter().find(|curve| self.has_end(curve))?)
+        let mut open = self.curves.iter().filter(|curve| self.has_end(curve));
+        open.find_map(|curve| self.triangle_of(curve))
     }
 
     /// Returns a mesh triangle that a curve without caps crosses.
