@@ -1,7 +1,7 @@
 //! [`Cutter`]: cuts a surface along sweeps, keeps its BVH up to date and refuses a stale one.
 
 use crate::error::CutError;
-use crate::exact::Exact;
+use crate::exact::{Exact, has_walls};
 use crate::incision::{Incision, Stroke};
 use crate::intersection::Intersection;
 use crate::intersection::facets::{Facets, Weld};
@@ -50,6 +50,8 @@ pub struct Cutter {
     separator: Separator,
     /// Whether the surface may have a boundary, so that it must be asked which pieces are sheets.
     has_sheets: bool,
+    /// Whether the surface has walls of incisions, so that cuts are checked.
+    has_walls: bool,
 }
 
 /// A state of a surface: equal for equal triangles and positions, and for no others.
@@ -83,6 +85,7 @@ impl Cutter {
             exact: Exact::default(),
             separator: Separator::default(),
             has_sheets: !surface.topology().is_closed(),
+            has_walls: has_walls(surface),
         }
     }
 
@@ -96,6 +99,7 @@ impl Cutter {
         } else {
             self.bvh.rebuild(surface);
             self.has_sheets = !surface.topology().is_closed();
+            self.has_walls = has_walls(surface);
             self.exact.forget();
         }
         self.version = SurfaceVersion::new(surface);
@@ -369,6 +373,7 @@ impl Cutter {
             facets: &self.facets,
             trace: &self.trace,
             is_sheet: &is_sheet,
+            may_share_walls: self.has_walls || outcome_mut.report.slits > 0,
         };
         match params.method {
             CutMethod::Exact(exact) => {
@@ -383,6 +388,7 @@ impl Cutter {
         }
         if !outcome.is_miss() {
             self.has_sheets |= params.caps == Caps::None;
+            self.has_walls |= outcome.report.slits > 0;
             let begin = Instant::now();
             self.bvh.update(surface, &outcome.delta);
             self.version.topology = surface.fingerprint();

@@ -11,7 +11,7 @@
 //!
 //! A curve may end where the sweep ends. Both sides then share the vertex at the end; in a body,
 //! the walls meet along the tip, the sweep's boundary inside the body. Sheets get neither caps nor
-//! walls. [`verify`] checks the result.
+//! walls. [`verify`] checks the result near walls.
 //!
 //! All of it is one [`incise_mesh::Edit`], which restores every byte if a step fails. Time is
 //! O(k log k) for k triangles hit and made, plus all triangles of separated parts but the largest.
@@ -51,6 +51,7 @@ use section::{Rims, target_lengths};
 use snap::Snapper;
 use split::Splitter;
 use std::time::Instant;
+pub(crate) use verify::has_walls;
 
 /// Scratch memory, kept between cuts.
 #[derive(Debug, Clone, Default)]
@@ -267,7 +268,9 @@ impl Exact {
         let begin = Instant::now();
         let (delta, undo) = edit.finish();
         let may_be_open = trace.curves.iter().any(|curve| !curve.is_capped);
-        if let Some(vertex) = verify::find_defect(surface, &delta, may_be_open) {
+        if at.may_share_walls
+            && let Some(vertex) = verify::find_defect(surface, &delta, may_be_open)
+        {
             undo.revert(surface).expect("the last edit can be undone");
             return Err(CutError::NotManifold { vertex });
         }

@@ -21,4 +21,6 @@ pub(crate) struct Intersection<'a> {
     pub(crate) trace: &'a Trace,
     /// By piece, whether it is a sheet; empty if none is.
     pub(crate) is_sheet: &'a [bool],
+    /// Whether the surface has walls of incisions, or gets some.
+    pub(crate) may_share_walls: bool,
 }

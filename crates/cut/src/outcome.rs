@@ -76,7 +76,7 @@ pub struct CutReport {
     pub refinement: Duration,
     /// Time of numbering the pieces.
     pub separation: Duration,
-    /// Time of deriving the delta and the undo, and of checking the result.
+    /// Time of deriving the delta and the undo, and of checking the result near walls.
     pub commit: Duration,
     /// Time of updating the BVH.
     pub bvh_update: Duration,

@@ -419,3 +419,24 @@ fn a_sweep_through_vertices_has_room_at_its_ends() {
         assert_ne!(body.rest_position(a), body.rest_position(b), "{a} and {b}");
     }
 }
+
+#[test]
+fn a_new_cutter_slices_across_the_walls_of_an_incision() {
+    let mut slit = cube_sphere(8, 0.5);
+    let stroke = Sweep::new(
+        [[-0.8, 0.01, -1.0], [-0.8, 0.02, 1.0]],
+        [[0.1, 0.01, -1.0], [0.1, 0.02, 1.0]],
+    );
+    let outcome = Cutter::new(&slit).incise(&mut slit, &stroke.unwrap(), &params(0.1));
+    assert_eq!(outcome.unwrap().report.slits, 1);
+    for i in 0..24u8 {
+        let angle = f64::from(i) * 0.26;
+        let normal = [angle.sin(), angle.cos(), 0.3 * (3.0 * angle).sin()];
+        let plane = Sweep::from_plane(normal, 0.02 * f64::from(i % 5), &slit.bounds()).unwrap();
+        let mut body = slit.clone();
+        let outcome = Cutter::new(&body).cut(&mut body, &plane, &params(0.1));
+        let _ = outcome.unwrap_or_else(|error| panic!("plane {i}: {error}"));
+        check(&body);
+        assert!(body.piece_count() > 1, "plane {i}");
+    }
+}

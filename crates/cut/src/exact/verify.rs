@@ -5,6 +5,19 @@
 
 use incise_mesh::{HalfEdge, Surface, Topology, TopologyDelta, VertexId};
 
+/// Returns whether a surface has walls of incisions. O(n).
+///
+/// Two walls are mirror images at rest. So at their tip, two triangles with a common edge have the
+/// same third position.
+pub(crate) fn has_walls(surface: &Surface) -> bool {
+    let topology = surface.topology();
+    topology.edges().any(|h| {
+        let twin = topology.twin(h);
+        let across = |h: HalfEdge| surface.rest_position(topology.origin(h.prev()));
+        !twin.is_null() && across(h) == across(twin)
+    })
+}
+
 /// Returns a vertex around which a changed surface is not a manifold, if there is one.
 ///
 /// Every half-edge must run against its twin. The new triangles of a vertex must be in one closed
