@@ -111,7 +111,7 @@ impl Incision {
             self.path.start(&self.pose);
             self.local = 0.0;
         }
-        // The edges beside a tip are parts of those that it has cut.
+        // Edges beside the tip are short, because the last step split them.
         self.local = local.max(self.local * MIN_LOCAL_RATIO);
         self.pose.clear();
         self.pose.extend_from_slice(pose);

@@ -102,8 +102,8 @@ impl Rim {
             _ if below == above && prev == NO_NODE => sides.rim[node as usize][1],
             _ if below == above => sides.rim[prev as usize][0],
             // At the surface's boundary the rim's last half-edge runs to the vertex.
-            0 => first_at_boundary(topology, sides.rim[node as usize][0].next()),
-            _ => first_at_boundary(topology, sides.rim[prev as usize][1].next()),
+            0 => topology.first_in_fan(sides.rim[node as usize][0].next()),
+            _ => topology.first_in_fan(sides.rim[prev as usize][1].next()),
         };
         std::iter::from_fn(move || {
             if at.is_null() {
@@ -145,13 +145,4 @@ impl Rim {
         }
         out.push(last);
     }
-}
-
-/// Returns the half-edge at a boundary that leaves the same vertex, clockwise from `h`.
-fn first_at_boundary(topology: &Topology, h: HalfEdge) -> HalfEdge {
-    let mut at = h;
-    while !topology.twin(at).is_null() {
-        at = topology.twin(at).next();
-    }
-    at
 }

@@ -3,7 +3,7 @@
 //! Walls of incisions coincide and share vertices at tips and ends, so a later cut across them may
 //! need the same edge twice. This shows only after all parts are joined.
 
-use incise_mesh::{HalfEdge, Surface, Topology, TopologyDelta, VertexId};
+use incise_mesh::{HalfEdge, Surface, TopologyDelta, VertexId};
 
 /// Returns whether a surface has walls of incisions. O(n).
 ///
@@ -55,7 +55,7 @@ pub(super) fn find_defect(
                 continue;
             }
             fans += 1;
-            let first = first_of_fan(topology, h);
+            let first = topology.first_in_fan(h);
             is_open &= topology.twin(first).is_null();
             let mut at = first;
             loop {
@@ -81,19 +81,4 @@ pub(super) fn find_defect(
         .chunk_by(|a, b| a.0 == b.0)
         .find(is_defect)
         .map(|own| own[0].0)
-}
-
-/// Returns the first half-edge of the fan of `h`, at a boundary; or `h` itself.
-fn first_of_fan(topology: &Topology, h: HalfEdge) -> HalfEdge {
-    let mut at = h;
-    loop {
-        let twin = topology.twin(at);
-        if twin.is_null() {
-            return at;
-        }
-        at = twin.next();
-        if at == h {
-            return h;
-        }
-    }
 }

@@ -126,8 +126,8 @@ impl Trace {
 
     /// Follows the curves that begin at the end of a tip.
     ///
-    /// A curve that returns to the tip is closed. A curve that starts inside the body is open, and
-    /// so is one that starts at the tip of a sheet.
+    /// A curve that returns to the tip is closed. A curve that starts inside the body or at the tip
+    /// of a sheet is open.
     fn follow_tips(&mut self, surface: &Surface, facets: &Facets) -> Result<(), CutError> {
         for tip in Tip::all(facets) {
             let vertex = tip.vertex(facets, tip.first);

@@ -29,8 +29,9 @@ impl Bvh {
         }
     }
 
-    /// Answers a query of many triangles: each node is tested only against those that may touch its
-    /// parent.
+    /// Runs a query of many triangles.
+    ///
+    /// Tests a node only against the triangles that may touch its parent.
     fn query_many(&self, surface: &Surface, slabs: &[Slab], out: &mut Vec<TriangleId>) {
         if self.nodes.is_empty() {
             return;

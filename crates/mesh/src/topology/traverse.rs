@@ -9,7 +9,12 @@ impl Topology {
     /// At a boundary vertex the iteration starts at the boundary. If `v` has several fans, only
     /// that of `outgoing(v)` is visited.
     pub fn outgoing_fan(&self, v: VertexId) -> impl Iterator<Item = HalfEdge> + '_ {
-        let start = self.fan_start(v);
+        let first = self.outgoing(v);
+        let start = if first.is_null() {
+            first
+        } else {
+            self.first_in_fan(first)
+        };
         let mut at = start;
         std::iter::from_fn(move || {
             if at.is_null() {
@@ -48,20 +53,20 @@ impl Topology {
             .all(|h| !self.twin(h).is_null())
     }
 
-    fn fan_start(&self, v: VertexId) -> HalfEdge {
-        let first = self.outgoing(v);
-        if first.is_null() {
-            return first;
-        }
-        let mut at = first;
+    /// Returns the first half-edge of the fan of `h`: at the boundary, or `h` in a closed fan.
+    ///
+    /// Valid also during an edit, unlike [`Self::outgoing_fan`].
+    #[must_use]
+    pub fn first_in_fan(&self, h: HalfEdge) -> HalfEdge {
+        let mut at = h;
         loop {
             let twin = self.twin(at);
             if twin.is_null() {
                 return at;
             }
             at = twin.next();
-            if at == first {
-                return first;
+            if at == h {
+                return h;
             }
         }
     }

@@ -70,7 +70,7 @@ impl IncisedBody {
 
     /// Moves the blade to a pose and times it; none for a step that cuts nothing.
     ///
-    /// After the inner error, the incision begins anew at the pose, as in a scene.
+    /// The inner error is a refused cut. A new incision then starts at the pose, as in a scene.
     ///
     /// # Errors
     /// An error of the solver.
