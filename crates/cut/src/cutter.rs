@@ -4,7 +4,7 @@ use crate::error::CutError;
 use crate::exact::{Exact, has_walls};
 use crate::incision::{Incision, Stroke};
 use crate::intersection::Intersection;
-use crate::intersection::facets::{Facets, Weld};
+use crate::intersection::facets::{ContinuedTip, Facets};
 use crate::intersection::trace::{Curve, Trace};
 use crate::outcome::CutOutcome;
 use crate::paper;
@@ -30,7 +30,7 @@ const MIN_CLEARANCE: f64 = 2e-4;
 /// The end of an earlier cut at which a sweep goes on.
 #[derive(Debug, Clone, Copy)]
 struct Continuation<'a> {
-    weld: &'a Weld,
+    tip: &'a ContinuedTip,
     /// Minimum of [`Trace::end_clearance`].
     clearance: f64,
 }
@@ -142,6 +142,9 @@ impl Cutter {
         if is_current {
             self.bvh.update(surface, &delta);
             self.version.topology = surface.fingerprint();
+            // The undone edit may have been any, such as one that filled a hole.
+            self.has_sheets = !surface.topology().is_closed();
+            self.exact.forget();
         } else {
             self.refit(surface);
         }
@@ -215,7 +218,7 @@ impl Cutter {
         sweep: &Sweep,
         params: &CutParams,
     ) -> Result<CutOutcome, CutError> {
-        let outcome = self.try_displaced(surface, sweep, params, &Weld::default());
+        let outcome = self.try_displaced(surface, sweep, params, &ContinuedTip::default());
         outcome.map(|(outcome, _)| outcome)
     }
 
@@ -244,27 +247,29 @@ impl Cutter {
         };
         let Stroke {
             sweep,
-            weld,
-            places,
+            tip,
+            parameters,
         } = stroke;
-        let (outcome, taken) = self.try_displaced(surface, &sweep, params, &weld)?;
+        let (outcome, taken) = self.try_displaced(surface, &sweep, params, &tip)?;
         if outcome.is_miss() {
             incision.restart(blade);
         } else {
-            let tip = self.exact.tip(surface, &self.facets, &self.trace, &places);
+            let tip = self
+                .exact
+                .tip(surface, &self.facets, &self.trace, &parameters);
             incision.finish_step(blade, tip, taken, self.trace.max_local());
         }
         Ok(outcome)
     }
 
-    /// Cuts along a sweep that goes on from `weld`, or along the first displaced one that can be
+    /// Cuts along a sweep that goes on from `tip`, or along the first displaced one that can be
     /// cut, see [`DISPLACEMENTS`]. Returns that sweep as well.
     fn try_displaced(
         &mut self,
         surface: &mut Surface,
         sweep: &Sweep,
         params: &CutParams,
-        weld: &Weld,
+        tip: &ContinuedTip,
     ) -> Result<(CutOutcome, Sweep), CutError> {
         let mut first = None;
         for clearance in [MIN_CLEARANCE, 0.0] {
@@ -272,9 +277,10 @@ impl Cutter {
                 let taken = if displacement == 0.0 {
                     sweep.clone()
                 } else {
-                    sweep.displaced(displacement * self.mean_edge(surface))?
+                    let hits = self.candidates.iter().copied();
+                    sweep.displaced(displacement * surface.mean_edge_length_of(hits))?
                 };
-                let from = Continuation { weld, clearance };
+                let from = Continuation { tip, clearance };
                 match self.cut_along(surface, &taken, params, Some(from)) {
                     Err(
                         error @ (CutError::TipBlocked { .. }
@@ -286,17 +292,6 @@ impl Cutter {
             }
         }
         Err(first.unwrap_or(CutError::OpenSection))
-    }
-
-    /// Returns the mean edge length of the triangles whose boxes touched the last sweep \[m\].
-    #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^53 triangles")]
-    fn mean_edge(&self, surface: &Surface) -> f64 {
-        let perimeter = |&t: &TriangleId| {
-            let [a, b, c] = surface.triangle_positions(t);
-            (b - a).norm() + (c - b).norm() + (a - c).norm()
-        };
-        let sum: f64 = self.candidates.iter().map(perimeter).sum();
-        sum / (3 * self.candidates.len()) as f64
     }
 
     fn cut_along(
@@ -319,16 +314,15 @@ impl Cutter {
         }
         if matches!(params.method, CutMethod::Paper(_))
             && let Some(along) =
-                from.and_then(|from| from.weld.half_edges.iter().find(|h| !h.is_null()))
+                from.and_then(|from| from.tip.half_edges.iter().find(|h| !h.is_null()))
         {
             let triangle = along.triangle();
             return Err(CutError::IncisionByPaper { triangle });
         }
-        let none = Weld::default();
-        self.facets
-            .read(sweep, from.map_or(&none, |from| from.weld));
+        let none = ContinuedTip::default();
+        self.facets.read(sweep, from.map_or(&none, |from| from.tip));
         (self.trace).find(surface, &self.facets, &mut self.candidates)?;
-        if let Some(triangle) = self.trace.open_end() {
+        if let Some(triangle) = self.trace.open_end(surface) {
             let Some(from) = from else {
                 return Err(CutError::PartialCut { triangle });
             };
@@ -345,28 +339,12 @@ impl Cutter {
         let has_end = |curve: &&Curve| self.trace.has_end(curve);
         outcome.report.slits = self.trace.curves.iter().filter(has_end).count();
         outcome.report.loops = self.trace.curves.len() - outcome.report.slits;
-        outcome.report.detection = begin.elapsed();
         if self.trace.curves.is_empty() {
+            outcome.report.detection = begin.elapsed();
             return Ok(outcome);
         }
-        let is_sheet = if self.has_sheets {
-            surface.open_pieces()
-        } else {
-            Vec::new()
-        };
-        let is_paper = matches!(params.method, CutMethod::Paper(_));
-        self.trace.set_capped(surface, |piece, is_closed| {
-            let is_body = is_sheet.get(piece as usize) != Some(&true);
-            match params.caps {
-                _ if is_paper => is_body,
-                Caps::Bodies => is_body,
-                Caps::AllLoops => is_body || is_closed,
-                Caps::None => false,
-            }
-        });
-        if is_paper && let Some(triangle) = self.trace.open_loop() {
-            return Err(CutError::OpenSurface { triangle });
-        }
+        let is_sheet = self.find_capped(surface, params)?;
+        outcome.report.detection = begin.elapsed();
         let (separator, outcome_mut) = (&mut self.separator, &mut outcome);
         let at = Intersection {
             sweep,
@@ -395,5 +373,35 @@ impl Cutter {
             outcome.report.bvh_update = begin.elapsed();
         }
         Ok(outcome)
+    }
+    /// Finds the curves that bound sections with caps. Returns whether each piece is a sheet, or
+    /// nothing if none is.
+    ///
+    /// # Errors
+    /// [`CutError::OpenSurface`] for the paper's method.
+    fn find_capped(
+        &mut self,
+        surface: &Surface,
+        params: &CutParams,
+    ) -> Result<Vec<bool>, CutError> {
+        let is_sheet = if self.has_sheets {
+            surface.open_pieces()
+        } else {
+            Vec::new()
+        };
+        let is_paper = matches!(params.method, CutMethod::Paper(_));
+        self.trace.set_capped(surface, |piece, is_closed| {
+            let is_body = is_sheet.get(piece as usize) != Some(&true);
+            match params.caps {
+                _ if is_paper => is_body,
+                Caps::Bodies => is_body,
+                Caps::AllLoops => is_body || is_closed,
+                Caps::None => false,
+            }
+        });
+        match self.trace.open_loop(surface) {
+            Some(triangle) if is_paper => Err(CutError::OpenSurface { triangle }),
+            _ => Ok(is_sheet),
+        }
     }
 }

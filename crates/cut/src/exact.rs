@@ -27,14 +27,12 @@ mod rim;
 mod section;
 mod snap;
 mod split;
+mod tip;
 mod verify;
 
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
-use crate::incision::TipPoint;
 use crate::intersection::Intersection;
-use crate::intersection::facets::Facets;
-use crate::intersection::trace::Trace;
 use crate::outcome::CutOutcome;
 use crate::params::{CutParams, ExactParams};
 use crate::separate::Separator;
@@ -42,7 +40,7 @@ use cap::Cap;
 use chains::{Chains, Opening};
 use contract::Opened;
 use frames::Frames;
-use incise_mesh::{Edit, HalfEdge, Surface, Vec3, VertexId};
+use incise_mesh::{Edit, HalfEdge, Surface};
 use incise_refine::{RefineParams, Section};
 use open::Sides;
 use remesh::Remesher;
@@ -72,75 +70,6 @@ impl Exact {
     pub(crate) fn sections(&self) -> impl Iterator<Item = (Section<'_>, &[f64])> {
         let sections = self.cap.section.sections().iter();
         sections.map(|section| (section.section(), section.lengths.as_slice()))
-    }
-
-    /// Returns the tip along the current edge of the last sweep, whose points were at `places` of
-    /// the blade.
-    pub(crate) fn tip(
-        &self,
-        surface: &Surface,
-        facets: &Facets,
-        trace: &Trace,
-        places: &[f64],
-    ) -> Vec<TipPoint> {
-        let nodes = self.chains.chains.iter();
-        let chains = nodes.map(|chain| (chain.edge, &self.chains.nodes[chain.nodes.clone()]));
-        let sheets = trace.curves.iter().filter(|curve| !curve.is_capped);
-        let ends = sheets.flat_map(|curve| [curve.nodes.start, curve.nodes.end - 1]);
-        let ends: Vec<(u32, [u32; 1])> = ends
-            .filter(|&end| trace.nodes[end as usize].is_end)
-            .filter_map(|end| Some((trace.nodes[end as usize].sweep_edge()?, [end])))
-            .collect();
-        let ends = ends.iter().map(|(edge, end)| (*edge, end.as_slice()));
-        let current = (chains.chain(ends)).filter(|&(edge, _)| facets.is_front(edge));
-        let vertex = |node: u32| self.sides.vertices[node as usize][0];
-        let place = |edge: u32, node: u32| {
-            let pair = facets.pair_of(edge).unwrap_or_default() as usize;
-            let part = part_of(facets.ends(edge), surface.position(vertex(node)));
-            places[pair] + (places[pair + 1] - places[pair]) * part
-        };
-        let mut parts: Vec<(f64, u32, &[u32])> = current
-            .map(|(edge, nodes)| (place(edge, nodes[0]), edge, nodes))
-            .collect();
-        parts.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let is_meeting = |last: VertexId, nodes: &[u32]| {
-            let [from, to] = [nodes[0], nodes[nodes.len().min(2) - 1]].map(vertex);
-            let at = surface.position(from);
-            let gap = (at - surface.position(last)).norm();
-            nodes.len() > 1 && gap <= MAX_GAP * (surface.position(to) - at).norm()
-        };
-        let mut tip: Vec<TipPoint> = Vec::new();
-        for (_, edge, nodes) in parts {
-            let pair = facets.pair_of(edge).unwrap_or_default() as usize;
-            let min_step = MIN_PLACE_STEP * (places[pair + 1] - places[pair]);
-            for (i, &node) in nodes.iter().enumerate() {
-                let mut place = place(edge, node);
-                match tip.last_mut() {
-                    Some(last) if last.vertex == vertex(node) => continue,
-                    Some(last) if i > 0 => {
-                        last.is_joined = true;
-                        // The end of a curve may lie beside the corner that is next to it.
-                        place = place.max(last.place + min_step);
-                    }
-                    // Across two walls that coincide the tip goes on.
-                    Some(last) if is_meeting(last.vertex, nodes) => {
-                        last.meets_next = true;
-                        place = last.place;
-                    }
-                    // Tips in overlapping bodies end.
-                    Some(last) if last.place >= place => break,
-                    _ => {}
-                }
-                tip.push(TipPoint {
-                    vertex: vertex(node),
-                    rest: surface.rest_position(vertex(node)),
-                    place,
-                    is_joined: false,
-                    meets_next: false,
-                });
-            }
-        }
-        tip
     }
 
     /// Forgets what is known about a surface that was edited by something else.
@@ -325,22 +254,5 @@ impl Exact {
         self.cap.section.project(&rims, &self.lengths)?;
         let topology = edit.surface().topology();
         Ok(self.cap.triangulate(&rims, topology, refine, is_refined)?)
-    }
-}
-
-/// Maximum distance of two parts of a tip that meet [first edge of the second part].
-const MAX_GAP: f64 = 1e-3;
-
-/// Minimum distance of neighbors along a tip [part between two points of the sweep].
-const MIN_PLACE_STEP: f64 = 1e-3;
-
-/// Returns the part of the way from the first end to the second at which a point lies, 0 to 1.
-fn part_of([from, to]: [Vec3; 2], point: Vec3) -> f64 {
-    let along = to - from;
-    let part = along.dot(&(point - from)) / along.norm_squared();
-    if part.is_nan() {
-        0.0
-    } else {
-        part.clamp(0.0, 1.0)
     }
 }

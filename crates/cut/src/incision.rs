@@ -4,7 +4,7 @@ mod columns;
 mod path;
 
 use crate::error::CutError;
-use crate::intersection::facets::Weld;
+use crate::intersection::facets::ContinuedTip;
 use crate::sweep::Sweep;
 use columns::{Column, is_at_boundary, point_at, spread};
 use incise_mesh::geometry::{to_f32, to_f64};
@@ -51,20 +51,20 @@ pub(crate) struct TipPoint {
     pub(crate) vertex: VertexId,
     /// Its rest position, by which it is recognized \[m\].
     pub(crate) rest: Vec3,
-    /// Its place on the blade: the number of a point of the polyline and the part of the way to
-    /// the next one.
-    pub(crate) place: f64,
+    /// Its parameter on the blade's polyline: the number of a point plus the part of the way to the
+    /// next one.
+    pub(crate) parameter: f64,
     /// Whether an edge of the tip joins it to the next point.
     pub(crate) is_joined: bool,
-    /// Whether the next part of the tip begins at the same place, across two coincident walls.
+    /// Whether the next part of the tip begins at the same parameter, across two coincident walls.
     pub(crate) meets_next: bool,
 }
 
-/// The sweep of one step, the tip that it continues, and the places of its points on the blade.
+/// The sweep of one step, the tip that it continues, and its points' parameters on the blade.
 pub(crate) struct Stroke {
     pub(crate) sweep: Sweep,
-    pub(crate) weld: Weld,
-    pub(crate) places: Vec<f64>,
+    pub(crate) tip: ContinuedTip,
+    pub(crate) parameters: Vec<f64>,
 }
 
 impl Incision {
@@ -140,8 +140,8 @@ impl Incision {
                 next.is_some_and(|next| topology.find_half_edge(own, next).is_some());
         }
         for i in 0..self.tip.len() {
-            let next = self.tip.get(i + 1).map(|next| next.place);
-            self.tip[i].meets_next &= next == Some(self.tip[i].place);
+            let next = self.tip.get(i + 1).map(|next| next.parameter);
+            self.tip[i].meets_next &= next == Some(self.tip[i].parameter);
         }
         // A single vertex is the tip of a sheet.
         let joined: Vec<bool> = self.tip.iter().map(|point| point.is_joined).collect();
@@ -199,8 +199,10 @@ impl Incision {
             spread(&mut columns, surface, bvh, blade);
         }
         let previous: Vec<[f32; 3]> = columns.iter().map(|c| to_f32(c.previous)).collect();
-        let places: Vec<f64> = columns.iter().map(|c| c.place).collect();
-        let current = places.iter().map(|&place| to_f32(point_at(blade, place)));
+        let parameters: Vec<f64> = columns.iter().map(|c| c.parameter).collect();
+        let current = parameters
+            .iter()
+            .map(|&parameter| to_f32(point_at(blade, parameter)));
         let current: Vec<[f32; 3]> = current.collect();
         let sweep = match Sweep::strip(&previous, &current) {
             Err(CutError::BladeDegenerate) => {
@@ -210,21 +212,21 @@ impl Incision {
             }
             sweep => sweep?,
         };
-        let mut weld = Weld::default();
+        let mut tip = ContinuedTip::default();
         if self.is_inside() {
-            (weld.vertices).extend(columns.iter().map(|c| [c.vertex, c.begins]));
+            (tip.vertices).extend(columns.iter().map(|c| [c.vertex, c.begins]));
             let topology = surface.topology();
             let half_edge = |pair: &[Column]| {
                 let [a, b] = [pair[0].begins, pair[1].vertex];
                 let found = pair[0].is_joined.then(|| topology.find_half_edge(a, b));
                 found.flatten().unwrap_or(HalfEdge::NULL)
             };
-            weld.half_edges.extend(columns.windows(2).map(half_edge));
+            tip.half_edges.extend(columns.windows(2).map(half_edge));
         }
         Ok(Some(Stroke {
             sweep,
-            weld,
-            places,
+            tip,
+            parameters,
         }))
     }
 
@@ -232,7 +234,7 @@ impl Incision {
     fn passes_tip(&self, surface: &Surface, blade: &[[f32; 3]], width: f64) -> bool {
         let ends = [self.tip[0], self.tip[self.tip.len() - 1]];
         let off = |pose: &[[f32; 3]]| {
-            ends.map(|end| point_at(pose, end.place) - surface.position(end.vertex))
+            ends.map(|end| point_at(pose, end.parameter) - surface.position(end.vertex))
         };
         do_vanish(off(&self.pose), off(blade), 0.0, width)
     }
@@ -240,7 +242,7 @@ impl Incision {
     /// Returns whether a part of the blade is far enough from the tip for the next step.
     fn has_moved(&self, surface: &Surface, blade: &[[f32; 3]]) -> bool {
         self.tip.iter().any(|point| {
-            let motion = point_at(blade, point.place) - surface.position(point.vertex);
+            let motion = point_at(blade, point.parameter) - surface.position(point.vertex);
             motion.norm() >= MIN_STEP * self.local
         })
     }

@@ -51,7 +51,7 @@ use points::{PointSet, intersection_points};
 use sides::{Side, sides};
 use std::cell::OnceCell;
 use std::time::{Duration, Instant};
-use strip::{Strip, strips};
+use strip::strips;
 
 /// A corner of a new triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -126,11 +126,13 @@ pub(crate) fn cut(
         return Ok(());
     }
     let begin = Instant::now();
+    let hits = strips.iter().flat_map(|strip| &strip.hits);
+    let hits = hits.map(|hit| hit.triangle);
     let listing = Listing {
         sweep: at.sweep,
         refine: &params.refine,
         paper,
-        mean_edge: mean_hit_edge(surface, &strips),
+        mean_edge: surface.mean_edge_length_of(hits),
     };
     let min_distance = paper.min_distance * listing.mean_edge;
     let merged = intersection_points(surface, &strips, at.trace, min_distance);
@@ -253,21 +255,6 @@ fn is_edge(surface: &Surface, a: Corner, b: Corner) -> bool {
         (Corner::Old(a), Corner::Old(b)) => surface.topology().are_adjacent(a, b),
         _ => false,
     }
-}
-
-/// Returns the mean edge length of the hit triangles \[m\].
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "far fewer than 2^53 triangles are hit"
-)]
-fn mean_hit_edge(surface: &Surface, strips: &[Strip]) -> f64 {
-    let hits = strips.iter().flat_map(|s| &s.hits);
-    let (sum, count) = hits.fold((0.0, 0usize), |(sum, count), hit| {
-        let [a, b, c] = surface.triangle_positions(hit.triangle);
-        let perimeter = (b - a).norm() + (c - b).norm() + (a - c).norm();
-        (sum + perimeter, count + 3)
-    });
-    sum / count.max(1) as f64
 }
 
 /// Returns the normal of a loop, as long as twice the enclosed area (Newell's method).

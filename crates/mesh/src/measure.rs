@@ -95,6 +95,18 @@ impl Surface {
         }
         if count > 0.0 { sum / count } else { 0.0 }
     }
+
+    /// Returns the mean length of the sides of triangles \[m\]; 0 without triangles.
+    #[must_use]
+    pub fn mean_edge_length_of(&self, triangles: impl IntoIterator<Item = TriangleId>) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for t in triangles {
+            let [a, b, c] = self.triangle_positions(t);
+            sum += (b - a).norm() + (c - b).norm() + (a - c).norm();
+            count += 3.0;
+        }
+        if count > 0.0 { sum / count } else { 0.0 }
+    }
 }
 
 /// Returns the signed volume of the tetrahedron of `apex` and a triangle \[m^3\].

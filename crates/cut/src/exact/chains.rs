@@ -236,7 +236,7 @@ impl Chains {
         let first = self.nodes.len();
         self.nodes.push(ends[0]);
         for k in 1..spacing.count {
-            let part = round_to_f32(spacing.place(k));
+            let part = round_to_f32(spacing.parameter(k));
             let weights = [1.0 - part, part, 0.0];
             let part = f64::from(part);
             let position = p + (q - p) * part;

@@ -3,7 +3,7 @@
 use super::split::{Corner, EdgeRole, Hit, Part, Splitter};
 use crate::error::CutError;
 use crate::interpolate::{OldTriangle, add_vertex};
-use crate::intersection::facets::{Facets, Weld};
+use crate::intersection::facets::{ContinuedTip, Facets};
 use crate::intersection::node::{Node, On};
 use crate::intersection::trace::Trace;
 use incise_mesh::{Edit, HalfEdge, Surface, TriangleId, VertexId};
@@ -86,10 +86,10 @@ impl Sides {
 
     /// Separates the walls along the tip that the sweep continues.
     fn open_tips(&mut self, edit: &mut Edit<'_>, trace: &Trace, facets: &Facets) {
-        let Weld {
+        let ContinuedTip {
             vertices,
             half_edges,
-        } = facets.weld();
+        } = facets.tip();
         for (i, node) in trace.nodes.iter().enumerate() {
             let On::Tip(vertex) = node.on else { continue };
             let corner = vertices.iter().position(|ends| ends[1] == vertex);

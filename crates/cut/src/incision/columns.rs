@@ -9,7 +9,7 @@ const WIDENING: f64 = 0.3;
 /// Its maximum [distance to the next point of the sweep].
 const MAX_WIDENING: f64 = 0.2;
 
-/// Width of a gap between walls up to which the tip passes it at one point [local edge lengths].
+/// Maximum gap between walls that the tip crosses at one point [local edge lengths].
 const MAX_GAP: f64 = 1e-3;
 
 /// Minimum distance of a point of the sweep from the surface, along the blade [local edge lengths].
@@ -20,8 +20,8 @@ const MAX_CLEARANCE: f64 = 0.5;
 /// A point of the next sweep in both frames.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Column {
-    /// Its place on the blade now, see [`TipPoint::place`].
-    pub(super) place: f64,
+    /// Its parameter on the blade now, see [`TipPoint::parameter`].
+    pub(super) parameter: f64,
     /// Its position before the step \[m\].
     pub(super) previous: Vec3,
     /// The vertex of the tip, or null; and the one with which the tip goes on, another one across
@@ -30,15 +30,15 @@ pub(super) struct Column {
     pub(super) begins: VertexId,
     /// Whether an edge of the tip joins it to the next column.
     pub(super) is_joined: bool,
-    /// Whether the next part of the tip began at the same place, across a gap that has opened.
+    /// Whether the next part of the tip began at the same parameter, across a gap that has opened.
     meets_next: bool,
 }
 
 impl Column {
     /// Makes a column off the tip.
-    fn outside(place: f64, previous: Vec3) -> Self {
+    fn outside(parameter: f64, previous: Vec3) -> Self {
         Self {
-            place,
+            parameter,
             previous,
             vertex: VertexId::NULL,
             begins: VertexId::NULL,
@@ -53,18 +53,19 @@ impl Incision {
     ///
     /// Beside an end of the tip, the sweep widens and rises from the surface. Otherwise the line
     /// from there to the blade's last pose could cross the surface once more. And a body is often
-    /// symmetric, so that the same place of the blade enters and leaves it.
+    /// symmetric, so that the same point of the blade enters and leaves it.
     pub(super) fn columns(&self, surface: &Surface, blade: &[[f32; 3]]) -> Vec<Column> {
         let mut columns: Vec<Column> = Vec::new();
         for (i, point) in self.pose.iter().enumerate() {
             #[expect(clippy::cast_precision_loss, reason = "few points")]
-            let place = i as f64;
-            let is_covered = self
-                .tip
-                .windows(2)
-                .any(|pair| pair[0].is_joined && pair[0].place <= place && place <= pair[1].place);
+            let parameter = i as f64;
+            let is_covered = self.tip.windows(2).any(|pair| {
+                pair[0].is_joined
+                    && pair[0].parameter <= parameter
+                    && parameter <= pair[1].parameter
+            });
             if !is_covered {
-                columns.push(Column::outside(place, to_f64(*point)));
+                columns.push(Column::outside(parameter, to_f64(*point)));
             }
         }
         for (i, point) in self.tip.iter().enumerate() {
@@ -79,7 +80,7 @@ impl Incision {
                 continue;
             }
             columns.push(Column {
-                place: point.place,
+                parameter: point.parameter,
                 previous,
                 vertex: point.vertex,
                 begins: point.vertex,
@@ -87,7 +88,7 @@ impl Incision {
                 meets_next: point.meets_next,
             });
         }
-        columns.sort_by(|a, b| a.place.total_cmp(&b.place));
+        columns.sort_by(|a, b| a.parameter.total_cmp(&b.parameter));
         let mut out = Vec::with_capacity(columns.len() + 4);
         for (i, &column) in columns.iter().enumerate() {
             let is_tip = !column.vertex.is_null();
@@ -95,13 +96,13 @@ impl Incision {
             let after = columns.get(i + 1).copied();
             let mut own = column;
             let mut risen = |beyond: Column| {
-                let [a, b] = [column, beyond].map(|c| point_at(blade, c.place));
+                let [a, b] = [column, beyond].map(|c| point_at(blade, c.parameter));
                 let local = self.local;
                 let part = (WIDENING * local / (b - a).norm()).min(MAX_WIDENING);
-                let step = (beyond.place - column.place) * part;
-                own.place = column.place + step;
+                let step = (beyond.parameter - column.parameter) * part;
+                own.parameter = column.parameter + step;
                 let rise = outward(surface, column, a - b, a) * local;
-                Column::outside(column.place + 2.0 * step, column.previous + rise)
+                Column::outside(column.parameter + 2.0 * step, column.previous + rise)
             };
             let goes_on = |column: Column| column.is_joined || column.meets_next;
             let is_first = is_tip && !before.is_some_and(goes_on);
@@ -137,16 +138,16 @@ pub(super) fn is_at_boundary(surface: &Surface, vertex: VertexId) -> bool {
     first.is_some_and(|h| surface.topology().twin(h).is_null())
 }
 
-/// Returns the point of a polyline at a place \[m\].
+/// Returns the point of a polyline at a parameter \[m\].
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "places are between 0 and the number of points"
+    reason = "parameters are between 0 and the number of points"
 )]
-pub(super) fn point_at(line: &[[f32; 3]], place: f64) -> Vec3 {
-    let i = (place.floor().max(0.0) as usize).min(line.len() - 2);
+pub(super) fn point_at(line: &[[f32; 3]], parameter: f64) -> Vec3 {
+    let i = (parameter.floor().max(0.0) as usize).min(line.len() - 2);
     #[expect(clippy::cast_precision_loss, reason = "few points")]
-    let part = place - i as f64;
+    let part = parameter - i as f64;
     let [a, b] = [line[i], line[i + 1]].map(to_f64);
     a + (b - a) * part
 }
@@ -156,23 +157,23 @@ pub(super) fn point_at(line: &[[f32; 3]], place: f64) -> Vec3 {
 /// There the sweep's curves end. A point close to an end would leave a tip that turns back.
 pub(super) fn spread(columns: &mut [Column], surface: &Surface, bvh: &Bvh, blade: &[[f32; 3]]) {
     let piercings = piercings(columns, surface, bvh, blade);
-    for (i, &[place, clearance]) in piercings.iter().enumerate() {
+    for (i, &[parameter, clearance]) in piercings.iter().enumerate() {
         let others = [i.checked_sub(1), Some(i + 1)].into_iter().flatten();
         let others = others.filter_map(|j| piercings.get(j));
-        let room = others.map(|other| (other[0] - place).abs() / 2.0);
-        let to_point = (place - place.round()).abs();
+        let room = others.map(|other| (other[0] - parameter).abs() / 2.0);
+        let to_point = (parameter - parameter.round()).abs();
         let reach = room.fold(to_point, f64::min).min(3.0 * clearance);
         for column in &mut *columns {
-            let distance = column.place - place;
+            let distance = column.parameter - parameter;
             if distance.abs() < reach {
                 let moved = (reach + 2.0 * distance.abs()) / 3.0;
-                column.place = place + moved.copysign(distance);
+                column.parameter = parameter + moved.copysign(distance);
             }
         }
     }
 }
 
-/// Returns the places at which the blade pierces the surface, ascending, each with its clearance.
+/// Returns the parameters at which the blade pierces the surface, ascending, each with its clearance.
 fn piercings(
     columns: &[Column],
     surface: &Surface,
@@ -195,14 +196,15 @@ fn piercings(
             if (from < 0.0) != (to < 0.0) && [(a, b), (b, c), (c, a)].into_iter().all(is_inside) {
                 let mean = ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3.0;
                 #[expect(clippy::cast_precision_loss, reason = "few points")]
-                let place = i as f64 + part;
-                let nearest = |c: &&Column| (c.place - place).abs();
+                let parameter = i as f64 + part;
+                let nearest = |c: &&Column| (c.parameter - parameter).abs();
                 let column = columns
                     .iter()
                     .min_by(|a, b| nearest(a).total_cmp(&nearest(b)));
-                let motion = column.map_or(0.0, |c| (point_at(blade, c.place) - c.previous).norm());
+                let motion =
+                    column.map_or(0.0, |c| (point_at(blade, c.parameter) - c.previous).norm());
                 let clearance = (CLEARANCE * mean).min(MAX_CLEARANCE * motion);
-                found.push([place, clearance / (q - p).norm()]);
+                found.push([parameter, clearance / (q - p).norm()]);
             }
         }
     }

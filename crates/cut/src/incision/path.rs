@@ -48,19 +48,19 @@ impl Path {
                 return None;
             }
             let to = tip.map(|end| surface.position(end.vertex));
-            let (places, from) = match before {
+            let (parameters, from) = match before {
                 Some(before) => (
-                    before.map(|end| end.place),
+                    before.map(|end| end.parameter),
                     before.map(|end| surface.position(end.vertex)),
                 ),
                 None => (
-                    tip.map(|end| end.place),
-                    tip.map(|end| point_at(&self.entry, end.place)),
+                    tip.map(|end| end.parameter),
+                    tip.map(|end| point_at(&self.entry, end.parameter)),
                 ),
             };
             // The distances of the blade from the tip's ends change linearly along the way.
-            let first = [0, 1].map(|k| point_at(blade, places[k]) - from[k]);
-            let last = [0, 1].map(|k| point_at(blade, tip[k].place) - to[k]);
+            let first = [0, 1].map(|k| point_at(blade, parameters[k]) - from[k]);
+            let last = [0, 1].map(|k| point_at(blade, tip[k].parameter) - to[k]);
             let earliest = if before.is_some() {
                 0.0
             } else {

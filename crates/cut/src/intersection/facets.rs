@@ -27,7 +27,7 @@ pub(crate) struct Facets {
     corners: Vec<Vec3>,
     facets: Vec<Facet>,
     edges: Vec<SweepEdge>,
-    weld: Weld,
+    tip: ContinuedTip,
 }
 
 /// The tip of an incision that a sweep continues.
@@ -35,7 +35,7 @@ pub(crate) struct Facets {
 /// Previous points of the sweep lie exactly on vertices of the tip. There the surface is not cut
 /// by predicates but opened by identity.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Weld {
+pub(crate) struct ContinuedTip {
     /// By previous point, the vertices of the tip on which it lies, or null: of the part of the
     /// tip that ends there or passes, and of the part that begins there or passes. Empty if there
     /// is no tip.
@@ -76,12 +76,12 @@ struct Facet {
 }
 
 impl Facets {
-    /// Prepares a sweep that continues the tip of `weld`.
+    /// Prepares a sweep that continues `tip`.
     ///
     /// Between previous points i and i + 1 and the current ones, facet 2 i lies at the previous
     /// edge and facet 2 i + 1 at the current edge.
-    pub(crate) fn read(&mut self, sweep: &Sweep, weld: &Weld) {
-        self.weld.clone_from(weld);
+    pub(crate) fn read(&mut self, sweep: &Sweep, tip: &ContinuedTip) {
+        self.tip.clone_from(tip);
         let n = index_u32(sweep.previous().len());
         self.corners.clear();
         self.corners
@@ -134,20 +134,20 @@ impl Facets {
     }
 
     /// Returns the tip that the sweep continues.
-    pub(crate) fn weld(&self) -> &Weld {
-        &self.weld
+    pub(crate) fn tip(&self) -> &ContinuedTip {
+        &self.tip
     }
 
-    /// Returns the vertices of the tip at a corner, see [`Weld::vertices`]; null if there is none.
+    /// Returns the vertices of the tip at a corner, see [`ContinuedTip::vertices`]; null if there is none.
     pub(crate) fn vertices_at(&self, corner: u32) -> [VertexId; 2] {
-        let vertices = self.weld.vertices.get(corner as usize);
+        let vertices = self.tip.vertices.get(corner as usize);
         vertices.copied().unwrap_or([VertexId::NULL; 2])
     }
 
     /// Returns the corners that a facet and a mesh triangle share.
     pub(crate) fn shared(&self, i: u32, triangle: [VertexId; 3]) -> Shared {
         let mut shared = Shared::No;
-        if self.weld.vertices.is_empty() {
+        if self.tip.vertices.is_empty() {
             return shared;
         }
         for (k, corner) in self.facets[i as usize].corners.into_iter().enumerate() {

@@ -80,6 +80,8 @@ impl Node {
                 t = there;
             }
         }
+        let beside = [exit, topology.twin(exit)].into_iter();
+        let beside = beside.filter(|h| !h.is_null()).map(HalfEdge::triangle);
         Self {
             on: On::Edge {
                 exit,
@@ -89,7 +91,7 @@ impl Node {
                 rises,
             },
             position: at(t),
-            local: mean_edge(surface, [Some(exit), Some(topology.twin(exit))]),
+            local: surface.mean_edge_length_of(beside),
             facet,
             is_end: false,
         }
@@ -137,7 +139,7 @@ impl Node {
                 weights,
             },
             position: at(weights),
-            local: mean_edge(surface, [triangle.half_edges().first().copied(), None]),
+            local: surface.mean_edge_length_of([triangle]),
             facet,
             is_end: !facets.edges()[edge as usize].is_crease(),
         }
@@ -147,11 +149,11 @@ impl Node {
     ///
     /// The curve goes on in `facet`.
     pub(crate) fn at_tip(surface: &Surface, vertex: VertexId, facet: u32) -> Self {
-        let around = surface.topology().outgoing_fan(vertex).map(Some);
+        let fan = surface.topology().outgoing_fan(vertex);
         Self {
             on: On::Tip(vertex),
             position: surface.position(vertex),
-            local: mean_edge(surface, around),
+            local: surface.mean_edge_length_of(fan.map(HalfEdge::triangle)),
             facet,
             is_end: false,
         }
@@ -232,15 +234,19 @@ impl Node {
         }
     }
 
-    /// Returns a vertex of the mesh element on which the node lies.
-    pub(crate) fn vertex(&self) -> VertexId {
-        match self.on {
-            On::Edge { ends: [v, _], .. }
-            | On::Face {
-                corners: [v, ..], ..
-            }
-            | On::Tip(v) => v,
-        }
+    /// Returns a mesh triangle that the curve crosses or touches here.
+    pub(crate) fn triangle(&self, surface: &Surface) -> TriangleId {
+        let topology = surface.topology();
+        let half_edge = match self.on {
+            On::Edge { exit, .. } => exit,
+            On::Face {
+                corners: [a, b, _], ..
+            } => topology
+                .find_half_edge(a, b)
+                .expect("a triangle has the edges between its corners"),
+            On::Tip(vertex) => topology.outgoing(vertex),
+        };
+        half_edge.triangle()
     }
 
     /// Returns the origin of the node's vertices.
@@ -330,15 +336,4 @@ fn middle(values: [f64; 3]) -> [f64; 3] {
     }
     let nearest = (0..3).min_by(|&k, &l| values[k].abs().total_cmp(&values[l].abs()));
     [0, 1, 2].map(|k| if Some(k) == nearest { 1.0 } else { 0.0 })
-}
-
-/// Returns the mean edge length of the triangles of half-edges \[m\].
-fn mean_edge(surface: &Surface, half_edges: impl IntoIterator<Item = Option<HalfEdge>>) -> f64 {
-    let triangles = half_edges.into_iter().flatten().filter(|h| !h.is_null());
-    let (sum, count) = triangles.fold((0.0, 0.0), |(sum, count), h| {
-        let [a, b, c] = surface.triangle_positions(h.triangle());
-        let perimeter = (b - a).norm() + (c - b).norm() + (a - c).norm();
-        (sum + perimeter, count + 3.0)
-    });
-    sum / count
 }

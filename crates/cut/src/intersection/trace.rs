@@ -110,7 +110,7 @@ impl Trace {
         }
         // Stable, so that the order of a triangle's chords is that of the curves.
         self.chords.sort_by_key(|chord| chord.triangle);
-        let tips = facets.weld().half_edges.iter().filter(|h| !h.is_null());
+        let tips = facets.tip().half_edges.iter().filter(|h| !h.is_null());
         let walls = tips.flat_map(|&h| [h, surface.topology().twin(h)].map(HalfEdge::triangle));
         for triangle in walls {
             if self

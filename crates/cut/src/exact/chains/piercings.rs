@@ -116,8 +116,8 @@ impl Chains {
     /// Collects the vertices of the tip that the sweep continues.
     pub(super) fn find_tips(&mut self, edit: &Edit<'_>, at: &Opening<'_>, sides: &Sides) {
         self.tips.clear();
-        let weld = at.facets.weld();
-        let ends = (0..).zip(&weld.vertices);
+        let tip = at.facets.tip();
+        let ends = (0..).zip(&tip.vertices);
         let ends = ends.flat_map(|(corner, &[ends, begins])| {
             let begins = (begins != ends).then_some((corner, begins, [false, true]));
             let ends = (corner, ends, [true, begins.is_none()]);
@@ -132,7 +132,7 @@ impl Chains {
                 continue;
             }
             let is_joined = |i: Option<u32>| {
-                let along = i.and_then(|i| weld.half_edges.get(i as usize));
+                let along = i.and_then(|i| tip.half_edges.get(i as usize));
                 along.is_some_and(|h| !h.is_null())
             };
             let begins = may_begin && is_joined(Some(corner));

@@ -44,27 +44,27 @@ impl Spacing {
         spacing
     }
 
-    /// Returns the target length at a place \[m\].
-    pub(super) fn length(&self, place: f64) -> f64 {
+    /// Returns the target length at a parameter \[m\].
+    pub(super) fn length(&self, parameter: f64) -> f64 {
         let [a, b] = self.ends;
-        let relative = (a + self.grading * place).min(b + self.grading * (1.0 - place));
+        let relative = (a + self.grading * parameter).min(b + self.grading * (1.0 - parameter));
         relative * self.distance
     }
 
-    /// Returns the integral of 1 / length from the start to a place.
-    fn parts_before(&self, place: f64) -> f64 {
+    /// Returns the integral of 1 / length from the start to a parameter.
+    fn parts_before(&self, parameter: f64) -> f64 {
         let [a, b] = self.ends;
         let g = self.grading;
-        let rising = (1.0 + g * place.min(self.middle) / a).ln() / g;
-        if place <= self.middle {
+        let rising = (1.0 + g * parameter.min(self.middle) / a).ln() / g;
+        if parameter <= self.middle {
             return rising;
         }
         let high = b + g * (1.0 - self.middle);
-        rising + (high / (b + g * (1.0 - place))).ln() / g
+        rising + (high / (b + g * (1.0 - parameter))).ln() / g
     }
 
-    /// Returns the place of point `k`.
-    pub(super) fn place(&self, k: u32) -> f64 {
+    /// Returns the parameter of point `k`.
+    pub(super) fn parameter(&self, k: u32) -> f64 {
         let [a, b] = self.ends;
         let g = self.grading;
         let target = self.parts_before(1.0) * f64::from(k) / f64::from(self.count);

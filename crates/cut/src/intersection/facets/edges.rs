@@ -98,7 +98,7 @@ impl Facets {
     pub(crate) fn may_have_chain(&self, edge: u32) -> bool {
         let is_tip = || {
             let pair = self.pair_of(edge).map(|pair| pair as usize);
-            let along = pair.and_then(|pair| self.weld.half_edges.get(pair));
+            let along = pair.and_then(|pair| self.tip.half_edges.get(pair));
             self.kind(edge) == EdgeKind::Previous && along.is_some_and(|h| !h.is_null())
         };
         self.edges[edge as usize].facets != [NO_FACET; 2] && !is_tip()

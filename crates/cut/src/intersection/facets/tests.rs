@@ -30,7 +30,7 @@ proptest! {
         let (Ok(flush), Ok(moved)) = (sweep([0.0; 3]), moved) else { return Ok(()) };
         let [flush, moved] = [flush, moved].map(|sweep| {
             let mut facets = Facets::default();
-            facets.read(&sweep, &Weld::default());
+            facets.read(&sweep, &ContinuedTip::default());
             facets
         });
         let face = face.map(vector);

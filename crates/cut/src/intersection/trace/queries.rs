@@ -1,7 +1,7 @@
 //! Questions about the curves of a cut: sizes, ends, and which of them are capped.
 
-use super::{Chord, Curve, Trace};
-use crate::intersection::node::On;
+use super::{Curve, Trace};
+use crate::intersection::node::{Node, On};
 use incise_mesh::{Surface, TriangleId};
 
 /// Number of edges of a curve beside an end at which nothing is merged.
@@ -28,8 +28,14 @@ impl Trace {
 
     /// Returns whether a curve ends on the sweep's boundary.
     pub(crate) fn has_end(&self, curve: &Curve) -> bool {
-        let ends = [curve.nodes.start, curve.nodes.end - 1];
-        !curve.is_closed && ends.iter().any(|&end| self.nodes[end as usize].is_end)
+        self.ends(curve).any(|end| end.is_end)
+    }
+
+    /// Iterates over the first and the last node of an open curve.
+    fn ends(&self, curve: &Curve) -> impl Iterator<Item = &Node> {
+        let ends = [curve.nodes.start, curve.nodes.end - 1].into_iter();
+        let ends = ends.filter(|_| !curve.is_closed);
+        ends.map(|end| &self.nodes[end as usize])
     }
 
     /// Returns the smallest barycentric weight of an end of a curve in its mesh triangle, or the
@@ -58,28 +64,22 @@ impl Trace {
     }
 
     /// Returns a mesh triangle that the sweep's boundary pierces, if a curve ends there.
-    pub(crate) fn open_end(&self) -> Option<TriangleId> {
-        let mut open = self.curves.iter().filter(|curve| self.has_end(curve));
-        open.find_map(|curve| self.triangle_of(curve))
+    pub(crate) fn open_end(&self, surface: &Surface) -> Option<TriangleId> {
+        let mut ends = (self.curves.iter()).flat_map(|curve| self.ends(curve));
+        ends.find(|end| end.is_end).map(|end| end.triangle(surface))
     }
 
     /// Returns a mesh triangle that a curve without caps crosses.
-    pub(crate) fn open_loop(&self) -> Option<TriangleId> {
-        self.triangle_of(self.curves.iter().find(|curve| !curve.is_capped)?)
-    }
-
-    /// Returns a mesh triangle that a curve crosses.
-    fn triangle_of(&self, curve: &Curve) -> Option<TriangleId> {
-        let own = |chord: &&Chord| curve.nodes.contains(&chord.to);
-        self.chords.iter().find(own).map(|chord| chord.triangle)
+    pub(crate) fn open_loop(&self, surface: &Surface) -> Option<TriangleId> {
+        let open = self.curves.iter().find(|curve| !curve.is_capped)?;
+        Some(self.nodes[open.nodes.start as usize].triangle(surface))
     }
 
     /// Sets which curves bound sections with caps: those for whose piece and closedness
     /// `is_capped` holds.
     pub(crate) fn set_capped(&mut self, surface: &Surface, is_capped: impl Fn(u32, bool) -> bool) {
         for curve in &mut self.curves {
-            let vertex = self.nodes[curve.nodes.start as usize].vertex();
-            let triangle = surface.topology().outgoing(vertex).triangle();
+            let triangle = self.nodes[curve.nodes.start as usize].triangle(surface);
             curve.is_capped = is_capped(surface.piece(triangle), curve.is_closed);
         }
     }

@@ -1,6 +1,6 @@
 //! Parts of the tip that a sweep continues.
 
-use crate::intersection::facets::{Facets, Weld};
+use crate::intersection::facets::{ContinuedTip, Facets};
 use incise_mesh::{VertexId, index_u32};
 
 /// A part of the tip that the sweep continues: corners of the sweep joined by edges of the surface,
@@ -29,10 +29,10 @@ impl Tip {
 
     /// Iterates over all parts of the tip.
     pub(super) fn all(facets: &Facets) -> impl Iterator<Item = Self> + '_ {
-        let Weld {
+        let ContinuedTip {
             vertices,
             half_edges,
-        } = facets.weld();
+        } = facets.tip();
         let is_joined = |i: usize| half_edges.get(i).is_some_and(|h| !h.is_null());
         let passes = move |i: usize| {
             let [ends, begins] = vertices[i];

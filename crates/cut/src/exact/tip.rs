@@ -1,0 +1,122 @@
+//! The tip of an incision: the vertices along the current edge of the sweep inside the body.
+
+use super::Exact;
+use crate::incision::TipPoint;
+use crate::intersection::facets::Facets;
+use crate::intersection::trace::Trace;
+use incise_mesh::{Surface, Vec3, VertexId};
+
+/// Maximum distance of two parts of a tip that meet [first edge of the second part].
+const MAX_DISTANCE: f64 = 1e-3;
+
+/// Minimum distance of neighbors along a tip [distance of two points of the sweep].
+const MIN_SPACING: f64 = 1e-3;
+
+/// A part of the tip: nodes joined by edges of the surface, or a single node in a sheet.
+struct Part<'a> {
+    /// Parameter of its first node on the blade.
+    parameter: f64,
+    edge: u32,
+    nodes: &'a [u32],
+}
+
+impl Exact {
+    /// Returns the tip along the current edge of the last sweep, whose points have `parameters` on
+    /// the blade.
+    pub(crate) fn tip(
+        &self,
+        surface: &Surface,
+        facets: &Facets,
+        trace: &Trace,
+        parameters: &[f64],
+    ) -> Vec<TipPoint> {
+        let ends = ends_in_sheets(trace);
+        let chains = self.chains.chains.iter();
+        let chains = chains.map(|chain| (chain.edge, &self.chains.nodes[chain.nodes.clone()]));
+        let ends = ends.iter().map(|(edge, end)| (*edge, end.as_slice()));
+        let current = (chains.chain(ends)).filter(|&(edge, _)| facets.is_front(edge));
+        let range = |edge: u32| {
+            let pair = facets.pair_of(edge).unwrap_or_default() as usize;
+            [parameters[pair], parameters[pair + 1]]
+        };
+        let parameter = |edge: u32, node: u32| {
+            let [from, to] = range(edge);
+            from + (to - from) * part_of(facets.ends(edge), surface.position(self.vertex(node)))
+        };
+        let mut parts: Vec<Part<'_>> = current
+            .map(|(edge, nodes)| Part {
+                parameter: parameter(edge, nodes[0]),
+                edge,
+                nodes,
+            })
+            .collect();
+        parts.sort_by(|a, b| a.parameter.total_cmp(&b.parameter));
+        let mut tip: Vec<TipPoint> = Vec::new();
+        for Part { edge, nodes, .. } in parts {
+            let [from, to] = range(edge);
+            let min_step = MIN_SPACING * (to - from);
+            for (i, &node) in nodes.iter().enumerate() {
+                let vertex = self.vertex(node);
+                let mut parameter = parameter(edge, node);
+                match tip.last_mut() {
+                    Some(last) if last.vertex == vertex => continue,
+                    Some(last) if i > 0 => {
+                        last.is_joined = true;
+                        // The end of a curve may lie beside the corner that is next to it.
+                        parameter = parameter.max(last.parameter + min_step);
+                    }
+                    // Across two walls that coincide the tip goes on.
+                    Some(last) if self.meets(surface, last.vertex, nodes) => {
+                        last.meets_next = true;
+                        parameter = last.parameter;
+                    }
+                    // Tips in overlapping bodies end.
+                    Some(last) if last.parameter >= parameter => break,
+                    _ => {}
+                }
+                tip.push(TipPoint {
+                    vertex,
+                    rest: surface.rest_position(vertex),
+                    parameter,
+                    is_joined: false,
+                    meets_next: false,
+                });
+            }
+        }
+        tip
+    }
+
+    /// Returns the vertex of a node along the tip, which both walls share.
+    fn vertex(&self, node: u32) -> VertexId {
+        self.sides.vertices[node as usize][0]
+    }
+
+    /// Returns whether a part of the tip begins where another one ends, at `last`.
+    fn meets(&self, surface: &Surface, last: VertexId, nodes: &[u32]) -> bool {
+        let [first, second, ..] = *nodes else {
+            return false;
+        };
+        let [from, to] = [first, second].map(|node| surface.position(self.vertex(node)));
+        (from - surface.position(last)).norm() <= MAX_DISTANCE * (to - from).norm()
+    }
+}
+
+/// Returns the ends of curves in sheets, each with the sweep edge on which it lies.
+fn ends_in_sheets(trace: &Trace) -> Vec<(u32, [u32; 1])> {
+    let sheets = trace.curves.iter().filter(|curve| !curve.is_capped);
+    let ends = sheets.flat_map(|curve| [curve.nodes.start, curve.nodes.end - 1]);
+    ends.filter(|&end| trace.nodes[end as usize].is_end)
+        .filter_map(|end| Some((trace.nodes[end as usize].sweep_edge()?, [end])))
+        .collect()
+}
+
+/// Returns the part of the way from the first end to the second at which a point lies, 0 to 1.
+fn part_of([from, to]: [Vec3; 2], point: Vec3) -> f64 {
+    let along = to - from;
+    let part = along.dot(&(point - from)) / along.norm_squared();
+    if part.is_nan() {
+        0.0
+    } else {
+        part.clamp(0.0, 1.0)
+    }
+}
