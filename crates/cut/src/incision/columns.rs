@@ -173,7 +173,7 @@ pub(super) fn spread(columns: &mut [Column], surface: &Surface, bvh: &Bvh, blade
     }
 }
 
-/// Returns the parameters at which the blade pierces the surface, ascending, each with its clearance.
+/// Returns the parameters at which the blade pierces the surface, ascending, with clearances.
 fn piercings(
     columns: &[Column],
     surface: &Surface,

@@ -138,7 +138,7 @@ impl Facets {
         &self.tip
     }
 
-    /// Returns the vertices of the tip at a corner, see [`ContinuedTip::vertices`]; null if there is none.
+    /// Returns the vertices of the tip at a corner, see [`ContinuedTip::vertices`], or null.
     pub(crate) fn vertices_at(&self, corner: u32) -> [VertexId; 2] {
         let vertices = self.tip.vertices.get(corner as usize);
         vertices.copied().unwrap_or([VertexId::NULL; 2])
