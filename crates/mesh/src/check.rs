@@ -177,15 +177,16 @@ impl fmt::Display for NotCuttable {
 
 impl std::error::Error for NotCuttable {}
 
-/// Measures and defects of a mesh as read and welded.
+/// Measures and defects of a mesh as read.
 ///
-/// Triangles that repeat a vertex count as triangles, but not in edges, components and derived
-/// numbers.
+/// Equal positions are one vertex, except where they form the two walls of an incision or bodies
+/// that touch, which the file's indices keep separate. Triangles that repeat a vertex count as
+/// triangles, but not in edges, components and derived numbers.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct MeshReport {
-    /// Number of welded vertices that faces use.
+    /// Number of vertices of the triangles that do not repeat a vertex.
     pub vertices: usize,
     /// Number of vertices that a renderer needs, see [`MeshData::file_vertices`].
     pub file_vertices: usize,
@@ -260,20 +261,18 @@ pub fn check(data: &MeshData) -> MeshReport {
 #[must_use]
 pub fn check_with(data: &MeshData, params: RepairParams) -> MeshReport {
     let corners = |t: &[u32; 3]| t.map(|v| to_f64(data.positions[v as usize]));
-    let sound: Vec<[u32; 3]> = data
-        .triangles
-        .iter()
-        .copied()
-        .filter(|t| !repair::is_collapsed(t))
-        .collect();
+    let repaired = repair::repair(data, params);
+    let welded = repaired.welded.iter().copied();
+    let sound: Vec<[u32; 3]> = welded.filter(|t| !repair::is_collapsed(t)).collect();
+    let ids = sound.iter().flatten().max().map_or(0, |&v| v as usize + 1);
     let links = Links::new(&sound);
     let edges = links.edge_counts(&sound);
-    let mut parts = Partition::new(data.positions.len());
+    let mut parts = Partition::new(ids);
     for t in &sound {
         parts.join(t[0], t[1]);
         parts.join(t[0], t[2]);
     }
-    let mut used = vec![false; data.positions.len()];
+    let mut used = vec![false; ids];
     let mut roots: Vec<u32> = Vec::new();
     for &v in sound.iter().flatten() {
         if !std::mem::replace(&mut used[v as usize], true) && parts.find(v) == v {
@@ -289,9 +288,8 @@ pub fn check_with(data: &MeshData, params: RepairParams) -> MeshReport {
     let oriented = edges.conflicts == 0;
     let bounds = Aabb::around(data.positions.iter().copied());
     let center = bounds.center();
-    let repaired = repair::repair(data, params);
     MeshReport {
-        vertices: data.positions.len(),
+        vertices: used,
         file_vertices: data.file_vertices,
         triangles: data.triangles.len(),
         edges: edges.all,

@@ -207,7 +207,9 @@ fn the_walls_of_a_slit_stay_separate() {
     let (positions, triangles) = slit_cube(0.0);
     let data = MeshData::from_triangles(&positions, &triangles).unwrap();
     assert_eq!(data.positions.len(), 12);
-    assert_eq!(check(&data).is_cuttable(), Ok(()));
+    let report = check(&data);
+    assert_eq!(report.is_cuttable(), Ok(()));
+    assert_eq!((report.vertices, report.genus), (14, Some(0)));
     let kept = |w: &Warning| matches!(w, Warning::IndicesKept { count: 2, .. });
     let (surface, warnings) = data.clone().into_surface().unwrap();
     assert!(warnings.len() == 1 && kept(&warnings[0]), "{warnings:?}");
