@@ -9,12 +9,11 @@ pub(crate) mod row;
 pub(crate) mod times;
 
 use crate::json::Json;
-use crate::method::MethodChoice;
+use crate::method::MethodArguments;
 use crate::options::{ModelArguments, OutputArguments};
 use crate::text_table::{paragraphs, text_table};
 use crate::{machine, workload};
 use clap::Args;
-use incise_refine::RefinementLevel;
 use row::{Record, Slope, Stamp};
 use std::error::Error;
 use std::io::Write;
@@ -36,9 +35,8 @@ pub(crate) struct CutArguments {
     /// they have grown.
     #[arg(long, value_name = "N", requires = "progressive")]
     steps: Option<usize>,
-    /// Cut method.
-    #[arg(long, value_enum, default_value_t = MethodChoice::Exact)]
-    method: MethodChoice,
+    #[command(flatten)]
+    caps: MethodArguments,
     /// Number of seeded planes per model, besides the one through the middle.
     #[arg(long, value_name = "N", default_value_t = 100)]
     planes: u32,
@@ -49,12 +47,6 @@ pub(crate) struct CutArguments {
     /// Sphere49152, so that --only has to name it, or nothing.
     #[arg(long, value_name = "N", default_value_t = 1000)]
     cuts: u32,
-    /// Refinement level of the caps: one of the five names, or z.
-    #[arg(long, default_value = "1")]
-    level: RefinementLevel,
-    /// Growth of the caps' edge length per meter of distance from the boundary.
-    #[arg(long, default_value_t = 0.0)]
-    grading: f64,
     /// Seed of the planes.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -64,12 +56,11 @@ pub(crate) struct CutArguments {
 
 /// Measures all workloads, prints and writes the records.
 pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
-    let mut params = arguments.method.params(arguments.level);
-    params.refine.grading = arguments.grading;
+    let params = arguments.caps.params();
     let stamp = Stamp {
-        method: arguments.method.name().to_owned(),
-        level: arguments.level.z(),
-        grading: arguments.grading,
+        method: arguments.caps.method.name().to_owned(),
+        level: arguments.caps.level.z(),
+        grading: arguments.caps.grading,
         seed: arguments.seed,
         machine: machine::machine(),
         commit: machine::commit(),
@@ -78,7 +69,7 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), 
     writeln!(
         out,
         "{}, commit {}; method {}, level {}, grading {}, seed {}",
-        stamp.machine, stamp.commit, stamp.method, arguments.level, stamp.grading, stamp.seed
+        stamp.machine, stamp.commit, stamp.method, arguments.caps.level, stamp.grading, stamp.seed
     )?;
     let mut json = Json::open(arguments.rows.json.as_deref())?;
     if arguments.progressive {

@@ -1,6 +1,6 @@
 //! Cut methods of the command line.
 
-use clap::ValueEnum;
+use clap::{Args, ValueEnum};
 use incise_cut::{CutMethod, CutParams, PaperParams};
 use incise_refine::{RefineParams, RefinementLevel};
 
@@ -21,16 +21,33 @@ impl MethodChoice {
             Self::Paper => "paper",
         }
     }
+}
 
+/// The cut method and the refinement of its caps.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct MethodArguments {
+    /// Cut method.
+    #[arg(long, value_enum, default_value_t = MethodChoice::Exact)]
+    pub(crate) method: MethodChoice,
+    /// Refinement level of the caps: one of the five names, or z.
+    #[arg(long, default_value = "1")]
+    pub(crate) level: RefinementLevel,
+    /// Growth of the caps' edge length per meter of distance from the boundary.
+    #[arg(long, default_value_t = 0.0)]
+    pub(crate) grading: f64,
+}
+
+impl MethodArguments {
     /// Returns the parameters of a cut.
-    pub(crate) fn params(self, level: RefinementLevel) -> CutParams {
+    pub(crate) fn params(&self) -> CutParams {
         CutParams {
-            method: match self {
-                Self::Exact => CutMethod::default(),
-                Self::Paper => CutMethod::Paper(PaperParams::default()),
+            method: match self.method {
+                MethodChoice::Exact => CutMethod::default(),
+                MethodChoice::Paper => CutMethod::Paper(PaperParams::default()),
             },
             refine: RefineParams {
-                level,
+                level: self.level,
+                grading: self.grading,
                 ..RefineParams::default()
             },
             ..CutParams::default()

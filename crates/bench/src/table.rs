@@ -6,13 +6,12 @@ pub(crate) mod row;
 
 use crate::backend::BackendChoice as BackendArgument;
 use crate::json::Json;
-use crate::method::MethodChoice;
+use crate::method::MethodArguments;
 use crate::numbers::fixed;
 use crate::options::{AdapterArguments, ModelArguments, OutputArguments, positive};
 use crate::text_table::{paragraphs, text_table};
 use crate::{machine, models};
 use clap::Args;
-use incise_refine::RefinementLevel;
 use incise_scene::{BackendChoice, BackendRequest, Scene, SceneError};
 use protocol::{frames, params, run as run_protocol};
 use row::Row;
@@ -38,12 +37,8 @@ pub(crate) struct TableArguments {
     /// Solver iterations per frame.
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]
     iterations: u32,
-    /// Refinement level of the caps: one of the five names, or z.
-    #[arg(long, default_value = "1")]
-    level: RefinementLevel,
-    /// Cut method.
-    #[arg(long, value_enum, default_value_t = MethodChoice::Exact)]
-    method: MethodChoice,
+    #[command(flatten)]
+    caps: MethodArguments,
     /// Add volume constraints; the paper's bodies have none.
     #[arg(long)]
     pub(crate) volume: bool,
@@ -88,12 +83,13 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut impl Write) -> Result<()
     writeln!(
         out,
         "\n{machine}, commit {commit}; {} s at dt {:.6} s, {} iterations, method {}, level {}, \
-         seed {}{}",
+         grading {}, seed {}{}",
         arguments.seconds,
         arguments.dt,
         arguments.iterations,
-        arguments.method.name(),
-        arguments.level,
+        arguments.caps.method.name(),
+        arguments.caps.level,
+        arguments.caps.grading,
         arguments.seed,
         beyond(arguments)
     )?;
@@ -209,9 +205,17 @@ mod tests {
         for asked in [0, 1, 3] {
             let path = place.path().join(format!("{asked}.json"));
             let file = path.display().to_string();
-            let line = ["b", "--only", "Sphere80", "--seconds", "1.1", "--json"];
+            let line = [
+                "b",
+                "--only",
+                "Sphere80",
+                "--seconds",
+                "1.1",
+                "--grading",
+                "0.5",
+            ];
             let mut words = line.to_vec();
-            words.push(&file);
+            words.extend(["--json", &file]);
             words.extend(all[..asked].iter().map(|of| of.0));
             let mut out = Vec::new();
             run(&Line::parse_from(words).table, &mut out).unwrap();
@@ -219,6 +223,7 @@ mod tests {
             let rows = std::fs::read_to_string(&path).unwrap();
             let rows: serde_json::Value = serde_json::from_str(&rows).unwrap();
             assert_eq!(rows[0]["cuts"], 1, "{rows}");
+            assert_eq!(rows[0]["grading"], 0.5, "{rows}");
             for (i, (_, name, text)) in all.into_iter().enumerate() {
                 assert_eq!(told.contains(text), i < asked, "{told}");
                 assert_eq!(rows[0][name], i < asked, "{rows}");

@@ -114,8 +114,9 @@ pub(crate) fn run(
         dt: arguments.dt,
         iterations: arguments.iterations,
         seconds: arguments.seconds,
-        method: arguments.method.name().to_owned(),
-        level: arguments.level.z(),
+        method: arguments.caps.method.name().to_owned(),
+        level: arguments.caps.level.z(),
+        grading: arguments.caps.grading,
         seed: arguments.seed,
         volume: arguments.volume,
         interior_springs: arguments.interior_springs,
@@ -267,7 +268,7 @@ pub(crate) fn params(arguments: &TableArguments) -> SceneParams {
             gravity: [0.0; 3],
             ..SolverParams::paper()
         },
-        cut: arguments.method.params(arguments.level),
+        cut: arguments.caps.params(),
         // The paper tests every triangle in every frame.
         skip_far_sweeps: false,
         // Checkpoints would add a readback to timed frames.

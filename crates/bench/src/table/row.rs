@@ -61,6 +61,8 @@ pub(crate) struct Row {
     /// `exact` or `paper`; older files say `rebuild` for the paper's method, or nothing.
     pub(crate) method: String,
     pub(crate) level: f64,
+    /// Growth of the caps' edge length \[m/m\].
+    pub(crate) grading: f64,
     pub(crate) seed: u64,
     /// Whether pieces have volume constraints.
     pub(crate) volume: bool,
