@@ -191,7 +191,8 @@ pub(crate) fn run(
     let frames = whole(arguments.seconds / arguments.dt).max(1);
     let start = whole(arguments.at.unwrap_or(0.0) / arguments.dt);
     let blade_path = arguments.blade_path(start, frames)?;
-    let (surface, warnings) = arguments.reading.read_open(path)?;
+    let (mut surface, warnings) = arguments.reading.read_open(path)?;
+    surface.sort_by_position();
     for warning in &warnings {
         reporter.warn(format_args!("{}: {warning}", path.display()));
     }

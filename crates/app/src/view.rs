@@ -66,7 +66,8 @@ pub(crate) fn run(
     reporter: &Reporter<impl Write>,
 ) -> Result<(), Failure> {
     let input = arguments.input.clone();
-    let (body, warnings) = arguments.reading.read_open(&input)?;
+    let (mut body, warnings) = arguments.reading.read_open(&input)?;
+    body.sort_by_position();
     for warning in &warnings {
         reporter.warn(format_args!("{}: {warning}", input.display()));
     }

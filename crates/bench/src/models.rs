@@ -16,6 +16,7 @@ pub(crate) struct Loaded {
     pub(crate) source: String,
     /// Number of vertices with normals and texture seams, as a renderer counts them.
     pub(crate) vertices: usize,
+    /// In the order of [`Surface::sort_by_position`].
     pub(crate) surface: Surface,
 }
 
@@ -79,7 +80,8 @@ fn built_in_of<'a>(
 }
 
 fn built_in(model: Model) -> Loaded {
-    let surface = build_model(model);
+    let mut surface = build_model(model);
+    surface.sort_by_position();
     Loaded {
         model,
         source: BUILT_IN.to_owned(),
@@ -115,9 +117,10 @@ fn from_folder(folder: &Path, model: Model) -> Result<Loaded, Box<dyn Error>> {
 
 fn from_data(model: Model, path: &Path, data: MeshData) -> Result<Loaded, Box<dyn Error>> {
     let vertices = data.file_vertices;
-    let (surface, _) = data
+    let (mut surface, _) = data
         .into_surface()
         .map_err(|error| format!("{}: {error}", path.display()))?;
+    surface.sort_by_position();
     Ok(Loaded {
         model,
         source: path

@@ -41,16 +41,18 @@ impl Workload {
     /// # Errors
     /// None: every workload is a surface.
     pub(crate) fn surface(&self) -> Result<Surface, TopologyError> {
-        match &self.kind {
-            Kind::Sphere(quads) => Ok(cube_sphere(*quads, RADIUS)),
+        let mut surface = match &self.kind {
+            Kind::Sphere(quads) => cube_sphere(*quads, RADIUS),
             Kind::Model(loaded, times) => {
                 let mut surface = loaded.surface.clone();
                 for _ in 0..*times {
                     surface = subdivide(&surface)?;
                 }
-                Ok(surface)
+                surface
             }
-        }
+        };
+        surface.sort_by_position();
+        Ok(surface)
     }
 
     /// Builds a body of the table's material that spins and is squeezed.

@@ -31,6 +31,7 @@ mod validate;
 
 use crate::ids::index_u32;
 pub use cast::RayHit;
+pub(crate) use morton::sort_along_curve;
 pub use nearest::{NearestPoint, SearchRadii};
 pub use validate::InvalidBvh;
 

@@ -3,6 +3,11 @@
 use super::{least, most, triangle_bounds, union};
 use crate::{Aabb, Surface, TriangleId};
 
+/// Sorts triangles by the Morton codes of their centers.
+pub(crate) fn sort_along_curve(surface: &Surface, triangles: &mut [TriangleId]) {
+    Curve::default().sort(surface, triangles);
+}
+
 /// Scratch memory of a sort.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Curve {
