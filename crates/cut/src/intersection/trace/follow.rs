@@ -1,0 +1,285 @@
+//! Follows a curve from mesh triangle to mesh triangle and from facet to facet.
+
+use super::segment::{End, Segment};
+use super::tip::Tip;
+use super::{Chord, Curve, Trace};
+use crate::error::CutError;
+use crate::intersection::facets::{Facets, NO_FACET};
+use crate::intersection::node::{Node, On};
+use incise_mesh::{HalfEdge, Surface, TriangleId, VertexId, index_u32};
+
+/// The first segment of a curve, or the tip along which it begins.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Start {
+    Segment(usize),
+    Tip(Tip),
+}
+
+/// The place at which a chord leaves its mesh triangle.
+#[derive(Debug, Clone, Copy)]
+enum Exit {
+    /// Across a half-edge, in a facet.
+    Mesh(HalfEdge, u32),
+    /// At an end of a tip, which the curve follows.
+    Tip(Tip),
+    /// At the tip along which the curve began.
+    Closed,
+    /// At the sweep's boundary.
+    End,
+}
+
+impl Trace {
+    /// Follows a curve to its end, or a closed one once around.
+    pub(super) fn follow(
+        &mut self,
+        surface: &Surface,
+        facets: &Facets,
+        start: Start,
+        is_closed: bool,
+    ) -> Result<(), CutError> {
+        let first = index_u32(self.nodes.len());
+        let first_chord = self.chords.len();
+        let mut at = match start {
+            Start::Segment(at) => {
+                self.add_first_node(surface, facets, at, is_closed);
+                at
+            }
+            Start::Tip(tip) => match self.follow_tip(surface, facets, tip) {
+                Some(at) => at,
+                None => {
+                    self.finish_curve(facets, first, is_closed);
+                    return Ok(());
+                }
+            },
+        };
+        loop {
+            let triangle = self.segments[at].triangle;
+            // The node through which the curve came in was made before, or closes it.
+            let from = index_u32(self.nodes.len()).wrapping_sub(1);
+            let inner = index_u32(self.nodes.len());
+            let exit = self.cross_triangle(surface, facets, at, start, first)?;
+            let count = index_u32(self.nodes.len());
+            // The first node of a tip is added after this chord.
+            let (end, to) = match exit {
+                Exit::Mesh(..) | Exit::End => (count - 1, count - 1),
+                Exit::Tip(_) => (count, count),
+                Exit::Closed => (count, first),
+            };
+            self.chords.push(Chord {
+                triangle,
+                from,
+                inner: inner..end,
+                to,
+            });
+            let next = match exit {
+                Exit::End | Exit::Closed => None,
+                Exit::Tip(tip) => self.follow_tip(surface, facets, tip),
+                Exit::Mesh(exit, facet) => self.across(surface, exit, facet)?,
+            };
+            match next {
+                Some(next) => at = next,
+                None => break,
+            }
+        }
+        if !is_closed {
+            self.center_ends(surface, facets, first as usize);
+        }
+        if self.is_touch(surface, facets, first, first_chord, is_closed) {
+            self.nodes.truncate(first as usize);
+            self.chords.truncate(first_chord);
+            return Ok(());
+        }
+        if is_closed && matches!(start, Start::Segment(_)) {
+            self.chords[first_chord].from = index_u32(self.nodes.len()) - 1;
+        }
+        self.finish_curve(facets, first, is_closed);
+        Ok(())
+    }
+
+    /// Appends the node at which a curve begins, unless it is also the last one of a closed curve.
+    fn add_first_node(&mut self, surface: &Surface, facets: &Facets, at: usize, is_closed: bool) {
+        let Segment {
+            triangle,
+            facet,
+            from,
+            ..
+        } = self.segments[at];
+        match from {
+            End::Sweep(edge) => {
+                let node = Node::in_face(surface, facets, triangle, edge, facet);
+                self.nodes.push(node);
+            }
+            End::Mesh(entry) if !is_closed => {
+                let node = Node::on_edge(surface, facets, entry, facet, true);
+                self.nodes.push(node);
+            }
+            End::Mesh(_) | End::Tip(_) => {}
+        }
+    }
+
+    /// Follows a curve from segment `at` to where it leaves the mesh triangle, from facet to facet.
+    ///
+    /// The curve began at `start` with node `first`.
+    fn cross_triangle(
+        &mut self,
+        surface: &Surface,
+        facets: &Facets,
+        mut at: usize,
+        start: Start,
+        first: u32,
+    ) -> Result<Exit, CutError> {
+        loop {
+            let segment = &mut self.segments[at];
+            segment.is_seen = true;
+            let Segment {
+                triangle,
+                facet,
+                to,
+                ..
+            } = *segment;
+            let edge = match to {
+                End::Tip(vertex) => {
+                    let tip = Tip::from_vertex(facets, vertex)
+                        .ok_or(CutError::TipBlocked { triangle })?;
+                    let is_start = matches!(start, Start::Tip(start) if start.first == tip.first);
+                    // Around the body and back, or along another part of the tip.
+                    let exit = if is_start {
+                        Exit::Closed
+                    } else {
+                        Exit::Tip(tip)
+                    };
+                    return Ok(exit);
+                }
+                End::Mesh(exit) => {
+                    let node = Node::on_edge(surface, facets, exit, facet, false);
+                    self.nodes.push(node);
+                    return Ok(Exit::Mesh(exit, facet));
+                }
+                End::Sweep(edge) => edge,
+            };
+            let beyond = facets.beyond_edge(facet, edge);
+            let node = Node::in_face(surface, facets, triangle, edge, beyond);
+            if beyond == NO_FACET {
+                let begins = index_u32(self.nodes.len()) == first + 1;
+                let from = self.nodes[first as usize];
+                if begins && matches!(from.on, On::Face { .. }) {
+                    let middle = Node::between(surface, triangle, &from, &node);
+                    self.nodes.push(middle);
+                }
+                self.nodes.push(node);
+                return Ok(Exit::End);
+            }
+            self.nodes.push(node);
+            at = (self.segment(triangle, beyond)).ok_or(CutError::TipBlocked { triangle })?;
+        }
+    }
+
+    /// Returns the segment beyond a mesh edge; none at the surface's boundary or back at the start.
+    fn across(
+        &self,
+        surface: &Surface,
+        exit: HalfEdge,
+        facet: u32,
+    ) -> Result<Option<usize>, CutError> {
+        let entry = surface.topology().twin(exit);
+        if entry.is_null() {
+            return Ok(None);
+        }
+        let triangle = entry.triangle();
+        let next = self.segment(triangle, facet);
+        let next = next.ok_or_else(|| missing_candidate(surface, triangle))?;
+        Ok(Some(next).filter(|&next| !self.segments[next].is_seen))
+    }
+
+    /// Appends the nodes along a tip. Returns the segment with which the curve leaves it.
+    fn follow_tip(&mut self, surface: &Surface, facets: &Facets, tip: Tip) -> Option<usize> {
+        let last = tip.vertex(facets, tip.last);
+        let next = self.segments.iter().position(|s| s.from == End::Tip(last));
+        for corner in tip.first..=tip.last {
+            // The facet on the inner side of the edge to the next corner.
+            let facet = match next {
+                Some(next) if corner == tip.last => self.segments[next].facet,
+                _ => 2 * corner.min(tip.last.saturating_sub(1)),
+            };
+            let vertex = tip.vertex(facets, corner);
+            self.nodes.push(Node::at_tip(surface, vertex, facet));
+        }
+        next
+    }
+
+    /// Returns the segment in a mesh triangle and a facet.
+    pub(super) fn segment(&self, triangle: TriangleId, facet: u32) -> Option<usize> {
+        let key = |s: &Segment| (s.triangle, s.facet);
+        self.segments
+            .binary_search_by_key(&(triangle, facet), key)
+            .ok()
+    }
+
+    /// Moves the ends of the open curve of the last nodes away from mesh edges.
+    fn center_ends(&mut self, surface: &Surface, facets: &Facets, first: usize) {
+        let last = self.nodes.len() - 1;
+        for (end, beside, is_last) in [(first, first + 1, false), (last, last - 1, true)] {
+            let before = self.nodes[beside];
+            let facet = self.nodes[end.min(beside)].facet;
+            self.nodes[end].center_end(surface, facets, &before, facet, is_last);
+        }
+    }
+
+    /// Returns whether the curve of the last nodes and chords only touches the surface.
+    fn is_touch(
+        &mut self,
+        surface: &Surface,
+        facets: &Facets,
+        first: u32,
+        first_chord: usize,
+        is_closed: bool,
+    ) -> bool {
+        let nodes = &self.nodes[first as usize..];
+        let is_joined = |node: &Node| match node.on {
+            On::Tip(vertex) => Tip::from_vertex(facets, vertex).is_none_or(Tip::is_joined),
+            _ => false,
+        };
+        if nodes.iter().any(is_joined) {
+            return false;
+        }
+        let mut ends = [nodes.first(), nodes.last()].into_iter().flatten();
+        if is_closed || ends.all(|node| !matches!(node.on, On::Face { .. })) {
+            return self.touch.is_touch(surface, facets, nodes);
+        }
+        let chords = &self.chords[first_chord..];
+        let touch = &mut self.touch;
+        (chords.iter()).all(|chord| touch.is_touch_in(surface, facets, chord.triangle))
+    }
+
+    /// Adds the curve of all nodes from `first` on.
+    fn finish_curve(&mut self, facets: &Facets, first: u32, is_closed: bool) {
+        let end = index_u32(self.nodes.len());
+        if !is_closed {
+            for node in [first, end - 1] {
+                let node = &mut self.nodes[node as usize];
+                node.is_end = match node.on {
+                    On::Edge { .. } => false,
+                    On::Face { .. } => true,
+                    On::Tip(vertex) => Tip::from_vertex(facets, vertex).is_none_or(Tip::is_joined),
+                };
+            }
+        }
+        self.curves.push(Curve {
+            nodes: first..end,
+            is_closed,
+            is_capped: true,
+        });
+    }
+}
+
+/// Returns why a triangle that a curve enters is no candidate.
+///
+/// It has a coordinate that is not finite, or its box is out of date.
+fn missing_candidate(surface: &Surface, triangle: TriangleId) -> CutError {
+    let mut corners = surface.topology().triangle(triangle).into_iter();
+    let is_broken = |&v: &VertexId| !surface.position(v).iter().all(|x| x.is_finite());
+    match corners.find(is_broken) {
+        Some(vertex) => CutError::VertexNotFinite { vertex },
+        None => CutError::StaleBvh,
+    }
+}
