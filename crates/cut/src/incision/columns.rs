@@ -12,6 +12,9 @@ const MAX_WIDENING: f64 = 0.2;
 /// Maximum gap between walls that the tip crosses at one point [local edge lengths].
 const MAX_GAP: f64 = 1e-3;
 
+/// Maximum distance of a point of the blade from the tip that takes its place [local edge lengths].
+const MAX_TIP_DISTANCE: f64 = 1e-3;
+
 /// Minimum distance of a point of the sweep from the surface, along the blade [local edge lengths].
 const CLEARANCE: f64 = 0.1;
 /// Its maximum [motion of the blade].
@@ -64,7 +67,11 @@ impl Incision {
                     && pair[0].parameter <= parameter
                     && parameter <= pair[1].parameter
             });
-            if !is_covered {
+            let is_at_tip = self.tip.iter().any(|tip| {
+                let distance = (point_at(&self.pose, tip.parameter) - to_f64(*point)).norm();
+                distance <= MAX_TIP_DISTANCE * self.local
+            });
+            if !is_covered && !is_at_tip {
                 columns.push(Column::outside(parameter, to_f64(*point)));
             }
         }

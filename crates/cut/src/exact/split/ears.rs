@@ -69,6 +69,9 @@ impl Splitter {
                 if has_inner && !is_empty_ear(inset, [a, b, c], ring) {
                     return -1.0;
                 }
+                if has_inner && ring.iter().any(|&i| is_beside(at(i), [at(a), at(c)])) {
+                    return -0.5;
+                }
                 let angles = corner_angles(points);
                 angles.into_iter().fold(f64::MAX, f64::min)
             };
@@ -157,6 +160,19 @@ fn is_empty_ear(points: &[[f64; 2]], ear: [usize; 3], ring: &[usize]) -> bool {
     let mut others = ring.iter().filter(|i| !ear.contains(i)).map(|&i| points[i]);
     turn(a, b, c) > 0.0
         && !others.any(|p| turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0)
+}
+
+/// Minimum distance of a corner from a diagonal [length of the diagonal].
+///
+/// Rounding may fold a thinner triangle.
+const MIN_DISTANCE: f64 = 1e-3;
+
+/// Returns whether a point lies beside a diagonal between its ends, where it leaves a sliver.
+fn is_beside(p: Vec3, [a, b]: [Vec3; 2]) -> bool {
+    let (edge, to_point) = (b - a, p - a);
+    let along = edge.dot(&to_point) / edge.norm_squared();
+    let distance = (to_point - edge * along).norm();
+    0.0 < along && along < 1.0 && p != b && distance < MIN_DISTANCE * edge.norm()
 }
 
 /// Returns whether a diagonal cannot repeat an edge of the surface.
