@@ -8,6 +8,7 @@ mod gpu;
 mod kernels;
 mod mass;
 mod material;
+mod parallel;
 mod particles;
 mod patches;
 mod solver;

@@ -2,21 +2,19 @@
 
 use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness, Volume};
 use incise_test_support::surfaces::sphere;
+use std::num::NonZeroUsize;
 
-fn run(threads: usize) -> Vec<[u32; 4]> {
+fn run(pool: usize, threads: Option<usize>, material: &Material) -> Vec<[u32; 4]> {
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
+        .num_threads(pool)
         .build()
         .unwrap();
     pool.install(|| {
-        let mut surface = sphere(7, [0.0, 1.01, 0.0]);
-        let material = Material {
-            volume: Some(Volume::default()),
-            ..Material::default()
-        };
-        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        let mut surface = sphere(5, [0.0, 1.01, 0.0]);
+        let mut solver = Solver::new(&mut surface, material).unwrap();
         let params = SolverParams {
             ground: Some(0.0),
+            threads: threads.and_then(NonZeroUsize::new),
             ..SolverParams::paper()
         };
         for _ in 0..4 {
@@ -28,11 +26,26 @@ fn run(threads: usize) -> Vec<[u32; 4]> {
 }
 
 #[test]
-fn one_thread_and_two_give_the_same_bits() {
-    let one = run(1);
-    assert!(one == run(2), "two threads differ from one");
-    for count in [3, 4, 16, 64] {
-        assert!(one == run(count), "{count} threads differ from one");
+fn any_number_of_threads_gives_the_same_bits() {
+    let incompressible = Material {
+        volume: Some(Volume::default()),
+        ..Material::default()
+    };
+    let compliant = Material {
+        stretch: Stiffness::Compliance(1e-5),
+        bending: Some(Stiffness::Compliance(1e-3)),
+        ..Material::default()
+    };
+    for material in [incompressible, compliant] {
+        let one = run(1, None, &material);
+        for pool in [2, 3, 5, 8, 64] {
+            let many = run(pool, None, &material);
+            assert!(one == many, "{pool} threads differ from one");
+        }
+        for limit in [1, 2, 3] {
+            let limited = run(4, Some(limit), &material);
+            assert!(one == limited, "a limit of {limit} threads differs");
+        }
     }
 }
 

@@ -14,6 +14,7 @@ const WEIGHTLESS: SolverParams = SolverParams {
     diagonal_scale: 1.0,
     attachments: false,
     integrator: Integrator::Bdf2,
+    threads: None,
 };
 
 /// A triangle of which one corner moves, between two that are held: along the middle two springs

@@ -4,7 +4,9 @@ use crate::constraints::coloring::{LAYERS, MAX_COLORS, VertexColors};
 use crate::constraints::edges::EdgeId;
 use crate::follow::changes::Log;
 use incise_mesh::VertexId;
+use std::cell::Cell;
 use std::fmt;
+use std::ops::Range;
 
 /// Stretch constraints: the ends of an edge, the smaller id first, and its rest length \[m\].
 pub type StretchSet = ConstraintSet<2>;
@@ -77,16 +79,17 @@ impl<const N: usize> Batch<N> {
         self.lambda.resize(self.vertices.len(), 0.0);
     }
 
-    /// Returns the whole batch, with multipliers if they accumulate.
+    /// Returns the constraints for a projection, with multipliers if they accumulate.
     pub(crate) fn part(&mut self, accumulates_lambda: bool) -> Part<'_, N> {
+        let lambda: &mut [f32] = if accumulates_lambda {
+            &mut self.lambda
+        } else {
+            &mut []
+        };
         Part {
             vertices: &self.vertices,
             rest: &self.rest,
-            lambda: if accumulates_lambda {
-                &mut self.lambda
-            } else {
-                &mut []
-            },
+            lambda: Cell::from_mut(lambda).as_slice_of_cells(),
         }
     }
 
@@ -112,31 +115,22 @@ impl<const N: usize> Batch<N> {
 }
 
 /// A contiguous part of a batch.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Part<'a, const N: usize> {
     pub(crate) vertices: &'a [[VertexId; N]],
     pub(crate) rest: &'a [f32],
     /// Multipliers; empty if they do not accumulate.
-    pub(crate) lambda: &'a mut [f32],
+    pub(crate) lambda: &'a [Cell<f32>],
 }
 
-impl<'a, const N: usize> Part<'a, N> {
-    /// Splits the part at a constraint.
-    pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
-        let (vertices, more_vertices) = self.vertices.split_at(middle);
-        let (rest, more_rest) = self.rest.split_at(middle);
-        let (lambda, more_lambda) = self.lambda.split_at_mut(middle.min(self.lambda.len()));
-        let left = Self {
-            vertices,
-            rest,
-            lambda,
-        };
-        let right = Self {
-            vertices: more_vertices,
-            rest: more_rest,
-            lambda: more_lambda,
-        };
-        (left, right)
+impl<const N: usize> Part<'_, N> {
+    /// Returns a range of the constraints.
+    pub(crate) fn slice(self, range: Range<usize>) -> Self {
+        Self {
+            vertices: &self.vertices[range.clone()],
+            rest: &self.rest[range.clone()],
+            lambda: self.lambda.get(range).unwrap_or_default(),
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! A polynomial arctangent with the same bits on every CPU and GPU.
 
+use super::lanes::Lanes;
+use pulp::Simd;
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Minimax coefficients of `atan(t) / t` in `t^2` on 0 to 1; the error is 4e-8 rad before rounding.
@@ -18,29 +20,34 @@ pub(crate) const COEFFICIENTS: [f32; 8] = [
 ///
 /// The error is below 1e-6 rad.
 #[inline(always)]
-pub(crate) fn arctangent2(y: f32, x: f32) -> f32 {
+pub(crate) fn arctangent2<S: Simd>(y: Lanes<S>, x: Lanes<S>) -> Lanes<S> {
+    let zero = x.zero();
     let (ax, ay) = (x.abs(), y.abs());
-    let steep = ay > ax;
-    let (small, large) = if steep { (ax, ay) } else { (ay, ax) };
-    let t = if large > 0.0 { small / large } else { 0.0 };
+    let steep = ay.gt(ax);
+    let (small, large) = (steep.select(ax, ay), steep.select(ay, ax));
+    let t = large.gt(zero).or_zero(small / large);
     let s = t * t;
     let [c0, c1, c2, c3, c4, c5, c6, c7] = COEFFICIENTS;
-    let mut p = c7 * s + c6;
-    p = p * s + c5;
-    p = p * s + c4;
-    p = p * s + c3;
-    p = p * s + c2;
-    p = p * s + c1;
-    p = p * s + c0;
-    p *= t;
-    p = if steep { FRAC_PI_2 - p } else { p };
-    p = if x < 0.0 { PI - p } else { p };
-    if y < 0.0 { -p } else { p }
+    let p = c7 * s + c6;
+    let p = p * s + c5;
+    let p = p * s + c4;
+    let p = p * s + c3;
+    let p = p * s + c2;
+    let p = p * s + c1;
+    let p = (p * s + c0) * t;
+    let p = steep.select(FRAC_PI_2 - p, p);
+    let p = x.lt(zero).select(PI - p, p);
+    y.lt(zero).select(-p, p)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pulp::Scalar;
+
+    fn arctangent2(y: f32, x: f32) -> f32 {
+        super::arctangent2(Lanes::splat(Scalar, y), Lanes::splat(Scalar, x)).values
+    }
 
     #[test]
     fn it_is_the_arctangent_at_every_scale() {

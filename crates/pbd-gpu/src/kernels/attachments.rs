@@ -1,7 +1,7 @@
 //! Long range attachments: pulls back vertices that are too far from their anchor.
 
 use super::block::difference;
-use super::displacements::Displacements;
+use super::particle_state::ParticleStates;
 use crate::constraints::attachments::LongRangeAttachment;
 
 /// Rate at which excess distance from before the substep is corrected [1/s].
@@ -18,20 +18,19 @@ pub(crate) const RETURN: f32 = 0.05;
 /// two attachments share a vertex.
 #[inline(always)]
 pub(crate) fn attachments(
-    x: &[[f32; 4]],
-    d: &mut impl Displacements,
+    particles: ParticleStates<'_>,
     attachments: &[LongRangeAttachment],
     h: f32,
 ) {
     let kept = 1.0 - RETURN * h;
     for attachment in attachments {
         let (v, anchor) = (attachment.vertex.index(), attachment.anchor.index());
-        let (xv, xa, mut dv) = (x[v], x[anchor], d.get(v));
-        let offset = difference(xv, dv, xa, d.get(anchor));
+        let (from, to) = (particles.get(v), particles.get(anchor));
+        let offset = difference(from, to);
         let length = norm(offset);
         // Vertices with zero inverse mass do not move.
-        if length > attachment.length && xv[3] > 0.0 {
-            let before = kept * norm(difference(xv, [0.0; 4], xa, [0.0; 4]));
+        if length > attachment.length && from.x[3] > 0.0 {
+            let before = kept * norm(difference(from.at_start(), to.at_start()));
             let reach = if before > attachment.length {
                 before
             } else {
@@ -39,10 +38,7 @@ pub(crate) fn attachments(
             };
             let back = (length - reach) / length;
             if back > 0.0 {
-                for (c, offset) in dv.iter_mut().zip(offset) {
-                    *c += offset * back;
-                }
-                d.set(v, dv);
+                particles.add_d(v, offset.map(|c| c * back));
             }
         }
     }
@@ -56,6 +52,7 @@ fn norm([x, y, z, _]: [f32; 4]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::particle_state::on_arrays;
     use incise_mesh::VertexId;
 
     #[test]
@@ -77,7 +74,7 @@ mod tests {
             anchor: VertexId(0),
             length: 2.5,
         });
-        attachments(&x, &mut d, &all, 0.01);
+        on_arrays(&x, &mut d, |p| attachments(p, &all, 0.01));
         // It was 5 m away, three parts along y and four along z.
         assert_eq!(d[1], [0.0, 0.0, 2.0, 0.0]);
         assert_eq!(d[2], [0.0, 0.25, 0.0, 0.0], "it is within reach");
@@ -94,9 +91,9 @@ mod tests {
             anchor: VertexId(0),
             length: 0.0,
         };
-        attachments(&x, &mut d, &[attachment], 0.01);
+        on_arrays(&x, &mut d, |p| attachments(p, &[attachment], 0.01));
         assert_eq!(d[1], [0.0; 4]);
-        attachments(&x, &mut d, &[attachment], 0.01);
+        on_arrays(&x, &mut d, |p| attachments(p, &[attachment], 0.01));
         assert_eq!(d[1], [0.0; 4], "there is no direction to pull in");
     }
 
@@ -110,7 +107,7 @@ mod tests {
         };
         let h = 1.0 / 64.0;
         let mut d = [[0.0; 4], [3.0, 0.0, 0.0, 0.0]];
-        attachments(&x, &mut d, &[attachment], h);
+        on_arrays(&x, &mut d, |p| attachments(p, &[attachment], h));
         let reach = 4.0 * (1.0 - RETURN * h);
         assert_eq!(
             d[1][0],
@@ -119,7 +116,7 @@ mod tests {
         );
         let nearer = [[0.0; 4], [-1.0, 0.0, 0.0, 0.0]];
         let mut d = nearer;
-        attachments(&x, &mut d, &[attachment], h);
+        on_arrays(&x, &mut d, |p| attachments(p, &[attachment], h));
         assert_eq!(d, nearer, "it is approaching already");
     }
 }

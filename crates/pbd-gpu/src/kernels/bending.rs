@@ -17,12 +17,12 @@
 //! substep that is shorter than the previous ones a part of the older error remains, as for edges.
 
 use super::arctangent::arctangent2;
-use super::block::{BLOCK, Lanes, difference};
-use super::displacements::Displacements;
-use crate::constraints::batches::Part;
+use super::block::{Block, Gather, scatter};
+use super::lanes::Lanes;
+use super::particle_state::ParticleStates;
 use crate::step::constants::Projection;
 use crate::step::sweep::Kernel;
-use incise_mesh::VertexId;
+use pulp::Simd;
 use std::f32::consts::{PI, TAU};
 
 /// Triangles whose doubled area is below this fraction of their squared edges are ignored.
@@ -60,154 +60,42 @@ pub(crate) const LIMP: f32 = 100.0;
 /// Stiffness of rigid edges \[kg\]: more than the mass of any body, without overflow.
 pub(crate) const FIRM: f32 = 1e30;
 
-struct Block<const B: usize> {
-    /// Vectors from the first vertex to the others.
-    to: [[Lanes<B>; 3]; 3],
-    /// Displacements of the others relative to the first.
-    moved: [[Lanes<B>; 3]; 3],
-    inv_mass: [Lanes<B>; 4],
-    rest: Lanes<B>,
-    lambda: Lanes<B>,
-    /// Change of displacement of every vertex.
-    change: [[Lanes<B>; 3]; 4],
-}
-
 /// The bending kernel.
 #[derive(Debug)]
 pub(crate) struct Bending;
 
 impl Kernel<4> for Bending {
     #[inline(always)]
-    fn project(
-        x: &[[f32; 4]],
-        d: &mut impl Displacements,
-        part: Part<'_, 4>,
+    fn project<G: Gather<L>, const L: usize>(
+        gather: G,
+        particles: ParticleStates<'_>,
+        block: &mut Block<'_, G::S, L, 4>,
         projection: Projection,
     ) {
-        run::<BLOCK>(x, d, part, projection);
-    }
+        let simd = gather.simd();
+        let zero = Lanes::splat(simd, 0.0);
+        let Projection {
+            factor,
+            alpha,
+            diagonal_scale,
+            ..
+        } = projection;
+        let w0 = gather.inverse_masses(particles, block.vertices);
+        let [e @ .., w1] = gather.differences(particles, block.vertices, 1);
+        let [a @ .., w2] = gather.differences(particles, block.vertices, 2);
+        let [b @ .., w3] = gather.differences(particles, block.vertices, 3);
 
-    #[inline(always)]
-    fn project_serial(
-        x: &[[f32; 4]],
-        d: &mut impl Displacements,
-        part: Part<'_, 4>,
-        projection: Projection,
-    ) {
-        run::<1>(x, d, part, projection);
-    }
-}
-
-#[inline(always)]
-fn run<const B: usize>(
-    x: &[[f32; 4]],
-    d: &mut impl Displacements,
-    part: Part<'_, 4>,
-    projection: Projection,
-) {
-    let zero = [0.0; B];
-    let mut block = Block {
-        to: [[zero; 3]; 3],
-        moved: [[zero; 3]; 3],
-        inv_mass: [zero; 4],
-        rest: zero,
-        lambda: zero,
-        change: [[zero; 3]; 4],
-    };
-    let mut kept = part.lambda.chunks_mut(B);
-    for (vertices, rest) in part.vertices.chunks(B).zip(part.rest.chunks(B)) {
-        block.rest[..rest.len()].copy_from_slice(rest);
-        let kept = kept.next();
-        match &kept {
-            Some(kept) => block.lambda[..kept.len()].copy_from_slice(kept),
-            None => block.lambda = zero,
-        }
-        // With rigid edges and equal substeps no old error remains, which saves its computation.
-        if projection.edge_stiffness < FIRM || projection.error_carryover > 0.0 {
-            gather::<B, true>(&mut block, x, d, vertices);
-            project::<B, true>(&mut block, projection);
-        } else {
-            gather::<B, false>(&mut block, x, d, vertices);
-            project::<B, false>(&mut block, projection);
-        }
-        scatter(&block, d, vertices);
-        if let Some(kept) = kept {
-            kept.copy_from_slice(&block.lambda[..kept.len()]);
-        }
-    }
-}
-
-#[inline(always)]
-fn gather<const B: usize, const HAS_OLD_ERRORS: bool>(
-    block: &mut Block<B>,
-    x: &[[f32; 4]],
-    d: &mut impl Displacements,
-    vertices: &[[VertexId; 4]],
-) {
-    for (lane, v) in vertices.iter().enumerate().take(B) {
-        let first = v[0].index();
-        let (x0, d0) = (x[first], d.get(first));
-        block.inv_mass[0][lane] = x0[3];
-        for j in 0..3 {
-            let other = v[j + 1].index();
-            let (xj, dj) = (x[other], d.get(other));
-            let to = difference(x0, d0, xj, dj);
-            for (lanes, c) in block.to[j].iter_mut().zip(to) {
-                lanes[lane] = c;
-            }
-            if HAS_OLD_ERRORS {
-                for (k, lanes) in block.moved[j].iter_mut().enumerate() {
-                    lanes[lane] = dj[k] - d0[k];
-                }
-            }
-            block.inv_mass[j + 1][lane] = xj[3];
-        }
-    }
-}
-
-#[inline(always)]
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-#[inline(always)]
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-fn project<const B: usize, const HAS_OLD_ERRORS: bool>(
-    block: &mut Block<B>,
-    projection: Projection,
-) {
-    let Projection {
-        factor,
-        alpha,
-        diagonal_scale,
-        recovery,
-        edge_stiffness,
-        error_carryover,
-        ..
-    } = projection;
-    for i in 0..B {
-        let of = |lanes: &[Lanes<B>; 3]| [lanes[0][i], lanes[1][i], lanes[2][i]];
-        let [e, a, b] = [0, 1, 2].map(|j: usize| of(&block.to[j]));
-        let [d1, d2, d3] = [0, 1, 2].map(|j: usize| of(&block.moved[j]));
-        let [w0, w1, w2, w3] = [0, 1, 2, 3].map(|j: usize| block.inv_mass[j][i]);
         let (n2, n3) = (cross(e, a), cross(b, e));
         let (ee, q2, q3) = (dot(e, e), dot(n2, n2), dot(n3, n3));
         let (cos, length) = (dot(n2, n3), ee.sqrt());
         let theta = arctangent2(-(length * dot(a, n3)), cos);
-        let mut turn = theta - block.rest[i];
-        turn = if turn > PI { turn - TAU } else { turn };
-        turn = if turn <= -PI { turn + TAU } else { turn };
+        let turn = theta - block.rest;
+        let turn = turn.gt(zero + PI).select(turn - TAU, turn);
+        let turn = turn.le(zero - PI).select(turn + TAU, turn);
 
         let (big2, big3) = (ee + dot(a, a), ee + dot(b, b));
-        let solid = (q2 > FLAT * FLAT * (big2 * big2)) & (q3 > FLAT * FLAT * (big3 * big3));
+        let solid2 = q2.gt(FLAT * FLAT * (big2 * big2));
+        let solid3 = q3.gt(FLAT * FLAT * (big3 * big3));
         let (f2, f3) = (length / q2, length / q3);
         let (g22, g33, g23) = (f2 * length, f3 * length, f2 * f3 * cos);
         let per_square = 1.0 / ee;
@@ -217,66 +105,101 @@ fn project<const B: usize, const HAS_OLD_ERRORS: bool>(
         let g11 = s * s * g22 + t * t * g33 + 2.0 * (s * t * g23);
         let weight = (w0 * g00 + w1 * g11) + (w2 * g22 + w3 * g33);
 
-        let mut left = 0.0;
-        if HAS_OLD_ERRORS {
+        let mut left = zero;
+        // With rigid edges and equal substeps no old error remains, which saves its computation.
+        if projection.edge_stiffness < FIRM || projection.error_carryover > 0.0 {
             // Change of the angle in this substep: sum g . d.
-            let off = |d: [f32; 3], s: f32| [d[0] - s * d1[0], d[1] - s * d1[1], d[2] - s * d1[2]];
-            let added = -(f2 * dot(n2, off(d2, s)) + f3 * dot(n3, off(d3, t)));
-            let before = turn - added;
-            let soft = alpha / weight;
-            let held = edge_stiffness * ((w0 + w1) + (w2 + w3));
-            let limp = held / (LIMP * (recovery * recovery));
-            let limp = if limp < 1.0 { limp } else { 1.0 };
-            let follow = FOLLOW * (soft * held);
-            let follow = if follow < FREE { follow } else { FREE };
-            let free = (follow * follow) * (follow * follow);
-            let most = recovery * (limp * (1.0 + free) + held);
-            left = if before > most { before - most } else { left };
-            left = if before < -most { before + most } else { left };
-            let kept = error_carryover * before;
-            left = if kept.abs() > left.abs() { kept } else { left };
+            let [d1 @ .., _] = gather.displacements(particles, block.vertices, 1);
+            let [d2 @ .., _] = gather.displacements(particles, block.vertices, 2);
+            let [d3 @ .., _] = gather.displacements(particles, block.vertices, 3);
+            let (m2, m3) = (subtract(d2, scale(s, d1)), subtract(d3, scale(t, d1)));
+            let added = -(f2 * dot(n2, m2) + f3 * dot(n3, m3));
+            let inv_mass = (w0 + w1) + (w2 + w3);
+            left = remaining_error(turn - added, weight, inv_mass, projection);
         }
-        let wish = factor * ((turn - left) + alpha * block.lambda[i]);
-        let movable = solid & (weight > 0.0);
+        let wish = factor * ((turn - left) + alpha * block.lambda);
+        let movable = solid2 & solid3 & weight.gt(zero);
         let sum = diagonal_scale * weight + alpha;
-        let under = if weight > sum { weight } else { sum };
+        let under = weight.gt(sum).select(weight, sum);
         // The bound applies to the change of angle, `step * weight`.
         let most = MAX_TURN / weight;
-        let mut step = wish / under;
-        step = if step > most { most } else { step };
-        step = if step < -most { -most } else { step };
-        let step = if movable { step } else { 0.0 };
-        block.lambda[i] -= step;
+        let step = wish / under;
+        let step = step.gt(most).select(most, step);
+        let step = step.lt(-most).select(-most, step);
+        let step = movable.or_zero(step);
+        block.lambda = block.lambda - step;
         // delta = w lambda g, and lambda = -step, g2 = -f2 n2.
-        let c2 = if movable { step * f2 } else { 0.0 };
-        let c3 = if movable { step * f3 } else { 0.0 };
-        let (s, s0) = if movable { (s, s0) } else { (0.0, 0.0) };
-        let (t, t0) = if movable { (t, t0) } else { (0.0, 0.0) };
-        for k in 0..3 {
-            let (u2, u3) = (c2 * n2[k], c3 * n3[k]);
-            block.change[0][k][i] = -w0 * (s0 * u2 + t0 * u3);
-            block.change[1][k][i] = -w1 * (s * u2 + t * u3);
-            block.change[2][k][i] = w2 * u2;
-            block.change[3][k][i] = w3 * u3;
-        }
+        let (c2, c3) = (movable.or_zero(step * f2), movable.or_zero(step * f3));
+        let (s, s0) = (movable.or_zero(s), movable.or_zero(s0));
+        let (t, t0) = (movable.or_zero(t), movable.or_zero(t0));
+        let (u2, u3) = (scale(c2, n2), scale(c3, n3));
+        let changes = [
+            scale(-w0, add(scale(s0, u2), scale(t0, u3))),
+            scale(-w1, add(scale(s, u2), scale(t, u3))),
+            scale(w2, u2),
+            scale(w3, u3),
+        ];
+        scatter(gather, particles, block, changes);
     }
 }
 
+/// A vector per lane.
+type Vector<S> = [Lanes<S>; 3];
+
+/// Returns the part of an error from before the substep that a projection leaves \[rad\].
 #[inline(always)]
-fn scatter<const B: usize>(
-    block: &Block<B>,
-    d: &mut impl Displacements,
-    vertices: &[[VertexId; 4]],
-) {
-    for (lane, v) in vertices.iter().enumerate().take(B) {
-        for (v, change) in v.iter().zip(&block.change) {
-            let mut dv = d.get(v.index());
-            for (c, lanes) in dv.iter_mut().zip(change) {
-                *c += lanes[lane];
-            }
-            d.set(v.index(), dv);
-        }
-    }
+fn remaining_error<S: Simd>(
+    before: Lanes<S>,
+    weight: Lanes<S>,
+    inv_mass: Lanes<S>,
+    projection: Projection,
+) -> Lanes<S> {
+    let recovery = projection.recovery;
+    let soft = projection.alpha / weight;
+    let held = projection.edge_stiffness * inv_mass;
+    let limp = held / (LIMP * (recovery * recovery));
+    let limp = limp
+        .lt(before.zero() + 1.0)
+        .select(limp, before.zero() + 1.0);
+    let follow = FOLLOW * (soft * held);
+    let follow = follow
+        .lt(before.zero() + FREE)
+        .select(follow, before.zero() + FREE);
+    let free = (follow * follow) * (follow * follow);
+    let most = recovery * (limp * (1.0 + free) + held);
+    let left = before.gt(most).or_zero(before - most);
+    let left = before.lt(-most).select(before + most, left);
+    let kept = projection.error_carryover * before;
+    kept.abs().gt(left.abs()).select(kept, left)
+}
+
+#[inline(always)]
+fn add<S: Simd>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+fn subtract<S: Simd>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+fn scale<S: Simd>(by: Lanes<S>, a: Vector<S>) -> Vector<S> {
+    [by * a[0], by * a[1], by * a[2]]
+}
+
+#[inline(always)]
+fn cross<S: Simd>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+#[inline(always)]
+fn dot<S: Simd>(a: Vector<S>, b: Vector<S>) -> Lanes<S> {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[cfg(test)]

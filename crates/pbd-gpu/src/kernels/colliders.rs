@@ -2,7 +2,7 @@
 //!
 //! Friction is bounded by the sum of all corrections of a substep.
 
-use super::displacements::Displacements;
+use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::colliders::{ColliderRecord, PLANE, ROUND};
 
 /// Pushes vertices out of colliders, one collider after the other.
@@ -10,23 +10,22 @@ use crate::constraints::colliders::{ColliderRecord, PLANE, ROUND};
 /// The fourth component of the velocity holds the remaining friction bound.
 #[inline(never)]
 pub(crate) fn colliders(
-    x: &[[f32; 4]],
-    d: &mut impl Displacements,
+    particles: ParticleStates<'_>,
     v: &mut [[f32; 4]],
     colliders: &[ColliderRecord],
     friction: f32,
 ) {
-    for (i, (x, v)) in x.iter().zip(v).enumerate() {
+    for (cell, v) in particles.iter().zip(v) {
+        let ParticleState { x, mut d } = cell.get();
         if x[3] > 0.0 {
-            let mut di = d.get(i);
             for collider in colliders {
                 let q = [0, 1, 2].map(|k: usize| x[k] - collider.origin[k]);
-                let (distance, n) = separation(q, [di[0], di[1], di[2]], collider);
+                let (distance, n) = separation(q, [d[0], d[1], d[2]], collider);
                 if distance < 0.0 {
-                    push(&mut di, &mut v[3], n, -distance, friction);
+                    push(&mut d, &mut v[3], n, -distance, friction);
                 }
             }
-            d.set(i, di);
+            cell.set(ParticleState { x, d });
         }
     }
 }
@@ -112,6 +111,7 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 mod tests {
     use super::*;
     use crate::constraints::colliders::Collider;
+    use crate::kernels::particle_state::on_arrays;
 
     fn out(collider: Collider, p: [f32; 3]) -> (f32, [f32; 3]) {
         let record = collider.record().unwrap();
@@ -169,7 +169,7 @@ mod tests {
         let x = [[0.0, 0.5, 0.0, 1.0]; 2];
         let mut d = [[0.3, -0.75, 0.4, 0.0], [0.3, -1.5, 0.4, 0.0]];
         let mut v = [[0.0; 4]; 2];
-        colliders(&x, &mut d, &mut v, &record, 0.5);
+        on_arrays(&x, &mut d, |p| colliders(p, &mut v, &record, 0.5));
         for (d, expected) in d.iter().zip([[0.225, -0.5, 0.3], [0.0, -0.5, 0.0]]) {
             for k in 0..3 {
                 assert!((d[k] - expected[k]).abs() < 1e-6, "{d:?}");

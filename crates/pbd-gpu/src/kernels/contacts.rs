@@ -4,7 +4,7 @@
 //! a substep. Contacts with a plane, such as a cut face, keep the vertex on its side.
 
 use super::block::difference;
-use super::displacements::Displacements;
+use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::contacts::{ContactRecord, NO_CORNER};
 
 /// Separates vertices and triangles at a time of the frame \[s\], one contact after the other.
@@ -12,8 +12,7 @@ use crate::constraints::contacts::{ContactRecord, NO_CORNER};
 /// The remaining friction bound is kept for the other iterations of the substep.
 #[inline(never)]
 pub(crate) fn contacts(
-    x: &[[f32; 4]],
-    d: &mut impl Displacements,
+    particles: ParticleStates<'_>,
     contacts: &mut [ContactRecord],
     (friction, accumulates): (f32, bool),
     time: f32,
@@ -21,30 +20,25 @@ pub(crate) fn contacts(
     for contact in contacts {
         let [v, a, b, c] = contact.vertices.map(|v| v as usize);
         if contact.vertices[1] == NO_CORNER {
-            separate_from_plane(x[v], d, contact, (friction, accumulates), time);
+            separate_from_plane(particles, contact, (friction, accumulates), time);
             continue;
         }
         let [wb, wc] = contact.weights;
         let wa = (1.0 - wb) - wc;
         let n = contact.normal;
-        let (xv, xa, xb, xc) = (x[v], x[a], x[b], x[c]);
-        let (dv, da, db, dc) = (d.get(v), d.get(a), d.get(b), d.get(c));
+        let [pv, pa, pb, pc] = [v, a, b, c].map(|i| particles.get(i));
         // Vectors from the vertex to the point, hence the other sign of the distance.
-        let (ra, rb, rc) = (
-            difference(xv, dv, xa, da),
-            difference(xv, dv, xb, db),
-            difference(xv, dv, xc, dc),
-        );
+        let [ra, rb, rc] = [pa, pb, pc].map(|p| difference(pv, p));
         let way = |k: usize| wa * ra[k] + wb * rb[k] + wc * rc[k];
         let gap = contact.gap + contact.gap_rate * time;
         let depth = gap + (way(0) * n[0] + way(1) * n[1] + way(2) * n[2]);
-        let shares = [xv[3], wa * xa[3], wb * xb[3], wc * xc[3]];
+        let shares = [pv.x[3], wa * pa.x[3], wb * pb.x[3], wc * pc.x[3]];
         let weight = (shares[0] + wa * shares[1]) + (wb * shares[2] + wc * shares[3]);
         if !(depth > 0.0 && weight > 0.0) {
             continue;
         }
         // How far the vertex moves past the point along the triangle in this substep.
-        let past = |k: usize| dv[k] - (wa * da[k] + wb * db[k] + wc * dc[k]);
+        let past = |k: usize| pv.d[k] - (wa * pa.d[k] + wb * pb.d[k] + wc * pc.d[k]);
         let along = past(0) * n[0] + past(1) * n[1] + past(2) * n[2];
         let slide = [0, 1, 2].map(|k: usize| past(k) - along * n[k]);
         let back = friction_fraction(contact, slide, friction * depth, accumulates);
@@ -57,23 +51,23 @@ pub(crate) fn contacts(
                 to[3],
             ]
         };
-        d.set(v, moved(dv, shares[0]));
-        d.set(a, moved(da, -shares[1]));
-        d.set(b, moved(db, -shares[2]));
-        d.set(c, moved(dc, -shares[3]));
+        particles.set_d(v, moved(pv.d, shares[0]));
+        particles.set_d(a, moved(pa.d, -shares[1]));
+        particles.set_d(b, moved(pb.d, -shares[2]));
+        particles.set_d(c, moved(pc.d, -shares[3]));
     }
 }
 
 /// Moves the vertex of a contact to its side of a plane and applies friction.
 fn separate_from_plane(
-    x: [f32; 4],
-    d: &mut impl Displacements,
+    particles: ParticleStates<'_>,
     contact: &mut ContactRecord,
     (friction, accumulates): (f32, bool),
     time: f32,
 ) {
     let v = contact.vertices[0] as usize;
-    let (n, dv) = (contact.normal, d.get(v));
+    let n = contact.normal;
+    let ParticleState { x, d: dv } = particles.get(v);
     let at = |k: usize| x[k] + dv[k];
     let gap = contact.gap + contact.gap_rate * time;
     let depth = gap - (at(0) * n[0] + at(1) * n[1] + at(2) * n[2]);
@@ -84,7 +78,7 @@ fn separate_from_plane(
     let slide = [0, 1, 2].map(|k: usize| dv[k] - along * n[k]);
     let back = friction_fraction(contact, slide, friction * depth, accumulates);
     let moved = |k: usize| dv[k] + (depth * n[k] - back * slide[k]);
-    d.set(v, [moved(0), moved(1), moved(2), dv[3]]);
+    particles.set_d(v, [moved(0), moved(1), moved(2), dv[3]]);
 }
 
 /// Returns the fraction of a slide that friction removes, and adds `more` to the friction bound.
@@ -111,6 +105,7 @@ fn friction_fraction(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::particle_state::on_arrays;
 
     /// A vertex of 2 kg over the middle of a triangle of 3 kg that lies in the plane y = 0.
     fn pair() -> (Vec<[f32; 4]>, ContactRecord) {
@@ -135,7 +130,9 @@ mod tests {
     fn vertex_and_triangle_are_separated_by_inverse_mass() {
         let (x, contact) = pair();
         let mut d = [[0.0, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
-        contacts(&x, &mut d, &mut [contact], (0.0, false), 0.0);
+        on_arrays(&x, &mut d, |p| {
+            contacts(p, &mut [contact], (0.0, false), 0.0)
+        });
         // 0.15 m too near; inverse masses 1/2 and 3 (1/3)^2.
         let step = 0.15 / (0.5 + 1.0 / 3.0);
         assert!((d[0][1] - (-0.2 + 0.5 * step)).abs() < 1e-6, "{d:?}");
@@ -143,14 +140,18 @@ mod tests {
             assert!((corner[1] + step / 3.0).abs() < 1e-6, "{d:?}");
         }
         let before = d;
-        contacts(&x, &mut d, &mut [contact], (0.0, false), 0.0);
+        on_arrays(&x, &mut d, |p| {
+            contacts(p, &mut [contact], (0.0, false), 0.0)
+        });
         let off = (d[0][1] - before[0][1]).abs();
         assert!(off < 1e-6, "separated contacts are inactive");
         let rising = ContactRecord {
             gap_rate: 2.0,
             ..contact
         };
-        contacts(&x, &mut d, &mut [rising], (0.0, false), 0.01);
+        on_arrays(&x, &mut d, |p| {
+            contacts(p, &mut [rising], (0.0, false), 0.01)
+        });
         let step = 0.02 / (0.5 + 1.0 / 3.0);
         let pushed = d[0][1] - before[0][1];
         assert!((pushed - 0.5 * step).abs() < 1e-6, "the gap has grown");
@@ -167,7 +168,7 @@ mod tests {
         };
         for (time, height) in [(0.0, 0.15), (0.05, 0.25)] {
             let mut d = [[0.3, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
-            contacts(&x, &mut d, &mut [plane], (0.5, true), time);
+            on_arrays(&x, &mut d, |p| contacts(p, &mut [plane], (0.5, true), time));
             assert!((x[0][1] + d[0][1] - height).abs() < 1e-6, "{d:?}");
             // Friction removes half of the lift.
             let left = 0.3 - 0.5 * (height + 0.1);
@@ -177,7 +178,9 @@ mod tests {
         let mut held = x;
         held[0][3] = 0.0;
         let mut d = [[0.0; 4]; 4];
-        contacts(&held, &mut d, &mut [plane], (0.5, true), 0.0);
+        on_arrays(&held, &mut d, |p| {
+            contacts(p, &mut [plane], (0.5, true), 0.0)
+        });
         assert_eq!(d, [[0.0; 4]; 4], "pinned vertices stay");
     }
 
@@ -187,7 +190,7 @@ mod tests {
             let (x, contact) = pair();
             let mut d = [[slide, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
             let mut list = [contact];
-            contacts(&x, &mut d, &mut list, (0.5, true), 0.0);
+            on_arrays(&x, &mut d, |p| contacts(p, &mut list, (0.5, true), 0.0));
             let point = (d[1][0] + d[2][0] + d[3][0]) / 3.0;
             assert!((d[0][0] - point - left).abs() < 1e-6, "{d:?}");
             let momentum = 2.0 * d[0][0] + d[1][0] + d[2][0] + d[3][0];

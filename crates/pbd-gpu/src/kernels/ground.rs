@@ -4,7 +4,7 @@
 //! than its bound leaves the rest to the next ones. With a separate bound for each pass, later
 //! iterations would move bodies that rest on the ground, because their corrections are small.
 
-use super::displacements::Displacements;
+use super::particle_state::{ParticleState, ParticleStates};
 
 /// Moves vertices below `ground` \[m\] onto it and applies friction to their displacement.
 ///
@@ -12,18 +12,17 @@ use super::displacements::Displacements;
 /// of the velocity holds the remaining bound \[m\]; it is 0 before the first pass.
 #[inline(always)]
 pub(crate) fn ground(
-    x: &[[f32; 4]],
-    d: &mut impl Displacements,
+    particles: ParticleStates<'_>,
     v: &mut [[f32; 4]],
     ground: f32,
     friction: f32,
 ) {
-    for (i, (x, v)) in x.iter().zip(v).enumerate() {
-        let mut di = d.get(i);
-        let depth = ground - (x[1] + di[1]);
+    for (cell, v) in particles.iter().zip(v) {
+        let ParticleState { x, mut d } = cell.get();
+        let depth = ground - (x[1] + d[1]);
         if depth > 0.0 && x[3] > 0.0 {
-            di[1] += depth;
-            let sideways = (di[0] * di[0] + di[2] * di[2]).sqrt();
+            d[1] += depth;
+            let sideways = (d[0] * d[0] + d[2] * d[2]).sqrt();
             let limit = v[3] + friction * depth;
             let kept;
             (kept, v[3]) = if sideways > limit {
@@ -31,9 +30,9 @@ pub(crate) fn ground(
             } else {
                 (0.0, limit - sideways)
             };
-            di[0] *= kept;
-            di[2] *= kept;
-            d.set(i, di);
+            d[0] *= kept;
+            d[2] *= kept;
+            cell.set(ParticleState { x, d });
         }
     }
 }
@@ -41,6 +40,7 @@ pub(crate) fn ground(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::particle_state::on_arrays;
 
     #[test]
     fn the_lift_is_exact_and_friction_is_limited_by_it() {
@@ -50,7 +50,7 @@ mod tests {
             [0.3, -1.5, 0.4, 0.0],
             [0.3, 0.0, 0.4, 0.0],
         ];
-        ground(&x, &mut d, &mut [[0.0; 4]; 3], 0.0, 0.5);
+        on_arrays(&x, &mut d, |p| ground(p, &mut [[0.0; 4]; 3], 0.0, 0.5));
         let expected = [[0.225, -0.5, 0.3], [0.0, -0.5, 0.0], [0.3, 0.0, 0.4]];
         for (d, expected) in d.iter().zip(expected) {
             for k in 0..3 {
@@ -66,13 +66,13 @@ mod tests {
         let x = [[0.0, 0.0, 0.0, 1.0]];
         let mut v = [[0.0; 4]];
         let mut d = [[0.03, -0.4, 0.04, 0.0]];
-        ground(&x, &mut d, &mut v, 0.0, 0.5);
+        on_arrays(&x, &mut d, |p| ground(p, &mut v, 0.0, 0.5));
         assert_eq!(d[0], [0.0; 4], "it is held");
         for (pull, slips) in [(0.1, 0.0), (0.1, 0.04), (0.1, 0.14)] {
             // Pulls after the first one lift by 0.02 m and nothing.
             let sinks = if slips == 0.0 { -0.02 } else { -1e-9 };
             d[0] = [d[0][0] + pull, sinks, 0.0, 0.0];
-            ground(&x, &mut d, &mut v, 0.0, 0.5);
+            on_arrays(&x, &mut d, |p| ground(p, &mut v, 0.0, 0.5));
             assert!((d[0][0] - slips).abs() < 1e-6, "{d:?}, {slips} m are right");
         }
     }
@@ -80,7 +80,9 @@ mod tests {
     #[test]
     fn a_pinned_vertex_may_be_below() {
         let mut d = [[0.0, -1.0, 0.0, 0.0]];
-        ground(&[[0.0; 4]], &mut d, &mut [[0.0; 4]], 0.0, 0.5);
+        on_arrays(&[[0.0; 4]], &mut d, |p| {
+            ground(p, &mut [[0.0; 4]], 0.0, 0.5)
+        });
         assert_eq!(d[0][1], -1.0);
     }
 }

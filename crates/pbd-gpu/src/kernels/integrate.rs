@@ -1,6 +1,6 @@
 //! New velocities and positions: Algorithm 1, lines 10 to 13.
 
-use super::displacements::Displacements;
+use super::particle_state::{ParticleState, ParticleStates};
 use crate::step::constants::StepConstants;
 use incise_mesh::VertexId;
 
@@ -10,8 +10,7 @@ use incise_mesh::VertexId;
 /// `None` if a position is not finite.
 #[inline(always)]
 pub(crate) fn integrate(
-    x: &mut [[f32; 4]],
-    d: &mut impl Displacements,
+    particles: ParticleStates<'_>,
     v: &mut [[f32; 4]],
     constants: &StepConstants,
 ) -> Option<f32> {
@@ -20,8 +19,8 @@ pub(crate) fn integrate(
     let mut non_finite_sum = 0.0;
     let mut max_change = 0.0;
     let max = |a: f32, b: f32| if b > a { b } else { a };
-    for (i, (x, v)) in x.iter_mut().zip(v).enumerate() {
-        let d = d.get(i);
+    for (cell, v) in particles.iter().zip(v) {
+        let ParticleState { mut x, d } = cell.get();
         let floor = if x[3] > 0.0 {
             ground
         } else {
@@ -36,6 +35,7 @@ pub(crate) fn integrate(
         x[1] = y;
         x[2] += d[2];
         non_finite_sum += (x[0] * 0.0 + x[1] * 0.0) + x[2] * 0.0;
+        cell.set(ParticleState { x, d });
     }
     (non_finite_sum == 0.0).then_some(max_change)
 }
@@ -84,19 +84,23 @@ mod tests {
             ground: f32::NEG_INFINITY,
             friction: 0.0,
             residual: None,
+            threads: None,
         };
         for bad in [f32::NAN, f32::INFINITY] {
             for k in 0..3 {
-                let mut x = [[1.0; 4]; 3];
-                let mut d = [[0.5, -0.5, 0.0, 0.0]; 3];
+                let mut states = [ParticleState {
+                    x: [1.0; 4],
+                    d: [0.5, -0.5, 0.0, 0.0],
+                }; 3];
                 let mut v = [[0.0; 4]; 3];
-                let max_change = integrate(&mut x, &mut d, &mut v, &constants);
+                let max_change = integrate(ParticleStates::new(&mut states), &mut v, &constants);
                 assert_eq!(max_change, Some(0.5), "finite");
                 assert_eq!(v[0], [50.0, -50.0, 0.0, 0.0]);
-                assert!(are_finite(&x), "finite");
-                d[1][k] = bad;
-                let max_change = integrate(&mut x, &mut d, &mut v, &constants);
+                assert!(are_finite(&states.map(|state| state.x)), "finite");
+                states[1].d[k] = bad;
+                let max_change = integrate(ParticleStates::new(&mut states), &mut v, &constants);
                 assert_eq!(max_change, None, "{bad} at {k}");
+                let x = states.map(|state| state.x);
                 assert_eq!(first_non_finite(&x), VertexId(1));
                 assert!(!are_finite(&x), "{bad} at {k}");
             }

@@ -15,21 +15,21 @@
 //! velocities follow from displacements, so a faster correction would be an explosion.
 
 use super::block::difference;
-use super::displacements::{Cell, Displacements, Exclusive, Shared};
+use super::particle_state::ParticleStates;
 use crate::constraints::volumes::{PieceVolume, Spoke, VolumeSet};
+use crate::parallel::Leader;
+use crate::parallel::passes::volume_gradients;
 use crate::step::constants::VolumeProjection;
-use crate::step::sweep::is_parallel;
 use incise_mesh::Topology;
 use pulp::{Arch, NullaryFnOnce};
+use std::cell::Cell;
+use std::ops::Range;
 
 /// Rate at which an incompressible piece regains older volume losses, in rest volumes [1/s].
 pub(crate) const RECOVERY: f32 = 3.0;
 
 /// Leaves of a reduction tree.
 pub(crate) const CHUNK: usize = 256;
-
-/// Minimum number of vertices per task; a multiple of [`CHUNK`].
-const GRAIN: usize = 8 * CHUNK;
 
 /// Factor of the sum of `a x b` in the gradient.
 pub(crate) const SIXTH: f32 = 1.0 / 6.0;
@@ -58,8 +58,7 @@ impl VolumeScratch {
 /// Input of the pass for one piece.
 #[derive(Debug, Clone, Copy)]
 struct PieceInput<'a> {
-    x: &'a [[f32; 4]],
-    d: Shared<'a>,
+    particles: ParticleStates<'a>,
     topology: &'a Topology,
     /// Vertex that positions are relative to.
     center: usize,
@@ -70,9 +69,8 @@ struct PieceInput<'a> {
 /// Not inlined, so that it does not affect the code of the passes that every body has.
 #[inline(never)]
 pub(crate) fn volumes(
-    arch: Arch,
-    x: &[[f32; 4]],
-    d: &mut [Cell],
+    (leader, arch): (&mut Leader<'_>, Arch),
+    particles: ParticleStates<'_>,
     (topology, set): (&Topology, &mut VolumeSet),
     by: VolumeProjection,
     scratch: &mut VolumeScratch,
@@ -86,15 +84,14 @@ pub(crate) fn volumes(
             continue;
         };
         let input = PieceInput {
-            x,
-            d: Shared(d),
+            particles,
             topology,
             center: center.vertex.index(),
         };
-        let sums = sum::<false>(arch, input, spokes, scratch);
+        let sums = sum::<false>((leader, arch), input, spokes, scratch);
         let missing = (sums[0] * THIRD - by.pressure * piece.rest).abs();
         let before = if missing > by.recovery * piece.rest.abs() || by.error_carryover > 0.0 {
-            sum::<true>(arch, input, spokes, scratch)[0]
+            sum::<true>((leader, arch), input, spokes, scratch)[0]
         } else {
             sums[0]
         };
@@ -103,101 +100,89 @@ pub(crate) fn volumes(
         if by.accumulates_lambda {
             *lambda -= step;
         }
-        apply(&mut Exclusive(d), spokes, &scratch.gradients, step);
+        apply(particles, spokes, &scratch.gradients, step);
     }
 }
 
 /// Returns the sums of a piece and stores its gradients; or the sums at the start of the substep.
 #[inline(always)]
 fn sum<const BEFORE: bool>(
-    arch: Arch,
+    (leader, arch): (&mut Leader<'_>, Arch),
     input: PieceInput<'_>,
     spokes: &[Spoke],
     scratch: &mut VolumeScratch,
 ) -> Sums {
-    let gather = Gather::<BEFORE> {
+    let gradients = VolumeGradients::<BEFORE> {
         input,
         spokes,
-        gradients: &mut scratch.gradients,
-        partial: &mut scratch.partial,
+        gradients: Cell::from_mut(&mut *scratch.gradients).as_slice_of_cells(),
+        partial: Cell::from_mut(&mut *scratch.partial).as_slice_of_cells(),
     };
-    if is_parallel(spokes.len()) {
-        gather.run_parallel(arch);
-    } else {
-        arch.dispatch(gather);
-    }
+    volume_gradients(leader, arch, gradients);
     total_of(&scratch.partial)
 }
 
 /// Computes gradients and sums of chunks.
-struct Gather<'a, const BEFORE: bool> {
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct VolumeGradients<'a, const BEFORE: bool> {
     input: PieceInput<'a>,
-    spokes: &'a [Spoke],
-    gradients: &'a mut [[f32; 4]],
-    partial: &'a mut [Sums],
+    pub(crate) spokes: &'a [Spoke],
+    /// Shape \[spokes\].
+    gradients: &'a [Cell<[f32; 4]>],
+    /// Shape \[chunks\].
+    partial: &'a [Cell<Sums>],
 }
 
-impl<const BEFORE: bool> Gather<'_, BEFORE> {
-    fn run_parallel(self, arch: Arch) {
-        if self.spokes.len() < 2 * GRAIN {
-            arch.dispatch(self);
-            return;
+impl<const BEFORE: bool> VolumeGradients<'_, BEFORE> {
+    /// Returns the work for a range of spokes, which starts with a chunk.
+    pub(crate) fn slice(self, range: Range<usize>) -> Self {
+        Self {
+            input: self.input,
+            spokes: &self.spokes[range.clone()],
+            gradients: &self.gradients[range.clone()],
+            partial: &self.partial[range.start / CHUNK..range.end.div_ceil(CHUNK)],
         }
-        let middle = (self.spokes.len() / 2).next_multiple_of(GRAIN);
-        let input = self.input;
-        let spokes = self.spokes.split_at(middle);
-        let gradients = self.gradients.split_at_mut(middle);
-        let partial = self.partial.split_at_mut(middle / CHUNK);
-        let [left, right] = [
-            (spokes.0, gradients.0, partial.0),
-            (spokes.1, gradients.1, partial.1),
-        ]
-        .map(|(spokes, gradients, partial)| Self {
-            input,
-            spokes,
-            gradients,
-            partial,
-        });
-        rayon::join(|| left.run_parallel(arch), || right.run_parallel(arch));
     }
 }
 
-impl<const BEFORE: bool> NullaryFnOnce for Gather<'_, BEFORE> {
+impl<const BEFORE: bool> NullaryFnOnce for VolumeGradients<'_, BEFORE> {
     type Output = ();
 
     #[inline(always)]
-    fn call(mut self) {
+    fn call(self) {
         let mut columns = [[0.0; CHUNK]; 3];
         let spokes = self.spokes.chunks(CHUNK);
-        let gradients = self.gradients.chunks_mut(CHUNK);
+        let gradients = self.gradients.chunks(CHUNK);
         for ((spokes, gradients), partial) in spokes.zip(gradients).zip(self.partial) {
             for (i, (spoke, gradient)) in spokes.iter().zip(gradients).enumerate() {
-                let (g, sums) = around::<BEFORE>(&mut self.input, spoke);
+                let (g, sums) = around::<BEFORE>(&self.input, spoke);
                 if !BEFORE {
-                    *gradient = g;
+                    gradient.set(g);
                 }
                 for (column, sum) in columns.iter_mut().zip(sums) {
                     column[i] = sum;
                 }
             }
-            *partial = tree(&mut columns, spokes.len());
+            partial.set(tree(&mut columns, spokes.len()));
         }
     }
 }
 
 /// Returns gradient and inverse mass at a spoke, and its terms of the sums.
 #[inline(always)]
-fn around<const BEFORE: bool>(input: &mut PieceInput<'_>, spoke: &Spoke) -> ([f32; 4], Sums) {
+fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &Spoke) -> ([f32; 4], Sums) {
     let PieceInput {
-        x,
-        d,
+        particles,
         topology,
         center,
     } = input;
     let v = spoke.vertex.index();
-    let mut moved = |i: usize| if BEFORE { [0.0; 4] } else { d.get(i) };
-    let (xv, dv) = (x[v], moved(v));
-    let mut edge = |i: usize| difference(xv, dv, x[i], moved(i));
+    let state = |i: usize| {
+        let state = particles.get(i);
+        if BEFORE { state.at_start() } else { state }
+    };
+    let origin = state(v);
+    let edge = |i: usize| difference(origin, state(i));
     let mut a = edge(topology.target(spoke.outgoing).index());
     let mut sum = [0.0; 3];
     let mut h = spoke.outgoing;
@@ -216,7 +201,7 @@ fn around<const BEFORE: bool>(input: &mut PieceInput<'_>, spoke: &Spoke) -> ([f3
     let [gx, gy, gz] = sum.map(|c| c * SIXTH);
     // Vector from the vertex to the center, hence the other sign of the sum.
     let back = edge(*center);
-    let w = xv[3];
+    let w = origin.x[3];
     let square = gx * gx + gy * gy + gz * gz;
     let place = gx * back[0] + gy * back[1] + gz * back[2];
     ([gx, gy, gz, w], [-place, w * square, w * square.sqrt()])
@@ -313,14 +298,10 @@ fn step(
 }
 
 #[inline(always)]
-fn apply(d: &mut impl Displacements, spokes: &[Spoke], gradients: &[[f32; 4]], step: f32) {
+fn apply(particles: ParticleStates<'_>, spokes: &[Spoke], gradients: &[[f32; 4]], step: f32) {
     for (spoke, &[gx, gy, gz, w]) in spokes.iter().zip(gradients) {
         let v = spoke.vertex.index();
         let by = -(w * step);
-        let mut dv = d.get(v);
-        dv[0] += by * gx;
-        dv[1] += by * gy;
-        dv[2] += by * gz;
-        d.set(v, dv);
+        particles.add_d(v, [by * gx, by * gy, by * gz, 0.0]);
     }
 }

@@ -1,19 +1,24 @@
 //! Execution of a plan: the `Backend` trait and the CPU backend, which calls one kernel per pass.
 
-use crate::constraints::batches::{Batch, BatchId, ConstraintSet};
+use crate::constraints::batches::{Batch, BatchId, BendingSet, ConstraintSet, StretchSet};
 use crate::error::StepError;
 use crate::kernels::bending::Bending;
-use crate::kernels::displacements::{Cell, Displacements, Exclusive};
+use crate::kernels::block::dispatch;
+use crate::kernels::integrate::first_non_finite;
+use crate::kernels::particle_state::{ParticleState, ParticleStates};
 use crate::kernels::stretch::Stretch;
 use crate::kernels::volume::{self, VolumeScratch};
 use crate::kernels::{attachments, colliders, contacts, ground, integrate, pins, predict};
+use crate::parallel::passes::{is_shared, sweep_color};
+use crate::parallel::{Leader, with_team};
 use crate::step::body::Body;
 use crate::step::constants::Projection;
 use crate::step::constants::StepConstants;
 use crate::step::params::StepStats;
 use crate::step::plan::{ConstraintKind, Pass, StepPlan};
-use crate::step::sweep::{Kernel, is_parallel, sweep};
+use crate::step::sweep::{Kernel, Sweep};
 use pulp::{Arch, NullaryFnOnce};
+use std::num::NonZeroUsize;
 
 /// Executes the passes of a plan in order, once per substep.
 pub trait Backend {
@@ -32,8 +37,8 @@ pub trait Backend {
 /// The CPU backend. Its results have the same bits on every machine and any number of threads.
 #[derive(Debug, Default)]
 pub struct CpuBackend {
-    /// Displacements of the substep, shape [vertex slots].
-    displacements: Vec<Cell>,
+    /// States of the particles during a frame, shape [vertex slots].
+    particles: Vec<ParticleState>,
     /// Displacements before the current iteration, shape [vertex slots]; empty without a residual.
     before: Vec<[f32; 4]>,
     volume_scratch: VolumeScratch,
@@ -49,7 +54,7 @@ impl Clone for CpuBackend {
 impl CpuBackend {
     /// Returns the allocated size in elements.
     pub(crate) fn capacity(&self) -> usize {
-        self.displacements.capacity() + self.before.capacity() + self.volume_scratch.capacity()
+        self.particles.capacity() + self.before.capacity() + self.volume_scratch.capacity()
     }
 }
 
@@ -60,57 +65,74 @@ impl Backend for CpuBackend {
         constants: &StepConstants,
         body: &mut Body<'_>,
     ) -> Result<StepStats, StepError> {
-        let slots = body.positions.len();
-        self.displacements.resize_with(slots, Cell::default);
+        self.particles.clear();
+        self.particles.extend(
+            body.positions
+                .iter()
+                .map(|&x| ParticleState { x, d: [0.0; 4] }),
+        );
         let arch = Arch::new();
-        let edges = [Some(&*body.stretch), body.interior_springs.as_deref()];
-        let stretch = edges
-            .into_iter()
-            .flatten()
-            .flat_map(|set| set.all().map(Batch::len));
-        let bending = body.bending.iter().flat_map(|set| set.all());
-        let volumes = [body.volumes.spokes.len()];
-        let batches = stretch.chain(bending.map(Batch::len)).chain(volumes);
-        let is_parallel = batches.into_iter().any(is_parallel);
-        let frame = Frame {
-            plan,
-            constants,
-            body,
-            displacements: &mut self.displacements,
-            before: &mut self.before,
-            volume_scratch: &mut self.volume_scratch,
-            arch,
-            stats: StepStats::default(),
-            lowest: f32::INFINITY,
-        };
-        if is_parallel {
-            // Enters the thread pool once per frame instead of once per pass.
-            rayon::scope(|_| arch.dispatch(frame))
+        let threads = if has_shared_pass(body) {
+            constants.threads
         } else {
-            arch.dispatch(frame)
+            NonZeroUsize::new(1)
+        };
+        let done = with_team(threads, |leader| {
+            arch.dispatch(Frame {
+                plan,
+                constants,
+                body,
+                particles: ParticleStates::new(&mut self.particles),
+                before: &mut self.before,
+                volume_scratch: &mut self.volume_scratch,
+                leader,
+                arch,
+                stats: StepStats::default(),
+                lowest: f32::INFINITY,
+            })
+        });
+        for (x, state) in body.positions.iter_mut().zip(&self.particles) {
+            *x = state.x;
         }
+        done.map_err(|substep| StepError::NonFinitePosition {
+            vertex: first_non_finite(body.positions),
+            substep,
+        })
     }
 }
 
+/// Returns whether several threads can run a pass of the body.
+fn has_shared_pass(body: &Body<'_>) -> bool {
+    let edges = [Some(&*body.stretch), body.interior_springs.as_deref()];
+    let edges = edges.into_iter().flatten().flat_map(StretchSet::batches);
+    let bending = body.bending.as_deref().map_or(&[][..], BendingSet::batches);
+    let counts = edges.map(Batch::len).chain(bending.iter().map(Batch::len));
+    counts.chain([body.volumes.spokes.len()]).any(is_shared)
+}
+
+/// The substep after which a position is not finite.
+type NonFiniteSubstep = u32;
+
 /// The execution of one frame.
 ///
-/// All kernels are inlined into [`NullaryFnOnce::call`], so that they are compiled for the
-/// instruction set that is detected at run time.
-struct Frame<'a, 'b> {
+/// Passes over vertices are inlined into [`NullaryFnOnce::call`], so that they are compiled for the
+/// instruction set that is detected at run time. Those over constraints are called.
+struct Frame<'a, 'b, 'c> {
     plan: &'a StepPlan,
     constants: &'a StepConstants,
     body: &'a mut Body<'b>,
-    displacements: &'a mut [Cell],
+    particles: ParticleStates<'a>,
     before: &'a mut Vec<[f32; 4]>,
     volume_scratch: &'a mut VolumeScratch,
+    leader: &'a mut Leader<'c>,
     arch: Arch,
     stats: StepStats,
     /// Minimum predicted height of the substep \[m\].
     lowest: f32,
 }
 
-impl NullaryFnOnce for Frame<'_, '_> {
-    type Output = Result<StepStats, StepError>;
+impl NullaryFnOnce for Frame<'_, '_, '_> {
+    type Output = Result<StepStats, NonFiniteSubstep>;
 
     #[inline(always)]
     fn call(mut self) -> Self::Output {
@@ -133,7 +155,7 @@ impl NullaryFnOnce for Frame<'_, '_> {
                 if let Some(residual) = self.constants.residual
                     && part < last
                 {
-                    let moved = max_change(self.displacements, self.before);
+                    let moved = max_change(self.particles, self.before);
                     if part > 1 && moved < residual {
                         self.stats.iterations_skipped += last - part;
                         part = last;
@@ -147,12 +169,11 @@ impl NullaryFnOnce for Frame<'_, '_> {
 
 /// Returns the largest change of a displacement along an axis since `before`, and updates `before`.
 #[inline(always)]
-fn max_change(now: &mut [Cell], before: &mut Vec<[f32; 4]>) -> f32 {
-    before.resize(now.len(), [0.0; 4]);
-    let mut now = Exclusive(now);
+fn max_change(now: ParticleStates<'_>, before: &mut Vec<[f32; 4]>) -> f32 {
+    before.resize(now.iter().len(), [0.0; 4]);
     let mut max = [0.0_f32; 4];
     for (i, before) in before.iter_mut().enumerate() {
-        let d = now.get(i);
+        let d = now.get(i).d;
         for k in 0..4 {
             let change = (d[k] - before[k]).abs();
             // Ignores NaN, which is an error at the end of the substep.
@@ -164,11 +185,9 @@ fn max_change(now: &mut [Cell], before: &mut Vec<[f32; 4]>) -> f32 {
 }
 
 /// Projects a batch and returns its number of constraints; the overflow is projected serially.
-#[inline(always)]
 fn project_batch<K: Kernel<N>, const N: usize>(
-    arch: Arch,
-    x: &[[f32; 4]],
-    d: &mut [Cell],
+    (leader, arch): (&mut Leader<'_>, Arch),
+    particles: ParticleStates<'_>,
     set: Option<&mut ConstraintSet<N>>,
     batch: BatchId,
     projection: Projection,
@@ -179,29 +198,31 @@ fn project_batch<K: Kernel<N>, const N: usize>(
         .part(projection.accumulates_lambda);
     let count = part.vertices.len() as u64;
     match batch {
-        BatchId::Color(_) => sweep::<K, N>(arch, x, d, part, projection),
-        BatchId::Overflow => K::project_serial(x, &mut Exclusive(d), part, projection),
+        BatchId::Color(_) => sweep_color::<K, N>(leader, arch, particles, part, projection),
+        BatchId::Overflow => {
+            dispatch(arch, Sweep::<K, N>::serial(particles, part, projection));
+        }
     }
     count
 }
 
-impl Frame<'_, '_> {
+impl Frame<'_, '_, '_> {
     #[inline(always)]
-    fn run(&mut self, pass: Pass, substep: u32) -> Result<(), StepError> {
+    fn run(&mut self, pass: Pass, substep: u32) -> Result<(), NonFiniteSubstep> {
         let Self {
             constants,
             body,
             arch,
+            leader,
             stats,
             ..
         } = self;
-        let (x, v) = (&mut *body.positions, &mut *body.velocities);
-        let d = &mut Exclusive(self.displacements);
+        let (particles, v) = (self.particles, &mut *body.velocities);
         match pass {
-            Pass::Predict => self.lowest = predict::predict(x, d, v, constants),
-            Pass::Pins => pins::pins(x, d, body.pins, constants.substeps - substep),
+            Pass::Predict => self.lowest = predict::predict(particles, v, constants),
+            Pass::Pins => pins::pins(particles, body.pins, constants.substeps - substep),
             Pass::LongRangeAttachments => {
-                attachments::attachments(x, d, body.attachments, constants.h)
+                attachments::attachments(particles, body.attachments, constants.h)
             }
             Pass::ResetMultipliers => {
                 if constants.stretch.accumulates_lambda {
@@ -223,23 +244,23 @@ impl Frame<'_, '_> {
                 }
             }
             Pass::Project { kind, batch } => {
-                let arch = *arch;
+                let team = (&mut **leader, *arch);
                 match kind {
                     ConstraintKind::Stretch => {
                         let (set, by) = (Some(&mut *body.stretch), constants.stretch);
                         stats.stretch_projections +=
-                            project_batch::<Stretch, 2>(arch, x, d.0, set, batch, by);
+                            project_batch::<Stretch, 2>(team, particles, set, batch, by);
                     }
                     ConstraintKind::Bending => {
                         let (set, by) = (body.bending.as_deref_mut(), constants.bending);
                         stats.bending_projections +=
-                            project_batch::<Bending, 4>(arch, x, d.0, set, batch, by);
+                            project_batch::<Bending, 4>(team, particles, set, batch, by);
                     }
                     ConstraintKind::InteriorSpring => {
                         let set = body.interior_springs.as_deref_mut();
                         let by = constants.interior_springs;
                         stats.interior_spring_projections +=
-                            project_batch::<Stretch, 2>(arch, x, d.0, set, batch, by);
+                            project_batch::<Stretch, 2>(team, particles, set, batch, by);
                     }
                 }
             }
@@ -248,30 +269,33 @@ impl Frame<'_, '_> {
                 for color in &mut body.contacts.colors {
                     let accumulates = self.plan.iterations() > 1;
                     let time = (substep + 1) as f32 * constants.h;
-                    contacts::contacts(x, d, color, (constants.friction, accumulates), time);
+                    contacts::contacts(particles, color, (constants.friction, accumulates), time);
                 }
             }
             Pass::Volumes => {
                 stats.volume_projections += body.volumes.pieces().len() as u64;
                 let piece = (body.topology, &mut *body.volumes);
-                volume::volumes(*arch, x, d.0, piece, constants.volume, self.volume_scratch);
+                volume::volumes(
+                    (leader, *arch),
+                    particles,
+                    piece,
+                    constants.volume,
+                    self.volume_scratch,
+                );
             }
             Pass::Colliders => {
-                colliders::colliders(x, d, v, body.colliders, constants.friction);
+                colliders::colliders(particles, v, body.colliders, constants.friction);
             }
             Pass::Ground => {
                 stats.ground_passes += 1;
-                ground::ground(x, d, v, constants.ground, constants.friction);
+                ground::ground(particles, v, constants.ground, constants.friction);
             }
-            Pass::Integrate => match integrate::integrate(x, d, v, constants) {
+            Pass::Integrate => match integrate::integrate(particles, v, constants) {
                 Some(change) => {
                     stats.max_displacement += change;
                     stats.max_substep_displacement = stats.max_substep_displacement.max(change);
                 }
-                None => {
-                    let vertex = integrate::first_non_finite(x);
-                    return Err(StepError::NonFinitePosition { vertex, substep });
-                }
+                None => return Err(substep),
             },
         }
         Ok(())
@@ -281,7 +305,6 @@ impl Frame<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::constraints::batches::StretchSet;
     use crate::constraints::contacts::ContactSet;
     use crate::constraints::volumes::VolumeSet;
     use crate::material::Stiffness;
@@ -318,6 +341,7 @@ mod tests {
                 ground: f32::NEG_INFINITY,
                 friction: 0.0,
                 residual: None,
+                threads: None,
             };
             let stiff = 1.0 + f64::from(h * h) / f64::from(compliance * mass);
             let mut expected = f64::from(positions[1][0]) - 1.0;

@@ -6,6 +6,7 @@ use crate::error::StepError;
 use crate::kernels::bending::{FIRM, HOLD, RECOVERY};
 use crate::kernels::volume;
 use crate::material::{Stiffness, Volume};
+use std::num::NonZeroUsize;
 
 /// The constants of a frame that kernels read.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +33,8 @@ pub struct StepConstants {
     pub friction: f32,
     /// Displacement per iteration and axis below which the iterations of a substep end \[m\].
     pub residual: Option<f32>,
+    /// As in [`SolverParams`](crate::SolverParams).
+    pub threads: Option<NonZeroUsize>,
 }
 
 impl StepConstants {

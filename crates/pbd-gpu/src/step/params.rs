@@ -1,6 +1,7 @@
 //! Parameters and statistics of a frame.
 
 use crate::error::StepError;
+use std::num::NonZeroUsize;
 
 /// Parameters of a frame. The y axis points up.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +33,11 @@ pub struct SolverParams {
     pub attachments: bool,
     /// Time integration of a substep.
     pub integrator: Integrator,
+    /// Maximum number of threads of a step on the CPU; `None` for all of the current rayon pool.
+    ///
+    /// The results do not depend on it. One thread is the calling thread: no pool is touched.
+    /// Small bodies always take one.
+    pub threads: Option<NonZeroUsize>,
 }
 
 /// Time integration of a substep.
@@ -81,6 +87,7 @@ impl SolverParams {
             diagonal_scale: 1.0,
             attachments: false,
             integrator: Integrator::Euler,
+            threads: None,
         }
     }
 

@@ -149,5 +149,6 @@ fn constants_of(
         friction: material.friction,
         // A single iteration cannot end early.
         residual: params.residual.filter(|_| params.iterations > 1),
+        threads: params.threads,
     }
 }

@@ -1,100 +1,133 @@
-//! Projects the constraints of one color on one or several threads.
+//! Projects constraints in SIMD blocks.
 
 use crate::constraints::batches::Part;
-use crate::kernels::displacements::{Cell, Displacements, Exclusive, Shared};
+use crate::kernels::block::{Block, Gather, WithGather};
+use crate::kernels::lanes::Lanes;
+use crate::kernels::particle_state::ParticleStates;
 use crate::step::constants::Projection;
-use pulp::{Arch, NullaryFnOnce};
-
-/// Minimum number of constraints of a color for several threads.
-///
-/// Below it the time to wake a thread is a significant part. It depends on the number of
-/// constraints only, never on the number of threads, so that results are deterministic.
-const MIN_PARALLEL: usize = 8192;
-
-/// Minimum number of constraints per task; a multiple of the SIMD block.
-const GRAIN: usize = 2048;
+use incise_mesh::VertexId;
+use std::marker::PhantomData;
 
 /// Projects constraints over `N` vertices.
 pub(crate) trait Kernel<const N: usize> {
-    /// Projects constraints that share no vertex, in blocks.
-    fn project(
-        x: &[[f32; 4]],
-        d: &mut impl Displacements,
-        part: Part<'_, N>,
-        projection: Projection,
-    );
-
-    /// Projects constraints that may share vertices, serially.
-    fn project_serial(
-        x: &[[f32; 4]],
-        d: &mut impl Displacements,
-        part: Part<'_, N>,
+    /// Projects the constraints of a block.
+    fn project<G: Gather<L>, const L: usize>(
+        gather: G,
+        particles: ParticleStates<'_>,
+        block: &mut Block<'_, G::S, L, N>,
         projection: Projection,
     );
 }
 
-/// Projects the constraints of one color.
-#[inline(always)]
-pub(crate) fn sweep<K: Kernel<N>, const N: usize>(
-    arch: Arch,
-    x: &[[f32; 4]],
-    d: &mut [Cell],
-    part: Part<'_, N>,
-    projection: Projection,
-) {
-    if part.vertices.len() < MIN_PARALLEL {
-        K::project(x, &mut Exclusive(d), part, projection);
-    } else {
-        sweep_parallel::<K, N>(arch, x, Shared(d), part, projection);
-    }
-}
-
-fn sweep_parallel<K: Kernel<N>, const N: usize>(
-    arch: Arch,
-    x: &[[f32; 4]],
-    d: Shared<'_>,
-    part: Part<'_, N>,
-    projection: Projection,
-) {
-    let count = part.vertices.len();
-    if count < 2 * GRAIN {
-        arch.dispatch(Task::<K, N> {
-            x,
-            d,
-            part,
-            projection,
-            kernel: std::marker::PhantomData,
-        });
-        return;
-    }
-    let (left, right) = part.split_at((count / 2).next_multiple_of(GRAIN));
-    rayon::join(
-        || sweep_parallel::<K, N>(arch, x, d, left, projection),
-        || sweep_parallel::<K, N>(arch, x, d, right, projection),
-    );
-}
-
-/// Work of one thread, compiled for the instruction set that is detected at run time.
-struct Task<'a, K, const N: usize> {
-    x: &'a [[f32; 4]],
-    d: Shared<'a>,
+/// The projection of constraints, compiled for the instruction set that is detected at run time.
+pub(crate) struct Sweep<'a, K, const N: usize> {
+    particles: ParticleStates<'a>,
     part: Part<'a, N>,
     projection: Projection,
-    kernel: std::marker::PhantomData<K>,
+    is_serial: bool,
+    kernel: PhantomData<K>,
 }
 
-impl<K: Kernel<N>, const N: usize> NullaryFnOnce for Task<'_, K, N> {
+impl<'a, K: Kernel<N>, const N: usize> Sweep<'a, K, N> {
+    /// Projects constraints that share no vertex, in full blocks.
+    pub(crate) fn blocks(
+        particles: ParticleStates<'a>,
+        part: Part<'a, N>,
+        projection: Projection,
+    ) -> Self {
+        Self {
+            particles,
+            part,
+            projection,
+            is_serial: false,
+            kernel: PhantomData,
+        }
+    }
+
+    /// Projects constraints that may share vertices, one after another.
+    pub(crate) fn serial(
+        particles: ParticleStates<'a>,
+        part: Part<'a, N>,
+        projection: Projection,
+    ) -> Self {
+        Self {
+            is_serial: true,
+            ..Self::blocks(particles, part, projection)
+        }
+    }
+}
+
+impl<K: Kernel<N>, const N: usize> WithGather for Sweep<'_, K, N> {
     type Output = ();
 
     #[inline(always)]
-    fn call(mut self) {
-        K::project(self.x, &mut self.d, self.part, self.projection);
+    fn with<G: Gather<L>, const L: usize>(self, gather: G) {
+        let Self {
+            particles,
+            part,
+            projection,
+            ..
+        } = self;
+        let size = if self.is_serial { 1 } else { L };
+        let mut kept = part.lambda.chunks(size);
+        for (vertices, rest) in part.vertices.chunks(size).zip(part.rest.chunks(size)) {
+            let padded;
+            let mut block = Block {
+                vertices: match vertices.try_into() {
+                    Ok(full) => full,
+                    Err(_) => {
+                        padded = pad(vertices);
+                        &padded
+                    }
+                },
+                count: vertices.len(),
+                rest: load::<G, L>(gather, rest),
+                lambda: Lanes::splat(gather.simd(), 0.0),
+            };
+            if let Some(kept) = kept.next() {
+                let mut lambda = [0.0; L];
+                for (lambda, kept) in lambda.iter_mut().zip(kept) {
+                    *lambda = kept.get();
+                }
+                block.lambda = Lanes::from_array(gather.simd(), lambda);
+                K::project(gather, particles, &mut block, projection);
+                let lambda: [f32; L] = block.lambda.to_array();
+                for (kept, lambda) in kept.iter().zip(lambda) {
+                    kept.set(lambda);
+                }
+            } else {
+                K::project(gather, particles, &mut block, projection);
+            }
+        }
     }
 }
 
-/// Returns true if a batch of that many constraints runs on several threads.
-pub(crate) fn is_parallel(constraints: usize) -> bool {
-    constraints >= MIN_PARALLEL
+/// Returns at most `L` numbers and zeros as lanes.
+#[inline(always)]
+fn load<G: Gather<L>, const L: usize>(gather: G, numbers: &[f32]) -> Lanes<G::S> {
+    let mut lanes = [0.0; L];
+    match numbers.try_into() {
+        Ok(full) => lanes = full,
+        Err(_) => lanes[..numbers.len()].copy_from_slice(numbers),
+    }
+    Lanes::from_array(gather.simd(), lanes)
+}
+
+/// Returns the vertices of `L` constraints; the last ones are repeated.
+#[cold]
+fn pad<const L: usize, const N: usize>(vertices: &[[VertexId; N]]) -> [[VertexId; N]; L] {
+    std::array::from_fn(|lane| vertices[lane.min(vertices.len() - 1)])
+}
+
+/// Projects constraints that share no vertex, for tests of single kernels.
+#[cfg(test)]
+pub(crate) fn sweep<K: Kernel<N>, const N: usize>(
+    particles: ParticleStates<'_>,
+    part: Part<'_, N>,
+    projection: Projection,
+) {
+    let work = Sweep::<K, N>::blocks(particles, part, projection);
+    crate::kernels::block::dispatch(pulp::Arch::new(), work);
 }
 
 #[cfg(test)]
@@ -102,60 +135,63 @@ mod tests {
     use super::*;
     use crate::constraints::batches::Batch;
     use crate::kernels::bending::Bending;
+    use crate::kernels::block::Transpose;
+    use crate::kernels::particle_state::ParticleState;
     use crate::kernels::stretch::Stretch;
     use crate::material::Stiffness;
-    use incise_mesh::VertexId;
+    use pulp::Scalar;
 
-    /// Random constraints that share no vertex.
-    fn scattered<const N: usize>(count: u32) -> (Vec<[f32; 4]>, Batch<N>) {
+    /// Returns random particles and constraints that share none.
+    fn scattered<const N: usize>(count: usize) -> (Vec<ParticleState>, Batch<N>) {
         let mut seed = 1_u32;
         let mut random = || {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             (seed >> 8) as f32 / (1 << 24) as f32
         };
         let mut batch = Batch::default();
-        let mut x = Vec::new();
+        let mut particles = Vec::new();
         for _ in 0..count {
             batch.vertices.push(std::array::from_fn(|_| {
-                x.push([random(), random(), random(), random()]);
-                VertexId::from_index(x.len() - 1)
+                let x = [random(), random(), random(), random()];
+                particles.push(ParticleState { x, d: [0.0; 4] });
+                VertexId::from_index(particles.len() - 1)
             }));
             batch.rest.push(random());
         }
         batch.reset_multipliers();
-        (x, batch)
+        (particles, batch)
     }
 
-    fn bits(cells: &mut [Cell]) -> Vec<[u32; 4]> {
-        let bits = |cell: &mut Cell| cell.each_mut().map(|c| *c.get_mut());
-        cells.iter_mut().map(bits).collect()
-    }
-
-    fn compare<K: Kernel<N>, const N: usize>() {
-        let projection = Stiffness::Compliance(1e-3).projection(2, 0.05);
-        let count = u32::try_from(MIN_PARALLEL).unwrap() + 77;
-        let run = |how: fn(&[[f32; 4]], &mut [Cell], Part<'_, N>, Projection)| {
-            let (x, mut batch) = scattered::<N>(count);
-            let mut cells: Vec<Cell> = Vec::new();
-            cells.resize_with(x.len(), Cell::default);
+    fn compare<K: Kernel<N>, const N: usize>(count: usize) {
+        let projection = Projection {
+            error_carryover: 0.25,
+            ..Stiffness::Compliance(1e-3).projection(2, 0.05)
+        };
+        let run = |sweep: &dyn Fn(ParticleStates<'_>, Part<'_, N>)| {
+            let (mut particles, mut batch) = scattered::<N>(count);
             for _ in 0..2 {
-                how(&x, &mut cells, batch.part(true), projection);
+                sweep(ParticleStates::new(&mut particles), batch.part(true));
             }
             let lambda: Vec<u32> = batch.lambda.iter().map(|l| l.to_bits()).collect();
-            (bits(&mut cells), lambda)
+            let bits = |state: &ParticleState| state.d.map(f32::to_bits);
+            (particles.iter().map(bits).collect::<Vec<_>>(), lambda)
         };
-        let serial = run(|x, d, part, p| K::project(x, &mut Exclusive(d), part, p));
-        let parallel = run(|x, d, part, p| sweep::<K, N>(Arch::new(), x, d, part, p));
-        assert!(serial == parallel, "threads and vectors change nothing");
+        let serial = run(&|p, part| {
+            Sweep::<K, N>::serial(p, part, projection).with::<_, 1>(Transpose(Scalar));
+        });
         assert!(
             serial.0.iter().flatten().any(|&b| b != 0),
             "something moved"
         );
+        let blocks = run(&|p, part| sweep::<K, N>(p, part, projection));
+        assert!(serial == blocks, "blocks of {count} constraints differ");
     }
 
     #[test]
-    fn any_instruction_set_and_any_number_of_threads_give_the_same_bits() {
-        compare::<Stretch, 2>();
-        compare::<Bending, 4>();
+    fn any_instruction_set_and_any_tail_give_the_same_bits() {
+        for count in [1, 7, 8, 20, 3077] {
+            compare::<Stretch, 2>(count);
+            compare::<Bending, 4>(count);
+        }
     }
 }

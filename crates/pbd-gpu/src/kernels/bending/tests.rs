@@ -1,8 +1,10 @@
 use super::*;
 use crate::constraints::batches::Batch;
+use crate::kernels::particle_state::on_arrays;
 use crate::material::Stiffness;
-use incise_mesh::Vec3;
+use crate::step::sweep::sweep;
 use incise_mesh::geometry::to_f64;
+use incise_mesh::{Vec3, VertexId};
 
 /// The angle another way: between the normals, positive where the fourth point is behind the first
 /// triangle.
@@ -65,12 +67,13 @@ fn corrections_run_along_the_gradients() {
             let asked = 0.08;
             let mut d = [[0.0; 4]; 4];
             let mut constraint = batch((angle(p) - asked) as f32);
-            Bending::project(
-                &x,
-                &mut d,
-                constraint.part(RIGID.projection(1, 0.01).accumulates_lambda),
-                RIGID.projection(1, 0.01),
-            );
+            on_arrays(&x, &mut d, |p| {
+                sweep::<Bending, 4>(
+                    p,
+                    constraint.part(RIGID.projection(1, 0.01).accumulates_lambda),
+                    RIGID.projection(1, 0.01),
+                )
+            });
             // d_i = -C g_i / sum |g|^2, so g_i = -C d_i / sum |d|^2.
             let square: f64 = d.iter().flatten().map(|&c| f64::from(c).powi(2)).sum();
             let mut largest = 0.0_f64;
@@ -111,12 +114,13 @@ fn projections_end_at_the_rest_angle() {
         let mut d = [[0.0; 4]; 4];
         let mut constraint = batch(rest);
         for _ in 0..60 {
-            Bending::project(
-                &x,
-                &mut d,
-                constraint.part(RIGID.projection(1, 0.01).accumulates_lambda),
-                RIGID.projection(1, 0.01),
-            );
+            on_arrays(&x, &mut d, |p| {
+                sweep::<Bending, 4>(
+                    p,
+                    constraint.part(RIGID.projection(1, 0.01).accumulates_lambda),
+                    RIGID.projection(1, 0.01),
+                )
+            });
         }
         let mut moved = x;
         for (x, d) in moved.iter_mut().zip(d) {
@@ -144,12 +148,13 @@ fn turned(off: f64, added: f64, alpha: f32, stiffness: Stiffness, h: f32) -> f64
     let projection = stiffness.projection(1, h).beside_edges(alpha);
     #[expect(clippy::cast_possible_truncation, reason = "stored in f32")]
     let mut constraint = batch(rest as f32);
-    Bending::project(
-        &x,
-        &mut d,
-        constraint.part(projection.accumulates_lambda),
-        projection,
-    );
+    on_arrays(&x, &mut d, |p| {
+        sweep::<Bending, 4>(
+            p,
+            constraint.part(projection.accumulates_lambda),
+            projection,
+        )
+    });
     let mut end = points(&x);
     for (p, d) in end.iter_mut().zip(d) {
         *p += to_f64([d[0], d[1], d[2]]);
@@ -214,32 +219,13 @@ fn degenerate_triangles_take_no_part() {
         [o, a, b, sliver],
     ] {
         let mut d = [[0.0; 4]; 4];
-        Bending::project(
-            &x,
-            &mut d,
-            batch(1.0).part(RIGID.projection(1, 0.01).accumulates_lambda),
-            RIGID.projection(1, 0.01),
-        );
+        on_arrays(&x, &mut d, |p| {
+            sweep::<Bending, 4>(
+                p,
+                batch(1.0).part(RIGID.projection(1, 0.01).accumulates_lambda),
+                RIGID.projection(1, 0.01),
+            )
+        });
         assert_eq!(d, [[0.0; 4]; 4], "{x:?}");
     }
-}
-
-#[test]
-fn serial_and_blocks_have_the_same_bits() {
-    let x = hinge(0.8, 0.3);
-    let projection = Stiffness::Compliance(1e-3).projection(1, 0.01);
-    let (mut one, mut other) = ([[0.0; 4]; 4], [[0.0; 4]; 4]);
-    Bending::project(
-        &x,
-        &mut one,
-        batch(0.1).part(projection.accumulates_lambda),
-        projection,
-    );
-    Bending::project_serial(
-        &x,
-        &mut other,
-        batch(0.1).part(projection.accumulates_lambda),
-        projection,
-    );
-    assert_eq!(one, other);
 }

@@ -1,0 +1,86 @@
+//! Passes whose chunks run on several threads.
+
+use super::team::Leader;
+use crate::constraints::batches::Part;
+use crate::kernels::block::dispatch;
+use crate::kernels::particle_state::ParticleStates;
+use crate::kernels::volume::{CHUNK, VolumeGradients};
+use crate::step::constants::Projection;
+use crate::step::sweep::{Kernel, Sweep};
+use pulp::Arch;
+
+/// Minimum number of elements of a pass for several threads.
+///
+/// Below it the exchange of cache lines between cores costs more than the second core gains.
+const MIN_SHARED: usize = 1024;
+
+/// Chunks per thread, so that a thread which falls behind can be relieved.
+const CHUNKS_PER_MEMBER: usize = 2;
+
+/// Multiple of the number of constraints of a chunk, so that its blocks are full.
+const CHUNK_STEP: usize = 64;
+
+/// A value that threads may share although its type has cells.
+struct Shared<T>(T);
+
+// SAFETY: the functions of this module create it. Each states why no two threads access the same
+// element, unless both only read it.
+unsafe impl<T> Sync for Shared<T> {}
+
+impl<T> Shared<T> {
+    /// Returns the value. A method, so that closures capture all of `self`.
+    fn get(&self) -> &T {
+        &self.0
+    }
+}
+
+/// Projects the constraints of one color.
+pub(crate) fn sweep_color<K: Kernel<N>, const N: usize>(
+    leader: &mut Leader<'_>,
+    arch: Arch,
+    particles: ParticleStates<'_>,
+    part: Part<'_, N>,
+    projection: Projection,
+) {
+    let count = part.vertices.len();
+    let size = chunk_size(count, leader.members());
+    // The constraints of a color share no vertex, and every chunk has its own constraints. So
+    // particles and multipliers are accessed by one thread each.
+    let shared = Shared((particles, part));
+    leader.run(count.div_ceil(size), &|chunk| {
+        let (particles, part) = *shared.get();
+        let start = chunk * size;
+        let part = part.slice(start..count.min(start + size));
+        dispatch(arch, Sweep::<K, N>::blocks(particles, part, projection));
+    });
+}
+
+/// Computes the gradients of a volume constraint.
+pub(crate) fn volume_gradients<const BEFORE: bool>(
+    leader: &mut Leader<'_>,
+    arch: Arch,
+    gradients: VolumeGradients<'_, BEFORE>,
+) {
+    let count = gradients.spokes.len();
+    let size = chunk_size(count, leader.members()).next_multiple_of(CHUNK);
+    // Particles are only read; every chunk writes its own gradients and sums.
+    let shared = Shared(gradients);
+    leader.run(count.div_ceil(size), &|chunk| {
+        let start = chunk * size;
+        arch.dispatch(shared.get().slice(start..count.min(start + size)));
+    });
+}
+
+/// Returns the number of elements of a chunk; all of them for one thread.
+fn chunk_size(count: usize, members: usize) -> usize {
+    if members == 1 || !is_shared(count) {
+        return count.max(1);
+    }
+    let even = count.div_ceil(members * CHUNKS_PER_MEMBER);
+    even.next_multiple_of(CHUNK_STEP)
+}
+
+/// Returns whether several threads run a pass of that many elements.
+pub(crate) fn is_shared(count: usize) -> bool {
+    count >= MIN_SHARED
+}
