@@ -132,7 +132,6 @@ impl Body {
     }
 
     /// Returns the number of stretch and bending constraints and interior springs.
-    #[cfg(feature = "gpu")]
     pub(crate) fn constraints(&self) -> usize {
         let interior_springs = self.solver.interior_springs().map_or(0, |set| set.len());
         self.solver.stretch().len()

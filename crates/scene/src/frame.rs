@@ -72,31 +72,7 @@ impl Scene {
         self.assign_colliders()?;
         self.find_contacts()?;
         self.step_gpu()?;
-        for (i, body) in self.bodies.iter_mut().enumerate() {
-            let on_gpu = self.gpu.as_ref().is_some_and(|gpu| gpu.holds(i));
-            if on_gpu || self.sleep.is_asleep(i) {
-                continue;
-            }
-            let Some(body) = body else { continue };
-            let done = body.step(self.params.dt, &self.params.solver);
-            let done = done.map_err(|error| SceneError::Step {
-                body: BodyId {
-                    scene: self.number,
-                    index: i,
-                },
-                error,
-            })?;
-            self.stats.iterations_skipped += done.iterations_skipped;
-            self.stats.ground_passes_skipped += done.ground_passes_skipped;
-            if let Some(sleep) = &self.params.sleep
-                && let Some(displacement) = self.sleep.observe(i, done.max_substep_displacement)
-            {
-                let edge = body.solver().mean_rest_length();
-                let h = f64::from(self.params.dt) / f64::from(done.substeps);
-                let limit = sleep.limit(edge, &body.surface().bounds(), h);
-                self.sleep.set_at_rest(i, f64::from(displacement) <= limit);
-            }
-        }
+        self.step_bodies()?;
         self.put_to_sleep();
         self.stats.fell_back = self.backend.take_fallback();
         let others = self.stats.gpu_upload + self.stats.contact_detection;

@@ -14,6 +14,7 @@ mod residency;
 mod scene;
 mod sleep;
 mod stats;
+mod step_bodies;
 
 pub use backend::{BackendChoice, BackendReport, BackendRequest};
 pub use blade::{Blade, BladeId, BladeMode};
