@@ -92,7 +92,7 @@ fn between(u: &mut Unstructured<'_>, from: f64, to: f64) -> Result<f64> {
     Ok(from + (to - from) * (signed(u)? + 1.0) / 2.0)
 }
 
-fn vector(u: &mut Unstructured<'_>) -> Result<[f64; 3]> {
+pub(crate) fn vector(u: &mut Unstructured<'_>) -> Result<[f64; 3]> {
     Ok([signed(u)?, signed(u)?, signed(u)?])
 }
 
@@ -103,7 +103,7 @@ fn direction(u: &mut Unstructured<'_>) -> Result<[f64; 3]> {
     Ok(if is_long { v } else { [0.0, 1.0, 0.0] })
 }
 
-fn body(u: &mut Unstructured<'_>) -> Result<Body> {
+pub(crate) fn body(u: &mut Unstructured<'_>) -> Result<Body> {
     let shape = match u.int_in_range(0..=9)? {
         0..=2 => Shape::Icosphere(u.int_in_range(0..=2)?),
         3..=5 => Shape::CubeSphere(u.int_in_range(1..=6)?),
