@@ -1,5 +1,6 @@
 //! `incise view`: opens a window to cut and drag a soft body.
 
+use crate::caps::CapsOption;
 use crate::failure::Failure;
 use crate::input::InputOptions;
 use crate::numbers::counted;
@@ -35,6 +36,15 @@ pub(crate) struct ViewArguments {
     /// Size of the window [pixels].
     #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = size)]
     size: Size,
+    /// Curves along which caps close cuts (exact method).
+    #[arg(
+        long,
+        value_enum,
+        value_name = "CURVES",
+        default_value_t = CapsOption::Bodies,
+        conflicts_with = "replay"
+    )]
+    caps: CapsOption,
     /// Start paused; Space resumes.
     #[arg(long)]
     paused: bool,
@@ -85,6 +95,7 @@ pub(crate) fn run(
         },
         size: pixels,
         paused: arguments.paused,
+        caps: arguments.caps.caps(),
         replay,
         record_to: arguments.record.clone(),
         save: Box::new(move |surface| {

@@ -1,6 +1,6 @@
 //! Commands and settings of a session, as serializable data.
 
-use incise_cut::{CutMethod, CutParams, PaperParams};
+use incise_cut::{Caps, CutMethod, CutParams, PaperParams};
 use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Stiffness, Volume};
 use incise_refine::RefinementLevel;
 use incise_scene::{BladeMode, ContactParams, SceneParams};
@@ -113,6 +113,9 @@ pub struct Settings {
     /// that ends inside the body is refused.
     #[serde(default)]
     pub progressive: bool,
+    /// Curves along which caps close cuts (exact method); those of bodies in old recordings.
+    #[serde(default, with = "caps")]
+    pub caps: Caps,
 }
 
 impl Default for Settings {
@@ -132,6 +135,7 @@ impl Default for Settings {
             ground: true,
             contacts: true,
             progressive: true,
+            caps: Caps::Bodies,
         }
     }
 }
@@ -179,6 +183,7 @@ impl Settings {
                 Method::Exact => CutMethod::default(),
                 Method::Paper => CutMethod::Paper(PaperParams::default()),
             },
+            caps: self.caps,
             ..CutParams::default()
         };
         cut.refine.level = self.level;
@@ -229,5 +234,34 @@ mod level {
     ) -> Result<RefinementLevel, D::Error> {
         let text = String::deserialize(deserializer)?;
         text.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+/// Serializes the curves that get caps by the names of `--caps`.
+mod caps {
+    use incise_cut::Caps;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    const NAMES: [(Caps, &str); 3] = [
+        (Caps::Bodies, "bodies"),
+        (Caps::AllLoops, "all-loops"),
+        (Caps::None, "none"),
+    ];
+
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes fields so")]
+    pub(super) fn serialize<S: Serializer>(caps: &Caps, serializer: S) -> Result<S::Ok, S::Error> {
+        match NAMES.iter().find(|(own, _)| own == caps) {
+            Some((_, name)) => serializer.serialize_str(name),
+            None => Err(serde::ser::Error::custom("these caps have no name")),
+        }
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Caps, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        let found = NAMES.iter().find(|(_, name)| *name == text);
+        let unknown = || serde::de::Error::custom(format!("'{text}' names no caps"));
+        found.map(|(caps, _)| *caps).ok_or_else(unknown)
     }
 }

@@ -18,6 +18,7 @@ use crate::recording::{Recording, Replay};
 use crate::session::Session;
 use app::App;
 use frame_times::FrameTimes;
+use incise_cut::Caps;
 use incise_mesh::Surface;
 use incise_scene::BackendRequest;
 use playback_speed::PlaybackSpeed;
@@ -44,6 +45,8 @@ pub struct WindowOptions {
     pub size: [u32; 2],
     /// Starts with the simulation paused.
     pub paused: bool,
+    /// Curves along which caps close cuts; a recording to replay has its own.
+    pub caps: Caps,
     /// Recording to replay.
     pub replay: Option<Recording>,
     /// File for saved recordings.
@@ -94,9 +97,11 @@ impl Default for DisplayOptions {
 /// failure.
 pub fn run(options: WindowOptions) -> Result<(), ViewError> {
     let replay = options.replay.clone();
-    let settings = replay
-        .as_ref()
-        .map_or_else(Settings::default, Recording::settings);
+    let chosen = Settings {
+        caps: options.caps,
+        ..Settings::default()
+    };
+    let settings = replay.as_ref().map_or(chosen, Recording::settings);
     let replay = replay.map(|r| r.replay(&options.surface)).transpose()?;
     let events = EventLoop::new().map_err(|error| {
         // The reason follows the library's location of the error.

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::command::Settings;
-use incise_mesh::icosphere;
+use incise_mesh::{Surface, icosphere};
 use incise_scene::{Scene, SceneParams};
 
 fn set_up() -> (Session, OrbitCamera) {
@@ -34,6 +34,14 @@ fn drag(
         session.frame();
     }
     pointer.release(Button::Left, orbit, session).unwrap();
+}
+
+/// Asserts that a body, once of fewer triangles and this volume, is slit and still one piece.
+fn assert_is_slit(surface: &Surface, triangles: usize, volume: f64) {
+    assert_eq!(surface.piece_count(), 1);
+    assert!(surface.topology().triangle_count() > triangles);
+    assert!(surface.topology().is_closed());
+    assert!((surface.volume() / volume - 1.0).abs() < 0.02);
 }
 
 #[test]
@@ -125,11 +133,7 @@ fn line_that_ends_inside_slits_the_body() {
         let mut pointer = Pointer::default();
         drag(&mut pointer, false, way, &mut orbit, &mut session);
         assert_eq!(session.status_message(), None);
-        let surface = session.surface();
-        assert_eq!(surface.piece_count(), 1);
-        assert!(surface.topology().triangle_count() > triangles);
-        assert!(surface.topology().is_closed());
-        assert!((surface.volume() / volume - 1.0).abs() < 0.02);
+        assert_is_slit(session.surface(), triangles, volume);
     }
     assert_eq!(session.undo_count(), 2);
     session.frame();
@@ -180,11 +184,7 @@ fn blade_dragged_into_the_body_opens_it() {
     assert!(cuts > 1, "it opens while the button is down: {cuts} cuts");
     pointer.release(Button::Left, &orbit, &mut session).unwrap();
     assert_eq!(session.status_message(), None);
-    let surface = session.surface();
-    assert_eq!(surface.piece_count(), 1);
-    assert!(surface.topology().triangle_count() > triangles);
-    assert!(surface.topology().is_closed());
-    assert!((surface.volume() / volume - 1.0).abs() < 0.02);
+    assert_is_slit(session.surface(), triangles, volume);
     assert_eq!(session.undo_count(), 1);
 }
 

@@ -1,6 +1,7 @@
 //! Tests of commands, undo and redo, dragging, settings and replay, without a window.
 
 mod blade;
+mod caps;
 
 use super::*;
 use crate::command::Method;
