@@ -104,7 +104,10 @@ impl Solver {
         })
     }
 
-    /// Steps by one frame of `dt` \[s\] on the CPU. Allocates nothing once warm.
+    /// Steps by one frame of `dt` \[s\] on the CPU.
+    ///
+    /// Allocates nothing once warm, except one job of the pool per thread that helps with a large
+    /// body.
     ///
     /// # Errors
     /// [`StepError`]. After [`StepError::NonFinitePosition`] the solver must be created again;
