@@ -118,14 +118,12 @@ fn components(data: &MeshData) -> Option<Vec<u32>> {
 
 /// Returns for every component whether its indices form a closed, oriented manifold.
 ///
-/// Components with an edge of no length are none: their vertices are meant to be welded.
+/// Its edges may have no length: where walls of incisions cross, several vertices are in one place.
 fn closed_components(data: &MeshData, components: &[u32]) -> Vec<bool> {
     let count = components.iter().max().map_or(0, |&c| c as usize + 1);
     let mut is_closed = vec![true; count];
-    for (t, &component) in data.triangles.iter().zip(components) {
-        if is_collapsed(t) {
-            is_closed[component as usize] = false;
-        }
+    for (t, &component) in data.file_triangles.iter().zip(components) {
+        is_closed[component as usize] &= !is_collapsed(t);
     }
     let sound: Vec<usize> = (0..components.len())
         .filter(|&t| is_closed[components[t] as usize])

@@ -235,6 +235,34 @@ fn the_walls_of_a_slit_stay_separate() {
     }
 }
 
+/// An edge of no length beside the end of a slit.
+#[test]
+fn walls_with_an_edge_of_no_length_stay_separate() {
+    let (mut positions, mut triangles) = slit_cube(0.0);
+    // A vertex beside vertex 4, which is one end of the slit, splits the two triangles of an edge.
+    let (from, to) = (4, 1);
+    let new = u32::try_from(positions.len()).unwrap();
+    positions.push(positions[from as usize]);
+    for t in triangles.clone() {
+        if let Some(k) = (0..3).find(|&k| {
+            [t[k], t[(k + 1) % 3]]
+                .iter()
+                .all(|v| [from, to].contains(v))
+        }) {
+            let (a, b, c) = (t[k], t[(k + 1) % 3], t[(k + 2) % 3]);
+            triangles.retain(|other| *other != t);
+            triangles.extend([[a, new, c], [new, b, c]]);
+        }
+    }
+    let data = MeshData::from_triangles(&positions, &triangles).unwrap();
+    let report = check(&data);
+    assert_eq!(report.is_cuttable(), Ok(()));
+    assert_eq!((report.vertices, report.genus), (15, Some(0)));
+    let (surface, _) = data.into_surface().unwrap();
+    surface.validate_closed().unwrap();
+    assert_eq!(surface.topology().triangle_count(), triangles.len());
+}
+
 /// Without indices the order of the triangles around each edge tells the walls apart.
 #[test]
 fn a_slit_without_indices_is_separated() {
