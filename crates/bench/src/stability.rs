@@ -44,6 +44,7 @@ mod steps;
 #[cfg(test)]
 mod tests;
 mod volumes;
+mod walls;
 
 use crate::backend::Executor;
 use crate::json::Json;
@@ -91,13 +92,14 @@ impl StabilityArguments {
 
 /// Returns all cases in the order of the table.
 fn cases() -> impl Iterator<Item = Case> {
-    let parts: [&[Case]; 9] = [
+    let parts: [&[Case]; 10] = [
         &steps::CASES,
         &masses::CASES,
         &scales::CASES,
         &pins::CASES,
         &volumes::CASES,
         &contacts::CASES,
+        &walls::CASES,
         &sleep::CASES,
         &constraint_order::CASES,
         &map::CASES,
