@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::input::{InputOptions, read_unrepaired};
 use crate::json::lossy;
 use crate::reporter::Reporter;
-use incise_mesh::{Defect, MeshReport, NotCuttable, check_with};
+use incise_mesh::{Defect, MeshReport, NotCuttable, RepairedCounts, check_with};
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, Write};
@@ -29,8 +29,8 @@ Examples:
   incise check scan.ply --json
 
 JSON report (--json): file, cuttable, counts of vertices, triangles, edges and components, genus,
-closed, manifold, oriented, area, volume, bounds, angles, edge lengths, warnings and defects. Far
-from the origin also origin, to which bounds are relative.";
+closed, manifold, oriented, area, volume, bounds, angles, edge lengths, warnings, defects and counts
+of the repaired surface. Far from the origin also origin, to which bounds are relative.";
 
 /// The report as JSON.
 #[derive(Serialize)]
@@ -121,6 +121,21 @@ fn print(json: &JsonReport<'_>, is_sheet: bool, out: &mut impl Write) -> io::Res
         "edge lengths",
         &format!("{min} shortest, {mean} mean, {max} longest"),
     )?;
+    let read = (report.vertices, report.triangles, report.components);
+    let is_changed = |r: &RepairedCounts| (r.vertices, r.triangles, r.components) != read;
+    if let Some(repaired) = report.repaired.filter(is_changed) {
+        let genus = repaired.genus.map(|genus| format!(", genus {genus}"));
+        line(
+            "repaired",
+            &format!(
+                "{} vertices, {} triangles, components {}{}",
+                repaired.vertices,
+                repaired.triangles,
+                repaired.components,
+                genus.unwrap_or_default()
+            ),
+        )?;
+    }
     for warning in &report.warnings {
         line("warning", warning)?;
     }

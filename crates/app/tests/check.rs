@@ -139,6 +139,7 @@ fn json_has_every_field_under_its_name() {
         "edge_lengths",
         "warnings",
         "defects",
+        "repaired",
     ];
     expected.sort_unstable();
     let mut names = names;

@@ -31,6 +31,7 @@ use crate::partition::Partition;
 use crate::quality::{AngleStats, EdgeStats};
 use links::Links;
 pub use repair::RepairParams;
+use repair::Repaired;
 use robust::{Coord, orient2d};
 use std::fmt;
 
@@ -177,16 +178,15 @@ impl fmt::Display for NotCuttable {
 
 impl std::error::Error for NotCuttable {}
 
-/// Measures and defects of a mesh as read.
+/// Measures and defects of a mesh as read, with equal positions welded to one vertex.
 ///
-/// Equal positions are one vertex, except where they form the two walls of an incision or bodies
-/// that touch, which the file's indices keep separate. Triangles that repeat a vertex count as
-/// triangles, but not in edges, components and derived numbers.
+/// Triangles that repeat a vertex count as triangles, but not in edges, components and derived
+/// numbers. [`Self::repaired`] describes the surface that is cut.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct MeshReport {
-    /// Number of vertices of the triangles that do not repeat a vertex.
+    /// Number of welded vertices that faces use.
     pub vertices: usize,
     /// Number of vertices that a renderer needs, see [`MeshData::file_vertices`].
     pub file_vertices: usize,
@@ -233,6 +233,27 @@ pub struct MeshReport {
     pub warnings: Vec<Warning>,
     /// Defects that [`MeshData::into_surface`] cannot repair.
     pub defects: Vec<Defect>,
+    /// The repaired surface, if there are no defects.
+    ///
+    /// It differs from the mesh as read where walls of an incision or touching bodies stay separate.
+    pub repaired: Option<RepairedCounts>,
+}
+
+/// Counts of the surface that [`MeshData::repair`] returns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct RepairedCounts {
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Number of triangles.
+    pub triangles: usize,
+    /// Number of edges.
+    pub edges: usize,
+    /// Number of parts that share no vertex.
+    pub components: usize,
+    /// Total genus, if the surface is closed.
+    pub genus: Option<i64>,
 }
 
 impl MeshReport {
@@ -262,26 +283,12 @@ pub fn check(data: &MeshData) -> MeshReport {
 pub fn check_with(data: &MeshData, params: RepairParams) -> MeshReport {
     let corners = |t: &[u32; 3]| t.map(|v| to_f64(data.positions[v as usize]));
     let repaired = repair::repair(data, params);
-    let welded = repaired.welded.iter().copied();
+    let welded = data.triangles.iter().copied();
     let sound: Vec<[u32; 3]> = welded.filter(|t| !repair::is_collapsed(t)).collect();
-    let ids = sound.iter().flatten().max().map_or(0, |&v| v as usize + 1);
     let links = Links::new(&sound);
     let edges = links.edge_counts(&sound);
-    let mut parts = Partition::new(ids);
-    for t in &sound {
-        parts.join(t[0], t[1]);
-        parts.join(t[0], t[2]);
-    }
-    let mut used = vec![false; ids];
-    let mut roots: Vec<u32> = Vec::new();
-    for &v in sound.iter().flatten() {
-        if !std::mem::replace(&mut used[v as usize], true) && parts.find(v) == v {
-            roots.push(v);
-        }
-    }
-    let count = |n: usize| i64::try_from(n).expect("elements have 32-bit ids");
-    let used = used.iter().filter(|&&used| used).count();
-    let euler_characteristic = count(used) - count(edges.all) + count(sound.len());
+    let Parts { used, components } = Parts::of(&sound);
+    let euler_characteristic = euler_characteristic(used, edges.all, sound.len());
     let nonmanifold_vertices = links.fans(&sound).split_vertices(&sound).len();
     let closed = edges.open == 0;
     let manifold = edges.nonmanifold == 0 && nonmanifold_vertices == 0;
@@ -289,14 +296,14 @@ pub fn check_with(data: &MeshData, params: RepairParams) -> MeshReport {
     let bounds = Aabb::around(data.positions.iter().copied());
     let center = bounds.center();
     MeshReport {
-        vertices: used,
+        vertices: data.positions.len(),
         file_vertices: data.file_vertices,
         triangles: data.triangles.len(),
         edges: edges.all,
-        components: roots.len(),
+        components,
         euler_characteristic,
         genus: (closed && manifold && oriented)
-            .then(|| count(roots.len()) - euler_characteristic / 2),
+            .then(|| signed(components) - euler_characteristic / 2),
         closed,
         manifold,
         oriented,
@@ -324,8 +331,59 @@ pub fn check_with(data: &MeshData, params: RepairParams) -> MeshReport {
         angles: AngleStats::from_triangles(data.triangles.iter().map(corners)),
         edge_lengths: EdgeStats::from_triangles(data.triangles.iter().map(corners)),
         warnings: [data.warnings.as_slice(), &repaired.warnings].concat(),
+        repaired: repaired.defects.is_empty().then(|| repaired.counts()),
         defects: repaired.defects,
     }
+}
+
+impl Repaired {
+    fn counts(&self) -> RepairedCounts {
+        let edges = Links::new(&self.triangles).edge_counts(&self.triangles);
+        let Parts { used, components } = Parts::of(&self.triangles);
+        let chi = euler_characteristic(used, edges.all, self.triangles.len());
+        RepairedCounts {
+            vertices: used,
+            triangles: self.triangles.len(),
+            edges: edges.all,
+            components,
+            genus: (edges.open == 0).then(|| signed(components) - chi / 2),
+        }
+    }
+}
+
+/// Numbers of vertices and components of triangles.
+struct Parts {
+    used: usize,
+    components: usize,
+}
+
+impl Parts {
+    fn of(triangles: &[[u32; 3]]) -> Self {
+        let ids = triangles.iter().flatten().max();
+        let ids = ids.map_or(0, |&v| v as usize + 1);
+        let mut partition = Partition::new(ids);
+        let mut is_used = vec![false; ids];
+        for t in triangles {
+            partition.join(t[0], t[1]);
+            partition.join(t[0], t[2]);
+            t.iter().for_each(|&v| is_used[v as usize] = true);
+        }
+        let used = (0..).zip(&is_used).filter(|&(_, &used)| used);
+        let roots = used.clone().filter(|&(v, _)| partition.find(v) == v);
+        Self {
+            used: used.count(),
+            components: roots.count(),
+        }
+    }
+}
+
+/// Returns vertices - edges + triangles.
+fn euler_characteristic(vertices: usize, edges: usize, triangles: usize) -> i64 {
+    signed(vertices) - signed(edges) + signed(triangles)
+}
+
+fn signed(n: usize) -> i64 {
+    i64::try_from(n).expect("elements have 32-bit ids")
 }
 
 #[cfg(feature = "serde")]

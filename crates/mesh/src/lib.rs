@@ -22,7 +22,7 @@ mod topology;
 
 pub use bvh::{Bvh, InvalidBvh, NearestPoint, RayHit, SearchRadii};
 #[cfg(feature = "io")]
-pub use check::{Defect, MeshReport, NotCuttable, RepairParams, check, check_with};
+pub use check::{Defect, MeshReport, NotCuttable, RepairParams, RepairedCounts, check, check_with};
 pub use delta::{AddedVertex, TopologyDelta, VertexOrigin};
 pub use edit::{EdgeError, Edit, Undo, UndoError};
 pub use geometry::{Aabb, Vec3};

@@ -29,8 +29,6 @@ pub(super) struct Repaired {
     pub(super) sources: Vec<u32>,
     /// Whether each triangle was flipped.
     pub(super) flipped: Vec<bool>,
-    /// All triangles of the data over the vertices that are one vertex or kept separate.
-    pub(super) welded: Vec<[u32; 3]>,
     /// Number of edges with one triangle.
     open_edges: usize,
     pub(super) warnings: Vec<Warning>,
@@ -184,13 +182,11 @@ impl Repaired {
             triangles: Vec::new(),
             sources: Vec::new(),
             flipped: Vec::new(),
-            welded: Vec::new(),
             open_edges: 0,
             warnings: Vec::new(),
             defects: Vec::new(),
         };
         out.keep_distinct(&weld.triangles);
-        out.welded = weld.triangles;
         if separate {
             out.remove_back_sides();
         }

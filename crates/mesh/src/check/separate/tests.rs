@@ -209,7 +209,8 @@ fn the_walls_of_a_slit_stay_separate() {
     assert_eq!(data.positions.len(), 12);
     let report = check(&data);
     assert_eq!(report.is_cuttable(), Ok(()));
-    assert_eq!((report.vertices, report.genus), (14, Some(0)));
+    let counts = report.repaired.unwrap();
+    assert_eq!((counts.vertices, counts.genus), (14, Some(0)));
     let kept = |w: &Warning| matches!(w, Warning::IndicesKept { count: 2, .. });
     let (surface, warnings) = data.clone().into_surface().unwrap();
     assert!(warnings.len() == 1 && kept(&warnings[0]), "{warnings:?}");
@@ -257,7 +258,8 @@ fn walls_with_an_edge_of_no_length_stay_separate() {
     let data = MeshData::from_triangles(&positions, &triangles).unwrap();
     let report = check(&data);
     assert_eq!(report.is_cuttable(), Ok(()));
-    assert_eq!((report.vertices, report.genus), (15, Some(0)));
+    let counts = report.repaired.unwrap();
+    assert_eq!((counts.vertices, counts.genus), (15, Some(0)));
     let (surface, _) = data.into_surface().unwrap();
     surface.validate_closed().unwrap();
     assert_eq!(surface.topology().triangle_count(), triangles.len());
