@@ -235,7 +235,7 @@ pub struct MeshReport {
     pub defects: Vec<Defect>,
     /// The repaired surface, if there are no defects.
     ///
-    /// It differs from the mesh as read where walls of an incision or touching bodies stay separate.
+    /// It differs from the mesh as read where walls or touching bodies stay separate.
     pub repaired: Option<RepairedCounts>,
 }
 
