@@ -121,14 +121,16 @@ fn print(json: &JsonReport<'_>, is_sheet: bool, out: &mut impl Write) -> io::Res
         "edge lengths",
         &format!("{min} shortest, {mean} mean, {max} longest"),
     )?;
-    let read = (report.vertices, report.triangles, report.components);
-    let is_changed = |r: &RepairedCounts| (r.vertices, r.triangles, r.components) != read;
+    let is_changed = |repaired: &RepairedCounts| {
+        (repaired.vertices, repaired.triangles, repaired.genus)
+            != (report.vertices, report.triangles, report.genus)
+    };
     if let Some(repaired) = report.repaired.filter(is_changed) {
         let genus = repaired.genus.map(|genus| format!(", genus {genus}"));
         line(
             "repaired",
             &format!(
-                "{} vertices, {} triangles, components {}{}",
+                "vertices {}, triangles {}, components {}{}",
                 repaired.vertices,
                 repaired.triangles,
                 repaired.components,

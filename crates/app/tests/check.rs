@@ -148,6 +148,7 @@ fn json_has_every_field_under_its_name() {
     assert_eq!(json["cuttable"], true);
     assert_eq!(json["bounds"]["max"], serde_json::json!([1.0, 1.0, 1.0]));
     assert_eq!(json["edge_lengths"]["min"], 1.0);
+    assert_eq!(json["repaired"]["genus"], 0);
 
     let (code, out, err) = check(open(), &["--json"]);
     assert_eq!((code, err.as_str()), (Some(0), ""));
@@ -155,6 +156,7 @@ fn json_has_every_field_under_its_name() {
     assert_eq!(json["cuttable"], true);
     assert_eq!(json["closed"], false);
     assert_eq!(json["genus"], Value::Null);
+    assert_eq!(json["repaired"], Value::Null);
     assert_eq!(json["defects"][0]["kind"], "open_edge");
     assert_eq!(json["defects"][0]["count"], 3);
 }

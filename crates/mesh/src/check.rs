@@ -14,6 +14,7 @@
 //! [`MeshData::repair`] can also separate sheets and bodies that share edges.
 
 mod around;
+mod counts;
 mod duplicates;
 mod gaps;
 mod links;
@@ -27,11 +28,11 @@ use crate::geometry::{Aabb, Vec3, area_vector, to_f64};
 use crate::ids::{TriangleId, VertexId};
 use crate::io::{MeshData, Warning};
 use crate::measure::cone_volume;
-use crate::partition::Partition;
 use crate::quality::{AngleStats, EdgeStats};
+use counts::Counts;
+pub use counts::RepairedCounts;
 use links::Links;
 pub use repair::RepairParams;
-use repair::Repaired;
 use robust::{Coord, orient2d};
 use std::fmt;
 
@@ -239,23 +240,6 @@ pub struct MeshReport {
     pub repaired: Option<RepairedCounts>,
 }
 
-/// Counts of the surface that [`MeshData::repair`] returns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct RepairedCounts {
-    /// Number of vertices.
-    pub vertices: usize,
-    /// Number of triangles.
-    pub triangles: usize,
-    /// Number of edges.
-    pub edges: usize,
-    /// Number of parts that share no vertex.
-    pub components: usize,
-    /// Total genus, if the surface is closed.
-    pub genus: Option<i64>,
-}
-
 impl MeshReport {
     /// Returns whether the repaired mesh is closed, manifold, oriented and has a volume.
     ///
@@ -286,9 +270,8 @@ pub fn check_with(data: &MeshData, params: RepairParams) -> MeshReport {
     let welded = data.triangles.iter().copied();
     let sound: Vec<[u32; 3]> = welded.filter(|t| !repair::is_collapsed(t)).collect();
     let links = Links::new(&sound);
-    let edges = links.edge_counts(&sound);
-    let Parts { used, components } = Parts::of(&sound);
-    let euler_characteristic = euler_characteristic(used, edges.all, sound.len());
+    let counts = Counts::new(&sound, &links);
+    let edges = &counts.edges;
     let nonmanifold_vertices = links.fans(&sound).split_vertices(&sound).len();
     let closed = edges.open == 0;
     let manifold = edges.nonmanifold == 0 && nonmanifold_vertices == 0;
@@ -300,10 +283,9 @@ pub fn check_with(data: &MeshData, params: RepairParams) -> MeshReport {
         file_vertices: data.file_vertices,
         triangles: data.triangles.len(),
         edges: edges.all,
-        components,
-        euler_characteristic,
-        genus: (closed && manifold && oriented)
-            .then(|| signed(components) - euler_characteristic / 2),
+        components: counts.components,
+        euler_characteristic: counts.euler_characteristic,
+        genus: (closed && manifold && oriented).then(|| counts.genus()),
         closed,
         manifold,
         oriented,
@@ -331,59 +313,9 @@ pub fn check_with(data: &MeshData, params: RepairParams) -> MeshReport {
         angles: AngleStats::from_triangles(data.triangles.iter().map(corners)),
         edge_lengths: EdgeStats::from_triangles(data.triangles.iter().map(corners)),
         warnings: [data.warnings.as_slice(), &repaired.warnings].concat(),
-        repaired: repaired.defects.is_empty().then(|| repaired.counts()),
+        repaired: (repaired.defects.is_empty()).then(|| RepairedCounts::new(&repaired.triangles)),
         defects: repaired.defects,
     }
-}
-
-impl Repaired {
-    fn counts(&self) -> RepairedCounts {
-        let edges = Links::new(&self.triangles).edge_counts(&self.triangles);
-        let Parts { used, components } = Parts::of(&self.triangles);
-        let chi = euler_characteristic(used, edges.all, self.triangles.len());
-        RepairedCounts {
-            vertices: used,
-            triangles: self.triangles.len(),
-            edges: edges.all,
-            components,
-            genus: (edges.open == 0).then(|| signed(components) - chi / 2),
-        }
-    }
-}
-
-/// Numbers of vertices and components of triangles.
-struct Parts {
-    used: usize,
-    components: usize,
-}
-
-impl Parts {
-    fn of(triangles: &[[u32; 3]]) -> Self {
-        let ids = triangles.iter().flatten().max();
-        let ids = ids.map_or(0, |&v| v as usize + 1);
-        let mut partition = Partition::new(ids);
-        let mut is_used = vec![false; ids];
-        for t in triangles {
-            partition.join(t[0], t[1]);
-            partition.join(t[0], t[2]);
-            t.iter().for_each(|&v| is_used[v as usize] = true);
-        }
-        let used = (0..).zip(&is_used).filter(|&(_, &used)| used);
-        let roots = used.clone().filter(|&(v, _)| partition.find(v) == v);
-        Self {
-            used: used.count(),
-            components: roots.count(),
-        }
-    }
-}
-
-/// Returns vertices - edges + triangles.
-fn euler_characteristic(vertices: usize, edges: usize, triangles: usize) -> i64 {
-    signed(vertices) - signed(edges) + signed(triangles)
-}
-
-fn signed(n: usize) -> i64 {
-    i64::try_from(n).expect("elements have 32-bit ids")
 }
 
 #[cfg(feature = "serde")]

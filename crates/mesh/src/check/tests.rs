@@ -46,6 +46,23 @@ fn cube_of(triangles: &[[u32; 3]]) -> MeshData {
 }
 
 #[test]
+fn touching_bodies_are_counted_welded_and_repaired() {
+    for (at, welded, crowded) in [([1.0, 1.0, 0.0], 14, 1), ([1.0, 0.0, 0.0], 12, 5)] {
+        let report = check(&cubes(&[[0.0; 3], at]));
+        assert_eq!((report.vertices, report.components), (welded, 1));
+        assert_eq!((report.nonmanifold_edges, report.genus), (crowded, None));
+        let expected = RepairedCounts {
+            vertices: 16,
+            triangles: 24,
+            edges: 36,
+            components: 2,
+            genus: Some(0),
+        };
+        assert_eq!(report.repaired, Some(expected));
+    }
+}
+
+#[test]
 fn a_cube_is_measured() {
     let report = check(&cube_of(&CUBE));
     assert_eq!(
