@@ -102,13 +102,11 @@ fn the_bunny_is_cut_200_times() {
 }
 
 #[test]
-#[ignore = "takes as long as all other tests together; run it with --include-ignored"]
 fn the_bunny_is_cut_200_times_exactly() {
     cut_200_times(&build_model(Model::Bunny), 0.0, 2);
 }
 
 #[test]
-#[ignore = "takes as long as all other tests together; run it with --include-ignored"]
 fn a_torus_is_cut_200_times() {
     cut_200_times(&torus(0.4, 0.15, 24, 12), 0.1, 3);
 }
