@@ -76,11 +76,8 @@ fn scenes(context: Context, model: Model, schedule: Schedule) -> [(Scene, BodyId
 fn add(scene: &mut Scene, model: Model, schedule: Schedule) -> Result<BodyId, SceneError> {
     let (surface, material) = (build_model(model), Material::default());
     let center = surface.bounds().center();
-    let id = if schedule == Schedule::Patches {
-        scene.add_body_with_patches(surface, &material, &PatchParams::default())?
-    } else {
-        scene.add_body(surface, &material)?
-    };
+    let patches = (schedule == Schedule::Patches).then(PatchParams::default);
+    let id = scene.add_body_with_patches(surface, &material, patches.as_ref())?;
     let (solver, surface) = scene.edit(id)?.solver_mut();
     let vertices: Vec<VertexId> = surface.topology().vertices().collect();
     for v in vertices {

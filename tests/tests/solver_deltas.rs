@@ -109,10 +109,7 @@ fn follow(
     steps: usize,
 ) {
     let mut surface = body.build();
-    let made = match patches {
-        Some(params) => Solver::with_patches(&mut surface, material, params),
-        None => Solver::new(&mut surface, material),
-    };
+    let made = Solver::with_patches(&mut surface, material, patches);
     // On a coarse lattice vertices may coincide, and edges of length 0 have no constraint.
     let Ok(mut solver) = made else {
         return;
@@ -271,7 +268,7 @@ fn assert_fraction_after_cuts(method: CutMethod, most: [f64; 2]) {
     };
     let mut surface = build_model(Model::Banana);
     let params = PatchParams::default();
-    let mut solver = Solver::with_patches(&mut surface, &Material::default(), &params)
+    let mut solver = Solver::with_patches(&mut surface, &Material::default(), Some(&params))
         .expect("a model has lengths");
     let mut cutter = Cutter::new(&surface);
     let normals = [

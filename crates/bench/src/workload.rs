@@ -32,9 +32,6 @@ enum Kind {
     Sphere(u32),
 }
 
-/// Creates a solver for a surface.
-pub(crate) type NewSolver = fn(&mut Surface, &Material) -> Result<Solver, ConstraintError>;
-
 impl Workload {
     /// Builds the surface.
     ///
@@ -59,7 +56,10 @@ impl Workload {
     ///
     /// # Errors
     /// The error of `new_solver`.
-    pub(crate) fn body(&self, new_solver: NewSolver) -> Result<(Surface, Solver), Box<dyn Error>> {
+    pub(crate) fn body(
+        &self,
+        new_solver: impl FnOnce(&mut Surface, &Material) -> Result<Solver, ConstraintError>,
+    ) -> Result<(Surface, Solver), Box<dyn Error>> {
         let mut surface = self.surface()?;
         let mut solver = new_solver(&mut surface, &motion::material())?;
         motion::start(&mut solver, &surface)?;

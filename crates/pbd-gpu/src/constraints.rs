@@ -16,6 +16,7 @@ pub(crate) mod volumes;
 
 use crate::error::ConstraintError;
 use crate::material::Material;
+use crate::patches::content::PatchContents;
 use crate::patches::{PatchParams, Patches};
 use attachments::LongRangeAttachments;
 use batches::{BendingSet, ConstraintSet, StretchSet};
@@ -40,6 +41,8 @@ pub(crate) struct Constraints {
     pub(crate) edges: EdgeTable,
     /// Patches, which assign constraints to layers; `None` for one layer.
     pub(crate) patches: Option<Patches>,
+    /// Constraints by patch, see [`Self::update_patch_contents`].
+    pub(crate) patch_contents: PatchContents,
 }
 
 impl Constraints {
@@ -88,6 +91,7 @@ impl Constraints {
             attachments: LongRangeAttachments::default(),
             edges,
             patches,
+            patch_contents: PatchContents::default(),
         })
     }
 
@@ -97,6 +101,14 @@ impl Constraints {
             self.volumes.update(surface);
         } else {
             self.volumes.clear();
+        }
+    }
+
+    /// Copies the constraints of patches that have changed since the last call.
+    pub(crate) fn update_patch_contents(&mut self) {
+        if let Some(patches) = &self.patches {
+            let bending = self.bending.as_ref();
+            (self.patch_contents).update(patches, &self.stretch, bending);
         }
     }
 
@@ -135,5 +147,6 @@ impl Constraints {
             + self.volumes.capacity()
             + self.contacts.capacity()
             + self.attachments.capacity()
+            + self.patch_contents.capacity()
     }
 }

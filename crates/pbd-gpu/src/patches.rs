@@ -1,13 +1,12 @@
-//! Patches: parts of a body that fit in the memory of one workgroup of a GPU.
+//! Patches: parts of a body that one thread, or one workgroup of a GPU, steps on its own.
 //!
-//! Patches of one patching share no vertex, so a workgroup can project the constraints within a
-//! patch without synchronization. The first patching divides the whole body. The second consists of
-//! strips along the borders of the first, the third of islands along the borders of the second.
-//! Constraints within no patch are few; they are projected by color over the whole body first. The
-//! order is fixed by the topology, so all backends agree.
+//! Patches of one patching share no vertex, so the constraints within a patch are projected without
+//! synchronization, in the cache of a core or the memory of a workgroup. The first patching divides
+//! the whole body. The second consists of strips along the borders of the first, the third of
+//! islands along the borders of the second. Constraints within no patch are few; they are projected
+//! by color over the whole body first. The order is fixed by the topology, so all backends agree.
 
-#[cfg(any(test, feature = "gpu"))]
-mod content;
+pub(crate) mod content;
 mod cover;
 mod divide;
 mod patching;
@@ -17,8 +16,6 @@ mod tests;
 use crate::constraints::coloring::LAYERS;
 use crate::constraints::edges::{EdgeId, EdgeTable};
 use crate::error::ConstraintError;
-#[cfg(any(test, feature = "gpu"))]
-use crate::follow::changes::Log;
 use cover::{Stencil, cover};
 use divide::divide;
 use incise_mesh::{Surface, Topology, TopologyDelta, VertexId};
@@ -26,6 +23,9 @@ pub(crate) use patching::Patching;
 
 /// Maximum number of vertices of a patch, limited by the memory of a workgroup.
 pub const PATCH_VERTICES: u32 = 256;
+
+/// Minimum number of vertices of a body that is divided by default.
+const MIN_DIVIDED: usize = 4096;
 
 /// Parameters of the division of a body into patches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,6 +46,14 @@ impl Default for PatchParams {
 }
 
 impl PatchParams {
+    /// Returns the default parameters for a body from 4,096 vertices, and `None` for a smaller one.
+    ///
+    /// Smaller bodies fit in a cache, and patches would only split up their colors.
+    #[must_use]
+    pub fn for_body(vertices: usize) -> Option<Self> {
+        (vertices >= MIN_DIVIDED).then(Self::default)
+    }
+
     /// Checks both parameters.
     ///
     /// # Errors
@@ -83,12 +91,19 @@ impl Patches {
             patchings: std::array::from_fn(|_| Patching::new(params.vertices)),
             new_size: (params.vertices - params.room) as usize,
         };
-        patches.resize_vertices(surface.topology().vertex_slots());
-        let mut vertices: Vec<VertexId> = surface.topology().vertices().collect();
-        patches.divide(surface, &mut vertices);
         let topology = surface.topology();
+        patches.resize_vertices(topology.vertex_slots());
+        let mut vertices: Vec<VertexId> = topology.vertices().collect();
+        let position = |v: VertexId| surface.rest_positions()[v.index()];
+        let [first, _, _] = &mut patches.patchings;
+        divide(&mut vertices, patches.new_size, &position, &mut |part| {
+            let patch = first.add_patch();
+            for &v in part {
+                first.insert(v, patch);
+            }
+        });
         let all = topology.edges().filter_map(|h| edges.of(h));
-        patches.cover_borders(all, topology, edges, bends);
+        patches.add_vertices(topology, all, edges, bends);
         patches
     }
 
@@ -106,20 +121,19 @@ impl Patches {
             .map_or(0, |i| i + 1)
     }
 
-    /// Logs the patch of an added or removed constraint of `layer`.
+    /// Returns the patchings with their layers.
+    pub(crate) fn layers(&self) -> impl Iterator<Item = (usize, &Patching)> {
+        (1..).zip(&self.patchings)
+    }
+
+    /// Records that a patch gained or lost a constraint of `layer`.
     pub(crate) fn mark_changed(&mut self, layer: usize, vertices: &[VertexId]) {
         let patching = layer.checked_sub(1).map(|i| &mut self.patchings[i]);
         if let (Some(patching), Some(&v)) = (patching, vertices.first())
             && let Some(patch) = patching.patch_of(v)
         {
-            patching.log.record(patch);
+            patching.mark_changed(patch);
         }
-    }
-
-    /// Returns the logs of changed patches.
-    #[cfg(any(test, feature = "gpu"))]
-    pub(crate) fn logs(&mut self) -> impl Iterator<Item = &mut Log<u32>> {
-        self.patchings.iter_mut().map(|patching| &mut patching.log)
     }
 
     /// Removes vertices without triangles. Their constraints must already be removed.
@@ -135,104 +149,22 @@ impl Patches {
 
     /// Adds the new vertices of an edit, before their constraints.
     ///
-    /// A vertex is added to the patch of a neighbor or parent with room. The others are divided
-    /// into new patches. `changed` are the edges of changed triangles.
+    /// `changed` are the edges of changed triangles. A vertex without a patch joins one of its
+    /// neighbors, or a new one. Each patching is extended along the borders of the one before.
     pub(crate) fn add_vertices(
         &mut self,
-        surface: &Surface,
-        delta: &TopologyDelta,
+        topology: &Topology,
         changed: impl Iterator<Item = EdgeId>,
         edges: &EdgeTable,
         bends: bool,
     ) {
-        let topology = surface.topology();
-        let mut unplaced = Vec::new();
-        for added in &delta.vertices_added {
-            let parents = added.origin.weights().map(|(v, _)| v);
-            self.place(surface, added.vertex, &parents, &mut unplaced);
-        }
-        // An existing vertex without triangles may get some.
-        for &t in &delta.triangles_added {
-            for v in topology.triangle(t) {
-                self.place(surface, v, &[v], &mut unplaced);
-            }
-        }
-        unplaced.sort_unstable();
-        unplaced.dedup();
-        // Some have been placed since.
-        unplaced.retain(|&v| self.patchings[0].patch_of(v).is_none());
-        self.place_in_new(surface, unplaced);
-        self.cover_borders(changed, topology, edges, bends);
-    }
-
-    /// Adds a vertex to the patch of a neighbor or parent with room, or to `unplaced`.
-    fn place(
-        &mut self,
-        surface: &Surface,
-        v: VertexId,
-        parents: &[VertexId],
-        unplaced: &mut Vec<VertexId>,
-    ) {
-        let topology = surface.topology();
-        let patching = &mut self.patchings[0];
-        if topology.outgoing(v).is_null() || patching.patch_of(v).is_some() {
-            return;
-        }
-        let neighbors = topology
-            .outgoing_fan(v)
-            .filter_map(|h| patching.patch_of(topology.target(h)));
-        let parents = parents.iter().filter_map(|&v| patching.last_patch(v));
-        let mut candidates = neighbors
-            .chain(parents)
-            .filter(|&patch| patching.room(patch) > 0);
-        match candidates.next() {
-            Some(patch) => patching.insert(v, patch),
-            None => unplaced.push(v),
-        }
-    }
-
-    /// Adds vertices to the newest patch, or divides them into new ones.
-    fn place_in_new(&mut self, surface: &Surface, mut unplaced: Vec<VertexId>) {
-        let patching = &mut self.patchings[0];
-        match patching.newest() {
-            Some(newest) if patching.room(newest) >= unplaced.len() => {
-                for v in unplaced {
-                    patching.insert(v, newest);
-                }
-            }
-            _ => self.divide(surface, &mut unplaced),
-        }
-    }
-
-    fn divide(&mut self, surface: &Surface, vertices: &mut [VertexId]) {
-        let patching = &mut self.patchings[0];
-        let at = |v: VertexId| surface.rest_positions()[v.index()];
-        divide(vertices, self.new_size, &at, &mut |part| {
-            let patch = patching.add_patch();
-            for &v in part {
-                patching.insert(v, patch);
-            }
-        });
-    }
-
-    /// Extends each patching along the borders of the one before, near the given edges.
-    fn cover_borders(
-        &mut self,
-        near: impl Iterator<Item = EdgeId>,
-        topology: &Topology,
-        edges: &EdgeTable,
-        bends: bool,
-    ) {
-        let mut stencils: Vec<Stencil> = near
+        let mut stencils: Vec<Stencil> = changed
             .filter_map(|edge| edges.stencil(edge, topology, bends))
             .collect();
-        let [mut before, others @ ..] = self.patchings.each_mut();
-        for patching in others {
-            stencils.retain(|stencil| before.shared(stencil).is_none());
-            // Adjacent patches have adjacent numbers.
-            stencils.sort_by_key(|stencil| before.patch_of(stencil[0]));
-            cover(patching, &stencils, self.new_size);
-            before = patching;
+        let neighbors = |v: VertexId| topology.outgoing_fan(v).map(|h| topology.target(h));
+        for patching in &mut self.patchings {
+            cover(patching, &stencils, self.new_size, neighbors);
+            stencils.retain(|stencil| patching.shared(stencil).is_none());
         }
     }
 

@@ -42,37 +42,31 @@ pub struct Solver {
 impl Solver {
     /// Creates the constraints of a surface at rest and sets its inverse masses.
     ///
+    /// A large body is divided into patches by [`PatchParams::for_body`].
+    ///
     /// # Errors
     /// [`ConstraintError`] if the material has a number out of range, a position is not finite, an
     /// edge has no rest length, or there is no area or volume for the mass. The surface is
     /// unchanged then.
     pub fn new(surface: &mut Surface, material: &Material) -> Result<Self, ConstraintError> {
-        Self::build(surface, material, None)
+        let patches = PatchParams::for_body(surface.topology().vertex_count());
+        Self::with_patches(surface, material, patches.as_ref())
     }
 
-    /// Creates a solver whose body is divided into patches for the GPU.
+    /// Creates a solver whose body is divided into given patches, or undivided.
     ///
     /// The colors of constraints get layers ([`LAYERS`](crate::LAYERS)) by the patches of their
-    /// vertices, so that a workgroup can project a patch in its own memory. The order of
-    /// projections differs from that of [`Solver::new`]. Patches follow edits. The CPU gains
-    /// nothing by them.
+    /// vertices, so that a thread or a workgroup projects a patch in its own memory. The order of
+    /// projections depends on the patches and not on the machine. Patches follow edits.
     ///
     /// # Errors
     /// As [`Solver::new`], and [`ConstraintError::BadPatches`].
     pub fn with_patches(
         surface: &mut Surface,
         material: &Material,
-        params: &PatchParams,
-    ) -> Result<Self, ConstraintError> {
-        params.check()?;
-        Self::build(surface, material, Some(params))
-    }
-
-    fn build(
-        surface: &mut Surface,
-        material: &Material,
         patches: Option<&PatchParams>,
     ) -> Result<Self, ConstraintError> {
+        patches.map_or(Ok(()), PatchParams::check)?;
         material.check()?;
         for v in surface.topology().vertices() {
             let p = surface.positions()[v.index()];
@@ -149,6 +143,7 @@ impl Solver {
         }
         let constants = self.prepare(dt, params)?;
         let orders = both_orders(&self.material, &constants, params);
+        self.constraints.update_patch_contents();
         let mut body = Body::new(&mut self.particles, &mut self.constraints, surface);
         let StepState { plan, history, .. } = &mut self.step;
         let done = match params.integrator {

@@ -1,17 +1,22 @@
 //! Bit-identical results on any number of threads, and no allocation while stepping.
 
-use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness, Volume};
+use incise_pbd_gpu::{Material, PatchParams, Solver, SolverParams, Stiffness, Volume};
 use incise_test_support::surfaces::sphere;
 use std::num::NonZeroUsize;
 
-fn run(pool: usize, threads: Option<usize>, material: &Material) -> Vec<[u32; 4]> {
+fn run(
+    pool: usize,
+    threads: Option<usize>,
+    material: &Material,
+    patches: Option<&PatchParams>,
+) -> Vec<[u32; 4]> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(pool)
         .build()
         .unwrap();
     pool.install(|| {
         let mut surface = sphere(5, [0.0, 1.01, 0.0]);
-        let mut solver = Solver::new(&mut surface, material).unwrap();
+        let mut solver = Solver::with_patches(&mut surface, material, patches).unwrap();
         let params = SolverParams {
             ground: Some(0.0),
             threads: threads.and_then(NonZeroUsize::new),
@@ -36,14 +41,20 @@ fn any_number_of_threads_gives_the_same_bits() {
         bending: Some(Stiffness::Compliance(1e-3)),
         ..Material::default()
     };
-    for material in [incompressible, compliant] {
-        let one = run(1, None, &material);
+    let divided = PatchParams::default();
+    for (material, patches) in [
+        (incompressible, None),
+        (incompressible, Some(&divided)),
+        (compliant, None),
+        (compliant, Some(&divided)),
+    ] {
+        let one = run(1, None, &material, patches);
         for pool in [2, 3, 5, 8, 64] {
-            let many = run(pool, None, &material);
+            let many = run(pool, None, &material, patches);
             assert!(one == many, "{pool} threads differ from one");
         }
         for limit in [1, 2, 3] {
-            let limited = run(4, Some(limit), &material);
+            let limited = run(4, Some(limit), &material, patches);
             assert!(one == limited, "a limit of {limit} threads differs");
         }
     }
@@ -52,7 +63,18 @@ fn any_number_of_threads_gives_the_same_bits() {
 #[test]
 fn a_step_does_not_allocate() {
     let stiffnesses = [Stiffness::Pbd(1.0), Stiffness::Compliance(1e-6)];
-    for (stiffness, residual) in stiffnesses.into_iter().zip([None, Some(1e-4)]) {
+    let patches = [
+        None,
+        Some(PatchParams {
+            vertices: 64,
+            room: 8,
+        }),
+    ];
+    let residuals = [None, Some(1e-4)];
+    for (stiffness, (residual, patches)) in stiffnesses
+        .into_iter()
+        .zip(residuals.into_iter().zip(patches))
+    {
         let mut surface = sphere(3, [0.0, 1.2, 0.0]);
         let material = Material {
             stretch: stiffness,
@@ -60,7 +82,7 @@ fn a_step_does_not_allocate() {
             volume: Some(Volume::default()),
             ..Material::default()
         };
-        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        let mut solver = Solver::with_patches(&mut surface, &material, patches.as_ref()).unwrap();
         let params = SolverParams {
             ground: Some(0.0),
             residual,

@@ -292,12 +292,9 @@ fn sent(gpu: &mut GpuBackend, mut surface: Surface, schedule: Schedule) -> Sent 
         ..SolverParams::paper()
     };
     let material = Material::default();
-    let mut solver = if schedule == Schedule::Patches {
-        Solver::with_patches(&mut surface, &material, &PatchParams::default())
-    } else {
-        Solver::new(&mut surface, &material)
-    }
-    .expect("a valid sphere");
+    let patches = (schedule == Schedule::Patches).then(PatchParams::default);
+    let mut solver =
+        Solver::with_patches(&mut surface, &material, patches.as_ref()).expect("a valid sphere");
     gpu.force_schedule(Some(schedule));
     let body = gpu.add(&surface, &mut solver).expect("room");
     let mut dice = Random::new(3);

@@ -46,7 +46,7 @@ fn solver(surface: &mut Surface, density: Density, patched: bool) -> Solver {
             vertices: 24,
             room: 8,
         };
-        Solver::with_patches(surface, &material, &params).unwrap()
+        Solver::with_patches(surface, &material, Some(&params)).unwrap()
     } else {
         Solver::new(surface, &material).unwrap()
     }

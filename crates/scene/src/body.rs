@@ -66,10 +66,7 @@ impl Body {
         material: &Material,
         patches: Option<&PatchParams>,
     ) -> Result<Self, ConstraintError> {
-        let mut solver = match patches {
-            Some(patches) => Solver::with_patches(&mut surface, material, patches)?,
-            None => Solver::new(&mut surface, material)?,
-        };
+        let mut solver = Solver::with_patches(&mut surface, material, patches)?;
         let cutter = Cutter::new(&surface);
         let mut spring_search = InteriorSpringSearch::default();
         spring_search.fill(&surface, &mut solver, cutter.bvh())?;

@@ -100,6 +100,8 @@ impl Scene {
 
     /// Adds a body at rest.
     ///
+    /// A large body is divided into patches by [`PatchParams::for_body`].
+    ///
     /// # Errors
     /// [`SceneError::Constraint`] when the surface or the material cannot be simulated;
     /// [`SceneError`] of the GPU when it has no memory for the body. The scene is unchanged then.
@@ -108,12 +110,11 @@ impl Scene {
         surface: Surface,
         material: &Material,
     ) -> Result<BodyId, SceneError> {
-        self.insert(Body::new(surface, material, None)?)
+        let patches = PatchParams::for_body(surface.topology().vertex_count());
+        self.add_body_with_patches(surface, material, patches.as_ref())
     }
 
-    /// Adds a body divided into patches, see [`incise_pbd_gpu::Solver::with_patches`].
-    ///
-    /// Patches serve large bodies on a GPU.
+    /// Adds a body divided into given patches, see [`incise_pbd_gpu::Solver::with_patches`].
     ///
     /// # Errors
     /// As [`Scene::add_body`]; [`SceneError::Constraint`] also for patch parameters out of range.
@@ -121,9 +122,9 @@ impl Scene {
         &mut self,
         surface: Surface,
         material: &Material,
-        patches: &PatchParams,
+        patches: Option<&PatchParams>,
     ) -> Result<BodyId, SceneError> {
-        self.insert(Body::new(surface, material, Some(patches))?)
+        self.insert(Body::new(surface, material, patches)?)
     }
 
     fn insert(&mut self, body: Body) -> Result<BodyId, SceneError> {

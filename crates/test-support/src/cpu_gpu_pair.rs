@@ -58,16 +58,12 @@ pub fn with_attachments() -> (Material, SolverParams) {
 /// If the surface is invalid.
 #[must_use]
 pub fn solver_for(surface: &mut Surface, material: &Material, schedule: Schedule) -> Solver {
-    let solver = if schedule == Schedule::Patches {
-        let patches = PatchParams {
-            vertices: 24,
-            room: 4,
-        };
-        Solver::with_patches(surface, material, &patches)
-    } else {
-        Solver::new(surface, material)
-    };
-    let mut solver = solver.expect("a valid body");
+    let patches = (schedule == Schedule::Patches).then_some(PatchParams {
+        vertices: 24,
+        room: 4,
+    });
+    let mut solver =
+        Solver::with_patches(surface, material, patches.as_ref()).expect("a valid body");
     if material.interior_springs.is_some() {
         // Random pairs, about 3 per vertex, some of them adjacent.
         let all: Vec<_> = surface.topology().vertices().collect();

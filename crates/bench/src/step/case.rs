@@ -56,12 +56,15 @@ impl<'a> Case<'a> {
         (0..self.setup.bodies).map(body).collect()
     }
 
-    /// Returns the bodies at their start, divided into patches.
+    /// Returns the bodies at their start, divided into patches or undivided.
     #[cfg(feature = "gpu")]
-    pub(super) fn patched_bodies(&self) -> Result<Vec<(Surface, Solver)>, Box<dyn Error>> {
-        let body = self.workload.body(|surface, material| {
-            Solver::with_patches(surface, material, &PatchParams::default())
-        })?;
+    pub(super) fn divided_bodies(
+        &self,
+        patches: Option<&PatchParams>,
+    ) -> Result<Vec<(Surface, Solver)>, Box<dyn Error>> {
+        let body = self
+            .workload
+            .body(|surface, material| Solver::with_patches(surface, material, patches))?;
         Ok((0..self.setup.bodies).map(|_| body.clone()).collect())
     }
 

@@ -5,8 +5,8 @@ use super::case::{Case, DT, Origin};
 use super::row::{Measured, Row};
 use crate::clock;
 use incise_pbd_gpu::{
-    AdapterKind, AdapterRequest, AdapterSummary, GpuBackend, GpuBody, GpuError, Schedule,
-    SolverParams,
+    AdapterKind, AdapterRequest, AdapterSummary, GpuBackend, GpuBody, GpuError, PatchParams,
+    Schedule, SolverParams,
 };
 use std::error::Error;
 
@@ -154,8 +154,9 @@ impl Device {
             ScheduleChoice::Colors => Schedule::Colors,
             ScheduleChoice::Patches => Schedule::Patches,
         };
-        if forced == Schedule::Patches {
-            bodies = case.patched_bodies()?;
+        if choice != ScheduleChoice::Auto {
+            let patches = (forced == Schedule::Patches).then(PatchParams::default);
+            bodies = case.divided_bodies(patches.as_ref())?;
         }
         gpu.force_schedule(Some(forced));
         for (surface, solver) in &mut bodies {

@@ -52,15 +52,6 @@ impl<const N: usize> Batch<N> {
         &self.rest
     }
 
-    /// Returns the XPBD multipliers after the last substep on the CPU, shape \[constraints\].
-    ///
-    /// A multiplier is the force \[N\] or torque [N m] times `h^2`, positive for edges that are too
-    /// short. It is outdated, or missing, if the last step did not accumulate multipliers.
-    #[must_use]
-    pub fn multipliers(&self) -> &[f32] {
-        &self.lambda
-    }
-
     /// Returns the number of constraints.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -239,6 +230,12 @@ impl<const N: usize> ConstraintSet<N> {
     #[must_use]
     pub fn batches(&self) -> &[Batch<N>] {
         &self.batches
+    }
+
+    /// Returns the batches of a layer.
+    pub(crate) fn layer(&self, layer: usize) -> &[Batch<N>] {
+        let [start, end] = [layer, layer + 1].map(|l| self.batches.len().min(l * MAX_COLORS));
+        &self.batches[start..end]
     }
 
     /// Returns the constraints without a color, which are projected serially at the end of layer 0.

@@ -11,6 +11,7 @@ use super::runs::Runs;
 use super::stats::Schedule;
 use super::upload::{Target, Uploads};
 use super::volumes::DeviceVolumes;
+use crate::constraints::Constraints;
 use crate::constraints::batches::{BatchId, OVERFLOW};
 use crate::constraints::coloring::MAX_COLORS;
 use crate::follow::changes::Changes;
@@ -242,15 +243,17 @@ impl DeviceBody {
                 &changes.interior_springs,
             )?;
         }
-        if let Some(patches) = &solver.constraints().patches
+        let Constraints {
+            patches,
+            patch_contents,
+            ..
+        } = solver.constraints();
+        if let Some(patches) = patches
             && self.schedule == Schedule::Patches
         {
-            for (i, blocks) in self.patches.iter_mut().enumerate() {
-                if let Some(patching) = patches.of_layer(i + 1) {
-                    let layer = (i + 1, patching);
-                    let changed = &changes.patches[i];
-                    moved |= blocks.update(context, entries, uploads, host, layer, changed)?;
-                }
+            for ((layer, patching), blocks) in patches.layers().zip(&mut self.patches) {
+                let contents = patch_contents.of_layer(layer);
+                moved |= blocks.update(context, entries, uploads, patching, contents)?;
             }
         }
         let mut counts = self.volumes.update(context, entries, uploads, host)?;

@@ -1,27 +1,31 @@
 //! GPU storage of one layer of patches: a block of entries per patch.
 
 use super::arena::{Arena, with_slack};
-use super::body::Host;
 use super::context::Context;
 use super::error::GpuError;
 use super::layout::Entry;
 use super::records::{entries_of, push_vertices};
 use super::upload::Uploads;
-use crate::constraints::batches::{ConstraintSet, Slot};
 use crate::patches::Patching;
-use incise_mesh::index_u32;
+use crate::patches::content::{PatchBatch, PatchContent};
+use incise_mesh::{VertexId, index_u32};
 use std::ops::Range;
+
+/// The block of a patch.
+#[derive(Debug, Default)]
+struct Block {
+    /// Allocated entries, slack included.
+    entries: Range<u32>,
+    /// Uploaded revision of the patch, 0 for none.
+    revision: u64,
+}
 
 /// Blocks by patch, and the table of their offsets.
 #[derive(Debug, Default)]
 pub(super) struct Blocks {
-    /// Allocated entries of every block, slack included.
-    blocks: Vec<Range<u32>>,
+    blocks: Vec<Block>,
     /// Allocated entries of the table, slack included.
     table: Range<u32>,
-    /// Scratch memory for the constraints of a patch.
-    stretch: Vec<Slot>,
-    bending: Vec<Slot>,
 }
 
 impl Blocks {
@@ -39,114 +43,114 @@ impl Blocks {
     pub(super) fn free(&mut self, arena: &mut Arena) {
         arena.free(std::mem::take(&mut self.table));
         for block in self.blocks.drain(..) {
-            arena.free(block);
+            arena.free(block.entries);
         }
     }
 
-    /// Uploads the changed patches of `layer`, or all patches the first time.
+    /// Uploads the patches of a layer that changed since the last call.
     ///
-    /// Returns true if there are more patches or the table moved.
+    /// Returns true if there are more patches or a block moved.
     pub(super) fn update(
         &mut self,
         context: &Context,
         arena: &mut Arena,
         uploads: &mut Uploads,
-        host: Host<'_>,
-        (layer, patching): (usize, &Patching),
-        changed: &[u32],
+        patching: &Patching,
+        contents: &[PatchContent],
     ) -> Result<bool, GpuError> {
-        let before = self.len();
-        let count = u32::try_from(patching.len()).unwrap_or(u32::MAX);
-        self.blocks.resize(patching.len(), 0..0);
-        let mut moved = count != before;
-        if self.table.end - self.table.start < count {
-            let (table, _) = arena.allocate(context, with_slack(patching.len()))?;
+        let mut moved = contents.len() != self.blocks.len();
+        self.blocks.resize_with(contents.len(), Block::default);
+        if self.table.len() < contents.len() {
+            let (table, _) = arena.allocate(context, with_slack(contents.len()))?;
             arena.free(std::mem::replace(&mut self.table, table));
             moved = true;
         }
-        let known = changed.iter().copied().filter(|&patch| patch < before);
-        for patch in known.chain(before..count) {
-            moved |= self.send(context, arena, uploads, host, (layer, patching), patch)?;
+        for ((patch, content), block) in (0..).zip(contents).zip(&mut self.blocks) {
+            if block.revision == content.revision {
+                continue;
+            }
+            let len = entry_count(patching.vertices(patch), content);
+            if block.entries.len() < len {
+                let (entries, _) = arena.allocate(context, with_slack(len))?;
+                arena.free(std::mem::replace(&mut block.entries, entries));
+                moved = true;
+            }
+            uploads.entries.clear();
+            let start = block.entries.start;
+            push_patch(&mut uploads.entries, start, patching, patch, content);
+            uploads.write(context, arena.buffer(0), u64::from(start) * 8);
+            block.revision = content.revision;
         }
         if moved {
             uploads.entries.clear();
-            let starts = self.blocks.iter().map(|block| [block.start, 0]);
+            let starts = self.blocks.iter().map(|block| [block.entries.start, 0]);
             uploads.entries.extend(starts);
             uploads.write(context, arena.buffer(0), u64::from(self.table.start) * 8);
         }
         Ok(moved)
     }
-
-    /// Uploads the block of a patch; returns true if the block moved.
-    fn send(
-        &mut self,
-        context: &Context,
-        arena: &mut Arena,
-        uploads: &mut Uploads,
-        host: Host<'_>,
-        (layer, patching): (usize, &Patching),
-        patch: u32,
-    ) -> Result<bool, GpuError> {
-        let (solver, surface) = (host.solver, host.surface);
-        let Self {
-            stretch, bending, ..
-        } = self;
-        solver
-            .constraints()
-            .of_patch(surface, layer, patch, stretch, bending);
-        let vertices = patching.vertices(patch);
-        let (stretch_colors, bending_colors) = (colors(stretch), colors(bending));
-        let constraints =
-            stretch.len() * entries_of::<2>() as usize + bending.len() * entries_of::<4>() as usize;
-        let first_constraint = 1 + vertices.len().div_ceil(2) + stretch_colors + bending_colors;
-        let len = first_constraint + constraints;
-        let block = &mut self.blocks[patch as usize];
-        let moved = ((block.end - block.start) as usize) < len;
-        if moved {
-            let (entries, _) = arena.allocate(context, with_slack(len))?;
-            arena.free(std::mem::replace(block, entries));
-        }
-        let mut run = block.start + index_u32(first_constraint);
-        let entries = &mut uploads.entries;
-        entries.clear();
-        let both = stretch_colors | bending_colors << 16;
-        entries.push([index_u32(vertices.len()), index_u32(both)]);
-        let pairs = vertices.chunks(2);
-        entries.extend(pairs.map(|pair| [pair[0].0, pair.get(1).map_or(0, |v| v.0)]));
-        push_runs::<2>(entries, stretch, &mut run);
-        push_runs::<4>(entries, bending, &mut run);
-        push_constraints(entries, stretch, solver.stretch(), patching);
-        if let Some(set) = solver.bending() {
-            push_constraints(entries, bending, set, patching);
-        }
-        uploads.write(context, arena.buffer(0), u64::from(block.start) * 8);
-        Ok(moved)
-    }
 }
 
-/// Returns the number of colors of ascending slots.
-fn colors(slots: &[Slot]) -> usize {
-    slots.chunk_by(|a, b| a.color == b.color).count()
+/// Returns the number of entries before the first constraint.
+fn header_len(
+    vertices: &[VertexId],
+    PatchContent {
+        stretch, bending, ..
+    }: &PatchContent,
+) -> usize {
+    1 + vertices.len().div_ceil(2) + stretch.color_ends.len() + bending.color_ends.len()
 }
 
-/// Appends one run per color; `run` advances from the first constraint to that of the next kind.
-fn push_runs<const N: usize>(entries: &mut Vec<Entry>, slots: &[Slot], run: &mut u32) {
-    for color in slots.chunk_by(|a, b| a.color == b.color) {
-        entries.push([*run, index_u32(color.len())]);
-        *run += index_u32(color.len()) * entries_of::<N>();
+/// Returns the number of entries of a block.
+fn entry_count(vertices: &[VertexId], content: &PatchContent) -> usize {
+    let stretch = content.stretch.len() * entries_of::<2>() as usize;
+    let bending = content.bending.len() * entries_of::<4>() as usize;
+    header_len(vertices, content) + stretch + bending
+}
+
+/// Appends the entries of a block that starts at entry `start`.
+fn push_patch(
+    entries: &mut Vec<Entry>,
+    start: u32,
+    patching: &Patching,
+    patch: u32,
+    content: &PatchContent,
+) {
+    let PatchContent {
+        stretch, bending, ..
+    } = content;
+    let vertices = patching.vertices(patch);
+    let both = stretch.color_ends.len() | bending.color_ends.len() << 16;
+    entries.push([index_u32(vertices.len()), index_u32(both)]);
+    let pairs = vertices.chunks(2);
+    entries.extend(pairs.map(|pair| [pair[0].0, pair.get(1).map_or(0, |v| v.0)]));
+    let first_constraint = start + index_u32(header_len(vertices, content));
+    let first_bending = push_runs(entries, stretch, first_constraint);
+    push_runs(entries, bending, first_bending);
+    push_constraints(entries, stretch, patching);
+    push_constraints(entries, bending, patching);
+}
+
+/// Appends one run per color; returns the first entry after the constraints.
+fn push_runs<const N: usize>(entries: &mut Vec<Entry>, batch: &PatchBatch<N>, first: u32) -> u32 {
+    let (mut run, mut start) = (first, 0);
+    for &end in &batch.color_ends {
+        let len = index_u32(end - start);
+        entries.push([run, len]);
+        run += len * entries_of::<N>();
+        start = end;
     }
+    run
 }
 
 /// Appends constraints with patch-local vertex indices.
 fn push_constraints<const N: usize>(
     entries: &mut Vec<Entry>,
-    slots: &[Slot],
-    set: &ConstraintSet<N>,
+    batch: &PatchBatch<N>,
     patching: &Patching,
 ) {
-    for &slot in slots {
-        let (vertices, rest) = set.at(slot);
-        let place = |v| patching.place(v).map_or(0, |place| place.local);
+    let place = |v| patching.place(v).map_or(0, |place| place.local);
+    for (vertices, &rest) in batch.vertices.iter().zip(&batch.rest) {
         push_vertices(entries, vertices.map(place), rest);
     }
 }

@@ -11,8 +11,8 @@ pub enum Schedule {
     Colors,
     /// One dispatch per patch layer, with the vertices of a patch in workgroup memory.
     ///
-    /// Constraints between patches are stepped as in [`Schedule::Colors`]. Requires a solver from
-    /// [`Solver::with_patches`](crate::Solver::with_patches).
+    /// Constraints between patches are stepped as in [`Schedule::Colors`]. Requires a divided body,
+    /// see [`Solver::with_patches`](crate::Solver::with_patches).
     Patches,
 }
 

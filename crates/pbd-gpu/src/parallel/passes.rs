@@ -5,8 +5,9 @@ use crate::constraints::batches::Part;
 use crate::kernels::block::dispatch;
 use crate::kernels::particle_state::ParticleStates;
 use crate::kernels::volume::{CHUNK, VolumeGradients};
+use crate::patches::content::PatchContent;
 use crate::step::constants::Projection;
-use crate::step::sweep::{Kernel, Sweep};
+use crate::step::sweep::{Kernel, PatchSweep, Sweep};
 use pulp::Arch;
 
 /// Minimum number of elements of a pass for several threads.
@@ -52,6 +53,33 @@ pub(crate) fn sweep_color<K: Kernel<N>, const N: usize>(
         let start = chunk * size;
         let part = part.slice(start..count.min(start + size));
         dispatch(arch, Sweep::<K, N>::blocks(particles, part, projection));
+    });
+}
+
+/// Projects the constraints of all patches of a layer.
+pub(crate) fn sweep_patches(
+    leader: &mut Leader<'_>,
+    arch: Arch,
+    particles: ParticleStates<'_>,
+    patches: &mut [PatchContent],
+    (stretch, bending): (Projection, Projection),
+) {
+    let count = patches.len();
+    // The patches of a layer share no vertex and no constraint.
+    let shared = Shared((particles, patches.as_mut_ptr()));
+    leader.run(count, &|i| {
+        let (particles, patches) = *shared.get();
+        // SAFETY: `i` is less than the length of the slice, and every chunk runs once.
+        let patch = unsafe { &mut *patches.add(i) };
+        dispatch(
+            arch,
+            PatchSweep {
+                particles,
+                patch,
+                stretch,
+                bending,
+            },
+        );
     });
 }
 

@@ -8,8 +8,15 @@ pub(crate) type Stencil = [VertexId; 4];
 
 /// Adds every vertex of `stencils` to a patch, those of one stencil to the same one if possible.
 ///
-/// Vertices join an existing patch with room first. The others get new patches of `max` vertices.
-pub(crate) fn cover(patching: &mut Patching, stencils: &[Stencil], max: usize) {
+/// Vertices join an existing patch with room first. The others get new patches of `max` vertices,
+/// connected by `neighbors`.
+pub(crate) fn cover<I: Iterator<Item = VertexId>>(
+    patching: &mut Patching,
+    stencils: &[Stencil],
+    max: usize,
+    neighbors: impl Fn(VertexId) -> I,
+) {
+    let mut waiting = Vec::new();
     for stencil in stencils {
         for &v in stencil {
             if patching.patch_of(v).is_none() {
@@ -17,20 +24,40 @@ pub(crate) fn cover(patching: &mut Patching, stencils: &[Stencil], max: usize) {
                 let mut patches = patches.filter(|&patch| patching.room(patch) > 0);
                 if let Some(patch) = patches.next() {
                     patching.insert(v, patch);
+                } else if !patching.is_waiting(v) {
+                    patching.set_waiting(v, true);
+                    waiting.push(v);
                 }
             }
         }
     }
-    let mut growth = Growth::new(patching, stencils);
-    growth.place_components(patching, max);
-    growth.grow(patching, max);
+    // Some have joined a patch since.
+    waiting.retain(|&v| patching.is_waiting(v));
+    // A few vertices share the newest patch.
+    let newest = patching.newest().map(|patch| (patch, patching.room(patch)));
+    let with_room = newest.filter(|&(_, room)| room >= waiting.len());
+    let (patch, left) = with_room.unwrap_or((0, 0));
+    let mut growth = Growth {
+        patching,
+        neighbors,
+        max,
+        queue: Vec::new(),
+        patch,
+        left,
+    };
+    for v in waiting {
+        if growth.patching.is_waiting(v) {
+            growth.place_component(v);
+        }
+    }
 }
 
-/// Breadth-first growth of patches over vertices without a patch.
-struct Growth<'a> {
-    stencils: &'a [Stencil],
-    /// Pairs of vertex and stencil, ascending.
-    stencils_of: Vec<(VertexId, u32)>,
+/// Breadth-first growth of patches over waiting vertices.
+struct Growth<'a, F> {
+    patching: &'a mut Patching,
+    neighbors: F,
+    /// Number of vertices of a new patch.
+    max: usize,
     /// Breadth-first queue of vertices.
     queue: Vec<VertexId>,
     /// The growing patch.
@@ -39,120 +66,80 @@ struct Growth<'a> {
     left: usize,
 }
 
-impl<'a> Growth<'a> {
-    fn new(patching: &Patching, stencils: &'a [Stencil]) -> Self {
-        let mut stencils_of = Vec::new();
-        for (i, stencil) in (0..).zip(stencils) {
-            for &v in stencil {
-                if patching.patch_of(v).is_none() {
-                    stencils_of.push((v, i));
+impl<I: Iterator<Item = VertexId>, F: Fn(VertexId) -> I> Growth<'_, F> {
+    /// Adds a connected component of waiting vertices to a patch as a whole, or to several.
+    fn place_component(&mut self, seed: VertexId) {
+        self.queue.clear();
+        self.queue.push(seed);
+        self.patching.set_waiting(seed, false);
+        let mut next = 0;
+        while let Some(&v) = self.queue.get(next) {
+            next += 1;
+            for w in (self.neighbors)(v) {
+                if self.patching.is_waiting(w) {
+                    self.patching.set_waiting(w, false);
+                    self.queue.push(w);
                 }
             }
         }
-        stencils_of.sort_unstable();
-        stencils_of.dedup();
-        // A few vertices share the newest patch.
-        let waiting = stencils_of.chunk_by(|a, b| a.0 == b.0).count();
-        let newest = patching.newest().map(|patch| (patch, patching.room(patch)));
-        let with_room = newest.filter(|&(_, room)| room >= waiting);
-        let (patch, left) = with_room.unwrap_or((0, 0));
-        Self {
-            stencils,
-            stencils_of,
-            queue: Vec::new(),
-            patch,
-            left,
+        let component = std::mem::take(&mut self.queue);
+        if component.len() <= self.max {
+            if component.len() > self.left {
+                self.start_patch();
+            }
+            self.left -= component.len();
+            for &v in &component {
+                self.patching.insert(v, self.patch);
+            }
+        } else {
+            for &v in &component {
+                self.patching.set_waiting(v, true);
+            }
+            for &v in &component {
+                self.grow(v);
+            }
         }
     }
 
-    /// Adds connected components of at most `max` vertices to patches as a whole.
-    fn place_components(&mut self, patching: &mut Patching, max: usize) {
-        let mut seen = vec![false; self.stencils_of.len()];
-        for start in 0..self.stencils_of.len() {
-            if seen[start]
-                || start > 0 && self.stencils_of[start - 1].0 == self.stencils_of[start].0
-            {
+    /// Grows patches over the waiting vertices around `seed`, until one is full.
+    fn grow(&mut self, seed: VertexId) {
+        self.queue.clear();
+        self.queue.push(seed);
+        let mut next = 0;
+        while let Some(&v) = self.queue.get(next) {
+            next += 1;
+            if !self.patching.is_waiting(v) {
                 continue;
             }
-            seen[start] = true;
-            self.queue.clear();
-            self.queue.push(self.stencils_of[start].0);
-            let mut next = 0;
-            while let Some(&v) = self.queue.get(next) {
-                next += 1;
-                let first = self.first(v);
-                for &(_, stencil) in self.stencils_of[first..]
-                    .iter()
-                    .take_while(|&&(w, _)| w == v)
-                {
-                    for &w in &self.stencils[stencil as usize] {
-                        let i = self.first(w);
-                        let is_unplaced = patching.patch_of(w).is_none();
-                        if is_unplaced && !std::mem::replace(&mut seen[i], true) {
-                            self.queue.push(w);
-                        }
-                    }
-                }
+            if self.left == 0 {
+                // The new patch starts at the border of the full one.
+                self.start_patch();
+                self.queue.clear();
+                next = 0;
             }
-            if self.queue.len() <= max {
-                if self.queue.len() > self.left {
-                    (self.patch, self.left) = (patching.add_patch(), max);
-                }
-                self.left -= self.queue.len();
-                for &v in &self.queue {
-                    patching.insert(v, self.patch);
-                }
-            }
+            self.patching.insert(v, self.patch);
+            self.left -= 1;
+            let waiting = (self.neighbors)(v).filter(|&w| self.patching.is_waiting(w));
+            self.queue.extend(waiting);
         }
     }
 
-    /// Grows patches of `max` vertices over the remaining vertices.
-    fn grow(&mut self, patching: &mut Patching, max: usize) {
-        let stencils = self.stencils;
-        for &seed in stencils.iter().flatten() {
-            self.queue.clear();
-            self.queue.push(seed);
-            let mut next = 0;
-            while let Some(&v) = self.queue.get(next) {
-                next += 1;
-                if patching.patch_of(v).is_some() {
-                    continue;
-                }
-                if self.left == 0 {
-                    // The new patch starts at the border of the full one.
-                    (self.patch, self.left) = (patching.add_patch(), max);
-                    self.queue.clear();
-                    next = 0;
-                }
-                patching.insert(v, self.patch);
-                self.left -= 1;
-                self.queue_neighbors(v, patching);
-            }
-        }
-    }
-
-    /// Queues the unplaced vertices that share a stencil with `v`.
-    fn queue_neighbors(&mut self, v: VertexId, patching: &Patching) {
-        let first = self.first(v);
-        for &(_, i) in self.stencils_of[first..]
-            .iter()
-            .take_while(|&&(w, _)| w == v)
-        {
-            let neighbors = self.stencils[i as usize].iter();
-            self.queue
-                .extend(neighbors.filter(|&&w| patching.patch_of(w).is_none()));
-        }
-    }
-
-    /// Returns the index of the first pair of `v`.
-    fn first(&self, v: VertexId) -> usize {
-        self.stencils_of.partition_point(|&(w, _)| w < v)
+    fn start_patch(&mut self) {
+        (self.patch, self.left) = (self.patching.add_patch(), self.max);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Returns the neighbors of a vertex of a path.
+    fn path(v: VertexId) -> impl Iterator<Item = VertexId> {
+        [v.0.wrapping_sub(1), v.0 + 1]
+            .into_iter()
+            .map(VertexId)
+            .filter(|w| w.0 < 101)
+    }
 
     fn pair(a: u32, b: u32) -> Stencil {
         [a, b, b, b].map(VertexId)
@@ -163,7 +150,7 @@ mod tests {
         let stencils: Vec<Stencil> = (0..100).map(|i| pair(i, i + 1)).collect();
         let mut patching = Patching::new(16);
         patching.resize_vertices(101);
-        cover(&mut patching, &stencils, 10);
+        cover(&mut patching, &stencils, 10, path);
         patching.check().unwrap();
         assert_eq!(patching.len(), 11);
         let cut = stencils
@@ -175,13 +162,18 @@ mod tests {
     #[test]
     fn new_vertices_join_their_neighbors_while_there_is_room() {
         let mut patching = Patching::new(4);
-        patching.resize_vertices(20);
-        cover(&mut patching, &[pair(0, 1), pair(1, 2)], 3);
+        patching.resize_vertices(101);
+        cover(&mut patching, &[pair(0, 1), pair(1, 2)], 3, path);
         assert_eq!(patching.len(), 1);
-        cover(&mut patching, &[pair(2, 7), pair(7, 8), pair(8, 9)], 3);
+        cover(
+            &mut patching,
+            &[pair(2, 7), pair(7, 8), pair(8, 9)],
+            3,
+            path,
+        );
         assert_eq!(patching.patch_of(VertexId(7)), Some(0), "the room of one");
         assert_eq!(patching.shared(&[8, 9].map(VertexId)), Some(1));
-        cover(&mut patching, &[pair(15, 16)], 3);
+        cover(&mut patching, &[pair(15, 16)], 3, path);
         assert_eq!(
             patching.shared(&[8, 15, 16].map(VertexId)),
             Some(1),
@@ -196,8 +188,8 @@ mod tests {
             .flat_map(|i| [pair(4 * i, 4 * i + 1), pair(4 * i + 1, 4 * i + 2)])
             .collect();
         let mut patching = Patching::new(8);
-        patching.resize_vertices(40);
-        cover(&mut patching, &stencils, 8);
+        patching.resize_vertices(101);
+        cover(&mut patching, &stencils, 8, path);
         patching.check().unwrap();
         assert!(
             stencils

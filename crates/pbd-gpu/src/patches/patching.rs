@@ -1,16 +1,19 @@
 //! Assignment of vertices to patches of bounded size.
 
-use crate::follow::changes::Log;
 use incise_mesh::VertexId;
 
+/// Neither patch nor index.
 const NOWHERE: u32 = u32::MAX;
+
+/// Index of a vertex that will be added to a patch.
+const WAITING: u32 = u32::MAX - 1;
 
 /// Patch and index of a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Place {
-    /// The patch. A removed vertex keeps it, for vertices that replace it.
+    /// The patch.
     pub(crate) patch: u32,
-    /// Index in the patch, [`NOWHERE`] for a removed vertex.
+    /// Index in the patch, or [`NOWHERE`] or [`WAITING`].
     pub(crate) local: u32,
 }
 
@@ -28,8 +31,8 @@ pub(crate) struct Patching {
     /// Patches that became empty; some may have been filled since.
     emptied: Vec<u32>,
     newest: Option<u32>,
-    /// Patches that gained or lost a vertex or a constraint.
-    pub(crate) log: Log<u32>,
+    /// Number of changes of every patch, shape \[patches\].
+    revisions: Vec<u64>,
 }
 
 impl Patching {
@@ -42,7 +45,7 @@ impl Patching {
             places: Vec::new(),
             emptied: Vec::new(),
             newest: None,
-            log: Log::default(),
+            revisions: Vec::new(),
         }
     }
 
@@ -69,7 +72,7 @@ impl Patching {
     /// Returns patch and index of a vertex, if it is in a patch.
     pub(crate) fn place(&self, v: VertexId) -> Option<Place> {
         let place = self.places[v.index()];
-        (place.local != NOWHERE).then_some(place)
+        (place.local < WAITING).then_some(place)
     }
 
     /// Returns the patch of a vertex, if it is in one.
@@ -77,10 +80,14 @@ impl Patching {
         self.place(v).map(|place| place.patch)
     }
 
-    /// Returns the patch of a vertex, or the one that it was removed from.
-    pub(crate) fn last_patch(&self, v: VertexId) -> Option<u32> {
-        let place = self.places[v.index()];
-        (place.patch != NOWHERE).then_some(place.patch)
+    /// Returns true if the vertex is marked by [`Self::set_waiting`].
+    pub(crate) fn is_waiting(&self, v: VertexId) -> bool {
+        self.places[v.index()].local == WAITING
+    }
+
+    /// Marks a vertex without a patch, until it is inserted into one.
+    pub(crate) fn set_waiting(&mut self, v: VertexId, is_waiting: bool) {
+        self.places[v.index()].local = if is_waiting { WAITING } else { NOWHERE };
     }
 
     /// Returns the patch that contains all `vertices`, if there is one.
@@ -109,11 +116,22 @@ impl Patching {
             let end = self.members.len() + self.capacity as usize;
             self.members.resize(end, VertexId::NULL);
             self.sizes.push(0);
+            self.revisions.push(0);
             VertexId::from_index(self.sizes.len() - 1).0
         });
         self.newest = Some(patch);
-        self.log.record(patch);
+        self.mark_changed(patch);
         patch
+    }
+
+    /// Records that a patch gained or lost a vertex or a constraint.
+    pub(crate) fn mark_changed(&mut self, patch: u32) {
+        self.revisions[patch as usize] += 1;
+    }
+
+    /// Returns the number of changes of a patch, at least 1.
+    pub(crate) fn revision(&self, patch: u32) -> u64 {
+        self.revisions[patch as usize]
     }
 
     /// Adds a vertex without a patch to a patch with room.
@@ -125,7 +143,7 @@ impl Patching {
             local: *size,
         };
         *size += 1;
-        self.log.record(patch);
+        self.mark_changed(patch);
     }
 
     /// Removes a vertex from its patch; the last one of the patch takes its index.
@@ -142,7 +160,7 @@ impl Patching {
         self.members[last] = VertexId::NULL;
         self.places[moved.index()].local = local;
         self.places[v.index()].local = NOWHERE;
-        self.log.record(patch);
+        self.mark_changed(patch);
         if self.sizes[patch as usize] == 0 {
             self.emptied.push(patch);
         }
@@ -188,10 +206,7 @@ mod tests {
         patching.remove(b);
         assert_eq!(patching.vertices(patch), [a, d, c]);
         assert_eq!(patching.place(d), Some(Place { patch, local: 1 }));
-        assert_eq!(
-            (patching.patch_of(b), patching.last_patch(b)),
-            (None, Some(patch))
-        );
+        assert_eq!(patching.patch_of(b), None);
         patching.remove(c);
         patching.check().unwrap();
         assert_eq!(patching.vertices(patch), [a, d]);

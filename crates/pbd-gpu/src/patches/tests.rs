@@ -3,6 +3,7 @@
 use crate::constraints::batches::{ConstraintSet, Slot};
 use crate::constraints::coloring::LAYERS;
 use crate::patches::PatchParams;
+use crate::patches::content::{PatchBatch, PatchContents};
 use crate::{ConstraintError, Material, Solver, SolverParams};
 use incise_mesh::icosphere;
 use incise_mesh::{HalfEdge, Surface, TriangleId, VertexId};
@@ -22,7 +23,53 @@ fn layer_sizes<const N: usize>(set: &ConstraintSet<N>) -> [usize; LAYERS] {
 }
 
 fn in_patches(surface: &mut Surface, params: &PatchParams) -> Solver {
-    Solver::with_patches(surface, &Material::default(), params).unwrap()
+    Solver::with_patches(surface, &Material::default(), Some(params)).unwrap()
+}
+
+/// Constraints of a patch by color, sorted within a color, rest values as bits.
+type Colors<const N: usize> = Vec<Vec<([VertexId; N], u32)>>;
+
+fn colors<const N: usize>(batch: &PatchBatch<N>) -> Colors<N> {
+    let mut start = 0;
+    let color = |&end: &usize| {
+        let all = batch.vertices[start..end]
+            .iter()
+            .zip(&batch.rest[start..end]);
+        let mut color: Vec<_> = all.map(|(&v, rest)| (v, rest.to_bits())).collect();
+        color.sort_unstable();
+        start = end;
+        color
+    };
+    batch.color_ends.iter().map(color).collect()
+}
+
+/// Returns the constraints of all patches after an update of `contents`.
+fn updated(solver: &Solver, contents: &mut PatchContents) -> Vec<(Colors<2>, Colors<4>)> {
+    let patches = solver.constraints().patches.as_ref().unwrap();
+    contents.update(patches, solver.stretch(), solver.bending());
+    let all = (1..LAYERS).flat_map(|layer| contents.of_layer(layer));
+    all.map(|patch| (colors(&patch.stretch), colors(&patch.bending)))
+        .collect()
+}
+
+fn rebuilt(solver: &Solver) -> Vec<(Colors<2>, Colors<4>)> {
+    updated(solver, &mut PatchContents::default())
+}
+
+#[test]
+fn patches_have_the_constraints_of_their_layer() {
+    let solver = in_patches(&mut icosphere(3, 0.5), &small_patches());
+    let (mut stretch, mut bending) = (0, 0);
+    for (edges, hinges) in rebuilt(&solver) {
+        stretch += edges.concat().len();
+        bending += hinges.concat().len();
+    }
+    let [in_stretch, in_bending] = [
+        layer_sizes(solver.stretch()),
+        layer_sizes(solver.bending().unwrap()),
+    ];
+    assert_eq!(stretch, in_stretch[1..].iter().sum::<usize>());
+    assert_eq!(bending, in_bending[1..].iter().sum::<usize>());
 }
 
 fn small_patches() -> PatchParams {
@@ -123,7 +170,7 @@ fn patches_without_a_place_are_refused() {
         let refused = Solver::with_patches(
             &mut icosphere(1, 0.5),
             &Material::default(),
-            &PatchParams { vertices, room },
+            Some(&PatchParams { vertices, room }),
         );
         let error = ConstraintError::BadPatches { vertices, room };
         assert_eq!(refused.err(), Some(error));
@@ -140,6 +187,7 @@ proptest! {
         let mut surface = sphere(3, [0.0; 3]);
         let mut solver = in_patches(&mut surface, &small_patches());
         let mass = solver.total_mass();
+        let mut contents = PatchContents::default();
         for (kind, at, t) in edits {
             let topology = surface.topology();
             let half_edges: Vec<HalfEdge> =
@@ -155,6 +203,7 @@ proptest! {
             if let Some(delta) = delta {
                 solver.apply_delta(&mut surface, &delta).unwrap();
                 prop_assert_eq!(solver.validate(&surface), Ok(()));
+                prop_assert_eq!(&updated(&solver, &mut contents), &rebuilt(&solver));
             }
         }
         prop_assert!((solver.total_mass() / mass - 1.0).abs() < 1e-6);

@@ -9,7 +9,7 @@ use crate::kernels::particle_state::{ParticleState, ParticleStates};
 use crate::kernels::stretch::Stretch;
 use crate::kernels::volume::{self, VolumeScratch};
 use crate::kernels::{attachments, colliders, contacts, ground, integrate, pins, predict};
-use crate::parallel::passes::{is_shared, sweep_color};
+use crate::parallel::passes::{is_shared, sweep_color, sweep_patches};
 use crate::parallel::{Leader, with_team};
 use crate::step::body::Body;
 use crate::step::constants::Projection;
@@ -107,7 +107,7 @@ fn has_shared_pass(body: &Body<'_>) -> bool {
     let edges = edges.into_iter().flatten().flat_map(StretchSet::batches);
     let bending = body.bending.as_deref().map_or(&[][..], BendingSet::batches);
     let counts = edges.map(Batch::len).chain(bending.iter().map(Batch::len));
-    counts.chain([body.volumes.spokes.len()]).any(is_shared)
+    body.patches.are_shared() || counts.chain([body.volumes.spokes.len()]).any(is_shared)
 }
 
 /// The substep after which a position is not finite.
@@ -143,12 +143,19 @@ impl NullaryFnOnce for Frame<'_, '_, '_> {
             let last = plan.iterations() + 1;
             let mut part = 0;
             while part <= last {
-                for &pass in plan.part(part) {
+                let is_same_layer = |a: &Pass, b: &Pass| {
+                    a.patch_layer().is_some() && a.patch_layer() == b.patch_layer()
+                };
+                for passes in plan.part(part).chunk_by(is_same_layer) {
+                    let pass = passes[0];
                     if pass == Pass::Ground && self.lowest > self.constants.ground {
                         self.stats.ground_passes_skipped += 1;
-                    } else {
-                        self.stats.passes += 1;
-                        self.run(pass, substep)?;
+                        continue;
+                    }
+                    self.stats.passes += u32::try_from(passes.len()).unwrap_or(u32::MAX);
+                    match pass.patch_layer() {
+                        Some(layer) => self.project_patches(layer),
+                        None => self.run(pass, substep)?,
                     }
                 }
                 part += 1;
@@ -207,6 +214,17 @@ fn project_batch<K: Kernel<N>, const N: usize>(
 }
 
 impl Frame<'_, '_, '_> {
+    /// Projects the constraints of all patches of a layer.
+    fn project_patches(&mut self, layer: usize) {
+        let patches = self.body.patches.of_layer_mut(layer);
+        let by = (self.constants.stretch, self.constants.bending);
+        sweep_patches(self.leader, self.arch, self.particles, patches, by);
+        for patch in patches {
+            self.stats.stretch_projections += patch.stretch.len() as u64;
+            self.stats.bending_projections += patch.bending.len() as u64;
+        }
+    }
+
     #[inline(always)]
     fn run(&mut self, pass: Pass, substep: u32) -> Result<(), NonFiniteSubstep> {
         let Self {
@@ -238,6 +256,9 @@ impl Frame<'_, '_, '_> {
                     sets.flat_map(|set| set.all_mut())
                         .for_each(Batch::reset_multipliers);
                 }
+                let [stretch, bending] = [constants.stretch, constants.bending];
+                (body.patches)
+                    .reset_multipliers(stretch.accumulates_lambda, bending.accumulates_lambda);
                 body.contacts.reset_friction();
                 if constants.volume.accumulates_lambda {
                     body.volumes.reset_multipliers();
@@ -308,6 +329,7 @@ mod tests {
     use crate::constraints::contacts::ContactSet;
     use crate::constraints::volumes::VolumeSet;
     use crate::material::Stiffness;
+    use crate::patches::content::PatchContents;
     use crate::step::constants::{Projection, VolumeProjection};
     use crate::step::plan::PlanKey;
     use incise_mesh::{Topology, VertexId};
@@ -358,6 +380,7 @@ mod tests {
                     volumes: &mut VolumeSet::default(),
                     topology: &Topology::default(),
                     pins: &[],
+                    patches: &mut PatchContents::default(),
                     attachments: &[],
                 };
                 cpu.execute(&plan, &constants, &mut body).unwrap();

@@ -7,6 +7,7 @@ use crate::constraints::colliders::ColliderRecord;
 use crate::constraints::contacts::ContactSet;
 use crate::constraints::volumes::VolumeSet;
 use crate::particles::{Particles, Pin};
+use crate::patches::content::PatchContents;
 use incise_mesh::{Surface, Topology};
 
 /// The arrays of a body that kernels read and write.
@@ -32,6 +33,8 @@ pub struct Body<'a> {
     pub topology: &'a Topology,
     /// Pinned vertices, ascending.
     pub pins: &'a [Pin],
+    /// Constraints by patch; empty if the body is not divided.
+    pub(crate) patches: &'a mut PatchContents,
     /// Long range attachments.
     pub attachments: &'a [LongRangeAttachment],
 }
@@ -54,6 +57,7 @@ impl<'a> Body<'a> {
             contacts: &mut constraints.contacts,
             colliders: constraints.colliders.records(),
             topology,
+            patches: &mut constraints.patch_contents,
             pins: &particles.pins,
             attachments: constraints.attachments.list(),
         }

@@ -91,6 +91,14 @@ impl Pass {
         }
     }
 
+    /// Returns the layer of a pass over constraints within patches.
+    pub(crate) fn patch_layer(self) -> Option<usize> {
+        match self {
+            Self::Project { batch, .. } => Some(batch.layer()).filter(|&layer| layer > 0),
+            _ => None,
+        }
+    }
+
     /// Returns kind and layer of a pass over constraints. Passes that agree in both may share a
     /// dispatch.
     #[cfg(feature = "gpu")]

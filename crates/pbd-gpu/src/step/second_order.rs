@@ -100,6 +100,7 @@ impl History {
                 contacts: &mut *body.contacts,
                 volumes: &mut *body.volumes,
                 topology: body.topology,
+                patches: &mut *body.patches,
                 pins: &pins,
                 attachments: body.attachments,
             };

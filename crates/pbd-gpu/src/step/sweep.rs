@@ -1,9 +1,12 @@
 //! Projects constraints in SIMD blocks.
 
 use crate::constraints::batches::Part;
+use crate::kernels::bending::Bending;
 use crate::kernels::block::{Block, Gather, WithGather};
 use crate::kernels::lanes::Lanes;
 use crate::kernels::particle_state::ParticleStates;
+use crate::kernels::stretch::Stretch;
+use crate::patches::content::PatchContent;
 use crate::step::constants::Projection;
 use incise_mesh::VertexId;
 use std::marker::PhantomData;
@@ -98,6 +101,29 @@ impl<K: Kernel<N>, const N: usize> WithGather for Sweep<'_, K, N> {
             } else {
                 K::project(gather, particles, &mut block, projection);
             }
+        }
+    }
+}
+
+/// The projection of all constraints of a patch.
+pub(crate) struct PatchSweep<'a> {
+    pub(crate) particles: ParticleStates<'a>,
+    pub(crate) patch: &'a mut PatchContent,
+    pub(crate) stretch: Projection,
+    pub(crate) bending: Projection,
+}
+
+impl WithGather for PatchSweep<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with<G: Gather<L>, const L: usize>(self, gather: G) {
+        let (particles, patch) = (self.particles, self.patch);
+        for run in patch.stretch.runs(self.stretch.accumulates_lambda) {
+            Sweep::<Stretch, 2>::blocks(particles, run, self.stretch).with(gather);
+        }
+        for run in patch.bending.runs(self.bending.accumulates_lambda) {
+            Sweep::<Bending, 4>::blocks(particles, run, self.bending).with(gather);
         }
     }
 }

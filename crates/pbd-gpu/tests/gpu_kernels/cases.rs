@@ -216,11 +216,8 @@ fn new_solver(case: &Case, surface: &mut Surface, material: &Material) -> Solver
         vertices: case.patch,
         room: case.patch / 8,
     };
-    let solver = match case.patch {
-        0 => Solver::new(surface, material),
-        _ => Solver::with_patches(surface, material, &patches),
-    };
-    solver.expect("a valid surface")
+    let patches = (case.patch > 0).then_some(&patches);
+    Solver::with_patches(surface, material, patches).expect("a valid surface")
 }
 
 /// The bodies of a case. Every second one has other friction and damping.

@@ -65,11 +65,8 @@ fn portable() -> Context {
 }
 
 fn solver_for(surface: &mut Surface, material: &Material, schedule: Schedule) -> Solver {
-    match schedule {
-        Schedule::Patches => Solver::with_patches(surface, material, &PatchParams::default()),
-        _ => Solver::new(surface, material),
-    }
-    .expect("a body that can be simulated")
+    let patches = (schedule == Schedule::Patches).then(PatchParams::default);
+    Solver::with_patches(surface, material, patches.as_ref()).expect("a body that can be simulated")
 }
 
 /// A body that turns, so that every vertex has a velocity of its own.

@@ -3,8 +3,6 @@
 use super::{ChangeLog, Log};
 use crate::constraints::Constraints;
 use crate::constraints::batches::{ConstraintSet, Slot};
-use crate::constraints::coloring::LAYERS;
-use crate::patches::Patches;
 
 /// Changes since they were last taken. Lists are ascending without duplicates.
 #[derive(Debug, Default)]
@@ -24,8 +22,6 @@ pub(crate) struct Changes {
     pub(crate) bending: Vec<Slot>,
     /// Slots with another interior spring.
     pub(crate) interior_springs: Vec<Slot>,
-    /// Patches that gained or lost a vertex or a constraint, by patching.
-    pub(crate) patches: [Vec<u32>; LAYERS - 1],
     /// True if the length of a batch may have changed.
     pub(crate) lengths: bool,
     /// True if pins were added, removed or got other targets.
@@ -74,9 +70,6 @@ impl ChangeLog {
         if let Some(bending) = &mut constraints.bending {
             bending.log.start();
         }
-        for log in constraints.patches.iter_mut().flat_map(Patches::logs) {
-            log.start();
-        }
     }
 
     /// Moves the changes into `into` and reuses its memory; the first call starts the log.
@@ -107,11 +100,7 @@ impl ChangeLog {
         if let Some(interior_springs) = &mut constraints.interior_springs {
             into.lengths |= take_slots(interior_springs, &mut into.interior_springs);
         }
-        into.patches.iter_mut().for_each(Vec::clear);
-        let logs = constraints.patches.iter_mut().flat_map(Patches::logs);
-        for (log, into) in logs.zip(&mut into.patches) {
-            log.take(into);
-        }
+        constraints.update_patch_contents();
     }
 }
 

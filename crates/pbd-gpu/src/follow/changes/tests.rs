@@ -2,10 +2,9 @@
 
 use super::*;
 use crate::constraints::batches::{ConstraintSet, OVERFLOW, Slot};
-use crate::constraints::coloring::LAYERS;
 use crate::material::Material;
 use crate::particles::Pin;
-use crate::patches::{PatchParams, Patching};
+use crate::patches::PatchParams;
 use crate::solver::Solver;
 use incise_mesh::{HalfEdge, Surface, TriangleId, Undo};
 use incise_test_support::edits::{
@@ -17,47 +16,6 @@ use proptest::prelude::*;
 /// Constraints by color, rest values as bits.
 type Batches<const N: usize> = Vec<Vec<([VertexId; N], u32)>>;
 
-/// A GPU copy of a patch: vertices in order, and constraints with their colors.
-#[derive(Debug, Clone, Default, PartialEq)]
-struct PatchCopy {
-    vertices: Vec<VertexId>,
-    stretch: Vec<(usize, [VertexId; 2], u32)>,
-    bending: Vec<(usize, [VertexId; 4], u32)>,
-}
-
-impl PatchCopy {
-    fn of(solver: &Solver, surface: &Surface, layer: usize, patch: u32) -> Self {
-        let patching = solver
-            .constraints()
-            .patches
-            .as_ref()
-            .and_then(|p| p.of_layer(layer));
-        let (mut stretch, mut bending) = (Vec::new(), Vec::new());
-        solver
-            .constraints()
-            .of_patch(surface, layer, patch, &mut stretch, &mut bending);
-        Self {
-            vertices: patching.unwrap().vertices(patch).to_vec(),
-            stretch: contents(solver.stretch(), &stretch),
-            bending: contents(solver.bending().unwrap(), &bending),
-        }
-    }
-}
-
-/// Returns constraints by color, in any order within a color.
-fn contents<const N: usize>(
-    set: &ConstraintSet<N>,
-    slots: &[Slot],
-) -> Vec<(usize, [VertexId; N], u32)> {
-    let content = |&slot: &Slot| {
-        let (vertices, rest) = entry(set, slot);
-        (slot.color, vertices, rest)
-    };
-    let mut contents: Vec<_> = slots.iter().map(content).collect();
-    contents.sort_unstable();
-    contents
-}
-
 /// A GPU copy of a body.
 #[derive(Debug, Default, PartialEq)]
 struct Mirror {
@@ -66,8 +24,6 @@ struct Mirror {
     stretch: Batches<2>,
     bending: Batches<4>,
     pins: Vec<Pin>,
-    /// By patching.
-    patches: [Vec<PatchCopy>; LAYERS - 1],
 }
 
 fn entry<const N: usize>(set: &ConstraintSet<N>, slot: Slot) -> ([VertexId; N], u32) {
@@ -108,16 +64,6 @@ impl Mirror {
             &all_slots(solver.stretch()),
         );
         update(&mut mirror.bending, bending, &all_slots(bending));
-        let patches = solver.constraints().patches.as_ref();
-        for (layer, copies) in (1..).zip(&mut mirror.patches) {
-            let count = patches
-                .and_then(|p| p.of_layer(layer))
-                .map_or(0, Patching::len);
-            let all = 0..u32::try_from(count).unwrap();
-            *copies = all
-                .map(|patch| PatchCopy::of(solver, surface, layer, patch))
-                .collect();
-        }
         mirror
     }
 
@@ -141,13 +87,6 @@ impl Mirror {
         }
         if changes.pins {
             self.pins = solver.pins().to_vec();
-        }
-        for (layer, (copies, changed)) in (1..).zip(self.patches.iter_mut().zip(&changes.patches)) {
-            for &patch in changed {
-                let count = copies.len().max(patch as usize + 1);
-                copies.resize(count, PatchCopy::default());
-                copies[patch as usize] = PatchCopy::of(solver, surface, layer, patch);
-            }
         }
         if changes.lengths {
             let bending = solver.bending().unwrap();
@@ -223,12 +162,9 @@ proptest! {
     ) {
         let mut surface = sphere(2, [0.0, 2.0, 0.0]);
         let material = Material::default();
-        let mut solver = if in_patches {
-            let params = PatchParams { vertices: 16, room: 3 };
-            Solver::with_patches(&mut surface, &material, &params).unwrap()
-        } else {
-            Solver::new(&mut surface, &material).unwrap()
-        };
+        let patches = in_patches.then_some(PatchParams { vertices: 16, room: 3 });
+        let mut solver =
+            Solver::with_patches(&mut surface, &material, patches.as_ref()).unwrap();
         let (mut changes, mut mirror) = (Changes::default(), Mirror::default());
         let mut undos = Vec::new();
         for (kind, at, t, look) in edits {
