@@ -108,7 +108,7 @@ fn a_tetrahedron_oscillates_as_in_backward_euler() {
 
 #[test]
 fn volume_constraints_act_on_their_piece_only() {
-    let mut surface = two_spheres(2);
+    let mut surface = two_spheres(3);
     let material = Material {
         volume: Some(with_pressure(1.3)),
         ..Material::default()
@@ -129,7 +129,7 @@ fn volume_constraints_act_on_their_piece_only() {
         solver.step(&mut surface, DT, &params).unwrap();
     }
     for (is, was) in solver.momentum().into_iter().zip(momentum) {
-        assert!((is - was).abs() < 1e-4 * mass, "momentum {was} became {is}");
+        assert!((is - was).abs() < 3e-5 * mass, "momentum {was} became {is}");
     }
 }
 

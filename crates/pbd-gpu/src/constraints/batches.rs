@@ -116,6 +116,7 @@ pub(crate) struct Part<'a, const N: usize> {
 
 impl<const N: usize> Part<'_, N> {
     /// Returns a range of the constraints.
+    #[inline(always)]
     pub(crate) fn slice(self, range: Range<usize>) -> Self {
         Self {
             vertices: &self.vertices[range.clone()],

@@ -1,5 +1,6 @@
 //! A polynomial arctangent with the same bits on every CPU and GPU.
 
+use super::block::Gather;
 use super::lanes::Lanes;
 use pulp::Simd;
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -20,33 +21,48 @@ pub(crate) const COEFFICIENTS: [f32; 8] = [
 ///
 /// The error is below 1e-6 rad.
 #[inline(always)]
-pub(crate) fn arctangent2<S: Simd>(y: Lanes<S>, x: Lanes<S>) -> Lanes<S> {
+pub(crate) fn arctangent2<G: Gather<L>, const L: usize>(
+    gather: G,
+    y: Lanes<G::S>,
+    x: Lanes<G::S>,
+) -> Lanes<G::S> {
     let zero = x.zero();
+    if gather.all(y.abs().le(x)) {
+        // Angles of at most 45 degrees, as between most triangles of a smooth surface.
+        let t = x.gt(zero).or_zero(y / x);
+        return t * series(t * t);
+    }
     let (ax, ay) = (x.abs(), y.abs());
     let steep = ay.gt(ax);
     let (small, large) = (steep.select(ax, ay), steep.select(ay, ax));
     let t = large.gt(zero).or_zero(small / large);
-    let s = t * t;
-    let [c0, c1, c2, c3, c4, c5, c6, c7] = COEFFICIENTS;
-    let p = c7 * s + c6;
-    let p = p * s + c5;
-    let p = p * s + c4;
-    let p = p * s + c3;
-    let p = p * s + c2;
-    let p = p * s + c1;
-    let p = (p * s + c0) * t;
+    let p = series(t * t) * t;
     let p = steep.select(FRAC_PI_2 - p, p);
     let p = x.lt(zero).select(PI - p, p);
     y.lt(zero).select(-p, p)
 }
 
+/// Returns `atan(t) / t` for `s = t^2`.
+///
+/// Pairs of terms (Estrin's scheme) make the chain of dependent operations short.
+#[inline(always)]
+fn series<S: Simd>(s: Lanes<S>) -> Lanes<S> {
+    let [c0, c1, c2, c3, c4, c5, c6, c7] = COEFFICIENTS;
+    let s2 = s * s;
+    let low = (c0 + c1 * s) + (c2 + c3 * s) * s2;
+    let high = (c4 + c5 * s) + (c6 + c7 * s) * s2;
+    low + high * (s2 * s2)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::block::Transpose;
     use pulp::Scalar;
 
     fn arctangent2(y: f32, x: f32) -> f32 {
-        super::arctangent2(Lanes::splat(Scalar, y), Lanes::splat(Scalar, x)).values
+        let lane = |number| Lanes::splat(Scalar, number);
+        super::arctangent2::<_, 1>(Transpose(Scalar), lane(y), lane(x)).values
     }
 
     #[test]

@@ -66,7 +66,7 @@ pub(crate) struct Bending;
 
 impl Kernel<4> for Bending {
     #[inline(always)]
-    fn project<G: Gather<L>, const L: usize>(
+    fn project<G: Gather<L>, const L: usize, const HISTORY: bool>(
         gather: G,
         particles: ParticleStates<'_>,
         block: &mut Block<'_, G::S, L, 4>,
@@ -88,10 +88,12 @@ impl Kernel<4> for Bending {
         let (n2, n3) = (cross(e, a), cross(b, e));
         let (ee, q2, q3) = (dot(e, e), dot(n2, n2), dot(n3, n3));
         let (cos, length) = (dot(n2, n3), ee.sqrt());
-        let theta = arctangent2(-(length * dot(a, n3)), cos);
-        let turn = theta - block.rest;
-        let turn = turn.gt(zero + PI).select(turn - TAU, turn);
-        let turn = turn.le(zero - PI).select(turn + TAU, turn);
+        let theta = arctangent2(gather, -(length * dot(a, n3)), cos);
+        let mut turn = theta - block.rest;
+        if !gather.all(turn.abs().lt(zero + PI)) {
+            turn = turn.gt(zero + PI).select(turn - TAU, turn);
+            turn = turn.le(zero - PI).select(turn + TAU, turn);
+        }
 
         let (big2, big3) = (ee + dot(a, a), ee + dot(b, b));
         let solid2 = q2.gt(FLAT * FLAT * (big2 * big2));
@@ -107,7 +109,7 @@ impl Kernel<4> for Bending {
 
         let mut left = zero;
         // With rigid edges and equal substeps no old error remains, which saves its computation.
-        if projection.edge_stiffness < FIRM || projection.error_carryover > 0.0 {
+        if HISTORY && (projection.edge_stiffness < FIRM || projection.error_carryover > 0.0) {
             // Change of the angle in this substep: sum g . d.
             let [d1 @ .., _] = gather.displacements(particles, block.vertices, 1);
             let [d2 @ .., _] = gather.displacements(particles, block.vertices, 2);
@@ -121,11 +123,14 @@ impl Kernel<4> for Bending {
         let movable = solid2 & solid3 & weight.gt(zero);
         let sum = diagonal_scale * weight + alpha;
         let under = weight.gt(sum).select(weight, sum);
-        // The bound applies to the change of angle, `step * weight`.
-        let most = MAX_TURN / weight;
-        let step = wish / under;
-        let step = step.gt(most).select(most, step);
-        let step = step.lt(-most).select(-most, step);
+        let mut step = wish / under;
+        // The bound applies to the change of angle, `step * weight`, which `wish` exceeds by a
+        // rounding error at most.
+        if !gather.all(wish.abs().lt(zero + 0.99 * MAX_TURN)) {
+            let most = MAX_TURN / weight;
+            step = step.gt(most).select(most, step);
+            step = step.lt(-most).select(-most, step);
+        }
         let step = movable.or_zero(step);
         block.lambda = block.lambda - step;
         // delta = w lambda g, and lambda = -step, g2 = -f2 n2.
@@ -133,13 +138,14 @@ impl Kernel<4> for Bending {
         let (s, s0) = (movable.or_zero(s), movable.or_zero(s0));
         let (t, t0) = (movable.or_zero(t), movable.or_zero(t0));
         let (u2, u3) = (scale(c2, n2), scale(c3, n3));
-        let changes = [
+        let (change0, change1) = (
             scale(-w0, add(scale(s0, u2), scale(t0, u3))),
             scale(-w1, add(scale(s, u2), scale(t, u3))),
-            scale(w2, u2),
-            scale(w3, u3),
-        ];
-        scatter(gather, particles, block, changes);
+        );
+        scatter(gather, particles, block, 0, change0);
+        scatter(gather, particles, block, 1, change1);
+        scatter(gather, particles, block, 2, scale(w2, u2));
+        scatter(gather, particles, block, 3, scale(w3, u3));
     }
 }
 

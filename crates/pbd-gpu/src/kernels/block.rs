@@ -6,7 +6,7 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Mask};
 use super::particle_state::{ParticleState, ParticleStates};
 use incise_mesh::VertexId;
 use pulp::{Arch, Scalar, Simd, WithSimd};
@@ -33,6 +33,9 @@ pub(crate) trait Gather<const L: usize>: Copy + Send + Sync {
 
     /// Returns the instructions.
     fn simd(self) -> Self::S;
+
+    /// Returns true if the mask has all lanes.
+    fn all(self, mask: Mask<Self::S>) -> bool;
 
     /// Returns the inverse masses of the first vertices [1/kg].
     fn inverse_masses<const N: usize>(
@@ -73,24 +76,23 @@ pub(crate) trait Gather<const L: usize>: Copy + Send + Sync {
     fn add_d(self, particles: ParticleStates<'_>, v: VertexId, row: Self::Row);
 }
 
-/// Adds changes to the displacements of the vertices of a block.
+/// Adds changes to the displacements of the `j`th vertices of a block.
 #[inline(always)]
 pub(crate) fn scatter<G: Gather<L>, const L: usize, const N: usize>(
     gather: G,
     particles: ParticleStates<'_>,
     block: &Block<'_, G::S, L, N>,
-    changes: [[Lanes<G::S>; 3]; N],
+    j: usize,
+    change: [Lanes<G::S>; 3],
 ) {
-    for (j, change) in changes.into_iter().enumerate() {
-        let rows = gather.to_rows(change);
-        if block.count == L {
-            for (vertices, row) in block.vertices.iter().zip(rows) {
-                gather.add_d(particles, vertices[j], row);
-            }
-        } else {
-            for (vertices, row) in block.vertices.iter().zip(rows).take(block.count) {
-                gather.add_d(particles, vertices[j], row);
-            }
+    let rows = gather.to_rows(change);
+    if block.count == L {
+        for (vertices, row) in block.vertices.iter().zip(rows) {
+            gather.add_d(particles, vertices[j], row);
+        }
+    } else {
+        for (vertices, row) in block.vertices.iter().zip(rows).take(block.count) {
+            gather.add_d(particles, vertices[j], row);
         }
     }
 }
@@ -166,6 +168,11 @@ impl<S: Simd, const L: usize> Gather<L> for Transpose<S> {
     #[inline(always)]
     fn simd(self) -> S {
         self.0
+    }
+
+    #[inline(always)]
+    fn all(self, mask: Mask<S>) -> bool {
+        mask.all()
     }
 
     #[inline(always)]

@@ -14,7 +14,7 @@ pub(crate) struct Lanes<S: Simd> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Mask<S: Simd> {
     simd: S,
-    values: S::m32s,
+    pub(crate) values: S::m32s,
 }
 
 impl<S: Simd> Lanes<S> {
@@ -56,7 +56,9 @@ impl<S: Simd> Lanes<S> {
 
     #[inline(always)]
     pub(crate) fn abs(self) -> Self {
-        Self::new(self.simd, self.simd.abs_f32s(self.values))
+        // `abs_f32s` of pulp calls functions that link-time optimization alone inlines.
+        let magnitude = self.simd.splat_f32s(f32::from_bits(0x7fff_ffff));
+        Self::new(self.simd, self.simd.and_f32s(magnitude, self.values))
     }
 
     /// Returns the lanes that are less; none with NaN.
@@ -90,6 +92,13 @@ impl<S: Simd> Mask<S> {
     pub(crate) fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
         let values = self.simd.select_f32s(self.values, yes.values, no.values);
         Lanes::new(self.simd, values)
+    }
+
+    /// Returns true if the mask has all lanes.
+    #[inline(always)]
+    pub(crate) fn all(self) -> bool {
+        let other = self.simd.not_m32s(self.values);
+        self.simd.first_true_m32s(other) == S::F32_LANES
     }
 
     /// Returns `yes` in the lanes of the mask and zero in the others.

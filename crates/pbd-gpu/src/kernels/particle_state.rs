@@ -3,10 +3,11 @@
 //! Constraints read the position and the displacement of every vertex. A record holds both in one
 //! cache line, and kernels load it with two vector instructions.
 
+use bytemuck::{Pod, Zeroable};
 use std::cell::Cell;
 
 /// Position, inverse mass and displacement of a particle.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(crate) struct ParticleState {
     /// Position at the start of the substep \[m\] and inverse mass [1/kg].

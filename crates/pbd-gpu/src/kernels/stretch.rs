@@ -17,7 +17,7 @@ pub(crate) struct Stretch;
 
 impl Kernel<2> for Stretch {
     #[inline(always)]
-    fn project<G: Gather<L>, const L: usize>(
+    fn project<G: Gather<L>, const L: usize, const HISTORY: bool>(
         gather: G,
         particles: ParticleStates<'_>,
         block: &mut Block<'_, G::S, L, 2>,
@@ -34,7 +34,7 @@ impl Kernel<2> for Stretch {
         let [x, y, z, wb] = gather.differences(particles, block.vertices, 1);
         let length = (x * x + y * y + z * z).sqrt();
         let mut rest = block.rest;
-        if error_carryover > 0.0 {
+        if HISTORY && error_carryover > 0.0 {
             // Rest lengths closer to the lengths at the start of the substep leave old errors.
             let [x, y, z, _] = gather.initial_differences(particles, block.vertices, 1);
             let before = (x * x + y * y + z * z).sqrt();
@@ -50,11 +50,9 @@ impl Kernel<2> for Stretch {
         let scale = has_direction.or_zero(factor * error / divisor);
         block.lambda = block.lambda - scale * length;
         let (for_a, for_b) = (scale * wa, -(scale * wb));
-        let changes = [
-            [for_a * x, for_a * y, for_a * z],
-            [for_b * x, for_b * y, for_b * z],
-        ];
-        scatter(gather, particles, block, changes);
+        let change = |by: Lanes<G::S>| [by * x, by * y, by * z];
+        scatter(gather, particles, block, 0, change(for_a));
+        scatter(gather, particles, block, 1, change(for_b));
     }
 }
 

@@ -122,6 +122,11 @@ impl Projection {
         edge_stiffness: 0.0,
     };
 
+    /// Returns true if the correction depends on multipliers or on errors before the substep.
+    pub(crate) fn has_history(&self) -> bool {
+        self.accumulates_lambda || self.error_carryover > 0.0 || self.edge_stiffness < FIRM
+    }
+
     /// Returns the projection of bending for edges of compliance `alpha`.
     pub(crate) fn beside_edges(self, alpha: f32) -> Self {
         let stiffness = HOLD / alpha;

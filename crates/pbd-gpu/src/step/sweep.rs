@@ -14,7 +14,9 @@ use std::marker::PhantomData;
 /// Projects constraints over `N` vertices.
 pub(crate) trait Kernel<const N: usize> {
     /// Projects the constraints of a block.
-    fn project<G: Gather<L>, const L: usize>(
+    ///
+    /// `HISTORY` is [`Projection::has_history`]; without it the code of other cases is left out.
+    fn project<G: Gather<L>, const L: usize, const HISTORY: bool>(
         gather: G,
         particles: ParticleStates<'_>,
         block: &mut Block<'_, G::S, L, N>,
@@ -65,6 +67,17 @@ impl<K: Kernel<N>, const N: usize> WithGather for Sweep<'_, K, N> {
 
     #[inline(always)]
     fn with<G: Gather<L>, const L: usize>(self, gather: G) {
+        if self.projection.has_history() {
+            self.project_all::<G, L, true>(gather);
+        } else {
+            self.project_all::<G, L, false>(gather);
+        }
+    }
+}
+
+impl<K: Kernel<N>, const N: usize> Sweep<'_, K, N> {
+    #[inline(always)]
+    fn project_all<G: Gather<L>, const L: usize, const HISTORY: bool>(self, gather: G) {
         let Self {
             particles,
             part,
@@ -72,34 +85,37 @@ impl<K: Kernel<N>, const N: usize> WithGather for Sweep<'_, K, N> {
             ..
         } = self;
         let size = if self.is_serial { 1 } else { L };
-        let mut kept = part.lambda.chunks(size);
-        for (vertices, rest) in part.vertices.chunks(size).zip(part.rest.chunks(size)) {
+        let count = part.vertices.len();
+        let mut start = 0;
+        while start < count {
+            let next = part.slice(start..count.min(start + size));
+            start += size;
             let padded;
             let mut block = Block {
-                vertices: match vertices.try_into() {
+                vertices: match next.vertices.try_into() {
                     Ok(full) => full,
                     Err(_) => {
-                        padded = pad(vertices);
+                        padded = pad(next.vertices);
                         &padded
                     }
                 },
-                count: vertices.len(),
-                rest: load::<G, L>(gather, rest),
+                count: next.vertices.len(),
+                rest: load::<G, L>(gather, next.rest),
                 lambda: Lanes::splat(gather.simd(), 0.0),
             };
-            if let Some(kept) = kept.next() {
+            if HISTORY && !next.lambda.is_empty() {
                 let mut lambda = [0.0; L];
-                for (lambda, kept) in lambda.iter_mut().zip(kept) {
+                for (lambda, kept) in lambda.iter_mut().zip(next.lambda) {
                     *lambda = kept.get();
                 }
                 block.lambda = Lanes::from_array(gather.simd(), lambda);
-                K::project(gather, particles, &mut block, projection);
+            }
+            K::project::<G, L, HISTORY>(gather, particles, &mut block, projection);
+            if HISTORY {
                 let lambda: [f32; L] = block.lambda.to_array();
-                for (kept, lambda) in kept.iter().zip(lambda) {
+                for (kept, lambda) in next.lambda.iter().zip(lambda) {
                     kept.set(lambda);
                 }
-            } else {
-                K::project(gather, particles, &mut block, projection);
             }
         }
     }

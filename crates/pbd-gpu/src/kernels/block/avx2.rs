@@ -1,8 +1,8 @@
 //! Transposition with AVX2: 4 x 4 matrices in both halves of the registers.
 
 use super::{Gather, WithGather};
-use crate::kernels::lanes::Lanes;
-use crate::kernels::particle_state::{ParticleState, ParticleStates};
+use crate::kernels::lanes::{Lanes, Mask};
+use crate::kernels::particle_state::ParticleStates;
 use incise_mesh::VertexId;
 use pulp::x86::V3;
 use pulp::{NullaryFnOnce, cast};
@@ -31,6 +31,11 @@ impl Gather<8> for V3 {
     #[inline(always)]
     fn simd(self) -> Self {
         self
+    }
+
+    #[inline(always)]
+    fn all(self, mask: Mask<Self>) -> bool {
+        self.avx._mm256_movemask_ps(cast(mask.values)) == 0xff
     }
 
     #[inline(always)]
@@ -113,21 +118,23 @@ fn inverse_mass<const N: usize>(particles: ParticleStates<'_>, vertices: &[Verte
 }
 
 /// Returns the row of every pair of vertices as lanes.
+///
+/// `row` computes two rows, in the halves of a register, from two differences of records.
 #[inline(always)]
 fn gather<const N: usize>(
     simd: V3,
     particles: ParticleStates<'_>,
     vertices: &[[VertexId; N]; 8],
     j: usize,
-    row: impl Fn(V3, ParticleState, ParticleState) -> __m128,
+    row: impl Fn(V3, [__m256; 2]) -> __m256,
 ) -> [Lanes<V3>; 4] {
     // A loop would store single rows and load pairs of them, which the CPU cannot forward.
     let [a, b, c, d, e, f, g, h] = vertices;
     let pairs = [
-        pair(simd, particles, [a, e], j, &row),
-        pair(simd, particles, [b, f], j, &row),
-        pair(simd, particles, [c, g], j, &row),
-        pair(simd, particles, [d, h], j, &row),
+        row(simd, record_differences(simd, particles, [a, e], j)),
+        row(simd, record_differences(simd, particles, [b, f], j)),
+        row(simd, record_differences(simd, particles, [c, g], j)),
+        row(simd, record_differences(simd, particles, [d, h], j)),
     ];
     let [x, y, z, w] = transpose(simd, pairs);
     [
@@ -138,41 +145,56 @@ fn gather<const N: usize>(
     ]
 }
 
-/// Returns two rows as the halves of a register.
+/// Returns position and displacement of the `j`th vertex relative to the first, in two lanes.
+///
+/// The fourth component of the position is the inverse mass of the `j`th vertex.
 #[inline(always)]
-fn pair<const N: usize>(
+fn record_differences<const N: usize>(
     simd: V3,
     particles: ParticleStates<'_>,
     [low, high]: [&[VertexId; N]; 2],
     j: usize,
-    row: &impl Fn(V3, ParticleState, ParticleState) -> __m128,
+) -> [__m256; 2] {
+    [
+        record_difference(simd, particles, low, j),
+        record_difference(simd, particles, high, j),
+    ]
+}
+
+#[inline(always)]
+fn record_difference<const N: usize>(
+    simd: V3,
+    particles: ParticleStates<'_>,
+    vertices: &[VertexId; N],
+    j: usize,
 ) -> __m256 {
-    let first = particles.get(low[0].index());
-    let low = row(simd, first, particles.get(low[j].index()));
-    let first = particles.get(high[0].index());
-    let high = row(simd, first, particles.get(high[j].index()));
-    simd.avx
-        ._mm256_insertf128_ps::<1>(simd.avx._mm256_castps128_ps256(low), high)
+    let (avx, first) = (simd.avx, cast(particles.get(vertices[0].index())));
+    let without_mass = avx._mm256_blend_ps::<0b0000_1000>(first, avx._mm256_setzero_ps());
+    let other = cast(particles.get(vertices[j].index()));
+    avx._mm256_sub_ps(other, without_mass)
 }
 
-/// Returns the vector from `a` to `b`, and the inverse mass of `b`.
+/// Returns relative positions at the start of the substep, and inverse masses.
 #[inline(always)]
-fn difference(simd: V3, a: ParticleState, b: ParticleState) -> __m128 {
-    let x = simd.sse._mm_sub_ps(cast(b.x), cast(a.x));
-    let along = simd.sse._mm_add_ps(x, displacement(simd, a, b));
-    simd.sse4_1._mm_blend_ps::<0b1000>(along, cast(b.x))
+fn initial_difference(simd: V3, [low, high]: [__m256; 2]) -> __m256 {
+    let high = simd.avx._mm256_castps256_ps128(high);
+    simd.avx._mm256_insertf128_ps::<1>(low, high)
 }
 
-/// Returns the vector from `a` to `b` at the start of the substep, and the inverse mass of `b`.
+/// Returns relative displacements.
 #[inline(always)]
-fn initial_difference(simd: V3, a: ParticleState, b: ParticleState) -> __m128 {
-    difference(simd, a.at_start(), b.at_start())
+fn displacement(simd: V3, [low, high]: [__m256; 2]) -> __m256 {
+    simd.avx._mm256_permute2f128_ps::<0x31>(low, high)
 }
 
-/// Returns the displacement of `b` relative to `a`.
+/// Returns relative positions and inverse masses.
 #[inline(always)]
-fn displacement(simd: V3, a: ParticleState, b: ParticleState) -> __m128 {
-    simd.sse._mm_sub_ps(cast(b.d), cast(a.d))
+fn difference(simd: V3, records: [__m256; 2]) -> __m256 {
+    let (x, d) = (
+        initial_difference(simd, records),
+        displacement(simd, records),
+    );
+    simd.avx._mm256_add_ps(x, d)
 }
 
 /// Transposes the 4 x 4 matrices in both halves of four registers.
