@@ -25,7 +25,7 @@ pub(crate) use patching::Patching;
 pub const PATCH_VERTICES: u32 = 256;
 
 /// Minimum number of vertices of a body that is divided by default.
-const MIN_DIVIDED: usize = 4096;
+const MIN_DIVIDED: usize = 512;
 
 /// Parameters of the division of a body into patches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,9 +46,9 @@ impl Default for PatchParams {
 }
 
 impl PatchParams {
-    /// Returns the default parameters for a body from 4,096 vertices, and `None` for a smaller one.
+    /// Returns the default parameters for a body from 512 vertices, and `None` for a smaller one.
     ///
-    /// Smaller bodies fit in a cache, and patches would only split up their colors.
+    /// Smaller bodies would have one or two patches, which keep no second thread busy.
     #[must_use]
     pub fn for_body(vertices: usize) -> Option<Self> {
         (vertices >= MIN_DIVIDED).then(Self::default)

@@ -8,7 +8,7 @@
 use incise_mesh::{HalfEdge, Surface, TopologyDelta, TriangleId, VertexId, icosphere, torus};
 use incise_pbd_gpu::{Context, GpuBackend, Material, PatchParams, Schedule, Solver, SolverParams};
 use incise_test_support::cpu_gpu_pair::{
-    CpuGpuPair, DT, SCHEDULES, assert_same, with_attachments, with_most_features,
+    CpuGpuPair, DT, SCHEDULES, assert_same, solver_for, with_attachments, with_most_features,
 };
 use incise_test_support::edits::{
     flip, remove_vertex, replace_vertex, replace_with_undo, split, vertex_replacement,
@@ -51,8 +51,10 @@ fn main() -> ExitCode {
             }));
         }
     }
-    let name = "a_body_may_outgrow_its_workgroup";
-    trials.push(trial(name, Needs::Strict, outgrown));
+    for next in [Schedule::Colors, Schedule::Patches] {
+        let name = format!("a_body_outgrows_its_workgroup into {}", next.name());
+        trials.push(trial(&name, Needs::Strict, move |c| outgrown(c, next)));
+    }
     incise_test_support::gpu::run(trials)
 }
 
@@ -349,24 +351,30 @@ fn an_edit_sends_what_it_touched(context: Context, schedule: Schedule) {
     );
 }
 
-/// A body that outgrows the memory of a workgroup continues with the color schedule.
-fn outgrown(context: Context) {
+/// A body that outgrows the memory of a workgroup continues by patches if it has any, else by
+/// colors.
+fn outgrown(context: Context, next: Schedule) {
     let (material, params) = with_most_features();
     let mut gpu = GpuBackend::from_context(context).expect("a device");
-    let ring = |segments| torus(1.0, 0.3, segments, 8);
+    let torus_with_solver = |segments| {
+        let mut surface = torus(1.0, 0.3, segments, 8);
+        let solver = solver_for(&mut surface, &material, next);
+        (surface, solver)
+    };
     let mut largest = 3;
     for segments in 4.. {
-        let mut surface = ring(segments);
-        let mut solver = Solver::new(&mut surface, &material).expect("a valid torus");
+        let (surface, mut solver) = torus_with_solver(segments);
         let body = gpu.add(&surface, &mut solver).expect("room");
         let schedule = gpu.schedule(body).expect("it was added");
         gpu.remove(body);
-        if schedule == Schedule::Colors {
+        if schedule == next {
             break;
         }
         largest = segments;
     }
-    let mut twin = CpuGpuPair::add(&mut gpu, ring(largest), &material, Schedule::WholeBody);
+    let (surface, solver) = torus_with_solver(largest);
+    let mut twin = CpuGpuPair::from_solver(&mut gpu, surface, solver);
+    assert_eq!(gpu.schedule(twin.body), Ok(Schedule::WholeBody));
     for i in 0..10 {
         twin.edit(|surface, solver| {
             let delta = split(surface, HalfEdge(60 * i), 0.5).expect("it is closed");
@@ -376,5 +384,5 @@ fn outgrown(context: Context) {
         twin.step(&mut gpu, &params);
         twin.assert_equal(&mut gpu, &format!("after {i} splits"));
     }
-    assert_eq!(gpu.schedule(twin.body), Ok(Schedule::Colors));
+    assert_eq!(gpu.schedule(twin.body), Ok(next));
 }

@@ -100,10 +100,19 @@ impl CpuGpuPair {
         material: &Material,
         schedule: Schedule,
     ) -> Self {
-        let mut solver = solver_for(&mut surface, material, schedule);
+        let solver = solver_for(&mut surface, material, schedule);
         gpu.force_schedule(Some(schedule));
+        let pair = Self::from_solver(gpu, surface, solver);
+        assert_eq!(gpu.schedule(pair.body), Ok(schedule), "it can have it");
+        pair
+    }
+
+    /// Adds a body and its solver to the GPU backend and keeps a copy on the CPU.
+    ///
+    /// # Panics
+    /// If the body does not fit.
+    pub fn from_solver(gpu: &mut GpuBackend, surface: Surface, mut solver: Solver) -> Self {
         let body = gpu.add(&surface, &mut solver).expect("room");
-        assert_eq!(gpu.schedule(body), Ok(schedule), "it can have it");
         Self {
             on_cpu: surface.clone(),
             cpu: solver.clone(),

@@ -194,6 +194,19 @@ impl DeviceBody {
         (self.collider_count, self.collider_generation) = (0, 0);
     }
 
+    /// Changes the schedule of a body that has outgrown the memory of a workgroup.
+    ///
+    /// The next update uploads what is freed here.
+    pub(super) fn leave_workgroup(&mut self, arenas: &mut Arenas, has_patches: bool) {
+        self.schedule = Schedule::Colors;
+        if has_patches {
+            // Constraints within patches leave the runs.
+            self.schedule = Schedule::Patches;
+            self.stretch.free(&mut arenas.entries);
+            self.bending.free(&mut arenas.entries);
+        }
+    }
+
     /// Uploads an edit of surface and solver.
     pub(super) fn update(
         &mut self,

@@ -83,8 +83,8 @@ impl GpuBackend {
             let report = Report::new();
             uploads.send(context, buffer, offset, bytemuck::bytes_of(&report));
         } else if resident.body.schedule == Schedule::WholeBody && vertices > capacity as usize {
-            // The color schedule uses the same runs.
-            resident.body.schedule = Schedule::Colors;
+            let has_patches = solver.constraints().patches.is_some();
+            resident.body.leave_workgroup(arenas, has_patches);
             moved = true;
         }
         moved |= resident
@@ -158,13 +158,13 @@ impl GpuBackend {
 
 /// Returns the default schedule of a body.
 ///
-/// A body that fits in workgroup memory is stepped by one workgroup, unless it has patches.
+/// A body that fits in workgroup memory is stepped by one workgroup, with or without patches.
 fn choose(forced: Option<Schedule>, has_patches: bool, vertices: usize, capacity: u32) -> Schedule {
-    let fits = !has_patches && vertices <= capacity as usize;
     match forced {
         Some(Schedule::Colors) => Schedule::Colors,
+        Some(Schedule::Patches) if has_patches => Schedule::Patches,
+        _ if vertices <= capacity as usize => Schedule::WholeBody,
         _ if has_patches => Schedule::Patches,
-        _ if fits => Schedule::WholeBody,
         _ => Schedule::Colors,
     }
 }
