@@ -164,11 +164,16 @@ impl TargetLengths {
             high = high.max(target);
             sum += target;
         }
-        let mean = sum / corners.len() as f64;
-        if self.grading == 0.0 && low == high {
-            return Some(Spacing::Uniform(low));
+        let mean = if low == high {
+            low
+        } else {
+            sum / corners.len() as f64
+        };
+        let is_similar = mean <= MAX_MEAN_TO_MIN * low && high <= MAX_MAX_TO_MEAN * mean;
+        if is_similar && self.grading > 0.0 {
+            return Some(Spacing::Graded(mean));
         }
-        if self.grading == 0.0 && mean <= MAX_MEAN_TO_MIN * low && high <= MAX_MAX_TO_MEAN * mean {
+        if is_similar {
             return Some(Spacing::Uniform(mean));
         }
         scratch.clear();

@@ -12,8 +12,8 @@ use incise_mesh::index_u32;
 
 /// Smallest target for a spacing, relative to it; the largest is twice as large.
 ///
-/// Spacings are then 0.67 to 1.33 targets, and no edge is so long that refinement splits it.
-const MIN_TARGET: f64 = 0.67;
+/// Spacings are then 0.83 to 1.67 targets; refinement splits edges beyond 1.5 targets.
+const MIN_TARGET: f64 = 0.6;
 /// Maximum number of points of the finest lattice: for each corner of a loop, and in addition.
 const MAX_POINTS_PER_CORNER: usize = 128;
 const MAX_POINTS: usize = 1 << 14;
