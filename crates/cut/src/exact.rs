@@ -241,7 +241,7 @@ impl Exact {
             refine,
             lengths: &self.lengths,
         };
-        self.chains.find(edit, &opening, &mut self.sides);
+        self.chains.find(edit, &opening, &mut self.sides)?;
         let rims = Rims {
             nodes: &trace.nodes,
             curves: &trace.curves,
