@@ -56,7 +56,8 @@ pub(crate) struct CutOptions {
     )]
     level: RefinementLevel,
     /// Growth of the caps' edge length per unit of distance from the rim (exact method). With 0.3
-    /// the number of cap triangles grows with the outline, not with the area. [default: 0]
+    /// the number of cap triangles grows with the outline, not with the area; with 0 the length at
+    /// the rim holds everywhere. [default: 0.3]
     #[arg(
         long,
         value_name = "G",
@@ -257,7 +258,7 @@ impl CutPlan<'_> {
                     Refinement::Paper => RefineMethod::Paper,
                 },
                 level: options.level,
-                grading: options.grading.unwrap_or_default(),
+                grading: (options.grading).unwrap_or(RefineParams::default().grading),
                 max_triangles: options.max_triangles,
                 ..RefineParams::default()
             },

@@ -33,7 +33,7 @@ pub(crate) struct MethodArguments {
     #[arg(long, default_value = "1")]
     pub(crate) level: RefinementLevel,
     /// Growth of the caps' edge length per meter of distance from the boundary.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = RefineParams::default().grading)]
     pub(crate) grading: f64,
 }
 

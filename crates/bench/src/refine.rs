@@ -7,7 +7,7 @@ use crate::json::Json;
 use crate::options::{ModelArguments, OutputArguments};
 use crate::{machine, text_table, workload};
 use clap::Args;
-use incise_refine::RefinementLevel;
+use incise_refine::{RefineParams, RefinementLevel};
 use row::{Row, Stamp};
 use std::error::Error;
 use std::io::Write;
@@ -35,7 +35,7 @@ pub(crate) struct RefineArguments {
     )]
     levels: Vec<RefinementLevel>,
     /// Growth of the target edge length per meter of distance from the boundary.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = RefineParams::default().grading)]
     grading: f64,
     /// Shortest edges along the boundary, in local edge lengths.
     #[arg(long, default_value_t = 0.1)]

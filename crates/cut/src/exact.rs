@@ -91,9 +91,14 @@ impl Exact {
         outcome: &mut CutOutcome,
     ) -> Result<(), CutError> {
         params.refine.check()?;
+        let pieces = surface.piece_bound();
         let is_done = self.split(surface, at, params, exact, true, separator, outcome)?
             || self.split(surface, at, params, exact, false, separator, outcome)?;
         debug_assert!(is_done, "without merged nodes the loops are what they were");
+        if surface.piece_bound() != pieces {
+            // A part of a body that intersects itself can be inside out, like a cavity.
+            self.chains.has_cavities = None;
+        }
         Ok(())
     }
 
@@ -241,7 +246,7 @@ impl Exact {
             refine,
             lengths: &self.lengths,
         };
-        self.chains.find(edit, &opening, &mut self.sides);
+        self.chains.find(edit, &opening, &mut self.sides)?;
         let rims = Rims {
             nodes: &trace.nodes,
             curves: &trace.curves,

@@ -57,6 +57,7 @@ fn main() {
         };
         let params = SectionMeshParams {
             size: SectionMeshSize::Uniform(2.3 * std::f64::consts::PI / f64::from(n)),
+            grading: 0.0,
             ..SectionMeshParams::default()
         };
         let (cover_ms, found) = fastest(|| {

@@ -128,6 +128,7 @@ fn main() {
         };
         let params = SectionMeshParams {
             size: factor.map_or(SectionMeshSize::Any, |f| SectionMeshSize::Uniform(f * mean)),
+            grading: 0.0,
             ..SectionMeshParams::default()
         };
         let mut times = Vec::new();

@@ -112,7 +112,8 @@ pub struct RefineParams {
     /// Growth of the target length with the distance from the rim \[m/m\].
     ///
     /// Only for the exact method with [`RefineMethod::Delaunay`]. 0: the target at the rim holds
-    /// everywhere. Above 0, the number of triangles grows with the rim, not with the area.
+    /// everywhere. Above 0, the number of triangles grows with the rim, not with the area. The
+    /// default is 0.3, see `docs/design-notes.md`.
     pub grading: f64,
     /// Maximum rounds of subdivision and edge swaps: n of Algorithm 4.
     ///
@@ -129,7 +130,7 @@ impl Default for RefineParams {
             method: RefineMethod::default(),
             level: RefinementLevel::Original,
             rim_length: None,
-            grading: 0.0,
+            grading: 0.3,
             max_rounds: 24,
             max_triangles: 4_000_000,
         }

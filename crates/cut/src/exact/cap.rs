@@ -1,6 +1,7 @@
 //! Closes both sides with the same meshes of the sections, one the mirror image of the other.
 
-use super::frames::Frames;
+mod attributes;
+
 use super::open::{Sides, check_corners};
 use super::rest::CapRest;
 use super::section::{BoundaryEdge, CrossSection, FacetSection, Rims};
@@ -29,6 +30,8 @@ pub(crate) struct Cap {
     /// First half-edge that leaves each point, and the next half-edge with its target.
     first: Vec<u32>,
     following: Vec<(u32, u32)>,
+    /// Texture coordinates of each point of a mesh; empty without any on the surface.
+    uvs: Vec<[f32; 2]>,
     /// By chain segment and side, a half-edge that waits for its twin.
     segments: Vec<[HalfEdge; 2]>,
     /// Union-find forests: over the points of a mesh, and over all nodes.
@@ -179,6 +182,7 @@ impl Cap {
             let vertices = section.nodes.iter();
             let vertices = vertices.map(|&n| rims.sides.vertices[n as usize][0]);
             (self.rest).find(edit.surface(), vertices, mesh, &section.section());
+            self.find_uvs(edit.surface(), rims.frames, i, mesh);
             for side in 0..2 {
                 self.add_vertices(edit, rims, i, mesh, side);
                 self.find_pieces(edit.surface(), rims, i, side);
@@ -245,9 +249,11 @@ impl Cap {
             let weights = inner.weights.map(round_to_f32);
             let origin = VertexOrigin::OnCap { parents, weights };
             let surface = edit.surface();
-            let mean = origin.interpolate(|v| surface.rest_positions()[v.index()]);
-            let rest = self.rest.position(k, to_f32(mean.into()));
-            let [w] = origin.interpolate(|v| [surface.positions()[v.index()][3]]);
+            let [x, y, z, w] = origin.interpolate(|v| {
+                let [x, y, z] = surface.rest_positions()[v.index()];
+                [x, y, z, surface.positions()[v.index()][3]]
+            });
+            let rest = self.rest.position(k, to_f32([x, y, z].into()));
             let local = section.uncentered(inner.position);
             let [x, y, z] = to_f32(rims.frames.lift(section.facet, local));
             let position = [x, y, z, round_to_f32(w)];
@@ -340,37 +346,6 @@ impl Cap {
             for twin in twins.iter_mut().filter(|twin| **twin != u32::MAX) {
                 *twin = *twin / 3 * 3 + (2 - *twin % 3);
             }
-        }
-    }
-
-    /// Sets texture coordinates to positions in the sweep laid flat \[m\] and normals to its own.
-    fn set_attributes(
-        &self,
-        edit: &mut Edit<'_>,
-        frames: &Frames,
-        i: usize,
-        mesh: &SectionMesh,
-        side: usize,
-    ) {
-        let surface = edit.surface();
-        if surface.corner_uvs().is_empty() && surface.corner_normals().is_empty() {
-            return;
-        }
-        let section = &self.section.sections()[i];
-        let normal = frames.normal(section.facet);
-        let normal = to_f32(if side == 0 { normal } else { -normal });
-        for h in 0..3 * mesh.triangles.len() {
-            let point = mesh.triangles[h / 3][h % 3] as usize;
-            let at = match point.checked_sub(section.points.len()) {
-                Some(inner) => mesh.steiner_points[inner].position,
-                None => section.points[point],
-            };
-            let corner = self.added[h / 3].half_edges();
-            let corner = corner[if side == 0 { h % 3 } else { (3 - h % 3) % 3 }];
-            let [u, v] = frames.flat(section.facet, section.uncentered(at));
-            let [u, v, _] = to_f32([u, v, 0.0].into());
-            edit.set_uv(corner, [u, v]);
-            edit.set_normal(corner, normal);
         }
     }
 }

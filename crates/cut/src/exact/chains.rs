@@ -16,6 +16,7 @@ use super::open::Sides;
 use super::rest::RestMap;
 use super::rim::Rim;
 use crate::blade_position::is_in_body;
+use crate::error::CutError;
 use crate::interpolate::add_vertex;
 use crate::intersection::facets::Facets;
 use crate::intersection::node::Node;
@@ -77,13 +78,21 @@ pub(super) struct Opening<'a> {
 
 impl Chains {
     /// Finds the chains and adds their vertices: two for a node between facets, one at a tip.
-    pub(super) fn find(&mut self, edit: &mut Edit<'_>, at: &Opening<'_>, sides: &mut Sides) {
+    ///
+    /// # Errors
+    /// [`CutError::OpenSection`] if a curve at a tip has no edge.
+    pub(super) fn find(
+        &mut self,
+        edit: &mut Edit<'_>,
+        at: &Opening<'_>,
+        sides: &mut Sides,
+    ) -> Result<(), CutError> {
         self.chains.clear();
         self.nodes.clear();
         self.positions.clear();
         self.lengths.clear();
         self.find_piercings(edit, at, sides);
-        self.find_tips(edit, at, sides);
+        self.find_tips(edit, at, sides)?;
         let solids = self.piercings.iter().map(|p| p.solid);
         let mut solids: Vec<u32> = solids
             .chain(self.tips.iter().map(|tip| tip.solid))
@@ -104,6 +113,7 @@ impl Chains {
             self.edges.extend(own.map(|&node| (node, chain.edge)));
         }
         self.edges.sort_unstable();
+        Ok(())
     }
 
     /// Returns whether two nodes are on chains of one sweep edge.

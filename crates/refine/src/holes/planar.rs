@@ -132,6 +132,7 @@ pub(super) fn triangulate_loop(
     let params = SectionMeshParams {
         size: SectionMeshSize::Local(sizes),
         max_triangles: limit,
+        grading: 0.0,
         ..SectionMeshParams::default()
     };
     match triangulate_section(

@@ -31,6 +31,12 @@ impl Side {
         let x = p[0] + at * (q[0] - p[0]);
         Self { ends, at, x }
     }
+
+    /// Interpolates a value of the vertices at the crossing.
+    pub(crate) fn interpolate(&self, value: impl Fn(u32) -> f64) -> f64 {
+        let [start, end] = self.ends.map(value);
+        start + self.at * (end - start)
+    }
 }
 
 /// A triangle with its corners sorted by y, for crossings with horizontal lines.

@@ -34,6 +34,26 @@ pub(crate) mod constraint {
     pub(crate) const CORE: u8 = 2;
 }
 
+/// An edge on the boundary of a cavity.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LinkEdge {
+    /// The half-edge inside the cavity, later the one outside.
+    pub(crate) half_edge: u32,
+    ends: [u32; 2],
+    constraint: u8,
+}
+
+impl LinkEdge {
+    /// Returns the edge of a half-edge inside the cavity.
+    pub(crate) fn from_half_edge(half_edge: u32) -> Self {
+        Self {
+            half_edge,
+            ends: [NONE; 2],
+            constraint: constraint::FREE,
+        }
+    }
+}
+
 /// A constrained Delaunay triangulation inside a bounding box.
 #[derive(Debug, Default, Clone)]
 pub(crate) struct Cdt {
@@ -114,12 +134,6 @@ impl Cdt {
         self.points.push(p);
         self.outgoing.push(NONE);
         index_u32(self.points.len() - 1)
-    }
-
-    /// Removes the last point, which must not be inserted.
-    pub(crate) fn pop_point(&mut self) {
-        self.points.pop();
-        self.outgoing.pop();
     }
 
     /// Copies the triangles of `other`, without constraints, for point location.
@@ -205,6 +219,38 @@ impl Cdt {
         self.last = self.outgoing[v as usize] / 3;
         self.legalize();
         Ok(())
+    }
+
+    /// Replaces the triangles of a cavity by a fan around vertex `v` (Bowyer 1981, Watson 1981).
+    ///
+    /// `link` are the half-edges on the boundary of the cavity, all visible from `v`. The result is
+    /// that of [`Self::insert`] if the cavity holds all triangles whose circumcircle contains `v`.
+    pub(crate) fn insert_in_cavity(
+        &mut self,
+        v: u32,
+        cavity: &mut Vec<u32>,
+        link: &mut [LinkEdge],
+    ) {
+        for edge in link.iter_mut() {
+            let h = edge.half_edge;
+            edge.ends = [self.start(h), self.end(h)];
+            (edge.half_edge, edge.constraint) = self.twin_and_constraint(h);
+        }
+        let region = self.region[cavity[0] as usize];
+        while cavity.len() < link.len() {
+            cavity.push(self.push_triangle(region));
+        }
+        for (&t, edge) in cavity.iter().zip(link.iter()) {
+            let [a, b] = edge.ends;
+            self.origin[3 * t as usize..3 * t as usize + 3].copy_from_slice(&[a, b, v]);
+            self.outgoing[a as usize] = 3 * t;
+            self.set_twins(3 * t, edge.half_edge, edge.constraint);
+        }
+        for (&t, edge) in cavity.iter().zip(link.iter()) {
+            let after = self.outgoing[edge.ends[1] as usize];
+            self.set_twins(3 * t + 1, after + 2, constraint::FREE);
+        }
+        self.outgoing[v as usize] = 3 * cavity[0] + 2;
     }
 
     /// Appends a triangle without corners and returns its id.

@@ -1,7 +1,7 @@
 //! Steiner points of a valid group of loops: lattice core, then refinement of the band.
 //!
-//! Core points are fixed. In a section that is a few triangles wide they can prevent better angles
-//! around them; then all lattice points go to the band, where smoothing may move them.
+//! Core points are fixed. In a section that is a few triangles wide they prevent better angles
+//! around them. There all lattice points go to the band, where smoothing may move them.
 
 use super::SectionMesh;
 use super::boundary_band::BoundaryBand;
@@ -9,12 +9,15 @@ use super::lattice::Lattice;
 use super::loop_triangulation::{INSIDE, LoopTriangulation};
 use super::loops::SectionLoops;
 use super::refinement::Refiner;
-use super::target_length::TargetLengths;
+use super::target_length::{Spacing, TargetLengths};
 use crate::error::RefineError;
 use incise_mesh::index_u32;
 
 /// Edge length, in targets, of equilateral triangles that bound the triangle count from below.
 const BOUND_EDGE: f64 = 2.0;
+
+/// Lattices of at most this many points have no core.
+const MAX_POINTS_WITHOUT_CORE: usize = 150;
 
 /// The input of filling a group of loops with Steiner points.
 pub(crate) struct Interior<'a> {
@@ -42,41 +45,41 @@ impl Interior<'_> {
             return Err(RefineError::TooManyTriangles { limit });
         }
         refiner.save_base(triangulation);
-        let common = targets.common(&triangulation.corner_of);
+        refiner.read_rim(triangulation, targets);
+        let spacing = targets.spacing(&triangulation.corner_of, lattice.scratch());
         let mark = mesh.triangles.len();
-        for has_core in [true, false] {
-            // Every point adds two triangles.
-            let mut budget = limit / 2 + 1;
-            if let Some(length) = common {
-                if !lattice.fill(triangulation, length, limit + triangulation.corner_of.len()) {
+        // Every point adds two triangles.
+        let mut budget = limit / 2 + 1;
+        match spacing {
+            Some(Spacing::Uniform(length)) => {
+                let most = limit + triangulation.corner_of.len();
+                if !lattice.fill(triangulation, length, most) {
                     return Err(RefineError::TooManyTriangles { limit });
                 }
-                if !lattice.points.is_empty() {
-                    if has_core {
-                        let offset =
-                            index_u32(self.loops.point_ids.len() + mesh.steiner_points.len());
-                        lattice.triangles(offset, &mut mesh.triangles);
-                    } else {
-                        lattice.assign_to_band();
-                    }
-                    if band.connect(triangulation, lattice) {
-                        budget = 2 * triangulation.corner_of.len() + 64;
-                    } else {
-                        mesh.triangles.truncate(mark);
-                        self.restart(triangulation, lattice, band);
-                    }
+                if lattice.points.len() > MAX_POINTS_WITHOUT_CORE {
+                    let offset = index_u32(self.loops.point_ids.len() + mesh.steiner_points.len());
+                    lattice.triangles(offset, &mut mesh.triangles);
+                } else {
+                    lattice.assign_to_band();
                 }
             }
-            let core = mesh.triangles.len() - mark;
-            refiner.run(triangulation, lattice, band, targets, budget, core);
-            if core == 0
-                || !Refiner::is_blocked_by_core(triangulation, lattice, band, targets, core)
-            {
-                break;
+            Some(Spacing::Graded(length)) => {
+                lattice.fill_graded(triangulation, targets, &refiner.rim_targets, length);
             }
-            mesh.triangles.truncate(mark);
-            self.restart(triangulation, lattice, band);
+            None => {}
         }
+        if !lattice.points.is_empty() {
+            if band.connect(triangulation, lattice) {
+                if !lattice.boundary.is_empty() {
+                    budget = 2 * triangulation.corner_of.len() + 64;
+                }
+            } else {
+                mesh.triangles.truncate(mark);
+                self.restart(triangulation, lattice, band);
+            }
+        }
+        let core = mesh.triangles.len() - mark;
+        refiner.run(triangulation, lattice, band, targets, budget, core);
         Ok(())
     }
 

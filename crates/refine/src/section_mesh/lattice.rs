@@ -4,7 +4,10 @@
 //! falls into one triangle, which gives its parents and weights. With a clearance above L / sqrt(3)
 //! no point of a loop lies in the circumcircle of a lattice triangle. Lattice triangles are
 //! therefore Delaunay without a test.
+//!
+//! Where targets differ, [`graded`] keeps the points of coarser lattices only.
 
+mod graded;
 mod triangles;
 
 use super::barycentric::{Crossing, Side, weights_between};
@@ -13,6 +16,10 @@ use incise_mesh::index_u32;
 
 /// Minimum distance of lattice points from loops, relative to L; above 1 / sqrt(3).
 const CLEARANCE: f64 = 0.6;
+/// Offset of each row from the row below, in columns, besides one half.
+///
+/// Four points of a lattice are then on no circle, and predicates need no exact arithmetic.
+const SHEAR: f64 = 1e-7;
 
 /// The lattice points of one row in one triangle of the loops.
 #[derive(Debug, Clone, Copy)]
@@ -29,6 +36,17 @@ struct Run {
 pub(crate) struct Span {
     pub(crate) columns: [i64; 2],
     pub(crate) first: u32,
+}
+
+/// A point near an edge of a loop.
+#[derive(Debug, Clone, Copy)]
+struct NearPoint {
+    /// Number of the point among all points.
+    point: usize,
+    /// Squared distance from the edge.
+    distance: f64,
+    /// Nearest place along the edge, 0 to 1.
+    along: f64,
 }
 
 /// The lattice over one group of loops.
@@ -49,8 +67,13 @@ pub(crate) struct Lattice {
     spans: Vec<Span>,
     /// Start of each row in `spans`, and the end of the last.
     rows: Vec<usize>,
-    /// Whether each point is too close to a loop.
+    /// Whether each point is left out.
     dropped: Vec<bool>,
+    /// Target at each point far from the rim, and limited by the rim.
+    far: Vec<f64>,
+    sizes: Vec<f64>,
+    /// Squared distance of each point from the loops; infinite beyond the clearance.
+    distances: Vec<f64>,
     /// Spans of kept points.
     pub(crate) kept: Vec<Span>,
     /// Start of each row in `kept`, and the end of the last.
@@ -59,6 +82,8 @@ pub(crate) struct Lattice {
     pub(crate) sides: Vec<u8>,
     /// Whether each kept point is the corner of a lattice triangle.
     pub(crate) in_core: Vec<bool>,
+    /// Target of each kept point of a graded lattice.
+    pub(crate) targets: Vec<f64>,
     /// Positions of kept points, then of points that refinement inserts.
     pub(crate) points: Vec<[f64; 2]>,
     /// Parents of each point among the triangulation's vertices.
@@ -73,6 +98,7 @@ pub(crate) struct Lattice {
 
 impl Lattice {
     pub(crate) fn clear(&mut self) {
+        self.targets.clear();
         self.points.clear();
         self.parents.clear();
         self.weights.clear();
@@ -105,12 +131,17 @@ impl Lattice {
         true
     }
 
+    /// Returns memory that the next filling overwrites.
+    pub(crate) fn scratch(&mut self) -> &mut Vec<f64> {
+        &mut self.sizes
+    }
+
     fn y(&self, row: i64) -> f64 {
         self.base[1] + count(row) * self.height
     }
 
     fn x(&self, row: i64, column: i64) -> f64 {
-        self.base[0] + (count(column) + 0.5 * count(row.rem_euclid(2))) * self.length
+        self.base[0] + (count(column) + shift(row)) * self.length
     }
 
     /// Returns the first row at or above `y`.
@@ -127,8 +158,7 @@ impl Lattice {
 
     /// Returns the first column of a row at or right of `x`.
     fn column_from(&self, row: i64, x: f64) -> i64 {
-        let shift = 0.5 * count(row.rem_euclid(2));
-        let mut column = whole((x - self.base[0]) / self.length - shift);
+        let mut column = whole((x - self.base[0]) / self.length - shift(row));
         while self.x(row, column) < x {
             column += 1;
         }
@@ -240,51 +270,72 @@ impl Lattice {
 
     /// Drops points that are too close to an edge of a loop.
     fn drop_near_loops(&mut self, triangulation: &LoopTriangulation) {
-        let far = CLEARANCE * self.length;
+        let clearance = CLEARANCE * self.length;
+        for v in 0..index_u32(triangulation.next.len()) {
+            self.near_edge(triangulation, v, clearance, |lattice, near| {
+                lattice.dropped[near.point] = true;
+            });
+        }
+    }
+
+    /// Calls `visit` for each point closer than `far` to the edge of a loop that begins at `v`.
+    fn near_edge(
+        &mut self,
+        triangulation: &LoopTriangulation,
+        v: u32,
+        far: f64,
+        mut visit: impl FnMut(&mut Self, NearPoint),
+    ) {
         let rows = i64::try_from(self.rows.len()).unwrap_or(i64::MAX) - 1;
-        for (&w, &p) in triangulation.next.iter().zip(&triangulation.cdt.points) {
-            let q = triangulation.cdt.point(w);
-            let (p, q) = if p[1] <= q[1] { (p, q) } else { (q, p) };
-            let d = [q[0] - p[0], q[1] - p[1]];
-            let square = d[0] * d[0] + d[1] * d[1];
-            let from = self.row_from(p[1] - far).max(self.first_row);
-            let to = self.row_from(q[1] + far).min(self.first_row + rows);
-            for row in from..to {
-                let y = self.y(row);
-                // The part of the edge within the clearance in y.
-                let clip = |y: f64| {
-                    if d[1] > 0.0 {
-                        p[0] + ((y - p[1]) / d[1]).clamp(0.0, 1.0) * d[0]
-                    } else if y < p[1] {
-                        p[0]
+        let (p, q) = (
+            triangulation.cdt.point(v),
+            triangulation.cdt.point(triangulation.next[v as usize]),
+        );
+        let is_upward = p[1] <= q[1];
+        let (p, q) = if is_upward { (p, q) } else { (q, p) };
+        let d = [q[0] - p[0], q[1] - p[1]];
+        let square = d[0] * d[0] + d[1] * d[1];
+        let from = self.row_from(p[1] - far).max(self.first_row);
+        let to = self.row_from(q[1] + far).min(self.first_row + rows);
+        for row in from..to {
+            let y = self.y(row);
+            // The part of the edge within the clearance in y.
+            let clip = |y: f64| {
+                if d[1] > 0.0 {
+                    p[0] + ((y - p[1]) / d[1]).clamp(0.0, 1.0) * d[0]
+                } else if y < p[1] {
+                    p[0]
+                } else {
+                    q[0]
+                }
+            };
+            let (x0, x1) = (clip(y - far), clip(y + far));
+            let (left, right) = (x0.min(x1) - far, x0.max(x1) + far);
+            let row_at = usize::try_from(row - self.first_row).unwrap_or(0);
+            for i in self.rows[row_at]..self.rows[row_at + 1] {
+                let span = self.spans[i];
+                if self.x(row, span.columns[0]) > right || self.x(row, span.columns[1] - 1) < left {
+                    continue;
+                }
+                let start = self.column_from(row, left).max(span.columns[0]);
+                let end = self.column_from(row, right).min(span.columns[1]);
+                for column in start..end {
+                    let r = [self.x(row, column) - p[0], y - p[1]];
+                    let along = if square > 0.0 {
+                        ((r[0] * d[0] + r[1] * d[1]) / square).clamp(0.0, 1.0)
                     } else {
-                        q[0]
-                    }
-                };
-                let (x0, x1) = (clip(y - far), clip(y + far));
-                let (left, right) = (x0.min(x1) - far, x0.max(x1) + far);
-                let row_at = usize::try_from(row - self.first_row).unwrap_or(0);
-                for i in self.rows[row_at]..self.rows[row_at + 1] {
-                    let span = self.spans[i];
-                    if self.x(row, span.columns[0]) > right
-                        || self.x(row, span.columns[1] - 1) < left
-                    {
-                        continue;
-                    }
-                    let start = self.column_from(row, left).max(span.columns[0]);
-                    let end = self.column_from(row, right).min(span.columns[1]);
-                    for column in start..end {
-                        let r = [self.x(row, column) - p[0], y - p[1]];
-                        let along = if square > 0.0 {
-                            ((r[0] * d[0] + r[1] * d[1]) / square).clamp(0.0, 1.0)
-                        } else {
-                            0.0
+                        0.0
+                    };
+                    let e = [r[0] - along * d[0], r[1] - along * d[1]];
+                    let distance = e[0] * e[0] + e[1] * e[1];
+                    if distance < far * far {
+                        let at = usize::try_from(column - span.columns[0]).unwrap_or(0);
+                        let near = NearPoint {
+                            point: span.first as usize + at,
+                            distance,
+                            along: if is_upward { along } else { 1.0 - along },
                         };
-                        let e = [r[0] - along * d[0], r[1] - along * d[1]];
-                        if e[0] * e[0] + e[1] * e[1] < far * far {
-                            let at = usize::try_from(column - span.columns[0]).unwrap_or(0);
-                            self.dropped[span.first as usize + at] = true;
-                        }
+                        visit(self, near);
                     }
                 }
             }
@@ -336,10 +387,17 @@ impl Lattice {
     }
 }
 
+/// Returns the offset of a row, in columns.
+#[inline]
+fn shift(row: i64) -> f64 {
+    0.5 * count(row.rem_euclid(2)) + SHEAR * count(row)
+}
+
 #[expect(
     clippy::cast_precision_loss,
     reason = "rows and columns are at most 2^41 apart"
 )]
+#[inline]
 fn count(i: i64) -> f64 {
     i as f64
 }
@@ -348,6 +406,7 @@ fn count(i: i64) -> f64 {
     clippy::cast_possible_truncation,
     reason = "rows and columns are at most 2^41 apart"
 )]
+#[inline]
 fn whole(x: f64) -> i64 {
     // Truncates; the callers step to the exact row or column.
     x as i64

@@ -56,6 +56,8 @@ const MAX_EXTRA_ROUND_TRIANGLES: usize = 1024;
 pub(crate) struct Refiner {
     /// The triangulation of the loops alone, in which the parents of points are found.
     pub(super) base: Cdt,
+    /// Targets of the corners, limited by the edges of the rim.
+    pub(super) rim_targets: Vec<f64>,
     /// Target length at each vertex.
     pub(super) targets: Vec<f64>,
     /// Angle bounds of the current round.
@@ -67,6 +69,8 @@ pub(crate) struct Refiner {
     pub(super) hints: Vec<u32>,
     /// Whether the neighborhood of each vertex has changed since its last smoothing.
     pub(super) stale: Vec<bool>,
+    /// Vertices that smoothing has moved.
+    pub(super) moved: Vec<u32>,
     pub(super) star: Star,
     cavity: CavityScratch,
 }
@@ -75,6 +79,12 @@ impl Refiner {
     /// Saves the triangulation of the loops before lattice points are inserted.
     pub(crate) fn save_base(&mut self, triangulation: &LoopTriangulation) {
         self.base.copy_triangles(&triangulation.cdt);
+    }
+
+    /// Reads the targets along the rim.
+    pub(crate) fn read_rim(&mut self, triangulation: &LoopTriangulation, targets: &TargetLengths) {
+        self.rim_targets.clear();
+        targets.along_rim(triangulation, &mut self.rim_targets);
     }
 
     /// Inserts at most `budget` points into the band and smooths them, in rounds.
@@ -106,27 +116,6 @@ impl Refiner {
         }
     }
 
-    /// Returns whether many triangles miss the minimum angle because core points are fixed.
-    pub(crate) fn is_blocked_by_core(
-        triangulation: &LoopTriangulation,
-        lattice: &Lattice,
-        band: &BoundaryBand,
-        targets: &TargetLengths,
-        core: usize,
-    ) -> bool {
-        let is_core = |v: u32| {
-            let point = v.checked_sub(band.first).map(|i| band.lattice[i as usize]);
-            point.is_some_and(|point| lattice.in_core.get(point as usize) == Some(&true))
-        };
-        let is_blocked_by_core = |t: u32| triangulation.cdt.corners(t).into_iter().any(is_core);
-        has_many_bad_triangles(
-            triangulation,
-            core,
-            targets.bounds.insert,
-            is_blocked_by_core,
-        )
-    }
-
     /// Initializes the state for a triangulation.
     fn start(
         &mut self,
@@ -136,13 +125,14 @@ impl Refiner {
         targets: &TargetLengths,
     ) {
         self.cavity.clear();
-        self.targets.clear();
         self.bounds = targets.bounds;
-        targets.along_rim(triangulation, &mut self.targets);
+        self.targets.clone_from(&self.rim_targets);
         // The target of lattice points; the corners of the box do not use theirs.
         self.targets
             .resize(triangulation.cdt.points.len(), lattice.length);
-        if lattice.boundary.is_empty() {
+        if lattice.targets.len() == band.lattice.len() {
+            self.targets[band.first as usize..].copy_from_slice(&lattice.targets);
+        } else if lattice.boundary.is_empty() {
             // Without a core, lattice points take the rim's target, grown by their distance.
             for v in band.first..index_u32(triangulation.cdt.points.len()) {
                 self.targets[v as usize] =
@@ -185,19 +175,14 @@ impl Refiner {
             let Some(candidate) = self.find_candidate(cdt, t) else {
                 continue;
             };
-            let v = cdt.push_point(candidate.at);
-            cdt.last = candidate.triangle;
             let near = cdt.corners(candidate.triangle)[0];
             self.base.last = self.hints[near as usize];
             // A point without parents in the triangulation of the loops is not inserted.
             let Some((parents, weights)) = barycentric_weights(&mut self.base, candidate.at) else {
-                cdt.pop_point();
                 continue;
             };
-            if cdt.insert(v).is_err() {
-                cdt.pop_point();
-                continue;
-            }
+            let v = cdt.push_point(candidate.at);
+            self.cavity.insert(cdt, v, &candidate);
             inserted += 1;
             self.hints.push(self.base.last);
             band.lattice.push(index_u32(lattice.points.len()));
@@ -232,11 +217,13 @@ impl Refiner {
 
     /// Queues a triangle that misses the minimum angle or has a long edge.
     fn queue_if_bad(&mut self, cdt: &Cdt, t: u32) {
-        if cdt.region[t as usize] == INSIDE
-            && (cos2_min_angle(cdt.corner_points(t)) > self.bounds.insert
-                || self.has_long_edge(cdt, t))
-        {
-            self.queue.push((t, cdt.corners(t)));
+        if cdt.region[t as usize] != INSIDE {
+            return;
+        }
+        let corners = cdt.corners(t);
+        let p = corners.map(|v| cdt.point(v));
+        if cos2_min_angle(p) > self.bounds.insert || self.has_long_edge(cdt, t) {
+            self.queue.push((t, corners));
         }
     }
 
@@ -254,17 +241,16 @@ impl Refiner {
             } else {
                 MIN_GAIN
             };
-            let is_gain = |candidate: &Candidate| {
-                1.0 - candidate.new_cos2 > gain * (1.0 - candidate.old_cos2)
+            let mut evaluate = |at: [f64; 2]| {
+                let mut candidate = self.cavity.evaluate(cdt, t, at)?;
+                let is_gain = self.cavity.complete_spirals(cdt, &mut candidate, gain);
+                is_gain.then_some(candidate)
             };
             // Try closer to the short side if the usual off-center does not help.
-            let mut usual = OFF_CENTER_REACH.into_iter().filter_map(|reach| {
-                let candidate = self.cavity.evaluate(cdt, t, off_center(p, k, reach)?)?;
-                is_gain(&candidate).then_some(candidate)
-            });
-            let mut best = usual.next();
+            let mut places = OFF_CENTER_REACH.into_iter();
+            let mut best = places.find_map(|reach| evaluate(off_center(p, k, reach)?));
             for at in spiral::points(cdt, t) {
-                let candidate = self.cavity.evaluate(cdt, t, at).filter(is_gain);
+                let candidate = evaluate(at);
                 let is_better = |candidate: &Candidate| {
                     best.is_none_or(|best| candidate.new_cos2 < best.new_cos2)
                 };
@@ -285,7 +271,7 @@ impl Refiner {
             .filter_map(|reach| off_center(p, k, reach))
             .find_map(|at| {
                 let candidate = self.cavity.evaluate(cdt, t, at)?;
-                (candidate.direct_cos2 < candidate.old_cos2.max(COS2_30)).then_some(candidate)
+                (candidate.new_cos2 < candidate.old_cos2.max(COS2_30)).then_some(candidate)
             });
         best.or_else(|| {
             let sides = [3 * t, 3 * t + 1, 3 * t + 2].into_iter();
@@ -294,7 +280,7 @@ impl Refiner {
             let h = free.max_by(|&g, &h| length(g).total_cmp(&length(h)))?;
             let at = midpoint(cdt.point(cdt.start(h)), cdt.point(cdt.end(h)));
             let candidate = self.cavity.evaluate(cdt, t, at)?;
-            (candidate.direct_cos2 < candidate.old_cos2.max(COS2_20)).then_some(candidate)
+            (candidate.new_cos2 < candidate.old_cos2.max(COS2_20)).then_some(candidate)
         })
     }
 
@@ -304,15 +290,16 @@ impl Refiner {
         0.5 * of(cdt.start(h)) + 0.5 * of(cdt.end(h))
     }
 
-    fn is_long(&self, cdt: &Cdt, h: u32) -> bool {
-        distance_squared(cdt.point(cdt.start(h)), cdt.point(cdt.end(h)))
-            > (MAX_EDGE_RATIO * self.target(cdt, h)).powi(2)
-    }
-
     fn has_long_edge(&self, cdt: &Cdt, t: u32) -> bool {
-        [3 * t, 3 * t + 1, 3 * t + 2]
-            .into_iter()
-            .any(|h| cdt.constraints[h as usize] == constraint::FREE && self.is_long(cdt, h))
+        let corners = cdt.corners(t);
+        let p = corners.map(|v| cdt.point(v));
+        let targets = corners.map(|v| self.targets[v as usize]);
+        (0..3).any(|i| {
+            let j = (i + 1) % 3;
+            let longest = MAX_EDGE_RATIO * (0.5 * targets[i] + 0.5 * targets[j]);
+            distance_squared(p[i], p[j]) > longest * longest
+                && cdt.constraints[3 * t as usize + i] == constraint::FREE
+        })
     }
 }
 

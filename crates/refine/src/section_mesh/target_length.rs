@@ -15,6 +15,18 @@ const MAX_MEAN_TO_MIN: f64 = 1.6;
 /// Maximum ratio of the largest target to the mean one for a single lattice.
 const MAX_MAX_TO_MEAN: f64 = 2.0;
 
+/// One in this many corners may have targets below the finest spacing of a graded lattice.
+const FINEST_SHARE: usize = 4;
+
+/// The spacing of a section's lattice.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Spacing {
+    /// The same everywhere.
+    Uniform(f64),
+    /// By local targets, from this spacing on.
+    Graded(f64),
+}
+
 /// The target edge length of a section mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum SectionMeshSize<'a> {
@@ -47,7 +59,7 @@ impl AngleBounds {
     fn new(min_angle: f64) -> Self {
         let cos2 = |degrees: f64| degrees.max(0.0).to_radians().cos().powi(2);
         Self {
-            smooth: cos2(min_angle + 6.0),
+            smooth: cos2(min_angle + 2.0),
             insert: cos2(min_angle),
             search: cos2(min_angle - 2.0),
             insert_after_smoothing: cos2(min_angle - 7.0),
@@ -138,10 +150,12 @@ impl TargetLengths {
         }
     }
 
-    /// Returns the lattice spacing for these corners if their targets are similar enough.
+    /// Returns the lattice for these corners, unless there is no target.
+    ///
+    /// Without grading and with similar targets, one spacing serves the whole section.
     #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^53 corners")]
-    pub(crate) fn common(&self, corners: &[u32]) -> Option<f64> {
-        if self.is_any() || self.grading > 0.0 {
+    pub(crate) fn spacing(&self, corners: &[u32], scratch: &mut Vec<f64>) -> Option<Spacing> {
+        if self.is_any() || corners.is_empty() {
             return None;
         }
         let (mut low, mut high, mut sum) = (f64::INFINITY, 0.0f64, 0.0);
@@ -150,11 +164,23 @@ impl TargetLengths {
             high = high.max(target);
             sum += target;
         }
-        if low == high {
-            return Some(low);
+        let mean = if low == high {
+            low
+        } else {
+            sum / corners.len() as f64
+        };
+        let is_similar = mean <= MAX_MEAN_TO_MIN * low && high <= MAX_MAX_TO_MEAN * mean;
+        if is_similar && self.grading > 0.0 {
+            return Some(Spacing::Graded(mean));
         }
-        let mean = sum / corners.len() as f64;
-        (mean <= MAX_MEAN_TO_MIN * low && high <= MAX_MAX_TO_MEAN * mean).then_some(mean)
+        if is_similar {
+            return Some(Spacing::Uniform(mean));
+        }
+        scratch.clear();
+        scratch.extend(corners.iter().map(|&corner| self.at(corner)));
+        let place = scratch.len() / FINEST_SHARE;
+        let (_, &mut finest, _) = scratch.select_nth_unstable_by(place, f64::total_cmp);
+        Some(Spacing::Graded(finest))
     }
 }
 

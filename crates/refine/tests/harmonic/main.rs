@@ -29,6 +29,7 @@ impl Patch {
         };
         let params = SectionMeshParams {
             size: SectionMeshSize::Uniform(length),
+            grading: 0.0,
             ..SectionMeshParams::default()
         };
         let mesh = triangulate_section(

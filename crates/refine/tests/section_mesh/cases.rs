@@ -259,6 +259,7 @@ fn bad_input_is_an_error() {
         let params = SectionMeshParams {
             size: length.map_or(SectionMeshSize::Any, SectionMeshSize::Uniform),
             max_triangles,
+            grading: 0.0,
             ..SectionMeshParams::default()
         };
         triangulate_section(

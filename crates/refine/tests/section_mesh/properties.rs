@@ -201,7 +201,7 @@ proptest! {
         length in prop::option::of(0.15f64..3.0),
     ) {
         let size = length.map_or(SectionMeshSize::Any, SectionMeshSize::Uniform);
-        let params = SectionMeshParams { size, ..SectionMeshParams::default() };
+        let params = SectionMeshParams { size, grading: 0.0, ..SectionMeshParams::default() };
         let mut scratch = SectionMeshScratch::default();
         let section = shape.section();
         let first = triangulate_section(&section, &params, |_, _| false, &mut scratch)?;

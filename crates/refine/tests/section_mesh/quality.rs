@@ -80,9 +80,14 @@ fn with_short_edge(n: usize, part: f64) -> Shape {
 
 /// Triangulates a section with z times the rim's edge lengths and measures the quality.
 fn measure(shape: &Shape, z: f64) -> Result<SectionMeshQuality, RefineError> {
+    measure_graded(shape, z, 0.0)
+}
+
+fn measure_graded(shape: &Shape, z: f64, grading: f64) -> Result<SectionMeshQuality, RefineError> {
     let lengths = targets(shape, z);
     let params = SectionMeshParams {
         size: SectionMeshSize::Local(&lengths),
+        grading,
         ..SectionMeshParams::default()
     };
     let section = shape.section();
@@ -173,6 +178,22 @@ proptest! {
         if shape.loops[0].len() >= 100 {
             prop_assert!(angles[count / 2] >= 45.0, "median {}", angles[count / 2]);
             prop_assert!(quality.is_size_met(), "mean {}", quality.mean_edge());
+        }
+    }
+
+    /// The points of nested lattices give the same bounds of small angles.
+    #[test]
+    fn smooth_graded_sections_have_good_triangles(
+        shape in any_waved(20),
+        z in prop::sample::select(vec![1.0 / 1.5, 1.0, 1.5, 2.0]),
+        grading in 0.05f64..1.0,
+    ) {
+        let quality = measure_graded(&shape, z, grading)?;
+        let (angles, count) = (&quality.angles, quality.angles.len());
+        prop_assert!(angles[0] >= 20.0, "smallest {}", angles[0]);
+        prop_assert!(angles[count / 20] >= 30.0, "5 percent {}", angles[count / 20]);
+        if shape.loops[0].len() >= 100 {
+            prop_assert!(angles[count / 2] >= 40.0, "median {}", angles[count / 2]);
         }
     }
 

@@ -135,6 +135,7 @@ pub(crate) fn run_with_edges(
 ) -> Result<SectionMesh, RefineError> {
     let params = SectionMeshParams {
         size: length.map_or(SectionMeshSize::Any, SectionMeshSize::Uniform),
+        grading: 0.0,
         ..SectionMeshParams::default()
     };
     triangulate_section(

@@ -1,6 +1,7 @@
 //! The points where curves meet sweep edges, sorted along the edges of each solid.
 
 use super::{Chains, Opening};
+use crate::error::CutError;
 use crate::exact::open::Sides;
 use crate::exact::rim::NO_NODE;
 use crate::intersection::node::{Node, On};
@@ -114,7 +115,12 @@ impl Chains {
     }
 
     /// Collects the vertices of the tip that the sweep continues.
-    pub(super) fn find_tips(&mut self, edit: &Edit<'_>, at: &Opening<'_>, sides: &Sides) {
+    pub(super) fn find_tips(
+        &mut self,
+        edit: &Edit<'_>,
+        at: &Opening<'_>,
+        sides: &Sides,
+    ) -> Result<(), CutError> {
         self.tips.clear();
         let tip = at.facets.tip();
         let ends = (0..).zip(&tip.vertices);
@@ -161,15 +167,19 @@ impl Chains {
             } else {
                 prev
             };
-            let triangle = sides.rim[along as usize][0].triangle();
+            let along = sides.rim[along as usize][0];
+            if along.is_null() {
+                return Err(CutError::OpenSection);
+            }
             self.tips.push(TipCorner {
                 corner,
                 node,
-                solid: edit.surface().piece(triangle),
+                solid: edit.surface().piece(along.triangle()),
                 diagonal,
                 rib,
                 beyond,
             });
         }
+        Ok(())
     }
 }

@@ -5,7 +5,7 @@
 //! edges at that side.
 
 use super::spiral;
-use crate::section_mesh::cdt::{Cdt, constraint, incircle_of, orient};
+use crate::section_mesh::cdt::{Cdt, LinkEdge, constraint, incircle_of, orient};
 
 /// Maximum distances of an off-center from the midpoint of the shortest side, in its lengths.
 ///
@@ -23,10 +23,8 @@ pub(crate) struct Candidate {
     pub(crate) triangle: u32,
     /// cos^2 of the minimum angle of the triangles to replace.
     pub(crate) old_cos2: f64,
-    /// cos^2 of the minimum angle of the new triangles, once a [`spiral`] at the rim is complete.
+    /// cos^2 of the minimum angle of the new triangles.
     pub(crate) new_cos2: f64,
-    /// cos^2 of the minimum angle of the new triangles as they are.
-    pub(crate) direct_cos2: f64,
 }
 
 /// Scratch memory for the cavity of a point.
@@ -34,8 +32,10 @@ pub(crate) struct Candidate {
 pub(crate) struct CavityScratch {
     /// Triangles whose circumcircle contains the point.
     cavity: Vec<u32>,
-    /// Half-edges on the boundary of the cavity.
-    link: Vec<u32>,
+    /// Edges on the boundary of the cavity.
+    link: Vec<LinkEdge>,
+    /// The point of the cavity.
+    at: [f64; 2],
     /// Value of `stamp` when each triangle was last visited.
     stamps: Vec<u32>,
     stamp: u32,
@@ -47,7 +47,7 @@ impl CavityScratch {
         self.stamp = 0;
     }
 
-    /// Computes the minimum angles before and after inserting `at`.
+    /// Computes the minimum angles before and after inserting `at`, and the cavity.
     ///
     /// `None` if a constraint lies between triangle `from` and the point, or the point lies on an
     /// edge or vertex.
@@ -56,10 +56,11 @@ impl CavityScratch {
         self.stamps.resize(cdt.region.len(), 0);
         self.stamp += 1;
         self.stamps[triangle as usize] = self.stamp;
+        self.at = at;
         self.cavity.clear();
         self.cavity.push(triangle);
         self.link.clear();
-        let (mut old, mut new, mut direct) = (-1.0f64, -1.0f64, -1.0f64);
+        let (mut old, mut new) = (-1.0f64, -1.0f64);
         let mut i = 0;
         while i < self.cavity.len() {
             let t = self.cavity[i];
@@ -77,31 +78,66 @@ impl CavityScratch {
                         continue;
                     }
                 }
-                self.link.push(h);
+                self.link.push(LinkEdge::from_half_edge(h));
             }
         }
-        for &h in &self.link {
+        for edge in &self.link {
+            let h = edge.half_edge;
             let [p, q] = [cdt.start(h), cdt.end(h)].map(|v| cdt.point(v));
             if orient(p, q, at) <= 0.0 {
                 return None;
             }
-            let cos2 = cos2_min_angle([p, q, at]);
-            direct = direct.max(cos2);
-            new = new.max(
-                if cos2 > COS2_32 && cdt.constraints[h as usize] != constraint::FREE {
-                    cos2.min(spiral::cos2_beside([p, q], at))
-                } else {
-                    cos2
-                },
-            );
+            new = new.max(cos2_min_angle([p, q, at]));
         }
         Some(Candidate {
             at,
             triangle,
             old_cos2: old,
             new_cos2: new,
-            direct_cos2: direct,
         })
+    }
+
+    /// Computes the minimum angle of the candidate evaluated last, once spirals are complete.
+    ///
+    /// Returns false unless its sin^2 is greater than `gain` times the one before.
+    pub(crate) fn complete_spirals(&self, cdt: &Cdt, candidate: &mut Candidate, gain: f64) -> bool {
+        let bound = 1.0 - gain * (1.0 - candidate.old_cos2);
+        let is_rim = |h: u32| cdt.constraints[h as usize] != constraint::FREE;
+        let corners = |h: u32| [cdt.start(h), cdt.end(h)].map(|v| cdt.point(v));
+        if candidate.new_cos2 < bound {
+            return true;
+        }
+        // Triangles inside the section decide first: those at the rim cost more.
+        let mut new = -1.0f64;
+        for is_rim_turn in [false, true] {
+            for h in self.link.iter().map(|edge| edge.half_edge) {
+                if is_rim(h) != is_rim_turn {
+                    continue;
+                }
+                let [p, q] = corners(h);
+                let cos2 = cos2_min_angle([p, q, candidate.at]);
+                new = new.max(if is_rim_turn && cos2 > COS2_32 {
+                    cos2.min(spiral::cos2_beside([p, q], candidate.at))
+                } else {
+                    cos2
+                });
+                if new >= bound {
+                    return false;
+                }
+            }
+        }
+        candidate.new_cos2 = new;
+        true
+    }
+}
+
+impl CavityScratch {
+    /// Inserts the point of a candidate as vertex `v`.
+    pub(crate) fn insert(&mut self, cdt: &mut Cdt, v: u32, candidate: &Candidate) {
+        if self.at != candidate.at {
+            self.evaluate(cdt, candidate.triangle, candidate.at);
+        }
+        cdt.insert_in_cavity(v, &mut self.cavity, &mut self.link);
     }
 }
 

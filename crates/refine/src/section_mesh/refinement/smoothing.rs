@@ -49,8 +49,9 @@ impl Refiner {
         band: &BoundaryBand,
     ) {
         let cdt = &mut triangulation.cdt;
+        self.moved.clear();
         for _ in 0..SWEEPS {
-            let mut moved = false;
+            let first = self.moved.len();
             for (v, &point) in (band.first..).zip(&band.lattice) {
                 if !std::mem::take(&mut self.stale[v as usize])
                     || lattice.in_core.get(point as usize) == Some(&true)
@@ -61,26 +62,43 @@ impl Refiner {
                 let Some(at) = self.star.better_place(cdt.point(v), self.bounds) else {
                     continue;
                 };
-                self.base.last = self.hints[v as usize];
-                let Some((parents, weights)) = barycentric_weights(&mut self.base, at) else {
-                    continue;
-                };
-                self.hints[v as usize] = self.base.last;
-                lattice.points[point as usize] = at;
-                lattice.parents[point as usize] = parents;
-                lattice.weights[point as usize] = weights;
                 cdt.points[v as usize] = at;
-                for h in outgoing_half_edges(cdt, v) {
-                    self.stale[cdt.end(h) as usize] = true;
-                    self.sides.extend([h, next(h)]);
-                }
-                cdt.stack.append(&mut self.sides);
-                cdt.legalize_all();
                 self.mark_stale(cdt, v);
-                moved = true;
+                self.moved.push(v);
             }
-            if !moved {
+            if first == self.moved.len() {
                 break;
+            }
+            // Flips wait for the end of the sweep, so that an edge between two moved points is
+            // tested once.
+            for &v in &self.moved[first..] {
+                for h in outgoing_half_edges(cdt, v) {
+                    self.sides.push(h);
+                    self.sides.push(next(h));
+                }
+            }
+            for &h in &self.sides {
+                if !cdt.is_illegal(h) {
+                    continue;
+                }
+                cdt.stack.push(h);
+                cdt.legalize_all();
+            }
+            self.sides.clear();
+        }
+        self.moved.sort_unstable();
+        self.moved.dedup();
+        for &v in &self.moved {
+            let (at, point) = (
+                cdt.point(v),
+                band.lattice[(v - band.first) as usize] as usize,
+            );
+            self.base.last = self.hints[v as usize];
+            if let Some((parents, weights)) = barycentric_weights(&mut self.base, at) {
+                self.hints[v as usize] = self.base.last;
+                lattice.points[point] = at;
+                lattice.parents[point] = parents;
+                lattice.weights[point] = weights;
             }
         }
     }
@@ -182,22 +200,25 @@ impl Star {
     /// `None` if a triangle would be inverted or reach `bound`, or an edge would be too long.
     fn max_cos2(&mut self, at: [f64; 2], bound: f64) -> Option<f64> {
         let (ahead, behind) = self.sides.split_at(self.worst);
-        let mut largest = 0.0f64;
+        // sin^2 of the minimum angle is a quotient; the smallest one is found without divisions.
+        let bound = 1.0 - bound;
+        let (mut least_sin2, mut divisor) = (1.0, 1.0);
         for (i, side) in behind.iter().chain(ahead).enumerate() {
             let (p, q, c) = (side.start, side.end, side.square);
             let (u, w) = ([p[0] - at[0], p[1] - at[1]], [q[0] - at[0], q[1] - at[1]]);
             let (a, b) = (u[0] * u[0] + u[1] * u[1], w[0] * w[0] + w[1] * w[1]);
             let double = u[0] * w[1] - u[1] * w[0];
-            let least = a.min(b).min(c);
-            let part = a + b + c - 2.0 * least;
-            let cos2 = part * part * least / (4.0 * a * b * c);
-            if a > side.max_start || double <= MIN_AREA * (a + b) || cos2.is_nan() || cos2 >= bound
-            {
+            let sin2 = double * double * a.min(b).min(c);
+            let product = a * b * c;
+            let is_better = sin2 > bound * product;
+            if a > side.max_start || double <= MIN_AREA * (a + b) || !is_better {
                 self.worst = (self.worst + i) % self.sides.len();
                 return None;
             }
-            largest = largest.max(cos2);
+            if sin2 * divisor < least_sin2 * product {
+                (least_sin2, divisor) = (sin2, product);
+            }
         }
-        Some(largest)
+        Some(1.0 - least_sin2 / divisor)
     }
 }

@@ -39,9 +39,11 @@ impl Spiral {
         };
         for steps in STEPS {
             let cos2 = cos2_min_angle([corner, short, spiral.point(1.0 / steps)]);
-            if cos2 < spiral.cos2 {
-                (spiral.cos2, spiral.steps) = (cos2, steps);
+            // More triangles have a smaller angle at the corner and a ratio closer to 1.
+            if cos2 >= spiral.cos2 {
+                break;
             }
+            (spiral.cos2, spiral.steps) = (cos2, steps);
         }
         spiral
     }
