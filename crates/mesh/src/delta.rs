@@ -140,6 +140,9 @@ impl TopologyDelta {
     /// Otherwise the surface still has it. O(log k) for k removed vertices.
     #[must_use]
     pub fn removed_position(&self, v: VertexId) -> Option<[f32; 3]> {
+        if self.removed_positions.is_empty() {
+            return None;
+        }
         let i = self.vertices_removed.binary_search(&v).ok()?;
         self.removed_positions.get(i).copied()
     }
