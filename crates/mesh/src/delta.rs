@@ -72,6 +72,18 @@ impl VertexOrigin {
         }
     }
 
+    /// Returns the parents; one may be listed more than once.
+    pub(crate) fn parents(&self) -> [VertexId; 3] {
+        match *self {
+            Self::OnEdge { a, b, .. } => [a, b, a],
+            Self::InFace {
+                corners: parents, ..
+            }
+            | Self::OnCap { parents, .. }
+            | Self::Restored { parents, .. } => parents,
+        }
+    }
+
     /// Interpolates the values that `at` returns for the parents.
     pub fn interpolate<const N: usize>(&self, at: impl Fn(VertexId) -> [f32; N]) -> [f64; N] {
         let mut sum = [0.0; N];

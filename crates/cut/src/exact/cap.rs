@@ -34,10 +34,11 @@ pub(crate) struct Cap {
     /// Union-find forests: over the points of a mesh, and over all nodes.
     point_parents: Vec<u32>,
     node_parents: Vec<u32>,
-    /// First curve of each curve's group.
+    /// First curve of each curve's group; by curve, whether its sides join at a tip or at an end.
     groups: Vec<usize>,
-    /// By curve, whether its two sides join at a tip or at an end.
     has_tip: Vec<bool>,
+    /// Texture coordinates of the points of a mesh.
+    flat: Vec<[f32; 2]>,
     /// New triangles by side.
     pub(super) triangles: [Vec<TriangleId>; 2],
     added: Vec<TriangleId>,
@@ -345,32 +346,32 @@ impl Cap {
 
     /// Sets texture coordinates to positions in the sweep laid flat \[m\] and normals to its own.
     fn set_attributes(
-        &self,
+        &mut self,
         edit: &mut Edit<'_>,
         frames: &Frames,
         i: usize,
         mesh: &SectionMesh,
         side: usize,
     ) {
-        let surface = edit.surface();
-        if surface.corner_uvs().is_empty() && surface.corner_normals().is_empty() {
+        if edit.surface().corner_uvs().is_empty() && edit.surface().corner_normals().is_empty() {
             return;
         }
         let section = &self.section.sections()[i];
         let normal = frames.normal(section.facet);
         let normal = to_f32(if side == 0 { normal } else { -normal });
-        for h in 0..3 * mesh.triangles.len() {
-            let point = mesh.triangles[h / 3][h % 3] as usize;
-            let at = match point.checked_sub(section.points.len()) {
-                Some(inner) => mesh.steiner_points[inner].position,
-                None => section.points[point],
-            };
-            let corner = self.added[h / 3].half_edges();
-            let corner = corner[if side == 0 { h % 3 } else { (3 - h % 3) % 3 }];
+        let inner = mesh.steiner_points.iter().map(|point| &point.position);
+        self.flat.clear();
+        (self.flat).extend(section.points.iter().chain(inner).map(|&at| {
             let [u, v] = frames.flat(section.facet, section.uncentered(at));
             let [u, v, _] = to_f32([u, v, 0.0].into());
-            edit.set_uv(corner, [u, v]);
-            edit.set_normal(corner, normal);
+            [u, v]
+        }));
+        for (triangle, t) in mesh.triangles.iter().zip(&self.added) {
+            for (k, &point) in triangle.iter().enumerate() {
+                let corner = t.half_edges()[if side == 0 { k } else { (3 - k) % 3 }];
+                edit.set_uv(corner, self.flat[point as usize]);
+                edit.set_normal(corner, normal);
+            }
         }
     }
 }
