@@ -255,7 +255,7 @@ impl Edit<'_> {
         }
     }
 
-    /// Moves distinct triangles to another piece, like [`Self::set_piece`].
+    /// Moves triangles to another piece, like [`Self::set_piece`].
     ///
     /// No slot may be free. Only debug builds check, because the check would double the time.
     pub fn set_pieces(&mut self, triangles: impl Iterator<Item = TriangleId> + Clone, piece: u32) {

@@ -27,7 +27,7 @@ pub(super) struct TriangleSet {
 }
 
 impl TriangleSet {
-    /// Collects distinct triangles.
+    /// Collects triangles.
     pub(super) fn new(triangles: impl Iterator<Item = TriangleId> + Clone) -> Self {
         let (mut len, mut low, mut high) = (0, usize::MAX, 0);
         for t in triangles.clone() {
@@ -49,12 +49,15 @@ impl TriangleSet {
             set.list.reserve_exact(len);
             set.list.extend(triangles);
             set.list.sort_unstable();
+            set.list.dedup();
+            set.len = set.list.len();
         } else {
             set.bits.resize(words, 0);
             for t in triangles {
                 let bit = t.index() - set.first;
                 set.bits[bit / 64] |= 1 << (bit % 64);
             }
+            set.len = set.bits.iter().map(|word| word.count_ones() as usize).sum();
         }
         set
     }
@@ -109,7 +112,8 @@ mod tests {
         let dense: Vec<u32> = (70..400).filter(|i| i % 3 != 0).collect();
         let sparse = vec![3, 900, 64_000, 1_000_000];
         for (ids, is_dense) in [(dense, true), (sparse, false), (Vec::new(), false)] {
-            let triangles = || ids.iter().rev().map(|&i| TriangleId(i));
+            let twice = || ids.iter().rev().chain(&ids[..ids.len() / 2]);
+            let triangles = || twice().map(|&i| TriangleId(i));
             let set = TriangleSet::new(triangles());
             assert_eq!(!set.bits.is_empty(), is_dense);
             assert_eq!(set.len(), ids.len());
