@@ -184,22 +184,33 @@ impl Patches {
         lists: &mut EdgeLists,
         bends: bool,
     ) {
-        let mut homeless: Vec<(u32, Stencil)> = lists.stencils(edges, topology, bends).collect();
-        lists.homes.clear();
-        lists.homes.resize(lists.len(), Home::BODY);
-        for (layer, patching) in (1..).zip(&mut self.patchings) {
-            let stencils = homeless.iter().map(|entry| entry.1);
-            cover(patching, stencils, self.new_size, |v, out| {
-                append_neighbors(topology, v, out);
-            });
-            homeless.retain(|(i, stencil)| match patching.shared(stencil) {
-                Some(patch) => {
-                    lists.homes[*i as usize] = Home { layer, patch };
-                    false
-                }
-                None => true,
-            });
+        let mut homes = std::mem::take(&mut lists.homes);
+        homes.clear();
+        homes.resize(lists.len(), Home::BODY);
+        let stencils = || lists.stencils(edges, topology, bends);
+        let neighbors = |v: VertexId, out: &mut Vec<VertexId>| append_neighbors(topology, v, out);
+        let mut homeless: Vec<(u32, Stencil)> = Vec::new();
+        let mut find = |(i, stencil): (u32, Stencil), layer: u32, patching: &Patching| {
+            let patch = patching.shared(&stencil);
+            if let Some(patch) = patch {
+                homes[i as usize] = Home { layer, patch };
+            }
+            patch.is_some()
+        };
+        let [first, others @ ..] = &mut self.patchings;
+        cover(
+            first,
+            stencils().map(|entry| entry.1),
+            self.new_size,
+            neighbors,
+        );
+        homeless.extend(stencils().filter(|&entry| !find(entry, 1, first)));
+        for (layer, patching) in (2..).zip(others) {
+            let left = homeless.iter().map(|entry| entry.1);
+            cover(patching, left, self.new_size, neighbors);
+            homeless.retain(|&entry| !find(entry, layer, patching));
         }
+        lists.homes = homes;
     }
 
     /// Checks that all vertices in use, and no others, are in a patch of the first patching.

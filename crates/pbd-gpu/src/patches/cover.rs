@@ -1,7 +1,7 @@
 //! Builds patches along the borders of other patches, from the stencils that these cut apart.
 
 use crate::patches::patching::Patching;
-use incise_mesh::VertexId;
+use incise_mesh::{VertexId, index_u32};
 
 /// The vertices of a constraint, which should be in one patch; a vertex may appear twice.
 pub(crate) type Stencil = [VertexId; 4];
@@ -57,7 +57,8 @@ pub(crate) fn cover(
         neighbors,
         max,
         queue: Vec::new(),
-        near: Vec::new(),
+        fans: Vec::new(),
+        fan_ends: Vec::new(),
         patch,
         left,
     };
@@ -76,8 +77,9 @@ struct Growth<'a, F> {
     max: usize,
     /// Breadth-first queue of vertices.
     queue: Vec<VertexId>,
-    /// Neighbors of the current vertex.
-    near: Vec<VertexId>,
+    /// Neighbors of the vertices of a component, and the end of those of each vertex.
+    fans: Vec<VertexId>,
+    fan_ends: Vec<u32>,
     /// The growing patch.
     patch: u32,
     /// Number of vertices that it still takes.
@@ -90,12 +92,15 @@ impl<F: Fn(VertexId, &mut Vec<VertexId>)> Growth<'_, F> {
         self.queue.clear();
         self.queue.push(seed);
         self.patching.set_waiting(seed, false);
+        self.fans.clear();
+        self.fan_ends.clear();
         let mut next = 0;
         while let Some(&v) = self.queue.get(next) {
             next += 1;
-            self.near.clear();
-            (self.neighbors)(v, &mut self.near);
-            for &w in &self.near {
+            let first = self.fans.len();
+            (self.neighbors)(v, &mut self.fans);
+            self.fan_ends.push(index_u32(self.fans.len()));
+            for &w in &self.fans[first..] {
                 if self.patching.is_waiting(w) {
                     self.patching.set_waiting(w, false);
                     self.queue.push(w);
@@ -112,8 +117,8 @@ impl<F: Fn(VertexId, &mut Vec<VertexId>)> Growth<'_, F> {
                 self.patching.insert(v, self.patch);
             }
         } else {
-            for &v in &component {
-                self.patching.set_waiting(v, true);
+            for (i, &v) in (0..).zip(&component) {
+                self.patching.set_waiting_as(v, i);
             }
             for &v in &component {
                 self.grow(v);
@@ -128,9 +133,10 @@ impl<F: Fn(VertexId, &mut Vec<VertexId>)> Growth<'_, F> {
         let mut next = 0;
         while let Some(&v) = self.queue.get(next) {
             next += 1;
-            if !self.patching.is_waiting(v) {
+            let Some(number) = self.patching.waiting_number(v) else {
                 continue;
-            }
+            };
+            let number = number as usize;
             if self.left == 0 {
                 // The new patch starts at the border of the full one.
                 self.start_patch();
@@ -139,15 +145,10 @@ impl<F: Fn(VertexId, &mut Vec<VertexId>)> Growth<'_, F> {
             }
             self.patching.insert(v, self.patch);
             self.left -= 1;
-            let first = self.queue.len();
-            (self.neighbors)(v, &mut self.queue);
-            let mut end = first;
-            for i in first..self.queue.len() {
-                let w = self.queue[i];
-                self.queue[end] = w;
-                end += usize::from(self.patching.is_waiting(w));
-            }
-            self.queue.truncate(end);
+            let start = number.checked_sub(1).map_or(0, |i| self.fan_ends[i]);
+            let fan = &self.fans[start as usize..self.fan_ends[number] as usize];
+            let waiting = fan.iter().filter(|&&w| self.patching.is_waiting(w));
+            self.queue.extend(waiting);
         }
     }
 
