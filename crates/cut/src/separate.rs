@@ -1,17 +1,18 @@
 //! Gives the parts of cut pieces piece numbers of their own.
 //!
-//! Breadth-first searches start on both sides of every loop, advance in turns and join where they
-//! meet. They end as soon as at most one part of each piece is unfinished: its size follows from
-//! the others, and if it is the largest it keeps the piece's number. So the largest part is not
-//! traversed as a whole. Searches on the side that looks smaller get longer turns.
+//! Searches start on both sides of every loop, advance in turns and join where they meet. They end
+//! as soon as at most one part of each piece is unfinished: its size follows from the others, and
+//! if it is the largest it keeps the piece's number. So the largest part is not traversed as a
+//! whole. Searches on the side that looks smaller get longer turns.
 
 use crate::sweep::Sweep;
-use incise_mesh::{Edit, Surface, Topology, TriangleId, index_u32};
+use incise_mesh::{Edit, HalfEdge, Surface, Topology, TriangleId, index_u32};
+use smallvec::SmallVec;
 
 /// Triangles that a search visits before the next search has its turn.
 const TURN: usize = 1024;
 /// Factor by which turns are longer on the side that looks smaller.
-const SMALLER_SIDE_FACTOR: usize = 4;
+const SMALLER_SIDE_FACTOR: usize = 8;
 /// Triangles that are visited together.
 const BATCH: usize = 32;
 /// Triangles of a body that are sampled to estimate the smaller side.
@@ -37,8 +38,9 @@ pub(crate) struct Separator {
 #[derive(Debug, Clone, Default)]
 struct Search {
     reached: Vec<TriangleId>,
-    /// Number of reached triangles that were visited.
-    done: usize,
+    /// For reached triangles to visit, the half-edge across which they were reached. The last is
+    /// visited first, because it is the most likely to be in a cache.
+    waiting: Vec<HalfEdge>,
     /// The search that it was joined to, itself if none (union-find).
     root: usize,
     /// The piece of its first triangle.
@@ -102,7 +104,10 @@ impl Separator {
 
     fn begin(&mut self, surface: &Surface, seeds: impl Iterator<Item = TriangleId>) {
         let slots = surface.topology().triangle_slots();
-        self.searches.iter_mut().for_each(|s| s.reached.clear());
+        for search in &mut self.searches {
+            search.reached.clear();
+            search.waiting.clear();
+        }
         let seeds: Vec<TriangleId> = seeds.collect();
         self.searches.resize(seeds.len(), Search::default());
         self.stamps.resize(slots.max(self.stamps.len()), 0);
@@ -117,13 +122,16 @@ impl Separator {
         self.next_epoch = self.epoch + count;
         for (i, &seed) in seeds.iter().enumerate() {
             let search = &mut self.searches[i];
-            search.done = 0;
             search.root = i;
             search.piece = surface.piece(seed);
             let stamp =
                 std::mem::replace(&mut self.stamps[seed.index()], self.epoch + index_u32(i));
             if stamp < self.epoch {
                 self.searches[i].reached.push(seed);
+                let topology = surface.topology();
+                let near = seed.half_edges().map(|h| topology.twin(h));
+                let near = near.into_iter().filter(|h| !h.is_null());
+                self.reach(i, &near.collect::<SmallVec<[HalfEdge; 3]>>());
             } else {
                 self.join(i, (stamp - self.epoch) as usize);
             }
@@ -165,7 +173,7 @@ impl Separator {
                 piece,
                 is_mixed: pieces().any(|p| p != piece),
                 triangles: own_searches().map(|s| s.reached.len()).sum(),
-                is_finished: own_searches().all(|s| s.done == s.reached.len()),
+                is_finished: own_searches().all(|s| s.waiting.is_empty()),
                 first_triangle: TriangleId::NULL,
             });
             from += own.len();
@@ -184,7 +192,7 @@ impl Separator {
             } else {
                 TURN
             };
-            while turn > 0 && self.searches[i].done < self.searches[i].reached.len() {
+            while turn > 0 && !self.searches[i].waiting.is_empty() {
                 self.visit(topology, i);
                 turn -= BATCH;
             }
@@ -193,32 +201,41 @@ impl Separator {
 
     /// Visits the next few triangles of a search.
     ///
-    /// All neighbors are read before any is tested, so that memory reads overlap, and no branch
-    /// depends on whether one is new.
+    /// All neighbors are read before any is tested, so that memory reads overlap.
     fn visit(&mut self, topology: &Topology, i: usize) {
-        let search = &mut self.searches[i];
-        let mut near = [TriangleId::NULL; 3 * BATCH];
+        let waiting = &mut self.searches[i].waiting;
+        let mut near = [HalfEdge::NULL; 2 * BATCH];
         let mut count = 0;
-        let end = search.reached.len().min(search.done + BATCH);
-        for &t in &search.reached[search.done..end] {
-            for twin in t.half_edges().map(|h| topology.twin(h)) {
-                near[count] = twin.triangle();
+        let first = waiting.len().saturating_sub(BATCH);
+        for &h in &waiting[first..] {
+            for twin in [topology.twin(h.next()), topology.twin(h.prev())] {
+                near[count] = twin;
                 count += usize::from(!twin.is_null());
             }
         }
-        search.done = end;
+        waiting.truncate(first);
+        self.reach(i, &near[..count]);
+    }
+
+    /// Adds the triangles of half-edges to a search, at most two a visited one.
+    ///
+    /// No branch depends on whether one is new.
+    fn reach(&mut self, i: usize, near: &[HalfEdge]) {
         let own = self.epoch + index_u32(i);
-        let mut new = [TriangleId::NULL; 3 * BATCH];
+        let mut new = [HalfEdge::NULL; 2 * BATCH];
+        let mut triangles = [TriangleId::NULL; 2 * BATCH];
         let mut fresh = 0;
-        for &t in &near[..count] {
+        for &h in near {
+            let t = h.triangle();
             let stamp = std::mem::replace(&mut self.stamps[t.index()], own);
-            new[fresh] = t;
+            (new[fresh], triangles[fresh]) = (h, t);
             fresh += usize::from(stamp < self.epoch);
             if stamp >= self.epoch && stamp != own {
                 self.join(i, (stamp - self.epoch) as usize);
             }
         }
-        self.searches[i].reached.extend_from_slice(&new[..fresh]);
+        self.searches[i].waiting.extend_from_slice(&new[..fresh]);
+        (self.searches[i].reached).extend_from_slice(&triangles[..fresh]);
     }
 
     /// Writes the piece numbers of the parts.
@@ -254,8 +271,8 @@ impl Separator {
         }
     }
 
-    /// Returns the triangles that the searches of a part reached.
-    fn triangles(&self, part: &Part) -> impl Iterator<Item = TriangleId> + '_ {
+    /// Returns the triangles of a finished part.
+    fn triangles(&self, part: &Part) -> impl Iterator<Item = TriangleId> + Clone + '_ {
         let own = &self.members[part.members.0..part.members.1];
         own.iter()
             .flat_map(|&i| self.searches[i].reached.iter().copied())

@@ -72,6 +72,18 @@ impl VertexOrigin {
         }
     }
 
+    /// Returns the parents; one may be listed more than once.
+    pub(crate) fn parents(&self) -> [VertexId; 3] {
+        match *self {
+            Self::OnEdge { a, b, .. } => [a, b, a],
+            Self::InFace {
+                corners: parents, ..
+            }
+            | Self::OnCap { parents, .. }
+            | Self::Restored { parents, .. } => parents,
+        }
+    }
+
     /// Interpolates the values that `at` returns for the parents.
     pub fn interpolate<const N: usize>(&self, at: impl Fn(VertexId) -> [f32; N]) -> [f64; N] {
         let mut sum = [0.0; N];
@@ -140,6 +152,9 @@ impl TopologyDelta {
     /// Otherwise the surface still has it. O(log k) for k removed vertices.
     #[must_use]
     pub fn removed_position(&self, v: VertexId) -> Option<[f32; 3]> {
+        if self.removed_positions.is_empty() {
+            return None;
+        }
         let i = self.vertices_removed.binary_search(&v).ok()?;
         self.removed_positions.get(i).copied()
     }

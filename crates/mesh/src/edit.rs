@@ -7,6 +7,7 @@
 mod edges;
 mod finish;
 mod log;
+mod piece_move;
 mod relatives;
 #[cfg(test)]
 mod tests;
@@ -20,6 +21,7 @@ use crate::history::Step;
 use crate::ids::{HalfEdge, TriangleId, VertexId, index_u32};
 use crate::surface::Surface;
 use log::Log;
+use piece_move::TriangleSet;
 
 impl Surface {
     /// Begins an edit. O(1).
@@ -256,25 +258,28 @@ impl Edit<'_> {
     /// Moves triangles to another piece, like [`Self::set_piece`].
     ///
     /// No slot may be free. Only debug builds check, because the check would double the time.
-    pub fn set_pieces(&mut self, triangles: impl Iterator<Item = TriangleId>, piece: u32) {
+    pub fn set_pieces(&mut self, triangles: impl Iterator<Item = TriangleId> + Clone, piece: u32) {
         let surface = &mut *self.surface;
-        // Consecutive triangles mostly come from the same piece.
-        let (mut old, mut count) = (piece, 0);
-        for t in triangles {
+        let mut pieces = triangles.clone().map(|t| surface.piece[t.index()]);
+        let Some(from) = pieces.find(|&from| from != piece) else {
+            return;
+        };
+        // New slots need no log, and triangles of other pieces are few.
+        let known = self.log.piece.len();
+        let is_simple = |t: &TriangleId| t.index() < known && surface.piece[t.index()] == from;
+        let others: Vec<_> = triangles.clone().filter(|t| !is_simple(t)).collect();
+        let set = TriangleSet::new(triangles.filter(is_simple));
+        for t in set.iter() {
             debug_assert!(surface.topology.is_triangle(t), "{t} is no triangle");
-            let from = surface.piece[t.index()];
-            if from != old {
-                surface.pieces.shift(old, piece, count);
-                (old, count) = (from, 0);
-            }
-            if from != piece {
-                count += 1;
-                self.log.piece.set(&mut surface.piece, t.0, piece);
-                surface.history.step(Step::SetPiece, t.0);
-            }
+            surface.piece[t.index()] = piece;
         }
-        surface.pieces.shift(old, piece, count);
-        surface.history.pair(piece, 0);
+        surface.pieces.shift(from, piece, index_u32(set.len()));
+        surface.history.pair(from, piece);
+        set.words().for_each(|word| surface.history.word(word));
+        self.log.move_pieces(set, from, piece);
+        for t in others {
+            self.set_piece(t, piece);
+        }
     }
 
     /// Adds triangles with their connectivity and zero corner attributes, and appends them to

@@ -44,13 +44,14 @@ impl History {
 
     /// Mixes in the bits of floats.
     pub(crate) fn floats(&mut self, values: &[f32]) {
-        for value in values {
-            self.word(u64::from(value.to_bits()));
+        for pair in values.chunks(2) {
+            let bits = |i: usize| pair.get(i).map_or(0, |value| value.to_bits());
+            self.pair(bits(0), bits(1));
         }
     }
 
     /// Mixes in a word, bijectively for a given state, with the factors of `SplitMix64`.
-    fn word(&mut self, word: u64) {
+    pub(crate) fn word(&mut self, word: u64) {
         let x = (self.0 ^ word)
             .wrapping_add(0x9e37_79b9_7f4a_7c15)
             .wrapping_mul(0xbf58_476d_1ce4_e5b9);

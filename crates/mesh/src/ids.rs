@@ -121,7 +121,8 @@ impl HalfEdge {
     #[must_use]
     #[inline]
     pub const fn next(self) -> Self {
-        if self.0 % 3 == 2 {
+        // This test costs half as many instructions as one of the remainder.
+        if (self.0 + 1).is_multiple_of(3) {
             Self(self.0 - 2)
         } else {
             Self(self.0 + 1)

@@ -66,8 +66,9 @@ impl Constraints {
         for t in topology.triangles() {
             edges.add_triangle(t, topology, &mut lists);
         }
+        let bends = bending.is_some();
         let mut patches =
-            patches.map(|params| Patches::new(params, surface, &edges, bending.is_some()));
+            patches.map(|params| Patches::new(params, surface, &edges, &mut lists, bends));
         let mut sets = Sets {
             stretch: &mut stretch,
             bending: bending.as_mut(),

@@ -14,7 +14,7 @@ mod patching;
 mod tests;
 
 use crate::constraints::coloring::LAYERS;
-use crate::constraints::edges::{EdgeId, EdgeTable};
+use crate::constraints::edges::{EdgeLists, EdgeTable};
 use crate::error::ConstraintError;
 use cover::{Stencil, cover};
 use divide::divide;
@@ -26,6 +26,9 @@ pub const PATCH_VERTICES: u32 = 256;
 
 /// Minimum number of vertices of a body that is divided by default.
 const MIN_DIVIDED: usize = 512;
+
+/// Number of triangles around a vertex that are visited once.
+const FAN: usize = 16;
 
 /// Parameters of the division of a body into patches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,6 +71,20 @@ impl PatchParams {
     }
 }
 
+/// Layer and patch of a constraint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Home {
+    /// The first layer whose patching has all vertices of the constraint in one patch, or 0.
+    pub(crate) layer: u32,
+    /// The patch; not used in layer 0.
+    patch: u32,
+}
+
+impl Home {
+    /// The home of a constraint that is within no patch.
+    pub(crate) const BODY: Self = Self { layer: 0, patch: 0 };
+}
+
 /// The patchings of a body, see the [module](self).
 #[derive(Debug, Clone)]
 pub(crate) struct Patches {
@@ -78,13 +95,14 @@ pub(crate) struct Patches {
 }
 
 impl Patches {
-    /// Divides a surface by rest positions.
+    /// Divides a surface by rest positions, and finds the homes of its edges.
     ///
     /// With `bends`, constraints of an edge include its opposite vertices.
     pub(crate) fn new(
         params: &PatchParams,
         surface: &Surface,
         edges: &EdgeTable,
+        lists: &mut EdgeLists,
         bends: bool,
     ) -> Self {
         let mut patches = Self {
@@ -102,8 +120,7 @@ impl Patches {
                 first.insert(v, patch);
             }
         });
-        let all = topology.edges().filter_map(|h| edges.of(h));
-        patches.add_vertices(topology, all, edges, bends);
+        patches.add_vertices(topology, edges, lists, bends);
         patches
     }
 
@@ -112,13 +129,14 @@ impl Patches {
         self.patchings.get(layer.checked_sub(1)?)
     }
 
-    /// Returns the first layer whose patching has all `vertices` in one patch, or 0.
-    pub(crate) fn layer_of(&self, vertices: &[VertexId]) -> usize {
-        let contains = |patching: &Patching| patching.shared(vertices).is_some();
-        self.patchings
-            .iter()
-            .position(contains)
-            .map_or(0, |i| i + 1)
+    /// Returns the home of a constraint over `vertices`.
+    pub(crate) fn home_of(&self, vertices: &[VertexId]) -> Home {
+        let homes = (1..).zip(&self.patchings);
+        let mut homes = homes.filter_map(|(layer, patching)| {
+            let patch = patching.shared(vertices)?;
+            Some(Home { layer, patch })
+        });
+        homes.next().unwrap_or(Home::BODY)
     }
 
     /// Returns the patchings with their layers.
@@ -126,8 +144,15 @@ impl Patches {
         (1..).zip(&self.patchings)
     }
 
-    /// Records that a patch gained or lost a constraint of `layer`.
-    pub(crate) fn mark_changed(&mut self, layer: usize, vertices: &[VertexId]) {
+    /// Records that a patch gained a constraint.
+    pub(crate) fn mark_gain(&mut self, Home { layer, patch }: Home) {
+        if let Some(i) = layer.checked_sub(1) {
+            self.patchings[i as usize].mark_changed(patch);
+        }
+    }
+
+    /// Records that a patch lost a constraint of `layer`.
+    pub(crate) fn mark_loss(&mut self, layer: usize, vertices: &[VertexId]) {
         let patching = layer.checked_sub(1).map(|i| &mut self.patchings[i]);
         if let (Some(patching), Some(&v)) = (patching, vertices.first())
             && let Some(patch) = patching.patch_of(v)
@@ -147,25 +172,45 @@ impl Patches {
         }
     }
 
-    /// Adds the new vertices of an edit, before their constraints.
+    /// Adds the new vertices of an edit, before their constraints, and finds the homes of the
+    /// listed edges.
     ///
-    /// `changed` are the edges of changed triangles. A vertex without a patch joins one of its
-    /// neighbors, or a new one. Each patching is extended along the borders of the one before.
+    /// A vertex without a patch joins one of its neighbors, or a new one. Each patching is extended
+    /// along the borders of the one before.
     pub(crate) fn add_vertices(
         &mut self,
         topology: &Topology,
-        changed: impl Iterator<Item = EdgeId>,
         edges: &EdgeTable,
+        lists: &mut EdgeLists,
         bends: bool,
     ) {
-        let mut stencils: Vec<Stencil> = changed
-            .filter_map(|edge| edges.stencil(edge, topology, bends))
-            .collect();
-        let neighbors = |v: VertexId| topology.outgoing_fan(v).map(|h| topology.target(h));
-        for patching in &mut self.patchings {
-            cover(patching, &stencils, self.new_size, neighbors);
-            stencils.retain(|stencil| patching.shared(stencil).is_none());
+        let mut homes = std::mem::take(&mut lists.homes);
+        homes.clear();
+        homes.resize(lists.len(), Home::BODY);
+        let stencils = || lists.stencils(edges, topology, bends);
+        let neighbors = |v: VertexId, out: &mut Vec<VertexId>| append_neighbors(topology, v, out);
+        let mut homeless: Vec<(u32, Stencil)> = Vec::new();
+        let mut find = |(i, stencil): (u32, Stencil), layer: u32, patching: &Patching| {
+            let patch = patching.shared(&stencil);
+            if let Some(patch) = patch {
+                homes[i as usize] = Home { layer, patch };
+            }
+            patch.is_some()
+        };
+        let [first, others @ ..] = &mut self.patchings;
+        cover(
+            first,
+            stencils().map(|entry| entry.1),
+            self.new_size,
+            neighbors,
+        );
+        homeless.extend(stencils().filter(|&entry| !find(entry, 1, first)));
+        for (layer, patching) in (2..).zip(others) {
+            let left = homeless.iter().map(|entry| entry.1);
+            cover(patching, left, self.new_size, neighbors);
+            homeless.retain(|&entry| !find(entry, layer, patching));
         }
+        lists.homes = homes;
     }
 
     /// Checks that all vertices in use, and no others, are in a patch of the first patching.
@@ -193,4 +238,24 @@ impl Patches {
             patching.resize_vertices(vertex_slots);
         }
     }
+}
+
+/// Appends the neighbors of a vertex in the order of [`Topology::outgoing_fan`].
+fn append_neighbors(topology: &Topology, v: VertexId, out: &mut Vec<VertexId>) {
+    let mut near = [VertexId::NULL; FAN];
+    let first = topology.outgoing(v);
+    let mut at = first;
+    for (count, slot) in (1..).zip(&mut near) {
+        if at.is_null() {
+            break;
+        }
+        *slot = topology.target(at);
+        at = topology.twin(at.prev());
+        if at == first {
+            out.extend_from_slice(&near[..count]);
+            return;
+        }
+    }
+    // At a boundary the fan begins elsewhere.
+    out.extend(topology.outgoing_fan(v).map(|h| topology.target(h)));
 }

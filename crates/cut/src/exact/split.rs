@@ -10,6 +10,7 @@ use incise_mesh::geometry::area_vector;
 use incise_mesh::{HalfEdge, Vec3, VertexId};
 use robust::{Coord, orient2d};
 use slit::join_slit;
+use smallvec::SmallVec;
 
 /// A corner of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -237,7 +238,7 @@ impl Splitter {
 
     /// Appends the nodes of a chord but the last: below the sweep in reverse order, or above it.
     fn along(&mut self, chord: &Chord, is_below: bool) {
-        let mut nodes: Vec<u32> = chord.nodes().collect();
+        let mut nodes: SmallVec<[u32; 8]> = chord.nodes().collect();
         if is_below {
             nodes.reverse();
         }

@@ -13,25 +13,27 @@ pub(crate) fn sort_along_curve(surface: &Surface, triangles: &mut [TriangleId]) 
 pub(super) struct Curve {
     /// Morton code and, in the low bits, the triangle: sorting one word takes half the time of two.
     keys: Vec<u64>,
+    centers: Vec<[f32; 3]>,
     unsorted: Vec<TriangleId>,
 }
 
 impl Curve {
     /// Sorts triangles by the Morton codes of their centers.
     pub(super) fn sort(&mut self, surface: &Surface, triangles: &mut [TriangleId]) {
-        let corners = |t: TriangleId| surface.topology().triangle(t);
-        let bounds = (triangles.iter()).fold(Aabb::default(), |b, &t| {
-            union(&b, &triangle_bounds(surface, corners(t)))
-        });
+        let mut bounds = Aabb::default();
+        self.centers.clear();
+        self.centers.extend(triangles.iter().map(|&t| {
+            let corners = surface.topology().triangle(t);
+            bounds = union(&bounds, &triangle_bounds(surface, corners));
+            let [a, b, c] = corners.map(|v| surface.positions[v.index()]);
+            std::array::from_fn::<f32, 3, _>(|k| (a[k] + b[k] + c[k]) / 3.0)
+        }));
         let numbers = triangles.len().next_power_of_two().ilog2();
         let bits = ((u64::BITS - numbers) / 3).min(21);
         let grid = Grid::new(&bounds, bits);
         self.keys.clear();
-        self.keys.extend((0_u64..).zip(&*triangles).map(|(i, &t)| {
-            let [a, b, c] = corners(t).map(|v| surface.positions[v.index()]);
-            let middle = std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0);
-            (grid.code(middle) << numbers) | i
-        }));
+        let numbered = (0_u64..).zip(&self.centers);
+        (self.keys).extend(numbered.map(|(i, &center)| (grid.code(center) << numbers) | i));
         self.keys.sort_unstable();
         self.unsorted.clear();
         self.unsorted.extend_from_slice(triangles);

@@ -34,15 +34,6 @@ pub(super) struct Path {
     pub(super) len: u8,
 }
 
-/// A batch of neighboring new triangles of one piece, and the node beside which it is attached.
-#[derive(Debug, Clone, Copy)]
-struct Batch {
-    piece: u32,
-    from: usize,
-    to: usize,
-    path: Path,
-}
-
 /// Scratch memory of an update.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scratch {
@@ -54,7 +45,8 @@ pub(super) struct Scratch {
     rest: Vec<(u32, TriangleId)>,
     /// The same along a Morton curve in each piece.
     along: Vec<TriangleId>,
-    batches: Vec<Batch>,
+    /// Batches of neighboring new triangles of one piece, beside nodes of their size.
+    batches: Vec<Item>,
     stack: Vec<(u32, Path)>,
     /// Pieces that were split and their parts, ascending.
     split: Vec<u32>,
@@ -180,8 +172,8 @@ impl Bvh {
         size(&triangle_bounds(surface, corners)) <= size(&leaf.bounds)
     }
 
-    /// Groups the remaining new triangles in batches along a curve, and finds siblings of their
-    /// size.
+    /// Builds subtrees of batches of the remaining new triangles along a curve, and finds siblings
+    /// of their size.
     fn find_batches(&mut self, surface: &Surface, added: &[TriangleId], scratch: &mut Scratch) {
         let Scratch {
             curve,
@@ -202,24 +194,14 @@ impl Bvh {
             along.extend(of_piece.iter().map(|&(_, t)| t));
             curve.sort(surface, &mut along[first..]);
             let length = of_piece.len().div_ceil(BATCHES);
-            for (i, batch) in along[first..].chunks(length).enumerate() {
-                let bounds = batch.iter().fold(Aabb::default(), |b, &t| {
-                    union(
-                        &b,
-                        &triangle_bounds(surface, surface.topology().triangle(t)),
-                    )
-                });
-                let (beside, path) = self.spot(&bounds);
+            for batch in along[first..].chunks(length) {
+                let part = self.plant(surface, batch);
+                let (beside, path) = self.spot(&part.node.bounds);
                 if beside != 0 {
                     self.touch(self.parent(beside));
                 }
-                let from = first + i * length;
-                batches.push(Batch {
-                    piece: of_piece[0].0,
-                    from,
-                    to: from + batch.len(),
-                    path,
-                });
+                let piece = of_piece[0].0;
+                batches.push(Item { piece, path, part });
             }
         }
     }
@@ -324,7 +306,7 @@ impl Bvh {
             .any(|child| self.has_others(surface, child, piece, levels - 1))
     }
 
-    /// Creates items from loose triangles and batches, and frees the removed nodes.
+    /// Creates the parts of loose triangles, and adds the batches to the items.
     fn make_leaves(&mut self, surface: &Surface, scratch: &mut Scratch) {
         let sorted = &mut scratch.sorted;
         for &(item, from, to) in &scratch.runs {
@@ -335,13 +317,7 @@ impl Bvh {
             }
             scratch.items[item].part = self.plant(surface, sorted);
         }
-        for batch in &scratch.batches {
-            scratch.items.push(Item {
-                piece: batch.piece,
-                path: batch.path,
-                part: self.plant(surface, &scratch.along[batch.from..batch.to]),
-            });
-        }
+        scratch.items.extend_from_slice(&scratch.batches);
     }
 }
 

@@ -196,12 +196,12 @@ impl Edit<'_> {
         // A quick test first: the triangles of a piece come in runs.
         let kept = held.clone().map(|c| surface.piece[c.triangle.index()]);
         let mut last = None;
-        let mut runs = (self.log.piece.overwrites().map(|entry| entry.1).chain(kept))
+        let mut runs = (self.log.left_pieces().chain(kept))
             .filter(|&piece| last.replace(piece) != Some(piece));
         if !runs.any(is_gone) {
             return Vec::new();
         }
-        let before = self.log.piece.before();
+        let before = self.log.pieces_before();
         let moved = |t: TriangleId| before.binary_search_by_key(&t.0, |entry| entry.0).ok();
         let change = |t: u32| changes.binary_search_by_key(&t, |c| c.triangle.0).ok();
         let stayed = held

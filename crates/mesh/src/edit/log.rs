@@ -1,8 +1,10 @@
 //! The log of an edit: overwritten values, from which every byte can be restored.
 
+use super::piece_move::{PieceMove, TriangleSet};
 use crate::history::History;
-use crate::ids::{HalfEdge, TriangleId, VertexId};
+use crate::ids::{HalfEdge, TriangleId, VertexId, index_u32};
 use crate::surface::Surface;
+use std::ops::Range;
 
 /// The old values of one array, in the order of overwriting.
 ///
@@ -71,7 +73,12 @@ impl<T: Copy> Track<T> {
 
     fn put_back(&self, array: &mut Vec<T>, len: usize) {
         array.truncate(len);
-        for &(at, value) in self.old.iter().rev() {
+        self.put_back_entries(array, 0..self.old.len());
+    }
+
+    /// Undoes some of the overwrites, the last one first.
+    fn put_back_entries(&self, array: &mut [T], entries: Range<usize>) {
+        for &(at, value) in self.old[entries].iter().rev() {
             if let Some(entry) = array.get_mut(at as usize) {
                 *entry = value;
             }
@@ -128,7 +135,10 @@ pub(super) struct Log {
     pub(super) rest: Track<[f32; 3]>,
     pub(super) uv: Track<[f32; 2]>,
     pub(super) normal: Track<[f32; 3]>,
+    /// Single changes of pieces.
     pub(super) piece: Track<u32>,
+    /// Moves of many triangles to another piece, in their order.
+    moves: Vec<PieceMove>,
     pub(super) material: Track<u32>,
     pub(super) free_triangles: StackTrack<TriangleId>,
     pub(super) free_vertices: StackTrack<VertexId>,
@@ -149,6 +159,7 @@ impl Log {
             uv: Track::new(&surface.corners.uv),
             normal: Track::new(&surface.corners.normal),
             piece: Track::new(&surface.piece),
+            moves: Vec::new(),
             material: Track::new(&surface.material),
             free_triangles: StackTrack::new(&topology.free_triangles),
             free_vertices: StackTrack::new(&topology.free_vertices),
@@ -162,12 +173,47 @@ impl Log {
         self.piece_bound
     }
 
+    /// Logs that triangles of piece `from`, older than the edit, moved to piece `to`.
+    pub(super) fn move_pieces(&mut self, triangles: TriangleSet, from: u32, to: u32) {
+        self.moves.push(PieceMove {
+            triangles,
+            from,
+            to,
+            changes_before: self.piece.old.len(),
+        });
+    }
+
+    /// Iterates over the pieces from which triangles moved, with repetitions.
+    pub(super) fn left_pieces(&self) -> impl Iterator<Item = u32> + '_ {
+        let single = self.piece.overwrites().map(|entry| entry.1);
+        single.chain(self.moves.iter().map(|moved| moved.from))
+    }
+
+    /// Returns the piece before the edit of every triangle that moved, ascending by triangle.
+    pub(super) fn pieces_before(&self) -> Vec<(u32, u32)> {
+        let mut all = Track {
+            len: self.piece.len,
+            old: Vec::new(),
+        };
+        let mut at = 0;
+        for moved in &self.moves {
+            all.old
+                .extend_from_slice(&self.piece.old[at..moved.changes_before]);
+            all.old
+                .extend(moved.triangles.iter().map(|t| (t.0, moved.from)));
+            at = moved.changes_before;
+        }
+        all.old.extend_from_slice(&self.piece.old[at..]);
+        all.before()
+    }
+
     /// Restores the surface. O(k log k) for k overwritten entries.
     pub(super) fn put_back(&self, surface: &mut Surface) {
         let slots = self.touched_slots(surface);
         for &t in slots.iter().filter(|&&t| surface.topology.is_triangle(t)) {
             surface.pieces.remove(surface.piece[t.index()]);
         }
+        self.put_back_pieces(surface, &slots);
         let topology = &mut surface.topology;
         self.origin.put_back(&mut topology.origin, self.origin.len);
         self.twin.put_back(&mut topology.twin, self.twin.len);
@@ -181,7 +227,6 @@ impl Log {
         self.uv.put_back(&mut corners.uv, len(self.uv.len));
         self.normal
             .put_back(&mut corners.normal, len(self.normal.len));
-        self.piece.put_back(&mut surface.piece, self.piece.len);
         self.material
             .put_back(&mut surface.material, self.material.len);
         self.free_triangles.put_back(&mut topology.free_triangles);
@@ -193,7 +238,26 @@ impl Log {
         surface.history = self.history;
     }
 
-    /// Returns the triangle slots whose triangle or piece may have changed, each once.
+    /// Restores the pieces of triangles, and the counts of those that are not in `slots`.
+    fn put_back_pieces(&self, surface: &mut Surface, slots: &[TriangleId]) {
+        surface.piece.truncate(self.piece.len);
+        let mut end = self.piece.old.len();
+        for moved in self.moves.iter().rev() {
+            let later = moved.changes_before..end;
+            self.piece.put_back_entries(&mut surface.piece, later);
+            end = moved.changes_before;
+            for t in moved.triangles.iter() {
+                surface.piece[t.index()] = moved.from;
+            }
+            let others = slots.iter().filter(|&&t| moved.triangles.contains(t));
+            let count = moved.triangles.len() - others.count();
+            (surface.pieces).shift(moved.to, moved.from, index_u32(count));
+        }
+        self.piece.put_back_entries(&mut surface.piece, 0..end);
+    }
+
+    /// Returns the triangle slots whose triangle or piece may have changed, each once, without
+    /// those that only moved with many others.
     fn touched_slots(&self, surface: &Surface) -> Vec<TriangleId> {
         let corners = self.origin.places().map(|h| HalfEdge(h).triangle());
         let pieces = self.piece.places().map(TriangleId);

@@ -102,6 +102,11 @@ fn children(
 ) -> Vec<(usize, VertexId, f32)> {
     let mut children = Vec::new();
     for added in &delta.vertices_added {
+        // Few vertices have a removed parent.
+        let parents = added.origin.parents();
+        if parents.into_iter().all(|parent| number(parent).is_none()) {
+            continue;
+        }
         for (parent, weight) in added.origin.weights() {
             if let Some(i) = number(parent).filter(|_| weight > 0.0) {
                 #[expect(clippy::cast_possible_truncation, reason = "rounded once to storage")]

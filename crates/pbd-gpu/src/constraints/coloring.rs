@@ -48,7 +48,7 @@ impl VertexColors {
     /// Assigns the lowest color of a layer that is free at all `vertices`, if there is one.
     #[inline]
     pub(crate) fn claim(&mut self, layer: usize, vertices: &[VertexId]) -> Option<usize> {
-        let masks = &mut self.masks[layer];
+        let masks = self.masks[layer].as_mut_slice();
         let taken = vertices.iter().fold(0, |mask, v| mask | masks[v.index()]);
         let color = taken.trailing_ones();
         let bit = 1_u64.checked_shl(color)?;

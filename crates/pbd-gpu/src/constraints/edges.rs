@@ -6,7 +6,7 @@
 
 use crate::constraints::batches::{BendingSet, ConstraintSet, Slot, StretchSet, edit_reserve};
 use crate::constraints::rest;
-use crate::patches::Patches;
+use crate::patches::{Home, Patches};
 use incise_mesh::{HalfEdge, Surface, Topology, TriangleId, VertexId, index_u32};
 
 /// No record, or no slot.
@@ -73,6 +73,9 @@ pub(crate) struct EdgeLists {
     pub(crate) changed: Vec<EdgeId>,
     /// New edges.
     pub(crate) added: Vec<NewEdge>,
+    /// With patches, the home of the largest constraint of every edge: changed edges, then new
+    /// ones.
+    pub(crate) homes: Vec<Home>,
 }
 
 impl EdgeLists {
@@ -81,10 +84,32 @@ impl EdgeLists {
         self.added.clear();
     }
 
-    /// Returns all edges, new ones last.
-    pub(crate) fn edges(&self) -> impl Iterator<Item = EdgeId> {
-        let added = self.added.iter().map(|new| new.edge);
-        self.changed.iter().copied().chain(added)
+    /// Returns the number of edges.
+    pub(crate) fn len(&self) -> usize {
+        self.changed.len() + self.added.len()
+    }
+
+    /// Returns the vertices of the largest constraint of every edge: with bending a hinge, if there
+    /// is one, otherwise both ends. Edges are numbered as in [`Self::homes`].
+    pub(crate) fn stencils<'a>(
+        &'a self,
+        edges: &'a EdgeTable,
+        topology: &'a Topology,
+        bends: bool,
+    ) -> impl Iterator<Item = (u32, [VertexId; 4])> + 'a {
+        let changed = (0..).zip(&self.changed);
+        let changed =
+            changed.filter_map(move |(i, &edge)| Some((i, edges.stencil(edge, topology, bends)?)));
+        let added = (index_u32(self.changed.len())..).zip(&self.added);
+        let added = added.map(move |(i, new)| {
+            let [low, high, ..] = new.vertices;
+            if bends && new.is_hinge() {
+                (i, new.vertices)
+            } else {
+                (i, [low, high, high, high])
+            }
+        });
+        changed.chain(added)
     }
 }
 
@@ -95,6 +120,15 @@ pub(crate) struct NewEdge {
     /// Both ends, the smaller id first, then the opposite vertices as in [`BendingSet`]; null
     /// without a triangle.
     pub(crate) vertices: [VertexId; 4],
+}
+
+impl NewEdge {
+    /// Returns true if there is a triangle on both sides.
+    #[inline]
+    pub(crate) fn is_hinge(&self) -> bool {
+        let [_, _, up, down] = self.vertices;
+        !(up.is_null() || down.is_null())
+    }
 }
 
 /// The constraint sets of edges, and the patches that determine their layers.
@@ -290,7 +324,7 @@ impl EdgeTable {
     ) {
         *field(self.record_mut(edge)) = PackedSlot::NONE;
         if let Some(patches) = patches {
-            patches.mark_changed(slot.layer(), &set.at(slot).0);
+            patches.mark_loss(slot.layer(), &set.at(slot).0);
         }
         if let Some(moved) = set.remove(slot) {
             *field(self.record_mut(moved)) = PackedSlot::new(slot);

@@ -121,7 +121,7 @@ fn update_edge_constraints(
     let bends = sets.bending.is_some();
     if let Some(patches) = &mut sets.patches {
         patches.remove_vertices(surface, delta);
-        patches.add_vertices(surface.topology(), lists.edges(), edges, bends);
+        patches.add_vertices(surface.topology(), edges, lists, bends);
     }
     edges.add_missing(lists, surface, &mut sets);
 }

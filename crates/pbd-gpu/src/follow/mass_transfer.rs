@@ -74,11 +74,12 @@ impl MassTransfer {
                 }
             }
         }
+        let positions = surface.positions_mut();
         for v in affected.deleted() {
             particles.mass[v.index()] = 0.0;
             particles.velocities[v.index()] = [0.0; 4];
             // An undo may have removed the slot.
-            if let Some(position) = surface.positions_mut().get_mut(v.index()) {
+            if let Some(position) = positions.get_mut(v.index()) {
                 position[3] = 0.0;
             }
         }
@@ -219,6 +220,7 @@ impl Pools {
             let members = self.ranges[pools.start].start..self.ranges[pools.end - 1].end;
             let recipients = &mut self.recipients[members];
             keep_center(recipients, before.first_moment);
+            let positions = surface.positions_mut();
             for recipient in &mut *recipients {
                 let i = recipient.vertex.index();
                 particles.mass[i] = recipient.mass as f32;
@@ -228,7 +230,7 @@ impl Pools {
                 } else {
                     0.0
                 };
-                surface.positions_mut()[i][3] = inverse;
+                positions[i][3] = inverse;
             }
             keep_momentum(recipients, &mut particles.velocities, &before);
         }

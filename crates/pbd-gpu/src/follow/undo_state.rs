@@ -10,21 +10,28 @@ use incise_mesh::{Surface, TopologyDelta, VertexId};
 /// Maximum depth of the undo stack.
 const MAX_DEPTH: usize = 64;
 
-/// Bits of position \[m\], mass \[kg\] and velocity [m/s] of a vertex.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Bits of mass \[kg\] and velocity [m/s] of a vertex.
+#[derive(Debug, Clone, Copy)]
 struct VertexState {
     vertex: VertexId,
-    position: [u32; 3],
     mass: u32,
     velocity: [u32; 4],
 }
 
-/// The affected vertices of an edit before and after it, each ascending by vertex.
+/// The affected vertices of an edit before and after it.
 #[derive(Debug, Clone, Default)]
 struct UndoState {
     before: Vec<VertexState>,
-    after: Vec<VertexState>,
+    after: Vec<VertexId>,
+    /// Their state directly after the edit.
+    state_after: Fingerprint,
 }
+
+/// A hash of positions, masses and velocities of vertices, in any order.
+///
+/// It replaces copies: equal hashes of 64 bits mean equal states, as in the surface's history.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+struct Fingerprint(u64);
 
 /// States of the last edits, newest last, as long as no vertex has moved since.
 #[derive(Debug, Clone, Default)]
@@ -45,18 +52,27 @@ impl UndoStack {
         delta: &TopologyDelta,
         affected: &Affected,
     ) {
-        let is_current =
-            |s: &VertexState| state_of(particles, surface, delta, s.vertex) == Some(*s);
-        let last = self.0.last();
-        if last.is_some_and(|last| !last.after.iter().all(is_current)) {
+        if let Some(last) = self.0.last()
+            && last.state_after != Fingerprint::new(particles, surface, delta, &last.after)
+        {
             self.0.clear();
         }
-        let before = states_of(particles, surface, delta, affected.existing_before());
-        let after = Vec::new();
+        let before = affected.existing_before().iter();
+        let before = before.filter_map(|&vertex| {
+            Some(VertexState {
+                vertex,
+                mass: particles.mass.get(vertex.index())?.to_bits(),
+                velocity: particles.velocities.get(vertex.index())?.map(f32::to_bits),
+            })
+        });
+        let before = before.collect();
         if self.0.len() == MAX_DEPTH {
             self.0.remove(0);
         }
-        self.0.push(UndoState { before, after });
+        self.0.push(UndoState {
+            before,
+            ..UndoState::default()
+        });
     }
 
     /// Records the affected vertices after the edit.
@@ -67,9 +83,9 @@ impl UndoStack {
         delta: &TopologyDelta,
         affected: &Affected,
     ) {
-        let after = states_of(particles, surface, delta, affected.existing_after());
         if let Some(last) = self.0.last_mut() {
-            last.after = after;
+            last.after = affected.existing_after().to_vec();
+            last.state_after = Fingerprint::new(particles, surface, delta, &last.after);
         }
     }
 
@@ -83,57 +99,65 @@ impl UndoStack {
         delta: &TopologyDelta,
         affected: &Affected,
     ) -> bool {
-        let now = states_of(particles, surface, delta, affected.existing_before());
-        let mut existing = affected.existing_after().to_vec();
-        existing.sort_unstable();
-        let Some(UndoState { before, after }) = self.0.pop() else {
+        let existing = affected.existing_before();
+        let now = Fingerprint::new(particles, surface, delta, existing);
+        let Some(last) = self.0.pop() else {
             return false;
         };
-        let is_same = before.iter().map(|s| s.vertex).eq(existing);
-        if now != after || !is_same {
+        let restored = last.before.iter().map(|state| state.vertex);
+        if now != last.state_after
+            || existing.len() != last.after.len()
+            || !are_same(restored, affected.existing_after())
+        {
             self.0.clear();
             return false;
         }
-        for state in before {
+        let positions = surface.positions_mut();
+        for state in last.before {
             let v = state.vertex;
             particles.mass[v.index()] = f32::from_bits(state.mass);
             particles.velocities[v.index()] = state.velocity.map(f32::from_bits);
-            surface.positions_mut()[v.index()][3] = particles.inverse_mass(v);
+            positions[v.index()][3] = particles.inverse_mass(v);
         }
         true
     }
 }
 
-/// Returns the states of vertices, ascending by vertex.
-fn states_of(
-    particles: &Particles,
-    surface: &Surface,
-    delta: &TopologyDelta,
-    vertices: &[VertexId],
-) -> Vec<VertexState> {
-    let states = vertices
-        .iter()
-        .filter_map(|&v| state_of(particles, surface, delta, v));
-    let mut states: Vec<VertexState> = states.collect();
-    states.sort_unstable_by_key(|s| s.vertex);
-    states
+/// Returns true if two lists have the same vertices in any order.
+fn are_same(vertices: impl ExactSizeIterator<Item = VertexId>, others: &[VertexId]) -> bool {
+    let sum = |sum: u64, v: VertexId| sum.wrapping_add(mixed(0, v.0, 0));
+    vertices.len() == others.len() && vertices.fold(0, sum) == others.iter().copied().fold(0, sum)
 }
 
-fn state_of(
-    particles: &Particles,
-    surface: &Surface,
-    delta: &TopologyDelta,
-    v: VertexId,
-) -> Option<VertexState> {
-    let current = surface
-        .positions()
-        .get(v.index())
-        .map(|&[x, y, z, _]| [x, y, z]);
-    let position = delta.removed_position(v).or(current)?;
-    Some(VertexState {
-        vertex: v,
-        position: position.map(f32::to_bits),
-        mass: particles.mass.get(v.index())?.to_bits(),
-        velocity: particles.velocities.get(v.index())?.map(f32::to_bits),
-    })
+impl Fingerprint {
+    /// Returns the hash of the present state of distinct `vertices`.
+    fn new(
+        particles: &Particles,
+        surface: &Surface,
+        delta: &TopologyDelta,
+        vertices: &[VertexId],
+    ) -> Self {
+        let hash = |v: &VertexId| {
+            let current = surface.positions().get(v.index());
+            let current = current.map(|&[x, y, z, _]| [x, y, z]);
+            let [x, y, z] = delta.removed_position(*v).or(current)?.map(f32::to_bits);
+            let mass = particles.mass.get(v.index())?.to_bits();
+            let velocity = particles.velocities.get(v.index())?;
+            let [vx, vy, vz, _] = velocity.map(f32::to_bits);
+            let pairs = [(v.0, mass), (x, y), (z, vx), (vy, vz)];
+            Some(pairs.into_iter().fold(0, |hash, (a, b)| mixed(hash, a, b)))
+        };
+        let sum = |sum: u64, hash: u64| sum.wrapping_add(hash);
+        Self(vertices.iter().filter_map(hash).fold(0, sum))
+    }
+}
+
+/// Mixes two numbers into a hash, with the factors of `SplitMix64`.
+fn mixed(hash: u64, a: u32, b: u32) -> u64 {
+    let word = (u64::from(a) << 32) | u64::from(b);
+    let x = (hash ^ word)
+        .wrapping_add(0x9e37_79b9_7f4a_7c15)
+        .wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let x = (x ^ (x >> 29)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 32)
 }

@@ -11,7 +11,7 @@ const WAITING: u32 = u32::MAX - 1;
 /// Patch and index of a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Place {
-    /// The patch.
+    /// The patch, or the number of a waiting vertex.
     pub(crate) patch: u32,
     /// Index in the patch, or [`NOWHERE`] or [`WAITING`].
     pub(crate) local: u32,
@@ -88,6 +88,20 @@ impl Patching {
     /// Marks a vertex without a patch, until it is inserted into one.
     pub(crate) fn set_waiting(&mut self, v: VertexId, is_waiting: bool) {
         self.places[v.index()].local = if is_waiting { WAITING } else { NOWHERE };
+    }
+
+    /// Marks a vertex without a patch like [`Self::set_waiting`], with a number.
+    pub(crate) fn set_waiting_as(&mut self, v: VertexId, number: u32) {
+        self.places[v.index()] = Place {
+            patch: number,
+            local: WAITING,
+        };
+    }
+
+    /// Returns the number of a vertex that is marked by [`Self::set_waiting_as`].
+    pub(crate) fn waiting_number(&self, v: VertexId) -> Option<u32> {
+        let place = self.places[v.index()];
+        (place.local == WAITING).then_some(place.patch)
     }
 
     /// Returns the patch that contains all `vertices`, if there is one.
