@@ -43,6 +43,8 @@ pub(super) fn params(method: CutMethod, level: RefinementLevel) -> CutParams {
         method,
         refine: RefineParams {
             level,
+            // The paper's caps are uniform.
+            grading: 0.0,
             ..RefineParams::default()
         },
         ..CutParams::default()
