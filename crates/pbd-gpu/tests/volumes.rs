@@ -129,7 +129,7 @@ fn volume_constraints_act_on_their_piece_only() {
         solver.step(&mut surface, DT, &params).unwrap();
     }
     for (is, was) in solver.momentum().into_iter().zip(momentum) {
-        assert!((is - was).abs() < 3e-5 * mass, "momentum {was} became {is}");
+        assert!((is - was).abs() < 1e-4 * mass, "momentum {was} became {is}");
     }
 }
 

@@ -17,7 +17,7 @@ use incise_mesh::index_u32;
 const BOUND_EDGE: f64 = 2.0;
 
 /// Lattices of at most this many points have no core.
-const MAX_POINTS_WITHOUT_CORE: usize = 150;
+const MAX_POINTS_WITHOUT_CORE: usize = 16;
 
 /// The input of filling a group of loops with Steiner points.
 pub(crate) struct Interior<'a> {
