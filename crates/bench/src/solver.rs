@@ -188,7 +188,7 @@ impl Times {
             speed_up: one_thread / self.frame,
             stretch_projections_per_second: all / self.stretch,
             bending_projections_per_second: all / (self.iteration - self.stretch),
-            other: 1.0 - f64::from(ITERATIONS) * self.iteration / self.frame,
+            other: (1.0 - f64::from(ITERATIONS) * self.iteration / self.frame).max(0.0),
             machine: String::new(),
             commit: String::new(),
         }

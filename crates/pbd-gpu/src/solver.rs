@@ -42,7 +42,7 @@ pub struct Solver {
 impl Solver {
     /// Creates the constraints of a surface at rest and sets its inverse masses.
     ///
-    /// A large body is divided into patches by [`PatchParams::for_body`].
+    /// A body of 512 vertices or more is divided into patches by [`PatchParams::for_body`].
     ///
     /// # Errors
     /// [`ConstraintError`] if the material has a number out of range, a position is not finite, an

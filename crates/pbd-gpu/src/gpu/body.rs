@@ -194,9 +194,9 @@ impl DeviceBody {
         (self.collider_count, self.collider_generation) = (0, 0);
     }
 
-    /// Changes the schedule of a body that has outgrown the memory of a workgroup.
+    /// Switches a body that has outgrown the memory of a workgroup to patches or colors.
     ///
-    /// The next update uploads what is freed here.
+    /// The next update uploads the freed runs again.
     pub(super) fn leave_workgroup(&mut self, arenas: &mut Arenas, has_patches: bool) {
         self.schedule = Schedule::Colors;
         if has_patches {

@@ -65,6 +65,9 @@ impl Interior<'_> {
             }
             Some(Spacing::Graded(length)) => {
                 lattice.fill_graded(triangulation, targets, &refiner.rim_targets, length);
+                if 2 * lattice.points.len() > limit + triangulation.corner_of.len() {
+                    return Err(RefineError::TooManyTriangles { limit });
+                }
             }
             None => {}
         }

@@ -308,3 +308,22 @@ fn bad_input_is_an_error() {
     assert!(run_with(&good, Some(0.1), 1000).is_ok_and(|n| n > 50));
     assert_eq!(run_with(&good, Some(1e300), 1), Ok(1));
 }
+
+#[test]
+fn graded_lattices_keep_the_limit() {
+    let points = circle(200, 1.0);
+    let section = Section {
+        points: &points,
+        loops: &[(0..200).collect()],
+    };
+    let params = SectionMeshParams {
+        size: SectionMeshSize::Uniform(0.01),
+        max_triangles: 30_000,
+        grading: 1e-6,
+        ..SectionMeshParams::default()
+    };
+    let mut scratch = SectionMeshScratch::default();
+    let found = triangulate_section(&section, &params, |_, _| false, &mut scratch);
+    let limit = params.max_triangles;
+    assert_eq!(found, Err(RefineError::TooManyTriangles { limit }));
+}

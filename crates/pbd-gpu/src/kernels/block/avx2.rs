@@ -145,7 +145,7 @@ fn gather<const N: usize>(
     ]
 }
 
-/// Returns position and displacement of the `j`th vertex relative to the first, in two lanes.
+/// Returns the records of the `j`th vertices minus those of the first, for two constraints.
 ///
 /// The fourth component of the position is the inverse mass of the `j`th vertex.
 #[inline(always)]
