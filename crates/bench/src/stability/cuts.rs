@@ -52,8 +52,8 @@ const TRIES: u32 = 20;
 
 /// Smallest part of the body's volume that a cut may leave as a piece.
 ///
-/// Planes through ears and feet cut off chips a fraction of a millimeter thin. Gravity moves their
-/// faces by more than a hundredth of that in a substep.
+/// Planes through ears and feet cut off chips a fraction of a millimeter thin. Gravity moves the
+/// faces of a chip by more than a hundredth of its thickness per substep.
 const CHIP: f64 = 1e-3;
 
 /// Cuts the largest piece; tries another plane where one misses, fails or cuts off a chip.

@@ -238,7 +238,9 @@ impl Log {
         surface.history = self.history;
     }
 
-    /// Restores the pieces of triangles, and the counts of those that are not in `slots`.
+    /// Restores the pieces of all triangles.
+    ///
+    /// Piece counts are updated for triangles outside `slots`; the caller updates the others.
     fn put_back_pieces(&self, surface: &mut Surface, slots: &[TriangleId]) {
         surface.piece.truncate(self.piece.len);
         let mut end = self.piece.old.len();
@@ -256,8 +258,9 @@ impl Log {
         self.piece.put_back_entries(&mut surface.piece, 0..end);
     }
 
-    /// Returns the triangle slots whose triangle or piece may have changed, each once, without
-    /// those that only moved with many others.
+    /// Returns the triangle slots that changed one by one, each once.
+    ///
+    /// Triangles that only belong to a [`PieceMove`] are not included.
     fn touched_slots(&self, surface: &Surface) -> Vec<TriangleId> {
         let corners = self.origin.places().map(|h| HalfEdge(h).triangle());
         let pieces = self.piece.places().map(TriangleId);
