@@ -7,10 +7,13 @@ use std::io::{self, Write};
 
 /// Prints the report.
 pub(super) fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
+    let names: Vec<_> = (report.inputs.iter())
+        .map(|input| input.file.to_string_lossy())
+        .collect();
     writeln!(
         out,
         "{}: {} of {:.6} s on {}",
-        report.input.display(),
+        names.join(", "),
         counted(
             usize::try_from(report.frames).unwrap_or(usize::MAX),
             "frame"
@@ -27,7 +30,8 @@ pub(super) fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
             _ => writeln!(out)?,
         }
     }
-    pieces::print(&report.pieces, &report.removed, out)?;
+    let pieces = report.pieces.iter().map(|of_body| &of_body.piece);
+    pieces::print(pieces, &report.removed, out)?;
     let t = &report.milliseconds;
     writeln!(
         out,
