@@ -1,7 +1,6 @@
 //! Verdicts of a quick run, names of cases, and the files of `--plot`.
 
 use super::*;
-use incise_progress::Visibility;
 
 /// Cases that fail today in a quick run; a case that is fixed leaves this list.
 ///
@@ -32,14 +31,14 @@ const OPEN: [(&str, &str); 7] = [
 
 #[test]
 fn a_part_of_every_case_has_the_verdict_of_the_whole() {
-    let mut runner = Runner::new(Effort::Quick, None);
+    let setting = Setting {
+        effort: Effort::Quick,
+        subjects: subjects::load(None).unwrap().into(),
+        samples: None,
+        matching: None,
+    };
     let all: Vec<Case> = cases().collect();
-    let rows = verdicts(
-        &all,
-        &mut runner,
-        &Progress::new(1, 1, Visibility::Never),
-        |_| {},
-    );
+    let (rows, _) = verdicts(&all, Runner::new(setting, None), |_| {});
     let failed: Vec<_> = (rows.iter().filter(|row| !row.passed))
         .map(|row| (row.id.as_str(), row.stress.as_str()))
         .collect();
@@ -92,6 +91,7 @@ fn backends_agree_when_every_verdict_is_the_same() {
             value: if passed { 0.0 } else { f64::INFINITY },
             at: String::new(),
             runs: 1,
+            all: Vec::new(),
             limits: None,
         };
         let case = cases().next().unwrap();
