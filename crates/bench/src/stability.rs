@@ -2,7 +2,9 @@
 //!
 //! Each has an invariant and the worst value found. Short ones that hold are tests of the crates.
 
+mod bars;
 mod case;
+mod closing;
 mod constraint_order;
 mod contacts;
 mod cuts;
@@ -29,19 +31,26 @@ mod device {
     #[derive(Debug, Clone, Copy)]
     pub(super) enum Place {}
 }
+mod drape;
 mod drop;
 mod energy;
 mod error;
+mod group;
+mod heaps;
+mod knot;
 mod map;
 mod masses;
 mod measured;
 mod pins;
+mod plates;
 mod plot;
 pub(crate) mod row;
 mod runner;
 mod scales;
 mod scenes;
 mod sleep;
+mod slivers;
+mod solids;
 mod steps;
 mod subjects;
 #[cfg(test)]
@@ -121,8 +130,15 @@ impl StabilityArguments {
 
 /// Returns all cases in the order of the table.
 fn cases() -> impl Iterator<Item = Case> {
-    let parts: [&[Case]; 11] = [
+    let parts: [&[Case]; 18] = [
         &drop::CASES,
+        &heaps::CASES,
+        &closing::CASES,
+        &knot::CASES,
+        &drape::CASES,
+        &bars::CASES,
+        &plates::CASES,
+        &slivers::CASES,
         &steps::CASES,
         &masses::CASES,
         &scales::CASES,

@@ -3,9 +3,10 @@
 use super::case::{Case, Worst, larger};
 use super::cuts::pieces;
 use super::error::StressError;
+use super::group::joined;
 use super::runner::Runner;
 use super::scenes::{FRAME, place};
-use incise_mesh::{Bvh, Surface, TriangleId, Vec3, VertexId, cube_sphere, icosphere};
+use incise_mesh::{Bvh, Surface, Vec3, VertexId, cube_sphere, icosphere};
 use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Stiffness, Volume};
 use incise_scene::{BodyId, ContactParams, Scene, SceneParams, SleepParams};
 
@@ -161,20 +162,6 @@ fn stack(runner: &mut Runner, value: fn(&Stacked) -> f64) -> Result<Worst, Stres
     Ok(worst)
 }
 
-/// Joins two surfaces as components of one.
-fn together(parts: [&Surface; 2]) -> Result<Surface, StressError> {
-    let (mut corners, mut faces) = (Vec::new(), Vec::new());
-    for part in parts {
-        let offset = u32::try_from(corners.len()).unwrap_or(u32::MAX);
-        corners.extend_from_slice(part.rest_positions());
-        let topology = part.topology();
-        let of = |t: TriangleId| topology.triangle(t).map(|v| v.0 + offset);
-        faces.extend(topology.triangles().map(of));
-    }
-    Surface::from_triangles(&corners, &faces)
-        .map_err(|error| StressError::Invariant(error.to_string()))
-}
-
 /// Pins the first piece of a body and throws the second downward.
 fn set_up(scene: &mut Scene, body: BodyId, speed: f32) -> Result<(), StressError> {
     let (solver, surface) = scene.edit(body)?.solver_mut();
@@ -218,7 +205,8 @@ fn tunnel(runner: &mut Runner) -> Result<Worst, StressError> {
             for (name, material) in materials() {
                 let run = || -> Result<f64, StressError> {
                     let mut scene = runner.scene(params(0.0, None))?;
-                    let body = scene.add_body(together([&plate, &ball])?, &material)?;
+                    let body =
+                        scene.add_body(joined(&[plate.clone(), ball.clone()])?, &material)?;
                     #[expect(clippy::cast_possible_truncation, reason = "a speed of storage")]
                     set_up(&mut scene, body, speed as f32)?;
                     let mut through = 0;
