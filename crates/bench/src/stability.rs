@@ -131,14 +131,6 @@ impl StabilityArguments {
 /// Returns all cases in the order of the table.
 fn cases() -> impl Iterator<Item = Case> {
     let parts: [&[Case]; 18] = [
-        &drop::CASES,
-        &heaps::CASES,
-        &closing::CASES,
-        &knot::CASES,
-        &drape::CASES,
-        &bars::CASES,
-        &plates::CASES,
-        &slivers::CASES,
         &steps::CASES,
         &masses::CASES,
         &scales::CASES,
@@ -149,6 +141,14 @@ fn cases() -> impl Iterator<Item = Case> {
         &sleep::CASES,
         &constraint_order::CASES,
         &map::CASES,
+        &heaps::CASES,
+        &closing::CASES,
+        &knot::CASES,
+        &drape::CASES,
+        &bars::CASES,
+        &plates::CASES,
+        &slivers::CASES,
+        &drop::CASES,
     ];
     parts.into_iter().flatten().copied()
 }
