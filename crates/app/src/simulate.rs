@@ -2,16 +2,15 @@
 
 mod bodies;
 mod knife;
-mod print;
+mod report;
 
 use crate::blade_path::BladePath;
 use crate::caps::CapsOption;
 use crate::clock::{milliseconds, timed};
 use crate::failure::Failure;
 use crate::input::InputOptions;
-use crate::json::all_lossy;
 use crate::numbers::{Numbers, numbers, positive};
-use crate::pieces::{self, Piece, output_path};
+use crate::pieces::{self, output_path};
 use crate::reporter::Reporter;
 use bodies::{Bodies, Input};
 use clap::ValueEnum;
@@ -21,8 +20,7 @@ use incise_mesh::geometry::round_to_f32;
 use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Volume};
 use incise_scene::{BackendChoice, BackendRequest, ContactParams, Scene, SceneError, SceneParams};
 use knife::Knife;
-use print::print;
-use serde::Serialize;
+use report::{PieceOfBody, Report, Times, print};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -158,48 +156,6 @@ impl Backend {
             Self::Auto => BackendChoice::Auto,
         }
     }
-}
-
-/// The report as JSON.
-#[derive(Serialize)]
-struct Report {
-    inputs: Vec<Input>,
-    backend: &'static str,
-    /// The GPU that held a body at the end; none for the CPU.
-    device: Option<String>,
-    /// Why the CPU continued in place of a GPU; none if it did not.
-    fallback_reason: Option<String>,
-    frames: u32,
-    dt: f64,
-    iterations: u32,
-    substeps: u32,
-    /// Triangles that the sweep crosses; none without a cut.
-    triangles_hit: Option<usize>,
-    /// Motions of the blade from pose to pose; none without a path.
-    steps: Option<usize>,
-    /// Steps that cut.
-    cutting_steps: Option<usize>,
-    pieces: Vec<PieceOfBody>,
-    /// Removed pieces of an earlier run.
-    #[serde(serialize_with = "all_lossy")]
-    removed: Vec<PathBuf>,
-    milliseconds: Times,
-}
-
-/// A written piece and its body.
-#[derive(Serialize)]
-struct PieceOfBody {
-    /// Index of the body's input.
-    body: usize,
-    #[serde(flatten)]
-    piece: Piece,
-}
-
-/// Times of the stages \[ms\].
-#[derive(Serialize)]
-struct Times {
-    simulate: f64,
-    write: f64,
 }
 
 /// Runs the command.
