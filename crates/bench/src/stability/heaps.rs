@@ -21,7 +21,7 @@ pub(super) const CASES: [Case; 6] = [
         id: "bowl",
         stress: BOWL,
         invariant: "time until they sleep [s]",
-        bound: 60.0,
+        bound: 30.0,
         run: |runner| worst_of(runner, 0, bowl),
     },
     Case {
@@ -42,7 +42,7 @@ pub(super) const CASES: [Case; 6] = [
         id: "stack",
         stress: STACK,
         invariant: "time until they sleep [s]",
-        bound: 60.0,
+        bound: 30.0,
         run: |runner| worst_of(runner, 0, stack),
     },
     Case {
@@ -62,7 +62,7 @@ pub(super) const CASES: [Case; 6] = [
 ];
 
 /// Longest wait for a heap to sleep \[s\]: a second beyond the bound.
-const LONGEST: f64 = 61.0;
+const LONGEST: f64 = 31.0;
 /// Radius of a poured ball \[m\].
 const RADIUS: f64 = 0.05;
 /// Radius of the bowl's floor \[m\]; its walls rise by 45 degrees.
