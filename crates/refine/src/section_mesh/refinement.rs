@@ -246,7 +246,10 @@ impl Refiner {
             };
             let bound = |old: f64| 1.0 - gain * (1.0 - old);
             let mut evaluate = |at: [f64; 2]| self.cavity.evaluate(cdt, t, at, bound, true);
-            let mut best = off_center(p, k, OFF_CENTER_REACH[0]).and_then(&mut evaluate);
+            // Sharper triangles are few, so they may try closer to the short side as well.
+            let reaches = if cos2 > COS2_20 { 2 } else { 1 };
+            let mut best = (OFF_CENTER_REACH.into_iter().take(reaches))
+                .find_map(|reach| evaluate(off_center(p, k, reach)?));
             for at in spiral::points(cdt, t) {
                 let candidate = evaluate(at);
                 let is_better = |candidate: &Candidate| {

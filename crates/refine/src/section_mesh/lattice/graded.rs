@@ -15,7 +15,7 @@ use incise_mesh::index_u32;
 /// Spacings are then 0.83 to 1.67 targets; refinement splits edges beyond 1.5 targets.
 const MIN_TARGET: f64 = 0.6;
 /// Maximum number of points of the finest lattice: for each corner of a loop, and in addition.
-const MAX_POINTS_PER_CORNER: usize = 128;
+const MAX_POINTS_PER_CORNER: usize = 32;
 const MAX_POINTS: usize = 1 << 14;
 /// Maximum clearance of coarse points, relative to the finest spacing.
 const MAX_REACH: f64 = 5.0;
