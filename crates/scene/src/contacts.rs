@@ -104,8 +104,6 @@ pub(crate) struct ContactFrame<'a> {
     pub(crate) dt: f64,
     /// Maximum speed that gravity adds within the frame [m/s].
     pub(crate) speed_gain: f64,
-    /// Height of the ground \[m\].
-    pub(crate) ground: Option<f32>,
     pub(crate) colliders: &'a [Collider],
     pub(crate) blade_faces: &'a [BladeFace],
 }

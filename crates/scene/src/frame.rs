@@ -113,7 +113,6 @@ impl Scene {
                 params,
                 dt: f64::from(*dt),
                 speed_gain: gravity * f64::from(*dt),
-                ground: solver.ground,
                 colliders: &self.colliders,
                 blade_faces: &self.blade_faces,
             };

@@ -16,7 +16,7 @@ pub(super) struct Piece {
     grown_bounds: Aabb,
     /// Minimum and maximum velocity of its vertices along each axis [m/s].
     velocity_bounds: [Vec3; 2],
-    /// Whether a pin, the ground, a collider or a blade face may stop it.
+    /// Whether a pin, a collider or a blade face may stop it.
     is_held: bool,
     /// Index of the first piece of its island.
     island: u32,
@@ -58,14 +58,10 @@ impl Pieces {
             let speed = max_difference(piece.velocity_bounds, Vec3::zeros());
             let displacement = (SPEED_MARGIN * speed + frame.speed_gain) * frame.dt;
             grow(&mut piece.grown_bounds, thickness + displacement);
-            let at_ground = frame
-                .ground
-                .is_some_and(|ground| piece.grown_bounds.min[1] <= ground);
             let at_collider = |c: &Collider| c.bounds().overlaps(&piece.grown_bounds);
             let at_face = |face: &BladeFace| face.bounds().overlaps(&piece.grown_bounds);
-            piece.is_held |= at_ground
-                || frame.colliders.iter().any(at_collider)
-                || frame.blade_faces.iter().any(at_face);
+            piece.is_held |=
+                frame.colliders.iter().any(at_collider) || frame.blade_faces.iter().any(at_face);
         }
         self.find_pairs();
         self.find_islands();

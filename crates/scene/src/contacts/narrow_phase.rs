@@ -17,6 +17,9 @@ const ROW: usize = 512;
 /// Minimum number of rows for threads: waking one takes about ten microseconds.
 const MIN_PARALLEL_ROWS: usize = 4;
 
+/// Maximum depth of a contact [thicknesses].
+const MAX_DEPTH: f64 = 2.0;
+
 /// The contacts of one row, in memory reused between frames.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Row {
@@ -96,7 +99,11 @@ impl Search<'_> {
             let first = previous.map(|contact| contact.triangle);
             self.nearest(v, (number, radius), first, &mut row.one_ring)
         });
-        if let Some(mut contact) = contact {
+        // A deeper vertex has passed the triangle, whose plane would hold the two together.
+        let is_shallow = |contact: &PersistentContact| {
+            contact.height(surface, at) >= -MAX_DEPTH * self.thickness
+        };
+        if let Some(mut contact) = contact.filter(is_shallow) {
             let thickness = contact.thickness(surface, self.thickness);
             // A vertex that cannot follow its gap is not pushed harder in every frame.
             let reachable = contact.height(surface, at) + MOTION_TOLERANCE * thickness;
@@ -135,16 +142,8 @@ impl Search<'_> {
         let is_other = |t| surface.piece(t) != number;
         let is_candidate = |t| is_other(t) && faces(t) || is_fold(t);
         let search = (self.radii, (!self_collision).then_some(number));
-        let mut found =
+        let found =
             (self.bvh).nearest_in_reach(surface, (at, radius), search, first, is_candidate)?;
-        if found.distance < 0.0 {
-            // The vertex is behind the nearest triangle that faces it. If it is in front of a
-            // nearer triangle that faces away, a collapsed skin comes from behind.
-            let is_any = |t| is_other(t) || is_fold(t);
-            let (depth, first) = (-found.distance, Some(found.triangle));
-            let any = (self.bvh).nearest_in_reach(surface, (at, depth), search, first, is_any);
-            found = any.filter(|any| any.distance > 0.0).unwrap_or(found);
-        }
         // The motion of the vertex relative to the nearest point.
         let corners = topology.triangle(found.triangle).into_iter();
         let weighted = corners.zip(found.weights);
