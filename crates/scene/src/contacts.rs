@@ -156,6 +156,7 @@ impl ContactSearch {
                 previous: &self.previous,
                 previous_of_vertex: &self.previous_of_vertex,
                 thickness,
+                friction: solver.material().friction,
                 frame,
             };
             search.run(&mut self.rows);

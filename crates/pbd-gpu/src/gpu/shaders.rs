@@ -8,7 +8,7 @@ use super::layout::{
 use crate::constraints::batches::OVERFLOW;
 use crate::constraints::colliders::{PLANE, ROUND};
 use crate::constraints::coloring::MAX_COLORS;
-use crate::constraints::contacts::NO_CORNER;
+use crate::constraints::contacts::NO_VERTEX;
 use crate::kernels::volume::CHUNK;
 use crate::patches::PATCH_VERTICES;
 
@@ -185,7 +185,7 @@ fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
         ("INTERIOR_SPRINGS", INTERIOR_SPRINGS),
         ("CONTACTS", CONTACTS),
         ("CONTACT_ENTRIES", CONTACT_ENTRIES as u32),
-        ("NO_CORNER", NO_CORNER),
+        ("NO_VERTEX", NO_VERTEX),
         ("COLLIDER_ENTRIES", COLLIDER_ENTRIES as u32),
         ("PLANE", PLANE),
         ("ROUND", ROUND),

@@ -290,7 +290,7 @@ impl Frame<'_, '_, '_> {
                 for color in &mut body.contacts.colors {
                     let accumulates = self.plan.iterations() > 1;
                     let time = (substep + 1) as f32 * constants.h;
-                    contacts::contacts(particles, color, (constants.friction, accumulates), time);
+                    contacts::contacts(particles, color, accumulates, time);
                 }
             }
             Pass::Volumes => {

@@ -6,7 +6,7 @@ use super::persistent::outward_normal;
 use super::{MOTION_TOLERANCE, SEPARATION_RATE};
 use incise_mesh::geometry::to_f64;
 use incise_mesh::{Aabb, Surface, Vec3, VertexId};
-use incise_pbd_gpu::{Contact, ContactTarget};
+use incise_pbd_gpu::Contact;
 
 /// Minimum cosine between a vertex normal and the face for the normal to decide the side.
 const MIN_COSINE: f64 = 0.1;
@@ -138,14 +138,10 @@ impl BladeFace {
         let normal = self.current.normal * side;
         let gap = (side * from).min(thickness);
         let missing = (thickness - gap).min(2.0 * thickness);
-        Some(contact(
-            vertex,
-            normal,
-            // The previous plane, along the current normal.
-            normal.dot(&at) - side * from,
-            gap,
-            SEPARATION_RATE * missing + side * (from - to) / dt,
-        ))
+        // Of the previous plane, along the current normal.
+        let height = normal.dot(&at) - side * from;
+        let gap_rate = SEPARATION_RATE * missing + side * (from - to) / dt;
+        Some(contact(vertex, normal, height + gap, gap_rate))
     }
 }
 
@@ -163,14 +159,10 @@ fn neighbor_mean(surface: &Surface, v: VertexId, of: impl Fn(Vec3) -> f64) -> f6
     clippy::cast_possible_truncation,
     reason = "the solver stores contacts in 32 bits"
 )]
-fn contact(vertex: VertexId, normal: Vec3, height: f64, gap: f64, gap_rate: f64) -> Contact {
+fn contact(vertex: VertexId, normal: Vec3, height: f64, gap_rate: f64) -> Contact {
+    let normal = [0, 1, 2].map(|k: usize| normal[k] as f32);
     Contact {
-        vertex,
-        target: ContactTarget::Plane {
-            height: height as f32,
-        },
-        normal: [normal.x as f32, normal.y as f32, normal.z as f32],
-        gap: gap as f32,
         gap_rate: gap_rate as f32,
+        ..Contact::plane(vertex, normal, height as f32)
     }
 }

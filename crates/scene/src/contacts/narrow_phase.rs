@@ -43,6 +43,8 @@ pub(super) struct Search<'a> {
     pub(super) previous_of_vertex: &'a [u32],
     /// Minimum distance between surfaces \[m\].
     pub(super) thickness: f64,
+    /// Coulomb friction coefficient.
+    pub(super) friction: f32,
     pub(super) frame: &'a ContactFrame<'a>,
 }
 
@@ -109,7 +111,8 @@ impl Search<'_> {
             let reachable = contact.height(surface, at) + MOTION_TOLERANCE * thickness;
             contact.gap = contact.gap.min(reachable).min(thickness);
             let gap_rate = SEPARATION_RATE * (thickness - contact.gap).min(2.0 * thickness);
-            row.contacts.push(contact.to_solver(gap_rate));
+            row.contacts
+                .push(contact.to_solver(gap_rate, self.friction));
             contact.gap += gap_rate * frame.dt;
             row.persistent.push(contact);
         }
@@ -159,7 +162,11 @@ impl Search<'_> {
         let contact = |face: &BladeFace| {
             let speed = self.velocities.of(v).norm();
             let radius = self.thickness + (SPEED_MARGIN * speed + frame.speed_gain) * frame.dt;
-            face.contact((self.surface, v), radius, self.thickness, frame.dt)
+            let contact = face.contact((self.surface, v), radius, self.thickness, frame.dt)?;
+            Some(Contact {
+                friction: self.friction,
+                ..contact
+            })
         };
         row.contacts
             .extend(frame.blade_faces.iter().filter_map(contact));

@@ -6,7 +6,7 @@
 use super::{MOTION_TOLERANCE, ROTATION_TOLERANCE};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{NearestPoint, Surface, TriangleId, Vec3, VertexId};
-use incise_pbd_gpu::{Contact, ContactTarget};
+use incise_pbd_gpu::Contact;
 
 /// A contact of a vertex with a point of a triangle, as found by the narrow phase.
 #[derive(Debug, Clone, Copy)]
@@ -108,20 +108,14 @@ impl PersistentContact {
         clippy::cast_possible_truncation,
         reason = "the solver stores contacts in 32 bits"
     )]
-    pub(super) fn to_solver(self, gap_rate: f64) -> Contact {
+    pub(super) fn to_solver(self, gap_rate: f64, friction: f32) -> Contact {
+        let weights = self.weights.map(|w| w as f32);
+        let normal = [0, 1, 2].map(|k: usize| self.normal[k] as f32);
         Contact {
-            vertex: self.vertex,
-            target: ContactTarget::Triangle {
-                corners: self.corners,
-                weights: self.weights.map(|w| w as f32),
-            },
-            normal: [
-                self.normal.x as f32,
-                self.normal.y as f32,
-                self.normal.z as f32,
-            ],
             gap: self.gap as f32,
             gap_rate: gap_rate as f32,
+            friction,
+            ..Contact::vertex_face(self.vertex, self.corners, weights, normal)
         }
     }
 }
