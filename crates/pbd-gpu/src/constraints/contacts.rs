@@ -178,7 +178,7 @@ impl Default for ContactSet {
     fn default() -> Self {
         Self {
             colors: Vec::new(),
-            masks: VertexColors::new(1),
+            masks: VertexColors::new(0),
             generation: 0,
         }
     }
@@ -217,6 +217,9 @@ impl ContactSet {
     /// Replaces the contacts. They must be valid.
     pub(crate) fn set(&mut self, contacts: &[Contact], vertex_slots: usize) {
         self.clear();
+        if self.masks.masks().is_empty() {
+            self.masks = VertexColors::new(1);
+        }
         self.masks.resize(vertex_slots);
         self.colors.resize_with(UNCOLORED + 1, Vec::new);
         for contact in contacts {
