@@ -12,6 +12,8 @@ use incise_pbd_gpu::Contact;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PersistentContact {
     pub(super) vertex: VertexId,
+    /// Index of the triangle's body in the scene.
+    pub(super) other: u32,
     pub(super) triangle: TriangleId,
     corners: [VertexId; 3],
     /// Barycentric coordinates of the point.
@@ -27,15 +29,17 @@ pub(super) struct PersistentContact {
 }
 
 impl PersistentContact {
-    /// Creates the contact of a vertex at `at` with the nearest point, with a plane and its gap.
+    /// Creates the contact of a vertex at `at` with the nearest point of a body's surface, with a
+    /// plane and its gap.
     pub(super) fn new(
-        surface: &Surface,
+        (other, surface): (u32, &Surface),
         (vertex, at): (VertexId, Vec3),
         found: &NearestPoint,
         (normal, gap): (Vec3, f64),
     ) -> Self {
         Self {
             vertex,
+            other,
             triangle: found.triangle,
             corners: surface.topology().triangle(found.triangle),
             weights: found.weights,
@@ -49,17 +53,10 @@ impl PersistentContact {
     /// Returns whether the contact can be reused for the vertex at `at`.
     ///
     /// The triangle must exist, and vertex and triangle must hardly have moved relative to each
-    /// other. Contacts within a piece persist only with `self_collision`.
-    pub(super) fn persists(
-        &self,
-        surface: &Surface,
-        at: Vec3,
-        (thickness, self_collision): (f64, bool),
-    ) -> bool {
-        if surface.topology().outgoing(self.vertex).is_null()
-            || !surface.topology().is_triangle(self.triangle)
+    /// other.
+    pub(super) fn persists(&self, surface: &Surface, at: Vec3, thickness: f64) -> bool {
+        if !surface.topology().is_triangle(self.triangle)
             || surface.topology().triangle(self.triangle) != self.corners
-            || !self_collision && self.is_fold(surface)
         {
             return false;
         }
@@ -79,23 +76,11 @@ impl PersistentContact {
         at - point
     }
 
-    /// Returns whether vertex and triangle belong to one piece.
-    fn is_fold(&self, surface: &Surface) -> bool {
-        let of_vertex = surface.topology().outgoing(self.vertex).triangle();
-        surface.piece(of_vertex) == surface.piece(self.triangle)
-    }
-
-    /// Returns the minimum distance of the vertex \[m\].
-    ///
-    /// Within a piece it is at most half of the distance at rest, so that a thin fold stays as it
-    /// is.
-    pub(super) fn thickness(&self, surface: &Surface, thickness: f64) -> f64 {
-        if !self.is_fold(surface) {
-            return thickness;
-        }
+    /// Returns the rest distance of a vertex from the point of its own body \[m\].
+    pub(super) fn rest_distance(&self, surface: &Surface) -> f64 {
         let corners = self.corners.iter().zip(self.weights);
         let point: Vec3 = corners.map(|(&c, w)| surface.rest_position(c) * w).sum();
-        thickness.min((surface.rest_position(self.vertex) - point).norm() / 2.0)
+        (surface.rest_position(self.vertex) - point).norm()
     }
 
     /// Returns the distance of a vertex at `at` along the normal \[m\]; negative in penetration.
