@@ -2,7 +2,7 @@
 
 use incise_mesh::{Surface, TriangleId};
 use incise_models::{Model, build_model};
-use incise_pbd_gpu::{Collider, Contact, Context, GpuBackend, Schedule, SolverParams};
+use incise_pbd_gpu::{Collider, Contact, ContactKind, Context, GpuBackend, Schedule, SolverParams};
 use incise_test_support::cpu_gpu_pair::{CpuGpuPair, SCHEDULES, with_most_features};
 use incise_test_support::gpu::{Needs, trial};
 use incise_test_support::random::Random;
@@ -29,13 +29,19 @@ fn contacts(surface: &Surface, random: &mut Random, count: usize) -> Vec<Contact
         let [p, q, r] = corners;
         let contact = match random.below(4) {
             0 => Contact::plane(v, normal, random.fraction() - 0.5),
-            1 => Contact::edge_edge([[v, p], [q, r]], [a, b], normal),
-            _ => Contact::vertex_face(v, corners, [a, b, 1.0 - a - b], normal),
+            1 => Contact::edge_edge([[v, p], [q, r]], normal, 0.05 * a),
+            2 => Contact {
+                kind: ContactKind::VertexPoint,
+                ..Contact::vertex_face(v, corners, 0.05 * b)
+            },
+            _ => Contact::vertex_face(v, corners, 0.05 * b),
         };
         if !corners.contains(&v) && norm > 0.1 {
             out.push(Contact {
-                gap: contact.gap + 0.02 * random.fraction(),
-                gap_rate: 0.1 * random.fraction(),
+                gap_rate: match contact.kind {
+                    ContactKind::Plane => 0.1 * random.fraction(),
+                    _ => 0.0,
+                },
                 friction: random.fraction(),
                 ..contact
             });

@@ -85,10 +85,7 @@ fn a_contact_between_bodies_conserves_momentum() {
     // A vertex of the upper ball against the highest triangle of the lower one, whatever its place.
     let face = surface_top(&bodies.0[0].0);
     let vertex = VertexId::from_index(lower);
-    let contact = Contact {
-        gap: 2.0,
-        ..Contact::vertex_face(vertex, face, [0.5, 0.25, 0.25], [0.0, 1.0, 0.0])
-    };
+    let contact = Contact::vertex_face(vertex, face, 2.0);
     let mut island = Island::default();
     island.set_contacts(&[contact], slots).unwrap();
     for _ in 0..30 {

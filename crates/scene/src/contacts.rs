@@ -8,9 +8,10 @@
 //!    faces it, so that no vertex is pushed through a thin piece.
 //! 4. [`persistent`] keeps a contact from frame to frame while the vertex hardly moves.
 //!
-//! A vertex stays on the side of a triangle on which it started the frame, provided that its speed
-//! grows at most [`SPEED_MARGIN`]-fold within the frame. Penetrations are resolved at a limited
-//! speed, since resolving them at once would throw the pieces apart; deep ones remain.
+//! The solver finds nearest points and normals in every substep. A vertex stays in front of a
+//! triangle in whose reach it started the frame, provided that its speed grows at most
+//! [`SPEED_MARGIN`]-fold within the frame. Penetrations are resolved at a limited speed and leave no
+//! velocity; deep ones remain.
 
 mod blade_face;
 mod broad_phase;
@@ -34,17 +35,6 @@ pub(crate) use narrow_phase::BodyContact;
 
 /// Factor by which a vertex may become faster within a frame: an impact bends the body.
 const SPEED_MARGIN: f64 = 2.0;
-
-/// Rate at which a gap below the thickness opens, relative to the missing gap [1/s].
-///
-/// The speed is that of at most one thickness of penetration.
-const SEPARATION_RATE: f64 = 5.0;
-
-/// Maximum motion of a vertex relative to the triangle of a persistent contact [thicknesses].
-const MOTION_TOLERANCE: f64 = 0.1;
-
-/// Maximum rotation of the triangle of a persistent contact \[rad\].
-const ROTATION_TOLERANCE: f64 = 0.02;
 
 /// Parameters of contact detection. Friction is a parameter of the material.
 ///

@@ -1,70 +1,74 @@
 //! Contacts of vertices with triangles, of edges with edges, and of vertices with planes.
 //!
 //! All three are one constraint: four vertices with signed weights, whose weighted sum keeps a
-//! distance along a normal. The caller detects contacts once a frame. They are colored again
-//! whenever they are set.
+//! distance along a normal. The caller detects contacts once a frame; kernels find weights and
+//! normals in every substep. Contacts are colored again whenever they are set.
 
 use crate::constraints::coloring::{MAX_COLORS, VertexColors};
 use crate::error::ConstraintError;
 use incise_mesh::VertexId;
 
-/// A contact: the weighted sum of four vertices keeps a distance along a normal.
-///
-/// The weights of a pair of features sum to zero, so that the sum is the vector between the nearest
-/// points of both. A plane has infinite mass.
+/// A contact: two features, or a vertex and a plane, keep a distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
+    /// The kind of the features.
+    pub kind: ContactKind,
     /// The vertices of both features; of a plane's contact one vertex, then null ones.
     pub vertices: [VertexId; 4],
-    /// Weights of the vertices, -1 to 1.
-    pub weights: [f32; 4],
     /// Unit normal from the second feature or the plane to the first feature.
-    pub normal: [f32; 3],
-    /// Minimum distance along the normal at the start of the frame \[m\].
     ///
-    /// For a plane this is the minimum distance from the origin.
+    /// Between edges only its side matters, and that of a triangle is its own.
+    pub normal: [f32; 3],
+    /// Minimum distance \[m\]; of a plane from the origin, at the start of the frame.
     pub gap: f32,
-    /// Rate at which the minimum distance grows [m/s]; it becomes velocity.
+    /// Rate at which the distance of a plane grows [m/s]; it becomes velocity. Zero for others.
     pub gap_rate: f32,
     /// Coulomb friction coefficient.
     pub friction: f32,
 }
 
+/// The features of a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum ContactKind {
+    /// A vertex in front of the plane of a triangle.
+    VertexFace,
+    /// A vertex and the nearest point of a triangle, also on its edges.
+    VertexPoint,
+    /// The ends of two edges.
+    EdgeEdge,
+    /// A vertex and a plane of infinite mass.
+    Plane,
+}
+
 impl Contact {
-    /// Creates the contact of a vertex with the point of a triangle at barycentric coordinates.
+    /// Creates the contact of a vertex with the plane of a triangle that faces it, without friction.
     ///
-    /// The normal points to the vertex. The gap is zero and there is no friction.
+    /// With [`ContactKind::VertexPoint`] it keeps its distance from the triangle instead.
     #[must_use]
-    pub const fn vertex_face(
-        vertex: VertexId,
-        [a, b, c]: [VertexId; 3],
-        [wa, wb, wc]: [f32; 3],
-        normal: [f32; 3],
-    ) -> Self {
+    pub const fn vertex_face(vertex: VertexId, [a, b, c]: [VertexId; 3], gap: f32) -> Self {
         Self {
+            kind: ContactKind::VertexFace,
             vertices: [vertex, a, b, c],
-            weights: [1.0, -wa, -wb, -wc],
-            normal,
-            gap: 0.0,
+            normal: [0.0, 1.0, 0.0],
+            gap,
             gap_rate: 0.0,
             friction: 0.0,
         }
     }
 
-    /// Creates the contact of points on two edges, given as fractions from their first vertices.
-    ///
-    /// The normal points to the first edge. The gap is zero and there is no friction.
+    /// Creates the contact of two edges, the first on the side of the normal. It has no friction.
     #[must_use]
     pub const fn edge_edge(
         [[a, b], [c, d]]: [[VertexId; 2]; 2],
-        [s, t]: [f32; 2],
         normal: [f32; 3],
+        gap: f32,
     ) -> Self {
         Self {
+            kind: ContactKind::EdgeEdge,
             vertices: [a, b, c, d],
-            weights: [1.0 - s, s, t - 1.0, -t],
             normal,
-            gap: 0.0,
+            gap,
             gap_rate: 0.0,
             friction: 0.0,
         }
@@ -72,12 +76,12 @@ impl Contact {
 
     /// Creates the contact of a vertex with a plane at a distance from the origin \[m\].
     ///
-    /// There is no friction.
+    /// It has no friction.
     #[must_use]
     pub const fn plane(vertex: VertexId, normal: [f32; 3], height: f32) -> Self {
         Self {
+            kind: ContactKind::Plane,
             vertices: [vertex, VertexId::NULL, VertexId::NULL, VertexId::NULL],
-            weights: [1.0, 0.0, 0.0, 0.0],
             normal,
             gap: height,
             gap_rate: 0.0,
@@ -103,30 +107,29 @@ impl Contact {
 
     /// Returns the number of vertices: four, or one for a plane.
     fn vertex_count(&self) -> usize {
-        if self.vertices[1].is_null() { 1 } else { 4 }
+        if self.kind == ContactKind::Plane {
+            1
+        } else {
+            4
+        }
     }
 
     fn is_valid(&self) -> bool {
-        let is_near = |sum: f32, value: f32| (sum - value).abs() <= TOLERANCE;
-        let [a, b, c, d] = self.vertices;
-        let [wa, wb, wc, wd] = self.weights;
-        let are_weights_valid = if self.vertex_count() == 1 {
-            self.weights == [1.0, 0.0, 0.0, 0.0]
-        } else {
-            let is_distinct = a != b && a != c && a != d && b != c && b != d && c != d;
-            let is_bounded = self.weights.iter().all(|w| w.abs() <= 1.0 + TOLERANCE);
-            is_distinct && is_bounded && is_near(wa + wb + wc + wd, 0.0)
+        let is_distinct = |i: usize| !self.vertices[..i].contains(&self.vertices[i]);
+        let is_kind_valid = match self.kind {
+            ContactKind::Plane => self.vertices[1..].iter().all(|v| v.is_null()),
+            _ => (1..4).all(is_distinct) && self.gap >= 0.0 && self.gap_rate == 0.0,
         };
-        let square = self.normal.iter().map(|n| n * n).sum();
-        are_weights_valid
-            && is_near(square, 1.0)
+        let square: f32 = self.normal.iter().map(|n| n * n).sum();
+        is_kind_valid
+            && (square - 1.0).abs() <= TOLERANCE
             && [self.gap, self.gap_rate].iter().all(|c| c.is_finite())
             && self.friction.is_finite()
             && self.friction >= 0.0
     }
 }
 
-/// Tolerance of sums of weights and of the length of normals, which are rounded.
+/// Tolerance of the length of normals, which are rounded.
 const TOLERANCE: f32 = 1e-3;
 
 /// A contact as the kernels on the CPU and on the GPU read it.
@@ -136,12 +139,20 @@ const TOLERANCE: f32 = 1e-3;
 pub(crate) struct ContactRecord {
     /// The vertices; of a plane one vertex, then [`NO_VERTEX`].
     pub(crate) vertices: [u32; 4],
+    /// Weights of the vertices, -1 to 1; those of a pair sum to zero.
     pub(crate) weights: [f32; 4],
     pub(crate) normal: [f32; 3],
+    /// Distance that the substep keeps \[m\]; of a plane at the start of the frame.
     pub(crate) gap: f32,
+    /// Rate at which the distance of a plane grows [m/s].
     pub(crate) gap_rate: f32,
     pub(crate) friction: f32,
-    pub(crate) pad: u32,
+    /// Minimum distance of a pair \[m\].
+    pub(crate) thickness: f32,
+    /// A [`ContactKind`].
+    pub(crate) kind: u32,
+    /// Whether the last projection has separated the features.
+    pub(crate) is_active: u32,
     /// Remaining friction bound of the substep \[m\].
     pub(crate) friction_left: f32,
 }
@@ -225,12 +236,14 @@ impl ContactSet {
         for contact in contacts {
             let record = ContactRecord {
                 vertices: contact.vertices.map(|v| v.0),
-                weights: contact.weights,
+                weights: [1.0, 0.0, 0.0, 0.0],
                 normal: contact.normal,
                 gap: contact.gap,
                 gap_rate: contact.gap_rate,
                 friction: contact.friction,
-                pad: 0,
+                thickness: contact.gap,
+                kind: contact.kind as u32,
+                is_active: 0,
                 friction_left: 0.0,
             };
             let (ids, count) = record.moved();
@@ -264,29 +277,28 @@ mod tests {
         let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
         let [a, b, c, d] = [0, 1, 2, 3].map(VertexId);
         let normal = [0.6, 0.0, 0.8];
-        let face = |weights| Contact::vertex_face(a, [b, c, d], weights, normal);
-        let valid = face([0.5, 0.25, 0.25]);
-        let edges = Contact::edge_edge([[a, b], [c, d]], [0.25, 1.0], normal);
+        let valid = Contact::vertex_face(a, [b, c, d], 0.1);
+        let edges = Contact::edge_edge([[a, b], [c, d]], normal, 0.1);
         let plane = Contact::plane(a, normal, 1.0);
         solver.set_contacts(&[valid, edges, plane]).unwrap();
         let bad = [
-            Contact::vertex_face(c, [b, c, d], [0.5, 0.25, 0.25], normal),
-            Contact::edge_edge([[a, b], [a, d]], [0.5, 0.5], normal),
-            face([0.5, 0.5, 0.5]),
-            face([1.5, -0.5, 0.0]),
-            face([f32::NAN, 0.5, 0.5]),
-            Contact {
-                weights: [0.5, 0.0, 0.0, 0.0],
-                ..plane
-            },
+            Contact::vertex_face(c, [b, c, d], 0.1),
+            Contact::edge_edge([[a, b], [a, d]], normal, 0.1),
+            Contact::vertex_face(a, [b, c, d], -0.1),
+            Contact::vertex_face(a, [b, c, d], f32::NAN),
+            Contact::edge_edge([[a, b], [c, d]], [0.6, 0.0, 0.7], 0.1),
+            Contact::edge_edge([[a, b], [c, d]], [f32::NAN, 0.0, 1.0], 0.1),
             Contact::plane(a, normal, f32::INFINITY),
-            Contact::plane(a, [0.6, 0.0, 0.7], 1.0),
             Contact {
-                normal: [f32::NAN, 0.0, 1.0],
-                ..valid
+                vertices: [a, b, c, d],
+                ..plane
             },
             Contact {
                 gap_rate: f32::INFINITY,
+                ..plane
+            },
+            Contact {
+                gap_rate: 0.1,
                 ..valid
             },
             Contact {
@@ -308,7 +320,7 @@ mod tests {
         // All contacts share a vertex, and there are more of them than colors.
         let contact = |i: u32| {
             let corners = [i, i + 1, i + 2].map(VertexId);
-            Contact::vertex_face(VertexId(0), corners, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+            Contact::vertex_face(VertexId(0), corners, 0.1)
         };
         let contacts: Vec<Contact> = (1..100).map(contact).collect();
         for _ in 0..3 {

@@ -32,12 +32,18 @@ pub(crate) fn contacts(
         };
         let n = contact.normal;
         let between = weighted_sum(contact.weights, p.map(|p| difference(center, p)));
-        let gap = contact.gap + contact.gap_rate * time;
+        let gap = if count == 4 {
+            contact.gap
+        } else {
+            contact.gap + contact.gap_rate * time
+        };
         let depth = gap - dot(between, n);
         let w = contact.weights;
         let shares = [0, 1, 2, 3].map(|i: usize| w[i] * p[i].x[3]);
         let weight = (w[0] * shares[0] + w[1] * shares[1]) + (w[2] * shares[2] + w[3] * shares[3]);
-        if !(depth > 0.0 && weight > 0.0) {
+        let is_active = depth > 0.0 && weight > 0.0;
+        contact.is_active = u32::from(is_active);
+        if !is_active {
             continue;
         }
         // The sliding of one feature along the other in this substep.
@@ -58,6 +64,66 @@ pub(crate) fn contacts(
             particles.set_d(contact.vertices[i] as usize, moved);
         }
     }
+}
+
+/// Rate at which a distance below the minimum grows, relative to the missing distance [1/s].
+const RECOVERY: f32 = 5.0;
+
+/// Maximum missing distance that recovers at once [minimum distances].
+const MAX_MISSING: f32 = 2.0;
+
+/// Ends a substep of `h` \[s\]: active contacts of pairs separate without velocity.
+///
+/// Displacements lose their separating part, and start positions gain it and the recovery of
+/// missing distances. Returns an upper bound of the change of a position by recovery along an axis
+/// \[m\], if no vertex is in two of the contacts.
+#[inline(never)]
+pub(crate) fn recover_contacts(
+    particles: ParticleStates<'_>,
+    contacts: &[ContactRecord],
+    h: f32,
+) -> f32 {
+    let mut max_change = 0.0;
+    for contact in contacts {
+        if contact.is_active == 0 || contact.vertex_count() < 4 {
+            continue;
+        }
+        let p = contact.vertices.map(|v| particles.get(v as usize));
+        let (w, n) = (contact.weights, contact.normal);
+        let shares = [0, 1, 2, 3].map(|i: usize| w[i] * p[i].x[3]);
+        let weight = (w[0] * shares[0] + w[1] * shares[1]) + (w[2] * shares[2] + w[3] * shares[3]);
+        let is_movable = weight > 0.0;
+        if !is_movable {
+            continue;
+        }
+        let along = dot(weighted_sum(w, p.map(|p| p.d)), n);
+        let separation = if along > 0.0 { along } else { 0.0 };
+        let missing = contact.thickness - contact.gap;
+        let limit = MAX_MISSING * contact.thickness;
+        let recovery = if missing < limit { missing } else { limit } * (RECOVERY * h);
+        let [lost, gained] = [separation, separation + recovery].map(|step| step / weight);
+        for i in 0..4 {
+            let ParticleState { x, d } = p[i];
+            let [lost, gained] = [shares[i] * lost, shares[i] * gained];
+            let state = ParticleState {
+                x: [
+                    x[0] + gained * n[0],
+                    x[1] + gained * n[1],
+                    x[2] + gained * n[2],
+                    x[3],
+                ],
+                d: [
+                    d[0] - lost * n[0],
+                    d[1] - lost * n[1],
+                    d[2] - lost * n[2],
+                    d[3],
+                ],
+            };
+            particles.set(contact.vertices[i] as usize, state);
+            max_change = f32::max(max_change, gained.abs());
+        }
+    }
+    max_change
 }
 
 /// Returns the sum of four weighted vectors.
@@ -95,7 +161,7 @@ fn friction_fraction(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::constraints::contacts::NO_VERTEX;
+    use crate::constraints::contacts::{ContactKind, NO_VERTEX};
     use crate::kernels::particle_state::on_arrays;
 
     /// A vertex of 2 kg over the middle of a triangle of 3 kg that lies in the plane y = 0.
@@ -131,14 +197,65 @@ mod tests {
         on_arrays(&x, &mut d, |p| contacts(p, &mut [contact], false, 0.0));
         let off = (d[0][1] - before[0][1]).abs();
         assert!(off < 1e-6, "separated contacts are inactive");
-        let rising = ContactRecord {
-            gap_rate: 2.0,
+    }
+
+    /// Runs the end of a substep of 0.01 s.
+    fn recovered(d: [f32; 3], contact: ContactRecord) -> (Vec<ParticleState>, Vec<ParticleState>) {
+        let [x, y, z] = d;
+        let d = [[x, y, z, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
+        let states: Vec<_> = (pair().0.into_iter().zip(d))
+            .map(|(x, d)| ParticleState { x, d })
+            .collect();
+        let mut after = states.clone();
+        let change = recover_contacts(ParticleStates::new(&mut after), &[contact], 0.01);
+        assert_eq!(change > 0.0, after != states);
+        (states, after)
+    }
+
+    #[test]
+    fn active_contacts_separate_without_velocity() {
+        let contact = ContactRecord {
+            is_active: 1,
+            thickness: 0.05,
+            ..pair().1
+        };
+        let (before, after) = recovered([0.3, 0.1, 0.0], contact);
+        let along = after[0].d[1] - (after[1].d[1] + after[2].d[1] + after[3].d[1]) / 3.0;
+        assert!(along.abs() < 1e-7, "{along} m are left");
+        assert_eq!(after[0].d[0], 0.3, "along the triangle it moves on");
+        let momentum = 2.0 * after[0].d[1] + after[1].d[1] + after[2].d[1] + after[3].d[1];
+        assert!((momentum - 0.2).abs() < 1e-6, "{momentum} is left");
+        for (after, before) in after.iter().zip(&before) {
+            for k in 0..3 {
+                let [after, before] = [after, before].map(|state| state.x[k] + state.d[k]);
+                assert!((after - before).abs() < 1e-6, "positions stay");
+            }
+        }
+        let inactive = ContactRecord {
+            is_active: 0,
             ..contact
         };
-        on_arrays(&x, &mut d, |p| contacts(p, &mut [rising], false, 0.01));
-        let step = 0.02 / (0.5 + 1.0 / 3.0);
-        let pushed = d[0][1] - before[0][1];
-        assert!((pushed - 0.5 * step).abs() < 1e-6, "the gap has grown");
+        for (d, contact) in [([0.0, 0.1, 0.0], inactive), ([0.0, -0.1, 0.0], contact)] {
+            let (before, after) = recovered(d, contact);
+            assert!(before == after, "nothing separates");
+        }
+    }
+
+    #[test]
+    fn a_missing_distance_recovers_in_positions_only() {
+        let contact = ContactRecord {
+            is_active: 1,
+            thickness: 0.07,
+            gap: 0.03,
+            ..pair().1
+        };
+        let (before, after) = recovered([0.0; 3], contact);
+        let between = after[0].x[1] - (after[1].x[1] + after[2].x[1] + after[3].x[1]) / 3.0;
+        // A twentieth of the missing 0.04 m in 0.01 s.
+        assert!((between - 0.102).abs() < 1e-6, "{between} m apart");
+        for (after, before) in after.iter().zip(&before) {
+            assert_eq!(after.d, before.d, "velocities stay");
+        }
     }
 
     #[test]
@@ -176,6 +293,7 @@ mod tests {
         let (x, contact) = pair();
         let plane = ContactRecord {
             vertices: [0, NO_VERTEX, NO_VERTEX, NO_VERTEX],
+            kind: ContactKind::Plane as u32,
             weights: [1.0, 0.0, 0.0, 0.0],
             friction: 0.5,
             gap: 0.15,

@@ -4,11 +4,11 @@
 fn friction_fraction(at: u32, slide: vec3f, more: f32) -> f32 {
     let length = sqrt(slide.x * slide.x + slide.y * slide.y + slide.z * slide.z);
     let keeps = frame.iterations > 1u;
-    let held = bitcast<f32>(constraints[at + 7u].y);
+    let held = bitcast<f32>(constraints[at + 8u].y);
     let limit = select(0.0, held, keeps) + more;
     let slips = length > limit;
     if (keeps) {
-        constraints[at + 7u].y = bitcast<u32>(select(limit - length, 0.0, slips));
+        constraints[at + 8u].y = bitcast<u32>(select(limit - length, 0.0, slips));
     }
     return select(1.0, limit / length, slips);
 }
@@ -34,11 +34,14 @@ fn project_contact(at: u32) {
     let r2 = difference(center_x, center_d, x[2], d[2]);
     let r3 = difference(center_x, center_d, x[3], d[3]);
     let between = (w.x * r0 + w.y * r1) + (w.z * r2 + w.w * r3);
-    let gap = plane.w + rates.x * (f32(substep_index + 1u) * frame.h);
+    let moved = plane.w + rates.x * (f32(substep_index + 1u) * frame.h);
+    let gap = select(moved, plane.w, is_pair);
     let depth = gap - (between.x * n.x + between.y * n.y + between.z * n.z);
     let shares = vec4f(w.x * x[0].w, w.y * x[1].w, w.z * x[2].w, w.w * x[3].w);
     let weight = (w.x * shares.x + w.y * shares.y) + (w.z * shares.z + w.w * shares.w);
-    if (!(depth > 0.0 && weight > 0.0)) {
+    let is_active = depth > 0.0 && weight > 0.0;
+    constraints[at + 8u].x = select(0u, 1u, is_active);
+    if (!is_active) {
         return;
     }
     let motion = (w.x * d[0] + w.y * d[1]) + (w.z * d[2] + w.w * d[3]);
@@ -48,5 +51,43 @@ fn project_contact(at: u32) {
     let push = (depth * n - back * slide) / weight;
     for (var i = 0u; i < select(1u, 4u, is_pair); i++) {
         store_d(v[i], d[i] + shares[i] * push);
+    }
+}
+
+const CONTACT_RECOVERY: f32 = 5.0;
+const MAX_MISSING: f32 = 2.0;
+
+// Lets the contact at an entry separate without velocity, if it is active.
+fn recover_contact(at: u32) {
+    let v = vec4u(constraints[at], constraints[at + 1u]);
+    if (constraints[at + 8u].x == 0u || v.y == NO_VERTEX) {
+        return;
+    }
+    let w = bitcast<vec4f>(vec4u(constraints[at + 2u], constraints[at + 3u]));
+    let plane = bitcast<vec4f>(vec4u(constraints[at + 4u], constraints[at + 5u]));
+    let thickness = bitcast<f32>(constraints[at + 7u].x);
+    let n = plane.xyz;
+    var x: array<vec4f, 4>;
+    var d: array<vec3f, 4>;
+    for (var i = 0u; i < 4u; i++) {
+        x[i] = load_x(v[i]);
+        d[i] = load_d(v[i]);
+    }
+    let shares = vec4f(w.x * x[0].w, w.y * x[1].w, w.z * x[2].w, w.w * x[3].w);
+    let weight = (w.x * shares.x + w.y * shares.y) + (w.z * shares.z + w.w * shares.w);
+    if (!(weight > 0.0)) {
+        return;
+    }
+    let motion = (w.x * d[0] + w.y * d[1]) + (w.z * d[2] + w.w * d[3]);
+    let along = motion.x * n.x + motion.y * n.y + motion.z * n.z;
+    let separation = select(0.0, along, along > 0.0);
+    let missing = thickness - plane.w;
+    let limit = MAX_MISSING * thickness;
+    let recovery = select(limit, missing, missing < limit) * (CONTACT_RECOVERY * frame.h);
+    let lost = separation / weight;
+    let gained = (separation + recovery) / weight;
+    for (var i = 0u; i < 4u; i++) {
+        store_x(v[i], vec4f(x[i].xyz + (shares[i] * gained) * n, x[i].w));
+        store_d(v[i], d[i] - (shares[i] * lost) * n);
     }
 }

@@ -54,6 +54,11 @@ impl<'a> ParticleStates<'a> {
         self.0[i].get()
     }
 
+    #[inline(always)]
+    pub(crate) fn set(self, i: usize, state: ParticleState) {
+        self.0[i].set(state);
+    }
+
     /// Sets the displacement of a particle.
     #[inline(always)]
     pub(crate) fn set_d(self, i: usize, d: [f32; 4]) {

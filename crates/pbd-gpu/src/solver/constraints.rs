@@ -150,8 +150,7 @@ impl Solver {
     ///
     /// # Errors
     /// [`ConstraintError::UnknownVertex`]; [`ConstraintError::BadContact`] for repeated
-    /// vertices, weights that do not sum to 0, a normal that is not of length 1, or numbers out of
-    /// range. Nothing is changed then.
+    /// vertices, a normal that is not of length 1, or numbers out of range. Nothing is changed then.
     pub fn set_contacts(&mut self, contacts: &[Contact]) -> Result<(), ConstraintError> {
         for contact in contacts {
             contact.check(|v| self.particles.is_used(v))?;

@@ -4,13 +4,15 @@
 //! projected once for the island, when all bodies have reached the contact passes.
 
 use crate::constraints::batches::{Batch, BatchId, BendingSet, ConstraintSet, StretchSet};
-use crate::constraints::contacts::ContactSet;
+use crate::constraints::contacts::{ContactRecord, ContactSet};
 use crate::kernels::bending::Bending;
 use crate::kernels::block::dispatch;
 use crate::kernels::particle_state::{ParticleState, ParticleStates};
 use crate::kernels::stretch::Stretch;
 use crate::kernels::volume::{self, VolumeScratch};
-use crate::kernels::{attachments, colliders, contacts, ground, integrate, pins, predict};
+use crate::kernels::{
+    attachments, colliders, contact_features, contacts, ground, integrate, pins, predict,
+};
 use crate::parallel::passes::{is_shared, sweep_color, sweep_patches};
 use crate::parallel::{Leader, with_team};
 use crate::step::body::Body;
@@ -147,12 +149,16 @@ struct Frame<'a, 'b> {
     arch: Arch,
 }
 
-/// The passes between which the bodies of an island with contacts run theirs.
-const CONTACT_STAGES: [Option<Pass>; 4] = [
-    None,
-    Some(Pass::ContactsBeforeVolumes),
-    Some(Pass::Contacts),
-    None,
+/// Passes over the contacts of the island, between which the bodies run their own passes.
+const CONTACT_PASSES: [&[Option<Pass>]; 3] = [
+    &[None, Some(Pass::ContactFeatures), None],
+    &[
+        None,
+        Some(Pass::ContactsBeforeVolumes),
+        Some(Pass::Contacts),
+        None,
+    ],
+    &[None, Some(Pass::ContactRecovery), None],
 ];
 
 impl NullaryFnOnce for Frame<'_, '_> {
@@ -166,24 +172,26 @@ impl NullaryFnOnce for Frame<'_, '_> {
         };
         let iterations = parts(self.bodies, 0, &first).0.iterations();
         let has_contacts = !self.contacts.is_empty();
-        let has_volumes = self.members.iter().any(|member| member.has_volumes);
         // The prologue, the iterations, the epilogue.
         let last = iterations + 1;
         for substep in 0..self.substeps {
             self.contacts.reset_friction();
             let mut part = 0;
             while part <= last {
-                let stages: &[Option<Pass>] = if (1..last).contains(&part) && has_contacts {
-                    &CONTACT_STAGES
+                let kind = match part {
+                    0 => 0,
+                    part if part < last => 1,
+                    _ => 2,
+                };
+                let stages = if has_contacts {
+                    CONTACT_PASSES[kind]
                 } else {
                     &[None, None]
                 };
                 for ends in stages.windows(2) {
                     self.run_stage(part, [ends[0], ends[1]], substep)?;
-                    match ends[1] {
-                        Some(Pass::ContactsBeforeVolumes) if !has_volumes => {}
-                        Some(_) => self.project_contacts(iterations > 1, substep),
-                        None => {}
+                    if let Some(pass) = ends[1] {
+                        self.run_contacts(pass, iterations > 1, substep);
                     }
                 }
                 part += 1;
@@ -249,17 +257,50 @@ impl Frame<'_, '_> {
         Ok(())
     }
 
-    /// Projects the contacts of the island.
-    fn project_contacts(&mut self, accumulates: bool, substep: u32) {
+    /// Runs a pass over the contacts of the island.
+    fn run_contacts(&mut self, pass: Pass, accumulates: bool, substep: u32) {
+        let has_volumes = self.members.iter().any(|member| member.has_volumes);
         let Some(first) = self.members.first_mut() else {
             return;
         };
+        let (particles, h) = (self.particles, first.constants.h);
         first.stats.passes += 1;
-        first.stats.contact_projections += self.contacts.len() as u64;
-        let time = (substep + 1) as f32 * first.constants.h;
-        for color in &mut self.contacts.colors {
-            contacts::contacts(self.particles, color, accumulates, time);
+        match pass {
+            Pass::ContactFeatures => {
+                for color in &mut self.contacts.colors {
+                    contact_features::contact_features(particles, color);
+                }
+            }
+            Pass::ContactRecovery => {
+                let mut change = 0.0;
+                let (serial, colors) = split_serial(&self.contacts.colors);
+                for color in colors {
+                    change += contacts::recover_contacts(particles, color, h);
+                }
+                for contact in serial.chunks(1) {
+                    change += contacts::recover_contacts(particles, contact, h);
+                }
+                for member in &mut *self.members {
+                    member.stats.max_displacement += change;
+                }
+            }
+            Pass::ContactsBeforeVolumes if !has_volumes => first.stats.passes -= 1,
+            _ => {
+                first.stats.contact_projections += self.contacts.len() as u64;
+                let time = (substep + 1) as f32 * h;
+                for color in &mut self.contacts.colors {
+                    contacts::contacts(particles, color, accumulates, time);
+                }
+            }
         }
+    }
+}
+
+/// Returns the contacts without a color, then those of each color.
+fn split_serial(colors: &[Vec<ContactRecord>]) -> (&[ContactRecord], &[Vec<ContactRecord>]) {
+    match colors.split_last() {
+        Some((serial, colors)) => (serial, colors),
+        None => (&[], &[]),
     }
 }
 
@@ -390,7 +431,10 @@ impl BodyStep<'_, '_, '_> {
                 }
             }
             // `Frame` projects the contacts of the island.
-            Pass::ContactsBeforeVolumes | Pass::Contacts => {}
+            Pass::ContactFeatures
+            | Pass::ContactsBeforeVolumes
+            | Pass::Contacts
+            | Pass::ContactRecovery => {}
             Pass::Volumes => {
                 stats.volume_projections += body.volumes.pieces().len() as u64;
                 let piece = (body.topology, &mut *body.volumes);

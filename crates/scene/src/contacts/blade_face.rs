@@ -3,10 +3,17 @@
 //! `blade.rs` creates the faces of a frame, the narrow phase finds their contacts.
 
 use super::persistent::outward_normal;
-use super::{MOTION_TOLERANCE, SEPARATION_RATE};
 use incise_mesh::geometry::to_f64;
 use incise_mesh::{Aabb, Surface, Vec3, VertexId};
 use incise_pbd_gpu::Contact;
+
+/// Rate at which a gap below the thickness opens, relative to the missing gap [1/s].
+///
+/// The speed is that of at most one thickness of penetration.
+const SEPARATION_RATE: f64 = 5.0;
+
+/// Mean distance of a vertex' neighbors from the face that decides its side [thicknesses].
+const SIDE_TOLERANCE: f64 = 0.1;
 
 /// Minimum cosine between a vertex normal and the face for the normal to decide the side.
 const MIN_COSINE: f64 = 0.1;
@@ -129,7 +136,7 @@ impl BladeFace {
             let neighbors = neighbor_mean(surface, vertex, |p| self.previous.height(p));
             let outward = outward_normal(surface, vertex).try_normalize(0.0);
             let cosine = outward.unwrap_or_default().dot(&self.previous.normal);
-            if neighbors.abs() > MOTION_TOLERANCE * thickness {
+            if neighbors.abs() > SIDE_TOLERANCE * thickness {
                 side = neighbors.signum();
             } else if cosine.abs() >= MIN_COSINE {
                 side = -cosine.signum();

@@ -26,6 +26,8 @@ pub(super) struct Piece {
     is_held: bool,
     /// Index of the first piece of its group.
     group: u32,
+    /// Sum of the velocities of its vertices [m/s], and their number.
+    velocity_sum: (Vec3, f64),
     /// The common velocity of its group, stored in the first piece [m/s].
     group_velocity: Vec3,
     /// Maximum displacement of its vertices relative to the group \[m\].
@@ -34,16 +36,16 @@ pub(super) struct Piece {
 
 /// The pieces of all bodies that may collide, in memory reused between frames.
 ///
-/// Pieces that may collide, directly or through others, form a group. The common velocity of a
-/// group in free flight is subtracted, so that only motion within it enlarges the searches. A
-/// group that may hit an obstacle has none: the obstacle may stop it.
+/// Pieces that may collide, directly or through others, form a group. The mean velocity of a
+/// group is subtracted, so that only motion within it enlarges the searches. A group that may hit an
+/// obstacle keeps it: the obstacle may stop it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Pieces {
     list: Vec<Piece>,
     /// Pairs of indices of pieces whose grown boxes overlap, in both orders, ascending.
     pairs: Vec<(u32, u32)>,
-    /// By index of a group's first piece: the group's velocity bounds [m/s].
-    group_velocity_bounds: Vec<[Vec3; 2]>,
+    /// By index of a group's first piece: the sum of the velocities of its vertices, and their number.
+    group_velocity_sums: Vec<(Vec3, f64)>,
 }
 
 impl Pieces {
@@ -111,6 +113,7 @@ impl Pieces {
                     velocity_bounds: [Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)],
                     is_held: false,
                     group: 0,
+                    velocity_sum: (Vec3::zeros(), 0.0),
                     group_velocity: Vec3::zeros(),
                     max_displacement: 0.0,
                 });
@@ -124,6 +127,8 @@ impl Pieces {
             let velocity = motion.velocity(v);
             let [min, max] = piece.velocity_bounds;
             piece.velocity_bounds = [min.inf(&velocity), max.sup(&velocity)];
+            piece.velocity_sum.0 += velocity;
+            piece.velocity_sum.1 += 1.0;
         }
     }
 
@@ -157,23 +162,23 @@ impl Pieces {
             let (a, b) = (find_root(list, a), find_root(list, b));
             list[a.max(b) as usize].group = a.min(b);
         }
-        let bounds = &mut self.group_velocity_bounds;
-        bounds.clear();
-        bounds.extend(list.iter().map(|piece| piece.velocity_bounds));
+        let sums = &mut self.group_velocity_sums;
+        sums.clear();
+        sums.resize(list.len(), (Vec3::zeros(), 0.0));
         for i in 0..index_u32(list.len()) {
             let root = find_root(list, i);
             let piece = list[i as usize];
             list[i as usize].group = root;
             list[root as usize].is_held |= piece.is_held;
-            let [min, max] = bounds[root as usize];
-            let [low, high] = piece.velocity_bounds;
-            bounds[root as usize] = [min.inf(&low), max.sup(&high)];
+            let (sum, count) = &mut sums[root as usize];
+            *sum += piece.velocity_sum.0;
+            *count += piece.velocity_sum.1;
         }
-        for (root, &[min, max]) in list.iter_mut().zip(bounds.iter()) {
+        for (root, &(sum, count)) in list.iter_mut().zip(sums.iter()) {
             root.group_velocity = if root.is_held {
                 Vec3::zeros()
             } else {
-                (min + max) / 2.0
+                sum / f64::max(count, 1.0)
             };
         }
     }

@@ -5,12 +5,12 @@
 
 use super::broad_phase::{Piece, Pieces};
 use super::motion::Motion;
-use super::persistent::{PersistentContact, contact_plane, faces, outward_normal};
-use super::{ContactFrame, MOTION_TOLERANCE, SEPARATION_RATE, SPEED_MARGIN};
+use super::persistent::{PersistentContact, contact_kind, faces, outward_normal};
+use super::{ContactFrame, SPEED_MARGIN};
 use crate::body::Body;
 use crate::scene::Bodies;
 use incise_mesh::{Surface, TriangleId, Vec3, VertexId, index_u32};
-use incise_pbd_gpu::Contact;
+use incise_pbd_gpu::{Contact, ContactKind};
 use rayon::prelude::*;
 
 /// Number of vertex slots of a row.
@@ -204,27 +204,16 @@ impl Search<'_> {
             let first = previous.map(|contact| contact.triangle);
             self.nearest(of, v, (other, other_body), first, &mut row.one_ring)
         });
-        // A deeper vertex has passed the triangle, whose plane would hold the two together.
-        let height = |contact: &PersistentContact| contact.height(other_surface, at);
-        let is_shallow = |contact: &PersistentContact| height(contact) >= -MAX_DEPTH * thickness;
-        let Some(mut contact) = contact.filter(is_shallow) else {
-            return;
-        };
+        let Some(contact) = contact else { return };
         // Within a piece at most half of the rest distance, so that a thin fold stays as it is.
         let mut gap = thickness;
         if is_fold(contact.triangle) {
             gap = gap.min(contact.rest_distance(surface) / 2.0);
         }
-        // A vertex that cannot follow its gap is not pushed harder in every frame.
-        let reachable = height(&contact) + MOTION_TOLERANCE * gap;
-        contact.gap = contact.gap.min(reachable).min(gap);
-        let gap_rate = SEPARATION_RATE * (gap - contact.gap).min(2.0 * gap);
-        let friction = friction(of.body, other_body);
         row.contacts.push(BodyContact {
             other,
-            contact: contact.to_solver(gap_rate, friction),
+            contact: vertex_face(&contact, gap, friction(of.body, other_body)),
         });
-        contact.gap += gap_rate * self.frame.dt;
         row.persistent.push(contact);
     }
 
@@ -263,14 +252,25 @@ impl Search<'_> {
         let radii = (&motion.radii, but);
         let bvh = body.bvh();
         let found = bvh.nearest_in_reach(other_surface, reach, radii, first, is_candidate)?;
+        // A deeper vertex has passed the triangle, whose plane would hold the two together.
+        let thickness = of.motion.thickness.min(motion.thickness);
+        let is_shallow = found.distance >= -MAX_DEPTH * thickness;
+        if !is_shallow {
+            return None;
+        }
         // The motion of the vertex relative to the nearest point.
         let corners = other_surface.topology().triangle(found.triangle);
         let weighted = corners.into_iter().zip(found.weights);
         let of_point: Vec3 = weighted.map(|(c, w)| motion.velocity(c) * w).sum();
         let relative = (of.motion.velocity(v) - of_point) * self.frame.dt;
-        let plane = contact_plane(other_surface, at, &found, relative);
+        let is_inside = found.weights.iter().all(|&w| w > 0.0);
+        let kind = if is_inside {
+            ContactKind::VertexFace
+        } else {
+            contact_kind(other_surface, at, &found, relative)
+        };
         let target = (other, other_surface);
-        Some(PersistentContact::new(target, (v, at), &found, plane))
+        Some(PersistentContact::new(target, (v, at), &found, kind))
     }
 
     /// Adds the contacts of a vertex with blade faces.
@@ -290,6 +290,19 @@ impl Search<'_> {
                 });
             }
         }
+    }
+}
+
+/// Returns the solver's contact at a distance \[m\].
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the solver stores contacts in 32 bits"
+)]
+fn vertex_face(contact: &PersistentContact, gap: f64, friction: f32) -> Contact {
+    Contact {
+        kind: contact.kind,
+        friction,
+        ..Contact::vertex_face(contact.vertex, contact.corners, gap as f32)
     }
 }
 
