@@ -4,9 +4,10 @@
 use crate::backend::BackendState;
 use crate::blade::{Blade, BladeId};
 use crate::body::{Body, BodyId};
-use crate::contacts::BladeFace;
+use crate::contacts::{BladeFace, ContactDetection};
 use crate::error::SceneError;
 use crate::gpu_bodies::GpuBodies;
+use crate::islands::Islands;
 use crate::params::SceneParams;
 use crate::residency::Residency;
 use crate::sleep::Sleep;
@@ -82,6 +83,8 @@ pub struct Scene {
     /// Scratch memory: indices of the bodies near the current sweep.
     pub(crate) near: Vec<usize>,
     pub(crate) sleep: Sleep,
+    pub(crate) detection: ContactDetection,
+    pub(crate) islands: Islands,
     /// The bodies that a GPU steps, if the scene has one.
     pub(crate) gpu: Option<Box<dyn GpuBodies>>,
     pub(crate) backend: BackendState,

@@ -2,13 +2,14 @@
 
 use super::layout::{
     ATTACHMENT_ENTRIES, BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, COLLIDER_ENTRIES, CONTACT_ENTRIES,
-    CONTACTS, INTERIOR_SPRINGS, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME,
-    PIECE_ENTRIES, PIN_ENTRIES, RUN_COLORS, STRETCH, STRETCH_ENTRIES,
+    CONTACT_FEATURES, CONTACT_RECOVERIES, CONTACTS, INTERIOR_SPRINGS, KEEPS_BENDING,
+    KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME, PIECE_ENTRIES, PIN_ENTRIES, RUN_COLORS,
+    STRETCH, STRETCH_ENTRIES,
 };
 use crate::constraints::batches::OVERFLOW;
 use crate::constraints::colliders::{PLANE, ROUND};
 use crate::constraints::coloring::MAX_COLORS;
-use crate::constraints::contacts::NO_CORNER;
+use crate::constraints::contacts::{ContactKind, NO_VERTEX};
 use crate::kernels::volume::CHUNK;
 use crate::patches::PATCH_VERTICES;
 
@@ -121,7 +122,7 @@ impl EntryPoint {
     }
 }
 
-const SHARED: [&str; 14] = [
+const SHARED: [&str; 15] = [
     include_str!("shaders/types.wgsl"),
     include_str!("shaders/bits.wgsl"),
     include_str!("shaders/links.wgsl"),
@@ -131,6 +132,7 @@ const SHARED: [&str; 14] = [
     include_str!("../kernels/stretch.wgsl"),
     include_str!("../kernels/arctangent.wgsl"),
     include_str!("../kernels/bending.wgsl"),
+    include_str!("../kernels/contact_features.wgsl"),
     include_str!("../kernels/contacts.wgsl"),
     include_str!("../kernels/colliders.wgsl"),
     include_str!("../kernels/ground.wgsl"),
@@ -184,8 +186,13 @@ fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
         ("BENDING", BENDING),
         ("INTERIOR_SPRINGS", INTERIOR_SPRINGS),
         ("CONTACTS", CONTACTS),
+        ("CONTACT_FEATURES", CONTACT_FEATURES),
+        ("CONTACT_RECOVERIES", CONTACT_RECOVERIES),
+        ("CONTACT_VERTEX_POINT", ContactKind::VertexPoint as u32),
+        ("CONTACT_EDGE_EDGE", ContactKind::EdgeEdge as u32),
+        ("CONTACT_PLANE", ContactKind::Plane as u32),
         ("CONTACT_ENTRIES", CONTACT_ENTRIES as u32),
-        ("NO_CORNER", NO_CORNER),
+        ("NO_VERTEX", NO_VERTEX),
         ("COLLIDER_ENTRIES", COLLIDER_ENTRIES as u32),
         ("PLANE", PLANE),
         ("ROUND", ROUND),

@@ -35,6 +35,8 @@ pub enum Pass {
     Predict,
     /// Moves pinned vertices towards their targets.
     Pins,
+    /// Finds nearest points and normals of contacts at the start of the substep.
+    ContactFeatures,
     /// Sets all multipliers to zero.
     ResetMultipliers,
     /// Pulls vertices back that are too far from their pinned anchor.
@@ -62,6 +64,8 @@ pub enum Pass {
     ///
     /// Skipped in a substep in which the whole body is predicted above the ground.
     Ground,
+    /// Lets active contacts separate without velocity.
+    ContactRecovery,
     /// Updates velocities and positions from displacements (Algorithm 1, lines 10 to 13).
     Integrate,
 }
@@ -73,21 +77,23 @@ impl Pass {
         match self {
             Self::Predict => stage(0),
             Self::Pins => stage(1),
-            Self::ResetMultipliers => stage(2),
-            Self::LongRangeAttachments => stage(3),
+            Self::ContactFeatures => stage(2),
+            Self::ResetMultipliers => stage(3),
+            Self::LongRangeAttachments => stage(4),
             Self::Project { kind, batch } => {
                 let stage = match kind {
-                    ConstraintKind::Stretch | ConstraintKind::Bending => 4,
-                    ConstraintKind::InteriorSpring => 5,
+                    ConstraintKind::Stretch | ConstraintKind::Bending => 5,
+                    ConstraintKind::InteriorSpring => 6,
                 };
                 (stage, batch.layer(), Some(kind), Some(batch))
             }
-            Self::ContactsBeforeVolumes => stage(6),
-            Self::Volumes => stage(7),
-            Self::Contacts => stage(8),
-            Self::Colliders => stage(9),
-            Self::Ground => stage(10),
-            Self::Integrate => stage(11),
+            Self::ContactsBeforeVolumes => stage(7),
+            Self::Volumes => stage(8),
+            Self::Contacts => stage(9),
+            Self::Colliders => stage(10),
+            Self::Ground => stage(11),
+            Self::ContactRecovery => stage(12),
+            Self::Integrate => stage(13),
         }
     }
 
@@ -232,6 +238,7 @@ impl StepPlan {
         self.prologue.clear();
         self.prologue.push(Pass::Predict);
         push_if(&mut self.prologue, key.pins, Pass::Pins);
+        push_if(&mut self.prologue, key.contacts, Pass::ContactFeatures);
         push_if(&mut self.prologue, key.multipliers, Pass::ResetMultipliers);
         self.iteration.clear();
         let list = &mut self.iteration;
@@ -246,6 +253,7 @@ impl StepPlan {
         push_if(list, key.colliders, Pass::Colliders);
         push_if(list, key.ground, Pass::Ground);
         self.epilogue.clear();
+        push_if(&mut self.epilogue, key.contacts, Pass::ContactRecovery);
         self.epilogue.push(Pass::Integrate);
         for list in [&mut self.prologue, &mut self.iteration, &mut self.epilogue] {
             list.sort_unstable();

@@ -30,6 +30,7 @@ fn project_kind(body: Body, kind: u32, colors: u32, layer: u32, lane: u32) {
         if (run.len != 0u) {
             sweep(kind, body, run, lane, WORKGROUP_SIZE);
             workgroupBarrier();
+            storageBarrier();
         }
     }
     let overflow = run_of(body, kind, OVERFLOW);
@@ -38,6 +39,7 @@ fn project_kind(body: Body, kind: u32, colors: u32, layer: u32, lane: u32) {
             sweep(kind, body, overflow, 0u, 1u);
         }
         workgroupBarrier();
+        storageBarrier();
     }
 }
 
@@ -99,6 +101,9 @@ fn whole_body(
             }
             workgroupBarrier();
         }
+        if (body.contacts != 0u) {
+            project_kind(body, CONTACT_FEATURES, MAX_COLORS, 0u, lane);
+        }
         if ((body.flags & KEEPS_STRETCH) != 0u) {
             reset_kind(body, STRETCH, body.stretch_colors, lane);
         }
@@ -152,6 +157,9 @@ fn whole_body(
                 }
                 workgroupBarrier();
             }
+        }
+        if (body.contacts != 0u) {
+            project_kind(body, CONTACT_RECOVERIES, MAX_COLORS, 0u, lane);
         }
         for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
             if (!integrate_vertex(i)) {
