@@ -208,6 +208,7 @@ impl Compiler<'_> {
                 Pass::ResetMultipliers => self.resets(&mut out),
                 Pass::ContactsBeforeVolumes => self.contacts(true, &mut out),
                 Pass::Contacts => self.contacts(false, &mut out),
+                Pass::GroundBeforeVolumes => out.extend(self.ground_before_volumes()),
                 Pass::Volumes => self.volumes(&mut out),
                 pass => out.extend(self.vertices(pass)),
             }

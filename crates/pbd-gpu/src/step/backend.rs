@@ -148,7 +148,7 @@ impl NullaryFnOnce for Frame<'_, '_, '_> {
                 };
                 for passes in plan.part(part).chunk_by(is_same_layer) {
                     let pass = passes[0];
-                    if pass == Pass::Ground && self.lowest > self.constants.ground {
+                    if pass.is_ground() && self.lowest > self.constants.ground {
                         self.stats.ground_passes_skipped += 1;
                         continue;
                     }
@@ -300,12 +300,18 @@ impl Frame<'_, '_, '_> {
                     (leader, *arch),
                     particles,
                     piece,
-                    constants.volume,
+                    (constants.volume, constants.ground),
                     self.volume_scratch,
                 );
             }
             Pass::Colliders => {
                 colliders::colliders(particles, v, body.colliders, constants.friction);
+            }
+            Pass::GroundBeforeVolumes => {
+                stats.ground_passes += 1;
+                let vertices = body.volumes.spokes.iter().map(|spoke| spoke.vertex);
+                let ground = (constants.ground, constants.friction);
+                ground::ground_of(vertices, particles, v, ground);
             }
             Pass::Ground => {
                 stats.ground_passes += 1;
