@@ -71,7 +71,7 @@ pub enum ConstraintError {
     /// A contact is not valid.
     #[error(
         "the contact of {vertex} has a number that is not finite, a normal that is not of length \
-         1, weights that do not sum to 1, or the vertex as a corner"
+         1, a number that is negative, or the same vertex twice"
     )]
     BadContact {
         /// Vertex of the contact.

@@ -17,6 +17,7 @@ pub(crate) mod block;
 #[cfg(test)]
 pub(crate) mod bounds;
 pub(crate) mod colliders;
+pub(crate) mod contact_features;
 pub(crate) mod contacts;
 pub(crate) mod ground;
 pub(crate) mod integrate;

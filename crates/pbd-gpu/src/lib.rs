@@ -18,7 +18,7 @@ pub use constraints::attachments::LongRangeAttachment;
 pub use constraints::batches::{Batch, BatchId, BendingSet, ConstraintSet, StretchSet};
 pub use constraints::colliders::Collider;
 pub use constraints::coloring::{LAYERS, MAX_COLORS};
-pub use constraints::contacts::{Contact, ContactSet, ContactTarget};
+pub use constraints::contacts::{Contact, ContactKind, ContactSet};
 pub use constraints::volumes::{PieceVolume, VolumeSet};
 pub use error::{ConstraintError, InvalidConstraints, StepError};
 #[cfg(feature = "gpu")]
@@ -30,9 +30,8 @@ pub use material::{Density, InteriorSprings, Material, Stiffness, Volume};
 pub use particles::Pin;
 pub use patches::{PATCH_VERTICES, PatchParams};
 pub use solver::Solver;
-pub use step::backend::{Backend, CpuBackend};
-pub use step::body::Body;
 pub use step::constants::{Projection, StepConstants, VolumeProjection};
+pub use step::island::{Island, IslandBodies, IslandError};
 pub use step::params::{Integrator, SolverParams, StepStats};
 pub use step::plan::{ConstraintKind, Pass, StepPlan};
 #[cfg(feature = "gpu")]

@@ -8,6 +8,7 @@
     reason = "threads write different elements of the same arrays"
 )]
 
+mod parking;
 pub(crate) mod passes;
 mod team;
 

@@ -1,4 +1,4 @@
-//! The solver of one body: its parts, and a step on a backend.
+//! The solver of one body: its parts, and a step on the CPU.
 //!
 //! The parts are plain data: particles, constraints, the plan of a step and the state of edits.
 //! [`constraints`](crate::constraints), [`step`](crate::step) and [`follow`](crate::follow) have
@@ -6,6 +6,7 @@
 
 mod constraints;
 mod edits;
+mod join;
 mod particles;
 
 use crate::constraints::Constraints;
@@ -17,12 +18,11 @@ use crate::material::Material;
 use crate::particles::{Particles, inverse};
 use crate::patches::PatchParams;
 use crate::step::StepState;
-use crate::step::backend::{Backend, CpuBackend};
-use crate::step::body::Body;
 use crate::step::constants::StepConstants;
-use crate::step::params::{Integrator, SolverParams, StepStats};
+use crate::step::island::{Island, IslandError, Single};
+use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
-use crate::step::prepare::{both_orders, prepare};
+use crate::step::prepare::prepare;
 use incise_mesh::Surface;
 
 /// Steps one surface by position based dynamics.
@@ -36,7 +36,8 @@ pub struct Solver {
     constraints: Constraints,
     step: StepState,
     follow: FollowState,
-    cpu: CpuBackend,
+    /// Memory of its steps as an island of one.
+    island: Island,
 }
 
 impl Solver {
@@ -94,7 +95,7 @@ impl Solver {
             constraints,
             step: StepState::default(),
             follow,
-            cpu: CpuBackend::default(),
+            island: Island::default(),
         })
     }
 
@@ -112,24 +113,31 @@ impl Solver {
         dt: f32,
         params: &SolverParams,
     ) -> Result<&StepStats, StepError> {
-        let mut cpu = std::mem::take(&mut self.cpu);
-        let done = self.step_on(&mut cpu, surface, dt, params).map(|_| ());
-        self.cpu = cpu;
-        done.map(|()| &self.step.stats)
+        let mut island = std::mem::take(&mut self.island);
+        let mut body = Single(self, surface);
+        let done = island.prepare(&mut body, dt, params).and_then(|()| {
+            let mut contacts = std::mem::take(&mut body.0.constraints.contacts);
+            let done = island.run(&mut body, &mut contacts, params);
+            body.0.constraints.contacts = contacts;
+            done
+        });
+        self.island = island;
+        match done {
+            Ok(()) => Ok(&self.step.stats),
+            Err(IslandError { error, .. }) => Err(error),
+        }
     }
 
-    /// Steps by one frame of `dt` \[s\] on a backend.
+    /// Returns the parts that a step changes.
+    pub(crate) fn step_parts(&mut self) -> (&mut Particles, &mut Constraints, &mut StepState) {
+        (&mut self.particles, &mut self.constraints, &mut self.step)
+    }
+
+    /// Checks that a surface is the solver's and that its positions are finite.
     ///
     /// # Errors
-    /// As [`Solver::step`].
-    pub fn step_on(
-        &mut self,
-        backend: &mut impl Backend,
-        surface: &mut Surface,
-        dt: f32,
-        params: &SolverParams,
-    ) -> Result<&StepStats, StepError> {
-        params.check(dt)?;
+    /// [`StepError::SurfaceMismatch`], [`StepError::NonFiniteInput`].
+    pub(crate) fn check_step(&self, surface: &Surface) -> Result<(), StepError> {
         let (slots, known) = (surface.positions().len(), self.particles.len());
         if slots != known {
             return Err(StepError::SurfaceMismatch {
@@ -141,21 +149,15 @@ impl Solver {
             let vertex = first_non_finite(surface.positions());
             return Err(StepError::NonFiniteInput { vertex });
         }
-        let constants = self.prepare(dt, params)?;
-        let orders = both_orders(&self.material, &constants, params);
-        self.constraints.update_patch_contents();
-        let mut body = Body::new(&mut self.particles, &mut self.constraints, surface);
-        let StepState { plan, history, .. } = &mut self.step;
-        let done = match params.integrator {
-            Integrator::Euler => {
-                history.forget();
-                backend.execute(plan, &constants, &mut body)
-            }
-            Integrator::Bdf2 => history.execute(backend, plan, &orders, params.substeps, &mut body),
-        };
+        Ok(())
+    }
+
+    /// Records a step, whose statistics are `None` if it failed.
+    pub(crate) fn end_step(&mut self, stats: Option<StepStats>) {
         self.follow.log.mark_all();
-        self.step.stats = done?;
-        Ok(&self.step.stats)
+        if let Some(stats) = stats {
+            self.step.stats = stats;
+        }
     }
 
     /// Updates the plan and returns the constants of a frame.
@@ -204,6 +206,6 @@ impl Solver {
             + self.constraints.capacity()
             + self.step.capacity()
             + self.follow.capacity()
-            + self.cpu.capacity()
+            + self.island.capacity()
     }
 }

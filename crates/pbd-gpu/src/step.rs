@@ -1,8 +1,9 @@
-//! A step of the solver: its list of passes, its constants and the CPU backend that executes it.
+//! A step of the solver: its list of passes, its constants and their execution on the CPU.
 
 pub(crate) mod backend;
 pub(crate) mod body;
 pub(crate) mod constants;
+pub(crate) mod island;
 pub(crate) mod params;
 pub(crate) mod plan;
 pub(crate) mod prepare;

@@ -2,9 +2,7 @@
 
 use incise_mesh::{Surface, TriangleId};
 use incise_models::{Model, build_model};
-use incise_pbd_gpu::{
-    Collider, Contact, ContactTarget, Context, GpuBackend, Schedule, SolverParams,
-};
+use incise_pbd_gpu::{Collider, Contact, ContactKind, Context, GpuBackend, Schedule, SolverParams};
 use incise_test_support::cpu_gpu_pair::{CpuGpuPair, SCHEDULES, with_most_features};
 use incise_test_support::gpu::{Needs, trial};
 use incise_test_support::random::Random;
@@ -27,23 +25,25 @@ fn contacts(surface: &Surface, random: &mut Random, count: usize) -> Vec<Contact
         let (a, b) = (part() / 2.0, part() / 2.0);
         let normal = [part() - 0.5, part() - 0.5, part() - 0.5];
         let norm = normal.iter().map(|c| c * c).sum::<f32>().sqrt();
-        let target = if part() < 0.25 {
-            ContactTarget::Plane {
-                height: part() - 0.5,
-            }
-        } else {
-            ContactTarget::Triangle {
-                corners,
-                weights: [a, b, 1.0 - a - b],
-            }
+        let normal = normal.map(|c| c / norm);
+        let [p, q, r] = corners;
+        let contact = match random.below(4) {
+            0 => Contact::plane(v, normal, random.fraction() - 0.5),
+            1 => Contact::edge_edge([[v, p], [q, r]], normal, 0.05 * a),
+            2 => Contact {
+                kind: ContactKind::VertexPoint,
+                ..Contact::vertex_face(v, corners, 0.05 * b)
+            },
+            _ => Contact::vertex_face(v, corners, 0.05 * b),
         };
         if !corners.contains(&v) && norm > 0.1 {
             out.push(Contact {
-                vertex: v,
-                target,
-                normal: normal.map(|c| c / norm),
-                gap: 0.02 * part(),
-                gap_rate: 0.1 * part(),
+                gap_rate: match contact.kind {
+                    ContactKind::Plane => 0.1 * random.fraction(),
+                    _ => 0.0,
+                },
+                friction: random.fraction(),
+                ..contact
             });
         }
     }

@@ -7,8 +7,7 @@
 
 use incise_mesh::{HalfEdge, Surface, VertexId, icosphere};
 use incise_pbd_gpu::{
-    AdapterRequest, Context, CpuBackend, GpuBackend, GpuError, Schedule, Solver, SolverParams,
-    StepError,
+    AdapterRequest, Context, GpuBackend, GpuError, Schedule, Solver, SolverParams, StepError,
 };
 use incise_test_support::cpu_gpu_pair::{
     CpuGpuPair, DT, SCHEDULES, assert_same, with_most_features,
@@ -232,7 +231,7 @@ fn stepped_here(context: Context) {
         Schedule::WholeBody,
     );
     twin.edit(|surface, solver| {
-        let done = solver.step_on(&mut CpuBackend::default(), surface, DT, &params);
+        let done = solver.step(surface, DT, &params);
         done.map(|_| ()).expect("a step on the CPU");
     });
     let stepped = gpu.step([(twin.body, &mut twin.solver)], DT, &params);

@@ -1,15 +1,14 @@
 //! [`Body`]: a soft body of a [`crate::Scene`], its surface, solver and cutter kept consistent.
 
 use crate::blade::{Blade, BladeMode};
-use crate::contacts::{ContactFrame, ContactParams, ContactSearch};
+use crate::contacts::ContactParams;
 use crate::error::SceneError;
 use crate::interior_springs::InteriorSpringSearch;
+use crate::params::SceneParams;
 use crate::scene::SceneNumber;
 use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Incision, Sweep};
-use incise_mesh::{Aabb, RayHit, Surface, Undo, Vec3, VertexId};
-use incise_pbd_gpu::{
-    ConstraintError, Material, PatchParams, Solver, SolverParams, StepError, StepStats,
-};
+use incise_mesh::{Aabb, Bvh, RayHit, Surface, Undo, Vec3, VertexId};
+use incise_pbd_gpu::{ConstraintError, Material, PatchParams, Solver};
 use std::fmt;
 use std::time::{Duration, Instant};
 
@@ -35,7 +34,6 @@ pub struct Body {
     /// Incisions by the numbers of their blades.
     incisions: Vec<(usize, Incision)>,
     spring_search: InteriorSpringSearch,
-    contact_search: ContactSearch,
     /// Whether vertices moved since the BVH was last refitted.
     stale: bool,
     /// A bounding box that the body has not left, if its motion since is known.
@@ -77,7 +75,6 @@ impl Body {
             cutter,
             incisions: Vec::new(),
             spring_search,
-            contact_search: ContactSearch::default(),
             stale: false,
             loose_bounds: None,
             is_edited: false,
@@ -160,6 +157,16 @@ impl Body {
             .collect();
         pieces.sort_unstable();
         pieces.dedup();
+        pieces
+    }
+
+    /// Returns the piece of every vertex slot; none for unused ones.
+    fn piece_of_vertices(&self) -> Vec<Option<u32>> {
+        let topology = self.surface.topology();
+        let mut pieces = vec![None; topology.vertex_slots()];
+        for v in topology.vertices() {
+            pieces[v.index()] = Some(self.surface.piece(topology.outgoing(v).triangle()));
+        }
         pieces
     }
 
@@ -278,13 +285,27 @@ impl Body {
     }
 
     /// Undoes a cut and updates constraints and masses. The BVH must be refitted.
-    pub(crate) fn undo(&mut self, undo: Undo) -> Result<(), SceneError> {
+    ///
+    /// Pieces that have moved since the cut move together.
+    pub(crate) fn undo(
+        &mut self,
+        id: BodyId,
+        undo: Undo,
+        params: &SceneParams,
+    ) -> Result<(), SceneError> {
+        let pieces = self.piece_of_vertices();
         let delta = self.cutter.undo(&mut self.surface, undo)?;
         self.topology_version = self.surface.fingerprint();
         self.know();
         self.solver.apply_delta(&mut self.surface, &delta)?;
         let (surface, bvh) = (&self.surface, self.cutter.bvh());
         self.spring_search.fill(surface, &mut self.solver, bvh)?;
+        let step = (params.dt, &params.solver);
+        let joined = (self.solver).join_after_undo(&mut self.surface, &pieces, step);
+        if joined.map_err(|error| SceneError::Step { body: id, error })? {
+            self.stale = true;
+            self.loose_bounds = None;
+        }
         Ok(())
     }
 
@@ -293,43 +314,26 @@ impl Body {
         params.self_collision || self.surface.piece_count() > 1
     }
 
-    /// Finds the contacts of the next frame and returns their number.
-    ///
-    /// The BVH must be refitted if [`Body::may_collide`].
-    pub(crate) fn find_contacts(&mut self, frame: &ContactFrame<'_>) -> Result<usize, SceneError> {
-        let Self {
-            surface,
-            solver,
-            contact_search,
-            cutter,
-            ..
-        } = self;
-        contact_search.find(surface, solver, cutter.bvh(), frame)
-    }
-
-    /// Removes all contacts.
-    pub(crate) fn clear_contacts(&mut self) -> Result<(), SceneError> {
-        Ok(self.solver.set_contacts(&[])?)
-    }
-
-    /// Steps the body by one frame.
-    pub(crate) fn step(&mut self, dt: f32, params: &SolverParams) -> Result<StepStats, StepError> {
+    /// Begins a step of the solver, which moves the vertices.
+    pub(crate) fn begin_step(&mut self) {
         if !self.stale {
             self.know();
         }
         self.stale = true;
-        match self.solver.step(&mut self.surface, dt, params) {
-            Ok(stats) => {
-                if let Some(loose) = &mut self.loose_bounds {
-                    loose.add_drift(stats.max_displacement, stats.substeps);
-                }
-                Ok(*stats)
-            }
-            Err(error) => {
-                self.loose_bounds = None;
-                Err(error)
-            }
+    }
+
+    /// Ends a step of the solver, whose statistics bound the motion unless it failed.
+    pub(crate) fn end_step(&mut self, is_ok: bool) {
+        let stats = self.solver.stats();
+        match &mut self.loose_bounds {
+            Some(loose) if is_ok => loose.add_drift(stats.max_displacement, stats.substeps),
+            loose => *loose = None,
         }
+    }
+
+    /// Returns the BVH of the surface, as of the last refit.
+    pub(crate) fn bvh(&self) -> &Bvh {
+        self.cutter.bvh()
     }
 
     /// Takes the bounding box of the BVH, which must be refitted.

@@ -2,8 +2,8 @@
 
 use crate::blade::{Blade, BladeId};
 use crate::body::BodyId;
-use crate::contacts::ContactFrame;
 use crate::error::SceneError;
+use crate::gpu_bodies::GpuBodies;
 use crate::params::SceneParams;
 use crate::scene::{FailedCut, Scene, SweepResult};
 use crate::stats::FrameStats;
@@ -68,65 +68,16 @@ impl Scene {
         self.wake_at_colliders();
         self.update_blade_faces();
         self.sleep.begin_frame(&self.params);
+        self.find_contacts()?;
         self.stats.woken = self.sleep.take_woken();
         self.stats.sleeping_bodies = self.sleep.sleeping_bodies();
         self.assign_colliders()?;
-        self.find_contacts()?;
-        self.step_gpu()?;
-        self.step_bodies()?;
+        self.step_islands()?;
         self.put_to_sleep();
         self.stats.fell_back = self.backend.take_fallback();
         let others = self.stats.gpu_upload + self.stats.contact_detection;
         self.stats.solver = begin.elapsed().saturating_sub(others);
         Ok(&self.stats)
-    }
-
-    /// Finds the contacts of every body that is awake. Bodies on the GPU are read back for it.
-    fn find_contacts(&mut self) -> Result<(), SceneError> {
-        let begin = Instant::now();
-        let params = self.params.contacts;
-        for i in 0..self.bodies.len() {
-            let Some(body) = &mut self.bodies[i] else {
-                continue;
-            };
-            if self.sleep.is_asleep(i) {
-                continue;
-            }
-            let may_collide = params.is_some_and(|params| body.may_collide(&params));
-            let Some(params) = params.filter(|_| may_collide || !self.blade_faces.is_empty())
-            else {
-                body.clear_contacts()?;
-                continue;
-            };
-            if let Some(gpu) = &mut self.gpu
-                && let Err(error) = gpu.read_back(i, body)
-            {
-                self.recover(None, error)?;
-            }
-            let Some(body) = &mut self.bodies[i] else {
-                continue;
-            };
-            let SceneParams { dt, solver, .. } = &self.params;
-            let g = solver.gravity.map(f64::from);
-            let gravity = g.iter().map(|g| g * g).sum::<f64>().sqrt();
-            let frame = ContactFrame {
-                params,
-                dt: f64::from(*dt),
-                speed_gain: gravity * f64::from(*dt),
-                ground: solver.ground,
-                colliders: &self.colliders,
-                blade_faces: &self.blade_faces,
-            };
-            if may_collide {
-                let refit = u32::from(body.refit());
-                self.stats.bvh_refits += refit;
-                self.stats.bvh_refits_skipped = self.stats.bvh_refits_skipped.saturating_sub(refit);
-            }
-            self.stats.contact_searches += 1;
-            self.stats.contacts += body.find_contacts(&frame)?;
-        }
-        self.stats.contact_detection = begin.elapsed();
-        Ok(())
     }
 
     /// Validates the bodies that were handed out for edits.
@@ -174,21 +125,29 @@ impl Scene {
         if self.params.sleep.is_none() {
             return;
         }
-        for (i, body) in self.bodies.iter_mut().enumerate() {
-            if self.sleep.is_asleep(i) || !self.sleep.take_decision(i) {
+        for i in 0..self.bodies.len() {
+            let single = [i];
+            let members = self.islands.members(i).unwrap_or(&single);
+            // The first body of an island decides for all.
+            if self.sleep.is_asleep(i) || members[0] != i || !self.sleep.take_decision(members) {
                 continue;
             }
-            let Some(body) = body else { continue };
-            let on_gpu = self.gpu.as_ref().is_some_and(|gpu| gpu.holds(i));
-            // The box of a GPU body is being read back.
-            let bounds = (!on_gpu).then(|| body.bounds(&mut self.stats.aabbs_computed));
-            self.sleep.fall_asleep(i, bounds);
-            self.stats.fell_asleep += 1;
+            for &member in members {
+                let Some(body) = &mut self.bodies[member] else {
+                    continue;
+                };
+                let is_gpu_ahead = |gpu: &dyn GpuBodies| !gpu.residency(member).is_cpu_current();
+                let is_gpu_ahead = self.gpu.as_deref().is_some_and(is_gpu_ahead);
+                // The box of a GPU body is being read back.
+                let bounds = (!is_gpu_ahead).then(|| body.bounds(&mut self.stats.aabbs_computed));
+                self.sleep.fall_asleep(member, members[0], bounds);
+                self.stats.fell_asleep += 1;
+            }
         }
     }
 
     /// Uploads edits and submits the frame of all GPU bodies.
-    fn step_gpu(&mut self) -> Result<(), SceneError> {
+    pub(crate) fn step_gpu(&mut self) -> Result<(), SceneError> {
         if self.gpu.is_none() {
             return Ok(());
         }
@@ -214,7 +173,7 @@ impl Scene {
         }
         if let (Some(gpu), Some(_)) = (&self.gpu, &self.params.sleep) {
             for i in 0..self.bodies.len() {
-                if gpu.holds(i) && !self.sleep.is_asleep(i) {
+                if gpu.holds(i) && self.islands.members(i).is_none() && !self.sleep.is_asleep(i) {
                     self.sleep.count_frame(i);
                 }
             }
@@ -363,7 +322,7 @@ impl Scene {
 }
 
 /// Grows a box by half of its size: a blade in there may reach the body in the next frame.
-fn inflated(bounds: Aabb) -> Aabb {
+pub(crate) fn inflated(bounds: Aabb) -> Aabb {
     let mut out = bounds;
     for k in 0..3 {
         let half = (bounds.max[k] - bounds.min[k]) / 2.0;

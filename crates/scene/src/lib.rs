@@ -6,15 +6,16 @@ mod body;
 mod colliders;
 mod contacts;
 mod error;
+mod find_contacts;
 mod frame;
 mod gpu_bodies;
 mod interior_springs;
+mod islands;
 mod params;
 mod residency;
 mod scene;
 mod sleep;
 mod stats;
-mod step_bodies;
 
 pub use backend::{BackendChoice, BackendReport, BackendRequest};
 pub use blade::{Blade, BladeId, BladeMode};

@@ -23,10 +23,11 @@ pub struct SceneParams {
     /// A checkpoint copies a body to the CPU without waiting. The scene continues from it if the
     /// GPU fails.
     pub checkpoint: u32,
-    /// Contacts between the pieces of a body and with blade faces; `None` disables them.
+    /// Contacts between bodies, their pieces and blade faces; `None` disables them.
     ///
-    /// Contact detection runs on the CPU once per frame; positions of GPU bodies in several pieces,
-    /// or with self-collision, are read back for it.
+    /// Contact detection runs on the CPU once per frame; positions of GPU bodies near others, in
+    /// several pieces, or with self-collision, are read back for it. Bodies that touch are stepped
+    /// together on the CPU.
     pub contacts: Option<ContactParams>,
     /// When bodies at rest fall asleep; `None` steps every body in every frame.
     pub sleep: Option<SleepParams>,

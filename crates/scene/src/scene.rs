@@ -4,9 +4,10 @@
 use crate::backend::BackendState;
 use crate::blade::{Blade, BladeId};
 use crate::body::{Body, BodyId};
-use crate::contacts::BladeFace;
+use crate::contacts::{BladeFace, ContactDetection};
 use crate::error::SceneError;
 use crate::gpu_bodies::GpuBodies;
+use crate::islands::Islands;
 use crate::params::SceneParams;
 use crate::residency::Residency;
 use crate::sleep::Sleep;
@@ -82,6 +83,8 @@ pub struct Scene {
     /// Scratch memory: indices of the bodies near the current sweep.
     pub(crate) near: Vec<usize>,
     pub(crate) sleep: Sleep,
+    pub(crate) detection: ContactDetection,
+    pub(crate) islands: Islands,
     /// The bodies that a GPU steps, if the scene has one.
     pub(crate) gpu: Option<Box<dyn GpuBodies>>,
     pub(crate) backend: BackendState,
@@ -252,16 +255,19 @@ impl Scene {
     /// Undoes the last cut of a body with the [`Undo`](incise_mesh::Undo) of its
     /// [outcome](Self::cuts).
     ///
-    /// The triangles from before the cut return; vertices stay where they are now.
+    /// The triangles from before the cut return. Vertices stay where they are now, except that
+    /// pieces that have moved since the cut move together. Velocities stay.
     ///
     /// # Errors
     /// As [`Scene::read_back`]; [`SceneError::Undo`] when it does not belong to the body's last
-    /// cut, [`SceneError::Constraint`] when the constraints cannot be restored.
+    /// cut, [`SceneError::Constraint`] when the constraints cannot be restored,
+    /// [`SceneError::Step`] when the pieces cannot move together.
     pub fn undo(&mut self, id: BodyId, undo: incise_mesh::Undo) -> Result<(), SceneError> {
+        let params = self.params;
         let body = self.edit(id)?;
         body.validate_edit(id)?;
         body.refit();
-        body.undo(undo)
+        body.undo(id, undo, &params)
     }
 
     /// Returns the first triangle of a body that a ray hits, at the body's present position.

@@ -13,7 +13,7 @@ use crate::params::SceneParams;
 use incise_mesh::Aabb;
 use incise_pbd_gpu::SolverParams;
 
-/// Parameters of sleeping. A body in several pieces sleeps when all of them are at rest.
+/// Parameters of sleeping. Touching bodies and all pieces of a body sleep together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SleepParams {
     /// Maximum speed of a vertex along an axis at rest [mean rest edge lengths per second].
@@ -136,6 +136,8 @@ pub(crate) struct Sleep {
     /// Boxes of sleeping bodies; [`EVERYWHERE`] for an unknown one.
     bounds: Vec<Aabb>,
     observations: Vec<Observation>,
+    /// First body of the island in which a sleeping body fell asleep.
+    islands: Vec<usize>,
     sleeping_bodies: u32,
     woken: u32,
     conditions: Option<Conditions>,
@@ -155,12 +157,14 @@ impl Sleep {
         self.asleep.resize(i + 1, false);
         self.bounds.resize(i + 1, EVERYWHERE);
         self.observations.resize(i + 1, Observation::default());
+        self.islands.resize(i + 1, i);
     }
 
-    /// Removes a body; its index is not reused.
+    /// Removes a body and wakes those that it touches; its index is not reused.
     pub(crate) fn remove(&mut self, i: usize) {
         if std::mem::replace(&mut self.asleep[i], false) {
             self.sleeping_bodies -= 1;
+            self.wake_island(self.islands[i]);
         }
     }
 
@@ -179,8 +183,24 @@ impl Sleep {
         self.asleep[i] && !self.bounds[i].overlaps(other)
     }
 
-    /// Wakes a body, or restarts the observation of an awake one.
+    /// Wakes a body and its island, or restarts the observation of an awake body.
     pub(crate) fn wake(&mut self, i: usize) {
+        if self.asleep[i] {
+            self.wake_island(self.islands[i]);
+        }
+        self.wake_one(i);
+    }
+
+    /// Wakes the bodies that fell asleep in an island.
+    fn wake_island(&mut self, island: usize) {
+        for i in island..self.asleep.len() {
+            if self.asleep[i] && self.islands[i] == island {
+                self.wake_one(i);
+            }
+        }
+    }
+
+    fn wake_one(&mut self, i: usize) {
         self.observations[i] = Observation::default();
         if std::mem::replace(&mut self.asleep[i], false) {
             self.sleeping_bodies -= 1;
@@ -190,7 +210,7 @@ impl Sleep {
 
     pub(crate) fn wake_all(&mut self) {
         for i in 0..self.asleep.len() {
-            self.wake(i);
+            self.wake_one(i);
         }
     }
 
@@ -262,11 +282,33 @@ impl Sleep {
         self.observations[i].is_at_rest = is_at_rest;
     }
 
-    /// Returns whether a body is to fall asleep now; otherwise restarts a completed observation.
-    pub(crate) fn take_decision(&mut self, i: usize) -> bool {
-        let observation = &mut self.observations[i];
-        let is_over = observation.frames >= self.observed_frames + SleepParams::LAG;
-        is_over && std::mem::take(observation).is_at_rest
+    /// Makes the bodies of an island be observed for the same time, that of the latest one.
+    pub(crate) fn join(&mut self, members: &[usize]) {
+        let frames = members.iter().map(|&i| self.observations[i].frames).min();
+        for &i in members {
+            self.observations[i].frames = frames.unwrap_or_default();
+        }
+    }
+
+    /// Returns whether the bodies of an island are to fall asleep now.
+    ///
+    /// Otherwise restarts a completed observation.
+    pub(crate) fn take_decision(&mut self, members: &[usize]) -> bool {
+        let until = self.observed_frames + SleepParams::LAG;
+        let is_over = |&i: &usize| self.observations[i].frames >= until;
+        if !members.iter().all(is_over) {
+            return false;
+        }
+        let are_at_rest = members.iter().all(|&i| self.observations[i].is_at_rest);
+        for &i in members {
+            self.observations[i] = Observation::default();
+        }
+        are_at_rest
+    }
+
+    /// Returns the bounding box of a sleeping body.
+    pub(crate) fn bounds(&self, i: usize) -> Aabb {
+        self.bounds[i]
     }
 
     /// Sets the bounding box of a sleeping body.
@@ -275,7 +317,10 @@ impl Sleep {
     }
 
     /// Puts a body to sleep in its bounding box, `None` if it is unknown.
-    pub(crate) fn fall_asleep(&mut self, i: usize, bounds: Option<Aabb>) {
+    ///
+    /// `island` is the first body of its island.
+    pub(crate) fn fall_asleep(&mut self, i: usize, island: usize, bounds: Option<Aabb>) {
+        self.islands[i] = island;
         self.asleep[i] = true;
         self.bounds[i] = bounds.unwrap_or(EVERYWHERE);
         self.sleeping_bodies += 1;

@@ -31,6 +31,11 @@ fn main() -> ExitCode {
             Needs::Strict,
             touching,
         ),
+        trial(
+            "touching_bodies_match_the_cpu_bit_for_bit",
+            Needs::Strict,
+            colliding,
+        ),
         trial("two_runs_have_the_same_bits", any, two_runs),
         trial("bodies_are_independent", any, alone),
         trial("a_resting_blade_causes_no_readback", any, at_rest),
@@ -172,6 +177,37 @@ fn touching(context: Context) {
     let on_cpu = play_touching(Scene::new(params()));
     let differ = on_device.iter().zip(&on_cpu).position(|(a, b)| a != b);
     assert_eq!((on_device.len(), differ), (on_cpu.len(), None));
+}
+
+/// Returns the states of two bodies that collide, and in how many frames the GPU stepped
+/// both of them.
+fn play_colliding(mut scene: Scene) -> (Vec<Bits>, u32) {
+    scene.params.contacts = Some(ContactParams::default());
+    scene.params.solver.gravity = [0.0; 3];
+    let ids = [(Model::Sphere768, 0.0), (Model::Sphere80, 2.5)];
+    let ids = ids.map(|(shape, x)| add(&mut scene, shape, x));
+    for (id, speed) in ids.into_iter().zip([4.0, -4.0]) {
+        let (solver, surface) = scene.edit(id).unwrap().solver_mut();
+        for v in surface.topology().vertices() {
+            solver.set_velocity(v, [speed, 0.0, 0.0]).unwrap();
+        }
+    }
+    let (mut contacts, mut on_gpu) = (0, 0);
+    for _ in 0..FRAMES {
+        let stats = *scene.step().unwrap();
+        contacts += stats.contacts;
+        on_gpu += u32::from(stats.gpu_bodies == 2);
+    }
+    assert!(contacts > 10, "{contacts} contacts");
+    (ids.map(|id| bits(&mut scene, id)).to_vec(), on_gpu)
+}
+
+/// The GPU steps bodies until they touch, then the CPU does.
+fn colliding(context: Context) {
+    let (on_device, on_gpu) = play_colliding(on(context, params()));
+    let (on_cpu, _) = play_colliding(Scene::new(params()));
+    assert!((5..FRAMES / 2).contains(&on_gpu), "{on_gpu} frames");
+    assert!(on_device == on_cpu, "the bits differ");
 }
 
 fn two_runs(context: Context) {

@@ -1,88 +1,135 @@
-//! Contacts of vertices with triangles of the same body and with planes.
+//! Contacts of vertices with triangles, of edges with edges, and of vertices with planes.
 //!
-//! The caller detects contacts once a frame. During the frame the vertex stays on its side of a
-//! plane through the nearest point of the triangle. Contacts are colored again whenever they are
-//! set.
+//! All three are one constraint: four vertices with signed weights, whose weighted sum keeps a
+//! distance along a normal. The caller detects contacts once a frame; kernels find weights and
+//! normals in every substep. Contacts are colored again whenever they are set.
 
 use crate::constraints::coloring::{MAX_COLORS, VertexColors};
 use crate::error::ConstraintError;
 use incise_mesh::VertexId;
 
-/// A contact between a vertex and a triangle of the same body, or a plane.
+/// A contact: two features, or a vertex and a plane, keep a distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
-    /// The vertex.
-    pub vertex: VertexId,
-    /// The triangle or plane.
-    pub target: ContactTarget,
-    /// Unit normal from the target to the vertex's side.
+    /// The kind of the features.
+    pub kind: ContactKind,
+    /// The vertices of both features; of a plane's contact one vertex, then null ones.
+    pub vertices: [VertexId; 4],
+    /// Unit normal from the second feature or the plane to the first feature.
+    ///
+    /// Between edges only its side matters, and that of a triangle is its own.
     pub normal: [f32; 3],
-    /// Minimum distance from the target along the normal at the start of the frame \[m\].
+    /// Minimum distance \[m\]; of a plane from the origin, at the start of the frame.
     pub gap: f32,
-    /// Rate at which the minimum distance grows [m/s]; it becomes velocity.
+    /// Rate at which the distance of a plane grows [m/s]; it becomes velocity. Zero for others.
     pub gap_rate: f32,
+    /// Coulomb friction coefficient.
+    pub friction: f32,
 }
 
-/// The object that a contact separates its vertex from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ContactTarget {
-    /// A point of a triangle of the same body. It moves by its inverse mass, with friction.
-    Triangle {
-        /// Corners; the vertex must not be one of them.
-        corners: [VertexId; 3],
-        /// Barycentric coordinates of the point.
-        weights: [f32; 3],
-    },
-    /// A plane perpendicular to the normal, of infinite mass, with friction as if it did not slide.
-    Plane {
-        /// Distance from the origin along the normal at the start of the frame \[m\].
-        height: f32,
-    },
+/// The features of a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum ContactKind {
+    /// A vertex in front of the plane of a triangle.
+    VertexFace,
+    /// A vertex and the nearest point of a triangle, also on its edges.
+    VertexPoint,
+    /// The ends of two edges.
+    EdgeEdge,
+    /// A vertex and a plane of infinite mass.
+    Plane,
 }
 
 impl Contact {
+    /// Creates the contact of a vertex with the plane of a triangle that faces it, without friction.
+    ///
+    /// With [`ContactKind::VertexPoint`] it keeps its distance from the triangle instead.
+    #[must_use]
+    pub const fn vertex_face(vertex: VertexId, [a, b, c]: [VertexId; 3], gap: f32) -> Self {
+        Self {
+            kind: ContactKind::VertexFace,
+            vertices: [vertex, a, b, c],
+            normal: [0.0, 1.0, 0.0],
+            gap,
+            gap_rate: 0.0,
+            friction: 0.0,
+        }
+    }
+
+    /// Creates the contact of two edges, the first on the side of the normal. It has no friction.
+    #[must_use]
+    pub const fn edge_edge(
+        [[a, b], [c, d]]: [[VertexId; 2]; 2],
+        normal: [f32; 3],
+        gap: f32,
+    ) -> Self {
+        Self {
+            kind: ContactKind::EdgeEdge,
+            vertices: [a, b, c, d],
+            normal,
+            gap,
+            gap_rate: 0.0,
+            friction: 0.0,
+        }
+    }
+
+    /// Creates the contact of a vertex with a plane at a distance from the origin \[m\].
+    ///
+    /// It has no friction.
+    #[must_use]
+    pub const fn plane(vertex: VertexId, normal: [f32; 3], height: f32) -> Self {
+        Self {
+            kind: ContactKind::Plane,
+            vertices: [vertex, VertexId::NULL, VertexId::NULL, VertexId::NULL],
+            normal,
+            gap: height,
+            gap_rate: 0.0,
+            friction: 0.0,
+        }
+    }
+
     /// Checks the numbers of the contact and that `is_used` holds for its vertices.
     ///
     /// # Errors
     /// [`ConstraintError::UnknownVertex`], [`ConstraintError::BadContact`].
     pub(crate) fn check(&self, is_used: impl Fn(VertexId) -> bool) -> Result<(), ConstraintError> {
-        let mut vertices = self.vertices().into_iter().flatten();
-        if let Some(vertex) = vertices.find(|&v| !is_used(v)) {
+        let vertices = &self.vertices[..self.vertex_count()];
+        if let Some(&vertex) = vertices.iter().find(|&&v| !is_used(v)) {
             return Err(ConstraintError::UnknownVertex { vertex });
         }
         if !self.is_valid() {
-            let vertex = self.vertex;
+            let vertex = self.vertices[0];
             return Err(ConstraintError::BadContact { vertex });
         }
         Ok(())
     }
 
-    /// Returns the vertices that it moves: its own, then those of the triangle.
-    fn vertices(&self) -> [Option<VertexId>; 4] {
-        match self.target {
-            ContactTarget::Triangle {
-                corners: [a, b, c], ..
-            } => [self.vertex, a, b, c].map(Some),
-            ContactTarget::Plane { .. } => [Some(self.vertex), None, None, None],
+    /// Returns the number of vertices: four, or one for a plane.
+    fn vertex_count(&self) -> usize {
+        if self.kind == ContactKind::Plane {
+            1
+        } else {
+            4
         }
     }
 
     fn is_valid(&self) -> bool {
-        let is_one = |sum: f32| (sum - 1.0).abs() <= TOLERANCE;
-        let is_target_valid = match self.target {
-            ContactTarget::Triangle { corners, weights } => {
-                !corners.contains(&self.vertex)
-                    && weights.iter().all(|&w| w >= -TOLERANCE)
-                    && is_one(weights.iter().sum())
-            }
-            ContactTarget::Plane { height } => height.is_finite(),
+        let is_distinct = |i: usize| !self.vertices[..i].contains(&self.vertices[i]);
+        let is_kind_valid = match self.kind {
+            ContactKind::Plane => self.vertices[1..].iter().all(|v| v.is_null()),
+            _ => (1..4).all(is_distinct) && self.gap >= 0.0 && self.gap_rate == 0.0,
         };
-        let square = self.normal.iter().map(|n| n * n).sum();
-        is_target_valid && is_one(square) && self.gap.is_finite() && self.gap_rate.is_finite()
+        let square: f32 = self.normal.iter().map(|n| n * n).sum();
+        is_kind_valid
+            && (square - 1.0).abs() <= TOLERANCE
+            && [self.gap, self.gap_rate].iter().all(|c| c.is_finite())
+            && self.friction.is_finite()
+            && self.friction >= 0.0
     }
 }
 
-/// Tolerance of the sum of weights and of the length of normals, which are rounded.
+/// Tolerance of the length of normals, which are rounded.
 const TOLERANCE: f32 = 1e-3;
 
 /// A contact as the kernels on the CPU and on the GPU read it.
@@ -90,27 +137,41 @@ const TOLERANCE: f32 = 1e-3;
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "gpu", derive(bytemuck::Pod, bytemuck::Zeroable))]
 pub(crate) struct ContactRecord {
-    /// The vertex, then the corners of the triangle, or [`NO_CORNER`] for a plane.
+    /// The vertices; of a plane one vertex, then [`NO_VERTEX`].
     pub(crate) vertices: [u32; 4],
-    /// Weights of the second and third corner; all three sum to 1.
-    pub(crate) weights: [f32; 2],
-    pub(crate) gap_rate: f32,
+    /// Weights of the vertices, -1 to 1; those of a pair sum to zero.
+    pub(crate) weights: [f32; 4],
     pub(crate) normal: [f32; 3],
+    /// Distance that the substep keeps \[m\]; of a plane at the start of the frame.
     pub(crate) gap: f32,
+    /// Rate at which the distance of a plane grows [m/s].
+    pub(crate) gap_rate: f32,
+    pub(crate) friction: f32,
+    /// Minimum distance of a pair \[m\].
+    pub(crate) thickness: f32,
+    /// A [`ContactKind`].
+    pub(crate) kind: u32,
+    /// Whether the last projection has separated the features.
+    pub(crate) is_active: u32,
     /// Remaining friction bound of the substep \[m\].
     pub(crate) friction_left: f32,
 }
 
 impl ContactRecord {
+    /// Returns the number of vertices: four, or one for a plane.
+    #[inline(always)]
+    pub(crate) fn vertex_count(&self) -> usize {
+        if self.vertices[1] == NO_VERTEX { 1 } else { 4 }
+    }
+
     /// Returns the vertices that it moves, and their number.
     fn moved(&self) -> ([VertexId; 4], usize) {
-        let count = if self.vertices[1] == NO_CORNER { 1 } else { 4 };
-        (self.vertices.map(VertexId), count)
+        (self.vertices.map(VertexId), self.vertex_count())
     }
 }
 
-/// Corner index of a contact with a plane.
-pub(crate) const NO_CORNER: u32 = u32::MAX;
+/// Index of the vertices that a contact with a plane does not have.
+pub(crate) const NO_VERTEX: u32 = VertexId::NULL.0;
 
 /// The contacts of a frame by color.
 #[derive(Debug, Clone)]
@@ -128,7 +189,7 @@ impl Default for ContactSet {
     fn default() -> Self {
         Self {
             colors: Vec::new(),
-            masks: VertexColors::new(1),
+            masks: VertexColors::new(0),
             generation: 0,
         }
     }
@@ -167,19 +228,22 @@ impl ContactSet {
     /// Replaces the contacts. They must be valid.
     pub(crate) fn set(&mut self, contacts: &[Contact], vertex_slots: usize) {
         self.clear();
+        if self.masks.masks().is_empty() {
+            self.masks = VertexColors::new(1);
+        }
         self.masks.resize(vertex_slots);
         self.colors.resize_with(UNCOLORED + 1, Vec::new);
         for contact in contacts {
-            let (weights, offset) = match contact.target {
-                ContactTarget::Triangle { weights, .. } => ([weights[1], weights[2]], 0.0),
-                ContactTarget::Plane { height } => ([0.0; 2], height),
-            };
             let record = ContactRecord {
-                vertices: contact.vertices().map(|v| v.map_or(NO_CORNER, |v| v.0)),
-                weights,
-                gap_rate: contact.gap_rate,
+                vertices: contact.vertices.map(|v| v.0),
+                weights: [1.0, 0.0, 0.0, 0.0],
                 normal: contact.normal,
-                gap: offset + contact.gap,
+                gap: contact.gap,
+                gap_rate: contact.gap_rate,
+                friction: contact.friction,
+                thickness: contact.gap,
+                kind: contact.kind as u32,
+                is_active: 0,
                 friction_left: 0.0,
             };
             let (ids, count) = record.moved();
@@ -211,65 +275,42 @@ mod tests {
     fn invalid_contacts_are_refused() {
         let mut surface = build_model(Model::Sphere80);
         let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
-        let corners = [1, 2, 3].map(VertexId);
-        let target = |weights| ContactTarget::Triangle { corners, weights };
-        let valid = Contact {
-            vertex: VertexId(0),
-            target: target([0.5, 0.25, 0.25]),
-            normal: [0.6, 0.0, 0.8],
-            gap: 0.1,
-            gap_rate: 0.0,
-        };
-        let plane = Contact {
-            target: ContactTarget::Plane { height: 1.0 },
-            ..valid
-        };
-        solver.set_contacts(&[valid, plane]).unwrap();
+        let [a, b, c, d] = [0, 1, 2, 3].map(VertexId);
+        let normal = [0.6, 0.0, 0.8];
+        let valid = Contact::vertex_face(a, [b, c, d], 0.1);
+        let edges = Contact::edge_edge([[a, b], [c, d]], normal, 0.1);
+        let plane = Contact::plane(a, normal, 1.0);
+        solver.set_contacts(&[valid, edges, plane]).unwrap();
         let bad = [
+            Contact::vertex_face(c, [b, c, d], 0.1),
+            Contact::edge_edge([[a, b], [a, d]], normal, 0.1),
+            Contact::vertex_face(a, [b, c, d], -0.1),
+            Contact::vertex_face(a, [b, c, d], f32::NAN),
+            Contact::edge_edge([[a, b], [c, d]], [0.6, 0.0, 0.7], 0.1),
+            Contact::edge_edge([[a, b], [c, d]], [f32::NAN, 0.0, 1.0], 0.1),
+            Contact::plane(a, normal, f32::INFINITY),
             Contact {
-                vertex: VertexId(2),
-                ..valid
-            },
-            Contact {
-                target: target([0.5, 0.5, 0.5]),
-                ..valid
-            },
-            Contact {
-                target: target([1.5, -0.5, 0.0]),
-                ..valid
-            },
-            Contact {
-                target: target([f32::NAN, 0.5, 0.5]),
-                ..valid
-            },
-            Contact {
-                target: ContactTarget::Plane {
-                    height: f32::INFINITY,
-                },
-                ..valid
-            },
-            Contact {
-                normal: [0.6, 0.0, 0.7],
-                ..plane
-            },
-            Contact {
-                normal: [f32::NAN, 0.0, 1.0],
-                ..valid
-            },
-            Contact {
-                gap: f32::NAN,
+                vertices: [a, b, c, d],
                 ..plane
             },
             Contact {
                 gap_rate: f32::INFINITY,
+                ..plane
+            },
+            Contact {
+                gap_rate: 0.1,
+                ..valid
+            },
+            Contact {
+                friction: -0.5,
                 ..valid
             },
         ];
         for contact in bad {
             let refused = solver.set_contacts(&[valid, contact]);
-            let vertex = contact.vertex;
+            let vertex = contact.vertices[0];
             assert_eq!(refused, Err(ConstraintError::BadContact { vertex }));
-            assert_eq!(solver.contacts().len(), 2, "nothing is changed");
+            assert_eq!(solver.contacts().len(), 3, "nothing is changed");
         }
     }
 
@@ -277,15 +318,9 @@ mod tests {
     fn contacts_of_a_color_share_no_vertex_and_clear_frees_colors() {
         let mut set = ContactSet::default();
         // All contacts share a vertex, and there are more of them than colors.
-        let contact = |i: u32| Contact {
-            vertex: VertexId(0),
-            target: ContactTarget::Triangle {
-                corners: [i, i + 1, i + 2].map(VertexId),
-                weights: [1.0, 0.0, 0.0],
-            },
-            normal: [0.0, 1.0, 0.0],
-            gap: 0.0,
-            gap_rate: 0.0,
+        let contact = |i: u32| {
+            let corners = [i, i + 1, i + 2].map(VertexId);
+            Contact::vertex_face(VertexId(0), corners, 0.1)
         };
         let contacts: Vec<Contact> = (1..100).map(contact).collect();
         for _ in 0..3 {

@@ -10,7 +10,7 @@ pub struct AdapterRequest {
     pub name: Option<String>,
     /// Allows software adapters if there is no GPU.
     ///
-    /// They give the results of a GPU but are slower than [`CpuBackend`](crate::CpuBackend).
+    /// They give the results of a GPU but are slower than [`Solver::step`](crate::Solver::step).
     pub allow_software: bool,
     /// Minimum size of a storage binding \[bytes\].
     pub storage_binding: u64,

@@ -29,6 +29,12 @@ pub(crate) const INTERIOR_SPRINGS: u32 = ConstraintKind::InteriorSpring as u32;
 /// Kind of a pass over contacts.
 pub(crate) const CONTACTS: u32 = 3;
 
+/// Kind of a pass that finds the features of contacts.
+pub(crate) const CONTACT_FEATURES: u32 = 4;
+
+/// Kind of a pass that lets contacts separate without velocity.
+pub(crate) const CONTACT_RECOVERIES: u32 = 5;
+
 /// Entries of a contact, see [`ContactRecord`](crate::constraints::contacts::ContactRecord).
 pub(crate) const CONTACT_ENTRIES: usize =
     size_of::<crate::constraints::contacts::ContactRecord>() / 8;
@@ -166,6 +172,7 @@ pub(crate) struct BodyRecord {
     pub(crate) volume_alpha: f32,
     pub(crate) volume_pressure: f32,
     pub(crate) volume_recovery: f32,
+    pub(crate) volume_sink: f32,
     pub(crate) volume_carryover: f32,
     /// Number of colors of interior springs.
     pub(crate) spring_colors: u32,

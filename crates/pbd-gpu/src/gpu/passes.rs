@@ -1,6 +1,6 @@
 //! Encodes the dispatches of each kind of pass.
 
-use super::layout::{CONTACTS, PassUniform};
+use super::layout::{CONTACT_FEATURES, CONTACT_RECOVERIES, CONTACTS, PassUniform};
 use super::pipelines::Kernel;
 use super::program::{Compiler, Dispatch, PLAIN_PASS, Stepped};
 use super::shaders::EntryPoint;
@@ -84,7 +84,8 @@ impl Compiler<'_> {
     }
 
     /// Adds a pass over the contacts of all bodies, or of bodies with volumes.
-    pub(super) fn contacts(&mut self, with_volumes: bool, out: &mut Vec<Dispatch>) {
+    pub(super) fn contacts(&mut self, pass: Pass, out: &mut Vec<Dispatch>) {
+        let with_volumes = pass == Pass::ContactsBeforeVolumes;
         let is_included = |b: &Stepped<'_>| {
             b.body.contacts.count > 0 && (!with_volumes || b.body.volumes.places.pieces > 0)
         };
@@ -92,7 +93,24 @@ impl Compiler<'_> {
             .map(|b| (b.slot, u32::from(is_included(b)) * self.workgroup))
             .collect();
         let kernel = Kernel::Pass(EntryPoint::Tail);
-        out.extend(self.dispatch(kernel, ALL_CONTACTS, true, &lanes));
+        let pass = PassUniform {
+            kind: match pass {
+                Pass::ContactFeatures => CONTACT_FEATURES,
+                Pass::ContactRecovery => CONTACT_RECOVERIES,
+                _ => CONTACTS,
+            },
+            ..ALL_CONTACTS
+        };
+        out.extend(self.dispatch(kernel, pass, true, &lanes));
+    }
+
+    /// Adds the pass that lifts the vertices of pieces with a volume onto the ground.
+    pub(super) fn ground_before_volumes(&mut self) -> Option<Dispatch> {
+        let lanes: Vec<(u32, u32)> = (self.by_passes())
+            .map(|b| (b.slot, b.body.volumes.places.chunks * self.workgroup))
+            .collect();
+        let kernel = Kernel::Pass(EntryPoint::LiftVolumes);
+        self.dispatch(kernel, PLAIN_PASS, true, &lanes)
     }
 
     /// Adds the passes over volumes: sums of chunks, steps of pieces, displacements.

@@ -206,8 +206,11 @@ impl Compiler<'_> {
                     self.batches(kind, run, &mut out);
                 }
                 Pass::ResetMultipliers => self.resets(&mut out),
-                Pass::ContactsBeforeVolumes => self.contacts(true, &mut out),
-                Pass::Contacts => self.contacts(false, &mut out),
+                Pass::ContactFeatures
+                | Pass::ContactsBeforeVolumes
+                | Pass::Contacts
+                | Pass::ContactRecovery => self.contacts(run[0], &mut out),
+                Pass::GroundBeforeVolumes => out.extend(self.ground_before_volumes()),
                 Pass::Volumes => self.volumes(&mut out),
                 pass => out.extend(self.vertices(pass)),
             }

@@ -2,13 +2,14 @@
 
 use super::layout::{
     ATTACHMENT_ENTRIES, BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, COLLIDER_ENTRIES, CONTACT_ENTRIES,
-    CONTACTS, INTERIOR_SPRINGS, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME,
-    PIECE_ENTRIES, PIN_ENTRIES, RUN_COLORS, STRETCH, STRETCH_ENTRIES,
+    CONTACT_FEATURES, CONTACT_RECOVERIES, CONTACTS, INTERIOR_SPRINGS, KEEPS_BENDING,
+    KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME, PIECE_ENTRIES, PIN_ENTRIES, RUN_COLORS,
+    STRETCH, STRETCH_ENTRIES,
 };
 use crate::constraints::batches::OVERFLOW;
 use crate::constraints::colliders::{PLANE, ROUND};
 use crate::constraints::coloring::MAX_COLORS;
-use crate::constraints::contacts::NO_CORNER;
+use crate::constraints::contacts::{ContactKind, NO_VERTEX};
 use crate::kernels::volume::CHUNK;
 use crate::patches::PATCH_VERTICES;
 
@@ -58,6 +59,8 @@ pub(crate) enum EntryPoint {
     /// One workgroup per body: several colors of one kind in order, then the overflow.
     Tail,
     /// One workgroup per chunk of vertices.
+    LiftVolumes,
+    /// One workgroup per chunk of vertices.
     SumVolumes,
     /// One workgroup per piece.
     StepVolumes,
@@ -79,7 +82,7 @@ pub(crate) enum EntryPoint {
 
 impl EntryPoint {
     /// All entry points; the index of an entry point is its number.
-    pub(crate) const ALL: [Self; 16] = [
+    pub(crate) const ALL: [Self; 17] = [
         Self::Predict,
         Self::Pins,
         Self::LongRangeAttachments,
@@ -87,6 +90,7 @@ impl EntryPoint {
         Self::Stretch,
         Self::Bending,
         Self::Tail,
+        Self::LiftVolumes,
         Self::SumVolumes,
         Self::StepVolumes,
         Self::MoveVolumes,
@@ -108,6 +112,7 @@ impl EntryPoint {
             Self::Stretch => "stretch",
             Self::Bending => "bending",
             Self::Tail => "tail",
+            Self::LiftVolumes => "lift_volumes",
             Self::SumVolumes => "sum_volumes",
             Self::StepVolumes => "step_volumes",
             Self::MoveVolumes => "move_volumes",
@@ -121,7 +126,7 @@ impl EntryPoint {
     }
 }
 
-const SHARED: [&str; 14] = [
+const SHARED: [&str; 15] = [
     include_str!("shaders/types.wgsl"),
     include_str!("shaders/bits.wgsl"),
     include_str!("shaders/links.wgsl"),
@@ -131,6 +136,7 @@ const SHARED: [&str; 14] = [
     include_str!("../kernels/stretch.wgsl"),
     include_str!("../kernels/arctangent.wgsl"),
     include_str!("../kernels/bending.wgsl"),
+    include_str!("../kernels/contact_features.wgsl"),
     include_str!("../kernels/contacts.wgsl"),
     include_str!("../kernels/colliders.wgsl"),
     include_str!("../kernels/ground.wgsl"),
@@ -184,8 +190,13 @@ fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
         ("BENDING", BENDING),
         ("INTERIOR_SPRINGS", INTERIOR_SPRINGS),
         ("CONTACTS", CONTACTS),
+        ("CONTACT_FEATURES", CONTACT_FEATURES),
+        ("CONTACT_RECOVERIES", CONTACT_RECOVERIES),
+        ("CONTACT_VERTEX_POINT", ContactKind::VertexPoint as u32),
+        ("CONTACT_EDGE_EDGE", ContactKind::EdgeEdge as u32),
+        ("CONTACT_PLANE", ContactKind::Plane as u32),
         ("CONTACT_ENTRIES", CONTACT_ENTRIES as u32),
-        ("NO_CORNER", NO_CORNER),
+        ("NO_VERTEX", NO_VERTEX),
         ("COLLIDER_ENTRIES", COLLIDER_ENTRIES as u32),
         ("PLANE", PLANE),
         ("ROUND", ROUND),

@@ -1,84 +1,140 @@
-//! Contacts: a vertex stays on its side of a triangle (Mueller et al. 2007, section 4.3).
+//! Contacts: two features, or a feature and a plane, keep a distance (Mueller et al. 2007, 4.3).
 //!
-//! Coulomb friction acts as in [`ground`](super::ground), bounded by the sum of all corrections of
-//! a substep. Contacts with a plane, such as a cut face, keep the vertex on its side.
+//! `C = n . sum of w_i x_i - gap`. Vertex against face, edge against edge and vertex against plane
+//! differ in their weights only. Coulomb friction acts as in [`ground`](super::ground), bounded by
+//! the sum of all corrections of a substep.
 
 use super::block::difference;
 use super::particle_state::{ParticleState, ParticleStates};
-use crate::constraints::contacts::{ContactRecord, NO_CORNER};
+use crate::constraints::contacts::ContactRecord;
 
-/// Separates vertices and triangles at a time of the frame \[s\], one contact after the other.
+/// Separates the features of contacts at a time of the frame \[s\], one contact after the other.
 ///
-/// The remaining friction bound is kept for the other iterations of the substep.
+/// With `accumulates`, the remaining friction bound is kept for later iterations of the substep.
 #[inline(never)]
 pub(crate) fn contacts(
     particles: ParticleStates<'_>,
     contacts: &mut [ContactRecord],
-    (friction, accumulates): (f32, bool),
+    accumulates: bool,
     time: f32,
 ) {
     for contact in contacts {
-        let [v, a, b, c] = contact.vertices.map(|v| v as usize);
-        if contact.vertices[1] == NO_CORNER {
-            separate_from_plane(particles, contact, (friction, accumulates), time);
-            continue;
+        let count = contact.vertex_count();
+        let mut p = [ParticleState::default(); 4];
+        for (p, &v) in p.iter_mut().zip(&contact.vertices[..count]) {
+            *p = particles.get(v as usize);
         }
-        let [wb, wc] = contact.weights;
-        let wa = (1.0 - wb) - wc;
-        let n = contact.normal;
-        let [pv, pa, pb, pc] = [v, a, b, c].map(|i| particles.get(i));
-        // Vectors from the vertex to the point, hence the other sign of the distance.
-        let [ra, rb, rc] = [pa, pb, pc].map(|p| difference(pv, p));
-        let way = |k: usize| wa * ra[k] + wb * rb[k] + wc * rc[k];
-        let gap = contact.gap + contact.gap_rate * time;
-        let depth = gap + (way(0) * n[0] + way(1) * n[1] + way(2) * n[2]);
-        let shares = [pv.x[3], wa * pa.x[3], wb * pb.x[3], wc * pc.x[3]];
-        let weight = (shares[0] + wa * shares[1]) + (wb * shares[2] + wc * shares[3]);
-        if !(depth > 0.0 && weight > 0.0) {
-            continue;
-        }
-        // How far the vertex moves past the point along the triangle in this substep.
-        let past = |k: usize| pv.d[k] - (wa * pa.d[k] + wb * pb.d[k] + wc * pc.d[k]);
-        let along = past(0) * n[0] + past(1) * n[1] + past(2) * n[2];
-        let slide = [0, 1, 2].map(|k: usize| past(k) - along * n[k]);
-        let back = friction_fraction(contact, slide, friction * depth, accumulates);
-        let push = [0, 1, 2].map(|k: usize| (depth * n[k] - back * slide[k]) / weight);
-        let moved = |to: [f32; 4], by: f32| {
-            [
-                to[0] + by * push[0],
-                to[1] + by * push[1],
-                to[2] + by * push[2],
-                to[3],
-            ]
+        // Differences keep precision far from the origin, from which a plane is measured.
+        let center = if count == 4 {
+            p[0]
+        } else {
+            ParticleState::default()
         };
-        particles.set_d(v, moved(pv.d, shares[0]));
-        particles.set_d(a, moved(pa.d, -shares[1]));
-        particles.set_d(b, moved(pb.d, -shares[2]));
-        particles.set_d(c, moved(pc.d, -shares[3]));
+        let n = contact.normal;
+        let between = weighted_sum(contact.weights, p.map(|p| difference(center, p)));
+        let gap = if count == 4 {
+            contact.gap
+        } else {
+            contact.gap + contact.gap_rate * time
+        };
+        let depth = gap - dot(between, n);
+        let w = contact.weights;
+        let shares = [0, 1, 2, 3].map(|i: usize| w[i] * p[i].x[3]);
+        let weight = (w[0] * shares[0] + w[1] * shares[1]) + (w[2] * shares[2] + w[3] * shares[3]);
+        let is_active = depth > 0.0 && weight > 0.0;
+        contact.is_active = u32::from(is_active);
+        if !is_active {
+            continue;
+        }
+        // The sliding of one feature along the other in this substep.
+        let motion = weighted_sum(w, p.map(|p| p.d));
+        let along = dot(motion, n);
+        let slide = [0, 1, 2].map(|k: usize| motion[k] - along * n[k]);
+        let more = contact.friction * depth;
+        let back = friction_fraction(contact, slide, more, accumulates);
+        let push = [0, 1, 2].map(|k: usize| (depth * n[k] - back * slide[k]) / weight);
+        for i in 0..count {
+            let (d, by) = (p[i].d, shares[i]);
+            let moved = [
+                d[0] + by * push[0],
+                d[1] + by * push[1],
+                d[2] + by * push[2],
+                d[3],
+            ];
+            particles.set_d(contact.vertices[i] as usize, moved);
+        }
     }
 }
 
-/// Moves the vertex of a contact to its side of a plane and applies friction.
-fn separate_from_plane(
+/// Rate at which a distance below the minimum grows, relative to the missing distance [1/s].
+const RECOVERY: f32 = 5.0;
+
+/// Maximum missing distance that recovers at once [minimum distances].
+const MAX_MISSING: f32 = 2.0;
+
+/// Ends a substep of `h` \[s\]: active contacts of pairs separate without velocity.
+///
+/// Displacements lose their separating part, and start positions gain it and the recovery of
+/// missing distances. Returns an upper bound of the change of a position by recovery along an axis
+/// \[m\], if no vertex is in two of the contacts.
+#[inline(never)]
+pub(crate) fn recover_contacts(
     particles: ParticleStates<'_>,
-    contact: &mut ContactRecord,
-    (friction, accumulates): (f32, bool),
-    time: f32,
-) {
-    let v = contact.vertices[0] as usize;
-    let n = contact.normal;
-    let ParticleState { x, d: dv } = particles.get(v);
-    let at = |k: usize| x[k] + dv[k];
-    let gap = contact.gap + contact.gap_rate * time;
-    let depth = gap - (at(0) * n[0] + at(1) * n[1] + at(2) * n[2]);
-    if !(depth > 0.0 && x[3] > 0.0) {
-        return;
+    contacts: &[ContactRecord],
+    h: f32,
+) -> f32 {
+    let mut max_change = 0.0;
+    for contact in contacts {
+        if contact.is_active == 0 || contact.vertex_count() < 4 {
+            continue;
+        }
+        let p = contact.vertices.map(|v| particles.get(v as usize));
+        let (w, n) = (contact.weights, contact.normal);
+        let shares = [0, 1, 2, 3].map(|i: usize| w[i] * p[i].x[3]);
+        let weight = (w[0] * shares[0] + w[1] * shares[1]) + (w[2] * shares[2] + w[3] * shares[3]);
+        let is_movable = weight > 0.0;
+        if !is_movable {
+            continue;
+        }
+        let along = dot(weighted_sum(w, p.map(|p| p.d)), n);
+        let separation = if along > 0.0 { along } else { 0.0 };
+        let missing = contact.thickness - contact.gap;
+        let limit = MAX_MISSING * contact.thickness;
+        let recovery = if missing < limit { missing } else { limit } * (RECOVERY * h);
+        let [lost, gained] = [separation, separation + recovery].map(|step| step / weight);
+        for i in 0..4 {
+            let ParticleState { x, d } = p[i];
+            let [lost, gained] = [shares[i] * lost, shares[i] * gained];
+            let state = ParticleState {
+                x: [
+                    x[0] + gained * n[0],
+                    x[1] + gained * n[1],
+                    x[2] + gained * n[2],
+                    x[3],
+                ],
+                d: [
+                    d[0] - lost * n[0],
+                    d[1] - lost * n[1],
+                    d[2] - lost * n[2],
+                    d[3],
+                ],
+            };
+            particles.set(contact.vertices[i] as usize, state);
+            max_change = f32::max(max_change, gained.abs());
+        }
     }
-    let along = dv[0] * n[0] + dv[1] * n[1] + dv[2] * n[2];
-    let slide = [0, 1, 2].map(|k: usize| dv[k] - along * n[k]);
-    let back = friction_fraction(contact, slide, friction * depth, accumulates);
-    let moved = |k: usize| dv[k] + (depth * n[k] - back * slide[k]);
-    particles.set_d(v, [moved(0), moved(1), moved(2), dv[3]]);
+    max_change
+}
+
+/// Returns the sum of four weighted vectors.
+#[inline(always)]
+fn weighted_sum(w: [f32; 4], r: [[f32; 4]; 4]) -> [f32; 3] {
+    [0, 1, 2].map(|k: usize| (w[0] * r[0][k] + w[1] * r[1][k]) + (w[2] * r[2][k] + w[3] * r[3][k]))
+}
+
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Returns the fraction of a slide that friction removes, and adds `more` to the friction bound.
@@ -105,6 +161,7 @@ fn friction_fraction(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constraints::contacts::{ContactKind, NO_VERTEX};
     use crate::kernels::particle_state::on_arrays;
 
     /// A vertex of 2 kg over the middle of a triangle of 3 kg that lies in the plane y = 0.
@@ -117,11 +174,10 @@ mod tests {
         ];
         let contact = ContactRecord {
             vertices: [0, 1, 2, 3],
-            weights: [1.0 / 3.0; 2],
-            gap_rate: 0.0,
+            weights: [1.0, -1.0 / 3.0, -1.0 / 3.0, -1.0 / 3.0],
             normal: [0.0, 1.0, 0.0],
             gap: 0.05,
-            friction_left: 0.0,
+            ..ContactRecord::default()
         };
         (x, contact)
     }
@@ -130,9 +186,7 @@ mod tests {
     fn vertex_and_triangle_are_separated_by_inverse_mass() {
         let (x, contact) = pair();
         let mut d = [[0.0, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
-        on_arrays(&x, &mut d, |p| {
-            contacts(p, &mut [contact], (0.0, false), 0.0)
-        });
+        on_arrays(&x, &mut d, |p| contacts(p, &mut [contact], false, 0.0));
         // 0.15 m too near; inverse masses 1/2 and 3 (1/3)^2.
         let step = 0.15 / (0.5 + 1.0 / 3.0);
         assert!((d[0][1] - (-0.2 + 0.5 * step)).abs() < 1e-6, "{d:?}");
@@ -140,35 +194,115 @@ mod tests {
             assert!((corner[1] + step / 3.0).abs() < 1e-6, "{d:?}");
         }
         let before = d;
-        on_arrays(&x, &mut d, |p| {
-            contacts(p, &mut [contact], (0.0, false), 0.0)
-        });
+        on_arrays(&x, &mut d, |p| contacts(p, &mut [contact], false, 0.0));
         let off = (d[0][1] - before[0][1]).abs();
         assert!(off < 1e-6, "separated contacts are inactive");
-        let rising = ContactRecord {
-            gap_rate: 2.0,
+    }
+
+    /// Runs the end of a substep of 0.01 s.
+    fn recovered(d: [f32; 3], contact: ContactRecord) -> (Vec<ParticleState>, Vec<ParticleState>) {
+        let [x, y, z] = d;
+        let d = [[x, y, z, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
+        let states: Vec<_> = (pair().0.into_iter().zip(d))
+            .map(|(x, d)| ParticleState { x, d })
+            .collect();
+        let mut after = states.clone();
+        let change = recover_contacts(ParticleStates::new(&mut after), &[contact], 0.01);
+        assert_eq!(change > 0.0, after != states);
+        (states, after)
+    }
+
+    #[test]
+    fn active_contacts_separate_without_velocity() {
+        let contact = ContactRecord {
+            is_active: 1,
+            thickness: 0.05,
+            ..pair().1
+        };
+        let (before, after) = recovered([0.3, 0.1, 0.0], contact);
+        let along = after[0].d[1] - (after[1].d[1] + after[2].d[1] + after[3].d[1]) / 3.0;
+        assert!(along.abs() < 1e-7, "{along} m are left");
+        assert_eq!(after[0].d[0], 0.3, "along the triangle it moves on");
+        let momentum = 2.0 * after[0].d[1] + after[1].d[1] + after[2].d[1] + after[3].d[1];
+        assert!((momentum - 0.2).abs() < 1e-6, "{momentum} is left");
+        for (after, before) in after.iter().zip(&before) {
+            for k in 0..3 {
+                let [after, before] = [after, before].map(|state| state.x[k] + state.d[k]);
+                assert!((after - before).abs() < 1e-6, "positions stay");
+            }
+        }
+        let inactive = ContactRecord {
+            is_active: 0,
             ..contact
         };
-        on_arrays(&x, &mut d, |p| {
-            contacts(p, &mut [rising], (0.0, false), 0.01)
-        });
-        let step = 0.02 / (0.5 + 1.0 / 3.0);
-        let pushed = d[0][1] - before[0][1];
-        assert!((pushed - 0.5 * step).abs() < 1e-6, "the gap has grown");
+        for (d, contact) in [([0.0, 0.1, 0.0], inactive), ([0.0, -0.1, 0.0], contact)] {
+            let (before, after) = recovered(d, contact);
+            assert!(before == after, "nothing separates");
+        }
+    }
+
+    #[test]
+    fn a_missing_distance_recovers_in_positions_only() {
+        let contact = ContactRecord {
+            is_active: 1,
+            thickness: 0.07,
+            gap: 0.03,
+            ..pair().1
+        };
+        let (before, after) = recovered([0.0; 3], contact);
+        let between = after[0].x[1] - (after[1].x[1] + after[2].x[1] + after[3].x[1]) / 3.0;
+        // A twentieth of the missing 0.04 m in 0.01 s.
+        assert!((between - 0.102).abs() < 1e-6, "{between} m apart");
+        for (after, before) in after.iter().zip(&before) {
+            assert_eq!(after.d, before.d, "velocities stay");
+        }
+    }
+
+    #[test]
+    fn crossed_edges_are_separated_by_inverse_mass() {
+        // Edges along x and z cross at a quarter of the first and the middle of the second.
+        let x = [
+            [-1.0, 0.1, 0.0, 0.5],
+            [3.0, 0.1, 0.0, 0.5],
+            [0.0, 0.0, -1.0, 1.0],
+            [0.0, 0.0, 1.0, 1.0],
+        ];
+        let contact = ContactRecord {
+            vertices: [0, 1, 2, 3],
+            weights: [0.75, 0.25, -0.5, -0.5],
+            normal: [0.0, 1.0, 0.0],
+            gap: 0.05,
+            ..ContactRecord::default()
+        };
+        let mut d = [
+            [0.0, -0.2, 0.0, 0.0],
+            [0.0, -0.2, 0.0, 0.0],
+            [0.0; 4],
+            [0.0; 4],
+        ];
+        on_arrays(&x, &mut d, |p| contacts(p, &mut [contact], false, 0.0));
+        let heights = [0, 1, 2, 3].map(|i: usize| x[i][1] + d[i][1]);
+        let between = 0.75 * heights[0] + 0.25 * heights[1] - 0.5 * (heights[2] + heights[3]);
+        assert!((between - 0.05).abs() < 1e-6, "{between} m apart");
+        let momentum = 2.0 * (d[0][1] + d[1][1] + 0.4) + (d[2][1] + d[3][1]);
+        assert!(momentum.abs() < 1e-6, "none is made: {momentum}");
     }
 
     #[test]
     fn a_vertex_below_a_plane_is_lifted_with_the_gap_rate() {
         let (x, contact) = pair();
         let plane = ContactRecord {
-            vertices: [0, NO_CORNER, NO_CORNER, NO_CORNER],
+            vertices: [0, NO_VERTEX, NO_VERTEX, NO_VERTEX],
+            kind: ContactKind::Plane as u32,
+            weights: [1.0, 0.0, 0.0, 0.0],
+            friction: 0.5,
             gap: 0.15,
             gap_rate: 2.0,
             ..contact
         };
         for (time, height) in [(0.0, 0.15), (0.05, 0.25)] {
             let mut d = [[0.3, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
-            on_arrays(&x, &mut d, |p| contacts(p, &mut [plane], (0.5, true), time));
+            on_arrays(&x, &mut d, |p| contacts(p, &mut [plane], true, time));
             assert!((x[0][1] + d[0][1] - height).abs() < 1e-6, "{d:?}");
             // Friction removes half of the lift.
             let left = 0.3 - 0.5 * (height + 0.1);
@@ -178,9 +312,7 @@ mod tests {
         let mut held = x;
         held[0][3] = 0.0;
         let mut d = [[0.0; 4]; 4];
-        on_arrays(&held, &mut d, |p| {
-            contacts(p, &mut [plane], (0.5, true), 0.0)
-        });
+        on_arrays(&held, &mut d, |p| contacts(p, &mut [plane], true, 0.0));
         assert_eq!(d, [[0.0; 4]; 4], "pinned vertices stay");
     }
 
@@ -189,8 +321,11 @@ mod tests {
         for (slide, left) in [(0.03, 0.0), (0.4, 0.325)] {
             let (x, contact) = pair();
             let mut d = [[slide, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
-            let mut list = [contact];
-            on_arrays(&x, &mut d, |p| contacts(p, &mut list, (0.5, true), 0.0));
+            let mut list = [ContactRecord {
+                friction: 0.5,
+                ..contact
+            }];
+            on_arrays(&x, &mut d, |p| contacts(p, &mut list, true, 0.0));
             let point = (d[1][0] + d[2][0] + d[3][0]) / 3.0;
             assert!((d[0][0] - point - left).abs() < 1e-6, "{d:?}");
             let momentum = 2.0 * d[0][0] + d[1][0] + d[2][0] + d[3][0];

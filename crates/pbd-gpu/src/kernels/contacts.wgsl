@@ -1,79 +1,93 @@
 // WGSL counterpart of `contacts.rs`.
 
-// Moves the vertex of the contact at an entry to its side of a plane, with friction.
-fn separate_from_plane(at: u32, v: u32, n: vec3f, gap: f32, friction: f32) {
-    let x = load_x(v);
-    let d = load_d(v);
-    let place = x.xyz + d;
-    let depth = gap - (place.x * n.x + place.y * n.y + place.z * n.z);
-    if (!(depth > 0.0 && x.w > 0.0)) {
-        return;
-    }
-    let along = d.x * n.x + d.y * n.y + d.z * n.z;
-    let slide = d - along * n;
-    let back = friction_fraction(at, slide, friction * depth);
-    store_d(v, d + (depth * n - back * slide));
-}
-
 // Returns the fraction of a slide that friction removes, and adds `more` to the friction bound.
 fn friction_fraction(at: u32, slide: vec3f, more: f32) -> f32 {
     let length = sqrt(slide.x * slide.x + slide.y * slide.y + slide.z * slide.z);
     let keeps = frame.iterations > 1u;
-    let held = bitcast<f32>(constraints[at + 5u].y);
+    let held = bitcast<f32>(constraints[at + 8u].y);
     let limit = select(0.0, held, keeps) + more;
     let slips = length > limit;
     if (keeps) {
-        constraints[at + 5u].y = bitcast<u32>(select(limit - length, 0.0, slips));
+        constraints[at + 8u].y = bitcast<u32>(select(limit - length, 0.0, slips));
     }
     return select(1.0, limit / length, slips);
 }
 
-// Separates vertex and triangle of the contact at an entry.
-fn project_contact(at: u32, friction: f32) {
-    let first = constraints[at];
-    let second = constraints[at + 1u];
-    let weights = bitcast<vec2f>(constraints[at + 2u]);
-    let mixed = bitcast<vec2f>(constraints[at + 3u]);
-    let rest = bitcast<vec2f>(constraints[at + 4u]);
-    let last = bitcast<vec2f>(constraints[at + 5u]);
-    if (first.y == NO_CORNER) {
-        let gap = last.x + mixed.x * (f32(substep_index + 1u) * frame.h);
-        separate_from_plane(at, first.x, vec3f(mixed.y, rest.x, rest.y), gap, friction);
+// Separates the features of the contact at an entry.
+fn project_contact(at: u32) {
+    let v = vec4u(constraints[at], constraints[at + 1u]);
+    let w = bitcast<vec4f>(vec4u(constraints[at + 2u], constraints[at + 3u]));
+    let plane = bitcast<vec4f>(vec4u(constraints[at + 4u], constraints[at + 5u]));
+    let rates = bitcast<vec2f>(constraints[at + 6u]);
+    let n = plane.xyz;
+    let is_pair = v.y != NO_VERTEX;
+    var x: array<vec4f, 4>;
+    var d: array<vec3f, 4>;
+    for (var i = 0u; i < select(1u, 4u, is_pair); i++) {
+        x[i] = load_x(v[i]);
+        d[i] = load_d(v[i]);
+    }
+    let center_x = select(vec4f(), x[0], is_pair);
+    let center_d = select(vec3f(), d[0], is_pair);
+    let r0 = difference(center_x, center_d, x[0], d[0]);
+    let r1 = difference(center_x, center_d, x[1], d[1]);
+    let r2 = difference(center_x, center_d, x[2], d[2]);
+    let r3 = difference(center_x, center_d, x[3], d[3]);
+    let between = (w.x * r0 + w.y * r1) + (w.z * r2 + w.w * r3);
+    let moved = plane.w + rates.x * (f32(substep_index + 1u) * frame.h);
+    let gap = select(moved, plane.w, is_pair);
+    let depth = gap - (between.x * n.x + between.y * n.y + between.z * n.z);
+    let shares = vec4f(w.x * x[0].w, w.y * x[1].w, w.z * x[2].w, w.w * x[3].w);
+    let weight = (w.x * shares.x + w.y * shares.y) + (w.z * shares.z + w.w * shares.w);
+    let is_active = depth > 0.0 && weight > 0.0;
+    constraints[at + 8u].x = select(0u, 1u, is_active);
+    if (!is_active) {
         return;
     }
-    let wb = weights.x;
-    let wc = weights.y;
-    let wa = (1.0 - wb) - wc;
-    let n = vec3f(mixed.y, rest.x, rest.y);
-    let xv = load_x(first.x);
-    let xa = load_x(first.y);
-    let xb = load_x(second.x);
-    let xc = load_x(second.y);
-    let dv = load_d(first.x);
-    let da = load_d(first.y);
-    let db = load_d(second.x);
-    let dc = load_d(second.y);
-
-    let ra = difference(xv, dv, xa, da);
-    let rb = difference(xv, dv, xb, db);
-    let rc = difference(xv, dv, xc, dc);
-    let way = wa * ra + wb * rb + wc * rc;
-    let gap = last.x + mixed.x * (f32(substep_index + 1u) * frame.h);
-    let depth = gap + (way.x * n.x + way.y * n.y + way.z * n.z);
-    let sa = wa * xa.w;
-    let sb = wb * xb.w;
-    let sc = wc * xc.w;
-    let weight = (xv.w + wa * sa) + (wb * sb + wc * sc);
-    if (!(depth > 0.0 && weight > 0.0)) {
-        return;
-    }
-    let past = dv - (wa * da + wb * db + wc * dc);
-    let along = past.x * n.x + past.y * n.y + past.z * n.z;
-    let slide = past - along * n;
-    let back = friction_fraction(at, slide, friction * depth);
+    let motion = (w.x * d[0] + w.y * d[1]) + (w.z * d[2] + w.w * d[3]);
+    let along = motion.x * n.x + motion.y * n.y + motion.z * n.z;
+    let slide = motion - along * n;
+    let back = friction_fraction(at, slide, rates.y * depth);
     let push = (depth * n - back * slide) / weight;
-    store_d(first.x, dv + xv.w * push);
-    store_d(first.y, da + (-sa) * push);
-    store_d(second.x, db + (-sb) * push);
-    store_d(second.y, dc + (-sc) * push);
+    for (var i = 0u; i < select(1u, 4u, is_pair); i++) {
+        store_d(v[i], d[i] + shares[i] * push);
+    }
+}
+
+const CONTACT_RECOVERY: f32 = 5.0;
+const MAX_MISSING: f32 = 2.0;
+
+// Lets the contact at an entry separate without velocity, if it is active.
+fn recover_contact(at: u32) {
+    let v = vec4u(constraints[at], constraints[at + 1u]);
+    if (constraints[at + 8u].x == 0u || v.y == NO_VERTEX) {
+        return;
+    }
+    let w = bitcast<vec4f>(vec4u(constraints[at + 2u], constraints[at + 3u]));
+    let plane = bitcast<vec4f>(vec4u(constraints[at + 4u], constraints[at + 5u]));
+    let thickness = bitcast<f32>(constraints[at + 7u].x);
+    let n = plane.xyz;
+    var x: array<vec4f, 4>;
+    var d: array<vec3f, 4>;
+    for (var i = 0u; i < 4u; i++) {
+        x[i] = load_x(v[i]);
+        d[i] = load_d(v[i]);
+    }
+    let shares = vec4f(w.x * x[0].w, w.y * x[1].w, w.z * x[2].w, w.w * x[3].w);
+    let weight = (w.x * shares.x + w.y * shares.y) + (w.z * shares.z + w.w * shares.w);
+    if (!(weight > 0.0)) {
+        return;
+    }
+    let motion = (w.x * d[0] + w.y * d[1]) + (w.z * d[2] + w.w * d[3]);
+    let along = motion.x * n.x + motion.y * n.y + motion.z * n.z;
+    let separation = select(0.0, along, along > 0.0);
+    let missing = thickness - plane.w;
+    let limit = MAX_MISSING * thickness;
+    let recovery = select(limit, missing, missing < limit) * (CONTACT_RECOVERY * frame.h);
+    let lost = separation / weight;
+    let gained = (separation + recovery) / weight;
+    for (var i = 0u; i < 4u; i++) {
+        store_x(v[i], vec4f(x[i].xyz + (shares[i] * gained) * n, x[i].w));
+        store_d(v[i], d[i] - (shares[i] * lost) * n);
+    }
 }

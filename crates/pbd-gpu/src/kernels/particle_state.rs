@@ -43,9 +43,20 @@ impl<'a> ParticleStates<'a> {
         self.0.iter()
     }
 
+    /// Returns the states of `count` particles from `first` on.
+    #[inline(always)]
+    pub(crate) fn slice(self, first: usize, count: usize) -> Self {
+        Self(&self.0[first..first + count])
+    }
+
     #[inline(always)]
     pub(crate) fn get(self, i: usize) -> ParticleState {
         self.0[i].get()
+    }
+
+    #[inline(always)]
+    pub(crate) fn set(self, i: usize, state: ParticleState) {
+        self.0[i].set(state);
     }
 
     /// Sets the displacement of a particle.

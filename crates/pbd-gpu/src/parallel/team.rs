@@ -3,8 +3,10 @@
 //! The calling thread is the leader. It publishes a pass, and all members claim its chunks: first
 //! those of their own range, which is the same in every pass, then those of others. The leader
 //! waits for claimed chunks only, never for a thread. So a thread that joins late, is suspended or
-//! never starts costs time, and the pool may be busy with other work.
+//! never starts costs time, and the pool may be busy with other work. A member without a chunk
+//! spins, then yields its core, then parks until the next pass.
 
+use super::parking::Parking;
 use std::cell::UnsafeCell;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -15,6 +17,9 @@ const MAX_MEMBERS: usize = 16;
 
 /// Polls of a waiting thread before it offers its core to other threads.
 const SPINS: u32 = 2000;
+
+/// Offers of the core before a member parks; together they last about as long as a wake-up.
+const YIELDS: u32 = 100;
 
 /// Runs a chunk of a pass, given its number.
 type Run<'a> = dyn Fn(usize) + Sync + 'a;
@@ -77,6 +82,7 @@ struct Team {
     /// Number of finished chunks of the pass.
     finished: AtomicUsize,
     is_closed: AtomicBool,
+    parking: Parking,
     pass: Pass,
 }
 
@@ -100,16 +106,25 @@ impl std::fmt::Debug for Pass {
 }
 
 impl Range {
+    /// Returns whether a packed range has a chunk left.
+    fn has_chunk(range: u64) -> bool {
+        (range & LOW) < (range >> 32)
+    }
+
+    /// Returns whether a chunk is left to claim.
+    fn is_open(&self) -> bool {
+        Self::has_chunk(self.0.load(Ordering::Relaxed))
+    }
+
     /// Returns the next chunk of the range and removes it.
     fn claim(&self) -> Option<usize> {
-        let has_chunk = |range: u64| (range & LOW) < (range >> 32);
         // Without this test, the counter of an empty range would overflow.
-        if !has_chunk(self.0.load(Ordering::Relaxed)) {
+        if !self.is_open() {
             return None;
         }
         // Acquires the pass that was published with the range.
         let range = self.0.fetch_add(1, Ordering::Acquire);
-        has_chunk(range).then_some((range & LOW) as usize)
+        Self::has_chunk(range).then_some((range & LOW) as usize)
     }
 }
 
@@ -123,6 +138,7 @@ impl Team {
             ranges: Default::default(),
             finished: AtomicUsize::new(0),
             is_closed: AtomicBool::new(false),
+            parking: Parking::default(),
             pass: Pass(UnsafeCell::new(None)),
         }
     }
@@ -141,6 +157,12 @@ impl Team {
             let packed = (end as u64) << 32 | next as u64;
             range.0.store(packed, Ordering::Release);
         }
+        self.parking.wake_all();
+    }
+
+    /// Returns whether the team is closed; its members then end.
+    fn is_closed(&self) -> bool {
+        self.is_closed.load(Ordering::Relaxed)
     }
 
     /// Returns a claimed chunk, from the range of `member` if it has any.
@@ -159,30 +181,34 @@ impl Team {
 
     /// Runs chunks of passes until the team is closed.
     fn help(&self, member: usize) {
-        let mut spins = 0;
-        while !self.is_closed.load(Ordering::Relaxed) {
+        let mut polls = 0;
+        while !self.is_closed() {
             if let Some(chunk) = self.claim(member) {
-                spins = 0;
+                polls = 0;
                 let _finished = CountOnDrop(&self.finished);
                 // SAFETY: the claimed chunk is not finished, see `Pass`.
                 if let Some(run) = unsafe { *self.pass.0.get() } {
                     run(chunk);
                 }
+            } else if polls < SPINS + YIELDS {
+                wait(&mut polls);
             } else {
-                wait(&mut spins);
+                let ranges = &self.ranges[..self.members];
+                (self.parking).park_until(|| self.is_closed() || ranges.iter().any(Range::is_open));
+                polls = 0;
             }
         }
     }
 }
 
 /// Spins for a moment; after many calls it yields the core.
-fn wait(spins: &mut u32) {
-    if *spins < SPINS {
-        *spins += 1;
+fn wait(polls: &mut u32) {
+    if *polls < SPINS {
         std::hint::spin_loop();
     } else {
         thread::yield_now();
     }
+    *polls = polls.saturating_add(1);
 }
 
 /// Counts a chunk as finished.
@@ -205,9 +231,9 @@ impl Drop for FinishOnDrop<'_> {
         while self.team.claim(0).is_some() {
             self.team.finished.fetch_add(1, Ordering::Relaxed);
         }
-        let mut spins = 0;
+        let mut polls = 0;
         while self.team.finished.load(Ordering::Acquire) < self.chunks {
-            wait(&mut spins);
+            wait(&mut polls);
         }
     }
 }
@@ -218,6 +244,7 @@ struct CloseOnDrop<'a>(&'a Team);
 impl Drop for CloseOnDrop<'_> {
     fn drop(&mut self) {
         self.0.is_closed.store(true, Ordering::Relaxed);
+        self.0.parking.wake_all();
     }
 }
 
@@ -269,6 +296,33 @@ mod tests {
             });
             is_done.store(true, Ordering::Release);
             assert_eq!(count.into_inner(), 10);
+        });
+    }
+
+    #[test]
+    fn idle_members_park_and_wake_for_the_next_pass() {
+        pool(3).install(|| {
+            let team = Team::new(3);
+            rayon::in_place_scope(|scope| {
+                for member in 1..3 {
+                    let team = &team;
+                    scope.spawn(move |_| team.help(member));
+                }
+                let _end = CloseOnDrop(&team);
+                for _ in 0..20 {
+                    while team.parking.parked() < 2 {
+                        thread::yield_now();
+                    }
+                    // Two chunks that wait for each other need two threads.
+                    let arrived = AtomicU32::new(0);
+                    Leader(&team).run(2, &|_| {
+                        arrived.fetch_add(1, Ordering::Relaxed);
+                        while arrived.load(Ordering::Relaxed) < 2 {
+                            thread::yield_now();
+                        }
+                    });
+                }
+            });
         });
     }
 

@@ -149,9 +149,8 @@ impl Solver {
     /// Sets the contacts of the next frames in place of the current ones. An edit removes all.
     ///
     /// # Errors
-    /// [`ConstraintError::UnknownVertex`]; [`ConstraintError::BadContact`] for a vertex that is a
-    /// corner of its triangle, weights that do not sum to 1, a normal that is not of length 1, or
-    /// numbers that are not finite. Nothing is changed then.
+    /// [`ConstraintError::UnknownVertex`]; [`ConstraintError::BadContact`] for repeated
+    /// vertices, a normal that is not of length 1, or numbers out of range. Nothing is changed then.
     pub fn set_contacts(&mut self, contacts: &[Contact]) -> Result<(), ConstraintError> {
         for contact in contacts {
             contact.check(|v| self.particles.is_used(v))?;

@@ -1,104 +1,126 @@
-//! Execution of a plan: the `Backend` trait and the CPU backend, which calls one kernel per pass.
+//! Execution of the plans of an island's bodies on the CPU: one kernel per pass, in lockstep.
+//!
+//! Every body runs the passes of its own plan. Contacts may belong to several bodies: they are
+//! projected once for the island, when all bodies have reached the contact passes.
 
 use crate::constraints::batches::{Batch, BatchId, BendingSet, ConstraintSet, StretchSet};
-use crate::error::StepError;
+use crate::constraints::contacts::{ContactRecord, ContactSet};
 use crate::kernels::bending::Bending;
 use crate::kernels::block::dispatch;
-use crate::kernels::integrate::first_non_finite;
 use crate::kernels::particle_state::{ParticleState, ParticleStates};
 use crate::kernels::stretch::Stretch;
 use crate::kernels::volume::{self, VolumeScratch};
-use crate::kernels::{attachments, colliders, contacts, ground, integrate, pins, predict};
+use crate::kernels::{
+    attachments, colliders, contact_features, contacts, ground, integrate, pins, predict,
+};
 use crate::parallel::passes::{is_shared, sweep_color, sweep_patches};
 use crate::parallel::{Leader, with_team};
 use crate::step::body::Body;
-use crate::step::constants::Projection;
-use crate::step::constants::StepConstants;
+use crate::step::constants::{Projection, StepConstants};
+use crate::step::island::{IslandBodies, Member};
 use crate::step::params::StepStats;
 use crate::step::plan::{ConstraintKind, Pass, StepPlan};
 use crate::step::sweep::{Kernel, Sweep};
 use pulp::{Arch, NullaryFnOnce};
 use std::num::NonZeroUsize;
 
-/// Executes the passes of a plan in order, once per substep.
-pub trait Backend {
-    /// Steps a body by one frame.
-    ///
-    /// # Errors
-    /// [`StepError::NonFinitePosition`]; the body is unusable then.
-    fn execute(
-        &mut self,
-        plan: &StepPlan,
-        constants: &StepConstants,
-        body: &mut Body<'_>,
-    ) -> Result<StepStats, StepError>;
-}
-
-/// The CPU backend. Its results have the same bits on every machine and any number of threads.
+/// Memory of a frame on the CPU, reused between frames.
 #[derive(Debug, Default)]
-pub struct CpuBackend {
-    /// States of the particles during a frame, shape [vertex slots].
+pub(crate) struct StepScratch {
+    /// States of the particles, body after body, shape [vertex slots of the island].
     particles: Vec<ParticleState>,
-    /// Displacements before the current iteration, shape [vertex slots]; empty without a residual.
+    /// Displacements before the current iteration; empty without a residual.
     before: Vec<[f32; 4]>,
-    volume_scratch: VolumeScratch,
+    volumes: VolumeScratch,
 }
 
-impl Clone for CpuBackend {
-    /// Returns a backend with empty scratch memory.
+impl Clone for StepScratch {
+    /// Returns empty scratch memory.
     fn clone(&self) -> Self {
         Self::default()
     }
 }
 
-impl CpuBackend {
+impl StepScratch {
     /// Returns the allocated size in elements.
     pub(crate) fn capacity(&self) -> usize {
-        self.particles.capacity() + self.before.capacity() + self.volume_scratch.capacity()
+        self.particles.capacity() + self.before.capacity() + self.volumes.capacity()
     }
 }
 
-impl Backend for CpuBackend {
-    fn execute(
-        &mut self,
-        plan: &StepPlan,
-        constants: &StepConstants,
-        body: &mut Body<'_>,
-    ) -> Result<StepStats, StepError> {
-        self.particles.clear();
-        self.particles.extend(
-            body.positions
-                .iter()
-                .map(|&x| ParticleState { x, d: [0.0; 4] }),
-        );
-        let arch = Arch::new();
-        let threads = if has_shared_pass(body) {
-            constants.threads
-        } else {
-            NonZeroUsize::new(1)
+/// A body, by index, with positions that are not finite after a substep.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct NonFinite {
+    pub(crate) body: usize,
+    pub(crate) substep: u32,
+}
+
+/// Returns the plan and the arrays of a body.
+fn parts<'a>(
+    bodies: &'a mut dyn IslandBodies,
+    i: usize,
+    member: &Member,
+) -> (&'a StepPlan, Body<'a>) {
+    let (solver, surface) = bodies.get(i);
+    let (particles, constraints, step) = solver.step_parts();
+    let mut body = Body::new(particles, constraints, surface);
+    if member.has_own_pins {
+        body.pins = step.history.pins();
+    }
+    (&step.plan, body)
+}
+
+/// Steps the bodies of an island by a number of substeps, in lockstep.
+///
+/// The results have the same bits on every machine and any number of threads.
+pub(crate) fn execute(
+    bodies: &mut dyn IslandBodies,
+    members: &mut [Member],
+    contacts: &mut ContactSet,
+    substeps: u32,
+    scratch: &mut StepScratch,
+) -> Result<(), NonFinite> {
+    let StepScratch {
+        particles,
+        before,
+        volumes: volume_scratch,
+    } = scratch;
+    particles.clear();
+    let mut threads = NonZeroUsize::new(1);
+    for (i, member) in members.iter_mut().enumerate() {
+        let (_, body) = parts(bodies, i, member);
+        member.first = particles.len();
+        member.stats = StepStats {
+            substeps,
+            ..StepStats::default()
         };
-        let done = with_team(threads, |leader| {
-            arch.dispatch(Frame {
-                plan,
-                constants,
-                body,
-                particles: ParticleStates::new(&mut self.particles),
-                before: &mut self.before,
-                volume_scratch: &mut self.volume_scratch,
-                leader,
-                arch,
-                stats: StepStats::default(),
-                lowest: f32::INFINITY,
-            })
-        });
-        for (x, state) in body.positions.iter_mut().zip(&self.particles) {
+        let at_start = |&x: &[f32; 4]| ParticleState { x, d: [0.0; 4] };
+        particles.extend(body.positions.iter().map(at_start));
+        if has_shared_pass(&body) {
+            threads = member.constants.threads;
+        }
+    }
+    let arch = Arch::new();
+    let done = with_team(threads, |leader| {
+        arch.dispatch(Frame {
+            bodies: &mut *bodies,
+            members,
+            contacts,
+            substeps,
+            particles: ParticleStates::new(particles),
+            before,
+            volume_scratch,
+            leader,
+            arch,
+        })
+    });
+    for (i, member) in members.iter().enumerate() {
+        let (_, body) = parts(bodies, i, member);
+        for (x, state) in body.positions.iter_mut().zip(&particles[member.first..]) {
             *x = state.x;
         }
-        done.map_err(|substep| StepError::NonFinitePosition {
-            vertex: first_non_finite(body.positions),
-            substep,
-        })
     }
+    done
 }
 
 /// Returns whether several threads can run a pass of the body.
@@ -110,68 +132,191 @@ fn has_shared_pass(body: &Body<'_>) -> bool {
     body.patches.are_shared() || counts.chain([body.volumes.spokes.len()]).any(is_shared)
 }
 
-/// The substep after which a position is not finite.
-type NonFiniteSubstep = u32;
-
 /// The execution of one frame.
 ///
 /// Passes over vertices are inlined into [`NullaryFnOnce::call`], so that they are compiled for the
 /// instruction set that is detected at run time. Those over constraints are called.
-struct Frame<'a, 'b, 'c> {
-    plan: &'a StepPlan,
-    constants: &'a StepConstants,
-    body: &'a mut Body<'b>,
+struct Frame<'a, 'b> {
+    bodies: &'a mut dyn IslandBodies,
+    members: &'a mut [Member],
+    contacts: &'a mut ContactSet,
+    substeps: u32,
+    /// States of the island.
     particles: ParticleStates<'a>,
     before: &'a mut Vec<[f32; 4]>,
     volume_scratch: &'a mut VolumeScratch,
-    leader: &'a mut Leader<'c>,
+    leader: &'a mut Leader<'b>,
     arch: Arch,
-    stats: StepStats,
-    /// Minimum predicted height of the substep \[m\].
-    lowest: f32,
 }
 
-impl NullaryFnOnce for Frame<'_, '_, '_> {
-    type Output = Result<StepStats, NonFiniteSubstep>;
+/// Passes over the contacts of the island, between which the bodies run their own passes.
+const CONTACT_PASSES: [&[Option<Pass>]; 3] = [
+    &[None, Some(Pass::ContactFeatures), None],
+    &[
+        None,
+        Some(Pass::ContactsBeforeVolumes),
+        Some(Pass::Contacts),
+        None,
+    ],
+    &[None, Some(Pass::ContactRecovery), None],
+];
+
+impl NullaryFnOnce for Frame<'_, '_> {
+    type Output = Result<(), NonFinite>;
 
     #[inline(always)]
     fn call(mut self) -> Self::Output {
-        self.stats.substeps = self.constants.substeps;
-        for substep in 0..self.constants.substeps {
-            let plan = self.plan;
-            // The prologue, the iterations, the epilogue.
-            let last = plan.iterations() + 1;
+        // The bodies have iterations and residual in common.
+        let Some(first) = self.members.first().copied() else {
+            return Ok(());
+        };
+        let iterations = parts(self.bodies, 0, &first).0.iterations();
+        let has_contacts = !self.contacts.is_empty();
+        // The prologue, the iterations, the epilogue.
+        let last = iterations + 1;
+        for substep in 0..self.substeps {
+            self.contacts.reset_friction();
             let mut part = 0;
             while part <= last {
-                let is_same_layer = |a: &Pass, b: &Pass| {
-                    a.patch_layer().is_some() && a.patch_layer() == b.patch_layer()
+                let kind = match part {
+                    0 => 0,
+                    part if part < last => 1,
+                    _ => 2,
                 };
-                for passes in plan.part(part).chunk_by(is_same_layer) {
-                    let pass = passes[0];
-                    if pass == Pass::Ground && self.lowest > self.constants.ground {
-                        self.stats.ground_passes_skipped += 1;
-                        continue;
-                    }
-                    self.stats.passes += u32::try_from(passes.len()).unwrap_or(u32::MAX);
-                    match pass.patch_layer() {
-                        Some(layer) => self.project_patches(layer),
-                        None => self.run(pass, substep)?,
+                let stages = if has_contacts {
+                    CONTACT_PASSES[kind]
+                } else {
+                    &[None, None]
+                };
+                for ends in stages.windows(2) {
+                    self.run_stage(part, [ends[0], ends[1]], substep)?;
+                    if let Some(pass) = ends[1] {
+                        self.run_contacts(pass, iterations > 1, substep);
                     }
                 }
                 part += 1;
-                if let Some(residual) = self.constants.residual
+                if let Some(residual) = first.constants.residual
                     && part < last
                 {
                     let moved = max_change(self.particles, self.before);
                     if part > 1 && moved < residual {
-                        self.stats.iterations_skipped += last - part;
+                        for member in &mut *self.members {
+                            member.stats.iterations_skipped += last - part;
+                        }
                         part = last;
                     }
                 }
             }
         }
-        Ok(self.stats)
+        Ok(())
     }
+}
+
+impl Frame<'_, '_> {
+    /// Runs the passes of a part of every body's plan that lie strictly between two passes.
+    #[inline(always)]
+    fn run_stage(
+        &mut self,
+        part: u32,
+        [after, before]: [Option<Pass>; 2],
+        substep: u32,
+    ) -> Result<(), NonFinite> {
+        for (i, member) in self.members.iter_mut().enumerate() {
+            let (plan, body) = parts(self.bodies, i, member);
+            let passes = plan.part(part);
+            let from = passes.partition_point(|pass| after.is_some_and(|after| *pass <= after));
+            let to = passes.partition_point(|pass| before.is_none_or(|before| *pass < before));
+            let mut step = BodyStep {
+                particles: self.particles.slice(member.first, body.positions.len()),
+                body,
+                constants: &member.constants,
+                volume_scratch: &mut *self.volume_scratch,
+                leader: &mut *self.leader,
+                arch: self.arch,
+                substeps_left: self.substeps - substep,
+                stats: &mut member.stats,
+                lowest: &mut member.lowest,
+            };
+            let is_same_layer = |a: &Pass, b: &Pass| {
+                a.patch_layer().is_some() && a.patch_layer() == b.patch_layer()
+            };
+            for passes in passes[from..to].chunk_by(is_same_layer) {
+                let pass = passes[0];
+                if pass.is_ground() && *step.lowest > step.constants.ground {
+                    step.stats.ground_passes_skipped += 1;
+                    continue;
+                }
+                step.stats.passes += u32::try_from(passes.len()).unwrap_or(u32::MAX);
+                match pass.patch_layer() {
+                    Some(layer) => step.project_patches(layer),
+                    None if step.run(pass) => {}
+                    None => return Err(NonFinite { body: i, substep }),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs a pass over the contacts of the island.
+    fn run_contacts(&mut self, pass: Pass, accumulates: bool, substep: u32) {
+        let has_volumes = self.members.iter().any(|member| member.has_volumes);
+        let Some(first) = self.members.first_mut() else {
+            return;
+        };
+        let (particles, h) = (self.particles, first.constants.h);
+        first.stats.passes += 1;
+        match pass {
+            Pass::ContactFeatures => {
+                for color in &mut self.contacts.colors {
+                    contact_features::contact_features(particles, color);
+                }
+            }
+            Pass::ContactRecovery => {
+                let mut change = 0.0;
+                let (serial, colors) = split_serial(&self.contacts.colors);
+                for color in colors {
+                    change += contacts::recover_contacts(particles, color, h);
+                }
+                for contact in serial.chunks(1) {
+                    change += contacts::recover_contacts(particles, contact, h);
+                }
+                for member in &mut *self.members {
+                    member.stats.max_displacement += change;
+                }
+            }
+            Pass::ContactsBeforeVolumes if !has_volumes => first.stats.passes -= 1,
+            _ => {
+                first.stats.contact_projections += self.contacts.len() as u64;
+                let time = (substep + 1) as f32 * h;
+                for color in &mut self.contacts.colors {
+                    contacts::contacts(particles, color, accumulates, time);
+                }
+            }
+        }
+    }
+}
+
+/// Returns the contacts without a color, then those of each color.
+fn split_serial(colors: &[Vec<ContactRecord>]) -> (&[ContactRecord], &[Vec<ContactRecord>]) {
+    match colors.split_last() {
+        Some((serial, colors)) => (serial, colors),
+        None => (&[], &[]),
+    }
+}
+
+/// A part of a substep of one body.
+struct BodyStep<'a, 'b, 'c> {
+    /// States of the body.
+    particles: ParticleStates<'a>,
+    body: Body<'b>,
+    constants: &'a StepConstants,
+    volume_scratch: &'a mut VolumeScratch,
+    leader: &'a mut Leader<'c>,
+    arch: Arch,
+    substeps_left: u32,
+    stats: &'a mut StepStats,
+    /// Minimum predicted height of the substep \[m\].
+    lowest: &'a mut f32,
 }
 
 /// Returns the largest change of a displacement along an axis since `before`, and updates `before`.
@@ -213,7 +358,7 @@ fn project_batch<K: Kernel<N>, const N: usize>(
     count
 }
 
-impl Frame<'_, '_, '_> {
+impl BodyStep<'_, '_, '_> {
     /// Projects the constraints of all patches of a layer.
     fn project_patches(&mut self, layer: usize) {
         let patches = self.body.patches.of_layer_mut(layer);
@@ -225,8 +370,9 @@ impl Frame<'_, '_, '_> {
         }
     }
 
+    /// Runs a pass; returns false if a position is not finite.
     #[inline(always)]
-    fn run(&mut self, pass: Pass, substep: u32) -> Result<(), NonFiniteSubstep> {
+    fn run(&mut self, pass: Pass) -> bool {
         let Self {
             constants,
             body,
@@ -237,8 +383,8 @@ impl Frame<'_, '_, '_> {
         } = self;
         let (particles, v) = (self.particles, &mut *body.velocities);
         match pass {
-            Pass::Predict => self.lowest = predict::predict(particles, v, constants),
-            Pass::Pins => pins::pins(particles, body.pins, constants.substeps - substep),
+            Pass::Predict => *self.lowest = predict::predict(particles, v, constants),
+            Pass::Pins => pins::pins(particles, body.pins, self.substeps_left),
             Pass::LongRangeAttachments => {
                 attachments::attachments(particles, body.attachments, constants.h)
             }
@@ -259,7 +405,6 @@ impl Frame<'_, '_, '_> {
                 let [stretch, bending] = [constants.stretch, constants.bending];
                 (body.patches)
                     .reset_multipliers(stretch.accumulates_lambda, bending.accumulates_lambda);
-                body.contacts.reset_friction();
                 if constants.volume.accumulates_lambda {
                     body.volumes.reset_multipliers();
                 }
@@ -285,14 +430,11 @@ impl Frame<'_, '_, '_> {
                     }
                 }
             }
-            Pass::ContactsBeforeVolumes | Pass::Contacts => {
-                stats.contact_projections += body.contacts.len() as u64;
-                for color in &mut body.contacts.colors {
-                    let accumulates = self.plan.iterations() > 1;
-                    let time = (substep + 1) as f32 * constants.h;
-                    contacts::contacts(particles, color, (constants.friction, accumulates), time);
-                }
-            }
+            // `Frame` projects the contacts of the island.
+            Pass::ContactFeatures
+            | Pass::ContactsBeforeVolumes
+            | Pass::Contacts
+            | Pass::ContactRecovery => {}
             Pass::Volumes => {
                 stats.volume_projections += body.volumes.pieces().len() as u64;
                 let piece = (body.topology, &mut *body.volumes);
@@ -300,12 +442,18 @@ impl Frame<'_, '_, '_> {
                     (leader, *arch),
                     particles,
                     piece,
-                    constants.volume,
+                    (constants.volume, constants.ground),
                     self.volume_scratch,
                 );
             }
             Pass::Colliders => {
                 colliders::colliders(particles, v, body.colliders, constants.friction);
+            }
+            Pass::GroundBeforeVolumes => {
+                stats.ground_passes += 1;
+                let vertices = body.volumes.spokes.iter().map(|spoke| spoke.vertex);
+                let ground = (constants.ground, constants.friction);
+                ground::ground_of(vertices, particles, v, ground);
             }
             Pass::Ground => {
                 stats.ground_passes += 1;
@@ -316,81 +464,9 @@ impl Frame<'_, '_, '_> {
                     stats.max_displacement += change;
                     stats.max_substep_displacement = stats.max_substep_displacement.max(change);
                 }
-                None => return Err(substep),
+                None => return false,
             },
         }
-        Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::constraints::contacts::ContactSet;
-    use crate::constraints::volumes::VolumeSet;
-    use crate::material::Stiffness;
-    use crate::patches::content::PatchContents;
-    use crate::step::constants::{Projection, VolumeProjection};
-    use crate::step::plan::PlanKey;
-    use incise_mesh::{Topology, VertexId};
-
-    #[test]
-    fn a_spring_moves_as_in_backward_euler() {
-        let (compliance, mass, h) = (1e-3_f32, 2.0_f32, 0.01_f32);
-        let mut positions = [[0.0; 4], [1.25, 0.0, 0.0, 1.0 / mass]];
-        let mut velocities = [[0.0; 4]; 2];
-        let mut cpu = CpuBackend::default();
-        let mut stretch = StretchSet::new(2);
-        stretch.insert([VertexId(0), VertexId(1)], 1.0);
-        for iterations in [1, 5] {
-            let projection = Stiffness::Compliance(compliance).projection(iterations, h);
-            let mut plan = StepPlan::default();
-            let key = PlanKey {
-                iterations,
-                multipliers: projection.accumulates_lambda,
-                ..PlanKey::default()
-            };
-            plan.update(key, &stretch, None, None);
-            let constants = StepConstants {
-                h,
-                substeps: 1,
-                gravity_step: [0.0; 3],
-                velocity_factor: 1.0,
-                stretch: projection,
-                bending: Projection::NONE,
-                interior_springs: Projection::NONE,
-                volume: VolumeProjection::NONE,
-                ground: f32::NEG_INFINITY,
-                friction: 0.0,
-                residual: None,
-                threads: None,
-            };
-            let stiff = 1.0 + f64::from(h * h) / f64::from(compliance * mass);
-            let mut expected = f64::from(positions[1][0]) - 1.0;
-            let mut before = expected - f64::from(velocities[1][0]) * f64::from(h);
-            for step in 0..200 {
-                let mut body = Body {
-                    positions: &mut positions,
-                    velocities: &mut velocities,
-                    stretch: &mut stretch,
-                    bending: None,
-                    interior_springs: None,
-                    contacts: &mut ContactSet::default(),
-                    colliders: &[],
-                    volumes: &mut VolumeSet::default(),
-                    topology: &Topology::default(),
-                    pins: &[],
-                    patches: &mut PatchContents::default(),
-                    attachments: &[],
-                };
-                cpu.execute(&plan, &constants, &mut body).unwrap();
-                (before, expected) = (expected, (2.0 * expected - before) / stiff);
-                let found = f64::from(positions[1][0]) - 1.0;
-                assert!(
-                    (found - expected).abs() < 2e-6,
-                    "{found}, not {expected}, in step {step} with {iterations} iterations"
-                );
-            }
-        }
+        true
     }
 }

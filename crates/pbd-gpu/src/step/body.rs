@@ -1,10 +1,9 @@
-//! The arrays of a body as backends see them.
+//! The arrays of a body as kernels see them.
 
 use crate::constraints::Constraints;
 use crate::constraints::attachments::LongRangeAttachment;
 use crate::constraints::batches::{BendingSet, StretchSet};
 use crate::constraints::colliders::ColliderRecord;
-use crate::constraints::contacts::ContactSet;
 use crate::constraints::volumes::VolumeSet;
 use crate::particles::{Particles, Pin};
 use crate::patches::content::PatchContents;
@@ -12,31 +11,29 @@ use incise_mesh::{Surface, Topology};
 
 /// The arrays of a body that kernels read and write.
 #[derive(Debug)]
-pub struct Body<'a> {
+pub(crate) struct Body<'a> {
     /// Position at the start of the substep \[m\] and inverse mass [1/kg], shape [vertex slots].
-    pub positions: &'a mut [[f32; 4]],
+    pub(crate) positions: &'a mut [[f32; 4]],
     /// Velocity [m/s], last component 0, shape [vertex slots].
-    pub velocities: &'a mut [[f32; 4]],
+    pub(crate) velocities: &'a mut [[f32; 4]],
     /// Stretch constraints.
-    pub stretch: &'a mut StretchSet,
+    pub(crate) stretch: &'a mut StretchSet,
     /// Bending constraints, if the material has bending.
-    pub bending: Option<&'a mut BendingSet>,
+    pub(crate) bending: Option<&'a mut BendingSet>,
     /// Interior springs, if the material has them.
-    pub interior_springs: Option<&'a mut StretchSet>,
+    pub(crate) interior_springs: Option<&'a mut StretchSet>,
     /// Volume constraints.
-    pub volumes: &'a mut VolumeSet,
-    /// Contacts of the frame.
-    pub contacts: &'a mut ContactSet,
+    pub(crate) volumes: &'a mut VolumeSet,
     /// Colliders of the frame.
     pub(crate) colliders: &'a [ColliderRecord],
     /// Topology that volume constraints traverse.
-    pub topology: &'a Topology,
+    pub(crate) topology: &'a Topology,
     /// Pinned vertices, ascending.
-    pub pins: &'a [Pin],
+    pub(crate) pins: &'a [Pin],
     /// Constraints by patch; empty if the body is not divided.
     pub(crate) patches: &'a mut PatchContents,
     /// Long range attachments.
-    pub attachments: &'a [LongRangeAttachment],
+    pub(crate) attachments: &'a [LongRangeAttachment],
 }
 
 impl<'a> Body<'a> {
@@ -54,7 +51,6 @@ impl<'a> Body<'a> {
             bending: constraints.bending.as_mut(),
             interior_springs: constraints.interior_springs.as_mut(),
             volumes: &mut constraints.volumes,
-            contacts: &mut constraints.contacts,
             colliders: constraints.colliders.records(),
             topology,
             patches: &mut constraints.patch_contents,

@@ -35,6 +35,8 @@ pub enum Pass {
     Predict,
     /// Moves pinned vertices towards their targets.
     Pins,
+    /// Finds nearest points and normals of contacts at the start of the substep.
+    ContactFeatures,
     /// Sets all multipliers to zero.
     ResetMultipliers,
     /// Pulls vertices back that are too far from their pinned anchor.
@@ -52,6 +54,11 @@ pub enum Pass {
     /// Otherwise that loss would be an old error in the next substep, which is corrected slowly,
     /// and stacked pieces would collapse.
     ContactsBeforeVolumes,
+    /// Lifts the vertices of pieces with a volume onto the ground before volumes.
+    ///
+    /// The volumes pass then moves the other vertices instead, so that a piece keeps its volume
+    /// on the ground.
+    GroundBeforeVolumes,
     /// Restores the volumes of closed pieces.
     Volumes,
     /// Projects contacts, color by color.
@@ -60,8 +67,11 @@ pub enum Pass {
     Colliders,
     /// Lifts vertices onto the ground and applies friction.
     ///
-    /// Skipped in a substep in which the whole body is predicted above the ground.
+    /// Both passes over the ground are skipped in a substep in which the whole body is predicted
+    /// above it.
     Ground,
+    /// Lets active contacts separate without velocity.
+    ContactRecovery,
     /// Updates velocities and positions from displacements (Algorithm 1, lines 10 to 13).
     Integrate,
 }
@@ -73,22 +83,30 @@ impl Pass {
         match self {
             Self::Predict => stage(0),
             Self::Pins => stage(1),
-            Self::ResetMultipliers => stage(2),
-            Self::LongRangeAttachments => stage(3),
+            Self::ContactFeatures => stage(2),
+            Self::ResetMultipliers => stage(3),
+            Self::LongRangeAttachments => stage(4),
             Self::Project { kind, batch } => {
                 let stage = match kind {
-                    ConstraintKind::Stretch | ConstraintKind::Bending => 4,
-                    ConstraintKind::InteriorSpring => 5,
+                    ConstraintKind::Stretch | ConstraintKind::Bending => 5,
+                    ConstraintKind::InteriorSpring => 6,
                 };
                 (stage, batch.layer(), Some(kind), Some(batch))
             }
-            Self::ContactsBeforeVolumes => stage(6),
-            Self::Volumes => stage(7),
-            Self::Contacts => stage(8),
-            Self::Colliders => stage(9),
-            Self::Ground => stage(10),
-            Self::Integrate => stage(11),
+            Self::ContactsBeforeVolumes => stage(7),
+            Self::GroundBeforeVolumes => stage(8),
+            Self::Volumes => stage(9),
+            Self::Contacts => stage(10),
+            Self::Colliders => stage(11),
+            Self::Ground => stage(12),
+            Self::ContactRecovery => stage(13),
+            Self::Integrate => stage(14),
         }
+    }
+
+    /// Returns whether the pass lifts vertices onto the ground.
+    pub(crate) fn is_ground(self) -> bool {
+        matches!(self, Self::GroundBeforeVolumes | Self::Ground)
     }
 
     /// Returns the layer of a pass over constraints within patches.
@@ -232,6 +250,7 @@ impl StepPlan {
         self.prologue.clear();
         self.prologue.push(Pass::Predict);
         push_if(&mut self.prologue, key.pins, Pass::Pins);
+        push_if(&mut self.prologue, key.contacts, Pass::ContactFeatures);
         push_if(&mut self.prologue, key.multipliers, Pass::ResetMultipliers);
         self.iteration.clear();
         let list = &mut self.iteration;
@@ -241,11 +260,14 @@ impl StepPlan {
         push_batches(list, ConstraintKind::InteriorSpring, interior_springs);
         let before_volumes = key.contacts && key.volumes;
         push_if(list, before_volumes, Pass::ContactsBeforeVolumes);
+        let ground_before_volumes = key.ground && key.volumes;
+        push_if(list, ground_before_volumes, Pass::GroundBeforeVolumes);
         push_if(list, key.volumes, Pass::Volumes);
         push_if(list, key.contacts, Pass::Contacts);
         push_if(list, key.colliders, Pass::Colliders);
         push_if(list, key.ground, Pass::Ground);
         self.epilogue.clear();
+        push_if(&mut self.epilogue, key.contacts, Pass::ContactRecovery);
         self.epilogue.push(Pass::Integrate);
         for list in [&mut self.prologue, &mut self.iteration, &mut self.epilogue] {
             list.sort_unstable();
@@ -308,7 +330,7 @@ mod tests {
         let [prologue, iteration, epilogue] = [plan.prologue(), plan.iteration(), plan.epilogue()];
         let once: Vec<Pass> = [prologue, iteration, epilogue].concat();
         assert!(once.is_sorted_by(|a, b| a < b), "{once:?}");
-        assert_eq!(iteration.len(), 1 + 3 * (64 + 1) + 1 + 1 + 1 + 1 + 1);
+        assert_eq!(iteration.len(), 1 + 3 * (64 + 1) + 1 + 1 + 1 + 1 + 1 + 1);
         let all: Vec<Pass> = plan.passes().collect();
         let expected = [prologue, iteration, iteration, iteration, epilogue].concat();
         assert_eq!(all, expected);
@@ -322,8 +344,10 @@ mod tests {
             Some(&bending),
             Some(&interior_springs),
         );
-        let before = plan.iteration().contains(&Pass::ContactsBeforeVolumes);
-        assert!(!before, "there is no volume to restore");
+        for pass in [Pass::ContactsBeforeVolumes, Pass::GroundBeforeVolumes] {
+            let is_there = plan.iteration().contains(&pass);
+            assert!(!is_there, "there is no volume to restore");
+        }
     }
 
     #[test]

@@ -1,16 +1,13 @@
-//! Second-order substeps (BDF2), composed of the first-order substeps of a backend.
+//! Second-order substeps (BDF2), composed of first-order substeps.
 //!
 //! The second backward difference formula is `(3 x' - 4 x + x0) / 2h = v'`, and the same for
 //! velocities. It equals a substep of implicit Euler of length `2h / 3` from `(4 x - x0) / 3` and
 //! `(4 v - v0) / 3`. Only the start of a substep changes, so kernels and plans are the same.
 
-use crate::error::StepError;
 use crate::particles::Pin;
-use crate::step::backend::Backend;
 use crate::step::body::Body;
 use crate::step::constants::StepConstants;
 use crate::step::params::StepStats;
-use crate::step::plan::StepPlan;
 
 /// Length of the first-order substep relative to the second-order one that it is part of.
 pub(crate) const SUBSTEP_RATIO: f32 = 2.0 / 3.0;
@@ -31,6 +28,7 @@ pub(crate) struct History {
 }
 
 /// Constants of single substeps of first and second order.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Orders {
     pub(crate) first: StepConstants,
     pub(crate) second: StepConstants,
@@ -48,79 +46,57 @@ impl History {
         arrays.map(Vec::capacity).sum::<usize>() + self.pins.capacity()
     }
 
-    /// Steps a body by a frame of `substeps`, with second order where the history is valid.
+    /// Returns the pins with their targets of the current substep.
+    pub(crate) fn pins(&self) -> &[Pin] {
+        &self.pins
+    }
+
+    /// Begins a frame of substeps of `h` \[s\].
     ///
-    /// # Errors
-    /// As [`Backend::execute`].
-    pub(crate) fn execute(
-        &mut self,
-        backend: &mut impl Backend,
-        plan: &StepPlan,
-        orders: &Orders,
-        substeps: u32,
-        body: &mut Body<'_>,
-    ) -> Result<StepStats, StepError> {
-        let h = orders.first.h;
-        // Any change of position, mass, pin or topology changes one of these numbers.
+    /// Any change of position, mass, pin or topology since the last one makes the next substep one
+    /// of first order.
+    pub(crate) fn begin_frame(&mut self, h: f32, body: &Body<'_>) {
         let is_continued = self.h.to_bits() == h.to_bits()
             && self.end[0] == *body.positions
             && self.end[1] == *body.velocities;
         self.is_valid &= is_continued;
         self.h = h;
-        let targets = body.pins;
-        let mut pins = std::mem::take(&mut self.pins);
-        let mut sum = StepStats::default();
-        let mut done = Ok(());
-        for substep in 0..substeps {
-            let substeps_left = substeps - substep;
-            let positions = &*body.positions;
-            pins.clear();
-            pins.extend(
-                targets
-                    .iter()
-                    .map(|pin| advance_pin(pin, positions, substeps_left)),
-            );
-            let mut extrapolated = 0.0;
-            let constants = if self.is_valid {
-                extrapolated = extrapolate(body.positions, &mut self.before[0]);
-                extrapolate(body.velocities, &mut self.before[1]);
-                &orders.second
-            } else {
-                copy(&mut self.before[0], body.positions);
-                copy(&mut self.before[1], body.velocities);
-                &orders.first
-            };
-            let mut part = Body {
-                positions: &mut *body.positions,
-                velocities: &mut *body.velocities,
-                stretch: &mut *body.stretch,
-                bending: body.bending.as_deref_mut(),
-                interior_springs: body.interior_springs.as_deref_mut(),
-                colliders: body.colliders,
-                contacts: &mut *body.contacts,
-                volumes: &mut *body.volumes,
-                topology: body.topology,
-                patches: &mut *body.patches,
-                pins: &pins,
-                attachments: body.attachments,
-            };
-            match backend.execute(plan, constants, &mut part) {
-                Ok(stats) => {
-                    // A collision with the ground is not smooth.
-                    self.is_valid = stats.ground_passes == 0;
-                    add(&mut sum, &stats, extrapolated);
-                }
-                Err(error) => {
-                    done = Err(with_substep(error, substep));
-                    self.is_valid = false;
-                    break;
-                }
-            }
+    }
+
+    /// Moves positions, velocities and pins to the start of a substep.
+    ///
+    /// Returns its constants and an upper bound of the change of a coordinate \[m\].
+    pub(crate) fn begin_substep(
+        &mut self,
+        orders: &Orders,
+        body: &mut Body<'_>,
+        substeps_left: u32,
+    ) -> (StepConstants, f32) {
+        let positions = &*body.positions;
+        self.pins.clear();
+        let pins = body.pins.iter();
+        self.pins
+            .extend(pins.map(|pin| advance_pin(pin, positions, substeps_left)));
+        if self.is_valid {
+            let extrapolated = extrapolate(body.positions, &mut self.before[0]);
+            extrapolate(body.velocities, &mut self.before[1]);
+            (orders.second, extrapolated)
+        } else {
+            copy(&mut self.before[0], body.positions);
+            copy(&mut self.before[1], body.velocities);
+            (orders.first, 0.0)
         }
-        self.pins = pins;
-        copy(&mut self.end[0], body.positions);
-        copy(&mut self.end[1], body.velocities);
-        done.map(|()| sum)
+    }
+
+    /// Ends a substep. A collision with the ground is not smooth.
+    pub(crate) fn end_substep(&mut self, is_finite: bool, stats: &StepStats) {
+        self.is_valid = is_finite && stats.ground_passes == 0;
+    }
+
+    /// Ends a frame with these positions and velocities.
+    pub(crate) fn end_frame(&mut self, positions: &[[f32; 4]], velocities: &[[f32; 4]]) {
+        copy(&mut self.end[0], positions);
+        copy(&mut self.end[1], velocities);
     }
 }
 
@@ -156,8 +132,8 @@ fn extrapolate(now: &mut [[f32; 4]], before: &mut [[f32; 4]]) -> f32 {
     max_change
 }
 
-/// Adds the statistics of a substep, whose start was moved by up to `extrapolated` \[m\].
-fn add(sum: &mut StepStats, stats: &StepStats, extrapolated: f32) {
+/// Adds the statistics of a substep to those of a frame.
+pub(crate) fn add(sum: &mut StepStats, stats: &StepStats) {
     sum.substeps += stats.substeps;
     sum.passes += stats.passes;
     sum.stretch_projections += stats.stretch_projections;
@@ -168,19 +144,9 @@ fn add(sum: &mut StepStats, stats: &StepStats, extrapolated: f32) {
     sum.ground_passes += stats.ground_passes;
     sum.ground_passes_skipped += stats.ground_passes_skipped;
     sum.iterations_skipped += stats.iterations_skipped;
-    sum.max_displacement += stats.max_displacement + extrapolated;
-    sum.max_substep_displacement = sum
-        .max_substep_displacement
-        .max(stats.max_substep_displacement + extrapolated);
-}
-
-fn with_substep(error: StepError, substep: u32) -> StepError {
-    match error {
-        StepError::NonFinitePosition { vertex, .. } => {
-            StepError::NonFinitePosition { vertex, substep }
-        }
-        other => other,
-    }
+    sum.max_displacement += stats.max_displacement;
+    sum.max_substep_displacement =
+        (sum.max_substep_displacement).max(stats.max_substep_displacement);
 }
 
 /// Copies without allocation if the capacity suffices.

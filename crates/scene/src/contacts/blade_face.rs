@@ -3,10 +3,17 @@
 //! `blade.rs` creates the faces of a frame, the narrow phase finds their contacts.
 
 use super::persistent::outward_normal;
-use super::{MOTION_TOLERANCE, SEPARATION_RATE};
 use incise_mesh::geometry::to_f64;
 use incise_mesh::{Aabb, Surface, Vec3, VertexId};
-use incise_pbd_gpu::{Contact, ContactTarget};
+use incise_pbd_gpu::Contact;
+
+/// Rate at which a gap below the thickness opens, relative to the missing gap [1/s].
+///
+/// The speed is that of at most one thickness of penetration.
+const SEPARATION_RATE: f64 = 5.0;
+
+/// Mean distance of a vertex' neighbors from the face that decides its side [thicknesses].
+const SIDE_TOLERANCE: f64 = 0.1;
 
 /// Minimum cosine between a vertex normal and the face for the normal to decide the side.
 const MIN_COSINE: f64 = 0.1;
@@ -129,7 +136,7 @@ impl BladeFace {
             let neighbors = neighbor_mean(surface, vertex, |p| self.previous.height(p));
             let outward = outward_normal(surface, vertex).try_normalize(0.0);
             let cosine = outward.unwrap_or_default().dot(&self.previous.normal);
-            if neighbors.abs() > MOTION_TOLERANCE * thickness {
+            if neighbors.abs() > SIDE_TOLERANCE * thickness {
                 side = neighbors.signum();
             } else if cosine.abs() >= MIN_COSINE {
                 side = -cosine.signum();
@@ -138,14 +145,10 @@ impl BladeFace {
         let normal = self.current.normal * side;
         let gap = (side * from).min(thickness);
         let missing = (thickness - gap).min(2.0 * thickness);
-        Some(contact(
-            vertex,
-            normal,
-            // The previous plane, along the current normal.
-            normal.dot(&at) - side * from,
-            gap,
-            SEPARATION_RATE * missing + side * (from - to) / dt,
-        ))
+        // Of the previous plane, along the current normal.
+        let height = normal.dot(&at) - side * from;
+        let gap_rate = SEPARATION_RATE * missing + side * (from - to) / dt;
+        Some(contact(vertex, normal, height + gap, gap_rate))
     }
 }
 
@@ -163,14 +166,10 @@ fn neighbor_mean(surface: &Surface, v: VertexId, of: impl Fn(Vec3) -> f64) -> f6
     clippy::cast_possible_truncation,
     reason = "the solver stores contacts in 32 bits"
 )]
-fn contact(vertex: VertexId, normal: Vec3, height: f64, gap: f64, gap_rate: f64) -> Contact {
+fn contact(vertex: VertexId, normal: Vec3, height: f64, gap_rate: f64) -> Contact {
+    let normal = [0, 1, 2].map(|k: usize| normal[k] as f32);
     Contact {
-        vertex,
-        target: ContactTarget::Plane {
-            height: height as f32,
-        },
-        normal: [normal.x as f32, normal.y as f32, normal.z as f32],
-        gap: gap as f32,
         gap_rate: gap_rate as f32,
+        ..Contact::plane(vertex, normal, height as f32)
     }
 }

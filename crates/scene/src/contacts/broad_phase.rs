@@ -1,90 +1,91 @@
-//! Broad phase: pairs of pieces whose boxes may overlap within the frame, and their islands.
+//! Broad phase: pairs of pieces whose boxes may overlap within the frame, and their groups.
 //!
-//! Called by [`super::ContactSearch`]; the narrow phase reads the pairs and displacements.
+//! Called by [`super::ContactDetection`] with the bodies that may collide; the narrow phase reads
+//! the pairs and displacements.
 
-use super::{BladeFace, ContactFrame, SPEED_MARGIN, Velocities};
+use super::motion::Motion;
+use super::near_bodies::grow;
+use super::{BladeFace, ContactFrame, SPEED_MARGIN};
+use crate::scene::Bodies;
 use incise_mesh::geometry::to_f64;
 use incise_mesh::{Aabb, Surface, Vec3, VertexId, index_u32};
 use incise_pbd_gpu::Collider;
 
-/// A piece of the body.
+/// A piece of a body.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
-    pub(super) number: u32,
+    /// Index of its body in the scene, and its number there.
+    pub(super) body: u32,
+    number: u32,
     pub(super) bounds: Aabb,
     /// `bounds` grown by the motion of the frame and a thickness.
     grown_bounds: Aabb,
     /// Minimum and maximum velocity of its vertices along each axis [m/s].
     velocity_bounds: [Vec3; 2],
-    /// Whether a pin, the ground, a collider or a blade face may stop it.
+    /// Whether a pin, a collider or a blade face may stop it.
     is_held: bool,
-    /// Index of the first piece of its island.
-    island: u32,
-    /// The common velocity of its island, stored in the first piece [m/s].
-    island_velocity: Vec3,
-    /// Maximum displacement of its vertices relative to the island \[m\].
+    /// Index of the first piece of its group.
+    group: u32,
+    /// Sum of the velocities of its vertices [m/s], and their number.
+    velocity_sum: (Vec3, f64),
+    /// The common velocity of its group, stored in the first piece [m/s].
+    group_velocity: Vec3,
+    /// Maximum displacement of its vertices relative to the group \[m\].
     pub(super) max_displacement: f64,
 }
 
-/// All pieces of a body, in memory reused between frames.
+/// The pieces of all bodies that may collide, in memory reused between frames.
 ///
-/// Pieces that may collide, directly or through others, form an island. The common velocity of an
-/// island in free flight is subtracted, so that only motion within it enlarges the searches. An
-/// island that may hit an obstacle has none: the obstacle may stop it.
+/// Pieces that may collide, directly or through others, form a group. The mean velocity of a
+/// group is subtracted, so that only motion within it enlarges the searches. A group that may hit an
+/// obstacle keeps it: the obstacle may stop it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Pieces {
     list: Vec<Piece>,
-    /// By piece number: index into `list`.
-    index_of: Vec<u32>,
     /// Pairs of indices of pieces whose grown boxes overlap, in both orders, ascending.
     pairs: Vec<(u32, u32)>,
-    /// By index of an island's first piece: the island's velocity bounds [m/s].
-    island_velocity_bounds: Vec<[Vec3; 2]>,
-    /// By vertex slot: maximum displacement relative to its island \[m\].
-    displacements: Vec<f64>,
+    /// By index of a group's first piece: the sum of the velocities of its vertices, and their number.
+    group_velocity_sums: Vec<(Vec3, f64)>,
 }
 
 impl Pieces {
-    /// Finds boxes, velocities, pairs, islands and displacements for a frame.
+    /// Finds boxes, velocities, pairs, groups and displacements for a frame.
     pub(super) fn update(
         &mut self,
-        surface: &Surface,
-        velocities: &Velocities<'_>,
-        (thickness, frame): (f64, &ContactFrame<'_>),
+        bodies: &Bodies,
+        motions: &mut [Motion],
+        frame: &ContactFrame<'_>,
     ) {
-        self.measure(surface, velocities);
+        self.list.clear();
+        for (i, (body, motion)) in bodies.iter().zip(&mut *motions).enumerate() {
+            if let (true, Some(body)) = (motion.is_active, body) {
+                self.measure(index_u32(i), body.surface(), motion);
+                for pin in body.solver().pins() {
+                    if let Some(number) = piece_of(body.surface(), pin.vertex) {
+                        let index = motion.pieces[number as usize];
+                        self.list[index as usize].is_held = true;
+                    }
+                }
+            }
+        }
         for piece in &mut self.list {
             piece.grown_bounds = piece.bounds;
             let speed = max_difference(piece.velocity_bounds, Vec3::zeros());
             let displacement = (SPEED_MARGIN * speed + frame.speed_gain) * frame.dt;
+            let thickness = motions[piece.body as usize].thickness;
             grow(&mut piece.grown_bounds, thickness + displacement);
-            let at_ground = frame
-                .ground
-                .is_some_and(|ground| piece.grown_bounds.min[1] <= ground);
             let at_collider = |c: &Collider| c.bounds().overlaps(&piece.grown_bounds);
             let at_face = |face: &BladeFace| face.bounds().overlaps(&piece.grown_bounds);
-            piece.is_held |= at_ground
-                || frame.colliders.iter().any(at_collider)
-                || frame.blade_faces.iter().any(at_face);
+            piece.is_held |=
+                frame.colliders.iter().any(at_collider) || frame.blade_faces.iter().any(at_face);
         }
-        self.find_pairs();
-        self.find_islands();
-        self.find_displacements(surface, velocities, frame.dt);
-    }
-
-    /// Returns whether any two pieces may collide.
-    pub(super) fn has_pairs(&self) -> bool {
-        !self.pairs.is_empty()
-    }
-
-    /// Returns the maximum displacements relative to the islands \[m\], shape [vertex slots].
-    pub(super) fn displacements(&self) -> &[f64] {
-        &self.displacements
-    }
-
-    /// Returns the index of a piece by its number.
-    pub(super) fn index(&self, number: u32) -> u32 {
-        self.index_of[number as usize]
+        self.find_pairs(motions);
+        self.find_groups();
+        for (body, motion) in bodies.iter().zip(motions) {
+            if let (true, Some(body)) = (motion.is_active, body) {
+                self.find_displacements(body.surface(), motion, frame.dt);
+            }
+        }
     }
 
     /// Returns the pieces with which a piece, by index, may collide.
@@ -96,26 +97,24 @@ impl Pieces {
             .map(|pair| &self.list[pair.1 as usize])
     }
 
-    /// Finds the boxes and velocity bounds of all pieces.
-    fn measure(&mut self, surface: &Surface, velocities: &Velocities<'_>) {
+    /// Adds the pieces of a body with their boxes and velocity bounds.
+    fn measure(&mut self, body: u32, surface: &Surface, motion: &mut Motion) {
         let topology = surface.topology();
-        self.list.clear();
-        self.index_of.clear();
-        self.index_of
-            .resize(surface.piece_bound() as usize, u32::MAX);
         for v in topology.vertices() {
             let number = surface.piece(topology.outgoing(v).triangle());
-            let index = &mut self.index_of[number as usize];
+            let index = &mut motion.pieces[number as usize];
             if *index == u32::MAX {
                 *index = index_u32(self.list.len());
                 self.list.push(Piece {
+                    body,
                     number,
                     bounds: Aabb::default(),
                     grown_bounds: Aabb::default(),
                     velocity_bounds: [Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)],
                     is_held: false,
-                    island: 0,
-                    island_velocity: Vec3::zeros(),
+                    group: 0,
+                    velocity_sum: (Vec3::zeros(), 0.0),
+                    group_velocity: Vec3::zeros(),
                     max_displacement: 0.0,
                 });
             }
@@ -125,28 +124,24 @@ impl Pieces {
                 piece.bounds.min[k] = piece.bounds.min[k].min(c);
                 piece.bounds.max[k] = piece.bounds.max[k].max(c);
             }
-            let velocity = velocities.of(v);
+            let velocity = motion.velocity(v);
             let [min, max] = piece.velocity_bounds;
             piece.velocity_bounds = [min.inf(&velocity), max.sup(&velocity)];
-        }
-        for pin in velocities.pins {
-            if let Some(number) = piece_of(surface, pin.vertex) {
-                let index = self.index_of[number as usize];
-                self.list[index as usize].is_held = true;
-            }
+            piece.velocity_sum.0 += velocity;
+            piece.velocity_sum.1 += 1.0;
         }
     }
 
     /// Finds the pairs of overlapping grown boxes by a sweep along the x axis.
-    fn find_pairs(&mut self) {
+    fn find_pairs(&mut self, motions: &mut [Motion]) {
         self.pairs.clear();
         let x = |piece: &Piece| piece.grown_bounds.min[0];
         self.list.sort_unstable_by(|a, b| {
             let by_position = x(a).total_cmp(&x(b));
-            by_position.then(a.number.cmp(&b.number))
+            by_position.then((a.body, a.number).cmp(&(b.body, b.number)))
         });
         for (i, a) in (0..).zip(&self.list) {
-            self.index_of[a.number as usize] = i;
+            motions[a.body as usize].pieces[a.number as usize] = i;
             let later = self.list.iter().enumerate().skip(i as usize + 1);
             for (j, b) in later.take_while(|(_, b)| x(b) <= a.grown_bounds.max[0]) {
                 if a.grown_bounds.overlaps(&b.grown_bounds) {
@@ -157,48 +152,45 @@ impl Pieces {
         self.pairs.sort_unstable();
     }
 
-    /// Finds the islands by union-find, and their common velocities.
-    fn find_islands(&mut self) {
+    /// Finds the groups by union-find, and their common velocities.
+    fn find_groups(&mut self) {
         let list = &mut self.list;
         for (i, piece) in (0..).zip(list.iter_mut()) {
-            piece.island = i;
+            piece.group = i;
         }
         for &(a, b) in &self.pairs {
             let (a, b) = (find_root(list, a), find_root(list, b));
-            list[a.max(b) as usize].island = a.min(b);
+            list[a.max(b) as usize].group = a.min(b);
         }
-        let bounds = &mut self.island_velocity_bounds;
-        bounds.clear();
-        bounds.extend(list.iter().map(|piece| piece.velocity_bounds));
+        let sums = &mut self.group_velocity_sums;
+        sums.clear();
+        sums.resize(list.len(), (Vec3::zeros(), 0.0));
         for i in 0..index_u32(list.len()) {
             let root = find_root(list, i);
             let piece = list[i as usize];
-            list[i as usize].island = root;
+            list[i as usize].group = root;
             list[root as usize].is_held |= piece.is_held;
-            let [min, max] = bounds[root as usize];
-            let [low, high] = piece.velocity_bounds;
-            bounds[root as usize] = [min.inf(&low), max.sup(&high)];
+            let (sum, count) = &mut sums[root as usize];
+            *sum += piece.velocity_sum.0;
+            *count += piece.velocity_sum.1;
         }
-        for (root, &[min, max]) in list.iter_mut().zip(bounds.iter()) {
-            root.island_velocity = if root.is_held {
+        for (root, &(sum, count)) in list.iter_mut().zip(sums.iter()) {
+            root.group_velocity = if root.is_held {
                 Vec3::zeros()
             } else {
-                (min + max) / 2.0
+                sum / f64::max(count, 1.0)
             };
         }
     }
 
-    /// Finds the displacements of vertices and pieces relative to their islands.
-    fn find_displacements(&mut self, surface: &Surface, velocities: &Velocities<'_>, dt: f64) {
+    /// Finds the displacements of vertices and pieces relative to their groups.
+    fn find_displacements(&mut self, surface: &Surface, motion: &mut Motion, dt: f64) {
         let topology = surface.topology();
-        self.displacements.clear();
-        self.displacements.resize(surface.positions().len(), 0.0);
         for v in topology.vertices() {
             let number = surface.piece(topology.outgoing(v).triangle());
-            let index = self.index_of[number as usize] as usize;
-            let common = self.list[self.list[index].island as usize].island_velocity;
-            let displacement = SPEED_MARGIN * (velocities.of(v) - common).norm() * dt;
-            self.displacements[v.index()] = displacement;
+            let index = motion.pieces[number as usize] as usize;
+            let common = self.list[self.list[index].group as usize].group_velocity;
+            let displacement = motion.set_displacement(v, common, dt);
             let piece = &mut self.list[index];
             piece.max_displacement = piece.max_displacement.max(displacement);
         }
@@ -218,11 +210,11 @@ fn max_difference([min, max]: [Vec3; 2], from: Vec3) -> f64 {
     (min - from).abs().sup(&(max - from).abs()).norm()
 }
 
-/// Returns the index of the first piece of an island, halving paths on the way.
+/// Returns the index of the first piece of a group, halving paths on the way.
 fn find_root(list: &mut [Piece], mut i: u32) -> u32 {
-    while list[i as usize].island != i {
-        let next = list[list[i as usize].island as usize].island;
-        list[i as usize].island = next;
+    while list[i as usize].group != i {
+        let next = list[list[i as usize].group as usize].group;
+        list[i as usize].group = next;
         i = next;
     }
     i
@@ -232,16 +224,4 @@ fn find_root(list: &mut [Piece], mut i: u32) -> u32 {
 fn piece_of(surface: &Surface, v: VertexId) -> Option<u32> {
     let h = surface.topology().outgoing(v);
     (!h.is_null()).then(|| surface.piece(h.triangle()))
-}
-
-/// Grows a box on all sides by `margin` \[m\].
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "the box is grown by much more than the rounding of its corners"
-)]
-fn grow(bounds: &mut Aabb, margin: f64) {
-    for k in 0..3 {
-        bounds.min[k] = (f64::from(bounds.min[k]) - margin) as f32;
-        bounds.max[k] = (f64::from(bounds.max[k]) + margin) as f32;
-    }
 }

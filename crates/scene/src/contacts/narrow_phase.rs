@@ -1,14 +1,16 @@
 //! Narrow phase: the nearest triangle of each vertex, in parallel over rows of vertices.
 //!
-//! Called by [`super::ContactSearch`] after the broad phase. Rows are concatenated in order, so
+//! Called by [`super::ContactDetection`] after the broad phase. Rows are concatenated in order, so
 //! that the result does not depend on the number of threads.
 
 use super::broad_phase::{Piece, Pieces};
-use super::persistent::{PersistentContact, contact_plane, faces, outward_normal};
-use super::{BladeFace, ContactFrame, MOTION_TOLERANCE, SEPARATION_RATE, SPEED_MARGIN, Velocities};
-use incise_mesh::geometry::to_f64;
-use incise_mesh::{Bvh, SearchRadii, Surface, TriangleId, Vec3, VertexId, index_u32};
-use incise_pbd_gpu::Contact;
+use super::motion::Motion;
+use super::persistent::{PersistentContact, contact_kind, faces, outward_normal};
+use super::{ContactFrame, SPEED_MARGIN};
+use crate::body::Body;
+use crate::scene::Bodies;
+use incise_mesh::{Surface, TriangleId, Vec3, VertexId, index_u32};
+use incise_pbd_gpu::{Contact, ContactKind};
 use rayon::prelude::*;
 
 /// Number of vertex slots of a row.
@@ -17,160 +19,304 @@ const ROW: usize = 512;
 /// Minimum number of rows for threads: waking one takes about ten microseconds.
 const MIN_PARALLEL_ROWS: usize = 4;
 
+/// Maximum depth of a contact [thicknesses].
+const MAX_DEPTH: f64 = 2.0;
+
+/// A contact of a vertex of one body with a triangle of the same or another one, or with a plane.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BodyContact {
+    /// Index of the triangle's body.
+    pub(crate) other: u32,
+    /// Its first vertex is one of the searched body, all others are of the other one.
+    pub(crate) contact: Contact,
+}
+
 /// The contacts of one row, in memory reused between frames.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Row {
-    pub(super) contacts: Vec<Contact>,
-    pub(super) persistent: Vec<PersistentContact>,
+    contacts: Vec<BodyContact>,
+    persistent: Vec<PersistentContact>,
     /// Scratch memory: the current vertex and its neighbors, excluded from self-collision.
     one_ring: Vec<VertexId>,
+    /// Scratch memory: the bodies that the current vertex may touch.
+    near: Vec<u32>,
 }
 
-/// The input of a search, shared by all rows.
-pub(super) struct Search<'a> {
-    pub(super) surface: &'a Surface,
-    pub(super) velocities: Velocities<'a>,
-    pub(super) bvh: &'a Bvh,
-    pub(super) radii: &'a SearchRadii,
-    pub(super) pieces: &'a Pieces,
-    /// Maximum displacements of vertices \[m\].
-    pub(super) displacements: &'a [f64],
-    /// The contacts of the previous frame, and their indices by vertex slot.
-    pub(super) previous: &'a [PersistentContact],
-    pub(super) previous_of_vertex: &'a [u32],
-    /// Minimum distance between surfaces \[m\].
-    pub(super) thickness: f64,
-    pub(super) frame: &'a ContactFrame<'a>,
+/// The contacts of the vertices of one body, in memory reused between frames.
+#[derive(Debug, Clone, Default)]
+pub(super) struct BodyRows {
+    rows: Vec<Row>,
+    /// The persistent contacts of the previous frame, ascending by vertex.
+    previous: Vec<PersistentContact>,
+    /// By vertex slot: first index into `previous`, or `u32::MAX`.
+    previous_of_vertex: Vec<u32>,
 }
 
-impl Search<'_> {
-    /// Finds the contacts of all vertices.
-    pub(super) fn run(&self, rows: &mut Vec<Row>) {
-        let slots = self.surface.positions().len();
-        rows.resize_with(slots.div_ceil(ROW), Row::default);
-        if rows.len() < MIN_PARALLEL_ROWS {
-            rows.iter_mut()
-                .enumerate()
-                .for_each(|(i, row)| self.fill(i, row));
-        } else {
-            rows.par_iter_mut()
-                .enumerate()
-                .for_each(|(i, row)| self.fill(i, row));
-        }
+impl BodyRows {
+    /// Returns the contacts in the order of vertices.
+    pub(super) fn contacts(&self) -> impl Iterator<Item = &BodyContact> {
+        self.rows.iter().flat_map(|row| &row.contacts)
     }
 
-    /// Finds the contacts of one row.
-    fn fill(&self, i: usize, row: &mut Row) {
-        row.contacts.clear();
-        row.persistent.clear();
-        let slots = self.surface.positions().len();
-        for slot in i * ROW..slots.min((i + 1) * ROW) {
-            let v = VertexId(index_u32(slot));
-            if !self.surface.topology().outgoing(v).is_null() {
-                self.find_piece_contact(v, row);
-                self.find_blade_face_contacts(v, row);
+    /// Removes all contacts; those of the last search become the previous ones.
+    pub(super) fn begin_frame(&mut self, vertex_slots: usize) {
+        self.previous.clear();
+        for row in &mut self.rows {
+            self.previous.append(&mut row.persistent);
+            row.contacts.clear();
+        }
+        self.previous_of_vertex.clear();
+        self.previous_of_vertex.resize(vertex_slots, u32::MAX);
+        for (i, contact) in (0..).zip(&self.previous) {
+            if let Some(first) = self.previous_of_vertex.get_mut(contact.vertex.index()) {
+                *first = i.min(*first);
             }
         }
     }
 
-    /// Adds the contact of a vertex with the nearest triangle, if there is one.
-    fn find_piece_contact(&self, v: VertexId, row: &mut Row) {
-        let (surface, frame) = (self.surface, self.frame);
-        let self_collision = frame.params.self_collision;
-        if !(self_collision || self.pieces.has_pairs()) {
-            return;
+    /// Sets the number of vertex slots that are searched.
+    fn resize(&mut self, vertex_slots: usize) {
+        (self.rows).resize_with(vertex_slots.div_ceil(ROW), Row::default);
+    }
+}
+
+/// The input of a search, shared by all rows.
+pub(super) struct Search<'a> {
+    pub(super) bodies: &'a Bodies,
+    pub(super) motions: &'a [Motion],
+    pub(super) pieces: &'a Pieces,
+    pub(super) frame: &'a ContactFrame<'a>,
+}
+
+/// The body whose vertices are searched.
+#[derive(Clone, Copy)]
+struct Searched<'a> {
+    index: u32,
+    body: &'a Body,
+    motion: &'a Motion,
+    previous: &'a [PersistentContact],
+    previous_of_vertex: &'a [u32],
+}
+
+impl Search<'_> {
+    /// Finds the contacts of all vertices of active bodies.
+    pub(super) fn run(&self, all: &mut [BodyRows]) {
+        let mut rows = 0;
+        for ((body, motion), of_body) in self.bodies.iter().zip(self.motions).zip(&mut *all) {
+            if let Some(body) = body.as_ref().filter(|_| motion.is_active) {
+                of_body.resize(body.surface().positions().len());
+                rows += of_body.rows.len();
+            }
         }
-        let number = surface.piece(surface.topology().outgoing(v).triangle());
-        let index = self.pieces.index(number);
-        let at = surface.position(v);
-        let radius = self.thickness + frame.speed_gain * frame.dt + self.displacements[v.index()];
-        let is_near = |other: &Piece| other.is_near(at, radius + other.max_displacement);
-        if !self_collision && !self.pieces.neighbors(index).any(is_near) {
-            return;
-        }
-        let previous = self.previous_of_vertex[v.index()] as usize;
-        let previous = self.previous.get(previous).copied();
-        let kept = previous
-            .filter(|contact| contact.persists(surface, at, (self.thickness, self_collision)));
-        let contact = kept.or_else(|| {
-            let first = previous.map(|contact| contact.triangle);
-            self.nearest(v, (number, radius), first, &mut row.one_ring)
-        });
-        if let Some(mut contact) = contact {
-            let thickness = contact.thickness(surface, self.thickness);
-            // A vertex that cannot follow its gap is not pushed harder in every frame.
-            let reachable = contact.height(surface, at) + MOTION_TOLERANCE * thickness;
-            contact.gap = contact.gap.min(reachable).min(thickness);
-            let gap_rate = SEPARATION_RATE * (thickness - contact.gap).min(2.0 * thickness);
-            row.contacts.push(contact.to_solver(gap_rate));
-            contact.gap += gap_rate * frame.dt;
-            row.persistent.push(contact);
+        if rows < MIN_PARALLEL_ROWS {
+            let bodies = all.iter_mut().enumerate();
+            bodies.for_each(|(i, of_body)| self.fill_body(i, of_body, false));
+        } else {
+            let bodies = all.par_iter_mut().enumerate();
+            bodies.for_each(|(i, of_body)| self.fill_body(i, of_body, true));
         }
     }
 
-    /// Finds the nearest triangle of a vertex of a piece within a radius \[m\].
+    /// Finds the contacts of the vertices of one body.
+    fn fill_body(&self, i: usize, of_body: &mut BodyRows, is_parallel: bool) {
+        let body = self.bodies[i].as_ref();
+        let Some(body) = body.filter(|_| self.motions[i].is_active) else {
+            return;
+        };
+        let searched = Searched {
+            index: index_u32(i),
+            body,
+            motion: &self.motions[i],
+            previous: &of_body.previous,
+            previous_of_vertex: &of_body.previous_of_vertex,
+        };
+        if is_parallel && of_body.rows.len() > 1 {
+            let rows = of_body.rows.par_iter_mut().enumerate();
+            rows.for_each(|(i, row)| self.fill(searched, i, row));
+        } else {
+            let rows = of_body.rows.iter_mut().enumerate();
+            rows.for_each(|(i, row)| self.fill(searched, i, row));
+        }
+    }
+
+    /// Finds the contacts of one row.
+    fn fill(&self, of: Searched<'_>, i: usize, row: &mut Row) {
+        row.contacts.clear();
+        row.persistent.clear();
+        let surface = of.body.surface();
+        let slots = surface.positions().len();
+        for slot in i * ROW..slots.min((i + 1) * ROW) {
+            let v = VertexId(index_u32(slot));
+            if surface.topology().outgoing(v).is_null() {
+                continue;
+            }
+            self.find_near(of, v, &mut row.near);
+            for n in 0..row.near.len() {
+                self.find_contact(of, v, row.near[n], row);
+            }
+            self.find_blade_face_contacts(of, v, row);
+        }
+    }
+
+    /// Finds the bodies that a vertex may touch within the frame, ascending.
+    fn find_near(&self, of: Searched<'_>, v: VertexId, near: &mut Vec<u32>) {
+        near.clear();
+        let surface = of.body.surface();
+        let number = surface.piece(surface.topology().outgoing(v).triangle());
+        let index = of.motion.pieces[number as usize];
+        let (at, radius) = (surface.position(v), self.radius(of, v));
+        if self.frame.params.self_collision {
+            near.push(of.index);
+        }
+        let is_near = |other: &&Piece| other.is_near(at, radius + other.max_displacement);
+        let others = self.pieces.neighbors(index).filter(is_near);
+        near.extend(others.map(|other| other.body));
+        near.sort_unstable();
+        near.dedup();
+    }
+
+    /// Returns the distance at which a vertex searches resting triangles \[m\].
+    fn radius(&self, of: Searched<'_>, v: VertexId) -> f64 {
+        let gain = self.frame.speed_gain * self.frame.dt;
+        of.motion.thickness + gain + of.motion.displacements[v.index()]
+    }
+
+    /// Adds the contact of a vertex with the nearest triangle of a body, if there is one.
+    fn find_contact(&self, of: Searched<'_>, v: VertexId, other: u32, row: &mut Row) {
+        let Some(other_body) = &self.bodies[other as usize] else {
+            return;
+        };
+        let (surface, other_surface) = (of.body.surface(), other_body.surface());
+        let thickness = of.motion.thickness;
+        let thickness = thickness.min(self.motions[other as usize].thickness);
+        let at = surface.position(v);
+        let first = of.previous_of_vertex[v.index()] as usize;
+        let previous = of.previous.get(first..).unwrap_or_default();
+        let mut of_vertex = previous.iter().take_while(|contact| contact.vertex == v);
+        let previous = of_vertex.find(|contact| contact.other == other).copied();
+        let is_fold = |t: TriangleId| other == of.index && is_own(surface, v, t);
+        let self_collision = self.frame.params.self_collision;
+        let kept = previous.filter(|contact| {
+            contact.persists(other_surface, at, thickness)
+                && (self_collision || !is_fold(contact.triangle))
+        });
+        let contact = kept.or_else(|| {
+            let first = previous.map(|contact| contact.triangle);
+            self.nearest(of, v, (other, other_body), first, &mut row.one_ring)
+        });
+        let Some(contact) = contact else { return };
+        // Within a piece at most half of the rest distance, so that a thin fold stays as it is.
+        let mut gap = thickness;
+        if is_fold(contact.triangle) {
+            gap = gap.min(contact.rest_distance(surface) / 2.0);
+        }
+        row.contacts.push(BodyContact {
+            other,
+            contact: vertex_face(&contact, gap, friction(of.body, other_body)),
+        });
+        row.persistent.push(contact);
+    }
+
+    /// Finds the nearest triangle of a body within reach of a vertex, other than those around it.
     ///
     /// `first` is the triangle of the previous frame, where the search starts.
     fn nearest(
         &self,
+        of: Searched<'_>,
         v: VertexId,
-        (number, radius): (u32, f64),
+        (other, body): (u32, &Body),
         first: Option<TriangleId>,
         one_ring: &mut Vec<VertexId>,
     ) -> Option<PersistentContact> {
-        let (surface, self_collision) = (self.surface, self.frame.params.self_collision);
+        let (surface, other_surface) = (of.body.surface(), body.surface());
+        let motion = &self.motions[other as usize];
+        let self_collision = self.frame.params.self_collision;
         let topology = surface.topology();
         let at = surface.position(v);
         one_ring.clear();
-        if self_collision {
+        if other == of.index && self_collision {
             one_ring.push(v);
             for h in topology.outgoing_fan(v) {
                 one_ring.extend([topology.target(h), topology.origin(h.prev())]);
             }
         }
+        let number = surface.piece(topology.outgoing(v).triangle());
+        let but = (other == of.index && !self_collision).then_some(number);
         let outward = outward_normal(surface, v);
-        let faces = |t| faces(surface, outward, t);
-        let is_in_ring = |t| topology.triangle(t).iter().any(|c| one_ring.contains(c));
-        let is_fold = |t| self_collision && faces(t) && !is_in_ring(t);
-        let is_other = |t| surface.piece(t) != number;
-        let is_candidate = |t| is_other(t) && faces(t) || is_fold(t);
-        let search = (self.radii, (!self_collision).then_some(number));
-        let mut found =
-            (self.bvh).nearest_in_reach(surface, (at, radius), search, first, is_candidate)?;
-        if found.distance < 0.0 {
-            // The vertex is behind the nearest triangle that faces it. If it is in front of a
-            // nearer triangle that faces away, a collapsed skin comes from behind.
-            let is_any = |t| is_other(t) || is_fold(t);
-            let (depth, first) = (-found.distance, Some(found.triangle));
-            let any = (self.bvh).nearest_in_reach(surface, (at, depth), search, first, is_any);
-            found = any.filter(|any| any.distance > 0.0).unwrap_or(found);
+        let is_around = |t| {
+            let corners = other_surface.topology().triangle(t);
+            !one_ring.is_empty() && corners.iter().any(|c| one_ring.contains(c))
+        };
+        let is_candidate = |t| faces(other_surface, outward, t) && !is_around(t);
+        let reach = (at, self.radius(of, v));
+        let radii = (&motion.radii, but);
+        let bvh = body.bvh();
+        let found = bvh.nearest_in_reach(other_surface, reach, radii, first, is_candidate)?;
+        // A deeper vertex has passed the triangle, whose plane would hold the two together.
+        let thickness = of.motion.thickness.min(motion.thickness);
+        let is_shallow = found.distance >= -MAX_DEPTH * thickness;
+        if !is_shallow {
+            return None;
         }
         // The motion of the vertex relative to the nearest point.
-        let corners = topology.triangle(found.triangle).into_iter();
-        let weighted = corners.zip(found.weights);
-        let of_point: Vec3 = weighted.map(|(c, w)| self.velocities.of(c) * w).sum();
-        let motion = (self.velocities.of(v) - of_point) * self.frame.dt;
-        let plane = contact_plane(surface, at, &found, motion);
-        Some(PersistentContact::new(surface, (v, at), &found, plane))
+        let corners = other_surface.topology().triangle(found.triangle);
+        let weighted = corners.into_iter().zip(found.weights);
+        let of_point: Vec3 = weighted.map(|(c, w)| motion.velocity(c) * w).sum();
+        let relative = (of.motion.velocity(v) - of_point) * self.frame.dt;
+        let is_inside = found.weights.iter().all(|&w| w > 0.0);
+        let kind = if is_inside {
+            ContactKind::VertexFace
+        } else {
+            contact_kind(other_surface, at, &found, relative)
+        };
+        let target = (other, other_surface);
+        Some(PersistentContact::new(target, (v, at), &found, kind))
     }
 
     /// Adds the contacts of a vertex with blade faces.
-    fn find_blade_face_contacts(&self, v: VertexId, row: &mut Row) {
-        let frame = self.frame;
-        let contact = |face: &BladeFace| {
-            let speed = self.velocities.of(v).norm();
-            let radius = self.thickness + (SPEED_MARGIN * speed + frame.speed_gain) * frame.dt;
-            face.contact((self.surface, v), radius, self.thickness, frame.dt)
-        };
-        row.contacts
-            .extend(frame.blade_faces.iter().filter_map(contact));
+    fn find_blade_face_contacts(&self, of: Searched<'_>, v: VertexId, row: &mut Row) {
+        let (frame, thickness) = (self.frame, of.motion.thickness);
+        for face in frame.blade_faces {
+            let speed = of.motion.velocity(v).norm();
+            let radius = thickness + (SPEED_MARGIN * speed + frame.speed_gain) * frame.dt;
+            if let Some(contact) = face.contact((of.body.surface(), v), radius, thickness, frame.dt)
+            {
+                row.contacts.push(BodyContact {
+                    other: of.index,
+                    contact: Contact {
+                        friction: of.body.solver().material().friction,
+                        ..contact
+                    },
+                });
+            }
+        }
     }
 }
 
-impl Velocities<'_> {
-    /// Returns the velocity of a vertex [m/s].
-    pub(super) fn of(&self, v: VertexId) -> Vec3 {
-        let [x, y, z, _] = self.all[v.index()];
-        to_f64([x, y, z])
+/// Returns the solver's contact at a distance \[m\].
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the solver stores contacts in 32 bits"
+)]
+fn vertex_face(contact: &PersistentContact, gap: f64, friction: f32) -> Contact {
+    Contact {
+        kind: contact.kind,
+        friction,
+        ..Contact::vertex_face(contact.vertex, contact.corners, gap as f32)
+    }
+}
+
+/// Returns whether a triangle belongs to the piece of a vertex of the same body.
+fn is_own(surface: &Surface, v: VertexId, t: TriangleId) -> bool {
+    surface.piece(surface.topology().outgoing(v).triangle()) == surface.piece(t)
+}
+
+/// Returns the friction between two materials: the geometric mean of both.
+fn friction(a: &Body, b: &Body) -> f32 {
+    let [a, b] = [a, b].map(|body| body.solver().material().friction);
+    if a.to_bits() == b.to_bits() {
+        a
+    } else {
+        (a * b).sqrt()
     }
 }

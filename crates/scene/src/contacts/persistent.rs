@@ -1,136 +1,87 @@
 //! [`PersistentContact`]: a contact of a vertex with a triangle, kept from frame to frame.
 //!
 //! A search in every frame would alternate between triangles at the same distance, and resting
-//! pieces would tremble. The narrow phase therefore reuses a contact while it persists.
+//! pieces would tremble. The narrow phase therefore reuses a contact while it persists. The solver
+//! finds nearest point and normal in every substep, so that the contact may move meanwhile.
 
-use super::{MOTION_TOLERANCE, ROTATION_TOLERANCE};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{NearestPoint, Surface, TriangleId, Vec3, VertexId};
-use incise_pbd_gpu::{Contact, ContactTarget};
+use incise_pbd_gpu::ContactKind;
 
-/// A contact of a vertex with a point of a triangle, as found by the narrow phase.
+/// Maximum motion of a vertex relative to the triangle of a persistent contact [thicknesses].
+const MOTION_TOLERANCE: f64 = 1.0;
+
+/// Maximum distance of a vertex from the triangle of a persistent contact [thicknesses].
+const MAX_DISTANCE: f64 = 2.0;
+
+/// A contact of a vertex with a triangle, as found by the narrow phase.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PersistentContact {
     pub(super) vertex: VertexId,
+    /// Index of the triangle's body in the scene.
+    pub(super) other: u32,
     pub(super) triangle: TriangleId,
-    corners: [VertexId; 3],
-    /// Barycentric coordinates of the point.
+    pub(super) corners: [VertexId; 3],
+    pub(super) kind: ContactKind,
+    /// Barycentric coordinates of the nearest point when it was found.
     weights: [f64; 3],
-    /// Unit normal of the contact plane, from the triangle to the vertex.
-    normal: Vec3,
-    /// Distance that the solver keeps along the normal \[m\]; grows up to the thickness.
-    pub(super) gap: f64,
     /// The vertex relative to the point when it was found \[m\].
     offset: Vec3,
-    /// Unit normal of the triangle when it was found.
-    triangle_normal: Vec3,
 }
 
 impl PersistentContact {
-    /// Creates the contact of a vertex at `at` with the nearest point, with a plane and its gap.
+    /// Creates the contact of a vertex at `at` with the nearest point of a body's surface.
     pub(super) fn new(
-        surface: &Surface,
+        (other, surface): (u32, &Surface),
         (vertex, at): (VertexId, Vec3),
         found: &NearestPoint,
-        (normal, gap): (Vec3, f64),
+        kind: ContactKind,
     ) -> Self {
         Self {
             vertex,
+            other,
             triangle: found.triangle,
             corners: surface.topology().triangle(found.triangle),
+            kind,
             weights: found.weights,
-            normal,
-            gap,
             offset: at - found.point,
-            triangle_normal: unit_normal(surface, found.triangle),
         }
     }
 
     /// Returns whether the contact can be reused for the vertex at `at`.
     ///
-    /// The triangle must exist, and vertex and triangle must hardly have moved relative to each
-    /// other. Contacts within a piece persist only with `self_collision`.
-    pub(super) fn persists(
-        &self,
-        surface: &Surface,
-        at: Vec3,
-        (thickness, self_collision): (f64, bool),
-    ) -> bool {
-        if surface.topology().outgoing(self.vertex).is_null()
-            || !surface.topology().is_triangle(self.triangle)
+    /// The triangle must exist, the vertex must be above it, and both must have moved little relative
+    /// to each other.
+    pub(super) fn persists(&self, surface: &Surface, at: Vec3, thickness: f64) -> bool {
+        if !surface.topology().is_triangle(self.triangle)
             || surface.topology().triangle(self.triangle) != self.corners
-            || !self_collision && self.is_fold(surface)
         {
             return false;
         }
-        let offset = self.offset(surface, at);
-        (offset - self.offset).norm() <= MOTION_TOLERANCE * thickness
-            && offset.dot(&self.normal) <= (1.0 + MOTION_TOLERANCE) * thickness
-            && (unit_normal(surface, self.triangle) - self.triangle_normal).norm()
-                <= ROTATION_TOLERANCE
-    }
-
-    /// Returns the vector from the point on the triangle to `at` \[m\].
-    fn offset(&self, surface: &Surface, at: Vec3) -> Vec3 {
-        let corners = self.corners.iter().zip(self.weights);
-        let point: Vec3 = corners
-            .map(|(&c, weight)| surface.position(c) * weight)
-            .sum();
-        at - point
-    }
-
-    /// Returns whether vertex and triangle belong to one piece.
-    fn is_fold(&self, surface: &Surface) -> bool {
-        let of_vertex = surface.topology().outgoing(self.vertex).triangle();
-        surface.piece(of_vertex) == surface.piece(self.triangle)
-    }
-
-    /// Returns the minimum distance of the vertex \[m\].
-    ///
-    /// Within a piece it is at most half of the distance at rest, so that a thin fold stays as it
-    /// is.
-    pub(super) fn thickness(&self, surface: &Surface, thickness: f64) -> f64 {
-        if !self.is_fold(surface) {
-            return thickness;
+        if self.kind != ContactKind::VertexFace {
+            return false;
         }
+        let [a, b, c] = self.corners.map(|c| surface.position(c));
+        let point = a * self.weights[0] + b * self.weights[1] + c * self.weights[2];
+        let offset = at - point;
+        (offset - self.offset).norm() <= MOTION_TOLERANCE * thickness
+            && offset.norm() <= MAX_DISTANCE * thickness
+            && is_above([a, b, c], at)
+    }
+
+    /// Returns the rest distance of a vertex from the point of its own body \[m\].
+    pub(super) fn rest_distance(&self, surface: &Surface) -> f64 {
         let corners = self.corners.iter().zip(self.weights);
         let point: Vec3 = corners.map(|(&c, w)| surface.rest_position(c) * w).sum();
-        thickness.min((surface.rest_position(self.vertex) - point).norm() / 2.0)
-    }
-
-    /// Returns the distance of a vertex at `at` along the normal \[m\]; negative in penetration.
-    pub(super) fn height(&self, surface: &Surface, at: Vec3) -> f64 {
-        self.offset(surface, at).dot(&self.normal)
-    }
-
-    /// Returns the solver's contact, whose gap opens at the speed `gap_rate` [m/s].
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "the solver stores contacts in 32 bits"
-    )]
-    pub(super) fn to_solver(self, gap_rate: f64) -> Contact {
-        Contact {
-            vertex: self.vertex,
-            target: ContactTarget::Triangle {
-                corners: self.corners,
-                weights: self.weights.map(|w| w as f32),
-            },
-            normal: [
-                self.normal.x as f32,
-                self.normal.y as f32,
-                self.normal.z as f32,
-            ],
-            gap: self.gap as f32,
-            gap_rate: gap_rate as f32,
-        }
+        (surface.rest_position(self.vertex) - point).norm()
     }
 }
 
-/// Returns the unit normal of a triangle; zero for one without area.
-fn unit_normal(surface: &Surface, t: TriangleId) -> Vec3 {
-    area_normal(surface, t)
-        .try_normalize(0.0)
-        .unwrap_or_default()
+/// Returns whether a point projects into a triangle along its normal.
+fn is_above([a, b, c]: [Vec3; 3], p: Vec3) -> bool {
+    let normal = (b - a).cross(&(c - a));
+    let is_inside = |from: Vec3, to: Vec3| normal.dot(&(to - from).cross(&(p - from))) >= 0.0;
+    is_inside(a, b) && is_inside(b, c) && is_inside(c, a)
 }
 
 /// Returns the normal of a triangle with the length of twice its area [m^2].
@@ -149,30 +100,29 @@ pub(super) fn outward_normal(surface: &Surface, v: VertexId) -> Vec3 {
     fan.map(|h| area_normal(surface, h.triangle())).sum()
 }
 
-/// Returns the normal of the contact plane and the distance of the vertex from it \[m\].
+/// Returns what a vertex at `at` keeps its distance from: the plane or the nearest point.
 ///
-/// The candidates are the triangle's normal and the direction from the nearest point, both of
-/// which separate the two. The one is chosen that leaves more room after the relative `motion`
+/// Both separate the two. The one is chosen that leaves more room after the relative `motion`
 /// \[m\]: the direction from an edge would stop a vertex that slides past it, the triangle's
 /// normal one that falls past it.
-pub(super) fn contact_plane(
+pub(super) fn contact_kind(
     surface: &Surface,
     at: Vec3,
     found: &NearestPoint,
     motion: Vec3,
-) -> (Vec3, f64) {
-    let normal = unit_normal(surface, found.triangle);
+) -> ContactKind {
+    let normal = area_normal(surface, found.triangle);
+    let normal = normal.try_normalize(0.0).unwrap_or_default();
     let offset = at - found.point;
-    let height = normal.dot(&offset);
     // An offset of a few roundings has no direction.
     let extent = at.amax().max(found.point.amax());
     if found.distance <= 16.0 * f64::from(f32::EPSILON) * extent {
-        return (normal, found.distance);
+        return ContactKind::VertexFace;
     }
-    let direction = offset / found.distance;
-    if found.distance + direction.dot(&motion) >= height + normal.dot(&motion) {
-        (direction, found.distance)
+    let from_point = found.distance + (offset / found.distance).dot(&motion);
+    if from_point >= normal.dot(&offset) + normal.dot(&motion) {
+        ContactKind::VertexPoint
     } else {
-        (normal, height)
+        ContactKind::VertexFace
     }
 }

@@ -245,6 +245,7 @@ impl GpuBodies for ResidentBodies {
         let interval = u64::from(params.checkpoint);
         let is_checkpoint = interval > 0 && self.frame.is_multiple_of(interval);
         let is_cutting = stats.sweeps > 0;
+        let has_others = bodies.len() > 1;
         let mut count = 0;
         for (i, (resident, body)) in self.residents.iter_mut().zip(&mut *bodies).enumerate() {
             let (Some(resident), Some(body)) = (resident, body) else {
@@ -284,7 +285,7 @@ impl GpuBodies for ResidentBodies {
             if is_checkpoint || is_tested || resident.prefetch_requested {
                 self.gpu.prefetch(resident.handle)?;
             }
-            if is_cutting && params.skip_far_sweeps {
+            if is_cutting && params.skip_far_sweeps || has_others && params.contacts.is_some() {
                 self.gpu.prefetch_bounds(resident.handle)?;
             }
             resident.checkpoint_pending |= is_checkpoint;

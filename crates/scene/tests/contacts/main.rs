@@ -1,5 +1,6 @@
 //! Contacts between the pieces of a body and with colliders, through [`Scene::step`].
 
+mod bodies;
 mod cuts;
 mod obstacles;
 mod pieces;

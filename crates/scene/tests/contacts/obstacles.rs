@@ -13,6 +13,12 @@ fn slide_distance(friction: f32, slope: f32) -> f32 {
     let mut scene = Scene::new(params([g * slope, -g, 0.0], None));
     let id = (scene.add_body(merged(&[plate, block]), &firm(friction, 0.0))).unwrap();
     pin_piece(&mut scene, id, 0);
+    // The block starts in contact: it neither falls nor recovers a distance.
+    let edge = scene.body(id).unwrap().solver().mean_rest_length();
+    scene.params.contacts = Some(ContactParams {
+        thickness: 0.02 / edge as f32,
+        ..ContactParams::default()
+    });
     let along = |scene: &Scene| {
         let surface = scene.body(id).unwrap().surface();
         let block = of_piece(surface, 1);

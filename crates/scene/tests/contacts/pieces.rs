@@ -146,3 +146,21 @@ fn thin_plates_rest_on_each_other() {
         assert!(fastest < 5.0, "{fastest} m/s of plates of {half} m");
     }
 }
+
+/// Two balls fall with the same velocity, half a diameter apart, and one of them is at the ground.
+///
+/// The search follows relative motion: the fall itself brings no triangle into reach.
+#[test]
+fn pieces_that_fall_together_have_no_contacts() {
+    let ball = cube_sphere(6, 1.0);
+    let body = merged(&[
+        moved(&ball, [0.0, 1.2, 0.0], [1.0; 3]),
+        moved(&ball, [0.0, 4.2, 0.0], [1.0; 3]),
+    ]);
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+    let id = scene.add_body(body, &firm(0.5, 0.0)).unwrap();
+    for piece in [0, 1] {
+        set_piece_velocity(&mut scene, id, piece, [0.0, -40.0, 0.0]);
+    }
+    assert_eq!(scene.step().unwrap().contacts, 0);
+}

@@ -15,6 +15,10 @@ fn load_x(i: u32) -> vec4f {
     return patch_x[i];
 }
 
+fn store_x(i: u32, x: vec4f) {
+    patch_x[i] = x;
+}
+
 fn load_d(i: u32) -> vec3f {
     let at = 3u * i;
     return vec3f(patch_d[at], patch_d[at + 1u], patch_d[at + 2u]);

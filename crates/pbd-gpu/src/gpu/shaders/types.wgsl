@@ -56,6 +56,7 @@ struct Body {
     volume_alpha: f32,
     volume_pressure: f32,
     volume_recovery: f32,
+    volume_sink: f32,
     volume_carryover: f32,
     spring_colors: u32,
     spring_factor: f32,
@@ -108,7 +109,7 @@ struct Projection {
 // - chunk: (first spoke, spokes), (piece, 0), then four sums
 // - spoke: (vertex, half-edge)
 // - corner: (origin, twin)
-// - contact: 6 entries as in contacts.rs
+// - contact: 9 entries as in contacts.rs
 // - collider: 8 entries as in colliders.rs
 @group(0) @binding(3) var<storage, read_write> constraints: array<vec2u>;
 @group(0) @binding(4) var<storage, read> bodies: array<Body>;
@@ -176,7 +177,7 @@ fn bending_projection(body: Body) -> Projection {
 }
 
 fn colors_of(body: Body, kind: u32) -> u32 {
-    if (kind == CONTACTS) {
+    if (kind >= CONTACTS) {
         return select(0u, MAX_COLORS, body.contacts != 0u);
     }
     let others = select(body.spring_colors, body.bending_colors, kind == BENDING);
@@ -189,5 +190,6 @@ fn run_of(body: Body, kind: u32, color: u32) -> Run {
     if (color >= colors_of(body, kind) && color != OVERFLOW) {
         return Run(0u, 0u);
     }
-    return runs[body.first_run + kind * RUN_COLORS + color];
+    // All passes over contacts have one list.
+    return runs[body.first_run + min(kind, CONTACTS) * RUN_COLORS + color];
 }

@@ -30,6 +30,7 @@ fn project_kind(body: Body, kind: u32, colors: u32, layer: u32, lane: u32) {
         if (run.len != 0u) {
             sweep(kind, body, run, lane, WORKGROUP_SIZE);
             workgroupBarrier();
+            storageBarrier();
         }
     }
     let overflow = run_of(body, kind, OVERFLOW);
@@ -38,6 +39,7 @@ fn project_kind(body: Body, kind: u32, colors: u32, layer: u32, lane: u32) {
             sweep(kind, body, overflow, 0u, 1u);
         }
         workgroupBarrier();
+        storageBarrier();
     }
 }
 
@@ -69,6 +71,16 @@ fn predict_body(body: Body, lane: u32) {
     }
 }
 
+// Lifts the vertices of all pieces onto the ground unless the body is predicted above it.
+fn lift_volumes(body: Body, lane: u32) {
+    if (!is_above_ground(atomicLoad(&lowest))) {
+        for (var chunk = 0u; chunk < body.chunks; chunk++) {
+            lift_chunk(body, chunk, lane, WORKGROUP_SIZE);
+        }
+    }
+    workgroupBarrier();
+}
+
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn whole_body(
     @builtin(workgroup_id) group: vec3u,
@@ -98,6 +110,9 @@ fn whole_body(
                 move_pin(body.first_pin + PIN_ENTRIES * k, frame.substeps - substep);
             }
             workgroupBarrier();
+        }
+        if (body.contacts != 0u) {
+            project_kind(body, CONTACT_FEATURES, MAX_COLORS, 0u, lane);
         }
         if ((body.flags & KEEPS_STRETCH) != 0u) {
             reset_kind(body, STRETCH, body.stretch_colors, lane);
@@ -133,6 +148,9 @@ fn whole_body(
                 if (body.contacts != 0u) {
                     project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);
                 }
+                if (frame.has_ground != 0u) {
+                    lift_volumes(body, lane);
+                }
                 project_volumes(body, lane);
             }
             if (body.contacts != 0u) {
@@ -152,6 +170,9 @@ fn whole_body(
                 }
                 workgroupBarrier();
             }
+        }
+        if (body.contacts != 0u) {
+            project_kind(body, CONTACT_RECOVERIES, MAX_COLORS, 0u, lane);
         }
         for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
             if (!integrate_vertex(i)) {

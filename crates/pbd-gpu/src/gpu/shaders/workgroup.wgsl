@@ -6,6 +6,10 @@ fn load_x(i: u32) -> vec4f {
     return positions[first_vertex + i];
 }
 
+fn store_x(i: u32, x: vec4f) {
+    positions[first_vertex + i] = x;
+}
+
 fn load_d(i: u32) -> vec3f {
     let at = 3u * i;
     return vec3f(displacements[at], displacements[at + 1u], displacements[at + 2u]);

@@ -34,7 +34,7 @@ fn token(call: &str, kind: Option<u32>) -> Option<String> {
         "project_kind" => project(kind.expect("the kind is a constant")),
         "project_volumes" => VOLUMES.to_owned(),
         "push_out" => COLLIDERS.to_owned(),
-        "lift_vertex" => GROUND.to_owned(),
+        "lift_vertex" | "lift_volumes" => GROUND.to_owned(),
         "integrate_vertex" => INTEGRATE.to_owned(),
         _ => return None,
     })
@@ -99,10 +99,12 @@ fn name(pass: Pass) -> String {
         Pass::ResetMultipliers => RESET.to_owned(),
         Pass::LongRangeAttachments => ATTACHMENTS.to_owned(),
         Pass::Project { kind, .. } => project(kind as u32),
+        Pass::ContactFeatures => project(CONTACT_FEATURES),
         Pass::ContactsBeforeVolumes | Pass::Contacts => project(CONTACTS),
+        Pass::ContactRecovery => project(CONTACT_RECOVERIES),
         Pass::Volumes => VOLUMES.to_owned(),
         Pass::Colliders => COLLIDERS.to_owned(),
-        Pass::Ground => GROUND.to_owned(),
+        Pass::GroundBeforeVolumes | Pass::Ground => GROUND.to_owned(),
         Pass::Integrate => INTEGRATE.to_owned(),
     }
 }

@@ -1,0 +1,318 @@
+//! [`Island`]: bodies in contact with each other, which are stepped in lockstep.
+//!
+//! The states of all bodies lie in one array during a frame, body after body. A contact refers to
+//! them by island vertex: the number of vertex slots of the bodies before plus the vertex.
+
+use crate::constraints::contacts::{Contact, ContactSet};
+use crate::error::{ConstraintError, StepError};
+use crate::kernels::integrate::first_non_finite;
+use crate::solver::Solver;
+use crate::step::backend::{NonFinite, StepScratch, execute};
+use crate::step::body::Body;
+use crate::step::constants::StepConstants;
+use crate::step::params::{Integrator, SolverParams, StepStats};
+use crate::step::prepare::both_orders;
+use crate::step::second_order::{Orders, add};
+use incise_mesh::Surface;
+
+/// The bodies of an island, by index.
+pub trait IslandBodies {
+    /// Returns the number of bodies.
+    fn count(&self) -> usize;
+
+    /// Returns a body: its solver and its surface.
+    fn get(&mut self, i: usize) -> (&mut Solver, &mut Surface);
+}
+
+/// One body as an island.
+#[derive(Debug)]
+pub(crate) struct Single<'a>(pub(crate) &'a mut Solver, pub(crate) &'a mut Surface);
+
+impl IslandBodies for Single<'_> {
+    fn count(&self) -> usize {
+        1
+    }
+
+    fn get(&mut self, _: usize) -> (&mut Solver, &mut Surface) {
+        (self.0, self.1)
+    }
+}
+
+/// The contacts of touching bodies, and the memory of their steps.
+#[derive(Debug, Clone, Default)]
+pub struct Island {
+    contacts: ContactSet,
+    members: Vec<Member>,
+    /// Statistics of the second-order substeps so far, by member.
+    sums: Vec<StepStats>,
+    scratch: StepScratch,
+}
+
+/// A body during a frame of its island.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Member {
+    /// Constants of the current substeps.
+    pub(crate) constants: StepConstants,
+    /// Constants of second-order integration.
+    orders: Orders,
+    /// Upper bound of the change of a coordinate before the current second-order substep \[m\].
+    extrapolated: f32,
+    /// Island vertex of its first vertex.
+    pub(crate) first: usize,
+    /// Whether its pins are those of the current second-order substep.
+    pub(crate) has_own_pins: bool,
+    pub(crate) has_volumes: bool,
+    /// Minimum predicted height of the substep \[m\].
+    pub(crate) lowest: f32,
+    pub(crate) stats: StepStats,
+}
+
+/// An error of one body of an island.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IslandError {
+    /// Index of the body in the island.
+    pub body: usize,
+    /// The error.
+    pub error: StepError,
+}
+
+impl Island {
+    /// Returns the contacts of the next frame.
+    #[must_use]
+    pub fn contacts(&self) -> &ContactSet {
+        &self.contacts
+    }
+
+    /// Sets the contacts of the next frame of bodies with `vertices` vertex slots in total.
+    ///
+    /// Contacts of a single body belong to its solver, see [`Solver::set_contacts`].
+    ///
+    /// # Errors
+    /// As [`Solver::set_contacts`], for island vertices; nothing is changed then.
+    pub fn set_contacts(
+        &mut self,
+        contacts: &[Contact],
+        vertices: usize,
+    ) -> Result<(), ConstraintError> {
+        for contact in contacts {
+            contact.check(|v| v.index() < vertices)?;
+        }
+        self.contacts.set(contacts, vertices);
+        Ok(())
+    }
+
+    /// Steps bodies by one frame of `dt` \[s\] on the CPU.
+    ///
+    /// A substep of all bodies ends before the next one begins. [`Solver::stats`] has the
+    /// statistics of each body; contacts count for the first one.
+    ///
+    /// # Errors
+    /// [`IslandError`] as in [`Solver::step`]. After [`StepError::NonFinitePosition`] all bodies
+    /// must be created again.
+    pub fn step(
+        &mut self,
+        bodies: &mut dyn IslandBodies,
+        dt: f32,
+        params: &SolverParams,
+    ) -> Result<(), IslandError> {
+        self.prepare(bodies, dt, params)?;
+        let mut contacts = std::mem::take(&mut self.contacts);
+        let done = self.run(bodies, &mut contacts, params);
+        self.contacts = contacts;
+        done
+    }
+
+    /// Validates the bodies and computes the constants of a frame.
+    ///
+    /// # Errors
+    /// As [`Self::step`]; nothing has moved then.
+    pub(crate) fn prepare(
+        &mut self,
+        bodies: &mut dyn IslandBodies,
+        dt: f32,
+        params: &SolverParams,
+    ) -> Result<(), IslandError> {
+        self.members.clear();
+        for body in 0..bodies.count() {
+            let (solver, surface) = bodies.get(body);
+            let member = prepare_member(solver, surface, dt, params);
+            self.members
+                .push(member.map_err(|error| IslandError { body, error })?);
+        }
+        Ok(())
+    }
+
+    /// Steps the prepared bodies by one frame.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub(crate) fn run(
+        &mut self,
+        bodies: &mut dyn IslandBodies,
+        contacts: &mut ContactSet,
+        params: &SolverParams,
+    ) -> Result<(), IslandError> {
+        let Self {
+            members,
+            sums,
+            scratch,
+            ..
+        } = self;
+        let done = match params.integrator {
+            Integrator::Euler => {
+                for i in 0..members.len() {
+                    let (_, _, step) = bodies.get(i).0.step_parts();
+                    step.history.forget();
+                }
+                execute(bodies, members, contacts, params.substeps, scratch)
+            }
+            Integrator::Bdf2 => {
+                sums.clear();
+                sums.resize(members.len(), StepStats::default());
+                let members = (&mut **members, &mut **sums);
+                run_second_order(bodies, members, (contacts, scratch), params.substeps)
+            }
+        };
+        for (i, member) in members.iter().enumerate() {
+            let stats = done.is_ok().then_some(member.stats);
+            bodies.get(i).0.end_step(stats);
+        }
+        done.map_err(|at| {
+            let positions = bodies.get(at.body).1.positions();
+            let error = StepError::NonFinitePosition {
+                vertex: first_non_finite(positions),
+                substep: at.substep,
+            };
+            IslandError {
+                body: at.body,
+                error,
+            }
+        })
+    }
+
+    /// Returns the allocated size in elements.
+    pub(crate) fn capacity(&self) -> usize {
+        self.members.capacity() + self.sums.capacity() + self.scratch.capacity()
+    }
+}
+
+/// Validates a body and computes its constants of a frame.
+fn prepare_member(
+    solver: &mut Solver,
+    surface: &Surface,
+    dt: f32,
+    params: &SolverParams,
+) -> Result<Member, StepError> {
+    params.check(dt)?;
+    solver.check_step(surface)?;
+    let constants = solver.prepare(dt, params)?;
+    let orders = both_orders(solver.material(), &constants, params);
+    let (_, constraints, _) = solver.step_parts();
+    constraints.update_patch_contents();
+    Ok(Member {
+        constants,
+        orders,
+        extrapolated: 0.0,
+        first: 0,
+        has_own_pins: false,
+        has_volumes: !constraints.volumes.pieces().is_empty(),
+        lowest: f32::INFINITY,
+        stats: StepStats::default(),
+    })
+}
+
+/// Steps bodies by a frame with second order where their histories are valid.
+fn run_second_order(
+    bodies: &mut dyn IslandBodies,
+    (members, sums): (&mut [Member], &mut [StepStats]),
+    (contacts, scratch): (&mut ContactSet, &mut StepScratch),
+    substeps: u32,
+) -> Result<(), NonFinite> {
+    for (i, member) in members.iter_mut().enumerate() {
+        let (solver, surface) = bodies.get(i);
+        let (particles, constraints, step) = solver.step_parts();
+        let body = Body::new(particles, constraints, surface);
+        step.history.begin_frame(member.orders.first.h, &body);
+        member.has_own_pins = true;
+    }
+    let mut done = Ok(());
+    for substep in 0..substeps {
+        for (i, member) in members.iter_mut().enumerate() {
+            let (solver, surface) = bodies.get(i);
+            let (particles, constraints, step) = solver.step_parts();
+            let mut body = Body::new(particles, constraints, surface);
+            let history = &mut step.history;
+            let (constants, extrapolated) =
+                history.begin_substep(&member.orders, &mut body, substeps - substep);
+            member.constants = constants;
+            member.extrapolated = extrapolated;
+        }
+        done = execute(bodies, members, contacts, 1, scratch);
+        for (i, (member, sum)) in members.iter_mut().zip(&mut *sums).enumerate() {
+            let (_, _, step) = bodies.get(i).0.step_parts();
+            step.history.end_substep(done.is_ok(), &member.stats);
+            member.stats.max_displacement += member.extrapolated;
+            member.stats.max_substep_displacement += member.extrapolated;
+            add(sum, &member.stats);
+        }
+        if let Err(at) = &mut done {
+            at.substep = substep;
+            break;
+        }
+    }
+    for (i, (member, sum)) in members.iter_mut().zip(&*sums).enumerate() {
+        let (solver, surface) = bodies.get(i);
+        let (particles, _, step) = solver.step_parts();
+        step.history
+            .end_frame(surface.positions(), &particles.velocities);
+        member.stats = *sum;
+    }
+    done
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::constraints::batches::StretchSet;
+    use crate::material::{Material, Stiffness};
+    use incise_mesh::VertexId;
+
+    /// A spring between a pinned and a free corner of a triangle that has no other constraints.
+    #[test]
+    fn a_spring_moves_as_in_backward_euler() {
+        let (compliance, h) = (1e-3_f32, 0.01_f32);
+        for iterations in [1, 5] {
+            let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+            let mut surface = Surface::from_triangles(&corners, &[[0, 1, 2]]).unwrap();
+            let material = Material {
+                stretch: Stiffness::Compliance(compliance),
+                bending: None,
+                ..Material::default()
+            };
+            let mut solver = Solver::new(&mut surface, &material).unwrap();
+            solver.pin(&mut surface, VertexId(0)).unwrap();
+            let mut spring = StretchSet::new(3);
+            spring.insert([VertexId(0), VertexId(1)], 1.0);
+            solver.step_parts().1.stretch = spring;
+            surface.positions_mut()[1][0] = 1.25;
+            let mass = solver.masses()[1];
+            let params = SolverParams {
+                iterations,
+                gravity: [0.0; 3],
+                ..SolverParams::paper()
+            };
+            let stiff = 1.0 + f64::from(h * h) / f64::from(compliance * mass);
+            let mut expected = 0.25;
+            let mut before = expected;
+            for step in 0..200 {
+                solver.step(&mut surface, h, &params).unwrap();
+                (before, expected) = (expected, (2.0 * expected - before) / stiff);
+                let found = f64::from(surface.positions()[1][0]) - 1.0;
+                assert!(
+                    (found - expected).abs() < 2e-6,
+                    "{found}, not {expected}, in step {step} with {iterations} iterations"
+                );
+            }
+        }
+    }
+}

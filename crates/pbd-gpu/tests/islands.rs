@@ -1,0 +1,142 @@
+//! Bodies of an island are stepped in lockstep and share contacts.
+
+use incise_mesh::{Surface, VertexId};
+use incise_pbd_gpu::{
+    ConstraintError, Contact, Integrator, Island, IslandBodies, Material, Solver, SolverParams,
+    StepError, Volume,
+};
+use incise_test_support::surfaces::sphere;
+
+const DT: f32 = 1.0 / 60.0;
+
+struct Bodies(Vec<(Surface, Solver)>);
+
+impl IslandBodies for Bodies {
+    fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    fn get(&mut self, i: usize) -> (&mut Solver, &mut Surface) {
+        let (surface, solver) = &mut self.0[i];
+        (solver, surface)
+    }
+}
+
+/// Two balls of 1 m on top of each other, of different resolution and material.
+fn balls() -> Bodies {
+    let soft = Material {
+        volume: Some(Volume::default()),
+        bending: None,
+        ..Material::default()
+    };
+    let body = |level, y, material: &Material| {
+        let mut surface = sphere(level, [0.0, y, 0.0]);
+        let solver = Solver::new(&mut surface, material).unwrap();
+        (surface, solver)
+    };
+    Bodies(vec![
+        body(2, 0.0, &Material::default()),
+        body(1, 2.5, &soft),
+    ])
+}
+
+fn bits((surface, solver): &(Surface, Solver)) -> Vec<[u32; 4]> {
+    let all = surface.positions().iter().chain(solver.velocities());
+    all.map(|p| p.map(f32::to_bits)).collect()
+}
+
+#[test]
+fn bodies_without_contacts_move_as_alone() {
+    for integrator in [Integrator::Euler, Integrator::Bdf2] {
+        let params = SolverParams {
+            ground: Some(-1.1),
+            integrator,
+            ..SolverParams::default()
+        };
+        let (mut together, mut alone) = (balls(), balls());
+        let mut island = Island::default();
+        for _ in 0..30 {
+            island.step(&mut together, DT, &params).unwrap();
+            for (surface, solver) in &mut alone.0 {
+                solver.step(surface, DT, &params).unwrap();
+            }
+        }
+        for (i, (a, b)) in together.0.iter().zip(&alone.0).enumerate() {
+            assert!(bits(a) == bits(b), "body {i} with {integrator:?}");
+            assert_eq!(a.1.stats(), b.1.stats(), "statistics of body {i}");
+        }
+    }
+}
+
+#[test]
+fn a_contact_between_bodies_conserves_momentum() {
+    let params = SolverParams {
+        gravity: [0.0; 3],
+        ..SolverParams::default()
+    };
+    let mut bodies = balls();
+    let lower = bodies.0[0].0.positions().len();
+    let slots = lower + bodies.0[1].0.positions().len();
+    let (surface, solver) = &mut bodies.0[1];
+    for v in surface.topology().vertices() {
+        solver.set_velocity(v, [0.0, -1.0, 0.0]).unwrap();
+    }
+    let momentum = solver.momentum()[1];
+    // A vertex of the upper ball against the highest triangle of the lower one, whatever its place.
+    let face = surface_top(&bodies.0[0].0);
+    let vertex = VertexId::from_index(lower);
+    let contact = Contact::vertex_face(vertex, face, 2.0);
+    let mut island = Island::default();
+    island.set_contacts(&[contact], slots).unwrap();
+    for _ in 0..30 {
+        island.step(&mut bodies, DT, &params).unwrap();
+    }
+    let [low, high] = [0, 1].map(|i| bodies.0[i].1.momentum()[1]);
+    assert!(
+        low < -0.01 * momentum.abs(),
+        "the lower ball is pushed: {low}"
+    );
+    assert!(
+        (low + high - momentum).abs() < 1e-4 * momentum.abs(),
+        "{low} + {high}"
+    );
+    let beyond = Contact {
+        vertices: [
+            VertexId::from_index(slots),
+            VertexId(0),
+            VertexId(1),
+            VertexId(2),
+        ],
+        ..contact
+    };
+    let refused = island.set_contacts(&[beyond], slots).unwrap_err();
+    assert!(matches!(refused, ConstraintError::UnknownVertex { .. }));
+    assert_eq!(island.contacts().len(), 1, "nothing is changed");
+}
+
+/// Returns the corners of the triangle with the highest center.
+fn surface_top(surface: &Surface) -> [VertexId; 3] {
+    let topology = surface.topology();
+    let height = |t: &_| {
+        let corners = topology
+            .triangle(*t)
+            .map(|v| surface.positions()[v.index()][1]);
+        corners.iter().sum::<f32>()
+    };
+    let all = topology.triangles();
+    let top = all.max_by(|a, b| height(a).total_cmp(&height(b))).unwrap();
+    topology.triangle(top)
+}
+
+#[test]
+fn an_error_names_the_body() {
+    let mut bodies = balls();
+    bodies.0[1].0.positions_mut()[3][0] = f32::NAN;
+    let before = bits(&bodies.0[0]);
+    let error = Island::default().step(&mut bodies, DT, &SolverParams::default());
+    let error = error.unwrap_err();
+    assert_eq!(error.body, 1);
+    let vertex = VertexId(3);
+    assert_eq!(error.error, StepError::NonFiniteInput { vertex });
+    assert!(bits(&bodies.0[0]) == before, "nothing has moved");
+}

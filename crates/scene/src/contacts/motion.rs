@@ -1,0 +1,76 @@
+//! [`Motion`]: how far the vertices of one body may move within the frame.
+
+use super::{ContactFrame, SPEED_MARGIN};
+use crate::body::Body;
+use incise_mesh::geometry::to_f64;
+use incise_mesh::{SearchRadii, Vec3, VertexId};
+
+/// Velocities and displacements of a body's vertices, in memory reused between frames.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Motion {
+    /// Whether the body is searched for contacts in this frame.
+    pub(super) is_active: bool,
+    /// Minimum distance between surfaces \[m\].
+    pub(super) thickness: f64,
+    /// Velocities; of pinned vertices the motion to their targets [m/s], shape [vertex slots].
+    velocities: Vec<[f32; 4]>,
+    /// Maximum displacements relative to their group of pieces \[m\], shape [vertex slots].
+    pub(super) displacements: Vec<f64>,
+    /// Displacements of the triangles in the body's BVH.
+    pub(super) radii: SearchRadii,
+    /// By piece number: index in the broad phase, or `u32::MAX`.
+    pub(super) pieces: Vec<u32>,
+}
+
+impl Motion {
+    /// Begins a frame in which the body is searched.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "velocities are stored in 32 bits"
+    )]
+    pub(super) fn begin_frame(&mut self, body: &Body, frame: &ContactFrame<'_>) {
+        let (surface, solver) = (body.surface(), body.solver());
+        self.is_active = true;
+        self.thickness = frame.thickness(body);
+        self.velocities.clear();
+        self.velocities.extend_from_slice(solver.velocities());
+        for pin in solver.pins() {
+            let at = surface.positions()[pin.vertex.index()];
+            let motion = |k: usize| f64::from(pin.target[k]) - f64::from(at[k]);
+            self.velocities[pin.vertex.index()] = [0, 1, 2, 3].map(|k| {
+                if k < 3 {
+                    (motion(k) / frame.dt) as f32
+                } else {
+                    0.0
+                }
+            });
+        }
+        self.displacements.clear();
+        self.displacements.resize(self.velocities.len(), 0.0);
+        self.pieces.clear();
+        self.pieces.resize(surface.piece_bound() as usize, u32::MAX);
+    }
+
+    /// Returns the velocity of a vertex [m/s].
+    pub(super) fn velocity(&self, v: VertexId) -> Vec3 {
+        let [x, y, z, _] = self.velocities[v.index()];
+        to_f64([x, y, z])
+    }
+
+    /// Sets the displacement of a vertex relative to a common velocity [m/s] and returns it \[m\].
+    pub(super) fn set_displacement(&mut self, v: VertexId, common: Vec3, dt: f64) -> f64 {
+        let displacement = SPEED_MARGIN * (self.velocity(v) - common).norm() * dt;
+        self.displacements[v.index()] = displacement;
+        displacement
+    }
+
+    /// Finds the displacements of all triangles in a BVH, which must be refitted.
+    pub(super) fn find_radii(&mut self, body: &Body) {
+        let (surface, displacements) = (body.surface(), &self.displacements);
+        self.radii.find(body.bvh(), surface, |t| {
+            let corners = surface.topology().triangle(t).into_iter();
+            let all = corners.map(|c| displacements[c.index()]);
+            all.fold(0.0, f64::max)
+        });
+    }
+}

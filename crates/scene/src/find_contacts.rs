@@ -1,0 +1,148 @@
+//! Contact detection of a frame: which bodies take part, and which sleeping ones it wakes.
+
+use crate::contacts::{BladeFace, ContactFrame, ContactParams};
+use crate::error::SceneError;
+use crate::frame::inflated;
+use crate::params::SceneParams;
+use crate::scene::Scene;
+use incise_pbd_gpu::Collider;
+use std::time::Instant;
+
+impl Scene {
+    /// Finds the contacts of the frame, wakes touched bodies and groups bodies into islands.
+    ///
+    /// GPU bodies near others, in several pieces or near a blade face are read back.
+    pub(crate) fn find_contacts(&mut self) -> Result<(), SceneError> {
+        let begin = Instant::now();
+        self.detection.begin_frame(&self.bodies);
+        if let Some(params) = self.params.contacts {
+            // A woken body may touch others that sleep.
+            self.search_contacts(params)?;
+            while self.wake_touched() {
+                self.search_contacts(params)?;
+            }
+        }
+        let Self {
+            bodies,
+            detection,
+            islands,
+            sleep,
+            gpu,
+            ..
+        } = self;
+        let is_awake = |i: usize| !sleep.is_asleep(i);
+        let is_on_gpu = |i: usize| gpu.as_ref().is_some_and(|gpu| gpu.holds(i));
+        self.stats.contacts += islands.group(bodies, detection, is_awake, is_on_gpu)?;
+        if let Some(gpu) = gpu {
+            for (i, body) in bodies.iter().enumerate() {
+                if let Some(body) = body.as_ref().filter(|_| islands.is_shared(i)) {
+                    gpu.begin_edit(i, body.surface());
+                }
+            }
+        }
+        self.stats.contact_detection = begin.elapsed();
+        Ok(())
+    }
+
+    /// Searches all bodies that may be in contact, at least one of each pair awake.
+    fn search_contacts(&mut self, params: ContactParams) -> Result<(), SceneError> {
+        self.stats.contact_searches = 0;
+        self.detection.begin_search(self.bodies.len());
+        if self.bodies.iter().flatten().nth(1).is_some() {
+            while let Err(error) = self.find_near() {
+                // After a fallback the CPU copies are the bodies.
+                self.recover(None, error)?;
+            }
+        }
+        for i in 0..self.bodies.len() {
+            let Some(body) = &mut self.bodies[i] else {
+                continue;
+            };
+            let is_asleep = self.sleep.is_asleep(i);
+            let may_collide = self.detection.is_near(i) || !is_asleep && body.may_collide(&params);
+            let at_face = !is_asleep && !self.blade_faces.is_empty();
+            if !(may_collide || at_face) {
+                continue;
+            }
+            if let Some(gpu) = &mut self.gpu
+                && let Err(error) = gpu.read_back(i, body)
+            {
+                self.recover(None, error)?;
+            }
+            let Some(body) = &mut self.bodies[i] else {
+                continue;
+            };
+            if may_collide {
+                let refit = u32::from(body.refit());
+                self.stats.bvh_refits += refit;
+                self.stats.bvh_refits_skipped = self.stats.bvh_refits_skipped.saturating_sub(refit);
+            }
+            self.stats.contact_searches += 1;
+            let frame = contact_frame(params, &self.params, &self.colliders, &self.blade_faces);
+            self.detection.activate(i, body, &frame);
+        }
+        let frame = contact_frame(params, &self.params, &self.colliders, &self.blade_faces);
+        self.detection.find(&self.bodies, &frame);
+        Ok(())
+    }
+
+    /// Finds the bodies whose boxes overlap within the frame.
+    fn find_near(&mut self) -> Result<(), SceneError> {
+        let Some(params) = self.params.contacts else {
+            return Ok(());
+        };
+        let frame = contact_frame(params, &self.params, &self.colliders, &self.blade_faces);
+        self.detection.begin_search(self.bodies.len());
+        for (i, body) in self.bodies.iter().enumerate() {
+            let Some(body) = body else { continue };
+            if self.sleep.is_asleep(i) {
+                self.detection.add_box(i, self.sleep.bounds(i), true);
+                continue;
+            }
+            match &mut self.gpu {
+                Some(gpu) if !gpu.residency(i).is_cpu_current() => {
+                    if let Some(bounds) = gpu.bounds(i)? {
+                        self.detection.add_box(i, inflated(bounds), false);
+                    }
+                }
+                _ => self.detection.add_body(i, body, &frame),
+            }
+        }
+        self.detection.find_near();
+        Ok(())
+    }
+
+    /// Wakes the sleeping bodies that an awake one touches; returns whether there are any.
+    fn wake_touched(&mut self) -> bool {
+        let mut woke = false;
+        for i in 0..self.bodies.len() {
+            for contact in self.detection.contacts(i) {
+                let other = contact.other as usize;
+                let pair = [i, other].map(|body| self.sleep.is_asleep(body));
+                if pair[0] != pair[1] {
+                    self.sleep.wake(if pair[0] { i } else { other });
+                    woke = true;
+                }
+            }
+        }
+        woke
+    }
+}
+
+/// Returns the input of a frame's contact detection.
+fn contact_frame<'a>(
+    params: ContactParams,
+    scene: &SceneParams,
+    colliders: &'a [Collider],
+    blade_faces: &'a [BladeFace],
+) -> ContactFrame<'a> {
+    let dt = f64::from(scene.dt);
+    let gravity = scene.solver.gravity.map(f64::from);
+    ContactFrame {
+        params,
+        dt,
+        speed_gain: gravity.iter().map(|g| g * g).sum::<f64>().sqrt() * dt,
+        colliders,
+        blade_faces,
+    }
+}

@@ -1,0 +1,355 @@
+//! Islands: groups of touching bodies, which are stepped in lockstep, and their steps in parallel.
+//!
+//! A body without contacts with others is an island of one. `frame.rs` groups the bodies after
+//! contact detection, steps the islands and returns the bodies to the scene.
+
+use crate::body::{Body, BodyId};
+use crate::contacts::ContactDetection;
+use crate::error::SceneError;
+use crate::scene::{Bodies, Scene};
+use incise_mesh::{Surface, VertexId, index_u32};
+use incise_pbd_gpu::{Contact, Island, IslandBodies, IslandError, Solver, SolverParams};
+use rayon::prelude::*;
+
+/// Minimum number of constraints of all stepped bodies for several threads.
+///
+/// Below it, waking a thread takes longer than the step.
+const MIN_PARALLEL: usize = 4096;
+
+/// Island number of a body that no island steps: it sleeps, or the GPU steps it.
+const NONE: u32 = u32::MAX;
+
+/// The islands of a frame, in memory reused between frames.
+#[derive(Debug, Default)]
+pub(crate) struct Islands {
+    /// By body index: parent in the union-find forest.
+    parents: Vec<u32>,
+    /// By body index: number of bodies of its tree, at the root.
+    sizes: Vec<u32>,
+    /// By body index: its island, or [`NONE`].
+    island_of: Vec<u32>,
+    /// By body index: island vertex of its first vertex.
+    first_vertex: Vec<u32>,
+    list: Vec<BodyIsland>,
+    /// Number of islands of the frame; memory of others stays in the list.
+    count: usize,
+    /// Scratch memory: contacts of a single body.
+    contacts: Vec<Contact>,
+}
+
+/// The bodies of an island. They are here from grouping until they are stepped.
+#[derive(Debug, Default)]
+struct BodyIsland {
+    /// Indices in the scene, ascending.
+    members: Vec<usize>,
+    bodies: Members,
+    vertices: u32,
+    contacts: Vec<Contact>,
+    solver: Island,
+    done: Option<IslandError>,
+}
+
+#[derive(Debug, Default)]
+struct Members(Vec<Box<Body>>);
+
+impl IslandBodies for Members {
+    fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    fn get(&mut self, i: usize) -> (&mut Solver, &mut Surface) {
+        let (surface, solver) = self.0[i].parts();
+        (solver, surface)
+    }
+}
+
+impl BodyIsland {
+    fn constraints(&self) -> usize {
+        self.bodies.0.iter().map(|body| body.constraints()).sum()
+    }
+
+    /// Steps the bodies by one frame.
+    fn step(&mut self, dt: f32, params: &SolverParams) {
+        for body in &mut self.bodies.0 {
+            body.begin_step();
+        }
+        let done = match self.bodies.0.as_mut_slice() {
+            [body] => {
+                let (surface, solver) = body.parts();
+                let done = solver.step(surface, dt, params).map(|_| ());
+                done.map_err(|error| IslandError { body: 0, error })
+            }
+            _ => self.solver.step(&mut self.bodies, dt, params),
+        };
+        for body in &mut self.bodies.0 {
+            body.end_step(done.is_ok());
+        }
+        self.done = done.err();
+    }
+}
+
+impl Islands {
+    /// Returns the other bodies of a body's island and itself, if it is on the CPU and awake.
+    pub(crate) fn members(&self, body: usize) -> Option<&[usize]> {
+        let island = *self.island_of.get(body)? as usize;
+        self.list.get(island).map(|island| &*island.members)
+    }
+
+    /// Returns whether a body is stepped together with others.
+    pub(crate) fn is_shared(&self, body: usize) -> bool {
+        self.members(body).is_some_and(|members| members.len() > 1)
+    }
+
+    /// Groups the awake bodies by their contacts, and passes each island its contacts.
+    ///
+    /// Bodies of the GPU that touch no other one stay there. Returns the number of contacts.
+    pub(crate) fn group(
+        &mut self,
+        bodies: &mut Bodies,
+        detection: &ContactDetection,
+        is_awake: impl Fn(usize) -> bool,
+        is_on_gpu: impl Fn(usize) -> bool,
+    ) -> Result<usize, SceneError> {
+        let is_stepped = |i: usize, body: &Option<Box<Body>>| body.is_some() && is_awake(i);
+        self.unite(bodies, detection, is_stepped);
+        self.count = 0;
+        self.island_of.clear();
+        self.island_of.resize(bodies.len(), NONE);
+        self.first_vertex.clear();
+        self.first_vertex.resize(bodies.len(), 0);
+        for (i, body) in bodies.iter().enumerate() {
+            let Some(body) = body.as_ref().filter(|_| is_awake(i)) else {
+                continue;
+            };
+            let root = self.root(index_u32(i)) as usize;
+            if self.sizes[root] == 1 && is_on_gpu(i) {
+                continue;
+            }
+            if self.island_of[root] == NONE {
+                self.island_of[root] = index_u32(self.count);
+                self.begin_island();
+            }
+            self.island_of[i] = self.island_of[root];
+            let island = &mut self.list[self.island_of[i] as usize];
+            island.members.push(i);
+            self.first_vertex[i] = island.vertices;
+            island.vertices += index_u32(body.surface().positions().len());
+        }
+        self.assign_contacts(bodies, detection, is_stepped)
+    }
+
+    /// Builds the union-find forest of the bodies.
+    fn unite(
+        &mut self,
+        bodies: &Bodies,
+        detection: &ContactDetection,
+        is_stepped: impl Fn(usize, &Option<Box<Body>>) -> bool,
+    ) {
+        self.parents.clear();
+        self.parents.extend(0..index_u32(bodies.len()));
+        self.sizes.clear();
+        self.sizes.resize(bodies.len(), 1);
+        for (i, _) in bodies.iter().enumerate().filter(|(i, b)| is_stepped(*i, b)) {
+            let mut last = index_u32(i);
+            for contact in detection.contacts(i).filter(|c| c.other as usize != i) {
+                if std::mem::replace(&mut last, contact.other) == contact.other {
+                    continue;
+                }
+                let (a, b) = (self.root(index_u32(i)), self.root(contact.other));
+                if a != b {
+                    self.parents[a.max(b) as usize] = a.min(b);
+                    self.sizes[a.min(b) as usize] += self.sizes[a.max(b) as usize];
+                }
+            }
+        }
+    }
+
+    /// Returns the first body of a tree, halving paths on the way.
+    fn root(&mut self, mut i: u32) -> u32 {
+        while self.parents[i as usize] != i {
+            let next = self.parents[self.parents[i as usize] as usize];
+            self.parents[i as usize] = next;
+            i = next;
+        }
+        i
+    }
+
+    fn begin_island(&mut self) {
+        if self.list.len() == self.count {
+            self.list.push(BodyIsland::default());
+        }
+        let island = &mut self.list[self.count];
+        island.members.clear();
+        island.contacts.clear();
+        island.vertices = 0;
+        island.done = None;
+        self.count += 1;
+    }
+
+    /// Passes contacts to the solvers of single bodies and to the islands of others.
+    fn assign_contacts(
+        &mut self,
+        bodies: &mut Bodies,
+        detection: &ContactDetection,
+        is_stepped: impl Fn(usize, &Option<Box<Body>>) -> bool,
+    ) -> Result<usize, SceneError> {
+        let mut count = 0;
+        for (i, body) in bodies.iter_mut().enumerate() {
+            if !is_stepped(i, body) {
+                continue;
+            }
+            self.contacts.clear();
+            if self.is_shared(i) {
+                let island = &mut self.list[self.island_of[i] as usize];
+                let first = &self.first_vertex;
+                let found = detection.contacts(i).map(|found| {
+                    let offsets = [first[i], first[found.other as usize]];
+                    shifted(&found.contact, offsets)
+                });
+                let before = island.contacts.len();
+                island.contacts.extend(found);
+                count += island.contacts.len() - before;
+            } else {
+                let found = detection.contacts(i);
+                self.contacts.extend(found.map(|found| found.contact));
+                count += self.contacts.len();
+            }
+            if let Some(body) = body {
+                body.parts().1.set_contacts(&self.contacts)?;
+            }
+        }
+        for island in self.list[..self.count].iter_mut() {
+            if island.members.len() > 1 {
+                let vertices = island.vertices as usize;
+                island.solver.set_contacts(&island.contacts, vertices)?;
+            }
+        }
+        Ok(count)
+    }
+
+    /// Adds islands for bodies that fell back from the GPU since the grouping.
+    fn add_fallen_back(&mut self, bodies: &mut Bodies, is_stepped: impl Fn(usize) -> bool) {
+        for (i, body) in bodies.iter().enumerate() {
+            if self.island_of[i] == NONE && body.is_some() && is_stepped(i) {
+                self.island_of[i] = index_u32(self.count);
+                self.begin_island();
+                self.list[self.count - 1].members.push(i);
+            }
+        }
+        self.take(bodies);
+    }
+
+    /// Takes the bodies of all islands out of the scene.
+    fn take(&mut self, bodies: &mut Bodies) {
+        for island in &mut self.list[..self.count] {
+            let all = island.members.iter().filter_map(|&i| bodies[i].take());
+            island.bodies.0.extend(all);
+        }
+    }
+
+    /// Returns the bodies of all islands to the scene.
+    fn give_back(&mut self, bodies: &mut Bodies) {
+        for island in &mut self.list[..self.count] {
+            for (&i, body) in island.members.iter().zip(island.bodies.0.drain(..)) {
+                bodies[i] = Some(body);
+            }
+        }
+    }
+
+    /// Steps all islands, which are independent of each other, in parallel.
+    fn step(&mut self, dt: f32, params: &SolverParams) {
+        let islands = &mut self.list[..self.count];
+        let constraints: usize = islands.iter().map(BodyIsland::constraints).sum();
+        let one_thread = params.threads.is_some_and(|threads| threads.get() == 1);
+        if one_thread || islands.len() < 2 || constraints < MIN_PARALLEL {
+            islands
+                .iter_mut()
+                .for_each(|island| island.step(dt, params));
+        } else {
+            // One island a task: sizes differ, and idle threads take the next one.
+            let islands = islands.par_iter_mut().with_max_len(1);
+            islands.for_each(|island| island.step(dt, params));
+        }
+    }
+
+    /// Returns the error of the first body that could not be stepped.
+    fn error(&self) -> Option<(usize, IslandError)> {
+        let islands = self.list[..self.count].iter();
+        let errors = islands.filter_map(|island| {
+            let error = island.done?;
+            Some((island.members[error.body], error))
+        });
+        errors.min_by_key(|(body, _)| *body)
+    }
+}
+
+/// Returns a contact in island vertices, from those of a body and those of the other one.
+fn shifted(contact: &Contact, [of_first, of_others]: [u32; 2]) -> Contact {
+    let mut out = *contact;
+    out.vertices[0].0 += of_first;
+    for v in &mut out.vertices[1..] {
+        if *v != VertexId::NULL {
+            v.0 += of_others;
+        }
+    }
+    out
+}
+
+impl Scene {
+    /// Steps the frame of all awake bodies, on the GPU and on the CPU.
+    ///
+    /// # Errors
+    /// [`SceneError::Step`] with the first body that cannot be stepped; those of other islands are
+    /// stepped. [`SceneError`] of the GPU when it fails.
+    pub(crate) fn step_islands(&mut self) -> Result<(), SceneError> {
+        self.islands.take(&mut self.bodies);
+        // Bodies that an island took are not in the scene, so the GPU does not step them.
+        let on_gpu = self.step_gpu();
+        if on_gpu.is_ok() {
+            let Self {
+                bodies,
+                islands,
+                sleep,
+                gpu,
+                ..
+            } = self;
+            let is_on_gpu = |i: usize| gpu.as_ref().is_some_and(|gpu| gpu.holds(i));
+            islands.add_fallen_back(bodies, |i| !sleep.is_asleep(i) && !is_on_gpu(i));
+            self.islands.step(self.params.dt, &self.params.solver);
+        }
+        self.islands.give_back(&mut self.bodies);
+        on_gpu?;
+        if let Some((index, IslandError { error, .. })) = self.islands.error() {
+            let scene = self.number;
+            let body = BodyId { scene, index };
+            return Err(SceneError::Step { body, error });
+        }
+        for island in &self.islands.list[..self.islands.count] {
+            self.sleep.join(&island.members);
+        }
+        for i in 0..self.bodies.len() {
+            if self.islands.members(i).is_some() {
+                self.observe_step(i);
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the step of a body to the statistics and to its time at rest.
+    fn observe_step(&mut self, i: usize) {
+        let Some(body) = &mut self.bodies[i] else {
+            return;
+        };
+        let done = *body.solver().stats();
+        self.stats.iterations_skipped += done.iterations_skipped;
+        self.stats.ground_passes_skipped += done.ground_passes_skipped;
+        if let Some(sleep) = &self.params.sleep
+            && let Some(displacement) = self.sleep.observe(i, done.max_substep_displacement)
+        {
+            let edge = body.solver().mean_rest_length();
+            let h = f64::from(self.params.dt) / f64::from(done.substeps);
+            let limit = sleep.limit(edge, &body.surface().bounds(), h);
+            self.sleep.set_at_rest(i, f64::from(displacement) <= limit);
+        }
+    }
+}
