@@ -141,5 +141,5 @@ pub(super) fn find_edge_pairs(edges: &mut [MovingEdge], pairs: &mut Vec<(u32, u3
         }
     }
     let keys = |&(i, j): &(u32, u32)| (edges[i as usize].key(), edges[j as usize].key());
-    pairs.sort_unstable_by(|a, b| keys(a).cmp(&keys(b)));
+    pairs.sort_unstable_by_key(keys);
 }
