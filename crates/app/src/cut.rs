@@ -212,7 +212,7 @@ pub(crate) fn run(
     let flat = walls.iter().filter(is_flat).count();
     progress.step();
     progress.begin("write");
-    let (write, written) = timed(|| pieces::write(&surface, path, &arguments.output));
+    let (write, written) = timed(|| pieces::write(&[(&surface, path)], &arguments.output));
     let written = written?;
     progress.end();
     let report = Report {
@@ -246,7 +246,7 @@ pub(crate) fn run(
         cutting_steps: blade_path.as_ref().map(|_| cutting_steps),
         tips: blade_path.as_ref().map(|_| tips),
         wall_triangles: blade_path.as_ref().map(|_| walls.len()),
-        pieces: written.pieces,
+        pieces: written.pieces.into_iter().map(|(_, piece)| piece).collect(),
         removed: written.removed,
         milliseconds: Times {
             read: milliseconds(read),

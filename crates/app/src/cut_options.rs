@@ -3,7 +3,7 @@
 use crate::caps::CapsOption;
 use crate::clock::timed;
 use crate::failure::Failure;
-use crate::input::file_bounds;
+use crate::input::in_file;
 use crate::numbers::{Numbers, numbers};
 use clap::ValueEnum;
 use incise_cut::{
@@ -11,7 +11,7 @@ use incise_cut::{
     blade_starts_inside,
 };
 use incise_mesh::geometry::{area_vector, to_f32};
-use incise_mesh::{Surface, Vec3};
+use incise_mesh::{Aabb, Surface, Vec3};
 use incise_refine::{RefineMethod, RefineParams, RefinementLevel};
 use std::path::Path;
 use std::time::Duration;
@@ -217,7 +217,7 @@ impl CutOptions {
 
     fn sweep(&self, surface: &Surface, path: &Path) -> Result<Sweep, Failure> {
         if let Some(plane) = self.plane {
-            return plane_sweep(plane, surface, path);
+            return plane_sweep(plane, surface.origin(), &surface.bounds(), path);
         }
         let origin = Vec3::from(surface.origin());
         let edge = |numbers: Option<Numbers<6>>| {
@@ -313,19 +313,21 @@ impl CutPlan<'_> {
     }
 }
 
-/// Returns the sweep of a plane of the command line, in the file's coordinates, through a surface.
+/// Returns the sweep of a plane of the command line, in the file's coordinates, through a box
+/// relative to an origin.
 pub(crate) fn plane_sweep(
     plane: Numbers<4>,
-    surface: &Surface,
+    origin: [f64; 3],
+    bounds: &Aabb,
     path: &Path,
 ) -> Result<Sweep, Failure> {
     let Numbers([x, y, z, d]) = plane;
-    let d = d - Vec3::new(x, y, z).dot(&Vec3::from(surface.origin()));
-    Sweep::from_plane([x, y, z], d, &surface.bounds()).map_err(|error| match error {
+    let d = d - Vec3::new(x, y, z).dot(&Vec3::from(origin));
+    Sweep::from_plane([x, y, z], d, bounds).map_err(|error| match error {
         // The plane's numbers are finite, so the box is too large.
         CutError::SweepNotFinite { .. } => Failure::TooLarge {
             path: path.to_owned(),
-            bounds: file_bounds(surface),
+            bounds: in_file(origin, bounds),
         },
         error => Failure::Sweep(error),
     })

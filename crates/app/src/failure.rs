@@ -171,6 +171,22 @@ pub(crate) enum Failure {
     /// The time of the cut is after the end of the simulation.
     #[error("--at is not before the end of the simulation; increase --seconds")]
     CutAfterEnd,
+    /// The times of cuts are neither one for all nor one for each.
+    #[error("{times} times --at for {planes} times --plane; give one for all, or one for each")]
+    CutTimes {
+        /// The number of times.
+        times: usize,
+        /// The number of planes.
+        planes: usize,
+    },
+    /// There are more offsets than bodies.
+    #[error("{offsets} times --offset for {bodies} inputs; give at most one for each")]
+    Offsets {
+        /// The number of offsets.
+        offsets: usize,
+        /// The number of inputs.
+        bodies: usize,
+    },
     /// The path of the blade has more poses than the simulation has frames after the first one.
     #[error(
         "the blade's path of {poses} poses, one per frame, ends after the simulation; give \
@@ -302,6 +318,8 @@ impl Failure {
             | Self::NotWith { .. }
             | Self::SweepCrossesItself
             | Self::CutAfterEnd
+            | Self::CutTimes { .. }
+            | Self::Offsets { .. }
             | Self::PathAfterEnd { .. }
             | Self::BelowGround { .. }
             | Self::OutputFormat { .. } => WRONG_COMMAND_LINE,

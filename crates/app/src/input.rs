@@ -184,10 +184,14 @@ pub(crate) fn components_without_volume(surface: &Surface) -> usize {
 
 /// Returns the bounding box of a surface in the coordinates of its file.
 pub(crate) fn file_bounds(surface: &Surface) -> Aabb {
-    let bounds = surface.bounds();
+    in_file(surface.origin(), &surface.bounds())
+}
+
+/// Returns a box relative to an origin in the coordinates of the file.
+pub(crate) fn in_file(origin: [f64; 3], bounds: &Aabb) -> Aabb {
     Aabb {
-        min: to_file(surface.origin(), bounds.min),
-        max: to_file(surface.origin(), bounds.max),
+        min: to_file(origin, bounds.min),
+        max: to_file(origin, bounds.max),
     }
 }
 

@@ -42,22 +42,31 @@ pub(crate) struct Piece {
 
 /// Changes to the output folder.
 pub(crate) struct Written {
-    pub(crate) pieces: Vec<Piece>,
+    /// The pieces, each with the index of its body.
+    pub(crate) pieces: Vec<(usize, Piece)>,
     /// Removed pieces of an earlier run.
     pub(crate) removed: Vec<PathBuf>,
 }
 
-/// Writes every piece and removes surplus pieces of an earlier run.
+/// Writes every piece of bodies, given with their inputs, and removes surplus pieces of an earlier
+/// run.
 ///
 /// All targets are checked first, so that a refusal leaves the folder as it was. Surplus files are
-/// removed so that the folder never holds pieces of two bodies.
-pub(crate) fn write(surface: &Surface, input: &Path, folder: &Path) -> Result<Written, Failure> {
-    let parts: Vec<(u32, Surface)> = surface.extract_pieces().collect();
+/// removed so that the folder never holds pieces of two runs.
+pub(crate) fn write(bodies: &[(&Surface, &Path)], folder: &Path) -> Result<Written, Failure> {
+    let pieces_of = |(body, &(surface, _)): (usize, &(&Surface, &Path))| {
+        let volumes = surface.piece_volumes();
+        let parts = surface.extract_pieces();
+        let parts = parts.map(move |(piece, part)| (body, volumes[piece as usize], part));
+        parts.collect::<Vec<_>>()
+    };
+    let parts: Vec<(usize, f64, Surface)> = bodies.iter().enumerate().flat_map(pieces_of).collect();
     let file = |i: usize| folder.join(format!("piece_{i:03}.obj"));
     let check = || {
         let left_over = left_over(folder, parts.len()).into_iter();
         let mut targets = (0..parts.len()).map(file).chain(left_over);
-        targets.try_for_each(|path| check_target(&path, input))
+        let inputs = || bodies.iter().map(|&(_, input)| input);
+        targets.try_for_each(|path| inputs().try_for_each(|input| check_target(&path, input)))
     };
     check()?;
     std::fs::create_dir_all(folder).map_err(|source| Failure::Folder {
@@ -66,16 +75,15 @@ pub(crate) fn write(surface: &Surface, input: &Path, folder: &Path) -> Result<Wr
     })?;
     // A path like `new/..` does not resolve before `new` exists.
     check()?;
-    let volumes = surface.piece_volumes();
     let mut pieces = Vec::with_capacity(parts.len());
-    for (i, (piece, part)) in parts.iter().enumerate() {
+    for (i, (body, volume, part)) in parts.iter().enumerate() {
         write_obj(&file(i), part)?;
         let boundary_edges = boundary_edges(part);
         let volume = match boundary_edges {
-            0 => volumes[*piece as usize],
+            0 => *volume,
             _ => 0.0,
         };
-        pieces.push(Piece {
+        let piece = Piece {
             file: file(i),
             vertices: part.topology().vertex_count(),
             triangles: part.topology().triangle_count(),
@@ -84,7 +92,8 @@ pub(crate) fn write(surface: &Surface, input: &Path, folder: &Path) -> Result<Wr
             cavity: volume < 0.0,
             boundary_edges,
             euler_characteristic: euler_characteristic(part, boundary_edges),
-        });
+        };
+        pieces.push((*body, piece));
     }
     let removed = left_over(folder, parts.len());
     for path in &removed {
@@ -145,7 +154,11 @@ pub(crate) fn check_target(path: &Path, input: &Path) -> Result<(), Failure> {
 }
 
 /// Prints a line per piece and per removed file.
-pub(crate) fn print(pieces: &[Piece], removed: &[PathBuf], out: &mut impl Write) -> io::Result<()> {
+pub(crate) fn print<'a>(
+    pieces: impl IntoIterator<Item = &'a Piece>,
+    removed: &[PathBuf],
+    out: &mut impl Write,
+) -> io::Result<()> {
     for piece in pieces {
         writeln!(
             out,

@@ -1,45 +1,51 @@
-//! `incise simulate`: drops a mesh as a soft body, optionally cuts it, and writes its pieces.
+//! `incise simulate`: drops meshes as soft bodies, optionally cuts them, and writes their pieces.
 
+mod bodies;
 mod knife;
-mod print;
+mod report;
 
 use crate::blade_path::BladePath;
 use crate::caps::CapsOption;
 use crate::clock::{milliseconds, timed};
 use crate::failure::Failure;
-use crate::input::{InputOptions, file_bounds};
-use crate::json::{all_lossy, lossy};
+use crate::input::InputOptions;
 use crate::numbers::{Numbers, numbers, positive};
-use crate::pieces::{self, Piece, output_path};
+use crate::pieces::{self, output_path};
 use crate::reporter::Reporter;
+use bodies::{Bodies, Input};
 use clap::ValueEnum;
 use incise_cut::CutParams;
+use incise_mesh::Surface;
 use incise_mesh::geometry::round_to_f32;
-use incise_mesh::{Surface, Warning};
 use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Volume};
-use incise_scene::{
-    BackendChoice, BackendRequest, BodyId, ContactParams, Scene, SceneError, SceneParams,
-};
+use incise_scene::{BackendChoice, BackendRequest, ContactParams, Scene, SceneError, SceneParams};
 use knife::Knife;
-use print::print;
-use serde::Serialize;
+use report::{PieceOfBody, Report, Times, print};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Drops a mesh as a soft body, optionally cuts it at a given time, and writes its pieces.
+/// Drops meshes as soft bodies, optionally cuts them at given times, and writes their pieces.
 ///
-/// Writes one piece per file: `DIR/piece_000.obj` and so on. Files of these names from
-/// an earlier run are overwritten or removed. The y axis points up. Without --volume or
-/// --interior-springs the body is a shell, which collapses under its weight. A mesh with a boundary
+/// Writes one piece per file: `DIR/piece_000.obj` and so on, body by body. Files of these names
+/// from an earlier run are overwritten or removed. The y axis points up. Without --volume or
+/// --interior-springs a body is a shell, which collapses under its weight. A mesh with a boundary
 /// is a sheet, such as cloth.
 #[derive(clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct SimulateArguments {
-    /// The mesh (obj, ply, stl, glb or gltf; units are meters), or a built-in model such as Bunny.
-    #[arg(value_name = "FILE|MODEL")]
-    input: PathBuf,
+    /// The meshes (obj, ply, stl, glb or gltf; units are meters), or built-in models such as Bunny.
+    #[arg(value_name = "FILE|MODEL", required = true)]
+    inputs: Vec<PathBuf>,
     #[command(flatten)]
     reading: InputOptions,
+    /// Move an input before the start [m]; the first one moves the first input, and so on.
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        value_parser = numbers::<3>,
+        allow_hyphen_values = true
+    )]
+    offset: Vec<Numbers<3>>,
     /// Simulated time [s].
     #[arg(long, value_name = "S", value_parser = positive)]
     seconds: f64,
@@ -62,7 +68,7 @@ pub(crate) struct SimulateArguments {
         value_parser = clap::value_parser!(u32).range(1..)
     )]
     substeps: u32,
-    /// Height of the ground plane [m]; the mesh must begin above it.
+    /// Height of the ground plane [m]; the meshes must begin above it.
     #[arg(long, value_name = "H", value_parser = numbers::<1>, allow_hyphen_values = true)]
     ground: Option<Numbers<1>>,
     /// Preserve the rest volume of every closed piece.
@@ -71,10 +77,10 @@ pub(crate) struct SimulateArguments {
     /// Connect opposite sides by springs through the body: springs per vertex, 0 to 1.
     #[arg(long, value_name = "DENSITY", value_parser = numbers::<1>)]
     interior_springs: Option<Numbers<1>>,
-    /// Resolve contacts between the pieces of the body.
+    /// Let pieces pass through each other instead of resolving their contacts.
     #[arg(long)]
-    contacts: bool,
-    /// Cut along the plane `nx x + ny y + nz z = d`.
+    no_contacts: bool,
+    /// Cut all bodies along the plane `nx x + ny y + nz z = d`. Several planes cut in their order.
     #[arg(
         long,
         value_name = "NX,NY,NZ,D",
@@ -82,11 +88,11 @@ pub(crate) struct SimulateArguments {
         allow_hyphen_values = true,
         group = "cutter"
     )]
-    plane: Option<Numbers<4>>,
-    /// Move a straight blade through the body, one pose per frame. The cut may end inside.
+    plane: Vec<Numbers<4>>,
+    /// Move a straight blade through the bodies, one pose per frame. The cut may end inside.
     ///
     /// The file is that of `incise cut --path`, with two points per line. The blade stands at its
-    /// last pose. With --contacts the walls of the cut collide with each other.
+    /// last pose. The walls of the cut collide with each other, except with --no-contacts.
     #[arg(long, value_name = "FILE", group = "cutter")]
     path: Option<PathBuf>,
     /// Curves along which caps close the cut.
@@ -99,9 +105,11 @@ pub(crate) struct SimulateArguments {
     )]
     caps: CapsOption,
     /// Time of the cut, or of the first pose [s]; 0 by default.
+    ///
+    /// Given once it is the time of all planes, else each plane has its own, in their order.
     #[arg(long, value_name = "S", value_parser = positive, requires = "cutter")]
-    at: Option<f64>,
-    /// Backend that steps the body.
+    at: Vec<f64>,
+    /// Backend that steps the bodies.
     #[arg(long, value_enum, default_value_t = Backend::Cpu)]
     backend: Backend,
     /// GPU to use: a part of its name, as listed by `incise devices`.
@@ -115,15 +123,19 @@ pub(crate) struct SimulateArguments {
 const AFTER_HELP: &str = "\
 Examples:
   incise simulate Bunny --seconds 2 --ground -0.5 --volume --interior-springs 1 -o pieces
-  incise simulate Bunny --seconds 2 --volume --contacts --plane 0,1,0.2,-1 --at 0.5 -o pieces
-  incise simulate Bunny --seconds 2 --volume --contacts --path knife.txt -o pieces
+  incise simulate Bunny --seconds 2 --volume --plane 0,1,0.2,-1 --at 0.5 -o pieces
+  incise simulate Bunny --seconds 2 --volume --path knife.txt -o pieces
+  Two bodies above each other, cut by two planes at two times:
+    incise simulate Bunny Sphere768 --offset 0,0,0 --offset 0,1.5,0 --seconds 2 --ground -1 \\
+      --volume --interior-springs 1 --plane 1,0,0.1,0 --at 0.2 --plane 0,0.1,1,0 --at 0.4 -o pieces
 
-JSON report (--json): input, warnings, backend, device, fallback_reason, frames, dt, iterations,
-substeps, triangles_hit, steps, cutting_steps (with --path, else null: motions of the blade, and
-those that cut), pieces (file, vertices, triangles, area, volume, cavity, boundary_edges and
-euler_characteristic of each), removed, milliseconds.
+JSON report (--json): inputs (file and warnings of each), backend, device, fallback_reason, frames,
+dt, iterations, substeps, triangles_hit, steps, cutting_steps (with --path, else null: motions of
+the blade, and those that cut), pieces (body, which is the index of its input, file, vertices,
+triangles, area, volume, cavity, boundary_edges and euler_characteristic of each), removed,
+milliseconds.
 
-Exit code 4: the cut misses the body, and the pieces are those of the uncut body.";
+Exit code 4: the cuts miss all bodies, and the pieces are those of the uncut bodies.";
 
 /// The backend that steps a body.
 #[derive(Clone, Copy, ValueEnum)]
@@ -146,86 +158,43 @@ impl Backend {
     }
 }
 
-/// The report as JSON.
-#[derive(Serialize)]
-struct Report {
-    #[serde(serialize_with = "lossy")]
-    input: PathBuf,
-    /// Repairs made while reading.
-    warnings: Vec<Warning>,
-    backend: &'static str,
-    /// The GPU that held the body at the end; none for the CPU.
-    device: Option<String>,
-    /// Why the CPU continued in place of a GPU; none if it did not.
-    fallback_reason: Option<String>,
-    frames: u32,
-    dt: f64,
-    iterations: u32,
-    substeps: u32,
-    /// Triangles that the sweep crosses; none without a cut.
-    triangles_hit: Option<usize>,
-    /// Motions of the blade from pose to pose; none without a path.
-    steps: Option<usize>,
-    /// Steps that cut.
-    cutting_steps: Option<usize>,
-    pieces: Vec<Piece>,
-    /// Removed pieces of an earlier run.
-    #[serde(serialize_with = "all_lossy")]
-    removed: Vec<PathBuf>,
-    milliseconds: Times,
-}
-
-/// Times of the stages \[ms\].
-#[derive(Serialize)]
-struct Times {
-    simulate: f64,
-    write: f64,
-}
-
 /// Runs the command.
 pub(crate) fn run(
     arguments: &SimulateArguments,
     reporter: &mut Reporter<impl Write>,
 ) -> Result<(), Failure> {
-    let path = &arguments.input;
     let frames = whole(arguments.seconds / arguments.dt).max(1);
-    let start = whole(arguments.at.unwrap_or(0.0) / arguments.dt);
-    let blade_path = arguments.blade_path(start, frames)?;
-    let (mut surface, warnings) = arguments.reading.read_open(path)?;
-    surface.sort_by_position();
-    for warning in &warnings {
-        reporter.warn(format_args!("{}: {warning}", path.display()));
+    let starts = arguments.starts(frames)?;
+    let first_start = starts.first().copied().unwrap_or(0);
+    let blade_path = arguments.blade_path(first_start, frames)?;
+    let (inputs, surfaces) = bodies::read(&arguments.inputs, &arguments.offset, arguments.reading)?;
+    for (input, surface) in inputs.iter().zip(&surfaces) {
+        for warning in &input.warnings {
+            reporter.warn(format_args!("{}: {warning}", input.file.display()));
+        }
+        let ground = arguments.ground(surface.origin()[1]);
+        bodies::check_ground(surface, &input.file, ground)?;
     }
-    let height = surface.origin()[1];
-    if let Some(ground) = arguments.ground(0.0)
-        && arguments.ground(height) > Some(surface.bounds().min[1])
-    {
-        return Err(Failure::BelowGround {
-            path: path.clone(),
-            lowest: file_bounds(&surface).min[1],
-            ground,
-        });
-    }
-    let mut knife = match (arguments.plane, &blade_path) {
-        (Some(plane), _) => Some(Knife::from_plane(path, plane, start)),
-        (None, Some(way)) => Some(Knife::from_path(path, way, surface.origin(), start)?),
-        (None, None) => None,
+    let origin = surfaces.first().map_or([0.0; 3], Surface::origin);
+    let mut knife = match &blade_path {
+        Some(way) => Some(Knife::from_path(way, origin, first_start)?),
+        None if arguments.plane.is_empty() => None,
+        None => {
+            let planes = arguments.plane.iter().copied();
+            Some(Knife::from_planes(planes.zip(starts)))
+        }
     };
     let (simulate, simulated) =
-        timed(|| arguments.simulate(surface, frames, knife.as_mut(), reporter));
-    let (scene, body) = simulated?;
-    let failed = |source| Failure::Scene {
-        path: path.clone(),
-        source,
-    };
-    let surface = scene.body(body).map_err(failed)?.surface();
-    let (write, written) = timed(|| pieces::write(surface, path, &arguments.output));
-    let written = written?;
+        timed(|| arguments.simulate(&inputs, surfaces, frames, knife.as_mut(), reporter));
+    let (mut scene, bodies) = simulated?;
     let backend = scene.backend_report();
-    let is_on_device = backend.gpu_bodies.contains(&body);
+    let cut_surfaces = bodies.surfaces(&mut scene)?;
+    let (write, written) = timed(|| pieces::write(&cut_surfaces, &arguments.output));
+    let written = written?;
+    let is_on_device = (bodies.ids().iter()).any(|id| backend.gpu_bodies.contains(id));
+    let of_body = |(body, piece)| PieceOfBody { body, piece };
     let report = Report {
-        input: path.clone(),
-        warnings,
+        inputs,
         backend: backend.choice.name(),
         device: backend.adapter.filter(|_| is_on_device),
         fallback_reason: backend.fallback_reason.map(|reason| reason.to_string()),
@@ -236,7 +205,7 @@ pub(crate) fn run(
         triangles_hit: knife.as_ref().map(|knife| knife.triangles_hit),
         steps: knife.as_ref().and_then(Knife::steps),
         cutting_steps: knife.as_ref().and_then(Knife::cutting_steps),
-        pieces: written.pieces,
+        pieces: written.pieces.into_iter().map(of_body).collect(),
         removed: written.removed,
         milliseconds: Times {
             simulate: milliseconds(simulate),
@@ -244,24 +213,47 @@ pub(crate) fn run(
         },
     };
     reporter.report(&report, print)?;
-    if let Some(knife) = knife
-        && knife.triangles_hit == 0
-    {
-        return Err(Failure::Missed {
-            path: path.clone(),
+    match knife {
+        Some(knife) if knife.triangles_hit == 0 => Err(Failure::Missed {
+            path: bodies.all_paths(),
             bounds: knife.bounds_at_start,
-            output: "the files hold the uncut body",
-        });
+            output: "the files hold the uncut bodies",
+        }),
+        Some(knife) => {
+            for Numbers([x, y, z, d]) in knife.missed_planes() {
+                reporter.warn(format_args!("the plane {x},{y},{z},{d} misses all bodies"));
+            }
+            Ok(())
+        }
+        None => Ok(()),
     }
-    Ok(())
 }
 
 impl SimulateArguments {
-    /// Checks the time of the cut, and reads the path of the blade, if there is one.
-    fn blade_path(&self, start: u32, frames: u32) -> Result<Option<(&Path, BladePath)>, Failure> {
-        if start >= frames {
+    /// Returns the first frame of each cut: of every plane, or of the path.
+    fn starts(&self, frames: u32) -> Result<Vec<u32>, Failure> {
+        let planes = self.plane.len().max(1);
+        let times = match self.at.as_slice() {
+            [] => vec![0.0; planes],
+            &[time] => vec![time; planes],
+            times if times.len() == planes => times.to_vec(),
+            times => {
+                return Err(Failure::CutTimes {
+                    times: times.len(),
+                    planes: self.plane.len(),
+                });
+            }
+        };
+        let starts = times.iter().map(|time| whole(time / self.dt));
+        let starts: Vec<u32> = starts.collect();
+        if starts.iter().any(|&start| start >= frames) {
             return Err(Failure::CutAfterEnd);
         }
+        Ok(starts)
+    }
+
+    /// Reads the path of the blade, if there is one; it must end before the simulation.
+    fn blade_path(&self, start: u32, frames: u32) -> Result<Option<(&Path, BladePath)>, Failure> {
         let Some(file) = self.path.as_deref() else {
             return Ok(None);
         };
@@ -296,7 +288,7 @@ impl SimulateArguments {
                 caps: self.caps.caps(),
                 ..CutParams::default()
             },
-            contacts: self.contacts.then(|| ContactParams {
+            contacts: (!self.no_contacts).then(|| ContactParams {
                 // Both walls of a cut that ends inside belong to one piece.
                 self_collision: self.path.is_some(),
                 ..ContactParams::default()
@@ -326,18 +318,18 @@ impl SimulateArguments {
 
     fn simulate(
         &self,
-        surface: Surface,
+        inputs: &[Input],
+        surfaces: Vec<Surface>,
         frames: u32,
         mut knife: Option<&mut Knife<'_>>,
         reporter: &Reporter<impl Write>,
-    ) -> Result<(Scene, BodyId), Failure> {
-        let path = &self.input;
-        let failed = |source| Failure::Scene {
-            path: path.clone(),
+    ) -> Result<(Scene, Bodies), Failure> {
+        let height = surfaces.first().map_or(0.0, |surface| surface.origin()[1]);
+        let mut scene = self.scene(height).map_err(|source| Failure::Scene {
+            path: inputs[0].file.clone(),
             source,
-        };
-        let mut scene = self.scene(surface.origin()[1]).map_err(failed)?;
-        let body = scene.add_body(surface, &self.material()).map_err(failed)?;
+        })?;
+        let bodies = Bodies::add(&mut scene, inputs, surfaces, &self.material())?;
         let a_second = whole(1.0 / self.dt).clamp(1, frames);
         let progress = reporter.progress(frames.div_ceil(a_second), a_second);
         for frame in 0..frames {
@@ -345,20 +337,19 @@ impl SimulateArguments {
                 progress.begin(&format!("from {:.3} s", f64::from(frame) * self.dt));
             }
             if let Some(knife) = &mut knife {
-                knife.before_frame(frame, &mut scene, body)?;
+                knife.before_frame(frame, &mut scene, &bodies)?;
             }
-            let stats = *scene.step().map_err(failed)?;
-            if stats.fell_back {
+            let stepped = scene.step().map(|stats| stats.fell_back);
+            if stepped.map_err(|source| bodies.failed(source))? {
                 progress.suspend(|| warn_of_fallback(&scene, reporter));
             }
             if let Some(knife) = &mut knife {
-                knife.after_frame(frame, &mut scene, body)?;
+                knife.after_frame(frame, &mut scene, &bodies)?;
             }
             progress.step();
         }
         progress.end();
-        scene.read_back(body).map_err(failed)?;
-        Ok((scene, body))
+        Ok((scene, bodies))
     }
 }
 

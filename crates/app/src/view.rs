@@ -99,7 +99,7 @@ pub(crate) fn run(
         replay,
         record_to: arguments.record.clone(),
         save: Box::new(move |surface| {
-            let written = pieces::write(surface, &input, &output);
+            let written = pieces::write(&[(surface, &input)], &output);
             let written = written?;
             let (count, folder) = (written.pieces.len(), output.display());
             Ok(format!("{folder}: {}", counted(count, "piece")))

@@ -133,7 +133,8 @@ fn from_data(model: Model, path: &Path, data: MeshData) -> Result<Loaded, Box<dy
     })
 }
 
-fn files(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+/// Returns the mesh files of a folder by name.
+pub(crate) fn files(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let entries =
         std::fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut paths = Vec::new();

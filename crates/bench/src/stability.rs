@@ -2,7 +2,9 @@
 //!
 //! Each has an invariant and the worst value found. Short ones that hold are tests of the crates.
 
+mod bars;
 mod case;
+mod closing;
 mod constraint_order;
 mod contacts;
 mod cuts;
@@ -29,42 +31,55 @@ mod device {
     #[derive(Debug, Clone, Copy)]
     pub(super) enum Place {}
 }
+mod drape;
+mod drop;
 mod energy;
 mod error;
+mod group;
+mod heaps;
+mod knot;
 mod map;
 mod masses;
+mod measured;
 mod pins;
+mod plates;
 mod plot;
 pub(crate) mod row;
 mod runner;
 mod scales;
 mod scenes;
 mod sleep;
+mod slivers;
+mod solids;
 mod steps;
+mod subjects;
 #[cfg(test)]
 mod tests;
+mod verdicts;
 mod volumes;
 mod walls;
+mod workers;
 
 use crate::backend::Executor;
 use crate::json::Json;
 use crate::machine;
-use crate::options::RunArguments;
+use crate::numbers::short;
+use crate::options::{ModelArguments, RunArguments};
 use crate::output::OutputError;
 use crate::picture::PictureFile;
 use crate::text_table::{count, paragraphs, table_with_text};
 use case::Case;
 use clap::Args;
 use device::Device;
-use incise_progress::Progress;
 use map::Cell;
+use measured::groups;
 use plot::Map;
 use row::Row;
-use runner::{Effort, Runner};
+use runner::{Effort, Runner, Setting};
 use std::error::Error;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::PathBuf;
-use std::time::Instant;
+use verdicts::verdicts;
 
 /// Runs stress tests of the solver; fails if an invariant does not hold.
 #[derive(Args, Clone)]
@@ -77,6 +92,17 @@ pub(crate) struct StabilityArguments {
     /// Run a part of every case: seconds instead of minutes.
     #[arg(long)]
     quick: bool,
+    #[command(flatten)]
+    models: ModelArguments,
+    /// Drops of each model in the case `drop`, at most 800; large models have fewer by default.
+    #[arg(long, value_name = "N")]
+    samples: Option<u32>,
+    /// Only drops whose description, as printed by --list, contains a text.
+    #[arg(long, value_name = "TEXT")]
+    matching: Option<String>,
+    /// Print every run beyond its bound, the worst first.
+    #[arg(long)]
+    list: bool,
     /// Also draw the stability map of the case `map` as SVG and PNG: time steps by compliances,
     /// one panel per load.
     #[arg(long, value_name = "FILE")]
@@ -88,11 +114,23 @@ impl StabilityArguments {
     pub(crate) fn writes_more(&self) -> bool {
         self.plot.is_some()
     }
+
+    fn setting(&self) -> Result<Setting, Box<dyn Error>> {
+        Ok(Setting {
+            effort: match self.quick {
+                true => Effort::Quick,
+                false => Effort::Full,
+            },
+            subjects: subjects::load(self.models.models.as_deref())?.into(),
+            samples: self.samples,
+            matching: self.matching.clone(),
+        })
+    }
 }
 
 /// Returns all cases in the order of the table.
 fn cases() -> impl Iterator<Item = Case> {
-    let parts: [&[Case]; 10] = [
+    let parts: [&[Case]; 18] = [
         &steps::CASES,
         &masses::CASES,
         &scales::CASES,
@@ -103,6 +141,14 @@ fn cases() -> impl Iterator<Item = Case> {
         &sleep::CASES,
         &constraint_order::CASES,
         &map::CASES,
+        &heaps::CASES,
+        &closing::CASES,
+        &knot::CASES,
+        &drape::CASES,
+        &bars::CASES,
+        &plates::CASES,
+        &slivers::CASES,
+        &drop::CASES,
     ];
     parts.into_iter().flatten().copied()
 }
@@ -151,32 +197,6 @@ fn plots(
     Ok(opened?)
 }
 
-/// Runs cases on one backend; calls `tick` with every verdict.
-fn verdicts(
-    cases: &[Case],
-    runner: &mut Runner,
-    progress: &Progress,
-    mut tick: impl FnMut(&Row),
-) -> Vec<Row> {
-    let mut rows = Vec::new();
-    for case in cases {
-        progress.begin(case.id);
-        let begin = Instant::now();
-        let mut result = (case.run)(runner);
-        let limits = result.as_mut().ok().and_then(|worst| worst.limits.take());
-        let row = Row::new(case, result, begin.elapsed().as_secs_f64());
-        tick(&row);
-        rows.push(row);
-        if let Some(limits) = limits {
-            let row = Row::new(&energy::limits_of(case), Ok(*limits), 0.0);
-            tick(&row);
-            rows.push(row);
-        }
-        progress.step();
-    }
-    rows
-}
-
 /// Runs the cases, prints and writes their verdicts.
 pub(crate) fn run(
     arguments: &StabilityArguments,
@@ -187,6 +207,7 @@ pub(crate) fn run(
     let mut plots = plots(arguments, &named)?.into_iter();
     let mut drawn: Vec<(PictureFile, Vec<Cell>)> = Vec::new();
     let commit = machine::commit();
+    let setting = arguments.setting()?;
     let mut rows: Vec<Row> = Vec::new();
     let mut written = Ok(());
     for executor in arguments.run.backends() {
@@ -197,27 +218,16 @@ pub(crate) fn run(
         let described = (device.as_ref()).map_or_else(machine::machine, Device::describe);
         let backend = executor.name();
         writeln!(out, "{backend}: {described}, commit {commit}")?;
-        let effort = if arguments.quick {
-            Effort::Quick
-        } else {
-            Effort::Full
-        };
         if arguments.quick {
             writeln!(out, "Quick: a part of every case.")?;
         }
-        let mut runner = Runner::new(effort, device);
-        let progress = arguments.run.rows.progress(named.len(), 1);
+        let runner = Runner::new(setting.clone(), device);
+        let progress = arguments.run.rows.progress(groups(&named).len(), 1);
         let mut told = Ok(());
-        let verdicts = verdicts(&named, &mut runner, &progress, |row| {
-            let verdict = if row.passed { "pass" } else { "FAIL" };
-            told = progress.suspend(|| {
-                writeln!(
-                    out,
-                    "{verdict}  {} ({:.1} s): {}; {}",
-                    row.id, row.seconds, row.stress, row.invariant
-                )?;
-                out.flush()
-            });
+        let (verdicts, map) = verdicts(&named, runner, |rows| {
+            progress.begin(&rows[0].id);
+            told = progress.suspend(|| print(rows, arguments.list, out));
+            progress.step();
         });
         progress.end();
         told?;
@@ -227,7 +237,7 @@ pub(crate) fn run(
             commit: commit.clone(),
             ..row
         }));
-        drawn.extend(plots.next().zip(runner.map.take()));
+        drawn.extend(plots.next().zip(map));
         written = json.write(&rows);
     }
     let heading = "stress, invariant, and the worst run";
@@ -258,6 +268,22 @@ pub(crate) fn run(
         return Err(format!("{} {verb} not hold", count(failed, "invariant")).into());
     }
     Ok(())
+}
+
+/// Prints a line for each verdict of a group, and for each run beyond its bound if asked to.
+fn print(rows: &[Row], list: bool, out: &mut impl Write) -> io::Result<()> {
+    for row in rows {
+        let verdict = if row.passed { "pass" } else { "FAIL" };
+        writeln!(
+            out,
+            "{verdict}  {} ({:.1} s): {}; {}",
+            row.id, row.seconds, row.stress, row.invariant
+        )?;
+        for (value, at) in row.beyond.iter().filter(|_| list) {
+            writeln!(out, "      {}  {at}", short(Some(*value)))?;
+        }
+    }
+    out.flush()
 }
 
 /// Returns the cases with different verdicts on different backends.

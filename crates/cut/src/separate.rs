@@ -7,7 +7,6 @@
 
 use crate::sweep::Sweep;
 use incise_mesh::{Edit, HalfEdge, Surface, Topology, TriangleId, index_u32};
-use smallvec::SmallVec;
 
 /// Triangles that a search visits before the next search has its turn.
 const TURN: usize = 1024;
@@ -37,10 +36,10 @@ pub(crate) struct Separator {
 /// The triangles that were reached from one side of a loop.
 #[derive(Debug, Clone, Default)]
 struct Search {
-    reached: Vec<TriangleId>,
-    /// For reached triangles to visit, the half-edge across which they were reached. The last is
-    /// visited first, because it is the most likely to be in a cache.
-    waiting: Vec<HalfEdge>,
+    /// One half-edge of each reached triangle, that across which it was reached.
+    reached: Vec<HalfEdge>,
+    /// Number of reached triangles whose neighbors were reached, the first ones.
+    visited: usize,
     /// The search that it was joined to, itself if none (union-find).
     root: usize,
     /// The piece of its first triangle.
@@ -106,7 +105,7 @@ impl Separator {
         let slots = surface.topology().triangle_slots();
         for search in &mut self.searches {
             search.reached.clear();
-            search.waiting.clear();
+            search.visited = 0;
         }
         let seeds: Vec<TriangleId> = seeds.collect();
         self.searches.resize(seeds.len(), Search::default());
@@ -127,11 +126,13 @@ impl Separator {
             let stamp =
                 std::mem::replace(&mut self.stamps[seed.index()], self.epoch + index_u32(i));
             if stamp < self.epoch {
-                self.searches[i].reached.push(seed);
-                let topology = surface.topology();
-                let near = seed.half_edges().map(|h| topology.twin(h));
-                let near = near.into_iter().filter(|h| !h.is_null());
-                self.reach(i, &near.collect::<SmallVec<[HalfEdge; 3]>>());
+                let [h, ..] = seed.half_edges();
+                self.searches[i].reached.push(h);
+                // A visit of the seed reaches the other two neighbors.
+                let near = surface.topology().twin(h);
+                if !near.is_null() {
+                    self.reach(i, &[near]);
+                }
             } else {
                 self.join(i, (stamp - self.epoch) as usize);
             }
@@ -173,7 +174,7 @@ impl Separator {
                 piece,
                 is_mixed: pieces().any(|p| p != piece),
                 triangles: own_searches().map(|s| s.reached.len()).sum(),
-                is_finished: own_searches().all(|s| s.waiting.is_empty()),
+                is_finished: own_searches().all(|s| s.visited == s.reached.len()),
                 first_triangle: TriangleId::NULL,
             });
             from += own.len();
@@ -192,7 +193,7 @@ impl Separator {
             } else {
                 TURN
             };
-            while turn > 0 && !self.searches[i].waiting.is_empty() {
+            while turn > 0 && self.searches[i].visited < self.searches[i].reached.len() {
                 self.visit(topology, i);
                 turn -= BATCH;
             }
@@ -203,17 +204,19 @@ impl Separator {
     ///
     /// All neighbors are read before any is tested, so that memory reads overlap.
     fn visit(&mut self, topology: &Topology, i: usize) {
-        let waiting = &mut self.searches[i].waiting;
+        let Search {
+            reached, visited, ..
+        } = &mut self.searches[i];
+        let first = *visited;
+        *visited = reached.len().min(first + BATCH);
         let mut near = [HalfEdge::NULL; 2 * BATCH];
         let mut count = 0;
-        let first = waiting.len().saturating_sub(BATCH);
-        for &h in &waiting[first..] {
+        for &h in &reached[first..*visited] {
             for twin in [topology.twin(h.next()), topology.twin(h.prev())] {
                 near[count] = twin;
                 count += usize::from(!twin.is_null());
             }
         }
-        waiting.truncate(first);
         self.reach(i, &near[..count]);
     }
 
@@ -223,26 +226,26 @@ impl Separator {
     fn reach(&mut self, i: usize, near: &[HalfEdge]) {
         let own = self.epoch + index_u32(i);
         let mut new = [HalfEdge::NULL; 2 * BATCH];
-        let mut triangles = [TriangleId::NULL; 2 * BATCH];
         let mut fresh = 0;
         for &h in near {
-            let t = h.triangle();
-            let stamp = std::mem::replace(&mut self.stamps[t.index()], own);
-            (new[fresh], triangles[fresh]) = (h, t);
+            let stamp = std::mem::replace(&mut self.stamps[h.triangle().index()], own);
+            new[fresh] = h;
             fresh += usize::from(stamp < self.epoch);
             if stamp >= self.epoch && stamp != own {
                 self.join(i, (stamp - self.epoch) as usize);
             }
         }
-        self.searches[i].waiting.extend_from_slice(&new[..fresh]);
-        (self.searches[i].reached).extend_from_slice(&triangles[..fresh]);
+        (self.searches[i].reached).extend_from_slice(&new[..fresh]);
     }
 
     /// Writes the piece numbers of the parts.
     fn number_parts(&self, edit: &mut Edit<'_>, parts: &[Part]) {
         let mut parts = parts.to_vec();
         for part in parts.iter_mut().filter(|p| p.is_finished) {
-            part.first_triangle = (self.triangles(part).min()).expect("a search has a triangle");
+            let firsts = self
+                .reached(part)
+                .filter_map(|reached| reached.iter().min());
+            part.first_triangle = firsts.min().expect("a search has a triangle").triangle();
         }
         parts.sort_by_key(|part| (part.piece, part.first_triangle));
         for group in parts.chunk_by(|a, b| a.piece == b.piece) {
@@ -266,16 +269,17 @@ impl Separator {
                 } else {
                     edit.new_piece(part.piece)
                 };
-                edit.set_pieces(self.triangles(part), number);
+                for reached in self.reached(part) {
+                    edit.set_pieces(reached.iter().map(|h| h.triangle()), number);
+                }
             }
         }
     }
 
-    /// Returns the triangles of a finished part.
-    fn triangles(&self, part: &Part) -> impl Iterator<Item = TriangleId> + Clone + '_ {
+    /// Iterates over the searches of a finished part, with a half-edge of each triangle.
+    fn reached(&self, part: &Part) -> impl Iterator<Item = &[HalfEdge]> {
         let own = &self.members[part.members.0..part.members.1];
-        own.iter()
-            .flat_map(|&i| self.searches[i].reached.iter().copied())
+        own.iter().map(|&i| self.searches[i].reached.as_slice())
     }
 }
 

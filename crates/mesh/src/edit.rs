@@ -260,23 +260,31 @@ impl Edit<'_> {
     /// No slot may be free. Only debug builds check, because the check would double the time.
     pub fn set_pieces(&mut self, triangles: impl Iterator<Item = TriangleId> + Clone, piece: u32) {
         let surface = &mut *self.surface;
-        let mut pieces = triangles.clone().map(|t| surface.piece[t.index()]);
-        let Some(from) = pieces.find(|&from| from != piece) else {
+        let (topology, pieces) = (&surface.topology, &mut surface.piece);
+        let mut current = triangles.clone().map(|t| pieces[t.index()]);
+        let Some(from) = current.find(|&from| from != piece) else {
             return;
         };
         // New slots need no log, and triangles of other pieces are few.
         let known = self.log.piece.len();
-        let is_simple = |t: &TriangleId| t.index() < known && surface.piece[t.index()] == from;
-        let others: Vec<_> = triangles.clone().filter(|t| !is_simple(t)).collect();
-        let set = TriangleSet::new(triangles.filter(is_simple));
-        for t in set.iter() {
-            debug_assert!(surface.topology.is_triangle(t), "{t} is no triangle");
-            surface.piece[t.index()] = piece;
+        let mut others = Vec::new();
+        let set = TriangleSet::new(triangles, known, |t| {
+            debug_assert!(topology.is_triangle(t), "{t} is no triangle");
+            let current = &mut pieces[t.index()];
+            let is_simple = t.index() < known && *current == from;
+            if is_simple {
+                *current = piece;
+            } else {
+                others.push(t);
+            }
+            is_simple
+        });
+        if set.len() > 0 {
+            surface.pieces.shift(from, piece, index_u32(set.len()));
+            surface.history.pair(from, piece);
+            set.words().for_each(|word| surface.history.word(word));
+            self.log.move_pieces(set, from, piece);
         }
-        surface.pieces.shift(from, piece, index_u32(set.len()));
-        surface.history.pair(from, piece);
-        set.words().for_each(|word| surface.history.word(word));
-        self.log.move_pieces(set, from, piece);
         for t in others {
             self.set_piece(t, piece);
         }

@@ -24,6 +24,8 @@ use undo_state::UndoStack;
 pub(crate) struct FollowState {
     pub(crate) log: ChangeLog,
     undo: UndoStack,
+    /// Whether the last edit was an undo of a body that had moved since the undone edit.
+    is_late_undo: bool,
     dropped_pins: DroppedPins,
     /// First vertices of the interior springs that the last edit removed.
     lost_interior_springs: Vec<VertexId>,
@@ -49,6 +51,11 @@ impl FollowState {
     /// Allocates scratch memory for a body of `slots` vertices and for more `vertices`.
     pub(crate) fn reserve(&mut self, slots: usize, vertices: usize) {
         self.scratch.mass_transfer.reserve(slots, vertices);
+    }
+
+    /// Returns whether the last edit was an undo of a body that had moved since the undone edit.
+    pub(crate) fn is_late_undo(&self) -> bool {
+        self.is_late_undo
     }
 
     /// Returns the surviving first vertices of the interior springs that the last edit removed.

@@ -6,6 +6,7 @@
 
 mod constraints;
 mod edits;
+mod join;
 mod particles;
 
 use crate::constraints::Constraints;

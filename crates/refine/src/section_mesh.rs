@@ -91,7 +91,7 @@ impl Default for SectionMeshParams<'_> {
             method: refine.method,
             size: SectionMeshSize::Any,
             grading: refine.grading,
-            min_angle: 32.0,
+            min_angle: 31.0,
             max_rounds: refine.max_rounds,
             max_triangles: refine.max_triangles,
         }

@@ -4,6 +4,7 @@ use crate::blade::{Blade, BladeMode};
 use crate::contacts::ContactParams;
 use crate::error::SceneError;
 use crate::interior_springs::InteriorSpringSearch;
+use crate::params::SceneParams;
 use crate::scene::SceneNumber;
 use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Incision, Sweep};
 use incise_mesh::{Aabb, Bvh, RayHit, Surface, Undo, Vec3, VertexId};
@@ -159,6 +160,16 @@ impl Body {
         pieces
     }
 
+    /// Returns the piece of every vertex slot; none for unused ones.
+    fn piece_of_vertices(&self) -> Vec<Option<u32>> {
+        let topology = self.surface.topology();
+        let mut pieces = vec![None; topology.vertex_slots()];
+        for v in topology.vertices() {
+            pieces[v.index()] = Some(self.surface.piece(topology.outgoing(v).triangle()));
+        }
+        pieces
+    }
+
     /// Returns whether the body's bounding box overlaps `other`.
     ///
     /// Increments `aabbs_computed` if the last box, grown by the motion since, does not decide it.
@@ -274,13 +285,27 @@ impl Body {
     }
 
     /// Undoes a cut and updates constraints and masses. The BVH must be refitted.
-    pub(crate) fn undo(&mut self, undo: Undo) -> Result<(), SceneError> {
+    ///
+    /// Pieces that have moved since the cut move together.
+    pub(crate) fn undo(
+        &mut self,
+        id: BodyId,
+        undo: Undo,
+        params: &SceneParams,
+    ) -> Result<(), SceneError> {
+        let pieces = self.piece_of_vertices();
         let delta = self.cutter.undo(&mut self.surface, undo)?;
         self.topology_version = self.surface.fingerprint();
         self.know();
         self.solver.apply_delta(&mut self.surface, &delta)?;
         let (surface, bvh) = (&self.surface, self.cutter.bvh());
         self.spring_search.fill(surface, &mut self.solver, bvh)?;
+        let step = (params.dt, &params.solver);
+        let joined = (self.solver).join_after_undo(&mut self.surface, &pieces, step);
+        if joined.map_err(|error| SceneError::Step { body: id, error })? {
+            self.stale = true;
+            self.loose_bounds = None;
+        }
         Ok(())
     }
 

@@ -255,16 +255,19 @@ impl Scene {
     /// Undoes the last cut of a body with the [`Undo`](incise_mesh::Undo) of its
     /// [outcome](Self::cuts).
     ///
-    /// The triangles from before the cut return; vertices stay where they are now.
+    /// The triangles from before the cut return. Vertices stay where they are now, except that
+    /// pieces that have moved since the cut move together. Velocities stay.
     ///
     /// # Errors
     /// As [`Scene::read_back`]; [`SceneError::Undo`] when it does not belong to the body's last
-    /// cut, [`SceneError::Constraint`] when the constraints cannot be restored.
+    /// cut, [`SceneError::Constraint`] when the constraints cannot be restored,
+    /// [`SceneError::Step`] when the pieces cannot move together.
     pub fn undo(&mut self, id: BodyId, undo: incise_mesh::Undo) -> Result<(), SceneError> {
+        let params = self.params;
         let body = self.edit(id)?;
         body.validate_edit(id)?;
         body.refit();
-        body.undo(undo)
+        body.undo(id, undo, &params)
     }
 
     /// Returns the first triangle of a body that a ray hits, at the body's present position.

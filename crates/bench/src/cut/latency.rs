@@ -2,7 +2,7 @@
 //!
 //! Tips of a ball are sliced off repeatedly. At some stages slices that hit about the same number
 //! of triangles are measured and undone. The tips are moved away first, because they would lie in
-//! the way of the next slices.
+//! the way of the next slices. Caps are uniform.
 
 use super::body::{CutBody, Outcomes};
 use super::row::{Latency, Stamp};
@@ -10,6 +10,7 @@ use super::times::Times;
 use crate::directions::Directions;
 use incise_cut::{CutParams, Sweep};
 use incise_mesh::{TriangleId, Vec3, cube_sphere};
+use incise_refine::RefineParams;
 use std::error::Error;
 
 /// Name of the ball.
@@ -40,9 +41,18 @@ pub(super) fn measure(
     let mut directions = Directions(stamp.seed);
     // The ball keeps its piece number: it has the most triangles.
     let piece = body.surface.piece(TriangleId(0));
+    // With coarser caps, no slice would hit as many triangles after a few hundred others.
     let params = CutParams {
         only_piece: Some(piece),
+        refine: RefineParams {
+            grading: 0.0,
+            ..params.refine
+        },
         ..*params
+    };
+    let stamp = &Stamp {
+        grading: 0.0,
+        ..stamp.clone()
     };
     let bounds = body.surface.bounds();
     let mut near = body.surface.piece_bound();

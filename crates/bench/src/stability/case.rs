@@ -82,6 +82,8 @@ pub(super) struct Worst {
     pub(super) at: String,
     /// Number of runs or edits.
     pub(super) runs: u32,
+    /// Every run and its value, in their order.
+    pub(super) all: Vec<(f64, String)>,
     /// The largest share of the limits of every motion, in the runs that check them.
     pub(super) limits: Option<Box<Self>>,
 }
@@ -92,6 +94,7 @@ impl Default for Worst {
             value: f64::NEG_INFINITY,
             at: String::new(),
             runs: 0,
+            all: Vec::new(),
             limits: None,
         }
     }
@@ -101,10 +104,12 @@ impl Worst {
     /// Records a value; NaN counts as infinite.
     pub(super) fn take(&mut self, value: f64, at: impl Fn() -> String) {
         let value = if value.is_nan() { f64::INFINITY } else { value };
+        let at = at();
         if value > self.value {
             self.value = value;
-            self.at = at();
+            self.at.clone_from(&at);
         }
+        self.all.push((value, at));
     }
 
     /// Counts a run and records its value; a failed run counts as infinite.

@@ -3,11 +3,13 @@
 use super::case::{Case, Worst, larger};
 use super::cuts::pieces;
 use super::error::StressError;
+use super::group::joined;
+use super::measured::{Measured, Quantities, worst_of};
 use super::runner::Runner;
 use super::scenes::{FRAME, place};
-use incise_mesh::{Bvh, Surface, TriangleId, Vec3, VertexId, cube_sphere, icosphere};
+use incise_mesh::{Bvh, Surface, Vec3, VertexId, cube_sphere, icosphere};
 use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Stiffness, Volume};
-use incise_scene::{BodyId, ContactParams, Scene, SceneParams, SleepParams};
+use incise_scene::{BackendRequest, BodyId, ContactParams, Scene, SceneParams, SleepParams};
 
 pub(super) const CASES: [Case; 3] = [
     Case {
@@ -15,14 +17,14 @@ pub(super) const CASES: [Case; 3] = [
         stress: "a block cut into ten slices that lie on each other, with the default substeps",
         invariant: "time until they sleep [s]",
         bound: 60.0,
-        run: |runner| stack(runner, |stacked| stacked.seconds),
+        run: |runner| worst_of(runner, 0, stack),
     },
     Case {
         id: "contacts",
         stress: "a block cut into ten slices that lie on each other, with the default substeps",
         invariant: "depth of a vertex in another piece at the end of a second, in mean edges",
         bound: 0.1,
-        run: |runner| stack(runner, |stacked| stacked.depth),
+        run: |runner| worst_of(runner, 1, stack),
     },
     Case {
         id: "tunnel",
@@ -105,19 +107,17 @@ fn deepest(surface: &Surface) -> f64 {
     deepest
 }
 
-/// Measurements of a stack.
-struct Stacked {
-    /// Time until it sleeps \[s\].
-    seconds: f64,
-    /// \[mean edges\]
-    depth: f64,
-}
-
 /// Cuts a block into slices, one a frame, and steps until they sleep.
-fn lie(runner: &Runner, material: &Material) -> Result<Stacked, StressError> {
-    let mut surface = block(runner.pick(6, 10), [1.0, 3.0, 1.0]);
+///
+/// Returns the time until then \[s\] and the depth of a vertex in another slice \[mean edges\].
+fn lie(
+    backend: &BackendRequest,
+    squares: u32,
+    material: &Material,
+) -> Result<Quantities, StressError> {
+    let mut surface = block(squares, [1.0, 3.0, 1.0]);
     place(&mut surface, |p| p + Vec3::new(0.0, 1.5, 0.0));
-    let mut scene = runner.scene(params(-9.81, Some(0.0)))?;
+    let mut scene = Scene::with_backend(params(-9.81, Some(0.0)), backend)?;
     let body = scene.add_body(surface, material)?;
     let blade = scene.add_blade([[-9.0, 9.0, -9.0], [-9.0, 9.0, 9.0]]);
     for slice in 1..SLICES {
@@ -143,36 +143,18 @@ fn lie(runner: &Runner, material: &Material) -> Result<Stacked, StressError> {
             depth = larger(depth, deepest(body.surface()) / edge);
         }
     }
-    Ok(Stacked {
-        seconds: f64::from(frames) * f64::from(FRAME),
-        depth,
-    })
+    let seconds = f64::from(frames) * f64::from(FRAME);
+    Ok(vec![Some(seconds), Some(depth)])
 }
 
-fn stack(runner: &mut Runner, value: fn(&Stacked) -> f64) -> Result<Worst, StressError> {
-    let mut worst = Worst::default();
+fn stack(runner: &Runner) -> Result<Vec<Measured>, StressError> {
     let all = materials();
-    for (name, material) in runner.pick(&all[..1], &all) {
-        let outcome = lie(runner, material);
-        worst.judge(outcome.map(|stacked| value(&stacked)), || {
-            (*name).to_owned()
-        });
-    }
-    Ok(worst)
-}
-
-/// Joins two surfaces as components of one.
-fn together(parts: [&Surface; 2]) -> Result<Surface, StressError> {
-    let (mut corners, mut faces) = (Vec::new(), Vec::new());
-    for part in parts {
-        let offset = u32::try_from(corners.len()).unwrap_or(u32::MAX);
-        corners.extend_from_slice(part.rest_positions());
-        let topology = part.topology();
-        let of = |t: TriangleId| topology.triangle(t).map(|v| v.0 + offset);
-        faces.extend(topology.triangles().map(of));
-    }
-    Surface::from_triangles(&corners, &faces)
-        .map_err(|error| StressError::Invariant(error.to_string()))
+    let (kinds, squares) = runner.pick((1, 6), (all.len(), 10));
+    let run = |backend: &BackendRequest, (name, material): &(&str, Material)| Measured {
+        at: (*name).to_owned(),
+        quantities: lie(backend, squares, material),
+    };
+    Ok(runner.each(&all[..kinds], run))
 }
 
 /// Pins the first piece of a body and throws the second downward.
@@ -218,7 +200,8 @@ fn tunnel(runner: &mut Runner) -> Result<Worst, StressError> {
             for (name, material) in materials() {
                 let run = || -> Result<f64, StressError> {
                     let mut scene = runner.scene(params(0.0, None))?;
-                    let body = scene.add_body(together([&plate, &ball])?, &material)?;
+                    let body =
+                        scene.add_body(joined(&[plate.clone(), ball.clone()])?, &material)?;
                     #[expect(clippy::cast_possible_truncation, reason = "a speed of storage")]
                     set_up(&mut scene, body, speed as f32)?;
                     let mut through = 0;

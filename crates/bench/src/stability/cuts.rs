@@ -25,13 +25,14 @@ pub(super) fn below(directions: &mut Directions, count: usize) -> usize {
     ((part * count as f64) as usize).min(count.saturating_sub(1))
 }
 
-/// Returns a random plane through the middle half of a piece.
+/// Returns a random plane through the middle half of a piece, or of all pieces.
 pub(super) fn through(
     surface: &Surface,
-    piece: u32,
+    piece: Option<u32>,
     directions: &mut Directions,
 ) -> Result<Sweep, StressError> {
-    let triangles = (surface.topology().triangles()).filter(|&t| surface.piece(t) == piece);
+    let is_meant = |&t: &_| piece.is_none_or(|piece| surface.piece(t) == piece);
+    let triangles = surface.topology().triangles().filter(is_meant);
     let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
     for p in triangles.flat_map(|t| surface.triangle_positions(t)) {
         low = low.inf(&p);
@@ -73,7 +74,7 @@ pub(super) fn cut_largest(
         ..CutParams::default()
     };
     for _ in 0..TRIES {
-        let sweep = through(&body.surface, largest, directions)?;
+        let sweep = through(&body.surface, Some(largest), directions)?;
         cutter.refit(&body.surface);
         let Ok(outcome) = cutter.cut(&mut body.surface, &sweep, &params) else {
             continue;

@@ -224,7 +224,7 @@ pub(super) fn mechanical(
 }
 
 /// Returns the energy in compliant constraints \[J\]: half the squared error over the compliance.
-fn elastic(surface: &Surface, solver: &Solver) -> f64 {
+pub(super) fn elastic(surface: &Surface, solver: &Solver) -> f64 {
     let material = solver.material();
     let mut sum = 0.0;
     if let Some(compliance) = compliance(material.stretch) {

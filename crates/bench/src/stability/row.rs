@@ -25,6 +25,9 @@ pub(crate) struct Row {
     pub(crate) at: String,
     pub(crate) runs: u32,
     pub(crate) passed: bool,
+    /// The runs beyond the bound and their values, for `--list`.
+    #[serde(skip)]
+    pub(crate) beyond: Vec<(f64, String)>,
     pub(crate) seconds: f64,
     pub(crate) backend: String,
     pub(crate) device: String,
@@ -43,11 +46,13 @@ energy.";
 impl Row {
     /// Judges the result of a case; `backend` and `device` are set later.
     pub(super) fn new(case: &Case, result: Result<Worst, StressError>, seconds: f64) -> Self {
-        let worst = result.unwrap_or_else(|error| Worst {
+        let mut worst = result.unwrap_or_else(|error| Worst {
             value: f64::INFINITY,
             at: error.to_string(),
             ..Worst::default()
         });
+        worst.all.retain(|&(value, _)| value > case.bound);
+        worst.all.sort_by(|one, other| other.0.total_cmp(&one.0));
         Self {
             id: case.id.to_owned(),
             stress: case.stress.to_owned(),
@@ -57,6 +62,7 @@ impl Row {
             at: worst.at,
             runs: worst.runs,
             passed: worst.runs > 0 && worst.value <= case.bound,
+            beyond: worst.all,
             seconds,
             version: env!("CARGO_PKG_VERSION").to_owned(),
             ..Self::default()

@@ -3,9 +3,13 @@
 use super::device::{Device, Place};
 use super::error::StressError;
 use super::map::Cell;
+use super::measured::Measured;
+use super::subjects::Subject;
+use super::workers::side_by_side;
 use incise_mesh::{Surface, TopologyDelta};
 use incise_pbd_gpu::{Material, Solver, SolverParams};
-use incise_scene::{Scene, SceneParams};
+use incise_scene::{BackendRequest, Scene, SceneParams};
+use std::sync::Arc;
 
 /// How much of a case runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,30 +20,60 @@ pub(super) enum Effort {
     Full,
 }
 
-/// The backend and effort of the cases.
+/// The size of the cases, and their models.
+#[derive(Debug, Clone)]
+pub(super) struct Setting {
+    pub(super) effort: Effort,
+    /// The models of cases over models, smallest first.
+    pub(super) subjects: Arc<[Subject]>,
+    /// Runs per model of cases over models; `None` leaves it to the case.
+    pub(super) samples: Option<u32>,
+    /// Text that the descriptions of these runs contain; others are left out.
+    pub(super) matching: Option<String>,
+}
+
+/// The backend and setting of the cases.
 #[derive(Debug)]
 pub(super) struct Runner {
-    pub(super) effort: Effort,
+    pub(super) setting: Setting,
     /// The GPU; none for the CPU.
     pub(super) device: Option<Device>,
     /// The stability map, for `--plot`.
     pub(super) map: Option<Vec<Cell>>,
+    /// The runs that the cases of a group share, once they are made.
+    pub(super) measured: Option<Vec<Measured>>,
 }
 
 impl Runner {
-    pub(super) fn new(effort: Effort, device: Option<Device>) -> Self {
+    pub(super) fn new(setting: Setting, device: Option<Device>) -> Self {
         Self {
-            effort,
+            setting,
             device,
             map: None,
+            measured: None,
         }
     }
 
     /// Returns one value in a quick run, another in a full one.
     pub(super) fn pick<T>(&self, quick: T, full: T) -> T {
-        match self.effort {
+        match self.setting.effort {
             Effort::Quick => quick,
             Effort::Full => full,
+        }
+    }
+
+    /// Runs every item: side by side on the CPU, one after the other on a GPU.
+    pub(super) fn each<T: Sync, R: Send>(
+        &self,
+        items: &[T],
+        run: impl Fn(&BackendRequest, &T) -> R + Sync,
+    ) -> Vec<R> {
+        match &self.device {
+            Some(device) => {
+                let backend = device.backend();
+                items.iter().map(|item| run(&backend, item)).collect()
+            }
+            None => side_by_side(items, |item| run(&BackendRequest::default(), item)),
         }
     }
 

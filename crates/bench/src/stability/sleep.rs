@@ -73,7 +73,7 @@ fn cut_once(
     let surface = scene.body(body)?.surface();
     let all = pieces(surface);
     let piece = all[below(directions, all.len())];
-    let sweep = through(surface, piece, directions)?;
+    let sweep = through(surface, Some(piece), directions)?;
     scene.set_blade_piece(blade, Some(piece))?;
     swing(scene, blade, &sweep)?;
     let was_cut = scene.cut()?.failed_cuts == 0;

@@ -1,49 +1,57 @@
 //! Verdicts of a quick run, names of cases, and the files of `--plot`.
 
 use super::*;
-use incise_progress::Visibility;
 
-/// Cases that fail today in a quick run; a case that is fixed leaves this list.
+/// Invariants that fail today in a quick run; one that is mended leaves this list.
 ///
 /// Full runs fail in more (see `results`): T12 on the time until cut bodies sleep, `tunnel`,
 /// and the volumes of the armadillo after two cuts.
-const OPEN: [(&str, &str); 7] = [
+const OPEN: [(&str, &str); 18] = [
     // A single iteration of the paper's constraints in steps of 1/15 s leaves a ball crushed.
-    ("T1", "time step 1/15 to 1/60000 s"),
+    ("T1", "limits of every motion"),
     // Ten iterations do not carry a million times the mass of a vertex on springs.
-    ("T3", "load on a swinging ribbon, 1 to 1e6 times a vertex"),
+    ("T3", "limits of every motion"),
     // Small bodies fall by an edge length and more in a step, and stay crushed.
-    ("T8", "bodies of 1 mm to 1 km"),
-    (
-        "T8",
-        "fall of 1 s at 1e4 and 1e6 m from the origin, 60 and 1200 substeps a second",
-    ),
-    (
-        "contradiction",
-        "two pins 10 times as far apart as the sheet is wide, then one let go",
-    ),
+    ("T8", "limits of every motion"),
+    ("T8", "relative error of the distance"),
+    ("contradiction", "largest strain 10 s after"),
     // Pressure 0 collapses a body without stiffness to a point, and its vertices fly apart.
-    ("T10", "the same in a weightless ball without stiffness"),
-    (
-        "T20",
-        "a sheet at rest with its constraints in random orders",
-    ),
+    ("T10", "relative volume error before the next change"),
+    ("T20", "distance from the state of the first order"),
+    // Bodies of a scene do not touch, and neither do edges.
+    ("bowl", "depth"),
+    ("stack", "depth"),
+    // Rigid edges and an incompressible volume leave a pressed ball no shape.
+    ("closing", "speed"),
+    ("knot", "missing distance"),
+    ("drape", "depth"),
+    ("bars", "height"),
+    // The halves of a thin plate pass through each other.
+    ("plate", "speed"),
+    ("plate", "relative volume error"),
+    ("block", "depth"),
+    // Small bodies fall by an edge length in a step. An undo glues pieces that moved apart.
+    ("drop", "volume that a piece"),
+    ("drop", "energy gained by undoing"),
 ];
 
 #[test]
 fn a_part_of_every_case_has_the_verdict_of_the_whole() {
-    let mut runner = Runner::new(Effort::Quick, None);
+    let setting = Setting {
+        effort: Effort::Quick,
+        subjects: subjects::load(None).unwrap().into(),
+        samples: None,
+        matching: None,
+    };
     let all: Vec<Case> = cases().collect();
-    let rows = verdicts(
-        &all,
-        &mut runner,
-        &Progress::new(1, 1, Visibility::Never),
-        |_| {},
-    );
-    let failed: Vec<_> = (rows.iter().filter(|row| !row.passed))
-        .map(|row| (row.id.as_str(), row.stress.as_str()))
+    let (rows, _) = verdicts(&all, Runner::new(setting, None), |_| {});
+    let failed = rows.iter().filter(|row| !row.passed);
+    let failed: Vec<_> = failed
+        .map(|row| (row.id.as_str(), row.invariant.as_str()))
         .collect();
-    assert_eq!(failed, OPEN, "{rows:#?}");
+    let is = |one: &(&str, &str), open: &(&str, &str)| one.0 == open.0 && one.1.starts_with(open.1);
+    let known = failed.len() == OPEN.len() && failed.iter().zip(&OPEN).all(|(a, b)| is(a, b));
+    assert!(known, "{failed:#?}");
 }
 
 #[test]
@@ -92,6 +100,7 @@ fn backends_agree_when_every_verdict_is_the_same() {
             value: if passed { 0.0 } else { f64::INFINITY },
             at: String::new(),
             runs: 1,
+            all: Vec::new(),
             limits: None,
         };
         let case = cases().next().unwrap();

@@ -27,33 +27,37 @@ pub(super) struct TriangleSet {
 }
 
 impl TriangleSet {
-    /// Collects triangles.
-    pub(super) fn new(triangles: impl Iterator<Item = TriangleId> + Clone) -> Self {
-        let (mut len, mut low, mut high) = (0, usize::MAX, 0);
-        for t in triangles.clone() {
-            len += 1;
-            low = low.min(t.index());
-            high = high.max(t.index());
+    /// Collects the triangles below slot `bound` for which `is_taken` returns true.
+    ///
+    /// It is called once for each of `triangles`.
+    pub(super) fn new(
+        triangles: impl Iterator<Item = TriangleId> + Clone,
+        bound: usize,
+        mut is_taken: impl FnMut(TriangleId) -> bool,
+    ) -> Self {
+        let (mut count, mut low, mut high) = (0, usize::MAX, 0);
+        for t in triangles.clone().map(TriangleId::index) {
+            let is_below = t < bound;
+            count += usize::from(is_below);
+            low = low.min(if is_below { t } else { usize::MAX });
+            high = high.max(if is_below { t } else { 0 });
         }
         let mut set = Self {
-            len,
+            len: 0,
             first: low & !63,
             bits: Vec::new(),
             list: Vec::new(),
         };
-        if len == 0 {
-            return set;
-        }
-        let words = (high - set.first) / 64 + 1;
-        if len < MIN_PER_WORD * words {
-            set.list.reserve_exact(len);
-            set.list.extend(triangles);
+        let taken = triangles.filter(|&t| is_taken(t) && t.index() < bound);
+        let words = high.saturating_sub(set.first) / 64 + 1;
+        if count < MIN_PER_WORD * words {
+            set.list.extend(taken);
             set.list.sort_unstable();
             set.list.dedup();
             set.len = set.list.len();
         } else {
             set.bits.resize(words, 0);
-            for t in triangles {
+            for t in taken {
                 let bit = t.index() - set.first;
                 set.bits[bit / 64] |= 1 << (bit % 64);
             }
@@ -112,9 +116,10 @@ mod tests {
         let dense: Vec<u32> = (70..400).filter(|i| i % 3 != 0).collect();
         let sparse = vec![3, 900, 64_000, 1_000_000];
         for (ids, is_dense) in [(dense, true), (sparse, false), (Vec::new(), false)] {
-            let twice = || ids.iter().rev().chain(&ids[..ids.len() / 2]);
-            let triangles = || twice().map(|&i| TriangleId(i));
-            let set = TriangleSet::new(triangles());
+            let twice = ids.iter().rev().chain(&ids[..ids.len() / 2]);
+            let and_others = twice.copied().chain([99, 2_000_000]).map(TriangleId);
+            let triangles: Vec<TriangleId> = and_others.collect();
+            let set = TriangleSet::new(triangles.iter().copied(), 1_500_000, |t| t.0 != 99);
             assert_eq!(!set.bits.is_empty(), is_dense);
             assert_eq!(set.len(), ids.len());
             assert!(set.iter().map(|t| t.0).eq(ids.iter().copied()));

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 ///
 /// The thickness is the radius of a ball, or 3/2 of that of a plate. Without a limit the gradient
 /// of a nearly collapsed piece would throw its vertices away.
-const REACH: f64 = 0.25;
+pub(crate) const REACH: f32 = 0.25;
 
 /// Volume relative to a ball of the same area, below which it is a rounding error of a flat piece.
 const FLAT: f64 = 1e-6;
@@ -223,7 +223,7 @@ impl Tally {
         let encloses = self.volume.abs() > FLAT * ball;
         let rest = self.volume as f32;
         let is_closed = !self.is_open && self.untraversed == 0;
-        let reach = (REACH * 3.0 * self.volume.abs() / self.area) as f32;
+        let reach = (f64::from(REACH) * 3.0 * self.volume.abs() / self.area) as f32;
         (is_closed && encloses && rest.is_normal() && reach.is_normal()).then_some((rest, reach))
     }
 }

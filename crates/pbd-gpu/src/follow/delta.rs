@@ -57,7 +57,7 @@ impl FollowState {
         let restored = &mut self.scratch.restored;
         let mut pins_changed = self.dropped_pins.restore_pins(particles, delta, restored);
         let transfer = &mut self.scratch.mass_transfer;
-        transfer.run(particles, &mut self.undo, surface, delta);
+        self.is_late_undo = transfer.run(particles, &mut self.undo, surface, delta);
         pins_changed |= self.dropped_pins.drop_pins(particles, surface, delta);
         if pins_changed {
             self.log.mark_pins();

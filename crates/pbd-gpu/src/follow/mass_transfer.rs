@@ -51,21 +51,23 @@ impl MassTransfer {
     /// Transfers mass, momentum and angular momentum after an edit.
     ///
     /// Velocities of new vertices must be interpolated; masses must be those before the edit.
-    /// O(k log p) for k changed triangles of p pieces.
+    /// O(k log p) for k changed triangles of p pieces. Returns whether the edit was an undo that
+    /// could not be restored bit for bit.
     pub(crate) fn run(
         &mut self,
         particles: &mut Particles,
         undo: &mut UndoStack,
         surface: &mut Surface,
         delta: &TopologyDelta,
-    ) {
+    ) -> bool {
         let Self { affected, pools } = self;
         affected.find(particles, surface, delta);
         let is_undo = !delta.removed_positions.is_empty();
         if !is_undo {
             undo.record_before(particles, surface, delta, affected);
         }
-        if !(is_undo && undo.restore(particles, surface, delta, affected)) {
+        let is_restored = is_undo && undo.restore(particles, surface, delta, affected);
+        if !is_restored {
             for sharing in [Sharing::Piece, Sharing::Parent, Sharing::All] {
                 pools.divide(affected, delta, sharing);
                 if sharing == Sharing::All || pools.sums.iter().all(|sum| sum.mass > 0.0) {
@@ -86,6 +88,7 @@ impl MassTransfer {
         if !is_undo {
             undo.record_after(particles, surface, delta, affected);
         }
+        is_undo && !is_restored
     }
 }
 

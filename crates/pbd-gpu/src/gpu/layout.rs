@@ -172,6 +172,7 @@ pub(crate) struct BodyRecord {
     pub(crate) volume_alpha: f32,
     pub(crate) volume_pressure: f32,
     pub(crate) volume_recovery: f32,
+    pub(crate) volume_sink: f32,
     pub(crate) volume_carryover: f32,
     /// Number of colors of interior springs.
     pub(crate) spring_colors: u32,

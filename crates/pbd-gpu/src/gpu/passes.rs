@@ -104,6 +104,15 @@ impl Compiler<'_> {
         out.extend(self.dispatch(kernel, pass, true, &lanes));
     }
 
+    /// Adds the pass that lifts the vertices of pieces with a volume onto the ground.
+    pub(super) fn ground_before_volumes(&mut self) -> Option<Dispatch> {
+        let lanes: Vec<(u32, u32)> = (self.by_passes())
+            .map(|b| (b.slot, b.body.volumes.places.chunks * self.workgroup))
+            .collect();
+        let kernel = Kernel::Pass(EntryPoint::LiftVolumes);
+        self.dispatch(kernel, PLAIN_PASS, true, &lanes)
+    }
+
     /// Adds the passes over volumes: sums of chunks, steps of pieces, displacements.
     pub(super) fn volumes(&mut self, out: &mut Vec<Dispatch>) {
         for entry_point in [

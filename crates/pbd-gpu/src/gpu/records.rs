@@ -118,6 +118,7 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
         volume_alpha: constants.volume.alpha,
         volume_pressure: constants.volume.pressure,
         volume_recovery: constants.volume.recovery,
+        volume_sink: constants.volume.sink,
         volume_carryover: constants.volume.error_carryover,
         spring_colors: places.spring_colors,
         spring_factor: constants.interior_springs.factor,

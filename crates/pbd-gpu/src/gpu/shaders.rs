@@ -59,6 +59,8 @@ pub(crate) enum EntryPoint {
     /// One workgroup per body: several colors of one kind in order, then the overflow.
     Tail,
     /// One workgroup per chunk of vertices.
+    LiftVolumes,
+    /// One workgroup per chunk of vertices.
     SumVolumes,
     /// One workgroup per piece.
     StepVolumes,
@@ -80,7 +82,7 @@ pub(crate) enum EntryPoint {
 
 impl EntryPoint {
     /// All entry points; the index of an entry point is its number.
-    pub(crate) const ALL: [Self; 16] = [
+    pub(crate) const ALL: [Self; 17] = [
         Self::Predict,
         Self::Pins,
         Self::LongRangeAttachments,
@@ -88,6 +90,7 @@ impl EntryPoint {
         Self::Stretch,
         Self::Bending,
         Self::Tail,
+        Self::LiftVolumes,
         Self::SumVolumes,
         Self::StepVolumes,
         Self::MoveVolumes,
@@ -109,6 +112,7 @@ impl EntryPoint {
             Self::Stretch => "stretch",
             Self::Bending => "bending",
             Self::Tail => "tail",
+            Self::LiftVolumes => "lift_volumes",
             Self::SumVolumes => "sum_volumes",
             Self::StepVolumes => "step_volumes",
             Self::MoveVolumes => "move_volumes",

@@ -5,6 +5,8 @@
 //! iterations would move bodies that rest on the ground, because their corrections are small.
 
 use super::particle_state::{ParticleState, ParticleStates};
+use incise_mesh::VertexId;
+use std::cell::Cell;
 
 /// Moves vertices below `ground` \[m\] onto it and applies friction to their displacement.
 ///
@@ -18,22 +20,41 @@ pub(crate) fn ground(
     friction: f32,
 ) {
     for (cell, v) in particles.iter().zip(v) {
-        let ParticleState { x, mut d } = cell.get();
-        let depth = ground - (x[1] + d[1]);
-        if depth > 0.0 && x[3] > 0.0 {
-            d[1] += depth;
-            let sideways = (d[0] * d[0] + d[2] * d[2]).sqrt();
-            let limit = v[3] + friction * depth;
-            let kept;
-            (kept, v[3]) = if sideways > limit {
-                (1.0 - limit / sideways, 0.0)
-            } else {
-                (0.0, limit - sideways)
-            };
-            d[0] *= kept;
-            d[2] *= kept;
-            cell.set(ParticleState { x, d });
-        }
+        lift(cell, v, ground, friction);
+    }
+}
+
+/// Does the same as [`ground`] for some of the vertices.
+#[inline(never)]
+pub(crate) fn ground_of(
+    vertices: impl Iterator<Item = VertexId>,
+    particles: ParticleStates<'_>,
+    v: &mut [[f32; 4]],
+    (ground, friction): (f32, f32),
+) {
+    for vertex in vertices {
+        let i = vertex.index();
+        lift(&particles.0[i], &mut v[i], ground, friction);
+    }
+}
+
+#[inline(always)]
+fn lift(cell: &Cell<ParticleState>, v: &mut [f32; 4], ground: f32, friction: f32) {
+    let ParticleState { x, mut d } = cell.get();
+    let depth = ground - (x[1] + d[1]);
+    if depth > 0.0 && x[3] > 0.0 {
+        d[1] += depth;
+        let sideways = (d[0] * d[0] + d[2] * d[2]).sqrt();
+        let limit = v[3] + friction * depth;
+        let kept;
+        (kept, v[3]) = if sideways > limit {
+            (1.0 - limit / sideways, 0.0)
+        } else {
+            (0.0, limit - sideways)
+        };
+        d[0] *= kept;
+        d[2] *= kept;
+        cell.set(ParticleState { x, d });
     }
 }
 

@@ -10,9 +10,13 @@
 //! each reduced by a tree, then the chunks by the same tree. The fixed order makes the sums equal
 //! on any number of threads and on any GPU.
 //!
+//! A vertex on the ground does not move further down: it has no inverse mass here if its outward
+//! normal points down. The ground then takes nothing of a volume after this pass.
+//!
 //! An incompressible piece regains the loss of the current substep at once. Older losses, such as
 //! those of an impact or a change of pressure, are regained at rate [`RECOVERY`] at most:
-//! velocities follow from displacements, so a faster correction would be an explosion.
+//! velocities follow from displacements, so a faster correction would be an explosion. Gravity
+//! moves the faces of a thin piece faster than that; it regains [`LOADS`] times such a motion.
 
 use super::block::difference;
 use super::particle_state::ParticleStates;
@@ -27,6 +31,9 @@ use std::ops::Range;
 
 /// Rate at which an incompressible piece regains older volume losses, in rest volumes [1/s].
 pub(crate) const RECOVERY: f32 = 3.0;
+
+/// Maximum recovery per substep, relative to the area of a piece times `|g| h^2`.
+pub(crate) const LOADS: f32 = 4.0;
 
 /// Leaves of a reduction tree.
 pub(crate) const CHUNK: usize = 256;
@@ -62,6 +69,8 @@ struct PieceInput<'a> {
     topology: &'a Topology,
     /// Vertex that positions are relative to.
     center: usize,
+    /// Height of the ground \[m\].
+    ground: f32,
 }
 
 /// Projects the volume of every piece.
@@ -72,7 +81,7 @@ pub(crate) fn volumes(
     (leader, arch): (&mut Leader<'_>, Arch),
     particles: ParticleStates<'_>,
     (topology, set): (&Topology, &mut VolumeSet),
-    by: VolumeProjection,
+    (by, ground): (VolumeProjection, f32),
     scratch: &mut VolumeScratch,
 ) {
     for (piece, lambda) in set.pieces.iter().zip(&mut set.lambda) {
@@ -87,10 +96,11 @@ pub(crate) fn volumes(
             particles,
             topology,
             center: center.vertex.index(),
+            ground,
         };
         let sums = sum::<false>((leader, arch), input, spokes, scratch);
         let missing = (sums[0] * THIRD - by.pressure * piece.rest).abs();
-        let before = if missing > by.recovery * piece.rest.abs() || by.error_carryover > 0.0 {
+        let before = if missing > recovery(piece, by) || by.error_carryover > 0.0 {
             sum::<true>((leader, arch), input, spokes, scratch)[0]
         } else {
             sums[0]
@@ -175,6 +185,7 @@ fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &Spoke) -> ([f32; 4
         particles,
         topology,
         center,
+        ground,
     } = input;
     let v = spoke.vertex.index();
     let state = |i: usize| {
@@ -201,7 +212,8 @@ fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &Spoke) -> ([f32; 4
     let [gx, gy, gz] = sum.map(|c| c * SIXTH);
     // Vector from the vertex to the center, hence the other sign of the sum.
     let back = edge(*center);
-    let w = origin.x[3];
+    let is_held = origin.x[1] + origin.d[1] <= *ground && gy < 0.0;
+    let w = if is_held { 0.0 } else { origin.x[3] };
     let square = gx * gx + gy * gy + gz * gz;
     let place = gx * back[0] + gy * back[1] + gz * back[2];
     ([gx, gy, gz, w], [-place, w * square, w * square.sqrt()])
@@ -253,6 +265,14 @@ fn total_of(partial: &[Sums]) -> Sums {
     tree(&mut columns, partial.len().min(CHUNK))
 }
 
+/// Returns the maximum correction of an old error in a substep [m^3].
+#[inline(always)]
+fn recovery(piece: &PieceVolume, by: VolumeProjection) -> f32 {
+    let size = piece.rest.abs();
+    let (steady, loaded) = (by.recovery * size, by.sink * (size / piece.reach));
+    if loaded > steady { loaded } else { steady }
+}
+
 /// Returns the step against the gradients, by which the multiplier decreases.
 #[inline(always)]
 fn step(
@@ -266,7 +286,7 @@ fn step(
     let target = by.pressure * piece.rest;
     let error = now * THIRD - target;
     let before = before * THIRD - target;
-    let recovery = by.recovery * size;
+    let recovery = recovery(piece, by);
     let mut left = 0.0;
     if error > recovery || error < -recovery {
         left = if before > recovery {

@@ -43,6 +43,13 @@ fn displacement(i: u32, at_start: bool) -> vec3f {
     return load_d(i);
 }
 
+// Returns the inverse mass of a vertex with a gradient, 0 if the ground is in its way.
+fn inverse_mass(v: u32, gradient: vec3f) -> f32 {
+    let x = load_x(v);
+    let is_low = frame.has_ground != 0u && x.y + load_d(v).y <= frame.ground;
+    return select(x.w, 0.0, is_low && gradient.y < 0.0);
+}
+
 fn next_corner(h: u32) -> u32 {
     return select(h + 1u, h - 2u, h % 3u == 2u);
 }
@@ -66,6 +73,14 @@ fn sum_leaves(lane: u32, lanes: u32) {
     }
 }
 
+// Lifts the vertices of a chunk onto the ground.
+fn lift_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
+    let spokes = constraints[body.first_chunk + CHUNK_ENTRIES * number];
+    for (var i = lane; i < spokes.y; i += lanes) {
+        lift_vertex(constraints[body.first_spoke + spokes.x + i].x, body.friction);
+    }
+}
+
 // Computes gradients and sums of a chunk.
 fn sum_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
     let chunk = body.first_chunk + CHUNK_ENTRIES * number;
@@ -80,7 +95,7 @@ fn sum_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
             let spoke = constraints[body.first_spoke + spokes.x + i];
             let now = around(body, spoke, center, false);
             let g = now.gradient;
-            let w = load_x(spoke.x).w;
+            let w = inverse_mass(spoke.x, g);
             let square = g.x * g.x + g.y * g.y + g.z * g.z;
             leaf = vec4f(now.place, now.place, w * square, w * sqrt(square));
             if (recovers) {
@@ -128,7 +143,9 @@ fn step_of(sums: vec4f, rest: f32, reach: f32, body: Body, lambda: f32) -> f32 {
     let goal = body.volume_pressure * rest;
     let error = sums.x * THIRD - goal;
     let before = sums.y * THIRD - goal;
-    let returned = body.volume_recovery * size;
+    let steady = body.volume_recovery * size;
+    let loaded = body.volume_sink * (size / reach);
+    let returned = select(steady, loaded, loaded > steady);
     var left = 0.0;
     if (error > returned || error < -returned) {
         left = select(left, before - returned, before > returned);
@@ -156,7 +173,8 @@ fn move_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
     let step = bitcast<f32>(constraints[piece + 2u].y);
     for (var i = lane; i < spokes.y; i += lanes) {
         let v = constraints[body.first_spoke + spokes.x + i].x;
-        let by = -(load_x(v).w * step);
-        store_d(v, load_d(v) + by * velocities[first_vertex + v].xyz);
+        let g = velocities[first_vertex + v].xyz;
+        let by = -(inverse_mass(v, g) * step);
+        store_d(v, load_d(v) + by * g);
     }
 }

@@ -27,7 +27,8 @@ impl Solver {
     ///
     /// **Undo.** The delta of an undo is applied like any other. If nothing has moved since the
     /// edit, masses and velocities are restored bit for bit. Otherwise restored vertices get their
-    /// velocity from those that replaced them. Pins of deleted vertices return with the vertices,
+    /// velocity from those that replaced them, and parts that have moved apart should be
+    /// [joined](Solver::join_after_undo). Pins of deleted vertices return with the vertices,
     /// except for vertices that an edit created.
     ///
     /// Edges without rest length are accepted, unlike in [`Solver::new`], because a cut may pass

@@ -242,7 +242,7 @@ impl Frame<'_, '_> {
             };
             for passes in passes[from..to].chunk_by(is_same_layer) {
                 let pass = passes[0];
-                if pass == Pass::Ground && *step.lowest > step.constants.ground {
+                if pass.is_ground() && *step.lowest > step.constants.ground {
                     step.stats.ground_passes_skipped += 1;
                     continue;
                 }
@@ -442,12 +442,18 @@ impl BodyStep<'_, '_, '_> {
                     (leader, *arch),
                     particles,
                     piece,
-                    constants.volume,
+                    (constants.volume, constants.ground),
                     self.volume_scratch,
                 );
             }
             Pass::Colliders => {
                 colliders::colliders(particles, v, body.colliders, constants.friction);
+            }
+            Pass::GroundBeforeVolumes => {
+                stats.ground_passes += 1;
+                let vertices = body.volumes.spokes.iter().map(|spoke| spoke.vertex);
+                let ground = (constants.ground, constants.friction);
+                ground::ground_of(vertices, particles, v, ground);
             }
             Pass::Ground => {
                 stats.ground_passes += 1;

@@ -2,6 +2,7 @@
 //!
 //! The coefficients follow from the stiffness of a material and the length of a substep.
 
+use crate::constraints::volumes::REACH;
 use crate::error::StepError;
 use crate::kernels::bending::{FIRM, HOLD, RECOVERY};
 use crate::kernels::volume;
@@ -171,6 +172,9 @@ fn fraction_per_projection(k: f32, iterations: u32) -> f32 {
     (1.0 - (1.0 - f64::from(k)).powf(1.0 / f64::from(iterations))) as f32
 }
 
+/// Rest area of a piece times its reach, relative to its rest volume.
+const AREA: f32 = 3.0 * REACH;
+
 /// Coefficients of one projection of a volume constraint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VolumeProjection {
@@ -184,6 +188,8 @@ pub struct VolumeProjection {
     /// Maximum correction of an old error in a substep, as a fraction of the rest volume; unbounded
     /// for a compressible one.
     pub recovery: f32,
+    /// Factor of rest volume over `reach` in the correction that weight requires \[m\].
+    pub sink: f32,
     /// As in [`Projection`].
     pub error_carryover: f32,
     /// As in [`Projection`].
@@ -197,19 +203,29 @@ impl VolumeProjection {
         pressure: 1.0,
         diagonal_scale: 1.0,
         recovery: 0.0,
+        sink: 0.0,
         error_carryover: 0.0,
         accumulates_lambda: false,
     };
 }
 
 impl Volume {
-    /// Returns the coefficients of one projection, for `iterations` of a substep of `h` \[s\].
-    pub(crate) fn projection(self, iterations: u32, h: f32) -> VolumeProjection {
+    /// Returns the coefficients of one projection, for `iterations` of a substep of `h` \[s\] that
+    /// adds `gravity_step` to velocities [m/s].
+    pub(crate) fn projection(
+        self,
+        iterations: u32,
+        h: f32,
+        gravity_step: [f32; 3],
+    ) -> VolumeProjection {
+        let [x, y, z] = gravity_step;
+        let fall = h * (x * x + y * y + z * z).sqrt();
         let is_rigid = self.compressibility == 0.0;
         VolumeProjection {
             alpha: self.compressibility / (h * h),
             pressure: self.pressure,
             recovery: if is_rigid { volume::RECOVERY * h } else { FIRM },
+            sink: AREA * volume::LOADS * fall,
             accumulates_lambda: !is_rigid && iterations > 1,
             ..VolumeProjection::NONE
         }

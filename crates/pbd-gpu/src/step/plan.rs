@@ -54,6 +54,11 @@ pub enum Pass {
     /// Otherwise that loss would be an old error in the next substep, which is corrected slowly,
     /// and stacked pieces would collapse.
     ContactsBeforeVolumes,
+    /// Lifts the vertices of pieces with a volume onto the ground before volumes.
+    ///
+    /// The volumes pass then moves the other vertices instead, so that a piece keeps its volume
+    /// on the ground.
+    GroundBeforeVolumes,
     /// Restores the volumes of closed pieces.
     Volumes,
     /// Projects contacts, color by color.
@@ -62,7 +67,8 @@ pub enum Pass {
     Colliders,
     /// Lifts vertices onto the ground and applies friction.
     ///
-    /// Skipped in a substep in which the whole body is predicted above the ground.
+    /// Both passes over the ground are skipped in a substep in which the whole body is predicted
+    /// above it.
     Ground,
     /// Lets active contacts separate without velocity.
     ContactRecovery,
@@ -88,13 +94,19 @@ impl Pass {
                 (stage, batch.layer(), Some(kind), Some(batch))
             }
             Self::ContactsBeforeVolumes => stage(7),
-            Self::Volumes => stage(8),
-            Self::Contacts => stage(9),
-            Self::Colliders => stage(10),
-            Self::Ground => stage(11),
-            Self::ContactRecovery => stage(12),
-            Self::Integrate => stage(13),
+            Self::GroundBeforeVolumes => stage(8),
+            Self::Volumes => stage(9),
+            Self::Contacts => stage(10),
+            Self::Colliders => stage(11),
+            Self::Ground => stage(12),
+            Self::ContactRecovery => stage(13),
+            Self::Integrate => stage(14),
         }
+    }
+
+    /// Returns whether the pass lifts vertices onto the ground.
+    pub(crate) fn is_ground(self) -> bool {
+        matches!(self, Self::GroundBeforeVolumes | Self::Ground)
     }
 
     /// Returns the layer of a pass over constraints within patches.
@@ -248,6 +260,8 @@ impl StepPlan {
         push_batches(list, ConstraintKind::InteriorSpring, interior_springs);
         let before_volumes = key.contacts && key.volumes;
         push_if(list, before_volumes, Pass::ContactsBeforeVolumes);
+        let ground_before_volumes = key.ground && key.volumes;
+        push_if(list, ground_before_volumes, Pass::GroundBeforeVolumes);
         push_if(list, key.volumes, Pass::Volumes);
         push_if(list, key.contacts, Pass::Contacts);
         push_if(list, key.colliders, Pass::Colliders);
@@ -316,7 +330,7 @@ mod tests {
         let [prologue, iteration, epilogue] = [plan.prologue(), plan.iteration(), plan.epilogue()];
         let once: Vec<Pass> = [prologue, iteration, epilogue].concat();
         assert!(once.is_sorted_by(|a, b| a < b), "{once:?}");
-        assert_eq!(iteration.len(), 1 + 3 * (64 + 1) + 1 + 1 + 1 + 1 + 1);
+        assert_eq!(iteration.len(), 1 + 3 * (64 + 1) + 1 + 1 + 1 + 1 + 1 + 1);
         let all: Vec<Pass> = plan.passes().collect();
         let expected = [prologue, iteration, iteration, iteration, epilogue].concat();
         assert_eq!(all, expected);
@@ -330,8 +344,10 @@ mod tests {
             Some(&bending),
             Some(&interior_springs),
         );
-        let before = plan.iteration().contains(&Pass::ContactsBeforeVolumes);
-        assert!(!before, "there is no volume to restore");
+        for pass in [Pass::ContactsBeforeVolumes, Pass::GroundBeforeVolumes] {
+            let is_there = plan.iteration().contains(&pass);
+            assert!(!is_there, "there is no volume to restore");
+        }
     }
 
     #[test]

@@ -127,8 +127,9 @@ fn constants_of(
         diagonal_scale: DIAGONAL_SCALE,
         ..projection(springs.stiffness)
     };
+    let gravity_step = params.gravity.map(|g| g * h);
     let volume = |volume: Volume| {
-        let projection = volume.projection(params.iterations, h);
+        let projection = volume.projection(params.iterations, h, gravity_step);
         VolumeProjection {
             alpha: projection.alpha * damping,
             diagonal_scale: params.diagonal_scale,
@@ -139,7 +140,7 @@ fn constants_of(
     StepConstants {
         h,
         substeps,
-        gravity_step: params.gravity.map(|g| g * h),
+        gravity_step,
         velocity_factor: 1.0 / damping,
         stretch,
         bending: material.bending.map_or(Projection::NONE, bending),

@@ -2,7 +2,7 @@
 //!
 //! Half-edge 3t + i runs from corner i of triangle t to corner i + 1, as in
 //! [`incise_mesh::Topology`]. Two triangles form a bounding box around all points, so no convex
-//! hull is maintained. Every decision is a sign of `robust`'s exact predicates.
+//! hull is maintained. Every decision is an exact sign, see [`predicates`].
 //!
 //! This is not [`incise_mesh::Edit`]: a triangulation in the plane has no attributes, no undo and
 //! no non-manifold vertices, and flips are its inner loop. [`Cdt::flip`] and [`Cdt::split_edge`]
@@ -15,11 +15,12 @@
 
 pub(crate) mod insertion_order;
 mod location;
+mod predicates;
 pub(crate) mod segment_insertion;
 
 use incise_mesh::index_u32;
 pub(crate) use location::Location;
-use robust::{Coord, incircle, orient2d};
+pub(crate) use predicates::{is_in_circle, orient};
 
 /// The null half-edge and the null vertex.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -37,21 +38,11 @@ pub(crate) mod constraint {
 /// An edge on the boundary of a cavity.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LinkEdge {
-    /// The half-edge inside the cavity, later the one outside.
-    pub(crate) half_edge: u32,
-    ends: [u32; 2],
-    constraint: u8,
-}
-
-impl LinkEdge {
-    /// Returns the edge of a half-edge inside the cavity.
-    pub(crate) fn from_half_edge(half_edge: u32) -> Self {
-        Self {
-            half_edge,
-            ends: [NONE; 2],
-            constraint: constraint::FREE,
-        }
-    }
+    /// Start and end of the half-edge inside the cavity.
+    pub(crate) ends: [u32; 2],
+    /// The half-edge outside of the cavity.
+    pub(crate) outside: u32,
+    pub(crate) constraint: u8,
 }
 
 /// A constrained Delaunay triangulation inside a bounding box.
@@ -59,8 +50,8 @@ impl LinkEdge {
 pub(crate) struct Cdt {
     /// Positions of vertices, inserted or not, including the four corners of the box.
     pub(crate) points: Vec<[f64; 2]>,
-    /// Origin vertex of each half-edge.
-    pub(crate) origin: Vec<u32>,
+    /// Corners of each triangle: the origin vertices of its half-edges.
+    corners: Vec<[u32; 3]>,
     /// Opposite half-edge of each half-edge, [`NONE`] on the box.
     pub(crate) twin: Vec<u32>,
     /// [`constraint`] kind of each half-edge, equal on both half-edges of an edge.
@@ -85,34 +76,15 @@ pub(crate) const fn prev(h: u32) -> u32 {
     if h.is_multiple_of(3) { h + 2 } else { h - 1 }
 }
 
-#[inline]
-fn coord([x, y]: [f64; 2]) -> Coord<f64> {
-    Coord { x, y }
-}
-
-/// Returns a number with the exact sign of the orientation, positive where `c` is left of `ab`.
-#[inline]
-pub(crate) fn orient(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    orient2d(coord(a), coord(b), coord(c))
-}
-
-/// Returns a positive number if `p` lies inside the circumcircle of a counterclockwise triangle.
-///
-/// The sign is exact.
-#[inline]
-pub(crate) fn incircle_of([a, b, c]: [[f64; 2]; 3], p: [f64; 2]) -> f64 {
-    incircle(coord(a), coord(b), coord(c), coord(p))
-}
-
 impl Cdt {
     /// Resets the triangulation to a bounding box around `low` and `high`.
     ///
     /// `points` is kept; the caller pushes points before and after. Pushes the four corners of the
     /// box and returns the first corner's id.
     pub(crate) fn reset_to_box(&mut self, low: [f64; 2], high: [f64; 2]) -> u32 {
-        for list in [&mut self.origin, &mut self.twin, &mut self.outgoing] {
-            list.clear();
-        }
+        self.corners.clear();
+        self.twin.clear();
+        self.outgoing.clear();
         self.constraints.clear();
         self.region.clear();
         self.last = 0;
@@ -139,7 +111,7 @@ impl Cdt {
     /// Copies the triangles of `other`, without constraints, for point location.
     pub(crate) fn copy_triangles(&mut self, other: &Self) {
         self.points.clone_from(&other.points);
-        self.origin.clone_from(&other.origin);
+        self.corners.clone_from(&other.corners);
         self.twin.clone_from(&other.twin);
         self.region.clone_from(&other.region);
         self.outgoing.clone_from(&other.outgoing);
@@ -153,8 +125,7 @@ impl Cdt {
 
     #[inline]
     pub(crate) fn corners(&self, t: u32) -> [u32; 3] {
-        let t = 3 * t as usize;
-        [self.origin[t], self.origin[t + 1], self.origin[t + 2]]
+        self.corners[t as usize]
     }
 
     /// Returns the corner positions of a triangle.
@@ -166,18 +137,18 @@ impl Cdt {
 
     #[inline]
     pub(crate) fn start(&self, h: u32) -> u32 {
-        self.origin[h as usize]
+        self.corners.as_flattened()[h as usize]
     }
 
     #[inline]
     pub(crate) fn end(&self, h: u32) -> u32 {
-        self.origin[next(h) as usize]
+        self.start(next(h))
     }
 
     /// Returns the corner opposite to `h` in its triangle.
     #[inline]
     pub(crate) fn opposite(&self, h: u32) -> u32 {
-        self.origin[prev(h) as usize]
+        self.start(prev(h))
     }
 
     #[inline]
@@ -223,30 +194,20 @@ impl Cdt {
 
     /// Replaces the triangles of a cavity by a fan around vertex `v` (Bowyer 1981, Watson 1981).
     ///
-    /// `link` are the half-edges on the boundary of the cavity, all visible from `v`. The result is
-    /// that of [`Self::insert`] if the cavity holds all triangles whose circumcircle contains `v`.
-    pub(crate) fn insert_in_cavity(
-        &mut self,
-        v: u32,
-        cavity: &mut Vec<u32>,
-        link: &mut [LinkEdge],
-    ) {
-        for edge in link.iter_mut() {
-            let h = edge.half_edge;
-            edge.ends = [self.start(h), self.end(h)];
-            (edge.half_edge, edge.constraint) = self.twin_and_constraint(h);
-        }
+    /// `link` are the edges on the boundary of the cavity, all visible from `v`. The result is that
+    /// of [`Self::insert`] if the cavity holds all triangles whose circumcircle contains `v`.
+    pub(crate) fn insert_in_cavity(&mut self, v: u32, cavity: &mut Vec<u32>, link: &[LinkEdge]) {
         let region = self.region[cavity[0] as usize];
         while cavity.len() < link.len() {
             cavity.push(self.push_triangle(region));
         }
-        for (&t, edge) in cavity.iter().zip(link.iter()) {
+        for (&t, edge) in cavity.iter().zip(link) {
             let [a, b] = edge.ends;
-            self.origin[3 * t as usize..3 * t as usize + 3].copy_from_slice(&[a, b, v]);
+            self.corners[t as usize] = [a, b, v];
             self.outgoing[a as usize] = 3 * t;
-            self.set_twins(3 * t, edge.half_edge, edge.constraint);
+            self.set_twins(3 * t, edge.outside, edge.constraint);
         }
-        for (&t, edge) in cavity.iter().zip(link.iter()) {
+        for (&t, edge) in cavity.iter().zip(link) {
             let after = self.outgoing[edge.ends[1] as usize];
             self.set_twins(3 * t + 1, after + 2, constraint::FREE);
         }
@@ -256,7 +217,7 @@ impl Cdt {
     /// Appends a triangle without corners and returns its id.
     fn push_triangle(&mut self, region: u8) -> u32 {
         let t = self.triangles();
-        self.origin.extend_from_slice(&[NONE; 3]);
+        self.corners.push([NONE; 3]);
         self.twin.extend_from_slice(&[NONE; 3]);
         self.constraints.extend_from_slice(&[constraint::FREE; 3]);
         self.region.push(region);
@@ -264,8 +225,8 @@ impl Cdt {
     }
 
     fn set(&mut self, t: u32, corners: [u32; 3]) {
+        self.corners[t as usize] = corners;
         for (h, v) in (3 * t..).zip(corners) {
-            self.origin[h as usize] = v;
             self.outgoing[v as usize] = h;
         }
     }
@@ -281,7 +242,7 @@ impl Cdt {
     }
 
     /// Returns the twin and the constraint of `h`.
-    fn twin_and_constraint(&self, h: u32) -> (u32, u8) {
+    pub(crate) fn twin_and_constraint(&self, h: u32) -> (u32, u8) {
         (self.twin[h as usize], self.constraints[h as usize])
     }
 
@@ -377,8 +338,8 @@ impl Cdt {
             self.opposite(h),
             self.opposite(g),
         ]
-        .map(|v| coord(self.point(v)));
-        incircle(a, b, c, d) > 0.0
+        .map(|v| self.point(v));
+        is_in_circle([a, b, c], d)
     }
 
     /// Restores the Delaunay property around a new vertex by Lawson flips.

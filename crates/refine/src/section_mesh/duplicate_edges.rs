@@ -16,7 +16,7 @@ pub(crate) fn find(
 ) -> Vec<[u32; 2]> {
     let cdt = &triangulation.cdt;
     let m = index_u32(triangulation.corner_of.len());
-    (0..index_u32(cdt.origin.len()))
+    (0..3 * cdt.triangles())
         .filter(|&h| {
             cdt.region[(h / 3) as usize] == INSIDE
                 && cdt.constraints[h as usize] != constraint::LOOP

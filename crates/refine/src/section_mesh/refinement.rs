@@ -23,8 +23,8 @@ use super::loop_triangulation::{INSIDE, LoopTriangulation};
 use super::target_length::{AngleBounds, TargetLengths};
 use incise_mesh::index_u32;
 use off_center::{
-    Candidate, CavityScratch, OFF_CENTER_REACH, cos2_min_angle, distance_squared, midpoint,
-    off_center, shortest_side,
+    Candidate, CavityScratch, OFF_CENTER_REACH, cos2_min_angle, cos2_of_sides, distance_squared,
+    midpoint, off_center, shortest_side, squared_sides,
 };
 use smoothing::Star;
 
@@ -69,6 +69,8 @@ pub(crate) struct Refiner {
     pub(super) hints: Vec<u32>,
     /// Whether the neighborhood of each vertex has changed since its last smoothing.
     pub(super) stale: Vec<bool>,
+    /// Whether each vertex has moved in the current sweep of smoothing.
+    pub(super) is_moved: Vec<bool>,
     /// Vertices that smoothing has moved.
     pub(super) moved: Vec<u32>,
     pub(super) star: Star,
@@ -220,35 +222,34 @@ impl Refiner {
         if cdt.region[t as usize] != INSIDE {
             return;
         }
-        let corners = cdt.corners(t);
-        let p = corners.map(|v| cdt.point(v));
-        if cos2_min_angle(p) > self.bounds.insert || self.has_long_edge(cdt, t) {
-            self.queue.push((t, corners));
+        let squares = squared_sides(cdt.corner_points(t));
+        if cos2_of_sides(squares) > self.bounds.insert || self.has_long_edge(cdt, t, squares) {
+            self.queue.push((t, cdt.corners(t)));
         }
     }
 
     /// Returns the best point to insert for triangle `t`, if one is worth it.
     fn find_candidate(&mut self, cdt: &Cdt, t: u32) -> Option<Candidate> {
         let p = cdt.corner_points(t);
-        let (k, side) = shortest_side(p);
-        if cos2_min_angle(p) > self.bounds.insert {
+        let squares = squared_sides(p);
+        let (k, side) = shortest_side(squares);
+        let cos2 = cos2_of_sides(squares);
+        if cos2 > self.bounds.insert {
             // Among needles from rim to rim no single point helps, but rows of points do.
-            let is_needle = cos2_min_angle(p) > COS2_10 && self.has_long_edge(cdt, t);
+            let is_needle = cos2 > COS2_10 && self.has_long_edge(cdt, t, squares);
             let gain = if is_needle {
                 MIN_GAIN_NEEDLES
-            } else if cos2_min_angle(p) > COS2_20 {
+            } else if cos2 > COS2_20 {
                 MIN_GAIN_BELOW_20
             } else {
                 MIN_GAIN
             };
-            let mut evaluate = |at: [f64; 2]| {
-                let mut candidate = self.cavity.evaluate(cdt, t, at)?;
-                let is_gain = self.cavity.complete_spirals(cdt, &mut candidate, gain);
-                is_gain.then_some(candidate)
-            };
-            // Try closer to the short side if the usual off-center does not help.
-            let mut places = OFF_CENTER_REACH.into_iter();
-            let mut best = places.find_map(|reach| evaluate(off_center(p, k, reach)?));
+            let bound = |old: f64| 1.0 - gain * (1.0 - old);
+            let mut evaluate = |at: [f64; 2]| self.cavity.evaluate(cdt, t, at, bound, true);
+            // Sharper triangles are few, so they may try closer to the short side as well.
+            let reaches = if cos2 > COS2_20 { 2 } else { 1 };
+            let mut best = (OFF_CENTER_REACH.into_iter().take(reaches))
+                .find_map(|reach| evaluate(off_center(p, k, reach)?));
             for at in spiral::points(cdt, t) {
                 let candidate = evaluate(at);
                 let is_better = |candidate: &Candidate| {
@@ -258,7 +259,7 @@ impl Refiner {
             }
             return best;
         }
-        if !self.has_long_edge(cdt, t) {
+        if !self.has_long_edge(cdt, t, squares) {
             return None;
         }
         // The distance at which the other two sides are as long as the target.
@@ -270,8 +271,8 @@ impl Refiner {
         let best = places
             .filter_map(|reach| off_center(p, k, reach))
             .find_map(|at| {
-                let candidate = self.cavity.evaluate(cdt, t, at)?;
-                (candidate.new_cos2 < candidate.old_cos2.max(COS2_30)).then_some(candidate)
+                let bound = |old: f64| old.max(COS2_30);
+                self.cavity.evaluate(cdt, t, at, bound, false)
             });
         best.or_else(|| {
             let sides = [3 * t, 3 * t + 1, 3 * t + 2].into_iter();
@@ -279,8 +280,8 @@ impl Refiner {
             let length = |h: u32| distance_squared(cdt.point(cdt.start(h)), cdt.point(cdt.end(h)));
             let h = free.max_by(|&g, &h| length(g).total_cmp(&length(h)))?;
             let at = midpoint(cdt.point(cdt.start(h)), cdt.point(cdt.end(h)));
-            let candidate = self.cavity.evaluate(cdt, t, at)?;
-            (candidate.new_cos2 < candidate.old_cos2.max(COS2_20)).then_some(candidate)
+            let bound = |old: f64| old.max(COS2_20);
+            self.cavity.evaluate(cdt, t, at, bound, false)
         })
     }
 
@@ -290,14 +291,13 @@ impl Refiner {
         0.5 * of(cdt.start(h)) + 0.5 * of(cdt.end(h))
     }
 
-    fn has_long_edge(&self, cdt: &Cdt, t: u32) -> bool {
-        let corners = cdt.corners(t);
-        let p = corners.map(|v| cdt.point(v));
-        let targets = corners.map(|v| self.targets[v as usize]);
+    /// Returns whether an edge without a constraint is too long, by the squared sides.
+    fn has_long_edge(&self, cdt: &Cdt, t: u32, squares: [f64; 3]) -> bool {
+        let targets = cdt.corners(t).map(|v| self.targets[v as usize]);
         (0..3).any(|i| {
             let j = (i + 1) % 3;
             let longest = MAX_EDGE_RATIO * (0.5 * targets[i] + 0.5 * targets[j]);
-            distance_squared(p[i], p[j]) > longest * longest
+            squares[i] > longest * longest
                 && cdt.constraints[3 * t as usize + i] == constraint::FREE
         })
     }

@@ -59,10 +59,10 @@ impl AngleBounds {
     fn new(min_angle: f64) -> Self {
         let cos2 = |degrees: f64| degrees.max(0.0).to_radians().cos().powi(2);
         Self {
-            smooth: cos2(min_angle + 2.0),
+            smooth: cos2(min_angle + 3.0),
             insert: cos2(min_angle),
-            search: cos2(min_angle - 2.0),
-            insert_after_smoothing: cos2(min_angle - 7.0),
+            search: cos2(min_angle - 1.0),
+            insert_after_smoothing: cos2(min_angle - 6.0),
         }
     }
 }

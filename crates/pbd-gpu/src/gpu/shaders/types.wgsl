@@ -56,6 +56,7 @@ struct Body {
     volume_alpha: f32,
     volume_pressure: f32,
     volume_recovery: f32,
+    volume_sink: f32,
     volume_carryover: f32,
     spring_colors: u32,
     spring_factor: f32,

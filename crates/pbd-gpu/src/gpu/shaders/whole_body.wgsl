@@ -71,6 +71,16 @@ fn predict_body(body: Body, lane: u32) {
     }
 }
 
+// Lifts the vertices of all pieces onto the ground unless the body is predicted above it.
+fn lift_volumes(body: Body, lane: u32) {
+    if (!is_above_ground(atomicLoad(&lowest))) {
+        for (var chunk = 0u; chunk < body.chunks; chunk++) {
+            lift_chunk(body, chunk, lane, WORKGROUP_SIZE);
+        }
+    }
+    workgroupBarrier();
+}
+
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn whole_body(
     @builtin(workgroup_id) group: vec3u,
@@ -137,6 +147,9 @@ fn whole_body(
             if (body.pieces != 0u) {
                 if (body.contacts != 0u) {
                     project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);
+                }
+                if (frame.has_ground != 0u) {
+                    lift_volumes(body, lane);
                 }
                 project_volumes(body, lane);
             }

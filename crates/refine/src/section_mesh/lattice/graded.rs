@@ -15,7 +15,7 @@ use incise_mesh::index_u32;
 /// Spacings are then 0.83 to 1.67 targets; refinement splits edges beyond 1.5 targets.
 const MIN_TARGET: f64 = 0.6;
 /// Maximum number of points of the finest lattice: for each corner of a loop, and in addition.
-const MAX_POINTS_PER_CORNER: usize = 128;
+const MAX_POINTS_PER_CORNER: usize = 32;
 const MAX_POINTS: usize = 1 << 14;
 /// Maximum clearance of coarse points, relative to the finest spacing.
 const MAX_REACH: f64 = 5.0;
@@ -117,7 +117,7 @@ impl Lattice {
             for i in self.rows[row]..self.rows[row + 1] {
                 let points = self.points_of(self.spans[i]);
                 for point in points.start + 1..points.end {
-                    self.grow(targets, point - 1, point);
+                    self.grow_along(targets, point - 1, point);
                 }
             }
         }
@@ -128,7 +128,7 @@ impl Lattice {
             for i in self.rows[row]..self.rows[row + 1] {
                 let points = self.points_of(self.spans[i]);
                 for point in (points.start + 1..points.end).rev() {
-                    self.grow(targets, point, point - 1);
+                    self.grow_along(targets, point, point - 1);
                 }
             }
         }
@@ -173,6 +173,16 @@ impl Lattice {
         self.sizes[to] = self.sizes[to].min(grown);
     }
 
+    /// [`Self::grow`] within a row, where a target waits for that of the neighbor.
+    ///
+    /// Targets grow with the distance, so a larger neighbor is skipped.
+    #[inline]
+    fn grow_along(&mut self, targets: &TargetLengths, from: usize, to: usize) {
+        if self.sizes[from] < self.sizes[to] {
+            self.grow(targets, from, to);
+        }
+    }
+
     /// Drops points that are not in the lattice of their spacing, or too close to a loop.
     fn select(&mut self) {
         for row in 0..self.rows.len() - 1 {
@@ -180,11 +190,11 @@ impl Lattice {
             for i in self.rows[row]..self.rows[row + 1] {
                 let span = self.spans[i];
                 for (column, point) in (span.columns[0]..).zip(self.points_of(span)) {
-                    let size = self.sizes[point];
-                    let spacing = self.spacing(size);
-                    let clearance = CLEARANCE * spacing;
-                    self.dropped[point] = !is_in_lattice(number, column, spacing / self.length)
-                        || self.distances[point] < clearance * clearance;
+                    let spacing = self.spacing_in_lattice(number, column, self.sizes[point]);
+                    self.dropped[point] = spacing.is_none_or(|spacing| {
+                        let clearance = CLEARANCE * spacing;
+                        self.distances[point] < clearance * clearance
+                    });
                 }
             }
         }
@@ -200,6 +210,21 @@ impl Lattice {
         spacing
     }
 
+    /// Returns [`Self::spacing`] if a point belongs to the lattice with that spacing.
+    #[inline]
+    fn spacing_in_lattice(&self, mut row: i64, mut column: i64, target: f64) -> Option<f64> {
+        let mut spacing = self.length;
+        while target >= 2.0 * MIN_TARGET * spacing && spacing < f64::MAX {
+            let shift = (row >> 1) & 1;
+            if row & 1 != 0 || (column - shift) & 1 != 0 {
+                return None;
+            }
+            (row, column) = (row >> 1, (column - shift) >> 1);
+            spacing *= 2.0;
+        }
+        Some(spacing)
+    }
+
     fn points_of(&self, span: Span) -> std::ops::Range<usize> {
         let first = span.first as usize;
         first..first + offset(span.columns[0], span.columns[1])
@@ -209,21 +234,6 @@ impl Lattice {
 /// Returns the distance of two columns, 0 if the second is before the first.
 fn offset(from: i64, to: i64) -> usize {
     usize::try_from(to - from).unwrap_or(0)
-}
-
-/// Returns whether a point belongs to the lattice whose spacing is `factor` times L.
-#[inline]
-fn is_in_lattice(mut row: i64, mut column: i64, mut factor: f64) -> bool {
-    while factor > 1.0 {
-        let shift = (row / 2).rem_euclid(2);
-        if row % 2 != 0 || (column - shift) % 2 != 0 {
-            return false;
-        }
-        row /= 2;
-        column = (column - shift) / 2;
-        factor *= 0.5;
-    }
-    true
 }
 
 /// Returns a spacing at which the loops contain about `most` points.

@@ -5,7 +5,7 @@
 //! edges at that side.
 
 use super::spiral;
-use crate::section_mesh::cdt::{Cdt, LinkEdge, constraint, incircle_of, orient};
+use crate::section_mesh::cdt::{Cdt, LinkEdge, constraint, is_in_circle, orient};
 
 /// Maximum distances of an off-center from the midpoint of the shortest side, in its lengths.
 ///
@@ -15,14 +15,12 @@ pub(crate) const OFF_CENTER_REACH: [f64; 2] = [1.54, 0.9];
 /// cos^2 of 32 degrees: triangles at the rim with a smaller angle count as a complete spiral.
 const COS2_32: f64 = 0.72;
 
-/// A candidate point and the minimum angles, as cos^2, before and after its insertion.
+/// A candidate point that meets its bound.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Candidate {
     pub(crate) at: [f64; 2],
     /// The triangle that contains the point.
     pub(crate) triangle: u32,
-    /// cos^2 of the minimum angle of the triangles to replace.
-    pub(crate) old_cos2: f64,
     /// cos^2 of the minimum angle of the new triangles.
     pub(crate) new_cos2: f64,
 }
@@ -47,12 +45,58 @@ impl CavityScratch {
         self.stamp = 0;
     }
 
-    /// Computes the minimum angles before and after inserting `at`, and the cavity.
+    /// Returns a candidate at `at`, seen from triangle `from`, if its triangles meet a bound.
     ///
-    /// `None` if a constraint lies between triangle `from` and the point, or the point lies on an
-    /// edge or vertex.
-    pub(crate) fn evaluate(&mut self, cdt: &Cdt, from: u32, at: [f64; 2]) -> Option<Candidate> {
+    /// `bound` maps cos^2 of the minimum angle of the triangles to replace to that which all new
+    /// ones must stay below. With `completes_spirals`, a sharp triangle at the rim is rated by its
+    /// complete spiral. `None` also if a constraint lies between `from` and the point, or the point
+    /// lies on an edge or vertex.
+    pub(crate) fn evaluate(
+        &mut self,
+        cdt: &Cdt,
+        from: u32,
+        at: [f64; 2],
+        bound: impl Fn(f64) -> f64,
+        completes_spirals: bool,
+    ) -> Option<Candidate> {
         let triangle = locate_visible(cdt, from, at)?;
+        let bound = bound(self.find_cavity(cdt, triangle, at));
+        let mut new_cos2 = -1.0f64;
+        let mut is_complete = true;
+        for edge in &self.link {
+            let [p, q] = edge.ends.map(|v| cdt.point(v));
+            if orient(p, q, at) <= 0.0 {
+                return None;
+            }
+            let cos2 = cos2_min_angle([p, q, at]);
+            if cos2 < bound {
+                new_cos2 = new_cos2.max(cos2);
+            } else if completes_spirals && edge.constraint != constraint::FREE && cos2 > COS2_32 {
+                is_complete = false;
+            } else {
+                return None;
+            }
+        }
+        // Spirals cost more than triangles, so they come last.
+        if !is_complete {
+            for edge in &self.link {
+                let [p, q] = edge.ends.map(|v| cdt.point(v));
+                if cos2_min_angle([p, q, at]) >= bound {
+                    new_cos2 = new_cos2.max(spiral::cos2_beside([p, q], at));
+                }
+            }
+        }
+        (new_cos2 < bound).then_some(Candidate {
+            at,
+            triangle,
+            new_cos2,
+        })
+    }
+
+    /// Finds the cavity of `at`, which lies in `triangle`.
+    ///
+    /// Returns cos^2 of the minimum angle of its triangles.
+    fn find_cavity(&mut self, cdt: &Cdt, triangle: u32, at: [f64; 2]) -> f64 {
         self.stamps.resize(cdt.region.len(), 0);
         self.stamp += 1;
         self.stamps[triangle as usize] = self.stamp;
@@ -60,84 +104,44 @@ impl CavityScratch {
         self.cavity.clear();
         self.cavity.push(triangle);
         self.link.clear();
-        let (mut old, mut new) = (-1.0f64, -1.0f64);
+        let mut cos2 = -1.0f64;
         let mut i = 0;
-        while i < self.cavity.len() {
-            let t = self.cavity[i];
+        while let Some(&t) = self.cavity.get(i) {
             i += 1;
-            old = old.max(cos2_min_angle(cdt.corner_points(t)));
-            for h in [3 * t, 3 * t + 1, 3 * t + 2] {
-                if cdt.constraints[h as usize] == constraint::FREE {
-                    let u = cdt.twin[h as usize] / 3;
-                    if self.stamps[u as usize] == self.stamp {
+            let corners = cdt.corners(t);
+            let points = corners.map(|v| cdt.point(v));
+            cos2 = cos2.max(cos2_min_angle(points));
+            for (k, h) in (3 * t..3 * t + 3).enumerate() {
+                let next = (k + 1) % 3;
+                let (outside, constraint) = cdt.twin_and_constraint(h);
+                if constraint == constraint::FREE {
+                    let stamp = &mut self.stamps[outside as usize / 3];
+                    if *stamp == self.stamp {
                         continue;
                     }
-                    if incircle_of(cdt.corner_points(u), at) > 0.0 {
-                        self.stamps[u as usize] = self.stamp;
-                        self.cavity.push(u);
+                    let apex = cdt.point(cdt.opposite(outside));
+                    if is_in_circle([points[next], points[k], apex], at) {
+                        *stamp = self.stamp;
+                        self.cavity.push(outside / 3);
                         continue;
                     }
                 }
-                self.link.push(LinkEdge::from_half_edge(h));
-            }
-        }
-        for edge in &self.link {
-            let h = edge.half_edge;
-            let [p, q] = [cdt.start(h), cdt.end(h)].map(|v| cdt.point(v));
-            if orient(p, q, at) <= 0.0 {
-                return None;
-            }
-            new = new.max(cos2_min_angle([p, q, at]));
-        }
-        Some(Candidate {
-            at,
-            triangle,
-            old_cos2: old,
-            new_cos2: new,
-        })
-    }
-
-    /// Computes the minimum angle of the candidate evaluated last, once spirals are complete.
-    ///
-    /// Returns false unless its sin^2 is greater than `gain` times the one before.
-    pub(crate) fn complete_spirals(&self, cdt: &Cdt, candidate: &mut Candidate, gain: f64) -> bool {
-        let bound = 1.0 - gain * (1.0 - candidate.old_cos2);
-        let is_rim = |h: u32| cdt.constraints[h as usize] != constraint::FREE;
-        let corners = |h: u32| [cdt.start(h), cdt.end(h)].map(|v| cdt.point(v));
-        if candidate.new_cos2 < bound {
-            return true;
-        }
-        // Triangles inside the section decide first: those at the rim cost more.
-        let mut new = -1.0f64;
-        for is_rim_turn in [false, true] {
-            for h in self.link.iter().map(|edge| edge.half_edge) {
-                if is_rim(h) != is_rim_turn {
-                    continue;
-                }
-                let [p, q] = corners(h);
-                let cos2 = cos2_min_angle([p, q, candidate.at]);
-                new = new.max(if is_rim_turn && cos2 > COS2_32 {
-                    cos2.min(spiral::cos2_beside([p, q], candidate.at))
-                } else {
-                    cos2
+                self.link.push(LinkEdge {
+                    ends: [corners[k], corners[next]],
+                    outside,
+                    constraint,
                 });
-                if new >= bound {
-                    return false;
-                }
             }
         }
-        candidate.new_cos2 = new;
-        true
+        cos2
     }
-}
 
-impl CavityScratch {
     /// Inserts the point of a candidate as vertex `v`.
     pub(crate) fn insert(&mut self, cdt: &mut Cdt, v: u32, candidate: &Candidate) {
         if self.at != candidate.at {
-            self.evaluate(cdt, candidate.triangle, candidate.at);
+            self.find_cavity(cdt, candidate.triangle, candidate.at);
         }
-        cdt.insert_in_cavity(v, &mut self.cavity, &mut self.link);
+        cdt.insert_in_cavity(v, &mut self.cavity, &self.link);
     }
 }
 
@@ -166,28 +170,36 @@ pub(crate) fn midpoint(p: [f64; 2], q: [f64; 2]) -> [f64; 2] {
     [0.5 * p[0] + 0.5 * q[0], 0.5 * p[1] + 0.5 * q[1]]
 }
 
-/// Returns cos^2 of a triangle's minimum angle: 1/4 for an equilateral one, 1 for a degenerate one.
-pub(crate) fn cos2_min_angle([a, b, c]: [[f64; 2]; 3]) -> f64 {
-    let sides = [
+/// Returns the squared lengths of a triangle's sides, side k from corner k to the next.
+pub(crate) fn squared_sides([a, b, c]: [[f64; 2]; 3]) -> [f64; 3] {
+    [
+        distance_squared(a, b),
         distance_squared(b, c),
         distance_squared(c, a),
-        distance_squared(a, b),
-    ];
-    let shortest = sides[0].min(sides[1]).min(sides[2]);
-    let [x, y] = if sides[0] == shortest {
-        [sides[1], sides[2]]
-    } else if sides[1] == shortest {
-        [sides[0], sides[2]]
+    ]
+}
+
+/// Returns cos^2 of a triangle's minimum angle: 1/4 for an equilateral one, 1 for a degenerate one.
+pub(crate) fn cos2_min_angle(p: [[f64; 2]; 3]) -> f64 {
+    cos2_of_sides(squared_sides(p))
+}
+
+/// Returns [`cos2_min_angle`] of a triangle with these squared sides.
+pub(crate) fn cos2_of_sides([a, b, c]: [f64; 3]) -> f64 {
+    let shortest = a.min(b).min(c);
+    let [x, y] = if a == shortest {
+        [b, c]
+    } else if b == shortest {
+        [a, c]
     } else {
-        [sides[0], sides[1]]
+        [a, b]
     };
     let part = x + y - shortest;
     part * part / (4.0 * x * y)
 }
 
-/// Returns the index of a triangle's shortest side and its length.
-pub(crate) fn shortest_side(p: [[f64; 2]; 3]) -> (usize, f64) {
-    let squares = [0, 1, 2].map(|k| distance_squared(p[k], p[(k + 1) % 3]));
+/// Returns the index of the shortest of squared sides and its length.
+pub(crate) fn shortest_side(squares: [f64; 3]) -> (usize, f64) {
     let k = (0..3).fold(
         0,
         |best, k| if squares[k] < squares[best] { k } else { best },

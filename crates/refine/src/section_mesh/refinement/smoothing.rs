@@ -16,7 +16,7 @@ use crate::section_mesh::target_length::AngleBounds;
 /// Maximum number of sweeps over all points.
 const SWEEPS: usize = 3;
 /// Number of steps of the pattern search.
-const SEARCH_STEPS: usize = 4;
+const SEARCH_STEPS: usize = 3;
 /// First step length of the pattern search, relative to the shortest edge.
 const SEARCH_START: f64 = 0.3;
 /// Directions of the pattern search.
@@ -50,32 +50,43 @@ impl Refiner {
     ) {
         let cdt = &mut triangulation.cdt;
         self.moved.clear();
+        self.is_moved.resize(cdt.points.len(), false);
         for _ in 0..SWEEPS {
             let first = self.moved.len();
             for (v, &point) in (band.first..).zip(&band.lattice) {
                 if !std::mem::take(&mut self.stale[v as usize])
                     || lattice.in_core.get(point as usize) == Some(&true)
-                    || !self.star.read(cdt, v, &self.targets)
                 {
                     continue;
                 }
+                self.star.read(cdt, v, &self.targets);
                 let Some(at) = self.star.better_place(cdt.point(v), self.bounds) else {
                     continue;
                 };
                 cdt.points[v as usize] = at;
                 self.mark_stale(cdt, v);
+                self.is_moved[v as usize] = true;
                 self.moved.push(v);
             }
             if first == self.moved.len() {
                 break;
             }
-            // Flips wait for the end of the sweep, so that an edge between two moved points is
-            // tested once.
+            // Flips wait for the end of the sweep, so that each edge of a moved triangle is tested
+            // once: by the first of its moved ends or, without one, by the moved apex.
             for &v in &self.moved[first..] {
+                let is_moved = |w: u32| self.is_moved[w as usize];
                 for h in outgoing_half_edges(cdt, v) {
-                    self.sides.push(h);
-                    self.sides.push(next(h));
+                    let (w, apex) = (cdt.end(h), cdt.opposite(h));
+                    if !is_moved(w) || v < w {
+                        self.sides.push(h);
+                    }
+                    if !is_moved(w) && !is_moved(apex) {
+                        self.sides.push(next(h));
+                    }
                 }
+            }
+            for &v in &self.moved[first..] {
+                self.is_moved[v as usize] = false;
             }
             for &h in &self.sides {
                 if !cdt.is_illegal(h) {
@@ -112,11 +123,10 @@ impl Refiner {
     }
 }
 
-/// The side opposite to an inner vertex in one of its triangles.
+/// The side opposite to an inner vertex in one of its triangles. It ends where the next one starts.
 #[derive(Debug, Clone, Copy)]
 struct Side {
     start: [f64; 2],
-    end: [f64; 2],
     /// Squared length.
     square: f64,
     /// Maximum squared distance of the vertex from `start`.
@@ -126,33 +136,44 @@ struct Side {
 /// The triangles around an inner vertex.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Star {
-    /// The sides opposite to the vertex.
+    /// The sides opposite to the vertex, in cyclic order.
     sides: Vec<Side>,
     /// The side of the triangle that failed last; it is tested first.
     worst: usize,
 }
 
 impl Star {
-    /// Reads the triangles around `v`. Returns false if a constraint ends there.
-    fn read(&mut self, cdt: &Cdt, v: u32, targets: &[f64]) -> bool {
+    /// Reads the triangles around `v`, where no constraint ends.
+    fn read(&mut self, cdt: &Cdt, v: u32, targets: &[f64]) {
         self.sides.clear();
         self.worst = 0;
-        for h in outgoing_half_edges(cdt, v) {
-            if cdt.constraints[h as usize] != constraint::FREE {
-                return false;
-            }
-            let (w, start) = (cdt.end(h), cdt.point(cdt.end(h)));
-            let end = cdt.point(cdt.start(prev(h)));
-            let target = 0.5 * targets[v as usize] + 0.5 * targets[w as usize];
+        let (center, target) = (cdt.point(v), targets[v as usize]);
+        let first = cdt.outgoing[v as usize];
+        let mut h = first;
+        let mut w = cdt.end(h);
+        let mut start = cdt.point(w);
+        loop {
+            let kind = cdt.constraints[h as usize];
+            debug_assert_eq!(
+                kind,
+                constraint::FREE,
+                "points of the core are not smoothed"
+            );
+            let back = prev(h);
+            let next = cdt.start(back);
+            let end = cdt.point(next);
+            let target = 0.5 * target + 0.5 * targets[w as usize];
             self.sides.push(Side {
                 start,
-                end,
                 square: distance_squared(start, end),
-                max_start: distance_squared(start, cdt.point(v))
-                    .max((MAX_EDGE_RATIO * target).powi(2)),
+                max_start: distance_squared(start, center).max((MAX_EDGE_RATIO * target).powi(2)),
             });
+            h = cdt.twin[back as usize];
+            if h == first {
+                return;
+            }
+            (w, start) = (next, end);
         }
-        true
     }
 
     /// Returns a position with a larger minimum angle, if the search finds one.
@@ -199,25 +220,35 @@ impl Star {
     ///
     /// `None` if a triangle would be inverted or reach `bound`, or an edge would be too long.
     fn max_cos2(&mut self, at: [f64; 2], bound: f64) -> Option<f64> {
-        let (ahead, behind) = self.sides.split_at(self.worst);
+        let from_place = |p: [f64; 2]| {
+            let u = [p[0] - at[0], p[1] - at[1]];
+            (u, u[0] * u[0] + u[1] * u[1])
+        };
         // sin^2 of the minimum angle is a quotient; the smallest one is found without divisions.
         let bound = 1.0 - bound;
         let (mut least_sin2, mut divisor) = (1.0, 1.0);
-        for (i, side) in behind.iter().chain(ahead).enumerate() {
-            let (p, q, c) = (side.start, side.end, side.square);
-            let (u, w) = ([p[0] - at[0], p[1] - at[1]], [q[0] - at[0], q[1] - at[1]]);
-            let (a, b) = (u[0] * u[0] + u[1] * u[1], w[0] * w[0] + w[1] * w[1]);
+        let mut i = self.worst;
+        let (mut u, mut a) = from_place(self.sides[i].start);
+        for _ in 0..self.sides.len() {
+            let Side {
+                square: c,
+                max_start,
+                ..
+            } = self.sides[i];
+            let next = if i + 1 == self.sides.len() { 0 } else { i + 1 };
+            let (w, b) = from_place(self.sides[next].start);
             let double = u[0] * w[1] - u[1] * w[0];
             let sin2 = double * double * a.min(b).min(c);
             let product = a * b * c;
             let is_better = sin2 > bound * product;
-            if a > side.max_start || double <= MIN_AREA * (a + b) || !is_better {
-                self.worst = (self.worst + i) % self.sides.len();
+            if a > max_start || double <= MIN_AREA * (a + b) || !is_better {
+                self.worst = i;
                 return None;
             }
             if sin2 * divisor < least_sin2 * product {
                 (least_sin2, divisor) = (sin2, product);
             }
+            (i, u, a) = (next, w, b);
         }
         Some(1.0 - least_sin2 / divisor)
     }

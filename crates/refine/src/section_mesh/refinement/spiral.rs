@@ -4,7 +4,7 @@
 //! edges of different length. If they differ by ten, no single point helps: the first one leaves a
 //! worse triangle at the long edge. Such a point is therefore rated by its complete spiral.
 
-use super::off_center::{cos2_min_angle, distance_squared, shortest_side};
+use super::off_center::{cos2_min_angle, distance_squared, shortest_side, squared_sides};
 use crate::section_mesh::cdt::{Cdt, constraint};
 
 /// Numbers of triangles to try; five suffice for edges that differ by fifty.
@@ -79,7 +79,7 @@ pub(super) fn cos2_beside([p, q]: [[f64; 2]; 2], at: [f64; 2]) -> f64 {
 /// Returns the first points of the spirals from a triangle's shortest side to its rim edges.
 pub(super) fn points(cdt: &Cdt, t: u32) -> impl Iterator<Item = [f64; 2]> {
     let p = cdt.corner_points(t);
-    let (k, _) = shortest_side(p);
+    let (k, _) = shortest_side(squared_sides(p));
     let [start, end, apex] = [0, 1, 2].map(|i| (k + i) % 3);
     // The side before the shortest leaves its start, the one after its end.
     let around = [(start, end, apex), (end, start, end)];

@@ -34,7 +34,7 @@ fn token(call: &str, kind: Option<u32>) -> Option<String> {
         "project_kind" => project(kind.expect("the kind is a constant")),
         "project_volumes" => VOLUMES.to_owned(),
         "push_out" => COLLIDERS.to_owned(),
-        "lift_vertex" => GROUND.to_owned(),
+        "lift_vertex" | "lift_volumes" => GROUND.to_owned(),
         "integrate_vertex" => INTEGRATE.to_owned(),
         _ => return None,
     })
@@ -104,7 +104,7 @@ fn name(pass: Pass) -> String {
         Pass::ContactRecovery => project(CONTACT_RECOVERIES),
         Pass::Volumes => VOLUMES.to_owned(),
         Pass::Colliders => COLLIDERS.to_owned(),
-        Pass::Ground => GROUND.to_owned(),
+        Pass::GroundBeforeVolumes | Pass::Ground => GROUND.to_owned(),
         Pass::Integrate => INTEGRATE.to_owned(),
     }
 }

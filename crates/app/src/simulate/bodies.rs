@@ -1,0 +1,148 @@
+//! [`Bodies`]: the inputs of a simulation and their bodies in the scene.
+
+use crate::failure::Failure;
+use crate::input::{InputOptions, file_bounds, in_file};
+use crate::json::lossy;
+use crate::numbers::Numbers;
+use incise_mesh::geometry::{to_f32, to_f64};
+use incise_mesh::{Aabb, Surface, Vec3, VertexId, Warning};
+use incise_pbd_gpu::Material;
+use incise_scene::{BodyId, Scene, SceneError};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// An input of a simulation.
+#[derive(Serialize)]
+pub(super) struct Input {
+    #[serde(serialize_with = "lossy")]
+    pub(super) file: PathBuf,
+    /// Repairs made while reading.
+    pub(super) warnings: Vec<Warning>,
+}
+
+/// Reads the inputs relative to the origin of the first one, and moves them by the offsets \[m\].
+pub(super) fn read(
+    paths: &[PathBuf],
+    offsets: &[Numbers<3>],
+    reading: InputOptions,
+) -> Result<(Vec<Input>, Vec<Surface>), Failure> {
+    if offsets.len() > paths.len() {
+        return Err(Failure::Offsets {
+            offsets: offsets.len(),
+            bodies: paths.len(),
+        });
+    }
+    let (mut inputs, mut surfaces) = (Vec::new(), Vec::<Surface>::new());
+    for (i, path) in paths.iter().enumerate() {
+        let (mut surface, warnings) = reading.read_open(path)?;
+        surface.sort_by_position();
+        if let Some(first) = surfaces.first() {
+            surface.move_origin(first.origin());
+        }
+        if let Some(&Numbers(offset)) = offsets.get(i) {
+            shift(&mut surface, offset.into());
+        }
+        let file = path.clone();
+        inputs.push(Input { file, warnings });
+        surfaces.push(surface);
+    }
+    Ok((inputs, surfaces))
+}
+
+/// Moves a surface and its rest positions.
+fn shift(surface: &mut Surface, by: Vec3) {
+    for i in 0..surface.positions().len() {
+        let v = VertexId::from_index(i);
+        surface.rest_positions_mut()[i] = to_f32(surface.rest_position(v) + by);
+        let [x, y, z, inv_mass] = surface.positions()[i];
+        let [x, y, z] = to_f32(to_f64([x, y, z]) + by);
+        surface.positions_mut()[i] = [x, y, z, inv_mass];
+    }
+}
+
+/// Refuses a body that starts below the ground at a height relative to its origin.
+pub(super) fn check_ground(
+    surface: &Surface,
+    path: &Path,
+    ground: Option<f32>,
+) -> Result<(), Failure> {
+    match ground {
+        Some(ground) if ground > surface.bounds().min[1] => Err(Failure::BelowGround {
+            path: path.to_owned(),
+            lowest: file_bounds(surface).min[1],
+            ground: in_file(surface.origin(), &Aabb::around([[0.0, ground, 0.0]])).min[1],
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// The bodies of a scene, in the order of their inputs.
+pub(super) struct Bodies {
+    ids: Vec<BodyId>,
+    /// The inputs' files, for errors.
+    paths: Vec<PathBuf>,
+    /// The origin that all surfaces share.
+    pub(super) origin: [f64; 3],
+}
+
+impl Bodies {
+    /// Adds the surfaces of inputs to a scene.
+    pub(super) fn add(
+        scene: &mut Scene,
+        inputs: &[Input],
+        surfaces: Vec<Surface>,
+        material: &Material,
+    ) -> Result<Self, Failure> {
+        let origin = surfaces.first().map_or([0.0; 3], Surface::origin);
+        let mut ids = Vec::new();
+        for (input, surface) in inputs.iter().zip(surfaces) {
+            let id = scene.add_body(surface, material);
+            ids.push(id.map_err(|source| Failure::Scene {
+                path: input.file.clone(),
+                source,
+            })?);
+        }
+        let paths = inputs.iter().map(|input| input.file.clone()).collect();
+        Ok(Self { ids, paths, origin })
+    }
+
+    pub(super) fn ids(&self) -> &[BodyId] {
+        &self.ids
+    }
+
+    /// Returns the files of all bodies, for a message about the scene.
+    pub(super) fn all_paths(&self) -> PathBuf {
+        let names: Vec<_> = self.paths.iter().map(|p| p.to_string_lossy()).collect();
+        names.join(", ").into()
+    }
+
+    /// Returns the file of a body.
+    pub(super) fn path(&self, id: BodyId) -> PathBuf {
+        let found = self.ids.iter().position(|&own| own == id);
+        found.map_or_else(|| self.all_paths(), |i| self.paths[i].clone())
+    }
+
+    /// Returns the error of a scene with the files of its bodies.
+    pub(super) fn failed(&self, source: SceneError) -> Failure {
+        Failure::Scene {
+            path: self.all_paths(),
+            source,
+        }
+    }
+
+    /// Reads all bodies back and returns their surfaces, with their files.
+    pub(super) fn surfaces<'a>(
+        &'a self,
+        scene: &'a mut Scene,
+    ) -> Result<Vec<(&'a Surface, &'a Path)>, Failure> {
+        for &id in &self.ids {
+            scene.read_back(id).map_err(|source| self.failed(source))?;
+        }
+        let scene = &*scene;
+        let surface = |(&id, path): (&BodyId, &'a PathBuf)| {
+            let body = scene.body(id).map_err(|source| self.failed(source))?;
+            Ok((body.surface(), path.as_path()))
+        };
+        self.ids.iter().zip(&self.paths).map(surface).collect()
+    }
+}
