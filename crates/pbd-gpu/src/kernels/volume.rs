@@ -14,9 +14,10 @@
 //! normal points down. The ground then takes nothing of a volume after this pass.
 //!
 //! An incompressible piece regains the loss of the current substep at once. Older losses, such as
-//! those of an impact or a change of pressure, are regained at rate [`RECOVERY`] at most:
-//! velocities follow from displacements, so a faster correction would be an explosion. Gravity
-//! moves the faces of a thin piece faster than that; it regains [`LOADS`] times such a motion.
+//! those of an impact or a change of pressure, are regained at rate [`RECOVERY`] at most. Gravity
+//! moves the faces of a thin piece faster than that; it regains [`LOADS`] times such a motion, which
+//! becomes velocity and carries the weight. The rest moves positions instead of displacements: a
+//! piece that grows or shrinks to another volume does not gain velocity from it.
 
 use super::block::difference;
 use super::particle_state::ParticleStates;
@@ -34,6 +35,11 @@ pub(crate) const RECOVERY: f32 = 3.0;
 
 /// Maximum recovery per substep, relative to the area of a piece times `|g| h^2`.
 pub(crate) const LOADS: f32 = 4.0;
+
+/// Fraction of the recovery of a substep up to which an error is one of the current substep.
+///
+/// Telling them apart takes another sum over the piece.
+pub(crate) const RECENT: f32 = 0.125;
 
 /// Leaves of a reduction tree.
 pub(crate) const CHUNK: usize = 256;
@@ -75,6 +81,8 @@ struct PieceInput<'a> {
 
 /// Projects the volume of every piece.
 ///
+/// Returns the maximum change of the position of a vertex \[m\], without displacements.
+///
 /// Not inlined, so that it does not affect the code of the passes that every body has.
 #[inline(never)]
 pub(crate) fn volumes(
@@ -83,7 +91,8 @@ pub(crate) fn volumes(
     (topology, set): (&Topology, &mut VolumeSet),
     (by, ground): (VolumeProjection, f32),
     scratch: &mut VolumeScratch,
-) {
+) -> f32 {
+    let mut max_change = 0.0;
     for (piece, lambda) in set.pieces.iter().zip(&mut set.lambda) {
         let spokes = &set.spokes[piece.first..piece.end];
         let chunks = spokes.len().div_ceil(CHUNK);
@@ -100,18 +109,20 @@ pub(crate) fn volumes(
         };
         let sums = sum::<false>((leader, arch), input, spokes, scratch);
         let missing = (sums[0] * THIRD - by.pressure * piece.rest).abs();
-        let before = if missing > recovery(piece, by) || by.error_carryover > 0.0 {
+        let before = if missing > RECENT * recovery(piece, by) || by.error_carryover > 0.0 {
             sum::<true>((leader, arch), input, spokes, scratch)[0]
         } else {
             sums[0]
         };
         let lambda_before = if by.accumulates_lambda { *lambda } else { 0.0 };
-        let step = step(sums, before, piece, by, lambda_before);
+        let steps = steps(sums, before, piece, by, lambda_before);
         if by.accumulates_lambda {
-            *lambda -= step;
+            *lambda -= steps[0];
         }
-        apply(particles, spokes, &scratch.gradients, step);
+        apply(particles, spokes, &scratch.gradients, steps);
+        max_change = greater(max_change, steps[1].abs() * sums[2]);
     }
+    max_change
 }
 
 /// Returns the sums of a piece and stores its gradients; or the sums at the start of the substep.
@@ -269,19 +280,25 @@ fn total_of(partial: &[Sums]) -> Sums {
 #[inline(always)]
 fn recovery(piece: &PieceVolume, by: VolumeProjection) -> f32 {
     let size = piece.rest.abs();
-    let (steady, loaded) = (by.recovery * size, by.sink * (size / piece.reach));
-    if loaded > steady { loaded } else { steady }
+    greater(by.recovery * size, loaded(piece, by))
 }
 
-/// Returns the step against the gradients, by which the multiplier decreases.
+/// Returns the part of it that becomes velocity [m^3].
 #[inline(always)]
-fn step(
+fn loaded(piece: &PieceVolume, by: VolumeProjection) -> f32 {
+    by.sink * (piece.rest.abs() / piece.reach)
+}
+
+/// Returns the steps against the gradients: of the displacements, by which the multiplier
+/// decreases, and of the positions.
+#[inline(always)]
+fn steps(
     [now, weight, most]: Sums,
     before: f32,
     piece: &PieceVolume,
     by: VolumeProjection,
     lambda: f32,
-) -> f32 {
+) -> [f32; 2] {
     let size = piece.rest.abs();
     let target = by.pressure * piece.rest;
     let error = now * THIRD - target;
@@ -303,25 +320,50 @@ fn step(
     let kept = by.error_carryover * before;
     left = if kept.abs() > left.abs() { kept } else { left };
     let alpha = by.alpha * size;
-    let wish = (error - left) + alpha * lambda;
+    let old = before - left;
+    let recent = RECENT * recovery;
+    let loaded = loaded(piece, by);
+    let mut shift = 0.0;
+    if error > recent || error < -recent {
+        shift = if old > loaded { old - loaded } else { shift };
+        shift = if old < -loaded { old + loaded } else { shift };
+    }
+    let wish = ((error - left) - shift) + alpha * lambda;
     let sum = by.diagonal_scale * weight + alpha;
     let under = if weight > sum { weight } else { sum };
     let limit = piece.reach / most;
-    let mut wanted = wish / under;
-    wanted = if wanted > limit { limit } else { wanted };
-    wanted = if wanted < -limit { -limit } else { wanted };
-    if weight > 0.0 && most > 0.0 {
-        wanted
-    } else {
-        0.0
-    }
+    [wish / under, shift / under].map(|wanted| {
+        let wanted = if wanted > limit { limit } else { wanted };
+        let wanted = if wanted < -limit { -limit } else { wanted };
+        if weight > 0.0 && most > 0.0 {
+            wanted
+        } else {
+            0.0
+        }
+    })
 }
 
 #[inline(always)]
-fn apply(particles: ParticleStates<'_>, spokes: &[Spoke], gradients: &[[f32; 4]], step: f32) {
+fn apply(
+    particles: ParticleStates<'_>,
+    spokes: &[Spoke],
+    gradients: &[[f32; 4]],
+    [step, shift]: [f32; 2],
+) {
     for (spoke, &[gx, gy, gz, w]) in spokes.iter().zip(gradients) {
         let v = spoke.vertex.index();
         let by = -(w * step);
         particles.add_d(v, [by * gx, by * gy, by * gz, 0.0]);
+    }
+    if shift != 0.0 {
+        for (spoke, &[gx, gy, gz, w]) in spokes.iter().zip(gradients) {
+            let v = spoke.vertex.index();
+            let by = -(w * shift);
+            let mut state = particles.get(v);
+            for (x, g) in state.x.iter_mut().zip([gx, gy, gz]) {
+                *x += by * g;
+            }
+            particles.set(v, state);
+        }
     }
 }
