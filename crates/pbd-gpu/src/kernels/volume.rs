@@ -16,8 +16,9 @@
 //! An incompressible piece regains the loss of the current substep at once. Older losses, such as
 //! those of an impact or a change of pressure, are regained at rate [`RECOVERY`] at most. Gravity
 //! moves the faces of a thin piece faster than that; it regains [`LOADS`] times such a motion, which
-//! becomes velocity and carries the weight. The rest moves positions instead of displacements: a
-//! piece that grows or shrinks to another volume does not gain velocity from it.
+//! becomes velocity and carries the weight. The rest of a loss that takes several substeps moves
+//! positions instead of displacements: a piece that grows or shrinks to another volume does not
+//! gain velocity from it.
 
 use super::block::difference;
 use super::particle_state::ParticleStates;
@@ -35,11 +36,6 @@ pub(crate) const RECOVERY: f32 = 3.0;
 
 /// Maximum recovery per substep, relative to the area of a piece times `|g| h^2`.
 pub(crate) const LOADS: f32 = 4.0;
-
-/// Fraction of the recovery of a substep up to which an error is one of the current substep.
-///
-/// Telling them apart takes another sum over the piece.
-pub(crate) const RECENT: f32 = 0.125;
 
 /// Leaves of a reduction tree.
 pub(crate) const CHUNK: usize = 256;
@@ -109,7 +105,7 @@ pub(crate) fn volumes(
         };
         let sums = sum::<false>((leader, arch), input, spokes, scratch);
         let missing = (sums[0] * THIRD - by.pressure * piece.rest).abs();
-        let before = if missing > RECENT * recovery(piece, by) || by.error_carryover > 0.0 {
+        let before = if missing > recovery(piece, by) || by.error_carryover > 0.0 {
             sum::<true>((leader, arch), input, spokes, scratch)[0]
         } else {
             sums[0]
@@ -320,11 +316,9 @@ fn steps(
     let kept = by.error_carryover * before;
     left = if kept.abs() > left.abs() { kept } else { left };
     let alpha = by.alpha * size;
-    let old = before - left;
-    let recent = RECENT * recovery;
-    let loaded = loaded(piece, by);
     let mut shift = 0.0;
-    if error > recent || error < -recent {
+    if error > recovery || error < -recovery {
+        let (old, loaded) = (before - left, loaded(piece, by));
         shift = if old > loaded { old - loaded } else { shift };
         shift = if old < -loaded { old + loaded } else { shift };
     }

@@ -4,7 +4,6 @@
 
 const SIXTH: f32 = 0.16666667;
 const THIRD: f32 = 0.33333334;
-const RECENT: f32 = 0.125;
 
 struct Around {
     gradient: vec3f,
@@ -163,10 +162,9 @@ fn steps_of(sums: vec4f, rest: f32, reach: f32, body: Body, lambda: f32) -> vec2
     let kept = body.volume_carryover * before;
     left = select(left, kept, abs(kept) > abs(left));
     let alpha = body.volume_alpha * size;
-    let old = before - left;
-    let recent = RECENT * returned;
     var shift = 0.0;
-    if (error > recent || error < -recent) {
+    if (error > returned || error < -returned) {
+        let old = before - left;
         shift = select(shift, old - loaded, old > loaded);
         shift = select(shift, old + loaded, old < -loaded);
     }
