@@ -56,7 +56,7 @@ pub(crate) const PIN_ENTRIES: usize = 2;
 pub(crate) const ATTACHMENT_ENTRIES: usize = 2;
 
 /// Entries of a piece with volume: first chunk and number of chunks; rest volume and maximum
-/// displacement; multiplier and its last change; reference vertex.
+/// displacement; multiplier and its last change; reference vertex and step of positions.
 pub(crate) const PIECE_ENTRIES: usize = 4;
 
 /// Entries of a chunk: first spoke and number of spokes; piece; four sums.

@@ -14,9 +14,11 @@
 //! normal points down. The ground then takes nothing of a volume after this pass.
 //!
 //! An incompressible piece regains the loss of the current substep at once. Older losses, such as
-//! those of an impact or a change of pressure, are regained at rate [`RECOVERY`] at most:
-//! velocities follow from displacements, so a faster correction would be an explosion. Gravity
-//! moves the faces of a thin piece faster than that; it regains [`LOADS`] times such a motion.
+//! those of an impact or a change of pressure, are regained at rate [`RECOVERY`] at most. Gravity
+//! moves the faces of a thin piece faster than that; it regains [`LOADS`] times such a motion, which
+//! becomes velocity and carries the weight. The rest of a loss that takes several substeps moves
+//! positions instead of displacements: a piece that grows or shrinks to another volume does not
+//! gain velocity from it.
 
 use super::block::difference;
 use super::particle_state::ParticleStates;
@@ -75,6 +77,8 @@ struct PieceInput<'a> {
 
 /// Projects the volume of every piece.
 ///
+/// Returns the maximum change of the position of a vertex \[m\], without displacements.
+///
 /// Not inlined, so that it does not affect the code of the passes that every body has.
 #[inline(never)]
 pub(crate) fn volumes(
@@ -83,7 +87,8 @@ pub(crate) fn volumes(
     (topology, set): (&Topology, &mut VolumeSet),
     (by, ground): (VolumeProjection, f32),
     scratch: &mut VolumeScratch,
-) {
+) -> f32 {
+    let mut max_change = 0.0;
     for (piece, lambda) in set.pieces.iter().zip(&mut set.lambda) {
         let spokes = &set.spokes[piece.first..piece.end];
         let chunks = spokes.len().div_ceil(CHUNK);
@@ -106,12 +111,14 @@ pub(crate) fn volumes(
             sums[0]
         };
         let lambda_before = if by.accumulates_lambda { *lambda } else { 0.0 };
-        let step = step(sums, before, piece, by, lambda_before);
+        let steps = steps(sums, before, piece, by, lambda_before);
         if by.accumulates_lambda {
-            *lambda -= step;
+            *lambda -= steps[0];
         }
-        apply(particles, spokes, &scratch.gradients, step);
+        apply(particles, spokes, &scratch.gradients, steps);
+        max_change = greater(max_change, steps[1].abs() * sums[2]);
     }
+    max_change
 }
 
 /// Returns the sums of a piece and stores its gradients; or the sums at the start of the substep.
@@ -269,19 +276,25 @@ fn total_of(partial: &[Sums]) -> Sums {
 #[inline(always)]
 fn recovery(piece: &PieceVolume, by: VolumeProjection) -> f32 {
     let size = piece.rest.abs();
-    let (steady, loaded) = (by.recovery * size, by.sink * (size / piece.reach));
-    if loaded > steady { loaded } else { steady }
+    greater(by.recovery * size, loaded(piece, by))
 }
 
-/// Returns the step against the gradients, by which the multiplier decreases.
+/// Returns the part of it that becomes velocity [m^3].
 #[inline(always)]
-fn step(
+fn loaded(piece: &PieceVolume, by: VolumeProjection) -> f32 {
+    by.sink * (piece.rest.abs() / piece.reach)
+}
+
+/// Returns the steps against the gradients: of the displacements, by which the multiplier
+/// decreases, and of the positions.
+#[inline(always)]
+fn steps(
     [now, weight, most]: Sums,
     before: f32,
     piece: &PieceVolume,
     by: VolumeProjection,
     lambda: f32,
-) -> f32 {
+) -> [f32; 2] {
     let size = piece.rest.abs();
     let target = by.pressure * piece.rest;
     let error = now * THIRD - target;
@@ -303,25 +316,48 @@ fn step(
     let kept = by.error_carryover * before;
     left = if kept.abs() > left.abs() { kept } else { left };
     let alpha = by.alpha * size;
-    let wish = (error - left) + alpha * lambda;
+    let mut shift = 0.0;
+    if error > recovery || error < -recovery {
+        let (old, loaded) = (before - left, loaded(piece, by));
+        shift = if old > loaded { old - loaded } else { shift };
+        shift = if old < -loaded { old + loaded } else { shift };
+    }
+    let wish = ((error - left) - shift) + alpha * lambda;
     let sum = by.diagonal_scale * weight + alpha;
     let under = if weight > sum { weight } else { sum };
     let limit = piece.reach / most;
-    let mut wanted = wish / under;
-    wanted = if wanted > limit { limit } else { wanted };
-    wanted = if wanted < -limit { -limit } else { wanted };
-    if weight > 0.0 && most > 0.0 {
-        wanted
-    } else {
-        0.0
-    }
+    [wish / under, shift / under].map(|wanted| {
+        let wanted = if wanted > limit { limit } else { wanted };
+        let wanted = if wanted < -limit { -limit } else { wanted };
+        if weight > 0.0 && most > 0.0 {
+            wanted
+        } else {
+            0.0
+        }
+    })
 }
 
 #[inline(always)]
-fn apply(particles: ParticleStates<'_>, spokes: &[Spoke], gradients: &[[f32; 4]], step: f32) {
+fn apply(
+    particles: ParticleStates<'_>,
+    spokes: &[Spoke],
+    gradients: &[[f32; 4]],
+    [step, shift]: [f32; 2],
+) {
     for (spoke, &[gx, gy, gz, w]) in spokes.iter().zip(gradients) {
         let v = spoke.vertex.index();
         let by = -(w * step);
         particles.add_d(v, [by * gx, by * gy, by * gz, 0.0]);
+    }
+    if shift != 0.0 {
+        for (spoke, &[gx, gy, gz, w]) in spokes.iter().zip(gradients) {
+            let v = spoke.vertex.index();
+            let by = -(w * shift);
+            let mut state = particles.get(v);
+            for (x, g) in state.x.iter_mut().zip([gx, gy, gz]) {
+                *x += by * g;
+            }
+            particles.set(v, state);
+        }
     }
 }

@@ -114,8 +114,9 @@ fn sum_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
     }
 }
 
-// Sums the chunks of a piece and computes its step against the gradients.
-fn step_piece(body: Body, number: u32, lane: u32, lanes: u32) {
+// Sums the chunks of a piece and computes its steps against the gradients. The body's slot is that
+// of its report.
+fn step_piece(body: Body, slot: u32, number: u32, lane: u32, lanes: u32) {
     let piece = body.first_piece + PIECE_ENTRIES * number;
     let chunks = constraints[piece];
     for (var i = lane; i < CHUNK; i += lanes) {
@@ -133,12 +134,19 @@ fn step_piece(body: Body, number: u32, lane: u32, lanes: u32) {
         let numbers = bitcast<vec2f>(constraints[piece + 1u]);
         let remembered = bitcast<f32>(constraints[piece + 2u].x);
         let lambda = select(0.0, remembered, keeps);
-        let step = step_of(load_leaf(0u), numbers.x, numbers.y, body, lambda);
-        constraints[piece + 2u] = bitcast<vec2u>(vec2f(lambda - step, step));
+        let sums = load_leaf(0u);
+        let steps = steps_of(sums, numbers.x, numbers.y, body, lambda);
+        constraints[piece + 2u] = bitcast<vec2u>(vec2f(lambda - steps.x, steps.x));
+        constraints[piece + 3u].y = bitcast<u32>(steps.y);
+        if (frame.measures_motion != 0u) {
+            let change = abs(steps.y) * sums.w;
+            atomicMax(&reports[slot].max_displacement, bitcast<u32>(change));
+        }
     }
 }
 
-fn step_of(sums: vec4f, rest: f32, reach: f32, body: Body, lambda: f32) -> f32 {
+// Returns the steps of displacements and of positions.
+fn steps_of(sums: vec4f, rest: f32, reach: f32, body: Body, lambda: f32) -> vec2f {
     let size = abs(rest);
     let goal = body.volume_pressure * rest;
     let error = sums.x * THIRD - goal;
@@ -154,15 +162,21 @@ fn step_of(sums: vec4f, rest: f32, reach: f32, body: Body, lambda: f32) -> f32 {
     let kept = body.volume_carryover * before;
     left = select(left, kept, abs(kept) > abs(left));
     let alpha = body.volume_alpha * size;
-    let wish = (error - left) + alpha * lambda;
+    var shift = 0.0;
+    if (error > returned || error < -returned) {
+        let old = before - left;
+        shift = select(shift, old - loaded, old > loaded);
+        shift = select(shift, old + loaded, old < -loaded);
+    }
+    let wish = ((error - left) - shift) + alpha * lambda;
     let weight = sums.z;
     let sum = frame.diagonal_scale * weight + alpha;
     let under = select(sum, weight, weight > sum);
     let limit = reach / sums.w;
-    var wanted = wish / under;
-    wanted = select(wanted, limit, wanted > limit);
-    wanted = select(wanted, -limit, wanted < -limit);
-    return select(0.0, wanted, weight > 0.0 && sums.w > 0.0);
+    var wanted = vec2f(wish / under, shift / under);
+    wanted = select(wanted, vec2f(limit), wanted > vec2f(limit));
+    wanted = select(wanted, vec2f(-limit), wanted < vec2f(-limit));
+    return select(vec2f(), wanted, weight > 0.0 && sums.w > 0.0);
 }
 
 // Moves the vertices of a chunk.
@@ -171,10 +185,15 @@ fn move_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
     let spokes = constraints[chunk];
     let piece = body.first_piece + PIECE_ENTRIES * constraints[chunk + 1u].x;
     let step = bitcast<f32>(constraints[piece + 2u].y);
+    let shift = bitcast<f32>(constraints[piece + 3u].y);
     for (var i = lane; i < spokes.y; i += lanes) {
         let v = constraints[body.first_spoke + spokes.x + i].x;
         let g = velocities[first_vertex + v].xyz;
-        let by = -(inverse_mass(v, g) * step);
-        store_d(v, load_d(v) + by * g);
+        let x = load_x(v);
+        let w = inverse_mass(v, g);
+        store_d(v, load_d(v) + -(w * step) * g);
+        if (shift != 0.0) {
+            store_x(v, vec4f(x.xyz + -(w * shift) * g, x.w));
+        }
     }
 }

@@ -438,13 +438,15 @@ impl BodyStep<'_, '_, '_> {
             Pass::Volumes => {
                 stats.volume_projections += body.volumes.pieces().len() as u64;
                 let piece = (body.topology, &mut *body.volumes);
-                volume::volumes(
+                let change = volume::volumes(
                     (leader, *arch),
                     particles,
                     piece,
                     (constants.volume, constants.ground),
                     self.volume_scratch,
                 );
+                stats.max_displacement += change;
+                stats.max_substep_displacement = stats.max_substep_displacement.max(change);
             }
             Pass::Colliders => {
                 colliders::colliders(particles, v, body.colliders, constants.friction);

@@ -185,8 +185,8 @@ pub struct VolumeProjection {
     pub pressure: f32,
     /// As in [`SolverParams`](crate::SolverParams).
     pub diagonal_scale: f32,
-    /// Maximum correction of an old error in a substep, as a fraction of the rest volume; unbounded
-    /// for a compressible one.
+    /// Maximum correction of an old error per projection, as a fraction of the rest volume;
+    /// unbounded for a compressible one.
     pub recovery: f32,
     /// Factor of rest volume over `reach` in the correction that weight requires \[m\].
     pub sink: f32,
@@ -224,7 +224,11 @@ impl Volume {
         VolumeProjection {
             alpha: self.compressibility / (h * h),
             pressure: self.pressure,
-            recovery: if is_rigid { volume::RECOVERY * h } else { FIRM },
+            recovery: if is_rigid {
+                volume::RECOVERY * h / iterations as f32
+            } else {
+                FIRM
+            },
             sink: AREA * volume::LOADS * fall,
             accumulates_lambda: !is_rigid && iterations > 1,
             ..VolumeProjection::NONE

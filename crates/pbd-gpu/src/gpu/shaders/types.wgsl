@@ -105,7 +105,7 @@ struct Projection {
 // - bending constraint: (v0, v1), (v2, v3), (rest, multiplier)
 // - pin: (vertex, x), (y, z)
 // - long range attachment: (vertex, anchor), (length, 0)
-// - piece: (first chunk, chunks), (rest, reach), (multiplier, step), (center, 0)
+// - piece: (first chunk, chunks), (rest, reach), (multiplier, step), (center, step of positions)
 // - chunk: (first spoke, spokes), (piece, 0), then four sums
 // - spoke: (vertex, half-edge)
 // - corner: (origin, twin)

@@ -52,7 +52,7 @@ fn step_volumes(
     let body = bodies[work.body];
     let piece = work.first_lane / WORKGROUP_SIZE;
     if (piece < body.pieces) {
-        step_piece(body, piece, lane, WORKGROUP_SIZE);
+        step_piece(body, work.body, piece, lane, WORKGROUP_SIZE);
     }
 }
 
