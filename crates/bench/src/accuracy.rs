@@ -205,8 +205,7 @@ impl Setup<'_> {
                 .flat_map(|s| numbers.iter().map(move |n| (s, n)))
             {
                 progress.step();
-                // The GPU has no second-order integrator.
-                if (executor, scheme) == (Executor::Gpu, Scheme::Second) {
+                if executor == Executor::Gpu && scheme.is_cpu_only() {
                     continue;
                 }
                 let body = scene.body_by(scheme, f64::from(DT) / f64::from(substeps))?;

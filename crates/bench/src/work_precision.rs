@@ -105,13 +105,17 @@ pub(crate) fn least_gain(ours: &[Point], theirs: &[Point]) -> Option<f64> {
 /// A scheme as plots name it.
 type Scheme = (&'static str, fn(&Row) -> bool);
 
-const SCHEMES: [Scheme; 5] = [
+const SCHEMES: [Scheme; 7] = [
     ("XPBD", |row| row.scheme == "xpbd"),
     ("the paper's (PBD, one substep)", Row::is_paper),
     ("PBD", |row| row.scheme == "pbd" && !row.is_paper()),
     ("XPBD, diagonal scale 0.5", |row| row.scheme == "xpbd-half"),
     ("the same, second order", |row| {
         row.scheme == "xpbd-half-bdf2"
+    }),
+    ("global step", |row| row.scheme == "global"),
+    ("global step, second order", |row| {
+        row.scheme == "global-bdf2"
     }),
 ];
 

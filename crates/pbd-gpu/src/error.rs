@@ -201,7 +201,8 @@ pub enum StepError {
     },
     /// The GPU backend supports implicit Euler only.
     #[error(
-        "the GPU backend supports implicit Euler only; use Integrator::Euler, or step on the CPU"
+        "the GPU backend supports sweeps with implicit Euler only; use Scheme::Sweeps and \
+         Integrator::Euler, or step on the CPU"
     )]
     UnsupportedOnGpu,
     /// The surface was edited, but the delta was not applied to the solver.

@@ -3,6 +3,8 @@
 mod constraints;
 mod error;
 mod follow;
+#[cfg(feature = "global")]
+mod global;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod kernels;
@@ -21,6 +23,8 @@ pub use constraints::coloring::{LAYERS, MAX_COLORS};
 pub use constraints::contacts::{Contact, ContactKind, ContactSet};
 pub use constraints::volumes::{PieceVolume, VolumeSet};
 pub use error::{ConstraintError, InvalidConstraints, StepError};
+#[cfg(feature = "global")]
+pub use global::GlobalStats;
 #[cfg(feature = "gpu")]
 pub use gpu::{
     AdapterKind, AdapterLimits, AdapterRequest, AdapterSummary, Context, GpuBackend, GpuBody,
@@ -32,7 +36,7 @@ pub use patches::{PATCH_VERTICES, PatchParams};
 pub use solver::Solver;
 pub use step::constants::{Projection, StepConstants, VolumeProjection};
 pub use step::island::{Island, IslandBodies, IslandError};
-pub use step::params::{Integrator, SolverParams, StepStats};
+pub use step::params::{Integrator, Scheme, SolverParams, StepStats};
 pub use step::plan::{ConstraintKind, Pass, StepPlan};
 #[cfg(feature = "gpu")]
 pub use wgpu;

@@ -179,6 +179,31 @@ impl Solver {
         prepare(step, constraints, particles, material, dt, params)
     }
 
+    /// Prepares the global step of a frame, or drops it from a body that does not take it.
+    #[cfg(feature = "global")]
+    pub(crate) fn prepare_global(
+        &mut self,
+        surface: &Surface,
+        constants: &StepConstants,
+        params: &SolverParams,
+    ) {
+        if !crate::global::is_used(params, &self.material) {
+            self.step.global = None;
+            return;
+        }
+        let global = self.step.global.get_or_insert_default();
+        let body = (&self.particles, &self.constraints, surface);
+        global.prepare(body, constants, params);
+    }
+
+    /// Returns memory and cost of the global step; zero for a body that does not take it.
+    #[cfg(feature = "global")]
+    #[must_use]
+    pub fn global_stats(&self) -> crate::global::GlobalStats {
+        let global = self.step.global.as_ref();
+        global.map(|global| global.stats()).unwrap_or_default()
+    }
+
     /// Returns the material.
     #[must_use]
     pub fn material(&self) -> &Material {

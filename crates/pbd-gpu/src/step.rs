@@ -22,6 +22,9 @@ pub(crate) struct StepState {
     /// Longest recent substep, which decays over frames \[s\].
     pub(crate) longest_substep: f32,
     pub(crate) stats: StepStats,
+    /// The global step of a body that takes it.
+    #[cfg(feature = "global")]
+    pub(crate) global: Option<Box<crate::global::GlobalStep>>,
 }
 
 impl StepState {

@@ -78,7 +78,7 @@ impl Convergence {
     /// Returns the converged motion with a scheme's integrator; none if it was not computed.
     pub(super) fn known(&self, scheme: Scheme, substeps: u32) -> Option<&[State]> {
         let levels = match scheme {
-            Scheme::Second => &self.fine,
+            Scheme::Second | Scheme::GlobalSecond => &self.fine,
             _ => &self.euler,
         };
         let states = level(levels, substeps).ok()?;

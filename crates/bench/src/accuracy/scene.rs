@@ -18,19 +18,37 @@ pub(super) enum Scheme {
     Half,
     /// XPBD with a diagonal scale of 0.5 and BDF2 substeps.
     Second,
+    /// The global step with compliances.
+    Global,
+    /// The global step with BDF2 substeps.
+    GlobalSecond,
     /// The paper's stiffnesses of 0 to 1, those of an isolated constraint with the median weight
     /// and the same compliance.
     Pbd,
 }
 
 impl Scheme {
-    pub(super) const ALL: [Self; 4] = [Self::Xpbd, Self::Half, Self::Second, Self::Pbd];
+    pub(super) const ALL: [Self; 6] = [
+        Self::Xpbd,
+        Self::Half,
+        Self::Second,
+        Self::Global,
+        Self::GlobalSecond,
+        Self::Pbd,
+    ];
+
+    /// Returns whether the GPU backend does not support the scheme.
+    pub(super) const fn is_cpu_only(self) -> bool {
+        matches!(self, Self::Second | Self::Global | Self::GlobalSecond)
+    }
 
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Xpbd => "xpbd",
             Self::Half => "xpbd-half",
             Self::Second => "xpbd-half-bdf2",
+            Self::Global => "global",
+            Self::GlobalSecond => "global-bdf2",
             Self::Pbd => "pbd",
         }
     }
@@ -87,14 +105,19 @@ impl Scene {
     pub(super) fn params_by(&self, scheme: Scheme, substeps: u32, iterations: u32) -> SolverParams {
         let diagonal_scale = match scheme {
             Scheme::Half | Scheme::Second => 0.5,
-            Scheme::Xpbd | Scheme::Pbd => 1.0,
+            Scheme::Xpbd | Scheme::Global | Scheme::GlobalSecond | Scheme::Pbd => 1.0,
         };
         let integrator = match scheme {
-            Scheme::Second => Integrator::Bdf2,
+            Scheme::Second | Scheme::GlobalSecond => Integrator::Bdf2,
             _ => Integrator::Euler,
+        };
+        let scheme = match scheme {
+            Scheme::Global | Scheme::GlobalSecond => incise_pbd_gpu::Scheme::Global,
+            _ => incise_pbd_gpu::Scheme::Sweeps,
         };
         SolverParams {
             diagonal_scale,
+            scheme,
             integrator,
             ..self.params(substeps, iterations)
         }

@@ -11,7 +11,7 @@ use super::uniforms::PASS_STRIDE;
 use crate::error::StepError;
 use crate::solver::Solver;
 use crate::step::constants::StepConstants;
-use crate::step::params::{Integrator, SolverParams};
+use crate::step::params::SolverParams;
 use bytemuck::Zeroable;
 use wgpu::{BindGroup, ComputePass, ComputePassDescriptor};
 
@@ -34,7 +34,7 @@ impl GpuBackend {
         params: &SolverParams,
     ) -> Result<&GpuStats, GpuError> {
         params.check(dt)?;
-        if params.integrator != Integrator::Euler {
+        if !params.is_supported_on_gpu() {
             return Err(StepError::UnsupportedOnGpu.into());
         }
         self.context.check()?;

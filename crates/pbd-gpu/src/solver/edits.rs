@@ -49,6 +49,10 @@ impl Solver {
         self.constraints.contacts.clear();
         self.constraints.attachments.invalidate();
         self.step.plan.invalidate();
+        #[cfg(feature = "global")]
+        if let Some(global) = &mut self.step.global {
+            global.follow_edit(delta);
+        }
         Ok(())
     }
 

@@ -67,6 +67,10 @@ fn parts<'a>(
     if member.has_own_pins {
         body.pins = step.history.pins();
     }
+    #[cfg(feature = "global")]
+    {
+        body.global = step.global.as_deref_mut();
+    }
     (&step.plan, body)
 }
 
@@ -358,6 +362,28 @@ fn project_batch<K: Kernel<N>, const N: usize>(
     count
 }
 
+/// Runs a pass of the global step.
+#[cfg(feature = "global")]
+fn global_pass(
+    particles: ParticleStates<'_>,
+    body: &mut Body<'_>,
+    constants: &StepConstants,
+    pass: Pass,
+) {
+    let sets = crate::global::EnergySets {
+        stretch: body.stretch,
+        bending: body.bending.as_deref(),
+        interior_springs: body.interior_springs.as_deref(),
+    };
+    if let Some(global) = &mut body.global {
+        if pass == Pass::BeginGlobal {
+            global.begin(particles, sets, constants);
+        } else {
+            global.iterate(particles, sets, constants);
+        }
+    }
+}
+
 impl BodyStep<'_, '_, '_> {
     /// Projects the constraints of all patches of a layer.
     fn project_patches(&mut self, layer: usize) {
@@ -430,12 +456,21 @@ impl BodyStep<'_, '_, '_> {
                     }
                 }
             }
+            Pass::BeginGlobal | Pass::GlobalIteration => {
+                #[cfg(feature = "global")]
+                global_pass(particles, body, constants, pass);
+                stats.global_iterations += u32::from(pass == Pass::GlobalIteration);
+            }
             // `Frame` projects the contacts of the island.
             Pass::ContactFeatures
             | Pass::ContactsBeforeVolumes
             | Pass::Contacts
             | Pass::ContactRecovery => {}
             Pass::Volumes => {
+                #[cfg(feature = "global")]
+                if let Some(global) = &mut body.global {
+                    global.hold_obstructed(particles);
+                }
                 stats.volume_projections += body.volumes.pieces().len() as u64;
                 let piece = (body.topology, &mut *body.volumes);
                 let change = volume::volumes(
@@ -445,6 +480,10 @@ impl BodyStep<'_, '_, '_> {
                     (constants.volume, constants.ground),
                     self.volume_scratch,
                 );
+                #[cfg(feature = "global")]
+                if let Some(global) = &mut body.global {
+                    global.mark_unobstructed(particles);
+                }
                 stats.max_displacement += change;
                 stats.max_substep_displacement = stats.max_substep_displacement.max(change);
             }

@@ -34,6 +34,9 @@ pub(crate) struct Body<'a> {
     pub(crate) patches: &'a mut PatchContents,
     /// Long range attachments.
     pub(crate) attachments: &'a [LongRangeAttachment],
+    /// The global step, if the body takes it.
+    #[cfg(feature = "global")]
+    pub(crate) global: Option<&'a mut crate::global::GlobalStep>,
 }
 
 impl<'a> Body<'a> {
@@ -56,6 +59,8 @@ impl<'a> Body<'a> {
             patches: &mut constraints.patch_contents,
             pins: &particles.pins,
             attachments: constraints.attachments.list(),
+            #[cfg(feature = "global")]
+            global: None,
         }
     }
 }

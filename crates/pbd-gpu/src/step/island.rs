@@ -207,6 +207,14 @@ fn prepare_member(
     solver.check_step(surface)?;
     let constants = solver.prepare(dt, params)?;
     let orders = both_orders(solver.material(), &constants, params);
+    #[cfg(feature = "global")]
+    {
+        let of = match params.integrator {
+            Integrator::Euler => &constants,
+            Integrator::Bdf2 => &orders.second,
+        };
+        solver.prepare_global(surface, of, params);
+    }
     let (_, constraints, _) = solver.step_parts();
     constraints.update_patch_contents();
     Ok(Member {

@@ -31,6 +31,8 @@ pub struct SolverParams {
     ///
     /// They cost one pass per iteration for such bodies.
     pub attachments: bool,
+    /// Solution of the constraints of a substep.
+    pub scheme: Scheme,
     /// Time integration of a substep.
     pub integrator: Integrator,
     /// Maximum number of threads of a step on the CPU; `None` for all of the current rayon pool.
@@ -38,6 +40,23 @@ pub struct SolverParams {
     /// The results do not depend on it. One thread is the calling thread: no pool is touched.
     /// Small bodies always take one.
     pub threads: Option<NonZeroUsize>,
+}
+
+/// Solution of the constraints of a substep.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Scheme {
+    /// Projections, color by color. They cost least and carry a load by one edge per iteration.
+    #[default]
+    Sweeps,
+    /// Iterations of a global quasi-Newton step, which carry a load through the whole body.
+    ///
+    /// An iteration takes about as long as two of sweeps. Use it for large and stiff bodies, with
+    /// one or two substeps of four to eight iterations. A body with a rigid or a PBD stiffness has
+    /// no energy to minimize and takes sweeps. The GPU backend does not support it. Results
+    /// depend on the instruction set of the CPU, not on the number of threads.
+    #[cfg(feature = "global")]
+    Global,
 }
 
 /// Time integration of a substep.
@@ -86,9 +105,15 @@ impl SolverParams {
             residual: None,
             diagonal_scale: 1.0,
             attachments: false,
+            scheme: Scheme::Sweeps,
             integrator: Integrator::Euler,
             threads: None,
         }
+    }
+
+    /// Returns whether the GPU backend can step bodies with these parameters.
+    pub(crate) fn is_supported_on_gpu(&self) -> bool {
+        self.integrator == Integrator::Euler && self.scheme == Scheme::Sweeps
     }
 
     /// Checks all parameters and the time step `dt` \[s\].
@@ -137,6 +162,8 @@ pub struct StepStats {
     pub stretch_projections: u64,
     /// Bending constraints projected.
     pub bending_projections: u64,
+    /// Iterations of the global step.
+    pub global_iterations: u32,
     /// Interior springs projected.
     pub interior_spring_projections: u64,
     /// Contacts tested, whether active or not.

@@ -39,6 +39,8 @@ pub enum Pass {
     ContactFeatures,
     /// Sets all multipliers to zero.
     ResetMultipliers,
+    /// Starts the [global step](crate::Scheme) from the predicted displacements.
+    BeginGlobal,
     /// Pulls vertices back that are too far from their pinned anchor.
     LongRangeAttachments,
     /// Projects the constraints of one batch.
@@ -48,6 +50,8 @@ pub enum Pass {
         /// The batch in the set of that kind.
         batch: BatchId,
     },
+    /// Runs an iteration of the global step, in place of projections.
+    GlobalIteration,
     /// Projects contacts before volumes, in a body that has both.
     ///
     /// The volumes pass then restores in the same substep the volume that contacts removed.
@@ -85,22 +89,24 @@ impl Pass {
             Self::Pins => stage(1),
             Self::ContactFeatures => stage(2),
             Self::ResetMultipliers => stage(3),
-            Self::LongRangeAttachments => stage(4),
+            Self::BeginGlobal => stage(4),
+            Self::LongRangeAttachments => stage(5),
+            Self::GlobalIteration => stage(6),
             Self::Project { kind, batch } => {
                 let stage = match kind {
-                    ConstraintKind::Stretch | ConstraintKind::Bending => 5,
-                    ConstraintKind::InteriorSpring => 6,
+                    ConstraintKind::Stretch | ConstraintKind::Bending => 7,
+                    ConstraintKind::InteriorSpring => 8,
                 };
                 (stage, batch.layer(), Some(kind), Some(batch))
             }
-            Self::ContactsBeforeVolumes => stage(7),
-            Self::GroundBeforeVolumes => stage(8),
-            Self::Volumes => stage(9),
-            Self::Contacts => stage(10),
-            Self::Colliders => stage(11),
-            Self::Ground => stage(12),
-            Self::ContactRecovery => stage(13),
-            Self::Integrate => stage(14),
+            Self::ContactsBeforeVolumes => stage(9),
+            Self::GroundBeforeVolumes => stage(10),
+            Self::Volumes => stage(11),
+            Self::Contacts => stage(12),
+            Self::Colliders => stage(13),
+            Self::Ground => stage(14),
+            Self::ContactRecovery => stage(15),
+            Self::Integrate => stage(16),
         }
     }
 
@@ -155,6 +161,8 @@ pub(crate) struct PlanKey {
     pub(crate) iterations: u32,
     pub(crate) pins: bool,
     pub(crate) attachments: bool,
+    /// Whether the global step replaces projections.
+    pub(crate) global: bool,
     pub(crate) volumes: bool,
     pub(crate) contacts: bool,
     pub(crate) colliders: bool,
@@ -252,12 +260,16 @@ impl StepPlan {
         push_if(&mut self.prologue, key.pins, Pass::Pins);
         push_if(&mut self.prologue, key.contacts, Pass::ContactFeatures);
         push_if(&mut self.prologue, key.multipliers, Pass::ResetMultipliers);
+        push_if(&mut self.prologue, key.global, Pass::BeginGlobal);
         self.iteration.clear();
         let list = &mut self.iteration;
         push_if(list, key.attachments, Pass::LongRangeAttachments);
-        push_batches(list, ConstraintKind::Stretch, Some(stretch));
-        push_batches(list, ConstraintKind::Bending, bending);
-        push_batches(list, ConstraintKind::InteriorSpring, interior_springs);
+        push_if(list, key.global, Pass::GlobalIteration);
+        if !key.global {
+            push_batches(list, ConstraintKind::Stretch, Some(stretch));
+            push_batches(list, ConstraintKind::Bending, bending);
+            push_batches(list, ConstraintKind::InteriorSpring, interior_springs);
+        }
         let before_volumes = key.contacts && key.volumes;
         push_if(list, before_volumes, Pass::ContactsBeforeVolumes);
         let ground_before_volumes = key.ground && key.volumes;
@@ -320,6 +332,7 @@ mod tests {
             iterations: 3,
             pins: true,
             attachments: true,
+            global: false,
             volumes: true,
             contacts: true,
             colliders: true,

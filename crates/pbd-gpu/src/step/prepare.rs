@@ -56,6 +56,7 @@ pub(crate) fn prepare(
     }
     let key = PlanKey {
         attachments,
+        global: takes_global_step(params, material),
         iterations: params.iterations,
         pins: !particles.pins.is_empty(),
         volumes: !volumes.pieces().is_empty(),
@@ -67,6 +68,18 @@ pub(crate) fn prepare(
     };
     (step.plan).update(key, stretch, bending.as_ref(), interior_springs.as_ref());
     Ok(constants)
+}
+
+/// Returns whether the global step replaces the projections of a body.
+#[cfg(feature = "global")]
+pub(crate) fn takes_global_step(params: &SolverParams, material: &Material) -> bool {
+    crate::global::is_used(params, material)
+}
+
+/// Returns false: the global step is not compiled.
+#[cfg(not(feature = "global"))]
+pub(crate) fn takes_global_step(_: &SolverParams, _: &Material) -> bool {
+    false
 }
 
 /// Returns the fraction of old errors that rigid constraints leave in a frame of `dt` \[s\].

@@ -106,6 +106,7 @@ fn name(pass: Pass) -> String {
         Pass::Colliders => COLLIDERS.to_owned(),
         Pass::GroundBeforeVolumes | Pass::Ground => GROUND.to_owned(),
         Pass::Integrate => INTEGRATE.to_owned(),
+        Pass::BeginGlobal | Pass::GlobalIteration => unreachable!("not in plans for GPUs"),
     }
 }
 
@@ -129,6 +130,7 @@ fn full_plan() -> StepPlan {
     }
     springs.insert([VertexId(0), VertexId(1)], 1.0);
     let key = PlanKey {
+        global: false,
         iterations: 2,
         pins: true,
         attachments: true,

@@ -1,0 +1,159 @@
+//! The global step: a quasi-Newton method whose preconditioner is one factored sparse matrix.
+//!
+//! Local projections carry a load by one edge per iteration. The global step minimizes the
+//! objective of an implicit Euler substep instead, with displacements `D` as the unknowns:
+//!
+//! ```text
+//! F(D) = sum m |D - D_predicted|^2 / 2 + sum C(x + D)^2 / (2 alpha)
+//! ```
+//!
+//! over edges, hinges and interior springs, with `alpha` as in XPBD. A direction is that of
+//! projective dynamics (Bouaziz et al. 2014): the inverse of a constant matrix, the same for all
+//! three coordinates, times the gradient. The last steps correct it by L-BFGS (Liu et al. 2017).
+//!
+//! [`objective`] evaluates `F` and its gradient, [`matrix`] assembles and factors the matrix,
+//! [`preconditioner`] keeps a factor while the body changes, and [`minimizer`] iterates. Pins hold
+//! by their zero inverse mass. Volumes, contacts, colliders and the ground are projected after
+//! each iteration, as with sweeps.
+//!
+//! Results are the same on any number of threads. Unlike those of sweeps they depend on the
+//! instruction set, because `faer` uses fused multiply-add where the CPU has it.
+
+mod job;
+mod matrix;
+mod minimizer;
+mod objective;
+mod preconditioner;
+#[cfg(test)]
+mod tests;
+
+use crate::constraints::Constraints;
+use crate::constraints::batches::{BendingSet, StretchSet};
+use crate::kernels::particle_state::ParticleStates;
+use crate::material::{Material, Stiffness};
+use crate::particles::Particles;
+use crate::step::constants::StepConstants;
+use crate::step::params::{Scheme, SolverParams};
+use incise_mesh::{Surface, TopologyDelta, VertexId};
+use minimizer::Minimizer;
+use objective::{Compliances, Objective};
+use preconditioner::Preconditioner;
+use std::time::Duration;
+
+/// Memory and cost of the global step of a body.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct GlobalStats {
+    /// Entries of the factor in use.
+    pub factor_entries: usize,
+    /// Size of all arrays of the global step \[bytes\].
+    pub bytes: usize,
+    /// Number of factorizations so far.
+    pub factorizations: u32,
+    /// Time of the last factorization, on whichever thread it ran.
+    pub factor_time: Duration,
+}
+
+/// The state of the global step of one body.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct GlobalStep {
+    preconditioner: Preconditioner,
+    minimizer: Minimizer,
+}
+
+/// The constraints with an energy, as the objective reads them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct EnergySets<'a> {
+    pub(crate) stretch: &'a StretchSet,
+    pub(crate) bending: Option<&'a BendingSet>,
+    pub(crate) interior_springs: Option<&'a StretchSet>,
+}
+
+/// Returns whether a body takes the global step.
+///
+/// All of its constraints need an energy, that is a compliance above 0.
+pub(crate) fn is_used(params: &SolverParams, material: &Material) -> bool {
+    let has_energy = |stiffness| matches!(stiffness, Stiffness::Compliance(c) if c > 0.0);
+    params.scheme == Scheme::Global
+        && has_energy(material.stretch)
+        && material.bending.is_none_or(has_energy)
+        && (material.interior_springs).is_none_or(|springs| has_energy(springs.stiffness))
+}
+
+impl GlobalStep {
+    /// Prepares a frame: factors the matrix of a new body, and that of a changed one beside the
+    /// frames.
+    pub(crate) fn prepare(
+        &mut self,
+        (particles, constraints, surface): (&Particles, &Constraints, &Surface),
+        constants: &StepConstants,
+        params: &SolverParams,
+    ) {
+        let compliances = Compliances::new(constants);
+        self.preconditioner.prepare(
+            (particles, &sets(constraints), surface),
+            compliances,
+            params.threads,
+        );
+    }
+
+    /// Forgets what the factor knows of the vertices that an edit created or removed.
+    pub(crate) fn follow_edit(&mut self, delta: &TopologyDelta) {
+        let added = delta.vertices_added.iter().map(|added| added.vertex);
+        let removed = delta.vertices_removed.iter().copied();
+        self.preconditioner
+            .forget(added.chain(removed).map(VertexId::index));
+    }
+
+    /// Starts a substep from the predicted displacements.
+    pub(crate) fn begin(
+        &mut self,
+        particles: ParticleStates<'_>,
+        sets: EnergySets<'_>,
+        constants: &StepConstants,
+    ) {
+        let objective = Objective::new(sets, Compliances::new(constants));
+        let kept = constants.velocity_factor * constants.h;
+        let fall = constants.gravity_step.map(|g| f64::from(g * kept));
+        self.minimizer.begin(particles, &objective, fall);
+    }
+
+    /// Holds the vertices that contacts and the ground have moved, before volumes are projected.
+    pub(crate) fn hold_obstructed(&mut self, particles: ParticleStates<'_>) {
+        self.minimizer.hold_obstructed(particles);
+    }
+
+    /// Remembers displacements after volumes, before contacts, colliders and the ground.
+    pub(crate) fn mark_unobstructed(&mut self, particles: ParticleStates<'_>) {
+        self.minimizer.mark_unobstructed(particles);
+    }
+
+    /// Moves the displacements toward the minimum by one iteration.
+    pub(crate) fn iterate(
+        &mut self,
+        particles: ParticleStates<'_>,
+        sets: EnergySets<'_>,
+        constants: &StepConstants,
+    ) {
+        let objective = Objective::new(sets, Compliances::new(constants));
+        self.minimizer
+            .iterate(particles, &objective, &mut self.preconditioner);
+    }
+
+    /// Returns memory and cost.
+    pub(crate) fn stats(&self) -> GlobalStats {
+        GlobalStats {
+            bytes: self.preconditioner.bytes() + self.minimizer.bytes(),
+            ..self.preconditioner.stats()
+        }
+    }
+}
+
+/// Returns the constraints with an energy.
+fn sets(constraints: &Constraints) -> EnergySets<'_> {
+    EnergySets {
+        stretch: &constraints.stretch,
+        bending: constraints.bending.as_ref(),
+        interior_springs: constraints.interior_springs.as_ref(),
+    }
+}

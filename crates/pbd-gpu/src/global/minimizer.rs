@@ -1,0 +1,335 @@
+//! [`Minimizer`]: quasi-Newton iterations of a substep with L-BFGS and line search.
+
+use super::objective::Objective;
+use super::preconditioner::Preconditioner;
+use crate::kernels::particle_state::ParticleStates;
+use incise_mesh::Vec3;
+use incise_mesh::geometry::{to_f32, to_f64};
+
+/// Number of pairs of steps and changes of the gradient.
+const PAIRS: usize = 5;
+
+/// Minimum decrease relative to the predicted one (Armijo).
+const DECREASE: f64 = 1e-4;
+
+/// Maximum number of halvings of a step; after that the substep stays where it is.
+const MAX_HALVINGS: u32 = 10;
+
+/// Minimum cosine between a step and its change of the gradient for the pair to be kept.
+const MIN_COSINE: f64 = 1e-6;
+
+/// A point of the search with its value and gradient.
+#[derive(Debug, Clone, Default)]
+struct Point {
+    /// Displacements \[m\], shape [vertex slots].
+    displacements: Vec<Vec3>,
+    value: f64,
+    gradient: Vec<Vec3>,
+}
+
+/// A step and the change of the gradient over it.
+#[derive(Debug, Clone, Default)]
+struct Pair {
+    step: Vec<Vec3>,
+    change: Vec<Vec3>,
+    /// Inverse of their product.
+    inverse: f64,
+}
+
+/// The iterations of a substep.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Minimizer {
+    /// Positions at the start of the substep \[m\].
+    start: Vec<Vec3>,
+    /// Masses \[kg\], 0 of fixed vertices and of those that an obstacle stopped in this substep.
+    masses: Vec<f64>,
+    /// Displacements before the passes of contacts, colliders and ground \[m\].
+    unobstructed: Vec<[f32; 3]>,
+    predicted: Vec<Vec3>,
+    current: Point,
+    /// The next point, and after a step the previous one.
+    other: Point,
+    /// Displaced positions of the point that is evaluated \[m\].
+    points: Vec<Vec3>,
+    direction: Vec<Vec3>,
+    pairs: [Pair; PAIRS],
+    /// Number of pairs of this substep so far; the last ones are kept.
+    pair_count: usize,
+    /// Whether the last iteration has moved from `other` to `current`.
+    has_step: bool,
+}
+
+impl Minimizer {
+    /// Starts a substep whose prediction falls freely by `fall` \[m\].
+    ///
+    /// Iterations start from the prediction with or without that fall, whichever has the lower
+    /// value: a free body falls, one that hangs from pins does not.
+    pub(super) fn begin(
+        &mut self,
+        particles: ParticleStates<'_>,
+        objective: &Objective<'_>,
+        fall: [f64; 3],
+    ) {
+        self.start.clear();
+        self.masses.clear();
+        self.predicted.clear();
+        for cell in particles.iter() {
+            let state = cell.get();
+            let ([x, y, z, w], [dx, dy, dz, _]) = (state.x, state.d);
+            self.start.push(to_f64([x, y, z]));
+            self.masses
+                .push(if w > 0.0 { 1.0 / f64::from(w) } else { 0.0 });
+            self.predicted.push(to_f64([dx, dy, dz]));
+        }
+        (self.pair_count, self.has_step) = (0, false);
+        self.mark_unobstructed(particles);
+        self.current.displacements.clear();
+        self.current
+            .displacements
+            .extend_from_slice(&self.predicted);
+        self.evaluate_current(objective);
+        let fall = Vec3::from(fall);
+        if fall == Vec3::zeros() {
+            return;
+        }
+        let masses = self.masses.iter();
+        let resting = self.predicted.iter().zip(masses).map(
+            |(d, &mass)| {
+                if mass > 0.0 { d - fall } else { *d }
+            },
+        );
+        self.other.displacements.clear();
+        self.other.displacements.extend(resting);
+        self.evaluate_other(objective);
+        if self.other.value < self.current.value {
+            std::mem::swap(&mut self.current, &mut self.other);
+            self.store(particles);
+        }
+    }
+
+    /// Moves the displacements by one iteration.
+    pub(super) fn iterate(
+        &mut self,
+        particles: ParticleStates<'_>,
+        objective: &Objective<'_>,
+        preconditioner: &mut Preconditioner,
+    ) {
+        if self.load(particles) {
+            self.evaluate_current(objective);
+        }
+        if self.has_step {
+            self.add_pair();
+        }
+        self.has_step = false;
+        let mut slope = self.find_direction(preconditioner);
+        if slope >= 0.0 && self.pair_count > 0 {
+            self.pair_count = 0;
+            slope = self.find_direction(preconditioner);
+        }
+        if slope >= 0.0 {
+            return;
+        }
+        let mut share = 1.0;
+        for _ in 0..=MAX_HALVINGS {
+            let Self {
+                current,
+                other,
+                direction,
+                ..
+            } = self;
+            other.displacements.clear();
+            let moved = current.displacements.iter().zip(&*direction);
+            other
+                .displacements
+                .extend(moved.map(|(d, by)| d + by * share));
+            self.evaluate_other(objective);
+            // False for a value that is not finite.
+            if self.other.value <= self.current.value + DECREASE * share * slope {
+                std::mem::swap(&mut self.current, &mut self.other);
+                self.has_step = true;
+                self.store(particles);
+                return;
+            }
+            share *= 0.5;
+        }
+        self.pair_count = 0;
+    }
+
+    /// Remembers displacements before the passes of obstacles.
+    pub(super) fn mark_unobstructed(&mut self, particles: ParticleStates<'_>) {
+        self.unobstructed.clear();
+        let displacements = particles.iter().map(|cell| {
+            let [x, y, z, _] = cell.get().d;
+            [x, y, z]
+        });
+        self.unobstructed.extend(displacements);
+    }
+
+    /// Holds the vertices that obstacles have moved for the rest of the substep.
+    ///
+    /// Otherwise the next iteration would push them in again, and the body would tremble.
+    pub(super) fn hold_obstructed(&mut self, particles: ParticleStates<'_>) {
+        let vertices = particles.iter().zip(&self.unobstructed);
+        for ((cell, before), mass) in vertices.zip(&mut self.masses) {
+            let [x, y, z, _] = cell.get().d;
+            if [x, y, z] != *before {
+                *mass = 0.0;
+            }
+        }
+    }
+
+    /// Reads what other passes have changed; returns whether there is anything.
+    ///
+    /// The pass of volumes also moves positions.
+    fn load(&mut self, particles: ParticleStates<'_>) -> bool {
+        self.hold_obstructed(particles);
+        let mut is_changed = false;
+        let vertices = self.start.iter_mut().zip(&mut self.current.displacements);
+        for (cell, (start, displacement)) in particles.iter().zip(vertices) {
+            let ([x, y, z, _], [dx, dy, dz, _]) = (cell.get().x, cell.get().d);
+            for (known, now) in [(start, [x, y, z]), (displacement, [dx, dy, dz])] {
+                if to_f32(*known) != now {
+                    *known = to_f64(now);
+                    is_changed = true;
+                }
+            }
+        }
+        is_changed
+    }
+
+    /// Writes the current displacements.
+    fn store(&mut self, particles: ParticleStates<'_>) {
+        for (i, d) in self.current.displacements.iter().enumerate() {
+            let [x, y, z] = to_f32(*d);
+            particles.set_d(i, [x, y, z, 0.0]);
+        }
+        self.mark_unobstructed(particles);
+    }
+
+    fn evaluate_current(&mut self, objective: &Objective<'_>) {
+        let Self {
+            start,
+            masses,
+            predicted,
+            current,
+            points,
+            ..
+        } = self;
+        evaluate(objective, (start, masses, predicted), current, points);
+    }
+
+    fn evaluate_other(&mut self, objective: &Objective<'_>) {
+        let Self {
+            start,
+            masses,
+            predicted,
+            other,
+            points,
+            ..
+        } = self;
+        evaluate(objective, (start, masses, predicted), other, points);
+    }
+
+    /// Adds the last step as a pair, if the objective is convex along it.
+    fn add_pair(&mut self) {
+        let Self {
+            current,
+            other,
+            pairs,
+            pair_count,
+            ..
+        } = self;
+        let pair = &mut pairs[*pair_count % PAIRS];
+        difference(&mut pair.step, &current.displacements, &other.displacements);
+        difference(&mut pair.change, &current.gradient, &other.gradient);
+        let product = dot(&pair.step, &pair.change);
+        let squares = dot(&pair.step, &pair.step) * dot(&pair.change, &pair.change);
+        if product > MIN_COSINE * squares.sqrt() {
+            pair.inverse = 1.0 / product;
+            *pair_count += 1;
+        }
+    }
+
+    /// Computes a direction and returns its slope: the two loops of L-BFGS (Nocedal 1980).
+    fn find_direction(&mut self, preconditioner: &mut Preconditioner) -> f64 {
+        let Self {
+            current,
+            direction,
+            pairs,
+            pair_count,
+            masses,
+            ..
+        } = self;
+        direction.clear();
+        direction.extend(current.gradient.iter().map(|g| -g));
+        let first = pair_count.saturating_sub(PAIRS);
+        let mut shares = [0.0; PAIRS];
+        for k in (first..*pair_count).rev().map(|i| i % PAIRS) {
+            shares[k] = pairs[k].inverse * dot(&pairs[k].step, direction);
+            add_scaled(direction, -shares[k], &pairs[k].change);
+        }
+        preconditioner.apply(direction);
+        for k in (first..*pair_count).map(|i| i % PAIRS) {
+            let back = pairs[k].inverse * dot(&pairs[k].change, direction);
+            add_scaled(direction, shares[k] - back, &pairs[k].step);
+        }
+        for (d, &mass) in direction.iter_mut().zip(&*masses) {
+            if mass == 0.0 {
+                *d = Vec3::zeros();
+            }
+        }
+        dot(&current.gradient, direction)
+    }
+
+    /// Returns the memory \[bytes\].
+    pub(super) fn bytes(&self) -> usize {
+        let of = |vectors: &Vec<Vec3>| 24 * vectors.capacity();
+        let point = |point: &Point| of(&point.displacements) + of(&point.gradient);
+        let pairs = self
+            .pairs
+            .iter()
+            .map(|pair| of(&pair.step) + of(&pair.change));
+        of(&self.start)
+            + 8 * self.masses.capacity()
+            + of(&self.predicted)
+            + point(&self.current)
+            + point(&self.other)
+            + of(&self.points)
+            + of(&self.direction)
+            + pairs.sum::<usize>()
+    }
+}
+
+/// Evaluates the objective at the displacements of a point.
+fn evaluate(
+    objective: &Objective<'_>,
+    (start, masses, predicted): (&[Vec3], &[f64], &[Vec3]),
+    point: &mut Point,
+    points: &mut Vec<Vec3>,
+) {
+    points.clear();
+    points.extend(start.iter().zip(&point.displacements).map(|(x, d)| x + d));
+    let offsets = point.displacements.iter().zip(predicted);
+    let inertia = offsets.zip(masses).map(|((d, to), &mass)| (d - to, mass));
+    point.value = objective.evaluate(points, inertia, &mut point.gradient);
+    for (gradient, &mass) in point.gradient.iter_mut().zip(masses) {
+        if mass == 0.0 {
+            *gradient = Vec3::zeros();
+        }
+    }
+}
+
+fn difference(to: &mut Vec<Vec3>, a: &[Vec3], b: &[Vec3]) {
+    to.clear();
+    to.extend(a.iter().zip(b).map(|(a, b)| a - b));
+}
+
+fn add_scaled(to: &mut [Vec3], by: f64, other: &[Vec3]) {
+    for (to, other) in to.iter_mut().zip(other) {
+        *to += other * by;
+    }
+}
+
+fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+}

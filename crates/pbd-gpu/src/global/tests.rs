@@ -1,0 +1,91 @@
+use super::matrix::MatrixInput;
+use super::objective::{Compliances, Objective};
+use super::*;
+use crate::solver::Solver;
+use incise_mesh::{Vec3, icosphere};
+
+const COMPLIANCES: Compliances = Compliances {
+    stretch: 0.3,
+    bending: 2.0,
+    interior_springs: 0.7,
+};
+
+/// A ball of several stiffnesses with springs along its diameters, and displaced points.
+fn ball() -> (Solver, Surface, Vec<Vec3>) {
+    let mut surface = icosphere(1, 0.5);
+    let mut solver = Solver::new(&mut surface, &Material::soft_body()).unwrap();
+    let vertices: Vec<VertexId> = surface.topology().vertices().collect();
+    let ends: Vec<[VertexId; 2]> = vertices
+        .iter()
+        .zip(vertices.iter().rev())
+        .map(|(&a, &b)| [a, b])
+        .collect();
+    solver.add_interior_springs(&surface, &ends).unwrap();
+    let point = |v: &VertexId| {
+        let x = surface.position(*v);
+        x + Vec3::new((7.0 * x.y).sin(), (5.0 * x.z).cos(), x.x * x.y) * 0.05
+    };
+    let points = vertices.iter().map(point).collect();
+    (solver, surface, points)
+}
+
+#[test]
+fn the_gradient_is_that_of_the_value() {
+    let (mut solver, _, points) = ball();
+    let (_, constraints, _) = solver.step_parts();
+    let objective = Objective::new(sets(constraints), COMPLIANCES);
+    let inertia = |points: &[Vec3]| -> Vec<(Vec3, f64)> {
+        let masses = (0..).map(|i| 1.0 + 0.1 * f64::from(i));
+        points.iter().copied().zip(masses).collect()
+    };
+    let mut gradient = Vec::new();
+    let value = objective.evaluate(&points, inertia(&points).into_iter(), &mut gradient);
+    assert!(
+        value > 0.0 && gradient.iter().any(|g| g.norm() > 1e-3),
+        "all constraints are active"
+    );
+    let step = 1e-6;
+    for i in [0, 5, 17, 41] {
+        for k in 0..3 {
+            let [low, high] = [-step, step].map(|by| {
+                let mut moved = points.clone();
+                moved[i][k] += by;
+                objective.evaluate(&moved, inertia(&moved).into_iter(), &mut Vec::new())
+            });
+            let expected = (high - low) / (2.0 * step);
+            let found = gradient[i][k];
+            assert!(
+                (found - expected).abs() < 1e-6 * (1.0 + expected.abs()),
+                "{found}, not {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_factor_solves_the_assembled_matrix() {
+    let (mut solver, surface, points) = ball();
+    let (_, constraints, _) = solver.step_parts();
+    let input = MatrixInput::new(&sets(constraints), &surface, COMPLIANCES);
+    let factor = input.factor().expect("masses are positive");
+    let mut scratch = factor.scratch().expect("memory");
+    let right = input.times(&points);
+    let mut solved = right.clone();
+    factor.solve(&factor.rows, &mut solved, &mut scratch);
+    for (found, expected) in solved.iter().zip(&points) {
+        assert!((found - expected).norm() < 1e-12, "{found}, not {expected}");
+    }
+    // Translations strain nothing: only masses are left.
+    let moved = input.times(&vec![Vec3::new(1.0, 2.0, 3.0); points.len()]);
+    for (found, p) in moved.iter().zip(surface.positions()) {
+        let expected = Vec3::new(1.0, 2.0, 3.0) / f64::from(p[3]);
+        assert!((found - expected).norm() < 1e-9, "{found}, not {expected}");
+    }
+    let diagonal = input.diagonal();
+    for (i, sum) in diagonal.iter().enumerate() {
+        let mut unit = vec![Vec3::zeros(); points.len()];
+        unit[i].x = 1.0;
+        let found = input.times(&unit)[i].x;
+        assert!((found - sum).abs() < 1e-9 * sum, "{found}, not {sum}");
+    }
+}
