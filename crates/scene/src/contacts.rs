@@ -39,8 +39,8 @@ const SPEED_MARGIN: f64 = 2.0;
 
 /// Parameters of contact detection. Friction is a parameter of the material.
 ///
-/// Vertices are tested against triangles, and sharp edges against each other. Triangles face one
-/// side: two open sheets collide only where their outer sides meet. Between two bodies friction is the
+/// Vertices are tested against triangles, and sharp edges against those of other bodies. Triangles
+/// face one side: two open sheets collide only where their outer sides meet. Between two bodies friction is the
 /// geometric mean of both.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactParams {

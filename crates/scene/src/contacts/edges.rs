@@ -1,4 +1,4 @@
-//! Contacts between sharp edges, which the vertices of both would miss.
+//! Contacts between sharp edges of different bodies, which the vertices of both would miss.
 //!
 //! [`super::narrow_phase`] collects the edges of each row, then tests the pairs of near ones. On smooth surfaces vertices and
 //! triangles suffice; only convex edges of at least [`MAX_COSINE`] are tested.
@@ -105,13 +105,11 @@ impl SharpEdge {
     }
 }
 
-/// A sharp edge that may touch edges of other pieces within the frame.
+/// A sharp edge that may touch edges of other bodies within the frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MovingEdge {
     /// Index of its body in the scene.
     pub(super) body: u32,
-    /// Index of its piece in the broad phase.
-    pub(super) piece: u32,
     pub(super) edge: SharpEdge,
     /// Distance within which it searches others \[m\].
     pub(super) reach: f64,
@@ -125,9 +123,9 @@ impl MovingEdge {
     }
 }
 
-/// Finds the pairs of edges of different pieces whose boxes overlap, by a sweep along the x axis.
+/// Finds the pairs of edges of different bodies whose boxes overlap, by a sweep along the x axis.
 ///
-/// Sorts the edges. The first edge of a pair has the smaller body and half-edge; pairs ascend.
+/// Sorts the edges. The first edge of a pair is that of the first body; pairs ascend.
 pub(super) fn find_edge_pairs(edges: &mut [MovingEdge], pairs: &mut Vec<(u32, u32)>) {
     let x = |edge: &MovingEdge| edge.bounds.min[0];
     edges.sort_unstable_by(|a, b| x(a).total_cmp(&x(b)).then(a.key().cmp(&b.key())));
@@ -135,7 +133,7 @@ pub(super) fn find_edge_pairs(edges: &mut [MovingEdge], pairs: &mut Vec<(u32, u3
     for (i, a) in (0..).zip(&*edges) {
         let later = (i + 1..).zip(&edges[i as usize + 1..]);
         for (j, b) in later.take_while(|(_, b)| x(b) <= a.bounds.max[0]) {
-            if a.piece != b.piece && a.bounds.overlaps(&b.bounds) {
+            if a.body != b.body && a.bounds.overlaps(&b.bounds) {
                 pairs.push(if a.key() < b.key() { (i, j) } else { (j, i) });
             }
         }

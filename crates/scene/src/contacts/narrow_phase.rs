@@ -42,7 +42,7 @@ pub(super) struct Row {
     one_ring: Vec<VertexId>,
     /// Scratch memory: the bodies that the current vertex may touch.
     near: Vec<u32>,
-    /// Sharp edges near other pieces, until they are tested.
+    /// Sharp edges near other bodies, until they are tested.
     edges: Vec<MovingEdge>,
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Row {
 #[derive(Debug, Clone, Default)]
 pub(super) struct BodyRows {
     rows: Vec<Row>,
-    /// Contacts of its edges with those of later bodies and pieces.
+    /// Contacts of its edges with those of later bodies.
     edge_contacts: Vec<BodyContact>,
     /// The persistent contacts of the previous frame, ascending by vertex.
     previous: Vec<PersistentContact>,
@@ -183,7 +183,7 @@ impl Search<'_> {
         }
     }
 
-    /// Adds an edge to those of the row, if it is sharp and near other pieces.
+    /// Adds an edge to those of the row, if it is sharp and near other bodies.
     fn collect_edge(&self, of: Searched<'_>, h: HalfEdge, row: &mut Row) {
         let (surface, motion) = (of.body.surface(), of.motion);
         if surface.topology().twin(h) < h {
@@ -198,7 +198,7 @@ impl Search<'_> {
         let is_near = |other: &Piece| {
             let mut bounds = tight;
             grow(&mut bounds, reach + other.max_displacement);
-            other.bounds.overlaps(&bounds)
+            other.body != of.index && other.bounds.overlaps(&bounds)
         };
         if !self.pieces.neighbors(piece).any(is_near) {
             return;
@@ -210,7 +210,6 @@ impl Search<'_> {
             grow(&mut bounds, reach);
             row.edges.push(MovingEdge {
                 body: of.index,
-                piece,
                 edge,
                 reach,
                 bounds,
