@@ -1,6 +1,6 @@
 //! Tests of `incise simulate` with several bodies and several planes.
 
-use incise_mesh::{read_mesh, write_obj};
+use incise_mesh::{Vec3, read_mesh, write_obj};
 use incise_models::{Model, build_model};
 use serde_json::Value;
 use std::path::Path;
@@ -31,6 +31,13 @@ fn bodies(report: &Value) -> Vec<u64> {
         .collect()
 }
 
+/// Returns the center of a written piece, in the coordinates of its file.
+fn center(folder: &Path, number: u32) -> Vec3 {
+    let file = folder.join(format!("out/piece_{number:03}.obj"));
+    let (surface, _) = read_mesh(&file).unwrap().into_surface().unwrap();
+    Vec3::from(surface.origin()) + surface.bounds().center()
+}
+
 #[test]
 fn pieces_of_every_body_are_written_in_the_order_of_the_inputs() {
     let folder = tempfile::tempdir().unwrap();
@@ -44,11 +51,7 @@ fn pieces_of_every_body_are_written_in_the_order_of_the_inputs() {
         "the plane is below the second body"
     );
     assert_eq!(report["inputs"][1]["file"], "Sphere20");
-    let center = |number: u32| {
-        let file = folder.path().join(format!("out/piece_{number:03}.obj"));
-        let (surface, _) = read_mesh(&file).unwrap().into_surface().unwrap();
-        surface.bounds().center()
-    };
+    let center = |number| center(folder.path(), number);
     let fall = 0.5 * 9.81 * 0.2_f64.powi(2);
     assert!((center(2).x - 3.0).abs() < 0.01, "{}", center(2));
     assert!((center(2).y - 1.0 + fall).abs() < 0.02, "{}", center(2));
@@ -105,12 +108,26 @@ fn bodies_of_files_keep_their_places_far_from_the_origin() {
     }
     let done = simulate(folder.path(), "a.obj b.obj --seconds 0.1");
     assert_eq!(done.status.code(), Some(0), "{done:?}");
-    let center = |number: u32| {
-        let file = folder.path().join(format!("out/piece_{number:03}.obj"));
-        let (surface, _) = read_mesh(&file).unwrap().into_surface().unwrap();
-        surface.origin()[0] + surface.bounds().center().x
+    let [a, b] = [0, 1].map(|number| center(folder.path(), number));
+    assert!((b.x - a.x - 2.0).abs() < 1e-3, "{a} and {b}");
+}
+
+#[test]
+fn bodies_land_on_each_other_unless_contacts_are_off() {
+    let folder = tempfile::tempdir().unwrap();
+    let distance = |more: &str| {
+        let words = format!(
+            "Sphere80 Sphere80 --offset 0,0,0 --offset 0,1.05,0 --seconds 0.6 --ground -0.5 \
+             --volume --interior-springs 1 {more}"
+        );
+        let done = simulate(folder.path(), &words);
+        assert_eq!(done.status.code(), Some(0), "{done:?}");
+        let [lower, upper] = [0, 1].map(|number| center(folder.path(), number));
+        (upper - lower).norm()
     };
-    assert!((center(1) - center(0) - 2.0).abs() < 1e-3);
+    let (touching, passing) = (distance(""), distance("--no-contacts"));
+    assert!(touching > 0.7, "{touching}: a little flattened");
+    assert!(passing < 0.5, "{passing}: one center is in the other ball");
 }
 
 #[test]

@@ -5,7 +5,7 @@
 //! 1. [`near_bodies`] finds the bodies whose boxes, grown by the motion of a frame, overlap.
 //! 2. [`broad_phase`] finds the pairs of their pieces.
 //! 3. [`narrow_phase`] finds for each vertex of such a piece the nearest triangle within reach that
-//!    faces it, so that no vertex is pushed through a thin piece.
+//!    faces it, so that no vertex is pushed through a thin piece, and pairs of sharp [`edges`].
 //! 4. [`persistent`] keeps a contact from frame to frame while the vertex hardly moves.
 //!
 //! The solver finds nearest points and normals in every substep. A vertex stays in front of a
@@ -15,6 +15,7 @@
 
 mod blade_face;
 mod broad_phase;
+mod edges;
 mod motion;
 mod narrow_phase;
 mod near_bodies;
@@ -27,7 +28,7 @@ use broad_phase::Pieces;
 use incise_mesh::Aabb;
 use incise_pbd_gpu::Collider;
 use motion::Motion;
-use narrow_phase::{BodyRows, Search};
+use narrow_phase::{BodyRows, EdgeScratch, Search};
 use near_bodies::{NearBodies, reachable_bounds};
 
 pub(crate) use blade_face::BladeFace;
@@ -38,8 +39,8 @@ const SPEED_MARGIN: f64 = 2.0;
 
 /// Parameters of contact detection. Friction is a parameter of the material.
 ///
-/// Vertices are tested against triangles, not edges against edges. Triangles face one side: two
-/// open sheets collide only where their outer sides meet. Between two bodies friction is the
+/// Vertices are tested against triangles, and sharp edges against each other. Triangles face one
+/// side: two open sheets collide only where their outer sides meet. Between two bodies friction is the
 /// geometric mean of both.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactParams {
@@ -105,6 +106,7 @@ pub(crate) struct ContactDetection {
     /// By body index.
     motions: Vec<Motion>,
     rows: Vec<BodyRows>,
+    edges: EdgeScratch,
 }
 
 impl ContactDetection {
@@ -169,7 +171,7 @@ impl ContactDetection {
             pieces: &self.pieces,
             frame,
         };
-        search.run(&mut self.rows);
+        search.run(&mut self.rows, &mut self.edges);
     }
 
     /// Returns the contacts of the vertices of a body, in the order of vertices.

@@ -8,7 +8,9 @@ use crate::contacts::ContactDetection;
 use crate::error::SceneError;
 use crate::scene::{Bodies, Scene};
 use incise_mesh::{Surface, VertexId, index_u32};
-use incise_pbd_gpu::{Contact, Island, IslandBodies, IslandError, Solver, SolverParams};
+use incise_pbd_gpu::{
+    Contact, ContactKind, Island, IslandBodies, IslandError, Solver, SolverParams,
+};
 use rayon::prelude::*;
 
 /// Minimum number of constraints of all stepped bodies for several threads.
@@ -286,10 +288,14 @@ impl Islands {
 /// Returns a contact in island vertices, from those of a body and those of the other one.
 fn shifted(contact: &Contact, [of_first, of_others]: [u32; 2]) -> Contact {
     let mut out = *contact;
-    out.vertices[0].0 += of_first;
-    for v in &mut out.vertices[1..] {
+    let own = if contact.kind == ContactKind::EdgeEdge {
+        2
+    } else {
+        1
+    };
+    for (i, v) in out.vertices.iter_mut().enumerate() {
         if *v != VertexId::NULL {
-            v.0 += of_others;
+            v.0 += if i < own { of_first } else { of_others };
         }
     }
     out

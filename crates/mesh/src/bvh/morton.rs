@@ -1,6 +1,6 @@
 //! Sorts triangles along a Morton curve.
 
-use super::{least, most};
+use super::{least, most, triangle_bounds, union};
 use crate::{Aabb, Surface, TriangleId};
 
 /// Sorts triangles by the Morton codes of their centers.
@@ -20,21 +20,14 @@ pub(super) struct Curve {
 impl Curve {
     /// Sorts triangles by the Morton codes of their centers.
     pub(super) fn sort(&mut self, surface: &Surface, triangles: &mut [TriangleId]) {
-        // All four components of a position, so that each comparison is one vector instruction.
-        let (mut min, mut max) = ([f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
+        let mut bounds = Aabb::default();
         self.centers.clear();
         self.centers.extend(triangles.iter().map(|&t| {
             let corners = surface.topology().triangle(t);
-            let positions = corners.map(|v| surface.positions[v.index()]);
-            for position in positions {
-                min = std::array::from_fn(|k| least(min[k], position[k]));
-                max = std::array::from_fn(|k| most(max[k], position[k]));
-            }
-            let [a, b, c] = positions;
+            bounds = union(&bounds, &triangle_bounds(surface, corners));
+            let [a, b, c] = corners.map(|v| surface.positions[v.index()]);
             std::array::from_fn::<f32, 3, _>(|k| (a[k] + b[k] + c[k]) / 3.0)
         }));
-        let [min, max] = [min, max].map(|[x, y, z, _]| [x, y, z]);
-        let bounds = Aabb { min, max };
         let numbers = triangles.len().next_power_of_two().ilog2();
         let bits = ((u64::BITS - numbers) / 3).min(21);
         let grid = Grid::new(&bounds, bits);

@@ -4,12 +4,14 @@
 //! that the result does not depend on the number of threads.
 
 use super::broad_phase::{Piece, Pieces};
+use super::edges::{MovingEdge, SharpEdge, find_edge_pairs};
 use super::motion::Motion;
+use super::near_bodies::grow;
 use super::persistent::{PersistentContact, contact_kind, faces, outward_normal};
 use super::{ContactFrame, SPEED_MARGIN};
 use crate::body::Body;
 use crate::scene::Bodies;
-use incise_mesh::{Surface, TriangleId, Vec3, VertexId, index_u32};
+use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3, VertexId, index_u32};
 use incise_pbd_gpu::{Contact, ContactKind};
 use rayon::prelude::*;
 
@@ -27,7 +29,7 @@ const MAX_DEPTH: f64 = 2.0;
 pub(crate) struct BodyContact {
     /// Index of the triangle's body.
     pub(crate) other: u32,
-    /// Its first vertex is one of the searched body, all others are of the other one.
+    /// The vertices of its first feature are those of the searched body.
     pub(crate) contact: Contact,
 }
 
@@ -40,12 +42,16 @@ pub(super) struct Row {
     one_ring: Vec<VertexId>,
     /// Scratch memory: the bodies that the current vertex may touch.
     near: Vec<u32>,
+    /// Sharp edges near other pieces, until they are tested.
+    edges: Vec<MovingEdge>,
 }
 
 /// The contacts of the vertices of one body, in memory reused between frames.
 #[derive(Debug, Clone, Default)]
 pub(super) struct BodyRows {
     rows: Vec<Row>,
+    /// Contacts of its edges with those of later bodies and pieces.
+    edge_contacts: Vec<BodyContact>,
     /// The persistent contacts of the previous frame, ascending by vertex.
     previous: Vec<PersistentContact>,
     /// By vertex slot: first index into `previous`, or `u32::MAX`.
@@ -53,9 +59,10 @@ pub(super) struct BodyRows {
 }
 
 impl BodyRows {
-    /// Returns the contacts in the order of vertices.
+    /// Returns the contacts in the order of vertices, then those of edges.
     pub(super) fn contacts(&self) -> impl Iterator<Item = &BodyContact> {
-        self.rows.iter().flat_map(|row| &row.contacts)
+        let of_vertices = self.rows.iter().flat_map(|row| &row.contacts);
+        of_vertices.chain(&self.edge_contacts)
     }
 
     /// Removes all contacts; those of the last search become the previous ones.
@@ -65,6 +72,7 @@ impl BodyRows {
             self.previous.append(&mut row.persistent);
             row.contacts.clear();
         }
+        self.edge_contacts.clear();
         self.previous_of_vertex.clear();
         self.previous_of_vertex.resize(vertex_slots, u32::MAX);
         for (i, contact) in (0..).zip(&self.previous) {
@@ -78,6 +86,13 @@ impl BodyRows {
     fn resize(&mut self, vertex_slots: usize) {
         (self.rows).resize_with(vertex_slots.div_ceil(ROW), Row::default);
     }
+}
+
+/// Memory of the search for pairs of edges.
+#[derive(Debug, Clone, Default)]
+pub(super) struct EdgeScratch {
+    edges: Vec<MovingEdge>,
+    pairs: Vec<(u32, u32)>,
 }
 
 /// The input of a search, shared by all rows.
@@ -99,8 +114,14 @@ struct Searched<'a> {
 }
 
 impl Search<'_> {
-    /// Finds the contacts of all vertices of active bodies.
-    pub(super) fn run(&self, all: &mut [BodyRows]) {
+    /// Finds the contacts of all vertices and edges of active bodies.
+    pub(super) fn run(&self, all: &mut [BodyRows], edges: &mut EdgeScratch) {
+        self.find_vertex_contacts(all);
+        self.find_edge_contacts(all, edges);
+    }
+
+    /// Finds the contacts of all vertices, and collects the edges.
+    fn find_vertex_contacts(&self, all: &mut [BodyRows]) {
         let mut rows = 0;
         for ((body, motion), of_body) in self.bodies.iter().zip(self.motions).zip(&mut *all) {
             if let Some(body) = body.as_ref().filter(|_| motion.is_active) {
@@ -143,6 +164,7 @@ impl Search<'_> {
     fn fill(&self, of: Searched<'_>, i: usize, row: &mut Row) {
         row.contacts.clear();
         row.persistent.clear();
+        row.edges.clear();
         let surface = of.body.surface();
         let slots = surface.positions().len();
         for slot in i * ROW..slots.min((i + 1) * ROW) {
@@ -155,6 +177,76 @@ impl Search<'_> {
                 self.find_contact(of, v, row.near[n], row);
             }
             self.find_blade_face_contacts(of, v, row);
+            for h in surface.topology().outgoing_fan(v) {
+                self.collect_edge(of, h, row);
+            }
+        }
+    }
+
+    /// Adds an edge to those of the row, if it is sharp and near other pieces.
+    fn collect_edge(&self, of: Searched<'_>, h: HalfEdge, row: &mut Row) {
+        let (surface, motion) = (of.body.surface(), of.motion);
+        if surface.topology().twin(h) < h {
+            return;
+        }
+        let piece = motion.pieces[surface.piece(h.triangle()) as usize];
+        let ends = [surface.topology().origin(h), surface.topology().target(h)];
+        let displacement = ends.map(|v| motion.displacements[v.index()]);
+        let displacement = f64::max(displacement[0], displacement[1]);
+        let reach = motion.thickness + self.frame.speed_gain * self.frame.dt + displacement;
+        let tight = SharpEdge::bounds(surface, h);
+        let is_near = |other: &Piece| {
+            let mut bounds = tight;
+            grow(&mut bounds, reach + other.max_displacement);
+            other.bounds.overlaps(&bounds)
+        };
+        if !self.pieces.neighbors(piece).any(is_near) {
+            return;
+        }
+        if let Some(edge) = SharpEdge::new(surface, h) {
+            // Edges of very fast pieces would search whole bodies.
+            let reach = reach.min(motion.thickness + edge.length());
+            let mut bounds = tight;
+            grow(&mut bounds, reach);
+            row.edges.push(MovingEdge {
+                body: of.index,
+                piece,
+                edge,
+                reach,
+                bounds,
+            });
+        }
+    }
+
+    /// Finds the contacts of all collected edges.
+    fn find_edge_contacts(&self, all: &mut [BodyRows], scratch: &mut EdgeScratch) {
+        let EdgeScratch { edges, pairs } = scratch;
+        edges.clear();
+        for of_body in &mut *all {
+            of_body.edge_contacts.clear();
+            for row in &mut of_body.rows {
+                edges.append(&mut row.edges);
+            }
+        }
+        find_edge_pairs(edges, pairs);
+        for &(a, b) in &*pairs {
+            let [a, b] = [a, b].map(|i| &edges[i as usize]);
+            let bodies = [a, b].map(|edge| self.bodies[edge.body as usize].as_ref());
+            let [Some(body), Some(other)] = bodies else {
+                continue;
+            };
+            let thickness = [a, b].map(|edge| self.motions[edge.body as usize].thickness);
+            let gap = thickness[0].min(thickness[1]);
+            if let Some((normal, distance)) = a.edge.distance(&b.edge)
+                && distance <= a.reach + b.reach
+                && distance >= -MAX_DEPTH * gap
+            {
+                let ends = [a.edge.ends, b.edge.ends];
+                all[a.body as usize].edge_contacts.push(BodyContact {
+                    other: b.body,
+                    contact: edge_edge(ends, normal, gap, friction(body, other)),
+                });
+            }
         }
     }
 
@@ -290,6 +382,19 @@ impl Search<'_> {
                 });
             }
         }
+    }
+}
+
+/// Returns the solver's contact of two edges at a distance \[m\].
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the solver stores contacts in 32 bits"
+)]
+fn edge_edge(ends: [[VertexId; 2]; 2], normal: Vec3, gap: f64, friction: f32) -> Contact {
+    let normal = [0, 1, 2].map(|k: usize| normal[k] as f32);
+    Contact {
+        friction,
+        ..Contact::edge_edge(ends, normal, gap as f32)
     }
 }
 

@@ -196,3 +196,72 @@ fn a_pile_has_the_same_bits_on_any_number_of_threads() {
     }
     assert!(one == run(4, Some(1)), "the calling thread alone differs");
 }
+
+/// Regression: penetration that came back as velocity threw the uppermost blocks.
+#[test]
+fn a_column_that_hits_the_ground_fast_comes_to_rest() {
+    for gap in [0.01, 0.1] {
+        let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+        let ids: Vec<_> = (0_u8..5)
+            .map(|i| {
+                let at = [0.0, 0.5 + (0.19 + gap) * f32::from(i), 0.0];
+                let block = merged(&[moved(&cube(6), at, [0.3, 0.095, 0.3])]);
+                let id = scene.add_body(block, &firm(0.5, 0.0)).unwrap();
+                set_piece_velocity(&mut scene, id, 0, [0.0, -14.0, 0.0]);
+                id
+            })
+            .collect();
+        let volume = |scene: &Scene, id| scene.body(id).unwrap().surface().piece_volumes()[0];
+        let whole: Vec<f64> = ids.iter().map(|&id| volume(&scene, id)).collect();
+        for _ in 0..300 {
+            scene.step().unwrap();
+        }
+        let mut energy = 0.0;
+        for (&id, whole) in ids.iter().zip(whole) {
+            energy += scene.body(id).unwrap().solver().kinetic_energy();
+            let kept = volume(&scene, id) / whole;
+            assert!((kept - 1.0).abs() < 0.01, "{kept} is left, gap {gap} m");
+        }
+        assert!(energy < 0.01, "{energy} J after 5 s, gap {gap} m");
+    }
+}
+
+/// A bar of 12 triangles falls onto another one, crossed at an angle: only edges meet.
+#[test]
+fn crossed_bars_hold_each_other_at_every_angle() {
+    for degrees in [90.0_f32, 60.0, 30.0, 15.0, 75.0] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let bar = |angle: [f32; 2], y: f32| {
+            // On an edge, turned by 45 degrees about its axis.
+            let mut bar = merged(&[cube(1)]);
+            for p in bar.rest_positions_mut() {
+                let [x, u, v] = [p[0], (p[1] - p[2]) * 0.07, (p[1] + p[2]) * 0.07];
+                *p = [
+                    x * angle[0] - v * angle[1],
+                    y + u,
+                    x * angle[1] + v * angle[0],
+                ];
+            }
+            merged(&[bar])
+        };
+        let mut scene = Scene::new(params([0.0, -9.81, 0.0], None));
+        let below = scene
+            .add_body(bar([1.0, 0.0], 0.0), &firm(1.0, 0.0))
+            .unwrap();
+        let above = scene
+            .add_body(bar([cos, sin], 0.5), &firm(1.0, 0.0))
+            .unwrap();
+        pin_piece(&mut scene, below, 0);
+        let mut lowest_center = f32::INFINITY;
+        for _ in 0..40 {
+            scene.step().unwrap();
+            let surface = scene.body(above).unwrap().surface();
+            let heights = surface.positions().iter().map(|p| p[1]);
+            lowest_center = lowest_center.min(heights.sum::<f32>() / 8.0);
+        }
+        assert!(
+            lowest_center > 0.1,
+            "its center came down to {lowest_center} m at {degrees} degrees"
+        );
+    }
+}

@@ -14,9 +14,11 @@ fn slide_distance(friction: f32, slope: f32) -> f32 {
     let id = (scene.add_body(merged(&[plate, block]), &firm(friction, 0.0))).unwrap();
     pin_piece(&mut scene, id, 0);
     // The block starts in contact: it neither falls nor recovers a distance.
-    let edge = scene.body(id).unwrap().solver().mean_rest_length();
+    let edges = scene.body(id).unwrap().solver().stretch().batches().iter();
+    let edges: Vec<f32> = edges.flat_map(|batch| batch.rest().to_vec()).collect();
+    let edge = edges.iter().sum::<f32>() / edges.len() as f32;
     scene.params.contacts = Some(ContactParams {
-        thickness: 0.02 / edge as f32,
+        thickness: 0.02 / edge,
         ..ContactParams::default()
     });
     let along = |scene: &Scene| {

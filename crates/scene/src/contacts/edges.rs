@@ -1,0 +1,145 @@
+//! Contacts between sharp edges, which the vertices of both would miss.
+//!
+//! [`super::narrow_phase`] collects the edges of each row, then tests the pairs of near ones. On smooth surfaces vertices and
+//! triangles suffice; only convex edges of at least [`MAX_COSINE`] are tested.
+
+use incise_mesh::{Aabb, HalfEdge, Surface, Vec3, VertexId};
+
+/// Maximum cosine between the normals beside a sharp edge: 30 degrees.
+const MAX_COSINE: f64 = 0.87;
+
+/// Maximum sine by which a direction may leave the normal cone of an edge.
+const CONE_TOLERANCE: f64 = 0.2;
+
+/// Minimum fraction of an edge between a contact and an end.
+const END: f64 = 1e-3;
+
+/// Minimum squared sine between two edges.
+const MIN_SQUARED_SINE: f64 = 1e-3;
+
+/// A convex edge between two triangles.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SharpEdge {
+    pub(super) half_edge: HalfEdge,
+    pub(super) ends: [VertexId; 2],
+    at: [Vec3; 2],
+    /// Unit vectors within both triangles, away from the edge.
+    inward: [Vec3; 2],
+}
+
+impl SharpEdge {
+    /// Returns the edge of a half-edge, if it is the first one of a sharp edge.
+    pub(super) fn new(surface: &Surface, h: HalfEdge) -> Option<Self> {
+        let topology = surface.topology();
+        let twin = topology.twin(h);
+        if twin.is_null() || twin.index() < h.index() {
+            return None;
+        }
+        let ends = [topology.origin(h), topology.target(h)];
+        let at = ends.map(|v| surface.position(v));
+        let along = (at[1] - at[0]).try_normalize(0.0)?;
+        let tips = [h, twin].map(|h| surface.position(topology.origin(h.prev())));
+        let mut inward = [Vec3::zeros(); 2];
+        for (inward, tip) in inward.iter_mut().zip(tips) {
+            let into = tip - at[0];
+            *inward = (into - along * into.dot(&along)).try_normalize(0.0)?;
+        }
+        // The normals of both triangles; they turn around the edge.
+        let normals = [along.cross(&inward[0]), inward[1].cross(&along)];
+        let is_convex = normals[0].dot(&inward[1]) < 0.0;
+        let is_sharp = normals[0].dot(&normals[1]) <= MAX_COSINE;
+        (is_convex && is_sharp).then_some(Self {
+            half_edge: h,
+            ends,
+            at,
+            inward,
+        })
+    }
+
+    /// Returns the length \[m\].
+    pub(super) fn length(&self) -> f64 {
+        (self.at[1] - self.at[0]).norm()
+    }
+
+    /// Returns a box around the edge.
+    pub(super) fn bounds(surface: &Surface, h: HalfEdge) -> Aabb {
+        let topology = surface.topology();
+        let mut bounds = Aabb::default();
+        for v in [topology.origin(h), topology.target(h)] {
+            for k in 0..3 {
+                let c = surface.positions()[v.index()][k];
+                bounds.min[k] = bounds.min[k].min(c);
+                bounds.max[k] = bounds.max[k].max(c);
+            }
+        }
+        bounds
+    }
+
+    /// Returns the contact normal towards `self` and the distance from another edge \[m\].
+    ///
+    /// `None` unless the nearest points of both are inside of them and face each other.
+    pub(super) fn distance(&self, other: &Self) -> Option<(Vec3, f64)> {
+        let [a, b] = [self, other].map(|edge| edge.at[1] - edge.at[0]);
+        let between = self.at[0] - other.at[0];
+        let across = a.cross(&b);
+        let square = across.norm_squared();
+        if square <= MIN_SQUARED_SINE * a.norm_squared() * b.norm_squared() {
+            return None;
+        }
+        let (aa, bb, ab) = (a.dot(&a), b.dot(&b), a.dot(&b));
+        let (first, second) = (a.dot(&between), b.dot(&between));
+        let s = (ab * second - first * bb) / square;
+        let t = (aa * second - ab * first) / square;
+        // At an end the contacts of its vertex act.
+        if ![s, t].iter().all(|c| (END..1.0 - END).contains(c)) {
+            return None;
+        }
+        // Outward of the other edge, whose sides may already have crossed this one's.
+        let outward = -(other.inward[0] + other.inward[1]);
+        let normal = across * (across.dot(&outward).signum() / square.sqrt());
+        let faces = |edge: &Self, normal: Vec3| {
+            let mut inward = edge.inward.iter();
+            inward.all(|inward| inward.dot(&normal) <= CONE_TOLERANCE)
+        };
+        (faces(other, normal) && faces(self, -normal)).then(|| (normal, normal.dot(&between)))
+    }
+}
+
+/// A sharp edge that may touch edges of other pieces within the frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct MovingEdge {
+    /// Index of its body in the scene.
+    pub(super) body: u32,
+    /// Index of its piece in the broad phase.
+    pub(super) piece: u32,
+    pub(super) edge: SharpEdge,
+    /// Distance within which it searches others \[m\].
+    pub(super) reach: f64,
+    /// Box around the edge, grown by `reach`.
+    pub(super) bounds: Aabb,
+}
+
+impl MovingEdge {
+    fn key(&self) -> (u32, HalfEdge) {
+        (self.body, self.edge.half_edge)
+    }
+}
+
+/// Finds the pairs of edges of different pieces whose boxes overlap, by a sweep along the x axis.
+///
+/// Sorts the edges. The first edge of a pair has the smaller body and half-edge; pairs ascend.
+pub(super) fn find_edge_pairs(edges: &mut [MovingEdge], pairs: &mut Vec<(u32, u32)>) {
+    let x = |edge: &MovingEdge| edge.bounds.min[0];
+    edges.sort_unstable_by(|a, b| x(a).total_cmp(&x(b)).then(a.key().cmp(&b.key())));
+    pairs.clear();
+    for (i, a) in (0..).zip(&*edges) {
+        let later = (i + 1..).zip(&edges[i as usize + 1..]);
+        for (j, b) in later.take_while(|(_, b)| x(b) <= a.bounds.max[0]) {
+            if a.piece != b.piece && a.bounds.overlaps(&b.bounds) {
+                pairs.push(if a.key() < b.key() { (i, j) } else { (j, i) });
+            }
+        }
+    }
+    let keys = |&(i, j): &(u32, u32)| (edges[i as usize].key(), edges[j as usize].key());
+    pairs.sort_unstable_by_key(keys);
+}

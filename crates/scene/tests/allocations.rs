@@ -1,0 +1,68 @@
+//! A frame of touching bodies allocates nothing once warm.
+
+use incise_mesh::{Surface, cube_sphere};
+use incise_pbd_gpu::SolverParams;
+use incise_scene::{ContactParams, Scene, SceneParams};
+use incise_test_support::materials::firm;
+use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
+use std::alloc::System;
+use std::num::NonZeroUsize;
+
+#[global_allocator]
+static GLOBAL: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+fn allocations() -> usize {
+    let stats = GLOBAL.stats();
+    stats.allocations + stats.reallocations
+}
+
+fn block(y: f32) -> Surface {
+    let mut surface = cube_sphere(4, 1.0);
+    let to_block = |p: [f32; 3]| {
+        let largest = p.iter().fold(0.0_f32, |a, c| a.max(c.abs()));
+        let [px, py, pz] = p.map(|c| 0.2 * c / largest);
+        [px, py + y, pz]
+    };
+    for p in surface.rest_positions_mut() {
+        *p = to_block(*p);
+    }
+    for p in surface.positions_mut() {
+        let [x, y, z] = to_block([p[0], p[1], p[2]]);
+        *p = [x, y, z, p[3]];
+    }
+    surface
+}
+
+#[test]
+fn touching_bodies_are_stepped_without_allocation() {
+    let mut scene = Scene::new(SceneParams {
+        solver: SolverParams {
+            ground: Some(0.0),
+            threads: NonZeroUsize::new(1),
+            ..SolverParams::default()
+        },
+        contacts: Some(ContactParams::default()),
+        sleep: None,
+        ..SceneParams::default()
+    });
+    for i in 0_u8..4 {
+        let body = block(0.21 + 0.42 * f32::from(i));
+        scene.add_body(body, &firm(0.7, 1.0)).unwrap();
+    }
+    for _ in 0..300 {
+        scene.step().unwrap();
+    }
+    // The test harness may allocate once meanwhile, frames would in every window.
+    let mut contacts = 0;
+    let windows: Vec<usize> = (0..4)
+        .map(|_| {
+            let before = allocations();
+            for _ in 0..20 {
+                contacts += scene.step().unwrap().contacts;
+            }
+            allocations() - before
+        })
+        .collect();
+    assert!(contacts > 1000, "{contacts} contacts");
+    assert!(windows.contains(&0), "{windows:?} allocations in 20 frames");
+}
