@@ -6,7 +6,7 @@ use super::*;
 ///
 /// Full runs fail in more (see `results`): T12 on the time until cut bodies sleep, `tunnel`,
 /// and the volumes of the armadillo after two cuts.
-const OPEN: [(&str, &str); 13] = [
+const OPEN: [(&str, &str); 14] = [
     // A single iteration of the paper's constraints in steps of 1/15 s leaves a ball crushed.
     ("T1", "limits of every motion"),
     // Ten iterations do not carry a million times the mass of a vertex on springs.
@@ -20,12 +20,15 @@ const OPEN: [(&str, &str); 13] = [
     ("T20", "distance from the state of the first order"),
     // Colliders move in one substep of a frame, and press a ball that cannot change its shape.
     ("closing", "speed"),
-    // A sheet is touched on one side, and edges pass through each other.
+    // Parts of a tight rope pass through each other by a part of its thickness.
+    ("knot", "missing distance"),
+    // A sheet is touched on one side only.
     ("drape", "depth"),
-    ("bars", "height"),
     // The thickness of contacts is larger than the halves of the plate.
     ("plate", "speed"),
     ("plate", "relative volume error"),
+    // Contacts of slivers throw them.
+    ("shatter", "speed"),
     // Small bodies without volume constraint fall by an edge length in a step.
     ("drop", "volume that a piece"),
 ];
