@@ -10,8 +10,8 @@
 //!
 //! The solver finds nearest points and normals in every substep. A vertex stays in front of a
 //! triangle in whose reach it started the frame, provided that its speed grows at most
-//! [`SPEED_MARGIN`]-fold within the frame. Penetrations are resolved at a limited speed and leave no
-//! velocity; deep ones remain.
+//! [`SPEED_MARGIN`]-fold within the frame. Penetrations are resolved at a limited speed and leave
+//! no velocity; deep ones remain.
 
 mod blade_face;
 mod broad_phase;
@@ -40,8 +40,8 @@ const SPEED_MARGIN: f64 = 2.0;
 /// Parameters of contact detection. Friction is a parameter of the material.
 ///
 /// Vertices are tested against triangles, and sharp edges against those of other bodies. Triangles
-/// face one side: two open sheets collide only where their outer sides meet. Between two bodies friction is the
-/// geometric mean of both.
+/// face one side: two open sheets collide only where their outer sides meet. Between two bodies
+/// friction is the geometric mean of both.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactParams {
     /// Minimum distance between surfaces [mean rest edge lengths of the finer body], at most

@@ -13,8 +13,8 @@ use incise_models::{Model, build_model};
 use incise_pbd_gpu::Material;
 use incise_scene::{BackendRequest, ContactParams, SceneParams};
 
-const SHATTER: &str = "a bunny cut by ten random planes in ten frames of its fall, with and without \
-                       contacts";
+const SHATTER: &str = "a bunny cut by ten random planes in ten frames of its fall, with and \
+                       without contacts";
 
 pub(super) const CASES: [Case; 3] = [
     Case {

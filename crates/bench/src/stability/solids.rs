@@ -5,7 +5,7 @@ use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3};
 use std::collections::BTreeMap;
 
-/// Returns a box around the origin with sides of those lengths \[m\], of `cells` squares along each.
+/// Returns a box around the origin with sides of those lengths \[m\], `cells` squares along each.
 ///
 /// # Errors
 /// None for at least one cell along each side.

@@ -42,7 +42,7 @@ pub enum ContactKind {
 }
 
 impl Contact {
-    /// Creates the contact of a vertex with the plane of a triangle that faces it, without friction.
+    /// Creates the contact of a vertex with the plane of a facing triangle, without friction.
     ///
     /// With [`ContactKind::VertexPoint`] it keeps its distance from the triangle instead.
     #[must_use]

@@ -66,7 +66,7 @@ pub(super) struct Resident {
 /// Steps bodies on a GPU.
 ///
 /// It executes the passes of each [`StepPlan`](crate::StepPlan) in the order of
-/// [`Solver::step`](crate::Solver::step), so that the results differ only by the rounding of the GPU.
+/// [`Solver::step`](crate::Solver::step), so that results differ only by the rounding of the GPU.
 ///
 /// Bodies stay in GPU memory. [`GpuBackend::read`] updates the CPU copy, and
 /// [`GpuBackend::update`] uploads what was edited in it.

@@ -149,8 +149,8 @@ impl Solver {
     /// Sets the contacts of the next frames in place of the current ones. An edit removes all.
     ///
     /// # Errors
-    /// [`ConstraintError::UnknownVertex`]; [`ConstraintError::BadContact`] for repeated
-    /// vertices, a normal that is not of length 1, or numbers out of range. Nothing is changed then.
+    /// [`ConstraintError::UnknownVertex`]; [`ConstraintError::BadContact`] for repeated vertices, a
+    /// normal that is not of length 1, or numbers out of range. Nothing is changed then.
     pub fn set_contacts(&mut self, contacts: &[Contact]) -> Result<(), ConstraintError> {
         for contact in contacts {
             contact.check(|v| self.particles.is_used(v))?;

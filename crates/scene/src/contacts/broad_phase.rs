@@ -36,15 +36,15 @@ pub(super) struct Piece {
 
 /// The pieces of all bodies that may collide, in memory reused between frames.
 ///
-/// Pieces that may collide, directly or through others, form a group. The mean velocity of a
-/// group is subtracted, so that only motion within it enlarges the searches. A group that may hit an
+/// Pieces that may collide, directly or through others, form a group. The mean velocity of a group
+/// is subtracted, so that only motion within it enlarges the searches. A group that may hit an
 /// obstacle keeps it: the obstacle may stop it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Pieces {
     list: Vec<Piece>,
     /// Pairs of indices of pieces whose grown boxes overlap, in both orders, ascending.
     pairs: Vec<(u32, u32)>,
-    /// By index of a group's first piece: the sum of the velocities of its vertices, and their number.
+    /// By index of a group's first piece: sum of the velocities of its vertices, and their number.
     group_velocity_sums: Vec<(Vec3, f64)>,
 }
 

@@ -1,7 +1,8 @@
 //! Contacts between sharp edges of different bodies, which the vertices of both would miss.
 //!
-//! [`super::narrow_phase`] collects the edges of each row, then tests the pairs of near ones. On smooth surfaces vertices and
-//! triangles suffice; only convex edges of at least [`MAX_COSINE`] are tested.
+//! [`super::narrow_phase`] collects the edges of each row, then tests the pairs of near ones. On
+//! smooth surfaces vertices and triangles suffice; only convex edges whose normals have a cosine of
+//! at most [`MAX_COSINE`] are tested.
 
 use incise_mesh::{Aabb, HalfEdge, Surface, Vec3, VertexId};
 

@@ -50,8 +50,8 @@ impl PersistentContact {
 
     /// Returns whether the contact can be reused for the vertex at `at`.
     ///
-    /// The triangle must exist, the vertex must be above it, and both must have moved little relative
-    /// to each other.
+    /// The triangle must exist, the vertex must be above it, and both must have moved little
+    /// relative to each other.
     pub(super) fn persists(&self, surface: &Surface, at: Vec3, thickness: f64) -> bool {
         if !surface.topology().is_triangle(self.triangle)
             || surface.topology().triangle(self.triangle) != self.corners
