@@ -1,7 +1,9 @@
 //! Second-order integration, and over-relaxation of the XPBD diagonal.
 
 use incise_mesh::{Surface, VertexId};
-use incise_pbd_gpu::{Density, Integrator, Material, Solver, SolverParams, StepError, Stiffness};
+use incise_pbd_gpu::{
+    Density, Integrator, Material, Scheme, Solver, SolverParams, StepError, Stiffness,
+};
 
 const COMPLIANCE: f32 = 1e-3;
 const DT: f32 = 1.0 / 60.0;
@@ -13,6 +15,7 @@ const WEIGHTLESS: SolverParams = SolverParams {
     residual: None,
     diagonal_scale: 1.0,
     attachments: false,
+    scheme: Scheme::Sweeps,
     integrator: Integrator::Bdf2,
     threads: None,
 };
