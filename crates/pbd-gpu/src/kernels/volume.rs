@@ -15,7 +15,7 @@
 //!
 //! An incompressible piece regains the loss of the current substep at once. Older losses, such as
 //! those of an impact or a change of pressure, are regained at rate [`RECOVERY`] at most. Gravity
-//! moves the faces of a thin piece faster than that; it regains [`LOADS`] times such a motion, which
+//! moves the faces of a thin piece faster. The piece regains [`LOADS`] times such a motion, which
 //! becomes velocity and carries the weight. The rest of a loss that takes several substeps moves
 //! positions instead of displacements: a piece that grows or shrinks to another volume does not
 //! gain velocity from it.

@@ -123,8 +123,8 @@ fn structs_have_the_layout_of_rust() {
                 bending_carryover velocity_factor friction flags first_run stretch_colors
                 bending_colors patch_tables patches first_piece pieces first_chunk chunks
                 first_spoke first_corner corners volume_alpha volume_pressure volume_recovery
-                volume_sink volume_carryover spring_colors spring_factor spring_alpha spring_carryover
-                contacts first_collider colliders
+                volume_sink volume_carryover spring_colors spring_factor spring_alpha
+                spring_carryover contacts first_collider colliders
             ),
         );
         check("Run", size_of::<Run>(), &members!(Run: first len));
