@@ -9,7 +9,7 @@ use crate::scene::{FailedCut, Scene, SweepResult};
 use crate::stats::FrameStats;
 use incise_cut::{CutError, CutParams, Sweep};
 use incise_mesh::Aabb;
-use incise_pbd_gpu::{Collider, ConstraintError, Integrator, Scheme, StepError};
+use incise_pbd_gpu::{Collider, ConstraintError, StepError};
 use std::time::Instant;
 
 impl Scene {
@@ -112,7 +112,7 @@ impl Scene {
             return Err(ConstraintError::BadCollider { number }.into());
         }
         if let Some(gpu) = &self.gpu
-            && !(solver.integrator == Integrator::Euler && solver.scheme == Scheme::Sweeps)
+            && !solver.is_supported_on_gpu()
             && (0..self.bodies.len()).any(|i| gpu.holds(i))
         {
             return Err(SceneError::Frame(StepError::UnsupportedOnGpu));

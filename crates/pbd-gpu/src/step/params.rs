@@ -112,7 +112,8 @@ impl SolverParams {
     }
 
     /// Returns whether the GPU backend can step bodies with these parameters.
-    pub(crate) fn is_supported_on_gpu(&self) -> bool {
+    #[must_use]
+    pub fn is_supported_on_gpu(&self) -> bool {
         self.integrator == Integrator::Euler && self.scheme == Scheme::Sweeps
     }
 
