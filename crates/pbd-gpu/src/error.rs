@@ -216,6 +216,17 @@ pub enum StepError {
         /// Vertex slots of the solver.
         solver: usize,
     },
+    /// The contacts of an island are for bodies with another number of vertex slots.
+    #[error(
+        "the contacts of the island are for {contacts} vertex slots, its bodies have {bodies}; \
+         set the contacts again"
+    )]
+    ContactMismatch {
+        /// Vertex slots that the contacts were set for.
+        contacts: usize,
+        /// Vertex slots of the bodies.
+        bodies: usize,
+    },
     /// A position is not finite before the step.
     #[error("{vertex} has a position that is not finite; nothing was stepped")]
     NonFiniteInput {

@@ -97,7 +97,7 @@ impl GlobalStep {
         );
     }
 
-    /// Forgets what the factor knows of the vertices that an edit created or removed.
+    /// Removes the vertices that an edit created or deleted from the factor.
     pub(crate) fn follow_edit(&mut self, delta: &TopologyDelta) {
         let added = delta.vertices_added.iter().map(|added| added.vertex);
         let removed = delta.vertices_removed.iter().copied();

@@ -69,6 +69,24 @@ fn bodies_without_contacts_move_as_alone() {
 }
 
 #[test]
+fn contacts_of_other_bodies_are_refused() {
+    let (mut island, mut bodies) = (Island::default(), balls());
+    let contact = Contact::vertex_face(VertexId(900), [0, 1, 2].map(VertexId), 0.1);
+    island.set_contacts(&[contact], 1000).unwrap();
+    let before: Vec<_> = bodies.0.iter().map(bits).collect();
+    let refused = island.step(&mut bodies, DT, &SolverParams::default());
+    let error = refused.unwrap_err().error;
+    let slots = before.iter().map(|body| body.len() / 2).sum();
+    let expected = StepError::ContactMismatch {
+        contacts: 1000,
+        bodies: slots,
+    };
+    assert_eq!(error, expected);
+    let after: Vec<_> = bodies.0.iter().map(bits).collect();
+    assert!(before == after, "nothing has moved");
+}
+
+#[test]
 fn a_contact_between_bodies_conserves_momentum() {
     let params = SolverParams {
         gravity: [0.0; 3],

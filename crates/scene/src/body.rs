@@ -302,10 +302,11 @@ impl Body {
         self.spring_search.fill(surface, &mut self.solver, bvh)?;
         let step = (params.dt, &params.solver);
         let joined = (self.solver).join_after_undo(&mut self.surface, &pieces, step);
-        if joined.map_err(|error| SceneError::Step { body: id, error })? {
+        if joined != Ok(false) {
             self.stale = true;
             self.loose_bounds = None;
         }
+        joined.map_err(|error| SceneError::Step { body: id, error })?;
         Ok(())
     }
 

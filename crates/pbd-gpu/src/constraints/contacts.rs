@@ -35,7 +35,7 @@ pub enum ContactKind {
     VertexFace,
     /// A vertex and the nearest point of a triangle, also on its edges.
     VertexPoint,
-    /// The ends of two edges.
+    /// The nearest points of two edges.
     EdgeEdge,
     /// A vertex and a plane of infinite mass.
     Plane,

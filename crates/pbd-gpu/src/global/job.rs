@@ -1,4 +1,4 @@
-//! [`FactorJob`]: a factorization beside the frames, on a thread of the pool or at its end.
+//! [`FactorJob`]: a factorization beside the frames, on a thread of the pool.
 
 use super::matrix::{Factor, MatrixInput};
 use std::num::NonZeroUsize;
@@ -6,7 +6,8 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 /// A factorization that another thread may run.
 ///
-/// Whoever takes the input runs it. So a pool that is busy, or none, costs time and never blocks.
+/// The thread that takes the input first runs it: one of the pool, or the one that needs the factor.
+/// So a busy pool costs time only.
 #[derive(Debug, Clone)]
 pub(super) struct FactorJob(Arc<Shared>);
 

@@ -82,7 +82,7 @@ impl Preconditioner {
             }
         }
         let pins = particles.pins.iter().map(|pin| pin.vertex);
-        self.is_stale |= self.factor.is_none()
+        self.is_stale |= self.factorizations == 0
             || !self.compliances.is_near(&compliances)
             || !pins.clone().eq(self.pins.iter().copied());
         let is_started = self.is_stale && self.pending.is_none();

@@ -40,22 +40,22 @@ pub(crate) fn contact_features(particles: ParticleStates<'_>, contacts: &mut [Co
 /// Sets weights and normal of a vertex and a triangle and returns their signed distance.
 fn vertex_face(contact: &mut ContactRecord, [v, a, b, c]: [ParticleState; 4]) -> f32 {
     let [ab, ac, av] = [b, c, v].map(|p| between(a.x, p.x));
-    let [wa, wb, wc] = nearest_weights(ab, ac, av);
-    contact.weights = [1.0, -wa, -wb, -wc];
-    let offset = [0, 1, 2].map(|k: usize| av[k] - (wb * ab[k] + wc * ac[k]));
-    let square = dot(offset, offset);
     let area = cross(ab, ac);
     let area_square = dot(area, area);
     let has_area = area_square > 0.0;
     if !has_area {
         return INACTIVE;
     }
+    let [wa, wb, wc] = nearest_weights(ab, ac, av);
+    contact.weights = [1.0, -wa, -wb, -wc];
+    let offset = [0, 1, 2].map(|k: usize| av[k] - (wb * ab[k] + wc * ac[k]));
+    let square = dot(offset, offset);
     let area_length = area_square.sqrt();
     let normal = area.map(|c| c / area_length);
     let height = dot(normal, av);
     let is_inside = wa > 0.0 && wb > 0.0 && wc > 0.0;
     if contact.kind == ContactKind::VertexPoint as u32 && !is_inside {
-        if height > 0.0 {
+        if height > 0.0 && square > 0.0 {
             let length = square.sqrt();
             contact.normal = offset.map(|c| c / length);
             return length;

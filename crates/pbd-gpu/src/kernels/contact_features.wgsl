@@ -61,25 +61,25 @@ fn nearest_weights(ab: vec3f, ac: vec3f, ap: vec3f) -> vec3f {
     return vec3f(1.0, 0.0, 0.0);
 }
 
-fn vertex_face(kind: u32, v: vec4u, old: vec3f, thickness: f32) -> Features {
+fn vertex_face(kind: u32, v: vec4u, old_weights: vec4f, old: vec3f, thickness: f32) -> Features {
     let xa = load_x(v.y).xyz;
     let ab = load_x(v.z).xyz - xa;
     let ac = load_x(v.w).xyz - xa;
     let av = load_x(v.x).xyz - xa;
+    let area = cross_of(ab, ac);
+    let area_square = dot_of(area, area);
+    if (!(area_square > 0.0)) {
+        return Features(old_weights, old, INACTIVE);
+    }
     let w = nearest_weights(ab, ac, av);
     let weights = vec4f(1.0, -w.x, -w.y, -w.z);
     let offset = av - (w.y * ab + w.z * ac);
     let square = dot_of(offset, offset);
-    let area = cross_of(ab, ac);
-    let area_square = dot_of(area, area);
-    if (!(area_square > 0.0)) {
-        return Features(weights, old, INACTIVE);
-    }
     let normal = area / sqrt(area_square);
     let height = dot_of(normal, av);
     let is_inside = w.x > 0.0 && w.y > 0.0 && w.z > 0.0;
     if (kind == CONTACT_VERTEX_POINT && !is_inside) {
-        if (!(height > 0.0)) {
+        if (!(height > 0.0 && square > 0.0)) {
             return Features(weights, old, INACTIVE);
         }
         let length = sqrt(square);
@@ -131,7 +131,7 @@ fn find_features(at: u32) {
     if (kind == CONTACT_EDGE_EDGE) {
         found = edge_edge(v, weights, normal);
     } else {
-        found = vertex_face(kind, v, normal, thickness);
+        found = vertex_face(kind, v, weights, normal, thickness);
     }
     let gap = select(thickness, found.distance, found.distance < thickness);
     let w = bitcast<vec4u>(found.weights);

@@ -13,10 +13,10 @@ use nalgebra::Matrix3;
 /// Maximum number of damped frames.
 const MAX_FRAMES: u32 = 30;
 
-/// Rate at which velocities decay in them [1/s].
+/// Rate at which velocities decay in damped frames [1/s].
 const DAMPING: f32 = 60.0;
 
-/// Displacement per substep at which they end [mean rest edge lengths].
+/// Displacement per substep below which damped frames end [mean rest edge lengths].
 const SLOW: f64 = 0.01;
 
 impl Solver {
@@ -39,6 +39,8 @@ impl Solver {
         if !self.follow.is_late_undo() {
             return Ok(false);
         }
+        params.check(dt)?;
+        self.check_step(surface)?;
         self.align(surface, pieces);
         let weightless = SolverParams {
             gravity: [0.0; 3],

@@ -76,7 +76,8 @@ fn parts<'a>(
 
 /// Steps the bodies of an island by a number of substeps, in lockstep.
 ///
-/// The results have the same bits on every machine and any number of threads.
+/// The results have the same bits on every machine and any number of threads. The global step
+/// depends on the instruction set.
 pub(crate) fn execute(
     bodies: &mut dyn IslandBodies,
     members: &mut [Member],

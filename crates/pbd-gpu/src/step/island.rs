@@ -42,6 +42,8 @@ impl IslandBodies for Single<'_> {
 #[derive(Debug, Clone, Default)]
 pub struct Island {
     contacts: ContactSet,
+    /// Vertex slots of the bodies that the contacts are for.
+    vertices: usize,
     members: Vec<Member>,
     /// Statistics of the second-order substeps so far, by member.
     sums: Vec<StepStats>,
@@ -77,14 +79,15 @@ pub struct IslandError {
 }
 
 impl Island {
-    /// Returns the contacts of the next frame.
+    /// Returns the contacts of the next frames.
     #[must_use]
     pub fn contacts(&self) -> &ContactSet {
         &self.contacts
     }
 
-    /// Sets the contacts of the next frame of bodies with `vertices` vertex slots in total.
+    /// Sets the contacts of the next frames of bodies with `vertices` vertex slots in total.
     ///
+    /// They stay until they are set again.
     /// Contacts of a single body belong to its solver, see [`Solver::set_contacts`].
     ///
     /// # Errors
@@ -98,6 +101,7 @@ impl Island {
             contact.check(|v| v.index() < vertices)?;
         }
         self.contacts.set(contacts, vertices);
+        self.vertices = vertices;
         Ok(())
     }
 
@@ -107,7 +111,8 @@ impl Island {
     /// statistics of each body; contacts count for the first one.
     ///
     /// # Errors
-    /// [`IslandError`] as in [`Solver::step`]. After [`StepError::NonFinitePosition`] all bodies
+    /// [`IslandError`] as in [`Solver::step`], and [`StepError::ContactMismatch`] for contacts that
+    /// were set for other bodies or before an edit. After [`StepError::NonFinitePosition`] all bodies
     /// must be created again.
     pub fn step(
         &mut self,
@@ -116,6 +121,15 @@ impl Island {
         params: &SolverParams,
     ) -> Result<(), IslandError> {
         self.prepare(bodies, dt, params)?;
+        let slots = (0..bodies.count()).map(|i| bodies.get(i).1.positions().len());
+        let slots = slots.sum();
+        if !self.contacts.is_empty() && slots != self.vertices {
+            let error = StepError::ContactMismatch {
+                contacts: self.vertices,
+                bodies: slots,
+            };
+            return Err(IslandError { body: 0, error });
+        }
         let mut contacts = std::mem::take(&mut self.contacts);
         let done = self.run(bodies, &mut contacts, params);
         self.contacts = contacts;
