@@ -6,8 +6,8 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 /// A factorization that another thread may run.
 ///
-/// The thread that takes the input first runs it: one of the pool, or the one that needs the factor.
-/// So a busy pool costs time only.
+/// The thread that takes the input first runs it: one of the pool, or the one that needs the
+/// factor. So a busy pool costs time only.
 #[derive(Debug, Clone)]
 pub(super) struct FactorJob(Arc<Shared>);
 

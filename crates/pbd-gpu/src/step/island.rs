@@ -111,9 +111,9 @@ impl Island {
     /// statistics of each body; contacts count for the first one.
     ///
     /// # Errors
-    /// [`IslandError`] as in [`Solver::step`], and [`StepError::ContactMismatch`] for contacts that
-    /// were set for other bodies or before an edit. After [`StepError::NonFinitePosition`] all bodies
-    /// must be created again.
+    /// [`IslandError`] as in [`Solver::step`]; [`StepError::ContactMismatch`] for contacts that
+    /// were set for other bodies or before an edit. After [`StepError::NonFinitePosition`] all
+    /// bodies must be created again.
     pub fn step(
         &mut self,
         bodies: &mut dyn IslandBodies,

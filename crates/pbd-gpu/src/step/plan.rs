@@ -1,7 +1,7 @@
 //! The passes of a step in the order in which they run.
 //!
-//! [`Pass`]'s `Ord` is the only place that states this order. The CPU executes a
-//! [`StepPlan`] pass by pass; the GPU backend merges the plans of several bodies by it, and a unit test
+//! [`Pass`]'s `Ord` is the only place that states this order. The CPU executes a [`StepPlan`] pass
+//! by pass; the GPU backend merges the plans of several bodies by it, and a unit test
 //! compares the shader that steps a whole body in one dispatch with it.
 
 use crate::constraints::batches::{BatchId, BendingSet, ConstraintSet, StretchSet};
