@@ -2,6 +2,7 @@
 
 pub(crate) mod backend;
 pub(crate) mod body;
+mod body_step;
 pub(crate) mod constants;
 pub(crate) mod island;
 pub(crate) mod params;

@@ -142,7 +142,7 @@ impl ContactDetection {
         self.near.push(i, bounds, false);
     }
 
-    /// Finds the near bodies among those that were added.
+    /// Finds the pairs of added bodies whose boxes overlap.
     pub(crate) fn find_near(&mut self) {
         self.near.find();
     }

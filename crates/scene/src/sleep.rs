@@ -160,7 +160,7 @@ impl Sleep {
         self.islands.resize(i + 1, i);
     }
 
-    /// Removes a body and wakes those that it touches; its index is not reused.
+    /// Removes a body and wakes its island. The index is not reused.
     pub(crate) fn remove(&mut self, i: usize) {
         if std::mem::replace(&mut self.asleep[i], false) {
             self.sleeping_bodies -= 1;

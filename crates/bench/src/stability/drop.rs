@@ -66,12 +66,12 @@ const REBOUND: f64 = 3.0;
 const TRIANGLES: u32 = 120_000;
 /// Fewest and most drops of a model.
 const DROPS: [u32; 2] = [4, 40];
-/// Every so many drops are repeated with an undo.
+/// Number of drops of which one is repeated with an undo.
 const UNDO_STRIDE: u32 = 3;
 /// Largest model of a quick run.
 const QUICK_TRIANGLES: u32 = 1500;
 
-/// Returns the number of drops of a model of so many triangles.
+/// Returns the number of drops of a model from its number of triangles.
 fn drops(runner: &Runner, triangles: u32) -> u32 {
     let [fewest, most] = DROPS;
     let affordable = (TRIANGLES / triangles.max(1)).clamp(fewest, most);

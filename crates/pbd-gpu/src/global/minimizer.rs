@@ -41,7 +41,7 @@ struct Pair {
 pub(super) struct Minimizer {
     /// Positions at the start of the substep \[m\].
     start: Vec<Vec3>,
-    /// Masses \[kg\], 0 of fixed vertices and of those that an obstacle stopped in this substep.
+    /// Masses \[kg\]; 0 for fixed vertices, and for vertices that an obstacle has stopped.
     masses: Vec<f64>,
     /// Displacements before the passes of contacts, colliders and ground \[m\].
     unobstructed: Vec<[f32; 3]>,

@@ -5,9 +5,9 @@ use std::sync::{Condvar, Mutex, PoisonError};
 
 /// The parked threads of a team.
 ///
-/// A thread counts itself before it looks for work a last time, and the leader publishes work
-/// before it reads the count. Full fences between both steps on both sides make at least one of
-/// them see the other, so no wake-up is lost, and a pass costs no lock while nobody is parked.
+/// A thread increments the count before it looks for work a last time. The leader publishes work
+/// before it reads the count. With a full fence between both steps on each side, either the thread
+/// finds the work or the leader wakes the thread. A pass takes no lock while the count is 0.
 #[derive(Debug, Default)]
 pub(super) struct Parking {
     parked: AtomicUsize,

@@ -26,10 +26,10 @@ impl Solver {
     /// and about each of three axes.
     ///
     /// **Undo.** The delta of an undo is applied like any other. If nothing has moved since the
-    /// edit, masses and velocities are restored bit for bit. Otherwise restored vertices get their
-    /// velocity from those that replaced them, and parts that have moved apart should be
-    /// [joined](Solver::join_after_undo). Pins of deleted vertices return with the vertices,
-    /// except for vertices that an edit created.
+    /// edit, masses and velocities are restored bit for bit. Otherwise restored vertices get the
+    /// velocities of their replacements; call [`Solver::join_after_undo`] to join pieces that have
+    /// moved apart. Pins of deleted vertices return with the vertices, except for vertices that an
+    /// edit created.
     ///
     /// Edges without rest length are accepted, unlike in [`Solver::new`], because a cut may pass
     /// through any point.

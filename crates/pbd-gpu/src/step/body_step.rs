@@ -1,0 +1,206 @@
+//! [`BodyStep`]: the passes of one body on the CPU, one kernel per pass.
+//!
+//! [`backend`](super::backend) runs them for every body of an island, and the passes of contacts.
+
+use crate::constraints::batches::{Batch, BatchId, ConstraintSet};
+use crate::kernels::bending::Bending;
+use crate::kernels::block::dispatch;
+use crate::kernels::particle_state::ParticleStates;
+use crate::kernels::stretch::Stretch;
+use crate::kernels::volume::{self, VolumeScratch};
+use crate::kernels::{attachments, colliders, ground, integrate, pins, predict};
+use crate::parallel::Leader;
+use crate::parallel::passes::{sweep_color, sweep_patches};
+use crate::step::body::Body;
+use crate::step::constants::{Projection, StepConstants};
+use crate::step::params::StepStats;
+use crate::step::plan::{ConstraintKind, Pass};
+use crate::step::sweep::{Kernel, Sweep};
+use pulp::Arch;
+
+/// A part of a substep of one body.
+pub(super) struct BodyStep<'a, 'b, 'c> {
+    /// States of the body.
+    pub(super) particles: ParticleStates<'a>,
+    pub(super) body: Body<'b>,
+    pub(super) constants: &'a StepConstants,
+    pub(super) volume_scratch: &'a mut VolumeScratch,
+    pub(super) leader: &'a mut Leader<'c>,
+    pub(super) arch: Arch,
+    pub(super) substeps_left: u32,
+    pub(super) stats: &'a mut StepStats,
+    /// Minimum predicted height of the substep \[m\].
+    pub(super) lowest: &'a mut f32,
+}
+
+/// Projects a batch and returns its number of constraints; the overflow is projected serially.
+fn project_batch<K: Kernel<N>, const N: usize>(
+    (leader, arch): (&mut Leader<'_>, Arch),
+    particles: ParticleStates<'_>,
+    set: Option<&mut ConstraintSet<N>>,
+    batch: BatchId,
+    projection: Projection,
+) -> u64 {
+    let Some(set) = set else { return 0 };
+    let part = set
+        .batch_mut(batch.number())
+        .part(projection.accumulates_lambda);
+    let count = part.vertices.len() as u64;
+    match batch {
+        BatchId::Color(_) => sweep_color::<K, N>(leader, arch, particles, part, projection),
+        BatchId::Overflow => {
+            dispatch(arch, Sweep::<K, N>::serial(particles, part, projection));
+        }
+    }
+    count
+}
+
+/// Runs a pass of the global step.
+#[cfg(feature = "global")]
+fn global_pass(
+    particles: ParticleStates<'_>,
+    body: &mut Body<'_>,
+    constants: &StepConstants,
+    pass: Pass,
+) {
+    let sets = crate::global::EnergySets {
+        stretch: body.stretch,
+        bending: body.bending.as_deref(),
+        interior_springs: body.interior_springs.as_deref(),
+    };
+    if let Some(global) = &mut body.global {
+        if pass == Pass::BeginGlobal {
+            global.begin(particles, sets, constants);
+        } else {
+            global.iterate(particles, sets, constants);
+        }
+    }
+}
+
+impl BodyStep<'_, '_, '_> {
+    /// Projects the constraints of all patches of a layer.
+    pub(super) fn project_patches(&mut self, layer: usize) {
+        let patches = self.body.patches.of_layer_mut(layer);
+        let by = (self.constants.stretch, self.constants.bending);
+        sweep_patches(self.leader, self.arch, self.particles, patches, by);
+        for patch in patches {
+            self.stats.stretch_projections += patch.stretch.len() as u64;
+            self.stats.bending_projections += patch.bending.len() as u64;
+        }
+    }
+
+    /// Runs a pass; returns false if a position is not finite.
+    #[inline(always)]
+    pub(super) fn run(&mut self, pass: Pass) -> bool {
+        let Self {
+            constants,
+            body,
+            arch,
+            leader,
+            stats,
+            ..
+        } = self;
+        let (particles, v) = (self.particles, &mut *body.velocities);
+        match pass {
+            Pass::Predict => *self.lowest = predict::predict(particles, v, constants),
+            Pass::Pins => pins::pins(particles, body.pins, self.substeps_left),
+            Pass::LongRangeAttachments => {
+                attachments::attachments(particles, body.attachments, constants.h)
+            }
+            Pass::ResetMultipliers => {
+                if constants.stretch.accumulates_lambda {
+                    body.stretch.all_mut().for_each(Batch::reset_multipliers);
+                }
+                if constants.bending.accumulates_lambda {
+                    let sets = body.bending.iter_mut();
+                    sets.flat_map(|set| set.all_mut())
+                        .for_each(Batch::reset_multipliers);
+                }
+                if constants.interior_springs.accumulates_lambda {
+                    let sets = body.interior_springs.iter_mut();
+                    sets.flat_map(|set| set.all_mut())
+                        .for_each(Batch::reset_multipliers);
+                }
+                let [stretch, bending] = [constants.stretch, constants.bending];
+                (body.patches)
+                    .reset_multipliers(stretch.accumulates_lambda, bending.accumulates_lambda);
+                if constants.volume.accumulates_lambda {
+                    body.volumes.reset_multipliers();
+                }
+            }
+            Pass::Project { kind, batch } => {
+                let team = (&mut **leader, *arch);
+                match kind {
+                    ConstraintKind::Stretch => {
+                        let (set, by) = (Some(&mut *body.stretch), constants.stretch);
+                        stats.stretch_projections +=
+                            project_batch::<Stretch, 2>(team, particles, set, batch, by);
+                    }
+                    ConstraintKind::Bending => {
+                        let (set, by) = (body.bending.as_deref_mut(), constants.bending);
+                        stats.bending_projections +=
+                            project_batch::<Bending, 4>(team, particles, set, batch, by);
+                    }
+                    ConstraintKind::InteriorSpring => {
+                        let set = body.interior_springs.as_deref_mut();
+                        let by = constants.interior_springs;
+                        stats.interior_spring_projections +=
+                            project_batch::<Stretch, 2>(team, particles, set, batch, by);
+                    }
+                }
+            }
+            Pass::BeginGlobal | Pass::GlobalIteration => {
+                #[cfg(feature = "global")]
+                global_pass(particles, body, constants, pass);
+                stats.global_iterations += u32::from(pass == Pass::GlobalIteration);
+            }
+            // `Frame` projects the contacts of the island.
+            Pass::ContactFeatures
+            | Pass::ContactsBeforeVolumes
+            | Pass::Contacts
+            | Pass::ContactRecovery => {}
+            Pass::Volumes => {
+                #[cfg(feature = "global")]
+                if let Some(global) = &mut body.global {
+                    global.hold_obstructed(particles);
+                }
+                stats.volume_projections += body.volumes.pieces().len() as u64;
+                let piece = (body.topology, &mut *body.volumes);
+                let change = volume::volumes(
+                    (leader, *arch),
+                    particles,
+                    piece,
+                    (constants.volume, constants.ground),
+                    self.volume_scratch,
+                );
+                #[cfg(feature = "global")]
+                if let Some(global) = &mut body.global {
+                    global.mark_unobstructed(particles);
+                }
+                stats.max_displacement += change;
+                stats.max_substep_displacement = stats.max_substep_displacement.max(change);
+            }
+            Pass::Colliders => {
+                colliders::colliders(particles, v, body.colliders, constants.friction);
+            }
+            Pass::GroundBeforeVolumes => {
+                stats.ground_passes += 1;
+                let vertices = body.volumes.spokes.iter().map(|spoke| spoke.vertex);
+                let ground = (constants.ground, constants.friction);
+                ground::ground_of(vertices, particles, v, ground);
+            }
+            Pass::Ground => {
+                stats.ground_passes += 1;
+                ground::ground(particles, v, constants.ground, constants.friction);
+            }
+            Pass::Integrate => match integrate::integrate(particles, v, constants) {
+                Some(change) => {
+                    stats.max_displacement += change;
+                    stats.max_substep_displacement = stats.max_substep_displacement.max(change);
+                }
+                None => return false,
+            },
+        }
+        true
+    }
+}
