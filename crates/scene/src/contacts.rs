@@ -46,6 +46,8 @@ const SPEED_MARGIN: f64 = 2.0;
 pub struct ContactParams {
     /// Minimum distance between surfaces [mean rest edge lengths of the finer body], at most
     /// [`ContactParams::MAX_THICKNESS`].
+    ///
+    /// From a closed piece it is at most half of its volume by its area, a quarter of a plate.
     pub thickness: f32,
     /// Whether the triangles of one piece collide with each other.
     pub self_collision: bool,
@@ -92,7 +94,7 @@ pub(crate) struct ContactFrame<'a> {
 }
 
 impl ContactFrame<'_> {
-    /// Returns the minimum distance of other surfaces from a body's \[m\].
+    /// Returns the minimum distance of other surfaces from a body's thickest pieces \[m\].
     fn thickness(&self, body: &Body) -> f64 {
         f64::from(self.params.thickness) * body.solver().mean_rest_length()
     }

@@ -112,6 +112,8 @@ pub(super) struct MovingEdge {
     /// Index of its body in the scene.
     pub(super) body: u32,
     pub(super) edge: SharpEdge,
+    /// Minimum distance of other surfaces from its piece \[m\].
+    pub(super) thickness: f64,
     /// Distance within which it searches others \[m\].
     pub(super) reach: f64,
     /// Box around the edge, grown by `reach`.

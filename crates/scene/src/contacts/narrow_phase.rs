@@ -113,6 +113,15 @@ struct Searched<'a> {
     previous_of_vertex: &'a [u32],
 }
 
+impl Searched<'_> {
+    /// Returns the minimum distance of other surfaces from the piece of a vertex \[m\].
+    fn thickness(&self, v: VertexId) -> f64 {
+        let surface = self.body.surface();
+        let t = surface.topology().outgoing(v).triangle();
+        self.motion.thickness(surface, t)
+    }
+}
+
 impl Search<'_> {
     /// Finds the contacts of all vertices and edges of active bodies.
     pub(super) fn run(&self, all: &mut [BodyRows], edges: &mut EdgeScratch) {
@@ -193,7 +202,8 @@ impl Search<'_> {
         let ends = [surface.topology().origin(h), surface.topology().target(h)];
         let displacement = ends.map(|v| motion.displacements[v.index()]);
         let displacement = f64::max(displacement[0], displacement[1]);
-        let reach = motion.thickness + self.frame.speed_gain * self.frame.dt + displacement;
+        let thickness = motion.thickness(surface, h.triangle());
+        let reach = thickness + self.frame.speed_gain * self.frame.dt + displacement;
         let tight = SharpEdge::bounds(surface, h);
         let is_near = |other: &Piece| {
             let mut bounds = tight;
@@ -205,12 +215,13 @@ impl Search<'_> {
         }
         if let Some(edge) = SharpEdge::new(surface, h) {
             // Edges of very fast pieces would search whole bodies.
-            let reach = reach.min(motion.thickness + edge.length());
+            let reach = reach.min(thickness + edge.length());
             let mut bounds = tight;
             grow(&mut bounds, reach);
             row.edges.push(MovingEdge {
                 body: of.index,
                 edge,
+                thickness,
                 reach,
                 bounds,
             });
@@ -234,8 +245,7 @@ impl Search<'_> {
             let [Some(body), Some(other)] = bodies else {
                 continue;
             };
-            let thickness = [a, b].map(|edge| self.motions[edge.body as usize].thickness);
-            let gap = thickness[0].min(thickness[1]);
+            let gap = a.thickness.min(b.thickness);
             if let Some((normal, distance)) = a.edge.distance(&b.edge)
                 && distance <= a.reach + b.reach
                 && distance >= -MAX_DEPTH * gap
@@ -269,7 +279,7 @@ impl Search<'_> {
     /// Returns the distance at which a vertex searches resting triangles \[m\].
     fn radius(&self, of: Searched<'_>, v: VertexId) -> f64 {
         let gain = self.frame.speed_gain * self.frame.dt;
-        of.motion.thickness + gain + of.motion.displacements[v.index()]
+        of.thickness(v) + gain + of.motion.displacements[v.index()]
     }
 
     /// Adds the contact of a vertex with the nearest triangle of a body, if there is one.
@@ -278,8 +288,9 @@ impl Search<'_> {
             return;
         };
         let (surface, other_surface) = (of.body.surface(), other_body.surface());
-        let thickness = of.motion.thickness;
-        let thickness = thickness.min(self.motions[other as usize].thickness);
+        let of_other = &self.motions[other as usize];
+        let thickness =
+            |t: TriangleId| f64::min(of.thickness(v), of_other.thickness(other_surface, t));
         let at = surface.position(v);
         let first = of.previous_of_vertex[v.index()] as usize;
         let previous = of.previous.get(first..).unwrap_or_default();
@@ -288,7 +299,7 @@ impl Search<'_> {
         let is_fold = |t: TriangleId| other == of.index && is_own(surface, v, t);
         let self_collision = self.frame.params.self_collision;
         let kept = previous.filter(|contact| {
-            contact.persists(other_surface, at, thickness)
+            contact.persists(other_surface, at, &thickness)
                 && (self_collision || !is_fold(contact.triangle))
         });
         let contact = kept.or_else(|| {
@@ -297,7 +308,7 @@ impl Search<'_> {
         });
         let Some(contact) = contact else { return };
         // Within a piece at most half of the rest distance, so that a thin fold stays as it is.
-        let mut gap = thickness;
+        let mut gap = thickness(contact.triangle);
         if is_fold(contact.triangle) {
             gap = gap.min(contact.rest_distance(surface) / 2.0);
         }
@@ -344,7 +355,8 @@ impl Search<'_> {
         let bvh = body.bvh();
         let found = bvh.nearest_in_reach(other_surface, reach, radii, first, is_candidate)?;
         // A deeper vertex has passed the triangle, whose plane would hold the two together.
-        let thickness = of.motion.thickness.min(motion.thickness);
+        let of_other = motion.thickness(other_surface, found.triangle);
+        let thickness = of.thickness(v).min(of_other);
         let is_shallow = found.distance >= -MAX_DEPTH * thickness;
         if !is_shallow {
             return None;
@@ -366,7 +378,7 @@ impl Search<'_> {
 
     /// Adds the contacts of a vertex with blade faces.
     fn find_blade_face_contacts(&self, of: Searched<'_>, v: VertexId, row: &mut Row) {
-        let (frame, thickness) = (self.frame, of.motion.thickness);
+        let (frame, thickness) = (self.frame, of.thickness(v));
         for face in frame.blade_faces {
             let speed = of.motion.velocity(v).norm();
             let radius = thickness + (SPEED_MARGIN * speed + frame.speed_gain) * frame.dt;

@@ -52,7 +52,12 @@ impl PersistentContact {
     ///
     /// The triangle must exist, the vertex must be above it, and both must have moved little
     /// relative to each other.
-    pub(super) fn persists(&self, surface: &Surface, at: Vec3, thickness: f64) -> bool {
+    pub(super) fn persists(
+        &self,
+        surface: &Surface,
+        at: Vec3,
+        thickness: impl Fn(TriangleId) -> f64,
+    ) -> bool {
         if !surface.topology().is_triangle(self.triangle)
             || surface.topology().triangle(self.triangle) != self.corners
         {
@@ -61,6 +66,7 @@ impl PersistentContact {
         if self.kind != ContactKind::VertexFace {
             return false;
         }
+        let thickness = thickness(self.triangle);
         let [a, b, c] = self.corners.map(|c| surface.position(c));
         let point = a * self.weights[0] + b * self.weights[1] + c * self.weights[2];
         let offset = at - point;
