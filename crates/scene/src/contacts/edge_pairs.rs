@@ -149,11 +149,14 @@ impl Search<'_> {
     /// A pair keeps the side of its previous normal. Edges of one body start on each other at a
     /// cut: a new pair of them touches once it has been apart.
     fn touch(&self, a: &MovingEdge, b: &MovingEdge, known: Option<Vec3>) -> Option<(Vec3, f64)> {
-        let found = a.edge.distance(&b.edge, known)?;
+        // Edges that do not cross may slide over each other within the frame.
+        let slide = (a.reach - a.thickness) + (b.reach - b.thickness);
+        let found = a.edge.distance(&b.edge, known, slide)?;
         let gap = a.thickness.min(b.thickness);
         let is_within = found.distance <= a.reach + b.reach && found.distance >= -MAX_DEPTH * gap;
         let is_new = known.is_none() && a.body == b.body;
-        if !is_within || is_new && found.distance < gap {
+        let is_deep = found.distance < 0.0 && !found.is_crossing;
+        if !is_within || is_deep || is_new && found.distance < gap {
             return None;
         }
         // Vertices alone keep a thin fold as it is.

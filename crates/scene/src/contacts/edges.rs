@@ -17,7 +17,7 @@ const END: f64 = 1e-3;
 /// Minimum squared sine between two edges.
 const MIN_SQUARED_SINE: f64 = 1e-3;
 
-/// The distance between two edges whose nearest points are inside of both.
+/// The distance between the lines of two edges.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EdgeDistance {
     /// Unit normal towards the first edge.
@@ -26,6 +26,8 @@ pub(super) struct EdgeDistance {
     pub(super) distance: f64,
     /// The nearest points [fractions of the edges].
     pub(super) fractions: [f64; 2],
+    /// Whether the nearest points of the lines are inside of both edges.
+    pub(super) is_crossing: bool,
 }
 
 /// A convex edge between two triangles.
@@ -89,8 +91,13 @@ impl SharpEdge {
     /// Returns the distance from another edge, on the side of the `known` normal.
     ///
     /// Without a known normal the side is that of the other edge's surface. `None` unless the
-    /// nearest points of both are inside of them and face each other.
-    pub(super) fn distance(&self, other: &Self, known: Option<Vec3>) -> Option<EdgeDistance> {
+    /// nearest points of both lines are within a `slide` of them \[m\] and face each other.
+    pub(super) fn distance(
+        &self,
+        other: &Self,
+        known: Option<Vec3>,
+        slide: f64,
+    ) -> Option<EdgeDistance> {
         let [a, b] = [self, other].map(|edge| edge.at[1] - edge.at[0]);
         let between = self.at[0] - other.at[0];
         let across = a.cross(&b);
@@ -103,9 +110,12 @@ impl SharpEdge {
         let s = (ab * second - first * bb) / square;
         let t = (aa * second - ab * first) / square;
         // At an end the contacts of its vertex act.
-        if ![s, t].iter().all(|c| (END..1.0 - END).contains(c)) {
+        let is_crossing = [s, t].iter().all(|c| (END..1.0 - END).contains(c));
+        let is_beyond = |c: f64, square: f64| f64::max(-c, c - 1.0) * square.sqrt() > slide;
+        if !is_crossing && (is_beyond(s, aa) || is_beyond(t, bb)) {
             return None;
         }
+        let known = known.filter(|_| is_crossing);
         let outward = known.unwrap_or_else(|| -(other.inward[0] + other.inward[1]));
         let normal = across * (across.dot(&outward).signum() / square.sqrt());
         let faces = |edge: &Self, normal: Vec3| {
@@ -116,6 +126,7 @@ impl SharpEdge {
             normal,
             distance: normal.dot(&between),
             fractions: [s, t],
+            is_crossing,
         })
     }
 }
