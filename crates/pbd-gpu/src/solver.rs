@@ -22,7 +22,8 @@ use crate::step::constants::StepConstants;
 use crate::step::island::{Island, IslandError, Single};
 use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
-use crate::step::prepare::prepare;
+use crate::step::prepare::{prepare, takes_global_step};
+use crate::step::substeps::substeps;
 use incise_mesh::Surface;
 
 /// Steps one surface by position based dynamics.
@@ -158,6 +159,18 @@ impl Solver {
         if let Some(stats) = stats {
             self.step.stats = stats;
         }
+    }
+
+    /// Returns the number of substeps of a frame of `dt` \[s\], at least that of the parameters.
+    pub(crate) fn substeps(&mut self, dt: f32, params: &SolverParams) -> u32 {
+        if params.ground.is_none() || takes_global_step(params, &self.material) {
+            return params.substeps;
+        }
+        let known = self.step.mean_rest_length;
+        let edge = known.filter(|_| self.step.plan.is_current());
+        let edge = edge.unwrap_or_else(|| self.mean_rest_length());
+        self.step.mean_rest_length = Some(edge);
+        substeps(dt, params, edge)
     }
 
     /// Updates the plan and returns the constants of a frame.

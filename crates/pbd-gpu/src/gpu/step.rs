@@ -21,7 +21,8 @@ const MAX_DISPATCHES: u32 = 1 << 20;
 impl GpuBackend {
     /// Submits one frame of `dt` \[s\] for the bodies and returns without waiting for it.
     ///
-    /// Blocks while three frames are in flight. Each body is stepped independently.
+    /// Blocks while three frames are in flight. Each body is stepped independently, except that
+    /// all take the substeps of the one that needs most, see [`SolverParams::substeps`].
     ///
     /// # Errors
     /// [`GpuError`] if a parameter is out of range, a body is unknown, has another solver or was
@@ -38,10 +39,20 @@ impl GpuBackend {
             return Err(StepError::UnsupportedOnGpu.into());
         }
         self.context.check()?;
-        let mut stats = GpuStats::default();
         let mut frame = FrameUniform::zeroed();
         self.stepped.clear();
         let mut prepared = Ok(());
+        let mut bodies: Vec<_> = bodies.into_iter().collect();
+        let needed = bodies.iter_mut();
+        let needed = needed.map(|(_, solver)| solver.substeps(dt, params));
+        let params = &SolverParams {
+            substeps: needed.fold(params.substeps, u32::max),
+            ..*params
+        };
+        let mut stats = GpuStats {
+            substeps: params.substeps,
+            ..GpuStats::default()
+        };
         for (body, solver) in bodies {
             prepared = self.send_small_changes(body, solver);
             if prepared.is_err() {
