@@ -162,7 +162,7 @@ impl Solver {
     }
 
     /// Returns the number of substeps of a frame of `dt` \[s\], at least that of the parameters.
-    pub(crate) fn substeps(&mut self, dt: f32, params: &SolverParams) -> u32 {
+    pub(crate) fn needed_substeps(&mut self, dt: f32, params: &SolverParams) -> u32 {
         if params.ground.is_none() || takes_global_step(params, &self.material) {
             return params.substeps;
         }
@@ -189,7 +189,9 @@ impl Solver {
             step,
             ..
         } = self;
-        prepare(step, constraints, particles, material, dt, params)
+        let constants = prepare(step, constraints, particles, material, dt, params)?;
+        step.substeps = constants.substeps;
+        Ok(constants)
     }
 
     /// Prepares the global step of a frame, or drops it from a body that does not take it.
@@ -227,6 +229,14 @@ impl Solver {
     #[must_use]
     pub fn plan(&self) -> &StepPlan {
         &self.step.plan
+    }
+
+    /// Returns the number of substeps of the last frame, on the CPU or a GPU.
+    ///
+    /// It may exceed [`SolverParams::substeps`].
+    #[must_use]
+    pub fn substeps(&self) -> u32 {
+        self.step.substeps
     }
 
     /// Returns the statistics of the last step on the CPU.

@@ -25,6 +25,8 @@ pub(crate) struct StepState {
     pub(crate) longest_substep: f32,
     /// Mean rest length of edges \[m\], once it is needed after a change of topology.
     pub(crate) mean_rest_length: Option<f64>,
+    /// Substeps of the last frame.
+    pub(crate) substeps: u32,
     pub(crate) stats: StepStats,
     /// The global step of a body that takes it.
     #[cfg(feature = "global")]

@@ -84,14 +84,18 @@ fn equal_in_more_substeps(context: Context, schedule: Schedule) {
     let mut gpu = GpuBackend::from_context(context).expect("a device");
     gpu.force_schedule(Some(schedule));
     let body = gpu.add(&on_gpu, &mut solver).expect("room");
+    // A larger body that is stepped beside it takes the given substeps.
+    let (large, mut of_large) = set_up(Model::Sphere80, schedule, &Material::default());
+    let beside = gpu.add(&large, &mut of_large).expect("room");
     for _ in 0..60 {
         cpu.step(&mut on_cpu, DT, &params).expect("a step");
-        gpu.step([(body, &mut solver)], DT, &params)
-            .expect("a step");
+        let bodies = [(body, &mut solver), (beside, &mut of_large)];
+        gpu.step(bodies, DT, &params).expect("a step");
     }
+    assert_eq!(of_large.substeps(), params.substeps);
     gpu.read(body, &mut on_gpu, &mut solver).expect("a state");
-    assert!(gpu.stats().substeps > params.substeps);
-    assert_eq!(gpu.stats().substeps, cpu.stats().substeps);
+    assert!(cpu.substeps() > params.substeps);
+    assert_eq!(cpu.substeps(), solver.substeps());
     assert!(bits(&on_cpu) == bits(&on_gpu));
     let strain = cpu.stretch_error(&on_cpu);
     assert!(strain < 0.05, "the ground flattens it: strain {strain}");

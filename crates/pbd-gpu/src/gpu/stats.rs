@@ -44,8 +44,6 @@ pub struct GpuMemory {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct GpuStats {
-    /// Substeps of every body, see [`SolverParams::substeps`](crate::SolverParams::substeps).
-    pub substeps: u32,
     /// Bodies stepped under [`Schedule::WholeBody`].
     pub whole_bodies: u32,
     /// Bodies stepped under [`Schedule::Colors`].

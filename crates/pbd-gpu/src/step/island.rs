@@ -152,7 +152,7 @@ impl Island {
         params
             .check(dt)
             .map_err(|error| IslandError { body: 0, error })?;
-        let needed = (0..bodies.count()).map(|i| bodies.get(i).0.substeps(dt, params));
+        let needed = (0..bodies.count()).map(|i| bodies.get(i).0.needed_substeps(dt, params));
         self.substeps = needed.fold(params.substeps, u32::max);
         let params = &SolverParams {
             substeps: self.substeps,
