@@ -22,7 +22,8 @@ use crate::step::constants::StepConstants;
 use crate::step::island::{Island, IslandError, Single};
 use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
-use crate::step::prepare::prepare;
+use crate::step::prepare::{prepare, takes_global_step};
+use crate::step::substeps::substeps;
 use incise_mesh::Surface;
 
 /// Steps one surface by position based dynamics.
@@ -160,6 +161,18 @@ impl Solver {
         }
     }
 
+    /// Returns the number of substeps of a frame of `dt` \[s\], at least that of the parameters.
+    pub(crate) fn needed_substeps(&mut self, dt: f32, params: &SolverParams) -> u32 {
+        if params.ground.is_none() || takes_global_step(params, &self.material) {
+            return params.substeps;
+        }
+        let known = self.step.mean_rest_length;
+        let edge = known.filter(|_| self.step.plan.is_current());
+        let edge = edge.unwrap_or_else(|| self.mean_rest_length());
+        self.step.mean_rest_length = Some(edge);
+        substeps(dt, params, edge)
+    }
+
     /// Updates the plan and returns the constants of a frame.
     ///
     /// # Errors
@@ -176,7 +189,9 @@ impl Solver {
             step,
             ..
         } = self;
-        prepare(step, constraints, particles, material, dt, params)
+        let constants = prepare(step, constraints, particles, material, dt, params)?;
+        step.substeps = constants.substeps;
+        Ok(constants)
     }
 
     /// Prepares the global step of a frame, or drops it from a body that does not take it.
@@ -214,6 +229,14 @@ impl Solver {
     #[must_use]
     pub fn plan(&self) -> &StepPlan {
         &self.step.plan
+    }
+
+    /// Returns the number of substeps of the last frame, on the CPU or a GPU.
+    ///
+    /// It may exceed [`SolverParams::substeps`].
+    #[must_use]
+    pub fn substeps(&self) -> u32 {
+        self.step.substeps
     }
 
     /// Returns the statistics of the last step on the CPU.

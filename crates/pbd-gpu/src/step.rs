@@ -9,6 +9,7 @@ pub(crate) mod params;
 pub(crate) mod plan;
 pub(crate) mod prepare;
 pub(crate) mod second_order;
+pub(crate) mod substeps;
 pub(crate) mod sweep;
 
 use params::StepStats;
@@ -22,6 +23,10 @@ pub(crate) struct StepState {
     pub(crate) history: History,
     /// Longest recent substep, which decays over frames \[s\].
     pub(crate) longest_substep: f32,
+    /// Mean rest length of edges \[m\], once it is needed after a change of topology.
+    pub(crate) mean_rest_length: Option<f64>,
+    /// Substeps of the last frame.
+    pub(crate) substeps: u32,
     pub(crate) stats: StepStats,
     /// The global step of a body that takes it.
     #[cfg(feature = "global")]

@@ -45,6 +45,8 @@ pub struct Island {
     /// Vertex slots of the bodies that the contacts are for.
     vertices: usize,
     members: Vec<Member>,
+    /// Substeps of the frame.
+    substeps: u32,
     /// Statistics of the second-order substeps so far, by member.
     sums: Vec<StepStats>,
     scratch: StepScratch,
@@ -147,6 +149,15 @@ impl Island {
         params: &SolverParams,
     ) -> Result<(), IslandError> {
         self.members.clear();
+        params
+            .check(dt)
+            .map_err(|error| IslandError { body: 0, error })?;
+        let needed = (0..bodies.count()).map(|i| bodies.get(i).0.needed_substeps(dt, params));
+        self.substeps = needed.fold(params.substeps, u32::max);
+        let params = &SolverParams {
+            substeps: self.substeps,
+            ..*params
+        };
         for body in 0..bodies.count() {
             let (solver, surface) = bodies.get(body);
             let member = prepare_member(solver, surface, dt, params);
@@ -170,6 +181,7 @@ impl Island {
             members,
             sums,
             scratch,
+            substeps,
             ..
         } = self;
         let done = match params.integrator {
@@ -178,13 +190,13 @@ impl Island {
                     let (_, _, step) = bodies.get(i).0.step_parts();
                     step.history.forget();
                 }
-                execute(bodies, members, contacts, params.substeps, scratch)
+                execute(bodies, members, contacts, *substeps, scratch)
             }
             Integrator::Bdf2 => {
                 sums.clear();
                 sums.resize(members.len(), StepStats::default());
                 let members = (&mut **members, &mut **sums);
-                run_second_order(bodies, members, (contacts, scratch), params.substeps)
+                run_second_order(bodies, members, (contacts, scratch), *substeps)
             }
         };
         for (i, member) in members.iter().enumerate() {
@@ -217,7 +229,6 @@ fn prepare_member(
     dt: f32,
     params: &SolverParams,
 ) -> Result<Member, StepError> {
-    params.check(dt)?;
     solver.check_step(surface)?;
     let constants = solver.prepare(dt, params)?;
     let orders = both_orders(solver.material(), &constants, params);
