@@ -160,3 +160,67 @@ fn a_sweep_does_not_rise_ahead_of_a_grazing_blade() {
     };
     stroke.check(&torus(0.35, 0.15, 32, 16));
 }
+
+/// Snapping moved the surface beside the end of a tip across the tip.
+#[test]
+fn snapping_keeps_the_surface_off_the_tip() {
+    let stroke = Stroke {
+        place: [0.082_242_85, -0.193_473_67, -0.083_123_386],
+        axis: 1,
+        tilt: [-0.278_513, 0.264_458_54, 0.187_189_22],
+        steps: 4,
+        snap: 0.1,
+    };
+    stroke.check(&torus(0.35, 0.15, 32, 16));
+    let stroke = Stroke {
+        place: [-0.015_807_42, -0.119_829_06, -0.161_536_66],
+        axis: 0,
+        tilt: [0.016_323_715, -0.050_689_25, -0.106_547_28],
+        steps: 100,
+        snap: 0.1,
+    };
+    stroke.check(&icosphere(3, 0.5));
+    let stroke = Stroke {
+        place: [0.192_915_17, -0.207_673_37, -0.050_940_9],
+        axis: 1,
+        tilt: [0.163_010_72, 0.263_392_93, -0.109_904_096],
+        steps: 16,
+        snap: 0.1,
+    };
+    stroke.check(&cube_sphere(8, 0.5));
+}
+
+/// Ends of a slit next to mesh edges were moved by more than the length of the tip.
+#[test]
+fn ends_of_a_short_tip_move_by_a_part_of_its_length() {
+    let stroke = Stroke {
+        place: [0.128_012_18, -0.218_253_02, 0.062_860_1],
+        axis: 2,
+        tilt: [0.147_957_65, -0.205_786_76, 0.092_713_06],
+        steps: 10,
+        snap: 0.1,
+    };
+    stroke.check(&torus(0.35, 0.15, 3, 3));
+}
+
+/// Ends of a slit are moved along it. From there the straight line to the blade's last pose ran
+/// into a part of the body that the blade had not reached.
+#[test]
+fn a_sweep_goes_back_to_the_last_pose_beside_the_tip() {
+    let stroke = Stroke {
+        place: [0.125_276_86, -0.072_498_68, -0.194_986_02],
+        axis: 1,
+        tilt: [0.052_356_96, 0.228_035_57, -0.016_831_964],
+        steps: 7,
+        snap: 0.0,
+    };
+    stroke.check(&torus(0.35, 0.15, 3, 3));
+    let stroke = Stroke {
+        place: [-0.194_459_65, -0.147_641_09, 0.190_704_76],
+        axis: 1,
+        tilt: [-0.299_606_03, -0.184_873_85, -0.045_485_914],
+        steps: 40,
+        snap: 0.0,
+    };
+    stroke.check(&torus(0.35, 0.15, 3, 3));
+}

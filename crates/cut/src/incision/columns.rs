@@ -62,7 +62,7 @@ impl Incision {
     /// Beside an end of the tip, the sweep widens and rises from the surface. Otherwise the line
     /// from there to the blade's last pose could cross the surface once more. And a body is often
     /// symmetric, so that the same point of the blade enters and leaves it. The sweep rises by up
-    /// to `rise` local edge lengths.
+    /// to `rise` local edge lengths; if that is 0, it goes back to the blade's last pose.
     pub(super) fn columns(&self, surface: &Surface, blade: &[[f32; 3]], rise: f64) -> Vec<Column> {
         let mut columns: Vec<Column> = Vec::new();
         for (i, point) in self.pose.iter().enumerate() {
@@ -116,7 +116,11 @@ impl Incision {
                 own.parameter = column.parameter + step;
                 let room = MAX_RISE * (beyond.previous - column.previous).norm();
                 let height = rise * local.min(room);
-                let previous = column.previous + outward(surface, column, a - b, a) * height;
+                let previous = if height > 0.0 {
+                    column.previous + outward(surface, column, a - b, a) * height
+                } else {
+                    point_at(&self.pose, column.parameter + step)
+                };
                 Column::outside(column.parameter + 2.0 * step, previous)
             };
             let goes_on = |column: Column| column.is_joined || column.meets_next;
