@@ -12,8 +12,8 @@ use incise_mesh::Surface;
 /// Rises of the sweep beside a tip, tried in turn until a step can be cut and starts outside the
 /// body [local edge lengths].
 ///
-/// A high one keeps clear of a curved surface, a low one of another part of the body nearby. Without
-/// one the sweep goes back to the blade's last pose.
+/// A high one keeps clear of a curved surface, a low one of another part of the body nearby.
+/// At 0 the sweep goes back to the blade's last pose.
 const RISES: [f64; 5] = [1.0, 0.25, 0.0625, 0.015_625, 0.0];
 
 /// Displacements tried in turn until a step can be cut and its tip does not end on a mesh edge

@@ -159,8 +159,8 @@ impl Node {
 
     /// Moves the end of a curve along it, away from the edges of its mesh triangle.
     ///
-    /// By at most `reach` \[m\]. `before` is the node beside it; `is_last` of the two ends. Next to an
-    /// edge, rounding could fold the surface around the end, where the next step has to go on.
+    /// By at most `reach` \[m\]. `before` is the node beside it; `is_last` of the two ends. Next to
+    /// an edge, rounding could fold the surface around the end, where the next step goes on.
     pub(crate) fn center_end(
         &mut self,
         surface: &Surface,
