@@ -206,7 +206,10 @@ impl Island {
 
     /// Returns the allocated size in elements.
     pub(crate) fn capacity(&self) -> usize {
-        self.members.capacity() + self.sums.capacity() + self.scratch.capacity()
+        self.contacts.capacity()
+            + self.members.capacity()
+            + self.sums.capacity()
+            + self.scratch.capacity()
     }
 }
 
