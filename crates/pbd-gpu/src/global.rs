@@ -50,8 +50,10 @@ pub struct GlobalStats {
     pub bytes: usize,
     /// Number of factorizations so far.
     pub factorizations: u32,
-    /// Time of the last factorization, on whichever thread it ran.
+    /// Time of the last factorization, on the thread that ran it.
     pub factor_time: Duration,
+    /// Frames since the constraints of the factor in use were copied.
+    pub factor_age: u32,
 }
 
 /// The state of the global step of one body.
@@ -138,6 +140,11 @@ impl GlobalStep {
         let objective = Objective::new(sets, Compliances::new(constants));
         self.minimizer
             .iterate(particles, &objective, &mut self.preconditioner);
+    }
+
+    /// Returns the allocated size in elements of 64 bits.
+    pub(crate) fn capacity(&self) -> usize {
+        self.stats().bytes / size_of::<f64>()
     }
 
     /// Returns memory and cost.

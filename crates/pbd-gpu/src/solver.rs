@@ -247,7 +247,8 @@ impl Solver {
 
     /// Returns the allocated size of all arrays in elements.
     ///
-    /// It is constant without edits, because a step does not allocate.
+    /// It is constant without edits, because a step does not allocate once warm. The factor of the
+    /// global step counts with its scratch memory, as numbers of 64 bits.
     #[must_use]
     pub fn capacity(&self) -> usize {
         self.particles.capacity()

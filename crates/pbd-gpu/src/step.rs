@@ -36,6 +36,10 @@ pub(crate) struct StepState {
 impl StepState {
     /// Returns the allocated size in elements.
     pub(crate) fn capacity(&self) -> usize {
-        self.plan.capacity() + self.history.capacity()
+        #[cfg(feature = "global")]
+        let global = self.global.as_ref().map_or(0, |global| global.capacity());
+        #[cfg(not(feature = "global"))]
+        let global = 0;
+        self.plan.capacity() + self.history.capacity() + global
     }
 }

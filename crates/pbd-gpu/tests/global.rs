@@ -241,6 +241,27 @@ fn a_body_that_does_not_take_it_has_no_matrix() {
 }
 
 #[test]
+fn memory_and_age_of_the_factor_are_reported() {
+    let (mut surface, mut solver) = body(icosphere(3, 0.5), &elastic(1e-5, 1e-2));
+    solver.step(&mut surface, DT, &GLOBAL).unwrap();
+    let sweeps = solver.capacity() - solver.global_stats().bytes / 8;
+    for frame in 1..8 {
+        assert_eq!(solver.global_stats().factor_age, frame - 1);
+        solver.step(&mut surface, DT, &GLOBAL).unwrap();
+        let bytes = solver.global_stats().bytes;
+        assert_eq!(solver.capacity(), sweeps + bytes / 8, "frame {frame}");
+    }
+    let delta = split(&mut surface, TriangleId(77).half_edges()[0], 0.4).unwrap();
+    solver.apply_delta(&mut surface, &delta).unwrap();
+    // Copied in the next frame and taken into use two frames later.
+    for (age, count) in [(8, 1), (9, 1), (2, 2), (3, 2)] {
+        solver.step(&mut surface, DT, &GLOBAL).unwrap();
+        let stats = solver.global_stats();
+        assert_eq!((stats.factor_age, stats.factorizations), (age, count));
+    }
+}
+
+#[test]
 fn stiff_bodies_come_to_rest_on_the_ground() {
     for (compliance, volume) in [(1e-6, None), (1e-4, Some(Volume::default()))] {
         let material = Material {

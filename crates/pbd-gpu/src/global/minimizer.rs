@@ -178,7 +178,7 @@ impl Minimizer {
         }
     }
 
-    /// Reads what other passes have changed; returns whether there is anything.
+    /// Reads changes by other passes, and returns whether there are any.
     ///
     /// The pass of volumes also moves positions.
     fn load(&mut self, particles: ParticleStates<'_>) -> bool {
@@ -291,6 +291,7 @@ impl Minimizer {
             .map(|pair| of(&pair.step) + of(&pair.change));
         of(&self.start)
             + 8 * self.masses.capacity()
+            + 12 * self.unobstructed.capacity()
             + of(&self.predicted)
             + point(&self.current)
             + point(&self.other)

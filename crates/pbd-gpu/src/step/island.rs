@@ -58,7 +58,7 @@ pub(crate) struct Member {
     /// Constants of the current substeps.
     pub(crate) constants: StepConstants,
     /// Constants of second-order integration.
-    orders: Orders,
+    pub(crate) orders: Orders,
     /// Upper bound of the change of a coordinate before the current second-order substep \[m\].
     extrapolated: f32,
     /// Island vertex of its first vertex.
@@ -190,7 +190,7 @@ impl Island {
                     let (_, _, step) = bodies.get(i).0.step_parts();
                     step.history.forget();
                 }
-                execute(bodies, members, contacts, *substeps, scratch)
+                execute(bodies, members, contacts, 0..*substeps, scratch)
             }
             Integrator::Bdf2 => {
                 sums.clear();
@@ -218,7 +218,10 @@ impl Island {
 
     /// Returns the allocated size in elements.
     pub(crate) fn capacity(&self) -> usize {
-        self.members.capacity() + self.sums.capacity() + self.scratch.capacity()
+        self.contacts.capacity()
+            + self.members.capacity()
+            + self.sums.capacity()
+            + self.scratch.capacity()
     }
 }
 
@@ -280,7 +283,7 @@ fn run_second_order(
             member.constants = constants;
             member.extrapolated = extrapolated;
         }
-        done = execute(bodies, members, contacts, 1, scratch);
+        done = execute(bodies, members, contacts, substep..substep + 1, scratch);
         for (i, (member, sum)) in members.iter_mut().zip(&mut *sums).enumerate() {
             let (_, _, step) = bodies.get(i).0.step_parts();
             step.history.end_substep(done.is_ok(), &member.stats);
@@ -288,8 +291,7 @@ fn run_second_order(
             member.stats.max_substep_displacement += member.extrapolated;
             add(sum, &member.stats);
         }
-        if let Err(at) = &mut done {
-            at.substep = substep;
+        if done.is_err() {
             break;
         }
     }
