@@ -14,7 +14,7 @@
 //! [`objective`] evaluates `F` and its gradient, [`matrix`] assembles and factors the matrix,
 //! [`preconditioner`] keeps a factor while the body changes, and [`minimizer`] iterates. Pins hold
 //! by their zero inverse mass. Volumes, contacts, colliders and the ground are projected after
-//! each iteration, as with sweeps.
+//! each iteration, as with sweeps. Directions keep incompressible volumes to first order.
 //!
 //! Results are the same on any number of threads. Unlike those of sweeps they depend on the
 //! instruction set, because `faer` uses fused multiply-add where the CPU has it.
@@ -26,6 +26,7 @@ mod objective;
 mod preconditioner;
 #[cfg(test)]
 mod tests;
+mod volumes;
 
 use crate::constraints::Constraints;
 use crate::constraints::batches::{BendingSet, StretchSet};
@@ -39,6 +40,7 @@ use minimizer::Minimizer;
 use objective::{Compliances, Objective};
 use preconditioner::Preconditioner;
 use std::time::Duration;
+pub(crate) use volumes::Volumes;
 
 /// Memory and cost of the global step of a body.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -132,12 +134,15 @@ impl GlobalStep {
     pub(crate) fn iterate(
         &mut self,
         particles: ParticleStates<'_>,
-        sets: EnergySets<'_>,
+        (sets, volumes): (EnergySets<'_>, Volumes<'_>),
         constants: &StepConstants,
     ) {
         let objective = Objective::new(sets, Compliances::new(constants));
+        let is_kept = !volumes.set.pieces.is_empty() && constants.volume.alpha == 0.0;
+        let volumes = is_kept.then_some(volumes);
+        let body = (&objective, volumes);
         self.minimizer
-            .iterate(particles, &objective, &mut self.preconditioner);
+            .iterate(particles, body, &mut self.preconditioner);
     }
 
     /// Returns memory and cost.
