@@ -240,6 +240,32 @@ fn a_body_that_does_not_take_it_has_no_matrix() {
     assert!(solver.stats().stretch_projections > 0, "sweeps");
 }
 
+#[test]
+fn stiff_bodies_take_it_by_themselves() {
+    let auto = SolverParams {
+        scheme: Scheme::Auto,
+        ..GLOBAL
+    };
+    let stiff = elastic(1e-6, 1e-4);
+    let limp = Material {
+        bending: None,
+        ..stiff
+    };
+    for (material, iterations, expected) in [
+        (&stiff, 4, 4),
+        (&stiff, 1, 0),
+        (&limp, 4, 0),
+        (&elastic(1e-2, 1.0), 4, 0),
+    ] {
+        let (mut surface, mut solver) = body(icosphere(2, 0.5), material);
+        let params = SolverParams { iterations, ..auto };
+        solver.step(&mut surface, DT, &params).unwrap();
+        assert_eq!(solver.stats().global_iterations, expected, "{material:?}");
+        let has_memory = solver.global_stats() != GlobalStats::default();
+        assert_eq!(has_memory, expected > 0, "{material:?}");
+    }
+}
+
 /// A ball that falls on the ground from 0.2 m, and the parameters of its steps.
 fn ball_above_the_ground(material: &Material, substeps: u32) -> (Surface, Solver, SolverParams) {
     let (mut surface, solver) = body(icosphere(2, 0.5), material);
