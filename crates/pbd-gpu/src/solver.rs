@@ -12,6 +12,8 @@ mod particles;
 use crate::constraints::Constraints;
 use crate::error::{ConstraintError, StepError};
 use crate::follow::FollowState;
+#[cfg(feature = "global")]
+use crate::global::Extent;
 use crate::kernels::integrate::{are_finite, first_non_finite};
 use crate::mass::masses;
 use crate::material::Material;
@@ -20,9 +22,13 @@ use crate::patches::PatchParams;
 use crate::step::StepState;
 use crate::step::constants::StepConstants;
 use crate::step::island::{Island, IslandError, Single};
+#[cfg(feature = "global")]
+use crate::step::params::Scheme;
 use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
-use crate::step::prepare::{prepare, takes_global_step};
+use crate::step::prepare::prepare;
+#[cfg(feature = "global")]
+use crate::step::prepare::takes_global_step;
 use crate::step::substeps::substeps;
 use incise_mesh::Surface;
 
@@ -194,15 +200,24 @@ impl Solver {
         Ok(constants)
     }
 
+    /// Measures the body after an edit, if the scheme depends on its size.
+    #[cfg(feature = "global")]
+    pub(crate) fn measure(&mut self, surface: &Surface, params: &SolverParams) {
+        if params.scheme == Scheme::Auto && self.step.extent.is_none() {
+            let edge = self.mean_rest_length();
+            self.step.extent = Some(Extent::new(surface, &self.particles.mass, edge));
+        }
+    }
+
     /// Prepares the global step of a frame, or drops it from a body that does not take it.
     #[cfg(feature = "global")]
     pub(crate) fn prepare_global(
         &mut self,
         surface: &Surface,
-        constants: &StepConstants,
+        (constants, dt): (&StepConstants, f32),
         params: &SolverParams,
     ) {
-        if !crate::global::is_used(params, &self.material) {
+        if !takes_global_step(&self.step, &self.material, dt, params) {
             self.step.global = None;
             return;
         }

@@ -31,6 +31,9 @@ pub(crate) struct StepState {
     /// The global step of a body that takes it.
     #[cfg(feature = "global")]
     pub(crate) global: Option<Box<crate::global::GlobalStep>>,
+    /// The size of the body since its last edit, once a frame has asked for it.
+    #[cfg(feature = "global")]
+    pub(crate) extent: Option<crate::global::Extent>,
 }
 
 impl StepState {

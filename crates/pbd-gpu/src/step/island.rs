@@ -233,6 +233,8 @@ fn prepare_member(
     params: &SolverParams,
 ) -> Result<Member, StepError> {
     solver.check_step(surface)?;
+    #[cfg(feature = "global")]
+    solver.measure(surface, params);
     let constants = solver.prepare(dt, params)?;
     let orders = both_orders(solver.material(), &constants, params);
     #[cfg(feature = "global")]
@@ -241,7 +243,7 @@ fn prepare_member(
             Integrator::Euler => &constants,
             Integrator::Bdf2 => &orders.second,
         };
-        solver.prepare_global(surface, of, params);
+        solver.prepare_global(surface, (of, dt), params);
     }
     let (_, constraints, _) = solver.step_parts();
     constraints.update_patch_contents();

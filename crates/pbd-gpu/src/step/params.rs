@@ -56,12 +56,22 @@ pub enum Scheme {
     Sweeps,
     /// Iterations of a global quasi-Newton step, which carry a load through the whole body.
     ///
-    /// An iteration takes about as long as two of sweeps. Use it for large and stiff bodies, with
+    /// An iteration takes about as long as ten of sweeps. Use it for large and stiff bodies, with
     /// one or two substeps of four to eight iterations. A body with a rigid or a PBD stiffness has
     /// no energy to minimize and takes sweeps. The GPU backend does not support it. Results
     /// depend on the instruction set of the CPU, not on the number of threads.
     #[cfg(feature = "global")]
     Global,
+    /// The global step for large bodies that are stiff in stretch and bending, sweeps for others.
+    ///
+    /// A body takes the global step if its largest piece has 128 vertices or more, and waves of
+    /// stretch and bending travel 24 edges per frame or more. With the stretch compliance `c`, the
+    /// mean mass `m` of a vertex and the frame `dt` this is `dt / sqrt(c m)`. With the bending
+    /// compliance it is divided by the mean rest length. The sizes are measured at creation and
+    /// after edits, so the choice is the same on every machine. Substeps of one iteration take
+    /// sweeps. The GPU backend does not support it. Without the feature `global` all bodies take
+    /// sweeps.
+    Auto,
 }
 
 /// Time integration of a substep.
