@@ -11,6 +11,7 @@
 //! three exceptions. Every piece gets its own subtree, because pieces move apart. New triangles go
 //! to the leaf of a neighbor. Caps, which have no neighbors, become one subtree, placed beside
 //! nodes of their size. Boxes stay as tight as before, and heights near those of a fresh tree.
+//! [`Bvh::refit`] joins the subtrees of pieces by place.
 //!
 //! Existing crates were considered. obvhs 0.4 and the BVH of parry3d 0.31 can refit, and insert and
 //! remove single triangles with a walk to the root and rotations for each. Neither can splice
@@ -22,6 +23,7 @@ mod build;
 mod cast;
 mod morton;
 mod nearest;
+mod pieces;
 mod query;
 mod refit;
 #[cfg(test)]
@@ -81,6 +83,8 @@ struct Node {
     count: u8,
     /// Whether something below has changed since the box was fitted.
     touched: bool,
+    /// Whether it joins subtrees of different pieces.
+    has_pieces: bool,
 }
 
 impl Node {
@@ -201,6 +205,7 @@ impl Bvh {
                 bounds: union(&left.node.bounds, &right.node.bounds),
                 index: pair,
                 height: left.node.height.max(right.node.height) + 1,
+                has_pieces: left.node.has_pieces || right.node.has_pieces,
                 ..Node::default()
             },
             sample: left.sample,

@@ -62,7 +62,9 @@ impl Bvh {
             self.free_pairs.push(pair / 2);
             return left;
         }
-        self.join(pair, left, right)
+        let mut all = self.join(pair, left, right);
+        all.node.has_pieces |= !same_piece;
+        all
     }
 
     /// Merges the triangles of the second leaf into the first.

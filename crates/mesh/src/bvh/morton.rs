@@ -46,7 +46,7 @@ impl Curve {
 }
 
 /// A grid of cells over a box.
-struct Grid {
+pub(super) struct Grid {
     min: [f32; 3],
     /// Cells per meter.
     scale: [f32; 3],
@@ -55,7 +55,7 @@ struct Grid {
 
 impl Grid {
     /// Returns a grid of 2 to the power of `bits` cells along each side.
-    fn new(bounds: &Aabb, bits: u32) -> Self {
+    pub(super) fn new(bounds: &Aabb, bits: u32) -> Self {
         let cells = f32::from_bits((127 + bits) << 23);
         Self {
             min: bounds.min,
@@ -70,7 +70,7 @@ impl Grid {
         clippy::cast_sign_loss,
         reason = "a saturating cast of a cell number"
     )]
-    fn code(&self, point: [f32; 3]) -> u64 {
+    pub(super) fn code(&self, point: [f32; 3]) -> u64 {
         let cell = |k: usize| {
             let along = (point[k] - self.min[k]) * self.scale[k];
             u64::from(least(self.last, most(0.0, along)) as u32)

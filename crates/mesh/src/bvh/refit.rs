@@ -1,16 +1,20 @@
-//! Refits boxes to moved triangles without changing the tree.
+//! Refits boxes to moved triangles.
 
 use super::{Bvh, union};
 use crate::{Aabb, Surface, TriangleId};
 
 impl Bvh {
-    /// Refits all boxes to the current positions. O(n).
+    /// Refits all boxes to the current positions, and joins pieces by place. O(n).
     ///
     /// The triangles must be those of the last build or update.
     pub fn refit(&mut self, surface: &Surface) {
         self.has_nonfinite = false;
-        if !self.nodes.is_empty() {
-            self.fit(surface, 0, true);
+        match self.nodes.first() {
+            Some(root) if root.has_pieces => self.refit_pieces(surface),
+            Some(_) => {
+                self.fit(surface, 0, true);
+            }
+            None => {}
         }
     }
 
@@ -30,7 +34,7 @@ impl Bvh {
     }
 
     /// Refits a node if it is touched or `all` is set.
-    fn fit(&mut self, surface: &Surface, at: u32, all: bool) -> Aabb {
+    pub(super) fn fit(&mut self, surface: &Surface, at: u32, all: bool) -> Aabb {
         let node = self.nodes[at as usize];
         let bounds = if node.is_leaf() {
             self.fit_leaf(surface, &node)

@@ -262,3 +262,52 @@ fn a_thousand_edits_keep_height_and_query_cost() {
     // Every triangle has been replaced twenty times.
     assert!(old <= 2 * new, "{old} boxes, {new} in a fresh tree");
 }
+
+/// Returns triangles at random places, each a piece of its own.
+fn scattered(random: &mut Random, pieces: u32) -> Surface {
+    let mut surface = Surface::default();
+    for piece in 0..pieces {
+        let corners = [0; 3].map(|_| {
+            let p = [0; 3].map(|_| 0.01 * random.unit());
+            surface.add_vertex([p[0], p[1], p[2], 1.0], p)
+        });
+        surface.add_triangle(corners, piece).unwrap();
+    }
+    scatter(random, &mut surface);
+    surface
+}
+
+/// Moves every triangle, which shares no vertices, to a random place.
+fn scatter(random: &mut Random, surface: &mut Surface) {
+    let triangles: Vec<TriangleId> = surface.topology().triangles().collect();
+    for t in triangles {
+        let to = [0; 3].map(|_| random.unit());
+        let corners = surface.topology().triangle(t);
+        let from = surface.positions()[corners[0].index()];
+        for v in corners {
+            for k in 0..3 {
+                surface.positions_mut()[v.index()][k] += to[k] - from[k];
+            }
+        }
+    }
+}
+
+#[test]
+fn pieces_that_moved_are_joined_by_place_in_a_refit() {
+    let mut random = Random(5);
+    let mut surface = scattered(&mut random, 1000);
+    let mut bvh = Bvh::build(&surface);
+    for _ in 0..3 {
+        scatter(&mut random, &mut surface);
+        bvh.refit(&surface);
+        bvh.validate(&surface).unwrap();
+        let fresh = Bvh::build(&surface);
+        let (mut old, mut new) = (0, 0);
+        for _ in 0..100 {
+            let query = random.small_quad();
+            old += visits(&bvh, &surface, &query);
+            new += visits(&fresh, &surface, &query);
+        }
+        assert_eq!(old, new, "a refit orders pieces as a build does");
+    }
+}

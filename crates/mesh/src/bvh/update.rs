@@ -56,6 +56,7 @@ pub(super) struct Scratch {
     runs: Vec<(usize, usize, usize)>,
     pub(super) items: Vec<Item>,
     pub(super) joints: super::assemble::Joints,
+    pub(super) pieces: super::pieces::Pieces,
 }
 
 impl Bvh {

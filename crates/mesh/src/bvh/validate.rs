@@ -85,6 +85,9 @@ impl Bvh {
             check(new, "a pair has one parent")?;
             let mut child = |i| self.validate_node(surface, node.index + i, room - 1, seen);
             let (left, right) = (child(0)?, child(1)?);
+            let below = [0, 1].map(|i| self.nodes[(node.index + i) as usize].has_pieces);
+            let known = node.has_pieces || !below.contains(&true);
+            check(known, "nodes of several pieces are at the top")?;
             let height = left.1.max(right.1) + 1;
             (union(&left.0, &right.0), height, left.2)
         };
