@@ -36,5 +36,8 @@ pub use io::{
 };
 pub use quality::{AngleStats, EdgeStats};
 pub use shapes::{cube_sphere, icosphere, sheet, torus};
-pub use surface::{AttributeLengthError, CornerAttributes, InvalidSurface, Surface};
+pub use surface::{
+    AttributeLengthError, Blend, Channel, ChannelError, CornerAttributes, CornerValues, Domain,
+    InvalidSurface, MAX_WIDTH, Surface,
+};
 pub use topology::{InvalidTopology, Topology, TopologyError};

@@ -1,6 +1,6 @@
 //! Extraction of pieces, compaction, and the order of vertices and triangles.
 
-use super::{CornerAttributes, Surface};
+use super::{CornerAttributes, Domain, Surface};
 use crate::bvh::sort_along_curve;
 use crate::ids::{HalfEdge, TriangleId, VertexId};
 
@@ -121,6 +121,11 @@ impl Surface {
             uv: uv.copied().collect(),
             normal: normal.copied().collect(),
         };
+        let gathered = self.channels.iter().map(|channel| match channel.domain() {
+            Domain::Vertex => channel.gather(vertices.iter().map(|v| v.index())),
+            Domain::Corner => channel.gather(half_edges().map(HalfEdge::index)),
+        });
+        out.channels = gathered.collect();
         let half_edges: Vec<HalfEdge> = out
             .topology
             .triangles()
