@@ -32,7 +32,7 @@ pub use io::read_gltf;
 #[cfg(feature = "io")]
 pub use io::{
     MeshData, ParseError, ReadError, SourceLocation, Warning, WriteError, read_mesh, read_obj,
-    read_ply, read_stl, write_obj, write_ply,
+    read_ply, read_stl, write_obj, write_ply, write_stl,
 };
 pub use quality::{AngleStats, EdgeStats};
 pub use shapes::{cube_sphere, icosphere, sheet, torus};

@@ -226,6 +226,7 @@ fn add_primitive(
                 } else {
                     NONE
                 },
+                row: NONE,
             })
         };
         let (b, c) = if mirrored { (c, b) } else { (b, c) };

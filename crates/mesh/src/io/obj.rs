@@ -12,8 +12,8 @@ const IGNORED: [&[u8]; 7] = [b"g", b"o", b"s", b"mtllib", b"usemap", b"maplib", 
 
 /// Reads an OBJ file.
 ///
-/// Faces may precede their vertices. Relative indices count back from their own line. `w` and
-/// vertex colors are ignored.
+/// Faces may precede their vertices. Relative indices count back from their own line. Three numbers
+/// after the coordinates of a vertex are its color, the channel `color`; a single one is ignored.
 ///
 /// # Errors
 /// [`ParseError`] with the line.
@@ -44,6 +44,9 @@ fn read_statements(bytes: &[u8], builder: &mut Builder) -> Result<(), ParseError
                 };
                 let p = [coordinate()?, coordinate()?, coordinate()?];
                 builder.position(p, at)?;
+                if let Some(color) = color(words) {
+                    builder.color(&color);
+                }
             }
             b"vt" => {
                 let expected = "one to three coordinates after vt";
@@ -136,6 +139,13 @@ impl<'a> LogicalLines<'a> {
     }
 }
 
+/// Returns the color after the coordinates of a vertex, if exactly three numbers follow.
+fn color<'a>(words: impl Iterator<Item = &'a [u8]>) -> Option<[f32; 3]> {
+    let mut numbers = words.map(|word| std::str::from_utf8(word).ok()?.parse().ok());
+    let color = [numbers.next()??, numbers.next()??, numbers.next()??];
+    numbers.next().is_none().then_some(color)
+}
+
 fn number_of(
     word: Option<&[u8]>,
     at: SourceLocation,
@@ -162,6 +172,7 @@ fn corner(word: &[u8], builder: &Builder, at: SourceLocation) -> Result<Corner, 
         position: index(parts.next(), builder.position_count(), at)?,
         uv: index(parts.next(), builder.uv_count(), at)?,
         normal: index(parts.next(), builder.normal_count(), at)?,
+        row: NONE,
     };
     if corner.position == NONE || parts.next().is_some() {
         return Err(malformed_corner(at));
@@ -215,9 +226,11 @@ mod tests {
             data.warnings,
             [
                 Warning::Skipped { count: 2 },
-                Warning::PartialAttributes { corners: 4 }
+                Warning::PartialAttributes { corners: 6 }
             ]
         );
+        let gray = [0.0, 0.0, 0.0, 0.5, 0.5, 0.5, 0.0, 0.0, 0.0];
+        assert_eq!(data.channels[0].values(), gray);
     }
 
     #[test]

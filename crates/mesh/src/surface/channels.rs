@@ -164,6 +164,12 @@ impl Channel {
         }
     }
 
+    /// Returns the channel with rows for other elements.
+    #[cfg(feature = "io")]
+    pub(crate) fn with_domain(self, domain: Domain) -> Self {
+        Self { domain, ..self }
+    }
+
     /// Returns a copy of a row; zeros beyond the array.
     pub(crate) fn copy_row(&self, slot: usize) -> Row {
         let mut out = Row::default();
