@@ -4,6 +4,9 @@ use crate::ids::index_u32;
 use crate::io::build::{Corner, NONE};
 use crate::surface::{Blend, Channel, Domain};
 
+/// Maximum number of channels, so that a file with very many names does not take very long.
+const MAX_CHANNELS: usize = 256;
+
 /// The channels of a file while it is read.
 #[derive(Debug, Default)]
 pub(super) struct FileChannels {
@@ -20,7 +23,8 @@ pub(super) struct FileChannels {
 impl FileChannels {
     /// Returns the number of a channel with rows per position, which is added if it is new.
     ///
-    /// None if the width is not allowed, or if the name has another width or rule.
+    /// None if the width is not allowed, if the name has another width or rule, or if there are too
+    /// many channels.
     pub(super) fn vertex_channel(
         &mut self,
         name: &str,
@@ -125,6 +129,7 @@ fn find_or_add(
     let new = Channel::new(name, domain, blend, width, Vec::new()).ok()?;
     match channels.iter().position(|channel| channel.name() == name) {
         Some(at) => channels[at].is_like(&new).then_some(at),
+        None if channels.len() == MAX_CHANNELS => None,
         None => {
             channels.push(new);
             Some(channels.len() - 1)

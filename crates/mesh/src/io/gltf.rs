@@ -1,10 +1,12 @@
 //! Reader of glTF 2.0, text and binary: the triangles of a scene with node transforms applied.
 //!
-//! Positions, `TEXCOORD_0` and normals of triangle lists, strips and fans are read. Points and
-//! lines are skipped. Skins and morph targets are not applied.
+//! Positions, normals, texture coordinates, colors, skin weights and custom attributes of triangle
+//! lists, strips and fans are read. Points and lines are skipped. Skins and morph targets are not
+//! applied.
 
 mod accessor;
 mod buffer;
+mod channels;
 mod document;
 
 use crate::geometry::{Vec3, to_f32};
@@ -13,6 +15,7 @@ use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, SourceLocation};
 use crate::io::origin::read_near_origin;
 use accessor::Accessors;
+use channels::read_channels;
 use document::{Document, Node, Primitive};
 use nalgebra::{Matrix3, Matrix4, Quaternion};
 use std::path::Path;
@@ -79,7 +82,7 @@ fn read_meshes(
             .primitives;
         for (i, primitive) in primitives.iter().enumerate() {
             let at = SourceLocation::Primitive(mesh, i);
-            if !add_primitive(primitive, &transform, accessors, at, builder)? {
+            if !add_primitive(primitive, &transform, accessors, at, most, builder)? {
                 skipped += 1;
             }
             if builder.position_count().max(builder.corner_count()) > most {
@@ -161,6 +164,7 @@ fn add_primitive(
     transform: &Matrix4<f64>,
     accessors: &Accessors<'_>,
     at: SourceLocation,
+    most: usize,
     builder: &mut Builder,
 ) -> Result<bool, ParseError> {
     const TRIANGLES: u32 = 4;
@@ -200,6 +204,14 @@ fn add_primitive(
         }
     }
     let has_normal = builder.normal_count() - first_normal == count;
+    read_channels(
+        primitive,
+        accessors,
+        first,
+        count,
+        most.saturating_mul(4),
+        builder,
+    )?;
 
     let indices = match primitive.indices {
         Some(indices) => accessors.indices(indices)?,

@@ -1,6 +1,7 @@
 //! The parts of a glTF document that this reader uses, named as in the specification.
 
 use serde::Deserialize;
+use std::collections::BTreeMap;
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
@@ -57,6 +58,9 @@ pub(super) struct Attributes {
     pub(super) normal: Option<usize>,
     #[serde(rename = "TEXCOORD_0")]
     pub(super) texcoord: Option<usize>,
+    /// All others by name.
+    #[serde(flatten)]
+    pub(super) others: BTreeMap<String, usize>,
 }
 
 #[derive(Debug, Deserialize)]
