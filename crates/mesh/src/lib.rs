@@ -16,6 +16,7 @@ mod measure;
 mod partition;
 mod pieces;
 mod quality;
+mod render_buffers;
 mod shapes;
 mod surface;
 mod topology;
@@ -35,6 +36,7 @@ pub use io::{
     read_ply, read_stl, write_obj, write_ply, write_stl,
 };
 pub use quality::{AngleStats, EdgeStats};
+pub use render_buffers::{RenderBuffers, RenderParams};
 pub use shapes::{cube_sphere, icosphere, sheet, torus};
 pub use surface::{
     AttributeLengthError, Blend, Channel, ChannelError, CornerAttributes, CornerValues, Domain,
