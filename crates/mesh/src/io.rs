@@ -25,6 +25,8 @@ pub use gltf::read_gltf;
 pub use obj::read_obj;
 pub use ply::read_ply;
 pub use stl::read_stl;
+#[cfg(feature = "gltf")]
+pub use write::write_glb;
 pub use write::{write_obj, write_ply, write_stl};
 
 use std::path::Path;
@@ -69,6 +71,15 @@ pub fn read_mesh(path: &Path) -> Result<MeshData, ReadError> {
         path: path.to_owned(),
         source,
     })
+}
+
+/// Returns the number in a material name of the writers, `material_N`; 0 for other names.
+fn material_number(name: &[u8]) -> u32 {
+    let digits = name.strip_prefix(b"material_");
+    digits
+        .and_then(|digits| std::str::from_utf8(digits).ok())
+        .and_then(|digits| digits.parse().ok())
+        .unwrap_or(0)
 }
 
 #[cfg(test)]

@@ -230,6 +230,24 @@ impl RenderBuffers {
         self.corners.iter().map(vertex)
     }
 
+    /// Returns a corner of each buffer vertex; null if it is free.
+    #[cfg(feature = "gltf")]
+    pub(crate) fn corners(&self) -> &[HalfEdge] {
+        &self.corners
+    }
+
+    /// Iterates over the triangles of skin and caps with their indices.
+    #[cfg(feature = "gltf")]
+    pub(crate) fn triangles(&self) -> impl Iterator<Item = (TriangleId, [u32; 3])> {
+        let parts = self.triangles.iter().zip(&self.indices);
+        parts.flat_map(|(triangles, indices)| {
+            triangles
+                .iter()
+                .copied()
+                .zip(indices.as_chunks::<3>().0.iter().copied())
+        })
+    }
+
     /// Gives the arrays an entry per triangle slot.
     fn fit(&mut self, surface: &Surface) {
         let slots = surface.topology().triangle_slots();

@@ -5,6 +5,7 @@
 use crate::io::build::{Builder, Corner, NONE};
 use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, SourceLocation};
+use crate::io::material_number;
 use crate::io::origin::read_near_origin;
 
 /// Statements that do not concern the shape of a triangle mesh.
@@ -72,7 +73,7 @@ fn read_statements(bytes: &[u8], builder: &mut Builder) -> Result<(), ParseError
                 }
                 builder.face(&face, at)?;
             }
-            b"usemtl" => builder.material = words.next().map_or(0, material),
+            b"usemtl" => builder.material = words.next().map_or(0, material_number),
             _ if IGNORED.contains(&keyword) => {}
             _ if keyword[0].is_ascii_alphabetic() => skipped += 1,
             _ => {
@@ -154,15 +155,6 @@ fn number_of(
     word.and_then(|word| std::str::from_utf8(word).ok())
         .and_then(|word| word.parse().ok())
         .ok_or(ParseError::Syntax { at, expected })
-}
-
-/// Returns the number in a material name of [`write_obj`](crate::write_obj); 0 for other names.
-fn material(name: &[u8]) -> u32 {
-    let digits = name.strip_prefix(b"material_");
-    digits
-        .and_then(|digits| std::str::from_utf8(digits).ok())
-        .and_then(|digits| digits.parse().ok())
-        .unwrap_or(0)
 }
 
 /// Parses a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.

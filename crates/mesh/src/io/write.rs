@@ -1,5 +1,7 @@
-//! Writers of OBJ, PLY and STL.
+//! Writers of OBJ, PLY, STL and binary glTF.
 
+#[cfg(feature = "gltf")]
+mod glb;
 mod obj;
 mod ply;
 mod stl;
@@ -52,6 +54,27 @@ pub fn write_ply(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteEr
 pub fn write_stl(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteError> {
     replace(path, |out| stl::write(surface, out))?;
     Ok(stl::dropped(surface))
+}
+
+/// Writes surfaces as binary glTF 2.0 (`.glb`), a node of the given name each.
+///
+/// Vertices are split where attributes differ. Every material has a primitive and the name
+/// `material_N`. The channel `color` becomes `COLOR_0`, `uv1` and further ones `TEXCOORD_1` and so
+/// on, `skin` becomes `JOINTS_0` and `WEIGHTS_0`, and other channels of up to four numbers become
+/// `_NAME`. Surfaces without normals get those of [`RenderBuffers`](crate::RenderBuffers). The
+/// surface's origin is the translation of its node. Returns warnings about channels that do not
+/// fit.
+///
+/// # Errors
+/// [`WriteError`]; an existing file is then unchanged.
+#[cfg(feature = "gltf")]
+pub fn write_glb(path: &Path, surfaces: &[(&str, &Surface)]) -> Result<Vec<Warning>, WriteError> {
+    let mut dropped = Vec::new();
+    replace(path, |out| {
+        dropped = glb::write(surfaces, out)?;
+        Ok(())
+    })?;
+    Ok(dropped)
 }
 
 /// Returns the surface without free slots and unused vertices.

@@ -13,7 +13,14 @@ pub(super) struct Document {
     pub(super) accessors: Vec<Accessor>,
     pub(super) buffer_views: Vec<BufferView>,
     pub(super) buffers: Vec<Buffer>,
+    pub(super) materials: Vec<Material>,
     pub(super) extensions_required: Vec<String>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Material {
+    pub(super) name: String,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -47,9 +54,17 @@ pub(super) struct Primitive {
     pub(super) attributes: Attributes,
     pub(super) indices: Option<usize>,
     pub(super) mode: Option<u32>,
+    pub(super) material: Option<usize>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+impl Primitive {
+    /// Returns the kind of primitive, triangles by default.
+    pub(super) fn mode(&self) -> u32 {
+        self.mode.unwrap_or(super::TRIANGLES)
+    }
+}
+
+#[derive(Debug, Default, Deserialize, PartialEq)]
 #[serde(default)]
 pub(super) struct Attributes {
     #[serde(rename = "POSITION")]
