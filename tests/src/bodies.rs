@@ -91,8 +91,8 @@ impl Shape {
 }
 
 impl Body {
-    /// The body as a surface at rest. Attributes and channels are made up, so that their way through
-    /// a cut is tested too.
+    /// The body as a surface at rest. Attributes and channels are made up, so that their way
+    /// through a cut is tested too.
     #[must_use]
     pub fn build(&self) -> Surface {
         let base = self.shape.build();

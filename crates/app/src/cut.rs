@@ -21,8 +21,8 @@ use std::path::{Path, PathBuf};
 /// Cuts a mesh along a plane, a blade's sweep or its path, and writes its pieces.
 ///
 /// Writes one component per file: `DIR/piece_000.obj` and so on, or all of them as the nodes of
-/// one file of glTF. Files of these names from an earlier run are overwritten or removed. A refused cut writes nothing. A part with a boundary is
-/// a sheet: it is cut without caps, see --caps.
+/// one file of glTF. Files of these names from an earlier run are overwritten or removed. A refused
+/// cut writes nothing. A part with a boundary is a sheet: it is cut without caps, see --caps.
 #[derive(clap::Args)]
 #[command(
     group = clap::ArgGroup::new("cutter").required(true).args(["plane", "blade", "path"]),

@@ -26,9 +26,7 @@ use crate::step::island::{Island, IslandError, Single};
 use crate::step::params::Scheme;
 use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
-use crate::step::prepare::prepare;
-#[cfg(feature = "global")]
-use crate::step::prepare::takes_global_step;
+use crate::step::prepare::{prepare, takes_global_step};
 use crate::step::substeps::substeps;
 use incise_mesh::Surface;
 
@@ -169,7 +167,7 @@ impl Solver {
 
     /// Returns the number of substeps of a frame of `dt` \[s\], at least that of the parameters.
     pub(crate) fn needed_substeps(&mut self, dt: f32, params: &SolverParams) -> u32 {
-        if params.ground.is_none() || takes_global_step(params, &self.material) {
+        if params.ground.is_none() || takes_global_step(&self.step, &self.material, dt, params) {
             return params.substeps;
         }
         let known = self.step.mean_rest_length;

@@ -34,8 +34,8 @@ pub fn write_obj(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteEr
 /// Positions, texture coordinates, normals, materials and channels keep every bit if
 /// [`read_ply`](crate::read_ply) reads the file. Channels of vertices are properties of vertices:
 /// `red green blue alpha` for `color`, `NAME_joint_I` and `NAME_weight_I` for skin weights, else
-/// `NAME_I`, or `NAME` for a single number. Attributes of corners are lists of faces. Free slots are
-/// skipped. Coordinates are doubles if the surface's origin is not zero. Returns warnings about
+/// `NAME_I`, or `NAME` for a single number. Attributes of corners are lists of faces. Free slots
+/// are skipped. Coordinates are doubles if the surface's origin is not zero. Returns warnings about
 /// channels whose names have another meaning in PLY.
 ///
 /// # Errors

@@ -408,7 +408,8 @@ mod tests {
             prop_assert!((total - 1.0).abs() < 1e-6, "{got:?}");
             prop_assert!(got[4..8].is_sorted_by(|a, b| a >= b), "{got:?}");
             let known = joints.concat();
-            prop_assert!(got[..4].iter().all(|&j| j == 0.0 || known.iter().any(|&k| f32::from(k) == j)));
+            let is_known = |&joint: &f32| known.iter().any(|&k| f32::from(k) == joint);
+            prop_assert!(got[..4].iter().all(|joint| *joint == 0.0 || is_known(joint)));
         }
     }
 }

@@ -83,7 +83,7 @@ pub(crate) fn takes_global_step(
 
 /// Returns false: the global step is not compiled.
 #[cfg(not(feature = "global"))]
-fn takes_global_step(_: &StepState, _: &Material, _: f32, _: &SolverParams) -> bool {
+pub(crate) fn takes_global_step(_: &StepState, _: &Material, _: f32, _: &SolverParams) -> bool {
     false
 }
 

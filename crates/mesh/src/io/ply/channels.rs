@@ -1,8 +1,8 @@
 //! The channels of a PLY file: which properties belong to which.
 //!
 //! Properties `NAME_0`, `NAME_1` and so on of vertices are the components of one channel;
-//! `NAME_joint_0` and `NAME_weight_0` and so on are skin weights. `red`, `green`, `blue` and `alpha`
-//! are the channel `color`, from 0 to 1. A list of numbers per face, a multiple of its corners, is a
+//! `NAME_joint_0` and `NAME_weight_0` and so on are skin weights. `red`, `green`, `blue` and
+//! `alpha` are the channel `color`, from 0 to 1. A list per face with rows for its corners is a
 //! channel of corners, and one of skin weights if its name ends in `_skin`.
 
 use super::header::{Element, Kind, Property};
