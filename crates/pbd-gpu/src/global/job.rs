@@ -78,7 +78,7 @@ impl FactorJob {
     }
 }
 
-/// Runs a factorization unless another thread has taken it or nobody needs it.
+/// Runs a factorization, unless another thread has taken it or the job was dropped.
 fn run(shared: &Weak<Shared>) {
     let Some(work) = shared.upgrade().and_then(|shared| shared.take()) else {
         return;
