@@ -78,7 +78,7 @@ pub(crate) struct Written {
 /// run.
 ///
 /// All targets are checked first, so that a refusal leaves the folder as it was. Surplus files are
-/// removed so that the folder never holds pieces of two runs. An output that ends in `.glb` and is
+/// removed so that the folder never holds pieces of two runs in one format. An output that ends in `.glb` and is
 /// no folder is a file for all pieces.
 pub(crate) fn write(
     bodies: &[(&Surface, &Path)],
@@ -187,31 +187,27 @@ fn euler_characteristic(surface: &Surface, boundary_edges: usize) -> i64 {
     count(topology.vertex_count()) - count((topology.triangle_count() + boundary_edges) / 2)
 }
 
-/// Returns the piece files of the folder with numbers from `count` on, or of another format.
+/// Returns the piece files of a format in the folder, with numbers from `count` on.
 fn left_over(folder: &Path, count: usize, format: Format) -> Vec<PathBuf> {
     // A folder that does not exist yet has none.
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let of_piece = entries.filter(|entry| {
         let name = entry.file_name();
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
-        let is_left = |(number, own)| number >= count || own != format;
-        is_file && piece_number(&name).is_some_and(is_left)
+        is_file && piece_number(&name, format).is_some_and(|number| number >= count)
     });
     let mut paths: Vec<PathBuf> = of_piece.map(|entry| entry.path()).collect();
     paths.sort();
     paths
 }
 
-/// Returns the number and format of a piece from its file name.
-fn piece_number(name: &OsStr) -> Option<(usize, Format)> {
-    let (stem, extension) = name.to_str()?.rsplit_once('.')?;
-    let format = Format::ALL
-        .into_iter()
-        .find(|format| format.extension() == extension)?;
-    let digits = stem.strip_prefix("piece_")?;
+/// Returns the number of a piece from the name of its file.
+fn piece_number(name: &OsStr, format: Format) -> Option<usize> {
+    let stem = name.to_str()?.strip_suffix(format.extension())?;
+    let digits = stem.strip_suffix('.')?.strip_prefix("piece_")?;
     let number: usize = digits.parse().ok()?;
     // Other spellings of a number, such as +12 or 0012, are not ours.
-    (digits == format!("{number:03}")).then_some((number, format))
+    (digits == format!("{number:03}")).then_some(number)
 }
 
 /// Refuses a folder, and the input under any of its paths.

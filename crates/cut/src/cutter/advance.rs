@@ -80,9 +80,14 @@ impl Cutter {
         if !incision.begin_step(surface, blade)? {
             return Ok(CutOutcome::default());
         }
-        let outside = RISES.iter().filter(|_| incision.is_inside());
-        let outside: Vec<_> = outside.map(|&rise| (rise, false)).collect();
-        for (rise, may_start_inside) in outside.into_iter().chain([(RISES[0], true)]) {
+        // A blade outside of the body has no tip beside which it could rise.
+        let beside_tip = if incision.is_inside() {
+            &RISES[..]
+        } else {
+            &[]
+        };
+        let outside = beside_tip.iter().map(|&rise| (rise, false));
+        for (rise, may_start_inside) in outside.chain([(RISES[0], true)]) {
             let Some(stroke) = incision.stroke(surface, &self.bvh, blade, rise)? else {
                 break;
             };

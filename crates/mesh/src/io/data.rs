@@ -212,7 +212,7 @@ impl fmt::Display for Warning {
                     "corners without usable attributes, set to zero: {corners}"
                 )
             }
-            Self::Dropped { name } => write!(f, "attribute {name}, dropped: it has no place here"),
+            Self::Dropped { name } => write!(f, "attribute that is not kept: {name}"),
             Self::Skipped { count } => {
                 write!(f, "points, lines or unknown statements, ignored: {count}")
             }

@@ -3,7 +3,7 @@
 use super::{NONE, RenderBuffers};
 use crate::geometry::{area_vector, to_f64};
 use crate::ids::{HalfEdge, TriangleId};
-use crate::surface::{Domain, Surface};
+use crate::surface::Surface;
 
 impl RenderBuffers {
     /// Collects the corners that share a buffer vertex with the corner at `h`, itself first.
@@ -39,24 +39,7 @@ impl RenderBuffers {
         let triangles = [a, b].map(HalfEdge::triangle);
         let [s, t] = triangles.map(TriangleId::index);
         let is_one_part = self.place[t] != NONE && self.submesh[s] == self.submesh[t];
-        let bits = |h: HalfEdge| {
-            let uv = surface
-                .corner_uvs()
-                .get(h.index())
-                .map(|uv| uv.map(f32::to_bits));
-            let normal = surface.corner_normals().get(h.index());
-            (uv, normal.map(|normal| normal.map(f32::to_bits)))
-        };
-        let corner_channels = surface
-            .channels()
-            .iter()
-            .filter(|c| c.domain() == Domain::Corner);
-        if !is_one_part
-            || bits(a) != bits(b)
-            || corner_channels
-                .into_iter()
-                .any(|c| c.row(a.index()) != c.row(b.index()))
-        {
+        if !is_one_part || !surface.has_equal_corners(a, b) {
             return false;
         }
         if !surface.corner_normals().is_empty() {

@@ -67,4 +67,14 @@ impl Surface {
                 .collect(),
         }
     }
+
+    /// Returns whether two corners of a vertex have equal attributes: no seam separates them.
+    #[must_use]
+    pub fn has_equal_corners(&self, a: HalfEdge, b: HalfEdge) -> bool {
+        let [a, b] = [a, b].map(HalfEdge::index);
+        let (uvs, normals) = (&self.corners.uv, &self.corners.normal);
+        uvs.get(a) == uvs.get(b)
+            && normals.get(a) == normals.get(b)
+            && (self.corner_channels()).all(|channel| channel.row(a) == channel.row(b))
+    }
 }

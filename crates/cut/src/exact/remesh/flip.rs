@@ -2,7 +2,7 @@
 
 use super::super::contract::Opened;
 use super::ring::{Ring, neighbors};
-use super::shape::{Point, Quad, are_alike};
+use super::shape::{Point, Quad};
 use super::{Candidate, MIN_GAIN, Remeshed, Remesher};
 use incise_mesh::{HalfEdge, Topology, TriangleId, VertexId};
 
@@ -37,8 +37,8 @@ impl Remesher {
         // The cap may need an edge between two vertices of the rim.
         let is_on_rim = |v: VertexId| self.ring.node_of(v).is_some();
         if kind(first) != kind(second)
-            || !are_alike(surface, h, twin.next())
-            || !are_alike(surface, h.next(), twin)
+            || !surface.has_equal_corners(h, twin.next())
+            || !surface.has_equal_corners(h.next(), twin)
             || across.into_iter().all(is_on_rim)
         {
             return false;

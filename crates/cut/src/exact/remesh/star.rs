@@ -2,7 +2,7 @@
 
 use super::super::contract::{Opened, closed_fan, flatness, swept_volume};
 use super::ring::{DisplacementBudget, Ring};
-use super::shape::{Point, are_alike, is_smooth, may_follow, quality, texture_scale, texture_side};
+use super::shape::{Point, is_smooth, may_follow, quality, texture_scale, texture_side};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{HalfEdge, Surface, Vec3, VertexId};
 use std::f64::consts::TAU;
@@ -67,8 +67,9 @@ impl Star {
             let Some(budget) = ring.budget(h.triangle()) else {
                 return false;
             };
-            let is_seam = last.is_some_and(|last| !are_alike(surface, h.next(), last.prev()));
-            if is_seam || kind(h) != kind(start) || !are_alike(surface, h, start) {
+            let is_seam =
+                last.is_some_and(|last| !surface.has_equal_corners(h.next(), last.prev()));
+            if is_seam || kind(h) != kind(start) || !surface.has_equal_corners(h, start) {
                 return false;
             }
             last = Some(h);
