@@ -162,7 +162,7 @@ impl ContactDetection {
         self.pieces.update(bodies, &mut self.motions, frame);
         for (body, motion) in bodies.iter().zip(&mut self.motions) {
             if let (true, Some(body)) = (motion.is_active, body) {
-                motion.find_radii(body);
+                motion.find_bounds(body);
             }
         }
         let search = Search {

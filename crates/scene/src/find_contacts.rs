@@ -72,11 +72,9 @@ impl Scene {
             let Some(body) = &mut self.bodies[i] else {
                 continue;
             };
-            if may_collide {
-                let refit = u32::from(body.refit());
-                self.stats.bvh_refits += refit;
-                self.stats.bvh_refits_skipped = self.stats.bvh_refits_skipped.saturating_sub(refit);
-            }
+            let refit = u32::from(body.refit());
+            self.stats.bvh_refits += refit;
+            self.stats.bvh_refits_skipped = self.stats.bvh_refits_skipped.saturating_sub(refit);
             self.stats.contact_searches += 1;
             let frame = contact_frame(params, &self.params, &self.colliders, &self.blade_faces);
             self.detection.activate(i, body, &frame);

@@ -7,11 +7,11 @@ use super::broad_phase::{Piece, Pieces};
 use super::edges::{MovingEdge, SharpEdge, find_edge_pairs};
 use super::motion::Motion;
 use super::near_bodies::grow;
-use super::persistent::{PersistentContact, contact_kind, faces, outward_normal};
+use super::persistent::{PersistentContact, contact_kind, outward_normal};
 use super::{ContactFrame, SPEED_MARGIN};
 use crate::body::Body;
 use crate::scene::Bodies;
-use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3, VertexId, index_u32};
+use incise_mesh::{HalfEdge, MovingPoint, Surface, TriangleId, Vec3, VertexId, index_u32};
 use incise_pbd_gpu::{Contact, ContactKind};
 use rayon::prelude::*;
 
@@ -172,32 +172,36 @@ impl Search<'_> {
             if surface.topology().outgoing(v).is_null() {
                 continue;
             }
-            self.find_near(of, v, &mut row.near);
+            let number = surface.piece(surface.topology().outgoing(v).triangle());
+            let piece = of.motion.pieces[number as usize];
+            let point = self.moving_point(of, v, number);
+            self.find_near(of, piece, &point, &mut row.near);
             for n in 0..row.near.len() {
-                self.find_contact(of, v, row.near[n], row);
+                self.find_contact(of, (v, &point), row.near[n], row);
             }
             self.find_blade_face_contacts(of, v, row);
-            for h in surface.topology().outgoing_fan(v) {
-                self.collect_edge(of, h, row);
+            if self.pieces.get(piece).is_near_others {
+                for h in surface.topology().outgoing_fan(v) {
+                    self.collect_edge(of, h, piece, row);
+                }
             }
         }
     }
 
     /// Adds an edge to those of the row, if it is sharp and near other bodies.
-    fn collect_edge(&self, of: Searched<'_>, h: HalfEdge, row: &mut Row) {
+    fn collect_edge(&self, of: Searched<'_>, h: HalfEdge, piece: u32, row: &mut Row) {
         let (surface, motion) = (of.body.surface(), of.motion);
         if surface.topology().twin(h) < h {
             return;
         }
-        let piece = motion.pieces[surface.piece(h.triangle()) as usize];
         let ends = [surface.topology().origin(h), surface.topology().target(h)];
-        let displacement = ends.map(|v| motion.displacements[v.index()]);
+        let displacement = ends.map(|v| motion.max_displacement(v));
         let displacement = f64::max(displacement[0], displacement[1]);
         let reach = motion.thickness + self.frame.speed_gain * self.frame.dt + displacement;
         let tight = SharpEdge::bounds(surface, h);
         let is_near = |other: &Piece| {
             let mut bounds = tight;
-            grow(&mut bounds, reach + other.max_displacement);
+            grow(&mut bounds, reach + other.max_displacement());
             other.body != of.index && other.bounds.overlaps(&bounds)
         };
         if !self.pieces.neighbors(piece).any(is_near) {
@@ -249,38 +253,47 @@ impl Search<'_> {
         }
     }
 
+    /// Returns a vertex and its motion within the frame, for searches of triangles.
+    fn moving_point(&self, of: Searched<'_>, v: VertexId, piece: u32) -> MovingPoint {
+        let gain = self.frame.speed_gain * self.frame.dt;
+        MovingPoint {
+            position: of.body.surface().position(v),
+            displacement: of.motion.displacements[v.index()],
+            margin: of.motion.thickness + gain,
+            outward: outward_normal(of.body.surface(), v),
+            excluded_piece: (!self.frame.params.self_collision).then_some(piece),
+        }
+    }
+
     /// Finds the bodies that a vertex may touch within the frame, ascending.
-    fn find_near(&self, of: Searched<'_>, v: VertexId, near: &mut Vec<u32>) {
+    fn find_near(&self, of: Searched<'_>, piece: u32, point: &MovingPoint, near: &mut Vec<u32>) {
         near.clear();
-        let surface = of.body.surface();
-        let number = surface.piece(surface.topology().outgoing(v).triangle());
-        let index = of.motion.pieces[number as usize];
-        let (at, radius) = (surface.position(v), self.radius(of, v));
         if self.frame.params.self_collision {
             near.push(of.index);
         }
-        let is_near = |other: &&Piece| other.is_near(at, radius + other.max_displacement);
-        let others = self.pieces.neighbors(index).filter(is_near);
-        near.extend(others.map(|other| other.body));
+        for other in self.pieces.neighbors(piece) {
+            if !near.contains(&other.body) && other.is_near(point) {
+                near.push(other.body);
+            }
+        }
         near.sort_unstable();
-        near.dedup();
-    }
-
-    /// Returns the distance at which a vertex searches resting triangles \[m\].
-    fn radius(&self, of: Searched<'_>, v: VertexId) -> f64 {
-        let gain = self.frame.speed_gain * self.frame.dt;
-        of.motion.thickness + gain + of.motion.displacements[v.index()]
     }
 
     /// Adds the contact of a vertex with the nearest triangle of a body, if there is one.
-    fn find_contact(&self, of: Searched<'_>, v: VertexId, other: u32, row: &mut Row) {
+    fn find_contact(
+        &self,
+        of: Searched<'_>,
+        (v, point): (VertexId, &MovingPoint),
+        other: u32,
+        row: &mut Row,
+    ) {
         let Some(other_body) = &self.bodies[other as usize] else {
             return;
         };
         let (surface, other_surface) = (of.body.surface(), other_body.surface());
         let thickness = of.motion.thickness;
         let thickness = thickness.min(self.motions[other as usize].thickness);
-        let at = surface.position(v);
+        let at = point.position;
         let first = of.previous_of_vertex[v.index()] as usize;
         let previous = of.previous.get(first..).unwrap_or_default();
         let mut of_vertex = previous.iter().take_while(|contact| contact.vertex == v);
@@ -293,7 +306,13 @@ impl Search<'_> {
         });
         let contact = kept.or_else(|| {
             let first = previous.map(|contact| contact.triangle);
-            self.nearest(of, v, (other, other_body), first, &mut row.one_ring)
+            self.nearest(
+                of,
+                (v, point),
+                (other, other_body),
+                first,
+                &mut row.one_ring,
+            )
         });
         let Some(contact) = contact else { return };
         // Within a piece at most half of the rest distance, so that a thin fold stays as it is.
@@ -314,7 +333,7 @@ impl Search<'_> {
     fn nearest(
         &self,
         of: Searched<'_>,
-        v: VertexId,
+        (v, point): (VertexId, &MovingPoint),
         (other, body): (u32, &Body),
         first: Option<TriangleId>,
         one_ring: &mut Vec<VertexId>,
@@ -323,7 +342,7 @@ impl Search<'_> {
         let motion = &self.motions[other as usize];
         let self_collision = self.frame.params.self_collision;
         let topology = surface.topology();
-        let at = surface.position(v);
+        let at = point.position;
         one_ring.clear();
         if other == of.index && self_collision {
             one_ring.push(v);
@@ -331,18 +350,17 @@ impl Search<'_> {
                 one_ring.extend([topology.target(h), topology.origin(h.prev())]);
             }
         }
-        let number = surface.piece(topology.outgoing(v).triangle());
-        let but = (other == of.index && !self_collision).then_some(number);
-        let outward = outward_normal(surface, v);
-        let is_around = |t| {
+        let is_candidate = |t| {
             let corners = other_surface.topology().triangle(t);
-            !one_ring.is_empty() && corners.iter().any(|c| one_ring.contains(c))
+            one_ring.is_empty() || !corners.iter().any(|c| one_ring.contains(c))
         };
-        let is_candidate = |t| faces(other_surface, outward, t) && !is_around(t);
-        let reach = (at, self.radius(of, v));
-        let radii = (&motion.radii, but);
-        let bvh = body.bvh();
-        let found = bvh.nearest_in_reach(other_surface, reach, radii, first, is_candidate)?;
+        let excluded_piece = point.excluded_piece.filter(|_| other == of.index);
+        let point = MovingPoint {
+            excluded_piece,
+            ..*point
+        };
+        let (bvh, bounds) = (body.bvh(), &motion.bounds);
+        let found = bvh.nearest_in_reach(other_surface, &point, bounds, first, is_candidate)?;
         // A deeper vertex has passed the triangle, whose plane would hold the two together.
         let thickness = of.motion.thickness.min(motion.thickness);
         let is_shallow = found.distance >= -MAX_DEPTH * thickness;
