@@ -1,7 +1,7 @@
 //! Random closed bodies.
 
 use incise_mesh::geometry::{Vec3, to_f32, to_f64};
-use incise_mesh::{Surface, cube_sphere, icosphere, torus};
+use incise_mesh::{Blend, Channel, Domain, Surface, cube_sphere, icosphere, torus};
 use incise_models::{Model, build_model};
 use proptest::prelude::*;
 use std::sync::OnceLock;
@@ -91,8 +91,8 @@ impl Shape {
 }
 
 impl Body {
-    /// The body as a surface at rest. Corner attributes are made up, so that their way through a
-    /// cut is tested too.
+    /// The body as a surface at rest. Attributes and channels are made up, so that their way
+    /// through a cut is tested too.
     #[must_use]
     pub fn build(&self) -> Surface {
         let base = self.shape.build();
@@ -160,6 +160,7 @@ impl Body {
         });
         let uvs = uvs.collect();
         surface.set_corner_uvs(uvs).expect("one value a corner");
+        set_channels(&mut surface, &positions);
         surface
     }
 
@@ -173,6 +174,35 @@ impl Body {
             Shape::Torus(m, n) => m >= 24 && n >= 12,
             Shape::Model(model) => model.triangles() >= 700,
         }
+    }
+}
+
+/// Sets colors and skin weights of vertices, and second texture coordinates of corners.
+///
+/// All of them vary from vertex to vertex, and a fifth joint appears along x.
+fn set_channels(surface: &mut Surface, positions: &[[f32; 3]]) {
+    let color = |&[x, y, z]: &[f32; 3]| [x, y, z].map(|x| x.sin().abs());
+    let skin = |&[x, y, z]: &[f32; 3]| {
+        let weights = [1.0 + x * x, 0.5 + y * y, 0.25 + z * z, 0.125];
+        let sum: f32 = weights.iter().sum();
+        let fifth = if x > 0.0 { 4.0 } else { 0.0 };
+        let joints = [1.0, 2.0, 3.0, fifth];
+        [joints, weights.map(|w| w / sum)].concat()
+    };
+    let topology = surface.topology();
+    let corners = topology.corners().iter().map(|v| positions[v.index()]);
+    let uv = corners
+        .flat_map(|[x, y, z]| [x - z, y + 0.25 * z])
+        .collect();
+    let colors = positions.iter().flat_map(color).collect();
+    let skin = positions.iter().flat_map(skin).collect();
+    for channel in [
+        Channel::new("color", Domain::Vertex, Blend::Linear, 3, colors),
+        Channel::new("skin", Domain::Vertex, Blend::Skin, 8, skin),
+        Channel::new("uv1", Domain::Corner, Blend::Linear, 2, uv),
+    ] {
+        let channel = channel.expect("a width that is allowed");
+        surface.set_channel(channel).expect("one row a slot");
     }
 }
 

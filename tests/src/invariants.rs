@@ -39,6 +39,14 @@ pub fn assert_same_bits(a: &Surface, b: &Surface) {
     let same_uv = bits(a.corner_uvs()) == bits(b.corner_uvs());
     let same_normals = bits(a.corner_normals()) == bits(b.corner_normals());
     assert!(same_uv && same_normals, "corner attributes differ");
+    for (a, b) in a.channels().iter().zip(b.channels()) {
+        let bits = |values: &[f32]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert!(
+            bits(a.values()) == bits(b.values()),
+            "channel {} differs",
+            a.name()
+        );
+    }
     for t in a.topology().triangles() {
         assert_eq!(a.piece(t), b.piece(t), "the piece of {t}");
         assert_eq!(a.material(t), b.material(t), "the material of {t}");

@@ -8,7 +8,7 @@ use crate::cut_options::{CutOptions, CutPlan};
 use crate::failure::Failure;
 use crate::input::{InputOptions, boundary_edges, closed_volume, file_bounds};
 use crate::json::{all_lossy, lossy};
-use crate::pieces::{self, Piece, output_path};
+use crate::pieces::{OutputOptions, Piece};
 use crate::reporter::Reporter;
 use crate::stroke::{Stroke, cut_along_path};
 use incise_mesh::geometry::is_flat;
@@ -20,9 +20,9 @@ use std::path::{Path, PathBuf};
 
 /// Cuts a mesh along a plane, a blade's sweep or its path, and writes its pieces.
 ///
-/// Writes one component per file: `DIR/piece_000.obj` and so on. Files of these names from an
-/// earlier run are overwritten or removed. A refused cut writes nothing. A part with a boundary is
-/// a sheet: it is cut without caps, see --caps.
+/// Writes one component per file: `DIR/piece_000.obj` and so on, or all of them as the nodes of
+/// one file of glTF. Files of these names from an earlier run are overwritten or removed. A refused
+/// cut writes nothing. A part with a boundary is a sheet: it is cut without caps, see --caps.
 #[derive(clap::Args)]
 #[command(
     group = clap::ArgGroup::new("cutter").required(true).args(["plane", "blade", "path"]),
@@ -44,9 +44,8 @@ pub(crate) struct CutArguments {
     /// walls that coincide. Motions of less than half an edge length inside the body add up.
     #[arg(long, value_name = "FILE")]
     path: Option<PathBuf>,
-    /// The folder for the pieces.
-    #[arg(short, long, value_name = "DIR", value_parser = output_path())]
-    output: PathBuf,
+    #[command(flatten)]
+    output: OutputOptions,
 }
 
 const AFTER_HELP: &str = "\
@@ -69,7 +68,7 @@ Levels (--level), ratio of a cap's edge length to that of the surface at the rim
 JSON report (--json), lengths in the input's unit:
   input, method, refine_method, snap, remesh, level, grading
                          the input and the parameters of the cut
-  warnings               repairs made while reading
+  warnings               repairs made while reading, attributes that are dropped
   caps                   curves of the cut that get caps: bodies, all-loops or none
   triangles, boundary_edges, volume
                          of the input; volume of its closed parts
@@ -186,7 +185,7 @@ pub(crate) fn run(
     let progress = reporter.stages(3);
     progress.begin("read");
     let (read, surface) = timed(|| arguments.reading.read_for_cut(path, options.is_exact()));
-    let (mut surface, warnings) = surface?;
+    let (mut surface, mut warnings) = surface?;
     progress.step();
     for warning in &warnings {
         progress.suspend(|| reporter.warn(format_args!("{}: {warning}", path.display())));
@@ -212,9 +211,16 @@ pub(crate) fn run(
     let flat = walls.iter().filter(is_flat).count();
     progress.step();
     progress.begin("write");
-    let (write, written) = timed(|| pieces::write(&[(&surface, path)], &arguments.output));
+    let (write, written) = timed(|| arguments.output.write(&[(&surface, path)]));
     let written = written?;
     progress.end();
+    for warning in &written.warnings {
+        reporter.warn(format_args!(
+            "{}: {warning}",
+            arguments.output.path().display()
+        ));
+    }
+    warnings.extend(written.warnings);
     let report = Report {
         input: path.clone(),
         method: options.method(),

@@ -163,7 +163,10 @@ pub(crate) enum Failure {
         source: HoleError,
     },
     /// The output's extension is not that of a supported format.
-    #[error("{}: only .obj and .ply can be written; choose one of them", path.display())]
+    #[error(
+        "{}: only .obj, .ply, .stl and .glb can be written; choose one of them",
+        path.display()
+    )]
     OutputFormat {
         /// The file.
         path: PathBuf,

@@ -2,18 +2,19 @@
 
 use crate::clock::{milliseconds, timed};
 use crate::failure::Failure;
+use crate::format::Format;
 use crate::input::{FLAT_VOLUME, InputOptions, components_without_volume};
 use crate::json::lossy;
 use crate::numbers::counted;
 use crate::pieces::{check_target, output_path};
 use crate::reporter::Reporter;
 use incise_mesh::geometry::to_file;
-use incise_mesh::{Surface, TriangleId, Warning, WriteError, write_obj, write_ply};
+use incise_mesh::{Surface, Warning};
 use incise_refine::{HoleParams, HoleReport, RefinementLevel, fill_holes};
 use serde::Serialize;
 use std::fmt;
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Closes every hole of a mesh and writes it. The outer boundary of an open sheet is a hole too.
 #[derive(clap::Args)]
@@ -152,7 +153,7 @@ pub(crate) fn run(
     reporter: &mut Reporter<impl Write>,
 ) -> Result<(), Failure> {
     let (input, output) = (&arguments.input, &arguments.output);
-    let write = writer(output)?;
+    let format = Format::of_file(output)?;
     let progress = reporter.stages(3);
     progress.begin("read");
     let (read, surface) = timed(|| arguments.reading.read_open(input));
@@ -176,7 +177,7 @@ pub(crate) fn run(
     progress.step();
     let holes = filled.holes.iter().map(|h| Hole::of(h, &surface)).collect();
     let mut warnings: Vec<FillWarning> = warnings.into_iter().map(FillWarning::Mesh).collect();
-    if surface.topology().is_closed() && surface.volume() < 0.0 && flip(&mut surface) {
+    if surface.topology().is_closed() && surface.volume() < 0.0 && surface.flip().is_ok() {
         warnings.push(FillWarning::Mesh(Warning::Inverted));
     }
     warnings.extend(warnings_of_components(&surface));
@@ -184,8 +185,11 @@ pub(crate) fn run(
         progress.suspend(|| reporter.warn(format_args!("{}: {warning}", input.display())));
     }
     progress.begin("write");
-    let (write, written) = timed(|| write(output, &surface));
-    written?;
+    let (write, written) = timed(|| format.write(output, &surface));
+    for warning in written? {
+        progress.suspend(|| reporter.warn(format_args!("{}: {warning}", output.display())));
+        warnings.push(FillWarning::Mesh(warning));
+    }
     progress.end();
     let report = Report {
         input: input.clone(),
@@ -210,23 +214,6 @@ pub(crate) fn run(
     Ok(reporter.report(&report, print)?)
 }
 
-/// A function that writes a mesh in one format.
-type Writer = fn(&Path, &Surface) -> Result<(), WriteError>;
-
-/// Returns the writer for a file's extension.
-fn writer(path: &Path) -> Result<Writer, Failure> {
-    let extension = path
-        .extension()
-        .map(|e| e.to_string_lossy().to_ascii_lowercase());
-    match extension.as_deref() {
-        Some("obj") => Ok(write_obj),
-        Some("ply") => Ok(write_ply),
-        _ => Err(Failure::OutputFormat {
-            path: path.to_owned(),
-        }),
-    }
-}
-
 /// Warns of closed components without volume, and of those with negative volume.
 fn warnings_of_components(surface: &Surface) -> impl Iterator<Item = FillWarning> {
     let is_inverted = |part: &Surface| {
@@ -241,42 +228,6 @@ fn warnings_of_components(surface: &Surface) -> impl Iterator<Item = FillWarning
     ];
     let found = counts.into_iter().filter(|&(_, count)| count > 0);
     found.map(|(kind, count)| FillWarning::Components { kind, count })
-}
-
-/// Flips every triangle of a closed surface. Returns false, and changes nothing, if the surface is
-/// not a manifold.
-fn flip(surface: &mut Surface) -> bool {
-    surface.compact();
-    let position = |&[x, y, z, _]: &[f32; 4]| [x, y, z];
-    let positions: Vec<[f32; 3]> = surface.positions().iter().map(position).collect();
-    let topology = surface.topology();
-    let turned = |t: TriangleId| {
-        let [a, b, c] = topology.triangle(t).map(|v| v.0);
-        [a, c, b]
-    };
-    let triangles: Vec<[u32; 3]> = topology.triangles().map(turned).collect();
-    let Ok(mut flipped) = Surface::from_triangles(&positions, &triangles) else {
-        return false;
-    };
-    flipped.set_origin(surface.origin());
-    for t in surface.topology().triangles() {
-        flipped.set_material(t, surface.material(t));
-    }
-    let has_attributes = [
-        flipped.set_corner_uvs(turn_corners(surface.corner_uvs())),
-        flipped.set_corner_normals(turn_corners(surface.corner_normals())),
-    ];
-    if has_attributes.iter().any(Result::is_err) {
-        return false;
-    }
-    *surface = flipped;
-    true
-}
-
-/// Exchanges the last two corners of every triangle.
-fn turn_corners<T: Copy>(values: &[T]) -> Vec<T> {
-    let triangles = values.as_chunks::<3>().0.iter();
-    triangles.flat_map(|&[a, b, c]| [a, c, b]).collect()
 }
 
 impl Hole {

@@ -14,6 +14,7 @@ mod devices;
 mod explode;
 mod failure;
 mod fill;
+mod format;
 #[cfg(feature = "gpu")]
 mod gallery;
 mod input;

@@ -1,11 +1,12 @@
-//! Writes the pieces of a body, one file each.
+//! Writes the pieces of bodies: one file each in a folder, or one file of glTF for all.
 
 use crate::failure::Failure;
+use crate::format::Format;
 use crate::input::boundary_edges;
 use crate::json::lossy;
 use crate::numbers::counted;
 use clap::builder::{PathBufValueParser, TypedValueParser};
-use incise_mesh::{Surface, write_obj};
+use incise_mesh::{Surface, Warning, write_glb};
 use serde::Serialize;
 use std::ffi::OsStr;
 use std::io::{self, Write};
@@ -40,20 +41,50 @@ pub(crate) struct Piece {
     euler_characteristic: i64,
 }
 
+/// Where and how a command writes pieces.
+#[derive(clap::Args)]
+pub(crate) struct OutputOptions {
+    /// The folder for the pieces, or a file NAME.glb for all of them.
+    #[arg(short, long, value_name = "DIR|FILE.glb", value_parser = output_path())]
+    output: PathBuf,
+    /// Format of the pieces in a folder.
+    #[arg(long, value_enum, default_value_t = Format::Obj)]
+    format: Format,
+}
+
+impl OutputOptions {
+    /// Returns the folder or file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.output
+    }
+
+    /// Writes every piece of bodies, given with their inputs; see [`write`].
+    pub(crate) fn write(&self, bodies: &[(&Surface, &Path)]) -> Result<Written, Failure> {
+        write(bodies, &self.output, self.format)
+    }
+}
+
 /// Changes to the output folder.
 pub(crate) struct Written {
     /// The pieces, each with the index of its body.
     pub(crate) pieces: Vec<(usize, Piece)>,
     /// Removed pieces of an earlier run.
     pub(crate) removed: Vec<PathBuf>,
+    /// Attributes that the format cannot hold.
+    pub(crate) warnings: Vec<Warning>,
 }
 
 /// Writes every piece of bodies, given with their inputs, and removes surplus pieces of an earlier
 /// run.
 ///
 /// All targets are checked first, so that a refusal leaves the folder as it was. Surplus files are
-/// removed so that the folder never holds pieces of two runs.
-pub(crate) fn write(bodies: &[(&Surface, &Path)], folder: &Path) -> Result<Written, Failure> {
+/// removed so that the folder never holds pieces of two runs. An output that ends in `.glb` and is
+/// no folder is a file for all pieces.
+pub(crate) fn write(
+    bodies: &[(&Surface, &Path)],
+    output: &Path,
+    format: Format,
+) -> Result<Written, Failure> {
     let pieces_of = |(body, &(surface, _)): (usize, &(&Surface, &Path))| {
         let volumes = surface.piece_volumes();
         let parts = surface.extract_pieces();
@@ -61,9 +92,14 @@ pub(crate) fn write(bodies: &[(&Surface, &Path)], folder: &Path) -> Result<Writt
         parts.collect::<Vec<_>>()
     };
     let parts: Vec<(usize, f64, Surface)> = bodies.iter().enumerate().flat_map(pieces_of).collect();
-    let file = |i: usize| folder.join(format!("piece_{i:03}.obj"));
+    let is_one_file = matches!(Format::of_file(output), Ok(Format::Glb)) && !output.is_dir();
+    if is_one_file {
+        return write_one_file(&parts, bodies, output);
+    }
+    let folder = output;
+    let file = |i: usize| folder.join(format!("piece_{i:03}.{}", format.extension()));
     let check = || {
-        let left_over = left_over(folder, parts.len()).into_iter();
+        let left_over = left_over(folder, parts.len(), format).into_iter();
         let mut targets = (0..parts.len()).map(file).chain(left_over);
         let inputs = || bodies.iter().map(|&(_, input)| input);
         targets.try_for_each(|path| inputs().try_for_each(|input| check_target(&path, input)))
@@ -76,15 +112,61 @@ pub(crate) fn write(bodies: &[(&Surface, &Path)], folder: &Path) -> Result<Writt
     // A path like `new/..` does not resolve before `new` exists.
     check()?;
     let mut pieces = Vec::with_capacity(parts.len());
+    let mut warnings = Vec::new();
     for (i, (body, volume, part)) in parts.iter().enumerate() {
-        write_obj(&file(i), part)?;
+        for warning in format.write(&file(i), part)? {
+            if !warnings.contains(&warning) {
+                warnings.push(warning);
+            }
+        }
+        pieces.push((*body, Piece::of(file(i), part, *volume)));
+    }
+    let removed = left_over(folder, parts.len(), format);
+    for path in &removed {
+        std::fs::remove_file(path).map_err(|source| Failure::Remove {
+            path: path.clone(),
+            source,
+        })?;
+    }
+    Ok(Written {
+        pieces,
+        removed,
+        warnings,
+    })
+}
+
+/// Writes all pieces as the nodes of one file; each has its body, volume and surface.
+fn write_one_file(
+    parts: &[(usize, f64, Surface)],
+    bodies: &[(&Surface, &Path)],
+    file: &Path,
+) -> Result<Written, Failure> {
+    let mut inputs = bodies.iter().map(|&(_, input)| input);
+    inputs.try_for_each(|input| check_target(file, input))?;
+    let names: Vec<String> = (0..parts.len()).map(|i| format!("piece_{i:03}")).collect();
+    let surfaces = names.iter().zip(parts);
+    let surfaces: Vec<_> = surfaces
+        .map(|(name, part)| (name.as_str(), &part.2))
+        .collect();
+    let warnings = write_glb(file, &surfaces)?;
+    let piece = |part: &(usize, f64, Surface)| {
+        let (body, volume, surface) = part;
+        (*body, Piece::of(file.to_owned(), surface, *volume))
+    };
+    Ok(Written {
+        pieces: parts.iter().map(piece).collect(),
+        removed: Vec::new(),
+        warnings,
+    })
+}
+
+impl Piece {
+    /// Describes a piece of a body that was written to `file`.
+    fn of(file: PathBuf, part: &Surface, volume: f64) -> Self {
         let boundary_edges = boundary_edges(part);
-        let volume = match boundary_edges {
-            0 => *volume,
-            _ => 0.0,
-        };
-        let piece = Piece {
-            file: file(i),
+        let volume = if boundary_edges == 0 { volume } else { 0.0 };
+        Self {
+            file,
             vertices: part.topology().vertex_count(),
             triangles: part.topology().triangle_count(),
             area: part.area(),
@@ -92,17 +174,8 @@ pub(crate) fn write(bodies: &[(&Surface, &Path)], folder: &Path) -> Result<Writt
             cavity: volume < 0.0,
             boundary_edges,
             euler_characteristic: euler_characteristic(part, boundary_edges),
-        };
-        pieces.push((*body, piece));
+        }
     }
-    let removed = left_over(folder, parts.len());
-    for path in &removed {
-        std::fs::remove_file(path).map_err(|source| Failure::Remove {
-            path: path.clone(),
-            source,
-        })?;
-    }
-    Ok(Written { pieces, removed })
 }
 
 /// Returns vertices less edges plus triangles of a surface with this number of boundary edges.
@@ -114,27 +187,31 @@ fn euler_characteristic(surface: &Surface, boundary_edges: usize) -> i64 {
     count(topology.vertex_count()) - count((topology.triangle_count() + boundary_edges) / 2)
 }
 
-/// Returns the piece files of the folder with numbers from `count` on.
-fn left_over(folder: &Path, count: usize) -> Vec<PathBuf> {
+/// Returns the piece files of the folder with numbers from `count` on, or of another format.
+fn left_over(folder: &Path, count: usize, format: Format) -> Vec<PathBuf> {
     // A folder that does not exist yet has none.
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let of_piece = entries.filter(|entry| {
         let name = entry.file_name();
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
-        is_file && piece_number(&name).is_some_and(|number| number >= count)
+        let is_left = |(number, own)| number >= count || own != format;
+        is_file && piece_number(&name).is_some_and(is_left)
     });
     let mut paths: Vec<PathBuf> = of_piece.map(|entry| entry.path()).collect();
     paths.sort();
     paths
 }
 
-/// Returns the number of a piece from its file name.
-fn piece_number(name: &OsStr) -> Option<usize> {
-    let name = name.to_str()?;
-    let digits = name.strip_prefix("piece_")?.strip_suffix(".obj")?;
+/// Returns the number and format of a piece from its file name.
+fn piece_number(name: &OsStr) -> Option<(usize, Format)> {
+    let (stem, extension) = name.to_str()?.rsplit_once('.')?;
+    let format = Format::ALL
+        .into_iter()
+        .find(|format| format.extension() == extension)?;
+    let digits = stem.strip_prefix("piece_")?;
     let number: usize = digits.parse().ok()?;
     // Other spellings of a number, such as +12 or 0012, are not ours.
-    (digits == format!("{number:03}")).then_some(number)
+    (digits == format!("{number:03}")).then_some((number, format))
 }
 
 /// Refuses a folder, and the input under any of its paths.
@@ -189,9 +266,9 @@ mod tests {
     fn piece_numbers_have_one_spelling() {
         let number = |name: &str| piece_number(OsStr::new(name));
         for (name, expected) in [
-            ("piece_000.obj", 0),
-            ("piece_012.obj", 12),
-            ("piece_1234.obj", 1234),
+            ("piece_000.obj", (0, Format::Obj)),
+            ("piece_012.glb", (12, Format::Glb)),
+            ("piece_1234.ply", (1234, Format::Ply)),
         ] {
             assert_eq!(number(name), Some(expected), "{name}");
         }
@@ -200,7 +277,7 @@ mod tests {
             "piece_12.obj",
             "piece_+12.obj",
             "piece_.obj",
-            "piece_012.ply",
+            "piece_012.gltf",
             "my_piece_012.obj",
             "piece_012.obj.7.part",
         ] {

@@ -10,7 +10,7 @@ use crate::clock::{milliseconds, timed};
 use crate::failure::Failure;
 use crate::input::InputOptions;
 use crate::numbers::{Numbers, numbers, positive};
-use crate::pieces::{self, output_path};
+use crate::pieces::OutputOptions;
 use crate::reporter::Reporter;
 use bodies::{Bodies, Input};
 use clap::ValueEnum;
@@ -115,9 +115,8 @@ pub(crate) struct SimulateArguments {
     /// GPU to use: a part of its name, as listed by `incise devices`.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// The folder for the pieces.
-    #[arg(short, long, value_name = "DIR", value_parser = output_path())]
-    output: PathBuf,
+    #[command(flatten)]
+    output: OutputOptions,
 }
 
 const AFTER_HELP: &str = "\
@@ -189,8 +188,14 @@ pub(crate) fn run(
     let (mut scene, bodies) = simulated?;
     let backend = scene.backend_report();
     let cut_surfaces = bodies.surfaces(&mut scene)?;
-    let (write, written) = timed(|| pieces::write(&cut_surfaces, &arguments.output));
+    let (write, written) = timed(|| arguments.output.write(&cut_surfaces));
     let written = written?;
+    for warning in &written.warnings {
+        reporter.warn(format_args!(
+            "{}: {warning}",
+            arguments.output.path().display()
+        ));
+    }
     let is_on_device = (bodies.ids().iter()).any(|id| backend.gpu_bodies.contains(id));
     let of_body = |(body, piece)| PieceOfBody { body, piece };
     let report = Report {

@@ -2,6 +2,7 @@
 
 use crate::caps::CapsOption;
 use crate::failure::Failure;
+use crate::format::Format;
 use crate::input::InputOptions;
 use crate::numbers::counted;
 use crate::pieces;
@@ -99,7 +100,7 @@ pub(crate) fn run(
         replay,
         record_to: arguments.record.clone(),
         save: Box::new(move |surface| {
-            let written = pieces::write(&[(surface, &input)], &output);
+            let written = pieces::write(&[(surface, &input)], &output, Format::Obj);
             let written = written?;
             let (count, folder) = (written.pieces.len(), output.display());
             Ok(format!("{folder}: {}", counted(count, "piece")))

@@ -157,9 +157,9 @@ fn refusals_name_the_reason() {
         2,
     );
     assert!(error.contains("is not a refinement level"), "{error}");
-    let error = refusal(&folder, &["fill", "open.obj", "-o", "out.stl"], 2);
+    let error = refusal(&folder, &["fill", "open.obj", "-o", "out.3mf"], 2);
     assert!(
-        error.contains("out.stl") && error.contains(".ply"),
+        error.contains("out.3mf") && error.contains(".ply"),
         "{error}"
     );
     let error = refusal(&folder, &["fill", "open.obj", "-o", "./open.obj"], 3);

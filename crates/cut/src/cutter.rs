@@ -1,8 +1,9 @@
 //! [`Cutter`]: cuts a surface along sweeps, keeps its BVH up to date and refuses a stale one.
 
+mod advance;
+
 use crate::error::CutError;
 use crate::exact::{Exact, has_walls};
-use crate::incision::{Incision, Stroke};
 use crate::intersection::Intersection;
 use crate::intersection::facets::{ContinuedTip, Facets};
 use crate::intersection::trace::{Curve, Trace};
@@ -11,6 +12,7 @@ use crate::paper;
 use crate::params::{Caps, CutMethod, CutParams};
 use crate::separate::Separator;
 use crate::sweep::Sweep;
+use advance::Continuation;
 use incise_mesh::{Bvh, Surface, TopologyDelta, TriangleId, Undo, UndoError, VertexId};
 use incise_refine::Section;
 use std::time::Instant;
@@ -19,21 +21,6 @@ use std::time::Instant;
 ///
 /// Differences in 53 bits then keep all 24 bits of the body's coordinates.
 const MAX_SWEEP_RATIO: f64 = (1u64 << 29) as f64;
-
-/// Displacements tried in turn until a step can be cut and its tip does not end on a mesh edge
-/// [local edge lengths].
-const DISPLACEMENTS: [f64; 4] = [0.0, 1e-3, -1e-3, 1e-2];
-
-/// Minimum [`Trace::end_clearance`] of the first round of displacements; the second accepts any.
-const MIN_CLEARANCE: f64 = 2e-4;
-
-/// The end of an earlier cut at which a sweep goes on.
-#[derive(Debug, Clone, Copy)]
-struct Continuation<'a> {
-    tip: &'a ContinuedTip,
-    /// Minimum of [`Trace::end_clearance`].
-    clearance: f64,
-}
 
 /// Cuts one surface repeatedly: its BVH and scratch memory.
 ///
@@ -201,99 +188,6 @@ impl Cutter {
         self.cut_along(surface, sweep, params, None)
     }
 
-    /// Cuts `surface` along `sweep`, which may end inside the body: an incision.
-    ///
-    /// The surface is slit along the sweep and gets two mirrored walls, which share the vertices of
-    /// the slit's ends and of the incision's tip and coincide at first. Where the sweep does not
-    /// end inside the body this is [`Self::cut`]. Where it would end on a mesh edge, it ends up to
-    /// a hundredth of an edge beside it.
-    ///
-    /// # Errors
-    /// [`CutError`]; [`CutError::PartialCut`] if the sweep's boundary lies inside the body as a
-    /// whole, [`CutError::IncisionByPaper`] for the paper's method. The surface is then bit for bit
-    /// what it was.
-    pub fn incise(
-        &mut self,
-        surface: &mut Surface,
-        sweep: &Sweep,
-        params: &CutParams,
-    ) -> Result<CutOutcome, CutError> {
-        let outcome = self.try_displaced(surface, sweep, params, &ContinuedTip::default());
-        outcome.map(|(outcome, _)| outcome)
-    }
-
-    /// Moves a blade on: cuts `surface` from the tip of `incision` to the blade's new pose \[m\].
-    ///
-    /// The first call only takes the pose. Where the blade ended inside the body, the next call
-    /// goes on at the tip's present vertices, so the body may move in between. A motion of less
-    /// than half an edge length is a miss and adds up. Where a step is impossible with the blade
-    /// exactly there, the blade is displaced by up to a hundredth of an edge. When the tip leaves
-    /// the body, the separated parts become pieces. A blade with a different number of points
-    /// starts a new incision.
-    ///
-    /// # Errors
-    /// [`CutError`]; the surface is then bit for bit what it was, and the blade keeps its last
-    /// pose. Call [`Incision::restart`] to go on from another pose.
-    pub fn advance(
-        &mut self,
-        surface: &mut Surface,
-        incision: &mut Incision,
-        blade: &[[f32; 3]],
-        params: &CutParams,
-    ) -> Result<CutOutcome, CutError> {
-        self.check_bvh(surface)?;
-        let Some(stroke) = incision.stroke(surface, &self.bvh, blade)? else {
-            return Ok(CutOutcome::default());
-        };
-        let Stroke {
-            sweep,
-            tip,
-            parameters,
-        } = stroke;
-        let (outcome, taken) = self.try_displaced(surface, &sweep, params, &tip)?;
-        if outcome.is_miss() {
-            incision.restart(blade);
-        } else {
-            let tip = self
-                .exact
-                .tip(surface, &self.facets, &self.trace, &parameters);
-            incision.finish_step(blade, tip, taken, self.trace.max_local());
-        }
-        Ok(outcome)
-    }
-
-    /// Cuts along a sweep that goes on from `tip`, or along the first displaced one that can be
-    /// cut, see [`DISPLACEMENTS`]. Returns that sweep as well.
-    fn try_displaced(
-        &mut self,
-        surface: &mut Surface,
-        sweep: &Sweep,
-        params: &CutParams,
-        tip: &ContinuedTip,
-    ) -> Result<(CutOutcome, Sweep), CutError> {
-        let mut first = None;
-        for clearance in [MIN_CLEARANCE, 0.0] {
-            for displacement in DISPLACEMENTS {
-                let taken = if displacement == 0.0 {
-                    sweep.clone()
-                } else {
-                    let hits = self.candidates.iter().copied();
-                    sweep.displaced(displacement * surface.mean_edge_length_of(hits))?
-                };
-                let from = Continuation { tip, clearance };
-                match self.cut_along(surface, &taken, params, Some(from)) {
-                    Err(
-                        error @ (CutError::TipBlocked { .. }
-                        | CutError::OpenSection
-                        | CutError::NotManifold { .. }),
-                    ) => first = first.or(Some(error)),
-                    result => return result.map(|outcome| (outcome, taken)),
-                }
-            }
-        }
-        Err(first.unwrap_or(CutError::OpenSection))
-    }
-
     fn cut_along(
         &mut self,
         surface: &mut Surface,
@@ -327,6 +221,11 @@ impl Cutter {
                 return Err(CutError::PartialCut { triangle });
             };
             if self.trace.end_clearance() < from.clearance {
+                return Err(CutError::TipBlocked { triangle });
+            }
+            if !from.may_start_inside
+                && let Some(triangle) = self.trace.previous_end(surface, &self.facets)
+            {
                 return Err(CutError::TipBlocked { triangle });
             }
             if matches!(params.method, CutMethod::Paper(_)) {

@@ -141,7 +141,9 @@ impl Exact {
         self.frames.read(facets);
         let (area, width) = self.frames.section_size(trace);
         let max_volume = snap::MAX_TOTAL_VOLUME * area * trace.mean_local().min(width);
-        let snapped = self.snapper.snap(&mut opened, exact.snap, max_volume);
+        let snapped = self
+            .snapper
+            .snap(&mut opened, facets, exact.snap, max_volume);
         report.snapped_vertices = snapped.vertices;
         report.merged_nodes = snapped.nodes;
         report.moved_volume = snapped.volume;

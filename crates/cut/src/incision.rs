@@ -152,18 +152,17 @@ impl Incision {
         });
     }
 
-    /// Returns the sweep from the tip, or from the last pose, to a new pose.
+    /// Returns whether a motion to a new pose cuts.
     ///
-    /// None for the first pose and for a motion that is too small.
+    /// False for the first pose, for a motion that is too small, and for one back along the path.
     ///
     /// # Errors
-    /// As [`Sweep::strip`].
-    pub(crate) fn stroke(
+    /// [`CutError::PolylineLength`] and [`CutError::SweepNotFinite`].
+    pub(crate) fn begin_step(
         &mut self,
         surface: &Surface,
-        bvh: &Bvh,
         blade: &[[f32; 3]],
-    ) -> Result<Option<Stroke>, CutError> {
+    ) -> Result<bool, CutError> {
         if blade.len() < 2 {
             let [previous, current] = [blade.len(); 2];
             return Err(CutError::PolylineLength { previous, current });
@@ -173,12 +172,12 @@ impl Incision {
         }
         if self.pose.len() != blade.len() {
             self.restart(blade);
-            return Ok(None);
+            return Ok(false);
         }
         self.check_tip(surface);
         if self.is_inside() {
             if !self.has_moved(surface, blade) {
-                return Ok(None);
+                return Ok(false);
             }
             let width = PATH_WIDTH * self.local;
             let moved = self.pose.iter().zip(blade);
@@ -188,13 +187,30 @@ impl Incision {
                 self.pose.clear();
                 self.pose.extend_from_slice(blade);
                 self.back = Some(back);
-                return Ok(None);
+                return Ok(false);
             }
             if self.back.is_some() && !self.passes_tip(surface, blade, width) {
                 self.leave();
             }
         }
-        let mut columns = self.columns(surface, blade);
+        Ok(true)
+    }
+
+    /// Returns the sweep from the tip, or from the last pose, to a new pose.
+    ///
+    /// Beside the tip it rises from the surface by up to `rise` local edge lengths. None for a
+    /// motion along the blade's edge, which leaves the tip.
+    ///
+    /// # Errors
+    /// As [`Sweep::strip`].
+    pub(crate) fn stroke(
+        &mut self,
+        surface: &Surface,
+        bvh: &Bvh,
+        blade: &[[f32; 3]],
+        rise: f64,
+    ) -> Result<Option<Stroke>, CutError> {
+        let mut columns = self.columns(surface, blade, rise);
         if self.is_inside() {
             spread(&mut columns, surface, bvh, blade);
         }
@@ -206,7 +222,6 @@ impl Incision {
         let current: Vec<[f32; 3]> = current.collect();
         let sweep = match Sweep::strip(&previous, &current) {
             Err(CutError::BladeDegenerate) => {
-                // A blade that moves along its edge leaves its tip.
                 self.restart(blade);
                 return Ok(None);
             }

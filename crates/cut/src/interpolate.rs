@@ -1,7 +1,9 @@
 //! Data of new vertices and corners, interpolated from the surface before the cut.
 
 use incise_mesh::geometry::{round_to_f32, to_f32};
-use incise_mesh::{Edit, HalfEdge, Surface, TriangleId, Vec3, VertexId, VertexOrigin};
+use incise_mesh::{
+    CornerValues, Edit, HalfEdge, Surface, TriangleId, Vec3, VertexId, VertexOrigin,
+};
 
 /// Adds a vertex at `position` \[m\] with the rest position and inverse mass of its origin.
 pub(crate) fn add_vertex(edit: &mut Edit<'_>, position: Vec3, origin: VertexOrigin) -> VertexId {
@@ -13,80 +15,51 @@ pub(crate) fn add_vertex(edit: &mut Edit<'_>, position: Vec3, origin: VertexOrig
 }
 
 /// Vertices and corner attributes of a triangle before the edit that removes it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct OldTriangle {
     pub(crate) triangle: TriangleId,
     pub(crate) corners: [VertexId; 3],
-    uv: Option<[[f32; 2]; 3]>,
-    normal: Option<[[f32; 3]; 3]>,
+    values: [CornerValues; 3],
 }
 
 impl OldTriangle {
     pub(crate) fn new(surface: &Surface, triangle: TriangleId) -> Self {
-        let half_edges = triangle.half_edges();
-        let (uvs, normals) = (surface.corner_uvs(), surface.corner_normals());
         Self {
             triangle,
             corners: surface.topology().triangle(triangle),
-            uv: (!uvs.is_empty()).then(|| half_edges.map(|h| uvs[h.index()])),
-            normal: (!normals.is_empty()).then(|| half_edges.map(|h| normals[h.index()])),
+            values: triangle.half_edges().map(|h| surface.corner_values(h)),
         }
     }
 
     /// Whether corners have no attributes.
     pub(crate) fn is_plain(&self) -> bool {
-        self.uv.is_none() && self.normal.is_none()
+        self.values[0].is_empty()
     }
 
     /// Sets the attributes of a new corner to the weighted sum of the three old ones.
     pub(crate) fn interpolate(&self, edit: &mut Edit<'_>, h: HalfEdge, weights: [f32; 3]) {
-        if let Some(uv) = self.uv {
-            edit.set_uv(h, blend(uv, weights));
-        }
-        if let Some(normal) = self.normal {
-            edit.set_normal(h, blend(normal, weights));
-        }
+        let values = CornerValues::interpolate(self.values.each_ref(), weights);
+        edit.set_corner_values(h, &values);
     }
-}
-
-/// Returns the weighted sum; exactly one of the values where its weight is 1.
-fn blend<const N: usize>(values: [[f32; N]; 3], weights: [f32; 3]) -> [f32; N] {
-    if let Some(k) = weights.iter().position(|&w| w == 1.0) {
-        return values[k];
-    }
-    std::array::from_fn(|i| (0..3).map(|k| weights[k] * values[k][i]).sum())
 }
 
 /// Attribute values of a vertex in one chart, before and after it moves.
 ///
 /// Corners with the old value get the new one. Other charts keep theirs.
 pub(crate) struct Chart {
-    uv: Option<[[f32; 2]; 2]>,
-    normal: Option<[[f32; 3]; 2]>,
+    from: CornerValues,
+    to: CornerValues,
 }
 
 impl Chart {
     /// Corner `from` has the old values, corner `to` those at the new position.
     pub(crate) fn new(surface: &Surface, from: HalfEdge, to: HalfEdge) -> Self {
-        let uv = |h: HalfEdge| surface.corner_uvs().get(h.index()).copied();
-        let normal = |h: HalfEdge| surface.corner_normals().get(h.index()).copied();
-        Self {
-            uv: uv(from).zip(uv(to)).map(|(a, b)| [a, b]),
-            normal: normal(from).zip(normal(to)).map(|(a, b)| [a, b]),
-        }
+        let [from, to] = [from, to].map(|h| surface.corner_values(h));
+        Self { from, to }
     }
 
     /// Updates a corner of the vertex if it belongs to this chart.
     pub(crate) fn update(&self, edit: &mut Edit<'_>, h: HalfEdge) {
-        if let Some([from, to]) = self.uv
-            && edit.surface().corner_uvs()[h.index()] == from
-        {
-            edit.set_uv(h, to);
-        }
-        if let Some([from, to]) = self.normal
-            && edit.surface().corner_normals()[h.index()] == from
-        {
-            edit.set_normal(h, to);
-        }
+        edit.replace_corner_values(h, &self.from, &self.to);
     }
 }

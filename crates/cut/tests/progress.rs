@@ -266,59 +266,6 @@ fn a_blade_goes_on_after_moving_back() {
     }
 }
 
-/// Moves a blade in equal steps in a straight line and returns the first step that is refused.
-fn first_refused(
-    whole: &Surface,
-    from: [[f32; 3]; 2],
-    motion: [f32; 3],
-    steps: u16,
-    snap: f64,
-) -> Option<(u16, CutError)> {
-    let mut body = whole.clone();
-    let mut cutter = Cutter::new(&body);
-    let mut incision = Incision::default();
-    for i in 0..=steps {
-        let s = f32::from(i) / f32::from(steps);
-        let pose = from.map(|p| [0, 1, 2].map(|c| p[c] + motion[c] * s));
-        if let Err(error) = cutter.advance(&mut body, &mut incision, &pose, &params(snap)) {
-            return Some((i, error));
-        }
-    }
-    assert!(!incision.is_inside(), "the blade is out");
-    check(&body);
-    None
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 100, ..ProptestConfig::default() })]
-    #[test]
-    fn straight_strokes_are_never_refused(
-        body in prop::sample::select(vec![
-            icosphere(0, 0.5), icosphere(1, 0.5), icosphere(3, 0.5), cube_sphere(1, 0.5),
-            cube_sphere(8, 0.5), torus(0.35, 0.15, 5, 4), torus(0.35, 0.15, 32, 16),
-        ]),
-        place in prop::array::uniform3(-0.25f32..0.25),
-        axis in 0usize..3,
-        tilt in prop::array::uniform3(-0.3f32..0.3),
-        steps in prop::sample::select(vec![1u16, 2, 3, 5, 10, 16, 40]),
-        snap in prop::sample::select(vec![0.0, 0.1]),
-    ) {
-        let along = (axis + 1) % 3;
-        let ends = [-1.2f32, 1.2].map(|end| {
-            let mut p = place;
-            p[axis] = -1.0 + tilt[0] * end;
-            p[along] += end;
-            p[3 - axis - along] += tilt[1] * end;
-            p
-        });
-        let mut motion = [0.0; 3];
-        motion[axis] = 2.0;
-        motion[3 - axis - along] = tilt[2];
-        let refused = first_refused(&body, ends, motion, steps, snap);
-        prop_assert_eq!(refused, None);
-    }
-}
-
 #[test]
 fn a_blade_that_turns_about_its_end_keeps_its_tip() {
     let whole = icosphere(4, 0.5);

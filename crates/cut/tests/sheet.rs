@@ -267,6 +267,23 @@ proptest! {
     }
 }
 
+/// A slit inside one mesh triangle turns at a crease of the sweep, in front of the nearest corner.
+#[test]
+fn a_slit_that_turns_inside_a_triangle_loses_no_area() {
+    let whole = waved(11.155_249, 0.155_450_02, 12);
+    let from = [
+        [0.046_805_89, -0.306_422_38, -0.048_243_28],
+        [0.793_091, 0.0, 0.0],
+    ];
+    let to = [
+        [0.652_810_8, 0.365_056_78, 0.0],
+        [0.676_451_1, 0.0, 0.321_679_35],
+    ];
+    let (cut, _) = incise(&whole, &Sweep::new(from, to).unwrap(), 0.0);
+    let lost = (area(&cut) - area(&whole)).abs() / area(&whole);
+    assert!(lost < 1e-6, "{lost}");
+}
+
 #[test]
 fn a_body_beside_a_sheet_keeps_its_caps() {
     let ball = torus(0.3, 0.1, 24, 12);

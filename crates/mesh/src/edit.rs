@@ -4,6 +4,7 @@
 //! it returns the change as a [`TopologyDelta`](crate::TopologyDelta) and the log as an [`Undo`].
 //! Its cost depends on the size of the change only.
 
+mod channels;
 mod edges;
 mod finish;
 mod log;
@@ -20,6 +21,7 @@ use crate::delta::VertexOrigin;
 use crate::history::Step;
 use crate::ids::{HalfEdge, TriangleId, VertexId, index_u32};
 use crate::surface::Surface;
+use channels::fit_corners;
 use log::Log;
 use piece_move::TriangleSet;
 
@@ -89,7 +91,7 @@ impl Edit<'_> {
     /// Adds a vertex. It is removed again if no triangle uses it at the end.
     ///
     /// Parents must have been used by triangles before this edit, or be earlier vertices of this
-    /// edit that triangles use at the end.
+    /// edit that triangles use at the end. Channels of vertices are interpolated from them.
     pub fn add_vertex(
         &mut self,
         position: [f32; 4],
@@ -115,6 +117,7 @@ impl Edit<'_> {
         surface.history.step(Step::AddVertex, v.0);
         surface.history.floats(&position);
         surface.history.floats(&rest);
+        self.interpolate_rows(v, &origin);
         v
     }
 
@@ -146,6 +149,9 @@ impl Edit<'_> {
                     log.normal.set(&mut surface.corners.normal, h.0, [0.0; 3]);
                 }
             }
+            for h in t.half_edges() {
+                log.clear_corner_rows(&mut surface.channels, h);
+            }
             t
         } else {
             let t = TriangleId::from_index(topology.triangle_slots());
@@ -154,6 +160,7 @@ impl Edit<'_> {
             surface.piece.push(piece);
             surface.material.push(material);
             surface.corners.fit(topology.triangle_slots());
+            fit_corners(&mut surface.channels, topology.triangle_slots());
             t
         };
         for (h, v) in t.half_edges().into_iter().zip(corners) {
@@ -359,6 +366,7 @@ impl Edit<'_> {
         surface.piece.extend_from_slice(pieces);
         surface.material.resize(first + corners.len(), material);
         surface.corners.fit(topology.triangle_slots());
+        fit_corners(&mut surface.channels, topology.triangle_slots());
         for (i, triangle) in corners.iter().enumerate() {
             let [a, b, c] = *triangle;
             assert!(a != b && b != c && c != a, "a triangle of {triangle:?}");

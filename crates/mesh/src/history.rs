@@ -15,6 +15,7 @@ pub(crate) enum Step {
     SetMaterial,
     SetUv,
     SetNormal,
+    SetRow,
     NewPiece,
     Finish,
 }

@@ -1,4 +1,4 @@
-//! Mesh files: reads OBJ, PLY, STL and glTF, writes OBJ and PLY.
+//! Mesh files: reads and writes OBJ, PLY, STL and glTF.
 //!
 //! A reader returns [`MeshData`], the welded content of the file; [`MeshData::into_surface`] then
 //! requires a body that can be cut. Every error names its line or element. No file, however broken,
@@ -6,6 +6,7 @@
 //! its folder.
 
 mod build;
+mod channels;
 mod data;
 mod error;
 #[cfg(feature = "gltf")]
@@ -24,7 +25,9 @@ pub use gltf::read_gltf;
 pub use obj::read_obj;
 pub use ply::read_ply;
 pub use stl::read_stl;
-pub use write::{write_obj, write_ply};
+#[cfg(feature = "gltf")]
+pub use write::write_glb;
+pub use write::{write_obj, write_ply, write_stl};
 
 use std::path::Path;
 
@@ -68,6 +71,15 @@ pub fn read_mesh(path: &Path) -> Result<MeshData, ReadError> {
         path: path.to_owned(),
         source,
     })
+}
+
+/// Returns the number in a material name of the writers, `material_N`; 0 for other names.
+fn material_number(name: &[u8]) -> u32 {
+    let digits = name.strip_prefix(b"material_");
+    digits
+        .and_then(|digits| std::str::from_utf8(digits).ok())
+        .and_then(|digits| digits.parse().ok())
+        .unwrap_or(0)
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ mod measure;
 mod partition;
 mod pieces;
 mod quality;
+mod render_buffers;
 mod shapes;
 mod surface;
 mod topology;
@@ -27,14 +28,18 @@ pub use delta::{AddedVertex, TopologyDelta, VertexOrigin};
 pub use edit::{EdgeError, Edit, Undo, UndoError};
 pub use geometry::{Aabb, Vec3};
 pub use ids::{EdgeKey, HalfEdge, TriangleId, VertexId, index_u32};
-#[cfg(feature = "gltf")]
-pub use io::read_gltf;
 #[cfg(feature = "io")]
 pub use io::{
     MeshData, ParseError, ReadError, SourceLocation, Warning, WriteError, read_mesh, read_obj,
-    read_ply, read_stl, write_obj, write_ply,
+    read_ply, read_stl, write_obj, write_ply, write_stl,
 };
+#[cfg(feature = "gltf")]
+pub use io::{read_gltf, write_glb};
 pub use quality::{AngleStats, EdgeStats};
+pub use render_buffers::{RenderBuffers, RenderParams};
 pub use shapes::{cube_sphere, icosphere, sheet, torus};
-pub use surface::{AttributeLengthError, CornerAttributes, InvalidSurface, Surface};
+pub use surface::{
+    AttributeLengthError, Blend, Channel, ChannelError, CornerAttributes, CornerValues, Domain,
+    InvalidSurface, MAX_WIDTH, Surface,
+};
 pub use topology::{InvalidTopology, Topology, TopologyError};

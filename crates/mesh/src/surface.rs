@@ -7,11 +7,16 @@ use crate::pieces::Pieces;
 use crate::topology::{Topology, TopologyError, copy};
 
 mod attributes;
+mod channels;
+mod corner_values;
 mod origin;
 mod parts;
 mod validate;
 
 pub use attributes::{AttributeLengthError, CornerAttributes};
+pub(crate) use channels::Row;
+pub use channels::{Blend, Channel, ChannelError, Domain, MAX_WIDTH};
+pub use corner_values::CornerValues;
 pub use validate::InvalidSurface;
 
 /// A triangle surface as a structure of arrays.
@@ -31,6 +36,8 @@ pub struct Surface {
     pub(crate) rest: Vec<[f32; 3]>,
     /// Attributes of corners.
     pub(crate) corners: CornerAttributes,
+    /// Further attributes of vertices and corners.
+    pub(crate) channels: Vec<Channel>,
     /// Piece number, shape \[triangle slots\].
     pub(crate) piece: Vec<u32>,
     pub(crate) material: Vec<u32>,
@@ -51,6 +58,9 @@ impl Clone for Surface {
                 uv: copy(&self.corners.uv),
                 normal: copy(&self.corners.normal),
             },
+            channels: (self.channels.iter())
+                .map(|channel| channel.with_values(copy(&channel.values)))
+                .collect(),
             piece: copy(&self.piece),
             material: copy(&self.material),
             pieces: self.pieces.clone(),
@@ -67,6 +77,7 @@ impl PartialEq for Surface {
             && self.origin == other.origin
             && self.rest == other.rest
             && self.corners == other.corners
+            && self.channels == other.channels
             && self.piece == other.piece
             && self.material == other.material
             && self.pieces == other.pieces
@@ -105,6 +116,7 @@ impl Surface {
             rest: positions.to_vec(),
             origin: [0.0; 3],
             corners: CornerAttributes::default(),
+            channels: Vec::new(),
             piece,
             motion: 0,
         };
@@ -124,6 +136,13 @@ impl Surface {
         }
         if !self.corners.normal.is_empty() {
             self.corners.normal.reserve(3 * triangles);
+        }
+        for channel in &mut self.channels {
+            let rows = match channel.domain() {
+                Domain::Vertex => vertices,
+                Domain::Corner => 3 * triangles,
+            };
+            channel.values.reserve(rows * channel.width());
         }
     }
 
@@ -210,10 +229,12 @@ impl Surface {
                     .get(h.index())
                     .copied()
                     .unwrap_or_default();
+                let rows = self.corner_channels().flat_map(|c| c.row(h.index()));
                 (
                     self.topology.origin(h),
                     uv.map(f32::to_bits),
                     normal.map(f32::to_bits),
+                    rows.map(|x| x.to_bits()).collect::<Vec<_>>(),
                 )
             })
             .collect();
@@ -222,7 +243,7 @@ impl Surface {
         corners.len()
     }
 
-    /// Adds an unused vertex.
+    /// Adds an unused vertex, with zeros in all channels.
     pub fn add_vertex(&mut self, position: [f32; 4], rest: [f32; 3]) -> VertexId {
         let v = self.topology.add_vertex();
         if v.index() == self.positions.len() {
@@ -232,6 +253,7 @@ impl Surface {
             self.positions[v.index()] = position;
             self.rest[v.index()] = rest;
         }
+        self.clear_rows(Domain::Vertex, v.index());
         self.history.step(Step::AddVertex, v.0);
         self.history.floats(&position);
         self.history.floats(&rest);
@@ -263,6 +285,9 @@ impl Surface {
                     *normal = [0.0; 3];
                 }
             }
+        }
+        for h in t.half_edges() {
+            self.clear_rows(Domain::Corner, h.index());
         }
         self.pieces.add(piece);
         let [a, b, c] = corners.map(|v| v.0);

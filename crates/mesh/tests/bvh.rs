@@ -200,13 +200,23 @@ proptest! {
             .collect();
         let mut bounds = MotionBounds::default();
         bounds.find(&bvh, &surface, &displacements);
-        let counts = |t: TriangleId| !t.0.is_multiple_of(3);
-        for excluded_piece in [None, Some(1), Some(2)] {
+        let outward = Vec3::from(outward);
+        for (excluded_piece, outward) in [
+            (None, outward),
+            (Some(1), outward),
+            (Some(2), outward),
+            (None, Vec3::zeros()),
+        ] {
+            let counts = |t: TriangleId| {
+                let normal = area_vector(surface.triangle_positions(t));
+                let is_faced = outward == Vec3::zeros() || outward.dot(&normal) < 0.0;
+                is_faced && !t.0.is_multiple_of(3)
+            };
             let point = MovingPoint {
                 position: Vec3::from(to.map(f64::from)),
                 displacement: Aabb::around([own]),
                 margin,
-                outward: Vec3::from(outward),
+                outward,
                 excluded_piece,
             };
             let is_in_reach = |t: TriangleId, distance: f64| {
@@ -225,12 +235,9 @@ proptest! {
                 let radius = margin + f64::from(relative.sqrt());
                 (point.reaches(&around, &motion), distance - radius)
             };
-            let others = triangles.iter().copied().filter(|&t| {
-                let normal = area_vector(surface.triangle_positions(t));
-                counts(t)
-                    && Some(surface.piece(t)) != excluded_piece
-                    && point.outward.dot(&normal) < 0.0
-            });
+            let others = triangles.iter().copied();
+            let others =
+                others.filter(|&t| counts(t) && Some(surface.piece(t)) != excluded_piece);
             let each: Vec<f64> = others
                 .filter_map(|t| {
                     let found = bvh.nearest(&surface, point.position, f64::MAX, |o| o == t)?;

@@ -14,11 +14,12 @@
 //! [`objective`] evaluates `F` and its gradient, [`matrix`] assembles and factors the matrix,
 //! [`preconditioner`] keeps a factor while the body changes, and [`minimizer`] iterates. Pins hold
 //! by their zero inverse mass. Volumes, contacts, colliders and the ground are projected after
-//! each iteration, as with sweeps.
+//! each iteration, as with sweeps. Directions keep incompressible volumes to first order.
 //!
 //! Results are the same on any number of threads. Unlike those of sweeps they depend on the
 //! instruction set, because `faer` uses fused multiply-add where the CPU has it.
 
+mod choice;
 mod job;
 mod matrix;
 mod minimizer;
@@ -26,6 +27,7 @@ mod objective;
 mod preconditioner;
 #[cfg(test)]
 mod tests;
+mod volumes;
 
 use crate::constraints::Constraints;
 use crate::constraints::batches::{BendingSet, StretchSet};
@@ -34,11 +36,13 @@ use crate::material::{Material, Stiffness};
 use crate::particles::Particles;
 use crate::step::constants::StepConstants;
 use crate::step::params::{Scheme, SolverParams};
+pub(crate) use choice::Extent;
 use incise_mesh::{Surface, TopologyDelta, VertexId};
 use minimizer::Minimizer;
 use objective::{Compliances, Objective};
 use preconditioner::Preconditioner;
 use std::time::Duration;
+pub(crate) use volumes::Volumes;
 
 /// Memory and cost of the global step of a body.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -50,8 +54,10 @@ pub struct GlobalStats {
     pub bytes: usize,
     /// Number of factorizations so far.
     pub factorizations: u32,
-    /// Time of the last factorization, on whichever thread it ran.
+    /// Time of the last factorization, on the thread that ran it.
     pub factor_time: Duration,
+    /// Frames since the constraints of the factor in use were copied.
+    pub factor_age: u32,
 }
 
 /// The state of the global step of one body.
@@ -69,15 +75,29 @@ pub(crate) struct EnergySets<'a> {
     pub(crate) interior_springs: Option<&'a StretchSet>,
 }
 
-/// Returns whether a body takes the global step.
+/// Minimum number of iterations for [`Scheme::Auto`]: one alone has no L-BFGS correction.
+const MIN_ITERATIONS: u32 = 2;
+
+/// Returns whether a body takes the global step in a frame of `dt` \[s\].
 ///
 /// All of its constraints need an energy, that is a compliance above 0.
-pub(crate) fn is_used(params: &SolverParams, material: &Material) -> bool {
+pub(crate) fn is_used(
+    params: &SolverParams,
+    material: &Material,
+    (extent, dt): (Option<Extent>, f32),
+) -> bool {
     let has_energy = |stiffness| matches!(stiffness, Stiffness::Compliance(c) if c > 0.0);
-    params.scheme == Scheme::Global
-        && has_energy(material.stretch)
+    let is_possible = has_energy(material.stretch)
         && material.bending.is_none_or(has_energy)
-        && (material.interior_springs).is_none_or(|springs| has_energy(springs.stiffness))
+        && (material.interior_springs).is_none_or(|springs| has_energy(springs.stiffness));
+    let is_needed =
+        |extent: Extent| extent.needs_global_step(material.stretch, material.bending, dt);
+    let is_chosen = match params.scheme {
+        Scheme::Sweeps => false,
+        Scheme::Global => true,
+        Scheme::Auto => params.iterations >= MIN_ITERATIONS && extent.is_some_and(is_needed),
+    };
+    is_possible && is_chosen
 }
 
 impl GlobalStep {
@@ -132,12 +152,20 @@ impl GlobalStep {
     pub(crate) fn iterate(
         &mut self,
         particles: ParticleStates<'_>,
-        sets: EnergySets<'_>,
+        (sets, volumes): (EnergySets<'_>, Volumes<'_>),
         constants: &StepConstants,
     ) {
         let objective = Objective::new(sets, Compliances::new(constants));
+        let is_kept = !volumes.set.pieces.is_empty() && constants.volume.alpha == 0.0;
+        let volumes = is_kept.then_some(volumes);
+        let body = (&objective, volumes);
         self.minimizer
-            .iterate(particles, &objective, &mut self.preconditioner);
+            .iterate(particles, body, &mut self.preconditioner);
+    }
+
+    /// Returns the allocated size in elements of 64 bits.
+    pub(crate) fn capacity(&self) -> usize {
+        self.stats().bytes / size_of::<f64>()
     }
 
     /// Returns memory and cost.

@@ -12,6 +12,8 @@ mod particles;
 use crate::constraints::Constraints;
 use crate::error::{ConstraintError, StepError};
 use crate::follow::FollowState;
+#[cfg(feature = "global")]
+use crate::global::Extent;
 use crate::kernels::integrate::{are_finite, first_non_finite};
 use crate::mass::masses;
 use crate::material::Material;
@@ -20,9 +22,12 @@ use crate::patches::PatchParams;
 use crate::step::StepState;
 use crate::step::constants::StepConstants;
 use crate::step::island::{Island, IslandError, Single};
+#[cfg(feature = "global")]
+use crate::step::params::Scheme;
 use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
-use crate::step::prepare::prepare;
+use crate::step::prepare::{prepare, takes_global_step};
+use crate::step::substeps::substeps;
 use incise_mesh::Surface;
 
 /// Steps one surface by position based dynamics.
@@ -160,6 +165,18 @@ impl Solver {
         }
     }
 
+    /// Returns the number of substeps of a frame of `dt` \[s\], at least that of the parameters.
+    pub(crate) fn needed_substeps(&mut self, dt: f32, params: &SolverParams) -> u32 {
+        if params.ground.is_none() || takes_global_step(&self.step, &self.material, dt, params) {
+            return params.substeps;
+        }
+        let known = self.step.mean_rest_length;
+        let edge = known.filter(|_| self.step.plan.is_current());
+        let edge = edge.unwrap_or_else(|| self.mean_rest_length());
+        self.step.mean_rest_length = Some(edge);
+        substeps(dt, params, edge)
+    }
+
     /// Updates the plan and returns the constants of a frame.
     ///
     /// # Errors
@@ -176,7 +193,18 @@ impl Solver {
             step,
             ..
         } = self;
-        prepare(step, constraints, particles, material, dt, params)
+        let constants = prepare(step, constraints, particles, material, dt, params)?;
+        step.substeps = constants.substeps;
+        Ok(constants)
+    }
+
+    /// Measures the body after an edit, if the scheme depends on its size.
+    #[cfg(feature = "global")]
+    pub(crate) fn measure(&mut self, surface: &Surface, params: &SolverParams) {
+        if params.scheme == Scheme::Auto && self.step.extent.is_none() {
+            let edge = self.mean_rest_length();
+            self.step.extent = Some(Extent::new(surface, &self.particles.mass, edge));
+        }
     }
 
     /// Prepares the global step of a frame, or drops it from a body that does not take it.
@@ -184,10 +212,10 @@ impl Solver {
     pub(crate) fn prepare_global(
         &mut self,
         surface: &Surface,
-        constants: &StepConstants,
+        (constants, dt): (&StepConstants, f32),
         params: &SolverParams,
     ) {
-        if !crate::global::is_used(params, &self.material) {
+        if !takes_global_step(&self.step, &self.material, dt, params) {
             self.step.global = None;
             return;
         }
@@ -216,6 +244,14 @@ impl Solver {
         &self.step.plan
     }
 
+    /// Returns the number of substeps of the last frame, on the CPU or a GPU.
+    ///
+    /// It may exceed [`SolverParams::substeps`].
+    #[must_use]
+    pub fn substeps(&self) -> u32 {
+        self.step.substeps
+    }
+
     /// Returns the statistics of the last step on the CPU.
     #[must_use]
     pub fn stats(&self) -> &StepStats {
@@ -224,7 +260,8 @@ impl Solver {
 
     /// Returns the allocated size of all arrays in elements.
     ///
-    /// It is constant without edits, because a step does not allocate.
+    /// It is constant without edits, because a step does not allocate once warm. The factor of the
+    /// global step counts with its scratch memory, as numbers of 64 bits.
     #[must_use]
     pub fn capacity(&self) -> usize {
         self.particles.capacity()

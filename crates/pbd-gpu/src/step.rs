@@ -9,6 +9,7 @@ pub(crate) mod params;
 pub(crate) mod plan;
 pub(crate) mod prepare;
 pub(crate) mod second_order;
+pub(crate) mod substeps;
 pub(crate) mod sweep;
 
 use params::StepStats;
@@ -22,15 +23,26 @@ pub(crate) struct StepState {
     pub(crate) history: History,
     /// Longest recent substep, which decays over frames \[s\].
     pub(crate) longest_substep: f32,
+    /// Mean rest length of edges \[m\], once it is needed after a change of topology.
+    pub(crate) mean_rest_length: Option<f64>,
+    /// Substeps of the last frame.
+    pub(crate) substeps: u32,
     pub(crate) stats: StepStats,
     /// The global step of a body that takes it.
     #[cfg(feature = "global")]
     pub(crate) global: Option<Box<crate::global::GlobalStep>>,
+    /// The size of the body since its last edit, once a frame has asked for it.
+    #[cfg(feature = "global")]
+    pub(crate) extent: Option<crate::global::Extent>,
 }
 
 impl StepState {
     /// Returns the allocated size in elements.
     pub(crate) fn capacity(&self) -> usize {
-        self.plan.capacity() + self.history.capacity()
+        #[cfg(feature = "global")]
+        let global = self.global.as_ref().map_or(0, |global| global.capacity());
+        #[cfg(not(feature = "global"))]
+        let global = 0;
+        self.plan.capacity() + self.history.capacity() + global
     }
 }

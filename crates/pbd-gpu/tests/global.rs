@@ -241,32 +241,110 @@ fn a_body_that_does_not_take_it_has_no_matrix() {
 }
 
 #[test]
+fn memory_and_age_of_the_factor_are_reported() {
+    let (mut surface, mut solver) = body(icosphere(3, 0.5), &elastic(1e-5, 1e-2));
+    solver.step(&mut surface, DT, &GLOBAL).unwrap();
+    let sweeps = solver.capacity() - solver.global_stats().bytes / 8;
+    for frame in 1..8 {
+        assert_eq!(solver.global_stats().factor_age, frame - 1);
+        solver.step(&mut surface, DT, &GLOBAL).unwrap();
+        let bytes = solver.global_stats().bytes;
+        assert_eq!(solver.capacity(), sweeps + bytes / 8, "frame {frame}");
+    }
+    let delta = split(&mut surface, TriangleId(77).half_edges()[0], 0.4).unwrap();
+    solver.apply_delta(&mut surface, &delta).unwrap();
+    // Copied in the next frame and taken into use two frames later.
+    for (age, count) in [(8, 1), (9, 1), (2, 2), (3, 2)] {
+        solver.step(&mut surface, DT, &GLOBAL).unwrap();
+        let stats = solver.global_stats();
+        assert_eq!((stats.factor_age, stats.factorizations), (age, count));
+    }
+}
+
+#[test]
+fn stiff_bodies_take_it_by_themselves() {
+    let auto = SolverParams {
+        scheme: Scheme::Auto,
+        ..GLOBAL
+    };
+    let stiff = elastic(1e-6, 1e-4);
+    let limp = Material {
+        bending: None,
+        ..stiff
+    };
+    for (material, iterations, expected) in [
+        (&stiff, 4, 4),
+        (&stiff, 1, 0),
+        (&limp, 4, 0),
+        (&elastic(1e-2, 1.0), 4, 0),
+    ] {
+        let (mut surface, mut solver) = body(icosphere(2, 0.5), material);
+        let params = SolverParams { iterations, ..auto };
+        solver.step(&mut surface, DT, &params).unwrap();
+        assert_eq!(solver.stats().global_iterations, expected, "{material:?}");
+        let has_memory = solver.global_stats() != GlobalStats::default();
+        assert_eq!(has_memory, expected > 0, "{material:?}");
+    }
+}
+
+/// A ball that falls on the ground from 0.2 m, and the parameters of its steps.
+fn ball_above_the_ground(material: &Material, substeps: u32) -> (Surface, Solver, SolverParams) {
+    let (mut surface, solver) = body(icosphere(2, 0.5), material);
+    surface.positions_mut().iter_mut().for_each(|p| p[1] += 0.7);
+    let params = SolverParams {
+        ground: Some(0.0),
+        iterations: 8,
+        substeps,
+        ..GLOBAL
+    };
+    (surface, solver, params)
+}
+
+fn max_speed(solver: &Solver) -> f32 {
+    let velocities = solver.velocities().iter().flatten();
+    velocities.fold(0.0, |far: f32, v| far.max(v.abs()))
+}
+
+#[test]
 fn stiff_bodies_come_to_rest_on_the_ground() {
     for (compliance, volume) in [(1e-6, None), (1e-4, Some(Volume::default()))] {
         let material = Material {
             volume,
             friction: 0.5,
-            // The ball lands on a vertex and tips over onto triangles.
             damping: 2.0,
             ..elastic(compliance, 100.0 * compliance)
         };
-        let (mut surface, mut solver) = body(icosphere(2, 0.5), &material);
-        surface.positions_mut().iter_mut().for_each(|p| p[1] += 0.7);
-        let params = SolverParams {
-            ground: Some(0.0),
-            iterations: 8,
-            substeps: 4,
-            ..GLOBAL
-        };
-        for _ in 0..600 {
+        let (mut surface, mut solver, params) = ball_above_the_ground(&material, 4);
+        // The ball lands on a vertex, on which it may balance for 500 frames before it tips over.
+        for _ in 0..900 {
             solver.step(&mut surface, DT, &params).unwrap();
         }
         let bounds = surface.bounds();
         let heights = [bounds.min[1], bounds.max[1]];
         assert!(heights[0] >= 0.0 && heights[0] < 1e-3, "{heights:?}");
         assert!((heights[1] - 1.0).abs() < 0.03, "{heights:?}");
-        let velocities = solver.velocities().iter().flatten();
-        let speed = velocities.fold(0.0, |far: f32, v| far.max(v.abs()));
+        let speed = max_speed(&solver);
         assert!(speed < 0.02, "{speed} m/s");
+    }
+}
+
+#[test]
+fn a_volume_does_not_tremble_in_long_substeps() {
+    for compliance in [1e-4, 1e-5, 1e-6] {
+        let material = Material {
+            volume: Some(Volume::default()),
+            friction: 0.5,
+            damping: 2.0,
+            ..elastic(compliance, 100.0 * compliance)
+        };
+        let (mut surface, mut solver, params) = ball_above_the_ground(&material, 1);
+        let rest = surface.volume();
+        for _ in 0..600 {
+            solver.step(&mut surface, DT, &params).unwrap();
+        }
+        let volume = surface.volume() / rest;
+        assert!((volume - 1.0).abs() < 1e-4, "{volume}, {compliance} m/N");
+        let speed = max_speed(&solver);
+        assert!(speed < 5e-3, "{speed} m/s, {compliance} m/N");
     }
 }

@@ -7,7 +7,7 @@
 
 use incise_mesh::{Surface, VertexId};
 use incise_models::{Model, build_model};
-use incise_pbd_gpu::{Context, GpuBackend, Material, Schedule, Solver};
+use incise_pbd_gpu::{Context, GpuBackend, Material, Schedule, Solver, SolverParams, Volume};
 use incise_test_support::cpu_gpu_pair::{DT, SCHEDULES, solver_for, with_most_features};
 use incise_test_support::gpu::{Needs, trial};
 use std::process::ExitCode;
@@ -57,8 +57,58 @@ fn equal(context: Context, model: Model, schedule: Schedule, frames: u32) {
     }
 }
 
+/// A ball of 1 cm, which falls by more than an edge in a substep of the paper's parameters.
+fn small_ball(schedule: Schedule) -> (Surface, Solver) {
+    let mut surface = build_model(Model::Sphere80);
+    let small = |p: &mut [f32; 3]| *p = p.map(|c| 0.01 * c);
+    surface.rest_positions_mut().iter_mut().for_each(small);
+    for i in 0..surface.positions().len() {
+        let ([x, y, z], weight) = (surface.rest_positions()[i], surface.positions()[i][3]);
+        surface.positions_mut()[i] = [x, y, z, weight];
+    }
+    let material = Material {
+        volume: Some(Volume::default()),
+        ..Material::default()
+    };
+    let solver = solver_for(&mut surface, &material, schedule);
+    (surface, solver)
+}
+
+fn equal_in_more_substeps(context: Context, schedule: Schedule) {
+    let (mut on_cpu, mut cpu) = small_ball(schedule);
+    let (mut on_gpu, mut solver) = small_ball(schedule);
+    let params = SolverParams {
+        ground: Some(on_cpu.bounds().min[1] - 0.005),
+        ..SolverParams::paper()
+    };
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
+    gpu.force_schedule(Some(schedule));
+    let body = gpu.add(&on_gpu, &mut solver).expect("room");
+    // A larger body that is stepped beside it takes the given substeps.
+    let (large, mut of_large) = set_up(Model::Sphere80, schedule, &Material::default());
+    let beside = gpu.add(&large, &mut of_large).expect("room");
+    for _ in 0..60 {
+        cpu.step(&mut on_cpu, DT, &params).expect("a step");
+        let bodies = [(body, &mut solver), (beside, &mut of_large)];
+        gpu.step(bodies, DT, &params).expect("a step");
+    }
+    assert_eq!(of_large.substeps(), params.substeps);
+    gpu.read(body, &mut on_gpu, &mut solver).expect("a state");
+    assert!(cpu.substeps() > params.substeps);
+    assert_eq!(cpu.substeps(), solver.substeps());
+    assert!(bits(&on_cpu) == bits(&on_gpu));
+    let strain = cpu.stretch_error(&on_cpu);
+    assert!(strain < 0.05, "the ground flattens it: strain {strain}");
+}
+
 fn main() -> ExitCode {
     let mut trials = Vec::new();
+    for schedule in SCHEDULES {
+        let name = format!("a ball of 1 cm by {}", schedule.name());
+        trials.push(trial(&name, Needs::Strict, move |context| {
+            equal_in_more_substeps(context, schedule);
+        }));
+    }
     for (model, frames) in [
         (Model::Sphere20, 120),
         (Model::Sphere80, 60),

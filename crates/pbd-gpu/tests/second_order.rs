@@ -1,8 +1,9 @@
 //! Second-order integration, and over-relaxation of the XPBD diagonal.
 
-use incise_mesh::{Surface, VertexId};
+use incise_mesh::{Surface, VertexId, icosphere};
 use incise_pbd_gpu::{
-    Density, Integrator, Material, Scheme, Solver, SolverParams, StepError, Stiffness,
+    Contact, Density, Integrator, Material, Scheme, Solver, SolverParams, StepError, Stiffness,
+    Volume,
 };
 
 const COMPLIANCE: f32 = 1e-3;
@@ -197,5 +198,66 @@ fn diagonal_scales_out_of_range_are_errors() {
             matches!(refused, StepError::DiagonalScaleOutOfRange { .. }),
             "{diagonal_scale}: {refused}"
         );
+    }
+}
+
+#[test]
+fn a_moving_plane_is_followed_in_every_substep() {
+    let (mut surface, mut solver, v) = spring();
+    let (rate, normal) = (0.5, [1.0, 0.0, 0.0]);
+    for integrator in [Integrator::Euler, Integrator::Bdf2] {
+        let params = SolverParams {
+            substeps: 4,
+            integrator,
+            ..WEIGHTLESS
+        };
+        for _ in 0..5 {
+            let start = surface.positions()[v.index()][0];
+            let plane = Contact {
+                gap_rate: rate,
+                ..Contact::plane(v, normal, start)
+            };
+            solver.set_contacts(&[plane]).unwrap();
+            solver.step(&mut surface, DT, &params).unwrap();
+            let moved = surface.positions()[v.index()][0] - start;
+            assert!(moved > rate * DT - 1e-6, "{moved} m with {integrator:?}");
+        }
+    }
+}
+
+#[test]
+fn a_volume_recovers_at_the_same_rate_with_both_integrators() {
+    for integrator in [Integrator::Euler, Integrator::Bdf2] {
+        let mut surface = icosphere(2, 0.5);
+        let material = Material {
+            density: Density::Area(1.0),
+            stretch: Stiffness::Compliance(1e3),
+            bending: None,
+            volume: Some(Volume::default()),
+            interior_springs: None,
+            damping: 0.0,
+            friction: 0.0,
+        };
+        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        let rest = surface.volume();
+        for p in surface.positions_mut() {
+            p[..3].iter_mut().for_each(|c| *c *= 0.9);
+        }
+        let params = SolverParams {
+            substeps: 4,
+            integrator,
+            ..WEIGHTLESS
+        };
+        // Three rest volumes per second, from the cube of 0.9.
+        let mut expected = 0.729;
+        for frame in 0..4 {
+            solver.step(&mut surface, DT, &params).unwrap();
+            expected += 3.0 * f64::from(DT);
+            let found = surface.volume() / rest;
+            assert!(
+                (found - expected).abs() < 0.01,
+                "{found}, not {expected}, in frame {frame} with {integrator:?}"
+            );
+        }
     }
 }

@@ -5,6 +5,7 @@ use crate::contacts::ContactParams;
 use crate::error::SceneError;
 use crate::interior_springs::InteriorSpringSearch;
 use crate::params::SceneParams;
+use crate::piece_shapes::PieceShapes;
 use crate::scene::SceneNumber;
 use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Incision, Sweep};
 use incise_mesh::{Aabb, Bvh, RayHit, Surface, Undo, Vec3, VertexId};
@@ -34,6 +35,8 @@ pub struct Body {
     /// Incisions by the numbers of their blades.
     incisions: Vec<(usize, Incision)>,
     spring_search: InteriorSpringSearch,
+    /// As of the last [`Body::measure_pieces`].
+    piece_shapes: PieceShapes,
     /// Whether vertices moved since the BVH was last refitted.
     stale: bool,
     /// A bounding box that the body has not left, if its motion since is known.
@@ -75,6 +78,7 @@ impl Body {
             cutter,
             incisions: Vec::new(),
             spring_search,
+            piece_shapes: PieceShapes::default(),
             stale: false,
             loose_bounds: None,
             is_edited: false,
@@ -206,6 +210,16 @@ impl Body {
             self.cutter.refit_moved(&self.surface, &[]);
         }
         std::mem::replace(&mut self.stale, false)
+    }
+
+    /// Measures the shapes of the pieces if the topology has changed.
+    pub(crate) fn measure_pieces(&mut self) {
+        self.piece_shapes.update(&self.surface);
+    }
+
+    /// Returns the shapes of the pieces as of the last measurement.
+    pub(crate) fn piece_shapes(&self) -> &PieceShapes {
+        &self.piece_shapes
     }
 
     /// Returns the incision of a blade, if it has one.

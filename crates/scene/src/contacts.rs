@@ -5,7 +5,8 @@
 //! 1. [`near_bodies`] finds the bodies whose boxes, grown by the motion of a frame, overlap.
 //! 2. [`broad_phase`] finds the pairs of their pieces.
 //! 3. [`narrow_phase`] finds for each vertex of such a piece the nearest triangle within reach that
-//!    faces it, so that no vertex is pushed through a thin piece, and pairs of sharp [`edges`].
+//!    faces it, so that no vertex is pushed through a thin piece, and [`edge_pairs`] finds the
+//!    sharp edges that cross each other.
 //! 4. [`persistent`] keeps a contact from frame to frame while the vertex hardly moves.
 //!
 //! The solver finds nearest points and normals in every substep. A vertex stays in front of a
@@ -15,20 +16,23 @@
 
 mod blade_face;
 mod broad_phase;
+mod edge_pairs;
 mod edges;
 mod motion;
 mod narrow_phase;
 mod near_bodies;
 mod persistent;
+mod sheets;
 
 use crate::body::Body;
 use crate::error::SceneError;
 use crate::scene::Bodies;
 use broad_phase::Pieces;
+use edge_pairs::EdgePairs;
 use incise_mesh::Aabb;
 use incise_pbd_gpu::Collider;
 use motion::Motion;
-use narrow_phase::{BodyRows, EdgeScratch, Search};
+use narrow_phase::{BodyRows, Search};
 use near_bodies::{NearBodies, reachable_bounds};
 
 pub(crate) use blade_face::BladeFace;
@@ -39,13 +43,15 @@ const SPEED_MARGIN: f64 = 2.0;
 
 /// Parameters of contact detection. Friction is a parameter of the material.
 ///
-/// Vertices are tested against triangles, and sharp edges against those of other bodies. Triangles
-/// face one side: two open sheets collide only where their outer sides meet. Between two bodies
-/// friction is the geometric mean of both.
+/// Vertices are tested against triangles, and sharp edges against those of other bodies. Sheets
+/// collide on both sides, closed pieces on the outer one. Between two bodies friction is the
+/// geometric mean of both.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactParams {
     /// Minimum distance between surfaces [mean rest edge lengths of the finer body], at most
     /// [`ContactParams::MAX_THICKNESS`].
+    ///
+    /// From a closed piece it is at most half of its volume by its area, a quarter of a plate.
     pub thickness: f32,
     /// Whether the triangles of one piece collide with each other.
     pub self_collision: bool,
@@ -92,7 +98,7 @@ pub(crate) struct ContactFrame<'a> {
 }
 
 impl ContactFrame<'_> {
-    /// Returns the minimum distance of other surfaces from a body's \[m\].
+    /// Returns the minimum distance of other surfaces from a body's thickest pieces \[m\].
     fn thickness(&self, body: &Body) -> f64 {
         f64::from(self.params.thickness) * body.solver().mean_rest_length()
     }
@@ -106,7 +112,7 @@ pub(crate) struct ContactDetection {
     /// By body index.
     motions: Vec<Motion>,
     rows: Vec<BodyRows>,
-    edges: EdgeScratch,
+    edges: EdgePairs,
 }
 
 impl ContactDetection {
@@ -120,6 +126,7 @@ impl ContactDetection {
                 .map_or(0, |body| body.surface().positions().len());
             rows.begin_frame(slots);
         }
+        self.edges.begin_frame();
         self.begin_search(bodies.len());
     }
 

@@ -75,6 +75,7 @@ impl Scene {
             let refit = u32::from(body.refit());
             self.stats.bvh_refits += refit;
             self.stats.bvh_refits_skipped = self.stats.bvh_refits_skipped.saturating_sub(refit);
+            body.measure_pieces();
             self.stats.contact_searches += 1;
             let frame = contact_frame(params, &self.params, &self.colliders, &self.blade_faces);
             self.detection.activate(i, body, &frame);

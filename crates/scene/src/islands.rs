@@ -349,6 +349,14 @@ impl Scene {
         let done = *body.solver().stats();
         self.stats.iterations_skipped += done.iterations_skipped;
         self.stats.ground_passes_skipped += done.ground_passes_skipped;
+        #[cfg(feature = "global")]
+        {
+            let global = body.solver().global_stats();
+            self.stats.global_bodies += u32::from(global.bytes > 0);
+            self.stats.global_bytes += global.bytes;
+            self.stats.factor_time = self.stats.factor_time.max(global.factor_time);
+            self.stats.factor_age = self.stats.factor_age.max(global.factor_age);
+        }
         if let Some(sleep) = &self.params.sleep
             && let Some(displacement) = self.sleep.observe(i, done.max_substep_displacement)
         {

@@ -12,6 +12,7 @@ mod gpu_bodies;
 mod interior_springs;
 mod islands;
 mod params;
+mod piece_shapes;
 mod residency;
 mod scene;
 mod sleep;

@@ -46,6 +46,14 @@ pub struct FrameStats {
     pub woken: u32,
     /// CPU solver iterations saved, see [`incise_pbd_gpu::SolverParams::residual`].
     pub iterations_skipped: u32,
+    /// Bodies that took the global step, see [`incise_pbd_gpu::Scheme`].
+    pub global_bodies: u32,
+    /// Memory of their global steps \[bytes\].
+    pub global_bytes: usize,
+    /// Longest time of the last factorization of a body, beside the frames or in its first one.
+    pub factor_time: Duration,
+    /// Greatest age of a factor in use, in frames since its constraints were copied.
+    pub factor_age: u32,
     /// CPU ground passes saved because the body was above the ground.
     pub ground_passes_skipped: u32,
     /// Bodies that the GPU steps.

@@ -1,7 +1,9 @@
 //! Invariants of a delta: it lists the whole difference of an edit and nothing else.
 
 use incise_mesh::geometry::{to_f32, to_f64};
-use incise_mesh::{HalfEdge, Surface, TopologyDelta, TriangleId, VertexId, VertexOrigin};
+use incise_mesh::{
+    Blend, Channel, Domain, HalfEdge, Surface, TopologyDelta, TriangleId, VertexId, VertexOrigin,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Rounding of a coordinate that is interpolated from rounded parents, relative to the largest one.
@@ -12,6 +14,7 @@ pub(super) fn assert_delta_matches(before: &Surface, after: &Surface, delta: &To
     assert_triangles_match(before, after, delta);
     assert_vertices_match(before, after, delta);
     assert_pieces_match(before, after, delta);
+    assert_channels_follow(before, after, delta);
 }
 
 fn assert_triangles_match(before: &Surface, after: &Surface, delta: &TopologyDelta) {
@@ -230,5 +233,81 @@ fn assert_pieces_match(before: &Surface, after: &Surface, delta: &TopologyDelta)
             sources.contains(&parent),
             "piece {piece} was made of {parent}, its triangles come from {sources:?}"
         );
+    }
+}
+
+/// Asserts that kept rows are untouched and that new ones lie between those of their parents.
+fn assert_channels_follow(before: &Surface, after: &Surface, delta: &TopologyDelta) {
+    for (old, new) in before.channels().iter().zip(after.channels()) {
+        let name = new.name();
+        match new.domain() {
+            Domain::Vertex => {
+                for v in before.topology().vertices().map(VertexId::index) {
+                    assert_eq!(old.row(v), new.row(v), "{name} of v{v} was touched");
+                }
+                for added in &delta.vertices_added {
+                    let (v, row) = (added.vertex, new.row(added.vertex.index()));
+                    let weights = added.origin.weights();
+                    let parents = weights.iter().filter(|(_, weight)| *weight > 0.0);
+                    let parents: Vec<&[f32]> = parents.map(|(p, _)| new.row(p.index())).collect();
+                    assert_row_between(new, row, &parents, &format!("{name} of {v}"));
+                }
+            }
+            Domain::Corner => {
+                let removed: BTreeSet<TriangleId> = delta
+                    .triangles_removed
+                    .iter()
+                    .map(|entry| entry.0)
+                    .collect();
+                let kept = before
+                    .topology()
+                    .triangles()
+                    .filter(|t| !removed.contains(t));
+                for h in kept.flat_map(|t| t.half_edges()).map(HalfEdge::index) {
+                    assert_eq!(old.row(h), new.row(h), "{name} of h{h} was touched");
+                }
+                let all = before.topology().triangles().flat_map(|t| t.half_edges());
+                let all: Vec<&[f32]> = all.map(|h| old.row(h.index())).collect();
+                let bounds = [f32::min, f32::max].map(|pick| {
+                    let pick = |k: usize| all.iter().map(|row| row[k]).reduce(pick);
+                    (0..new.width()).filter_map(pick).collect::<Vec<f32>>()
+                });
+                let bounds = bounds.each_ref().map(Vec::as_slice);
+                for &t in &delta.triangles_added {
+                    for h in t.half_edges() {
+                        let at = format!("{name} of {h}");
+                        assert_row_between(new, new.row(h.index()), &bounds, &at);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Asserts that a row lies between others; skin weights sum to 1 and have joints of the others.
+fn assert_row_between(channel: &Channel, row: &[f32], others: &[&[f32]], at: &str) {
+    match channel.blend() {
+        Blend::Skin => {
+            let (joints, weights) = row.split_at(channel.width() / 2);
+            let sum: f64 = weights.iter().map(|&w| f64::from(w)).sum();
+            assert!((sum - 1.0).abs() < 1e-6, "{at}: weights {weights:?}");
+            for (joint, _) in joints
+                .iter()
+                .zip(weights)
+                .filter(|(_, weight)| **weight > 0.0)
+            {
+                let has = |row: &&[f32]| row[..joints.len()].contains(joint);
+                assert!(others.iter().any(has), "{at}: joint {joint}");
+            }
+        }
+        _ => {
+            for (k, x) in row.iter().enumerate() {
+                let (below, above) = (
+                    others.iter().any(|o| o[k] <= *x),
+                    others.iter().any(|o| o[k] >= *x),
+                );
+                assert!(below && above, "{at}: {row:?} between {others:?}");
+            }
+        }
     }
 }

@@ -6,7 +6,7 @@ use super::run::on_cpu;
 use super::scene::{DT, Scheme};
 use super::scenes;
 use incise_bench::{Model, State};
-use incise_pbd_gpu::Stiffness;
+use incise_pbd_gpu::{SolverParams, Stiffness};
 use nalgebra::Vector3;
 
 #[test]
@@ -20,6 +20,23 @@ fn every_scene_has_a_body_that_the_reference_takes() {
         let most = strains.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
         let is_deformed = ["bunny", "ribbon", "cut"].contains(&name);
         assert_eq!(most > 1e-3, is_deformed, "{name} is strained by {most}");
+    }
+}
+
+/// The stiff bodies whose error is smaller with the global step in the same time.
+#[test]
+fn stiff_bodies_take_the_global_step() {
+    for name in scenes::NAMES {
+        let mut body = scenes::scene(name).unwrap().body().unwrap();
+        let params = SolverParams {
+            iterations: 2,
+            scheme: incise_pbd_gpu::Scheme::Auto,
+            ..SolverParams::paper()
+        };
+        body.solver.step(&mut body.surface, DT, &params).unwrap();
+        let takes_it = body.solver.stats().global_iterations > 0;
+        let expected = ["bar", "bar-volume", "armadillo"].contains(&name);
+        assert_eq!(takes_it, expected, "{name}");
     }
 }
 

@@ -5,7 +5,9 @@ use crate::motion;
 use incise_cut::Sweep;
 use incise_mesh::Surface;
 use incise_models::{Model, build_model};
-use incise_pbd_gpu::{Collider, InteriorSprings, Material, Solver, SolverParams, Volume};
+use incise_pbd_gpu::{
+    Collider, InteriorSprings, Material, Scheme, Solver, SolverParams, Stiffness, Volume,
+};
 use incise_scene::{BodyId, ContactParams, Scene, SceneParams, SleepParams};
 use std::error::Error;
 
@@ -82,6 +84,7 @@ pub(super) fn on_cpu(effort: Effort) -> Vec<Claim> {
     for &model in effort.models {
         claims.extend([
             scene_overhead(model),
+            scheme_choice(model),
             volume_turned_off(model),
             volume_turned_on(model),
         ]);
@@ -166,6 +169,38 @@ fn scene_overhead(model: Model) -> Claim {
             Ok([frame(scene), solver_frame((surface, solver))])
         },
     )
+}
+
+fn scheme_choice(model: Model) -> Claim {
+    Claim::new(
+        "absent",
+        "time of a frame of a soft body that may take the global step, relative to sweeps",
+        model,
+        1.02,
+        move || {
+            let frame = |scheme| -> Result<Frame, Box<dyn Error>> {
+                let (mut surface, mut solver) = soft_body(model)?;
+                let params = SolverParams { scheme, ..PARAMS };
+                Ok(Box::new(move || {
+                    Ok(solver.step(&mut surface, DT, &params).map(|_| ())?)
+                }))
+            };
+            Ok([frame(Scheme::Auto)?, frame(Scheme::Sweeps)?])
+        },
+    )
+}
+
+/// Returns a body that is too soft for the global step.
+fn soft_body(model: Model) -> Result<(Surface, Solver), Box<dyn Error>> {
+    let mut surface = build_model(model);
+    let material = Material {
+        stretch: Stiffness::Compliance(1.0),
+        bending: Some(Stiffness::Compliance(100.0)),
+        ..motion::material()
+    };
+    let mut solver = Solver::new(&mut surface, &material)?;
+    motion::start(&mut solver, &surface)?;
+    Ok((surface, solver))
 }
 
 /// Returns a body of the table, with volume or without.
@@ -359,6 +394,18 @@ fn beyond_the_paper() -> [Beyond; 5] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn soft_bodies_have_no_memory_of_the_global_step() {
+        let [auto, sweeps] = [Scheme::Auto, Scheme::Sweeps].map(|scheme| {
+            let (mut surface, mut solver) = soft_body(Model::Bunny).unwrap();
+            let params = SolverParams { scheme, ..PARAMS };
+            solver.step(&mut surface, DT, &params).unwrap();
+            assert_eq!(solver.stats().global_iterations, 0);
+            solver.capacity()
+        });
+        assert_eq!(auto, sweeps);
+    }
 
     #[test]
     fn scenes_have_the_measured_features_only() {

@@ -210,6 +210,9 @@ impl Cap {
             }
         }
         self.meshes = meshes;
+        for triangles in &self.triangles {
+            edit.inherit_corner_channels(triangles);
+        }
         Ok(())
     }
 

@@ -24,7 +24,7 @@ pub(crate) struct Sides {
 }
 
 /// A hit triangle before the cut, and the half-edges of its parts.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Seam {
     old: OldTriangle,
     /// Half-edges of the neighbors.
@@ -67,8 +67,8 @@ impl Sides {
         // All before the first removal, which makes its neighbors boundaries.
         let hits = || trace.chords.chunk_by(|a, b| a.triangle == b.triangle);
         (self.seams).extend(hits().map(|chords| Seam::of(edit.surface(), chords[0].triangle)));
-        for (i, chords) in hits().enumerate() {
-            let mut seam = self.seams[i];
+        let mut seams = std::mem::take(&mut self.seams);
+        let replaced = hits().zip(&mut seams).try_for_each(|(chords, seam)| {
             let hit = Hit {
                 vertices: seam.old.corners,
                 corners: edit.surface().triangle_positions(seam.old.triangle),
@@ -76,9 +76,10 @@ impl Sides {
                 chords,
             };
             splitter.split(hit, &trace.nodes, facets);
-            self.replace(edit, &trace.nodes, &mut seam, &splitter.parts)?;
-            self.seams[i] = seam;
-        }
+            self.replace(edit, &trace.nodes, seam, &splitter.parts)
+        });
+        self.seams = seams;
+        replaced?;
         self.join(edit);
         self.open_tips(edit, trace, facets);
         Ok(())

@@ -10,12 +10,16 @@
 //! Neither inverts a triangle or moves more volume than [`MAX_MOVED_VOLUME`]; all of them together
 //! move no more than [`MAX_TOTAL_VOLUME`]. So a corner of a coarse body stays in place and leaves a
 //! short rim edge, which the report counts.
+//!
+//! Where a sweep ends inside the body, the next step goes on. So neither changes a triangle at the
+//! end of a curve or moves one across the sweep's boundary.
 
 use super::contract::{Opened, closed_fan, flatness, swept_volume};
 use super::rim::NO_NODE;
+use crate::intersection::facets::Facets;
 use crate::intersection::node::On;
 use incise_mesh::geometry::area_vector;
-use incise_mesh::{HalfEdge, Surface, Topology, VertexId, index_u32};
+use incise_mesh::{HalfEdge, Surface, Topology, Vec3, VertexId, index_u32};
 
 /// Maximum volume that one contraction moves [cubes of the local edge length].
 const MAX_MOVED_VOLUME: f64 = 5e-3;
@@ -42,24 +46,65 @@ pub(super) struct Snapped {
 pub(crate) struct Snapper {
     /// Volume that may still be moved \[m^3\].
     volume_left: f64,
+    boundary: Boundary,
     near: Vec<VertexId>,
     far: Vec<VertexId>,
     fan: Vec<HalfEdge>,
+}
+
+/// The boundary of a sweep that ends inside the body. Empty for others.
+#[derive(Debug, Clone, Default)]
+struct Boundary {
+    /// The vertices at which curves end, ascending.
+    ends: Vec<VertexId>,
+    /// The sweep's edges from end to end.
+    edges: Vec<u32>,
+}
+
+impl Boundary {
+    fn read(&mut self, cut: &Opened<'_, '_>, facets: &Facets) {
+        let ends = (cut.nodes.iter().zip(&cut.sides.vertices)).filter(|(node, _)| node.is_end);
+        self.ends.clear();
+        self.ends.extend(ends.map(|(_, vertices)| vertices[0]));
+        self.ends.sort_unstable();
+        self.edges.clear();
+        if !self.ends.is_empty() {
+            let is_boundary =
+                |&e: &u32| !facets.edges()[e as usize].is_crease() && facets.may_have_chain(e);
+            let edges = 0..index_u32(facets.edges().len());
+            self.edges.extend(edges.filter(is_boundary));
+        }
+    }
+
+    fn has_end(&self, vertex: VertexId) -> bool {
+        self.ends.binary_search(&vertex).is_ok()
+    }
+
+    fn pierces(&self, facets: &Facets, corners: [Vec3; 3]) -> bool {
+        self.edges.iter().any(|&e| facets.pierces(e, corners))
+    }
 }
 
 impl Snapper {
     /// Contracts edges shorter than `snap` times the local edge length.
     ///
     /// Moves a volume of at most `max_volume` \[m^3\].
-    pub(super) fn snap(&mut self, cut: &mut Opened<'_, '_>, snap: f64, max_volume: f64) -> Snapped {
+    pub(super) fn snap(
+        &mut self,
+        cut: &mut Opened<'_, '_>,
+        facets: &Facets,
+        snap: f64,
+        max_volume: f64,
+    ) -> Snapped {
         self.volume_left = max_volume;
         let mut done = Snapped::default();
         if snap <= 0.0 {
             return done;
         }
+        self.boundary.read(cut, facets);
         let count = index_u32(cut.nodes.len());
         for node in 0..count {
-            self.take_vertex(cut, node, snap, &mut done);
+            self.take_vertex(cut, facets, node, snap, &mut done);
         }
         // A merge makes the edges beside it longer, which may still be short.
         loop {
@@ -67,7 +112,7 @@ impl Snapper {
             for node in 0..count {
                 while !cut.rim.is_removed[node as usize]
                     && Self::is_short(cut, node, snap)
-                    && self.merge(cut, node, &mut done)
+                    && self.merge(cut, facets, node, &mut done)
                 {}
             }
             if done.nodes == before {
@@ -99,7 +144,14 @@ impl Snapper {
     }
 
     /// Moves the mesh vertex close to a node onto the node, if there is one.
-    fn take_vertex(&mut self, cut: &mut Opened<'_, '_>, node: u32, snap: f64, done: &mut Snapped) {
+    fn take_vertex(
+        &mut self,
+        cut: &mut Opened<'_, '_>,
+        facets: &Facets,
+        node: u32,
+        snap: f64,
+        done: &mut Snapped,
+    ) {
         let On::Edge { ends, t, rises, .. } = cut.nodes[node as usize].on else {
             return;
         };
@@ -138,9 +190,8 @@ impl Snapper {
             return;
         }
         let target = cut.sides.vertices[node as usize][side];
-        let limit = self.limit(cut, node);
-        let Some(volume) = moved_volume(cut.edit.surface(), &self.fan, vertex, target, limit)
-        else {
+        let (surface, limit) = (cut.edit.surface(), self.limit(cut, node));
+        let Some(volume) = self.moved_volume(surface, facets, [vertex, target], limit) else {
             return;
         };
         cut.contract(Some((node, side)), to_vertex, &self.fan);
@@ -159,7 +210,13 @@ impl Snapper {
     }
 
     /// Merges a node and the next one, on both sides.
-    fn merge(&mut self, cut: &mut Opened<'_, '_>, node: u32, done: &mut Snapped) -> bool {
+    fn merge(
+        &mut self,
+        cut: &mut Opened<'_, '_>,
+        facets: &Facets,
+        node: u32,
+        done: &mut Snapped,
+    ) -> bool {
         let next = cut.rim.next[node as usize];
         if !cut.may_lose_edge(node) {
             return false;
@@ -184,7 +241,7 @@ impl Snapper {
             }
             let mut volume = 0.0;
             let may = [0, 1].into_iter().all(|side| {
-                let moved = self.may_merge(cut, node, kept, gone, side);
+                let moved = self.may_merge(cut, facets, node, [kept, gone], side);
                 volume += moved.unwrap_or(0.0);
                 moved.is_some()
             });
@@ -202,9 +259,9 @@ impl Snapper {
     fn may_merge(
         &mut self,
         cut: &Opened<'_, '_>,
+        facets: &Facets,
         node: u32,
-        kept: u32,
-        gone: u32,
+        [kept, gone]: [u32; 2],
         side: usize,
     ) -> Option<f64> {
         let topology = cut.edit.surface().topology();
@@ -217,15 +274,44 @@ impl Snapper {
         }
         self.fan.clear();
         (self.fan).extend(cut.rim.fan(topology, cut.sides, gone, side));
-        let [gone_vertex, kept_vertex] = [gone, kept].map(|n| cut.sides.vertices[n as usize][side]);
-        let limit = self.limit(cut, node);
-        moved_volume(
-            cut.edit.surface(),
-            &self.fan,
-            gone_vertex,
-            kept_vertex,
-            limit,
-        )
+        let ends = [gone, kept].map(|n| cut.sides.vertices[n as usize][side]);
+        self.moved_volume(cut.edit.surface(), facets, ends, self.limit(cut, node))
+    }
+
+    /// Returns the volume between the triangles of the fan of `vertex` before and after its move to
+    /// `target`.
+    ///
+    /// None if a triangle would be inverted or cross the sweep's boundary, if one is at the end of
+    /// a curve, or if the volume exceeds `limit`.
+    fn moved_volume(
+        &self,
+        surface: &Surface,
+        facets: &Facets,
+        [vertex, target]: [VertexId; 2],
+        limit: f64,
+    ) -> Option<f64> {
+        let topology = surface.topology();
+        let (from, to) = (surface.position(vertex), surface.position(target));
+        let mut volume = 0.0;
+        for &h in &self.fan {
+            let (b, c) = (topology.target(h), topology.origin(h.prev()));
+            if self.boundary.has_end(b) || self.boundary.has_end(c) {
+                return None;
+            }
+            if b == target || c == target {
+                continue;
+            }
+            let [b, c] = [b, c].map(|v: VertexId| surface.position(v));
+            let (before, is_flat) = flatness([from, b, c]);
+            if !is_flat && before.dot(&area_vector([to, b, c])) <= 0.0 {
+                return None;
+            }
+            if self.boundary.pierces(facets, [to, b, c]) {
+                return None;
+            }
+            volume += swept_volume([from, b, c], to);
+        }
+        (volume.abs() <= limit).then_some(volume.abs())
     }
 }
 
@@ -238,32 +324,4 @@ fn is_at_boundary(topology: &Topology, h: HalfEdge) -> bool {
             return at.is_null();
         }
     }
-}
-
-/// Returns the volume between the triangles of a vertex before and after its move to `target`.
-///
-/// None if a triangle would be inverted or the volume exceeds `limit`.
-fn moved_volume(
-    surface: &Surface,
-    fan: &[HalfEdge],
-    vertex: VertexId,
-    target: VertexId,
-    limit: f64,
-) -> Option<f64> {
-    let topology = surface.topology();
-    let (from, to) = (surface.position(vertex), surface.position(target));
-    let mut volume = 0.0;
-    for &h in fan {
-        let (b, c) = (topology.target(h), topology.origin(h.prev()));
-        if b == target || c == target {
-            continue;
-        }
-        let [b, c] = [b, c].map(|v: VertexId| surface.position(v));
-        let (before, is_flat) = flatness([from, b, c]);
-        if !is_flat && before.dot(&area_vector([to, b, c])) <= 0.0 {
-            return None;
-        }
-        volume += swept_volume([from, b, c], to);
-    }
-    (volume.abs() <= limit).then_some(volume.abs())
 }

@@ -9,6 +9,11 @@ const WIDENING: f64 = 0.3;
 /// Its maximum [distance to the next point of the sweep].
 const MAX_WIDENING: f64 = 0.2;
 
+/// Maximum rise of the sweep from an end of a tip [distance to the next point of the sweep].
+///
+/// Below a half, so that points between two parts of a tip keep their order.
+const MAX_RISE: f64 = 0.3;
+
 /// Maximum gap between walls that the tip crosses at one point [local edge lengths].
 const MAX_GAP: f64 = 1e-3;
 
@@ -56,8 +61,9 @@ impl Incision {
     ///
     /// Beside an end of the tip, the sweep widens and rises from the surface. Otherwise the line
     /// from there to the blade's last pose could cross the surface once more. And a body is often
-    /// symmetric, so that the same point of the blade enters and leaves it.
-    pub(super) fn columns(&self, surface: &Surface, blade: &[[f32; 3]]) -> Vec<Column> {
+    /// symmetric, so that the same point of the blade enters and leaves it. The sweep rises by up
+    /// to `rise` local edge lengths; if that is 0, it goes back to the blade's last pose.
+    pub(super) fn columns(&self, surface: &Surface, blade: &[[f32; 3]], rise: f64) -> Vec<Column> {
         let mut columns: Vec<Column> = Vec::new();
         for (i, point) in self.pose.iter().enumerate() {
             #[expect(clippy::cast_precision_loss, reason = "few points")]
@@ -108,8 +114,14 @@ impl Incision {
                 let part = (WIDENING * local / (b - a).norm()).min(MAX_WIDENING);
                 let step = (beyond.parameter - column.parameter) * part;
                 own.parameter = column.parameter + step;
-                let rise = outward(surface, column, a - b, a) * local;
-                Column::outside(column.parameter + 2.0 * step, column.previous + rise)
+                let room = MAX_RISE * (beyond.previous - column.previous).norm();
+                let height = rise * local.min(room);
+                let previous = if height > 0.0 {
+                    column.previous + outward(surface, column, a - b, a) * height
+                } else {
+                    point_at(&self.pose, column.parameter + step)
+                };
+                Column::outside(column.parameter + 2.0 * step, previous)
             };
             let goes_on = |column: Column| column.is_joined || column.meets_next;
             let is_first = is_tip && !before.is_some_and(goes_on);
@@ -123,10 +135,12 @@ impl Incision {
     }
 }
 
-/// Returns the unit vector away from the surface at a column, in the plane of the sweep there.
+/// Returns the unit vector half way between the blade and the direction away from the surface at a
+/// column, in the plane of the sweep there.
 ///
-/// `along` is the direction of the blade towards the column, `to` the column's next position
-/// \[m\]. A sheet has two sides: there the vector is on that from which the blade comes.
+/// Straight away from a surface that faces the motion, the sweep would turn back. `along` is the
+/// direction of the blade towards the column, `to` the column's next position \[m\]. A sheet has
+/// two sides: there the vector is on that from which the blade comes.
 fn outward(surface: &Surface, column: Column, along: Vec3, to: Vec3) -> Vec3 {
     let fan = surface.topology().outgoing_fan(column.vertex);
     let normals = fan.map(|h| area_vector(surface.triangle_positions(h.triangle())));
@@ -136,7 +150,9 @@ fn outward(surface: &Surface, column: Column, along: Vec3, to: Vec3) -> Vec3 {
     let across = along.cross(&(to - column.previous));
     let across = across.try_normalize(0.0).unwrap_or_default();
     let in_plane = normal - across * across.dot(&normal);
-    in_plane.try_normalize(0.0).unwrap_or_default()
+    let beyond = in_plane.try_normalize(0.0).unwrap_or_default()
+        - along.try_normalize(0.0).unwrap_or_default();
+    beyond.try_normalize(0.0).unwrap_or_default()
 }
 
 /// Returns whether a vertex is on the boundary of a sheet.

@@ -6,8 +6,6 @@ use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3, VertexId, VertexOrigin};
 
 /// Distance of the end of a curve from the edges of its mesh triangle [length across the triangle].
 const END_MARGIN: f64 = 0.05;
-/// Maximum of that distance [motion of the sweep].
-const MAX_END_MARGIN: f64 = 0.1;
 
 /// No sweep edge.
 pub(crate) const NO_EDGE: u32 = u32::MAX;
@@ -161,14 +159,15 @@ impl Node {
 
     /// Moves the end of a curve along it, away from the edges of its mesh triangle.
     ///
-    /// `before` is the node beside it; `is_last` of the two ends. Next to an edge, rounding could
-    /// fold the surface around the end, where the next step has to go on.
+    /// By at most `reach` \[m\]. `before` is the node beside it; `is_last` of the two ends. Next to
+    /// an edge, rounding could fold the surface around the end, where the next step goes on.
     pub(crate) fn center_end(
         &mut self,
         surface: &Surface,
         facets: &Facets,
         before: &Self,
         facet: u32,
+        reach: f64,
         is_last: bool,
     ) {
         let On::Face {
@@ -193,7 +192,7 @@ impl Node {
         let to = points[k] + (points[l] - points[k]) * part;
         let across = (to - from).norm();
         let part = (self.position - from).norm() / across;
-        let margin = (MAX_END_MARGIN * facets.motion(facet) / across).min(END_MARGIN);
+        let margin = (reach / across).min(END_MARGIN);
         if part.is_nan() || (margin..=1.0 - margin).contains(&part) {
             return;
         }

@@ -130,6 +130,7 @@ impl Replacement {
         }
         open.extend(self.new_triangles.iter().flat_map(|t| t.half_edges()));
         stitch(edit, &open)?;
+        edit.inherit_corner_channels(&self.rebuilt.cap);
         self.check_fans(edit.surface())
     }
 

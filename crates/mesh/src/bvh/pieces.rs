@@ -1,8 +1,8 @@
 //! The top of a tree: nodes of several pieces, ordered by place.
 //!
-//! Every cut joins a new piece beside the one that it was cut from. Pieces move apart, so the nodes
-//! above them are made anew in every full refit. Otherwise their boxes would span the body, and a
-//! query would visit most pieces.
+//! A cut joins the new piece beside the piece that it was cut from. Later the two move apart, and a
+//! node that still joins them has a box as large as the body. A full refit therefore rebuilds all
+//! nodes above the pieces, so that a query visits the pieces near it only.
 
 use super::morton::Grid;
 use super::{Bvh, MAX_HEIGHT, Part, union};

@@ -137,7 +137,7 @@ pub struct MovingPoint {
     pub displacement: Aabb,
     /// Distance that counts as reached \[m\].
     pub margin: f64,
-    /// Outward normal: only triangles that face it count.
+    /// Outward normal: nodes whose triangles all face away from it are skipped. Zero skips none.
     pub outward: Vec3,
     /// Piece whose triangles do not count.
     pub excluded_piece: Option<u32>,
@@ -233,10 +233,9 @@ fn sum([a, b, c, d]: [f32; 4]) -> f32 {
 }
 
 impl Bvh {
-    /// Returns the nearest point among the triangles that face a moving point and that it may
-    /// reach.
+    /// Returns the nearest point among the triangles that count and that a moving point may reach.
     ///
-    /// A good first guess, such as the last nearest triangle, speeds the search up.
+    /// Some triangles that face away are skipped; `counts` decides about the others. A good first guess, such as the last nearest triangle, speeds the search up.
     #[must_use]
     pub fn nearest_in_reach(
         &self,
@@ -250,12 +249,7 @@ impl Bvh {
         let reach = query.radius(&bounds.nodes.first()?.displacement);
         let is_near = |at: u32| query.may_touch(&bounds.nodes[at as usize]);
         let accepts = |t: TriangleId| {
-            query.may_touch(&bounds.triangles[self.places[t.index()] as usize])
-                && point
-                    .outward
-                    .dot(&area_vector(surface.triangle_positions(t)))
-                    < 0.0
-                && counts(t)
+            query.may_touch(&bounds.triangles[self.places[t.index()] as usize]) && counts(t)
         };
         let reaches = |found: &Candidate, t: TriangleId| {
             let motion = &bounds.triangles[self.places[t.index()] as usize];

@@ -8,7 +8,7 @@ use crate::geometry::{Aabb, to_f64};
 use crate::ids::{TriangleId, VertexId};
 use crate::io::{MeshData, Warning};
 use crate::quality::EdgeStats;
-use crate::surface::{CornerAttributes, Surface};
+use crate::surface::{CornerAttributes, Domain, Surface};
 use crate::topology::Topology;
 
 /// The repairs to make beyond those of [`MeshData::into_surface`]. The default is none.
@@ -100,10 +100,17 @@ impl MeshData {
         let mut surface = Surface::from_triangles(&positions, &repaired.triangles)
             .expect("a mesh without defects is an oriented manifold");
         surface.origin = self.origin;
+        let corners = repaired.corners();
         surface.corners = CornerAttributes {
-            uv: repaired.gather(&self.corners.uv),
-            normal: repaired.gather(&self.corners.normal),
+            uv: gather(&self.corners.uv, &corners),
+            normal: gather(&self.corners.normal, &corners),
         };
+        surface.channels = (self.channels.iter())
+            .map(|channel| match channel.domain() {
+                Domain::Vertex => channel.gather(repaired.vertices.iter().map(|&v| v as usize)),
+                Domain::Corner => channel.gather(corners.iter().copied()),
+            })
+            .collect();
         for (t, &source) in repaired.sources.iter().enumerate() {
             match self.materials.get(source as usize) {
                 None | Some(0) => {}
@@ -310,19 +317,19 @@ impl Repaired {
             .retain(|_| new.next().is_some_and(|&new| new != u32::MAX));
     }
 
-    /// Returns the attributes of the repaired triangles' corners.
-    fn gather<T: Copy>(&self, values: &[T]) -> Vec<T> {
-        let triangles = values.as_chunks::<3>().0;
-        if triangles.is_empty() {
-            return Vec::new();
-        }
-        self.sources
-            .iter()
-            .zip(&self.flipped)
-            .flat_map(|(&t, &flipped)| {
-                let [a, b, c] = triangles[t as usize];
-                if flipped { [a, c, b] } else { [a, b, c] }
-            })
-            .collect()
+    /// Returns the corner in the mesh of each corner of the repaired triangles.
+    fn corners(&self) -> Vec<usize> {
+        let triangles = self.sources.iter().zip(&self.flipped);
+        let corners = triangles.flat_map(|(&t, &flipped)| {
+            let order = if flipped { [0, 2, 1] } else { [0, 1, 2] };
+            order.map(|k| 3 * t as usize + k)
+        });
+        corners.collect()
     }
+}
+
+/// Returns the values of the given corners; none if there are no values.
+fn gather<T: Copy>(values: &[T], corners: &[usize]) -> Vec<T> {
+    let values = |&corner: &usize| values.get(corner).copied();
+    corners.iter().filter_map(values).collect()
 }

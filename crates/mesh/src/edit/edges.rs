@@ -6,6 +6,7 @@
 use super::Edit;
 use crate::delta::VertexOrigin;
 use crate::ids::{HalfEdge, VertexId};
+use crate::surface::{CornerValues, Surface};
 
 /// The error of an edge operation that would not leave a manifold. Nothing changes then.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -107,11 +108,15 @@ impl Edit<'_> {
         let topology = self.surface().topology();
         let (g, [a, b]) = (topology.twin(h), [topology.origin(h), topology.target(h)]);
         let v = self.add_vertex(position, rest, VertexOrigin::OnEdge { a, b, t });
-        let [at_a, at_b] = [h, h.next()].map(|corner| self.corner_attributes(corner));
-        let ahead = self.cut_off(h.next(), h.next(), v, &CornerData::blend(&at_a, &at_b, t));
+        let at_v = |surface: &Surface, a: HalfEdge, b: HalfEdge| {
+            let [a, b] = [a, b].map(|corner| surface.corner_values(corner));
+            CornerValues::interpolate([&a, &b, &b], [1.0 - t, t, 0.0])
+        };
+        let ahead_at_v = at_v(self.surface(), h, h.next());
+        let ahead = self.cut_off(h.next(), h.next(), v, &ahead_at_v);
         if !g.is_null() {
-            let [at_a, at_b] = [g.next(), g].map(|corner| self.corner_attributes(corner));
-            let behind = self.cut_off(g, g.prev(), v, &CornerData::blend(&at_a, &at_b, t));
+            let behind_at_v = at_v(self.surface(), g.next(), g);
+            let behind = self.cut_off(g, g.prev(), v, &behind_at_v);
             self.set_twins(ahead, behind);
         }
         Ok(v)
@@ -168,9 +173,9 @@ impl Edit<'_> {
             .map(|s| [s.next(), s.prev()].map(|side| topology.twin(side)));
         let outer: Vec<[HalfEdge; 2]> = outer.collect();
         // Corners of the removed and of the kept vertex, in each triangle at the edge.
-        let mut charts = vec![[h.next(), h].map(|corner| self.corner_attributes(corner))];
+        let mut charts = vec![[h.next(), h].map(|corner| self.surface().corner_values(corner))];
         if !g.is_null() {
-            charts.push([g, g.next()].map(|corner| self.corner_attributes(corner)));
+            charts.push([g, g.next()].map(|corner| self.surface().corner_values(corner)));
         }
         for &corner in &fan {
             if sides
@@ -179,7 +184,7 @@ impl Edit<'_> {
             {
                 self.set_corner(corner, kept);
                 for [from, to] in &charts {
-                    self.replace_attributes(corner, from, to);
+                    self.replace_corner_values(corner, from, to);
                 }
             }
         }
@@ -250,7 +255,7 @@ impl Edit<'_> {
         moved: HalfEdge,
         side: HalfEdge,
         v: VertexId,
-        at_v: &CornerData,
+        at_v: &CornerValues,
     ) -> HalfEdge {
         let (surface, t) = (self.surface(), moved.triangle());
         let topology = surface.topology();
@@ -258,7 +263,7 @@ impl Edit<'_> {
         let apex = if leaves { side.next() } else { side };
         let (tip, beyond) = (topology.origin(apex), topology.twin(side));
         let (piece, material) = (surface.piece(t), surface.material(t));
-        let [at_end, at_tip] = [moved, apex].map(|corner| self.corner_attributes(corner));
+        let [at_end, at_tip] = [moved, apex].map(|corner| self.surface().corner_values(corner));
         let corners = if leaves { [v, end, tip] } else { [end, v, tip] };
         let [first, second, third] = self.add_triangle(corners, piece, material).half_edges();
         let (new_v, new_end) = if leaves {
@@ -266,11 +271,11 @@ impl Edit<'_> {
         } else {
             (second, first)
         };
-        self.set_attributes(new_v, at_v);
-        self.set_attributes(new_end, &at_end);
-        self.set_attributes(third, &at_tip);
+        self.set_corner_values(new_v, at_v);
+        self.set_corner_values(new_end, &at_end);
+        self.set_corner_values(third, &at_tip);
         self.set_corner(moved, v);
-        self.set_attributes(moved, at_v);
+        self.set_corner_values(moved, at_v);
         let (outer, inner) = if leaves {
             (second, third)
         } else {
@@ -286,60 +291,8 @@ impl Edit<'_> {
     /// Copies vertex and attributes of the corner at `from` to the one at `to`.
     fn copy_corner(&mut self, from: HalfEdge, to: HalfEdge) {
         let v = self.surface().topology().origin(from);
-        let corner = self.corner_attributes(from);
+        let corner = self.surface().corner_values(from);
         self.set_corner(to, v);
-        self.set_attributes(to, &corner);
-    }
-
-    fn corner_attributes(&self, h: HalfEdge) -> CornerData {
-        let surface = self.surface();
-        CornerData {
-            uv: surface.corner_uvs().get(h.index()).copied(),
-            normal: surface.corner_normals().get(h.index()).copied(),
-        }
-    }
-
-    fn set_attributes(&mut self, h: HalfEdge, corner: &CornerData) {
-        if let Some(uv) = corner.uv {
-            self.set_uv(h, uv);
-        }
-        if let Some(normal) = corner.normal {
-            self.set_normal(h, normal);
-        }
-    }
-
-    /// Replaces attributes of the corner at `h` that equal `from` by those of `to`.
-    fn replace_attributes(&mut self, h: HalfEdge, from: &CornerData, to: &CornerData) {
-        let own = self.corner_attributes(h);
-        if own.uv == from.uv
-            && let Some(uv) = to.uv
-        {
-            self.set_uv(h, uv);
-        }
-        if own.normal == from.normal
-            && let Some(normal) = to.normal
-        {
-            self.set_normal(h, normal);
-        }
-    }
-}
-
-/// Attributes of one corner; `None` where the surface has none.
-#[derive(Debug, Clone, Copy)]
-struct CornerData {
-    uv: Option<[f32; 2]>,
-    normal: Option<[f32; 3]>,
-}
-
-impl CornerData {
-    /// Returns the attributes at `a + t (b - a)`.
-    fn blend(a: &Self, b: &Self, t: f32) -> Self {
-        fn at<const N: usize>(t: f32, a: [f32; N], b: [f32; N]) -> [f32; N] {
-            std::array::from_fn(|k| a[k] + t * (b[k] - a[k]))
-        }
-        Self {
-            uv: a.uv.zip(b.uv).map(|(a, b)| at(t, a, b)),
-            normal: a.normal.zip(b.normal).map(|(a, b)| at(t, a, b)),
-        }
+        self.set_corner_values(to, &corner);
     }
 }

@@ -3,7 +3,7 @@
 use super::piece_move::{PieceMove, TriangleSet};
 use crate::history::History;
 use crate::ids::{HalfEdge, TriangleId, VertexId, index_u32};
-use crate::surface::Surface;
+use crate::surface::{Channel, Domain, Row, Surface};
 use std::ops::Range;
 
 /// The old values of one array, in the order of overwriting.
@@ -86,6 +86,53 @@ impl<T: Copy> Track<T> {
     }
 }
 
+/// The old rows of one channel, in the order of overwriting.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct RowTrack {
+    /// The channel, without values.
+    like: Channel,
+    /// Length of its values before the edit.
+    len: usize,
+    places: Vec<u32>,
+    old: Vec<f32>,
+}
+
+impl RowTrack {
+    fn new(channel: &Channel) -> Self {
+        Self {
+            like: channel.with_values(Vec::new()),
+            len: channel.values.len(),
+            places: Vec::new(),
+            old: Vec::new(),
+        }
+    }
+
+    /// Overwrites a row and logs its old values; adds the row if it is the next one.
+    pub(super) fn set(&mut self, channel: &mut Channel, slot: usize, row: &Row) {
+        let width = channel.width();
+        let first = slot * width;
+        if first == channel.values.len() {
+            channel.values.extend_from_slice(&row[..width]);
+            return;
+        }
+        let values = &mut channel.values[first..first + width];
+        if first < self.len {
+            self.places.push(index_u32(slot));
+            self.old.extend_from_slice(values);
+        }
+        values.copy_from_slice(&row[..width]);
+    }
+
+    fn put_back(&self, channel: &mut Channel) {
+        let width = self.like.width();
+        channel.values.truncate(self.len);
+        for (&slot, row) in self.places.iter().zip(self.old.chunks_exact(width)).rev() {
+            let first = slot as usize * width;
+            channel.values[first..first + width].copy_from_slice(row);
+        }
+    }
+}
+
 /// The elements taken from a stack; those below the edit's low-water mark are still there.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct StackTrack<T> {
@@ -135,6 +182,8 @@ pub(super) struct Log {
     pub(super) rest: Track<[f32; 3]>,
     pub(super) uv: Track<[f32; 2]>,
     pub(super) normal: Track<[f32; 3]>,
+    /// One per channel of the surface, in its order.
+    pub(super) channels: Vec<RowTrack>,
     /// Single changes of pieces.
     pub(super) piece: Track<u32>,
     /// Moves of many triangles to another piece, in their order.
@@ -158,6 +207,7 @@ impl Log {
             rest: Track::new(&surface.rest),
             uv: Track::new(&surface.corners.uv),
             normal: Track::new(&surface.corners.normal),
+            channels: surface.channels.iter().map(RowTrack::new).collect(),
             piece: Track::new(&surface.piece),
             moves: Vec::new(),
             material: Track::new(&surface.material),
@@ -227,6 +277,16 @@ impl Log {
         self.uv.put_back(&mut corners.uv, len(self.uv.len));
         self.normal
             .put_back(&mut corners.normal, len(self.normal.len));
+        for channel in &mut surface.channels {
+            let is_own = |track: &&RowTrack| track.like.is_like(channel);
+            match self.channels.iter().find(is_own) {
+                Some(track) if track.len <= channel.values.len() => track.put_back(channel),
+                _ => channel.fit(match channel.domain() {
+                    Domain::Vertex => vertices,
+                    Domain::Corner => self.origin.len,
+                }),
+            }
+        }
         self.material
             .put_back(&mut surface.material, self.material.len);
         self.free_triangles.put_back(&mut topology.free_triangles);

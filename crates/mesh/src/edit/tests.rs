@@ -7,7 +7,7 @@ use super::{Edit, Undo, UndoError};
 use crate::delta::{TopologyDelta, VertexOrigin};
 use crate::ids::{HalfEdge, TriangleId, VertexId};
 use crate::shapes::icosphere;
-use crate::surface::Surface;
+use crate::surface::{Blend, Channel, Domain, Surface};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 
@@ -53,6 +53,16 @@ fn body() -> Surface {
     let number = |i: usize| f32::from(u16::try_from(i).unwrap());
     surface.corners.uv = (0..corners).map(|i| [number(i), -number(i)]).collect();
     surface.corners.normal = (0..corners).map(|i| [0.0, number(i), -0.0]).collect();
+    let vertices = surface.topology().vertex_slots();
+    for (name, domain, blend, width, slots) in [
+        ("color", Domain::Vertex, Blend::Linear, 3, vertices),
+        ("skin", Domain::Vertex, Blend::Skin, 4, vertices),
+        ("uv1", Domain::Corner, Blend::Linear, 2, corners),
+    ] {
+        let values = (0..slots * width).map(number).collect();
+        let channel = Channel::new(name, domain, blend, width, values).unwrap();
+        surface.set_channel(channel).unwrap();
+    }
     surface
 }
 
@@ -66,6 +76,10 @@ fn assert_same_bytes(a: &Surface, b: &Surface) {
     assert_eq!(bits(&a.rest), bits(&b.rest));
     assert_eq!(bits(&a.corners.uv), bits(&b.corners.uv));
     assert_eq!(bits(&a.corners.normal), bits(&b.corners.normal));
+    for (a, b) in a.channels.iter().zip(&b.channels) {
+        let bits = |values: &[f32]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(a.values()), bits(b.values()), "{}", a.name());
+    }
     assert_eq!(a.history, b.history);
 }
 
@@ -175,6 +189,8 @@ fn step(edit: &mut Edit<'_>, gone: &mut Vec<(TriangleId, [VertexId; 3])>, (kind,
             let h = t.half_edges()[usize::from(other % 3)];
             edit.set_uv(h, [value, 0.5]);
             edit.set_normal(h, [value; 3]);
+            let values = edit.surface().corner_values(h.next());
+            edit.set_corner_values(h.prev(), &values);
             let [a, b, _] = corners;
             edit.add_vertex(
                 [value; 4],

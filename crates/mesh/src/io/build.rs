@@ -2,10 +2,11 @@
 
 use crate::geometry::round_to_f32;
 use crate::ids::index_u32;
+use crate::io::channels::FileChannels;
 use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, SourceLocation};
 use crate::io::polygon::triangulate;
-use crate::surface::CornerAttributes;
+use crate::surface::{Blend, Channel, CornerAttributes, Domain};
 
 /// Marks a corner without texture coordinates or normal.
 pub(super) const NONE: u32 = u32::MAX;
@@ -13,12 +14,14 @@ pub(super) const NONE: u32 = u32::MAX;
 /// Maximum number of triangles, so that half-edge ids have 32 bits.
 const MAX_TRIANGLES: usize = (u32::MAX / 3 - 1) as usize;
 
-/// A corner of a face: indices from 0, texture and normal may be [`NONE`].
+/// A corner of a face: indices from 0, all but the position may be [`NONE`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Corner {
     pub(super) position: u32,
     pub(super) uv: u32,
     pub(super) normal: u32,
+    /// Row of the channels of corners.
+    pub(super) row: u32,
 }
 
 impl Corner {
@@ -28,6 +31,7 @@ impl Corner {
             position,
             uv: NONE,
             normal: NONE,
+            row: NONE,
         }
     }
 }
@@ -54,6 +58,7 @@ pub(super) struct Builder {
     pub(super) warnings: Vec<Warning>,
     /// Material of the faces that follow.
     pub(super) material: u32,
+    pub(super) channels: FileChannels,
     positions: Vec<[f32; 3]>,
     uv: Vec<[f32; 2]>,
     normals: Vec<[f32; 3]>,
@@ -111,12 +116,25 @@ impl Builder {
         Ok(())
     }
 
-    pub(super) fn uv(&mut self, uv: [f32; 2]) {
-        self.uv.push(uv);
+    /// Sets the color of the last position.
+    pub(super) fn color(&mut self, color: &[f32; 3]) {
+        let channels = &mut self.channels;
+        let channel = channels.vertex_channel("color", Domain::Vertex, Blend::Linear, 3);
+        if let (Some(channel), Some(last)) = (channel, self.positions.len().checked_sub(1)) {
+            channels.add_vertex_row(channel, last, color);
+        }
     }
 
-    pub(super) fn normal(&mut self, normal: [f32; 3]) {
+    /// Adds texture coordinates and returns their index, [`NONE`] beyond 32 bits.
+    pub(super) fn uv(&mut self, uv: [f32; 2]) -> u32 {
+        self.uv.push(uv);
+        u32::try_from(self.uv.len() - 1).unwrap_or(NONE)
+    }
+
+    /// Adds a normal and returns its index, [`NONE`] beyond 32 bits.
+    pub(super) fn normal(&mut self, normal: [f32; 3]) -> u32 {
         self.normals.push(normal);
+        u32::try_from(self.normals.len() - 1).unwrap_or(NONE)
     }
 
     /// Adds a face of any number of corners, which may refer to later vertices.
@@ -169,7 +187,7 @@ impl Builder {
             let triangles = corners.as_chunks::<3>().0.iter();
             triangles.map(|t| t.map(|c| c.position)).collect()
         };
-        let attributes = self.attributes(&corners);
+        let (attributes, channels) = self.attributes(&corners, &welded);
         let mut tuples = corners;
         tuples.sort_unstable();
         tuples.dedup();
@@ -177,6 +195,8 @@ impl Builder {
             positions,
             triangles,
             corners: attributes,
+            channels,
+            vertex_map: welded,
             materials,
             file_vertices: tuples.len(),
             warnings: self.warnings,
@@ -273,7 +293,11 @@ impl Builder {
         (positions, welded)
     }
 
-    fn attributes(&mut self, corners: &[Corner]) -> CornerAttributes {
+    fn attributes(
+        &mut self,
+        corners: &[Corner],
+        welded: &[u32],
+    ) -> (CornerAttributes, Vec<Channel>) {
         let mut zeros = 0;
         let mut out = CornerAttributes::default();
         if corners.iter().any(|c| c.uv != NONE) {
@@ -282,11 +306,13 @@ impl Builder {
         if corners.iter().any(|c| c.normal != NONE) {
             out.normal = gather(&self.normals, corners.iter().map(|c| c.normal), &mut zeros);
         }
+        let channels = std::mem::take(&mut self.channels);
+        let channels = channels.finish(welded, corners, &mut zeros);
         if zeros > 0 {
             self.warnings
                 .push(Warning::PartialAttributes { corners: zeros });
         }
-        out
+        (out, channels)
     }
 }
 

@@ -5,7 +5,7 @@ use crate::ids::{TriangleId, VertexId};
 use crate::io::ParseError;
 use crate::io::build::{Builder, Corner};
 use crate::io::error::SourceLocation;
-use crate::surface::CornerAttributes;
+use crate::surface::{Channel, CornerAttributes};
 use std::fmt;
 
 /// A welded mesh as read from a file, without further requirements.
@@ -25,6 +25,13 @@ pub struct MeshData {
     pub triangles: Vec<[u32; 3]>,
     /// Attributes of the corners, if the file has any.
     pub corners: CornerAttributes,
+    /// Further attributes: one row per position, or one per corner of `triangles`.
+    ///
+    /// Colors are named `color`, skin weights `skin`, further texture coordinates `uv1`, `uv2` and
+    /// so on. A channel of vertices whose rows differ where vertices were welded is one of corners.
+    pub channels: Vec<Channel>,
+    /// The welded vertex of each vertex of the file; `u32::MAX` where no face uses it.
+    pub vertex_map: Vec<u32>,
     /// Material of every triangle: N of an OBJ file's `usemtl material_N`, else 0. Empty if all are
     /// 0.
     ///
@@ -67,7 +74,7 @@ impl MeshData {
 }
 
 /// A part of a mesh that was skipped or repaired.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(tag = "kind", rename_all = "snake_case"))]
 #[non_exhaustive]
@@ -87,10 +94,15 @@ pub enum Warning {
         /// The point in the file's coordinates \[m\].
         origin: [f64; 3],
     },
-    /// Some corners lack finite texture coordinates or normals, and got zeros.
+    /// Some corners or vertices lack finite values of an attribute, and got zeros.
     PartialAttributes {
-        /// Number of corners that got zeros.
+        /// Number of corners and rows of channels that got zeros.
         corners: usize,
+    },
+    /// An attribute was dropped: the file format or this crate has no place for it.
+    Dropped {
+        /// Name of the attribute.
+        name: String,
     },
     /// Points, lines or statements that are no part of a triangle mesh were skipped.
     Skipped {
@@ -178,9 +190,17 @@ pub enum Warning {
     },
 }
 
+impl Warning {
+    /// Returns the warning about an attribute that was dropped.
+    pub(crate) fn dropped(name: &[u8]) -> Self {
+        let name = String::from_utf8_lossy(name).into_owned();
+        Self::Dropped { name }
+    }
+}
+
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
+        match self {
             Self::UnusedVertices { count } => write!(f, "vertices that no face uses: {count}"),
             Self::TrailingBytes { count } => write!(f, "bytes after the end, ignored: {count}"),
             Self::OriginMoved { origin } => {
@@ -192,6 +212,7 @@ impl fmt::Display for Warning {
                     "corners without usable attributes, set to zero: {corners}"
                 )
             }
+            Self::Dropped { name } => write!(f, "attribute {name}, dropped: it has no place here"),
             Self::Skipped { count } => {
                 write!(f, "points, lines or unknown statements, ignored: {count}")
             }

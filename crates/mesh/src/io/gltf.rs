@@ -1,18 +1,22 @@
 //! Reader of glTF 2.0, text and binary: the triangles of a scene with node transforms applied.
 //!
-//! Positions, `TEXCOORD_0` and normals of triangle lists, strips and fans are read. Points and
-//! lines are skipped. Skins and morph targets are not applied.
+//! Positions, normals, texture coordinates, colors, skin weights and custom attributes of triangle
+//! lists, strips and fans are read. Points and lines are skipped. Skins and morph targets are not
+//! applied.
 
 mod accessor;
 mod buffer;
+mod channels;
 mod document;
 
 use crate::geometry::{Vec3, to_f32};
 use crate::io::build::{Builder, Corner, NONE, strip_triangles};
 use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, SourceLocation};
+use crate::io::material_number;
 use crate::io::origin::read_near_origin;
 use accessor::Accessors;
+use channels::read_channels;
 use document::{Document, Node, Primitive};
 use nalgebra::{Matrix3, Matrix4, Quaternion};
 use std::path::Path;
@@ -26,6 +30,11 @@ const COMPRESSED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compre
 /// memory.
 const FREE_CORNERS: usize = 1 << 20;
 const CORNERS_A_BYTE: usize = 16;
+
+/// Modes of primitives with triangles.
+const TRIANGLES: u32 = 4;
+const TRIANGLE_STRIP: u32 = 5;
+const TRIANGLE_FAN: u32 = 6;
 
 /// Reads a glTF file, `.gltf` or `.glb` by its first bytes.
 ///
@@ -77,11 +86,26 @@ fn read_meshes(
                 expected: "a mesh with this number",
             })?
             .primitives;
+        let mirrored = transform.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
+        // Primitives of a mesh often share their vertices and differ in material only.
+        let mut last: Option<(&Primitive, Vertices)> = None;
         for (i, primitive) in primitives.iter().enumerate() {
             let at = SourceLocation::Primitive(mesh, i);
-            if !add_primitive(primitive, &transform, accessors, at, builder)? {
+            if !(TRIANGLES..=TRIANGLE_FAN).contains(&primitive.mode()) {
                 skipped += 1;
+                continue;
             }
+            let shared = last.filter(|(last, _)| last.attributes == primitive.attributes);
+            let vertices = match shared {
+                Some((_, vertices)) => Some(vertices),
+                None => Vertices::read(primitive, &transform, accessors, at, most, builder)?,
+            };
+            let Some(vertices) = vertices else {
+                skipped += 1;
+                continue;
+            };
+            last = Some((primitive, vertices));
+            add_triangles(primitive, &vertices, mirrored, accessors, at, builder)?;
             if builder.position_count().max(builder.corner_count()) > most {
                 return Err(ParseError::TooLarge);
             }
@@ -155,52 +179,97 @@ fn local_transform(node: &Node) -> Matrix4<f64> {
         * Matrix4::new_nonuniform_scaling(&scale)
 }
 
-/// Adds a primitive's triangles; returns false if it has none.
-fn add_primitive(
+/// The vertices of a primitive: numbers of its first position, texture coordinates and normal.
+#[derive(Clone, Copy)]
+struct Vertices {
+    first: usize,
+    count: usize,
+    uv: Option<usize>,
+    normal: Option<usize>,
+}
+
+impl Vertices {
+    /// Adds the vertices of a primitive; none if it has no positions.
+    fn read(
+        primitive: &Primitive,
+        transform: &Matrix4<f64>,
+        accessors: &Accessors<'_>,
+        at: SourceLocation,
+        most: usize,
+        builder: &mut Builder,
+    ) -> Result<Option<Self>, ParseError> {
+        let Some(position) = primitive.attributes.position else {
+            return Ok(None);
+        };
+        let linear: Matrix3<f64> = transform.fixed_view::<3, 3>(0, 0).into_owned();
+        let translation: Vec3 = transform.fixed_view::<3, 1>(0, 3).into_owned();
+        let first = builder.position_count();
+        let positions = accessors.vectors::<3>(position)?;
+        let count = positions.len();
+        for p in positions {
+            builder.position((linear * Vec3::from(p) + translation).into(), at)?;
+        }
+        let first_uv = builder.uv_count();
+        if let Some(uv) = primitive.attributes.texcoord {
+            for [u, v] in accessors.vectors::<2>(uv)? {
+                let uv = to_f32(Vec3::new(u, v, 0.0));
+                builder.uv([uv[0], uv[1]]);
+            }
+        }
+        let first_normal = builder.normal_count();
+        if let Some(normal) = primitive.attributes.normal {
+            let [a, b, c] = [0, 1, 2].map(|k| Vec3::from(linear.column(k)));
+            let cofactors = Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)]);
+            for n in accessors.vectors::<3>(normal)? {
+                let n = Vec3::from(n);
+                let is_kept = cofactors == Matrix3::identity();
+                let turned = || (cofactors * n).try_normalize(0.0).unwrap_or_default();
+                builder.normal(to_f32(if is_kept { n } else { turned() }));
+            }
+        }
+        read_channels(
+            primitive,
+            accessors,
+            first,
+            count,
+            most.saturating_mul(4),
+            builder,
+        )?;
+        let complete = |first: usize, end: usize| (end - first == count).then_some(first);
+        Ok(Some(Self {
+            first,
+            count,
+            uv: complete(first_uv, builder.uv_count()),
+            normal: complete(first_normal, builder.normal_count()),
+        }))
+    }
+
+    /// Returns the corner of the vertex with number `i` of the primitive.
+    fn corner(&self, i: u32) -> Result<Corner, ParseError> {
+        let index = |first: usize| {
+            let index = u32::try_from(first + i as usize);
+            index.map_err(|_| ParseError::TooLarge)
+        };
+        let optional = |first: Option<usize>| first.map_or(Ok(NONE), index);
+        Ok(Corner {
+            position: index(self.first)?,
+            uv: optional(self.uv)?,
+            normal: optional(self.normal)?,
+            row: NONE,
+        })
+    }
+}
+
+/// Adds the triangles of a primitive.
+fn add_triangles(
     primitive: &Primitive,
-    transform: &Matrix4<f64>,
+    vertices: &Vertices,
+    mirrored: bool,
     accessors: &Accessors<'_>,
     at: SourceLocation,
     builder: &mut Builder,
-) -> Result<bool, ParseError> {
-    const TRIANGLES: u32 = 4;
-    const TRIANGLE_STRIP: u32 = 5;
-    const TRIANGLE_FAN: u32 = 6;
-    let mode = primitive.mode.unwrap_or(TRIANGLES);
-    let Some(position) = primitive.attributes.position else {
-        return Ok(false);
-    };
-    if !(TRIANGLES..=TRIANGLE_FAN).contains(&mode) {
-        return Ok(false);
-    }
-
-    let linear: Matrix3<f64> = transform.fixed_view::<3, 3>(0, 0).into_owned();
-    let translation: Vec3 = transform.fixed_view::<3, 1>(0, 3).into_owned();
-    let first = builder.position_count();
-    let positions = accessors.vectors::<3>(position)?;
-    let count = positions.len();
-    for p in positions {
-        builder.position((linear * Vec3::from(p) + translation).into(), at)?;
-    }
-    let first_uv = builder.uv_count();
-    if let Some(uv) = primitive.attributes.texcoord {
-        for [u, v] in accessors.vectors::<2>(uv)? {
-            let uv = to_f32(Vec3::new(u, v, 0.0));
-            builder.uv([uv[0], uv[1]]);
-        }
-    }
-    let has_uv = builder.uv_count() - first_uv == count;
-    let first_normal = builder.normal_count();
-    if let Some(normal) = primitive.attributes.normal {
-        let [a, b, c] = [0, 1, 2].map(|k| Vec3::from(linear.column(k)));
-        let cofactors = Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)]);
-        for n in accessors.vectors::<3>(normal)? {
-            let n = cofactors * Vec3::from(n);
-            builder.normal(to_f32(n.try_normalize(0.0).unwrap_or_default()));
-        }
-    }
-    let has_normal = builder.normal_count() - first_normal == count;
-
+) -> Result<(), ParseError> {
+    let count = vertices.count;
     let indices = match primitive.indices {
         Some(indices) => accessors.indices(indices)?,
         None => (0..u32::try_from(count).map_err(|_| ParseError::TooLarge)?).collect(),
@@ -212,26 +281,16 @@ fn add_primitive(
             count,
         });
     }
-    let mirrored = linear.determinant() < 0.0;
-    let mut add = |triangle: [u32; 3]| {
-        let [a, b, c] = triangle;
-        let corner = |i: u32| -> Result<Corner, ParseError> {
-            let index =
-                |first: usize| u32::try_from(first + i as usize).map_err(|_| ParseError::TooLarge);
-            Ok(Corner {
-                position: index(first)?,
-                uv: if has_uv { index(first_uv)? } else { NONE },
-                normal: if has_normal {
-                    index(first_normal)?
-                } else {
-                    NONE
-                },
-            })
-        };
+    let material = primitive
+        .material
+        .and_then(|i| accessors.document.materials.get(i));
+    builder.material = material.map_or(0, |material| material_number(material.name.as_bytes()));
+    let mut add = |[a, b, c]: [u32; 3]| {
         let (b, c) = if mirrored { (c, b) } else { (b, c) };
-        builder.face(&[corner(a)?, corner(b)?, corner(c)?], at)
+        let [a, b, c] = [a, b, c].map(|i| vertices.corner(i));
+        builder.face(&[a?, b?, c?], at)
     };
-    match mode {
+    match primitive.mode() {
         TRIANGLES => {
             let (triangles, rest) = indices.as_chunks::<3>();
             if !rest.is_empty() {
@@ -240,18 +299,14 @@ fn add_primitive(
                     expected: "three indices a triangle",
                 });
             }
-            triangles.iter().try_for_each(|&t| add(t))?;
+            triangles.iter().try_for_each(|&t| add(t))
         }
-        TRIANGLE_STRIP => {
-            strip_triangles(&indices).try_for_each(add)?;
-        }
+        TRIANGLE_STRIP => strip_triangles(&indices).try_for_each(add),
         _ => {
-            for pair in indices.get(1..).unwrap_or_default().windows(2) {
-                add([indices[0], pair[0], pair[1]])?;
-            }
+            let mut pairs = indices.get(1..).unwrap_or_default().windows(2);
+            pairs.try_for_each(|pair| add([indices[0], pair[0], pair[1]]))
         }
     }
-    Ok(true)
 }
 
 #[cfg(test)]

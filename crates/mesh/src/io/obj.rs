@@ -5,6 +5,7 @@
 use crate::io::build::{Builder, Corner, NONE};
 use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, SourceLocation};
+use crate::io::material_number;
 use crate::io::origin::read_near_origin;
 
 /// Statements that do not concern the shape of a triangle mesh.
@@ -12,8 +13,8 @@ const IGNORED: [&[u8]; 7] = [b"g", b"o", b"s", b"mtllib", b"usemap", b"maplib", 
 
 /// Reads an OBJ file.
 ///
-/// Faces may precede their vertices. Relative indices count back from their own line. `w` and
-/// vertex colors are ignored.
+/// Faces may precede their vertices. Relative indices count back from their own line. Three numbers
+/// after the coordinates of a vertex are its color, the channel `color`; a single one is ignored.
 ///
 /// # Errors
 /// [`ParseError`] with the line.
@@ -44,6 +45,9 @@ fn read_statements(bytes: &[u8], builder: &mut Builder) -> Result<(), ParseError
                 };
                 let p = [coordinate()?, coordinate()?, coordinate()?];
                 builder.position(p, at)?;
+                if let Some(color) = color(words) {
+                    builder.color(&color);
+                }
             }
             b"vt" => {
                 let expected = "one to three coordinates after vt";
@@ -69,7 +73,7 @@ fn read_statements(bytes: &[u8], builder: &mut Builder) -> Result<(), ParseError
                 }
                 builder.face(&face, at)?;
             }
-            b"usemtl" => builder.material = words.next().map_or(0, material),
+            b"usemtl" => builder.material = words.next().map_or(0, material_number),
             _ if IGNORED.contains(&keyword) => {}
             _ if keyword[0].is_ascii_alphabetic() => skipped += 1,
             _ => {
@@ -136,6 +140,13 @@ impl<'a> LogicalLines<'a> {
     }
 }
 
+/// Returns the color after the coordinates of a vertex, if exactly three numbers follow.
+fn color<'a>(words: impl Iterator<Item = &'a [u8]>) -> Option<[f32; 3]> {
+    let mut numbers = words.map(|word| std::str::from_utf8(word).ok()?.parse().ok());
+    let color = [numbers.next()??, numbers.next()??, numbers.next()??];
+    numbers.next().is_none().then_some(color)
+}
+
 fn number_of(
     word: Option<&[u8]>,
     at: SourceLocation,
@@ -146,15 +157,6 @@ fn number_of(
         .ok_or(ParseError::Syntax { at, expected })
 }
 
-/// Returns the number in a material name of [`write_obj`](crate::write_obj); 0 for other names.
-fn material(name: &[u8]) -> u32 {
-    let digits = name.strip_prefix(b"material_");
-    digits
-        .and_then(|digits| std::str::from_utf8(digits).ok())
-        .and_then(|digits| digits.parse().ok())
-        .unwrap_or(0)
-}
-
 /// Parses a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
 fn corner(word: &[u8], builder: &Builder, at: SourceLocation) -> Result<Corner, ParseError> {
     let mut parts = word.split(|&b| b == b'/');
@@ -162,6 +164,7 @@ fn corner(word: &[u8], builder: &Builder, at: SourceLocation) -> Result<Corner, 
         position: index(parts.next(), builder.position_count(), at)?,
         uv: index(parts.next(), builder.uv_count(), at)?,
         normal: index(parts.next(), builder.normal_count(), at)?,
+        row: NONE,
     };
     if corner.position == NONE || parts.next().is_some() {
         return Err(malformed_corner(at));
@@ -215,9 +218,11 @@ mod tests {
             data.warnings,
             [
                 Warning::Skipped { count: 2 },
-                Warning::PartialAttributes { corners: 4 }
+                Warning::PartialAttributes { corners: 6 }
             ]
         );
+        let gray = [0.0, 0.0, 0.0, 0.5, 0.5, 0.5, 0.0, 0.0, 0.0];
+        assert_eq!(data.channels[0].values(), gray);
     }
 
     #[test]

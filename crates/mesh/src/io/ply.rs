@@ -1,21 +1,27 @@
 //! Reader of PLY: text and binary of either byte order.
 //!
-//! Of vertices, `x y z`, texture coordinates (`s t`, `u v` or `texture_u texture_v`) and normals
-//! (`nx ny nz`) are read. Of faces, `vertex_indices` (or `vertex_index`) and `texcoord` with two
-//! numbers for each corner are read. Of `tristrips`, `vertex_indices` are read as triangle strips
-//! that -1 ends. Everything else is skipped.
+//! Of vertices, `x y z`, texture coordinates (`s t`, `u v` or `texture_u texture_v`), normals
+//! (`nx ny nz`) and all other numbers, which become channels, are read. Of faces, `vertex_indices`
+//! (or `vertex_index`), `material`, and lists with the same count of numbers for each corner are
+//! read: `texcoord` with two, `normal` with three, any other as a channel. Of `tristrips`,
+//! `vertex_indices` are read as triangle strips that -1 ends. Everything else is dropped with a
+//! warning.
 
+mod channels;
+mod faces;
 mod header;
 mod strips;
 mod values;
 
 use crate::geometry::round_to_f32;
-use crate::io::build::{Builder, Corner, NONE};
+use crate::io::build::{Builder, NONE};
 use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, SourceLocation};
 use crate::io::origin::read_near_origin;
+use channels::VertexChannel;
+pub(super) use channels::{SKIN_LIST, keeps_name};
+use faces::read_faces;
 use header::{Element, Header, read_header};
-use rustc_hash::FxHashMap;
 use strips::read_strips;
 use values::Values;
 
@@ -42,7 +48,12 @@ fn read_elements(
             b"vertex" => read_vertices(element, &mut values, builder)?,
             b"face" => read_faces(element, &mut values, builder)?,
             b"tristrips" => read_strips(element, number, &mut values, builder)?,
-            _ => skip(element, number, &mut values)?,
+            _ => {
+                if element.count > 0 && !element.properties.is_empty() {
+                    builder.warnings.push(Warning::dropped(element.name));
+                }
+                skip(element, number, &mut values)?;
+            }
         }
     }
     let count = values.trailing();
@@ -71,6 +82,10 @@ fn read_vertices(
     };
     let uv = column(&[b"s", b"u", b"texture_u"]).zip(column(&[b"t", b"v", b"texture_v"]));
     let normal = column(&[b"nx"]).zip(column(&[b"ny"])).zip(column(&[b"nz"]));
+    let mut used = vec![x, y, z];
+    used.extend(uv.iter().flat_map(|&(u, v)| [u, v]));
+    used.extend(normal.iter().flat_map(|&((x, y), z)| [x, y, z]));
+    let channels = VertexChannel::find(element, &used, builder);
     let mut row = vec![0.0; element.properties.len()];
     for i in 0..element.count {
         let at = SourceLocation::Vertex(i);
@@ -89,71 +104,9 @@ fn read_vertices(
         if let Some(((x, y), z)) = normal {
             builder.normal([x, y, z].map(|k| round_to_f32(row[k])));
         }
-    }
-    Ok(())
-}
-
-fn read_faces(
-    element: &Element<'_>,
-    values: &mut Values<'_>,
-    builder: &mut Builder,
-) -> Result<(), ParseError> {
-    let list = |names: [&[u8]; 2]| {
-        element
-            .properties
-            .iter()
-            .position(|p| p.count.is_some() && names.contains(&p.name))
-    };
-    let indices_column = list([b"vertex_indices", b"vertex_index"]);
-    let texcoord_column = list([b"texcoord", b"texcoords"]);
-    if indices_column.is_none() && element.count > 0 {
-        return Err(ParseError::Syntax {
-            at: SourceLocation::Header,
-            expected: "the face property vertex_indices",
-        });
-    }
-    let (mut indices, mut texcoord) = (Vec::new(), Vec::new());
-    let mut known_uv = FxHashMap::default();
-    let mut corners = Vec::new();
-    for i in 0..element.count {
-        let at = SourceLocation::Face(i);
-        indices.clear();
-        texcoord.clear();
-        for (k, property) in element.properties.iter().enumerate() {
-            let Some(count) = property.count else {
-                values.next(property.kind, at)?;
-                continue;
-            };
-            values.list(count, property.kind, at, |value| {
-                if Some(k) == indices_column {
-                    indices.push(value);
-                } else if Some(k) == texcoord_column {
-                    texcoord.push(round_to_f32(value));
-                }
-            })?;
+        for channel in &channels {
+            channel.add(&row, builder);
         }
-        corners.clear();
-        for &index in &indices {
-            corners.push(Corner::position(vertex_index(index, builder, at)?));
-        }
-        let (with_uv, with_normal) = (builder.uv_count() > 0, builder.normal_count() > 0);
-        for corner in &mut corners {
-            if with_uv && texcoord_column.is_none() {
-                corner.uv = corner.position;
-            }
-            if with_normal {
-                corner.normal = corner.position;
-            }
-        }
-        if texcoord.len() == 2 * corners.len() {
-            for (corner, uv) in corners.iter_mut().zip(texcoord.as_chunks::<2>().0) {
-                corner.uv = *known_uv.entry(uv.map(f32::to_bits)).or_insert_with(|| {
-                    builder.uv(*uv);
-                    u32::try_from(builder.uv_count() - 1).unwrap_or(NONE)
-                });
-            }
-        }
-        builder.face(&corners, at)?;
     }
     Ok(())
 }

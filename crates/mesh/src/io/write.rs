@@ -1,35 +1,80 @@
-//! Writers of OBJ and PLY.
+//! Writers of OBJ, PLY, STL and binary glTF.
 
-use crate::ids::{TriangleId, VertexId};
-use crate::io::WriteError;
+#[cfg(feature = "gltf")]
+mod glb;
+mod obj;
+mod ply;
+mod stl;
+
+use crate::io::{Warning, WriteError};
 use crate::surface::Surface;
 use std::borrow::Cow;
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter};
 use std::path::Path;
 
-/// Writes a surface as OBJ.
+/// Writes a surface as OBJ and returns warnings about the channels that OBJ cannot hold.
 ///
 /// Positions have as many digits as `f32` needs; texture coordinates (`vt`) and normals (`vn`) are
-/// written once for each distinct value. If triangles have different materials
+/// written once for each distinct value. A channel `color` of vertices follows the coordinates, as
+/// many programs read it, without alpha. If triangles have different materials
 /// ([`Surface::material`]), `usemtl material_N` lines precede them, without a material library.
 /// Free slots are skipped. The surface's origin is added to positions, which then have the digits
 /// of `f64`.
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.
-pub fn write_obj(path: &Path, surface: &Surface) -> Result<(), WriteError> {
-    replace(path, |out| obj(&dense(surface), out))
+pub fn write_obj(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteError> {
+    replace(path, |out| obj::write(&dense(surface), out))?;
+    Ok(obj::dropped(surface))
 }
 
-/// Writes a surface as little-endian PLY, with texture coordinates as the faces' `texcoord`.
+/// Writes a surface as little-endian PLY with all attributes.
 ///
-/// Normals and free slots are skipped. Coordinates are doubles if the surface's origin is not zero.
+/// Positions, texture coordinates, normals, materials and channels keep every bit if
+/// [`read_ply`](crate::read_ply) reads the file. Channels of vertices are properties of vertices:
+/// `red green blue alpha` for `color`, `NAME_joint_I` and `NAME_weight_I` for skin weights, else
+/// `NAME_I`, or `NAME` for a single number. Attributes of corners are lists of faces. Free slots
+/// are skipped. Coordinates are doubles if the surface's origin is not zero. Returns warnings about
+/// channels whose names have another meaning in PLY.
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.
-pub fn write_ply(path: &Path, surface: &Surface) -> Result<(), WriteError> {
-    replace(path, |out| ply(&dense(surface), out))
+pub fn write_ply(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteError> {
+    replace(path, |out| ply::write(&dense(surface), out))?;
+    Ok(ply::dropped(surface))
+}
+
+/// Writes the triangles of a surface as binary STL, which holds positions alone.
+///
+/// The surface's origin is added to positions. Returns warnings about all other attributes.
+///
+/// # Errors
+/// [`WriteError`]; an existing file is then unchanged.
+pub fn write_stl(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteError> {
+    replace(path, |out| stl::write(surface, out))?;
+    Ok(stl::dropped(surface))
+}
+
+/// Writes surfaces as binary glTF 2.0 (`.glb`), a node of the given name each.
+///
+/// Vertices are split where attributes differ. Every material has a primitive and the name
+/// `material_N`. The channel `color` becomes `COLOR_0`, `uv1` and further ones `TEXCOORD_1` and so
+/// on, `skin` becomes `JOINTS_0` and `WEIGHTS_0`, and other channels of up to four numbers become
+/// `_NAME`. Surfaces without normals get those of [`RenderBuffers`](crate::RenderBuffers). The
+/// surface's origin is the translation of its node. Returns warnings about channels that do not
+/// fit.
+///
+/// # Errors
+/// [`WriteError`]; an existing file is then unchanged.
+#[cfg(feature = "gltf")]
+pub fn write_glb(path: &Path, surfaces: &[(&str, &Surface)]) -> Result<Vec<Warning>, WriteError> {
+    let mut dropped = Vec::new();
+    replace(path, |out| {
+        dropped = glb::write(surfaces, out)?;
+        Ok(())
+    })?;
+    Ok(dropped)
 }
 
 /// Returns the surface without free slots and unused vertices.
@@ -74,124 +119,12 @@ fn replace(
     })
 }
 
-fn obj(surface: &Surface, out: &mut impl Write) -> io::Result<()> {
-    for &[x, y, z, _] in &surface.positions {
-        match surface.file_position([x, y, z]) {
-            None => writeln!(out, "v {x:?} {y:?} {z:?}")?,
-            Some([x, y, z]) => writeln!(out, "v {x:?} {y:?} {z:?}")?,
-        }
-    }
-    let uv = distinct(&surface.corners.uv);
-    for [u, v] in uv.iter().map(|uv| uv.map(f32::from_bits)) {
-        writeln!(out, "vt {u:?} {v:?}")?;
-    }
-    let normals = distinct(&surface.corners.normal);
-    for [x, y, z] in normals.iter().map(|n| n.map(f32::from_bits)) {
-        writeln!(out, "vn {x:?} {y:?} {z:?}")?;
-    }
-    let mut triangles = surface.topology().triangles();
-    let first = triangles.next().map(|t| surface.material(t));
-    let differ = triangles.any(|t| Some(surface.material(t)) != first);
-    let mut material = None;
-    for t in surface.topology().triangles() {
-        let own = Some(surface.material(t));
-        if differ && own != material {
-            writeln!(out, "usemtl material_{}", surface.material(t))?;
-            material = own;
-        }
-        write!(out, "f")?;
-        for h in t.half_edges() {
-            write!(out, " {}", surface.topology().origin(h).0 + 1)?;
-            let index_of_uv = index_in(&uv, surface.corners.uv.get(h.index()));
-            let index_of_normal = index_in(&normals, surface.corners.normal.get(h.index()));
-            match (index_of_uv, index_of_normal) {
-                (None, None) => {}
-                (Some(uv), None) => write!(out, "/{uv}")?,
-                (None, Some(normal)) => write!(out, "//{normal}")?,
-                (Some(uv), Some(normal)) => write!(out, "/{uv}/{normal}")?,
-            }
-        }
-        writeln!(out)?;
-    }
-    Ok(())
-}
-
-fn distinct<const N: usize>(values: &[[f32; N]]) -> Vec<[u32; N]> {
-    let mut out: Vec<[u32; N]> = values.iter().map(|value| value.map(f32::to_bits)).collect();
-    out.sort_unstable();
-    out.dedup();
-    out
-}
-
-/// Returns the OBJ index of a value, which counts from 1.
-fn index_in<const N: usize>(distinct: &[[u32; N]], value: Option<&[f32; N]>) -> Option<usize> {
-    let value = value?.map(f32::to_bits);
-    distinct.binary_search(&value).ok().map(|i| i + 1)
-}
-
-fn ply(surface: &Surface, out: &mut impl Write) -> io::Result<()> {
-    let topology = surface.topology();
-    let uv = &surface.corners.uv;
-    let kind = if surface.origin == [0.0; 3] {
-        "float"
-    } else {
-        "double"
-    };
-    write!(
-        out,
-        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty {kind} x\n\
-         property {kind} y\nproperty {kind} z\nelement face {}\n\
-         property list uchar uint vertex_indices\n",
-        topology.vertex_slots(),
-        topology.triangle_slots(),
-    )?;
-    if !uv.is_empty() {
-        writeln!(out, "property list uchar float texcoord")?;
-    }
-    writeln!(out, "end_header")?;
-    for &[x, y, z, _] in &surface.positions {
-        match surface.file_position([x, y, z]) {
-            None => {
-                for x in [x, y, z] {
-                    out.write_all(&x.to_le_bytes())?;
-                }
-            }
-            Some(p) => {
-                for x in p {
-                    out.write_all(&x.to_le_bytes())?;
-                }
-            }
-        }
-    }
-    for t in topology.triangles() {
-        ply_face(topology.triangle(t), t, uv, out)?;
-    }
-    Ok(())
-}
-
-fn ply_face(
-    corners: [VertexId; 3],
-    t: TriangleId,
-    uv: &[[f32; 2]],
-    out: &mut impl Write,
-) -> io::Result<()> {
-    out.write_all(&[3])?;
-    for v in corners {
-        out.write_all(&v.0.to_le_bytes())?;
-    }
-    if !uv.is_empty() {
-        out.write_all(&[6])?;
-        for x in t.half_edges().iter().flat_map(|h| uv[h.index()]) {
-            out.write_all(&x.to_le_bytes())?;
-        }
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ids::TriangleId;
     use crate::io::read_mesh;
+    use crate::surface::{Blend, Channel, Domain};
     use proptest::prelude::*;
 
     fn tetrahedron(corners: [[f32; 3]; 4]) -> Surface {
@@ -208,18 +141,38 @@ mod tests {
         fn files_keep_every_bit(
             points in prop::array::uniform4(prop::array::uniform3(any_coordinate())),
             uv in prop::array::uniform12(prop::array::uniform2(any_coordinate())),
+            normal in prop::array::uniform3(any_coordinate()),
+            material: u32,
+            values in prop::collection::vec(
+                prop_oneof![any_coordinate(), (0u8..=255).prop_map(|b| f32::from(b) / 255.0)],
+                1..50,
+            ),
         ) {
             let distinct = (0..4).all(|i| (0..i).all(|j| points[i] != points[j]));
             prop_assume!(distinct);
             let mut surface = tetrahedron(points);
             surface.corners.uv = uv.to_vec();
+            surface.corners.normal = vec![normal; 12];
+            surface.set_material(TriangleId(2), material);
+            for (name, domain, blend, width) in [
+                ("color", Domain::Vertex, Blend::Linear, 3),
+                ("heat", Domain::Vertex, Blend::Linear, 1),
+                ("skin", Domain::Vertex, Blend::Skin, 8),
+                ("uv1", Domain::Corner, Blend::Linear, 2),
+                ("bones", Domain::Corner, Blend::Skin, 4),
+            ] {
+                let rows = surface.slots(domain) * width;
+                let values = values.iter().cycle().take(rows).copied().collect();
+                let channel = Channel::new(name, domain, blend, width, values).unwrap();
+                surface.set_channel(channel).unwrap();
+            }
             let folder = tempfile::tempdir().unwrap();
             for (name, write) in [
                 ("a.obj", write_obj as fn(&Path, &Surface) -> _),
                 ("a.PLY", write_ply),
             ] {
                 let path = folder.path().join(name);
-                write(&path, &surface).unwrap();
+                let dropped = write(&path, &surface).unwrap();
                 let data = read_mesh(&path).unwrap();
                 let bits = |p: [f32; 3]| p.map(f32::to_bits);
                 for (i, p) in data.positions.iter().enumerate() {
@@ -233,7 +186,26 @@ mod tests {
                 prop_assert_eq!(&data.triangles, &faces);
                 let bits = |uv: &[f32; 2]| uv.map(f32::to_bits);
                 prop_assert!(data.corners.uv.iter().map(bits).eq(uv.iter().map(bits)));
-                prop_assert_eq!(data.file_vertices, surface.seam_split_vertices());
+                let bits = |n: &[f32; 3]| n.map(f32::to_bits);
+                let normals = &surface.corners.normal;
+                prop_assert!(data.corners.normal.iter().map(bits).eq(normals.iter().map(bits)));
+                if name == "a.obj" {
+                    let rest = ["heat", "skin", "uv1", "bones"].map(str::to_owned);
+                    prop_assert_eq!(dropped, rest.map(|name| Warning::Dropped { name }));
+                    prop_assert_eq!(&data.channels[..], &surface.channels[..1]);
+                } else {
+                    prop_assert_eq!(dropped, []);
+                    prop_assert_eq!(&data.channels, &surface.channels);
+                    prop_assert_eq!(data.file_vertices, surface.seam_split_vertices());
+                }
+                for (a, b) in data.channels.iter().zip(&surface.channels) {
+                    let bits = |channel: &Channel| {
+                        channel.values().iter().map(|x| x.to_bits()).collect::<Vec<_>>()
+                    };
+                    prop_assert_eq!(bits(a), bits(b));
+                }
+                let materials = if material == 0 { vec![] } else { vec![0, 0, material, 0] };
+                prop_assert_eq!(data.materials, materials);
             }
         }
     }
@@ -244,7 +216,7 @@ mod tests {
         let mut surface = tetrahedron(corners);
         let lines = |surface: &Surface| {
             let mut out = Vec::new();
-            obj(surface, &mut out).unwrap();
+            obj::write(surface, &mut out).unwrap();
             let text = String::from_utf8(out).unwrap();
             let lines = text.lines().filter(|line| !line.starts_with('v'));
             lines.map(str::to_owned).collect::<Vec<_>>()

@@ -1,6 +1,6 @@
 //! Extraction of pieces, compaction, and the order of vertices and triangles.
 
-use super::{CornerAttributes, Surface};
+use super::{CornerAttributes, Domain, Surface};
 use crate::bvh::sort_along_curve;
 use crate::ids::{HalfEdge, TriangleId, VertexId};
 
@@ -64,6 +64,45 @@ impl Surface {
         self.renumber(&triangles, &vertices)
     }
 
+    /// Reverses the orientation of all triangles, and renumbers them like [`Self::compact`].
+    ///
+    /// # Errors
+    /// [`TopologyError`](crate::TopologyError) if the surface is no manifold; it is only renumbered
+    /// then.
+    pub fn flip(&mut self) -> Result<(), crate::TopologyError> {
+        self.compact();
+        let (topology, positions) = (&self.topology, &self.positions);
+        let triangles: Vec<[u32; 3]> = (topology.triangles())
+            .map(|t| {
+                let [a, b, c] = topology.triangle(t).map(|v| v.0);
+                [a, c, b]
+            })
+            .collect();
+        let points: Vec<[f32; 3]> = positions.iter().map(|&[x, y, z, _]| [x, y, z]).collect();
+        let mut flipped = Self::from_triangles(&points, &triangles)?;
+        for t in topology.triangles() {
+            flipped.set_piece(t, self.piece(t));
+        }
+        flipped.pieces.set_bound(self.piece_bound());
+        flipped.positions.clone_from(positions);
+        flipped.rest.clone_from(&self.rest);
+        flipped.material.clone_from(&self.material);
+        flipped.origin = self.origin;
+        flipped.corners = CornerAttributes {
+            uv: turned(&self.corners.uv),
+            normal: turned(&self.corners.normal),
+        };
+        let corners: Vec<usize> = (0..3 * triangles.len()).collect();
+        let corners = turned(&corners);
+        let channels = self.channels.iter().map(|channel| match channel.domain() {
+            Domain::Vertex => channel.clone(),
+            Domain::Corner => channel.gather(corners.iter().copied()),
+        });
+        flipped.channels = channels.collect();
+        *self = flipped;
+        Ok(())
+    }
+
     /// Renumbers vertices and triangles in the given order.
     fn renumber(
         &mut self,
@@ -121,6 +160,11 @@ impl Surface {
             uv: uv.copied().collect(),
             normal: normal.copied().collect(),
         };
+        let gathered = self.channels.iter().map(|channel| match channel.domain() {
+            Domain::Vertex => channel.gather(vertices.iter().map(|v| v.index())),
+            Domain::Corner => channel.gather(half_edges().map(HalfEdge::index)),
+        });
+        out.channels = gathered.collect();
         let half_edges: Vec<HalfEdge> = out
             .topology
             .triangles()
@@ -132,9 +176,16 @@ impl Surface {
     }
 }
 
+/// Exchanges the last two corners of every triangle.
+fn turned<T: Copy>(values: &[T]) -> Vec<T> {
+    let triangles = values.as_chunks::<3>().0.iter();
+    triangles.flat_map(|&[a, b, c]| [a, c, b]).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::{Blend, Channel};
 
     #[test]
     fn a_piece_keeps_its_attributes() {
@@ -157,6 +208,28 @@ mod tests {
         assert_eq!([0, 1].map(|t| surface.material(TriangleId(t))), [11, 12]);
         assert_eq!([0, 1, 2].map(|p| surface.piece_triangles(p)), [0, 1, 1]);
         assert_eq!(surface.piece_bound(), 3);
+    }
+
+    #[test]
+    fn two_flips_change_nothing() {
+        let mut surface = crate::shapes::torus(0.4, 0.15, 6, 4);
+        let corners = 3 * surface.topology().triangle_slots();
+        surface.corners.uv = (0..corners).map(|i| [i as f32, 0.0]).collect();
+        let values = (0..corners).map(|i| i as f32).collect();
+        let channel = Channel::new("c", Domain::Corner, Blend::Linear, 1, values).unwrap();
+        surface.set_channel(channel).unwrap();
+        surface.set_material(TriangleId(3), 4);
+        let (before, volume) = (surface.clone(), surface.volume());
+        surface.flip().unwrap();
+        assert_eq!(surface.volume(), -volume);
+        let value = |h: HalfEdge| surface.channels[0].values()[h.index()];
+        for t in surface.topology().triangles() {
+            for h in t.half_edges() {
+                assert_eq!(value(h), surface.corners.uv[h.index()][0]);
+            }
+        }
+        surface.flip().unwrap();
+        assert_eq!(surface, before);
     }
 
     #[test]

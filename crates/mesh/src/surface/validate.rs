@@ -101,6 +101,17 @@ impl Surface {
                 });
             }
         }
+        for channel in &self.channels {
+            let expected = self.slots(channel.domain()) * channel.width();
+            let found = channel.values.len();
+            if expected != found {
+                return Err(InvalidSurface::ArrayLength {
+                    array: "channels",
+                    expected,
+                    found,
+                });
+            }
+        }
         for vertex in self.topology.vertices() {
             let (position, rest) = (self.positions[vertex.index()], self.rest[vertex.index()]);
             let arrays = [("positions", &position[..]), ("rest positions", &rest[..])];

@@ -9,7 +9,7 @@ use super::objective::Compliances;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMat, Triplet};
@@ -24,7 +24,7 @@ pub(super) const NO_ROW: u32 = u32::MAX;
 /// An element of the matrix: its vertices, coefficients and weight.
 type Element<const N: usize> = ([usize; N], [f64; N], f64);
 
-/// A copy of what the matrix depends on.
+/// A copy of masses, constraints and weights, from which the matrix is assembled.
 #[derive(Debug)]
 pub(super) struct MatrixInput {
     /// Mass \[kg\], 0 of fixed vertices, shape [vertex slots].
@@ -67,6 +67,13 @@ impl MatrixInput {
             edges,
             hinges,
         }
+    }
+
+    /// Returns the memory \[bytes\].
+    pub(super) fn bytes(&self) -> usize {
+        8 * self.masses.capacity()
+            + size_of::<Element<2>>() * self.edges.capacity()
+            + size_of::<Element<4>>() * self.hinges.capacity()
     }
 
     /// Returns the diagonal of the matrix \[kg\], shape [vertex slots].
@@ -229,9 +236,16 @@ impl Factor {
         self.values.len()
     }
 
-    /// Returns the size of factor, rows and scratch memory \[bytes\].
+    /// Returns the size of factor, its structure, rows and scratch memory \[bytes\].
     pub(super) fn bytes(&self) -> usize {
-        8 * self.values.len() + 4 * self.rows.len() + 3 * 8 * self.count
+        let indices = match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(symbolic) => symbolic.row_idx(),
+            SymbolicCholeskyRaw::Supernodal(symbolic) => symbolic.row_idx(),
+        };
+        let scratch = self.symbolic.solve_in_place_scratch::<f64>(3, Par::Seq);
+        8 * (self.values.len() + indices.len() + 3 * self.count)
+            + 4 * self.rows.len()
+            + scratch.unaligned_bytes_required()
     }
 
     /// Allocates the memory of a solve; `None` if there is not enough.

@@ -2,6 +2,7 @@
 
 use super::objective::Objective;
 use super::preconditioner::Preconditioner;
+use super::volumes::{VolumeGradients, Volumes};
 use crate::kernels::particle_state::ParticleStates;
 use incise_mesh::Vec3;
 use incise_mesh::geometry::{to_f32, to_f64};
@@ -52,6 +53,7 @@ pub(super) struct Minimizer {
     /// Displaced positions of the point that is evaluated \[m\].
     points: Vec<Vec3>,
     direction: Vec<Vec3>,
+    volume_gradients: VolumeGradients,
     pairs: [Pair; PAIRS],
     /// Number of pairs of this substep so far; the last ones are kept.
     pair_count: usize,
@@ -111,7 +113,7 @@ impl Minimizer {
     pub(super) fn iterate(
         &mut self,
         particles: ParticleStates<'_>,
-        objective: &Objective<'_>,
+        (objective, volumes): (&Objective<'_>, Option<Volumes<'_>>),
         preconditioner: &mut Preconditioner,
     ) {
         if self.load(particles) {
@@ -121,10 +123,10 @@ impl Minimizer {
             self.add_pair();
         }
         self.has_step = false;
-        let mut slope = self.find_direction(preconditioner);
+        let mut slope = self.find_direction(volumes, preconditioner);
         if slope >= 0.0 && self.pair_count > 0 {
             self.pair_count = 0;
-            slope = self.find_direction(preconditioner);
+            slope = self.find_direction(volumes, preconditioner);
         }
         if slope >= 0.0 {
             return;
@@ -178,7 +180,7 @@ impl Minimizer {
         }
     }
 
-    /// Reads what other passes have changed; returns whether there is anything.
+    /// Reads changes by other passes, and returns whether there are any.
     ///
     /// The pass of volumes also moves positions.
     fn load(&mut self, particles: ParticleStates<'_>) -> bool {
@@ -250,11 +252,17 @@ impl Minimizer {
         }
     }
 
-    /// Computes a direction and returns its slope: the two loops of L-BFGS (Nocedal 1980).
-    fn find_direction(&mut self, preconditioner: &mut Preconditioner) -> f64 {
+    /// Computes a direction and returns its slope.
+    fn find_direction(
+        &mut self,
+        volumes: Option<Volumes<'_>>,
+        preconditioner: &mut Preconditioner,
+    ) -> f64 {
         let Self {
+            start,
             current,
             direction,
+            volume_gradients,
             pairs,
             pair_count,
             masses,
@@ -262,21 +270,18 @@ impl Minimizer {
         } = self;
         direction.clear();
         direction.extend(current.gradient.iter().map(|g| -g));
-        let first = pair_count.saturating_sub(PAIRS);
-        let mut shares = [0.0; PAIRS];
-        for k in (first..*pair_count).rev().map(|i| i % PAIRS) {
-            shares[k] = pairs[k].inverse * dot(&pairs[k].step, direction);
-            add_scaled(direction, -shares[k], &pairs[k].change);
-        }
-        preconditioner.apply(direction);
-        for k in (first..*pair_count).map(|i| i % PAIRS) {
-            let back = pairs[k].inverse * dot(&pairs[k].change, direction);
-            add_scaled(direction, shares[k] - back, &pairs[k].step);
-        }
-        for (d, &mass) in direction.iter_mut().zip(&*masses) {
-            if mass == 0.0 {
-                *d = Vec3::zeros();
+        let mut inverse = |vector: &mut Vec<Vec3>| {
+            multiply_by_inverse(vector, (&*pairs, *pair_count), preconditioner);
+            for (d, &mass) in vector.iter_mut().zip(&*masses) {
+                if mass == 0.0 {
+                    *d = Vec3::zeros();
+                }
             }
+        };
+        inverse(direction);
+        if let Some(volumes) = volumes {
+            let point = |v: usize| start[v] + current.displacements[v];
+            volume_gradients.project(volumes, point, masses, direction, inverse);
         }
         dot(&current.gradient, direction)
     }
@@ -291,11 +296,13 @@ impl Minimizer {
             .map(|pair| of(&pair.step) + of(&pair.change));
         of(&self.start)
             + 8 * self.masses.capacity()
+            + 12 * self.unobstructed.capacity()
             + of(&self.predicted)
             + point(&self.current)
             + point(&self.other)
             + of(&self.points)
             + of(&self.direction)
+            + self.volume_gradients.bytes()
             + pairs.sum::<usize>()
     }
 }
@@ -316,6 +323,26 @@ fn evaluate(
         if mass == 0.0 {
             *gradient = Vec3::zeros();
         }
+    }
+}
+
+/// Multiplies a vector by the approximate inverse of the Hessian: the two loops of L-BFGS
+/// (Nocedal 1980).
+fn multiply_by_inverse(
+    vector: &mut [Vec3],
+    (pairs, count): (&[Pair; PAIRS], usize),
+    preconditioner: &mut Preconditioner,
+) {
+    let first = count.saturating_sub(PAIRS);
+    let mut shares = [0.0; PAIRS];
+    for k in (first..count).rev().map(|i| i % PAIRS) {
+        shares[k] = pairs[k].inverse * dot(&pairs[k].step, vector);
+        add_scaled(vector, -shares[k], &pairs[k].change);
+    }
+    preconditioner.apply(vector);
+    for k in (first..count).map(|i| i % PAIRS) {
+        let back = pairs[k].inverse * dot(&pairs[k].change, vector);
+        add_scaled(vector, shares[k] - back, &pairs[k].step);
     }
 }
 

@@ -9,7 +9,7 @@ use super::matrix::{Factor, MatrixInput, NO_ROW, SolveScratch};
 use super::objective::Compliances;
 use super::{EnergySets, GlobalStats};
 use crate::particles::Particles;
-use incise_mesh::{Surface, Vec3, VertexId};
+use incise_mesh::{Surface, Vec3, VertexId, index_u32};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::Duration;
@@ -39,6 +39,8 @@ pub(super) struct Preconditioner {
     pending: Option<Pending>,
     factorizations: u32,
     factor_time: Duration,
+    /// Frames since the input of the factor in use was copied.
+    factor_age: u32,
 }
 
 impl Clone for Preconditioner {
@@ -60,7 +62,11 @@ impl Clone for Preconditioner {
 #[derive(Debug, Clone)]
 struct Pending {
     job: FactorJob,
-    frames_left: usize,
+    frames_left: u32,
+    /// Frames since the input was copied.
+    age: u32,
+    /// Size of the input \[bytes\].
+    input_bytes: usize,
     /// Vertices that have changed since it was started.
     changed: Vec<usize>,
 }
@@ -73,10 +79,12 @@ impl Preconditioner {
         compliances: Compliances,
         threads: Option<NonZeroUsize>,
     ) {
+        self.factor_age = self.factor_age.saturating_add(1);
         if let Some(mut pending) = self.pending.take() {
             pending.frames_left -= 1;
+            pending.age += 1;
             if pending.frames_left == 0 {
-                self.adopt(pending.job.finish(), &pending.changed);
+                self.adopt(pending.job.finish(), &pending.changed, pending.age);
             } else {
                 self.pending = Some(pending);
             }
@@ -100,20 +108,23 @@ impl Preconditioner {
         self.pins.clear();
         self.pins.extend(pins);
         if self.factor.is_none() {
-            self.adopt(FactorJob::start(input, NonZeroUsize::new(1)).finish(), &[]);
+            let job = FactorJob::start(move || input.factor(), NonZeroUsize::new(1));
+            self.adopt(job.finish(), &[], 0);
         } else {
             self.pending = Some(Pending {
-                job: FactorJob::start(input, threads),
-                frames_left: 2 + surface.positions().len() / VERTICES_PER_FRAME,
+                input_bytes: input.bytes(),
+                job: FactorJob::start(move || input.factor(), threads),
+                frames_left: index_u32(2 + surface.positions().len() / VERTICES_PER_FRAME),
+                age: 0,
                 changed: Vec::new(),
             });
         }
     }
 
     /// Takes a new factor into use, except for vertices that have changed since.
-    fn adopt(&mut self, factor: Option<Arc<Factor>>, changed: &[usize]) {
+    fn adopt(&mut self, factor: Option<Arc<Factor>>, changed: &[usize], age: u32) {
         self.factorizations += 1;
-        // Without a positive definite matrix the old factor stays.
+        // Without a positive definite matrix, or after a panic, the old factor stays.
         let Some(factor) = factor else { return };
         let slots = self.rows.len();
         self.rows.clear();
@@ -124,6 +135,7 @@ impl Preconditioner {
         }
         self.scratch = factor.scratch();
         self.factor_time = factor.time;
+        self.factor_age = age;
         self.factor = Some(factor);
     }
 
@@ -171,7 +183,10 @@ impl Preconditioner {
     /// Returns the memory \[bytes\].
     pub(super) fn bytes(&self) -> usize {
         let factor = self.factor.as_ref().map_or(0, |factor| factor.bytes());
-        factor + 4 * self.rows.capacity() + 8 * self.inverse_diagonal.capacity()
+        let pending = (self.pending.as_ref()).map_or(0, |pending| {
+            pending.input_bytes + 8 * pending.changed.capacity()
+        });
+        factor + pending + 4 * self.rows.capacity() + 8 * self.inverse_diagonal.capacity()
     }
 
     /// Returns the statistics of the factor.
@@ -181,6 +196,7 @@ impl Preconditioner {
             bytes: 0,
             factorizations: self.factorizations,
             factor_time: self.factor_time,
+            factor_age: self.factor_age,
         }
     }
 }

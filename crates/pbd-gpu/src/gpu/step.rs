@@ -1,4 +1,4 @@
-//! Steps all bodies by one frame, in one compute pass and one submission.
+//! Steps all bodies by one frame, with a submission for those of equally many substeps.
 
 use super::backend::{FRAMES_IN_FLIGHT, GpuBackend, GpuBody, find_mut};
 use super::error::GpuError;
@@ -21,12 +21,14 @@ const MAX_DISPATCHES: u32 = 1 << 20;
 impl GpuBackend {
     /// Submits one frame of `dt` \[s\] for the bodies and returns without waiting for it.
     ///
-    /// Blocks while three frames are in flight. Each body is stepped independently.
+    /// Blocks while three submissions are in flight. Each body is stepped independently. Bodies
+    /// that need more [substeps](SolverParams::substeps) have a submission of their own.
     ///
     /// # Errors
     /// [`GpuError`] if a parameter is out of range, a body is unknown, has another solver or was
     /// edited without [`GpuBackend::update`], the frame needs too many dispatches, or the GPU
-    /// fails. No body is stepped then. [`GpuBackend::read`] reports positions that are not finite.
+    /// fails. No body is stepped then, except in an earlier submission. [`GpuBackend::read`]
+    /// reports positions that are not finite.
     pub fn step<'a>(
         &mut self,
         bodies: impl IntoIterator<Item = (GpuBody, &'a mut Solver)>,
@@ -38,11 +40,39 @@ impl GpuBackend {
             return Err(StepError::UnsupportedOnGpu.into());
         }
         self.context.check()?;
+        let mut bodies: Vec<_> = (bodies.into_iter())
+            .map(|(body, solver)| (solver.needed_substeps(dt, params), body, solver))
+            .collect();
+        bodies.sort_by_key(|&(substeps, ..)| substeps);
         let mut stats = GpuStats::default();
+        if bodies.is_empty() {
+            self.submit_bodies(&mut [], dt, params, &mut stats)?;
+        }
+        for equal in bodies.chunk_by_mut(|a, b| a.0 == b.0) {
+            let substeps = equal[0].0;
+            let params = SolverParams {
+                substeps,
+                ..*params
+            };
+            self.submit_bodies(equal, dt, &params, &mut stats)?;
+        }
+        self.stats = stats;
+        Ok(&self.stats)
+    }
+
+    /// Submits one frame of bodies with the substeps of the parameters; adds its work to `stats`.
+    fn submit_bodies(
+        &mut self,
+        bodies: &mut [(u32, GpuBody, &mut Solver)],
+        dt: f32,
+        params: &SolverParams,
+        stats: &mut GpuStats,
+    ) -> Result<(), GpuError> {
         let mut frame = FrameUniform::zeroed();
         self.stepped.clear();
         let mut prepared = Ok(());
-        for (body, solver) in bodies {
+        for (_, body, solver) in bodies {
+            let body = *body;
             prepared = self.send_small_changes(body, solver);
             if prepared.is_err() {
                 break;
@@ -58,7 +88,7 @@ impl GpuBackend {
                 measures_motion: frame.measures_motion,
                 ..frame_record(&constants, params)
             };
-            self.update_body(body, solver, &constants, &mut stats)?;
+            self.update_body(body, solver, &constants, stats)?;
             self.stepped.push(body.slot());
             let measures_motion = self.resident(body)?.measures_motion;
             frame.measures_motion |= u32::from(measures_motion);
@@ -69,7 +99,7 @@ impl GpuBackend {
         prepared?;
         self.program_is_stale |=
             self.program.substeps != params.substeps || self.program_of != self.stepped;
-        stats.program_built = self.program_is_stale;
+        stats.program_built |= self.program_is_stale;
         self.update_program(params.substeps)?;
         self.uniforms
             .send_frame(&self.context, &mut self.uploads, frame);
@@ -84,14 +114,13 @@ impl GpuBackend {
         }
         self.frame += 1;
         self.note_frame();
-        stats.dispatches = self.program.dispatches(wants_bounds);
+        stats.dispatches += self.program.dispatches(wants_bounds);
         self.submit(wants_bounds)?;
         self.follow_up()?;
-        stats.bytes_uploaded = self.uploads.take_bytes();
-        stats.bytes_read = std::mem::take(&mut self.bytes_read);
-        stats.kernels_compiled = self.pipelines.take_compiled();
-        self.stats = stats;
-        Ok(&self.stats)
+        stats.bytes_uploaded += self.uploads.take_bytes();
+        stats.bytes_read += std::mem::take(&mut self.bytes_read);
+        stats.kernels_compiled += self.pipelines.take_compiled();
+        Ok(())
     }
 
     /// Computes the box of a body without a pending report.

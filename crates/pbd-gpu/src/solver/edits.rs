@@ -50,8 +50,11 @@ impl Solver {
         self.constraints.attachments.invalidate();
         self.step.plan.invalidate();
         #[cfg(feature = "global")]
-        if let Some(global) = &mut self.step.global {
-            global.follow_edit(delta);
+        {
+            self.step.extent = None;
+            if let Some(global) = &mut self.step.global {
+                global.follow_edit(delta);
+            }
         }
         Ok(())
     }

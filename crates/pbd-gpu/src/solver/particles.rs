@@ -79,6 +79,10 @@ impl Solver {
             surface.positions_mut()[v.index()][3] = inverse_mass;
         }
         self.follow.log.mark_mass(v);
+        #[cfg(feature = "global")]
+        {
+            self.step.extent = None;
+        }
         Ok(())
     }
 

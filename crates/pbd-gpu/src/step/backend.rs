@@ -17,6 +17,7 @@ use crate::step::params::StepStats;
 use crate::step::plan::{Pass, StepPlan};
 use pulp::{Arch, NullaryFnOnce};
 use std::num::NonZeroUsize;
+use std::ops::Range;
 
 /// Memory of a frame on the CPU, reused between frames.
 #[derive(Debug, Default)]
@@ -68,7 +69,7 @@ fn parts<'a>(
     (&step.plan, body)
 }
 
-/// Steps the bodies of an island by a number of substeps, in lockstep.
+/// Steps the bodies of an island by a range of the substeps of a frame, in lockstep.
 ///
 /// The results have the same bits on every machine and any number of threads. The global step
 /// depends on the instruction set.
@@ -76,7 +77,7 @@ pub(crate) fn execute(
     bodies: &mut dyn IslandBodies,
     members: &mut [Member],
     contacts: &mut ContactSet,
-    substeps: u32,
+    substeps: Range<u32>,
     scratch: &mut StepScratch,
 ) -> Result<(), NonFinite> {
     let StepScratch {
@@ -90,7 +91,7 @@ pub(crate) fn execute(
         let (_, body) = parts(bodies, i, member);
         member.first = particles.len();
         member.stats = StepStats {
-            substeps,
+            substeps: substeps.end - substeps.start,
             ..StepStats::default()
         };
         let at_start = |&x: &[f32; 4]| ParticleState { x, d: [0.0; 4] };
@@ -139,7 +140,7 @@ struct Frame<'a, 'b> {
     bodies: &'a mut dyn IslandBodies,
     members: &'a mut [Member],
     contacts: &'a mut ContactSet,
-    substeps: u32,
+    substeps: Range<u32>,
     /// States of the island.
     particles: ParticleStates<'a>,
     before: &'a mut Vec<[f32; 4]>,
@@ -173,7 +174,7 @@ impl NullaryFnOnce for Frame<'_, '_> {
         let has_contacts = !self.contacts.is_empty();
         // The prologue, the iterations, the epilogue.
         let last = iterations + 1;
-        for substep in 0..self.substeps {
+        for substep in self.substeps.clone() {
             self.contacts.reset_friction();
             let mut part = 0;
             while part <= last {
@@ -232,7 +233,7 @@ impl Frame<'_, '_> {
                 volume_scratch: &mut *self.volume_scratch,
                 leader: &mut *self.leader,
                 arch: self.arch,
-                substeps_left: self.substeps - substep,
+                substeps_left: self.substeps.end - substep,
                 stats: &mut member.stats,
                 lowest: &mut member.lowest,
             };
@@ -262,7 +263,9 @@ impl Frame<'_, '_> {
         let Some(first) = self.members.first_mut() else {
             return;
         };
-        let (particles, h) = (self.particles, first.constants.h);
+        let particles = self.particles;
+        // A second-order substep is longer than its first-order part.
+        let (h, length) = (first.constants.h, first.orders.first.h);
         first.stats.passes += 1;
         match pass {
             Pass::ContactFeatures => {
@@ -286,7 +289,7 @@ impl Frame<'_, '_> {
             Pass::ContactsBeforeVolumes if !has_volumes => first.stats.passes -= 1,
             _ => {
                 first.stats.contact_projections += self.contacts.len() as u64;
-                let time = (substep + 1) as f32 * h;
+                let time = (substep + 1) as f32 * length;
                 for color in &mut self.contacts.colors {
                     contacts::contacts(particles, color, accumulates, time);
                 }

@@ -72,7 +72,11 @@ fn global_pass(
         if pass == Pass::BeginGlobal {
             global.begin(particles, sets, constants);
         } else {
-            global.iterate(particles, sets, constants);
+            let volumes = crate::global::Volumes {
+                set: body.volumes,
+                topology: body.topology,
+            };
+            global.iterate(particles, (sets, volumes), constants);
         }
     }
 }

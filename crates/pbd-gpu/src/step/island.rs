@@ -45,6 +45,8 @@ pub struct Island {
     /// Vertex slots of the bodies that the contacts are for.
     vertices: usize,
     members: Vec<Member>,
+    /// Substeps of the frame.
+    substeps: u32,
     /// Statistics of the second-order substeps so far, by member.
     sums: Vec<StepStats>,
     scratch: StepScratch,
@@ -56,7 +58,7 @@ pub(crate) struct Member {
     /// Constants of the current substeps.
     pub(crate) constants: StepConstants,
     /// Constants of second-order integration.
-    orders: Orders,
+    pub(crate) orders: Orders,
     /// Upper bound of the change of a coordinate before the current second-order substep \[m\].
     extrapolated: f32,
     /// Island vertex of its first vertex.
@@ -147,6 +149,15 @@ impl Island {
         params: &SolverParams,
     ) -> Result<(), IslandError> {
         self.members.clear();
+        params
+            .check(dt)
+            .map_err(|error| IslandError { body: 0, error })?;
+        let needed = (0..bodies.count()).map(|i| bodies.get(i).0.needed_substeps(dt, params));
+        self.substeps = needed.fold(params.substeps, u32::max);
+        let params = &SolverParams {
+            substeps: self.substeps,
+            ..*params
+        };
         for body in 0..bodies.count() {
             let (solver, surface) = bodies.get(body);
             let member = prepare_member(solver, surface, dt, params);
@@ -170,6 +181,7 @@ impl Island {
             members,
             sums,
             scratch,
+            substeps,
             ..
         } = self;
         let done = match params.integrator {
@@ -178,13 +190,13 @@ impl Island {
                     let (_, _, step) = bodies.get(i).0.step_parts();
                     step.history.forget();
                 }
-                execute(bodies, members, contacts, params.substeps, scratch)
+                execute(bodies, members, contacts, 0..*substeps, scratch)
             }
             Integrator::Bdf2 => {
                 sums.clear();
                 sums.resize(members.len(), StepStats::default());
                 let members = (&mut **members, &mut **sums);
-                run_second_order(bodies, members, (contacts, scratch), params.substeps)
+                run_second_order(bodies, members, (contacts, scratch), *substeps)
             }
         };
         for (i, member) in members.iter().enumerate() {
@@ -206,7 +218,10 @@ impl Island {
 
     /// Returns the allocated size in elements.
     pub(crate) fn capacity(&self) -> usize {
-        self.members.capacity() + self.sums.capacity() + self.scratch.capacity()
+        self.contacts.capacity()
+            + self.members.capacity()
+            + self.sums.capacity()
+            + self.scratch.capacity()
     }
 }
 
@@ -217,8 +232,9 @@ fn prepare_member(
     dt: f32,
     params: &SolverParams,
 ) -> Result<Member, StepError> {
-    params.check(dt)?;
     solver.check_step(surface)?;
+    #[cfg(feature = "global")]
+    solver.measure(surface, params);
     let constants = solver.prepare(dt, params)?;
     let orders = both_orders(solver.material(), &constants, params);
     #[cfg(feature = "global")]
@@ -227,7 +243,7 @@ fn prepare_member(
             Integrator::Euler => &constants,
             Integrator::Bdf2 => &orders.second,
         };
-        solver.prepare_global(surface, of, params);
+        solver.prepare_global(surface, (of, dt), params);
     }
     let (_, constraints, _) = solver.step_parts();
     constraints.update_patch_contents();
@@ -269,7 +285,7 @@ fn run_second_order(
             member.constants = constants;
             member.extrapolated = extrapolated;
         }
-        done = execute(bodies, members, contacts, 1, scratch);
+        done = execute(bodies, members, contacts, substep..substep + 1, scratch);
         for (i, (member, sum)) in members.iter_mut().zip(&mut *sums).enumerate() {
             let (_, _, step) = bodies.get(i).0.step_parts();
             step.history.end_substep(done.is_ok(), &member.stats);
@@ -277,8 +293,7 @@ fn run_second_order(
             member.stats.max_substep_displacement += member.extrapolated;
             add(sum, &member.stats);
         }
-        if let Err(at) = &mut done {
-            at.substep = substep;
+        if done.is_err() {
             break;
         }
     }

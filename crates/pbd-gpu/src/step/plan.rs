@@ -236,6 +236,11 @@ impl StepPlan {
         self.prologue.capacity() + self.iteration.capacity() + self.epilogue.capacity()
     }
 
+    /// Returns whether constraints are the same as at the last [`StepPlan::update`].
+    pub(crate) fn is_current(&self) -> bool {
+        self.is_current
+    }
+
     /// Makes the next [`StepPlan::update`] rebuild the lists, after a change of constraints.
     pub(crate) fn invalidate(&mut self) {
         self.is_current = false;

@@ -56,7 +56,7 @@ pub(crate) fn prepare(
     }
     let key = PlanKey {
         attachments,
-        global: takes_global_step(params, material),
+        global: takes_global_step(step, material, dt, params),
         iterations: params.iterations,
         pins: !particles.pins.is_empty(),
         volumes: !volumes.pieces().is_empty(),
@@ -72,13 +72,18 @@ pub(crate) fn prepare(
 
 /// Returns whether the global step replaces the projections of a body.
 #[cfg(feature = "global")]
-pub(crate) fn takes_global_step(params: &SolverParams, material: &Material) -> bool {
-    crate::global::is_used(params, material)
+pub(crate) fn takes_global_step(
+    step: &StepState,
+    material: &Material,
+    dt: f32,
+    params: &SolverParams,
+) -> bool {
+    crate::global::is_used(params, material, (step.extent, dt))
 }
 
 /// Returns false: the global step is not compiled.
 #[cfg(not(feature = "global"))]
-pub(crate) fn takes_global_step(_: &SolverParams, _: &Material) -> bool {
+pub(crate) fn takes_global_step(_: &StepState, _: &Material, _: f32, _: &SolverParams) -> bool {
     false
 }
 

@@ -45,6 +45,7 @@ pub(super) fn stitch(
         edit.set_twins(triangles[h / 3].half_edges()[h % 3], rim.across[start]);
     }
     set_corner_attributes(edit, rim, patch, &triangles, smooth);
+    edit.inherit_corner_channels(&triangles);
     triangles
 }
 

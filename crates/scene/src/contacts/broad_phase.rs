@@ -33,8 +33,6 @@ pub(super) struct Piece {
     displacement: Aabb,
     /// Index of its first pair.
     first_pair: u32,
-    /// Whether a piece of another body is in one of its pairs.
-    pub(super) is_near_others: bool,
 }
 
 /// The pieces of all bodies that may collide, in memory reused between frames.
@@ -91,11 +89,6 @@ impl Pieces {
         }
     }
 
-    /// Returns a piece by index.
-    pub(super) fn get(&self, index: u32) -> &Piece {
-        &self.list[index as usize]
-    }
-
     /// Returns the pieces with which a piece, by index, may collide.
     pub(super) fn neighbors(&self, index: u32) -> impl Iterator<Item = &Piece> {
         let first = self.list[index as usize].first_pair as usize;
@@ -125,7 +118,6 @@ impl Pieces {
                     group_velocity: Vec3::zeros(),
                     displacement: Aabb::default(),
                     first_pair: 0,
-                    is_near_others: false,
                 });
             }
             let piece = &mut self.list[*index as usize];
@@ -160,11 +152,8 @@ impl Pieces {
             }
         }
         self.pairs.sort_unstable();
-        for (first, &(a, b)) in (0..index_u32(self.pairs.len())).zip(&self.pairs).rev() {
-            let other = self.list[b as usize].body;
-            let piece = &mut self.list[a as usize];
-            piece.first_pair = first;
-            piece.is_near_others |= piece.body != other;
+        for (first, &(a, _)) in (0..index_u32(self.pairs.len())).zip(&self.pairs).rev() {
+            self.list[a as usize].first_pair = first;
         }
     }
 

@@ -1,8 +1,7 @@
-//! Contacts between sharp edges of different bodies, which the vertices of both would miss.
+//! [`SharpEdge`]: an edge whose contacts with others the vertices of both would miss.
 //!
-//! [`super::narrow_phase`] collects the edges of each row, then tests the pairs of near ones. On
-//! smooth surfaces vertices and triangles suffice; only convex edges whose normals have a cosine of
-//! at most [`MAX_COSINE`] are tested.
+//! [`super::edge_pairs`] tests the pairs of near ones. On smooth surfaces vertices and triangles
+//! suffice; only convex edges whose normals have a cosine of at most [`MAX_COSINE`] are tested.
 
 use incise_mesh::{Aabb, HalfEdge, Surface, Vec3, VertexId};
 
@@ -17,6 +16,19 @@ const END: f64 = 1e-3;
 
 /// Minimum squared sine between two edges.
 const MIN_SQUARED_SINE: f64 = 1e-3;
+
+/// The distance between the lines of two edges.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EdgeDistance {
+    /// Unit normal towards the first edge.
+    pub(super) normal: Vec3,
+    /// Distance along the normal \[m\].
+    pub(super) distance: f64,
+    /// The nearest points [fractions of the edges].
+    pub(super) fractions: [f64; 2],
+    /// Whether the nearest points of the lines are inside of both edges.
+    pub(super) is_crossing: bool,
+}
 
 /// A convex edge between two triangles.
 #[derive(Debug, Clone, Copy)]
@@ -76,10 +88,16 @@ impl SharpEdge {
         bounds
     }
 
-    /// Returns the contact normal towards `self` and the distance from another edge \[m\].
+    /// Returns the distance from another edge, on the side of the `known` normal.
     ///
-    /// `None` unless the nearest points of both are inside of them and face each other.
-    pub(super) fn distance(&self, other: &Self) -> Option<(Vec3, f64)> {
+    /// Without a known normal the side is that of the other edge's surface. `None` unless the
+    /// nearest points of both lines are within a `slide` of them \[m\] and face each other.
+    pub(super) fn distance(
+        &self,
+        other: &Self,
+        known: Option<Vec3>,
+        slide: f64,
+    ) -> Option<EdgeDistance> {
         let [a, b] = [self, other].map(|edge| edge.at[1] - edge.at[0]);
         let between = self.at[0] - other.at[0];
         let across = a.cross(&b);
@@ -92,26 +110,37 @@ impl SharpEdge {
         let s = (ab * second - first * bb) / square;
         let t = (aa * second - ab * first) / square;
         // At an end the contacts of its vertex act.
-        if ![s, t].iter().all(|c| (END..1.0 - END).contains(c)) {
+        let is_crossing = [s, t].iter().all(|c| (END..1.0 - END).contains(c));
+        let is_beyond = |c: f64, square: f64| f64::max(-c, c - 1.0) * square.sqrt() > slide;
+        if !is_crossing && (is_beyond(s, aa) || is_beyond(t, bb)) {
             return None;
         }
-        // Outward of the other edge, whose sides may already have crossed this one's.
-        let outward = -(other.inward[0] + other.inward[1]);
+        let known = known.filter(|_| is_crossing);
+        let outward = known.unwrap_or_else(|| -(other.inward[0] + other.inward[1]));
         let normal = across * (across.dot(&outward).signum() / square.sqrt());
         let faces = |edge: &Self, normal: Vec3| {
             let mut inward = edge.inward.iter();
             inward.all(|inward| inward.dot(&normal) <= CONE_TOLERANCE)
         };
-        (faces(other, normal) && faces(self, -normal)).then(|| (normal, normal.dot(&between)))
+        (faces(other, normal) && faces(self, -normal)).then(|| EdgeDistance {
+            normal,
+            distance: normal.dot(&between),
+            fractions: [s, t],
+            is_crossing,
+        })
     }
 }
 
-/// A sharp edge that may touch edges of other bodies within the frame.
+/// A sharp edge that may touch others within the frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MovingEdge {
     /// Index of its body in the scene.
     pub(super) body: u32,
+    /// Index of its piece in the broad phase.
+    pub(super) piece: u32,
     pub(super) edge: SharpEdge,
+    /// Minimum distance of other surfaces from its piece \[m\].
+    pub(super) thickness: f64,
     /// Distance within which it searches others \[m\].
     pub(super) reach: f64,
     /// Box around the edge, grown by `reach`.
@@ -119,26 +148,8 @@ pub(super) struct MovingEdge {
 }
 
 impl MovingEdge {
-    fn key(&self) -> (u32, HalfEdge) {
+    /// Returns its body and half-edge, which identify it.
+    pub(super) fn key(&self) -> (u32, HalfEdge) {
         (self.body, self.edge.half_edge)
     }
-}
-
-/// Finds the pairs of edges of different bodies whose boxes overlap, by a sweep along the x axis.
-///
-/// Sorts the edges. The first edge of a pair is that of the first body; pairs ascend.
-pub(super) fn find_edge_pairs(edges: &mut [MovingEdge], pairs: &mut Vec<(u32, u32)>) {
-    let x = |edge: &MovingEdge| edge.bounds.min[0];
-    edges.sort_unstable_by(|a, b| x(a).total_cmp(&x(b)).then(a.key().cmp(&b.key())));
-    pairs.clear();
-    for (i, a) in (0..).zip(&*edges) {
-        let later = (i + 1..).zip(&edges[i as usize + 1..]);
-        for (j, b) in later.take_while(|(_, b)| x(b) <= a.bounds.max[0]) {
-            if a.body != b.body && a.bounds.overlaps(&b.bounds) {
-                pairs.push(if a.key() < b.key() { (i, j) } else { (j, i) });
-            }
-        }
-    }
-    let keys = |&(i, j): &(u32, u32)| (edges[i as usize].key(), edges[j as usize].key());
-    pairs.sort_unstable_by_key(keys);
 }

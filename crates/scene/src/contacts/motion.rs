@@ -3,15 +3,22 @@
 use super::{ContactFrame, SPEED_MARGIN};
 use crate::body::Body;
 use incise_mesh::geometry::{to_f32, to_f64};
-use incise_mesh::{Aabb, MotionBounds, Vec3, VertexId};
+use incise_mesh::{Aabb, MotionBounds, Surface, TriangleId, Vec3, VertexId};
+
+/// Maximum minimum distance from a piece [distances between its sides].
+///
+/// With a larger one the far sides of two plates would push each other too.
+const MAX_THICKNESS: f64 = 0.25;
 
 /// Velocities and displacements of a body's vertices, in memory reused between frames.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Motion {
     /// Whether the body is searched for contacts in this frame.
     pub(super) is_active: bool,
-    /// Minimum distance between surfaces \[m\].
+    /// Maximum of the minimum distances from its pieces \[m\].
     pub(super) thickness: f64,
+    /// By piece number: minimum distance of other surfaces \[m\].
+    thicknesses: Vec<f64>,
     /// Velocities; of pinned vertices the motion to their targets [m/s], shape [vertex slots].
     velocities: Vec<[f32; 4]>,
     /// Boxes of displacements relative to their group of pieces \[m\], shape [vertex slots].
@@ -48,8 +55,23 @@ impl Motion {
         self.displacements.clear();
         self.displacements
             .resize(self.velocities.len(), Aabb::default());
+        self.thicknesses.clear();
+        self.thicknesses
+            .extend((0..surface.piece_bound()).map(|piece| {
+                let shape = body.piece_shapes().get(piece);
+                if shape.is_sheet {
+                    self.thickness
+                } else {
+                    self.thickness.min(MAX_THICKNESS * shape.thickness)
+                }
+            }));
         self.pieces.clear();
         self.pieces.resize(surface.piece_bound() as usize, u32::MAX);
+    }
+
+    /// Returns the minimum distance of other surfaces from the piece of a triangle \[m\].
+    pub(super) fn thickness(&self, surface: &Surface, t: TriangleId) -> f64 {
+        self.thicknesses[surface.piece(t) as usize]
     }
 
     /// Returns the velocity of a vertex [m/s].

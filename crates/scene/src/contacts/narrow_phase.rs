@@ -3,15 +3,16 @@
 //! Called by [`super::ContactDetection`] after the broad phase. Rows are concatenated in order, so
 //! that the result does not depend on the number of threads.
 
-use super::broad_phase::{Piece, Pieces};
-use super::edges::{MovingEdge, SharpEdge, find_edge_pairs};
+use super::broad_phase::Pieces;
+use super::edge_pairs::EdgePairs;
+use super::edges::MovingEdge;
 use super::motion::Motion;
-use super::near_bodies::grow;
-use super::persistent::{PersistentContact, contact_kind, outward_normal};
+use super::persistent::{PersistentContact, contact_kind, faces, outward_normal};
+use super::sheets::{SideLimits, is_behind};
 use super::{ContactFrame, SPEED_MARGIN};
 use crate::body::Body;
 use crate::scene::Bodies;
-use incise_mesh::{HalfEdge, MovingPoint, Surface, TriangleId, Vec3, VertexId, index_u32};
+use incise_mesh::{MovingPoint, Surface, TriangleId, Vec3, VertexId, index_u32};
 use incise_pbd_gpu::{Contact, ContactKind};
 use rayon::prelude::*;
 
@@ -22,7 +23,7 @@ const ROW: usize = 512;
 const MIN_PARALLEL_ROWS: usize = 4;
 
 /// Maximum depth of a contact [thicknesses].
-const MAX_DEPTH: f64 = 2.0;
+pub(super) const MAX_DEPTH: f64 = 2.0;
 
 /// A contact of a vertex of one body with a triangle of the same or another one, or with a plane.
 #[derive(Debug, Clone, Copy)]
@@ -42,16 +43,16 @@ pub(super) struct Row {
     one_ring: Vec<VertexId>,
     /// Scratch memory: the bodies that the current vertex may touch.
     near: Vec<u32>,
-    /// Sharp edges near other bodies, until they are tested.
-    edges: Vec<MovingEdge>,
+    /// Sharp edges near other pieces, until they are tested.
+    pub(super) edges: Vec<MovingEdge>,
 }
 
 /// The contacts of the vertices of one body, in memory reused between frames.
 #[derive(Debug, Clone, Default)]
 pub(super) struct BodyRows {
-    rows: Vec<Row>,
-    /// Contacts of its edges with those of later bodies.
-    edge_contacts: Vec<BodyContact>,
+    pub(super) rows: Vec<Row>,
+    /// Contacts of its edges with later ones.
+    pub(super) edge_contacts: Vec<BodyContact>,
     /// The persistent contacts of the previous frame, ascending by vertex.
     previous: Vec<PersistentContact>,
     /// By vertex slot: first index into `previous`, or `u32::MAX`.
@@ -88,13 +89,6 @@ impl BodyRows {
     }
 }
 
-/// Memory of the search for pairs of edges.
-#[derive(Debug, Clone, Default)]
-pub(super) struct EdgeScratch {
-    edges: Vec<MovingEdge>,
-    pairs: Vec<(u32, u32)>,
-}
-
 /// The input of a search, shared by all rows.
 pub(super) struct Search<'a> {
     pub(super) bodies: &'a Bodies,
@@ -105,17 +99,26 @@ pub(super) struct Search<'a> {
 
 /// The body whose vertices are searched.
 #[derive(Clone, Copy)]
-struct Searched<'a> {
-    index: u32,
-    body: &'a Body,
-    motion: &'a Motion,
+pub(super) struct Searched<'a> {
+    pub(super) index: u32,
+    pub(super) body: &'a Body,
+    pub(super) motion: &'a Motion,
     previous: &'a [PersistentContact],
     previous_of_vertex: &'a [u32],
 }
 
+impl Searched<'_> {
+    /// Returns the minimum distance of other surfaces from the piece of a vertex \[m\].
+    fn thickness(&self, v: VertexId) -> f64 {
+        let surface = self.body.surface();
+        let t = surface.topology().outgoing(v).triangle();
+        self.motion.thickness(surface, t)
+    }
+}
+
 impl Search<'_> {
     /// Finds the contacts of all vertices and edges of active bodies.
-    pub(super) fn run(&self, all: &mut [BodyRows], edges: &mut EdgeScratch) {
+    pub(super) fn run(&self, all: &mut [BodyRows], edges: &mut EdgePairs) {
         self.find_vertex_contacts(all);
         self.find_edge_contacts(all, edges);
     }
@@ -180,75 +183,10 @@ impl Search<'_> {
                 self.find_contact(of, (v, &point), row.near[n], row);
             }
             self.find_blade_face_contacts(of, v, row);
-            if self.pieces.get(piece).is_near_others {
+            if self.frame.params.self_collision || self.pieces.neighbors(piece).next().is_some() {
                 for h in surface.topology().outgoing_fan(v) {
                     self.collect_edge(of, h, piece, row);
                 }
-            }
-        }
-    }
-
-    /// Adds an edge to those of the row, if it is sharp and near other bodies.
-    fn collect_edge(&self, of: Searched<'_>, h: HalfEdge, piece: u32, row: &mut Row) {
-        let (surface, motion) = (of.body.surface(), of.motion);
-        if surface.topology().twin(h) < h {
-            return;
-        }
-        let ends = [surface.topology().origin(h), surface.topology().target(h)];
-        let displacement = ends.map(|v| motion.max_displacement(v));
-        let displacement = f64::max(displacement[0], displacement[1]);
-        let reach = motion.thickness + self.frame.speed_gain * self.frame.dt + displacement;
-        let tight = SharpEdge::bounds(surface, h);
-        let is_near = |other: &Piece| {
-            let mut bounds = tight;
-            grow(&mut bounds, reach + other.max_displacement());
-            other.body != of.index && other.bounds.overlaps(&bounds)
-        };
-        if !self.pieces.neighbors(piece).any(is_near) {
-            return;
-        }
-        if let Some(edge) = SharpEdge::new(surface, h) {
-            // Edges of very fast pieces would search whole bodies.
-            let reach = reach.min(motion.thickness + edge.length());
-            let mut bounds = tight;
-            grow(&mut bounds, reach);
-            row.edges.push(MovingEdge {
-                body: of.index,
-                edge,
-                reach,
-                bounds,
-            });
-        }
-    }
-
-    /// Finds the contacts of all collected edges.
-    fn find_edge_contacts(&self, all: &mut [BodyRows], scratch: &mut EdgeScratch) {
-        let EdgeScratch { edges, pairs } = scratch;
-        edges.clear();
-        for of_body in &mut *all {
-            of_body.edge_contacts.clear();
-            for row in &mut of_body.rows {
-                edges.append(&mut row.edges);
-            }
-        }
-        find_edge_pairs(edges, pairs);
-        for &(a, b) in &*pairs {
-            let [a, b] = [a, b].map(|i| &edges[i as usize]);
-            let bodies = [a, b].map(|edge| self.bodies[edge.body as usize].as_ref());
-            let [Some(body), Some(other)] = bodies else {
-                continue;
-            };
-            let thickness = [a, b].map(|edge| self.motions[edge.body as usize].thickness);
-            let gap = thickness[0].min(thickness[1]);
-            if let Some((normal, distance)) = a.edge.distance(&b.edge)
-                && distance <= a.reach + b.reach
-                && distance >= -MAX_DEPTH * gap
-            {
-                let ends = [a.edge.ends, b.edge.ends];
-                all[a.body as usize].edge_contacts.push(BodyContact {
-                    other: b.body,
-                    contact: edge_edge(ends, normal, gap, friction(body, other)),
-                });
             }
         }
     }
@@ -259,7 +197,7 @@ impl Search<'_> {
         MovingPoint {
             position: of.body.surface().position(v),
             displacement: of.motion.displacements[v.index()],
-            margin: of.motion.thickness + gain,
+            margin: of.thickness(v) + gain,
             outward: outward_normal(of.body.surface(), v),
             excluded_piece: (!self.frame.params.self_collision).then_some(piece),
         }
@@ -291,8 +229,9 @@ impl Search<'_> {
             return;
         };
         let (surface, other_surface) = (of.body.surface(), other_body.surface());
-        let thickness = of.motion.thickness;
-        let thickness = thickness.min(self.motions[other as usize].thickness);
+        let of_other = &self.motions[other as usize];
+        let thickness =
+            |t: TriangleId| f64::min(of.thickness(v), of_other.thickness(other_surface, t));
         let at = point.position;
         let first = of.previous_of_vertex[v.index()] as usize;
         let previous = of.previous.get(first..).unwrap_or_default();
@@ -305,18 +244,12 @@ impl Search<'_> {
                 && (self_collision || !is_fold(contact.triangle))
         });
         let contact = kept.or_else(|| {
-            let first = previous.map(|contact| contact.triangle);
-            self.nearest(
-                of,
-                (v, point),
-                (other, other_body),
-                first,
-                &mut row.one_ring,
-            )
+            let target = (other, other_body.as_ref());
+            self.nearest(of, (v, point), target, previous, &mut row.one_ring)
         });
         let Some(contact) = contact else { return };
         // Within a piece at most half of the rest distance, so that a thin fold stays as it is.
-        let mut gap = thickness;
+        let mut gap = thickness(contact.triangle);
         if is_fold(contact.triangle) {
             gap = gap.min(contact.rest_distance(surface) / 2.0);
         }
@@ -329,13 +262,14 @@ impl Search<'_> {
 
     /// Finds the nearest triangle of a body within reach of a vertex, other than those around it.
     ///
-    /// `first` is the triangle of the previous frame, where the search starts.
+    /// The search starts at the triangle of the previous frame's contact. Sheets are touched from
+    /// both sides, the other triangles from the side of their normal.
     fn nearest(
         &self,
         of: Searched<'_>,
         (v, point): (VertexId, &MovingPoint),
         (other, body): (u32, &Body),
-        first: Option<TriangleId>,
+        previous: Option<PersistentContact>,
         one_ring: &mut Vec<VertexId>,
     ) -> Option<PersistentContact> {
         let (surface, other_surface) = (of.body.surface(), body.surface());
@@ -350,21 +284,49 @@ impl Search<'_> {
                 one_ring.extend([topology.target(h), topology.origin(h.prev())]);
             }
         }
-        let is_candidate = |t| {
+        let is_around = |t| {
             let corners = other_surface.topology().triangle(t);
-            one_ring.is_empty() || !corners.iter().any(|c| one_ring.contains(c))
+            !one_ring.is_empty() && corners.iter().any(|c| one_ring.contains(c))
         };
-        let excluded_piece = point.excluded_piece.filter(|_| other == of.index);
+        let shapes = body.piece_shapes();
+        let is_in_sheet = |t: TriangleId| shapes.get(other_surface.piece(t)).is_sheet;
+        let number = surface.piece(topology.outgoing(v).triangle());
+        let of_sheet = of.body.piece_shapes().get(number).is_sheet;
+        let has_two_sides = |t| {
+            let is_own = other == of.index && other_surface.piece(t) == number;
+            (of_sheet || is_in_sheet(t)) && !is_own
+        };
+        let is_faced = |t| has_two_sides(t) || faces(other_surface, point.outward, t);
+        let is_candidate = |t| is_faced(t) && !is_around(t);
+        let is_own = other == of.index;
+        let all_have_one_side = !of_sheet && !shapes.has_sheets();
         let point = MovingPoint {
-            excluded_piece,
+            excluded_piece: point.excluded_piece.filter(|_| is_own),
+            outward: if all_have_one_side {
+                point.outward
+            } else {
+                Vec3::zeros()
+            },
             ..*point
         };
+        let first = previous.map(|contact| contact.triangle);
         let (bvh, bounds) = (body.bvh(), &motion.bounds);
         let found = bvh.nearest_in_reach(other_surface, &point, bounds, first, is_candidate)?;
         // A deeper vertex has passed the triangle, whose plane would hold the two together.
-        let thickness = of.motion.thickness.min(motion.thickness);
-        let is_shallow = found.distance >= -MAX_DEPTH * thickness;
-        if !is_shallow {
+        let of_other = motion.thickness(other_surface, found.triangle);
+        let thickness = of.thickness(v).min(of_other);
+        let max_depth = MAX_DEPTH * thickness;
+        let is_behind = if is_in_sheet(found.triangle) {
+            // The sides of a cut through a sheet start in one plane.
+            let apart = if other == of.index { thickness } else { 0.0 };
+            let limits = SideLimits { apart, max_depth };
+            let (previous, nearest) = (previous.as_ref(), (at, &found));
+            is_behind(other_surface, nearest, previous, limits)?
+        } else {
+            false
+        };
+        let side = if is_behind { -1.0 } else { 1.0 };
+        if side * found.distance < -max_depth {
             return None;
         }
         // The motion of the vertex relative to the nearest point.
@@ -376,15 +338,20 @@ impl Search<'_> {
         let kind = if is_inside {
             ContactKind::VertexFace
         } else {
-            contact_kind(other_surface, at, &found, relative)
+            contact_kind(other_surface, at, (&found, is_behind), relative)
         };
         let target = (other, other_surface);
-        Some(PersistentContact::new(target, (v, at), &found, kind))
+        Some(PersistentContact::new(
+            target,
+            (v, at),
+            &found,
+            (kind, is_behind),
+        ))
     }
 
     /// Adds the contacts of a vertex with blade faces.
     fn find_blade_face_contacts(&self, of: Searched<'_>, v: VertexId, row: &mut Row) {
-        let (frame, thickness) = (self.frame, of.motion.thickness);
+        let (frame, thickness) = (self.frame, of.thickness(v));
         for face in frame.blade_faces {
             let speed = of.motion.velocity(v).norm();
             let radius = thickness + (SPEED_MARGIN * speed + frame.speed_gain) * frame.dt;
@@ -402,29 +369,22 @@ impl Search<'_> {
     }
 }
 
-/// Returns the solver's contact of two edges at a distance \[m\].
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "the solver stores contacts in 32 bits"
-)]
-fn edge_edge(ends: [[VertexId; 2]; 2], normal: Vec3, gap: f64, friction: f32) -> Contact {
-    let normal = [0, 1, 2].map(|k: usize| normal[k] as f32);
-    Contact {
-        friction,
-        ..Contact::edge_edge(ends, normal, gap as f32)
-    }
-}
-
 /// Returns the solver's contact at a distance \[m\].
 #[expect(
     clippy::cast_possible_truncation,
     reason = "the solver stores contacts in 32 bits"
 )]
 fn vertex_face(contact: &PersistentContact, gap: f64, friction: f32) -> Contact {
+    let [a, b, c] = contact.corners;
+    let corners = if contact.is_behind {
+        [a, c, b]
+    } else {
+        [a, b, c]
+    };
     Contact {
         kind: contact.kind,
         friction,
-        ..Contact::vertex_face(contact.vertex, contact.corners, gap as f32)
+        ..Contact::vertex_face(contact.vertex, corners, gap as f32)
     }
 }
 
@@ -434,7 +394,7 @@ fn is_own(surface: &Surface, v: VertexId, t: TriangleId) -> bool {
 }
 
 /// Returns the friction between two materials: the geometric mean of both.
-fn friction(a: &Body, b: &Body) -> f32 {
+pub(super) fn friction(a: &Body, b: &Body) -> f32 {
     let [a, b] = [a, b].map(|body| body.solver().material().friction);
     if a.to_bits() == b.to_bits() {
         a

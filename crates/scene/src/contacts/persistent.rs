@@ -23,6 +23,8 @@ pub(super) struct PersistentContact {
     pub(super) triangle: TriangleId,
     pub(super) corners: [VertexId; 3],
     pub(super) kind: ContactKind,
+    /// Whether the vertex is behind the triangle of a sheet.
+    pub(super) is_behind: bool,
     /// Barycentric coordinates of the nearest point when it was found.
     weights: [f64; 3],
     /// The vertex relative to the point when it was found \[m\].
@@ -35,7 +37,7 @@ impl PersistentContact {
         (other, surface): (u32, &Surface),
         (vertex, at): (VertexId, Vec3),
         found: &NearestPoint,
-        kind: ContactKind,
+        (kind, is_behind): (ContactKind, bool),
     ) -> Self {
         Self {
             vertex,
@@ -43,6 +45,7 @@ impl PersistentContact {
             triangle: found.triangle,
             corners: surface.topology().triangle(found.triangle),
             kind,
+            is_behind,
             weights: found.weights,
             offset: at - found.point,
         }
@@ -52,7 +55,12 @@ impl PersistentContact {
     ///
     /// The triangle must exist, the vertex must be above it, and both must have moved little
     /// relative to each other.
-    pub(super) fn persists(&self, surface: &Surface, at: Vec3, thickness: f64) -> bool {
+    pub(super) fn persists(
+        &self,
+        surface: &Surface,
+        at: Vec3,
+        thickness: impl Fn(TriangleId) -> f64,
+    ) -> bool {
         if !surface.topology().is_triangle(self.triangle)
             || surface.topology().triangle(self.triangle) != self.corners
         {
@@ -61,6 +69,7 @@ impl PersistentContact {
         if self.kind != ContactKind::VertexFace {
             return false;
         }
+        let thickness = thickness(self.triangle);
         let [a, b, c] = self.corners.map(|c| surface.position(c));
         let point = a * self.weights[0] + b * self.weights[1] + c * self.weights[2];
         let offset = at - point;
@@ -89,6 +98,11 @@ fn area_normal(surface: &Surface, t: TriangleId) -> Vec3 {
     area_vector(surface.triangle_positions(t))
 }
 
+/// Returns whether a triangle faces a vertex with an outward normal.
+pub(super) fn faces(surface: &Surface, outward: Vec3, t: TriangleId) -> bool {
+    outward.dot(&area_normal(surface, t)) < 0.0
+}
+
 /// Returns the sum of the area normals of the triangles around a vertex [m^2].
 pub(super) fn outward_normal(surface: &Surface, v: VertexId) -> Vec3 {
     let fan = surface.topology().outgoing_fan(v);
@@ -103,18 +117,20 @@ pub(super) fn outward_normal(surface: &Surface, v: VertexId) -> Vec3 {
 pub(super) fn contact_kind(
     surface: &Surface,
     at: Vec3,
-    found: &NearestPoint,
+    (found, is_behind): (&NearestPoint, bool),
     motion: Vec3,
 ) -> ContactKind {
     let normal = area_normal(surface, found.triangle);
     let normal = normal.try_normalize(0.0).unwrap_or_default();
+    let side = if is_behind { -1.0 } else { 1.0 };
+    let (normal, distance) = (normal * side, found.distance * side);
     let offset = at - found.point;
     // An offset of a few roundings has no direction.
     let extent = at.amax().max(found.point.amax());
-    if found.distance <= 16.0 * f64::from(f32::EPSILON) * extent {
+    if distance <= 16.0 * f64::from(f32::EPSILON) * extent {
         return ContactKind::VertexFace;
     }
-    let from_point = found.distance + (offset / found.distance).dot(&motion);
+    let from_point = distance + (offset / distance).dot(&motion);
     if from_point >= normal.dot(&offset) + normal.dot(&motion) {
         ContactKind::VertexPoint
     } else {

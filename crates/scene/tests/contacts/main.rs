@@ -4,6 +4,7 @@ mod bodies;
 mod cuts;
 mod obstacles;
 mod pieces;
+mod sheets;
 
 use incise_mesh::{Bvh, Surface, TriangleId, VertexId, cube_sphere};
 use incise_pbd_gpu::{Collider, InteriorSprings, Material, SolverParams};

@@ -164,3 +164,21 @@ fn pieces_that_fall_together_have_no_contacts() {
     }
     assert_eq!(scene.step().unwrap().contacts, 0);
 }
+
+#[test]
+fn bars_of_one_body_rest_on_each_others_edges() {
+    // Bars of 12 triangles: no vertex of one is over a face of the other.
+    let bar = cube(1);
+    let body = merged(&[
+        moved(&bar, [0.0; 3], [0.5, 0.05, 0.05]),
+        moved(&bar, [0.0, 0.13, 0.0], [0.05, 0.05, 0.5]),
+    ]);
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0], None));
+    let id = scene.add_body(body, &firm(0.5, 0.0)).unwrap();
+    pin_piece(&mut scene, id, 0);
+    for _ in 0..60 {
+        scene.step().unwrap();
+    }
+    let [low, _] = height_range(scene.body(id).unwrap(), 1);
+    assert!(low > 0.04, "it has fallen to {low} m");
+}

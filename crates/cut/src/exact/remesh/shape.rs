@@ -2,7 +2,7 @@
 
 use super::super::contract::{flatness, swept_volume};
 use incise_mesh::geometry::area_vector;
-use incise_mesh::{HalfEdge, Surface, Vec3};
+use incise_mesh::{Domain, HalfEdge, Surface, Vec3};
 
 /// Cosine of 30 degrees: the maximum rotation of a triangle, and the dihedral angle of a feature.
 const FEATURE: f64 = 0.866_025_403_784_438_6;
@@ -35,7 +35,11 @@ impl Point {
 /// Returns whether two corners of a vertex have equal attributes.
 pub(super) fn are_alike(surface: &Surface, a: HalfEdge, b: HalfEdge) -> bool {
     let (uvs, normals) = (surface.corner_uvs(), surface.corner_normals());
-    uvs.get(a.index()) == uvs.get(b.index()) && normals.get(a.index()) == normals.get(b.index())
+    uvs.get(a.index()) == uvs.get(b.index())
+        && normals.get(a.index()) == normals.get(b.index())
+        && (surface.channels().iter())
+            .filter(|channel| channel.domain() == Domain::Corner)
+            .all(|channel| channel.row(a.index()) == channel.row(b.index()))
 }
 
 /// Returns the squared sine of a triangle's smallest angle, 0 to 0.75.

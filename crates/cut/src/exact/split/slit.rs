@@ -14,8 +14,12 @@ pub(super) fn join_slit(
     plane: Projection,
 ) {
     let point = |edge: &PolygonEdge| plane.project(position(edge.corner, nodes, corners));
-    let ends = [slit.from, slit.to].map(|n| nodes[n as usize].position);
-    let start = plane.project(ends[0]);
+    let own: Vec<u32> = slit.nodes().collect();
+    let along = own
+        .iter()
+        .map(|&n| plane.project(nodes[n as usize].position));
+    let along: Vec<[f64; 2]> = along.collect();
+    let start = along[0];
     // The shortest bridge that meets nothing else; rounding may leave none.
     let mut best = (false, f64::INFINITY, 0, 0);
     for (p, polygon) in polygons.iter().enumerate() {
@@ -27,7 +31,10 @@ pub(super) fn join_slit(
             % 2
             == 1;
         for (i, from) in outline().enumerate() {
-            let is_free = is_around && !sides().any(|(a, b)| do_cross([from, start], [a, b]));
+            let is_crossed = |a, b| do_cross([from, start], [a, b]);
+            let is_free = is_around
+                && !sides().any(|(a, b)| is_crossed(a, b))
+                && !along.windows(2).any(|pair| is_crossed(pair[0], pair[1]));
             let length = (start[0] - from[0]).hypot(start[1] - from[1]);
             if (!is_free, length) < (!best.0, best.1) {
                 best = (is_free, length, p, i);
@@ -36,7 +43,6 @@ pub(super) fn join_slit(
     }
     let (_, _, p, i) = best;
     let polygon = &mut polygons[p];
-    let own: Vec<u32> = slit.nodes().collect();
     let mut detour = vec![PolygonEdge {
         corner: polygon[i].corner,
         role: None,

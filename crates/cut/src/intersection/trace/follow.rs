@@ -8,6 +8,10 @@ use crate::intersection::facets::{Facets, NO_FACET};
 use crate::intersection::node::{Node, On};
 use incise_mesh::{HalfEdge, Surface, TriangleId, VertexId, index_u32};
 
+/// Maximum displacement of an end away from mesh edges [motion of the sweep, and distance of the
+/// curve's ends].
+const MAX_END_MARGIN: f64 = 0.1;
+
 /// The first segment of a curve, or the tip along which it begins.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Start {
@@ -218,10 +222,12 @@ impl Trace {
     /// Moves the ends of the open curve of the last nodes away from mesh edges.
     fn center_ends(&mut self, surface: &Surface, facets: &Facets, first: usize) {
         let last = self.nodes.len() - 1;
+        let span = (self.nodes[last].position - self.nodes[first].position).norm();
         for (end, beside, is_last) in [(first, first + 1, false), (last, last - 1, true)] {
             let before = self.nodes[beside];
             let facet = self.nodes[end.min(beside)].facet;
-            self.nodes[end].center_end(surface, facets, &before, facet, is_last);
+            let reach = MAX_END_MARGIN * facets.motion(facet).min(span);
+            self.nodes[end].center_end(surface, facets, &before, facet, reach, is_last);
         }
     }
 

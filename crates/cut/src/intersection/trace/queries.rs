@@ -1,6 +1,7 @@
 //! Questions about the curves of a cut: sizes, ends, and which of them are capped.
 
 use super::{Curve, Trace};
+use crate::intersection::facets::{EdgeKind, Facets};
 use crate::intersection::node::{Node, On};
 use incise_mesh::{Surface, TriangleId};
 
@@ -67,6 +68,14 @@ impl Trace {
     pub(crate) fn open_end(&self, surface: &Surface) -> Option<TriangleId> {
         let mut ends = (self.curves.iter()).flat_map(|curve| self.ends(curve));
         ends.find(|end| end.is_end).map(|end| end.triangle(surface))
+    }
+
+    /// Returns a mesh triangle that the blade's previous edge pierces, if a curve ends there.
+    pub(crate) fn previous_end(&self, surface: &Surface, facets: &Facets) -> Option<TriangleId> {
+        let is_previous = |edge: u32| facets.kind(edge) == EdgeKind::Previous;
+        let mut ends = (self.curves.iter()).flat_map(|curve| self.ends(curve));
+        let end = ends.find(|end| end.is_end && end.sweep_edge().is_some_and(is_previous))?;
+        Some(end.triangle(surface))
     }
 
     /// Returns a mesh triangle that a curve without caps crosses.

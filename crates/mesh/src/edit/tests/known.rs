@@ -4,7 +4,8 @@ use super::{assert_same_bytes, body, half_edges, patch};
 use crate::delta::{TopologyDelta, VertexOrigin};
 use crate::edit::{Undo, UndoError};
 use crate::ids::{HalfEdge, TriangleId, VertexId};
-use crate::surface::Surface;
+use crate::shapes::icosphere;
+use crate::surface::{Blend, Channel, Domain, Surface};
 
 /// Returns a tetrahedron of four materials.
 fn tetrahedron() -> Surface {
@@ -242,6 +243,67 @@ fn attributes_that_came_after_the_edit_stay_in_step() {
     surface.positions.push([0.0; 4]);
     undo.revert(&mut surface).unwrap();
     assert!(surface.corners.normal.is_empty());
+}
+
+#[test]
+fn channels_that_came_or_went_after_the_edit_stay_in_step() {
+    let mut surface = tetrahedron();
+    let channel =
+        |domain, rows: usize| Channel::new("c", domain, Blend::Linear, 1, vec![1.0; rows]).unwrap();
+    surface.set_channel(channel(Domain::Vertex, 4)).unwrap();
+    let (_, undo) = divide(&mut surface);
+    assert_eq!(surface.channels[0].values(), [1.0; 5]);
+    surface.set_channel(channel(Domain::Corner, 18)).unwrap();
+    undo.revert(&mut surface).unwrap();
+    assert_eq!(surface.channels[0].values(), [1.0; 12]);
+    surface.validate().unwrap();
+    let (_, undo) = divide(&mut surface);
+    surface.remove_channel("c");
+    undo.revert(&mut surface).unwrap();
+    assert!(surface.channels().is_empty());
+}
+
+#[test]
+fn a_patch_inherits_the_corners_around_it() {
+    let mut surface = icosphere(1, 1.0);
+    let slots = 3 * surface.topology().triangle_slots();
+    let values = (0..slots).map(|i| f32::from(u16::try_from(i).unwrap()));
+    let channel = Channel::new("c", Domain::Corner, Blend::Linear, 1, values.collect());
+    surface.set_channel(channel.unwrap()).unwrap();
+    let before = surface.clone();
+    let (t, corners) = (TriangleId(7), surface.topology().triangle(TriangleId(7)));
+    let across = t.half_edges().map(|h| surface.topology().twin(h));
+    let mut edit = surface.edit();
+    edit.remove_triangle(t);
+    let middle = edit.add_vertex(
+        [0.0; 4],
+        [0.0; 3],
+        VertexOrigin::InFace {
+            corners,
+            weights: [0.25, 0.25, 0.5],
+        },
+    );
+    let new: Vec<TriangleId> = (0..3)
+        .map(|k| edit.add_triangle([corners[k], corners[(k + 1) % 3], middle], 0, 0))
+        .collect();
+    for k in 0..3 {
+        let [side, ahead, _] = new[k].half_edges();
+        let [_, _, behind] = new[(k + 1) % 3].half_edges();
+        edit.set_twins(side, across[k]);
+        edit.set_twins(ahead, behind);
+    }
+    edit.inherit_corner_channels(&new);
+    let (_, undo) = edit.finish();
+    let value = |h: HalfEdge| surface.channels[0].values()[h.index()];
+    // Of the two corners across the border at a vertex, the smaller value.
+    let rim = [0, 1, 2].map(|k| value(across[k].next()).min(value(across[(k + 2) % 3])));
+    for k in 0..3 {
+        let mean = 0.25 * rim[0] + 0.25 * rim[1] + 0.5 * rim[2];
+        let expected = [rim[k], rim[(k + 1) % 3], mean];
+        assert_eq!(new[k].half_edges().map(value), expected, "triangle {k}");
+    }
+    undo.revert(&mut surface).unwrap();
+    assert_same_bytes(&surface, &before);
 }
 
 #[test]

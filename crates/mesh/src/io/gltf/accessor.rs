@@ -1,6 +1,7 @@
 //! Typed numbers from glTF buffers.
 
 use super::document::{Accessor, Document};
+use crate::geometry::round_to_f32;
 use crate::io::error::{ParseError, SourceLocation};
 
 /// The accessors of a document over its buffers.
@@ -13,8 +14,25 @@ pub(super) struct Accessors<'a> {
 struct Items<'a> {
     bytes: &'a [u8],
     count: usize,
+    components: usize,
     stride: usize,
     accessor: &'a Accessor,
+}
+
+impl Items<'_> {
+    /// Returns a component of an item; normalized integers become fractions.
+    fn number(&self, item: usize, component: usize) -> f64 {
+        let kind = self.accessor.component_type;
+        let size = component_size(kind).unwrap_or(1);
+        let largest = match (self.accessor.normalized, kind) {
+            (true, 5120) => 127.0,
+            (true, 5121) => 255.0,
+            (true, 5122) => 32767.0,
+            (true, 5123) => 65535.0,
+            _ => 1.0,
+        };
+        read_number(&self.bytes[item * self.stride + component * size..], kind) / largest
+    }
 }
 
 impl<'a> Accessors<'a> {
@@ -24,28 +42,29 @@ impl<'a> Accessors<'a> {
         number: usize,
     ) -> Result<Vec<[f64; N]>, ParseError> {
         let shape = if N == 2 { "VEC2" } else { "VEC3" };
-        let items = self.items(number, shape, N)?;
-        let kind = items.accessor.component_type;
-        let size = component_size(kind).unwrap_or(1);
-        let scale = match (items.accessor.normalized, kind) {
-            (true, 5120) => 1.0 / 127.0,
-            (true, 5121) => 1.0 / 255.0,
-            (true, 5122) => 1.0 / 32767.0,
-            (true, 5123) => 1.0 / 65535.0,
-            _ => 1.0,
-        };
-        Ok((0..items.count)
-            .map(|i| {
-                std::array::from_fn(|k| {
-                    component(&items.bytes[i * items.stride + k * size..], kind) * scale
-                })
-            })
-            .collect())
+        let items = self.items(number, &[(shape, N)])?;
+        let row = |i| std::array::from_fn(|k| items.number(i, k));
+        Ok((0..items.count).map(row).collect())
+    }
+
+    /// Reads rows of one to four numbers, and returns their width.
+    ///
+    /// Normalized integers become fractions. At most `most` numbers are read.
+    pub(super) fn rows(&self, number: usize, most: usize) -> Result<(usize, Vec<f32>), ParseError> {
+        let shapes = [("SCALAR", 1), ("VEC2", 2), ("VEC3", 3), ("VEC4", 4)];
+        let items = self.items(number, &shapes)?;
+        let width = items.components;
+        if items.count.saturating_mul(width) > most {
+            return Err(ParseError::TooLarge);
+        }
+        let rows = (0..items.count).flat_map(|i| (0..width).map(move |k| (i, k)));
+        let numbers = rows.map(|(i, k)| round_to_f32(items.number(i, k)));
+        Ok((width, numbers.collect()))
     }
 
     /// Reads integers of 8, 16 or 32 bits.
     pub(super) fn indices(&self, number: usize) -> Result<Vec<u32>, ParseError> {
-        let items = self.items(number, "SCALAR", 1)?;
+        let items = self.items(number, &[("SCALAR", 1)])?;
         let read: fn(&[u8]) -> u32 = match items.accessor.component_type {
             5121 => |b| u32::from(b[0]),
             5123 => |b| u32::from(u16::from_le_bytes([b[0], b[1]])),
@@ -62,13 +81,8 @@ impl<'a> Accessors<'a> {
             .collect())
     }
 
-    /// Returns an accessor's bytes and checks that every item is within them.
-    fn items(
-        &self,
-        number: usize,
-        shape: &str,
-        components: usize,
-    ) -> Result<Items<'a>, ParseError> {
+    /// Returns an accessor's bytes and checks its shape and that every item is within them.
+    fn items(&self, number: usize, shapes: &[(&str, usize)]) -> Result<Items<'a>, ParseError> {
         let at = SourceLocation::Accessor(number);
         let syntax = |expected| ParseError::Syntax { at, expected };
         let accessor = self
@@ -76,11 +90,10 @@ impl<'a> Accessors<'a> {
             .accessors
             .get(number)
             .ok_or_else(|| syntax("an accessor with this number"))?;
-        if accessor.shape != shape {
-            return Err(syntax(
-                "indices as SCALAR, positions and normals as VEC3, texture coordinates as VEC2",
-            ));
-        }
+        let shape = shapes.iter().find(|shape| accessor.shape == shape.0);
+        let &(_, components) = shape.ok_or_else(|| {
+            syntax("indices as SCALAR, positions and normals as VEC3, texture coordinates as VEC2")
+        })?;
         let (None, Some(view_number)) = (&accessor.sparse, accessor.buffer_view) else {
             return Err(ParseError::Unsupported {
                 what: "a sparse accessor",
@@ -123,6 +136,7 @@ impl<'a> Accessors<'a> {
         Ok(Items {
             bytes,
             count: accessor.count,
+            components,
             stride,
             accessor,
         })
@@ -138,7 +152,7 @@ fn component_size(kind: u32) -> Option<usize> {
     })
 }
 
-fn component(b: &[u8], kind: u32) -> f64 {
+fn read_number(b: &[u8], kind: u32) -> f64 {
     match kind {
         5120 => f64::from(i8::from_le_bytes([b[0]])),
         5121 => f64::from(b[0]),

@@ -1,6 +1,7 @@
 //! The parts of a glTF document that this reader uses, named as in the specification.
 
 use serde::Deserialize;
+use std::collections::BTreeMap;
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
@@ -12,7 +13,14 @@ pub(super) struct Document {
     pub(super) accessors: Vec<Accessor>,
     pub(super) buffer_views: Vec<BufferView>,
     pub(super) buffers: Vec<Buffer>,
+    pub(super) materials: Vec<Material>,
     pub(super) extensions_required: Vec<String>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Material {
+    pub(super) name: String,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -46,9 +54,17 @@ pub(super) struct Primitive {
     pub(super) attributes: Attributes,
     pub(super) indices: Option<usize>,
     pub(super) mode: Option<u32>,
+    pub(super) material: Option<usize>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+impl Primitive {
+    /// Returns the kind of primitive, triangles by default.
+    pub(super) fn mode(&self) -> u32 {
+        self.mode.unwrap_or(super::TRIANGLES)
+    }
+}
+
+#[derive(Debug, Default, Deserialize, PartialEq)]
 #[serde(default)]
 pub(super) struct Attributes {
     #[serde(rename = "POSITION")]
@@ -57,6 +73,9 @@ pub(super) struct Attributes {
     pub(super) normal: Option<usize>,
     #[serde(rename = "TEXCOORD_0")]
     pub(super) texcoord: Option<usize>,
+    /// All others by name.
+    #[serde(flatten)]
+    pub(super) others: BTreeMap<String, usize>,
 }
 
 #[derive(Debug, Deserialize)]

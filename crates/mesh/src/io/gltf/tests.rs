@@ -1,4 +1,5 @@
 use super::*;
+use crate::surface::Domain;
 
 /// Returns a document with a triangle whose positions are in a binary chunk.
 fn glb(nodes: &str, primitive: &str) -> Vec<u8> {
@@ -174,4 +175,53 @@ fn distant_nodes_keep_the_shape_of_their_meshes() {
     assert_eq!(far.origin, [1e6, 0.0, -4e6]);
     assert_eq!(far.positions, near.positions);
     assert_eq!(far.triangles, near.triangles);
+}
+
+#[test]
+fn further_attributes_become_channels() {
+    let attribute = |name: &str, accessor: usize| format!(r#","{name}":{accessor}"#);
+    let file = |attributes: &str| {
+        let bytes = glb(r#"[{"mesh":0}]"#, r#","mode":6"#);
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        let end = text.find("BIN").unwrap() - 4;
+        let json =
+            text[20..end].replace(r#""POSITION":0"#, &format!(r#""POSITION":0{attributes}"#));
+        let mut file = json.into_bytes();
+        file.resize(file.len().next_multiple_of(4), b' ');
+        let mut out = bytes[..12].to_vec();
+        out.extend(u32::try_from(file.len()).unwrap().to_le_bytes());
+        out.extend(b"JSON");
+        out.extend(file);
+        out.extend(&bytes[end..]);
+        out
+    };
+    let all = [
+        attribute("COLOR_0", 0),
+        attribute("TEXCOORD_2", 0),
+        attribute("_HEAT", 1),
+    ]
+    .concat();
+    let data = read_gltf(&file(&all), None).unwrap();
+    let found = data
+        .channels
+        .iter()
+        .map(|c| (c.name(), c.domain(), c.values().len()));
+    let expected = [
+        ("color", Domain::Vertex, 12),
+        ("uv2", Domain::Corner, 18),
+        ("HEAT", Domain::Vertex, 4),
+    ];
+    assert_eq!(found.collect::<Vec<_>>(), expected);
+    assert_eq!(data.channels[2].values(), [0.0, 1.0, 2.0, 3.0]);
+    assert_eq!(data.warnings, []);
+    let dropped = read_gltf(&file(&attribute("JOINTS_0", 1)), None).unwrap();
+    let name = "JOINTS_0".to_owned();
+    assert_eq!(dropped.warnings, [Warning::Dropped { name }]);
+    let many: String = (0..200_000)
+        .map(|i| attribute(&format!("_A{i}"), 0))
+        .collect();
+    assert!(matches!(
+        read_gltf(&file(&many), None),
+        Ok(_) | Err(ParseError::TooLarge)
+    ));
 }

@@ -69,6 +69,7 @@ fn add_strip(strip: &[u32], builder: &mut Builder, at: SourceLocation) -> Result
             position: v,
             uv: if with_uv { v } else { NONE },
             normal: if with_normal { v } else { NONE },
+            row: NONE,
         });
         builder.face(&corners, at)?;
     }

@@ -1,0 +1,148 @@
+//! Incisions: sweeps that end inside a body, and blades that move on from the tip of such a cut.
+
+use super::Cutter;
+use crate::error::CutError;
+use crate::incision::{Incision, Stroke};
+use crate::intersection::facets::ContinuedTip;
+use crate::outcome::CutOutcome;
+use crate::params::CutParams;
+use crate::sweep::Sweep;
+use incise_mesh::Surface;
+
+/// Rises of the sweep beside a tip, tried in turn until a step can be cut and starts outside the
+/// body [local edge lengths].
+///
+/// A high one keeps clear of a curved surface, a low one of another part of the body nearby.
+/// At 0 the sweep goes back to the blade's last pose.
+const RISES: [f64; 5] = [1.0, 0.25, 0.0625, 0.015_625, 0.0];
+
+/// Displacements tried in turn until a step can be cut and its tip does not end on a mesh edge
+/// [local edge lengths].
+const DISPLACEMENTS: [f64; 4] = [0.0, 1e-3, -1e-3, 1e-2];
+
+/// Minimum [`Continuation::clearance`] of the first round of displacements; the second accepts any.
+const MIN_CLEARANCE: f64 = 2e-4;
+
+/// The end of an earlier cut at which a sweep goes on.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Continuation<'a> {
+    pub(super) tip: &'a ContinuedTip,
+    /// Minimum distance of the new ends from mesh edges, see `Trace::end_clearance`.
+    pub(super) clearance: f64,
+    /// Whether the blade's previous edge may pierce the surface.
+    ///
+    /// Not beside a tip, where the previous edge was outside: the body would be slit there as well.
+    pub(super) may_start_inside: bool,
+}
+
+impl Cutter {
+    /// Cuts `surface` along `sweep`, which may end inside the body: an incision.
+    ///
+    /// The surface is slit along the sweep and gets two mirrored walls, which share the vertices of
+    /// the slit's ends and of the incision's tip and coincide at first. Where the sweep does not
+    /// end inside the body this is [`Self::cut`]. Where it would end on a mesh edge, it ends up to
+    /// a hundredth of an edge beside it.
+    ///
+    /// # Errors
+    /// [`CutError`]; [`CutError::PartialCut`] if the sweep's boundary lies inside the body as a
+    /// whole, [`CutError::IncisionByPaper`] for the paper's method. The surface is then bit for bit
+    /// what it was.
+    pub fn incise(
+        &mut self,
+        surface: &mut Surface,
+        sweep: &Sweep,
+        params: &CutParams,
+    ) -> Result<CutOutcome, CutError> {
+        let outcome = self.try_displaced(surface, sweep, params, &ContinuedTip::default(), true);
+        outcome.map(|(outcome, _)| outcome)
+    }
+
+    /// Moves a blade on: cuts `surface` from the tip of `incision` to the blade's new pose \[m\].
+    ///
+    /// The first call only takes the pose. Where the blade ended inside the body, the next call
+    /// goes on at the tip's present vertices, so the body may move in between. A motion of less
+    /// than half an edge length is a miss and adds up. Where a step is impossible with the blade
+    /// exactly there, the blade is displaced by up to a hundredth of an edge. When the tip leaves
+    /// the body, the separated parts become pieces. A blade with a different number of points
+    /// starts a new incision.
+    ///
+    /// # Errors
+    /// [`CutError`]; the surface is then bit for bit what it was, and the blade keeps its last
+    /// pose. Call [`Incision::restart`] to go on from another pose.
+    pub fn advance(
+        &mut self,
+        surface: &mut Surface,
+        incision: &mut Incision,
+        blade: &[[f32; 3]],
+        params: &CutParams,
+    ) -> Result<CutOutcome, CutError> {
+        self.check_bvh(surface)?;
+        if !incision.begin_step(surface, blade)? {
+            return Ok(CutOutcome::default());
+        }
+        let outside = RISES.iter().filter(|_| incision.is_inside());
+        let outside: Vec<_> = outside.map(|&rise| (rise, false)).collect();
+        for (rise, may_start_inside) in outside.into_iter().chain([(RISES[0], true)]) {
+            let Some(stroke) = incision.stroke(surface, &self.bvh, blade, rise)? else {
+                break;
+            };
+            let Stroke { sweep, tip, .. } = &stroke;
+            match self.try_displaced(surface, sweep, params, tip, may_start_inside) {
+                Err(error) if is_retried(&error) && !may_start_inside => {}
+                result => {
+                    let (outcome, taken) = result?;
+                    if outcome.is_miss() {
+                        incision.restart(blade);
+                    } else {
+                        let (facets, trace) = (&self.facets, &self.trace);
+                        let tip = (self.exact).tip(surface, facets, trace, &stroke.parameters);
+                        incision.finish_step(blade, tip, taken, trace.max_local());
+                    }
+                    return Ok(outcome);
+                }
+            }
+        }
+        Ok(CutOutcome::default())
+    }
+
+    /// Cuts along a sweep that goes on from `tip`, or along the first displaced one that can be
+    /// cut, see [`DISPLACEMENTS`]. Returns that sweep as well.
+    fn try_displaced(
+        &mut self,
+        surface: &mut Surface,
+        sweep: &Sweep,
+        params: &CutParams,
+        tip: &ContinuedTip,
+        may_start_inside: bool,
+    ) -> Result<(CutOutcome, Sweep), CutError> {
+        let mut first = None;
+        for clearance in [MIN_CLEARANCE, 0.0] {
+            for displacement in DISPLACEMENTS {
+                let taken = if displacement == 0.0 {
+                    sweep.clone()
+                } else {
+                    let hits = self.candidates.iter().copied();
+                    sweep.displaced(displacement * surface.mean_edge_length_of(hits))?
+                };
+                let from = Continuation {
+                    tip,
+                    clearance,
+                    may_start_inside,
+                };
+                match self.cut_along(surface, &taken, params, Some(from)) {
+                    Err(error) if is_retried(&error) => first = first.or(Some(error)),
+                    result => return result.map(|outcome| (outcome, taken)),
+                }
+            }
+        }
+        Err(first.unwrap_or(CutError::OpenSection))
+    }
+}
+
+/// Returns whether another sweep beside the refused one may be possible.
+fn is_retried(error: &CutError) -> bool {
+    matches!(
+        error,
+        CutError::TipBlocked { .. } | CutError::OpenSection | CutError::NotManifold { .. }
+    )
+}
