@@ -65,7 +65,7 @@ impl Scene {
         let begin = Instant::now();
         self.check_params()?;
         self.validate_edits()?;
-        self.wake_at_colliders();
+        self.begin_colliders();
         self.update_blade_faces();
         self.sleep.begin_frame(&self.params);
         self.find_contacts()?;

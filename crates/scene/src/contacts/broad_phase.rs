@@ -8,7 +8,7 @@ use super::near_bodies::grow;
 use super::{BladeFace, ContactFrame, SPEED_MARGIN};
 use crate::scene::Bodies;
 use incise_mesh::{Aabb, MovingPoint, Surface, Vec3, VertexId, index_u32};
-use incise_pbd_gpu::Collider;
+use incise_pbd_gpu::MovingCollider;
 
 /// A piece of a body.
 #[derive(Debug, Clone, Copy)]
@@ -57,6 +57,11 @@ impl Pieces {
         motions: &mut [Motion],
         frame: &ContactFrame<'_>,
     ) {
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "parameters of scenes have 32 bits"
+        )]
+        let dt = frame.dt as f32;
         self.list.clear();
         for (i, (body, motion)) in bodies.iter().zip(&mut *motions).enumerate() {
             if let (true, Some(body)) = (motion.is_active, body) {
@@ -75,7 +80,7 @@ impl Pieces {
             let displacement = (SPEED_MARGIN * speed + frame.speed_gain) * frame.dt;
             let thickness = motions[piece.body as usize].thickness;
             grow(&mut piece.grown_bounds, thickness + displacement);
-            let at_collider = |c: &Collider| c.bounds().overlaps(&piece.grown_bounds);
+            let at_collider = |c: &MovingCollider| c.bounds(dt).overlaps(&piece.grown_bounds);
             let at_face = |face: &BladeFace| face.bounds().overlaps(&piece.grown_bounds);
             piece.is_held |=
                 frame.colliders.iter().any(at_collider) || frame.blade_faces.iter().any(at_face);
