@@ -25,6 +25,7 @@ mod morton;
 mod nearest;
 mod pieces;
 mod query;
+mod reach;
 mod refit;
 #[cfg(test)]
 mod tests;
@@ -34,7 +35,8 @@ mod validate;
 use crate::ids::index_u32;
 pub use cast::RayHit;
 pub(crate) use morton::sort_along_curve;
-pub use nearest::{NearestPoint, SearchRadii};
+pub use nearest::NearestPoint;
+pub use reach::{MotionBounds, MovingPoint};
 pub use validate::InvalidBvh;
 
 use crate::{Aabb, Surface, TriangleId, VertexId};

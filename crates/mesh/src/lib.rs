@@ -21,7 +21,7 @@ mod shapes;
 mod surface;
 mod topology;
 
-pub use bvh::{Bvh, InvalidBvh, NearestPoint, RayHit, SearchRadii};
+pub use bvh::{Bvh, InvalidBvh, MotionBounds, MovingPoint, NearestPoint, RayHit};
 #[cfg(feature = "io")]
 pub use check::{Defect, MeshReport, NotCuttable, RepairParams, RepairedCounts, check, check_with};
 pub use delta::{AddedVertex, TopologyDelta, VertexOrigin};

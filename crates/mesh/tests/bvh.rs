@@ -1,6 +1,10 @@
 //! Queries of a BVH (planes, rays, nearest points), compared with brute force.
 
-use incise_mesh::{Bvh, SearchRadii, Surface, TriangleId, Vec3, VertexId, cube_sphere, torus};
+use incise_mesh::geometry::area_vector;
+use incise_mesh::{
+    Aabb, Bvh, MotionBounds, MovingPoint, Surface, TriangleId, Vec3, VertexId, cube_sphere,
+    index_u32, torus,
+};
 use nalgebra::Matrix3;
 use proptest::prelude::*;
 
@@ -170,39 +174,81 @@ proptest! {
 }
 
 proptest! {
-    /// Compares radii, an excluded piece and a first guess with a search over all triangles.
+    /// Compares motions, an excluded piece and a first guess with a search over all triangles.
     #[test]
     fn the_nearest_in_reach_equals_brute_force(
-        to in [-1.6f64..1.6, -1.6..1.6, -0.6..0.6],
-        more in 0.0f64..0.2,
+        to in [-1.6f32..1.6, -1.6..1.6, -0.6..0.6],
+        outward in [-1.0f64..1.0, -1.0..1.0, -1.0..1.0],
+        own in [-0.3f32..0.3, -0.3..0.3, -0.3..0.3],
+        margin in 0.0f64..0.2,
         seed in 0u32..1000,
     ) {
         let mut surface = torus(1.0, 0.4, 24, 12);
         let triangles: Vec<TriangleId> = surface.topology().triangles().collect();
-        for t in triangles {
+        for &t in &triangles {
             let [a, _, _] = surface.triangle_positions(t);
             surface.set_piece(t, u32::from(a.x > 0.03) + 2 * u32::from(a.y > -0.02));
         }
         prop_assert_eq!(surface.piece_count(), 4);
         let bvh = Bvh::build(&surface);
-        let to = Vec3::from(to);
-        let own = |t: TriangleId| {
-            f64::from((t.0.wrapping_mul(2_654_435_761) ^ seed.wrapping_mul(97)) % 64) / 256.0
-        };
-        let mut reaches = SearchRadii::default();
-        reaches.find(&bvh, &surface, own);
-        let counts = |t: TriangleId| !t.0.is_multiple_of(3);
-        for but in [None, Some(1), Some(2)] {
-            let others = surface.topology().triangles();
-            let others = others.filter(|&t| counts(t) && Some(surface.piece(t)) != but);
-            let each = others.filter_map(|t| {
-                let found = bvh.nearest(&surface, to, own(t) + more, |other| other == t)?;
-                Some(found.distance.abs())
-            });
-            let expected = each.min_by(f64::total_cmp);
+        let displacements: Vec<Aabb> = (0..index_u32(surface.positions().len()))
+            .map(|i| {
+                let random = |k: u32| i.wrapping_mul(2_654_435_761) ^ (seed + k).wrapping_mul(97);
+                let along = |k: u32| (random(k) % 64) as f32 / 256.0 - 0.125;
+                Aabb::around([[0.0; 3], [along(0), along(1), along(2)]])
+            })
+            .collect();
+        let mut bounds = MotionBounds::default();
+        bounds.find(&bvh, &surface, &displacements);
+        let outward = Vec3::from(outward);
+        for (excluded_piece, outward) in [
+            (None, outward),
+            (Some(1), outward),
+            (Some(2), outward),
+            (None, Vec3::zeros()),
+        ] {
+            let counts = |t: TriangleId| {
+                let normal = area_vector(surface.triangle_positions(t));
+                let is_faced = outward == Vec3::zeros() || outward.dot(&normal) < 0.0;
+                is_faced && !t.0.is_multiple_of(3)
+            };
+            let point = MovingPoint {
+                position: Vec3::from(to.map(f64::from)),
+                displacement: Aabb::around([own]),
+                margin,
+                outward,
+                excluded_piece,
+            };
+            let is_in_reach = |t: TriangleId, distance: f64| {
+                let corners = surface.topology().triangle(t).map(|v| v.index());
+                let all = corners.map(|i| displacements[i]);
+                let motion = all.into_iter().fold(Aabb::default(), Aabb::union);
+                let at = corners.map(|i| surface.positions()[i]);
+                let around = Aabb::around(at.map(|[x, y, z, _]| [x, y, z]));
+                let relative: f32 = (0..3)
+                    .map(|k| {
+                        let most = (motion.max[k] - own[k]).max(own[k] - motion.min[k]);
+                        most.max(0.0).powi(2)
+                    })
+                    .sum();
+                // Positions have 32 bits.
+                let radius = margin + f64::from(relative.sqrt());
+                (point.reaches(&around, &motion), distance - radius)
+            };
+            let others = triangles.iter().copied();
+            let others =
+                others.filter(|&t| counts(t) && Some(surface.piece(t)) != excluded_piece);
+            let each: Vec<f64> = others
+                .filter_map(|t| {
+                    let found = bvh.nearest(&surface, point.position, f64::MAX, |o| o == t)?;
+                    let distance = found.distance.abs();
+                    let (is_near, beyond) = is_in_reach(t, distance);
+                    (is_near && beyond <= 1e-6).then_some(distance)
+                })
+                .collect();
+            let expected = each.into_iter().min_by(f64::total_cmp);
             for first in [None, Some(TriangleId(seed)), Some(TriangleId(seed / 3))] {
-                let search = (&reaches, but);
-                let found = bvh.nearest_in_reach(&surface, (to, more), search, first, counts);
+                let found = bvh.nearest_in_reach(&surface, &point, &bounds, first, counts);
                 let found = found.map(|found| found.distance.abs());
                 prop_assert_eq!(found.is_some(), expected.is_some());
                 let off = found.zip(expected).map_or(0.0, |(a, b)| (a - b).abs());

@@ -18,7 +18,7 @@ mod step;
 
 pub use constraints::attachments::LongRangeAttachment;
 pub use constraints::batches::{Batch, BatchId, BendingSet, ConstraintSet, StretchSet};
-pub use constraints::colliders::Collider;
+pub use constraints::colliders::{Collider, MovingCollider};
 pub use constraints::coloring::{LAYERS, MAX_COLORS};
 pub use constraints::contacts::{Contact, ContactKind, ContactSet};
 pub use constraints::volumes::{PieceVolume, VolumeSet};

@@ -2,7 +2,9 @@
 
 use incise_mesh::{Surface, TriangleId};
 use incise_models::{Model, build_model};
-use incise_pbd_gpu::{Collider, Contact, ContactKind, Context, GpuBackend, Schedule, SolverParams};
+use incise_pbd_gpu::{
+    Collider, Contact, ContactKind, Context, GpuBackend, MovingCollider, Schedule, SolverParams,
+};
 use incise_test_support::cpu_gpu_pair::{CpuGpuPair, SCHEDULES, with_most_features};
 use incise_test_support::gpu::{Needs, trial};
 use incise_test_support::random::Random;
@@ -51,7 +53,7 @@ fn contacts(surface: &Surface, random: &mut Random, count: usize) -> Vec<Contact
 }
 
 /// Returns the colliders of a frame: none, or one of each kind, all within a ball of 0.5 m.
-fn colliders(frame: u32) -> Vec<Collider> {
+fn colliders(frame: u32) -> Vec<MovingCollider> {
     let all = [
         Collider::Plane {
             point: [0.0, -0.45, 0.0],
@@ -71,7 +73,15 @@ fn colliders(frame: u32) -> Vec<Collider> {
             axes: [[1.0, 0.2, 0.0], [0.0, 1.0, 0.5]],
         },
     ];
-    all[..[0, 4, 4, 2, 1, 0][frame as usize % 6]].to_vec()
+    let count = [0, 4, 4, 2, 1, 0][frame as usize % 6];
+    // At rest in the first half.
+    let speed = if frame < 6 { 0.0 } else { 0.7 };
+    let list = all.into_iter().take(count);
+    list.map(|start| MovingCollider {
+        start,
+        velocity: [speed, -speed, 0.3 * speed],
+    })
+    .collect()
 }
 
 fn equal(context: Context, model: Model, schedule: Schedule) {

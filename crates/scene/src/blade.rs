@@ -3,9 +3,9 @@
 use crate::body::BodyId;
 use crate::contacts::BladeFace;
 use crate::error::SceneError;
+use crate::frame::inflated;
 use crate::scene::{Scene, SceneNumber};
 use incise_cut::{CutError, Incision, Sweep};
-use incise_mesh::Aabb;
 use std::fmt;
 
 /// The id of a blade in one scene. Shown as the blade's index.
@@ -242,15 +242,5 @@ impl Scene {
                 }
             }
         }
-    }
-}
-
-/// Grows a box by half of its longest side: the box of a face may have no height.
-fn inflated(bounds: Aabb) -> Aabb {
-    let sides = [0, 1, 2].map(|k| bounds.max[k] - bounds.min[k]);
-    let longest = sides.into_iter().fold(0.0, f32::max);
-    Aabb {
-        min: bounds.min.map(|c| c - longest / 2.0),
-        max: bounds.max.map(|c| c + longest / 2.0),
     }
 }

@@ -1,19 +1,31 @@
-//! Colliders of a [`Scene`]: wakes bodies when they change, passes each body those near it.
+//! Colliders of a [`Scene`]: wakes bodies when they change, passes each body those near it, with
+//! their motion.
 
 use crate::body::Body;
 use crate::error::SceneError;
 use crate::params::SceneParams;
 use crate::scene::Scene;
 use incise_mesh::Aabb;
-use incise_pbd_gpu::Collider;
+use incise_pbd_gpu::MovingCollider;
 
 impl Scene {
-    /// Wakes all bodies if a collider was added, removed or changed since the previous frame.
-    pub(crate) fn wake_at_colliders(&mut self) {
-        if self.colliders != self.previous_colliders {
-            self.previous_colliders.clone_from(&self.colliders);
+    /// Finds the motion of colliders since the previous frame.
+    ///
+    /// Wakes all bodies if one was added, removed or changed.
+    pub(crate) fn begin_colliders(&mut self) {
+        let (colliders, previous) = (&self.colliders, &mut self.previous_colliders);
+        if colliders != previous {
             self.sleep.wake_all();
         }
+        if previous.len() != colliders.len() {
+            previous.clone_from(colliders);
+        }
+        let dt = self.params.dt;
+        let pairs = previous.iter().zip(colliders);
+        self.moving_colliders.clear();
+        self.moving_colliders
+            .extend(pairs.map(|(from, to)| MovingCollider::between(from, to, dt)));
+        previous.clone_from(colliders);
     }
 
     /// Passes every awake body the colliders that it may reach within the frame.
@@ -27,13 +39,15 @@ impl Scene {
                 continue;
             }
             near.clear();
-            if !self.colliders.is_empty() {
+            if !self.moving_colliders.is_empty() {
                 let on_gpu = self.gpu.as_ref().is_some_and(|gpu| gpu.holds(i));
                 let aabbs_computed = &mut self.stats.aabbs_computed;
                 let reachable =
                     (!on_gpu).then(|| reachable_bounds(body, &self.params, aabbs_computed));
-                let is_near = |c: &&Collider| reachable.is_none_or(|r| c.bounds().overlaps(&r));
-                near.extend(self.colliders.iter().filter(is_near).copied());
+                let dt = self.params.dt;
+                let is_near =
+                    |c: &&MovingCollider| reachable.is_none_or(|r| c.bounds(dt).overlaps(&r));
+                near.extend(self.moving_colliders.iter().filter(is_near).copied());
             }
             self.stats.collider_pairs += near.len();
             body.parts().1.set_colliders(near)?;

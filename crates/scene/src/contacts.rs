@@ -30,7 +30,7 @@ use crate::scene::Bodies;
 use broad_phase::Pieces;
 use edge_pairs::EdgePairs;
 use incise_mesh::Aabb;
-use incise_pbd_gpu::Collider;
+use incise_pbd_gpu::MovingCollider;
 use motion::Motion;
 use narrow_phase::{BodyRows, Search};
 use near_bodies::{NearBodies, reachable_bounds};
@@ -93,7 +93,7 @@ pub(crate) struct ContactFrame<'a> {
     pub(crate) dt: f64,
     /// Maximum speed that gravity adds within the frame [m/s].
     pub(crate) speed_gain: f64,
-    pub(crate) colliders: &'a [Collider],
+    pub(crate) colliders: &'a [MovingCollider],
     pub(crate) blade_faces: &'a [BladeFace],
 }
 
@@ -169,7 +169,7 @@ impl ContactDetection {
         self.pieces.update(bodies, &mut self.motions, frame);
         for (body, motion) in bodies.iter().zip(&mut self.motions) {
             if let (true, Some(body)) = (motion.is_active, body) {
-                motion.find_radii(body);
+                motion.find_bounds(body);
             }
         }
         let search = Search {

@@ -5,7 +5,7 @@ use crate::error::SceneError;
 use crate::frame::inflated;
 use crate::params::SceneParams;
 use crate::scene::Scene;
-use incise_pbd_gpu::Collider;
+use incise_pbd_gpu::MovingCollider;
 use std::time::Instant;
 
 impl Scene {
@@ -72,17 +72,25 @@ impl Scene {
             let Some(body) = &mut self.bodies[i] else {
                 continue;
             };
-            if may_collide {
-                let refit = u32::from(body.refit());
-                self.stats.bvh_refits += refit;
-                self.stats.bvh_refits_skipped = self.stats.bvh_refits_skipped.saturating_sub(refit);
-            }
+            let refit = u32::from(body.refit());
+            self.stats.bvh_refits += refit;
+            self.stats.bvh_refits_skipped = self.stats.bvh_refits_skipped.saturating_sub(refit);
             body.measure_pieces();
             self.stats.contact_searches += 1;
-            let frame = contact_frame(params, &self.params, &self.colliders, &self.blade_faces);
+            let frame = contact_frame(
+                params,
+                &self.params,
+                &self.moving_colliders,
+                &self.blade_faces,
+            );
             self.detection.activate(i, body, &frame);
         }
-        let frame = contact_frame(params, &self.params, &self.colliders, &self.blade_faces);
+        let frame = contact_frame(
+            params,
+            &self.params,
+            &self.moving_colliders,
+            &self.blade_faces,
+        );
         self.detection.find(&self.bodies, &frame);
         Ok(())
     }
@@ -92,7 +100,12 @@ impl Scene {
         let Some(params) = self.params.contacts else {
             return Ok(());
         };
-        let frame = contact_frame(params, &self.params, &self.colliders, &self.blade_faces);
+        let frame = contact_frame(
+            params,
+            &self.params,
+            &self.moving_colliders,
+            &self.blade_faces,
+        );
         self.detection.begin_search(self.bodies.len());
         for (i, body) in self.bodies.iter().enumerate() {
             let Some(body) = body else { continue };
@@ -134,7 +147,7 @@ impl Scene {
 fn contact_frame<'a>(
     params: ContactParams,
     scene: &SceneParams,
-    colliders: &'a [Collider],
+    colliders: &'a [MovingCollider],
     blade_faces: &'a [BladeFace],
 ) -> ContactFrame<'a> {
     let dt = f64::from(scene.dt);

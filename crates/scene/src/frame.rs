@@ -65,7 +65,7 @@ impl Scene {
         let begin = Instant::now();
         self.check_params()?;
         self.validate_edits()?;
-        self.wake_at_colliders();
+        self.begin_colliders();
         self.update_blade_faces();
         self.sleep.begin_frame(&self.params);
         self.find_contacts()?;
@@ -321,15 +321,16 @@ impl Scene {
     }
 }
 
-/// Grows a box by half of its size: a blade in there may reach the body in the next frame.
+/// Grows a box on all sides by half of its longest side: a flat box has no height.
+///
+/// Objects that overlap it may reach the content of the box in the next frame.
 pub(crate) fn inflated(bounds: Aabb) -> Aabb {
-    let mut out = bounds;
-    for k in 0..3 {
-        let half = (bounds.max[k] - bounds.min[k]) / 2.0;
-        out.min[k] -= half;
-        out.max[k] += half;
+    let extents = [0, 1, 2].map(|k| bounds.max[k] - bounds.min[k]);
+    let half = extents.into_iter().fold(0.0, f32::max) / 2.0;
+    Aabb {
+        min: bounds.min.map(|c| c - half),
+        max: bounds.max.map(|c| c + half),
     }
-    out
 }
 
 fn count<T>(items: impl Iterator<Item = T>) -> u32 {

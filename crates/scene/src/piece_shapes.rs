@@ -21,6 +21,7 @@ pub(crate) struct PieceShapes {
     version: Option<u64>,
     /// By piece number.
     shapes: Vec<PieceShape>,
+    has_sheets: bool,
     sums: Vec<Sums>,
 }
 
@@ -59,6 +60,12 @@ impl PieceShapes {
                 shape.thickness = 2.0 / 3.0 * sums.volume.abs() / sums.area;
             }
         }
+        self.has_sheets = self.shapes.iter().any(|shape| shape.is_sheet);
+    }
+
+    /// Returns whether a piece has a boundary.
+    pub(crate) const fn has_sheets(&self) -> bool {
+        self.has_sheets
     }
 
     /// Returns the shape of a piece by its number.
@@ -99,11 +106,8 @@ mod tests {
         }
         let mut shapes = PieceShapes::default();
         shapes.update(&plate);
-        let PieceShape {
-            is_sheet,
-            thickness,
-        } = shapes.get(0);
-        assert!(!is_sheet && (thickness / 0.01 - 1.0).abs() < 0.02);
+        assert!((shapes.get(0).thickness / 0.01 - 1.0).abs() < 0.02);
+        assert!(!shapes.has_sheets());
         shapes.update(&sheet([1.0; 2], [3; 2]));
         assert!(shapes.get(0).is_sheet);
     }

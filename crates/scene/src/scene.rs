@@ -14,7 +14,7 @@ use crate::sleep::Sleep;
 use crate::stats::FrameStats;
 use incise_cut::{CutError, CutOutcome};
 use incise_mesh::{RayHit, Surface, Vec3, VertexId};
-use incise_pbd_gpu::{Collider, Material, PatchParams};
+use incise_pbd_gpu::{Collider, Material, MovingCollider, PatchParams};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A cut that failed. The body is unchanged.
@@ -66,15 +66,20 @@ pub struct Scene {
     pub params: SceneParams,
     /// Rigid obstacles for all bodies; may change between frames.
     ///
-    /// A change wakes all bodies. CPU bodies are tested only against colliders near them.
+    /// They are at these places at the end of the next frame, to which they move from those with
+    /// the same indices in the previous frame; the directions of planes, capsules and boxes change
+    /// at once. Colliders of a list with another length do not move. A change wakes all bodies. CPU
+    /// bodies are tested only against colliders near them.
     pub colliders: Vec<Collider>,
     /// The colliders of the previous frame.
     pub(crate) previous_colliders: Vec<Collider>,
+    /// The colliders with their motion in this frame.
+    pub(crate) moving_colliders: Vec<MovingCollider>,
     /// The blade faces that bodies collide with, and those of the previous frame.
     pub(crate) blade_faces: Vec<BladeFace>,
     pub(crate) previous_blade_faces: Vec<BladeFace>,
     /// Scratch memory: colliders near the current body.
-    pub(crate) near_colliders: Vec<Collider>,
+    pub(crate) near_colliders: Vec<MovingCollider>,
     pub(crate) bodies: Vec<Option<Box<Body>>>,
     pub(crate) blades: Vec<Blade>,
     pub(crate) stats: FrameStats,

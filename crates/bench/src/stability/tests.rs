@@ -15,7 +15,7 @@ const OPEN: [(&str, &str); 6] = [
     // Pressure 0 collapses a body without stiffness to a point, and its vertices fly apart.
     ("T10", "relative volume error before the next change"),
     ("T20", "distance from the state of the first order"),
-    // Colliders move in one substep of a frame, and press a ball that cannot change its shape.
+    // The plates press a ball that cannot change its shape to half its size.
     ("closing", "speed"),
 ];
 

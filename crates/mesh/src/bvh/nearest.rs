@@ -1,6 +1,6 @@
 //! Nearest point queries.
 
-use super::{Bvh, MAX_HEIGHT, NONE};
+use super::{Bvh, MAX_HEIGHT};
 use crate::{Aabb, Surface, TriangleId, Vec3};
 
 /// The nearest point of a triangle.
@@ -15,82 +15,6 @@ pub struct NearestPoint {
     pub point: Vec3,
     /// Signed distance \[m\], positive on the side of the triangle's normal.
     pub distance: f64,
-}
-
-/// Search radii of triangles, and for each BVH node their maximum and its piece.
-///
-/// A search skips whole pieces, and searches far for fast triangles only.
-#[derive(Debug, Clone, Default)]
-pub struct SearchRadii {
-    /// Radius and piece of each node.
-    nodes: Vec<NodeReach>,
-    /// Radius of each triangle slot \[m\].
-    triangles: Vec<f64>,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct NodeReach {
-    /// Piece of all triangles below; [`NONE`] for a node of several pieces.
-    piece: u32,
-    /// Largest radius below \[m\].
-    reach: f64,
-}
-
-impl SearchRadii {
-    /// Computes the radii of a BVH's nodes from those of its triangles \[m\]. O(n).
-    ///
-    /// Valid until the BVH is updated or rebuilt.
-    pub fn find(&mut self, bvh: &Bvh, surface: &Surface, reach: impl Fn(TriangleId) -> f64) {
-        let nowhere = NodeReach {
-            piece: NONE,
-            reach: 0.0,
-        };
-        self.nodes.clear();
-        self.nodes.resize(bvh.nodes.len(), nowhere);
-        self.triangles.clear();
-        self.triangles.resize(bvh.places.len(), 0.0);
-        if !bvh.nodes.is_empty() {
-            self.find_below(bvh, surface, &reach, 0);
-        }
-    }
-
-    /// Returns the capacity, in triangles.
-    #[must_use]
-    pub fn capacity(&self) -> usize {
-        self.nodes.capacity() + self.triangles.capacity()
-    }
-
-    fn find_below(
-        &mut self,
-        bvh: &Bvh,
-        surface: &Surface,
-        reach: &impl Fn(TriangleId) -> f64,
-        at: u32,
-    ) -> NodeReach {
-        let node = &bvh.nodes[at as usize];
-        let both = |a: NodeReach, b: NodeReach| NodeReach {
-            piece: if a.piece == b.piece { a.piece } else { NONE },
-            reach: a.reach.max(b.reach),
-        };
-        let found = if node.is_leaf() {
-            let block = &bvh.blocks[node.index as usize];
-            let triangles = block.triangles[..node.count as usize].iter();
-            let each = triangles.map(|&t| {
-                let (piece, reach) = (surface.piece(t), reach(t));
-                self.triangles[t.index()] = reach;
-                NodeReach { piece, reach }
-            });
-            each.reduce(both)
-        } else {
-            let [left, right] = [node.index, node.index + 1]
-                .map(|child| self.find_below(bvh, surface, reach, child));
-            Some(both(left, right))
-        };
-        if let Some(found) = found {
-            self.nodes[at as usize] = found;
-        }
-        self.nodes[at as usize]
-    }
 }
 
 impl Bvh {
@@ -108,52 +32,22 @@ impl Bvh {
         reach: f64,
         counts: impl Fn(TriangleId) -> bool,
     ) -> Option<NearestPoint> {
-        self.nearest_below(
-            surface,
-            (to, reach),
-            None,
-            counts,
-            |_| Some(reach),
-            |_| reach,
-        )
+        let reaches = |found: &Candidate, _| found.square <= reach * reach;
+        self.nearest_below(surface, (to, reach), None, |_| true, counts, reaches)
     }
 
-    /// Returns the nearest point within each triangle's radius plus `more` \[m\], except on piece
-    /// `but`.
+    /// Returns the point nearest to `to` within `reach` \[m\], better than `first`.
     ///
-    /// A good first guess, such as the last nearest triangle, speeds the search up.
-    #[must_use]
-    pub fn nearest_in_reach(
-        &self,
-        surface: &Surface,
-        (to, more): (Vec3, f64),
-        (reaches, but): (&SearchRadii, Option<u32>),
-        first: Option<TriangleId>,
-        counts: impl Fn(TriangleId) -> bool,
-    ) -> Option<NearestPoint> {
-        let but = but.unwrap_or(NONE);
-        let node = |at: u32| {
-            let node = reaches.nodes.get(at as usize)?;
-            (node.piece != but || but == NONE).then_some(node.reach + more)
-        };
-        let most = node(0)?;
-        let counts = |t| (but == NONE || surface.piece(t) != but) && counts(t);
-        let reach = |t: TriangleId| reaches.triangles[t.index()] + more;
-        let first = first.filter(|&t| surface.topology().is_triangle(t) && counts(t));
-        let first = first.map(|t| (Candidate::on(surface.triangle_positions(t), to), t));
-        let first = first.filter(|(found, t)| found.square <= reach(*t).powi(2));
-        self.nearest_below(surface, (to, most), first, counts, node, reach)
-    }
-
-    /// Searches nodes within their radius only.
-    fn nearest_below(
+    /// `is_near` decides whether to descend to a node, `accepts` whether a triangle counts, and
+    /// `reaches` whether its nearest point does.
+    pub(super) fn nearest_below(
         &self,
         surface: &Surface,
         (to, reach): (Vec3, f64),
         first: Option<(Candidate, TriangleId)>,
-        counts: impl Fn(TriangleId) -> bool,
-        reach_of: impl Fn(u32) -> Option<f64>,
-        reach_of_triangle: impl Fn(TriangleId) -> f64,
+        is_near: impl Fn(u32) -> bool,
+        accepts: impl Fn(TriangleId) -> bool,
+        reaches: impl Fn(&Candidate, TriangleId) -> bool,
     ) -> Option<NearestPoint> {
         let mut best = first;
         let mut least = best
@@ -166,7 +60,7 @@ impl Bvh {
             if !node.is_leaf() {
                 let [left, right] = [node.index, node.index + 1].map(|child| {
                     let square = square_to(&self.nodes[child as usize].bounds, to);
-                    let is_near = reach_of(child).is_some_and(|reach| square <= reach * reach);
+                    let is_near = square <= least * (1.0 + TIE) && is_near(child);
                     (child, if is_near { square } else { f64::INFINITY })
                 });
                 let (near, far) = if right.1 < left.1 {
@@ -175,19 +69,21 @@ impl Bvh {
                     (left, right)
                 };
                 if near.1 <= least {
-                    others[depth] = far;
-                    depth += 1;
+                    if far.1 < f64::INFINITY {
+                        others[depth] = far;
+                        depth += 1;
+                    }
                     at = near.0;
                     continue;
                 }
             } else if square_to(&node.bounds, to) <= least {
                 let block = &self.blocks[node.index as usize];
                 for &triangle in &block.triangles[..node.count as usize] {
-                    if !counts(triangle) {
+                    if !accepts(triangle) {
                         continue;
                     }
                     let found = Candidate::on(surface.triangle_positions(triangle), to);
-                    if found.square > reach_of_triangle(triangle).powi(2) {
+                    if !reaches(&found, triangle) {
                         continue;
                     }
                     let is_better = best
@@ -220,18 +116,18 @@ const TIE: f64 = 1e-9;
 
 /// The nearest point of one triangle.
 #[derive(Debug, Clone, Copy)]
-struct Candidate {
+pub(super) struct Candidate {
     weights: [f64; 3],
     point: Vec3,
     /// Squared distance \[m^2\].
-    square: f64,
+    pub(super) square: f64,
     /// Height of `to` above the triangle's plane \[m\].
     height: f64,
 }
 
 impl Candidate {
     /// Returns the nearest point of a triangle by Voronoi regions (Ericson 2005, section 5.1.5).
-    fn on([a, b, c]: [Vec3; 3], to: Vec3) -> Self {
+    pub(super) fn on([a, b, c]: [Vec3; 3], to: Vec3) -> Self {
         let (ab, ac, ap) = (b - a, c - a, to - a);
         let normal = ab.cross(&ac);
         let height = normal.try_normalize(0.0).map_or(0.0, |n| n.dot(&ap));

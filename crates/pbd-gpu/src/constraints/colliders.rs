@@ -1,13 +1,14 @@
-//! Colliders: static solid shapes that vertices are pushed out of.
+//! Colliders: rigid solid shapes that vertices are pushed out of.
 
 use crate::error::ConstraintError;
 use incise_mesh::Aabb;
 
-/// A static solid shape that pushes bodies out, with the friction coefficient of the body.
+/// A rigid solid shape that pushes bodies out, with the friction coefficient of the body.
 ///
 /// Vertices are outside at the end of each substep. Triangles much larger than the shape may
 /// intersect it, and vertices that pass it within a substep are not stopped. A collider that is
-/// placed inside a body pushes the vertices out within one substep.
+/// placed inside a body pushes the vertices out within one substep; see [`MovingCollider`] for one
+/// that moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Collider {
     /// A half-space.
@@ -42,6 +43,62 @@ pub enum Collider {
     },
 }
 
+/// A collider with its motion within a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MovingCollider {
+    /// The shape at the start of the frame.
+    pub start: Collider,
+    /// Velocity \[m/s\]. Friction drags bodies along.
+    pub velocity: [f32; 3],
+}
+
+impl MovingCollider {
+    /// Returns the collider that reaches its present place from a previous one in `dt` \[s\].
+    ///
+    /// It has its present size and directions from the start. It does not move if the previous one
+    /// has another shape.
+    #[must_use]
+    pub fn between(previous: &Collider, present: &Collider, dt: f32) -> Self {
+        let [from, to] = [previous, present].map(Collider::place);
+        let is_one = std::mem::discriminant(previous) == std::mem::discriminant(present);
+        if !is_one || from == to {
+            return Self::from(*present);
+        }
+        let motion = [0, 1, 2].map(|k| to[k] - from[k]);
+        Self {
+            start: present.moved(motion.map(|c| -c)),
+            velocity: motion.map(|c| c / dt),
+        }
+    }
+
+    /// Returns the bounding box of the motion within `dt` \[s\].
+    #[must_use]
+    pub fn bounds(&self, dt: f32) -> Aabb {
+        let end = self.start.moved(self.velocity.map(|v| v * dt));
+        self.start.bounds().union(end.bounds())
+    }
+
+    /// Returns the record of a valid collider.
+    pub(crate) fn record(&self) -> Option<ColliderRecord> {
+        let record = self.start.record()?;
+        let is_finite = self.velocity.iter().all(|v| v.is_finite());
+        is_finite.then_some(ColliderRecord {
+            velocity: self.velocity,
+            ..record
+        })
+    }
+}
+
+impl From<Collider> for MovingCollider {
+    /// Returns the collider at rest.
+    fn from(start: Collider) -> Self {
+        Self {
+            start,
+            velocity: [0.0; 3],
+        }
+    }
+}
+
 /// A collider as the kernels on the CPU and on the GPU read it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,13 +108,16 @@ pub(crate) struct ColliderRecord {
     pub(crate) kind: u32,
     /// Radius of spheres and capsules \[m\].
     pub(crate) radius: f32,
-    /// Point of a plane, center of a sphere, first end of a capsule, center of a box \[m\].
+    /// Point of a plane, center of a sphere, first end of a capsule, center of a box, at the start
+    /// of the frame \[m\].
     pub(crate) origin: [f32; 3],
     /// Normal of a plane, segment of a capsule \[m\], half extents of a box \[m\].
     pub(crate) extent: [f32; 3],
     /// First two axes of a box; segment of a capsule over its squared length.
     pub(crate) axes: [[f32; 3]; 2],
-    pub(crate) pad: [u32; 2],
+    /// Velocity within the frame \[m/s\].
+    pub(crate) velocity: [f32; 3],
+    pub(crate) pad: u32,
 }
 
 pub(crate) const PLANE: u32 = 0;
@@ -95,6 +155,28 @@ impl Collider {
         }
     }
 
+    /// Returns a point that moves with the shape: of a capsule the middle \[m\].
+    fn place(&self) -> [f32; 3] {
+        match *self {
+            Self::Plane { point, .. } => point,
+            Self::Sphere { center, .. } | Self::Box { center, .. } => center,
+            Self::Capsule { ends: [a, b], .. } => [0, 1, 2].map(|k| a[k] + (b[k] - a[k]) / 2.0),
+        }
+    }
+
+    /// Returns the shape at another place, at a distance \[m\].
+    fn moved(mut self, by: [f32; 3]) -> Self {
+        let points = match &mut self {
+            Self::Plane { point, .. } => std::slice::from_mut(point),
+            Self::Sphere { center, .. } | Self::Box { center, .. } => std::slice::from_mut(center),
+            Self::Capsule { ends, .. } => &mut ends[..],
+        };
+        for point in points {
+            *point = [0, 1, 2].map(|k| point[k] + by[k]);
+        }
+        self
+    }
+
     /// Returns true if all numbers are finite, sizes are positive and directions are not zero.
     #[must_use]
     pub fn is_valid(&self) -> bool {
@@ -109,7 +191,8 @@ impl Collider {
             origin: [0.0; 3],
             extent: [0.0; 3],
             axes: [[0.0; 3]; 2],
-            pad: [0; 2],
+            velocity: [0.0; 3],
+            pad: 0,
         };
         match *self {
             Self::Plane { point, normal } => {
@@ -158,15 +241,15 @@ impl Collider {
 /// The colliders of a body, with their records.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Colliders {
-    shapes: Vec<Collider>,
+    list: Vec<MovingCollider>,
     records: Vec<ColliderRecord>,
     generation: u64,
 }
 
 impl Colliders {
     /// Returns the colliders as they were set.
-    pub(crate) fn shapes(&self) -> &[Collider] {
-        &self.shapes
+    pub(crate) fn list(&self) -> &[MovingCollider] {
+        &self.list
     }
 
     /// Returns the records that kernels read.
@@ -184,18 +267,18 @@ impl Colliders {
     ///
     /// # Errors
     /// [`ConstraintError::BadCollider`]; nothing is changed then.
-    pub(crate) fn set(&mut self, colliders: &[Collider]) -> Result<(), ConstraintError> {
-        if self.shapes == colliders {
+    pub(crate) fn set(&mut self, colliders: &[MovingCollider]) -> Result<(), ConstraintError> {
+        if self.list == colliders {
             return Ok(());
         }
-        if let Some(number) = colliders.iter().position(|c| !c.is_valid()) {
+        if let Some(number) = colliders.iter().position(|c| c.record().is_none()) {
             return Err(ConstraintError::BadCollider { number });
         }
-        self.shapes.clear();
-        self.shapes.extend_from_slice(colliders);
+        self.list.clear();
+        self.list.extend_from_slice(colliders);
         self.records.clear();
         self.records
-            .extend(colliders.iter().filter_map(Collider::record));
+            .extend(colliders.iter().filter_map(MovingCollider::record));
         self.generation += 1;
         Ok(())
     }

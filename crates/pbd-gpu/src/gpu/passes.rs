@@ -30,7 +30,7 @@ impl Compiler<'_> {
             Pass::Predict => (EntryPoint::Predict, true),
             Pass::Pins => (EntryPoint::Pins, true),
             Pass::LongRangeAttachments => (EntryPoint::LongRangeAttachments, false),
-            Pass::Colliders => (EntryPoint::Colliders, false),
+            Pass::Colliders => (EntryPoint::Colliders, true),
             Pass::Ground => (EntryPoint::Ground, true),
             _ => (EntryPoint::Integrate, true),
         };

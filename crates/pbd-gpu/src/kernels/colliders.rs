@@ -1,28 +1,36 @@
 //! Collision of vertices with colliders, with the friction of the [ground](super::ground) kernel.
 //!
-//! Friction is bounded by the sum of all corrections of a substep.
+//! Friction is bounded by the sum of all corrections of a substep, and slows the motion relative to
+//! the collider.
 
 use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::colliders::{ColliderRecord, PLANE, ROUND};
 
-/// Pushes vertices out of colliders, one collider after the other.
+/// Pushes vertices out of colliders at a time of the frame, one collider after the other.
 ///
-/// The fourth component of the velocity holds the remaining friction bound.
+/// The substep of `h` ends at `time` \[s\]. The fourth component of the velocity holds the
+/// remaining friction bound.
 #[inline(never)]
 pub(crate) fn colliders(
     particles: ParticleStates<'_>,
     v: &mut [[f32; 4]],
     colliders: &[ColliderRecord],
     friction: f32,
+    [h, time]: [f32; 2],
 ) {
     for (cell, v) in particles.iter().zip(v) {
         let ParticleState { x, mut d } = cell.get();
         if x[3] > 0.0 {
             for collider in colliders {
-                let q = [0, 1, 2].map(|k: usize| x[k] - collider.origin[k]);
+                let along = collider.velocity;
+                let q = [0, 1, 2].map(|k: usize| {
+                    let origin = collider.origin[k] + along[k] * time;
+                    x[k] - origin
+                });
                 let (distance, n) = separation(q, [d[0], d[1], d[2]], collider);
                 if distance < 0.0 {
-                    push(&mut d, &mut v[3], n, -distance, friction);
+                    let dragged = along.map(|c| c * h);
+                    push(&mut d, &mut v[3], n, -distance, (friction, dragged));
                 }
             }
             cell.set(ParticleState { x, d });
@@ -30,11 +38,19 @@ pub(crate) fn colliders(
     }
 }
 
-/// Moves a displacement out by `depth` and applies friction to its tangential part.
+/// Moves a displacement out by `depth` and applies friction to its tangential part, relative to
+/// the displacement of the collider.
 #[inline(always)]
-fn push(d: &mut [f32; 4], held: &mut f32, n: [f32; 3], depth: f32, friction: f32) {
-    let along = d[0] * n[0] + d[1] * n[1] + d[2] * n[2];
-    let slide = [0, 1, 2].map(|k: usize| d[k] - along * n[k]);
+fn push(
+    d: &mut [f32; 4],
+    held: &mut f32,
+    n: [f32; 3],
+    depth: f32,
+    (friction, dragged): (f32, [f32; 3]),
+) {
+    let relative = [0, 1, 2].map(|k: usize| d[k] - dragged[k]);
+    let along = dot(relative, n);
+    let slide = [0, 1, 2].map(|k: usize| relative[k] - along * n[k]);
     let length = (slide[0] * slide[0] + slide[1] * slide[1] + slide[2] * slide[2]).sqrt();
     let limit = *held + friction * depth;
     let slips = length > limit;
@@ -42,7 +58,7 @@ fn push(d: &mut [f32; 4], held: &mut f32, n: [f32; 3], depth: f32, friction: f32
     let kept = if slips { 1.0 - limit / length } else { 0.0 };
     let normal = along + depth;
     for k in 0..3 {
-        d[k] = normal * n[k] + kept * slide[k];
+        d[k] = dragged[k] + (normal * n[k] + kept * slide[k]);
     }
 }
 
@@ -110,7 +126,7 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::constraints::colliders::Collider;
+    use crate::constraints::colliders::{Collider, MovingCollider};
     use crate::kernels::particle_state::on_arrays;
 
     fn out(collider: Collider, p: [f32; 3]) -> (f32, [f32; 3]) {
@@ -169,7 +185,9 @@ mod tests {
         let x = [[0.0, 0.5, 0.0, 1.0]; 2];
         let mut d = [[0.3, -0.75, 0.4, 0.0], [0.3, -1.5, 0.4, 0.0]];
         let mut v = [[0.0; 4]; 2];
-        on_arrays(&x, &mut d, |p| colliders(p, &mut v, &record, 0.5));
+        on_arrays(&x, &mut d, |p| {
+            colliders(p, &mut v, &record, 0.5, [0.1, 0.1])
+        });
         for (d, expected) in d.iter().zip([[0.225, -0.5, 0.3], [0.0, -0.5, 0.0]]) {
             for k in 0..3 {
                 assert!((d[k] - expected[k]).abs() < 1e-6, "{d:?}");
@@ -177,6 +195,29 @@ mod tests {
         }
         assert_eq!(v[0][3], 0.0, "all of it was taken");
         assert!((v[1][3] - 0.0).abs() < 1e-6, "as much as slid");
+    }
+
+    #[test]
+    fn a_moving_floor_lifts_and_drags() {
+        let floor = |y| Collider::Plane {
+            point: [y, y, 0.0],
+            normal: [0.0, 1.0, 0.0],
+        };
+        let moving = MovingCollider::between(&floor(0.0), &floor(0.8), 1.0);
+        assert_eq!(
+            (moving.start, moving.velocity),
+            (floor(0.0), [0.8, 0.8, 0.0])
+        );
+        let record = [moving.record().unwrap()];
+        let x = [[0.0, 0.0, 0.0, 1.0]];
+        for (time, height) in [(0.25, 0.2), (1.0, 0.8)] {
+            let (mut d, mut v) = ([[0.0; 4]], [[0.0; 4]]);
+            on_arrays(&x, &mut d, |p| {
+                colliders(p, &mut v, &record, 10.0, [0.25, time]);
+            });
+            assert!((d[0][1] - height).abs() < 1e-6, "{d:?} after {time} s");
+            assert!((d[0][0] - 0.2).abs() < 1e-6, "{d:?} moves with the floor");
+        }
     }
 
     #[test]

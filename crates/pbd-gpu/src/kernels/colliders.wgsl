@@ -15,27 +15,32 @@ fn collider_vector(at: u32, k: u32) -> vec3f {
     return vec3f(collider_number(at, k), collider_number(at, k + 1u), collider_number(at, k + 2u));
 }
 
-// Pushes a vertex out of the colliders that start at an entry.
+// Pushes a vertex out of the colliders that start at an entry, in the substep of substep_index.
 fn push_out(i: u32, first: u32, count: u32, friction: f32) {
     let x = load_x(i);
     if (!(x.w > 0.0)) {
         return;
     }
     var d = load_d(i);
+    let time = f32(substep_index + 1u) * frame.h;
     for (var k = 0u; k < count; k++) {
         let at = first + COLLIDER_ENTRIES * k;
-        let out = separation(x.xyz - collider_vector(at, 2u), d, at);
+        let velocity = collider_vector(at, 14u);
+        let origin = collider_vector(at, 2u) + velocity * time;
+        let out = separation(x.xyz - origin, d, at);
         if (out.distance < 0.0) {
             let n = out.normal;
             let depth = -out.distance;
-            let along = dot_product(d, n);
-            let slide = d - along * n;
+            let dragged = velocity * frame.h;
+            let relative = d - dragged;
+            let along = dot_product(relative, n);
+            let slide = relative - along * n;
             let length = sqrt(dot_product(slide, slide));
             let limit = velocities[first_vertex + i].w + friction * depth;
             let slips = length > limit;
             velocities[first_vertex + i].w = select(limit - length, 0.0, slips);
             let kept = select(0.0, 1.0 - limit / length, slips);
-            d = (along + depth) * n + kept * slide;
+            d = dragged + ((along + depth) * n + kept * slide);
         }
     }
     store_d(i, d);

@@ -4,7 +4,7 @@ use super::Solver;
 use crate::constraints::Constraints;
 use crate::constraints::attachments::LongRangeAttachment;
 use crate::constraints::batches::{BendingSet, StretchSet};
-use crate::constraints::colliders::Collider;
+use crate::constraints::colliders::MovingCollider;
 use crate::constraints::contacts::{Contact, ContactSet};
 use crate::constraints::volumes::VolumeSet;
 use crate::error::{ConstraintError, InvalidConstraints};
@@ -61,8 +61,8 @@ impl Solver {
 
     /// Returns the colliders of the next frame.
     #[must_use]
-    pub fn colliders(&self) -> &[Collider] {
-        self.constraints.colliders.shapes()
+    pub fn colliders(&self) -> &[MovingCollider] {
+        self.constraints.colliders.list()
     }
 
     /// Returns all constraints.
@@ -164,11 +164,12 @@ impl Solver {
 
     /// Sets the colliders of the next frames in place of the current ones.
     ///
-    /// They cost one pass over the vertices per iteration, and nothing if there are none.
+    /// They cost one pass over the vertices per iteration, and nothing if there are none. Every
+    /// frame starts with them at their start: set moving ones in every frame.
     ///
     /// # Errors
     /// [`ConstraintError::BadCollider`] with the index of an invalid one; nothing is changed then.
-    pub fn set_colliders(&mut self, colliders: &[Collider]) -> Result<(), ConstraintError> {
+    pub fn set_colliders(&mut self, colliders: &[MovingCollider]) -> Result<(), ConstraintError> {
         self.constraints.colliders.set(colliders)
     }
 

@@ -234,6 +234,7 @@ impl Frame<'_, '_> {
                 leader: &mut *self.leader,
                 arch: self.arch,
                 substeps_left: self.substeps.end - substep,
+                time: time_after(substep, member),
                 stats: &mut member.stats,
                 lowest: &mut member.lowest,
             };
@@ -264,8 +265,7 @@ impl Frame<'_, '_> {
             return;
         };
         let particles = self.particles;
-        // A second-order substep is longer than its first-order part.
-        let (h, length) = (first.constants.h, first.orders.first.h);
+        let h = first.constants.h;
         first.stats.passes += 1;
         match pass {
             Pass::ContactFeatures => {
@@ -289,13 +289,19 @@ impl Frame<'_, '_> {
             Pass::ContactsBeforeVolumes if !has_volumes => first.stats.passes -= 1,
             _ => {
                 first.stats.contact_projections += self.contacts.len() as u64;
-                let time = (substep + 1) as f32 * length;
+                let time = time_after(substep, first);
                 for color in &mut self.contacts.colors {
                     contacts::contacts(particles, color, accumulates, time);
                 }
             }
         }
     }
+}
+
+/// Returns the time of the frame at the end of a substep \[s\].
+fn time_after(substep: u32, member: &Member) -> f32 {
+    // A second-order substep is longer than its first-order part.
+    (substep + 1) as f32 * member.orders.first.h
 }
 
 /// Returns the contacts without a color, then those of each color.

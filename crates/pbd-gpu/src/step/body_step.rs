@@ -28,6 +28,8 @@ pub(super) struct BodyStep<'a, 'b, 'c> {
     pub(super) leader: &'a mut Leader<'c>,
     pub(super) arch: Arch,
     pub(super) substeps_left: u32,
+    /// Time of the frame at the end of the substep \[s\].
+    pub(super) time: f32,
     pub(super) stats: &'a mut StepStats,
     /// Minimum predicted height of the substep \[m\].
     pub(super) lowest: &'a mut f32,
@@ -185,7 +187,8 @@ impl BodyStep<'_, '_, '_> {
                 stats.max_substep_displacement = stats.max_substep_displacement.max(change);
             }
             Pass::Colliders => {
-                colliders::colliders(particles, v, body.colliders, constants.friction);
+                let times = [constants.h, self.time];
+                colliders::colliders(particles, v, body.colliders, constants.friction, times);
             }
             Pass::GroundBeforeVolumes => {
                 stats.ground_passes += 1;

@@ -3,13 +3,12 @@
 //! Called by [`super::ContactDetection`] with the bodies that may collide; the narrow phase reads
 //! the pairs and displacements.
 
-use super::motion::Motion;
+use super::motion::{Motion, max_norm};
 use super::near_bodies::grow;
 use super::{BladeFace, ContactFrame, SPEED_MARGIN};
 use crate::scene::Bodies;
-use incise_mesh::geometry::to_f64;
-use incise_mesh::{Aabb, Surface, Vec3, VertexId, index_u32};
-use incise_pbd_gpu::Collider;
+use incise_mesh::{Aabb, MovingPoint, Surface, Vec3, VertexId, index_u32};
+use incise_pbd_gpu::MovingCollider;
 
 /// A piece of a body.
 #[derive(Debug, Clone, Copy)]
@@ -30,8 +29,10 @@ pub(super) struct Piece {
     velocity_sum: (Vec3, f64),
     /// The common velocity of its group, stored in the first piece [m/s].
     group_velocity: Vec3,
-    /// Maximum displacement of its vertices relative to the group \[m\].
-    pub(super) max_displacement: f64,
+    /// Box around the displacements of its vertices relative to the group \[m\].
+    displacement: Aabb,
+    /// Index of its first pair.
+    first_pair: u32,
 }
 
 /// The pieces of all bodies that may collide, in memory reused between frames.
@@ -56,6 +57,11 @@ impl Pieces {
         motions: &mut [Motion],
         frame: &ContactFrame<'_>,
     ) {
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "parameters of scenes have 32 bits"
+        )]
+        let dt = frame.dt as f32;
         self.list.clear();
         for (i, (body, motion)) in bodies.iter().zip(&mut *motions).enumerate() {
             if let (true, Some(body)) = (motion.is_active, body) {
@@ -74,7 +80,7 @@ impl Pieces {
             let displacement = (SPEED_MARGIN * speed + frame.speed_gain) * frame.dt;
             let thickness = motions[piece.body as usize].thickness;
             grow(&mut piece.grown_bounds, thickness + displacement);
-            let at_collider = |c: &Collider| c.bounds().overlaps(&piece.grown_bounds);
+            let at_collider = |c: &MovingCollider| c.bounds(dt).overlaps(&piece.grown_bounds);
             let at_face = |face: &BladeFace| face.bounds().overlaps(&piece.grown_bounds);
             piece.is_held |=
                 frame.colliders.iter().any(at_collider) || frame.blade_faces.iter().any(at_face);
@@ -90,7 +96,7 @@ impl Pieces {
 
     /// Returns the pieces with which a piece, by index, may collide.
     pub(super) fn neighbors(&self, index: u32) -> impl Iterator<Item = &Piece> {
-        let first = self.pairs.partition_point(|pair| pair.0 < index);
+        let first = self.list[index as usize].first_pair as usize;
         let pairs = self.pairs[first..].iter();
         pairs
             .take_while(move |pair| pair.0 == index)
@@ -115,7 +121,8 @@ impl Pieces {
                     group: 0,
                     velocity_sum: (Vec3::zeros(), 0.0),
                     group_velocity: Vec3::zeros(),
-                    max_displacement: 0.0,
+                    displacement: Aabb::default(),
+                    first_pair: 0,
                 });
             }
             let piece = &mut self.list[*index as usize];
@@ -150,6 +157,9 @@ impl Pieces {
             }
         }
         self.pairs.sort_unstable();
+        for (first, &(a, _)) in (0..index_u32(self.pairs.len())).zip(&self.pairs).rev() {
+            self.list[a as usize].first_pair = first;
+        }
     }
 
     /// Finds the groups by union-find, and their common velocities.
@@ -189,19 +199,24 @@ impl Pieces {
         for v in topology.vertices() {
             let number = surface.piece(topology.outgoing(v).triangle());
             let index = motion.pieces[number as usize] as usize;
-            let common = self.list[self.list[index].group as usize].group_velocity;
+            let group = &self.list[self.list[index].group as usize];
+            let common = (group.group_velocity, group.is_held);
             let displacement = motion.set_displacement(v, common, dt);
             let piece = &mut self.list[index];
-            piece.max_displacement = piece.max_displacement.max(displacement);
+            piece.displacement = piece.displacement.union(displacement);
         }
     }
 }
 
 impl Piece {
-    /// Returns whether a point lies in the piece's box grown by `margin` \[m\].
-    pub(super) fn is_near(&self, p: Vec3, margin: f64) -> bool {
-        let (min, max) = (to_f64(self.bounds.min), to_f64(self.bounds.max));
-        (0..3).all(|k| min[k] - margin <= p[k] && p[k] <= max[k] + margin)
+    /// Returns whether a moving point may reach the piece's box.
+    pub(super) fn is_near(&self, point: &MovingPoint) -> bool {
+        point.reaches(&self.bounds, &self.displacement)
+    }
+
+    /// Returns the maximum displacement of a vertex \[m\].
+    pub(super) fn max_displacement(&self) -> f64 {
+        max_norm(&self.displacement)
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::{ContactFrame, SPEED_MARGIN};
 use crate::body::Body;
-use incise_mesh::geometry::to_f64;
-use incise_mesh::{SearchRadii, Surface, TriangleId, Vec3, VertexId};
+use incise_mesh::geometry::{to_f32, to_f64};
+use incise_mesh::{Aabb, MotionBounds, Surface, TriangleId, Vec3, VertexId};
 
 /// Maximum minimum distance from a piece [distances between its sides].
 ///
@@ -21,10 +21,10 @@ pub(super) struct Motion {
     thicknesses: Vec<f64>,
     /// Velocities; of pinned vertices the motion to their targets [m/s], shape [vertex slots].
     velocities: Vec<[f32; 4]>,
-    /// Maximum displacements relative to their group of pieces \[m\], shape [vertex slots].
-    pub(super) displacements: Vec<f64>,
-    /// Displacements of the triangles in the body's BVH.
-    pub(super) radii: SearchRadii,
+    /// Boxes of displacements relative to their group of pieces \[m\], shape [vertex slots].
+    pub(super) displacements: Vec<Aabb>,
+    /// Displacements and normals of the nodes of the body's BVH.
+    pub(super) bounds: MotionBounds,
     /// By piece number: index in the broad phase, or `u32::MAX`.
     pub(super) pieces: Vec<u32>,
 }
@@ -53,7 +53,8 @@ impl Motion {
             });
         }
         self.displacements.clear();
-        self.displacements.resize(self.velocities.len(), 0.0);
+        self.displacements
+            .resize(self.velocities.len(), Aabb::default());
         self.thicknesses.clear();
         self.thicknesses
             .extend((0..surface.piece_bound()).map(|piece| {
@@ -79,20 +80,39 @@ impl Motion {
         to_f64([x, y, z])
     }
 
-    /// Sets the displacement of a vertex relative to a common velocity [m/s] and returns it \[m\].
-    pub(super) fn set_displacement(&mut self, v: VertexId, common: Vec3, dt: f64) -> f64 {
-        let displacement = SPEED_MARGIN * (self.velocity(v) - common).norm() * dt;
-        self.displacements[v.index()] = displacement;
-        displacement
+    /// Sets the displacements of a vertex relative to a common velocity [m/s] and returns their
+    /// box.
+    ///
+    /// It includes rest if an obstacle may stop the vertex.
+    pub(super) fn set_displacement(
+        &mut self,
+        v: VertexId,
+        (common, may_stop): (Vec3, bool),
+        dt: f64,
+    ) -> Aabb {
+        let displacement = to_f32((self.velocity(v) - common) * (SPEED_MARGIN * dt));
+        let mut bounds = Aabb::around([displacement]);
+        if may_stop {
+            bounds.grow([0.0; 3]);
+        }
+        self.displacements[v.index()] = bounds;
+        bounds
     }
 
-    /// Finds the displacements of all triangles in a BVH, which must be refitted.
-    pub(super) fn find_radii(&mut self, body: &Body) {
-        let (surface, displacements) = (body.surface(), &self.displacements);
-        self.radii.find(body.bvh(), surface, |t| {
-            let corners = surface.topology().triangle(t).into_iter();
-            let all = corners.map(|c| displacements[c.index()]);
-            all.fold(0.0, f64::max)
-        });
+    /// Returns the maximum displacement of a vertex \[m\].
+    pub(super) fn max_displacement(&self, v: VertexId) -> f64 {
+        max_norm(&self.displacements[v.index()])
     }
+
+    /// Finds the bounds of all nodes of a BVH, which must be refitted.
+    pub(super) fn find_bounds(&mut self, body: &Body) {
+        let displacements = &self.displacements;
+        self.bounds.find(body.bvh(), body.surface(), displacements);
+    }
+}
+
+/// Returns the maximum norm of the vectors in a box.
+pub(super) fn max_norm(bounds: &Aabb) -> f64 {
+    let [min, max] = [bounds.min, bounds.max].map(to_f64);
+    min.abs().sup(&max.abs()).norm()
 }

@@ -3,7 +3,7 @@
 //! Called by [`super::ContactDetection`] after the broad phase. Rows are concatenated in order, so
 //! that the result does not depend on the number of threads.
 
-use super::broad_phase::{Piece, Pieces};
+use super::broad_phase::Pieces;
 use super::edge_pairs::EdgePairs;
 use super::edges::MovingEdge;
 use super::motion::Motion;
@@ -12,7 +12,7 @@ use super::sheets::{SideLimits, is_behind};
 use super::{ContactFrame, SPEED_MARGIN};
 use crate::body::Body;
 use crate::scene::Bodies;
-use incise_mesh::{Surface, TriangleId, Vec3, VertexId, index_u32};
+use incise_mesh::{MovingPoint, Surface, TriangleId, Vec3, VertexId, index_u32};
 use incise_pbd_gpu::{Contact, ContactKind};
 use rayon::prelude::*;
 
@@ -175,42 +175,56 @@ impl Search<'_> {
             if surface.topology().outgoing(v).is_null() {
                 continue;
             }
-            self.find_near(of, v, &mut row.near);
+            let number = surface.piece(surface.topology().outgoing(v).triangle());
+            let piece = of.motion.pieces[number as usize];
+            let point = self.moving_point(of, v, number);
+            self.find_near(of, piece, &point, &mut row.near);
             for n in 0..row.near.len() {
-                self.find_contact(of, v, row.near[n], row);
+                self.find_contact(of, (v, &point), row.near[n], row);
             }
             self.find_blade_face_contacts(of, v, row);
-            for h in surface.topology().outgoing_fan(v) {
-                self.collect_edge(of, h, row);
+            if self.frame.params.self_collision || self.pieces.neighbors(piece).next().is_some() {
+                for h in surface.topology().outgoing_fan(v) {
+                    self.collect_edge(of, h, piece, row);
+                }
             }
+        }
+    }
+
+    /// Returns a vertex and its motion within the frame, for searches of triangles.
+    fn moving_point(&self, of: Searched<'_>, v: VertexId, piece: u32) -> MovingPoint {
+        let gain = self.frame.speed_gain * self.frame.dt;
+        MovingPoint {
+            position: of.body.surface().position(v),
+            displacement: of.motion.displacements[v.index()],
+            margin: of.thickness(v) + gain,
+            outward: outward_normal(of.body.surface(), v),
+            excluded_piece: (!self.frame.params.self_collision).then_some(piece),
         }
     }
 
     /// Finds the bodies that a vertex may touch within the frame, ascending.
-    fn find_near(&self, of: Searched<'_>, v: VertexId, near: &mut Vec<u32>) {
+    fn find_near(&self, of: Searched<'_>, piece: u32, point: &MovingPoint, near: &mut Vec<u32>) {
         near.clear();
-        let surface = of.body.surface();
-        let number = surface.piece(surface.topology().outgoing(v).triangle());
-        let index = of.motion.pieces[number as usize];
-        let (at, radius) = (surface.position(v), self.radius(of, v));
         if self.frame.params.self_collision {
             near.push(of.index);
         }
-        let is_near = |other: &&Piece| other.is_near(at, radius + other.max_displacement);
-        let others = self.pieces.neighbors(index).filter(is_near);
-        near.extend(others.map(|other| other.body));
+        for other in self.pieces.neighbors(piece) {
+            if !near.contains(&other.body) && other.is_near(point) {
+                near.push(other.body);
+            }
+        }
         near.sort_unstable();
-        near.dedup();
-    }
-
-    /// Returns the distance at which a vertex searches resting triangles \[m\].
-    fn radius(&self, of: Searched<'_>, v: VertexId) -> f64 {
-        let gain = self.frame.speed_gain * self.frame.dt;
-        of.thickness(v) + gain + of.motion.displacements[v.index()]
     }
 
     /// Adds the contact of a vertex with the nearest triangle of a body, if there is one.
-    fn find_contact(&self, of: Searched<'_>, v: VertexId, other: u32, row: &mut Row) {
+    fn find_contact(
+        &self,
+        of: Searched<'_>,
+        (v, point): (VertexId, &MovingPoint),
+        other: u32,
+        row: &mut Row,
+    ) {
         let Some(other_body) = &self.bodies[other as usize] else {
             return;
         };
@@ -218,7 +232,7 @@ impl Search<'_> {
         let of_other = &self.motions[other as usize];
         let thickness =
             |t: TriangleId| f64::min(of.thickness(v), of_other.thickness(other_surface, t));
-        let at = surface.position(v);
+        let at = point.position;
         let first = of.previous_of_vertex[v.index()] as usize;
         let previous = of.previous.get(first..).unwrap_or_default();
         let mut of_vertex = previous.iter().take_while(|contact| contact.vertex == v);
@@ -229,8 +243,10 @@ impl Search<'_> {
             contact.persists(other_surface, at, thickness)
                 && (self_collision || !is_fold(contact.triangle))
         });
-        let contact =
-            kept.or_else(|| self.nearest(of, v, (other, other_body), previous, &mut row.one_ring));
+        let contact = kept.or_else(|| {
+            let target = (other, other_body.as_ref());
+            self.nearest(of, (v, point), target, previous, &mut row.one_ring)
+        });
         let Some(contact) = contact else { return };
         // Within a piece at most half of the rest distance, so that a thin fold stays as it is.
         let mut gap = thickness(contact.triangle);
@@ -251,7 +267,7 @@ impl Search<'_> {
     fn nearest(
         &self,
         of: Searched<'_>,
-        v: VertexId,
+        (v, point): (VertexId, &MovingPoint),
         (other, body): (u32, &Body),
         previous: Option<PersistentContact>,
         one_ring: &mut Vec<VertexId>,
@@ -260,7 +276,7 @@ impl Search<'_> {
         let motion = &self.motions[other as usize];
         let self_collision = self.frame.params.self_collision;
         let topology = surface.topology();
-        let at = surface.position(v);
+        let at = point.position;
         one_ring.clear();
         if other == of.index && self_collision {
             one_ring.push(v);
@@ -268,26 +284,34 @@ impl Search<'_> {
                 one_ring.extend([topology.target(h), topology.origin(h.prev())]);
             }
         }
-        let number = surface.piece(topology.outgoing(v).triangle());
-        let but = (other == of.index && !self_collision).then_some(number);
-        let outward = outward_normal(surface, v);
         let is_around = |t| {
             let corners = other_surface.topology().triangle(t);
             !one_ring.is_empty() && corners.iter().any(|c| one_ring.contains(c))
         };
         let shapes = body.piece_shapes();
         let is_in_sheet = |t: TriangleId| shapes.get(other_surface.piece(t)).is_sheet;
+        let number = surface.piece(topology.outgoing(v).triangle());
         let of_sheet = of.body.piece_shapes().get(number).is_sheet;
-        let may_touch = |t| {
+        let has_two_sides = |t| {
             let is_own = other == of.index && other_surface.piece(t) == number;
-            (of_sheet || is_in_sheet(t)) && !is_own || faces(other_surface, outward, t)
+            (of_sheet || is_in_sheet(t)) && !is_own
         };
-        let is_candidate = |t| may_touch(t) && !is_around(t);
-        let reach = (at, self.radius(of, v));
-        let radii = (&motion.radii, but);
+        let is_faced = |t| has_two_sides(t) || faces(other_surface, point.outward, t);
+        let is_candidate = |t| is_faced(t) && !is_around(t);
+        let is_own = other == of.index;
+        let all_have_one_side = !of_sheet && !shapes.has_sheets();
+        let point = MovingPoint {
+            excluded_piece: point.excluded_piece.filter(|_| is_own),
+            outward: if all_have_one_side {
+                point.outward
+            } else {
+                Vec3::zeros()
+            },
+            ..*point
+        };
         let first = previous.map(|contact| contact.triangle);
-        let bvh = body.bvh();
-        let found = bvh.nearest_in_reach(other_surface, reach, radii, first, is_candidate)?;
+        let (bvh, bounds) = (body.bvh(), &motion.bounds);
+        let found = bvh.nearest_in_reach(other_surface, &point, bounds, first, is_candidate)?;
         // A deeper vertex has passed the triangle, whose plane would hold the two together.
         let of_other = motion.thickness(other_surface, found.triangle);
         let thickness = of.thickness(v).min(of_other);

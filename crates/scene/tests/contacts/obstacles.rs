@@ -120,6 +120,42 @@ fn bodies_stay_out_of_colliders_and_sleep_on_flat_ones() {
     }
 }
 
+/// A floor that moved in one substep of a frame threw bodies at many times its speed.
+#[test]
+fn a_moving_floor_lifts_and_drags_at_its_speed() {
+    let block = merged(&[moved(&cube(4), [0.0, 0.5, 0.0], [0.5; 3])]);
+    let mut scene = Scene::new(SceneParams {
+        contacts: None,
+        ..params([0.0, -9.81, 0.0], None)
+    });
+    let id = scene.add_body(block, &firm(1.0, 0.0)).unwrap();
+    // Up by 0.5 m at 1 m/s, then to the side by 0.5 m at 0.5 m/s.
+    let (mut fastest, mut x, mut y) = (0.0_f32, 0.0, 0.0);
+    for frame in 0..120 {
+        match frame {
+            1..=30 => y += 1.0 / 60.0,
+            60.. => x += 0.5 / 60.0,
+            _ => {}
+        }
+        scene.colliders = vec![Collider::Plane {
+            point: [x, y, 0.0],
+            normal: [0.0, 1.0, 0.0],
+        }];
+        scene.step().unwrap();
+        let velocities = scene.body(id).unwrap().solver().velocities().iter();
+        fastest = velocities.fold(fastest, |a, v| a.max(v[0].abs()).max(v[1].abs()));
+    }
+    assert!(fastest < 2.0, "a vertex moves at {fastest} m/s");
+    let low = height_range(scene.body(id).unwrap(), 0)[0];
+    assert!((low - 0.5).abs() < 0.02, "it is at {low} m");
+    let positions = scene.body(id).unwrap().surface().positions();
+    let center = positions.iter().map(|p| p[0]).sum::<f32>() / positions.len() as f32;
+    assert!(
+        (center - x).abs() < 0.05,
+        "it is at {center} m, the floor at {x} m"
+    );
+}
+
 #[test]
 fn an_invalid_collider_is_an_error_before_anything_moves() {
     let mut scene = Scene::new(params([0.0, -9.81, 0.0], None));

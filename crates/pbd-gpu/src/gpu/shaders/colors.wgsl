@@ -146,6 +146,7 @@ fn colliders(
     let work = find_work(group_number(group, groups));
     let body = bodies[work.body];
     first_vertex = body.first_vertex;
+    substep_index = current.substep;
     let i = work.first_lane + lane;
     if (i < body.vertices) {
         push_out(i, body.first_collider, body.colliders, body.friction);

@@ -123,7 +123,7 @@ struct Projection {
 // First vertex of the current body; entry points set it before they call a kernel.
 var<private> first_vertex: u32;
 
-// Index of the substep in the frame; entry points set it before they project contacts.
+// Index of the substep in the frame; entry points set it before contacts and colliders.
 var<private> substep_index: u32;
 
 // Returns the vector from a to b [m], as in block.rs.
