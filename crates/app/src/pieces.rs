@@ -78,8 +78,8 @@ pub(crate) struct Written {
 /// run.
 ///
 /// All targets are checked first, so that a refusal leaves the folder as it was. Surplus files are
-/// removed so that the folder never holds pieces of two runs in one format. An output that ends in `.glb` and is
-/// no folder is a file for all pieces.
+/// removed so that the folder never holds pieces of two runs in one format. An output that ends in
+/// `.glb` and is no folder is a file for all pieces.
 pub(crate) fn write(
     bodies: &[(&Surface, &Path)],
     output: &Path,
@@ -260,11 +260,11 @@ mod tests {
 
     #[test]
     fn piece_numbers_have_one_spelling() {
-        let number = |name: &str| piece_number(OsStr::new(name));
+        let number = |name: &str| piece_number(OsStr::new(name), Format::Obj);
         for (name, expected) in [
-            ("piece_000.obj", (0, Format::Obj)),
-            ("piece_012.glb", (12, Format::Glb)),
-            ("piece_1234.ply", (1234, Format::Ply)),
+            ("piece_000.obj", 0),
+            ("piece_012.obj", 12),
+            ("piece_1234.obj", 1234),
         ] {
             assert_eq!(number(name), Some(expected), "{name}");
         }
@@ -273,7 +273,8 @@ mod tests {
             "piece_12.obj",
             "piece_+12.obj",
             "piece_.obj",
-            "piece_012.gltf",
+            "piece_012.ply",
+            "piece_012obj",
             "my_piece_012.obj",
             "piece_012.obj.7.part",
         ] {

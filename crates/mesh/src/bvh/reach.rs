@@ -235,7 +235,8 @@ fn sum([a, b, c, d]: [f32; 4]) -> f32 {
 impl Bvh {
     /// Returns the nearest point among the triangles that count and that a moving point may reach.
     ///
-    /// Some triangles that face away are skipped; `counts` decides about the others. A good first guess, such as the last nearest triangle, speeds the search up.
+    /// Some triangles that face away are skipped; `counts` decides about the others. A good first
+    /// guess, such as the last nearest triangle, speeds the search up.
     #[must_use]
     pub fn nearest_in_reach(
         &self,
