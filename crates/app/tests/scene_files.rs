@@ -55,7 +55,7 @@ fn the_example_of_the_documentation_runs() {
 #[test]
 fn the_examples_run() {
     let folder = tempfile::tempdir().unwrap();
-    for (name, count) in [("falling_bunny", 4), ("knife", 2)] {
+    for (name, count) in [("bunny_slices", 7), ("falling_bunny", 4), ("knife", 2)] {
         let scenes = repository().join("crates/app/scenes");
         let file = scenes.join(name).with_extension("toml");
         let out = folder.path().join(name);
