@@ -3,6 +3,8 @@
 //! A scene comes from a file or from options; both are a [`SceneFile`].
 
 mod bodies;
+#[cfg(feature = "gpu")]
+mod export;
 mod knife;
 mod options;
 mod output;
@@ -150,6 +152,13 @@ pub(crate) fn run(
         ground(&file, origin),
         file.adapter.clone(),
     )?;
+    #[cfg(feature = "gpu")]
+    if let Some(path) = &file.output.export {
+        let rate = file.output.pictures_per_second();
+        for warning in export::write(&recording, rate, path)? {
+            reporter.warn(format_args!("{}: {warning}", path.display()));
+        }
+    }
     let is_on_device = (bodies.ids().iter()).any(|id| backend.gpu_bodies.contains(id));
     let of_body = |(body, piece)| PieceOfBody { body, piece };
     let report = Report {

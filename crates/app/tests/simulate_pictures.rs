@@ -21,6 +21,10 @@ fn main() -> ExitCode {
     incise_test_support::gpu::run(vec![
         trial("pictures_show_the_fall_and_the_cut", any, fall_and_cut),
         trial("a_shorter_run_removes_surplus_frames", any, shorter_run),
+        Trial::test("pieces_are_exported_with_their_motion", || {
+            exported_pieces();
+            Ok(())
+        }),
         Trial::test("other_names_than_png_are_refused", || {
             other_names();
             Ok(())
@@ -99,6 +103,43 @@ fn shorter_run(_: Context) {
         assert_eq!(done.status.code(), Some(0), "{done:?}");
         assert_eq!(std::fs::read_dir(&frames).expect("frames").count(), count);
     }
+}
+
+/// A body is one node until its cut and two nodes after it.
+fn exported_pieces() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("a.glb");
+    let words = "simulate Sphere80 --seconds 0.5 --plane 1,0,0.1,0 --at 0.2 --fps 10 --export";
+    let words: Vec<&str> = words.split_whitespace().chain([text(&file)]).collect();
+    let done = incise(&words);
+    assert_eq!(done.status.code(), Some(0), "{done:?}");
+    let bytes = std::fs::read(&file).expect("a file");
+    let length = u32::from_le_bytes(bytes[12..16].try_into().expect("four bytes")) as usize;
+    let json: Value = serde_json::from_slice(&bytes[20..20 + length]).expect("JSON");
+    let names: Vec<_> = (json["nodes"].as_array().expect("nodes").iter())
+        .map(|node| node["name"].as_str().expect("a name"))
+        .collect();
+    let expected = [
+        "body_0_take_0_piece_000",
+        "body_0_take_1_piece_000",
+        "body_0_take_1_piece_001",
+    ];
+    assert_eq!(names, expected);
+    // Pictures at 0, 0.1 and 0.2 s show the whole body, those at 0.3, 0.4 and 0.5 s its halves.
+    for mesh in json["meshes"].as_array().expect("meshes") {
+        let targets = mesh["primitives"][0]["targets"].as_array();
+        assert_eq!(targets.map(Vec::len), Some(2), "{mesh}");
+    }
+    let channels = json["animations"][0]["channels"]
+        .as_array()
+        .expect("channels");
+    let count = |path: &str| {
+        let of_path = channels.iter().filter(|c| c["target"]["path"] == path);
+        of_path.count()
+    };
+    assert_eq!([count("weights"), count("scale")], [3, 3]);
+    let read = incise_mesh::read_mesh(&file).expect("a mesh");
+    assert!(read.triangles.len() > 160, "the ball and its halves");
 }
 
 fn other_names() {

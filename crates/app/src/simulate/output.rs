@@ -28,6 +28,10 @@ pub(super) struct SimulateOutput {
     #[cfg(feature = "gpu")]
     #[arg(long, value_name = "FILE.png", value_parser = output_path())]
     pub(super) animation: Option<PathBuf>,
+    /// Write the motion as one file of glTF: pieces with morph targets, at the times of pictures.
+    #[cfg(feature = "gpu")]
+    #[arg(long, value_name = "FILE.glb", value_parser = output_path())]
+    pub(super) export: Option<PathBuf>,
     /// Pictures per second of simulated time. [default: 30]
     #[cfg(feature = "gpu")]
     #[arg(long, value_name = "N")]
@@ -53,6 +57,8 @@ impl SimulateOutput {
             #[cfg(feature = "gpu")]
             animation: self.animation.or(other.animation),
             #[cfg(feature = "gpu")]
+            export: self.export.or(other.export),
+            #[cfg(feature = "gpu")]
             fps: self.fps.or(other.fps),
             #[cfg(feature = "gpu")]
             picture: self.picture.or(other.picture),
@@ -67,7 +73,7 @@ impl SimulateOutput {
     /// Returns true if an output shows the motion.
     #[cfg(feature = "gpu")]
     pub(super) fn is_recorded(&self) -> bool {
-        self.frames.is_some() || self.animation.is_some()
+        self.frames.is_some() || self.animation.is_some() || self.export.is_some()
     }
 
     /// Returns false: without a renderer no output shows the motion.
@@ -103,6 +109,8 @@ impl SimulateOutput {
             &mut self.frames,
             #[cfg(feature = "gpu")]
             &mut self.animation,
+            #[cfg(feature = "gpu")]
+            &mut self.export,
         ]
         .into_iter()
         .flatten()
