@@ -15,8 +15,8 @@ struct Pose {
     points: Vec<[f64; 3]>,
 }
 
-/// A pose of a straight blade \[m\], and its line in the file.
-pub(crate) type StraightPose = (usize, [[f32; 3]; 2]);
+/// A pose of a straight blade in the file's coordinates \[m\], and its line.
+pub(crate) type StraightPose = (usize, [[f64; 3]; 2]);
 
 /// The poses of a moving blade: two or more, each with the same number of points.
 #[derive(Debug, Clone, PartialEq)]
@@ -181,18 +181,15 @@ impl BladePath {
         })
     }
 
-    /// Returns the poses of a straight blade relative to an origin \[m\].
-    pub(crate) fn straight_poses(
-        &self,
-        origin: [f64; 3],
-    ) -> Result<Vec<StraightPose>, BladePathError> {
-        let straight = self.poses(origin).map(|(line, points)| {
+    /// Returns the poses of a straight blade.
+    pub(crate) fn straight_poses(&self) -> Result<Vec<StraightPose>, BladePathError> {
+        let straight = |&Pose { line, ref points }: &Pose| {
             let found = points.len();
-            let pose = <[[f32; 3]; 2]>::try_from(points);
+            let pose = <[[f64; 3]; 2]>::try_from(points.as_slice());
             let pose = pose.map_err(|_| BladePathError::NotStraight { line, found })?;
             Ok((line, pose))
-        });
-        straight.collect()
+        };
+        self.poses.iter().map(straight).collect()
     }
 }
 
@@ -230,7 +227,7 @@ mod tests {
         let poses: Vec<_> = path.poses([1.0, 0.0, 0.0]).collect();
         assert_eq!(poses[0], (3, vec![[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0]]));
         assert_eq!(poses[1], (5, vec![[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]]));
-        let straight = path.straight_poses([0.0; 3]).unwrap();
+        let straight = path.straight_poses().unwrap();
         assert_eq!(straight[1], (5, [[1.0, 0.0, -1.0], [1.0, 0.0, 1.0]]));
     }
 
@@ -270,7 +267,7 @@ mod tests {
         }
         let three = b"0 0 0 1 0 0 2 0 0\n".repeat(2);
         let curved = BladePath::parse(&three).unwrap();
-        let error = curved.straight_poses([0.0; 3]).unwrap_err().to_string();
+        let error = curved.straight_poses().unwrap_err().to_string();
         assert!(error.contains("line 1: the blade has 3 points"), "{error}");
     }
 }

@@ -2,9 +2,11 @@
 
 use clap::ValueEnum;
 use incise_cut::Caps;
+use serde::Deserialize;
 
 /// The curves of a cut along which caps and walls close it, see [`Caps`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum CapsOption {
     /// Those in closed bodies. A part with a boundary is a sheet and stays open.
     #[default]

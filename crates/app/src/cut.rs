@@ -297,15 +297,8 @@ impl CutArguments {
     }
 }
 
-/// Cuts along the plane or the sweep of the command line.
+/// Cuts along the planes or the sweep of the command line.
 fn cut_once(options: CutPlan<'_>, surface: &mut Surface, input: &Path) -> Result<Stroke, Failure> {
-    let sweep = options.sweep(surface, input)?;
-    let cut = options.cut(surface, &sweep, input)?;
-    Ok(Stroke {
-        report: cut.outcome.report,
-        cutting_steps: usize::from(!cut.outcome.is_miss()),
-        walls: cut.outcome.cap,
-        tips: 0,
-        bvh_build: cut.bvh_build,
-    })
+    let sweeps = options.sweeps(surface, input)?;
+    options.cut(surface, &sweeps, input)
 }

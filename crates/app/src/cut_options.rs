@@ -5,23 +5,22 @@ use crate::clock::timed;
 use crate::failure::Failure;
 use crate::input::in_file;
 use crate::numbers::{Numbers, numbers};
+use crate::stroke::{Marked, Stroke};
 use clap::ValueEnum;
 use incise_cut::{
-    CutError, CutMethod, CutOutcome, CutParams, Cutter, ExactParams, PaperParams, Sweep,
-    blade_starts_inside,
+    CutError, CutMethod, CutParams, Cutter, ExactParams, PaperParams, Sweep, blade_starts_inside,
 };
 use incise_mesh::geometry::{area_vector, to_f32};
 use incise_mesh::{Aabb, Surface, Vec3};
 use incise_refine::{RefineMethod, RefineParams, RefinementLevel};
 use std::path::Path;
-use std::time::Duration;
 
 /// Options of a cut. Commands with them need a group `cutter` of `plane` and `blade`.
 #[derive(clap::Args)]
 pub(crate) struct CutOptions {
-    /// Cut along the plane `nx x + ny y + nz z = d`.
+    /// Cut along the plane `nx x + ny y + nz z = d`. Several planes cut all pieces, in their order.
     #[arg(long, value_name = "NX,NY,NZ,D", value_parser = numbers::<4>, allow_hyphen_values = true)]
-    plane: Option<Numbers<4>>,
+    plane: Vec<Numbers<4>>,
     /// Cut along the sweep of a blade's edge: start and end of the edge before the sweep.
     ///
     /// The sweep is two triangles that share the diagonal from the start of --blade to the end of
@@ -114,13 +113,6 @@ pub(crate) struct CutPlan<'a> {
     refinement: Refinement,
 }
 
-/// The outcome of a cut, with the time of building its BVH.
-pub(crate) struct Cut {
-    pub(crate) outcome: CutOutcome,
-    /// Time of building the BVH.
-    pub(crate) bvh_build: Duration,
-}
-
 #[derive(Clone, Copy, ValueEnum)]
 enum Method {
     /// Split the triangles that the sweep crosses. Closes any cross-section and loses no surface.
@@ -176,13 +168,13 @@ impl CutOptions {
     /// Returns true if the command line names a plane or a blade.
     #[cfg(feature = "gpu")]
     pub(crate) fn is_cut(&self) -> bool {
-        self.plane.is_some() || self.blade.is_some()
+        !self.plane.is_empty() || self.blade.is_some()
     }
 
     /// Returns true if the cut is along an infinite plane.
     #[cfg(feature = "gpu")]
     pub(crate) fn is_plane(&self) -> bool {
-        self.plane.is_some()
+        !self.plane.is_empty()
     }
 
     /// Checks that no two options exclude each other.
@@ -215,16 +207,21 @@ impl CutOptions {
         }
     }
 
-    fn sweep(&self, surface: &Surface, path: &Path) -> Result<Sweep, Failure> {
-        if let Some(plane) = self.plane {
-            return plane_sweep(plane, surface.origin(), &surface.bounds(), path);
+    fn sweeps(&self, surface: &Surface, path: &Path) -> Result<Vec<Sweep>, Failure> {
+        if !self.plane.is_empty() {
+            let (origin, bounds) = (surface.origin(), surface.bounds());
+            let planes = self.plane.iter();
+            return planes
+                .map(|&plane| plane_sweep(plane, origin, &bounds, path))
+                .collect();
         }
         let origin = Vec3::from(surface.origin());
         let edge = |numbers: Option<Numbers<6>>| {
             let Numbers([a, b, c, d, e, f]) = numbers.unwrap_or(Numbers([0.0; 6]));
             [[a, b, c], [d, e, f]].map(|p| to_f32(Vec3::from(p) - origin))
         };
-        Sweep::new(edge(self.blade), edge(self.to)).map_err(Failure::Sweep)
+        let sweep = Sweep::new(edge(self.blade), edge(self.to)).map_err(Failure::Sweep)?;
+        Ok(vec![sweep])
     }
 }
 
@@ -281,35 +278,52 @@ impl CutPlan<'_> {
         }
     }
 
-    /// Returns the sweep through a surface.
+    /// Returns the sweeps through a surface, in the order of the cuts.
     ///
     /// `path` names it in errors.
-    pub(crate) fn sweep(self, surface: &Surface, path: &Path) -> Result<Sweep, Failure> {
-        let sweep = self.options.sweep(surface, path)?;
-        if crosses_itself(&sweep) {
+    pub(crate) fn sweeps(self, surface: &Surface, path: &Path) -> Result<Vec<Sweep>, Failure> {
+        let sweeps = self.options.sweeps(surface, path)?;
+        if sweeps.iter().any(crosses_itself) {
             return Err(Failure::SweepCrossesItself);
         }
-        Ok(sweep)
+        Ok(sweeps)
     }
 
-    /// Cuts a surface; `path` names it in errors.
+    /// Cuts a surface along sweeps, one after the other; `path` names it in errors.
     pub(crate) fn cut(
         self,
         surface: &mut Surface,
-        sweep: &Sweep,
+        sweeps: &[Sweep],
         path: &Path,
-    ) -> Result<Cut, Failure> {
+    ) -> Result<Stroke, Failure> {
+        let params = self.params();
+        let marked = Marked::new(surface, &params);
+        let mut stroke = Stroke::default();
         let (bvh_build, mut cutter) = timed(|| Cutter::new(surface));
-        let outcome = cutter.cut(surface, sweep, &self.params());
-        let outcome = outcome.map_err(|source| Failure::Cut {
-            path: path.to_owned(),
-            source,
-        })?;
-        if outcome.report.hits == 0 && blade_starts_inside(surface, sweep) {
-            let path = path.to_owned();
-            return Err(Failure::SweepInside { path });
+        stroke.bvh_build = bvh_build;
+        for sweep in sweeps {
+            let params = if sweeps.len() == 1 {
+                &params
+            } else {
+                &marked.params
+            };
+            let outcome = cutter.cut(surface, sweep, params);
+            let outcome = outcome.map_err(|source| Failure::Cut {
+                path: path.to_owned(),
+                source,
+            })?;
+            if outcome.report.hits == 0 && blade_starts_inside(surface, sweep) {
+                let path = path.to_owned();
+                return Err(Failure::SweepInside { path });
+            }
+            stroke.add(&outcome);
+            stroke.walls = outcome.cap;
         }
-        Ok(Cut { outcome, bvh_build })
+        if sweeps.len() > 1 {
+            // Later cuts have divided the caps of earlier ones.
+            stroke.walls = marked.take(surface);
+        }
+        Ok(stroke)
     }
 }
 

@@ -4,6 +4,7 @@ use crate::blade_path::BladePathError;
 use crate::input::OpenMeshAdvice;
 #[cfg(feature = "gpu")]
 use crate::numbers::counted;
+use crate::simulate::SceneFileError;
 use incise_cut::CutError;
 use incise_mesh::{Aabb, NotCuttable, ReadError, WriteError};
 use incise_models::Model;
@@ -171,6 +172,31 @@ pub(crate) enum Failure {
         /// The file.
         path: PathBuf,
     },
+    /// The command line describes a scene without its duration.
+    #[error("--seconds is missing; give the simulated time, or a scene file (toml)")]
+    NoSeconds,
+    /// A simulation writes nothing.
+    #[error(
+        "there is no output; give -o DIR for the pieces, --frames or --animation for pictures, or --export FILE.glb"
+    )]
+    NoOutput,
+    /// A scene file and other inputs are given.
+    #[error(
+        "{}: a scene file is the only input; add meshes to it as [[bodies]]",
+        path.display()
+    )]
+    SceneAndMeshes {
+        /// The scene file.
+        path: PathBuf,
+    },
+    /// A scene file cannot be used.
+    #[error("{}: {source}", path.display())]
+    SceneFile {
+        /// The scene file.
+        path: PathBuf,
+        /// The reason.
+        source: SceneFileError,
+    },
     /// The time of the cut is after the end of the simulation.
     #[error("--at is not before the end of the simulation; increase --seconds")]
     CutAfterEnd,
@@ -320,6 +346,9 @@ impl Failure {
             Self::Sweep(_)
             | Self::NotWith { .. }
             | Self::SweepCrossesItself
+            | Self::NoSeconds
+            | Self::NoOutput
+            | Self::SceneAndMeshes { .. }
             | Self::CutAfterEnd
             | Self::CutTimes { .. }
             | Self::Offsets { .. }

@@ -3,12 +3,15 @@
 use crate::failure::Failure;
 use clap::ValueEnum;
 use incise_mesh::{Surface, Warning, WriteError, write_glb, write_obj, write_ply, write_stl};
+use serde::Deserialize;
 use std::path::Path;
 
 /// A format of mesh files that can be written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub(crate) enum Format {
     /// Wavefront OBJ: texture coordinates, normals, materials, vertex colors.
+    #[default]
     Obj,
     /// Binary PLY: all attributes.
     Ply,

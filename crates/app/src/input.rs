@@ -9,7 +9,7 @@ use incise_mesh::{
 use incise_models::{Model, build_model};
 use incise_refine::{HoleParams, fill_holes};
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Options of reading meshes.
 #[derive(Debug, Clone, Copy, clap::Args)]
@@ -21,6 +21,16 @@ pub(crate) struct InputOptions {
 }
 
 impl InputOptions {
+    /// Creates options that make all repairs, or none.
+    pub(crate) fn new(repair: bool) -> Self {
+        Self { no_repair: !repair }
+    }
+
+    /// Returns whether meshes are repaired.
+    pub(crate) fn repair(self) -> bool {
+        !self.no_repair
+    }
+
     /// Returns the repairs to make.
     pub(crate) fn repairs(self, allow_boundaries: bool) -> RepairParams {
         RepairParams {
@@ -203,6 +213,15 @@ fn to_data(surface: &Surface) -> Result<MeshData, ParseError> {
     let corners = |t| topology.triangle(t).map(|v| v.0);
     let triangles: Vec<[u32; 3]> = topology.triangles().map(corners).collect();
     MeshData::from_triangles(&positions, &triangles)
+}
+
+/// Returns the path of a mesh that a file in `folder` names; the name of a model stays.
+pub(crate) fn resolve(folder: &Path, name: &Path) -> PathBuf {
+    let path = folder.join(name);
+    if named_model(name).is_some() && !path.exists() {
+        return name.to_owned();
+    }
+    path
 }
 
 /// Reads a file. The error of a name that is no file says which model may be meant.

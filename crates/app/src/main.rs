@@ -20,6 +20,8 @@ mod gallery;
 mod input;
 mod json;
 mod numbers;
+#[cfg(feature = "gpu")]
+mod picture;
 mod pieces;
 #[cfg(feature = "gpu")]
 mod render;

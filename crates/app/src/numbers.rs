@@ -1,8 +1,61 @@
-//! Numbers on the command line and in reports.
+//! Numbers on the command line, in scene files and in reports.
+
+use serde::de::{Error, Visitor};
+use serde::{Deserialize, Deserializer};
+use std::fmt;
 
 /// N numbers, separated by commas on the command line.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Numbers<const N: usize>(pub(crate) [f64; N]);
+
+impl<'de, const N: usize> Deserialize<'de> for Numbers<N> {
+    /// Reads an array of N finite numbers.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let values = Vec::<f64>::deserialize(deserializer)?;
+        let found = values.len();
+        let values = <[f64; N]>::try_from(values)
+            .map_err(|_| D::Error::custom(format!("{found} numbers, expected {N}")))?;
+        match values.iter().find(|value| !value.is_finite()) {
+            Some(value) => Err(D::Error::custom(format!("{value} is not finite"))),
+            None => Ok(Self(values)),
+        }
+    }
+}
+
+/// Reads a finite number.
+pub(crate) fn finite_number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    let value = f64::deserialize(deserializer)?;
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(D::Error::custom(format!("{value} is not finite")))
+    }
+}
+
+/// Reads a positive number, or a fraction of two as text; see [`positive`].
+pub(crate) fn positive_number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    struct Positive;
+    impl Visitor<'_> for Positive {
+        type Value = f64;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a positive number, or a fraction such as \"1/60\"")
+        }
+
+        fn visit_f64<E: Error>(self, value: f64) -> Result<f64, E> {
+            self.visit_str(&value.to_string())
+        }
+
+        fn visit_i64<E: Error>(self, value: i64) -> Result<f64, E> {
+            self.visit_str(&value.to_string())
+        }
+
+        fn visit_str<E: Error>(self, text: &str) -> Result<f64, E> {
+            positive(text).map_err(E::custom)
+        }
+    }
+    deserializer.deserialize_any(Positive)
+}
 
 /// Parses N finite numbers between commas; an error names the first bad one.
 pub(crate) fn numbers<const N: usize>(text: &str) -> Result<Numbers<N>, String> {

@@ -65,6 +65,7 @@ impl OutputOptions {
 }
 
 /// Changes to the output folder.
+#[derive(Default)]
 pub(crate) struct Written {
     /// The pieces, each with the index of its body.
     pub(crate) pieces: Vec<(usize, Piece)>,

@@ -1,7 +1,6 @@
 //! `incise render`: draws meshes, optionally cut, as a PNG.
 
 mod bodies;
-mod values;
 
 use crate::clock::{milliseconds, timed};
 use crate::cut_options::CutOptions;
@@ -9,20 +8,18 @@ use crate::failure::Failure;
 use crate::input::InputOptions;
 use crate::json::{all_lossy, lossy};
 use crate::numbers::{counted, positive};
+use crate::picture::PictureOptions;
 use crate::pieces::{check_target, output_path};
 use crate::reporter::Reporter;
 use bodies::{Bodies, InputWarning};
-use incise_mesh::Aabb;
 use incise_pbd_gpu::{AdapterRequest, Context};
 use incise_render::{
-    Background, BodyView, Camera, Color, DrawList, Image, Line, Offscreen, Overlay,
-    OverlayTriangle, RenderError, Renderer, View, Wireframe,
+    BodyView, Color, DrawList, Image, Line, Offscreen, Overlay, OverlayTriangle, RenderError,
+    Renderer,
 };
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
-pub(crate) use values::{Size, size};
-use values::{Viewpoint, backdrop, viewpoint};
 
 /// Draws meshes, optionally cut, and writes the image as PNG.
 ///
@@ -65,34 +62,8 @@ Exit code 4: the cut misses every mesh; the uncut meshes are drawn.";
 /// Appearance of the image.
 #[derive(clap::Args)]
 struct LookOptions {
-    /// Size of the image [pixels].
-    #[arg(long, value_name = "WxH", default_value = "960x720", value_parser = size)]
-    size: Size,
-    /// Position of the camera: azimuth around the y axis (0 on positive z, 90 on positive x) and
-    /// elevation [degrees], and distance [diagonals of the scene]. Without a distance the scene
-    /// fills the image.
-    #[arg(
-        long,
-        value_name = "AZIMUTH,ELEVATION[,DISTANCE]",
-        value_parser = viewpoint,
-        allow_hyphen_values = true
-    )]
-    camera: Option<Viewpoint>,
-    /// Draw the edges of triangles.
-    #[arg(long)]
-    wireframe: bool,
-    /// The color of the surface, as #rrggbb.
-    #[arg(long, value_name = "COLOR", default_value_t = Color::rgb(154, 174, 198))]
-    color: Color,
-    /// The color of caps.
-    #[arg(long, value_name = "COLOR", default_value_t = Color::rgb(222, 92, 66))]
-    cap_color: Color,
-    /// Color each piece differently; caps keep their color.
-    #[arg(long)]
-    color_pieces: bool,
-    /// Background: one color, or the colors of the upper and the lower edge.
-    #[arg(long, value_name = "COLOR[,COLOR]", value_parser = backdrop)]
-    background: Option<Background>,
+    #[command(flatten)]
+    picture: PictureOptions,
     /// Move pieces apart by this many diagonals: along the cut's normal or, without a cut, away
     /// from the center.
     #[arg(long, value_name = "X", value_parser = positive, allow_hyphen_values = true)]
@@ -222,58 +193,30 @@ pub(crate) fn run(
 
 impl RenderArguments {
     fn draw(&self, renderer: &Renderer, bodies: &Bodies) -> Result<Image, RenderError> {
-        let look = &self.look;
-        let Size([width, height]) = look.size;
+        let picture = &self.look.picture;
         let views = bodies.bodies.iter().map(|body| {
             BodyView::from_surface(renderer, &body.surface, |t| {
                 let piece = body.piece_of(t)?;
-                Some(match (body.is_cap(t), look.color_pieces) {
-                    (true, _) => look.cap_color,
-                    (false, true) => Color::for_piece(piece),
-                    (false, false) => look.color,
-                })
+                Some(picture.triangle_color(body.is_cap(t), piece))
             })
         });
         let views: Vec<BodyView> = views.collect::<Result<_, _>>()?;
-        let sheets = if look.show_sweep {
+        let sheets = if self.look.show_sweep {
             bodies.sheets(self.cut.is_plane())
         } else {
             Vec::new()
         };
         let overlay = overlay(renderer, &sheets)?;
-        let aspect = f64::from(width) / f64::from(height);
-        let view = View {
-            background: look.background.unwrap_or_default(),
-            wireframe: look.wireframe.then(Wireframe::default),
-            ..View::from_camera(self.camera(bodies, &sheets, aspect))
-        };
+        // The image contains a visible plane, but not a blade's sweep, which may be much larger
+        // than the body.
+        let framed: &[_] = if self.cut.is_plane() { &sheets } else { &[] };
         let content = DrawList {
             bodies: &views.iter().collect::<Vec<_>>(),
             overlays: &[&overlay],
         };
+        let [width, height] = picture.size();
+        let view = picture.view(|| bodies.points(framed));
         Offscreen::new(renderer, width, height)?.render(renderer, &view, &content)
-    }
-
-    /// Returns the camera. The image contains a visible plane, but not a blade's sweep, which may
-    /// be much larger than the body.
-    fn camera(&self, bodies: &Bodies, sheets: &[[[f32; 3]; 4]], aspect: f64) -> Camera {
-        let sheets = if self.cut.is_plane() { sheets } else { &[] };
-        let points = || bodies.points(sheets);
-        let Some(Viewpoint { angles, distance }) = self.look.camera else {
-            return Camera::default().frame(points(), aspect);
-        };
-        let [azimuth, elevation] = angles;
-        let camera = Camera::from_angles(azimuth, elevation);
-        match distance {
-            None => camera.frame(points(), aspect),
-            Some(distance) => {
-                let bounds = Aabb::around(points());
-                Camera {
-                    distance: distance * bounds.diagonal(),
-                    ..camera.fit(&bounds, aspect)
-                }
-            }
-        }
     }
 }
 

@@ -4,13 +4,16 @@
 use crate::blade_path::{BladePath, BladePathError};
 use crate::clock::timed;
 use crate::failure::Failure;
-use incise_cut::{CutError, CutParams, CutReport, Cutter, Incision, Sweep, blade_starts_inside};
+use incise_cut::{
+    CutError, CutOutcome, CutParams, CutReport, Cutter, Incision, Sweep, blade_starts_inside,
+};
 use incise_mesh::{Surface, TriangleId};
 use std::collections::HashSet;
 use std::path::Path;
 use std::time::Duration;
 
-/// The result of moving a blade along a path.
+/// The result of cuts along sweeps, or of moving a blade along a path.
+#[derive(Default)]
 pub(crate) struct Stroke {
     /// Sums over all steps.
     pub(crate) report: CutReport,
@@ -33,29 +36,20 @@ pub(crate) fn cut_along_path(
     params: &CutParams,
     file: &Path,
 ) -> Result<Stroke, Failure> {
-    // A number of their own tells the walls from caps that the mesh already has.
-    let used: HashSet<u32> = (surface.topology().triangles())
-        .map(|t| surface.material(t))
-        .collect();
-    let is_free = |material: &u32| !used.contains(material);
-    let wall_material = (params.cap_material..).find(is_free);
-    let wall_material = wall_material.unwrap_or(params.cap_material);
-    let wall_params = CutParams {
-        cap_material: wall_material,
-        ..*params
-    };
+    let marked = Marked::new(surface, params);
     let (bvh_build, mut cutter) = timed(|| Cutter::new(surface));
     let mut incision = Incision::default();
-    let mut report = CutReport::default();
-    let mut cutting_steps = 0;
+    let mut stroke = Stroke {
+        bvh_build,
+        ..Stroke::default()
+    };
     let mut previous: Option<Vec<[f32; 3]>> = None;
     // A step without an area, and one that misses, leave it open whether the blade began inside.
     let (mut has_moved, mut has_hit) = (false, false);
     for (line, pose) in path.poses(surface.origin()) {
-        let step = cutter.advance(surface, &mut incision, &pose, &wall_params);
+        let step = cutter.advance(surface, &mut incision, &pose, &marked.params);
         let outcome = step.map_err(|error| step_failure(file, line, error))?;
-        add(&mut report, &outcome.report);
-        cutting_steps += usize::from(!outcome.is_miss());
+        stroke.add(&outcome);
         has_hit |= outcome.report.hits > 0;
         let sweep = previous.and_then(|previous| Sweep::strip(&previous, &pose).ok());
         if let Some(sweep) = sweep {
@@ -72,18 +66,52 @@ pub(crate) fn cut_along_path(
             source: BladePathError::NoMotion,
         });
     }
-    let is_wall = |&t: &TriangleId| surface.material(t) == wall_material;
-    let walls: Vec<TriangleId> = surface.topology().triangles().filter(is_wall).collect();
-    for &t in &walls {
-        surface.set_material(t, params.cap_material);
+    stroke.walls = marked.take(surface);
+    stroke.tips = incision.tip().count();
+    Ok(stroke)
+}
+
+/// A material that tells the walls of a stroke from caps that the mesh already has.
+pub(crate) struct Marked {
+    /// Parameters of cuts whose walls have it.
+    pub(crate) params: CutParams,
+    cap_material: u32,
+}
+
+impl Marked {
+    /// Chooses a material that no triangle has.
+    pub(crate) fn new(surface: &Surface, params: &CutParams) -> Self {
+        let used: HashSet<u32> = (surface.topology().triangles())
+            .map(|t| surface.material(t))
+            .collect();
+        let cap_material = params.cap_material;
+        let free = (cap_material..).find(|material| !used.contains(material));
+        Self {
+            params: CutParams {
+                cap_material: free.unwrap_or(cap_material),
+                ..*params
+            },
+            cap_material,
+        }
     }
-    Ok(Stroke {
-        report,
-        walls,
-        cutting_steps,
-        tips: incision.tip().count(),
-        bvh_build,
-    })
+
+    /// Returns the marked triangles, and gives them the material of caps.
+    pub(crate) fn take(&self, surface: &mut Surface) -> Vec<TriangleId> {
+        let is_wall = |&t: &TriangleId| surface.material(t) == self.params.cap_material;
+        let walls: Vec<TriangleId> = surface.topology().triangles().filter(is_wall).collect();
+        for &t in &walls {
+            surface.set_material(t, self.cap_material);
+        }
+        walls
+    }
+}
+
+impl Stroke {
+    /// Adds the counts and times of a step.
+    pub(crate) fn add(&mut self, step: &CutOutcome) {
+        add(&mut self.report, &step.report);
+        self.cutting_steps += usize::from(!step.is_miss());
+    }
 }
 
 /// Refuses the first sweep of a blade, to the pose of a line, if it lies inside the body.

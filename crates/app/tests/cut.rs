@@ -5,6 +5,7 @@ mod common;
 use common::{cut, hollow_sphere, incise, text};
 use incise_mesh::write_obj;
 use incise_models::{Model, build_model};
+use std::path::Path;
 
 #[test]
 fn a_plane_makes_two_closed_pieces_at_every_level() {
@@ -500,4 +501,31 @@ fn fill_is_recommended_where_it_helps() {
     let (code, _, told) = cut(&input, &output, &["--plane", "1,0,0,0.2", "--no-repair"]);
     assert_eq!(code, Some(1), "{told}");
     assert!(!told.contains("incise fill"), "{told}");
+}
+
+/// Two planes through the center divide a ball into four pieces, whose volumes sum up.
+#[test]
+fn several_planes_cut_all_pieces_in_their_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let planes = ["--plane", "1,0.1,0,0.01", "--plane", "0,1,0.1,0.02"];
+    let (code, report, error) = cut(Path::new("Sphere768"), &out, &planes);
+    assert_eq!(code, Some(0), "{error}");
+    let pieces = report["pieces"].as_array().unwrap();
+    assert_eq!(pieces.len(), 4, "{report}");
+    let volumes = pieces.iter().map(|piece| piece["volume"].as_f64().unwrap());
+    let (sum, whole) = (volumes.sum::<f64>(), report["volume"].as_f64().unwrap());
+    let moved = report["moved_volume"].as_f64().unwrap();
+    assert!((sum - whole).abs() < moved.abs() + 1e-6 * whole, "{report}");
+    // The caps of the first plane are divided by the second one.
+    let caps: usize = (0..4)
+        .map(|i| {
+            let file = incise_mesh::read_mesh(&out.join(format!("piece_{i:03}.obj"))).unwrap();
+            let piece = file.into_surface().unwrap().0;
+            let triangles = piece.topology().triangles();
+            triangles.filter(|&t| piece.material(t) == 1).count()
+        })
+        .sum();
+    assert_eq!(report["cap_triangles"].as_u64(), u64::try_from(caps).ok());
+    assert_eq!(report["loops"], 3, "one loop, then one in each half");
 }

@@ -26,7 +26,7 @@ pub use obj::read_obj;
 pub use ply::read_ply;
 pub use stl::read_stl;
 #[cfg(feature = "gltf")]
-pub use write::write_glb;
+pub use write::{AnimatedSurface, write_glb, write_glb_animation};
 pub use write::{write_obj, write_ply, write_stl};
 
 use std::path::Path;

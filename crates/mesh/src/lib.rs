@@ -28,13 +28,13 @@ pub use delta::{AddedVertex, TopologyDelta, VertexOrigin};
 pub use edit::{EdgeError, Edit, Undo, UndoError};
 pub use geometry::{Aabb, Vec3};
 pub use ids::{EdgeKey, HalfEdge, TriangleId, VertexId, index_u32};
+#[cfg(feature = "gltf")]
+pub use io::{AnimatedSurface, read_gltf, write_glb, write_glb_animation};
 #[cfg(feature = "io")]
 pub use io::{
     MeshData, ParseError, ReadError, SourceLocation, Warning, WriteError, read_mesh, read_obj,
     read_ply, read_stl, write_obj, write_ply, write_stl,
 };
-#[cfg(feature = "gltf")]
-pub use io::{read_gltf, write_glb};
 pub use quality::{AngleStats, EdgeStats};
 pub use render_buffers::{RenderBuffers, RenderParams};
 pub use shapes::{cube_sphere, icosphere, sheet, torus};

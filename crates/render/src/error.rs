@@ -32,6 +32,22 @@ pub enum RenderError {
     /// The image cannot be encoded as PNG.
     #[error("PNG encoding failed: {0}")]
     Png(#[from] png::EncodingError),
+    /// An animation has no frames.
+    #[error("the animation has no frames; write at least one")]
+    NoFrames,
+    /// A frame of an animation has another size than the first one.
+    #[error(
+        "a frame has {width} x {height} pixels, the first one {} x {}; draw all with one size",
+        expected[0], expected[1]
+    )]
+    FrameSize {
+        /// Width \[px\].
+        width: u32,
+        /// Height \[px\].
+        height: u32,
+        /// Width and height of the first frame \[px\].
+        expected: [u32; 2],
+    },
     /// The image file cannot be written.
     #[error("{}: {source}", path.display())]
     Write {

@@ -199,7 +199,7 @@ fn clip(at: i64, len: u32, target_len: u32) -> (usize, usize, usize) {
 }
 
 /// Writes a temporary file beside `path` and renames it once it is complete.
-fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub(crate) fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let name = path.file_name().ok_or(io::ErrorKind::InvalidFilename)?;
     let mut name = name.to_owned();
     name.push(format!(".{}.part", std::process::id()));

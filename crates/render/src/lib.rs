@@ -4,6 +4,7 @@
     doc = "Cameras, colors, text and images of incise-render."
 )]
 
+mod animation;
 mod camera;
 mod color;
 mod error;
@@ -13,6 +14,7 @@ mod font;
 mod gpu;
 mod image;
 
+pub use animation::write_animation;
 pub use camera::{Camera, Ray};
 pub use color::{Color, InvalidColor};
 pub use error::RenderError;

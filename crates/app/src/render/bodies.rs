@@ -38,8 +38,8 @@ pub(super) struct InputWarning {
 /// A mesh of an image.
 pub(super) struct Body {
     pub(super) surface: Surface,
-    /// The sweep that cut it.
-    sweep: Option<Sweep>,
+    /// The sweeps that cut it.
+    sweeps: Vec<Sweep>,
     /// Bounding box before the cut.
     bounds: Aabb,
     /// Number of a piece in the image by its number in the surface; none for hidden pieces.
@@ -91,12 +91,11 @@ impl Bodies {
             let origin = *origin.get_or_insert(surface.origin());
             surface.move_origin(origin);
             let bounds = surface.bounds();
-            let mut sweep = None;
+            let mut sweeps = Vec::new();
             if let Some(plan) = plan {
-                let along = plan.sweep(&surface, input)?;
-                let cut = plan.cut(&mut surface, &along, input)?;
-                hits = hits.map(|hits| hits + cut.outcome.report.hits);
-                sweep = Some(along);
+                sweeps = plan.sweeps(&surface, input)?;
+                let cut = plan.cut(&mut surface, &sweeps, input)?;
+                hits = hits.map(|hits| hits + cut.report.hits);
             }
             let numbers = (0..surface.piece_bound()).map(|piece| {
                 let has_triangles = surface.piece_triangles(piece) > 0;
@@ -105,7 +104,7 @@ impl Bodies {
             });
             bodies.push(Body {
                 pieces: numbers.collect(),
-                sweep,
+                sweeps,
                 bounds,
                 surface,
             });
@@ -156,13 +155,15 @@ impl Bodies {
         let whole = self.bounds();
         for body in &mut self.bodies {
             let centers = centers(&body.surface);
-            let moves = centers.iter().map(|&center| match &body.sweep {
-                None => (center - whole.center()) * part,
-                Some(sweep) => {
+            let moves = centers.iter().map(|&center| {
+                let apart = body.sweeps.iter().map(|sweep| {
                     let (point, normal) = sweep.plane();
                     let side = (center - point).dot(&normal).signum();
                     normal * (side * part * whole.diagonal() / 2.0)
-                }
+                });
+                apart
+                    .reduce(|a, b| a + b)
+                    .unwrap_or((center - whole.center()) * part)
             });
             move_pieces(&mut body.surface, &moves.collect::<Vec<_>>());
         }
@@ -197,16 +198,19 @@ impl Bodies {
     /// Returns the corners of the sweeps: of a blade's whole sweep, or of a plane within the body's
     /// box.
     pub(super) fn sheets(&self, is_plane: bool) -> Vec<[[f32; 3]; 4]> {
-        let of = |body: &Body| {
-            let sweep = body.sweep.as_ref()?;
+        let of = |(bounds, sweep): (&Aabb, &Sweep)| {
             if is_plane {
-                section(sweep, &body.bounds)
+                section(sweep, bounds)
             } else {
                 let [[a, b], [d, c]] = sweep.ends();
                 Some([a, b, c, d])
             }
         };
-        self.bodies.iter().filter_map(of).collect()
+        let sweeps = self.bodies.iter().flat_map(|body| {
+            let sweeps = body.sweeps.iter();
+            sweeps.map(|sweep| (&body.bounds, sweep))
+        });
+        sweeps.filter_map(of).collect()
     }
 }
 
@@ -301,7 +305,7 @@ mod tests {
         assert_eq!(cut.unwrap().delta.pieces_added.len(), 1);
         let body = Body {
             pieces: vec![Some(0), Some(1)],
-            sweep: Some(sweep),
+            sweeps: vec![sweep],
             bounds,
             surface,
         };
@@ -324,7 +328,7 @@ mod tests {
             );
         }
         // Without a cut all pieces move away from the center.
-        bodies.bodies[0].sweep = None;
+        bodies.bodies[0].sweeps.clear();
         let middle = bounds.center();
         bodies.explode(1.0);
         for (a, b) in after.iter().zip(&centers(&bodies.bodies[0].surface)) {

@@ -1,5 +1,6 @@
 //! [`Bodies`]: the inputs of a simulation and their bodies in the scene.
 
+use super::scene_file::SceneFile;
 use crate::failure::Failure;
 use crate::input::{InputOptions, file_bounds, in_file};
 use crate::json::lossy;
@@ -20,30 +21,25 @@ pub(super) struct Input {
     pub(super) warnings: Vec<Warning>,
 }
 
-/// Reads the inputs relative to the origin of the first one, and moves them by the offsets \[m\].
-pub(super) fn read(
-    paths: &[PathBuf],
-    offsets: &[Numbers<3>],
-    reading: InputOptions,
-) -> Result<(Vec<Input>, Vec<Surface>), Failure> {
-    if offsets.len() > paths.len() {
-        return Err(Failure::Offsets {
-            offsets: offsets.len(),
-            bodies: paths.len(),
-        });
-    }
+/// Reads the bodies of a scene relative to the origin of the first one, and moves them by their
+/// offsets.
+pub(super) fn read(file: &SceneFile) -> Result<(Vec<Input>, Vec<Surface>), Failure> {
+    let reading = InputOptions::new(file.repair);
     let (mut inputs, mut surfaces) = (Vec::new(), Vec::<Surface>::new());
-    for (i, path) in paths.iter().enumerate() {
-        let (mut surface, warnings) = reading.read_open(path)?;
+    for body in &file.bodies {
+        let (mut surface, warnings) = reading.read_open(&body.mesh)?;
         surface.sort_by_position();
         if let Some(first) = surfaces.first() {
             surface.move_origin(first.origin());
         }
-        if let Some(&Numbers(offset)) = offsets.get(i) {
+        let Numbers(offset) = body.offset;
+        if offset != [0.0; 3] {
             shift(&mut surface, offset.into());
         }
-        let file = path.clone();
-        inputs.push(Input { file, warnings });
+        inputs.push(Input {
+            file: body.mesh.clone(),
+            warnings,
+        });
         surfaces.push(surface);
     }
     Ok((inputs, surfaces))
@@ -86,16 +82,16 @@ pub(super) struct Bodies {
 }
 
 impl Bodies {
-    /// Adds the surfaces of inputs to a scene.
+    /// Adds the surfaces of inputs to a scene, each with its material.
     pub(super) fn add(
         scene: &mut Scene,
         inputs: &[Input],
         surfaces: Vec<Surface>,
-        material: &Material,
+        materials: &[Material],
     ) -> Result<Self, Failure> {
         let origin = surfaces.first().map_or([0.0; 3], Surface::origin);
         let mut ids = Vec::new();
-        for (input, surface) in inputs.iter().zip(surfaces) {
+        for ((input, surface), material) in inputs.iter().zip(surfaces).zip(materials) {
             let id = scene.add_body(surface, material);
             ids.push(id.map_err(|source| Failure::Scene {
                 path: input.file.clone(),

@@ -1,97 +1,90 @@
-//! [`Knife`]: the cuts of a simulation, by planes or by a blade along its path.
+//! [`Knife`]: the cuts of a simulation, by planes and by blades that move from pose to pose.
 
 use super::bodies::Bodies;
-use crate::blade_path::{BladePath, StraightPose};
+use super::scene_file::{SceneFile, SceneFileError};
 use crate::cut_options::plane_sweep;
 use crate::failure::Failure;
 use crate::input::in_file;
 use crate::numbers::Numbers;
 use crate::stroke::{check_start, step_failure};
 use incise_cut::Sweep;
-use incise_mesh::Aabb;
-use incise_scene::{BladeId, Scene};
-use std::path::Path;
+use incise_mesh::geometry::to_f32;
+use incise_mesh::{Aabb, Vec3};
+use incise_scene::{BladeId, Scene, SceneError};
+use std::path::PathBuf;
+use toml::Spanned;
 
-/// A cut along a plane through all bodies in one frame.
-pub(super) struct PlaneCut {
-    plane: Numbers<4>,
-    frame: u32,
-    blade: Option<BladeId>,
+mod poses;
+
+use poses::{Pose, poses, position_at};
+
+/// A blade of the scene.
+struct Blade {
+    motion: Motion,
+    /// Its id, from its first frame on.
+    id: Option<BladeId>,
     /// Triangles hit.
     hits: usize,
+    /// Frames in which it cut.
+    cutting_frames: usize,
 }
 
-/// The motion of the blades.
-enum Motion<'a> {
-    /// Each through the bodies in one frame; in that frame the first one cuts first.
-    Planes(Vec<PlaneCut>),
-    /// One pose per frame.
-    Path {
-        file: &'a Path,
-        poses: Vec<StraightPose>,
-        /// The frame of the first pose.
-        start: u32,
-        blade: Option<BladeId>,
+/// The motion of a blade.
+enum Motion {
+    /// Along a plane through all bodies, in one frame.
+    Plane { plane: Numbers<4>, frame: u32 },
+    /// Straight from pose to pose.
+    Poses {
+        /// The file that has the poses.
+        file: PathBuf,
+        /// Two or more, ascending by their frames.
+        poses: Vec<Pose>,
+        /// Vector from the edge to the back of its face \[m\].
+        face: Option<[f32; 3]>,
     },
 }
 
 /// The cuts of a simulation.
-pub(super) struct Knife<'a> {
-    motion: Motion<'a>,
+pub(super) struct Knife {
+    blades: Vec<Blade>,
     /// Triangles hit so far.
     pub(super) triangles_hit: usize,
-    /// Frames with a cut so far.
-    cutting_frames: usize,
     /// Bounding box of the bodies at the first cut.
     pub(super) bounds_at_start: Aabb,
 }
 
-impl<'a> Knife<'a> {
-    /// Creates cuts along planes, each with its frame.
-    pub(super) fn from_planes(planes: impl Iterator<Item = (Numbers<4>, u32)>) -> Self {
-        let cut = |(plane, frame)| PlaneCut {
-            plane,
-            frame,
-            blade: None,
-            hits: 0,
-        };
-        Self::new(Motion::Planes(planes.map(cut).collect()))
-    }
-
-    /// Creates the cut along the path of a file, relative to an origin, from frame `start` on.
-    pub(super) fn from_path(
-        (file, path): &(&'a Path, BladePath),
-        origin: [f64; 3],
-        start: u32,
-    ) -> Result<Self, Failure> {
-        let poses = path.straight_poses(origin);
-        let poses = poses.map_err(|source| Failure::Path {
-            path: (*file).to_owned(),
-            source,
-        })?;
-        Ok(Self::new(Motion::Path {
-            file,
-            poses,
-            start,
-            blade: None,
-        }))
-    }
-
-    fn new(motion: Motion<'a>) -> Self {
-        Self {
+impl Knife {
+    /// Creates the cuts of a scene; all times must be within it.
+    pub(super) fn new(file: &SceneFile) -> Result<Self, Failure> {
+        let mut motions = Vec::new();
+        for cut in &file.cuts {
+            let (frame, plane) = (frame_of(file, cut, cut.get_ref().at)?, cut.get_ref().plane);
+            motions.push(Motion::Plane { plane, frame });
+        }
+        for blade in &file.blades {
+            let (poses_file, poses) = poses(file, blade)?;
+            motions.push(Motion::Poses {
+                file: poses_file,
+                poses,
+                face: (blade.get_ref().face).map(|Numbers(face)| to_f32(Vec3::from(face))),
+            });
+        }
+        let blade = |motion| Blade {
             motion,
-            triangles_hit: 0,
+            id: None,
+            hits: 0,
             cutting_frames: 0,
+        };
+        Ok(Self {
+            blades: motions.into_iter().map(blade).collect(),
+            triangles_hit: 0,
             bounds_at_start: Aabb::default(),
-        }
+        })
     }
 
-    /// Returns whether a motion begins in a frame.
-    fn begins_in(&self, frame: u32) -> bool {
-        match &self.motion {
-            Motion::Planes(cuts) => cuts.iter().any(|cut| cut.frame == frame),
-            Motion::Path { start, .. } => *start == frame,
-        }
+    /// Returns true without cuts.
+    pub(super) fn is_empty(&self) -> bool {
+        self.blades.is_empty()
     }
 
     /// Moves the blades for a frame of the scene.
@@ -102,7 +95,11 @@ impl<'a> Knife<'a> {
         bodies: &Bodies,
     ) -> Result<(), Failure> {
         let mut bounds = Aabb::default();
-        if self.begins_in(frame) {
+        if self
+            .blades
+            .iter()
+            .any(|blade| blade.motion.begins_in(frame))
+        {
             for (surface, _) in bodies.surfaces(scene)? {
                 bounds = bounds.union(surface.bounds());
             }
@@ -110,27 +107,23 @@ impl<'a> Knife<'a> {
                 self.bounds_at_start = in_file(bodies.origin, &bounds);
             }
         }
-        let pose = self.pose(frame);
-        match &mut self.motion {
-            Motion::Planes(cuts) => {
-                for cut in cuts.iter_mut().filter(|cut| cut.frame == frame) {
+        for blade in &mut self.blades {
+            match &blade.motion {
+                &Motion::Plane { plane, frame: own } if own == frame => {
                     let path = bodies.all_paths();
-                    let sweep = plane_sweep(cut.plane, bodies.origin, &bounds, &path)?;
+                    let sweep = plane_sweep(plane, bodies.origin, &bounds, &path)?;
                     let [before, after] = sweep.ends();
-                    let blade = scene.add_blade(before);
-                    let moved = scene.move_blade(blade, after);
-                    moved.map_err(|source| bodies.failed(source))?;
-                    cut.blade = Some(blade);
+                    let id = scene.add_blade(before);
+                    blade.id = Some(id);
+                    scene.move_blade(id, after)
+                }
+                Motion::Plane { .. } => Ok(()),
+                Motion::Poses { poses, face, .. } => {
+                    let edge = position_at(poses, frame, bodies.origin);
+                    move_blade(scene, &mut blade.id, edge, *face)
                 }
             }
-            Motion::Path { blade, .. } => match (pose, *blade) {
-                (Some((_, pose)), Some(blade)) => {
-                    let moved = scene.move_blade(blade, pose);
-                    moved.map_err(|source| bodies.failed(source))?;
-                }
-                (Some((_, pose)), None) => *blade = Some(scene.add_blade(pose)),
-                (None, _) => {}
-            },
+            .map_err(|source| bodies.failed(source))?;
         }
         Ok(())
     }
@@ -142,77 +135,157 @@ impl<'a> Knife<'a> {
         scene: &mut Scene,
         bodies: &Bodies,
     ) -> Result<(), Failure> {
-        let stats = *scene.stats();
-        self.triangles_hit += stats.hit_triangles;
-        self.cutting_frames += usize::from(stats.cuts > 0);
-        let failed = scene.failed_cuts().first().map(|cut| (cut.body, cut.error));
-        let pose = self.pose(frame);
-        match &mut self.motion {
-            Motion::Planes(cuts) => {
-                if let Some((body, source)) = failed {
-                    let path = bodies.path(body);
-                    return Err(Failure::Cut { path, source });
-                }
-                for result in scene.cuts() {
-                    let made = result.cut.as_ref().map_or(0, |(_, cut)| cut.report.hits);
-                    let own = cuts.iter_mut().find(|cut| cut.blade == Some(result.blade));
-                    if let Some(cut) = own {
-                        cut.hits += made;
-                    }
-                }
+        let hit_triangles = scene.stats().hit_triangles;
+        self.triangles_hit += hit_triangles;
+        for blade in &mut self.blades {
+            let Some(id) = blade.id else { continue };
+            let mut failed = scene.failed_cuts().iter();
+            let failed = failed.find(|cut| cut.blade == id);
+            blade.check_failed(frame, failed.map(|cut| (cut.body, cut.error)), bodies)?;
+            let own = scene.cuts().iter().filter(|result| result.blade == id);
+            let cuts = own.filter_map(|result| result.cut.as_ref());
+            let mut has_cut = false;
+            for (_, cut) in cuts {
+                blade.hits += cut.report.hits;
+                has_cut = true;
             }
-            Motion::Path {
-                file, poses, start, ..
-            } => {
-                // A blade at rest at its last pose cuts no more.
-                let Some((line, _)) = pose else {
-                    return Ok(());
-                };
-                if let Some((_, error)) = failed {
-                    return Err(step_failure(file, line, error));
-                }
-                if frame == *start + 1
-                    && self.triangles_hit == 0
-                    && let Ok(sweep) = Sweep::new(poses[0].1, poses[1].1)
-                {
-                    for (surface, _) in bodies.surfaces(scene)? {
-                        check_start(surface, &sweep, file, line)?;
-                    }
-                }
+            blade.cutting_frames += usize::from(has_cut);
+            if hit_triangles == 0 {
+                blade.check_start(frame, scene, bodies)?;
             }
         }
         Ok(())
     }
 
-    /// Returns the planes that hit nothing.
-    pub(super) fn missed_planes(&self) -> impl Iterator<Item = Numbers<4>> {
-        let cuts = match &self.motion {
-            Motion::Planes(cuts) => cuts.as_slice(),
-            Motion::Path { .. } => &[],
-        };
-        let missed = cuts.iter().filter(|cut| cut.hits == 0);
-        missed.map(|cut| cut.plane)
+    /// Returns the edges of the blades that move from pose to pose \[m\].
+    #[cfg(feature = "gpu")]
+    pub(super) fn edges(&self, scene: &Scene) -> impl Iterator<Item = [[f32; 3]; 2]> {
+        let moving =
+            (self.blades.iter()).filter(|blade| matches!(blade.motion, Motion::Poses { .. }));
+        let ids = moving.filter_map(|blade| blade.id);
+        ids.filter_map(|id| Some(scene.blade(id).ok()?.edge()))
     }
 
-    /// Returns the number of motions from pose to pose; none for planes.
+    /// Returns a message for every blade that hit nothing.
+    pub(super) fn misses(&self) -> impl Iterator<Item = String> {
+        let missed = self.blades.iter().filter(|blade| blade.hits == 0);
+        missed.map(|blade| match &blade.motion {
+            Motion::Plane {
+                plane: Numbers([x, y, z, d]),
+                ..
+            } => format!("the plane {x},{y},{z},{d} misses all bodies"),
+            Motion::Poses { file, poses, .. } => {
+                let (file, line) = (file.display(), poses[0].line);
+                format!("{file}: line {line}: the blade cuts no body")
+            }
+        })
+    }
+
+    /// Returns the frames in which blades move from pose to pose; none for planes alone.
     pub(super) fn steps(&self) -> Option<usize> {
+        let steps = self.blades.iter().filter_map(|blade| match &blade.motion {
+            Motion::Plane { .. } => None,
+            Motion::Poses { poses, .. } => {
+                let [first, last] = [poses.first()?, poses.last()?].map(|pose| pose.frame);
+                usize::try_from(last - first).ok()
+            }
+        });
+        steps.reduce(|a, b| a + b)
+    }
+
+    /// Returns the number of steps that cut; none for planes alone.
+    pub(super) fn cutting_steps(&self) -> Option<usize> {
+        let moving = (self.blades.iter())
+            .filter(|blade| matches!(blade.motion, Motion::Poses { .. }))
+            .map(|blade| blade.cutting_frames);
+        moving.reduce(|a, b| a + b)
+    }
+}
+
+impl Motion {
+    /// Returns whether it begins in a frame.
+    fn begins_in(&self, frame: u32) -> bool {
+        match self {
+            Self::Plane { frame: own, .. } => *own == frame,
+            Self::Poses { poses, .. } => poses[0].frame == frame,
+        }
+    }
+}
+
+impl Blade {
+    /// Returns the error of a cut of this blade that failed in a frame.
+    fn check_failed(
+        &self,
+        frame: u32,
+        failed: Option<(incise_scene::BodyId, incise_cut::CutError)>,
+        bodies: &Bodies,
+    ) -> Result<(), Failure> {
+        let Some((body, source)) = failed else {
+            return Ok(());
+        };
         match &self.motion {
-            Motion::Planes(_) => None,
-            Motion::Path { poses, .. } => Some(poses.len() - 1),
+            Motion::Plane { .. } => {
+                let path = bodies.path(body);
+                Err(Failure::Cut { path, source })
+            }
+            Motion::Poses { file, poses, .. } => {
+                let target = poses.iter().find(|pose| pose.frame >= frame);
+                // A blade at rest at its last pose cuts no more.
+                target.map_or(Ok(()), |pose| Err(step_failure(file, pose.line, source)))
+            }
         }
     }
 
-    /// Returns the number of steps that cut; none for planes.
-    pub(super) fn cutting_steps(&self) -> Option<usize> {
-        self.steps().map(|_| self.cutting_frames)
-    }
-
-    /// Returns the pose of a frame, and its line; none before and after the path.
-    fn pose(&self, frame: u32) -> Option<StraightPose> {
-        let Motion::Path { poses, start, .. } = &self.motion else {
-            return None;
+    /// Refuses a blade whose first step, in this frame, has hit nothing and is inside a body.
+    fn check_start(&self, frame: u32, scene: &mut Scene, bodies: &Bodies) -> Result<(), Failure> {
+        let Motion::Poses { file, poses, .. } = &self.motion else {
+            return Ok(());
         };
-        let i = frame.checked_sub(*start)?;
-        poses.get(usize::try_from(i).ok()?).copied()
+        if frame != poses[0].frame + 1 || self.hits > 0 {
+            return Ok(());
+        }
+        let edges = [frame - 1, frame].map(|frame| position_at(poses, frame, bodies.origin));
+        if let [Some(before), Some(after)] = edges
+            && let Ok(sweep) = Sweep::new(before, after)
+        {
+            for (surface, _) in bodies.surfaces(scene)? {
+                check_start(surface, &sweep, file, poses[1].line)?;
+            }
+        }
+        Ok(())
     }
+}
+
+/// Moves a blade to an edge, or adds it there.
+fn move_blade(
+    scene: &mut Scene,
+    id: &mut Option<BladeId>,
+    edge: Option<[[f32; 3]; 2]>,
+    face: Option<[f32; 3]>,
+) -> Result<(), SceneError> {
+    match (edge, *id) {
+        (Some(edge), Some(id)) => scene.move_blade(id, edge),
+        (Some(edge), None) => {
+            let new = scene.add_blade(edge);
+            *id = Some(new);
+            scene.set_blade_face(new, face)
+        }
+        (None, _) => Ok(()),
+    }
+}
+
+/// Returns the frame of a time, which must be within the simulation.
+fn frame_of<T>(file: &SceneFile, value: &Spanned<T>, at: f64) -> Result<u32, Failure> {
+    let frame = file.frame_at(at);
+    if at >= 0.0 && frame < file.frames() {
+        return Ok(frame);
+    }
+    Err(match file.line(value) {
+        None => Failure::CutAfterEnd,
+        Some(line) => file.refuse(SceneFileError::TimeOutside {
+            line,
+            at,
+            seconds: file.seconds,
+        }),
+    })
 }

@@ -28,6 +28,9 @@ pub(super) struct Report {
     /// Steps that cut.
     pub(super) cutting_steps: Option<usize>,
     pub(super) pieces: Vec<PieceOfBody>,
+    /// Number of drawn pictures.
+    #[cfg(feature = "gpu")]
+    pub(super) pictures: usize,
     /// Removed pieces of an earlier run.
     #[serde(serialize_with = "all_lossy")]
     pub(super) removed: Vec<PathBuf>,
@@ -77,6 +80,10 @@ pub(super) fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
     }
     let pieces = report.pieces.iter().map(|of_body| &of_body.piece);
     pieces::print(pieces, &report.removed, out)?;
+    #[cfg(feature = "gpu")]
+    if report.pictures > 0 {
+        writeln!(out, "  {} drawn", counted(report.pictures, "picture"))?;
+    }
     let t = &report.milliseconds;
     writeln!(
         out,

@@ -6,6 +6,9 @@ mod obj;
 mod ply;
 mod stl;
 
+#[cfg(feature = "gltf")]
+pub use glb::AnimatedSurface;
+
 use crate::io::{Warning, WriteError};
 use crate::surface::Surface;
 use std::borrow::Cow;
@@ -69,6 +72,23 @@ pub fn write_stl(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteEr
 /// [`WriteError`]; an existing file is then unchanged.
 #[cfg(feature = "gltf")]
 pub fn write_glb(path: &Path, surfaces: &[(&str, &Surface)]) -> Result<Vec<Warning>, WriteError> {
+    let nodes = surfaces.iter();
+    let nodes = nodes.map(|&(name, surface)| AnimatedSurface::still(name, surface));
+    write_glb_animation(path, &nodes.collect::<Vec<_>>())
+}
+
+/// Writes moving surfaces as binary glTF 2.0 (`.glb`) with one animation.
+///
+/// Nodes are those of [`write_glb`]. Shapes after the first one are morph targets with linear
+/// interpolation, and a node is scaled to 0 while it is invisible.
+///
+/// # Errors
+/// [`WriteError`]; an existing file is then unchanged.
+#[cfg(feature = "gltf")]
+pub fn write_glb_animation(
+    path: &Path,
+    surfaces: &[AnimatedSurface<'_>],
+) -> Result<Vec<Warning>, WriteError> {
     let mut dropped = Vec::new();
     replace(path, |out| {
         dropped = glb::write(surfaces, out)?;

@@ -1,8 +1,12 @@
 //! Writes binary glTF 2.0: a node per surface, a primitive per material.
 
+mod animation;
+
+pub use animation::AnimatedSurface;
+
 use crate::io::Warning;
 use crate::render_buffers::{RenderBuffers, RenderParams};
-use crate::surface::{Blend, Channel, Surface};
+use crate::surface::{Blend, Channel};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -27,18 +31,25 @@ struct Document {
     /// The index of each material number.
     materials: BTreeMap<u32, usize>,
     dropped: Vec<String>,
+    /// Channels and samplers of the animation.
+    channels: Vec<Value>,
+    samplers: Vec<Value>,
 }
 
 /// Writes surfaces, each with the name of its node, and returns warnings about dropped attributes.
 pub(super) fn write(
-    surfaces: &[(&str, &Surface)],
+    surfaces: &[AnimatedSurface<'_>],
     out: &mut impl Write,
 ) -> io::Result<Vec<Warning>> {
     let mut document = Document::default();
-    for &(name, surface) in surfaces {
-        if surface.topology().triangle_count() > 0 {
-            document.add(name, surface)?;
+    for surface in surfaces {
+        if surface.surface.topology().triangle_count() > 0 {
+            document.add(surface)?;
         }
+    }
+    let mut animations = Vec::new();
+    if !document.channels.is_empty() {
+        animations.push(json!({"channels": document.channels, "samplers": document.samplers}));
     }
     let too_large = |_| io::Error::other("glTF files end at 4 GiB; write fewer surfaces");
     let materials: BTreeMap<usize, u32> = document
@@ -60,6 +71,7 @@ pub(super) fn write(
         ("materials", materials),
         ("accessors", document.accessors),
         ("bufferViews", document.views),
+        ("animations", animations),
     ] {
         if !values.is_empty() {
             json[name] = Value::Array(values);
@@ -105,8 +117,9 @@ fn material(number: u32) -> Value {
 }
 
 impl Document {
-    fn add(&mut self, name: &str, surface: &Surface) -> io::Result<()> {
-        let buffers = RenderBuffers::new(surface, RenderParams::default());
+    fn add(&mut self, animated: &AnimatedSurface<'_>) -> io::Result<()> {
+        let AnimatedSurface { name, surface, .. } = *animated;
+        let mut buffers = RenderBuffers::new(surface, RenderParams::default());
         let own_normals = surface.corner_normals();
         let normals: Vec<[f32; 3]> = if own_normals.is_empty() {
             buffers.normals().to_vec()
@@ -118,20 +131,9 @@ impl Document {
                 .collect()
         };
         let mut attributes = json!({
-            "POSITION": self.floats(3, buffers.positions().as_flattened()),
+            "POSITION": self.vectors(buffers.positions()),
             "NORMAL": self.floats(3, normals.as_flattened()),
         });
-        let bounds = [f32::min, f32::max].map(|pick| {
-            let positions = buffers.positions().iter().copied();
-            positions.reduce(|a, b| [0, 1, 2].map(|k| pick(a[k], b[k])))
-        });
-        let position = attributes["POSITION"]
-            .as_u64()
-            .and_then(|i| usize::try_from(i).ok());
-        if let Some(accessor) = position.and_then(|i| self.accessors.get_mut(i)) {
-            accessor["min"] = json!(bounds[0]);
-            accessor["max"] = json!(bounds[1]);
-        }
         let mut sets = 0;
         if !buffers.uvs().is_empty() {
             attributes["TEXCOORD_0"] = self.floats(2, buffers.uvs().as_flattened());
@@ -147,12 +149,18 @@ impl Document {
                 .or_default()
                 .extend(triangle);
         }
+        let targets = self.add_targets(animated, &mut buffers);
         let primitives = indices.iter().map(|(&material, indices)| {
             let next = self.materials.len();
             let material = *self.materials.entry(material).or_insert(next);
             let bytes = indices.iter().flat_map(|i| i.to_le_bytes());
             let indices = self.accessor(U32, "SCALAR", indices.len(), bytes.collect(), INDICES);
-            json!({"attributes": attributes, "indices": indices, "material": material})
+            let mut primitive =
+                json!({"attributes": attributes, "indices": indices, "material": material});
+            if !targets.is_empty() {
+                primitive["targets"] = json!(targets);
+            }
+            primitive
         });
         let primitives: Vec<Value> = primitives.collect();
         let mut node = json!({"name": name, "mesh": self.meshes.len()});
@@ -162,6 +170,7 @@ impl Document {
         self.meshes
             .push(json!({"name": name, "primitives": primitives}));
         self.nodes.push(node);
+        self.animate(animated);
         Ok(())
     }
 
@@ -203,6 +212,25 @@ impl Document {
         let shape = ["SCALAR", "VEC2", "VEC3", "VEC4"][width - 1];
         let bytes = values.iter().flat_map(|x| x.to_le_bytes()).collect();
         self.accessor(F32, shape, values.len() / width, bytes, VERTICES)
+    }
+
+    /// Adds positions with their bounds, which glTF requires, and returns the accessor.
+    fn vectors(&mut self, values: &[[f32; 3]]) -> Value {
+        let accessor = self.floats(3, values.as_flattened());
+        let bounds = [f32::min, f32::max].map(|pick| {
+            let values = values.iter().copied();
+            values.reduce(|a, b| [0, 1, 2].map(|k| pick(a[k], b[k])))
+        });
+        self.set_bounds(bounds.map(|corner| json!(corner)));
+        accessor
+    }
+
+    /// Sets minimum and maximum of the last accessor.
+    fn set_bounds(&mut self, [min, max]: [Value; 2]) {
+        if let Some(accessor) = self.accessors.last_mut() {
+            accessor["min"] = min;
+            accessor["max"] = max;
+        }
     }
 
     /// Adds an accessor with a buffer view of its own, and returns its number.
@@ -262,13 +290,16 @@ mod tests {
     use super::*;
     use crate::io::read_gltf;
     use crate::shapes::{cube_sphere, torus};
-    use crate::surface::Domain;
+    use crate::surface::{Domain, Surface};
     use crate::{HalfEdge, TriangleId};
     use proptest::prelude::*;
 
     fn bytes_of(surfaces: &[(&str, &Surface)]) -> (Vec<u8>, Vec<Warning>) {
         let mut out = Vec::new();
-        let dropped = write(surfaces, &mut out).unwrap();
+        let still = surfaces
+            .iter()
+            .map(|&(name, surface)| AnimatedSurface::still(name, surface));
+        let dropped = write(&still.collect::<Vec<_>>(), &mut out).unwrap();
         (out, dropped)
     }
 

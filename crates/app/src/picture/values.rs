@@ -1,4 +1,4 @@
-//! Parsers of the options of images: size, camera, background.
+//! Parsers of the values of images, in options and scene files: size, camera, colors.
 
 use crate::numbers::numbers;
 use incise_render::{Background, Color};
@@ -50,9 +50,13 @@ pub(super) fn viewpoint(text: &str) -> Result<Viewpoint, String> {
     })
 }
 
+/// Parses a color.
+pub(super) fn color(text: &str) -> Result<Color, String> {
+    text.trim().parse::<Color>().map_err(|e| e.to_string())
+}
+
 /// Parses one color or two.
 pub(super) fn backdrop(text: &str) -> Result<Background, String> {
-    let color = |text: &str| text.trim().parse::<Color>().map_err(|e| e.to_string());
     Ok(match text.split_once(',') {
         None => Background::Plain(color(text)?),
         Some((top, bottom)) => Background::Gradient {
@@ -60,6 +64,45 @@ pub(super) fn backdrop(text: &str) -> Result<Background, String> {
             bottom: color(bottom)?,
         },
     })
+}
+
+/// The values as text in scene files.
+pub(super) mod parsed {
+    use incise_render::{Background, Color};
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer};
+
+    pub(in crate::picture) fn size<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<super::Size>, D::Error> {
+        parse(deserializer, super::size)
+    }
+
+    pub(in crate::picture) fn viewpoint<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<super::Viewpoint>, D::Error> {
+        parse(deserializer, super::viewpoint)
+    }
+
+    pub(in crate::picture) fn color<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<Color>, D::Error> {
+        parse(deserializer, super::color)
+    }
+
+    pub(in crate::picture) fn backdrop<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<Background>, D::Error> {
+        parse(deserializer, super::backdrop)
+    }
+
+    fn parse<'de, D: Deserializer<'de>, T>(
+        deserializer: D,
+        parse: fn(&str) -> Result<T, String>,
+    ) -> Result<Option<T>, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        parse(&text).map(Some).map_err(D::Error::custom)
+    }
 }
 
 #[cfg(test)]

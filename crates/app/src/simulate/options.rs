@@ -1,0 +1,177 @@
+//! [`SceneOptions`]: the options that describe a scene, in place of a scene file.
+
+use super::scene_file::Height;
+use super::scene_file::{
+    BladeFile, BodyFile, InteriorSpringsFile, MaterialFile, PlaneCut, Preset, SceneFile, VolumeFile,
+};
+use crate::caps::CapsOption;
+use crate::failure::Failure;
+use crate::input::InputOptions;
+use crate::numbers::{Numbers, numbers, positive};
+use incise_mesh::geometry::round_to_f32;
+use std::num::NonZeroU32;
+use std::path::PathBuf;
+use toml::Spanned;
+
+/// The name of the material that the options describe.
+const MATERIAL: &str = "options";
+
+/// Options that describe a scene.
+#[derive(clap::Args)]
+pub(super) struct SceneOptions {
+    #[command(flatten)]
+    reading: InputOptions,
+    /// Move an input before the start [m]; the first one moves the first input, and so on.
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        value_parser = numbers::<3>,
+        allow_hyphen_values = true
+    )]
+    offset: Vec<Numbers<3>>,
+    /// Simulated time [s].
+    #[arg(long, value_name = "S", value_parser = positive)]
+    seconds: Option<f64>,
+    /// Time step of a frame, as a number or a fraction [s]. [default: 1/60]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    dt: Option<f64>,
+    /// Solver iterations per substep. [default: 1]
+    #[arg(long, value_name = "N")]
+    iterations: Option<NonZeroU32>,
+    /// Substeps per frame. [default: 16]
+    #[arg(long, value_name = "N")]
+    substeps: Option<NonZeroU32>,
+    /// Height of the ground plane [m]; the meshes must begin above it.
+    #[arg(long, value_name = "H", value_parser = numbers::<1>, allow_hyphen_values = true)]
+    ground: Option<Numbers<1>>,
+    /// Preserve the rest volume of every closed piece.
+    #[arg(long)]
+    volume: bool,
+    /// Connect opposite sides by springs through the body: springs per vertex, 0 to 1.
+    #[arg(long, value_name = "DENSITY", value_parser = numbers::<1>)]
+    interior_springs: Option<Numbers<1>>,
+    /// Let pieces pass through each other instead of resolving their contacts.
+    #[arg(long)]
+    no_contacts: bool,
+    /// Cut all bodies along the plane `nx x + ny y + nz z = d`. Several planes cut in their order.
+    #[arg(
+        long,
+        value_name = "NX,NY,NZ,D",
+        value_parser = numbers::<4>,
+        allow_hyphen_values = true,
+        group = "cutter"
+    )]
+    plane: Vec<Numbers<4>>,
+    /// Move a straight blade through the bodies, one pose per frame. The cut may end inside.
+    ///
+    /// The file is that of `incise cut --path`, with two points per line. The blade stands at its
+    /// last pose. The walls of the cut collide with each other, except with --no-contacts.
+    #[arg(long, value_name = "FILE", group = "cutter")]
+    path: Option<PathBuf>,
+    /// Curves along which caps close the cut. [default: bodies]
+    #[arg(long, value_enum, value_name = "CURVES", requires = "cutter")]
+    caps: Option<CapsOption>,
+    /// Time of the cut, or of the first pose [s]; 0 by default.
+    ///
+    /// Given once it is the time of all planes, else each plane has its own, in their order.
+    #[arg(long, value_name = "S", value_parser = positive, requires = "cutter")]
+    at: Vec<f64>,
+}
+
+impl SceneOptions {
+    /// Returns the first option of the command line that a scene file replaces.
+    pub(super) fn first_given(&self) -> Option<&'static str> {
+        [
+            ("--no-repair", !self.reading.repair()),
+            ("--offset", !self.offset.is_empty()),
+            ("--seconds", self.seconds.is_some()),
+            ("--dt", self.dt.is_some()),
+            ("--iterations", self.iterations.is_some()),
+            ("--substeps", self.substeps.is_some()),
+            ("--ground", self.ground.is_some()),
+            ("--volume", self.volume),
+            ("--interior-springs", self.interior_springs.is_some()),
+            ("--no-contacts", self.no_contacts),
+            ("--plane", !self.plane.is_empty()),
+            ("--path", self.path.is_some()),
+            ("--caps", self.caps.is_some()),
+            ("--at", !self.at.is_empty()),
+        ]
+        .into_iter()
+        .find_map(|(name, is_given)| is_given.then_some(name))
+    }
+
+    /// Returns the scene of the inputs and options.
+    pub(super) fn scene_file(&self, inputs: &[PathBuf]) -> Result<SceneFile, Failure> {
+        let seconds = self.seconds.ok_or(Failure::NoSeconds)?;
+        if self.offset.len() > inputs.len() {
+            return Err(Failure::Offsets {
+                offsets: self.offset.len(),
+                bodies: inputs.len(),
+            });
+        }
+        let mut file = SceneFile::new(seconds);
+        file.dt = self.dt.unwrap_or(file.dt);
+        file.iterations = self.iterations.unwrap_or(file.iterations);
+        file.substeps = self.substeps.unwrap_or(file.substeps);
+        file.ground = self.ground.map(|Numbers([height])| Height(height));
+        file.caps = self.caps.unwrap_or_default();
+        file.repair = self.reading.repair();
+        file.contacts.enabled = !self.no_contacts;
+        let material = unplaced(self.material());
+        file.materials.insert(MATERIAL.to_owned(), material);
+        let offsets = self.offset.iter().copied();
+        let offsets = offsets.chain(std::iter::repeat(Numbers([0.0; 3])));
+        let bodies = inputs.iter().zip(offsets).map(|(mesh, offset)| BodyFile {
+            mesh: mesh.clone(),
+            material: Some(unplaced(MATERIAL.to_owned())),
+            offset,
+        });
+        file.bodies = bodies.collect();
+        let times = self.times()?;
+        let planes = self.plane.iter().zip(&times);
+        let planes = planes.map(|(&plane, &at)| unplaced(PlaneCut { plane, at }));
+        file.cuts = planes.collect();
+        let blade = self.path.iter().map(|path| {
+            unplaced(BladeFile {
+                path: Some(path.clone()),
+                at: times.first().copied(),
+                ..BladeFile::default()
+            })
+        });
+        file.blades = blade.collect();
+        Ok(file)
+    }
+
+    /// Returns the time of each cut: of every plane, or of the path \[s\].
+    fn times(&self) -> Result<Vec<f64>, Failure> {
+        let planes = self.plane.len().max(1);
+        match self.at.as_slice() {
+            [] => Ok(vec![0.0; planes]),
+            &[time] => Ok(vec![time; planes]),
+            times if times.len() == planes => Ok(times.to_vec()),
+            times => Err(Failure::CutTimes {
+                times: times.len(),
+                planes: self.plane.len(),
+            }),
+        }
+    }
+
+    fn material(&self) -> MaterialFile {
+        let springs = |Numbers([density]): Numbers<1>| InteriorSpringsFile {
+            density: round_to_f32(density),
+            ..InteriorSpringsFile::default()
+        };
+        MaterialFile {
+            preset: Preset::LimpShell,
+            volume: self.volume.then(VolumeFile::default),
+            interior_springs: self.interior_springs.map(springs),
+            ..MaterialFile::default()
+        }
+    }
+}
+
+/// Returns a value without a place in a file.
+fn unplaced<T>(value: T) -> Spanned<T> {
+    Spanned::new(0..0, value)
+}

@@ -1,0 +1,118 @@
+//! [`SimulateOutput`]: the files that a simulation writes, as options and as keys of a scene file.
+
+use crate::failure::Failure;
+use crate::format::Format;
+#[cfg(feature = "gpu")]
+use crate::picture::PictureOptions;
+use crate::pieces::output_path;
+use serde::Deserialize;
+#[cfg(feature = "gpu")]
+use std::num::NonZeroU16;
+use std::path::PathBuf;
+
+/// The files to write.
+#[derive(Debug, Clone, Default, clap::Args, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct SimulateOutput {
+    /// The folder for the pieces at the end, or a file NAME.glb for all of them.
+    #[arg(short = 'o', long = "output", value_name = "DIR|FILE.glb", value_parser = output_path())]
+    pub(super) pieces: Option<PathBuf>,
+    /// Format of the pieces in a folder. [default: obj]
+    #[arg(long, value_enum)]
+    pub(super) format: Option<Format>,
+    /// Draw the simulation as `DIR/frame_0000.png` and so on.
+    #[cfg(feature = "gpu")]
+    #[arg(long, value_name = "DIR", value_parser = output_path())]
+    pub(super) frames: Option<PathBuf>,
+    /// Draw the simulation as an animated PNG.
+    #[cfg(feature = "gpu")]
+    #[arg(long, value_name = "FILE.png", value_parser = output_path())]
+    pub(super) animation: Option<PathBuf>,
+    /// Write the motion as one file of glTF: pieces with morph targets, at the times of pictures.
+    #[cfg(feature = "gpu")]
+    #[arg(long, value_name = "FILE.glb", value_parser = output_path())]
+    pub(super) export: Option<PathBuf>,
+    /// Pictures per second of simulated time. [default: 30]
+    #[cfg(feature = "gpu")]
+    #[arg(long, value_name = "N")]
+    fps: Option<NonZeroU16>,
+    /// Appearance of the pictures.
+    #[cfg(feature = "gpu")]
+    #[command(flatten)]
+    pub(super) picture: PictureOptions,
+}
+
+/// Default number of pictures per second.
+#[cfg(feature = "gpu")]
+const PICTURES_PER_SECOND: u16 = 30;
+
+impl SimulateOutput {
+    /// Returns these files; those that are missing are taken from `other`.
+    pub(super) fn or(self, other: Self) -> Self {
+        Self {
+            pieces: self.pieces.or(other.pieces),
+            format: self.format.or(other.format),
+            #[cfg(feature = "gpu")]
+            frames: self.frames.or(other.frames),
+            #[cfg(feature = "gpu")]
+            animation: self.animation.or(other.animation),
+            #[cfg(feature = "gpu")]
+            export: self.export.or(other.export),
+            #[cfg(feature = "gpu")]
+            fps: self.fps.or(other.fps),
+            #[cfg(feature = "gpu")]
+            picture: self.picture.or(other.picture),
+        }
+    }
+
+    /// Returns true if nothing is to be written.
+    pub(super) fn is_empty(&self) -> bool {
+        self.pieces.is_none() && !self.is_recorded()
+    }
+
+    /// Returns true if an output shows the motion.
+    #[cfg(feature = "gpu")]
+    pub(super) fn is_recorded(&self) -> bool {
+        self.frames.is_some() || self.animation.is_some() || self.export.is_some()
+    }
+
+    /// Returns false: without a renderer no output shows the motion.
+    #[cfg(not(feature = "gpu"))]
+    pub(super) fn is_recorded(&self) -> bool {
+        false
+    }
+
+    /// Returns the number of pictures per second of simulated time.
+    #[cfg(feature = "gpu")]
+    pub(super) fn pictures_per_second(&self) -> u16 {
+        self.fps.map_or(PICTURES_PER_SECOND, NonZeroU16::get)
+    }
+
+    /// Refuses an animation whose name is not that of a PNG.
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        #[cfg(feature = "gpu")]
+        if let Some(path) = &self.animation {
+            let extension = path.extension().map(|e| e.to_ascii_lowercase());
+            if !extension.is_some_and(|e| e == "png" || e == "apng") {
+                let path = path.clone();
+                return Err(Failure::ImageFormat { path });
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the paths of all files and folders.
+    pub(super) fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
+        [
+            &mut self.pieces,
+            #[cfg(feature = "gpu")]
+            &mut self.frames,
+            #[cfg(feature = "gpu")]
+            &mut self.animation,
+            #[cfg(feature = "gpu")]
+            &mut self.export,
+        ]
+        .into_iter()
+        .flatten()
+    }
+}
