@@ -83,7 +83,8 @@ impl Motion {
     /// Sets the displacements of a vertex relative to a common velocity [m/s] and returns their
     /// box.
     ///
-    /// It includes rest if an obstacle may stop the vertex.
+    /// It includes the reverse motion, since springs may throw a vertex back within the frame, and
+    /// rest if an obstacle may stop it.
     pub(super) fn set_displacement(
         &mut self,
         v: VertexId,
@@ -91,7 +92,7 @@ impl Motion {
         dt: f64,
     ) -> Aabb {
         let displacement = to_f32((self.velocity(v) - common) * (SPEED_MARGIN * dt));
-        let mut bounds = Aabb::around([displacement]);
+        let mut bounds = Aabb::around([displacement, displacement.map(|c| -c)]);
         if may_stop {
             bounds.grow([0.0; 3]);
         }
