@@ -177,7 +177,8 @@ pub(crate) enum Failure {
     NoSeconds,
     /// A simulation writes nothing.
     #[error(
-        "there is no output; give -o DIR for the pieces, --frames or --animation for pictures, or --export FILE.glb"
+        "there is no output; give -o DIR for the pieces, --frames or --animation for pictures, or \
+         --export FILE.glb"
     )]
     NoOutput,
     /// A scene file and other inputs are given.

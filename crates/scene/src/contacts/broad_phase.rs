@@ -199,8 +199,7 @@ impl Pieces {
         for v in topology.vertices() {
             let number = surface.piece(topology.outgoing(v).triangle());
             let index = motion.pieces[number as usize] as usize;
-            let group = &self.list[self.list[index].group as usize];
-            let common = (group.group_velocity, group.is_held);
+            let common = self.list[self.list[index].group as usize].group_velocity;
             let displacement = motion.set_displacement(v, common, dt);
             let piece = &mut self.list[index];
             piece.displacement = piece.displacement.union(displacement);

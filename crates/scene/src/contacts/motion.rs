@@ -83,19 +83,11 @@ impl Motion {
     /// Sets the displacements of a vertex relative to a common velocity [m/s] and returns their
     /// box.
     ///
-    /// It includes the reverse motion, since springs may throw a vertex back within the frame, and
-    /// rest if an obstacle may stop it.
-    pub(super) fn set_displacement(
-        &mut self,
-        v: VertexId,
-        (common, may_stop): (Vec3, bool),
-        dt: f64,
-    ) -> Aabb {
+    /// It includes rest and the reverse motion: an obstacle may stop a vertex within the frame, and
+    /// springs may throw it back.
+    pub(super) fn set_displacement(&mut self, v: VertexId, common: Vec3, dt: f64) -> Aabb {
         let displacement = to_f32((self.velocity(v) - common) * (SPEED_MARGIN * dt));
-        let mut bounds = Aabb::around([displacement, displacement.map(|c| -c)]);
-        if may_stop {
-            bounds.grow([0.0; 3]);
-        }
+        let bounds = Aabb::around([displacement, displacement.map(|c| -c)]);
         self.displacements[v.index()] = bounds;
         bounds
     }
