@@ -53,7 +53,7 @@ const BODY: Color = Color::rgb(154, 174, 198);
 const CAP: Color = Color::rgb(222, 92, 66);
 
 impl PictureOptions {
-    /// Returns these options; those that are missing are taken from `other`.
+    /// Adds the options of `other` in place of missing ones.
     pub(crate) fn or(self, other: Self) -> Self {
         Self {
             size: self.size.or(other.size),

@@ -3,14 +3,12 @@
 //! A scene comes from a file or from options; both are a [`SceneFile`].
 
 mod bodies;
-#[cfg(feature = "gpu")]
 mod export;
 mod knife;
 mod options;
 mod output;
 #[cfg(feature = "gpu")]
 mod pictures;
-#[cfg(feature = "gpu")]
 mod recording;
 mod report;
 mod scene_file;
@@ -32,7 +30,6 @@ use incise_scene::{BackendChoice, BackendRequest, ContactParams, Scene, ScenePar
 use knife::Knife;
 use options::SceneOptions;
 use output::SimulateOutput;
-#[cfg(feature = "gpu")]
 use recording::Recording;
 use report::{PieceOfBody, Report, Times, print};
 use scene_file::{Height, SceneFile};
@@ -125,7 +122,6 @@ pub(crate) fn run(
     }
     let origin = surfaces.first().map_or([0.0; 3], Surface::origin);
     let mut scene = new_scene(&file, origin, &inputs)?;
-    #[cfg(feature = "gpu")]
     let mut recording = Recording::new(&file);
     let (simulate, bodies) = timed(|| {
         let bodies = Bodies::add(&mut scene, &inputs, surfaces, &materials)?;
@@ -134,7 +130,6 @@ pub(crate) fn run(
             &mut scene,
             &bodies,
             &mut knife,
-            #[cfg(feature = "gpu")]
             &mut recording,
             reporter,
         )?;
@@ -152,7 +147,6 @@ pub(crate) fn run(
         ground(&file, origin),
         file.adapter.clone(),
     )?;
-    #[cfg(feature = "gpu")]
     if let Some(path) = &file.output.export {
         let rate = file.output.pictures_per_second();
         for warning in export::write(&recording, rate, path)? {
@@ -282,13 +276,12 @@ fn step(
     scene: &mut Scene,
     bodies: &Bodies,
     knife: &mut Knife,
-    #[cfg(feature = "gpu")] recording: &mut Recording,
+    recording: &mut Recording,
     reporter: &Reporter<impl Write>,
 ) -> Result<(), Failure> {
     let frames = file.frames();
     let a_second = file.frame_at(1.0).clamp(1, frames);
     let progress = reporter.progress(frames.div_ceil(a_second), a_second);
-    #[cfg(feature = "gpu")]
     recording.record(0, scene, bodies, knife)?;
     for frame in 0..frames {
         if frame % a_second == 0 {
@@ -300,7 +293,6 @@ fn step(
             progress.suspend(|| warn_of_fallback(scene, reporter));
         }
         knife.after_frame(frame, scene, bodies)?;
-        #[cfg(feature = "gpu")]
         recording.record(frame + 1, scene, bodies, knife)?;
         progress.step();
     }

@@ -7,8 +7,10 @@
 
 #[expect(dead_code, reason = "some of it is for cuts alone")]
 mod common;
+mod image;
 
 use common::{incise, text};
+use image::pixels;
 use incise_pbd_gpu::Context;
 use incise_render::FigureGrid;
 use incise_test_support::gpu::{Needs, trial};
@@ -74,15 +76,6 @@ fn gallery(folder: &Path, size: u32, only: &str) -> Value {
     let file = std::fs::read(folder.join("index.json")).expect("an index");
     assert_eq!(file, output.stdout, "what is printed is what is written");
     serde_json::from_slice(&file).expect("JSON")
-}
-
-/// Returns width, height and all pixels of an image.
-fn pixels(path: &Path) -> (u32, u32, Vec<[u8; 4]>) {
-    let file = std::io::BufReader::new(std::fs::File::open(path).expect("a picture"));
-    let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
-    let mut bytes = vec![0; reader.output_buffer_size().expect("a size")];
-    let info = reader.next_frame(&mut bytes).expect("pixels");
-    (info.width, info.height, bytes.as_chunks().0.to_vec())
 }
 
 /// Returns the rows of panels of a figure.

@@ -7,8 +7,10 @@
 
 #[expect(dead_code, reason = "some of it is for cuts alone")]
 mod common;
+mod image;
 
 use common::{incise, text};
+use image::pixels;
 use incise_pbd_gpu::Context;
 use incise_test_support::gpu::{Needs, trial};
 use libtest_mimic::Trial;
@@ -30,15 +32,6 @@ fn main() -> ExitCode {
             Ok(())
         }),
     ])
-}
-
-/// Returns width, height and pixels of a PNG file.
-fn pixels(path: &Path) -> (u32, u32, Vec<[u8; 4]>) {
-    let file = std::io::BufReader::new(std::fs::File::open(path).expect("a picture"));
-    let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
-    let mut bytes = vec![0; reader.output_buffer_size().expect("a size")];
-    let info = reader.next_frame(&mut bytes).expect("pixels");
-    (info.width, info.height, bytes.as_chunks().0.to_vec())
 }
 
 /// Returns the mean row of the pixels that satisfy a condition; none without any.

@@ -158,7 +158,6 @@ impl Knife {
     }
 
     /// Returns the edges of the blades that move from pose to pose \[m\].
-    #[cfg(feature = "gpu")]
     pub(super) fn edges(&self, scene: &Scene) -> impl Iterator<Item = [[f32; 3]; 2]> {
         let moving =
             (self.blades.iter()).filter(|blade| matches!(blade.motion, Motion::Poses { .. }));

@@ -6,7 +6,6 @@ use crate::format::Format;
 use crate::picture::PictureOptions;
 use crate::pieces::output_path;
 use serde::Deserialize;
-#[cfg(feature = "gpu")]
 use std::num::NonZeroU16;
 use std::path::PathBuf;
 
@@ -29,11 +28,9 @@ pub(super) struct SimulateOutput {
     #[arg(long, value_name = "FILE.png", value_parser = output_path())]
     pub(super) animation: Option<PathBuf>,
     /// Write the motion as one file of glTF: pieces with morph targets, at the times of pictures.
-    #[cfg(feature = "gpu")]
     #[arg(long, value_name = "FILE.glb", value_parser = output_path())]
     pub(super) export: Option<PathBuf>,
     /// Pictures per second of simulated time. [default: 30]
-    #[cfg(feature = "gpu")]
     #[arg(long, value_name = "N")]
     fps: Option<NonZeroU16>,
     /// Appearance of the pictures.
@@ -43,11 +40,10 @@ pub(super) struct SimulateOutput {
 }
 
 /// Default number of pictures per second.
-#[cfg(feature = "gpu")]
 const PICTURES_PER_SECOND: u16 = 30;
 
 impl SimulateOutput {
-    /// Returns these files; those that are missing are taken from `other`.
+    /// Adds the files of `other` in place of missing ones.
     pub(super) fn or(self, other: Self) -> Self {
         Self {
             pieces: self.pieces.or(other.pieces),
@@ -56,9 +52,7 @@ impl SimulateOutput {
             frames: self.frames.or(other.frames),
             #[cfg(feature = "gpu")]
             animation: self.animation.or(other.animation),
-            #[cfg(feature = "gpu")]
             export: self.export.or(other.export),
-            #[cfg(feature = "gpu")]
             fps: self.fps.or(other.fps),
             #[cfg(feature = "gpu")]
             picture: self.picture.or(other.picture),
@@ -71,19 +65,15 @@ impl SimulateOutput {
     }
 
     /// Returns true if an output shows the motion.
-    #[cfg(feature = "gpu")]
     pub(super) fn is_recorded(&self) -> bool {
-        self.frames.is_some() || self.animation.is_some() || self.export.is_some()
-    }
-
-    /// Returns false: without a renderer no output shows the motion.
-    #[cfg(not(feature = "gpu"))]
-    pub(super) fn is_recorded(&self) -> bool {
-        false
+        #[cfg(feature = "gpu")]
+        if self.frames.is_some() || self.animation.is_some() {
+            return true;
+        }
+        self.export.is_some()
     }
 
     /// Returns the number of pictures per second of simulated time.
-    #[cfg(feature = "gpu")]
     pub(super) fn pictures_per_second(&self) -> u16 {
         self.fps.map_or(PICTURES_PER_SECOND, NonZeroU16::get)
     }
@@ -109,7 +99,6 @@ impl SimulateOutput {
             &mut self.frames,
             #[cfg(feature = "gpu")]
             &mut self.animation,
-            #[cfg(feature = "gpu")]
             &mut self.export,
         ]
         .into_iter()

@@ -59,6 +59,12 @@ pub(super) fn draw(
     Ok(recording.len())
 }
 
+/// Returns the positions of a take in a picture; none outside of it.
+fn positions_in(take: &Take, picture: usize) -> Option<&[[f32; 4]]> {
+    let positions = take.positions.get(picture.checked_sub(take.first)?)?;
+    Some(positions)
+}
+
 fn frame_path(folder: &Path, picture: usize) -> PathBuf {
     folder.join(format!("frame_{picture:04}.png"))
 }
@@ -129,7 +135,7 @@ impl<'a> Artist<'a> {
         for (drawn, takes) in self.bodies.iter_mut().zip(&self.recording.bodies) {
             let found = takes.iter().enumerate();
             let mut found =
-                found.filter_map(|(i, take)| Some((i, take, take.positions_in(picture)?)));
+                found.filter_map(|(i, take)| Some((i, take, positions_in(take, picture)?)));
             let Some((i, take, positions)) = found.next() else {
                 continue;
             };

@@ -85,11 +85,3 @@ fn add(takes: &mut Vec<Take>, picture: usize, surface: &Surface) {
         }),
     }
 }
-
-impl Take {
-    /// Returns the positions in a picture; none outside of this take.
-    pub(super) fn positions_in(&self, picture: usize) -> Option<&[[f32; 4]]> {
-        let positions = self.positions.get(picture.checked_sub(self.first)?)?;
-        Some(positions)
-    }
-}
