@@ -117,6 +117,9 @@ pub(crate) fn run(
         for warning in &input.warnings {
             reporter.warn(format_args!("{}: {warning}", input.file.display()));
         }
+        if let Some(export) = &file.output.export {
+            pieces::check_target(export, &input.file)?;
+        }
         let ground = ground(&file, surface.origin());
         bodies::check_ground(surface, &input.file, ground)?;
     }

@@ -133,6 +133,14 @@ fn exported_pieces() {
     assert_eq!([count("weights"), count("scale")], [3, 3]);
     let read = incise_mesh::read_mesh(&file).expect("a mesh");
     assert!(read.triangles.len() > 160, "the ball and its halves");
+    let again = ["simulate", text(&file), "--seconds", "0.1", "--export"];
+    let refused = incise(&[&again[..], &[text(&file)]].concat());
+    assert_eq!(refused.status.code(), Some(3), "{refused:?}");
+    assert_eq!(
+        std::fs::read(&file).expect("a file"),
+        bytes,
+        "the input stays"
+    );
 }
 
 fn other_names() {
