@@ -26,6 +26,8 @@ mod nearest;
 mod pieces;
 mod query;
 mod refit;
+#[cfg(feature = "serde")]
+mod saved;
 #[cfg(test)]
 mod tests;
 mod update;
@@ -35,6 +37,8 @@ use crate::ids::index_u32;
 pub use cast::RayHit;
 pub(crate) use morton::sort_along_curve;
 pub use nearest::{NearestPoint, SearchRadii};
+#[cfg(feature = "serde")]
+pub use saved::SavedBvh;
 pub use validate::InvalidBvh;
 
 use crate::{Aabb, Surface, TriangleId, VertexId};

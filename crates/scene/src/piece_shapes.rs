@@ -61,6 +61,35 @@ impl PieceShapes {
         }
     }
 
+    /// Returns whether each piece is a sheet and its thickness \[m\], for a file.
+    ///
+    /// `None` unless the shapes are those of the surface's topology.
+    #[cfg(feature = "serde")]
+    pub(crate) fn to_saved(&self, surface: &Surface) -> Option<Vec<(bool, f64)>> {
+        let shapes = self.shapes.iter();
+        (self.version == Some(surface.fingerprint())).then(|| {
+            shapes
+                .map(|shape| (shape.is_sheet, shape.thickness))
+                .collect()
+        })
+    }
+
+    /// Returns saved shapes of a surface; `None` is measured at the next update.
+    #[cfg(feature = "serde")]
+    pub(crate) fn from_saved(saved: Option<Vec<(bool, f64)>>, surface: &Surface) -> Self {
+        let version = saved.is_some().then(|| surface.fingerprint());
+        let shapes = saved.into_iter().flatten();
+        let shape = |(is_sheet, thickness)| PieceShape {
+            is_sheet,
+            thickness,
+        };
+        Self {
+            version,
+            shapes: shapes.map(shape).collect(),
+            sums: Vec::new(),
+        }
+    }
+
     /// Returns the shape of a piece by its number.
     pub(crate) fn get(&self, piece: u32) -> PieceShape {
         let shape = self.shapes.get(piece as usize);

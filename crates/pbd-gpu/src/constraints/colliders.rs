@@ -9,6 +9,7 @@ use incise_mesh::Aabb;
 /// intersect it, and vertices that pass it within a substep are not stopped. A collider that is
 /// placed inside a body pushes the vertices out within one substep.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Collider {
     /// A half-space.
     Plane {
