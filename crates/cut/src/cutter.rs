@@ -1,6 +1,8 @@
 //! [`Cutter`]: cuts a surface along sweeps, keeps its BVH up to date and refuses a stale one.
 
 mod advance;
+#[cfg(feature = "serde")]
+mod saved;
 
 use crate::error::CutError;
 use crate::exact::{Exact, has_walls};
@@ -15,6 +17,8 @@ use crate::sweep::Sweep;
 use advance::Continuation;
 use incise_mesh::{Bvh, Surface, TopologyDelta, TriangleId, Undo, UndoError, VertexId};
 use incise_refine::Section;
+#[cfg(feature = "serde")]
+pub use saved::SavedCutter;
 use std::time::Instant;
 
 /// Maximum ratio of the largest coordinates of a sweep and of the body.
@@ -63,8 +67,13 @@ impl Cutter {
     /// Builds the BVH of `surface`. O(n log n).
     #[must_use]
     pub fn new(surface: &Surface) -> Self {
+        Self::with_bvh(Bvh::build(surface), surface)
+    }
+
+    /// Creates a cutter with a BVH that fits `surface`.
+    fn with_bvh(bvh: Bvh, surface: &Surface) -> Self {
         Self {
-            bvh: Bvh::build(surface),
+            bvh,
             version: SurfaceVersion::new(surface),
             candidates: Vec::new(),
             facets: Facets::default(),

@@ -77,6 +77,20 @@ impl Exact {
         self.chains.has_cavities = None;
     }
 
+    /// Returns whether the surface has cavities, if that is known.
+    #[cfg(feature = "serde")]
+    pub(crate) fn has_cavities(&self) -> Option<bool> {
+        self.chains.has_cavities
+    }
+
+    /// Creates the memory of a surface of which is known whether it has cavities.
+    #[cfg(feature = "serde")]
+    pub(crate) fn with_cavities(has_cavities: Option<bool>) -> Self {
+        let mut exact = Self::default();
+        exact.chains.has_cavities = has_cavities;
+        exact
+    }
+
     /// Cuts `surface` along intersection curves. See the module.
     ///
     /// # Errors

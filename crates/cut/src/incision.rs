@@ -2,6 +2,8 @@
 
 mod columns;
 mod path;
+#[cfg(feature = "serde")]
+mod saved;
 
 use crate::error::CutError;
 use crate::intersection::facets::ContinuedTip;
@@ -10,6 +12,8 @@ use columns::{Column, is_at_boundary, point_at, spread};
 use incise_mesh::geometry::{to_f32, to_f64};
 use incise_mesh::{Bvh, HalfEdge, Surface, Vec3, VertexId};
 use path::{Path, do_vanish};
+#[cfg(feature = "serde")]
+pub use saved::SavedIncision;
 
 /// Motion of the blade after which the cut goes on [local edge lengths].
 ///

@@ -5,6 +5,7 @@ use incise_refine::RefineParams;
 
 /// Parameters of a cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CutParams {
     /// The method that opens the surface, with its own parameters.
     pub method: CutMethod,
@@ -38,6 +39,7 @@ impl Default for CutParams {
 /// The paper's method cuts bodies only and closes all loops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Caps {
     /// Caps bodies. A piece with a boundary is a sheet and stays open.
     #[default]
@@ -51,6 +53,7 @@ pub enum Caps {
 
 /// A method to open a surface along a sweep. The default is [`Self::Exact`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum CutMethod {
     /// Splits the hit triangles along the sweep. The surface loses no area, and a cross-section may
     /// have any shape. The time depends on the triangles near the sweep, plus one pass over all
@@ -101,6 +104,7 @@ impl Default for CutMethod {
 
 /// Parameters of [`CutMethod::Exact`]. Lengths are relative to the edges around each point.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ExactParams {
     /// Minimum length of edges along the rim \[local edge lengths\], at least 0 and below 0.5.
     ///
@@ -127,6 +131,7 @@ impl Default for ExactParams {
 
 /// Parameters of [`CutMethod::Paper`]. Lengths are relative to the mean edge of the hit triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PaperParams {
     /// Distance below which intersection points merge \[mean edges\]: the alpha of Algorithm 2,
     /// line 24.

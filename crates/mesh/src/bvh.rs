@@ -27,6 +27,8 @@ mod pieces;
 mod query;
 mod reach;
 mod refit;
+#[cfg(feature = "serde")]
+mod saved;
 #[cfg(test)]
 mod tests;
 mod update;
@@ -37,6 +39,8 @@ pub use cast::RayHit;
 pub(crate) use morton::sort_along_curve;
 pub use nearest::NearestPoint;
 pub use reach::{MotionBounds, MovingPoint};
+#[cfg(feature = "serde")]
+pub use saved::SavedBvh;
 pub use validate::InvalidBvh;
 
 use crate::{Aabb, Surface, TriangleId, VertexId};

@@ -81,7 +81,7 @@ pub fn corner_angles([a, b, c]: [Vec3; 3]) -> [f64; 3] {
 
 /// An axis-aligned bounding box. The default is empty.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Aabb {
     /// Minimum coordinates.
     pub min: [f32; 3],

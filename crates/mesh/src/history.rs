@@ -33,6 +33,12 @@ impl History {
         self.0
     }
 
+    /// Returns the history with a fingerprint.
+    #[cfg(feature = "serde")]
+    pub(crate) fn from_value(value: u64) -> Self {
+        Self(value)
+    }
+
     /// Mixes in an edit of the element `id`.
     pub(crate) fn step(&mut self, step: Step, id: u32) {
         self.word(((step as u64) << 32) | u64::from(id));

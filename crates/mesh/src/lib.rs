@@ -17,6 +17,8 @@ mod partition;
 mod pieces;
 mod quality;
 mod render_buffers;
+#[cfg(feature = "serde")]
+mod save;
 mod shapes;
 mod surface;
 mod topology;
@@ -37,6 +39,11 @@ pub use io::{
 };
 pub use quality::{AngleStats, EdgeStats};
 pub use render_buffers::{RenderBuffers, RenderParams};
+#[cfg(feature = "serde")]
+pub use save::{
+    Archive, ArchiveError, FORMAT_VERSION, FileKind, SavedBvh, SavedSurface, read_archive,
+    write_archive,
+};
 pub use shapes::{cube_sphere, icosphere, sheet, torus};
 pub use surface::{
     AttributeLengthError, Blend, Channel, ChannelError, CornerAttributes, CornerValues, Domain,

@@ -11,6 +11,8 @@ pub(crate) mod contacts;
 pub(crate) mod edges;
 pub(crate) mod interior_springs;
 pub(crate) mod rest;
+#[cfg(feature = "serde")]
+pub(crate) mod saved;
 mod validate;
 pub(crate) mod volumes;
 

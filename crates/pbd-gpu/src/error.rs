@@ -246,6 +246,41 @@ pub enum StepError {
     },
 }
 
+/// An error of a saved solver that does not belong to its surface, or is damaged.
+#[cfg(feature = "serde")]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum InvalidSolver {
+    /// A number of the material or of a collider is out of range.
+    #[error("the saved solver: {0}")]
+    Constraint(#[from] ConstraintError),
+    /// Constraints, colors or patches do not match the surface.
+    #[error("the saved constraints: {0}")]
+    Constraints(#[from] InvalidConstraints),
+    /// An array has the wrong length, an unknown vertex, or a number out of range.
+    #[error("the saved {array} do not fit the surface or have a number out of range")]
+    Array {
+        /// The array.
+        array: &'static str,
+    },
+    /// The solver takes the global step, which this build does not have.
+    #[error("the saved solver takes the global step; build with the feature global")]
+    NoGlobalStep,
+}
+
+/// An error of loading a body.
+#[cfg(feature = "serde")]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LoadError {
+    /// The file or its surface is invalid.
+    #[error(transparent)]
+    Archive(#[from] incise_mesh::ArchiveError),
+    /// The solver is invalid.
+    #[error(transparent)]
+    Solver(#[from] InvalidSolver),
+}
+
 /// A difference to the constraints of a solver built from scratch, from
 /// [`Solver::validate`](crate::Solver::validate).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]

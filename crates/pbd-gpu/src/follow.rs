@@ -10,6 +10,8 @@ pub(crate) mod delta;
 pub(crate) mod mass_transfer;
 pub(crate) mod momentum;
 mod pins;
+#[cfg(feature = "serde")]
+pub(crate) mod saved;
 pub(crate) mod undo_state;
 
 use crate::constraints::edges::EdgeLists;

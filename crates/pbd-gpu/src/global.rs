@@ -25,6 +25,8 @@ mod matrix;
 mod minimizer;
 mod objective;
 mod preconditioner;
+#[cfg(feature = "serde")]
+mod saved;
 #[cfg(test)]
 mod tests;
 mod volumes;

@@ -23,6 +23,8 @@ pub use constraints::coloring::{LAYERS, MAX_COLORS};
 pub use constraints::contacts::{Contact, ContactKind, ContactSet};
 pub use constraints::volumes::{PieceVolume, VolumeSet};
 pub use error::{ConstraintError, InvalidConstraints, StepError};
+#[cfg(feature = "serde")]
+pub use error::{InvalidSolver, LoadError};
 #[cfg(feature = "global")]
 pub use global::GlobalStats;
 #[cfg(feature = "gpu")]
@@ -33,6 +35,8 @@ pub use gpu::{
 pub use material::{Density, InteriorSprings, Material, Stiffness, Volume};
 pub use particles::Pin;
 pub use patches::{PATCH_VERTICES, PatchParams};
+#[cfg(feature = "serde")]
+pub use solver::SavedSolver;
 pub use solver::Solver;
 pub use step::constants::{Projection, StepConstants, VolumeProjection};
 pub use step::island::{Island, IslandBodies, IslandError};

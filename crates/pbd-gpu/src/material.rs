@@ -7,6 +7,7 @@ use crate::error::ConstraintError;
 
 /// Density of a body; its mass follows from the rest shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Density {
     /// Mass per area of a shell [kg/m^2].
     Area(f32),
@@ -16,6 +17,7 @@ pub enum Density {
 
 /// Stiffness of a kind of constraint.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Stiffness {
     /// Stiffness `k` of position based dynamics, 0 to 1.
     ///
@@ -51,6 +53,7 @@ impl Stiffness {
 ///
 /// Pieces with a boundary, and pieces without rest volume, have no volume constraint.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Volume {
     /// Inverse bulk modulus [1/Pa]; 0 is incompressible, water has 5e-10.
     ///
@@ -91,6 +94,7 @@ impl Volume {
 ///
 /// [`Volume`] alone keeps the volume, not the shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct InteriorSprings {
     /// Fraction of vertices that have a spring of their own, 0 to 1.
     ///
@@ -114,6 +118,7 @@ impl Default for InteriorSprings {
 ///
 /// [`Material::soft_body`], [`Material::shell`] and [`Material::cloth`] are starting points.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Material {
     /// Density, from which masses follow.
     pub density: Density,

@@ -15,6 +15,7 @@ pub(crate) struct Particles {
 
 /// A vertex that moves to a prescribed position.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pin {
     /// The vertex.
     pub vertex: VertexId,

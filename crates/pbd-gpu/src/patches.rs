@@ -10,6 +10,8 @@ pub(crate) mod content;
 mod cover;
 mod divide;
 mod patching;
+#[cfg(feature = "serde")]
+mod saved;
 #[cfg(test)]
 mod tests;
 
@@ -20,6 +22,8 @@ use cover::{Stencil, cover};
 use divide::divide;
 use incise_mesh::{Surface, Topology, TopologyDelta, VertexId};
 pub(crate) use patching::Patching;
+#[cfg(feature = "serde")]
+pub(crate) use saved::SavedPatches;
 
 /// Maximum number of vertices of a patch, limited by the memory of a workgroup.
 pub const PATCH_VERTICES: u32 = 256;

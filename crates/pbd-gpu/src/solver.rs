@@ -8,6 +8,8 @@ mod constraints;
 mod edits;
 mod join;
 mod particles;
+#[cfg(feature = "serde")]
+mod saved;
 
 use crate::constraints::Constraints;
 use crate::error::{ConstraintError, StepError};
@@ -29,6 +31,8 @@ use crate::step::plan::StepPlan;
 use crate::step::prepare::{prepare, takes_global_step};
 use crate::step::substeps::substeps;
 use incise_mesh::Surface;
+#[cfg(feature = "serde")]
+pub use saved::SavedSolver;
 
 /// Steps one surface by position based dynamics.
 ///

@@ -8,6 +8,8 @@ pub(crate) mod island;
 pub(crate) mod params;
 pub(crate) mod plan;
 pub(crate) mod prepare;
+#[cfg(feature = "serde")]
+pub(crate) mod saved;
 pub(crate) mod second_order;
 pub(crate) mod substeps;
 pub(crate) mod sweep;

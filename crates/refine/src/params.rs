@@ -6,6 +6,7 @@ use std::str::FromStr;
 
 /// The edge length of a patch relative to its rim: the z of the paper's Formula 2.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum RefinementLevel {
     /// "2 times coarser": z = 2.
     Coarser2,
@@ -84,6 +85,7 @@ impl FromStr for RefinementLevel {
 /// The algorithm that triangulates and refines a section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum RefineMethod {
     /// A core of equilateral triangles with a Delaunay band around it.
     ///
@@ -99,6 +101,7 @@ pub enum RefineMethod {
 
 /// Parameters for the refinement of a patch.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RefineParams {
     /// The algorithm for caps of the exact cutting method. [`crate::paper::fill`] ignores it.
     pub method: RefineMethod,

@@ -23,6 +23,7 @@ impl fmt::Display for BladeId {
 
 /// Whether a blade may end inside a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum BladeMode {
     /// Cuts as far as the blade moves and goes on from there in later frames.
     ///
@@ -38,6 +39,7 @@ pub enum BladeMode {
 
 /// A cutting edge with its pose in this and the previous frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Blade {
     edge: [[f32; 3]; 2],
     previous_edge: [[f32; 3]; 2],

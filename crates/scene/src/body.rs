@@ -1,5 +1,8 @@
 //! [`Body`]: a soft body of a [`crate::Scene`], its surface, solver and cutter kept consistent.
 
+#[cfg(feature = "serde")]
+mod saved;
+
 use crate::blade::{Blade, BladeMode};
 use crate::contacts::ContactParams;
 use crate::error::SceneError;
@@ -10,6 +13,8 @@ use crate::scene::SceneNumber;
 use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Incision, Sweep};
 use incise_mesh::{Aabb, Bvh, RayHit, Surface, Undo, Vec3, VertexId};
 use incise_pbd_gpu::{ConstraintError, Material, PatchParams, Solver};
+#[cfg(feature = "serde")]
+pub(crate) use saved::SavedBody;
 use std::fmt;
 use std::time::{Duration, Instant};
 

@@ -22,6 +22,8 @@ mod motion;
 mod narrow_phase;
 mod near_bodies;
 mod persistent;
+#[cfg(feature = "serde")]
+mod saved;
 mod sheets;
 
 use crate::body::Body;
@@ -37,6 +39,8 @@ use near_bodies::{NearBodies, reachable_bounds};
 
 pub(crate) use blade_face::BladeFace;
 pub(crate) use narrow_phase::BodyContact;
+#[cfg(feature = "serde")]
+pub(crate) use saved::{SavedContacts, SavedFace};
 
 /// Factor by which a vertex may become faster within a frame: an impact bends the body.
 const SPEED_MARGIN: f64 = 2.0;
@@ -47,6 +51,7 @@ const SPEED_MARGIN: f64 = 2.0;
 /// collide on both sides, closed pieces on the outer one. Between two bodies friction is the
 /// geometric mean of both.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContactParams {
     /// Minimum distance between surfaces [mean rest edge lengths of the finer body], at most
     /// [`ContactParams::MAX_THICKNESS`].

@@ -81,7 +81,7 @@ impl Scene {
     }
 
     /// Validates the bodies that were handed out for edits.
-    fn validate_edits(&mut self) -> Result<(), SceneError> {
+    pub(crate) fn validate_edits(&mut self) -> Result<(), SceneError> {
         let scene = self.number;
         for (index, body) in self.bodies.iter_mut().enumerate() {
             if let Some(body) = body {

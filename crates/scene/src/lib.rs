@@ -14,6 +14,8 @@ mod islands;
 mod params;
 mod piece_shapes;
 mod residency;
+#[cfg(feature = "serde")]
+mod save;
 mod scene;
 mod sleep;
 mod stats;
@@ -25,6 +27,8 @@ pub use contacts::ContactParams;
 pub use error::{FallbackReason, SceneError};
 pub use params::SceneParams;
 pub use residency::Residency;
+#[cfg(feature = "serde")]
+pub use save::{LoadError, SaveError};
 pub use scene::{FailedCut, Scene, SweepResult};
 pub use sleep::SleepParams;
 pub use stats::FrameStats;

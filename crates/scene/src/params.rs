@@ -7,6 +7,7 @@ use incise_pbd_gpu::SolverParams;
 
 /// Parameters of a scene's frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SceneParams {
     /// Duration of a frame \[s\].
     pub dt: f32,

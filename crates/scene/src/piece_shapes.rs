@@ -68,6 +68,37 @@ impl PieceShapes {
         self.has_sheets
     }
 
+    /// Returns whether each piece is a sheet and its thickness \[m\], for a file.
+    ///
+    /// `None` unless the shapes are those of the surface's topology.
+    #[cfg(feature = "serde")]
+    pub(crate) fn to_saved(&self, surface: &Surface) -> Option<Vec<(bool, f64)>> {
+        let shapes = self.shapes.iter();
+        (self.version == Some(surface.fingerprint())).then(|| {
+            shapes
+                .map(|shape| (shape.is_sheet, shape.thickness))
+                .collect()
+        })
+    }
+
+    /// Returns saved shapes of a surface; `None` is measured at the next update.
+    #[cfg(feature = "serde")]
+    pub(crate) fn from_saved(saved: Option<Vec<(bool, f64)>>, surface: &Surface) -> Self {
+        let version = saved.is_some().then(|| surface.fingerprint());
+        let shapes = saved.into_iter().flatten();
+        let shape = |(is_sheet, thickness)| PieceShape {
+            is_sheet,
+            thickness,
+        };
+        let shapes: Vec<PieceShape> = shapes.map(shape).collect();
+        Self {
+            version,
+            has_sheets: shapes.iter().any(|shape| shape.is_sheet),
+            shapes,
+            sums: Vec::new(),
+        }
+    }
+
     /// Returns the shape of a piece by its number.
     pub(crate) fn get(&self, piece: u32) -> PieceShape {
         let shape = self.shapes.get(piece as usize);

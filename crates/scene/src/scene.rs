@@ -181,6 +181,12 @@ impl Scene {
         Ok(*body)
     }
 
+    /// Returns the ids of all bodies in the order in which they were added.
+    pub fn bodies(&self) -> impl Iterator<Item = BodyId> + '_ {
+        let present = (self.bodies.iter().enumerate()).filter(|(_, body)| body.is_some());
+        present.map(|(i, _)| self.body_id(i))
+    }
+
     /// Returns the id of a body by index.
     pub(crate) const fn body_id(&self, index: usize) -> BodyId {
         BodyId {

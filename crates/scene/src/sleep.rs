@@ -7,14 +7,20 @@
 //! [`SleepParams::LAG`] frames later, when the GPU's measurement has arrived; it then either falls
 //! asleep or is observed again.
 
+#[cfg(feature = "serde")]
+mod saved;
+
 use crate::contacts::ContactParams;
 use crate::error::SceneError;
 use crate::params::SceneParams;
 use incise_mesh::Aabb;
 use incise_pbd_gpu::SolverParams;
+#[cfg(feature = "serde")]
+pub(crate) use saved::SavedSleep;
 
 /// Parameters of sleeping. Touching bodies and all pieces of a body sleep together.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SleepParams {
     /// Maximum speed of a vertex along an axis at rest [mean rest edge lengths per second].
     ///
@@ -94,6 +100,7 @@ const DT_TOLERANCE: f32 = 0.2;
 
 /// The parameters under which bodies fell asleep: a change wakes them.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Conditions {
     dt: f32,
     solver: SolverParams,
@@ -103,6 +110,7 @@ struct Conditions {
 
 /// The observation of an awake body.
 #[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Observation {
     /// Number of frames since it started.
     frames: u32,

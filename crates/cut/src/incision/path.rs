@@ -12,6 +12,18 @@ pub(super) struct Path {
 }
 
 impl Path {
+    /// Creates a path from the pose before it and the ends of its tips.
+    #[cfg(feature = "serde")]
+    pub(super) fn new(entry: Vec<[f32; 3]>, tips: Vec<[TipPoint; 2]>) -> Self {
+        Self { entry, tips }
+    }
+
+    /// Returns the pose before the path and the ends of its tips.
+    #[cfg(feature = "serde")]
+    pub(super) fn parts(&self) -> (&[[f32; 3]], &[[TipPoint; 2]]) {
+        (&self.entry, &self.tips)
+    }
+
     pub(super) fn clear(&mut self) {
         self.entry.clear();
         self.tips.clear();

@@ -121,10 +121,7 @@ impl Surface {
                 }
             }
         }
-        let mut pieces = Pieces::default();
-        for t in self.topology.triangles() {
-            pieces.add(self.piece(t));
-        }
+        let mut pieces = self.counted_pieces();
         if pieces.bound() > self.pieces.bound() {
             return Err(InvalidSurface::PieceCounts);
         }
@@ -133,6 +130,17 @@ impl Surface {
             return Err(InvalidSurface::PieceCounts);
         }
         Ok(())
+    }
+
+    /// Counts the triangles of every piece. Triangles without a piece number are not counted.
+    pub(crate) fn counted_pieces(&self) -> Pieces {
+        let mut pieces = Pieces::default();
+        for t in self.topology.triangles() {
+            if let Some(&piece) = self.piece.get(t.index()) {
+                pieces.add(piece);
+            }
+        }
+        pieces
     }
 
     /// Checks [`Self::validate`] and that the surface is a closed manifold of whole pieces.

@@ -38,6 +38,9 @@ impl Topology {
             if v.index() >= self.outgoing.len() || v == self.target(h) {
                 return broken("corners are distinct vertices", h, v);
             }
+            if !twin.is_null() && twin.index() >= self.twin.len() {
+                return broken("twins are half-edges", h, v);
+            }
             if !twin.is_null()
                 && (self.twin(twin) != h
                     || self.origin(twin) != self.target(h)

@@ -1,9 +1,14 @@
 //! Constraint sets: the constraints of one kind, in batches by color.
 
+#[cfg(feature = "serde")]
+mod saved;
+
 use crate::constraints::coloring::{LAYERS, MAX_COLORS, VertexColors};
 use crate::constraints::edges::EdgeId;
 use crate::follow::changes::Log;
 use incise_mesh::VertexId;
+#[cfg(feature = "serde")]
+pub(crate) use saved::SavedSet;
 use std::cell::Cell;
 use std::fmt;
 use std::ops::Range;

@@ -10,6 +10,7 @@ use incise_mesh::Aabb;
 /// placed inside a body pushes the vertices out within one substep; see [`MovingCollider`] for one
 /// that moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Collider {
     /// A half-space.
     Plane {
@@ -45,6 +46,7 @@ pub enum Collider {
 
 /// A collider with its motion within a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MovingCollider {
     /// The shape at the start of the frame.
     pub start: Collider,

@@ -58,6 +58,22 @@ impl VertexColors {
         Some(layer * MAX_COLORS + color as usize)
     }
 
+    /// Assigns a given color if it is free at all `vertices`; returns whether it was.
+    #[cfg(feature = "serde")]
+    pub(crate) fn claim_color(&mut self, color: usize, vertices: &[VertexId]) -> bool {
+        let (masks, bit) = (
+            &mut self.masks[color / MAX_COLORS],
+            1 << (color % MAX_COLORS),
+        );
+        let is_free = vertices.iter().all(|v| masks[v.index()] & bit == 0);
+        if is_free {
+            for v in vertices {
+                masks[v.index()] |= bit;
+            }
+        }
+        is_free
+    }
+
     /// Frees a color at `vertices`.
     #[inline]
     pub(crate) fn release(&mut self, vertices: &[VertexId], color: usize) {

@@ -4,6 +4,9 @@
 //! distance along a normal. The caller detects contacts once a frame; kernels find weights and
 //! normals in every substep. Contacts are colored again whenever they are set.
 
+#[cfg(feature = "serde")]
+mod saved;
+
 use crate::constraints::coloring::{MAX_COLORS, VertexColors};
 use crate::error::ConstraintError;
 use incise_mesh::VertexId;
@@ -30,6 +33,7 @@ pub struct Contact {
 /// The features of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u32)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ContactKind {
     /// A vertex in front of the plane of a triangle.
     VertexFace,
@@ -136,6 +140,7 @@ const TOLERANCE: f32 = 1e-3;
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "gpu", derive(bytemuck::Pod, bytemuck::Zeroable))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ContactRecord {
     /// The vertices; of a plane one vertex, then [`NO_VERTEX`].
     pub(crate) vertices: [u32; 4],

@@ -4,16 +4,22 @@
 //! half-edge has the index of its edge's record, so an edit costs a few array accesses per changed
 //! edge.
 
+#[cfg(feature = "serde")]
+mod saved;
+
 use crate::constraints::batches::{BendingSet, ConstraintSet, Slot, StretchSet, edit_reserve};
 use crate::constraints::rest;
 use crate::patches::{Home, Patches};
 use incise_mesh::{HalfEdge, Surface, Topology, TriangleId, VertexId, index_u32};
+#[cfg(feature = "serde")]
+pub(crate) use saved::SavedEdges;
 
 /// No record, or no slot.
 const NONE: u32 = u32::MAX;
 
 /// Index of an edge's record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct EdgeId(u32);
 
 impl EdgeId {

@@ -112,7 +112,10 @@ impl Constraints {
     }
 }
 
-fn broken<T>(rule: &'static str, edge: Option<EdgeKey>) -> Result<T, InvalidConstraints> {
+pub(super) fn broken<T>(
+    rule: &'static str,
+    edge: Option<EdgeKey>,
+) -> Result<T, InvalidConstraints> {
     Err(InvalidConstraints { rule, edge })
 }
 
@@ -157,7 +160,7 @@ fn check_set<const N: usize>(
 }
 
 /// Checks that the constraints of a layer lie within its patches.
-fn check_layers<const N: usize>(
+pub(super) fn check_layers<const N: usize>(
     set: &ConstraintSet<N>,
     patches: Option<&Patches>,
 ) -> Result<(), InvalidConstraints> {

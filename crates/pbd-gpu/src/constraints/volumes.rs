@@ -3,8 +3,13 @@
 //! A cut gives each half the volume that it has at rest. A constraint stores only the list of the
 //! vertices of its piece; kernels traverse the half-edges of the surface.
 
+#[cfg(feature = "serde")]
+mod saved;
+
 use incise_mesh::geometry::{Vec3, area_vector};
 use incise_mesh::{HalfEdge, Surface, VertexId};
+#[cfg(feature = "serde")]
+pub(crate) use saved::SavedVolumes;
 use std::f64::consts::PI;
 
 /// Maximum displacement of a vertex per projection, relative to the rest thickness `3 |V| / A`.

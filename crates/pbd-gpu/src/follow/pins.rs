@@ -5,6 +5,7 @@ use incise_mesh::{Surface, TopologyDelta, VertexId, VertexOrigin};
 
 /// A deleted vertex and the target of its pin, if it had one.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct DroppedPin {
     vertex: VertexId,
     /// \[m\]
@@ -15,9 +16,17 @@ struct DroppedPin {
 ///
 /// An entry without target shadows older pins of the same slot.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct DroppedPins(Vec<DroppedPin>);
 
 impl DroppedPins {
+    /// Returns whether all targets are finite.
+    #[cfg(feature = "serde")]
+    pub(crate) fn is_valid(&self) -> bool {
+        let targets = self.0.iter().filter_map(|entry| entry.target);
+        targets.flatten().all(|c| c.is_finite())
+    }
+
     /// Returns the allocated size in elements.
     pub(crate) fn capacity(&self) -> usize {
         self.0.capacity()

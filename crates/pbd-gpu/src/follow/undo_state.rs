@@ -12,6 +12,7 @@ const MAX_DEPTH: usize = 64;
 
 /// Bits of mass \[kg\] and velocity [m/s] of a vertex.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct VertexState {
     vertex: VertexId,
     mass: u32,
@@ -20,6 +21,7 @@ struct VertexState {
 
 /// The affected vertices of an edit before and after it.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct UndoState {
     before: Vec<VertexState>,
     after: Vec<VertexId>,
@@ -31,13 +33,28 @@ struct UndoState {
 ///
 /// It replaces copies: equal hashes of 64 bits mean equal states, as in the surface's history.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Fingerprint(u64);
 
 /// States of the last edits, newest last, as long as no vertex has moved since.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct UndoStack(Vec<UndoState>);
 
 impl UndoStack {
+    /// Returns whether all vertices are slots of the body and all states are finite.
+    #[cfg(feature = "serde")]
+    pub(crate) fn is_valid(&self, is_slot: impl Fn(VertexId) -> bool) -> bool {
+        let is_finite = |bits: u32| f32::from_bits(bits).is_finite();
+        let is_state = |state: &VertexState| {
+            is_slot(state.vertex)
+                && is_finite(state.mass)
+                && f32::from_bits(state.mass) >= 0.0
+                && state.velocity.iter().all(|&bits| is_finite(bits))
+        };
+        self.0.len() <= MAX_DEPTH && (self.0.iter()).all(|state| state.before.iter().all(is_state))
+    }
+
     /// Returns the allocated size in elements.
     pub(crate) fn capacity(&self) -> usize {
         let state = |state: &UndoState| state.before.capacity() + state.after.capacity();
@@ -105,7 +122,9 @@ impl UndoStack {
             return false;
         };
         let restored = last.before.iter().map(|state| state.vertex);
+        let slots = surface.positions().len().min(particles.len());
         if now != last.state_after
+            || restored.clone().any(|v| v.index() >= slots)
             || existing.len() != last.after.len()
             || !are_same(restored, affected.existing_after())
         {

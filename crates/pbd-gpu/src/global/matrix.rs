@@ -6,6 +6,7 @@
 
 use super::EnergySets;
 use super::objective::Compliances;
+use crate::constraints::batches::ConstraintSet;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::cholesky::{
@@ -14,8 +15,10 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Conj, Mat, Par, Side, Spec};
-use incise_mesh::{Surface, Vec3, index_u32};
+use incise_mesh::geometry::to_f64;
+use incise_mesh::{Surface, Vec3, VertexId, index_u32};
 use std::fmt;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Row of a vertex that the factor does not know.
@@ -24,63 +27,72 @@ pub(super) const NO_ROW: u32 = u32::MAX;
 /// An element of the matrix: its vertices, coefficients and weight.
 type Element<const N: usize> = ([usize; N], [f64; N], f64);
 
-/// A copy of masses, constraints and weights, from which the matrix is assembled.
+/// A copy of masses, constraints and the rest shape, from which the matrix is assembled.
+///
+/// A factor keeps it, so that a loaded body makes the same factor again.
 #[derive(Debug)]
 pub(super) struct MatrixInput {
-    /// Mass \[kg\], 0 of fixed vertices, shape [vertex slots].
-    masses: Vec<f64>,
-    edges: Vec<Element<2>>,
-    hinges: Vec<Element<4>>,
+    /// Inverse mass [1/kg], 0 of fixed vertices, shape [vertex slots].
+    pub(super) inverse_masses: Vec<f32>,
+    /// Rest positions \[m\], shape [vertex slots].
+    pub(super) rest: Vec<[f32; 3]>,
+    pub(super) edges: Vec<[VertexId; 2]>,
+    pub(super) springs: Vec<[VertexId; 2]>,
+    pub(super) hinges: Vec<[VertexId; 4]>,
+    pub(super) compliances: Compliances,
 }
 
 impl MatrixInput {
-    /// Copies masses, constraints and the rest shape of hinges.
+    /// Copies masses, constraints and rest positions.
     pub(super) fn new(sets: &EnergySets<'_>, surface: &Surface, by: Compliances) -> Self {
-        let mass = |p: &[f32; 4]| {
-            if p[3] > 0.0 {
-                1.0 / f64::from(p[3])
-            } else {
-                0.0
-            }
-        };
-        let springs = sets.interior_springs.into_iter();
-        let lines = [(sets.stretch, by.stretch)].into_iter();
-        let mut edges = Vec::with_capacity(sets.stretch.len());
-        for (set, alpha) in lines.chain(springs.map(|set| (set, by.interior_springs))) {
-            for ends in set.all().flat_map(|batch| batch.vertices()) {
-                edges.push((ends.map(|v| v.index()), [-1.0, 1.0], 1.0 / alpha));
-            }
-        }
-        let mut hinges = Vec::new();
-        for vertices in (sets.bending.iter())
-            .flat_map(|set| set.all())
-            .flat_map(|b| b.vertices())
-        {
-            let points = vertices.map(|v| surface.rest_position(v));
-            if let Some(coefficients) = hinge_coefficients(points) {
-                let vertices = vertices.map(|v| v.index());
-                hinges.push((vertices, coefficients, 1.0 / by.bending));
-            }
-        }
         Self {
-            masses: surface.positions().iter().map(mass).collect(),
-            edges,
-            hinges,
+            inverse_masses: surface.positions().iter().map(|p| p[3]).collect(),
+            rest: surface.rest_positions().to_vec(),
+            edges: vertices_of(Some(sets.stretch)),
+            springs: vertices_of(sets.interior_springs),
+            hinges: vertices_of(sets.bending),
+            compliances: by,
         }
     }
 
     /// Returns the memory \[bytes\].
     pub(super) fn bytes(&self) -> usize {
-        8 * self.masses.capacity()
-            + size_of::<Element<2>>() * self.edges.capacity()
-            + size_of::<Element<4>>() * self.hinges.capacity()
+        4 * self.inverse_masses.capacity()
+            + 12 * self.rest.capacity()
+            + 8 * (self.edges.capacity() + self.springs.capacity())
+            + 16 * self.hinges.capacity()
+    }
+
+    /// Returns the mass of every vertex \[kg\], 0 of fixed vertices.
+    fn masses(&self) -> impl Iterator<Item = f64> {
+        let mass = |&w: &f32| if w > 0.0 { 1.0 / f64::from(w) } else { 0.0 };
+        self.inverse_masses.iter().map(mass)
+    }
+
+    /// Returns the elements of edges and springs.
+    fn lines(&self) -> impl Iterator<Item = Element<2>> {
+        let by = self.compliances;
+        let edges = self.edges.iter().map(move |ends| (ends, by.stretch));
+        let springs = self.springs.iter();
+        let springs = springs.map(move |ends| (ends, by.interior_springs));
+        let all = edges.chain(springs);
+        all.map(|(ends, alpha)| (ends.map(VertexId::index), [-1.0, 1.0], 1.0 / alpha))
+    }
+
+    /// Returns the elements of hinges.
+    fn hinges(&self) -> impl Iterator<Item = Element<4>> {
+        self.hinges.iter().filter_map(|vertices| {
+            let vertices = vertices.map(VertexId::index);
+            let coefficients = hinge_coefficients(vertices.map(|v| to_f64(self.rest[v])))?;
+            Some((vertices, coefficients, 1.0 / self.compliances.bending))
+        })
     }
 
     /// Returns the diagonal of the matrix \[kg\], shape [vertex slots].
     pub(super) fn diagonal(&self) -> Vec<f64> {
-        let mut sum = self.masses.clone();
-        add_squares(&self.edges, &mut sum);
-        add_squares(&self.hinges, &mut sum);
+        let mut sum: Vec<f64> = self.masses().collect();
+        add_squares(self.lines(), &mut sum);
+        add_squares(self.hinges(), &mut sum);
         sum
     }
 
@@ -89,8 +101,8 @@ impl MatrixInput {
     pub(super) fn times(&self, vector: &[Vec3]) -> Vec<Vec3> {
         let mut out: Vec<Vec3> = vector
             .iter()
-            .zip(&self.masses)
-            .map(|(v, &m)| v * m)
+            .zip(self.masses())
+            .map(|(v, m)| v * m)
             .collect();
         let mut add = |vertices: &[usize], coefficients: &[f64], weight: f64| {
             let along: Vec3 = vertices
@@ -102,30 +114,30 @@ impl MatrixInput {
                 out[v] += along * (c * weight);
             }
         };
-        for (vertices, coefficients, weight) in &self.edges {
-            add(vertices, coefficients, *weight);
+        for (vertices, coefficients, weight) in self.lines() {
+            add(&vertices, &coefficients, weight);
         }
-        for (vertices, coefficients, weight) in &self.hinges {
-            add(vertices, coefficients, *weight);
+        for (vertices, coefficients, weight) in self.hinges() {
+            add(&vertices, &coefficients, weight);
         }
         out
     }
 
     /// Assembles and factors the matrix; `None` if it is not positive definite in 64 bits.
-    pub(super) fn factor(&self) -> Option<Factor> {
+    pub(super) fn factor(self: &Arc<Self>) -> Option<Factor> {
         let begin = Instant::now();
-        let mut rows = vec![NO_ROW; self.masses.len()];
+        let mut rows = vec![NO_ROW; self.inverse_masses.len()];
         let mut entries: Vec<Triplet<usize, usize, f64>> = Vec::new();
         let mut count = 0;
-        for (row, &mass) in rows.iter_mut().zip(&self.masses) {
+        for (row, mass) in rows.iter_mut().zip(self.masses()) {
             if mass > 0.0 {
                 *row = index_u32(count);
                 entries.push(Triplet::new(count, count, mass));
                 count += 1;
             }
         }
-        add_entries(&self.edges, &rows, &mut entries);
-        add_entries(&self.hinges, &rows, &mut entries);
+        add_entries(self.lines(), &rows, &mut entries);
+        add_entries(self.hinges(), &rows, &mut entries);
         let matrix = SparseColMat::try_new_from_triplets(count, count, &entries).ok()?;
         let symbolic = factorize_symbolic_cholesky(
             matrix.symbolic(),
@@ -149,6 +161,7 @@ impl MatrixInput {
             )
             .ok()?;
         Some(Factor {
+            input: self.clone(),
             rows,
             count,
             symbolic,
@@ -156,6 +169,15 @@ impl MatrixInput {
             time: begin.elapsed(),
         })
     }
+}
+
+/// Returns the vertices of all constraints of a set, if there is one.
+fn vertices_of<const N: usize>(set: Option<&ConstraintSet<N>>) -> Vec<[VertexId; N]> {
+    let batches = set.into_iter().flat_map(ConstraintSet::all);
+    batches
+        .flat_map(|batch| batch.vertices())
+        .copied()
+        .collect()
 }
 
 /// Returns the coefficients of a hinge at rest [1/m]; `None` for a sliver.
@@ -171,9 +193,9 @@ fn hinge_coefficients(points: [Vec3; 4]) -> Option<[f64; 4]> {
 }
 
 /// Adds the diagonal of elements.
-fn add_squares<const N: usize>(elements: &[Element<N>], sum: &mut [f64]) {
+fn add_squares<const N: usize>(elements: impl Iterator<Item = Element<N>>, sum: &mut [f64]) {
     for (vertices, coefficients, weight) in elements {
-        for (&v, c) in vertices.iter().zip(coefficients) {
+        for (v, c) in vertices.into_iter().zip(coefficients) {
             sum[v] += weight * c * c;
         }
     }
@@ -181,14 +203,14 @@ fn add_squares<const N: usize>(elements: &[Element<N>], sum: &mut [f64]) {
 
 /// Adds the lower triangle of elements.
 fn add_entries<const N: usize>(
-    elements: &[Element<N>],
+    elements: impl Iterator<Item = Element<N>>,
     rows: &[u32],
     entries: &mut Vec<Triplet<usize, usize, f64>>,
 ) {
     for (vertices, coefficients, weight) in elements {
         let places = vertices.map(|v| rows[v]);
-        for (&row, c) in places.iter().zip(coefficients) {
-            for (&column, d) in places.iter().zip(coefficients) {
+        for (row, c) in places.into_iter().zip(coefficients) {
+            for (column, d) in places.into_iter().zip(coefficients) {
                 if row >= column && row != NO_ROW {
                     let value = weight * (c * d);
                     entries.push(Triplet::new(row as usize, column as usize, value));
@@ -200,6 +222,7 @@ fn add_entries<const N: usize>(
 
 /// The factored matrix of a body.
 pub(super) struct Factor {
+    pub(super) input: Arc<MatrixInput>,
     /// Row of every vertex slot, or [`NO_ROW`].
     pub(super) rows: Vec<u32>,
     count: usize,
@@ -236,7 +259,7 @@ impl Factor {
         self.values.len()
     }
 
-    /// Returns the size of factor, its structure, rows and scratch memory \[bytes\].
+    /// Returns the size of factor, its structure, input, rows and scratch memory \[bytes\].
     pub(super) fn bytes(&self) -> usize {
         let indices = match self.symbolic.raw() {
             SymbolicCholeskyRaw::Simplicial(symbolic) => symbolic.row_idx(),
@@ -245,6 +268,7 @@ impl Factor {
         let scratch = self.symbolic.solve_in_place_scratch::<f64>(3, Par::Seq);
         8 * (self.values.len() + indices.len() + 3 * self.count)
             + 4 * self.rows.len()
+            + self.input.bytes()
             + scratch.unaligned_bytes_required()
     }
 

@@ -23,24 +23,24 @@ const MAX_CHANGE: f64 = 1.5;
 /// The approximate inverse of the objective's Hessian.
 #[derive(Debug, Default)]
 pub(super) struct Preconditioner {
-    factor: Option<Arc<Factor>>,
+    pub(super) factor: Option<Arc<Factor>>,
     /// Rows of the factor, without those of vertices that have changed since.
-    rows: Vec<u32>,
+    pub(super) rows: Vec<u32>,
     /// Inverse diagonal of the matrix [1/kg], for vertices without a row.
-    inverse_diagonal: Vec<f64>,
-    scratch: Option<SolveScratch>,
+    pub(super) inverse_diagonal: Vec<f64>,
+    pub(super) scratch: Option<SolveScratch>,
     /// Compliances and pinned vertices of the last matrix.
-    compliances: Compliances,
-    pins: Vec<VertexId>,
+    pub(super) compliances: Compliances,
+    pub(super) pins: Vec<VertexId>,
     /// Whether vertices have changed since the input of the last factorization.
-    is_stale: bool,
+    pub(super) is_stale: bool,
     /// Whether vertices have changed since the diagonal was computed.
-    is_diagonal_stale: bool,
-    pending: Option<Pending>,
-    factorizations: u32,
-    factor_time: Duration,
+    pub(super) is_diagonal_stale: bool,
+    pub(super) pending: Option<Pending>,
+    pub(super) factorizations: u32,
+    pub(super) factor_time: Duration,
     /// Frames since the input of the factor in use was copied.
-    factor_age: u32,
+    pub(super) factor_age: u32,
 }
 
 impl Clone for Preconditioner {
@@ -60,15 +60,14 @@ impl Clone for Preconditioner {
 
 /// A factorization beside the frames.
 #[derive(Debug, Clone)]
-struct Pending {
-    job: FactorJob,
-    frames_left: u32,
+pub(super) struct Pending {
+    pub(super) job: FactorJob,
+    pub(super) frames_left: u32,
     /// Frames since the input was copied.
-    age: u32,
-    /// Size of the input \[bytes\].
-    input_bytes: usize,
+    pub(super) age: u32,
+    pub(super) input: Arc<MatrixInput>,
     /// Vertices that have changed since it was started.
-    changed: Vec<usize>,
+    pub(super) changed: Vec<usize>,
 }
 
 impl Preconditioner {
@@ -97,7 +96,7 @@ impl Preconditioner {
         if !(is_started || self.is_diagonal_stale) {
             return;
         }
-        let input = MatrixInput::new(sets, surface, compliances);
+        let input = Arc::new(MatrixInput::new(sets, surface, compliances));
         self.rows.resize(surface.positions().len(), NO_ROW);
         self.update_diagonal(&input);
         if !is_started {
@@ -111,9 +110,10 @@ impl Preconditioner {
             let job = FactorJob::start(move || input.factor(), NonZeroUsize::new(1));
             self.adopt(job.finish(), &[], 0);
         } else {
+            let own = input.clone();
             self.pending = Some(Pending {
-                input_bytes: input.bytes(),
-                job: FactorJob::start(move || input.factor(), threads),
+                job: FactorJob::start(move || own.factor(), threads),
+                input,
                 frames_left: index_u32(2 + surface.positions().len() / VERTICES_PER_FRAME),
                 age: 0,
                 changed: Vec::new(),
@@ -184,7 +184,7 @@ impl Preconditioner {
     pub(super) fn bytes(&self) -> usize {
         let factor = self.factor.as_ref().map_or(0, |factor| factor.bytes());
         let pending = (self.pending.as_ref()).map_or(0, |pending| {
-            pending.input_bytes + 8 * pending.changed.capacity()
+            pending.input.bytes() + 8 * pending.changed.capacity()
         });
         factor + pending + 4 * self.rows.capacity() + 8 * self.inverse_diagonal.capacity()
     }

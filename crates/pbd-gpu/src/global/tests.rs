@@ -3,6 +3,7 @@ use super::objective::{Compliances, Objective};
 use super::*;
 use crate::solver::Solver;
 use incise_mesh::{Vec3, icosphere};
+use std::sync::Arc;
 
 const COMPLIANCES: Compliances = Compliances {
     stretch: 0.3,
@@ -66,7 +67,7 @@ fn the_gradient_is_that_of_the_value() {
 fn the_factor_solves_the_assembled_matrix() {
     let (mut solver, surface, points) = ball();
     let (_, constraints, _) = solver.step_parts();
-    let input = MatrixInput::new(&sets(constraints), &surface, COMPLIANCES);
+    let input = Arc::new(MatrixInput::new(&sets(constraints), &surface, COMPLIANCES));
     let factor = input.factor().expect("masses are positive");
     let mut scratch = factor.scratch().expect("memory");
     let right = input.times(&points);

@@ -1,6 +1,11 @@
 //! Assignment of vertices to patches of bounded size.
 
+#[cfg(feature = "serde")]
+mod saved;
+
 use incise_mesh::VertexId;
+#[cfg(feature = "serde")]
+pub(crate) use saved::SavedPatching;
 
 /// Neither patch nor index.
 const NOWHERE: u32 = u32::MAX;
@@ -56,6 +61,12 @@ impl Patching {
             local: NOWHERE,
         };
         self.places.resize(vertex_slots, nowhere);
+    }
+
+    /// Returns the maximum number of vertices of a patch.
+    #[cfg(feature = "serde")]
+    pub(crate) fn capacity(&self) -> u32 {
+        self.capacity
     }
 
     /// Returns the number of patches; some may be empty.

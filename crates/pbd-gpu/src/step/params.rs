@@ -5,6 +5,7 @@ use std::num::NonZeroUsize;
 
 /// Parameters of a frame. The y axis points up.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SolverParams {
     /// Projections of every constraint per substep, usually 1 to 20.
     pub iterations: u32,
@@ -49,6 +50,11 @@ pub struct SolverParams {
 
 /// Solution of the constraints of a substep.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(into = "SavedScheme", try_from = "SavedScheme")
+)]
 #[non_exhaustive]
 pub enum Scheme {
     /// Projections, color by color. They cost least and carry a load by one edge per iteration.
@@ -74,8 +80,46 @@ pub enum Scheme {
     Auto,
 }
 
+/// A [`Scheme`] in a file, whose variants do not depend on features.
+#[cfg(feature = "serde")]
+#[derive(Debug, Clone, Copy, serde::Serialize, serde::Deserialize)]
+enum SavedScheme {
+    Sweeps,
+    Global,
+    Auto,
+}
+
+#[cfg(feature = "serde")]
+impl From<Scheme> for SavedScheme {
+    fn from(scheme: Scheme) -> Self {
+        match scheme {
+            Scheme::Sweeps => Self::Sweeps,
+            #[cfg(feature = "global")]
+            Scheme::Global => Self::Global,
+            Scheme::Auto => Self::Auto,
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<SavedScheme> for Scheme {
+    type Error = &'static str;
+
+    fn try_from(saved: SavedScheme) -> Result<Self, Self::Error> {
+        match saved {
+            SavedScheme::Sweeps => Ok(Self::Sweeps),
+            #[cfg(feature = "global")]
+            SavedScheme::Global => Ok(Self::Global),
+            #[cfg(not(feature = "global"))]
+            SavedScheme::Global => Err("the scheme needs the feature global"),
+            SavedScheme::Auto => Ok(Self::Auto),
+        }
+    }
+}
+
 /// Time integration of a substep.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Integrator {
     /// Implicit Euler, of first order. It dissipates energy, more with longer substeps.
     #[default]
@@ -167,6 +211,7 @@ impl SolverParams {
 /// Statistics of one frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StepStats {
     /// Number of substeps.
     pub substeps: u32,

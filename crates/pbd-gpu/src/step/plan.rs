@@ -157,6 +157,7 @@ impl PartialOrd for Pass {
 
 /// Inputs of the plan, besides the constraint sets.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct PlanKey {
     pub(crate) iterations: u32,
     pub(crate) pins: bool,
@@ -239,6 +240,12 @@ impl StepPlan {
     /// Returns whether constraints are the same as at the last [`StepPlan::update`].
     pub(crate) fn is_current(&self) -> bool {
         self.is_current
+    }
+
+    /// Returns the inputs of the lists, if they are current.
+    #[cfg(feature = "serde")]
+    pub(crate) fn current_key(&self) -> Option<PlanKey> {
+        self.is_current.then_some(self.key)
     }
 
     /// Makes the next [`StepPlan::update`] rebuild the lists, after a change of constraints.

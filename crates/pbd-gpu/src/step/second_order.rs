@@ -4,10 +4,15 @@
 //! velocities. It equals a substep of implicit Euler of length `2h / 3` from `(4 x - x0) / 3` and
 //! `(4 v - v0) / 3`. Only the start of a substep changes, so kernels and plans are the same.
 
+#[cfg(feature = "serde")]
+mod saved;
+
 use crate::particles::Pin;
 use crate::step::body::Body;
 use crate::step::constants::StepConstants;
 use crate::step::params::StepStats;
+#[cfg(feature = "serde")]
+pub(crate) use saved::SavedHistory;
 
 /// Length of the first-order substep relative to the second-order one that it is part of.
 pub(crate) const SUBSTEP_RATIO: f32 = 2.0 / 3.0;

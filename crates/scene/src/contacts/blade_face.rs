@@ -21,19 +21,19 @@ const MIN_COSINE: f64 = 0.1;
 /// A parallelogram from a blade's edge to its back, and its motion in the last frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct BladeFace {
-    previous: Pose,
-    current: Pose,
+    pub(super) previous: Pose,
+    pub(super) current: Pose,
 }
 
 /// The pose of a parallelogram.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Pose {
+pub(super) struct Pose {
     /// The start of the edge \[m\].
-    origin: Vec3,
+    pub(super) origin: Vec3,
     /// The vectors along the edge and from the edge to the back \[m\].
-    sides: [Vec3; 2],
+    pub(super) sides: [Vec3; 2],
     /// Unit normal.
-    normal: Vec3,
+    pub(super) normal: Vec3,
 }
 
 impl Pose {

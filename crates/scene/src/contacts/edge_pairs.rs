@@ -23,15 +23,27 @@ pub(super) struct EdgePairs {
 
 /// A contact of two edges and its side.
 #[derive(Debug, Clone, Copy)]
-struct EdgePair {
+pub(super) struct EdgePair {
     /// Bodies and half-edges.
-    key: [(u32, HalfEdge); 2],
-    ends: [[VertexId; 2]; 2],
+    pub(super) key: [(u32, HalfEdge); 2],
+    pub(super) ends: [[VertexId; 2]; 2],
     /// Unit normal towards the first edge.
-    normal: Vec3,
+    pub(super) normal: Vec3,
 }
 
 impl EdgePairs {
+    /// Returns the contacts of the last search.
+    #[cfg(feature = "serde")]
+    pub(super) fn found(&self) -> &[EdgePair] {
+        &self.found
+    }
+
+    /// Sets the contacts of the last search.
+    #[cfg(feature = "serde")]
+    pub(super) fn set_found(&mut self, found: Vec<EdgePair>) {
+        self.found = found;
+    }
+
     /// Begins a frame: the contacts of the last search become the previous ones.
     pub(super) fn begin_frame(&mut self) {
         std::mem::swap(&mut self.found, &mut self.previous);

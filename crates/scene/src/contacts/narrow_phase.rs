@@ -66,6 +66,25 @@ impl BodyRows {
         of_vertices.chain(&self.edge_contacts)
     }
 
+    /// Returns the contacts of the last search that persist to the next frame.
+    #[cfg(feature = "serde")]
+    pub(super) fn persistent(&self) -> impl Iterator<Item = &PersistentContact> {
+        self.rows.iter().flat_map(|row| &row.persistent)
+    }
+
+    /// Creates rows with contacts that persist to the next frame.
+    #[cfg(feature = "serde")]
+    pub(super) fn with_persistent(contacts: impl Iterator<Item = PersistentContact>) -> Self {
+        let row = Row {
+            persistent: contacts.collect(),
+            ..Row::default()
+        };
+        Self {
+            rows: vec![row],
+            ..Self::default()
+        }
+    }
+
     /// Removes all contacts; those of the last search become the previous ones.
     pub(super) fn begin_frame(&mut self, vertex_slots: usize) {
         self.previous.clear();

@@ -26,9 +26,9 @@ pub(super) struct PersistentContact {
     /// Whether the vertex is behind the triangle of a sheet.
     pub(super) is_behind: bool,
     /// Barycentric coordinates of the nearest point when it was found.
-    weights: [f64; 3],
+    pub(super) weights: [f64; 3],
     /// The vertex relative to the point when it was found \[m\].
-    offset: Vec3,
+    pub(super) offset: Vec3,
 }
 
 impl PersistentContact {
