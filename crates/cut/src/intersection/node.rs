@@ -26,6 +26,7 @@ pub(crate) enum On {
     /// A mesh triangle, where a sweep edge pierces it, or [`NO_EDGE`] between two such points.
     Face {
         edge: u32,
+        triangle: TriangleId,
         corners: [VertexId; 3],
         weights: [f32; 3],
     },
@@ -133,6 +134,7 @@ impl Node {
         Self {
             on: On::Face {
                 edge,
+                triangle,
                 corners,
                 weights,
             },
@@ -211,6 +213,7 @@ impl Node {
         Self {
             on: On::Face {
                 edge: NO_EDGE,
+                triangle,
                 corners,
                 weights,
             },
@@ -235,17 +238,11 @@ impl Node {
 
     /// Returns a mesh triangle that the curve crosses or touches here.
     pub(crate) fn triangle(&self, surface: &Surface) -> TriangleId {
-        let topology = surface.topology();
-        let half_edge = match self.on {
-            On::Edge { exit, .. } => exit,
-            On::Face {
-                corners: [a, b, _], ..
-            } => topology
-                .find_half_edge(a, b)
-                .expect("a triangle has the edges between its corners"),
-            On::Tip(vertex) => topology.outgoing(vertex),
-        };
-        half_edge.triangle()
+        match self.on {
+            On::Edge { exit, .. } => exit.triangle(),
+            On::Face { triangle, .. } => triangle,
+            On::Tip(vertex) => surface.topology().outgoing(vertex).triangle(),
+        }
     }
 
     /// Returns the origin of the node's vertices.
