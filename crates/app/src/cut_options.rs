@@ -60,7 +60,7 @@ pub(crate) struct CutOptions {
     #[arg(
         long,
         value_name = "G",
-        value_parser = grading,
+        value_parser = zero_or_more,
         allow_hyphen_values = true,
         requires = "cutter"
     )]
@@ -104,6 +104,16 @@ pub(crate) struct CutOptions {
     /// Curves along which caps close the cut (exact method). [default: bodies]
     #[arg(long, value_enum, value_name = "CURVES", requires = "cutter")]
     caps: Option<CapsOption>,
+    /// Texture coordinates of caps per unit of length of the mesh, if it has any (exact method).
+    /// [default: 1]
+    #[arg(
+        long,
+        value_name = "S",
+        value_parser = zero_or_more,
+        allow_hyphen_values = true,
+        requires = "cutter"
+    )]
+    cap_uv_scale: Option<f64>,
 }
 
 /// Validated options of a cut: no two exclude each other.
@@ -155,13 +165,11 @@ fn part_of_an_edge(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| String::from("expected a part of an edge: at least 0 and below 0.5"))
 }
 
-/// Parses a growth rate, 0 or more.
-fn grading(text: &str) -> Result<f64, String> {
-    let number = text
-        .parse()
-        .ok()
-        .filter(|g: &f64| *g >= 0.0 && g.is_finite());
-    number.ok_or_else(|| String::from("a grading is 0 or a positive number"))
+/// Parses a finite number, 0 or more.
+fn zero_or_more(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok();
+    let number = number.filter(|number: &f64| *number >= 0.0 && number.is_finite());
+    number.ok_or_else(|| String::from("expected 0 or a positive number"))
 }
 
 impl CutOptions {
@@ -194,6 +202,7 @@ impl CutOptions {
             (Method::Paper, _) if self.remesh.is_some() => refuse("--remesh", paper),
             (Method::Paper, _) if self.grading.is_some() => refuse("--grading", paper),
             (Method::Paper, _) if self.caps.is_some() => refuse("--caps", paper),
+            (Method::Paper, _) if self.cap_uv_scale.is_some() => refuse("--cap-uv-scale", paper),
             (Method::Paper, Some(Refinement::Delaunay)) => refuse(
                 "--refine-method delaunay",
                 "--method paper, whose refinement is the paper's",
@@ -260,6 +269,7 @@ impl CutPlan<'_> {
                 ..RefineParams::default()
             },
             caps: self.caps().caps(),
+            cap_uv_scale: (options.cap_uv_scale).unwrap_or(CutParams::default().cap_uv_scale),
             ..CutParams::default()
         }
     }

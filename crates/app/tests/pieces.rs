@@ -156,6 +156,40 @@ fn pieces_keep_texture_coordinates_and_normals_and_caps_have_their_own_material(
     assert_eq!(report["cap_triangles"], on_caps);
 }
 
+/// Returns the largest texture coordinate in a file.
+fn largest_texture_coordinate(obj: &Path) -> f64 {
+    let obj = std::fs::read_to_string(obj).unwrap();
+    let lines = obj.lines().filter_map(|line| line.strip_prefix("vt "));
+    let numbers = lines.flat_map(str::split_whitespace);
+    let numbers = numbers.map(|number| number.parse::<f64>().unwrap().abs());
+    numbers.fold(0.0, f64::max)
+}
+
+#[test]
+fn texture_coordinates_of_caps_are_scaled() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("sphere.obj");
+    let mut sphere = build_model(Model::Sphere80);
+    let corners = sphere.topology().triangle_slots() * 3;
+    sphere.set_corner_uvs(vec![[0.0; 2]; corners]).unwrap();
+    write_obj(&input, &sphere).unwrap();
+    let largest = ["1", "4"].map(|scale| {
+        let output = folder.path().join(scale);
+        let options = ["--plane", "1,0.1,0.2,0.03", "--cap-uv-scale", scale];
+        let (code, _, error) = cut(&input, &output, &options);
+        assert_eq!(code, Some(0), "{error}");
+        largest_texture_coordinate(&output.join("piece_000.obj"))
+    });
+    assert!(largest[0] > 0.1, "{largest:?}");
+    assert!((largest[1] / largest[0] - 4.0).abs() < 1e-6, "{largest:?}");
+    let (code, ..) = cut(
+        &input,
+        folder.path(),
+        &["--plane", "1,0,0,0", "--cap-uv-scale", "-1"],
+    );
+    assert_eq!(code, Some(2));
+}
+
 #[test]
 fn only_pieces_of_an_earlier_run_are_removed() {
     let folder = tempfile::tempdir().unwrap();

@@ -204,7 +204,7 @@ impl Cutter {
         params: &CutParams,
         from: Option<Continuation<'_>>,
     ) -> Result<CutOutcome, CutError> {
-        params.method.check()?;
+        params.check()?;
         self.check_bvh(surface)?;
         let begin = Instant::now();
         self.candidates.clear();

@@ -24,10 +24,10 @@ pub enum CutError {
         /// Number of points in the current frame.
         current: usize,
     },
-    /// A parameter of the method is negative, too large or not a number.
+    /// A parameter of the cut is negative, too large or not a number.
     #[error("{parameter} is {value}; it must be at least 0 and below {limit}")]
     ParameterOutOfRange {
-        /// The field of [`crate::ExactParams`] or [`crate::PaperParams`].
+        /// The field of [`crate::CutParams`], [`crate::ExactParams`] or [`crate::PaperParams`].
         parameter: &'static str,
         /// Its value.
         value: f64,

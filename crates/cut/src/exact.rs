@@ -213,7 +213,7 @@ impl Exact {
             frames: &self.frames,
             chains: &self.chains,
         };
-        (self.cap).close(&mut edit, &rims, params.cap_material)?;
+        (self.cap).close(&mut edit, &rims, params)?;
         report.cap += begin.elapsed();
         let begin = Instant::now();
         let (delta, undo) = edit.finish();

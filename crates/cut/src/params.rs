@@ -17,6 +17,9 @@ pub struct CutParams {
     pub caps: Caps,
     /// The material of caps and walls.
     pub cap_material: u32,
+    /// Texture coordinates of the exact method's caps and walls per unit of length \[1/m\], at
+    /// least 0. They are positions in the sweep laid flat, times this number.
+    pub cap_uv_scale: f64,
     /// Cuts only this piece of the surface; the sweep passes through the others. A step of an
     /// incision may renumber the piece of its tip.
     pub only_piece: Option<u32>,
@@ -29,6 +32,7 @@ impl Default for CutParams {
             refine: RefineParams::default(),
             caps: Caps::default(),
             cap_material: 1,
+            cap_uv_scale: 1.0,
             only_piece: None,
         }
     }
@@ -64,18 +68,19 @@ pub enum CutMethod {
     Paper(PaperParams),
 }
 
-impl CutMethod {
-    /// Checks the ranges of the parameters.
+impl CutParams {
+    /// Checks the ranges of the parameters, except those of the refinement.
     ///
     /// # Errors
     /// [`CutError::ParameterOutOfRange`].
     pub(crate) fn check(&self) -> Result<(), CutError> {
-        match *self {
-            Self::Exact(ExactParams { snap, remesh }) => {
+        check("cap_uv_scale", self.cap_uv_scale, f64::INFINITY)?;
+        match self.method {
+            CutMethod::Exact(ExactParams { snap, remesh }) => {
                 check("snap", snap, 0.5)?;
                 check("remesh", remesh, 0.5)
             }
-            Self::Paper(paper) => {
+            CutMethod::Paper(paper) => {
                 check("min_distance", paper.min_distance, f64::INFINITY)?;
                 check("beta", paper.beta, f64::INFINITY)?;
                 check("ear_angle", paper.ear_angle, f64::INFINITY)

@@ -432,3 +432,42 @@ fn a_sweep_that_ends_between_two_caps_is_a_miss() {
         }
     }
 }
+
+#[test]
+fn textures_of_caps_have_the_stated_scale_also_after_cuts_of_cuts() {
+    for scale in [0.25, 1.0, 2.5] {
+        let mut body = icosphere(4, 0.5);
+        let corners = 3 * body.topology().triangle_slots();
+        body.set_corner_uvs(vec![[0.5; 2]; corners]).unwrap();
+        let params = CutParams {
+            cap_uv_scale: scale,
+            ..CutParams::default()
+        };
+        let mut cutter = Cutter::new(&body);
+        for (normal, d) in NORMALS.into_iter().zip([0.1, -0.05, 0.12]) {
+            let sweep = Sweep::from_plane(normal, d, &body.bounds()).unwrap();
+            let outcome = cutter.cut(&mut body, &sweep, &params).unwrap();
+            assert!(!outcome.is_miss());
+        }
+        let mut caps = 0;
+        for t in body
+            .topology()
+            .triangles()
+            .filter(|&t| body.material(t) == 1)
+        {
+            caps += 1;
+            let points = body.triangle_positions(t);
+            let uvs = t.half_edges().map(|h| body.corner_uvs()[h.index()]);
+            for [i, j] in [[0, 1], [1, 2], [2, 0]] {
+                let length = (points[j] - points[i]).norm();
+                let chart = [0, 1].map(|k| f64::from(uvs[j][k]) - f64::from(uvs[i][k]));
+                let chart = chart[0].hypot(chart[1]);
+                assert!(
+                    (chart - scale * length).abs() < 2e-6,
+                    "{length} m has the length {chart} at {scale} per m"
+                );
+            }
+        }
+        assert!(caps > 1000, "{caps} triangles on caps");
+    }
+}

@@ -56,6 +56,8 @@ impl Default for RenderParams {
 #[derive(Debug, Clone)]
 pub struct RenderBuffers {
     params: RenderParams,
+    /// [`Surface::fingerprint`] at the last rebuild or update.
+    fingerprint: u64,
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     tangents: Vec<[f32; 4]>,
@@ -85,6 +87,7 @@ impl RenderBuffers {
     pub fn new(surface: &Surface, params: RenderParams) -> Self {
         let mut out = Self {
             params,
+            fingerprint: surface.fingerprint(),
             positions: Vec::new(),
             normals: Vec::new(),
             tangents: Vec::new(),
@@ -106,6 +109,7 @@ impl RenderBuffers {
 
     /// Builds the buffers again and keeps their memory. O(n).
     pub fn rebuild(&mut self, surface: &Surface) {
+        self.fingerprint = surface.fingerprint();
         for part in 0..2 {
             self.indices[part].clear();
             self.triangles[part].clear();
@@ -146,6 +150,7 @@ impl RenderBuffers {
             self.rebuild(surface);
             return;
         }
+        self.fingerprint = surface.fingerprint();
         self.touched.clear();
         for &(t, corners) in &delta.triangles_removed {
             self.remove_triangle(t);
@@ -173,6 +178,12 @@ impl RenderBuffers {
         }
         self.write_attributes(surface);
         self.refresh(surface);
+    }
+
+    /// Returns [`Surface::fingerprint`] of the topology that the buffers have.
+    #[must_use]
+    pub fn fingerprint(&self) -> u64 {
+        self.fingerprint
     }
 
     /// Returns positions \[m\], shape \[buffer vertices\].

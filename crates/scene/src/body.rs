@@ -50,6 +50,8 @@ pub struct Body {
     is_edited: bool,
     /// The surface's edit history at the last cut that the constraints followed.
     topology_version: u64,
+    /// [`Self::topology_version`] before the last cut; the present one after an undo.
+    version_before_cut: u64,
 }
 
 /// A bounding box and the maximum displacement since it was computed.
@@ -78,6 +80,7 @@ impl Body {
         spring_search.fill(&surface, &mut solver, cutter.bvh())?;
         Ok(Self {
             topology_version: surface.fingerprint(),
+            version_before_cut: surface.fingerprint(),
             surface,
             solver,
             cutter,
@@ -132,6 +135,11 @@ impl Body {
         }
         self.is_edited = false;
         Ok(())
+    }
+
+    /// Returns the surface's fingerprint before the last cut, or the present one after an undo.
+    pub(crate) fn version_before_cut(&self) -> u64 {
+        self.version_before_cut
     }
 
     /// Returns the number of stretch and bending constraints and interior springs.
@@ -275,7 +283,8 @@ impl Body {
             }
         };
         let sweep = stepped.as_ref().unwrap_or(sweep);
-        self.topology_version = self.surface.fingerprint();
+        let version = self.surface.fingerprint();
+        self.version_before_cut = std::mem::replace(&mut self.topology_version, version);
         let begin = Instant::now();
         if let Ok(outcome) = &cut
             && !outcome.is_miss()
@@ -315,6 +324,7 @@ impl Body {
         let pieces = self.piece_of_vertices();
         let delta = self.cutter.undo(&mut self.surface, undo)?;
         self.topology_version = self.surface.fingerprint();
+        self.version_before_cut = self.topology_version;
         self.know();
         self.solver.apply_delta(&mut self.surface, &delta)?;
         let (surface, bvh) = (&self.surface, self.cutter.bvh());

@@ -13,6 +13,7 @@ mod interior_springs;
 mod islands;
 mod params;
 mod piece_shapes;
+mod render_buffers;
 mod residency;
 #[cfg(feature = "serde")]
 mod save;
@@ -26,6 +27,7 @@ pub use body::{Body, BodyId};
 pub use contacts::ContactParams;
 pub use error::{FallbackReason, SceneError};
 pub use params::SceneParams;
+pub use render_buffers::BufferChange;
 pub use residency::Residency;
 #[cfg(feature = "serde")]
 pub use save::{LoadError, SaveError};

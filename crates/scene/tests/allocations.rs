@@ -1,6 +1,6 @@
-//! A frame of touching bodies allocates nothing once warm.
+//! A frame of touching bodies and their render buffers allocates nothing once warm.
 
-use incise_mesh::{Surface, cube_sphere};
+use incise_mesh::{RenderBuffers, RenderParams, Surface, cube_sphere};
 use incise_pbd_gpu::SolverParams;
 use incise_scene::{ContactParams, Scene, SceneParams};
 use incise_test_support::materials::firm;
@@ -45,10 +45,13 @@ fn touching_bodies_are_stepped_without_allocation() {
         sleep: None,
         ..SceneParams::default()
     });
+    let mut buffers = Vec::new();
     for i in 0_u8..4 {
         let body = block(0.21 + 0.42 * f32::from(i));
+        buffers.push(RenderBuffers::new(&body, RenderParams::default()));
         scene.add_body(body, &firm(0.7, 1.0)).unwrap();
     }
+    let ids: Vec<_> = scene.bodies().collect();
     for _ in 0..300 {
         scene.step().unwrap();
     }
@@ -59,6 +62,9 @@ fn touching_bodies_are_stepped_without_allocation() {
             let before = allocations();
             for _ in 0..20 {
                 contacts += scene.step().unwrap().contacts;
+                for (&id, buffers) in ids.iter().zip(&mut buffers) {
+                    scene.update_render_buffers(id, buffers).unwrap();
+                }
             }
             allocations() - before
         })

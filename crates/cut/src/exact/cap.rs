@@ -6,6 +6,7 @@ use super::open::{Sides, check_corners};
 use super::rest::CapRest;
 use super::section::{BoundaryEdge, CrossSection, FacetSection, Rims};
 use crate::error::CutError;
+use crate::params::CutParams;
 use incise_mesh::geometry::{round_to_f32, to_f32};
 use incise_mesh::{
     Edit, HalfEdge, Surface, Topology, TriangleId, VertexId, VertexOrigin, index_u32,
@@ -170,11 +171,12 @@ impl Cap {
         &mut self,
         edit: &mut Edit<'_>,
         rims: &Rims<'_>,
-        material: u32,
+        params: &CutParams,
     ) -> Result<(), CutError> {
         self.triangles.iter_mut().for_each(Vec::clear);
         self.segments.clear();
         (self.segments).resize(rims.chains.nodes.len(), [HalfEdge::NULL; 2]);
+        self.uvs.clear();
         let meshes = std::mem::take(&mut self.meshes);
         for (i, mesh) in meshes.iter().enumerate() {
             self.find_twins(self.section.sections()[i].points.len(), mesh);
@@ -182,7 +184,9 @@ impl Cap {
             let vertices = section.nodes.iter();
             let vertices = vertices.map(|&n| rims.sides.vertices[n as usize][0]);
             (self.rest).find(edit.surface(), vertices, mesh, &section.section());
-            self.find_uvs(edit.surface(), rims.frames, i, mesh);
+            if !edit.surface().corner_uvs().is_empty() {
+                self.find_uvs(rims.frames, i, mesh, params.cap_uv_scale);
+            }
             for side in 0..2 {
                 self.add_vertices(edit, rims, i, mesh, side);
                 self.find_pieces(edit.surface(), rims, i, side);
@@ -201,7 +205,7 @@ impl Cap {
                     &self.corners,
                     &self.twins,
                     &self.pieces,
-                    material,
+                    params.cap_material,
                     &mut self.added,
                 );
                 self.join_boundary(edit, rims.sides, i, mesh, side);

@@ -69,6 +69,7 @@ impl Body {
         }
         Ok(Self {
             topology_version: surface.fingerprint(),
+            version_before_cut: surface.fingerprint(),
             piece_shapes: PieceShapes::from_saved(saved.piece_shapes, &surface),
             surface,
             solver,

@@ -2,29 +2,20 @@
 
 use super::Cap;
 use crate::exact::frames::Frames;
+use incise_mesh::Edit;
 use incise_mesh::geometry::to_f32;
-use incise_mesh::{Edit, Surface};
 use incise_refine::SectionMesh;
 
 impl Cap {
-    /// Finds the texture coordinates of each point: its position in the sweep laid flat \[m\].
-    pub(super) fn find_uvs(
-        &mut self,
-        surface: &Surface,
-        frames: &Frames,
-        i: usize,
-        mesh: &SectionMesh,
-    ) {
+    /// Finds the texture coordinates of each point: its position in the sweep laid flat, scaled.
+    pub(super) fn find_uvs(&mut self, frames: &Frames, i: usize, mesh: &SectionMesh, scale: f64) {
         self.uvs.clear();
-        if surface.corner_uvs().is_empty() {
-            return;
-        }
         let section = &self.section.sections()[i];
         let inner = mesh.steiner_points.iter().map(|inner| inner.position);
         let points = section.points.iter().copied().chain(inner);
         self.uvs.extend(points.map(|at| {
             let [u, v] = frames.flat(section.facet, section.uncentered(at));
-            let [u, v, _] = to_f32([u, v, 0.0].into());
+            let [u, v, _] = to_f32([scale * u, scale * v, 0.0].into());
             [u, v]
         }));
     }
