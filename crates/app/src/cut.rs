@@ -1,4 +1,4 @@
-//! `incise cut`: cuts a mesh along a plane, a blade's sweep or its path, and writes the pieces.
+//! `incise cut`: cuts meshes along planes, a blade's sweep or its path, and writes the pieces.
 
 mod print;
 
@@ -13,12 +13,14 @@ use crate::reporter::Reporter;
 use crate::stroke::{Stroke, cut_along_path};
 use incise_mesh::geometry::is_flat;
 use incise_mesh::{AngleStats, Surface, TriangleId, Warning};
+use incise_progress::Progress;
 use print::print;
 use serde::Serialize;
+use std::fmt::Display;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Cuts a mesh along a plane, a blade's sweep or its path, and writes its pieces.
+/// Cuts meshes along planes, a blade's sweep or its path, and writes their pieces.
 ///
 /// Writes one component per file: `DIR/piece_000.obj` and so on, or all of them as the nodes of
 /// one file of glTF. Files of these names from an earlier run are overwritten or removed. A refused
@@ -29,9 +31,9 @@ use std::path::{Path, PathBuf};
     after_long_help = AFTER_HELP
 )]
 pub(crate) struct CutArguments {
-    /// The mesh (obj, ply, stl, glb or gltf), or a built-in model such as Bunny.
-    #[arg(value_name = "FILE|MODEL")]
-    input: PathBuf,
+    /// Meshes (obj, ply, stl, glb or gltf), or built-in models such as Bunny. All get the same cut.
+    #[arg(value_name = "FILE|MODEL", required = true)]
+    inputs: Vec<PathBuf>,
     #[command(flatten)]
     reading: InputOptions,
     #[command(flatten)]
@@ -59,13 +61,15 @@ Examples:
     incise cut Sphere768 --path knife.txt -o pieces
   A scan with holes, with caps where the cut is a closed curve:
     incise cut scan.ply --plane 0,1,0,0.4 --caps all-loops -o pieces
+  All parts of an assembly along one plane, into one file:
+    incise cut arm.obj hand.obj --plane 1,0,0,0.2 -o cut.glb
   Exact volumes, a report for a script:
     incise cut part.stl --plane 1,0.1,0,0.037 --snap 0 --json -o pieces
 
 Levels (--level), ratio of a cap's edge length to that of the surface at the rim:
   2x-coarser = 2, 1.5x-coarser = 1.5, original = 1, 1.5x-finer = 0.667, 2x-finer = 0.5
 
-JSON report (--json), lengths in the input's unit:
+JSON report (--json), a list of reports for several inputs, lengths in the input's unit:
   input, method, refine_method, snap, remesh, level, grading
                          the input and the parameters of the cut
   warnings               repairs made while reading, attributes that are dropped
@@ -73,6 +77,7 @@ JSON report (--json), lengths in the input's unit:
   triangles, boundary_edges, volume
                          of the input; volume of its closed parts
   triangles_hit, loops   triangles that the sweep crosses; 0 if it misses; loops of the section
+  missed_planes          numbers of the planes that miss, from 1
   snapped_vertices, merged_points, short_rim_edges
                          vertices moved into the rim, points merged, rim edges left short (--snap)
   flipped_edges, collapsed_vertices, collapsed_points, moved_surface
@@ -87,9 +92,9 @@ JSON report (--json), lengths in the input's unit:
   pieces                 file, vertices, triangles, area, volume, cavity, boundary_edges and
                          euler_characteristic of each piece
   removed                pieces of an earlier run that were removed
-  milliseconds           time of each stage
+  milliseconds           time of each stage; `write` and `removed` are those of all inputs
 
-Exit code 4: the cut misses the mesh, and the pieces are those of the uncut mesh.";
+Exit code 4: the cut misses all meshes, and the pieces are those of the uncut meshes.";
 
 /// The report as JSON.
 #[derive(Serialize)]
@@ -111,6 +116,8 @@ struct Report {
     /// Of closed parts of the input.
     volume: f64,
     triangles_hit: usize,
+    /// Numbers of the planes that miss, from 1.
+    missed_planes: Vec<usize>,
     loops: usize,
     /// Vertices of the mesh that snapping moved into the rim.
     snapped_vertices: usize,
@@ -174,107 +181,62 @@ struct Times {
     write: f64,
 }
 
+/// A mesh after the cut, with its report except for the files.
+struct CutMesh {
+    surface: Surface,
+    report: Report,
+}
+
 /// Runs the command.
 pub(crate) fn run(
     arguments: &CutArguments,
     reporter: &mut Reporter<impl Write>,
 ) -> Result<(), Failure> {
-    let path = &arguments.input;
     let options = arguments.cut.check()?;
     let blade_path = arguments.blade_path(options)?;
-    let progress = reporter.stages(3);
-    progress.begin("read");
-    let (read, surface) = timed(|| arguments.reading.read_for_cut(path, options.is_exact()));
-    let (mut surface, mut warnings) = surface?;
-    progress.step();
-    for warning in &warnings {
-        progress.suspend(|| reporter.warn(format_args!("{}: {warning}", path.display())));
+    let stages = u32::try_from(2 * arguments.inputs.len() + 1);
+    let progress = reporter.stages(stages.unwrap_or(u32::MAX));
+    let mut meshes = Vec::with_capacity(arguments.inputs.len());
+    for path in &arguments.inputs {
+        let blade_path = blade_path.as_ref();
+        meshes.push(arguments.cut_mesh(path, options, blade_path, reporter, &progress)?);
     }
-    progress.begin("cut");
-    let (triangles, volume) = (surface.topology().triangle_count(), closed_volume(&surface));
-    let boundary_edges = boundary_edges(&surface);
-    let Stroke {
-        report: counts,
-        walls,
-        cutting_steps,
-        tips,
-        bvh_build,
-    } = match &blade_path {
-        Some((file, blade_path)) => {
-            cut_along_path(&mut surface, blade_path, &options.params(), file)?
-        }
-        None => cut_once(options, &mut surface, path)?,
-    };
-    let params = options.params();
-    let cap = AngleStats::from_triangles(walls.iter().map(|&t| surface.triangle_positions(t)));
-    let is_flat = |&&t: &&TriangleId| is_flat(surface.triangle_positions(t));
-    let flat = walls.iter().filter(is_flat).count();
-    progress.step();
     progress.begin("write");
-    let (write, written) = timed(|| arguments.output.write(&[(&surface, path)]));
+    let bodies = meshes.iter().zip(&arguments.inputs);
+    let bodies: Vec<_> = bodies
+        .map(|(mesh, path)| (&mesh.surface, path.as_path()))
+        .collect();
+    let (write, written) = timed(|| arguments.output.write(&bodies));
     let written = written?;
     progress.end();
     for warning in &written.warnings {
-        reporter.warn(format_args!(
-            "{}: {warning}",
-            arguments.output.path().display()
-        ));
+        let output = arguments.output.path().display();
+        reporter.warn(format_args!("{output}: {warning}"));
     }
-    warnings.extend(written.warnings);
-    let report = Report {
-        input: path.clone(),
-        method: options.method(),
-        refine_method: options.refinement(),
-        snap: options.exact().snap,
-        remesh: options.exact().remesh,
-        level: params.refine.level.z(),
-        grading: params.refine.grading,
-        warnings,
-        triangles,
-        boundary_edges,
-        caps: options.caps().name(),
-        volume,
-        triangles_hit: counts.hits,
-        loops: counts.loops,
-        snapped_vertices: counts.snapped_vertices,
-        merged_points: counts.merged_nodes,
-        short_rim_edges: counts.short_rim_edges,
-        flipped_edges: counts.flipped_edges,
-        collapsed_vertices: counts.collapsed_vertices,
-        collapsed_points: counts.collapsed_nodes,
-        moved_surface: counts.moved_surface,
-        moved_volume: counts.moved_volume,
-        cap_triangles: walls.len(),
-        cap_flat_triangles: flat,
-        cap_min_angle_deg: cap.min,
-        cap_median_angle_deg: cap.median,
-        steps: blade_path.as_ref().map(|(_, path)| path.len() - 1),
-        cutting_steps: blade_path.as_ref().map(|_| cutting_steps),
-        tips: blade_path.as_ref().map(|_| tips),
-        wall_triangles: blade_path.as_ref().map(|_| walls.len()),
-        pieces: written.pieces.into_iter().map(|(_, piece)| piece).collect(),
-        removed: written.removed,
-        milliseconds: Times {
-            read: milliseconds(read),
-            bvh_build: milliseconds(bvh_build),
-            bvh_update: milliseconds(counts.bvh_update),
-            detection: milliseconds(counts.detection),
-            split: milliseconds(counts.split),
-            remeshing: milliseconds(counts.remeshing),
-            cap: milliseconds(counts.cap),
-            refinement: milliseconds(counts.refinement),
-            separation: milliseconds(counts.separation),
-            commit: milliseconds(counts.commit),
-            write: milliseconds(write),
-        },
-    };
-    reporter.report(&report, |report, out| {
-        print(report, options.is_exact(), out)
-    })?;
-    if report.triangles_hit == 0 {
+    for mesh in &mut meshes {
+        mesh.report.warnings.extend_from_slice(&written.warnings);
+        mesh.report.removed.clone_from(&written.removed);
+        mesh.report.milliseconds.write = milliseconds(write);
+    }
+    for (i, piece) in written.pieces {
+        meshes[i].report.pieces.push(piece);
+    }
+    let is_exact = options.is_exact();
+    let reports: Vec<&Report> = meshes.iter().map(|mesh| &mesh.report).collect();
+    match *reports {
+        [report] => reporter.report(report, |report, out| print(report, is_exact, out))?,
+        _ => reporter.report(&reports, |reports, out| {
+            reports
+                .iter()
+                .try_for_each(|report| print(report, is_exact, out))
+        })?,
+    }
+    if let [first, ..] = &*meshes
+        && meshes.iter().all(|mesh| mesh.report.triangles_hit == 0)
+    {
         return Err(Failure::Missed {
-            path: path.clone(),
-            bounds: file_bounds(&surface),
+            path: first.report.input.clone(),
+            bounds: file_bounds(&first.surface),
             output: "the files hold the uncut mesh",
         });
     }
@@ -282,6 +244,101 @@ pub(crate) fn run(
 }
 
 impl CutArguments {
+    /// Reads and cuts one of the inputs.
+    fn cut_mesh(
+        &self,
+        path: &Path,
+        options: CutPlan<'_>,
+        blade_path: Option<&(&Path, BladePath)>,
+        reporter: &Reporter<impl Write>,
+        progress: &Progress,
+    ) -> Result<CutMesh, Failure> {
+        progress.begin("read");
+        let (read, surface) = timed(|| self.reading.read_for_cut(path, options.is_exact()));
+        let (mut surface, warnings) = surface?;
+        progress.step();
+        let warn = |message: &dyn Display| {
+            let path = path.display();
+            progress.suspend(|| reporter.warn(format_args!("{path}: {message}")));
+        };
+        warnings.iter().for_each(|warning| warn(warning));
+        progress.begin("cut");
+        let (triangles, volume) = (surface.topology().triangle_count(), closed_volume(&surface));
+        let boundary_edges = boundary_edges(&surface);
+        let params = options.params();
+        let Stroke {
+            report: counts,
+            walls,
+            cutting_steps,
+            missed,
+            tips,
+            bvh_build,
+        } = match blade_path {
+            Some((file, blade_path)) => cut_along_path(&mut surface, blade_path, &params, file)?,
+            None => cut_once(options, &mut surface, path)?,
+        };
+        if counts.hits > 0 {
+            for plane in &missed {
+                warn(&format_args!("plane {plane} misses the mesh"));
+            }
+        } else if self.inputs.len() > 1 {
+            warn(&"the cut misses the mesh, whose files hold it uncut");
+        }
+        let cap = AngleStats::from_triangles(walls.iter().map(|&t| surface.triangle_positions(t)));
+        let is_flat = |&&t: &&TriangleId| is_flat(surface.triangle_positions(t));
+        let flat = walls.iter().filter(is_flat).count();
+        progress.step();
+        let report = Report {
+            input: path.to_owned(),
+            method: options.method(),
+            refine_method: options.refinement(),
+            snap: options.exact().snap,
+            remesh: options.exact().remesh,
+            level: params.refine.level.z(),
+            grading: params.refine.grading,
+            warnings,
+            triangles,
+            boundary_edges,
+            caps: options.caps().name(),
+            volume,
+            triangles_hit: counts.hits,
+            missed_planes: missed,
+            loops: counts.loops,
+            snapped_vertices: counts.snapped_vertices,
+            merged_points: counts.merged_nodes,
+            short_rim_edges: counts.short_rim_edges,
+            flipped_edges: counts.flipped_edges,
+            collapsed_vertices: counts.collapsed_vertices,
+            collapsed_points: counts.collapsed_nodes,
+            moved_surface: counts.moved_surface,
+            moved_volume: counts.moved_volume,
+            cap_triangles: walls.len(),
+            cap_flat_triangles: flat,
+            cap_min_angle_deg: cap.min,
+            cap_median_angle_deg: cap.median,
+            steps: blade_path.map(|(_, path)| path.len() - 1),
+            cutting_steps: blade_path.map(|_| cutting_steps),
+            tips: blade_path.map(|_| tips),
+            wall_triangles: blade_path.map(|_| walls.len()),
+            pieces: Vec::new(),
+            removed: Vec::new(),
+            milliseconds: Times {
+                read: milliseconds(read),
+                bvh_build: milliseconds(bvh_build),
+                bvh_update: milliseconds(counts.bvh_update),
+                detection: milliseconds(counts.detection),
+                split: milliseconds(counts.split),
+                remeshing: milliseconds(counts.remeshing),
+                cap: milliseconds(counts.cap),
+                refinement: milliseconds(counts.refinement),
+                separation: milliseconds(counts.separation),
+                commit: milliseconds(counts.commit),
+                write: 0.0,
+            },
+        };
+        Ok(CutMesh { surface, report })
+    }
+
     /// Reads the path of the blade, if the command line names one.
     fn blade_path(&self, options: CutPlan<'_>) -> Result<Option<(&Path, BladePath)>, Failure> {
         let Some(file) = self.path.as_deref() else {

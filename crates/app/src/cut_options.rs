@@ -311,7 +311,7 @@ impl CutPlan<'_> {
         let mut stroke = Stroke::default();
         let (bvh_build, mut cutter) = timed(|| Cutter::new(surface));
         stroke.bvh_build = bvh_build;
-        for sweep in sweeps {
+        for (number, sweep) in (1..).zip(sweeps) {
             let params = if sweeps.len() == 1 {
                 &params
             } else {
@@ -327,6 +327,9 @@ impl CutPlan<'_> {
                 return Err(Failure::SweepInside { path });
             }
             stroke.add(&outcome);
+            if outcome.report.hits == 0 {
+                stroke.missed.push(number);
+            }
             stroke.walls = outcome.cap;
         }
         if sweeps.len() > 1 {

@@ -21,6 +21,8 @@ pub(crate) struct Stroke {
     pub(crate) walls: Vec<TriangleId>,
     /// Number of steps that cut.
     pub(crate) cutting_steps: usize,
+    /// Numbers of the sweeps that missed, from 1; empty for a path.
+    pub(crate) missed: Vec<usize>,
     /// Number of vertices of the tip at the end.
     pub(crate) tips: usize,
     /// Time of building the BVH.
