@@ -6,6 +6,7 @@ use crate::ids::{HalfEdge, TriangleId, VertexId};
 use crate::pieces::Pieces;
 use crate::topology::{Topology, TopologyError, copy};
 
+mod append;
 mod attributes;
 mod channels;
 mod corner_values;

@@ -1,5 +1,6 @@
 //! [`Body`]: a soft body of a [`crate::Scene`], its surface, solver and cutter kept consistent.
 
+mod parts;
 #[cfg(feature = "serde")]
 mod saved;
 
@@ -249,6 +250,11 @@ impl Body {
     /// Ends the incision of a blade, if it has one.
     pub(crate) fn end_incision(&mut self, blade: usize) {
         self.incisions.retain(|(number, _)| *number != blade);
+    }
+
+    /// Ends all incisions.
+    pub(crate) fn end_all_incisions(&mut self) {
+        self.incisions.clear();
     }
 
     /// Cuts along the sweep of a blade and updates constraints and masses.

@@ -2,7 +2,7 @@
 
 use crate::blade::BladeId;
 use crate::body::BodyId;
-use incise_mesh::{UndoError, VertexId};
+use incise_mesh::{ChannelError, UndoError, VertexId};
 use incise_pbd_gpu::{ConstraintError, StepError};
 
 /// An error of a scene's method.
@@ -75,6 +75,20 @@ pub enum SceneError {
         /// The body.
         body: BodyId,
     },
+    /// A list of bodies to join is empty.
+    #[error("there is no body to join; name at least one")]
+    NothingToJoin,
+    /// Bodies cannot be joined.
+    #[error("body {body} cannot be joined: {reason}")]
+    CannotJoin {
+        /// The body.
+        body: BodyId,
+        /// The reason.
+        reason: &'static str,
+    },
+    /// The surfaces of bodies cannot be joined.
+    #[error("surfaces: {0}")]
+    Channel(#[from] ChannelError),
     /// A body cannot be stepped.
     #[error("body {body}: {error}")]
     Step {

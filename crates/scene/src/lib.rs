@@ -11,6 +11,7 @@ mod frame;
 mod gpu_bodies;
 mod interior_springs;
 mod islands;
+mod join_split;
 mod params;
 mod piece_shapes;
 mod render_buffers;

@@ -135,7 +135,7 @@ impl Scene {
         self.insert(Body::new(surface, material, patches)?)
     }
 
-    fn insert(&mut self, body: Body) -> Result<BodyId, SceneError> {
+    pub(crate) fn insert(&mut self, body: Body) -> Result<BodyId, SceneError> {
         let i = self.bodies.len();
         self.bodies.push(Some(Box::new(body)));
         self.sleep.add(i);
@@ -215,7 +215,7 @@ impl Scene {
         body.ok_or(SceneError::UnknownBody { body: id })
     }
 
-    fn body_mut(&mut self, id: BodyId) -> Result<&mut Body, SceneError> {
+    pub(crate) fn body_mut(&mut self, id: BodyId) -> Result<&mut Body, SceneError> {
         let i = self.index(id)?;
         let body = self.bodies[i].as_deref_mut();
         body.ok_or(SceneError::UnknownBody { body: id })

@@ -29,7 +29,8 @@ fn assert_follows(buffers: &RenderBuffers, surface: &Surface) {
             corners.map(|t| t.map(|[p, _]| p)).collect::<Vec<_>>()
         })
     };
-    assert_eq!(positions(triangles(buffers)), positions(triangles(&new)));
+    let [followed, new] = [buffers, &new].map(|buffers| positions(triangles(buffers)));
+    assert_eq!(followed, new, "the triangles of new buffers");
 }
 
 fn edge(x: f32, y: f32) -> [[f32; 3]; 2] {

@@ -63,6 +63,12 @@ pub enum ChannelError {
         /// Length of the array.
         found: usize,
     },
+    /// Two surfaces have channels of one name with different domains, rules or widths.
+    #[error("channel {name} is of another kind on the other surface; rename or remove one")]
+    Mismatch {
+        /// The channel.
+        name: Arc<str>,
+    },
 }
 
 /// Maximum number of values in a row.
@@ -168,6 +174,11 @@ impl Channel {
     #[cfg(feature = "io")]
     pub(crate) fn with_domain(self, domain: Domain) -> Self {
         Self { domain, ..self }
+    }
+
+    /// Sets a row.
+    pub(crate) fn set_row(&mut self, slot: usize, row: &[f32]) {
+        self.values[slot * self.width..][..self.width].copy_from_slice(row);
     }
 
     /// Returns a copy of a row; zeros beyond the array.
