@@ -29,7 +29,8 @@ fn cut_in_flight() -> (Scene, BodyId) {
         scene.move_blade(blade, edge(2.0, y)).unwrap();
     }
     scene.step().unwrap();
-    assert_eq!(scene.body(id).unwrap().pieces().len(), 3);
+    let pieces = scene.body(id).unwrap().pieces();
+    assert_eq!(pieces.len(), 3, "pieces");
     (scene, id)
 }
 
