@@ -47,6 +47,7 @@ fn main() -> ExitCode {
             "wireframe_fades_on_tiny_triangles",
             wireframe_fades_on_tiny_triangles,
         ),
+        ("checkers_follow_texture_coordinates", checkers),
         ("backgrounds_fill_the_image", backgrounds),
         ("multisampling_smooths_edges", multisampling_smooths_edges),
         ("formats_show_the_same_colors", formats_show_the_same),
@@ -251,6 +252,48 @@ fn removed_triangles_are_not_drawn(gpu: &Gpu) {
     let grown = bodies(&body);
     assert!(count_other(&grown, WHITE) > 2 * rest);
     assert_eq!(grown, image(&renderer, [64, 64], &view, &surface, color));
+}
+
+/// Four squares on a square sheet: two are darker, and none without texture coordinates.
+fn checkers(gpu: &Gpu) {
+    let renderer = gpu.plain();
+    let view = facing(straight(6.0));
+    let mut surface = triangles(&[
+        [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0]],
+        [[-1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
+    ]);
+    let draw_with = |surface: &Surface, squares| {
+        let mut body = BodyView::from_surface(&renderer, surface, |_| Some(BLUE)).expect("a body");
+        body.set_checkers(&renderer, surface, squares)
+            .expect("a pattern");
+        draw(&renderer, [64, 64], &view, &[&body])
+    };
+    let plain = draw_with(&surface, 4.0);
+    assert_eq!(
+        plain,
+        image(&renderer, [64, 64], &view, &surface, |_| Some(BLUE))
+    );
+    let corners = surface.topology().corners().iter();
+    let uvs = corners.map(|v| {
+        let [x, y, ..] = surface.positions()[v.index()];
+        [0.25 + 0.25 * x, 0.25 + 0.25 * y]
+    });
+    surface
+        .set_corner_uvs(uvs.collect())
+        .expect("three per triangle");
+    assert_eq!(plain, draw_with(&surface, 0.0));
+    let squares = draw_with(&surface, 4.0);
+    let covered = count_other(&plain, WHITE);
+    let changed = (0..64 * 64)
+        .filter(|i| plain.color(i % 64, i / 64) != squares.color(i % 64, i / 64))
+        .count();
+    let part = changed as f64 / covered as f64;
+    assert!((0.45..0.6).contains(&part), "{part} of the pixels");
+    // Opposite squares are alike, and the others are darker.
+    let at = |x, y| squares.color(x, y);
+    assert_eq!(at(27, 27), at(37, 37));
+    assert_eq!(at(27, 37), at(37, 27));
+    assert_ne!(at(27, 27), at(37, 27));
 }
 
 fn wireframe_darkens_edges(gpu: &Gpu) {

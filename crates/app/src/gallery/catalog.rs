@@ -1,5 +1,5 @@
-//! The figures by name, with captions and the functions that make them: the paper's, and one of
-//! incisions.
+//! The figures by name, with captions and the functions that make them: the paper's, one of
+//! incisions and one of textures.
 
 use super::boundary::{PLANE, boundary};
 use super::figure::{FigureError, Row};
@@ -7,7 +7,7 @@ use super::incisions::incisions;
 use super::levels::{Look, levels};
 use super::refinement::refinement;
 use super::slice::Plane;
-use super::slices::slices;
+use super::slices::{slices, textured};
 use super::sweep::sweep_plane;
 use incise_models::Model;
 
@@ -19,8 +19,8 @@ pub(super) struct Entry {
     pub(super) make: fn() -> Result<Vec<Row>, FigureError>,
 }
 
-/// All figures of the paper that show models, then incisions.
-pub(super) const ALL: [Entry; 15] = [
+/// All figures of the paper that show models, then incisions and textures.
+pub(super) const ALL: [Entry; 16] = [
     Entry {
         name: "fig1",
         caption: "Sweep plane: the blade, the area between the previous and the current position \
@@ -118,6 +118,13 @@ pub(super) const ALL: [Entry; 15] = [
                   depths in one ball, a curved blade, a cross, and slits in cloth. Walls in red.",
         make: incisions,
     },
+    Entry {
+        name: "texture",
+        caption: "Texture coordinates of cuts by the exact method: a checkerboard on Banana, whole, \
+                  in slices, and these cut again. Skin keeps its texture to the rim; caps have \
+                  their own, at one scale.",
+        make: || textured(Model::Banana, &[&[], &BANANA_SLICES, &BANANA_CUT_AGAIN]),
+    },
 ];
 
 /// The paper's two views.
@@ -134,6 +141,7 @@ const ARMADILLO: Plane = [0.08, 1.0, 0.15, 0.03];
 const BUNNY_SLICES: [Plane; 2] = [BUNNY_HEAD, BUNNY_BODY];
 const OCTOPUS_SLICES: [Plane; 2] = [OCTOPUS, [0.1, 1.0, 0.05, 0.02]];
 const BANANA_SLICES: [Plane; 2] = [[1.0, 0.1, 0.1, -0.12], [1.0, -0.1, 0.1, 0.13]];
+const BANANA_CUT_AGAIN: [Plane; 3] = [BANANA_SLICES[0], BANANA_SLICES[1], [0.1, 0.4, 1.0, 0.0]];
 const ARMADILLO_SLICES: [Plane; 2] = [ARMADILLO, [1.0, 0.05, 0.1, 0.01]];
 
 #[cfg(test)]

@@ -43,9 +43,15 @@ impl<'a> FigureRenderer<'a> {
 
     fn panel(&self, panel: &Panel) -> Result<Image, RenderError> {
         let views = panel.shown.iter();
-        let views = views
-            .map(|shown| BodyView::from_surface(self.renderer, &shown.surface, |t| shown.color(t)));
-        let views: Vec<BodyView> = views.collect::<Result<_, _>>()?;
+        let views = views.map(|shown| {
+            let color = |t| shown.color(t);
+            let mut view = BodyView::from_surface(self.renderer, &shown.surface, color)?;
+            if shown.checkers > 0.0 {
+                view.set_checkers(self.renderer, &shown.surface, shown.checkers)?;
+            }
+            Ok(view)
+        });
+        let views: Vec<BodyView> = views.collect::<Result<_, RenderError>>()?;
         let marks = panel.points.iter().map(|&p| self.mark(&panel.camera, p));
         let lines: Vec<Line> = panel.lines.iter().copied().chain(marks).collect();
         let overlay = Overlay::new(self.renderer, &panel.sheets, &lines)?;

@@ -67,6 +67,8 @@ pub(super) struct Panel {
 pub(super) struct ColoredSurface {
     pub(super) surface: Surface,
     colors: Vec<Option<Color>>,
+    /// Squares of a checkerboard per unit of texture coordinates; 0 for none.
+    pub(super) checkers: f32,
 }
 
 /// The facts of a panel in the index.
@@ -95,7 +97,20 @@ impl ColoredSurface {
         for t in surface.topology().triangles() {
             colors[t.index()] = color(&surface, t);
         }
-        Rc::new(Self { surface, colors })
+        Rc::new(Self {
+            surface,
+            colors,
+            checkers: 0.0,
+        })
+    }
+
+    /// Returns the surface with a checkerboard on its texture coordinates.
+    pub(super) fn with_checkers(self: &Rc<Self>, squares: f32) -> Rc<Self> {
+        Rc::new(Self {
+            surface: self.surface.clone(),
+            colors: self.colors.clone(),
+            checkers: squares,
+        })
     }
 
     pub(super) fn color(&self, t: TriangleId) -> Option<Color> {

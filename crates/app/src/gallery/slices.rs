@@ -1,8 +1,9 @@
-//! Figures 5 and 6: models sliced repeatedly, the pieces moved apart.
+//! Figures 5 and 6 and textures: models sliced repeatedly, the pieces moved apart.
 
 use super::figure::{ColoredSurface, FigureError, Panel, Row, letter};
 use super::slice::{Plane, color, facts, methods, name, params, sweep};
 use crate::explode::{centers, move_pieces};
+use crate::numbers::counted;
 use incise_cut::{CutParams, Cutter};
 use incise_mesh::{Surface, Vec3};
 use incise_models::{Model, build_model};
@@ -33,6 +34,27 @@ pub(super) fn slices(models: &[(Model, &[Plane])]) -> Result<Vec<Row>, FigureErr
         });
     }
     Ok(rows)
+}
+
+/// Squares of a checkerboard per unit of texture coordinates.
+const SQUARES: f32 = 16.0;
+
+/// Returns a model with a checkerboard on its texture coordinates, after each list of cuts.
+pub(super) fn textured(model: Model, slices: &[&[Plane]]) -> Result<Vec<Row>, FigureError> {
+    let params = CutParams::default();
+    let mut panels = Vec::new();
+    for (i, &planes) in slices.iter().enumerate() {
+        let surface = sliced(build_model(model), planes, &params)?;
+        let pieces = surface.piece_count();
+        let shown = ColoredSurface::new(surface, |surface, t| Some(color(surface, t)));
+        let shown = shown.with_checkers(SQUARES);
+        let camera = Camera::default().frame(shown.corners(), 1.0);
+        let label = format!("({}) {}", letter(i), counted(pieces, "piece"));
+        let facts = facts(model, &params, planes);
+        panels.push(Panel::from_surfaces(label, camera, vec![shown], facts));
+    }
+    let title = model.name().to_owned();
+    Ok(vec![Row { title, panels }])
 }
 
 /// Cuts a surface along successive planes and moves the pieces apart.

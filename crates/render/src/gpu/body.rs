@@ -25,11 +25,14 @@ pub struct BodyView {
     uniform: Buffer,
     corners: Buffer,
     colors: Buffer,
+    uvs: Buffer,
     uploaded: Buffer,
     positions: Positions,
     group: BindGroup,
     /// Linear color of back faces and its weight.
     back_face: [f32; 4],
+    /// Squares per unit of texture coordinates; 0 for plain colors.
+    checkers: f32,
     triangle_slots: u32,
     vertex_slots: u64,
 }
@@ -54,6 +57,7 @@ impl BodyView {
         let uniform = create_buffer(device, "body", size_of::<BodyUniform>() as u64, usage)?;
         let storage = |what, bytes| create_buffer(device, what, bytes, STORAGE);
         let (corners, colors) = (storage("corners", 0)?, storage("colors", 0)?);
+        let uvs = storage("texture coordinates", 0)?;
         let uploaded = storage("positions", 0)?;
         let binding = PositionBinding::whole(&uploaded);
         let group = create_bind_group(
@@ -61,17 +65,18 @@ impl BodyView {
             &renderer.pipelines,
             &uniform,
             &binding,
-            &corners,
-            &colors,
+            [&corners, &colors, &uvs],
         )?;
         let mut body = Self {
             uniform,
             corners,
             colors,
+            uvs,
             uploaded,
             positions: Positions::Uploaded(0),
             group,
             back_face: Color::rgb(92, 96, 108).linear(),
+            checkers: 0.0,
             triangle_slots: 0,
             vertex_slots: 0,
         };
@@ -197,6 +202,26 @@ impl BodyView {
         self.rebind(renderer)
     }
 
+    /// Shades the colors by a checkerboard on the texture coordinates of a surface.
+    ///
+    /// It has `squares` squares per unit of these. Call it again after [`Self::update_topology`].
+    /// With 0 squares, or a surface without texture coordinates, colors are plain.
+    ///
+    /// # Errors
+    /// [`RenderError::BufferTooLarge`], or an error of the device.
+    pub fn set_checkers(
+        &mut self,
+        renderer: &Renderer,
+        surface: &Surface,
+        squares: f32,
+    ) -> Result<(), RenderError> {
+        let (device, queue, uvs) = (renderer.device(), renderer.queue(), surface.corner_uvs());
+        self.checkers = if uvs.is_empty() { 0.0 } else { squares };
+        let bytes = bytemuck::cast_slice(uvs);
+        upload(device, queue, &mut self.uvs, "texture coordinates", bytes)?;
+        self.rebind(renderer)
+    }
+
     /// Returns the number of triangle slots.
     #[must_use]
     pub const fn triangle_slots(&self) -> u32 {
@@ -234,14 +259,12 @@ impl BodyView {
             }
             Positions::Bound(buffer, range) => PositionBinding::new(device, buffer, range)?,
         };
-        let (corners, colors) = (&self.corners, &self.colors);
         let group = create_bind_group(
             device,
             &renderer.pipelines,
             &self.uniform,
             &binding,
-            corners,
-            colors,
+            [&self.corners, &self.colors, &self.uvs],
         )?;
         let first = binding.first_vertex;
         self.group = group;
@@ -252,7 +275,8 @@ impl BodyView {
         let uniform = BodyUniform {
             back_face: self.back_face,
             first_vertex,
-            pad: [0; 3],
+            checkers: self.checkers,
+            pad: [0; 2],
         };
         scoped(renderer.device(), "writing a body", || {
             let bytes = bytemuck::bytes_of(&uniform);
@@ -304,8 +328,7 @@ fn create_bind_group(
     pipelines: &Pipelines,
     uniform: &Buffer,
     binding: &PositionBinding<'_>,
-    corners: &Buffer,
-    colors: &Buffer,
+    [corners, colors, uvs]: [&Buffer; 3],
 ) -> Result<BindGroup, RenderError> {
     let positions = wgpu::BufferBinding {
         buffer: binding.buffer,
@@ -317,6 +340,7 @@ fn create_bind_group(
         wgpu::BindingResource::Buffer(positions),
         corners.as_entire_binding(),
         colors.as_entire_binding(),
+        uvs.as_entire_binding(),
     ];
     let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
         .zip(resources)

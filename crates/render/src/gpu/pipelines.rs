@@ -42,9 +42,8 @@ impl Pipelines {
         samples: u32,
     ) -> Result<Self, RenderError> {
         let view_layout = layout(device, "view", &[uniform(0)])?;
-        let storage = [1, 2, 3].map(storage);
-        let [positions, corners, colors] = storage;
-        let body = [uniform(0), positions, corners, colors];
+        let [positions, corners, colors, uvs] = [1, 2, 3, 4].map(storage);
+        let body = [uniform(0), positions, corners, colors, uvs];
         // Devices without storage buffers in the vertex stage fail here.
         let body_layout = layout(device, "body", &body).map_err(|error| match error {
             RenderError::Validation { message, .. } => RenderError::NoVertexStorage { message },

@@ -96,7 +96,7 @@ mod tests {
             &modules[1],
             "Body",
             size_of::<BodyUniform>(),
-            &members!(BodyUniform: back_face first_vertex),
+            &members!(BodyUniform: back_face first_vertex checkers),
         );
     }
 }

@@ -34,7 +34,9 @@ pub(super) struct BodyUniform {
     pub(super) back_face: [f32; 4],
     /// Index of vertex 0 in the bound positions.
     pub(super) first_vertex: u32,
-    pub(super) pad: [u32; 3],
+    /// Squares of a checkerboard per unit of texture coordinates; 0 for plain colors.
+    pub(super) checkers: f32,
+    pub(super) pad: [u32; 2],
 }
 
 impl ViewUniform {
