@@ -43,6 +43,66 @@
 #define INCISE_CAPS_NONE 2
 
 /*
+ A solid that keeps its volume and shape.
+ */
+#define INCISE_MATERIAL_SOFT_BODY 0
+
+/*
+ A stiff shell that keeps its curvature.
+ */
+#define INCISE_MATERIAL_SHELL 1
+
+/*
+ Cloth that does not stretch and bends freely.
+ */
+#define INCISE_MATERIAL_CLOTH 2
+
+/*
+ Mass per area, in kg/m^2.
+ */
+#define INCISE_DENSITY_AREA 0
+
+/*
+ Mass per volume, in kg/m^3.
+ */
+#define INCISE_DENSITY_VOLUME 1
+
+/*
+ No constraints of this kind.
+ */
+#define INCISE_STIFFNESS_NONE 0
+
+/*
+ Stiffness of position based dynamics, 0 to 1.
+ */
+#define INCISE_STIFFNESS_PBD 1
+
+/*
+ Inverse stiffness of XPBD in m/N, for bending in rad/(N m); 0 is rigid.
+ */
+#define INCISE_STIFFNESS_COMPLIANCE 2
+
+/*
+ The half-space below `position`, with the outward normal `direction`.
+ */
+#define INCISE_COLLIDER_PLANE 0
+
+/*
+ A ball of `radius` around `position`.
+ */
+#define INCISE_COLLIDER_SPHERE 1
+
+/*
+ The points within `radius` of the segment from `position` to `end`.
+ */
+#define INCISE_COLLIDER_CAPSULE 2
+
+/*
+ A box around `position` with half extents `half`, its first sides along `axes`.
+ */
+#define INCISE_COLLIDER_BOX 3
+
+/*
  The version of this header.
  */
 #define INCISE_ABI_VERSION 1
@@ -106,6 +166,121 @@ typedef struct incise_cut_result incise_cut_result;
  The opaque type of meshes in the header.
  */
 typedef struct incise_mesh incise_mesh;
+
+/*
+ The opaque type of scenes in the header.
+ */
+typedef struct incise_scene incise_scene;
+
+/*
+ Material of a body; `incise_material_init` writes a starting point.
+ */
+typedef struct {
+  /*
+   `INCISE_DENSITY_AREA` or `INCISE_DENSITY_VOLUME`.
+   */
+  uint32_t density_kind;
+  /*
+   The density.
+   */
+  float density;
+  /*
+   Kind of the resistance of edges to a change of length; not `INCISE_STIFFNESS_NONE`.
+   */
+  uint32_t stretch_kind;
+  /*
+   Its value.
+   */
+  float stretch;
+  /*
+   Kind of the resistance of edges to a change of angle.
+   */
+  uint32_t bending_kind;
+  /*
+   Its value.
+   */
+  float bending;
+  /*
+   1 if closed pieces resist a change of volume.
+   */
+  uint32_t has_volume;
+  /*
+   Inverse bulk modulus in 1/Pa; 0 is incompressible.
+   */
+  float compressibility;
+  /*
+   Target volume over rest volume.
+   */
+  float pressure;
+  /*
+   Kind of springs through the body, which keep its shape.
+   */
+  uint32_t spring_kind;
+  /*
+   Value of the springs.
+   */
+  float spring;
+  /*
+   Fraction of vertices with a spring of their own, 0 to 1.
+   */
+  float spring_density;
+  /*
+   Rate at which velocities decay, in 1/s.
+   */
+  float damping;
+  /*
+   Coulomb friction coefficient.
+   */
+  float friction;
+} incise_material;
+
+/*
+ Counts of a body.
+ */
+typedef struct {
+  /*
+   Number of vertices: rows of 3 floats of `incise_body_positions`. Cuts leave some unused.
+   */
+  uint32_t vertices;
+  /*
+   Number of triangles: rows of 3 indices of `incise_body_faces`.
+   */
+  uint32_t faces;
+  /*
+   Rows of 2 floats of `incise_body_uv`: three per triangle, or 0.
+   */
+  uint32_t uv;
+  /*
+   Number of pieces.
+   */
+  uint32_t pieces;
+  /*
+   1 if the body sleeps.
+   */
+  uint32_t asleep;
+  /*
+   Changes when a cut or an undo changes the triangles, and only then.
+   */
+  uint64_t version;
+} incise_body_counts;
+
+/*
+ The first hit of a ray.
+ */
+typedef struct {
+  /*
+   1 if the ray hits the body; the other fields are 0 otherwise.
+   */
+  uint32_t hit;
+  /*
+   The corner of the hit triangle that is nearest to the point.
+   */
+  uint32_t vertex;
+  /*
+   Distance in lengths of the ray's direction.
+   */
+  double distance;
+} incise_ray_hit;
 
 /*
  Properties of a mesh as given, with equal positions welded.
@@ -368,9 +543,243 @@ typedef struct {
   uint32_t self_intersecting;
 } incise_fill_report;
 
+/*
+ Parameters of a scene; `incise_scene_params_init` writes the defaults.
+ */
+typedef struct {
+  /*
+   Duration of a frame in seconds.
+   */
+  float dt;
+  /*
+   Gravitational acceleration in meters per second squared.
+   */
+  float gravity[3];
+  /*
+   1 for a ground plane at the height `ground`, 0 for none.
+   */
+  uint32_t has_ground;
+  /*
+   Height of the ground plane in meters (y axis).
+   */
+  float ground;
+  /*
+   Substeps per frame.
+   */
+  uint32_t substeps;
+  /*
+   Projections of every constraint per substep.
+   */
+  uint32_t iterations;
+  /*
+   Maximum number of threads; 0 for all. The results do not depend on it.
+   */
+  uint32_t threads;
+  /*
+   1 for contacts between bodies, pieces and blade faces, 0 for none.
+   */
+  uint32_t contacts;
+  /*
+   Minimum distance between surfaces in mean edge lengths.
+   */
+  float contact_thickness;
+  /*
+   1 if the triangles of one piece collide with each other.
+   */
+  uint32_t self_collision;
+  /*
+   1 if bodies at rest fall asleep.
+   */
+  uint32_t sleep;
+  /*
+   1 if blades may stop inside bodies, 0 if a sweep that ends inside is refused.
+   */
+  uint32_t progressive;
+  /*
+   Maximum number of cuts that `incise_scene_undo` can undo; 0 keeps none.
+   */
+  uint32_t undo_limit;
+  /*
+   Parameters of cuts.
+   */
+  incise_cut_params cut;
+} incise_scene_params;
+
+/*
+ A rigid obstacle. Fields that its kind does not name are ignored.
+ */
+typedef struct {
+  /*
+   One of the `INCISE_COLLIDER_...` constants.
+   */
+  uint32_t kind;
+  /*
+   Radius in meters.
+   */
+  float radius;
+  /*
+   Point, center or first end in meters.
+   */
+  float position[3];
+  /*
+   Outward normal of a plane.
+   */
+  float direction[3];
+  /*
+   Second end of a capsule in meters.
+   */
+  float end[3];
+  /*
+   Half extents of a box in meters.
+   */
+  float half[3];
+  /*
+   Directions of the first two sides of a box, 3 floats each.
+   */
+  float axes[6];
+} incise_collider;
+
+/*
+ Counters and times of a frame.
+ */
+typedef struct {
+  /*
+   Number of blades that moved.
+   */
+  uint32_t sweeps;
+  /*
+   Number of sweeps that met no body.
+   */
+  uint32_t missed_sweeps;
+  /*
+   Number of cuts.
+   */
+  uint32_t cuts;
+  /*
+   Number of refused cuts, see `incise_scene_failed_cuts`.
+   */
+  uint32_t failed_cuts;
+  /*
+   Number of contacts.
+   */
+  uint32_t contacts;
+  /*
+   Number of sleeping bodies.
+   */
+  uint32_t sleeping_bodies;
+  /*
+   Time of finding and making cuts in seconds.
+   */
+  double cut_seconds;
+  /*
+   Time of finding contacts in seconds.
+   */
+  double contact_seconds;
+  /*
+   Time of the solver in seconds.
+   */
+  double solver_seconds;
+} incise_frame_stats;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
+
+/*
+ Writes a material: `INCISE_MATERIAL_SOFT_BODY`, `INCISE_MATERIAL_SHELL` or
+ `INCISE_MATERIAL_CLOTH`.
+ */
+incise_status incise_material_init(uint32_t preset, incise_material *out);
+
+/*
+ Adds a copy of a mesh as a body at rest. `material` may be NULL for a soft body. `out` gets the
+ index of the body; indices are not reused.
+ */
+incise_status incise_scene_add_body(incise_scene *scene,
+                                    incise_mesh *mesh,
+                                    const incise_material *material,
+                                    uint32_t *out);
+
+/*
+ Removes a body.
+ */
+incise_status incise_scene_remove_body(incise_scene *scene, uint32_t body);
+
+/*
+ Counts vertices, triangles and pieces of a body.
+ */
+incise_status incise_body_count(incise_scene *scene, uint32_t body, incise_body_counts *out);
+
+/*
+ Copies the positions of all vertices (meters): 3 floats each. `capacity` counts floats.
+
+ A vertex keeps its index as long as it exists. No triangle refers to an unused one.
+ */
+incise_status incise_body_positions(incise_scene *scene,
+                                    uint32_t body,
+                                    float *out,
+                                    size_t capacity);
+
+/*
+ Copies all triangles: 3 vertex indices each. `capacity` counts indices.
+ */
+incise_status incise_body_faces(incise_scene *scene, uint32_t body, uint32_t *out, size_t capacity);
+
+/*
+ Copies the texture coordinates of all corners of `incise_body_faces`: 2 floats each.
+ */
+incise_status incise_body_uv(incise_scene *scene, uint32_t body, float *out, size_t capacity);
+
+/*
+ Copies the piece number of each triangle of `incise_body_faces`. Numbers need not be
+ consecutive.
+ */
+incise_status incise_body_face_pieces(incise_scene *scene,
+                                      uint32_t body,
+                                      uint32_t *out,
+                                      size_t capacity);
+
+/*
+ Copies the material number of each triangle of `incise_body_faces`: `cap_material` of the
+ parameters for caps, else 0 or that of the file.
+ */
+incise_status incise_body_face_materials(incise_scene *scene,
+                                         uint32_t body,
+                                         uint32_t *out,
+                                         size_t capacity);
+
+/*
+ Copies a body with its present shape to a new mesh without unused vertices.
+ */
+incise_status incise_body_mesh(incise_scene *scene, uint32_t body, incise_mesh **out);
+
+/*
+ Pins a vertex of a body where it is.
+ */
+incise_status incise_body_pin(incise_scene *scene, uint32_t body, uint32_t vertex);
+
+/*
+ Releases a pinned vertex.
+ */
+incise_status incise_body_unpin(incise_scene *scene, uint32_t body, uint32_t vertex);
+
+/*
+ Sets where a pinned vertex is at the end of the next frame: 3 floats (meters).
+ */
+incise_status incise_body_move_pin(incise_scene *scene,
+                                   uint32_t body,
+                                   uint32_t vertex,
+                                   const float *position);
+
+/*
+ Casts a ray at a body in its present shape. `origin` and `direction` have 3 numbers each
+ (meters).
+ */
+incise_status incise_body_cast_ray(incise_scene *scene,
+                                   uint32_t body,
+                                   const double *origin,
+                                   const double *direction,
+                                   incise_ray_hit *out);
 
 /*
  Checks arrays of any quality. Takes the arrays of `incise_mesh_new` without `uv`.
@@ -584,6 +993,85 @@ incise_status incise_mesh_warnings(incise_mesh *mesh, char *out, size_t capacity
 incise_status incise_mesh_fill(incise_mesh *mesh,
                                const incise_fill_params *params,
                                incise_fill_report *out);
+
+/*
+ Writes the default parameters of scenes.
+ */
+incise_status incise_scene_params_init(incise_scene_params *out);
+
+/*
+ Makes an empty scene on the CPU. `params` may be NULL for the defaults. Free it with
+ `incise_scene_free`.
+ */
+incise_status incise_scene_new(const incise_scene_params *params, incise_scene **out);
+
+/*
+ Frees a scene with its bodies; NULL is allowed.
+ */
+incise_status incise_scene_free(incise_scene *scene);
+
+/*
+ Sets the parameters from the next frame on.
+ */
+incise_status incise_scene_set_params(incise_scene *scene, const incise_scene_params *params);
+
+/*
+ Replaces all colliders. Those of a list of the same length move to their new places in the next
+ frame.
+ */
+incise_status incise_scene_set_colliders(incise_scene *scene,
+                                         const incise_collider *colliders,
+                                         size_t collider_count);
+
+/*
+ Adds a blade with its edge from start to end: 6 floats (meters). `out` gets its index.
+ */
+incise_status incise_scene_add_blade(incise_scene *scene, const float *edge, uint32_t *out);
+
+/*
+ Moves the edge of a blade; the next frame cuts along its sweep.
+ */
+incise_status incise_scene_move_blade(incise_scene *scene, uint32_t blade, const float *edge);
+
+/*
+ Moves the edge of a blade without cutting, and ends its incisions.
+ */
+incise_status incise_scene_teleport_blade(incise_scene *scene, uint32_t blade, const float *edge);
+
+/*
+ Gives a blade a face that bodies collide with: the vector from its edge to its back, 3 floats
+ (meters). NULL removes the face.
+ */
+incise_status incise_scene_set_blade_face(incise_scene *scene, uint32_t blade, const float *face);
+
+/*
+ Steps by one frame: cuts along the sweeps of blades, then moves the bodies.
+
+ A refused cut is no error, see `incise_scene_failed_cuts`. `out` may be NULL.
+ */
+incise_status incise_scene_step(incise_scene *scene, incise_frame_stats *out);
+
+/*
+ Copies a line for each cut that was refused in the last frame; see `incise_mesh_warnings` for
+ the arguments.
+ */
+incise_status incise_scene_failed_cuts(incise_scene *scene,
+                                       char *out,
+                                       size_t capacity,
+                                       size_t *length);
+
+/*
+ Undoes the last cut of a body, and ends the incisions of all blades.
+
+ A blade that was inside the body cuts on from its next motion. One frame of a blade in motion is
+ one cut.
+ */
+incise_status incise_scene_undo(incise_scene *scene, uint32_t body);
+
+/*
+ Counts the cuts of a body that can be undone.
+ */
+incise_status incise_scene_undo_count(incise_scene *scene, uint32_t body, uint32_t *out);
 
 /*
  Returns the number of objects that are not freed yet, for tests of leaks.
