@@ -43,6 +43,21 @@
 #define INCISE_CAPS_NONE 2
 
 /*
+ Steps all bodies on the CPU.
+ */
+#define INCISE_BACKEND_CPU 0
+
+/*
+ Steps all bodies on a GPU; an error without one, and in a library without the feature `gpu`.
+ */
+#define INCISE_BACKEND_GPU 1
+
+/*
+ Steps bodies on a GPU where that is faster, else on the CPU.
+ */
+#define INCISE_BACKEND_AUTO 2
+
+/*
  A solid that keeps its volume and shape.
  */
 #define INCISE_MATERIAL_SOFT_BODY 0
@@ -600,6 +615,11 @@ typedef struct {
    */
   uint32_t undo_limit;
   /*
+   `INCISE_BACKEND_CPU`, `INCISE_BACKEND_GPU` or `INCISE_BACKEND_AUTO`; fixed when the scene is
+   made.
+   */
+  uint32_t backend;
+  /*
    Parameters of cuts.
    */
   incise_cut_params cut;
@@ -1000,8 +1020,7 @@ incise_status incise_mesh_fill(incise_mesh *mesh,
 incise_status incise_scene_params_init(incise_scene_params *out);
 
 /*
- Makes an empty scene on the CPU. `params` may be NULL for the defaults. Free it with
- `incise_scene_free`.
+ Makes an empty scene. `params` may be NULL for the defaults. Free it with `incise_scene_free`.
  */
 incise_status incise_scene_new(const incise_scene_params *params, incise_scene **out);
 

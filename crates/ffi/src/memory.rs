@@ -78,6 +78,25 @@ pub(crate) unsafe fn output<T: Copy>(
     capacity: usize,
     name: &str,
 ) -> Result<(), Error> {
+    check_output(values, out, capacity, name)?;
+    if values.is_empty() {
+        return Ok(());
+    }
+    // SAFETY: `out` is aligned and has room by the promise; `values` is the library's own memory.
+    unsafe { ptr::copy_nonoverlapping(values.as_ptr(), out, values.len()) };
+    Ok(())
+}
+
+/// Checks that [`output`] can copy `values`.
+///
+/// # Errors
+/// As [`output`].
+pub(crate) fn check_output<T>(
+    values: &[T],
+    out: *mut T,
+    capacity: usize,
+    name: &str,
+) -> Result<(), Error> {
     let needed = values.len();
     if needed == 0 {
         return Ok(());
@@ -87,8 +106,6 @@ pub(crate) unsafe fn output<T: Copy>(
         let text = format_args!("{name} has room for {capacity} values and needs {needed}");
         return Err(Error::new(Status::BufferTooSmall, text));
     }
-    // SAFETY: `out` is aligned and has room by the promise; `values` is the library's own memory.
-    unsafe { ptr::copy_nonoverlapping(values.as_ptr(), out, needed) };
     Ok(())
 }
 

@@ -5,7 +5,7 @@ use crate::memory::{check_finite, count};
 use crate::params::SceneParams;
 use crate::status::{Error, Status};
 use incise::mesh::{Surface, Undo, VertexId};
-use incise::scene::{self, BladeId, BladeMode, Body, BodyId};
+use incise::scene::{self, BackendRequest, BladeId, BladeMode, Body, BodyId};
 use std::collections::VecDeque;
 
 /// The opaque type of scenes in the header.
@@ -33,8 +33,12 @@ impl Object for SceneObject {
 
 impl SceneObject {
     pub(crate) fn new(params: &SceneParams) -> Result<Self, Error> {
+        let request = BackendRequest {
+            choice: params.backend()?,
+            ..BackendRequest::default()
+        };
         Ok(Self {
-            scene: scene::Scene::new(params.check()?),
+            scene: scene::Scene::with_backend(params.check()?, &request)?,
             bodies: Vec::new(),
             blades: Vec::new(),
             blade_mode: params.blade_mode()?,

@@ -1,7 +1,7 @@
 //! Checks of meshes that may not be cuttable yet, from arrays and files.
 
 use crate::exports::mesh::arrays;
-use crate::memory::{count, output_text, put, text};
+use crate::memory::{count, output_text, text};
 use crate::mesh::{REPAIRS, lines};
 use crate::status::{Error, Status, call};
 use incise::mesh::{self, MeshData, check_with, read_mesh};
@@ -58,13 +58,15 @@ pub unsafe extern "C" fn incise_check(
     length: Option<&mut MaybeUninit<usize>>,
 ) -> Status {
     call(|| {
+        let out = out.ok_or_else(|| Error::null("out"))?;
         let none = std::ptr::null();
         // SAFETY: the caller's contract, see the README.
         let arrays = unsafe { arrays(vertices, vertex_count, faces, face_count, none, 0)? };
         let (report, lines) = report(&arrays.data()?);
         // SAFETY: the caller's contract, see the README.
         unsafe { output_text(&lines, text, capacity, length)? };
-        put(out, report, "out")
+        out.write(report);
+        Ok(())
     })
 }
 
@@ -78,13 +80,15 @@ pub unsafe extern "C" fn incise_check_file(
     length: Option<&mut MaybeUninit<usize>>,
 ) -> Status {
     call(|| {
+        let out = out.ok_or_else(|| Error::null("out"))?;
         // SAFETY: the caller's contract, see the README.
         let path = unsafe { self::text(path, "path")? };
         let data = read_mesh(Path::new(path)).map_err(Error::from)?;
         let (report, lines) = report(&data);
         // SAFETY: the caller's contract, see the README.
         unsafe { output_text(&lines, text, capacity, length)? };
-        put(out, report, "out")
+        out.write(report);
+        Ok(())
     })
 }
 

@@ -3,7 +3,7 @@
 use crate::cutting::{CutObject, CutResult};
 use crate::exports::mesh::put_new;
 use crate::handles::{remove, with};
-use crate::memory::{count, output, put};
+use crate::memory::{check_output, count, output, put};
 use crate::mesh::{Mesh, MeshObject};
 use crate::status::{Status, call};
 use std::mem::MaybeUninit;
@@ -171,17 +171,13 @@ pub unsafe extern "C" fn incise_cut_result_origins(
 ) -> Status {
     call(|| {
         with(result, |cut: &mut CutObject| {
-            let origins = &cut.origins;
-            let rows = origins.parents.as_flattened();
+            let rows = cut.origins.parents.as_flattened();
+            let shares = cut.origins.weights.as_flattened();
+            check_output(shares, weights, weight_capacity, "weights")?;
             // SAFETY: the caller's contract, see the README.
             unsafe {
                 output(rows, parents, parent_capacity, "parents")?;
-                output(
-                    origins.weights.as_flattened(),
-                    weights,
-                    weight_capacity,
-                    "weights",
-                )
+                output(shares, weights, weight_capacity, "weights")
             }
         })
     })

@@ -45,8 +45,7 @@ pub extern "C" fn incise_scene_params_init(out: Option<&mut MaybeUninit<ScenePar
     })
 }
 
-/// Makes an empty scene on the CPU. `params` may be NULL for the defaults. Free it with
-/// `incise_scene_free`.
+/// Makes an empty scene. `params` may be NULL for the defaults. Free it with `incise_scene_free`.
 #[unsafe(no_mangle)]
 pub extern "C" fn incise_scene_new(
     params: Option<&SceneParams>,

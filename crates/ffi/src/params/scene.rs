@@ -3,8 +3,15 @@
 use super::CutParams;
 use crate::status::Error;
 use incise::pbd::{self, Density, InteriorSprings, Stiffness, Volume};
-use incise::scene::{self, BladeMode, ContactParams, SleepParams};
+use incise::scene::{self, BackendChoice, BladeMode, ContactParams, SleepParams};
 use std::num::NonZeroUsize;
+
+/// Steps all bodies on the CPU.
+pub const INCISE_BACKEND_CPU: u32 = 0;
+/// Steps all bodies on a GPU; an error without one, and in a library without the feature `gpu`.
+pub const INCISE_BACKEND_GPU: u32 = 1;
+/// Steps bodies on a GPU where that is faster, else on the CPU.
+pub const INCISE_BACKEND_AUTO: u32 = 2;
 
 /// Parameters of a scene; `incise_scene_params_init` writes the defaults.
 #[repr(C)]
@@ -36,6 +43,9 @@ pub struct SceneParams {
     pub progressive: u32,
     /// Maximum number of cuts that `incise_scene_undo` can undo; 0 keeps none.
     pub undo_limit: u32,
+    /// `INCISE_BACKEND_CPU`, `INCISE_BACKEND_GPU` or `INCISE_BACKEND_AUTO`; fixed when the scene is
+    /// made.
+    pub backend: u32,
     /// Parameters of cuts.
     pub cut: CutParams,
 }
@@ -59,6 +69,7 @@ impl From<&scene::SceneParams> for SceneParams {
             sleep: u32::from(params.sleep.is_some()),
             progressive: u32::from(BladeMode::default() == BladeMode::Progressive),
             undo_limit: 256,
+            backend: INCISE_BACKEND_CPU,
             cut: CutParams::from(&params.cut),
         }
     }
@@ -86,6 +97,16 @@ impl SceneParams {
             contacts: flag(self.contacts, "contacts")?.then_some(contacts),
             sleep: flag(self.sleep, "sleep")?.then(SleepParams::default),
             ..defaults
+        })
+    }
+
+    /// Returns the backend.
+    pub(crate) fn backend(&self) -> Result<BackendChoice, Error> {
+        Ok(match self.backend {
+            INCISE_BACKEND_CPU => BackendChoice::Cpu,
+            INCISE_BACKEND_GPU => BackendChoice::Gpu,
+            INCISE_BACKEND_AUTO => BackendChoice::Auto,
+            backend => return Err(Error::constant("backend", backend)),
         })
     }
 

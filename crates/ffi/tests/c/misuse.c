@@ -88,6 +88,7 @@ static void meshes(void) {
     incise_mesh_report report;
     char text[200];
     size_t length = 0;
+    EXPECT(incise_check(corners, 4, sides, 3, NULL, text, 0, &length), NULL_POINTER, "out");
     OK(incise_check(corners, 4, sides, 3, &report, text, sizeof text, &length));
     if (report.open_edges != 3 || report.closed != 0) failures++, printf("check\n");
     EXPECT(incise_check_file("no.ply", &report, text, 0, NULL), FILE, "no.ply");
@@ -131,8 +132,10 @@ static void cuts(void) {
     OK(incise_mesh_free(mesh));
     EXPECT(incise_cut_result_piece(result, 2, &piece), OUT_OF_RANGE, "2 pieces");
     uint32_t ids[1];
+    float short_weights[1];
     EXPECT(incise_cut_result_vertex_ids(result, ids, 1), BUFFER_TOO_SMALL, "room for 1");
-    EXPECT(incise_cut_result_origins(result, NULL, 0, NULL, 0), NULL_POINTER, "parents");
+    EXPECT(incise_cut_result_origins(result, NULL, 0, NULL, 0), NULL_POINTER, "weights");
+    EXPECT(incise_cut_result_origins(result, ids, 1, short_weights, 1), BUFFER_TOO_SMALL, "weights");
     OK(incise_cut_result_piece(result, 1, &piece));
     OK(incise_cut_result_free(result));
     EXPECT(incise_cut_result_report(result, &report), INVALID_HANDLE, "freed");
@@ -145,7 +148,11 @@ static void scenes(void) {
     incise_scene *scene = NULL;
     params.sleep = 3;
     EXPECT(incise_scene_new(&params, &scene), INVALID_ARGUMENT, "sleep is 3");
-    params.sleep = 1;
+    params.sleep = 1, params.backend = 9;
+    EXPECT(incise_scene_new(&params, &scene), INVALID_ARGUMENT, "backend is 9");
+    params.backend = INCISE_BACKEND_GPU;
+    EXPECT(incise_scene_new(&params, &scene), SIMULATION, "feature gpu");
+    params.backend = INCISE_BACKEND_CPU;
     OK(incise_scene_new(&params, &scene));
     incise_mesh *mesh;
     OK(incise_mesh_model("Sphere80", &mesh));

@@ -131,6 +131,8 @@ namespace Incise
         /// <summary>1 if blades may stop inside bodies.</summary>
         public uint Progressive;
         public uint UndoLimit;
+        /// <summary>0: the CPU; 1: a GPU; 2: the faster one.</summary>
+        public uint Backend;
         public CutParams Cut;
 
         /// <summary>Returns the defaults of the library.</summary>
