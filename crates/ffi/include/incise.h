@@ -173,17 +173,17 @@ typedef enum {
 } incise_status;
 
 /*
- The opaque type of cut results in the header.
+ A cut copy of a mesh with its pieces, caps and origins of vertices.
  */
 typedef struct incise_cut_result incise_cut_result;
 
 /*
- The opaque type of meshes in the header.
+ A triangle surface: a body or a sheet.
  */
 typedef struct incise_mesh incise_mesh;
 
 /*
- The opaque type of scenes in the header.
+ Bodies and blades, stepped frame by frame.
  */
 typedef struct incise_scene incise_scene;
 
@@ -196,7 +196,7 @@ typedef struct {
    */
   uint32_t density_kind;
   /*
-   The density.
+   The density in the unit of its kind.
    */
   float density;
   /*
@@ -204,7 +204,7 @@ typedef struct {
    */
   uint32_t stretch_kind;
   /*
-   Its value.
+   Stiffness from 0 to 1, or compliance in m/N.
    */
   float stretch;
   /*
@@ -212,7 +212,7 @@ typedef struct {
    */
   uint32_t bending_kind;
   /*
-   Its value.
+   Stiffness from 0 to 1, or compliance in rad/(N m).
    */
   float bending;
   /*
@@ -232,7 +232,7 @@ typedef struct {
    */
   uint32_t spring_kind;
   /*
-   Value of the springs.
+   Their stiffness from 0 to 1, or compliance in m/N.
    */
   float spring;
   /*

@@ -9,7 +9,7 @@ use incise::mesh::{Surface, TriangleId};
 use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
-/// The opaque type of cut results in the header.
+/// A cut copy of a mesh with its pieces, caps and origins of vertices.
 #[derive(Debug)]
 pub struct CutResult {
     _opaque: [u8; 0],

@@ -16,7 +16,7 @@ pub(crate) const REPAIRS: RepairParams = RepairParams {
     separate_sheets: true,
 };
 
-/// The opaque type of meshes in the header.
+/// A triangle surface: a body or a sheet.
 #[derive(Debug)]
 pub struct Mesh {
     _opaque: [u8; 0],

@@ -8,7 +8,7 @@ use incise::mesh::{Surface, Undo, VertexId};
 use incise::scene::{self, BackendRequest, BladeId, BladeMode, Body, BodyId};
 use std::collections::VecDeque;
 
-/// The opaque type of scenes in the header.
+/// Bodies and blades, stepped frame by frame.
 #[derive(Debug)]
 pub struct Scene {
     _opaque: [u8; 0],

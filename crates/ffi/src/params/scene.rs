@@ -155,15 +155,15 @@ pub const INCISE_STIFFNESS_COMPLIANCE: u32 = 2;
 pub struct Material {
     /// `INCISE_DENSITY_AREA` or `INCISE_DENSITY_VOLUME`.
     pub density_kind: u32,
-    /// The density.
+    /// The density in the unit of its kind.
     pub density: f32,
     /// Kind of the resistance of edges to a change of length; not `INCISE_STIFFNESS_NONE`.
     pub stretch_kind: u32,
-    /// Its value.
+    /// Stiffness from 0 to 1, or compliance in m/N.
     pub stretch: f32,
     /// Kind of the resistance of edges to a change of angle.
     pub bending_kind: u32,
-    /// Its value.
+    /// Stiffness from 0 to 1, or compliance in rad/(N m).
     pub bending: f32,
     /// 1 if closed pieces resist a change of volume.
     pub has_volume: u32,
@@ -173,7 +173,7 @@ pub struct Material {
     pub pressure: f32,
     /// Kind of springs through the body, which keep its shape.
     pub spring_kind: u32,
-    /// Value of the springs.
+    /// Their stiffness from 0 to 1, or compliance in m/N.
     pub spring: f32,
     /// Fraction of vertices with a spring of their own, 0 to 1.
     pub spring_density: f32,

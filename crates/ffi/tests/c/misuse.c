@@ -1,7 +1,8 @@
 /* Calls the interface with NULL, freed and foreign handles, wrong sizes and numbers that are not
-   finite: every call returns the right status with a text, and writes nothing. */
+   finite, and from several threads: every call returns the right status with a text, and writes nothing. */
 #include <incise.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -201,7 +202,39 @@ static void scenes(void) {
     EXPECT(incise_scene_step(scene, NULL), INVALID_HANDLE, "freed");
 }
 
+/* Cuts one mesh in several threads; each has its own error text. */
+static void *cut_in_thread(void *mesh) {
+    const double up[3] = {0, 1, 0.1}, zero[3] = {0, 0, 0};
+    for (int i = 0; i < 20; i++) {
+        incise_cut_result *result;
+        if (incise_mesh_cut_plane(mesh, zero, 0, NULL, &result) != INCISE_STATUS_REFUSED ||
+            !strstr(incise_last_error(), "no area"))
+            return "a refused cut in a thread";
+        if (incise_mesh_model("Teapot", NULL) == INCISE_STATUS_OK) return "no place for a handle";
+        if (incise_mesh_cut_plane(mesh, up, 0.01 * i, NULL, &result) != INCISE_STATUS_OK ||
+            incise_last_error()[0] != 0)
+            return "a cut in a thread";
+        if (incise_cut_result_free(result) != INCISE_STATUS_OK) return "a free in a thread";
+    }
+    return NULL;
+}
+
+static void threads(void) {
+    incise_mesh *mesh;
+    OK(incise_mesh_model("Sphere80", &mesh));
+    pthread_t workers[4];
+    for (int i = 0; i < 4; i++)
+        if (pthread_create(&workers[i], NULL, cut_in_thread, mesh)) exit(1);
+    for (int i = 0; i < 4; i++) {
+        void *text = NULL;
+        pthread_join(workers[i], &text);
+        if (text != NULL) failures++, printf("%s\n", (const char *)text);
+    }
+    OK(incise_mesh_free(mesh));
+}
+
 int main(void) {
+    threads();
     meshes();
     cuts();
     scenes();
