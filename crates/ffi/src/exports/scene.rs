@@ -1,0 +1,242 @@
+//! Scenes: parameters, colliders, blades, frames and undo.
+
+use crate::handles::{insert, remove, with};
+use crate::memory::{check_finite, count, fixed, input, output_text, put};
+use crate::params::{Collider, SceneParams};
+use crate::simulation::{Scene, SceneObject};
+use crate::status::{Error, Status, call};
+use incise::scene;
+use std::ffi::c_char;
+use std::mem::MaybeUninit;
+
+/// Counters and times of a frame.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct FrameStats {
+    /// Number of blades that moved.
+    pub sweeps: u32,
+    /// Number of sweeps that met no body.
+    pub missed_sweeps: u32,
+    /// Number of cuts.
+    pub cuts: u32,
+    /// Number of refused cuts, see `incise_scene_failed_cuts`.
+    pub failed_cuts: u32,
+    /// Number of contacts.
+    pub contacts: u32,
+    /// Number of sleeping bodies.
+    pub sleeping_bodies: u32,
+    /// Time of finding and making cuts in seconds.
+    pub cut_seconds: f64,
+    /// Time of finding contacts in seconds.
+    pub contact_seconds: f64,
+    /// Time of the solver in seconds.
+    pub solver_seconds: f64,
+}
+
+/// Writes the default parameters of scenes.
+#[unsafe(no_mangle)]
+pub extern "C" fn incise_scene_params_init(out: Option<&mut MaybeUninit<SceneParams>>) -> Status {
+    call(|| {
+        put(
+            out,
+            SceneParams::from(&scene::SceneParams::default()),
+            "out",
+        )
+    })
+}
+
+/// Makes an empty scene. `params` may be NULL for the defaults. Free it with `incise_scene_free`.
+#[unsafe(no_mangle)]
+pub extern "C" fn incise_scene_new(
+    params: Option<&SceneParams>,
+    out: Option<&mut MaybeUninit<*mut Scene>>,
+) -> Status {
+    call(|| {
+        let defaults = SceneParams::from(&scene::SceneParams::default());
+        let Some(out) = out else {
+            return Err(Error::null("out"));
+        };
+        out.write(insert(SceneObject::new(params.unwrap_or(&defaults))?));
+        Ok(())
+    })
+}
+
+/// Frees a scene with its bodies; NULL is allowed.
+#[unsafe(no_mangle)]
+pub extern "C" fn incise_scene_free(scene: *mut Scene) -> Status {
+    call(|| remove::<SceneObject>(scene))
+}
+
+/// Sets the parameters from the next frame on.
+#[unsafe(no_mangle)]
+pub extern "C" fn incise_scene_set_params(
+    scene: *mut Scene,
+    params: Option<&SceneParams>,
+) -> Status {
+    call(|| {
+        let params = params.ok_or_else(|| Error::null("params"))?;
+        with(scene, |scene: &mut SceneObject| scene.set_params(params))
+    })
+}
+
+/// Replaces all colliders. Those of a list of the same length move to their new places in the next
+/// frame.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn incise_scene_set_colliders(
+    scene: *mut Scene,
+    colliders: *const Collider,
+    collider_count: usize,
+) -> Status {
+    call(|| {
+        // SAFETY: the caller's contract, see the README.
+        let colliders = unsafe { input(colliders, collider_count, "colliders")? };
+        let colliders = colliders.iter().map(Collider::check);
+        let colliders = colliders.collect::<Result<Vec<_>, Error>>()?;
+        with(scene, |scene: &mut SceneObject| {
+            scene.scene.colliders = colliders;
+            Ok(())
+        })
+    })
+}
+
+/// Adds a blade with its edge from start to end: 6 floats (meters). `out` gets its index.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn incise_scene_add_blade(
+    scene: *mut Scene,
+    edge: *const f32,
+    out: Option<&mut MaybeUninit<u32>>,
+) -> Status {
+    call(|| {
+        // SAFETY: the caller's contract, see the README.
+        let edge = unsafe { fixed(edge, "edge")? };
+        let out = out.ok_or_else(|| Error::null("out"))?;
+        with(scene, |scene: &mut SceneObject| {
+            out.write(scene.add_blade(edge)?);
+            Ok(())
+        })
+    })
+}
+
+/// Moves the edge of a blade; the next frame cuts along its sweep.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn incise_scene_move_blade(
+    scene: *mut Scene,
+    blade: u32,
+    edge: *const f32,
+) -> Status {
+    call(|| {
+        // SAFETY: the caller's contract, see the README.
+        let edge = unsafe { fixed(edge, "edge")? };
+        with(scene, |scene: &mut SceneObject| {
+            scene.move_blade(blade, edge, true)
+        })
+    })
+}
+
+/// Moves the edge of a blade without cutting, and ends its incisions.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn incise_scene_teleport_blade(
+    scene: *mut Scene,
+    blade: u32,
+    edge: *const f32,
+) -> Status {
+    call(|| {
+        // SAFETY: the caller's contract, see the README.
+        let edge = unsafe { fixed(edge, "edge")? };
+        with(scene, |scene: &mut SceneObject| {
+            scene.move_blade(blade, edge, false)
+        })
+    })
+}
+
+/// Gives a blade a face that bodies collide with: the vector from its edge to its back, 3 floats
+/// (meters). NULL removes the face.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn incise_scene_set_blade_face(
+    scene: *mut Scene,
+    blade: u32,
+    face: *const f32,
+) -> Status {
+    call(|| {
+        let face = match face.is_null() {
+            true => None,
+            // SAFETY: the caller's contract, see the README.
+            false => Some(unsafe { fixed(face, "face")? }),
+        };
+        check_finite(face.as_ref().map_or(&[], |face| face), "face")?;
+        with(scene, |scene: &mut SceneObject| {
+            scene.set_blade_face(blade, face)
+        })
+    })
+}
+
+/// Steps by one frame: cuts along the sweeps of blades, then moves the bodies.
+///
+/// A refused cut is no error, see `incise_scene_failed_cuts`. `out` may be NULL.
+#[unsafe(no_mangle)]
+pub extern "C" fn incise_scene_step(
+    scene: *mut Scene,
+    out: Option<&mut MaybeUninit<FrameStats>>,
+) -> Status {
+    call(|| {
+        with(scene, |scene: &mut SceneObject| {
+            scene.step()?;
+            let stats = scene.scene.stats();
+            let stats = FrameStats {
+                sweeps: stats.sweeps,
+                missed_sweeps: stats.missed_sweeps,
+                cuts: stats.cuts,
+                failed_cuts: stats.failed_cuts,
+                contacts: count(stats.contacts),
+                sleeping_bodies: stats.sleeping_bodies,
+                cut_seconds: stats.cutting().as_secs_f64(),
+                contact_seconds: stats.contact_detection.as_secs_f64(),
+                solver_seconds: stats.solver.as_secs_f64(),
+            };
+            match out {
+                Some(_) => put(out, stats, "out"),
+                None => Ok(()),
+            }
+        })
+    })
+}
+
+/// Copies a line for each cut that was refused in the last frame; see `incise_mesh_warnings` for
+/// the arguments.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn incise_scene_failed_cuts(
+    scene: *mut Scene,
+    out: *mut c_char,
+    capacity: usize,
+    length: Option<&mut MaybeUninit<usize>>,
+) -> Status {
+    call(|| {
+        with(scene, |scene: &mut SceneObject| {
+            // SAFETY: the caller's contract, see the README.
+            unsafe { output_text(&scene.failed_cuts(), out, capacity, length) }
+        })
+    })
+}
+
+/// Undoes the last cut of a body, and ends the incisions of all blades.
+///
+/// A blade that was inside the body cuts on from its next motion. One frame of a blade in motion is
+/// one cut.
+#[unsafe(no_mangle)]
+pub extern "C" fn incise_scene_undo(scene: *mut Scene, body: u32) -> Status {
+    call(|| with(scene, |scene: &mut SceneObject| scene.undo(body)))
+}
+
+/// Counts the cuts of a body that can be undone.
+#[unsafe(no_mangle)]
+pub extern "C" fn incise_scene_undo_count(
+    scene: *mut Scene,
+    body: u32,
+    out: Option<&mut MaybeUninit<u32>>,
+) -> Status {
+    call(|| {
+        with(scene, |scene: &mut SceneObject| {
+            put(out, scene.undo_count(body)?, "out")
+        })
+    })
+}

@@ -1,0 +1,189 @@
+//! Parameters of cuts and of the filling of holes.
+
+use crate::memory::count;
+use crate::status::Error;
+use incise::cut::{self, Caps, CutMethod, ExactParams, PaperParams};
+use incise::refine::{HoleParams, RefineMethod, RefineParams, RefinementLevel};
+
+/// Splits the hit triangles along the sweep.
+pub const INCISE_METHOD_EXACT: u32 = 0;
+/// Rebuilds the boundary by the paper's listings. Closed bodies and full slices only.
+pub const INCISE_METHOD_PAPER: u32 = 1;
+
+/// Caps by constrained Delaunay triangulation.
+pub const INCISE_REFINE_DELAUNAY: u32 = 0;
+/// Caps by the paper's listings.
+pub const INCISE_REFINE_PAPER: u32 = 1;
+
+/// Closes cut bodies; a piece with a boundary is a sheet and stays open.
+pub const INCISE_CAPS_BODIES: u32 = 0;
+/// Closes bodies, and closed curves in sheets.
+pub const INCISE_CAPS_ALL_LOOPS: u32 = 1;
+/// Closes nothing.
+pub const INCISE_CAPS_NONE: u32 = 2;
+
+/// Parameters of a cut; `incise_cut_params_init` writes the defaults.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CutParams {
+    /// `INCISE_METHOD_EXACT` or `INCISE_METHOD_PAPER`.
+    pub method: u32,
+    /// `INCISE_REFINE_DELAUNAY` or `INCISE_REFINE_PAPER`.
+    pub refine_method: u32,
+    /// `INCISE_CAPS_BODIES`, `INCISE_CAPS_ALL_LOOPS` or `INCISE_CAPS_NONE`.
+    pub caps: u32,
+    /// Material number of caps.
+    pub cap_material: u32,
+    /// Edge length of caps relative to the surface at the rim, above 0. The paper's levels are 2,
+    /// 1.5, 1, 1/1.5 and 0.5.
+    pub level: f64,
+    /// Growth of edge lengths from the rim inward; see `RefineParams` of the Rust crate.
+    pub grading: f64,
+    /// Exact method: minimum length of rim edges in local edge lengths, at least 0, below 0.5.
+    pub snap: f64,
+    /// Exact method: maximum displacement by remeshing in local edge lengths, at least 0, below
+    /// 0.5.
+    pub remesh: f64,
+}
+
+impl From<&cut::CutParams> for CutParams {
+    fn from(params: &cut::CutParams) -> Self {
+        let (method, exact) = match params.method {
+            CutMethod::Exact(exact) => (INCISE_METHOD_EXACT, exact),
+            CutMethod::Paper(_) => (INCISE_METHOD_PAPER, ExactParams::default()),
+        };
+        Self {
+            method,
+            refine_method: match params.refine.method {
+                RefineMethod::Paper => INCISE_REFINE_PAPER,
+                _ => INCISE_REFINE_DELAUNAY,
+            },
+            caps: match params.caps {
+                Caps::None => INCISE_CAPS_NONE,
+                Caps::AllLoops => INCISE_CAPS_ALL_LOOPS,
+                _ => INCISE_CAPS_BODIES,
+            },
+            cap_material: params.cap_material,
+            level: params.refine.level.z(),
+            grading: params.refine.grading,
+            snap: exact.snap,
+            remesh: exact.remesh,
+        }
+    }
+}
+
+impl CutParams {
+    /// Returns the parameters of the library. Ranges are checked by the cut itself.
+    pub(crate) fn check(&self) -> Result<cut::CutParams, Error> {
+        let Self { snap, remesh, .. } = *self;
+        Ok(cut::CutParams {
+            method: match self.method {
+                INCISE_METHOD_EXACT => CutMethod::Exact(ExactParams { snap, remesh }),
+                INCISE_METHOD_PAPER => CutMethod::Paper(PaperParams::default()),
+                method => return Err(Error::constant("method", method)),
+            },
+            refine: RefineParams {
+                method: match self.refine_method {
+                    INCISE_REFINE_DELAUNAY => RefineMethod::Delaunay,
+                    INCISE_REFINE_PAPER => RefineMethod::Paper,
+                    method => return Err(Error::constant("refine_method", method)),
+                },
+                level: level(self.level)?,
+                grading: self.grading,
+                ..RefineParams::default()
+            },
+            caps: match self.caps {
+                INCISE_CAPS_BODIES => Caps::Bodies,
+                INCISE_CAPS_ALL_LOOPS => Caps::AllLoops,
+                INCISE_CAPS_NONE => Caps::None,
+                caps => return Err(Error::constant("caps", caps)),
+            },
+            cap_material: self.cap_material,
+            only_piece: None,
+        })
+    }
+}
+
+/// Returns a level, the named one of an equal value.
+fn level(z: f64) -> Result<RefinementLevel, Error> {
+    if !(z > 0.0 && z.is_finite()) {
+        return Err(Error::argument(format_args!(
+            "level is {z}; pass a number above 0"
+        )));
+    }
+    let named = RefinementLevel::FIVE.into_iter().find(|l| l.z() == z);
+    Ok(named.unwrap_or(RefinementLevel::Z(z)))
+}
+
+/// Parameters of `incise_mesh_fill`; `incise_fill_params_init` writes the defaults.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FillParams {
+    /// Edge length of patches relative to the surface around the hole, above 0.
+    pub level: f64,
+    /// Maximum number of edges of a rim; holes with more stay open.
+    pub max_rim_edges: u32,
+    /// Maximum number of triangles of all patches together.
+    pub max_triangles: u32,
+}
+
+impl From<&HoleParams> for FillParams {
+    fn from(params: &HoleParams) -> Self {
+        Self {
+            level: params.level.z(),
+            max_rim_edges: count(params.max_rim_edges),
+            max_triangles: count(params.max_triangles),
+        }
+    }
+}
+
+impl FillParams {
+    /// Returns the parameters of the library.
+    pub(crate) fn check(&self) -> Result<HoleParams, Error> {
+        Ok(HoleParams {
+            level: level(self.level)?,
+            max_rim_edges: self.max_rim_edges as usize,
+            max_triangles: self.max_triangles as usize,
+            ..HoleParams::default()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_those_of_the_libraries() {
+        let cut = cut::CutParams::default();
+        assert_eq!(CutParams::from(&cut).check(), Ok(cut));
+        let z = RefinementLevel::Finer1_5.z();
+        assert_eq!(level(z), Ok(RefinementLevel::Finer1_5), "bits of 1/1.5");
+        let fill = FillParams::from(&HoleParams::default()).check();
+        assert_eq!(
+            fill.map(|p| (p.level, p.max_triangles, p.fair)),
+            Ok((RefinementLevel::Original, 1_000_000, false))
+        );
+    }
+
+    #[test]
+    fn constants_and_levels_are_checked() {
+        let valid = CutParams::from(&cut::CutParams::default());
+        for (name, params) in [
+            ("method", CutParams { method: 7, ..valid }),
+            (
+                "refine_method",
+                CutParams {
+                    refine_method: 7,
+                    ..valid
+                },
+            ),
+            ("caps", CutParams { caps: 7, ..valid }),
+        ] {
+            assert_eq!(params.check(), Err(Error::constant(name, 7)));
+        }
+        for z in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(CutParams { level: z, ..valid }.check().is_err(), "{z}");
+        }
+    }
+}

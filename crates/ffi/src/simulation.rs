@@ -1,0 +1,201 @@
+//! [`SceneObject`]: a scene behind a handle, ids as indices, and the stack of undoable cuts.
+
+use crate::handles::Object;
+use crate::memory::{check_finite, count};
+use crate::params::SceneParams;
+use crate::status::{Error, Status};
+use incise::mesh::{Surface, Undo, VertexId};
+use incise::scene::{self, BackendRequest, BladeId, BladeMode, Body, BodyId};
+use std::collections::VecDeque;
+
+/// Bodies and blades, stepped frame by frame.
+#[derive(Debug)]
+pub struct Scene {
+    _opaque: [u8; 0],
+}
+
+/// A scene, and the ids of its bodies and blades by their indices in the interface.
+#[derive(Debug)]
+pub(crate) struct SceneObject {
+    pub(crate) scene: scene::Scene,
+    bodies: Vec<BodyId>,
+    blades: Vec<BladeId>,
+    blade_mode: BladeMode,
+    undo_limit: usize,
+    /// The undos of cuts, oldest first.
+    undo: VecDeque<(BodyId, Undo)>,
+}
+
+impl Object for SceneObject {
+    type Handle = Scene;
+    const NAME: &'static str = "scene";
+}
+
+impl SceneObject {
+    pub(crate) fn new(params: &SceneParams) -> Result<Self, Error> {
+        let request = BackendRequest {
+            choice: params.backend()?,
+            ..BackendRequest::default()
+        };
+        Ok(Self {
+            scene: scene::Scene::with_backend(params.check()?, &request)?,
+            bodies: Vec::new(),
+            blades: Vec::new(),
+            blade_mode: params.blade_mode()?,
+            undo_limit: params.undo_limit as usize,
+            undo: VecDeque::new(),
+        })
+    }
+
+    /// Sets the parameters from the next frame on.
+    pub(crate) fn set_params(&mut self, params: &SceneParams) -> Result<(), Error> {
+        let (checked, mode) = (params.check()?, params.blade_mode()?);
+        if mode != self.blade_mode {
+            for &blade in &self.blades {
+                self.scene.set_blade_mode(blade, mode)?;
+            }
+        }
+        self.scene.params = checked;
+        self.blade_mode = mode;
+        self.undo_limit = params.undo_limit as usize;
+        Ok(())
+    }
+
+    /// Adds a body and returns its index.
+    pub(crate) fn add_body(
+        &mut self,
+        surface: Surface,
+        material: &incise::pbd::Material,
+    ) -> Result<u32, Error> {
+        self.bodies.push(self.scene.add_body(surface, material)?);
+        Ok(count(self.bodies.len() - 1))
+    }
+
+    /// Returns the id of a body that may have been removed.
+    pub(crate) fn body_id(&self, body: u32) -> Result<BodyId, Error> {
+        let id = self.bodies.get(body as usize).copied();
+        id.ok_or_else(|| out_of_range("body", body, self.bodies.len()))
+    }
+
+    /// Returns a body with its newest state.
+    pub(crate) fn body(&mut self, body: u32) -> Result<&Body, Error> {
+        let id = self.body_id(body)?;
+        self.scene.read_back(id)?;
+        Ok(self.scene.body(id)?)
+    }
+
+    pub(crate) fn remove_body(&mut self, body: u32) -> Result<(), Error> {
+        let id = self.body_id(body)?;
+        self.scene.remove_body(id)?;
+        self.undo.retain(|(of, _)| *of != id);
+        Ok(())
+    }
+
+    /// Returns a vertex of a body that triangles use.
+    pub(crate) fn vertex(&mut self, body: u32, vertex: u32) -> Result<VertexId, Error> {
+        let topology = self.body(body)?.surface().topology();
+        let slots = topology.vertex_slots();
+        if vertex as usize >= slots {
+            return Err(out_of_range("vertex", vertex, slots));
+        }
+        Ok(VertexId(vertex))
+    }
+
+    /// Adds a blade and returns its index.
+    pub(crate) fn add_blade(&mut self, edge: [f32; 6]) -> Result<u32, Error> {
+        let id = self.scene.add_blade(to_edge(edge)?);
+        self.scene.set_blade_mode(id, self.blade_mode)?;
+        self.blades.push(id);
+        Ok(count(self.blades.len() - 1))
+    }
+
+    fn blade_id(&self, blade: u32) -> Result<BladeId, Error> {
+        let id = self.blades.get(blade as usize).copied();
+        id.ok_or_else(|| out_of_range("blade", blade, self.blades.len()))
+    }
+
+    /// Moves a blade; `is_cutting` tells whether the next frame cuts along its sweep.
+    pub(crate) fn move_blade(
+        &mut self,
+        blade: u32,
+        edge: [f32; 6],
+        is_cutting: bool,
+    ) -> Result<(), Error> {
+        let (id, edge) = (self.blade_id(blade)?, to_edge(edge)?);
+        match is_cutting {
+            true => self.scene.move_blade(id, edge)?,
+            false => self.scene.teleport_blade(id, edge)?,
+        }
+        Ok(())
+    }
+
+    pub(crate) fn set_blade_face(
+        &mut self,
+        blade: u32,
+        face: Option<[f32; 3]>,
+    ) -> Result<(), Error> {
+        let id = self.blade_id(blade)?;
+        Ok(self.scene.set_blade_face(id, face)?)
+    }
+
+    /// Steps by one frame and records the undos of its cuts.
+    pub(crate) fn step(&mut self) -> Result<(), Error> {
+        let cut = self.scene.cut().map(|_| ());
+        for result in self.scene.cuts() {
+            if let Some((body, outcome)) = &result.cut
+                && let Some(undo) = &outcome.undo
+            {
+                self.undo.push_back((*body, undo.clone()));
+            }
+        }
+        let surplus = self.undo.len().saturating_sub(self.undo_limit);
+        self.undo.drain(..surplus);
+        cut?;
+        self.scene.advance()?;
+        Ok(())
+    }
+
+    /// Returns the number of cuts of a body that can be undone.
+    pub(crate) fn undo_count(&self, body: u32) -> Result<u32, Error> {
+        let id = self.body_id(body)?;
+        Ok(count(self.undo.iter().filter(|(of, _)| *of == id).count()))
+    }
+
+    /// Undoes the last cut of a body and ends all incisions, whose tips may be gone.
+    pub(crate) fn undo(&mut self, body: u32) -> Result<(), Error> {
+        let id = self.body_id(body)?;
+        let Some(last) = self.undo.iter().rposition(|(of, _)| *of == id) else {
+            let text = format_args!("body {body} has no cut to undo");
+            return Err(Error::new(Status::Refused, text));
+        };
+        self.scene.undo(id, self.undo[last].1.clone())?;
+        self.undo.remove(last);
+        for &blade in &self.blades {
+            let edge = self.scene.blade(blade)?.edge();
+            self.scene.teleport_blade(blade, edge)?;
+        }
+        Ok(())
+    }
+
+    /// Returns a line for each cut that failed in the last frame.
+    pub(crate) fn failed_cuts(&self) -> String {
+        let line = |failed: &scene::FailedCut| {
+            format!(
+                "blade {}, body {}: {}\n",
+                failed.blade, failed.body, failed.error
+            )
+        };
+        self.scene.failed_cuts().iter().map(line).collect()
+    }
+}
+
+fn out_of_range(name: &str, index: u32, bound: usize) -> Error {
+    let text = format_args!("{name} {index} is out of range: there are {bound}");
+    Error::new(Status::OutOfRange, text)
+}
+
+fn to_edge(edge: [f32; 6]) -> Result<[[f32; 3]; 2], Error> {
+    check_finite(&edge, "edge")?;
+    let [ax, ay, az, bx, by, bz] = edge;
+    Ok([[ax, ay, az], [bx, by, bz]])
+}

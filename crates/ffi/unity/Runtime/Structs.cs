@@ -1,0 +1,243 @@
+// Parameters and reports, laid out as the structs of incise.h, whose comments describe the fields.
+
+using System.Runtime.InteropServices;
+
+namespace Incise
+{
+    /// <summary>A method to open a surface.</summary>
+    public enum CutMethod : uint
+    {
+        /// <summary>Splits triangles along the sweep.</summary>
+        Exact = 0,
+        /// <summary>The paper's listings; closed bodies and full slices only.</summary>
+        Paper = 1,
+    }
+
+    /// <summary>The curves of a cut that are closed by caps.</summary>
+    public enum Caps : uint
+    {
+        /// <summary>Those of closed bodies.</summary>
+        Bodies = 0,
+        /// <summary>Those of bodies, and closed curves in sheets.</summary>
+        AllLoops = 1,
+        /// <summary>None.</summary>
+        None = 2,
+    }
+
+    /// <summary>Parameters of a cut. Start with <see cref="Default"/>.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct CutParams
+    {
+        public CutMethod Method;
+        /// <summary>0: Delaunay; 1: the paper's listings.</summary>
+        public uint RefineMethod;
+        public Caps Caps;
+        public uint CapMaterial;
+        /// <summary>Edge length of caps relative to the surface: 2, 1.5, 1, 1/1.5, 0.5.</summary>
+        public double Level;
+        public double Grading;
+        public double Snap;
+        public double Remesh;
+
+        /// <summary>Returns the defaults of the library.</summary>
+        public static CutParams Default
+        {
+            get
+            {
+                CutParams parameters;
+                Native.Check(Native.incise_cut_params_init(out parameters));
+                return parameters;
+            }
+        }
+    }
+
+    /// <summary>Parameters of <see cref="Surface.Fill"/>.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct FillParams
+    {
+        public double Level;
+        public uint MaxRimEdges;
+        public uint MaxTriangles;
+
+        /// <summary>Returns the defaults of the library.</summary>
+        public static FillParams Default
+        {
+            get
+            {
+                FillParams parameters;
+                Native.Check(Native.incise_fill_params_init(out parameters));
+                return parameters;
+            }
+        }
+    }
+
+    /// <summary>Report of <see cref="Surface.Fill"/>.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct FillReport
+    {
+        public uint Filled, LeftOpen, NewFaces, SelfIntersecting;
+    }
+
+    /// <summary>Counts of a surface.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct MeshCounts
+    {
+        public uint Vertices, Faces, Uv, Pieces, BoundaryEdges;
+    }
+
+    /// <summary>Measures of a surface in meters.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct MeshMeasures
+    {
+        public double Area, Volume, MeanEdge;
+        public float LowX, LowY, LowZ, HighX, HighY, HighZ;
+        public double OriginX, OriginY, OriginZ;
+    }
+
+    /// <summary>Properties of a mesh that may not be cuttable.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct MeshReport
+    {
+        /// <summary>1 or 0.</summary>
+        public uint Cuttable, Closed, Manifold, Oriented;
+        public uint Vertices, Faces, Components, OpenEdges, NonmanifoldEdges, NonmanifoldVertices;
+        public uint WindingConflicts, DegenerateFaces;
+        public double Area, Volume;
+    }
+
+    /// <summary>Counts of a cut.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct CutReport
+    {
+        public uint Pieces, Vertices, Faces, CapFaces, InputVertices, CreatedVertices;
+        public uint Steps, Hits, Loops, Slits, TipVertices;
+        public double MovedVolume, MovedSurface, Seconds;
+    }
+
+    /// <summary>Parameters of a scene. Start with <see cref="Default"/>.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct SceneParams
+    {
+        public float Dt;
+        public float GravityX, GravityY, GravityZ;
+        /// <summary>1 for a ground at the height <see cref="Ground"/>.</summary>
+        public uint HasGround;
+        public float Ground;
+        public uint Substeps, Iterations, Threads;
+        /// <summary>1 for contacts between bodies, pieces and blades.</summary>
+        public uint Contacts;
+        public float ContactThickness;
+        public uint SelfCollision, Sleep;
+        /// <summary>1 if blades may stop inside bodies.</summary>
+        public uint Progressive;
+        public uint UndoLimit;
+        /// <summary>0: the CPU; 1: a GPU; 2: the faster one.</summary>
+        public uint Backend;
+        public CutParams Cut;
+
+        /// <summary>Returns the defaults of the library.</summary>
+        public static SceneParams Default
+        {
+            get
+            {
+                SceneParams parameters;
+                Native.Check(Native.incise_scene_params_init(out parameters));
+                return parameters;
+            }
+        }
+    }
+
+    /// <summary>Kinds of stiffness.</summary>
+    public enum StiffnessKind : uint
+    {
+        None = 0,
+        /// <summary>0 to 1, of position based dynamics.</summary>
+        Pbd = 1,
+        /// <summary>Inverse stiffness of XPBD.</summary>
+        Compliance = 2,
+    }
+
+    /// <summary>Material of a body. Start with one of the properties.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct Material
+    {
+        /// <summary>0: kg/m^2; 1: kg/m^3.</summary>
+        public uint DensityKind;
+        public float Density;
+        public StiffnessKind StretchKind;
+        public float Stretch;
+        public StiffnessKind BendingKind;
+        public float Bending;
+        public uint HasVolume;
+        public float Compressibility, Pressure;
+        public StiffnessKind SpringKind;
+        public float Spring, SpringDensity;
+        public float Damping, Friction;
+
+        /// <summary>Returns a solid that keeps its volume and shape.</summary>
+        public static Material SoftBody { get { return Preset(0); } }
+
+        /// <summary>Returns a stiff shell that keeps its curvature.</summary>
+        public static Material Shell { get { return Preset(1); } }
+
+        /// <summary>Returns cloth that does not stretch and bends freely.</summary>
+        public static Material Cloth { get { return Preset(2); } }
+
+        static Material Preset(uint preset)
+        {
+            Material material;
+            Native.Check(Native.incise_material_init(preset, out material));
+            return material;
+        }
+    }
+
+    /// <summary>Kinds of colliders.</summary>
+    public enum ColliderKind : uint
+    {
+        Plane = 0,
+        Sphere = 1,
+        Capsule = 2,
+        Box = 3,
+    }
+
+    /// <summary>A rigid obstacle. Fields that its kind does not need are ignored.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct Collider
+    {
+        public ColliderKind Kind;
+        public float Radius;
+        public float PositionX, PositionY, PositionZ;
+        public float DirectionX, DirectionY, DirectionZ;
+        public float EndX, EndY, EndZ;
+        public float HalfX, HalfY, HalfZ;
+        public float Axis0X, Axis0Y, Axis0Z, Axis1X, Axis1Y, Axis1Z;
+    }
+
+    /// <summary>Counters and times of a frame.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct FrameStats
+    {
+        public uint Sweeps, MissedSweeps, Cuts, FailedCuts, Contacts, SleepingBodies;
+        public double CutSeconds, ContactSeconds, SolverSeconds;
+    }
+
+    /// <summary>Counts of a body.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct BodyCounts
+    {
+        public uint Vertices, Faces, Uv, Pieces, Asleep;
+        /// <summary>Changes when the triangles change, and only then.</summary>
+        public ulong Version;
+    }
+
+    /// <summary>The first hit of a ray.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct RayHit
+    {
+        /// <summary>1 if the ray hits.</summary>
+        public uint Hit;
+        /// <summary>The nearest corner of the triangle.</summary>
+        public uint Vertex;
+        public double Distance;
+    }
+}
