@@ -380,6 +380,10 @@ typedef struct {
    */
   uint32_t cap_material;
   /*
+   Exact method: texture coordinates of caps per meter, at least 0.
+   */
+  double cap_uv_scale;
+  /*
    Edge length of caps relative to the surface at the rim, above 0. The paper's levels are 2,
    1.5, 1, 1/1.5 and 0.5.
    */

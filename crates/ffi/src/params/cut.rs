@@ -34,6 +34,8 @@ pub struct CutParams {
     pub caps: u32,
     /// Material number of caps.
     pub cap_material: u32,
+    /// Exact method: texture coordinates of caps per meter, at least 0.
+    pub cap_uv_scale: f64,
     /// Edge length of caps relative to the surface at the rim, above 0. The paper's levels are 2,
     /// 1.5, 1, 1/1.5 and 0.5.
     pub level: f64,
@@ -64,6 +66,7 @@ impl From<&cut::CutParams> for CutParams {
                 _ => INCISE_CAPS_BODIES,
             },
             cap_material: params.cap_material,
+            cap_uv_scale: params.cap_uv_scale,
             level: params.refine.level.z(),
             grading: params.refine.grading,
             snap: exact.snap,
@@ -99,6 +102,7 @@ impl CutParams {
                 caps => return Err(Error::constant("caps", caps)),
             },
             cap_material: self.cap_material,
+            cap_uv_scale: self.cap_uv_scale,
             only_piece: None,
         })
     }

@@ -33,6 +33,8 @@ namespace Incise
         public uint RefineMethod;
         public Caps Caps;
         public uint CapMaterial;
+        /// <summary>Exact method: texture coordinates of caps per meter.</summary>
+        public double CapUvScale;
         /// <summary>Edge length of caps relative to the surface: 2, 1.5, 1, 1/1.5, 0.5.</summary>
         public double Level;
         public double Grading;
