@@ -15,7 +15,7 @@ use crate::sweep::Sweep;
 use advance::Continuation;
 use incise_mesh::{Bvh, Surface, TopologyDelta, TriangleId, Undo, UndoError, VertexId};
 use incise_refine::Section;
-use std::time::Instant;
+use web_time::Instant;
 
 /// Maximum ratio of the largest coordinates of a sweep and of the body.
 ///
