@@ -1,0 +1,67 @@
+// Prints times of frames and cuts in node and in Chromium: node tests/measure.mjs
+
+import module from "./load.mjs";
+import { startBrowser } from "./serve.mjs";
+
+/** Measures a body that falls, is cut in two, and comes to rest; runs in both engines. */
+async function measure({ Mesh, Scene }) {
+  const median = (all) => [...all].sort((a, b) => a - b)[all.length >> 1];
+  const worst = (all) => Math.max(...all);
+  const result = {};
+  for (const name of ["Bunny", "Armadillo"]) {
+    const mesh = Mesh.model(name);
+    const scene = new Scene();
+    scene.floor = -0.6;
+    scene.setSleep(false);
+    const body = scene.addBody(mesh);
+    const blade = scene.addBlade(new Float32Array([-2, 0.02, -2, -2, 0, 2]));
+    const step = () => {
+      const begin = performance.now();
+      scene.step();
+      scene.positions(body);
+      return performance.now() - begin;
+    };
+    const frames = name === "Bunny" ? 300 : 30;
+    const whole = Array.from({ length: frames }, step);
+    scene.moveBlade(blade, new Float32Array([2, 0.02, -2, 2, 0, 2]));
+    const cutFrame = step();
+    const cut = scene.cutMilliseconds;
+    const cutOnce = [];
+    for (let i = 0; i < 40; i++) {
+      const begin = performance.now();
+      mesh.cut(new Float64Array([0.1, 1, 0.05]), 0.1 - i * 0.005);
+      cutOnce.push(performance.now() - begin);
+      mesh.undo();
+    }
+    const pieces = Array.from({ length: frames }, step);
+    result[name] = {
+      frame: median(whole),
+      worstFrame: worst(whole),
+      frameOfPieces: median(pieces),
+      worstFrameOfPieces: worst(pieces),
+      frameWithCut: cutFrame,
+      cutInFrame: cut,
+      planeCut: median(cutOnce),
+    };
+  }
+  return result;
+}
+
+console.log("node", process.version);
+console.table(await measure(module));
+const { open, stop } = await startBrowser();
+const { page } = await open({});
+console.log("Chromium", page.context().browser().version());
+// The frames of the demo itself, drawn by a software renderer where there is no GPU.
+const frames = await page.evaluate(async () => {
+  const times = [];
+  for (let i = 0; i < 120; i++) times.push(await new Promise(requestAnimationFrame));
+  return (times.length - 1) / ((times.at(-1) - times[0]) / 1000);
+});
+const code = `import("incise-web").then(async (module) => {
+  await module.default();
+  return (${measure})(module);
+})`;
+console.table(await page.evaluate(code));
+console.log(`demo: ${frames.toFixed(1)} frames a second`);
+await stop();
