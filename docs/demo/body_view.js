@@ -45,7 +45,7 @@ export class BodyView {
     const direction = new THREE.Vector3(0.45, 0.35, 1).normalize();
     this.camera.near = 0.01 * diagonal;
     this.camera.far = 50 * diagonal;
-    this.camera.position.copy(this.controls.target).addScaledVector(direction, 2.4 * diagonal);
+    this.camera.position.copy(this.controls.target).addScaledVector(direction, 1.7 * diagonal);
     this.resize();
   }
 

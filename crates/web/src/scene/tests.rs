@@ -57,12 +57,12 @@ fn a_dragged_vertex_follows_and_is_released() {
     let vertex = hit.unwrap().expect("the ray hits the body").vertex;
     scene.grab(body, vertex).unwrap();
     let mesh = scene.mesh(body).unwrap();
-    let p = mesh.surface().position(VertexId(vertex)).map(|x| x as f32);
-    scene.drag(p.x, p.y + 0.02, p.z).unwrap();
+    let [x, y, z, _] = mesh.surface().positions()[vertex as usize];
+    scene.drag(x, y + 0.02, z).unwrap();
     scene.step().unwrap();
     let moved = scene.mesh(body).unwrap();
     let moved = moved.surface().positions()[vertex as usize];
-    assert_eq!(moved, [p.x, p.y + 0.02, p.z, 0.0]);
+    assert_eq!(moved, [x, y + 0.02, z, 0.0]);
     scene.release().unwrap();
     scene.step().unwrap();
     let free = scene.mesh(body).unwrap();
