@@ -19,7 +19,7 @@ use incise_mesh::{Bvh, Surface, TopologyDelta, TriangleId, Undo, UndoError, Vert
 use incise_refine::Section;
 #[cfg(feature = "serde")]
 pub use saved::SavedCutter;
-use std::time::Instant;
+use web_time::Instant;
 
 /// Maximum ratio of the largest coordinates of a sweep and of the body.
 ///

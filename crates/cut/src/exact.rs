@@ -48,8 +48,8 @@ use rim::Rim;
 use section::{Rims, target_lengths};
 use snap::Snapper;
 use split::Splitter;
-use std::time::Instant;
 pub(crate) use verify::has_walls;
+use web_time::Instant;
 
 /// Scratch memory, kept between cuts.
 #[derive(Debug, Clone, Default)]

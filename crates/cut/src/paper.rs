@@ -50,8 +50,9 @@ use incise_refine::paper::{Patch, fill, mean_rim_length};
 use points::{PointSet, intersection_points};
 use sides::{Side, sides};
 use std::cell::OnceCell;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use strip::strips;
+use web_time::Instant;
 
 /// A corner of a new triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -26,8 +26,8 @@ pub use obj::read_obj;
 pub use ply::read_ply;
 pub use stl::read_stl;
 #[cfg(feature = "gltf")]
-pub use write::{AnimatedSurface, write_glb, write_glb_animation};
-pub use write::{write_obj, write_ply, write_stl};
+pub use write::{AnimatedSurface, write_glb, write_glb_animation, write_glb_to};
+pub use write::{write_obj, write_obj_to, write_ply, write_stl};
 
 use std::path::Path;
 

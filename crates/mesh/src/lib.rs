@@ -31,11 +31,11 @@ pub use edit::{EdgeError, Edit, Undo, UndoError};
 pub use geometry::{Aabb, Vec3};
 pub use ids::{EdgeKey, HalfEdge, TriangleId, VertexId, index_u32};
 #[cfg(feature = "gltf")]
-pub use io::{AnimatedSurface, read_gltf, write_glb, write_glb_animation};
+pub use io::{AnimatedSurface, read_gltf, write_glb, write_glb_animation, write_glb_to};
 #[cfg(feature = "io")]
 pub use io::{
     MeshData, ParseError, ReadError, SourceLocation, Warning, WriteError, read_mesh, read_obj,
-    read_ply, read_stl, write_obj, write_ply, write_stl,
+    read_ply, read_stl, write_obj, write_obj_to, write_ply, write_stl,
 };
 pub use quality::{AngleStats, EdgeStats};
 pub use render_buffers::{RenderBuffers, RenderParams};

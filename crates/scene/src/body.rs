@@ -17,7 +17,8 @@ use incise_pbd_gpu::{ConstraintError, Material, PatchParams, Solver};
 #[cfg(feature = "serde")]
 pub(crate) use saved::SavedBody;
 use std::fmt;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use web_time::Instant;
 
 /// The id of a body in one scene. Shown as the body's index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

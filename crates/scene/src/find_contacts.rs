@@ -6,7 +6,7 @@ use crate::frame::inflated;
 use crate::params::SceneParams;
 use crate::scene::Scene;
 use incise_pbd_gpu::MovingCollider;
-use std::time::Instant;
+use web_time::Instant;
 
 impl Scene {
     /// Finds the contacts of the frame, wakes touched bodies and groups bodies into islands.

@@ -10,7 +10,7 @@ use crate::stats::FrameStats;
 use incise_cut::{CutError, CutParams, Sweep};
 use incise_mesh::Aabb;
 use incise_pbd_gpu::{Collider, ConstraintError, StepError};
-use std::time::Instant;
+use web_time::Instant;
 
 impl Scene {
     /// Steps by one frame: [`Scene::cut`], then [`Scene::advance`].

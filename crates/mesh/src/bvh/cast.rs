@@ -128,9 +128,20 @@ impl Ray {
                 continue;
             }
             let ways = [min[k], max[k]].map(|side| (side - self.origin[k]) * self.inverse[k]);
-            near = near.max(ways[0].min(ways[1]));
+            // Comparisons, since `f64::min` and `f64::max` are calls of functions in WebAssembly.
+            let [enter, leave] = if ways[0] < ways[1] {
+                ways
+            } else {
+                [ways[1], ways[0]]
+            };
+            if enter > near {
+                near = enter;
+            }
             // Rounded up, so that a triangle in a side of the box is not missed.
-            far = far.min(ways[0].max(ways[1]) * (1.0 + 4.0 * f64::EPSILON));
+            let leave = leave * (1.0 + 4.0 * f64::EPSILON);
+            if leave < far {
+                far = leave;
+            }
         }
         (near <= far).then_some(near)
     }

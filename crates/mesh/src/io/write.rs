@@ -13,7 +13,7 @@ use crate::io::{Warning, WriteError};
 use crate::surface::Surface;
 use std::borrow::Cow;
 use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 /// Writes a surface as OBJ and returns warnings about the channels that OBJ cannot hold.
@@ -28,7 +28,15 @@ use std::path::Path;
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.
 pub fn write_obj(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteError> {
-    replace(path, |out| obj::write(&dense(surface), out))?;
+    replace(path, |out| write_obj_to(out, surface))
+}
+
+/// Writes a surface as OBJ into memory or a stream, see [`write_obj`].
+///
+/// # Errors
+/// Those of `out`; memory has none.
+pub fn write_obj_to(out: &mut impl Write, surface: &Surface) -> io::Result<Vec<Warning>> {
+    obj::write(&dense(surface), out)?;
     Ok(obj::dropped(surface))
 }
 
@@ -44,8 +52,10 @@ pub fn write_obj(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteEr
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.
 pub fn write_ply(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteError> {
-    replace(path, |out| ply::write(&dense(surface), out))?;
-    Ok(ply::dropped(surface))
+    replace(path, |out| {
+        ply::write(&dense(surface), out)?;
+        Ok(ply::dropped(surface))
+    })
 }
 
 /// Writes the triangles of a surface as binary STL, which holds positions alone.
@@ -55,8 +65,10 @@ pub fn write_ply(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteEr
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.
 pub fn write_stl(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteError> {
-    replace(path, |out| stl::write(surface, out))?;
-    Ok(stl::dropped(surface))
+    replace(path, |out| {
+        stl::write(surface, out)?;
+        Ok(stl::dropped(surface))
+    })
 }
 
 /// Writes surfaces as binary glTF 2.0 (`.glb`), a node of the given name each.
@@ -72,9 +84,21 @@ pub fn write_stl(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteEr
 /// [`WriteError`]; an existing file is then unchanged.
 #[cfg(feature = "gltf")]
 pub fn write_glb(path: &Path, surfaces: &[(&str, &Surface)]) -> Result<Vec<Warning>, WriteError> {
+    replace(path, |out| write_glb_to(out, surfaces))
+}
+
+/// Writes surfaces as binary glTF 2.0 into memory or a stream, see [`write_glb`].
+///
+/// # Errors
+/// Those of `out`, and [`io::ErrorKind::Other`] for 4 GiB and more; memory has no others.
+#[cfg(feature = "gltf")]
+pub fn write_glb_to(
+    out: &mut impl Write,
+    surfaces: &[(&str, &Surface)],
+) -> io::Result<Vec<Warning>> {
     let nodes = surfaces.iter();
     let nodes = nodes.map(|&(name, surface)| AnimatedSurface::still(name, surface));
-    write_glb_animation(path, &nodes.collect::<Vec<_>>())
+    glb::write(&nodes.collect::<Vec<_>>(), out)
 }
 
 /// Writes moving surfaces as binary glTF 2.0 (`.glb`) with one animation.
@@ -89,12 +113,7 @@ pub fn write_glb_animation(
     path: &Path,
     surfaces: &[AnimatedSurface<'_>],
 ) -> Result<Vec<Warning>, WriteError> {
-    let mut dropped = Vec::new();
-    replace(path, |out| {
-        dropped = glb::write(surfaces, out)?;
-        Ok(())
-    })?;
-    Ok(dropped)
+    replace(path, |out| glb::write(surfaces, out))
 }
 
 /// Returns the surface without free slots and unused vertices.
@@ -110,11 +129,12 @@ fn dense(surface: &Surface) -> Cow<'_, Surface> {
     Cow::Owned(surface)
 }
 
-/// Writes a temporary file in the same folder and renames it to `path`.
-fn replace(
+/// Writes a temporary file in the same folder, renames it to `path` and returns the result of
+/// `write`.
+fn replace<T>(
     path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> Result<(), WriteError> {
+    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>,
+) -> Result<T, WriteError> {
     let attempt = || {
         let mut name = path
             .file_name()
@@ -123,10 +143,11 @@ fn replace(
         name.push(format!(".{}.part", std::process::id()));
         let part = path.with_file_name(name);
         let mut out = BufWriter::new(File::create(&part)?);
-        let written = write(&mut out)
-            .and_then(|()| out.into_inner().map_err(io::IntoInnerError::into_error))
-            .map(drop)
-            .and_then(|()| std::fs::rename(&part, path));
+        let written = write(&mut out).and_then(|written| {
+            out.into_inner().map_err(io::IntoInnerError::into_error)?;
+            std::fs::rename(&part, path)?;
+            Ok(written)
+        });
         if written.is_err() {
             // Report the first error.
             let _ = std::fs::remove_file(&part);
@@ -253,6 +274,24 @@ mod tests {
         let (read, _) = read_mesh(&path).unwrap().into_surface().unwrap();
         let materials: Vec<u32> = (0..4).map(|t| read.material(TriangleId(t))).collect();
         assert_eq!(materials, [0, 7, 7, 0]);
+    }
+
+    #[test]
+    fn memory_and_files_get_the_same_bytes() {
+        let surface = tetrahedron([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        let mut bytes = Vec::new();
+        write_obj_to(&mut bytes, &surface).unwrap();
+        write_obj(&path, &surface).unwrap();
+        assert_eq!(bytes, std::fs::read(&path).unwrap());
+        #[cfg(feature = "gltf")]
+        {
+            let mut bytes = Vec::new();
+            write_glb_to(&mut bytes, &[("body", &surface)]).unwrap();
+            write_glb(&path, &[("body", &surface)]).unwrap();
+            assert_eq!(bytes, std::fs::read(&path).unwrap());
+        }
     }
 
     #[test]

@@ -1,0 +1,14 @@
+#![doc = include_str!("../README.md")]
+
+mod arguments;
+mod error;
+mod flat_arrays;
+mod memory_views;
+mod mesh;
+mod report;
+mod scene;
+
+pub use error::WebError;
+pub use mesh::{CutReport, Mesh};
+pub use report::MeshReport;
+pub use scene::{Pick, Scene};

@@ -1,0 +1,407 @@
+//! [`Mesh`]: a surface at rest, from arrays or files, cut by planes.
+
+use crate::arguments::{copy_f32, copy_u8, copy_u32, cut_params, model, read, rows, vector};
+use crate::error::WebError;
+use crate::flat_arrays::FlatArrays;
+use crate::memory_views::{view_f32, view_u8, view_u32};
+use crate::report::{MeshReport, REPAIR};
+use incise::cut::{Cutter, Sweep};
+use incise::mesh::{MeshData, Surface, Undo, Warning, write_glb_to, write_obj_to};
+use incise_models::build_model;
+use js_sys::{Float32Array, Uint8Array, Uint32Array};
+use wasm_bindgen::prelude::wasm_bindgen;
+
+/// A triangle surface of any number of pieces, which planes cut.
+///
+/// Arrays are views into the memory of the module, without a copy. The next call of any function
+/// of the module may make them invalid: use a view at once, or copy it with `slice()`.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct Mesh {
+    surface: Surface,
+    /// Built by the first cut.
+    cutter: Option<Cutter>,
+    undo: Vec<Undo>,
+    /// The arrays of the present surface, if they were asked for.
+    arrays: Option<FlatArrays>,
+    warnings: Vec<Warning>,
+}
+
+/// The result of a cut.
+#[wasm_bindgen]
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct CutReport {
+    /// Whether the plane missed the mesh, which is then unchanged.
+    #[wasm_bindgen(readonly, js_name = isMiss)]
+    pub is_miss: bool,
+    /// Number of pieces added.
+    #[wasm_bindgen(readonly, js_name = piecesAdded)]
+    pub pieces_added: usize,
+    /// Number of triangles that the plane crosses.
+    #[wasm_bindgen(readonly)]
+    pub hits: usize,
+    /// Number of triangles of both caps.
+    #[wasm_bindgen(readonly, js_name = capTriangles)]
+    pub cap_triangles: usize,
+    /// Whether every cap reached its target edge length.
+    #[wasm_bindgen(readonly)]
+    pub refined: bool,
+    /// Time of the cut \[ms\], up to the resolution of the clock of the browser.
+    #[wasm_bindgen(readonly)]
+    pub milliseconds: f64,
+}
+
+impl From<Surface> for Mesh {
+    fn from(surface: Surface) -> Self {
+        Self {
+            surface,
+            cutter: None,
+            undo: Vec::new(),
+            arrays: None,
+            warnings: Vec::new(),
+        }
+    }
+}
+
+impl Mesh {
+    /// Makes a mesh of positions \[m\], shape \[vertices, 3\], and triangles, shape
+    /// \[triangles, 3\].
+    ///
+    /// # Errors
+    /// [`WebError::ArrayLength`], [`WebError::Parse`] and [`WebError::NotCuttable`].
+    pub fn from_slices(positions: &[f32], triangles: &[u32]) -> Result<Self, WebError> {
+        let positions = rows("positions", positions)?;
+        Self::repaired(MeshData::from_triangles(
+            positions,
+            rows("triangles", triangles)?,
+        )?)
+    }
+
+    /// Reads a mesh from the bytes of a file, see [`Mesh::read`].
+    ///
+    /// # Errors
+    /// [`WebError::UnknownName`], [`WebError::Parse`] and [`WebError::NotCuttable`].
+    pub fn from_bytes(bytes: &[u8], format: &str) -> Result<Self, WebError> {
+        Self::repaired(read(bytes, format)?)
+    }
+
+    fn repaired(data: MeshData) -> Result<Self, WebError> {
+        let (surface, warnings) = data.repair(REPAIR)?;
+        let mut mesh = Self::from(surface);
+        mesh.warnings = warnings;
+        Ok(mesh)
+    }
+
+    /// Returns the surface.
+    #[must_use]
+    pub fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    fn arrays(&mut self) -> &FlatArrays {
+        (self.arrays).get_or_insert_with(|| FlatArrays::new(&self.surface))
+    }
+}
+
+#[wasm_bindgen]
+impl Mesh {
+    /// Makes a mesh of positions \[m\], three a vertex, and vertex numbers, three a triangle.
+    ///
+    /// Vertices at equal positions are welded. The mesh is repaired as files are, see `warnings`.
+    ///
+    /// # Errors
+    /// Throws if an index is out of range, a position is not finite, or the mesh cannot be cut.
+    #[wasm_bindgen(constructor)]
+    pub fn new(positions: &Float32Array, triangles: &Uint32Array) -> Result<Self, WebError> {
+        let positions = copy_f32("positions", positions)?;
+        Self::from_slices(&positions, &copy_u32("triangles", triangles)?)
+    }
+
+    /// Reads a mesh from the bytes of a file: `obj`, `ply`, `stl`, `glb` or `gltf`.
+    ///
+    /// # Errors
+    /// Throws with the line or element if the file is broken or the mesh cannot be cut.
+    pub fn read(bytes: &Uint8Array, format: &str) -> Result<Self, WebError> {
+        Self::from_bytes(&copy_u8("bytes", bytes)?, format)
+    }
+
+    /// Measures the mesh of a file and lists its defects, without an error for them.
+    ///
+    /// # Errors
+    /// Throws with the line or element if the file is broken.
+    #[wasm_bindgen(js_name = checkFile)]
+    pub fn check_file(bytes: &Uint8Array, format: &str) -> Result<MeshReport, WebError> {
+        Ok(MeshReport::new(&read(&copy_u8("bytes", bytes)?, format)?))
+    }
+
+    /// Builds a model by formula: `Sphere20`, `Sphere80`, `Sphere768`, `Bunny`, `Octopus`,
+    /// `Banana` or `Armadillo`.
+    ///
+    /// # Errors
+    /// Throws for other names.
+    pub fn model(name: &str) -> Result<Self, WebError> {
+        Ok(build_model(model(name)?).into())
+    }
+
+    /// Cuts along the plane `normal . x = d` \[m\] and caps both sides.
+    ///
+    /// `level` is `2x-coarser`, `1.5x-coarser`, `original`, `1.5x-finer`, `2x-finer` or a factor
+    /// of the edge length as text. `method` is `exact` or `paper`.
+    ///
+    /// # Errors
+    /// Throws if the cut is refused; the mesh is then unchanged.
+    pub fn cut(
+        &mut self,
+        normal: &[f64],
+        d: f64,
+        level: Option<String>,
+        method: Option<String>,
+    ) -> Result<CutReport, WebError> {
+        let params = cut_params(level.as_deref(), method.as_deref())?;
+        let normal = vector("the normal", normal)?;
+        let plane = Sweep::from_plane(normal, d, &self.surface.bounds())?;
+        let cutter = (self.cutter).get_or_insert_with(|| Cutter::new(&self.surface));
+        let outcome = cutter.cut(&mut self.surface, &plane, &params)?;
+        let report = CutReport {
+            is_miss: outcome.is_miss(),
+            pieces_added: outcome.delta.pieces_added.len(),
+            hits: outcome.report.hits,
+            cap_triangles: outcome.cap.len(),
+            refined: outcome.report.refined,
+            milliseconds: outcome.report.total().as_secs_f64() * 1e3,
+        };
+        if let Some(undo) = outcome.undo {
+            self.undo.push(undo);
+            self.arrays = None;
+        }
+        Ok(report)
+    }
+
+    /// Returns the number of cuts that can be undone.
+    #[wasm_bindgen(getter, js_name = undoCount)]
+    pub fn undo_count(&self) -> usize {
+        self.undo.len()
+    }
+
+    /// Undoes the last cut, bit for bit.
+    ///
+    /// # Errors
+    /// Throws if there is none.
+    pub fn undo(&mut self) -> Result<(), WebError> {
+        let undo = self.undo.pop().ok_or(WebError::NothingToUndo)?;
+        let cutter = (self.cutter).get_or_insert_with(|| Cutter::new(&self.surface));
+        cutter.undo(&mut self.surface, undo)?;
+        self.arrays = None;
+        Ok(())
+    }
+
+    /// Returns a view of the positions \[m\], three a vertex.
+    pub fn positions(&mut self) -> Float32Array {
+        view_f32(self.arrays().positions.as_flattened())
+    }
+
+    /// Returns a view of the vertex numbers, three a triangle.
+    pub fn triangles(&mut self) -> Uint32Array {
+        view_u32(self.arrays().triangles.as_flattened())
+    }
+
+    /// Returns a view of the cap mask: 1 for a triangle of a cap, else 0.
+    #[wasm_bindgen(js_name = capMask)]
+    pub fn cap_mask(&mut self) -> Uint8Array {
+        view_u8(&self.arrays().caps)
+    }
+
+    /// Returns a view of the piece number of each triangle.
+    #[wasm_bindgen(js_name = trianglePieces)]
+    pub fn triangle_pieces(&mut self) -> Uint32Array {
+        view_u32(&self.arrays().pieces)
+    }
+
+    /// Returns the number of vertices.
+    #[wasm_bindgen(getter, js_name = vertexCount)]
+    pub fn vertex_count(&self) -> usize {
+        self.surface.topology().vertex_count()
+    }
+
+    /// Returns the number of triangles.
+    #[wasm_bindgen(getter, js_name = triangleCount)]
+    pub fn triangle_count(&self) -> usize {
+        self.surface.topology().triangle_count()
+    }
+
+    /// Returns the number of pieces.
+    #[wasm_bindgen(getter, js_name = pieceCount)]
+    pub fn piece_count(&self) -> usize {
+        self.surface.piece_count()
+    }
+
+    /// Returns the numbers of the pieces, ascending.
+    #[wasm_bindgen(js_name = pieceNumbers)]
+    pub fn piece_numbers(&self) -> Vec<u32> {
+        let numbers = 0..self.surface.piece_bound();
+        numbers
+            .filter(|&piece| self.surface.piece_triangles(piece) > 0)
+            .collect()
+    }
+
+    /// Returns a piece as a mesh of its own.
+    ///
+    /// # Errors
+    /// Throws for the number of no piece.
+    pub fn piece(&self, piece: u32) -> Result<Self, WebError> {
+        if !self.piece_numbers().contains(&piece) {
+            return Err(WebError::UnknownPiece { piece });
+        }
+        Ok(self.surface.extract_piece(piece).into())
+    }
+
+    /// Returns the bounding box \[m\]: minimum, then maximum.
+    pub fn bounds(&self) -> Vec<f32> {
+        let bounds = self.surface.bounds();
+        [bounds.min, bounds.max].concat()
+    }
+
+    /// Returns the warnings of reading and repairs, one text each.
+    #[wasm_bindgen(getter)]
+    pub fn warnings(&self) -> Vec<String> {
+        self.warnings.iter().map(ToString::to_string).collect()
+    }
+
+    /// Measures the mesh as a file of it would be read.
+    ///
+    /// # Errors
+    /// Throws if a position is not finite.
+    pub fn check(&mut self) -> Result<MeshReport, WebError> {
+        let arrays = self.arrays();
+        let data = MeshData::from_triangles(&arrays.positions, &arrays.triangles)?;
+        Ok(MeshReport::new(&data))
+    }
+
+    /// Returns the bytes of an OBJ file; caps have the material `material_1`.
+    ///
+    /// # Errors
+    /// Throws if memory is too small.
+    #[wasm_bindgen(js_name = toObj)]
+    pub fn to_obj(&self) -> Result<Vec<u8>, WebError> {
+        let mut bytes = Vec::new();
+        write_obj_to(&mut bytes, &self.surface)?;
+        Ok(bytes)
+    }
+
+    /// Returns the bytes of a binary glTF file with a node for each piece.
+    ///
+    /// # Errors
+    /// Throws for 4 GiB and more.
+    #[wasm_bindgen(js_name = toGlb)]
+    pub fn to_glb(&self) -> Result<Vec<u8>, WebError> {
+        let pieces: Vec<_> = (self.surface.extract_pieces())
+            .map(|(piece, surface)| (format!("piece_{piece}"), surface))
+            .collect();
+        let named: Vec<_> = (pieces.iter())
+            .map(|(name, surface)| (name.as_str(), surface))
+            .collect();
+        let mut bytes = Vec::new();
+        write_glb_to(&mut bytes, &named)?;
+        Ok(bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const UP: [f64; 3] = [0.0, 1.0, 0.0];
+
+    #[test]
+    fn a_cut_is_two_closed_pieces_with_caps_and_undo_takes_it_back() {
+        let mut mesh = Mesh::model("Sphere768").unwrap();
+        let before = mesh.surface().clone();
+        let report = mesh.cut(&UP, 0.0, None, None).unwrap();
+        assert!(!report.is_miss && report.refined && report.pieces_added == 1);
+        assert_eq!(mesh.piece_numbers().len(), 2);
+        let mask = mesh
+            .arrays()
+            .caps
+            .iter()
+            .map(|&m| usize::from(m))
+            .sum::<usize>();
+        assert_eq!(mask, report.cap_triangles);
+        let pieces = mesh
+            .piece_numbers()
+            .into_iter()
+            .map(|p| mesh.piece(p).unwrap());
+        for mut piece in pieces {
+            let report = piece.check().unwrap();
+            assert!(report.closed && report.defects.is_empty());
+        }
+        mesh.undo().unwrap();
+        assert_eq!(mesh.surface().positions(), before.positions());
+        assert!(
+            mesh.surface()
+                .topology()
+                .triangles()
+                .eq(before.topology().triangles())
+        );
+        assert!(matches!(mesh.undo(), Err(WebError::NothingToUndo)));
+        assert!(matches!(
+            mesh.piece(3),
+            Err(WebError::UnknownPiece { piece: 3 })
+        ));
+    }
+
+    #[test]
+    fn exports_are_read_again() {
+        let mut mesh = Mesh::model("Sphere80").unwrap();
+        let _ = mesh
+            .cut(&UP, 0.1, Some("2x-finer".to_owned()), None)
+            .unwrap();
+        for (format, bytes) in [("obj", mesh.to_obj()), ("GLB", mesh.to_glb())] {
+            let read = Mesh::from_bytes(&bytes.unwrap(), format).unwrap();
+            assert_eq!(read.triangle_count(), mesh.triangle_count(), "{format}");
+        }
+    }
+
+    #[test]
+    fn hostile_arrays_and_files_are_errors() {
+        let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        for (positions, triangles) in [
+            (&corners[..], &[0, 1, 3][..]),
+            (&corners, &[0, 1, u32::MAX]),
+            (&corners, &[0, 1]),
+            (&corners[..8], &[0, 1, 2]),
+            (&[f32::NAN; 9], &[0, 1, 2]),
+            (&[f32::INFINITY; 9], &[0, 1, 2]),
+            (&[0.0; 9], &[0, 1, 2]),
+            (&[], &[]),
+        ] {
+            assert!(
+                Mesh::from_slices(positions, triangles).is_err(),
+                "{triangles:?}"
+            );
+        }
+        let sheet = Mesh::from_slices(&corners, &[0, 1, 2]).unwrap();
+        assert_eq!((sheet.triangle_count(), sheet.piece_count()), (1, 1));
+        for format in ["obj", "ply", "stl", "glb", "gltf", "exe"] {
+            for bytes in [&[][..], &[0xff; 100], b"glTF\x02\0\0\0\xff\xff\xff\xff"] {
+                assert!(Mesh::from_bytes(bytes, format).is_err(), "{format}");
+            }
+        }
+    }
+
+    #[test]
+    fn hostile_planes_are_errors_or_misses() {
+        let mut mesh = Mesh::model("Sphere80").unwrap();
+        for normal in [[0.0; 3], [f64::NAN; 3], [f64::INFINITY; 3]] {
+            assert!(mesh.cut(&normal, 0.0, None, None).is_err());
+        }
+        assert!(mesh.cut(&UP[..2], 0.0, None, None).is_err());
+        assert!(mesh.cut(&UP, f64::NAN, None, None).is_err());
+        for name in ["0", "nan", "-1", ""] {
+            assert!(mesh.cut(&UP, 0.0, Some(name.to_owned()), None).is_err());
+        }
+        assert!(mesh.cut(&UP, 0.0, None, Some("none".to_owned())).is_err());
+        assert!(mesh.cut(&UP, 1e300, None, None).unwrap().is_miss);
+        assert_eq!((mesh.undo_count(), mesh.triangle_count()), (0, 80));
+    }
+}

@@ -1,0 +1,374 @@
+//! [`Scene`]: bodies in motion, blades that cut them, and buffers for a renderer.
+
+mod buffers;
+mod parameters;
+
+use crate::arguments::{edge, material, vector};
+use crate::error::WebError;
+use crate::mesh::Mesh;
+use buffers::BodyBuffers;
+use incise::mesh::{Undo, Vec3, VertexId};
+use incise::prelude::{BladeId, BladeMode, BodyId, SceneParams};
+use incise::scene::Scene as Simulation;
+use std::num::NonZeroUsize;
+use wasm_bindgen::prelude::wasm_bindgen;
+
+/// A simulation of soft bodies and blades, stepped frame by frame. The y axis points up.
+///
+/// Bodies and blades have numbers. Arrays are views into the memory of the module, without a copy.
+/// The next call of any function of the module may make them invalid: use a view at once, or copy
+/// it with `slice()`.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct Scene {
+    simulation: Simulation,
+    /// `None` where a body was removed.
+    bodies: Vec<Option<Body>>,
+    blades: Vec<BladeId>,
+    /// The bodies of the cuts that can be undone, in order.
+    undo: Vec<(u32, Undo)>,
+    /// The vertex that is dragged.
+    grabbed: Option<(BodyId, VertexId)>,
+}
+
+#[derive(Debug)]
+struct Body {
+    id: BodyId,
+    buffers: BodyBuffers,
+}
+
+/// The vertex and the point of a body that a ray hits.
+#[wasm_bindgen]
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Pick {
+    /// The nearest corner of the triangle, for `grab`.
+    #[wasm_bindgen(readonly)]
+    pub vertex: u32,
+    /// The distance in lengths of the ray's direction.
+    #[wasm_bindgen(readonly)]
+    pub distance: f64,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Scene {
+    fn body_of(&self, body: u32) -> Result<&Body, WebError> {
+        let found = self.bodies.get(body as usize).and_then(Option::as_ref);
+        found.ok_or(WebError::UnknownBody { body })
+    }
+
+    fn blade_of(&self, blade: u32) -> Result<BladeId, WebError> {
+        let found = self.blades.get(blade as usize).copied();
+        found.ok_or(WebError::UnknownBlade { blade })
+    }
+
+    /// Puts the cuts of the frame on the undo stack.
+    fn record_cuts(&mut self) {
+        for (id, outcome) in self.simulation.cuts().iter().filter_map(|c| c.cut.as_ref()) {
+            let is_own = |own: &Option<Body>| own.as_ref().is_some_and(|own| own.id == *id);
+            if let Some(body) = self.bodies.iter().position(is_own)
+                && let Some(undo) = &outcome.undo
+            {
+                self.undo.push((index(body), undo.clone()));
+            }
+        }
+    }
+}
+
+#[wasm_bindgen]
+impl Scene {
+    /// Creates an empty scene with contacts between bodies and pieces, on one thread.
+    #[wasm_bindgen(constructor)]
+    #[must_use]
+    pub fn new() -> Self {
+        let mut params = SceneParams {
+            contacts: Some(Default::default()),
+            ..SceneParams::default()
+        };
+        params.solver.threads = NonZeroUsize::new(1);
+        Self {
+            simulation: Simulation::new(params),
+            bodies: Vec::new(),
+            blades: Vec::new(),
+            undo: Vec::new(),
+            grabbed: None,
+        }
+    }
+
+    /// Adds a copy of a mesh as a body at rest and returns its number.
+    ///
+    /// `material` is `soft-body`, the default, `shell` or `cloth`.
+    ///
+    /// # Errors
+    /// Throws if the mesh cannot be simulated; the scene is then unchanged.
+    #[wasm_bindgen(js_name = addBody)]
+    pub fn add_body(
+        &mut self,
+        mesh: &Mesh,
+        material_name: Option<String>,
+    ) -> Result<u32, WebError> {
+        let material = material(material_name.as_deref())?;
+        let surface = mesh.surface().clone();
+        let buffers = BodyBuffers::new(&surface);
+        let id = self.simulation.add_body(surface, &material)?;
+        self.bodies.push(Some(Body { id, buffers }));
+        Ok(index(self.bodies.len() - 1))
+    }
+
+    /// Removes a body; its number is not used again.
+    ///
+    /// # Errors
+    /// Throws for an unknown body.
+    #[wasm_bindgen(js_name = removeBody)]
+    pub fn remove_body(&mut self, body: u32) -> Result<(), WebError> {
+        let id = self.body_of(body)?.id;
+        self.simulation.remove_body(id)?;
+        self.bodies[body as usize] = None;
+        self.undo.retain(|(own, _)| *own != body);
+        self.grabbed = self.grabbed.filter(|(own, _)| *own != id);
+        Ok(())
+    }
+
+    /// Returns a copy of a body in its present shape.
+    ///
+    /// # Errors
+    /// Throws for an unknown body.
+    pub fn mesh(&self, body: u32) -> Result<Mesh, WebError> {
+        let body = self.simulation.body(self.body_of(body)?.id)?;
+        Ok(body.surface().clone().into())
+    }
+
+    /// Returns the number of pieces of a body.
+    ///
+    /// # Errors
+    /// Throws for an unknown body.
+    #[wasm_bindgen(js_name = pieceCount)]
+    pub fn piece_count(&self, body: u32) -> Result<usize, WebError> {
+        let body = self.simulation.body(self.body_of(body)?.id)?;
+        Ok(body.surface().piece_count())
+    }
+
+    /// Returns whether a body is at rest and sleeps.
+    ///
+    /// # Errors
+    /// Throws for an unknown body.
+    #[wasm_bindgen(js_name = isAsleep)]
+    pub fn is_asleep(&self, body: u32) -> Result<bool, WebError> {
+        Ok(self.simulation.is_asleep(self.body_of(body)?.id)?)
+    }
+
+    /// Wakes a body, for example after a change of gravity.
+    ///
+    /// # Errors
+    /// Throws for an unknown body.
+    pub fn wake(&mut self, body: u32) -> Result<(), WebError> {
+        Ok(self.simulation.wake(self.body_of(body)?.id)?)
+    }
+
+    /// Adds a blade and returns its number.
+    ///
+    /// `from_to` has the start and the end of its edge \[m\], 6 numbers. The blade may stop inside
+    /// a body and go on from there, see `setFullSlices`.
+    ///
+    /// # Errors
+    /// Throws for another length.
+    #[wasm_bindgen(js_name = addBlade)]
+    pub fn add_blade(&mut self, from_to: &[f32]) -> Result<u32, WebError> {
+        let id = self.simulation.add_blade(edge(from_to)?);
+        self.blades.push(id);
+        Ok(index(self.blades.len() - 1))
+    }
+
+    /// Moves a blade; the next step cuts along its sweep.
+    ///
+    /// # Errors
+    /// Throws for an unknown blade and another length than 6.
+    #[wasm_bindgen(js_name = moveBlade)]
+    pub fn move_blade(&mut self, blade: u32, from_to: &[f32]) -> Result<(), WebError> {
+        let id = self.blade_of(blade)?;
+        Ok(self.simulation.move_blade(id, edge(from_to)?)?)
+    }
+
+    /// Moves a blade without cutting. Ends its incisions.
+    ///
+    /// # Errors
+    /// Throws for an unknown blade and another length than 6.
+    #[wasm_bindgen(js_name = teleportBlade)]
+    pub fn teleport_blade(&mut self, blade: u32, from_to: &[f32]) -> Result<(), WebError> {
+        let id = self.blade_of(blade)?;
+        Ok(self.simulation.teleport_blade(id, edge(from_to)?)?)
+    }
+
+    /// Sets whether a blade cuts full slices alone: a sweep that ends inside a body is refused.
+    ///
+    /// # Errors
+    /// Throws for an unknown blade.
+    #[wasm_bindgen(js_name = setFullSlices)]
+    pub fn set_full_slices(&mut self, blade: u32, full_slices: bool) -> Result<(), WebError> {
+        let mode = match full_slices {
+            true => BladeMode::FullSlices,
+            false => BladeMode::Progressive,
+        };
+        Ok((self.simulation).set_blade_mode(self.blade_of(blade)?, mode)?)
+    }
+
+    /// Steps by one frame: cuts along the sweeps of the blades, then moves the bodies.
+    ///
+    /// A refused cut is no exception, see `failedCuts`.
+    ///
+    /// # Errors
+    /// Throws for a parameter out of range, and if a body cannot be stepped.
+    pub fn step(&mut self) -> Result<(), WebError> {
+        self.simulation.cut()?;
+        self.record_cuts();
+        self.simulation.advance()?;
+        Ok(())
+    }
+
+    /// Returns the number of cuts that can be undone.
+    #[wasm_bindgen(getter, js_name = undoCount)]
+    #[must_use]
+    pub fn undo_count(&self) -> usize {
+        self.undo.len()
+    }
+
+    /// Undoes the last cut. A blade that moves within a body makes one cut a frame.
+    ///
+    /// Vertices stay where they are, except that pieces that have moved apart move together.
+    ///
+    /// # Errors
+    /// Throws if there is none, or the body does not allow it.
+    pub fn undo(&mut self) -> Result<(), WebError> {
+        let (body, undo) = self.undo.pop().ok_or(WebError::NothingToUndo)?;
+        let id = self.body_of(body)?.id;
+        Ok(self.simulation.undo(id, undo)?)
+    }
+
+    /// Returns the first point of a body that a ray hits.
+    ///
+    /// # Errors
+    /// Throws for an unknown body and vectors of another length than 3.
+    pub fn pick(
+        &mut self,
+        body: u32,
+        origin: &[f64],
+        direction: &[f64],
+    ) -> Result<Option<Pick>, WebError> {
+        let id = self.body_of(body)?.id;
+        let origin = Vec3::from(vector("the origin", origin)?);
+        let direction = Vec3::from(vector("the direction", direction)?);
+        let Some(hit) = self.simulation.cast_ray(id, origin, direction)? else {
+            return Ok(None);
+        };
+        let topology = self.simulation.body(id)?.surface().topology();
+        let corners = topology.triangle(hit.triangle);
+        let nearest = (0..3).max_by(|&i, &j| hit.weights[i].total_cmp(&hit.weights[j]));
+        Ok(nearest.map(|i| Pick {
+            vertex: corners[i].0,
+            distance: hit.distance,
+        }))
+    }
+
+    /// Grabs a vertex of a body, which `drag` moves; releases the one before.
+    ///
+    /// # Errors
+    /// Throws for an unknown body or vertex.
+    pub fn grab(&mut self, body: u32, vertex: u32) -> Result<(), WebError> {
+        let id = self.body_of(body)?.id;
+        self.release()?;
+        let v = VertexId(vertex);
+        let (solver, surface) = self.simulation.edit(id)?.solver_mut();
+        solver.pin(surface, v)?;
+        self.grabbed = Some((id, v));
+        Ok(())
+    }
+
+    /// Moves the grabbed vertex to a point \[m\] in the next frame; nothing without one.
+    ///
+    /// A cut may remove the vertex, which ends the drag. Move it by less than an edge a frame.
+    ///
+    /// # Errors
+    /// Throws for numbers that are not finite.
+    pub fn drag(&mut self, x: f32, y: f32, z: f32) -> Result<(), WebError> {
+        match self.grabbed {
+            Some((id, v)) if self.is_pinned(id, v) => {
+                Ok(self.simulation.set_pin_target(id, v, [x, y, z])?)
+            }
+            _ => {
+                self.grabbed = None;
+                Ok(())
+            }
+        }
+    }
+
+    /// Releases the grabbed vertex; nothing without one.
+    ///
+    /// # Errors
+    /// Throws if the body cannot be edited.
+    pub fn release(&mut self) -> Result<(), WebError> {
+        if let Some((id, v)) = self.grabbed.take()
+            && self.is_pinned(id, v)
+        {
+            let (solver, surface) = self.simulation.edit(id)?.solver_mut();
+            solver.unpin(surface, v)?;
+        }
+        Ok(())
+    }
+
+    fn is_pinned(&self, id: BodyId, v: VertexId) -> bool {
+        let body = self.simulation.body(id);
+        body.is_ok_and(|body| {
+            let pins = body.solver().pins();
+            pins.binary_search_by_key(&v, |pin| pin.vertex).is_ok()
+        })
+    }
+
+    /// Returns the time of the last frame \[ms\], up to the resolution of the browser's clock.
+    #[wasm_bindgen(getter, js_name = frameMilliseconds)]
+    #[must_use]
+    pub fn frame_milliseconds(&self) -> f64 {
+        self.simulation.stats().total().as_secs_f64() * 1e3
+    }
+
+    /// Returns the part of the last frame that cut \[ms\].
+    #[wasm_bindgen(getter, js_name = cutMilliseconds)]
+    #[must_use]
+    pub fn cut_milliseconds(&self) -> f64 {
+        self.simulation.stats().cutting().as_secs_f64() * 1e3
+    }
+
+    /// Returns the number of cuts of the last frame.
+    #[wasm_bindgen(getter)]
+    #[must_use]
+    pub fn cuts(&self) -> u32 {
+        self.simulation.stats().cuts
+    }
+
+    /// Returns the number of contacts of the last frame.
+    #[wasm_bindgen(getter)]
+    #[must_use]
+    pub fn contacts(&self) -> usize {
+        self.simulation.stats().contacts
+    }
+
+    /// Returns the reasons of the cuts that were refused in the last frame.
+    #[wasm_bindgen(getter, js_name = failedCuts)]
+    #[must_use]
+    pub fn failed_cuts(&self) -> Vec<String> {
+        let failed = self.simulation.failed_cuts().iter();
+        failed.map(|failed| failed.error.to_string()).collect()
+    }
+}
+
+/// Returns a number of a list, which is shorter than memory.
+fn index(i: usize) -> u32 {
+    incise::mesh::index_u32(i)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,119 @@
+use super::*;
+use crate::mesh::Mesh;
+
+/// Returns a scene without gravity that holds a sphere and a blade in front of it.
+fn scene() -> (Scene, u32, u32) {
+    let mut scene = Scene::new();
+    scene.set_gravity(0.0, 0.0, 0.0);
+    let body = scene
+        .add_body(&Mesh::model("Sphere768").unwrap(), None)
+        .unwrap();
+    let blade = scene.add_blade(&[-2.0, 0.0, -2.0, -2.0, 0.0, 2.0]).unwrap();
+    (scene, body, blade)
+}
+
+const BEHIND: [f32; 6] = [2.0, 0.01, -2.0, 2.0, 0.01, 2.0];
+
+#[test]
+fn a_blade_cuts_a_body_in_two_and_undo_joins_it() {
+    let (mut scene, body, blade) = scene();
+    let skin = scene.buffers(body).unwrap().skin_indices().len();
+    scene.move_blade(blade, &BEHIND).unwrap();
+    scene.step().unwrap();
+    assert_eq!((scene.cuts(), scene.piece_count(body).unwrap()), (1, 2));
+    assert_eq!(scene.revision(body).unwrap(), 1);
+    assert!(!scene.buffers(body).unwrap().cap_indices().is_empty());
+    scene.undo().unwrap();
+    assert_eq!(scene.piece_count(body).unwrap(), 1);
+    let again = scene.buffers(body).unwrap().skin_indices().len();
+    assert_eq!(again, skin);
+    assert!(scene.buffers(body).unwrap().cap_indices().is_empty());
+    assert!(matches!(scene.undo(), Err(WebError::NothingToUndo)));
+}
+
+#[test]
+fn a_full_slice_that_ends_inside_is_refused_and_a_progressive_one_is_not() {
+    let inside = [0.0, 0.0, -2.0, 0.0, 0.0, 2.0];
+    let (mut scene, body, blade) = scene();
+    scene.set_full_slices(blade, true).unwrap();
+    scene.move_blade(blade, &inside).unwrap();
+    scene.step().unwrap();
+    assert_eq!(scene.cuts(), 0);
+    assert!(scene.failed_cuts()[0].contains("ends inside the body"));
+    scene.set_full_slices(blade, false).unwrap();
+    scene
+        .teleport_blade(blade, &[-2.0, 0.0, -2.0, -2.0, 0.0, 2.0])
+        .unwrap();
+    scene.move_blade(blade, &inside).unwrap();
+    scene.step().unwrap();
+    assert_eq!((scene.cuts(), scene.piece_count(body).unwrap()), (1, 1));
+    assert_eq!(scene.undo_count(), 1);
+}
+
+#[test]
+fn a_dragged_vertex_follows_and_is_released() {
+    let (mut scene, body, _) = scene();
+    let hit = scene.pick(body, &[0.0, 0.0, 5.0], &[0.0, 0.0, -1.0]);
+    let vertex = hit.unwrap().expect("the ray hits the body").vertex;
+    scene.grab(body, vertex).unwrap();
+    let mesh = scene.mesh(body).unwrap();
+    let [x, y, z, _] = mesh.surface().positions()[vertex as usize];
+    scene.drag(x, y + 0.02, z).unwrap();
+    scene.step().unwrap();
+    let moved = scene.mesh(body).unwrap();
+    let moved = moved.surface().positions()[vertex as usize];
+    assert_eq!(moved, [x, y + 0.02, z, 0.0]);
+    scene.release().unwrap();
+    scene.step().unwrap();
+    let free = scene.mesh(body).unwrap();
+    assert!(
+        free.surface().positions()[vertex as usize][3] > 0.0,
+        "it has a mass again"
+    );
+}
+
+#[test]
+fn unknown_numbers_and_hostile_values_are_errors() {
+    let (mut scene, body, blade) = scene();
+    assert!(scene.mesh(7).is_err() && scene.positions(u32::MAX).is_err());
+    assert!(scene.move_blade(9, &BEHIND).is_err());
+    assert!(scene.move_blade(blade, &[0.0; 5]).is_err());
+    assert!(scene.grab(body, u32::MAX).is_err() && scene.grab(body, 1 << 20).is_err());
+    assert!(
+        scene.drag(f32::NAN, 0.0, 0.0).is_ok(),
+        "no vertex is grabbed"
+    );
+    let nan = [f64::NAN; 3];
+    assert!(scene.pick(body, &nan, &nan).unwrap().is_none());
+    assert!(scene.pick(body, &[0.0; 3], &[0.0; 3]).is_ok());
+    scene.grab(body, 0).unwrap();
+    assert!(scene.drag(f32::NAN, 0.0, 0.0).is_err());
+    scene.move_blade(blade, &[f32::NAN; 6]).unwrap();
+    scene.step().unwrap();
+    assert!(scene.failed_cuts()[0].contains("not finite"));
+    scene.set_dt(f32::NAN);
+    assert!(scene.step().is_err());
+    scene.set_dt(1.0 / 60.0);
+    scene.set_substeps(0);
+    assert!(scene.step().is_err());
+    scene.set_substeps(1);
+    scene.step().unwrap();
+    scene.remove_body(body).unwrap();
+    assert!(scene.remove_body(body).is_err() && scene.drag(0.0, 0.0, 0.0).is_ok());
+    scene.step().unwrap();
+}
+
+#[test]
+fn parameters_are_read_back() {
+    let mut scene = Scene::new();
+    scene.set_floor(Some(-0.5));
+    scene.set_level("2x-finer").unwrap();
+    scene.set_method("paper").unwrap();
+    assert_eq!(scene.floor(), Some(-0.5));
+    assert_eq!(
+        (scene.level().as_str(), scene.method().as_str()),
+        ("2x-finer", "paper")
+    );
+    assert!(scene.set_level("finest").is_err() && scene.set_method("").is_err());
+    assert_eq!(scene.method(), "paper", "an error changes nothing");
+}

@@ -1,0 +1,102 @@
+// The contract of the module for JavaScript: views, exceptions, and no trap for hostile input.
+
+import assert from "node:assert/strict";
+import test from "node:test";
+import module from "./load.mjs";
+
+const { Mesh, Scene } = module;
+const TRIANGLE = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]);
+
+/** Checks that a call throws an error with the text of the library, not a trap. */
+function refuses(call, text) {
+  assert.throws(call, (error) => {
+    assert.ok(!(error instanceof WebAssembly.RuntimeError), `trap: ${error.stack}`);
+    assert.match(String(error.message), text);
+    return true;
+  });
+}
+
+test("views have the memory of the module and the shapes of the mesh", () => {
+  const mesh = Mesh.model("Bunny");
+  mesh.cut(new Float64Array([0, 1, 0]), 0.1);
+  const [count, triangles] = [mesh.vertexCount, mesh.triangleCount];
+  const positions = mesh.positions();
+  assert.equal(positions.buffer, mesh.triangles().buffer, "no copy");
+  assert.equal(positions.length, 3 * count);
+  assert.equal(mesh.triangles().length, 3 * triangles);
+  assert.equal(mesh.capMask().length, triangles);
+  const pieces = new Set(mesh.trianglePieces());
+  assert.deepEqual([...pieces].sort(), [...mesh.pieceNumbers()]);
+  assert.ok(mesh.triangles().every((v) => v < count));
+});
+
+test("a scene moves the positions that its views show", () => {
+  const scene = new Scene();
+  const body = scene.addBody(Mesh.model("Sphere80"));
+  const before = scene.positions(body).slice();
+  scene.step();
+  const after = scene.positions(body);
+  assert.equal(before.length, after.length);
+  assert.ok(before.some((x, i) => i % 3 === 1 && after[i] < x), "it falls");
+  assert.ok(scene.normals(body).every(Number.isFinite));
+});
+
+test("hostile arrays are exceptions", () => {
+  const triangles = new Uint32Array([0, 1, 2]);
+  refuses(() => new Mesh(TRIANGLE, new Uint32Array([0, 1, 3])), /index 3 is out of range/);
+  refuses(() => new Mesh(TRIANGLE, new Uint32Array([0, 1, 0xffffffff])), /out of range/);
+  refuses(() => new Mesh(TRIANGLE, new Uint32Array(4)), /multiple of 3/);
+  refuses(() => new Mesh(new Float32Array(9).fill(NaN), triangles), /not a finite/);
+  refuses(() => new Mesh([0, 0, 0], triangles), /not a Float32Array/);
+  refuses(() => new Mesh({ length: 2 ** 40 }, triangles), /not a Float32Array/);
+  refuses(() => new Mesh(TRIANGLE, new Float32Array(3)), /not a Uint32Array/);
+  refuses(() => new Mesh(TRIANGLE, undefined), /./);
+  refuses(() => new Mesh(new Float32Array(2 ** 30), triangles), /memory has no room/);
+  refuses(() => Mesh.read(new Uint8Array(0), "obj"), /./);
+  refuses(() => Mesh.read(new Uint8Array([0x67, 0x6c, 0x54, 0x46]), "glb"), /./);
+  refuses(() => Mesh.model("Teapot"), /no model/);
+  assert.equal(new Mesh(TRIANGLE, triangles).pieceCount, 1, "the module works on");
+});
+
+test("hostile cuts and ids are exceptions", () => {
+  const mesh = Mesh.model("Sphere80");
+  refuses(() => mesh.cut(new Float64Array(3), 0), /no area/);
+  refuses(() => mesh.cut(new Float64Array([Infinity, 0, 0]), 0), /not finite/);
+  refuses(() => mesh.cut(new Float64Array(2), 0), /pass 3/);
+  refuses(() => mesh.cut(new Float64Array([0, 1, 0]), 0, "finest"), /not a refinement level/);
+  refuses(() => mesh.piece(5), /no piece 5/);
+  refuses(() => mesh.undo(), /no cut to undo/);
+  const scene = new Scene();
+  refuses(() => scene.positions(0), /no body 0/);
+  refuses(() => scene.addBody(new Scene()), /expected instance of Mesh/);
+  const body = scene.addBody(mesh);
+  refuses(() => scene.grab(body, 1e9), /./);
+  refuses(() => scene.moveBlade(0, new Float32Array(6)), /no blade 0/);
+  scene.dt = NaN;
+  refuses(() => scene.step(), /invalid frame/);
+  mesh.free();
+  refuses(() => mesh.triangleCount, /null pointer/);
+});
+
+test("random bytes are no trap in any format", () => {
+  let x = 1;
+  const next = () => (x = Math.imul(x, 1664525) + 1013904223) >>> 24;
+  const heads = { obj: "v 0 0 0\nf 1 ", ply: "ply\nformat ascii 1.0\n", stl: "solid\n", glb: "glTF" };
+  for (const [format, head] of Object.entries(heads)) {
+    for (let i = 0; i < 200; i++) {
+      const bytes = Uint8Array.from([...Buffer.from(head), ...Array.from({ length: i }, next)]);
+      refuses(() => Mesh.read(bytes, format), /./);
+    }
+  }
+});
+
+test("the largest model is cut and stepped", () => {
+  const scene = new Scene();
+  const body = scene.addBody(Mesh.model("Armadillo"));
+  const blade = scene.addBlade(new Float32Array([-2, 0, -2, -2, 0, 2]));
+  scene.moveBlade(blade, new Float32Array([2, 0.01, -2, 2, 0.01, 2]));
+  scene.step();
+  assert.ok(scene.pieceCount(body) > 1);
+  scene.undo();
+  assert.equal(scene.pieceCount(body), 1);
+});
