@@ -259,8 +259,10 @@ impl Scene {
     /// be stepped.
     #[pyo3(signature = (dt=None))]
     fn step(&mut self, py: Python<'_>, dt: Option<f64>) -> PyResult<FrameStats> {
-        if let Some(dt) = dt {
-            self.scene.params.dt = round_to_f32(dt);
+        if let Some(dt) = dt.map(round_to_f32) {
+            let params = &mut self.scene.params;
+            (params.solver.check(dt).map_err(LibrarySceneError::Frame)).or_raise()?;
+            params.dt = dt;
         }
         let scene = &mut self.scene;
         py.detach(|| scene.step().map(FrameStats::new)).or_raise()

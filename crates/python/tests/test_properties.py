@@ -15,6 +15,7 @@ COORDINATE = st.floats(-1, 1, allow_nan=False, width=32)
 NUMBER = st.floats(width=32, allow_nan=True, allow_infinity=True)
 MODEL = incise.model("Sphere768")
 SPHERE = incise.Mesh(MODEL.vertices, MODEL.faces)
+STROKE = np.array([[[-2, 0, -2], [-2, 0, 2]], [[0.1, 0, -2], [0.1, 0, 2]]])
 
 
 @settings(deadline=None, max_examples=60, derandomize=True)
@@ -40,7 +41,9 @@ def test_a_plane_leaves_closed_pieces_of_the_same_volume(
 
 @settings(deadline=None, max_examples=40, derandomize=True)
 @given(st.lists(st.lists(COORDINATE, min_size=3, max_size=3), min_size=4, max_size=12), st.data())
-def test_any_faces_give_a_mesh_or_an_error(vertices: list[list[float]], data: st.DataObject) -> None:
+def test_any_faces_give_a_mesh_or_an_error(
+    vertices: list[list[float]], data: st.DataObject
+) -> None:
     index = st.integers(-1, len(vertices))
     faces = data.draw(st.lists(st.lists(index, min_size=3, max_size=3), min_size=1, max_size=10))
     try:
@@ -50,7 +53,7 @@ def test_any_faces_give_a_mesh_or_an_error(vertices: list[list[float]], data: st
         return
     for call in (
         lambda: mesh.cut([0.3, 1, 0.2], 0.01),
-        lambda: mesh.cut_path([[[-2, 0, -2], [-2, 0, 2]], [[0.1, 0, -2], [0.1, 0, 2]]]),
+        lambda: mesh.cut_path(STROKE),
         lambda: mesh.repair(),
         lambda: mesh.fill(),
         lambda: mesh.check(),

@@ -166,6 +166,15 @@ def test_bad_parameters_of_scenes_are_refused(keys: Any, text: str) -> None:
         incise.Scene(**keys)
 
 
+def test_a_bad_time_step_changes_nothing(sphere: incise.Mesh) -> None:
+    scene = incise.Scene(gravity=(0, 0, 0), dt=0.01)
+    scene.add_body(sphere)
+    for dt in (0.0, -1.0, float("nan")):
+        with pytest.raises(incise.SceneError, match="time step"):
+            scene.step(dt=dt)
+    scene.step()
+
+
 def test_unknown_numbers_are_refused(sphere: incise.Mesh) -> None:
     scene = incise.Scene()
     for call in (

@@ -23,7 +23,7 @@ from ._incise import (
     __version__,
     model,
 )
-from ._paper_table import PAPER_TABLE, paper_table
+from ._paper_table import PAPER_TABLE, PaperRow, paper_table
 
 __all__ = [
     "MODELS",
@@ -35,6 +35,7 @@ __all__ = [
     "FillError",
     "FrameStats",
     "Mesh",
+    "PaperRow",
     "RepairError",
     "Scene",
     "SceneError",

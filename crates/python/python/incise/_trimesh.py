@@ -34,7 +34,8 @@ def to_trimesh(mesh: Mesh) -> Any:
     """Returns a mesh as a `trimesh.Trimesh` with the same indices of vertices and faces."""
     import trimesh
 
-    per_vertex, per_face = {}, {}
+    per_vertex: dict[str, Any] = {}
+    per_face: dict[str, Any] = {}
     for name, values in mesh.attributes.items():
         if values.ndim == 3:
             per_face[name] = values
