@@ -3,8 +3,10 @@
 mod arrays;
 mod cut;
 mod error;
+mod frame_stats;
 mod mesh;
 mod mesh_arrays;
+mod model;
 mod options;
 mod origins;
 mod report;
@@ -18,11 +20,11 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _incise(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    m.add("MODELS", mesh::model_names(m.py())?)?;
-    m.add_function(wrap_pyfunction!(mesh::model, m)?)?;
+    m.add("MODELS", model::model_names(m.py())?)?;
+    m.add_function(wrap_pyfunction!(model::model, m)?)?;
     m.add_class::<mesh::Mesh>()?;
     m.add_class::<cut::CutResult>()?;
     m.add_class::<scene::Scene>()?;
-    m.add_class::<scene::FrameStats>()?;
+    m.add_class::<frame_stats::FrameStats>()?;
     error::add(m)
 }
