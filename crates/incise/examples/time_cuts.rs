@@ -5,9 +5,8 @@
 
 #![expect(clippy::print_stdout, reason = "an example prints its results")]
 
-use incise::cut::CutError;
-use incise::mesh::TopologyError;
 use incise::prelude::*;
+use std::error::Error;
 use std::f64::consts::PI;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -29,25 +28,15 @@ fn arrays(surface: &Surface) -> Arrays {
 }
 
 /// Cuts by a plane through the middle of the bounding box.
-fn cut((positions, triangles): &Arrays, normal: Vec3) -> Result<Vec<Arrays>, Refused> {
-    let mut surface = Surface::from_triangles(positions, triangles).map_err(Refused::Topology)?;
+fn cut((positions, triangles): &Arrays, normal: Vec3) -> Result<Vec<Arrays>, Box<dyn Error>> {
+    let mut surface = Surface::from_triangles(positions, triangles)?;
     let bounds = surface.bounds();
-    let plane = Sweep::from_plane(normal.into(), normal.dot(&bounds.center()), &bounds)
-        .map_err(Refused::Cut)?;
+    let plane = Sweep::from_plane(normal.into(), normal.dot(&bounds.center()), &bounds)?;
     let mut cutter = Cutter::new(&surface);
     let outcome = cutter.cut(&mut surface, &plane, &CutParams::default());
-    assert!(
-        !outcome.map_err(Refused::Cut)?.is_miss(),
-        "the plane is in the middle"
-    );
+    assert!(!outcome?.is_miss(), "the plane is in the middle");
     let pieces = surface.extract_pieces();
     Ok(pieces.map(|(_, piece)| arrays(&piece)).collect())
-}
-
-#[derive(Debug)]
-enum Refused {
-    Topology(TopologyError),
-    Cut(CutError),
 }
 
 /// Returns direction `k` of those all around: a Fibonacci sphere.
@@ -58,7 +47,7 @@ fn normal(k: u32) -> Vec3 {
     Vec3::new(radius * cos, radius * sin, z)
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> Result<(), Box<dyn Error>> {
     let surface = match std::env::args_os().nth(1) {
         Some(path) => read_mesh(&PathBuf::from(path))?.into_surface()?.0,
         None => icosphere(3, 0.5),
@@ -67,7 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut times: Vec<Duration> = Vec::new();
     for k in 0..COUNT {
         let begin = Instant::now();
-        let pieces = cut(&input, normal(k)).map_err(|error| format!("plane {k}: {error:?}"))?;
+        let pieces = cut(&input, normal(k)).map_err(|error| format!("plane {k}: {error}"))?;
         times.push(begin.elapsed());
         drop(pieces);
     }
