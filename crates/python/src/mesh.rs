@@ -308,10 +308,11 @@ impl Mesh {
 
     /// Closes every hole and returns the new mesh and a report.
     ///
-    /// The outer boundary of a sheet is a hole too. Old vertices and faces keep their indices; faces
-    /// of patches have the material 1. `level` is the ratio of the patches' edge length to that of
-    /// the surface, a number or a name as in `cut`. Holes of more than `max_edges` edges stay open.
-    /// The report has `holes`, a dictionary each, and `left_open`. Patches are not faired.
+    /// The outer boundary of a sheet is a hole too. Old vertices and faces come first, in their
+    /// order; vertices that no face uses are dropped. Faces of patches have the material 1. `level`
+    /// is the ratio of the patches' edge length to that of the surface, a number or a name as in
+    /// `cut`. Holes of more than `max_edges` edges stay open. The report has `holes`, a dictionary
+    /// each, and `left_open`. Patches are not faired.
     ///
     /// Raises `FillError` and `TopologyError`.
     #[pyo3(signature = (*, level=None, max_edges=None, max_triangles=None))]

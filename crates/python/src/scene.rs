@@ -164,7 +164,8 @@ impl Scene {
     /// replace its values: `density`, `{"per_area": kg/m^2}` or `{"per_volume": kg/m^3}`;
     /// `stretch` and `bending`, `{"stiffness": 0 to 1}` or `{"compliance": m/N, rad/(N m)}`;
     /// `volume`, `{"compressibility": 1/Pa, "pressure": ratio}`; `interior_springs`, `{"density":
-    /// per vertex, "stiffness": {...}}`; `damping` [1/s]; `friction`. None removes bending, volume or springs.
+    /// per vertex, "stiffness": {...}}`; `damping` [1/s]; `friction`. None removes bending,
+    /// volume or springs.
     ///
     /// Raises `TopologyError`, and `SceneError` for values out of range.
     #[pyo3(signature = (mesh, material=None, **keys))]
@@ -256,8 +257,8 @@ impl Scene {
 
     /// Steps by one frame of `dt` [s], by default that of the scene: cuts, then motion.
     ///
-    /// A cut that fails raises nothing, see `failed_cuts`. Raises `SceneError` for a body that cannot
-    /// be stepped.
+    /// A cut that fails raises nothing, see `failed_cuts`. Raises `SceneError` for a body that
+    /// cannot be stepped.
     #[pyo3(signature = (dt=None))]
     fn step(&mut self, py: Python<'_>, dt: Option<f64>) -> PyResult<FrameStats> {
         if let Some(dt) = dt.map(round_to_f32) {
