@@ -78,7 +78,7 @@ fn follow(mut surface: Surface, mut places: Edge, moves: &[Edge], params: &CutPa
             .undo(&mut surface, undo)
             .expect("every step can be undone");
         check(&surface, &cutter, before.topology().is_closed());
-        assert_eq!(surface.topology(), before.topology());
+        assert_eq!(surface.topology(), before.topology(), "after an undo");
     }
 }
 

@@ -111,7 +111,7 @@ impl Marked {
 impl Stroke {
     /// Adds the counts and times of a step.
     pub(crate) fn add(&mut self, step: &CutOutcome) {
-        add(&mut self.report, &step.report);
+        self.report += step.report;
         self.cutting_steps += usize::from(!step.is_miss());
     }
 }
@@ -148,27 +148,4 @@ fn inside(file: &Path, line: usize) -> Failure {
         path: file.to_owned(),
         line,
     }
-}
-
-/// Adds the counts and times of a step.
-fn add(sum: &mut CutReport, step: &CutReport) {
-    sum.hits += step.hits;
-    sum.loops += step.loops;
-    sum.slits += step.slits;
-    sum.snapped_vertices += step.snapped_vertices;
-    sum.merged_nodes += step.merged_nodes;
-    sum.short_rim_edges += step.short_rim_edges;
-    sum.flipped_edges += step.flipped_edges;
-    sum.collapsed_vertices += step.collapsed_vertices;
-    sum.collapsed_nodes += step.collapsed_nodes;
-    sum.moved_surface = sum.moved_surface.max(step.moved_surface);
-    sum.moved_volume += step.moved_volume;
-    sum.detection += step.detection;
-    sum.split += step.split;
-    sum.remeshing += step.remeshing;
-    sum.cap += step.cap;
-    sum.refinement += step.refinement;
-    sum.separation += step.separation;
-    sum.commit += step.commit;
-    sum.bvh_update += step.bvh_update;
 }

@@ -1,6 +1,7 @@
 //! [`CutOutcome`] and [`CutReport`]: the change of a cut, its counts and its times.
 
 use incise_mesh::{TopologyDelta, TriangleId, Undo};
+use std::ops::AddAssign;
 use std::time::Duration;
 
 /// The change of a cut, or a miss.
@@ -94,5 +95,61 @@ impl CutReport {
             + self.refinement
             + self.separation
             + self.bvh_update
+    }
+}
+
+impl AddAssign for CutReport {
+    /// Adds the report of another cut, such as the next step of a blade.
+    ///
+    /// Displacements of the surface are the larger ones. Caps are refined if those of both are; a
+    /// cut that hit nothing has none.
+    fn add_assign(&mut self, other: Self) {
+        if other.hits > 0 {
+            self.refined = other.refined && (self.refined || self.hits == 0);
+        }
+        self.candidates += other.candidates;
+        self.hits += other.hits;
+        self.loops += other.loops;
+        self.slits += other.slits;
+        self.snapped_vertices += other.snapped_vertices;
+        self.merged_nodes += other.merged_nodes;
+        self.flipped_edges += other.flipped_edges;
+        self.collapsed_vertices += other.collapsed_vertices;
+        self.collapsed_nodes += other.collapsed_nodes;
+        self.moved_surface = self.moved_surface.max(other.moved_surface);
+        self.moved_volume += other.moved_volume;
+        self.short_rim_edges += other.short_rim_edges;
+        self.fallback_sides += other.fallback_sides;
+        self.detection += other.detection;
+        self.split += other.split;
+        self.remeshing += other.remeshing;
+        self.cap += other.cap;
+        self.refinement += other.refinement;
+        self.separation += other.separation;
+        self.commit += other.commit;
+        self.bvh_update += other.bvh_update;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_and_times_of_steps_add_up() {
+        let step = |hits, refined| CutReport {
+            hits,
+            refined,
+            moved_surface: 0.5,
+            cap: Duration::from_millis(2),
+            ..CutReport::default()
+        };
+        let mut sum = CutReport::default();
+        for (hits, refined, expected) in [(3, true, true), (0, false, true), (4, false, false)] {
+            sum += step(hits, refined);
+            assert_eq!(sum.refined, expected, "{sum:?}");
+        }
+        assert_eq!((sum.hits, sum.moved_surface), (7, 0.5));
+        assert_eq!(sum.total(), Duration::from_millis(6));
     }
 }

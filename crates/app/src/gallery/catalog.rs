@@ -120,9 +120,9 @@ pub(super) const ALL: [Entry; 16] = [
     },
     Entry {
         name: "texture",
-        caption: "Texture coordinates of cuts by the exact method: a checkerboard on Banana, whole, \
-                  in slices, and these cut again. Skin keeps its texture to the rim; caps have \
-                  their own, at one scale.",
+        caption: "Texture coordinates of cuts by the exact method: a checkerboard on Banana, \
+                  whole, in slices, and these cut again. Skin keeps its texture to the rim; caps \
+                  have their own, at one scale.",
         make: || textured(Model::Banana, &[&[], &BANANA_SLICES, &BANANA_CUT_AGAIN]),
     },
 ];
