@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -23,6 +25,21 @@ def test_a_mesh_comes_back(bunny: incise.Mesh) -> None:
     np.testing.assert_array_equal(again.attributes["heat"], heat)
     assert again.uv is not None and mesh.uv is not None
     np.testing.assert_array_equal(again.uv, mesh.uv)
+
+
+@pytest.mark.parametrize("extension", ["obj", "ply", "stl", "glb"])
+def test_trimesh_reads_written_files(
+    tmp_path: Path, bunny: incise.Mesh, extension: str
+) -> None:
+    for i, piece in enumerate(bunny.cut([0.2, 1, 0.1], 0.03).pieces):
+        path = tmp_path / f"piece_{i}.{extension}"
+        piece.save(path)
+        other = trimesh.load(path, force="mesh")
+        # Buffers for renderers have a vertex for each side of a crease.
+        other.merge_vertices(merge_tex=True, merge_norm=True)
+        assert len(other.faces) == len(piece.faces)
+        assert other.is_watertight and other.is_winding_consistent
+        assert other.volume == pytest.approx(piece.volume, rel=1e-5)
 
 
 def test_measures_are_those_of_trimesh(bunny: incise.Mesh) -> None:
