@@ -2,13 +2,14 @@
 //!
 //! Each line of `tests/seeded_cuts.txt` has a built-in model, a method, a level, four numbers
 //! `x y z d`, the number of pieces and the CRC-32 of their arrays: positions and triangles of each
-//! piece, little-endian; of the body as a whole for `scene`. `refused` stands for a refused cut. The numbers mean:
+//! piece, little-endian. For `scene` these are the arrays of the body as a whole. `refused` stands
+//! for a refused cut. The numbers mean:
 //!
 //! | method | `x y z d` |
 //! |---|---|
 //! | `exact`, `paper` | the plane with normal `x y z` at `d` |
 //! | `path` | an edge along z around `x y z`, length 2, in three poses from height `y` to `d` |
-//! | `scene` | 90 frames above a floor at `d`; an edge at height `y` sweeps from `-x` to `x` |
+//! | `scene` | 90 frames, floor at `d`, an edge at height `y` from `-z` to `z` sweeps `-x` to `x` |
 //!
 //! With the environment variable `INCISE_WRITE_SEEDED_CUTS` the test writes the list instead of
 //! comparing it.

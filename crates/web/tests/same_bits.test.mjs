@@ -60,7 +60,8 @@ test("seeded cuts and a scene have the bits of Rust", () => {
     const expected = rest.slice(4).join(" ");
     const model = Mesh.model(name);
     const mesh = new Mesh(model.positions().slice(), model.triangles().slice());
-    const run = () => (method === "scene" ? fall(mesh, numbers) : cut(mesh, method, level, numbers));
+    const isScene = method === "scene";
+    const run = () => (isScene ? fall(mesh, numbers) : cut(mesh, method, level, numbers));
     if (expected === "refused") assert.throws(run);
     else assert.equal(run(), expected, `${name} ${method} ${numbers}`);
   }
