@@ -1,7 +1,8 @@
-/* Prints a line for each of 100 seeded cuts, like examples/cut_bits.rs, for a comparison. */
+/* Prints the list of cuts at the path given (tests/seeded_cuts.txt) with its own results. */
 #include <incise.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static void check(incise_status status, const char *call) {
     if (status != INCISE_STATUS_OK) {
@@ -11,106 +12,148 @@ static void check(incise_status status, const char *call) {
 }
 #define CHECK(call) check(call, #call)
 
-static uint64_t state = 20261125;
-
-/* Returns a number from -1 to 1 with 24 bits. */
-static double draw(void) {
-    state = state * 6364136223846793005u + 1;
-    return (double)(state >> 40) / 8388608.0 - 1.0;
-}
-
-/* The hash FNV-1a of bytes of a little-endian machine. */
-static uint64_t hash(uint64_t value, const void *data, size_t size) {
+/* Returns the CRC-32 of bytes of a little-endian machine that follow those of `crc`. */
+static uint32_t crc32(uint32_t crc, const void *data, size_t size) {
     const unsigned char *bytes = data;
-    for (size_t i = 0; i < size; i++) value = (value ^ bytes[i]) * 0x100000001b3u;
-    return value;
+    crc = ~crc;
+    for (size_t i = 0; i < 8 * size; i++) {
+        if (i % 8 == 0) crc ^= bytes[i / 8];
+        crc = (crc >> 1) ^ (0xedb88320u & (0u - (crc & 1u)));
+    }
+    return ~crc;
 }
 
-static void *allocate(size_t count, size_t size) {
-    void *memory = calloc(count + 1, size);
+static void *allocate(size_t size) {
+    void *memory = malloc(size);
     if (!memory) exit(1);
     return memory;
 }
 
-/* Copies a mesh through arrays of this program. */
-static incise_mesh *copied(incise_mesh *mesh) {
+/* The vertices and triangles of a mesh. */
+typedef struct {
     incise_mesh_counts n;
-    CHECK(incise_mesh_count(mesh, &n));
-    float *vertices = allocate(3 * n.vertices, 4), *uv = allocate(2 * n.uv, 4);
-    uint32_t *faces = allocate(3 * n.faces, 4);
-    CHECK(incise_mesh_vertices(mesh, vertices, 3 * n.vertices));
-    CHECK(incise_mesh_faces(mesh, faces, 3 * n.faces));
-    CHECK(incise_mesh_uv(mesh, uv, 2 * n.uv));
-    incise_mesh *copy;
-    CHECK(incise_mesh_new(vertices, n.vertices, faces, n.faces, uv, n.uv, &copy));
-    free(vertices), free(faces), free(uv);
-    return copy;
+    float *vertices;
+    uint32_t *faces;
+} arrays;
+
+/* Returns the arrays of a mesh and frees it. */
+static arrays arrays_of(incise_mesh *mesh) {
+    arrays a;
+    CHECK(incise_mesh_count(mesh, &a.n));
+    a.vertices = allocate(12 * (size_t)a.n.vertices);
+    a.faces = allocate(12 * (size_t)a.n.faces);
+    CHECK(incise_mesh_vertices(mesh, a.vertices, 3 * (size_t)a.n.vertices));
+    CHECK(incise_mesh_faces(mesh, a.faces, 3 * (size_t)a.n.faces));
+    CHECK(incise_mesh_free(mesh));
+    return a;
 }
 
-static void print(int i, incise_cut_result *result) {
+/* Returns a built-in model that went through arrays of this program. */
+static incise_mesh *model(const char *name) {
+    incise_mesh *mesh;
+    CHECK(incise_mesh_model(name, &mesh));
+    arrays a = arrays_of(mesh);
+    CHECK(incise_mesh_new(a.vertices, a.n.vertices, a.faces, a.n.faces, NULL, 0, &mesh));
+    free(a.vertices), free(a.faces);
+    return mesh;
+}
+
+/* Hashes the arrays of a mesh and frees it. */
+static uint32_t hash(uint32_t crc, incise_mesh *mesh) {
+    arrays a = arrays_of(mesh);
+    crc = crc32(crc, a.vertices, 12 * (size_t)a.n.vertices);
+    crc = crc32(crc, a.faces, 12 * (size_t)a.n.faces);
+    free(a.vertices), free(a.faces);
+    return crc;
+}
+
+/* Prints the number of pieces and their hash, and frees the result. */
+static void print(incise_cut_result *result) {
     incise_cut_report report;
     CHECK(incise_cut_result_report(result, &report));
-    incise_mesh *mesh;
-    CHECK(incise_cut_result_mesh(result, &mesh));
-    incise_mesh_counts n;
-    CHECK(incise_mesh_count(mesh, &n));
-    float *vertices = allocate(3 * n.vertices, 4), *uv = allocate(2 * n.uv, 4);
-    uint32_t *faces = allocate(3 * n.faces, 4), *pieces = allocate(n.faces, 4);
-    unsigned char *caps = allocate(n.faces, 1);
-    CHECK(incise_mesh_vertices(mesh, vertices, 3 * n.vertices));
-    CHECK(incise_mesh_faces(mesh, faces, 3 * n.faces));
-    CHECK(incise_mesh_uv(mesh, uv, 2 * n.uv));
-    CHECK(incise_cut_result_face_pieces(result, pieces, n.faces));
-    CHECK(incise_cut_result_caps(result, caps, n.faces));
-    uint64_t value = 0xcbf29ce484222325u;
-    value = hash(value, vertices, 12 * (size_t)n.vertices);
-    value = hash(value, faces, 12 * (size_t)n.faces);
-    value = hash(value, uv, 8 * (size_t)n.uv);
-    value = hash(value, pieces, 4 * (size_t)n.faces);
-    for (uint32_t t = 0; t < n.faces; t++) {
-        uint32_t cap = caps[t];
-        value = hash(value, &cap, 4);
+    uint32_t crc = 0;
+    for (uint32_t i = 0; i < report.pieces; i++) {
+        incise_mesh *piece;
+        CHECK(incise_cut_result_piece(result, i, &piece));
+        crc = hash(crc, piece);
     }
-    printf("%d %u %u %016llx\n", i, report.pieces, report.hits, (unsigned long long)value);
-    free(vertices), free(uv), free(faces), free(pieces), free(caps);
-    CHECK(incise_mesh_free(mesh));
+    printf(" %u %08x\n", report.pieces, crc);
+    CHECK(incise_cut_result_free(result));
 }
 
-int main(void) {
-    static const double levels[5] = {2, 1.5, 1, 1 / 1.5, 0.5};
-    incise_mesh *model;
-    CHECK(incise_mesh_model("bunny", &model));
-    incise_mesh *mesh = copied(model);
-    CHECK(incise_mesh_free(model));
-    for (int i = 0; i < 100; i++) {
-        incise_cut_params params;
-        CHECK(incise_cut_params_init(&params));
-        params.level = levels[i % 5];
-        incise_cut_result *result;
-        incise_status status;
-        if (i % 10 == 9) {
-            double x = 0.1 * draw(), z = 0.1 * draw(), depth = 0.2 * draw();
-            const double heights[3] = {0.7, 0.2, depth};
-            float poses[18];
-            for (int k = 0; k < 3; k++) {
-                float pose[6] = {x, heights[k], z - 1, x, heights[k], z + 1};
-                for (int j = 0; j < 6; j++) poses[6 * k + j] = pose[j];
-            }
-            status = incise_mesh_cut_path(mesh, poses, 3, 2, &params, &result);
-        } else {
-            double normal[3];
-            for (int k = 0; k < 3; k++) normal[k] = draw();
-            params.method = i % 4 == 3 ? INCISE_METHOD_PAPER : INCISE_METHOD_EXACT;
-            status = incise_mesh_cut_plane(mesh, normal, 0.2 * draw(), &params, &result);
-        }
-        if (status == INCISE_STATUS_REFUSED) {
-            printf("%d refused\n", i);
-            continue;
-        }
-        check(status, "cut");
-        print(i, result);
-        CHECK(incise_cut_result_free(result));
+static incise_status cut(incise_mesh *mesh, const char *method, const char *level,
+                         const double *numbers, incise_cut_result **result) {
+    incise_cut_params params;
+    CHECK(incise_cut_params_init(&params));
+    if (strcmp(level, "2x-finer") == 0) params.level = 0.5;
+    if (strcmp(method, "path") != 0) {
+        if (strcmp(method, "paper") == 0) params.method = INCISE_METHOD_PAPER;
+        return incise_mesh_cut_plane(mesh, numbers, numbers[3], &params, result);
     }
-    CHECK(incise_mesh_free(mesh));
+    double x = numbers[0], y = numbers[1], z = numbers[2], d = numbers[3];
+    const double heights[3] = {y, 0.5 * (y + d), d};
+    float poses[18];
+    for (int k = 0; k < 3; k++) {
+        const double pose[6] = {x, heights[k], z - 1, x, heights[k], z + 1};
+        for (int j = 0; j < 6; j++) poses[6 * k + j] = (float)pose[j];
+    }
+    return incise_mesh_cut_path(mesh, poses, 3, 2, &params, result);
+}
+
+/* Prints pieces and hash of a body that falls on a floor and is cut in frames 10 and 11. */
+static void print_scene(incise_mesh *mesh, const double *numbers) {
+    incise_scene_params params;
+    CHECK(incise_scene_params_init(&params));
+    params.has_ground = params.contacts = params.threads = 1;
+    params.ground = (float)numbers[3];
+    incise_scene *scene;
+    uint32_t body, blade;
+    CHECK(incise_scene_new(&params, &scene));
+    CHECK(incise_scene_add_body(scene, mesh, NULL, &body));
+    float x = (float)numbers[0], y = (float)numbers[1], z = (float)numbers[2];
+    float edge[6] = {-x, y, -z, -x, y, z};
+    CHECK(incise_scene_add_blade(scene, edge, &blade));
+    for (int frame = 0; frame < 90; frame++) {
+        if (frame == 10 || frame == 11) {
+            edge[0] = edge[3] = frame == 10 ? 0 : x;
+            CHECK(incise_scene_move_blade(scene, blade, edge));
+        }
+        CHECK(incise_scene_step(scene, NULL));
+    }
+    incise_mesh *end;
+    incise_mesh_counts n;
+    CHECK(incise_body_mesh(scene, body, &end));
+    CHECK(incise_mesh_count(end, &n));
+    printf(" %u %08x\n", n.pieces, hash(0, end));
+    CHECK(incise_scene_free(scene));
+}
+
+int main(int count, char **arguments) {
+    FILE *list = count == 2 ? fopen(arguments[1], "r") : NULL;
+    if (!list) return 2;
+    char line[256], name[32], method[32], level[32];
+    while (fgets(line, sizeof line, list)) {
+        double numbers[4];
+        int end = 0;
+        sscanf(line, "%31s %31s %31s %lf %lf %lf %lf%n", name, method, level, &numbers[0],
+               &numbers[1], &numbers[2], &numbers[3], &end);
+        if (end == 0) return 2;
+        printf("%.*s", end, line);
+        incise_mesh *mesh = model(name);
+        if (strcmp(method, "scene") == 0) {
+            print_scene(mesh, numbers);
+        } else {
+            incise_cut_result *result;
+            incise_status status = cut(mesh, method, level, numbers, &result);
+            if (status == INCISE_STATUS_REFUSED) {
+                puts(" refused");
+            } else {
+                check(status, "cut");
+                print(result);
+            }
+        }
+        CHECK(incise_mesh_free(mesh));
+    }
+    fclose(list);
     return incise_live_handles() == 0 ? 0 : 1;
 }

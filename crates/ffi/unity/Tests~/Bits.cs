@@ -1,82 +1,115 @@
-// Prints a line for each of 100 seeded cuts, like examples/cut_bits.rs, for a comparison.
+// Prints the list of cuts at the path given (tests/seeded_cuts.txt) with its own results.
 
 using System;
+using System.Globalization;
+using System.IO;
 using Incise;
 
 static class Bits
 {
-    static ulong state = 20261125;
-
-    /// <summary>Returns a number from -1 to 1 with 24 bits.</summary>
-    static double Draw()
-    {
-        state = unchecked(state * 6364136223846793005 + 1);
-        return (double)(state >> 40) / 8388608.0 - 1.0;
-    }
-
-    /// <summary>The hash FNV-1a.</summary>
-    static ulong Hash(ulong value, Array words)
+    /// <summary>Returns the CRC-32 of words that follow those of `crc`.</summary>
+    static uint Crc32(uint crc, Array words)
     {
         var bytes = new byte[Buffer.ByteLength(words)];
         Buffer.BlockCopy(words, 0, bytes, 0, bytes.Length);
-        foreach (byte b in bytes) value = unchecked((value ^ b) * 0x100000001b3);
-        return value;
-    }
-
-    static void Print(int i, CutResult result)
-    {
-        using (Surface surface = result.Surface())
+        crc = ~crc;
+        foreach (byte b in bytes)
         {
-            ulong value = 0xcbf29ce484222325;
-            value = Hash(value, surface.Vertices());
-            value = Hash(value, surface.Faces());
-            value = Hash(value, surface.Uv());
-            value = Hash(value, result.FacePieces());
-            value = Hash(value, Array.ConvertAll(result.Caps(), cap => (int)cap));
-            Console.WriteLine(
-                "{0} {1} {2} {3:x16}", i, result.Report.Pieces, result.Report.Hits, value);
+            crc ^= b;
+            for (int i = 0; i < 8; i++) crc = (crc & 1) == 1 ? (crc >> 1) ^ 0xedb88320 : crc >> 1;
         }
+        return ~crc;
     }
 
-    static CutResult Cut(Surface surface, int i, CutParams parameters)
+    static uint Hash(uint crc, Surface surface)
     {
-        if (i % 10 == 9)
+        return Crc32(Crc32(crc, surface.Vertices()), surface.Faces());
+    }
+
+    /// <summary>Returns the number of pieces and their hash.</summary>
+    static string PiecesAndHash(CutResult result)
+    {
+        uint crc = 0;
+        for (int i = 0; i < result.Report.Pieces; i++)
         {
-            double x = 0.1 * Draw(), z = 0.1 * Draw(), depth = 0.2 * Draw();
-            var poses = new float[18];
-            var heights = new[] { 0.7, 0.2, depth };
-            for (int k = 0; k < 3; k++)
+            using (Surface piece = result.Piece(i)) crc = Hash(crc, piece);
+        }
+        return result.Report.Pieces + " " + crc.ToString("x8");
+    }
+
+    static CutResult Cut(Surface surface, string method, string level, double[] numbers)
+    {
+        CutParams parameters = CutParams.Default;
+        if (level == "2x-finer") parameters.Level = 0.5;
+        double x = numbers[0], y = numbers[1], z = numbers[2], d = numbers[3];
+        if (method != "path")
+        {
+            if (method == "paper") parameters.Method = CutMethod.Paper;
+            return surface.Cut(new[] { x, y, z }, d, parameters);
+        }
+        var heights = new[] { y, 0.5 * (y + d), d };
+        var poses = new float[18];
+        for (int k = 0; k < 3; k++)
+        {
+            var pose = new[] { x, heights[k], z - 1, x, heights[k], z + 1 };
+            for (int j = 0; j < 6; j++) poses[6 * k + j] = (float)pose[j];
+        }
+        return surface.CutPath(poses, 2, parameters);
+    }
+
+    /// <summary>Returns pieces and hash of a body that falls on a floor and is cut in frames 10
+    /// and 11.</summary>
+    static string Fall(Surface surface, double[] numbers)
+    {
+        float x = (float)numbers[0], y = (float)numbers[1], z = (float)numbers[2];
+        SceneParams parameters = SceneParams.Default;
+        parameters.HasGround = parameters.Contacts = parameters.Threads = 1;
+        parameters.Ground = (float)numbers[3];
+        using (var scene = new Scene(parameters))
+        {
+            uint body = scene.AddBody(surface);
+            var edge = new[] { -x, y, -z, -x, y, z };
+            uint blade = scene.AddBlade(edge);
+            for (int frame = 0; frame < 90; frame++)
             {
-                var pose = new[] { x, heights[k], z - 1, x, heights[k], z + 1 };
-                for (int j = 0; j < 6; j++) poses[6 * k + j] = (float)pose[j];
+                if (frame == 10 || frame == 11)
+                {
+                    edge[0] = edge[3] = frame == 10 ? 0 : x;
+                    scene.MoveBlade(blade, edge);
+                }
+                scene.Step();
             }
-            return surface.CutPath(poses, 2, parameters);
+            using (Surface end = scene.ToSurface(body))
+                return end.Counts.Pieces + " " + Hash(0, end).ToString("x8");
         }
-        var normal = new[] { Draw(), Draw(), Draw() };
-        return surface.Cut(normal, 0.2 * Draw(), parameters);
     }
 
-    internal static void Run()
+    static string Result(Surface surface, string method, string level, double[] numbers)
     {
-        var levels = new[] { 2, 1.5, 1, 1 / 1.5, 0.5 };
-        using (Surface model = Surface.Model("Bunny"))
-        using (Surface surface = Surface.FromArrays(model.Vertices(), model.Faces(), model.Uv()))
+        if (method == "scene") return Fall(surface, numbers);
+        try
         {
-            for (int i = 0; i < 100; i++)
+            using (CutResult cut = Cut(surface, method, level, numbers)) return PiecesAndHash(cut);
+        }
+        catch (InciseException error) when (error.Status == Status.Refused)
+        {
+            return "refused";
+        }
+    }
+
+    internal static void Run(string path)
+    {
+        foreach (string line in File.ReadAllLines(path))
+        {
+            string[] words = line.Split(' ');
+            var numbers = new double[4];
+            for (int i = 0; i < 4; i++)
+                numbers[i] = double.Parse(words[3 + i], CultureInfo.InvariantCulture);
+            using (Surface model = Surface.Model(words[0]))
+            using (Surface surface = Surface.FromArrays(model.Vertices(), model.Faces()))
             {
-                CutParams parameters = CutParams.Default;
-                parameters.Level = levels[i % 5];
-                bool isPaper = i % 4 == 3 && i % 10 != 9;
-                parameters.Method = isPaper ? CutMethod.Paper : CutMethod.Exact;
-                try
-                {
-                    using (CutResult result = Cut(surface, i, parameters)) Print(i, result);
-                }
-                catch (InciseException error)
-                {
-                    if (error.Status != Status.Refused) throw;
-                    Console.WriteLine("{0} refused", i);
-                }
+                string result = Result(surface, words[1], words[2], numbers);
+                Console.WriteLine(string.Join(" ", words, 0, 7) + " " + result);
             }
         }
     }

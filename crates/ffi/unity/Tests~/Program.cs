@@ -1,4 +1,4 @@
-// Tests of the assembly under Mono: `bits` prints the 100 cuts, otherwise errors and a scene.
+// Tests of the assembly under Mono: errors and a scene, or the cuts of the list at a path.
 
 using System;
 using Incise;
@@ -174,9 +174,9 @@ static class Program
 
     static int Main(string[] arguments)
     {
-        if (arguments.Length > 0 && arguments[0] == "bits")
+        if (arguments.Length > 0)
         {
-            Bits.Run();
+            Bits.Run(arguments[0]);
             return 0;
         }
         Errors();
