@@ -7,7 +7,7 @@ integer faces, cuts by planes through the middle, caps both halves and returns t
 faces as arrays. Building its own mesh is part of the time. Only incise refines the caps to the
 resolution of the surface. Missing libraries are left out: `pip install trimesh scipy shapely
 mapbox_earcut manifold3d meshlib`. The Rust time of the same cuts:
-`cargo run --release -p incise --example time_cuts -- MESH`.
+`cargo run --release -p incise-bench --example time_cuts -- MESH`.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ pub(super) const OVERLAY: &str = concat!(
 );
 
 /// Number of storage buffers in the vertex stage of [`SURFACE`].
-pub(super) const STORAGE_BUFFERS: u32 = 3;
+pub(super) const STORAGE_BUFFERS: u32 = 4;
 
 #[cfg(test)]
 mod tests {

@@ -1,11 +1,12 @@
 //! Measures a cut from arrays to arrays: build the surface, cut it by a plane, copy the pieces.
 //!
-//! `cargo run --release -p incise --example time_cuts -- bunny.obj`; without a file it cuts a
+//! `cargo run --release -p incise-bench --example time_cuts -- bunny.obj`; without a file it cuts a
 //! sphere. `crates/python/examples/compare.py` measures the same cuts from Python.
 
 #![expect(clippy::print_stdout, reason = "an example prints its results")]
 
-use incise::prelude::*;
+use incise_cut::{CutParams, Cutter, Sweep};
+use incise_mesh::{Surface, Vec3, icosphere, read_mesh};
 use std::error::Error;
 use std::f64::consts::PI;
 use std::path::PathBuf;
