@@ -157,7 +157,11 @@ pub(super) fn repair(data: &MeshData, params: RepairParams) -> Repaired {
         .any(|d| matches!(d, Defect::NonManifoldEdge { .. }));
     let mut torn = None;
     if in_contact {
-        for weld in [Weld::within_components, Weld::except_closed_components] {
+        for weld in [
+            Weld::within_parts,
+            Weld::within_components,
+            Weld::except_closed_components,
+        ] {
             let apart = weld(data).map(|weld| attempt(weld, false));
             let Some(apart) = apart.filter(|apart| apart.defects.is_empty()) else {
                 continue;

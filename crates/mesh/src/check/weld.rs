@@ -1,7 +1,7 @@
 //! Choices of the file's vertices that stay separate although their positions are equal.
 //!
 //! Readers weld equal positions. Bodies that touch, and the two walls of an incision, must not be
-//! welded; only the file's own indices tell them apart.
+//! welded; only the parts of the file and its own indices tell them apart.
 
 use super::links::Links;
 use super::repair::is_collapsed;
@@ -31,21 +31,28 @@ impl Weld {
         }
     }
 
+    /// Welds equal positions only within parts of the file.
+    ///
+    /// Returns nothing if the file has one part.
+    pub(super) fn within_parts(data: &MeshData) -> Option<Self> {
+        (!data.parts.is_empty()).then(|| Self::within(data, &data.parts))
+    }
+
     /// Welds equal positions only within components of the file's indices.
     ///
     /// Returns nothing if the file has no two vertices at one position.
     pub(super) fn within_components(data: &MeshData) -> Option<Self> {
-        let components = components(data)?;
-        let corner = |t: usize, k: usize| (components[t], data.triangles[t][k]);
-        let mut bodies = components.clone();
-        bodies.sort_unstable();
-        bodies.dedup();
-        let count = bodies.len();
-        Some(Self::by_key(
-            data,
-            corner,
-            Some(Warning::BodiesKeptApart { count }),
-        ))
+        Some(Self::within(data, &components(data)?))
+    }
+
+    /// Welds equal positions only within bodies, of which every triangle has one.
+    fn within(data: &MeshData, bodies: &[u32]) -> Self {
+        let corner = |t: usize, k: usize| (bodies[t], data.triangles[t][k]);
+        let mut distinct = bodies.to_vec();
+        distinct.sort_unstable();
+        distinct.dedup();
+        let count = distinct.len();
+        Self::by_key(data, corner, Some(Warning::BodiesKeptApart { count }))
     }
 
     /// Keeps the file's indices of components that they close; welds all others.

@@ -60,6 +60,8 @@ pub(super) struct Builder {
     pub(super) material: u32,
     pub(super) channels: FileChannels,
     positions: Vec<[f32; 3]>,
+    /// First position of each part of the file; empty for formats without parts.
+    part_starts: Vec<u32>,
     uv: Vec<[f32; 2]>,
     normals: Vec<[f32; 3]>,
     corners: Vec<Corner>,
@@ -76,6 +78,12 @@ impl Builder {
             origin,
             ..Self::default()
         }
+    }
+
+    /// Begins a part of the file with positions of its own, such as a node of glTF.
+    #[cfg(feature = "gltf")]
+    pub(super) fn begin_part(&mut self) {
+        self.part_starts.push(index_u32(self.positions.len()));
     }
 
     pub(super) fn position_count(&self) -> usize {
@@ -187,6 +195,7 @@ impl Builder {
             let triangles = corners.as_chunks::<3>().0.iter();
             triangles.map(|t| t.map(|c| c.position)).collect()
         };
+        let parts = self.parts(&corners);
         let (attributes, channels) = self.attributes(&corners, &welded);
         let mut tuples = corners;
         tuples.sort_unstable();
@@ -201,8 +210,21 @@ impl Builder {
             file_vertices: tuples.len(),
             warnings: self.warnings,
             file_triangles,
+            parts,
             origin: self.origin,
         })
+    }
+
+    /// Returns the part of the file in which each triangle is; nothing if there is only one.
+    fn parts(&self, corners: &[Corner]) -> Vec<u32> {
+        if self.part_starts.len() < 2 {
+            return Vec::new();
+        }
+        let part = |position| self.part_starts.partition_point(|&start| start <= position);
+        let triangles = corners.as_chunks::<3>().0.iter();
+        triangles
+            .map(|[a, ..]| index_u32(part(a.position)))
+            .collect()
     }
 
     fn check_references(&self) -> Result<(), ParseError> {

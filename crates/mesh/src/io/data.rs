@@ -45,6 +45,8 @@ pub struct MeshData {
     pub warnings: Vec<Warning>,
     /// Triangles over the file's own vertices; empty if welding merged none of them.
     pub(crate) file_triangles: Vec<[u32; 3]>,
+    /// Part of the file of every triangle, such as a node of glTF; empty if there is one part.
+    pub(crate) parts: Vec<u32>,
 }
 
 impl MeshData {

@@ -86,6 +86,7 @@ fn read_meshes(
                 expected: "a mesh with this number",
             })?
             .primitives;
+        builder.begin_part();
         let mirrored = transform.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
         // Primitives of a mesh often share their vertices and differ in material only.
         let mut last: Option<(&Primitive, Vertices)> = None;
