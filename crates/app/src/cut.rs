@@ -10,7 +10,7 @@ use crate::input::{InputOptions, boundary_edges, closed_volume, file_bounds};
 use crate::json::{all_lossy, lossy};
 use crate::pieces::{OutputOptions, Piece};
 use crate::reporter::Reporter;
-use crate::stroke::{Stroke, cut_along_path};
+use crate::stroke::{CutSums, cut_along_path};
 use incise_mesh::geometry::is_flat;
 use incise_mesh::{AngleStats, Surface, TriangleId, Warning};
 use incise_progress::Progress;
@@ -266,17 +266,16 @@ impl CutArguments {
         let (triangles, volume) = (surface.topology().triangle_count(), closed_volume(&surface));
         let boundary_edges = boundary_edges(&surface);
         let params = options.params();
-        let Stroke {
-            report: counts,
+        let CutSums {
+            stroke,
             walls,
-            cutting_steps,
             missed,
-            tips,
             bvh_build,
         } = match blade_path {
             Some((file, blade_path)) => cut_along_path(&mut surface, blade_path, &params, file)?,
             None => cut_once(options, &mut surface, path)?,
         };
+        let counts = stroke.report;
         if counts.hits > 0 {
             for plane in &missed {
                 warn(&format_args!("plane {plane} misses the mesh"));
@@ -317,8 +316,8 @@ impl CutArguments {
             cap_min_angle_deg: cap.min,
             cap_median_angle_deg: cap.median,
             steps: blade_path.map(|(_, path)| path.len() - 1),
-            cutting_steps: blade_path.map(|_| cutting_steps),
-            tips: blade_path.map(|_| tips),
+            cutting_steps: blade_path.map(|_| stroke.cutting_steps),
+            tips: blade_path.map(|_| stroke.tip_vertices),
             wall_triangles: blade_path.map(|_| walls.len()),
             pieces: Vec::new(),
             removed: Vec::new(),
@@ -355,7 +354,7 @@ impl CutArguments {
 }
 
 /// Cuts along the planes or the sweep of the command line.
-fn cut_once(options: CutPlan<'_>, surface: &mut Surface, input: &Path) -> Result<Stroke, Failure> {
+fn cut_once(options: CutPlan<'_>, surface: &mut Surface, input: &Path) -> Result<CutSums, Failure> {
     let sweeps = options.sweeps(surface, input)?;
     options.cut(surface, &sweeps, input)
 }

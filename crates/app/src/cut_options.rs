@@ -5,10 +5,11 @@ use crate::clock::timed;
 use crate::failure::Failure;
 use crate::input::in_file;
 use crate::numbers::{Numbers, numbers};
-use crate::stroke::{Marked, Stroke};
+use crate::stroke::CutSums;
 use clap::ValueEnum;
 use incise_cut::{
-    CutError, CutMethod, CutParams, Cutter, ExactParams, PaperParams, Sweep, blade_starts_inside,
+    CapMarker, CutError, CutMethod, CutParams, Cutter, ExactParams, PaperParams, Sweep,
+    blade_starts_inside,
 };
 use incise_mesh::geometry::{area_vector, to_f32};
 use incise_mesh::{Aabb, Surface, Vec3};
@@ -305,17 +306,17 @@ impl CutPlan<'_> {
         surface: &mut Surface,
         sweeps: &[Sweep],
         path: &Path,
-    ) -> Result<Stroke, Failure> {
+    ) -> Result<CutSums, Failure> {
         let params = self.params();
-        let marked = Marked::new(surface, &params);
-        let mut stroke = Stroke::default();
+        let marker = CapMarker::new(surface, &params);
+        let mut sums = CutSums::default();
         let (bvh_build, mut cutter) = timed(|| Cutter::new(surface));
-        stroke.bvh_build = bvh_build;
+        sums.bvh_build = bvh_build;
         for (number, sweep) in (1..).zip(sweeps) {
             let params = if sweeps.len() == 1 {
                 &params
             } else {
-                &marked.params
+                marker.params()
             };
             let outcome = cutter.cut(surface, sweep, params);
             let outcome = outcome.map_err(|source| Failure::Cut {
@@ -326,17 +327,17 @@ impl CutPlan<'_> {
                 let path = path.to_owned();
                 return Err(Failure::SweepInside { path });
             }
-            stroke.add(&outcome);
+            sums.stroke.add(&outcome);
             if outcome.report.hits == 0 {
-                stroke.missed.push(number);
+                sums.missed.push(number);
             }
-            stroke.walls = outcome.cap;
+            sums.walls = outcome.cap;
         }
         if sweeps.len() > 1 {
             // Later cuts have divided the caps of earlier ones.
-            stroke.walls = marked.take(surface);
+            sums.walls = marker.take(surface);
         }
-        Ok(stroke)
+        Ok(sums)
     }
 }
 

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod blade_position;
+mod cap_marker;
 mod cutter;
 mod error;
 mod exact;
@@ -11,9 +12,11 @@ mod outcome;
 mod paper;
 mod params;
 mod separate;
+mod stroke;
 mod sweep;
 
 pub use blade_position::blade_starts_inside;
+pub use cap_marker::CapMarker;
 pub use cutter::Cutter;
 #[cfg(feature = "serde")]
 pub use cutter::SavedCutter;
@@ -23,4 +26,5 @@ pub use incision::Incision;
 pub use incision::SavedIncision;
 pub use outcome::{CutOutcome, CutReport};
 pub use params::{Caps, CutMethod, CutParams, ExactParams, PaperParams};
+pub use stroke::{Stroke, StrokeError};
 pub use sweep::Sweep;

@@ -5,7 +5,6 @@ pub mod exports;
 mod handles;
 mod memory;
 mod mesh;
-mod origins;
 pub mod params;
 mod simulation;
 mod status;

@@ -11,6 +11,7 @@ mod history;
 mod ids;
 #[cfg(feature = "io")]
 mod io;
+mod lineage;
 mod measure;
 #[cfg(feature = "io")]
 mod partition;
@@ -37,6 +38,7 @@ pub use io::{
     MeshData, ParseError, ReadError, SourceLocation, Warning, WriteError, read_mesh, read_obj,
     read_ply, read_stl, write_obj, write_obj_to, write_ply, write_stl,
 };
+pub use lineage::Lineage;
 pub use quality::{AngleStats, EdgeStats};
 pub use render_buffers::{RenderBuffers, RenderParams};
 #[cfg(feature = "serde")]

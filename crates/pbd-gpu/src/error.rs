@@ -175,11 +175,16 @@ pub enum StepError {
         /// Length of the substep \[s\].
         h: f32,
     },
-    /// The number of iterations or substeps is 0.
-    #[error("a step needs at least one {name}")]
-    ZeroCount {
+    /// The number of iterations or substeps is out of range.
+    #[error(
+        "a step of {value} {name}s; use 1 to {}",
+        crate::SolverParams::MAX_COUNT
+    )]
+    CountOutOfRange {
         /// `iteration` or `substep`.
         name: &'static str,
+        /// The number.
+        value: u32,
     },
     /// Gravity or the height of the ground is not finite.
     #[error("{name} is not finite")]

@@ -86,14 +86,15 @@ fn a_failed_step_moves_nothing() {
         params
     };
     let time_step = |value| (value, GROUND, StepError::BadTimeStep { value });
-    let count = |name, params| (FRAME, params, StepError::ZeroCount { name });
+    let count = |name, value, params| (FRAME, params, StepError::CountOutOfRange { name, value });
     let not_finite = |name, params| (FRAME, params, StepError::NonFiniteParameter { name });
     for (dt, params, expected) in [
         time_step(0.0),
         time_step(-1.0),
         time_step(f32::INFINITY),
-        count("iteration", with(|p| p.iterations = 0)),
-        count("substep", with(|p| p.substeps = 0)),
+        count("iteration", 0, with(|p| p.iterations = 0)),
+        count("substep", 0, with(|p| p.substeps = 0)),
+        count("substep", u32::MAX, with(|p| p.substeps = u32::MAX)),
         not_finite("gravity", with(|p| p.gravity[1] = f32::NAN)),
         not_finite("gravity", with(|p| p.gravity[1] = f32::INFINITY)),
         not_finite("the ground", with(|p| p.ground = Some(f32::NAN))),

@@ -1,15 +1,12 @@
 //! Cuts of meshes, and [`CutResult`]: the pieces with the origins of their vertices and faces.
 
 use crate::arrays::{Numbers, floats, wrong_shape};
-use crate::error::{CutError, IntoException, OrRaise};
+use crate::error::{CutError, OrRaise};
 use crate::mesh::Mesh;
 use crate::mesh_arrays::MeshArrays;
 use crate::origins::{NEW_FACE, Origins};
 use crate::{report, view};
-use incise::cut::{
-    CutError as LibraryCutError, CutMethod, CutParams, CutReport, Cutter, Incision, Sweep,
-    blade_starts_inside,
-};
+use incise::cut::{CutMethod, CutParams, Cutter, Sweep};
 use incise::mesh::geometry::round_to_f32;
 use incise::mesh::{Surface, TriangleId, VertexId};
 use numpy::{Element, PyArray};
@@ -19,8 +16,8 @@ use pyo3::types::PyDict;
 /// The result of a cut.
 ///
 /// Lists have one entry per piece, in the order of `pieces`. Their arrays are read-only views
-/// without a copy. Vertex ids count the vertices of the input, 0 to n - 1, and then those that the
-/// cut created, which lie between their parents.
+/// without a copy. Vertices of the input have the ids 0 to n - 1. Vertices that the cut created
+/// have the ids from n on, and lie between their parents.
 #[pyclass(frozen, module = "incise")]
 pub(crate) struct CutResult {
     pieces: Vec<Py<Mesh>>,
@@ -195,49 +192,20 @@ pub(crate) fn cut_by_path(
     poses: &[&[[f32; 3]]],
     params: &CutParams,
 ) -> PyResult<CutResult> {
-    let (cut, report, [cutting_steps, tips]) = py.detach(|| {
+    let (cut, stroke) = py.detach(|| {
         let mut cut = Cut::new(mesh, params)?;
         let mut cutter = Cutter::new(&cut.surface);
-        let mut incision = Incision::default();
-        let mut report = CutReport::default();
-        let (mut cutting_steps, mut has_moved) = (0, false);
-        for (i, pose) in poses.iter().enumerate() {
-            let step = cutter.advance(&mut cut.surface, &mut incision, pose, &cut.params);
-            let outcome = step.map_err(|error| at_pose(i, error))?;
-            cut.origins.follow(&outcome);
-            cutting_steps += usize::from(!outcome.is_miss());
-            report += outcome.report;
-            let before = i.checked_sub(1).map(|before| poses[before]);
-            if let Some(sweep) = before.and_then(|before| Sweep::strip(before, pose).ok()) {
-                let may_be_inside = !has_moved && report.hits == 0;
-                if may_be_inside && blade_starts_inside(&cut.surface, &sweep) {
-                    return Err(CutError::new_err(STARTS_INSIDE));
-                }
-                has_moved = true;
-            }
-        }
-        if !has_moved {
-            return Err(LibraryCutError::BladeDegenerate.exception());
-        }
-        let tips = incision.tip().count();
-        Ok((cut.finish(mesh), report, [cutting_steps, tips]))
+        let (surface, origins) = (&mut cut.surface, &mut cut.origins);
+        let poses = poses.iter().copied();
+        let stroke = cutter.advance_along(surface, poses, &cut.params, |step| origins.follow(step));
+        let stroke = stroke.map_err(|error| CutError::new_err(error.to_string()))?;
+        PyResult::Ok((cut.finish(mesh), stroke))
     })?;
-    let report = report::of_cut(py, &report)?;
+    let report = report::of_cut(py, &stroke.report)?;
     report.set_item("steps", poses.len() - 1)?;
-    report.set_item("cutting_steps", cutting_steps)?;
-    report.set_item("tips", tips)?;
-    cut.result(py, report, cutting_steps == 0)
-}
-
-const STARTS_INSIDE: &str =
-    "the blade starts inside the body and does not leave it; let the path begin outside";
-
-/// Returns the exception of the step to a pose.
-fn at_pose(pose: usize, error: LibraryCutError) -> PyErr {
-    match error {
-        LibraryCutError::PartialCut { .. } => CutError::new_err(STARTS_INSIDE),
-        error => CutError::new_err(format!("pose {pose}: {error}")),
-    }
+    report.set_item("cutting_steps", stroke.cutting_steps)?;
+    report.set_item("tips", stroke.tip_vertices)?;
+    cut.result(py, report, stroke.cutting_steps == 0)
 }
 
 /// A copy of a mesh while it is cut.
@@ -292,7 +260,7 @@ impl Cut {
                     .map(|&t| surface.material(t) == NEW_FACE)
                     .collect(),
                 faces: slots.iter().map(|&t| created.face(&surface, t)).collect(),
-                vertices: vertices.iter().map(|&v| created.vertex(v)).collect(),
+                vertices: vertices.iter().map(|&v| created.lineage.id(v)).collect(),
             };
             let mut arrays = MeshArrays::from_surface(&piece);
             restore_materials(&mut arrays.materials, &of_piece, &mesh.arrays().materials);
@@ -333,8 +301,8 @@ impl Finished {
         Ok(CutResult {
             pieces: pieces.collect::<PyResult<_>>()?,
             origins: self.origins,
-            parents: self.created.parents,
-            weights: self.created.weights,
+            parents: self.created.lineage.parents().to_vec(),
+            weights: self.created.lineage.weights().to_vec(),
             report: report.unbind(),
             is_miss,
             inputs: self.inputs,

@@ -64,6 +64,8 @@ test("hostile cuts and ids are exceptions", () => {
   refuses(() => mesh.cut(new Float64Array([Infinity, 0, 0]), 0), /not finite/);
   refuses(() => mesh.cut(new Float64Array(2), 0), /pass 3/);
   refuses(() => mesh.cut(new Float64Array([0, 1, 0]), 0, "finest"), /not a refinement level/);
+  refuses(() => mesh.cut(new Float64Array([0, 1, 0]), 0, 0.5), /expected a string/);
+  refuses(() => Mesh.model(5), /expected a string/);
   refuses(() => mesh.piece(5), /no piece 5/);
   refuses(() => mesh.undo(), /no cut to undo/);
   const scene = new Scene();
@@ -74,6 +76,9 @@ test("hostile cuts and ids are exceptions", () => {
   refuses(() => scene.moveBlade(0, new Float32Array(6)), /no blade 0/);
   scene.dt = NaN;
   refuses(() => scene.step(), /invalid frame/);
+  scene.dt = 1 / 60;
+  scene.substeps = -1;
+  refuses(() => scene.step(), /substeps; use 1 to/);
   mesh.free();
   refuses(() => mesh.triangleCount, /null pointer/);
 });

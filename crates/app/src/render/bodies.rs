@@ -95,7 +95,7 @@ impl Bodies {
             if let Some(plan) = plan {
                 sweeps = plan.sweeps(&surface, input)?;
                 let cut = plan.cut(&mut surface, &sweeps, input)?;
-                hits = hits.map(|hits| hits + cut.report.hits);
+                hits = hits.map(|hits| hits + cut.stroke.report.hits);
             }
             let numbers = (0..surface.piece_bound()).map(|piece| {
                 let has_triangles = surface.piece_triangles(piece) > 0;

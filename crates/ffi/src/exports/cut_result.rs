@@ -6,6 +6,7 @@ use crate::handles::{remove, with};
 use crate::memory::{check_output, count, output, put};
 use crate::mesh::{Mesh, MeshObject};
 use crate::status::{Status, call};
+use incise::mesh::geometry::round_to_f32;
 use std::mem::MaybeUninit;
 
 /// Counts of a cut.
@@ -56,24 +57,24 @@ pub extern "C" fn incise_cut_result_report(
 ) -> Status {
     call(|| {
         with(result, |cut: &mut CutObject| {
-            let counts = &cut.counts;
-            let report = CutReport {
+            let (stroke, report) = (&cut.stroke, &cut.stroke.report);
+            let values = CutReport {
                 pieces: count(cut.pieces.len()),
                 vertices: count(cut.surface.topology().vertex_count()),
                 faces: count(cut.surface.topology().triangle_count()),
                 cap_faces: count(cut.caps.iter().filter(|is_cap| **is_cap).count()),
-                input_vertices: cut.origins.input,
-                created_vertices: count(cut.origins.parents.len()),
-                steps: count(counts.steps),
-                hits: count(counts.hits),
-                loops: count(counts.loops),
-                slits: count(counts.slits),
-                tip_vertices: count(counts.tip_vertices),
-                moved_volume: counts.moved_volume,
-                moved_surface: counts.moved_surface,
-                seconds: counts.time.as_secs_f64(),
+                input_vertices: cut.lineage.input_count(),
+                created_vertices: count(cut.lineage.parents().len()),
+                steps: count(stroke.cutting_steps),
+                hits: count(report.hits),
+                loops: count(report.loops),
+                slits: count(report.slits),
+                tip_vertices: count(stroke.tip_vertices),
+                moved_volume: report.moved_volume,
+                moved_surface: report.moved_surface,
+                seconds: cut.time.as_secs_f64(),
             };
-            put(out, report, "out")
+            put(out, values, "out")
         })
     })
 }
@@ -171,13 +172,14 @@ pub unsafe extern "C" fn incise_cut_result_origins(
 ) -> Status {
     call(|| {
         with(result, |cut: &mut CutObject| {
-            let rows = cut.origins.parents.as_flattened();
-            let shares = cut.origins.weights.as_flattened();
-            check_output(shares, weights, weight_capacity, "weights")?;
+            let rows = cut.lineage.parents().as_flattened();
+            let shares = cut.lineage.weights().as_flattened().iter();
+            let shares: Vec<f32> = shares.map(|&weight| round_to_f32(weight)).collect();
+            check_output(&shares, weights, weight_capacity, "weights")?;
             // SAFETY: the caller's contract, see the README.
             unsafe {
                 output(rows, parents, parent_capacity, "parents")?;
-                output(shares, weights, weight_capacity, "weights")
+                output(&shares, weights, weight_capacity, "weights")
             }
         })
     })

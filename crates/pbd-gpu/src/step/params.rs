@@ -176,6 +176,9 @@ impl SolverParams {
         self.integrator == Integrator::Euler && self.scheme == Scheme::Sweeps
     }
 
+    /// Maximum number of iterations, and of substeps.
+    pub const MAX_COUNT: u32 = 1 << 20;
+
     /// Checks all parameters and the time step `dt` \[s\].
     ///
     /// # Errors
@@ -185,8 +188,8 @@ impl SolverParams {
             return Err(StepError::BadTimeStep { value: dt });
         }
         for (name, count) in [("iteration", self.iterations), ("substep", self.substeps)] {
-            if count == 0 {
-                return Err(StepError::ZeroCount { name });
+            if !(1..=Self::MAX_COUNT).contains(&count) {
+                return Err(StepError::CountOutOfRange { name, value: count });
             }
         }
         if !self.gravity.iter().all(|g| g.is_finite()) {
