@@ -1,4 +1,4 @@
-//! Handles: numbers of live objects, shaped as pointers that nobody dereferences.
+//! Handles: numbers of live objects in the form of pointers, which are never dereferenced.
 //!
 //! A handle is a key of one table and is never given twice. So a handle of a freed object, of
 //! another kind, or of another library is found in every build, without undefined behavior.

@@ -14,7 +14,7 @@ use std::{ptr, slice};
 /// NULL, unless `count` is 0; a count beyond memory; a misaligned pointer.
 ///
 /// # Safety
-/// `data` is NULL or valid for reads of `count` values for `'a`, and nobody writes to them.
+/// `data` is NULL or valid for reads of `count` values during `'a`. The values do not change then.
 pub(crate) unsafe fn input<'a, T: Copy>(
     data: *const T,
     count: usize,
@@ -115,7 +115,7 @@ pub(crate) fn check_output<T>(
 /// NULL, and a text that is not UTF-8.
 ///
 /// # Safety
-/// `text` is NULL or ends with a zero byte, and nobody writes to it during `'a`.
+/// `text` is NULL or ends with a zero byte, and does not change during `'a`.
 pub(crate) unsafe fn text<'a>(text: *const c_char, name: &str) -> Result<&'a str, Error> {
     if text.is_null() {
         return Err(Error::null(name));

@@ -9,7 +9,7 @@ use crate::options::{choice, cut_params};
 use crate::solver_options::{collider, contacts, material};
 use incise::mesh::geometry::round_to_f32;
 use incise::mesh::{Surface, VertexId};
-use incise::pbd::{ConstraintError, SolverParams};
+use incise::pbd::{ConstraintError, Solver, SolverParams};
 use incise::scene::{
     BladeId, BladeMode, Body, BodyId, Scene as LibraryScene, SceneError as LibrarySceneError,
     SceneParams, SleepParams,
@@ -61,6 +61,12 @@ impl Scene {
         let id = self.bodies.get(body);
         id.copied()
             .ok_or_else(|| unknown("body", body, self.bodies.len()))
+    }
+
+    /// Returns the solver and the surface of a body, to edit pins and velocities.
+    fn edit(&mut self, body: usize) -> PyResult<(&mut Solver, &mut Surface)> {
+        let id = self.body_id(body)?;
+        Ok(self.scene.edit(id).or_raise()?.solver_mut())
     }
 
     fn blade_id(&self, blade: usize) -> PyResult<BladeId> {
@@ -322,11 +328,7 @@ impl Scene {
             return Err(wrong_shape("velocities", &shape, &format!("({slots}, 3)")));
         }
         let used: Vec<VertexId> = topology.vertices().collect();
-        let (solver, _) = self
-            .scene
-            .edit(self.body_id(body)?)
-            .or_raise()?
-            .solver_mut();
+        let (solver, _) = self.edit(body)?;
         for v in used {
             solver
                 .set_velocity(v, velocities[v.index()])
@@ -338,22 +340,14 @@ impl Scene {
     /// Pins a vertex where it is.
     fn pin(&mut self, body: usize, vertex: usize) -> PyResult<()> {
         let v = self.vertex(body, vertex)?;
-        let (solver, surface) = self
-            .scene
-            .edit(self.body_id(body)?)
-            .or_raise()?
-            .solver_mut();
+        let (solver, surface) = self.edit(body)?;
         solver.pin(surface, v).map_err(constraint)
     }
 
     /// Releases a pinned vertex.
     fn unpin(&mut self, body: usize, vertex: usize) -> PyResult<()> {
         let v = self.vertex(body, vertex)?;
-        let (solver, surface) = self
-            .scene
-            .edit(self.body_id(body)?)
-            .or_raise()?
-            .solver_mut();
+        let (solver, surface) = self.edit(body)?;
         solver.unpin(surface, v).map_err(constraint)
     }
 

@@ -164,7 +164,7 @@ pub(crate) fn collider(value: &Bound<'_, PyAny>, number: usize) -> PyResult<Coll
         .cast_into::<PyDict>()
         .map_err(|_| unknown_key(&shape, &name, shapes))?;
     let item = |key: &str| {
-        let missing = || refused(format_args!("{name} has no {key}; see Scene.colliders"));
+        let missing = || refused(format_args!("{name} has no {key}; see Scene.set_colliders"));
         keys.get_item(key)?.ok_or_else(missing)
     };
     let collider = match shape.as_str() {

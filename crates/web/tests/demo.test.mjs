@@ -115,7 +115,8 @@ test("a broken file is a message, and the body stays", async () => {
   const { page, errors } = await browser.open(VIEWPORTS.desktop);
   const buffer = Buffer.from("v 0 0 x\n");
   await page.setInputFiles("#file", { name: "bad.obj", mimeType: "text/plain", buffer });
-  await page.waitForFunction(() => document.querySelector("#message").textContent.includes("line 1"));
+  const hasMessage = () => document.querySelector("#message").textContent.includes("line 1");
+  await page.waitForFunction(hasMessage);
   assert.equal(await piecesOf(page), 1);
   assert.deepEqual(errors, []);
   await page.context().close();

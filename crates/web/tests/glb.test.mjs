@@ -1,4 +1,5 @@
-// Files of glTF by the module and by the program: valid for Khronos' validator, and read by three.js.
+// Files of glTF by the module and by the program are valid for Khronos' validator, and three.js
+// reads them.
 
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";

@@ -80,13 +80,14 @@ test("hostile cuts and ids are exceptions", () => {
   scene.substeps = -1;
   refuses(() => scene.step(), /substeps; use 1 to/);
   mesh.free();
-  refuses(() => mesh.triangleCount, /null pointer/);
+  refuses(() => mesh.triangleCount, /moved value/);
 });
 
 test("random bytes are no trap in any format", () => {
   let x = 1;
   const next = () => (x = Math.imul(x, 1664525) + 1013904223) >>> 24;
-  const heads = { obj: "v 0 0 0\nf 1 ", ply: "ply\nformat ascii 1.0\n", stl: "solid\n", glb: "glTF" };
+  const [obj, ply] = ["v 0 0 0\nf 1 ", "ply\nformat ascii 1.0\n"];
+  const heads = { obj, ply, stl: "solid\n", glb: "glTF" };
   for (const [format, head] of Object.entries(heads)) {
     for (let i = 0; i < 200; i++) {
       const bytes = Uint8Array.from([...Buffer.from(head), ...Array.from({ length: i }, next)]);

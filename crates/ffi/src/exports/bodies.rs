@@ -6,7 +6,7 @@ use crate::mesh::{Mesh, MeshObject, faces};
 use crate::params::Material;
 use crate::simulation::{Scene, SceneObject};
 use crate::status::{Error, Status, call};
-use incise::mesh::Vec3;
+use incise::mesh::{Surface, TriangleId, Vec3};
 use incise::scene::Body;
 use std::mem::MaybeUninit;
 
@@ -168,14 +168,8 @@ pub unsafe extern "C" fn incise_body_face_pieces(
     out: *mut u32,
     capacity: usize,
 ) -> Status {
-    copy(scene, body, |body| {
-        let surface = body.surface();
-        let pieces: Vec<u32> = (surface.topology().triangles())
-            .map(|t| surface.piece(t))
-            .collect();
-        // SAFETY: the caller's contract, see the README.
-        unsafe { output(&pieces, out, capacity, "out") }
-    })
+    // SAFETY: the caller's contract, see the README.
+    unsafe { copy_of_faces(scene, body, Surface::piece, out, capacity) }
 }
 
 /// Copies the material number of each triangle of `incise_body_faces`: `cap_material` of the
@@ -187,14 +181,8 @@ pub unsafe extern "C" fn incise_body_face_materials(
     out: *mut u32,
     capacity: usize,
 ) -> Status {
-    copy(scene, body, |body| {
-        let surface = body.surface();
-        let materials: Vec<u32> = (surface.topology().triangles())
-            .map(|t| surface.material(t))
-            .collect();
-        // SAFETY: the caller's contract, see the README.
-        unsafe { output(&materials, out, capacity, "out") }
-    })
+    // SAFETY: the caller's contract, see the README.
+    unsafe { copy_of_faces(scene, body, Surface::material, out, capacity) }
 }
 
 /// Copies a body with its present shape to a new mesh without unused vertices.
@@ -314,6 +302,26 @@ fn copy(scene: *mut Scene, body: u32, copy: impl FnOnce(&Body) -> Result<(), Err
             let body = scene.body(body)?;
             copy(body)
         })
+    })
+}
+
+/// Copies a value of each triangle of `incise_body_faces`.
+///
+/// # Safety
+/// As [`output`].
+unsafe fn copy_of_faces(
+    scene: *mut Scene,
+    body: u32,
+    value: impl Fn(&Surface, TriangleId) -> u32,
+    out: *mut u32,
+    capacity: usize,
+) -> Status {
+    copy(scene, body, |body| {
+        let surface = body.surface();
+        let triangles = surface.topology().triangles();
+        let values: Vec<u32> = triangles.map(|t| value(surface, t)).collect();
+        // SAFETY: the caller's contract.
+        unsafe { output(&values, out, capacity, "out") }
     })
 }
 

@@ -1,5 +1,6 @@
 /* Calls the interface with NULL, freed and foreign handles, wrong sizes and numbers that are not
-   finite, and from several threads: every call returns the right status with a text, and writes nothing. */
+   finite, and from several threads. Every call returns the right status with a text, and writes
+   nothing. */
 #include <incise.h>
 #include <math.h>
 #include <pthread.h>
@@ -136,7 +137,8 @@ static void cuts(void) {
     float short_weights[1];
     EXPECT(incise_cut_result_vertex_ids(result, ids, 1), BUFFER_TOO_SMALL, "room for 1");
     EXPECT(incise_cut_result_origins(result, NULL, 0, NULL, 0), NULL_POINTER, "weights");
-    EXPECT(incise_cut_result_origins(result, ids, 1, short_weights, 1), BUFFER_TOO_SMALL, "weights");
+    EXPECT(incise_cut_result_origins(result, ids, 1, short_weights, 1), BUFFER_TOO_SMALL,
+           "weights");
     OK(incise_cut_result_piece(result, 1, &piece));
     OK(incise_cut_result_free(result));
     EXPECT(incise_cut_result_report(result, &report), INVALID_HANDLE, "freed");

@@ -84,7 +84,7 @@ namespace Incise
         }
     }
 
-    /// <summary>P/Invoke. Arrays have blittable elements, so they are pinned and not copied.</summary>
+    /// <summary>P/Invoke. Arrays of blittable elements are pinned, not copied.</summary>
     internal static class Native
     {
         const string Dll = "incise_c";

@@ -155,7 +155,7 @@ namespace Incise
             return new CutResult(result);
         }
 
-        /// <summary>Cuts a copy by a blade that moves from pose to pose and may stop inside.</summary>
+        /// <summary>Cuts a copy by a blade that moves pose by pose, and may stop inside.</summary>
         /// <param name="poses">3 floats per point, all points of a pose, pose after pose.</param>
         /// <param name="points">Number of points of the blade's edge, at least 2.</param>
         public CutResult CutPath(float[] poses, int points, CutParams? parameters = null)

@@ -34,7 +34,7 @@ fn colored(subdivisions: u32, radius: f64) -> Surface {
 /// Returns a scene of two balls that a blade cuts and that fall onto each other and a collider, a
 /// cloth that falls asleep on the ground, a hanging ball with a blade in it, and a removed body.
 ///
-/// The balls have so many levels of subdivision. The second one is divided into patches.
+/// `levels` are the levels of subdivision of the balls. The second ball is divided into patches.
 pub(crate) fn busy(levels: [u32; 3], patches: &PatchParams) -> Scene {
     let mut scene = Scene::new(SceneParams {
         solver: SolverParams {

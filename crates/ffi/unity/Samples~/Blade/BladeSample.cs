@@ -1,5 +1,5 @@
-// A body on the ground that the mouse cuts: hold the left button to hold a blade, drag to cut, press
-// U to undo. Add the component to an empty object at the origin of a scene with a camera.
+// A body on the ground that the mouse cuts: hold the left button to hold a blade, drag to cut,
+// press U to undo. Add the component to an empty object at the origin of a scene with a camera.
 
 using System.Collections.Generic;
 using Incise;
