@@ -3,7 +3,8 @@
 use incise_mesh::{Surface, TriangleId};
 use incise_models::{Model, build_model};
 use incise_pbd_gpu::{
-    Collider, Contact, ContactKind, Context, GpuBackend, MovingCollider, Schedule, SolverParams,
+    Carried, Collider, Contact, ContactKind, Context, GpuBackend, MovingCollider, Schedule,
+    SolverParams,
 };
 use incise_test_support::cpu_gpu_pair::{CpuGpuPair, SCHEDULES, with_most_features};
 use incise_test_support::gpu::{Needs, trial};
@@ -45,6 +46,7 @@ fn contacts(surface: &Surface, random: &mut Random, count: usize) -> Vec<Contact
                     _ => 0.0,
                 },
                 friction: random.fraction(),
+                carried: [Carried::Neither, Carried::First, Carried::Second][random.below(3)],
                 ..contact
             });
         }

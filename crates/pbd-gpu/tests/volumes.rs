@@ -1,7 +1,9 @@
 //! Volume constraints: closed forms and invariants.
 
-use incise_mesh::{Surface, TriangleId};
-use incise_pbd_gpu::{Material, Solver, SolverParams, StepError, Stiffness, Volume};
+use incise_mesh::{Surface, TriangleId, VertexId};
+use incise_pbd_gpu::{
+    Carried, Contact, Material, Solver, SolverParams, StepError, Stiffness, Volume,
+};
 use incise_test_support::surfaces::{edge_keys, sphere, two_spheres};
 
 const DT: f32 = 1.0 / 60.0;
@@ -468,4 +470,39 @@ fn crushed_and_inverted_bodies_stay_finite() {
             .fold(0.0, |a: f32, c| a.max(c.abs()));
         assert!(far < 3.0, "thrown {far} m from a ball of 1 m by {scale}");
     }
+}
+
+/// A tetrahedron on two of its vertices, which a plane holds up; the other two move down.
+#[test]
+fn carried_vertices_do_not_move_down_for_the_volume() {
+    let volume_error = |carried| {
+        let mut surface = tetrahedron();
+        let rest = surface.volume();
+        let mut solver = Solver::new(&mut surface, &limp(Volume::default())).unwrap();
+        let (upper, lower) = ([0, 2].map(VertexId), [1, 3].map(VertexId));
+        for v in upper {
+            solver.set_velocity(v, [0.0, -1.0, 0.0]).unwrap();
+        }
+        let height = surface.positions()[1][1];
+        let contacts = lower.map(|v| Contact {
+            carried,
+            ..Contact::plane(v, [0.0, 1.0, 0.0], height + 1e-4)
+        });
+        solver.set_contacts(&contacts).unwrap();
+        let params = SolverParams {
+            substeps: 1,
+            ..weightless()
+        };
+        solver.step(&mut surface, DT, &params).unwrap();
+        (surface.volume() / rest - 1.0).abs()
+    };
+    let [carried, free] = [Carried::First, Carried::Neither].map(volume_error);
+    assert!(
+        carried < 1e-4,
+        "the upper vertices restore the volume: {carried}"
+    );
+    assert!(
+        free > 50.0 * carried,
+        "the plane takes a part of it: {free}"
+    );
 }

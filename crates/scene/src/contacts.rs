@@ -8,6 +8,7 @@
 //!    faces it, so that no vertex is pushed through a thin piece, and [`edge_pairs`] finds the
 //!    sharp edges that cross each other.
 //! 4. [`persistent`] keeps a contact from frame to frame while the vertex hardly moves.
+//! 5. [`carriers`] finds which piece of a contact carries the other one above the ground.
 //!
 //! The solver finds nearest points and normals in every substep. A vertex stays in front of a
 //! triangle in whose reach it started the frame, provided that its speed grows at most
@@ -16,6 +17,7 @@
 
 mod blade_face;
 mod broad_phase;
+mod carriers;
 mod edge_pairs;
 mod edges;
 mod motion;
@@ -30,6 +32,7 @@ use crate::body::Body;
 use crate::error::SceneError;
 use crate::scene::Bodies;
 use broad_phase::Pieces;
+use carriers::{Carriers, Touching, reaches_ground};
 use edge_pairs::EdgePairs;
 use incise_mesh::Aabb;
 use incise_pbd_gpu::MovingCollider;
@@ -98,6 +101,8 @@ pub(crate) struct ContactFrame<'a> {
     pub(crate) dt: f64,
     /// Maximum speed that gravity adds within the frame [m/s].
     pub(crate) speed_gain: f64,
+    /// Height of the ground \[m\].
+    pub(crate) ground: Option<f32>,
     pub(crate) colliders: &'a [MovingCollider],
     pub(crate) blade_faces: &'a [BladeFace],
 }
@@ -118,6 +123,7 @@ pub(crate) struct ContactDetection {
     motions: Vec<Motion>,
     rows: Vec<BodyRows>,
     edges: EdgePairs,
+    carriers: Carriers,
 }
 
 impl ContactDetection {
@@ -184,6 +190,12 @@ impl ContactDetection {
             frame,
         };
         search.run(&mut self.rows, &mut self.edges);
+        if let Some(ground) = frame.ground {
+            let motions = &*self.motions;
+            let is_low = reaches_ground(&self.pieces, motions, (ground, frame.dt));
+            let touching = Touching { bodies, motions };
+            self.carriers.mark(touching, is_low, &mut self.rows);
+        }
     }
 
     /// Returns the contacts of the vertices of a body, in the order of vertices.

@@ -156,6 +156,7 @@ fn contact_frame<'a>(
         params,
         dt,
         speed_gain: gravity.iter().map(|g| g * g).sum::<f64>().sqrt() * dt,
+        ground: scene.solver.ground,
         colliders,
         blade_faces,
     }

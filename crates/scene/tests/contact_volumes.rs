@@ -2,7 +2,7 @@
 
 use incise_mesh::{Surface, TriangleId, VertexId, cube_sphere};
 use incise_models::{Model, build_model};
-use incise_pbd_gpu::SolverParams;
+use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Volume};
 use incise_scene::{ContactParams, Scene, SceneParams};
 use incise_test_support::materials::firm;
 
@@ -85,5 +85,47 @@ fn a_stack_recovers_its_volumes_after_an_impact() {
     for (now, whole) in volumes.iter().zip(&whole) {
         let kept = now / whole;
         assert!((kept - 1.0).abs() < 0.01, "{kept} is left");
+    }
+}
+
+/// Regression: a load went through one slab per substep, so that slabs stayed collapsed for a while
+/// after the impact.
+#[test]
+fn a_column_of_slabs_keeps_its_volumes_in_an_impact() {
+    const SLABS: u8 = 16;
+    let surface = build_model(Model::Bunny);
+    let bounds = surface.bounds();
+    let [low, high] = [bounds.min[1], bounds.max[1]];
+    let mut scene = Scene::new(SceneParams {
+        solver: SolverParams {
+            ground: Some(low - 0.2),
+            ..SolverParams::default()
+        },
+        contacts: Some(ContactParams::default()),
+        ..SceneParams::default()
+    });
+    let material = Material {
+        volume: Some(Volume::default()),
+        interior_springs: Some(InteriorSprings::default()),
+        ..Material::default()
+    };
+    let id = scene.add_body(surface, &material).unwrap();
+    for i in 1..SLABS {
+        let y = low + (high - low) * f32::from(i) / f32::from(SLABS);
+        let blade = scene.add_blade([[-2.0, y, -2.0], [-2.0, y, 2.0]]);
+        let to = [[2.0, y, -2.0], [2.0, y, 2.0]];
+        scene.move_blade(blade, to).unwrap();
+    }
+    assert_eq!(scene.cut().unwrap().cuts, u32::from(SLABS) - 1);
+    let whole = scene.body(id).unwrap().surface().piece_volumes();
+    for frame in 0..60 {
+        scene.step().unwrap();
+        let volumes = scene.body(id).unwrap().surface().piece_volumes();
+        for (now, whole) in volumes.iter().zip(&whole) {
+            let kept = now / whole;
+            // The impact is in frame 11.
+            let tolerance = if frame < 25 { 0.2 } else { 0.01 };
+            assert!((kept - 1.0).abs() < tolerance, "{kept} in frame {frame}");
+        }
     }
 }

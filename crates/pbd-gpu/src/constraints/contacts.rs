@@ -28,11 +28,30 @@ pub struct Contact {
     pub gap_rate: f32,
     /// Coulomb friction coefficient.
     pub friction: f32,
+    /// Which feature belongs to a piece that the other one's piece carries.
+    pub carried: Carried,
+}
+
+/// Which feature of a contact belongs to a piece that rests on the other one's piece.
+///
+/// While the contact is active, the pass over [volumes](crate::Volume) does not move its vertices
+/// further down, as if the carrying piece were the ground. A column of pieces then keeps its
+/// volume: otherwise a load travels through one piece per substep, and the lowest ones collapse.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[repr(u16)]
+pub enum Carried {
+    /// Neither: none of the pieces is above the other on its way to the ground.
+    #[default]
+    Neither,
+    /// The first feature.
+    First,
+    /// The second feature.
+    Second,
 }
 
 /// The features of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
+#[repr(u16)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ContactKind {
     /// A vertex in front of the plane of a triangle.
@@ -58,6 +77,7 @@ impl Contact {
             gap,
             gap_rate: 0.0,
             friction: 0.0,
+            carried: Carried::Neither,
         }
     }
 
@@ -75,6 +95,7 @@ impl Contact {
             gap,
             gap_rate: 0.0,
             friction: 0.0,
+            carried: Carried::Neither,
         }
     }
 
@@ -90,6 +111,7 @@ impl Contact {
             gap: height,
             gap_rate: 0.0,
             friction: 0.0,
+            carried: Carried::Neither,
         }
     }
 
@@ -155,7 +177,9 @@ pub(crate) struct ContactRecord {
     /// Minimum distance of a pair \[m\].
     pub(crate) thickness: f32,
     /// A [`ContactKind`].
-    pub(crate) kind: u32,
+    pub(crate) kind: u16,
+    /// A [`Carried`].
+    pub(crate) carried: u16,
     /// Whether the last projection has separated the features.
     pub(crate) is_active: u32,
     /// Remaining friction bound of the substep \[m\].
@@ -167,6 +191,13 @@ impl ContactRecord {
     #[inline(always)]
     pub(crate) fn vertex_count(&self) -> usize {
         if self.vertices[1] == NO_VERTEX { 1 } else { 4 }
+    }
+
+    /// Returns whether the vertex of a weight belongs to the carried feature.
+    #[inline(always)]
+    pub(crate) fn carries(&self, weight: f32) -> bool {
+        (self.carried == Carried::First as u16 && weight > 0.0)
+            || (self.carried == Carried::Second as u16 && weight < 0.0)
     }
 
     /// Returns the vertices that it moves, and their number.
@@ -247,7 +278,8 @@ impl ContactSet {
                 gap_rate: contact.gap_rate,
                 friction: contact.friction,
                 thickness: contact.gap,
-                kind: contact.kind as u32,
+                kind: contact.kind as u16,
+                carried: contact.carried as u16,
                 is_active: 0,
                 friction_left: 0.0,
             };

@@ -9,7 +9,7 @@ use super::layout::{
 use crate::constraints::batches::OVERFLOW;
 use crate::constraints::colliders::{PLANE, ROUND};
 use crate::constraints::coloring::MAX_COLORS;
-use crate::constraints::contacts::{ContactKind, NO_VERTEX};
+use crate::constraints::contacts::{Carried, ContactKind, NO_VERTEX};
 use crate::kernels::volume::CHUNK;
 use crate::patches::PATCH_VERTICES;
 
@@ -195,6 +195,8 @@ fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
         ("CONTACT_VERTEX_POINT", ContactKind::VertexPoint as u32),
         ("CONTACT_EDGE_EDGE", ContactKind::EdgeEdge as u32),
         ("CONTACT_PLANE", ContactKind::Plane as u32),
+        ("CARRIED_FIRST", Carried::First as u32),
+        ("CARRIED_SECOND", Carried::Second as u32),
         ("CONTACT_ENTRIES", CONTACT_ENTRIES as u32),
         ("NO_VERTEX", NO_VERTEX),
         ("COLLIDER_ENTRIES", COLLIDER_ENTRIES as u32),

@@ -36,9 +36,9 @@ fn push_out(i: u32, first: u32, count: u32, friction: f32) {
             let along = dot_product(relative, n);
             let slide = relative - along * n;
             let length = sqrt(dot_product(slide, slide));
-            let limit = velocities[first_vertex + i].w + friction * depth;
+            let limit = friction_bound(i) + friction * depth;
             let slips = length > limit;
-            velocities[first_vertex + i].w = select(limit - length, 0.0, slips);
+            set_friction_bound(i, select(limit - length, 0.0, slips));
             let kept = select(0.0, 1.0 - limit / length, slips);
             d = dragged + ((along + depth) * n + kept * slide);
         }

@@ -19,11 +19,11 @@ const MIN_SQUARED_SINE: f32 = 1e-4;
 #[inline(never)]
 pub(crate) fn contact_features(particles: ParticleStates<'_>, contacts: &mut [ContactRecord]) {
     for contact in contacts {
-        if contact.kind == ContactKind::Plane as u32 {
+        if contact.kind == ContactKind::Plane as u16 {
             continue;
         }
         let p = contact.vertices.map(|v| particles.get(v as usize));
-        let distance = if contact.kind == ContactKind::EdgeEdge as u32 {
+        let distance = if contact.kind == ContactKind::EdgeEdge as u16 {
             edge_edge(contact, p)
         } else {
             vertex_face(contact, p)
@@ -54,7 +54,7 @@ fn vertex_face(contact: &mut ContactRecord, [v, a, b, c]: [ParticleState; 4]) ->
     let normal = area.map(|c| c / area_length);
     let height = dot(normal, av);
     let is_inside = wa > 0.0 && wb > 0.0 && wc > 0.0;
-    if contact.kind == ContactKind::VertexPoint as u32 && !is_inside {
+    if contact.kind == ContactKind::VertexPoint as u16 && !is_inside {
         if height > 0.0 && square > 0.0 {
             let length = square.sqrt();
             contact.normal = offset.map(|c| c / length);
@@ -176,7 +176,7 @@ mod tests {
         let mut contact = [ContactRecord {
             vertices: [0, 1, 2, 3],
             thickness: 0.1,
-            kind: kind as u32,
+            kind: kind as u16,
             ..ContactRecord::default()
         }];
         on_arrays(&x, &mut [[0.0; 4]; 4], |p| {
@@ -221,7 +221,7 @@ mod tests {
                 vertices: [0, 1, 2, 3],
                 normal,
                 thickness: 0.1,
-                kind: ContactKind::EdgeEdge as u32,
+                kind: ContactKind::EdgeEdge as u16,
                 ..ContactRecord::default()
             }];
             on_arrays(&x, &mut [[0.0; 4]; 4], |p| {

@@ -119,7 +119,7 @@ fn edge_edge(v: vec4u, old_weights: vec4f, old: vec3f) -> Features {
 
 // Finds the features of the contact at an entry.
 fn find_features(at: u32) {
-    let kind = constraints[at + 7u].y;
+    let kind = constraints[at + 7u].y & 0xffffu;
     if (kind == CONTACT_PLANE) {
         return;
     }

@@ -7,16 +7,18 @@
 use super::block::difference;
 use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::contacts::ContactRecord;
+use std::cell::Cell;
 
 /// Separates the features of contacts at a time of the frame \[s\], one contact after the other.
 ///
-/// With `accumulates`, the remaining friction bound is kept for later iterations of the substep.
+/// Marks the vertices of [carried](crate::Carried) features in `carried`, shape [vertices]. With
+/// `accumulates`, the remaining friction bound is kept for later iterations of the substep.
 #[inline(never)]
 pub(crate) fn contacts(
     particles: ParticleStates<'_>,
+    carried: &[Cell<bool>],
     contacts: &mut [ContactRecord],
-    accumulates: bool,
-    time: f32,
+    (accumulates, time): (bool, f32),
 ) {
     for contact in contacts {
         let count = contact.vertex_count();
@@ -61,7 +63,11 @@ pub(crate) fn contacts(
                 d[2] + by * push[2],
                 d[3],
             ];
-            particles.set_d(contact.vertices[i] as usize, moved);
+            let v = contact.vertices[i] as usize;
+            particles.set_d(v, moved);
+            if contact.carries(w[i]) {
+                carried[v].set(true);
+            }
         }
     }
 }
@@ -186,7 +192,9 @@ mod tests {
     fn vertex_and_triangle_are_separated_by_inverse_mass() {
         let (x, contact) = pair();
         let mut d = [[0.0, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
-        on_arrays(&x, &mut d, |p| contacts(p, &mut [contact], false, 0.0));
+        on_arrays(&x, &mut d, |p| {
+            contacts(p, &[], &mut [contact], (false, 0.0))
+        });
         // 0.15 m too near; inverse masses 1/2 and 3 (1/3)^2.
         let step = 0.15 / (0.5 + 1.0 / 3.0);
         assert!((d[0][1] - (-0.2 + 0.5 * step)).abs() < 1e-6, "{d:?}");
@@ -194,7 +202,9 @@ mod tests {
             assert!((corner[1] + step / 3.0).abs() < 1e-6, "{d:?}");
         }
         let before = d;
-        on_arrays(&x, &mut d, |p| contacts(p, &mut [contact], false, 0.0));
+        on_arrays(&x, &mut d, |p| {
+            contacts(p, &[], &mut [contact], (false, 0.0))
+        });
         let off = (d[0][1] - before[0][1]).abs();
         assert!(off < 1e-6, "separated contacts are inactive");
     }
@@ -280,7 +290,9 @@ mod tests {
             [0.0; 4],
             [0.0; 4],
         ];
-        on_arrays(&x, &mut d, |p| contacts(p, &mut [contact], false, 0.0));
+        on_arrays(&x, &mut d, |p| {
+            contacts(p, &[], &mut [contact], (false, 0.0))
+        });
         let heights = [0, 1, 2, 3].map(|i: usize| x[i][1] + d[i][1]);
         let between = 0.75 * heights[0] + 0.25 * heights[1] - 0.5 * (heights[2] + heights[3]);
         assert!((between - 0.05).abs() < 1e-6, "{between} m apart");
@@ -293,7 +305,7 @@ mod tests {
         let (x, contact) = pair();
         let plane = ContactRecord {
             vertices: [0, NO_VERTEX, NO_VERTEX, NO_VERTEX],
-            kind: ContactKind::Plane as u32,
+            kind: ContactKind::Plane as u16,
             weights: [1.0, 0.0, 0.0, 0.0],
             friction: 0.5,
             gap: 0.15,
@@ -302,7 +314,7 @@ mod tests {
         };
         for (time, height) in [(0.0, 0.15), (0.05, 0.25)] {
             let mut d = [[0.3, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
-            on_arrays(&x, &mut d, |p| contacts(p, &mut [plane], true, time));
+            on_arrays(&x, &mut d, |p| contacts(p, &[], &mut [plane], (true, time)));
             assert!((x[0][1] + d[0][1] - height).abs() < 1e-6, "{d:?}");
             // Friction removes half of the lift.
             let left = 0.3 - 0.5 * (height + 0.1);
@@ -312,7 +324,9 @@ mod tests {
         let mut held = x;
         held[0][3] = 0.0;
         let mut d = [[0.0; 4]; 4];
-        on_arrays(&held, &mut d, |p| contacts(p, &mut [plane], true, 0.0));
+        on_arrays(&held, &mut d, |p| {
+            contacts(p, &[], &mut [plane], (true, 0.0))
+        });
         assert_eq!(d, [[0.0; 4]; 4], "pinned vertices stay");
     }
 
@@ -325,7 +339,7 @@ mod tests {
                 friction: 0.5,
                 ..contact
             }];
-            on_arrays(&x, &mut d, |p| contacts(p, &mut list, true, 0.0));
+            on_arrays(&x, &mut d, |p| contacts(p, &[], &mut list, (true, 0.0)));
             let point = (d[1][0] + d[2][0] + d[3][0]) / 3.0;
             assert!((d[0][0] - point - left).abs() < 1e-6, "{d:?}");
             let momentum = 2.0 * d[0][0] + d[1][0] + d[2][0] + d[3][0];

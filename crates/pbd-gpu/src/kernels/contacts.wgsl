@@ -49,8 +49,12 @@ fn project_contact(at: u32) {
     let slide = motion - along * n;
     let back = friction_fraction(at, slide, rates.y * depth);
     let push = (depth * n - back * slide) / weight;
+    let carried = constraints[at + 7u].y >> 16u;
     for (var i = 0u; i < select(1u, 4u, is_pair); i++) {
         store_d(v[i], d[i] + shares[i] * push);
+        if ((carried == CARRIED_FIRST && w[i] > 0.0) || (carried == CARRIED_SECOND && w[i] < 0.0)) {
+            mark_carried(v[i]);
+        }
     }
 }
 

@@ -10,8 +10,9 @@
 //! each reduced by a tree, then the chunks by the same tree. The fixed order makes the sums equal
 //! on any number of threads and on any GPU.
 //!
-//! A vertex on the ground does not move further down: it has no inverse mass here if its outward
-//! normal points down. The ground then takes nothing of a volume after this pass.
+//! A vertex on the ground, or [carried](crate::Carried) by a piece, does not move further down: it
+//! has no inverse mass here if its outward normal points down. The ground then takes nothing of a
+//! volume after this pass.
 //!
 //! An incompressible piece regains the loss of the current substep at once. Older losses, such as
 //! those of an impact or a change of pressure, are regained at rate [`RECOVERY`] at most. Gravity
@@ -73,6 +74,8 @@ struct PieceInput<'a> {
     center: usize,
     /// Height of the ground \[m\].
     ground: f32,
+    /// Vertices that a piece carries, shape [vertex slots]; empty without contacts.
+    carried: &'a [Cell<bool>],
 }
 
 /// Projects the volume of every piece.
@@ -85,7 +88,7 @@ pub(crate) fn volumes(
     (leader, arch): (&mut Leader<'_>, Arch),
     particles: ParticleStates<'_>,
     (topology, set): (&Topology, &mut VolumeSet),
-    (by, ground): (VolumeProjection, f32),
+    (by, ground, carried): (VolumeProjection, f32, &[Cell<bool>]),
     scratch: &mut VolumeScratch,
 ) -> f32 {
     let mut max_change = 0.0;
@@ -102,6 +105,7 @@ pub(crate) fn volumes(
             topology,
             center: center.vertex.index(),
             ground,
+            carried,
         };
         let sums = sum::<false>((leader, arch), input, spokes, scratch);
         let missing = (sums[0] * THIRD - by.pressure * piece.rest).abs();
@@ -193,6 +197,7 @@ fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &Spoke) -> ([f32; 4
         topology,
         center,
         ground,
+        carried,
     } = input;
     let v = spoke.vertex.index();
     let state = |i: usize| {
@@ -219,7 +224,8 @@ fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &Spoke) -> ([f32; 4
     let [gx, gy, gz] = sum.map(|c| c * SIXTH);
     // Vector from the vertex to the center, hence the other sign of the sum.
     let back = edge(*center);
-    let is_held = origin.x[1] + origin.d[1] <= *ground && gy < 0.0;
+    let is_carried = carried.get(v).is_some_and(Cell::get);
+    let is_held = (is_carried || origin.x[1] + origin.d[1] <= *ground) && gy < 0.0;
     let w = if is_held { 0.0 } else { origin.x[3] };
     let square = gx * gx + gy * gy + gz * gz;
     let place = gx * back[0] + gy * back[1] + gz * back[2];

@@ -43,11 +43,12 @@ fn displacement(i: u32, at_start: bool) -> vec3f {
     return load_d(i);
 }
 
-// Returns the inverse mass of a vertex with a gradient, 0 if the ground is in its way.
+// Returns the inverse mass of a vertex with a gradient, 0 if the ground or a carrying piece is in
+// its way.
 fn inverse_mass(v: u32, gradient: vec3f) -> f32 {
     let x = load_x(v);
     let is_low = frame.has_ground != 0u && x.y + load_d(v).y <= frame.ground;
-    return select(x.w, 0.0, is_low && gradient.y < 0.0);
+    return select(x.w, 0.0, (is_low || is_carried(v)) && gradient.y < 0.0);
 }
 
 fn next_corner(h: u32) -> u32 {

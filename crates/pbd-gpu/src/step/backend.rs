@@ -16,6 +16,7 @@ use crate::step::island::{IslandBodies, Member};
 use crate::step::params::StepStats;
 use crate::step::plan::{Pass, StepPlan};
 use pulp::{Arch, NullaryFnOnce};
+use std::cell::Cell;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 
@@ -24,6 +25,9 @@ use std::ops::Range;
 pub(crate) struct StepScratch {
     /// States of the particles, body after body, shape [vertex slots of the island].
     particles: Vec<ParticleState>,
+    /// Vertices that a piece carries in the substep, shape [vertex slots of the island]; empty
+    /// without contacts.
+    carried: Vec<bool>,
     /// Displacements before the current iteration; empty without a residual.
     before: Vec<[f32; 4]>,
     volumes: VolumeScratch,
@@ -39,7 +43,10 @@ impl Clone for StepScratch {
 impl StepScratch {
     /// Returns the allocated size in elements.
     pub(crate) fn capacity(&self) -> usize {
-        self.particles.capacity() + self.before.capacity() + self.volumes.capacity()
+        self.particles.capacity()
+            + self.carried.capacity()
+            + self.before.capacity()
+            + self.volumes.capacity()
     }
 }
 
@@ -82,6 +89,7 @@ pub(crate) fn execute(
 ) -> Result<(), NonFinite> {
     let StepScratch {
         particles,
+        carried,
         before,
         volumes: volume_scratch,
     } = scratch;
@@ -100,6 +108,10 @@ pub(crate) fn execute(
             threads = member.constants.threads;
         }
     }
+    carried.clear();
+    if !contacts.is_empty() {
+        carried.resize(particles.len(), false);
+    }
     let arch = Arch::new();
     let done = with_team(threads, |leader| {
         arch.dispatch(Frame {
@@ -108,6 +120,7 @@ pub(crate) fn execute(
             contacts,
             substeps,
             particles: ParticleStates::new(particles),
+            carried: Cell::from_mut(&mut **carried).as_slice_of_cells(),
             before,
             volume_scratch,
             leader,
@@ -143,6 +156,7 @@ struct Frame<'a, 'b> {
     substeps: Range<u32>,
     /// States of the island.
     particles: ParticleStates<'a>,
+    carried: &'a [Cell<bool>],
     before: &'a mut Vec<[f32; 4]>,
     volume_scratch: &'a mut VolumeScratch,
     leader: &'a mut Leader<'b>,
@@ -176,6 +190,7 @@ impl NullaryFnOnce for Frame<'_, '_> {
         let last = iterations + 1;
         for substep in self.substeps.clone() {
             self.contacts.reset_friction();
+            self.carried.iter().for_each(|carried| carried.set(false));
             let mut part = 0;
             while part <= last {
                 let kind = match part {
@@ -226,8 +241,10 @@ impl Frame<'_, '_> {
             let passes = plan.part(part);
             let from = passes.partition_point(|pass| after.is_some_and(|after| *pass <= after));
             let to = passes.partition_point(|pass| before.is_none_or(|before| *pass < before));
+            let vertices = member.first..member.first + body.positions.len();
             let mut step = BodyStep {
                 particles: self.particles.slice(member.first, body.positions.len()),
+                carried: self.carried.get(vertices).unwrap_or_default(),
                 body,
                 constants: &member.constants,
                 volume_scratch: &mut *self.volume_scratch,
@@ -291,7 +308,7 @@ impl Frame<'_, '_> {
                 first.stats.contact_projections += self.contacts.len() as u64;
                 let time = time_after(substep, first);
                 for color in &mut self.contacts.colors {
-                    contacts::contacts(particles, color, accumulates, time);
+                    contacts::contacts(particles, self.carried, color, (accumulates, time));
                 }
             }
         }

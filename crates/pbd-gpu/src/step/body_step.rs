@@ -17,11 +17,14 @@ use crate::step::params::StepStats;
 use crate::step::plan::{ConstraintKind, Pass};
 use crate::step::sweep::{Kernel, Sweep};
 use pulp::Arch;
+use std::cell::Cell;
 
 /// A part of a substep of one body.
 pub(super) struct BodyStep<'a, 'b, 'c> {
     /// States of the body.
     pub(super) particles: ParticleStates<'a>,
+    /// Vertices that a piece carries, shape [vertex slots]; empty without contacts.
+    pub(super) carried: &'a [Cell<bool>],
     pub(super) body: Body<'b>,
     pub(super) constants: &'a StepConstants,
     pub(super) volume_scratch: &'a mut VolumeScratch,
@@ -176,7 +179,7 @@ impl BodyStep<'_, '_, '_> {
                     (leader, *arch),
                     particles,
                     piece,
-                    (constants.volume, constants.ground),
+                    (constants.volume, constants.ground, self.carried),
                     self.volume_scratch,
                 );
                 #[cfg(feature = "global")]

@@ -20,7 +20,7 @@ pub(super) struct Piece {
     /// `bounds` grown by the motion of the frame and a thickness.
     grown_bounds: Aabb,
     /// Minimum and maximum velocity of its vertices along each axis [m/s].
-    velocity_bounds: [Vec3; 2],
+    pub(super) velocity_bounds: [Vec3; 2],
     /// Whether a pin, a collider or a blade face may stop it.
     is_held: bool,
     /// Index of the first piece of its group.
@@ -92,6 +92,11 @@ impl Pieces {
                 self.find_displacements(body.surface(), motion, frame.dt);
             }
         }
+    }
+
+    /// Returns all pieces, ascending by index.
+    pub(super) fn iter(&self) -> std::slice::Iter<'_, Piece> {
+        self.list.iter()
     }
 
     /// Returns the pieces with which a piece, by index, may collide.

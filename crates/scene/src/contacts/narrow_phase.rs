@@ -66,6 +66,12 @@ impl BodyRows {
         of_vertices.chain(&self.edge_contacts)
     }
 
+    /// Returns the same contacts for changes.
+    pub(super) fn contacts_mut(&mut self) -> impl Iterator<Item = &mut BodyContact> {
+        let of_vertices = self.rows.iter_mut().flat_map(|row| &mut row.contacts);
+        of_vertices.chain(&mut self.edge_contacts)
+    }
+
     /// Returns the contacts of the last search that persist to the next frame.
     #[cfg(feature = "serde")]
     pub(super) fn persistent(&self) -> impl Iterator<Item = &PersistentContact> {

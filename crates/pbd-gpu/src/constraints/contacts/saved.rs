@@ -1,6 +1,6 @@
 //! Saving of contacts, whose colors follow from them.
 
-use super::{ContactKind, ContactRecord, ContactSet, NO_VERTEX, UNCOLORED};
+use super::{Carried, ContactKind, ContactRecord, ContactSet, NO_VERTEX, UNCOLORED};
 use crate::constraints::coloring::VertexColors;
 use incise_mesh::VertexId;
 
@@ -40,7 +40,7 @@ impl ContactSet {
 
 impl ContactRecord {
     fn is_valid(&self) -> bool {
-        let is_plane = self.kind == ContactKind::Plane as u32;
+        let is_plane = self.kind == ContactKind::Plane as u16;
         let (first, others) = self.vertices.split_at(1);
         let is_distinct = |i: usize| !self.vertices[..i].contains(&self.vertices[i]);
         let has_vertices = if is_plane {
@@ -57,7 +57,8 @@ impl ContactRecord {
         ]);
         has_vertices
             && first[0] != NO_VERTEX
-            && self.kind <= ContactKind::Plane as u32
+            && self.kind <= ContactKind::Plane as u16
+            && self.carried <= Carried::Second as u16
             && numbers.into_iter().all(|number| number.is_finite())
     }
 }

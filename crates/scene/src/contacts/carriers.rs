@@ -1,0 +1,139 @@
+//! [`Carriers`]: which piece of a contact carries the other one on its way to the ground.
+//!
+//! Called by [`super::ContactDetection`] after the narrow phase. Pieces at the ground have level 0,
+//! pieces that touch them level 1, and so on. Of two pieces in contact the one of the lower level
+//! carries the other one.
+
+use super::broad_phase::Pieces;
+use super::motion::Motion;
+use super::narrow_phase::{BodyContact, BodyRows};
+use crate::scene::Bodies;
+use incise_mesh::VertexId;
+use incise_pbd_gpu::{Carried, ContactKind};
+use std::cmp::Ordering;
+
+/// Level of a piece that no other one connects with the ground.
+const NONE: u32 = u32::MAX;
+
+/// Levels of pieces, in memory reused between frames.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Carriers {
+    /// By index of a piece in the broad phase.
+    levels: Vec<u32>,
+    /// Pairs of pieces in contact, in both orders, ascending.
+    pairs: Vec<[u32; 2]>,
+    /// Pieces with a level, ascending by it.
+    queue: Vec<u32>,
+}
+
+impl Carriers {
+    /// Sets [`incise_pbd_gpu::Contact::carried`] of all contacts above a ground.
+    ///
+    /// `is_low` says of every piece whether it may touch the ground within the frame.
+    pub(super) fn mark(
+        &mut self,
+        touching: Touching<'_>,
+        is_low: impl Iterator<Item = bool>,
+        rows: &mut [BodyRows],
+    ) {
+        self.find_levels(touching, is_low, rows);
+        if self.queue.is_empty() {
+            return;
+        }
+        for (i, rows) in rows.iter_mut().enumerate() {
+            for found in rows.contacts_mut() {
+                let Some(pair) = touching.pieces_of(i, found) else {
+                    continue;
+                };
+                let [first, second] = pair.map(|piece| self.levels[piece as usize]);
+                found.contact.carried = match first.cmp(&second) {
+                    Ordering::Less => Carried::Second,
+                    Ordering::Equal => Carried::Neither,
+                    Ordering::Greater => Carried::First,
+                };
+            }
+        }
+    }
+
+    /// Finds the levels of all pieces, breadth first.
+    fn find_levels(
+        &mut self,
+        touching: Touching<'_>,
+        is_low: impl Iterator<Item = bool>,
+        rows: &[BodyRows],
+    ) {
+        self.levels.clear();
+        self.queue.clear();
+        for (piece, is_low) in (0..).zip(is_low) {
+            self.levels.push(if is_low { 0 } else { NONE });
+            self.queue.extend(is_low.then_some(piece));
+        }
+        if self.queue.is_empty() {
+            return;
+        }
+        self.pairs.clear();
+        for (i, rows) in rows.iter().enumerate() {
+            for [a, b] in (rows.contacts()).filter_map(|found| touching.pieces_of(i, found)) {
+                if a != b && self.pairs.last() != Some(&[b, a]) {
+                    self.pairs.extend([[a, b], [b, a]]);
+                }
+            }
+        }
+        self.pairs.sort_unstable();
+        self.pairs.dedup();
+        let mut next = 0;
+        while let Some(&piece) = self.queue.get(next) {
+            next += 1;
+            let level = self.levels[piece as usize] + 1;
+            let first = self.pairs.partition_point(|pair| pair[0] < piece);
+            let pairs = self.pairs[first..].iter();
+            for &[_, other] in pairs.take_while(|pair| pair[0] == piece) {
+                if self.levels[other as usize] == NONE {
+                    self.levels[other as usize] = level;
+                    self.queue.push(other);
+                }
+            }
+        }
+    }
+}
+
+/// The bodies of a search, and the indices of their pieces.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Touching<'a> {
+    pub(super) bodies: &'a Bodies,
+    pub(super) motions: &'a [Motion],
+}
+
+impl Touching<'_> {
+    /// Returns the pieces of both features of a contact, by index in the broad phase.
+    ///
+    /// A plane has none.
+    fn pieces_of(&self, body: usize, found: &BodyContact) -> Option<[u32; 2]> {
+        let contact = &found.contact;
+        let second = match contact.kind {
+            ContactKind::Plane => return None,
+            ContactKind::EdgeEdge => 2,
+            ContactKind::VertexFace | ContactKind::VertexPoint => 1,
+        };
+        let of = |body: usize, v: VertexId| {
+            let surface = self.bodies.get(body)?.as_ref()?.surface();
+            let number = surface.piece(surface.topology().outgoing(v).triangle());
+            self.motions[body].pieces.get(number as usize).copied()
+        };
+        let first = of(body, contact.vertices[0])?;
+        Some([first, of(found.other as usize, contact.vertices[second])?])
+    }
+}
+
+/// Returns for each piece whether it may touch the ground \[m\] within a frame of `dt` \[s\].
+pub(super) fn reaches_ground<'a>(
+    pieces: &'a Pieces,
+    motions: &'a [Motion],
+    (ground, dt): (f32, f64),
+) -> impl Iterator<Item = bool> + 'a {
+    pieces.iter().map(move |piece| {
+        let fall = f64::min(0.0, piece.velocity_bounds[0].y) * dt;
+        let thickness = motions[piece.body as usize].thickness;
+        f64::from(piece.bounds.min[1]) + fall - thickness <= f64::from(ground)
+    })
+}
