@@ -19,6 +19,8 @@ mod loops;
 mod traverse;
 mod validate;
 
+pub(crate) use build::sort_by_edge;
+
 use crate::ids::{HalfEdge, TriangleId, VertexId};
 
 /// The error of triangles that do not form an oriented manifold.

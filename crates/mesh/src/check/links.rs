@@ -2,6 +2,7 @@
 
 use crate::ids::{EdgeKey, HalfEdge, VertexId};
 use crate::partition::Partition;
+use crate::topology::sort_by_edge;
 
 /// The half-edges of triangles, grouped by edge.
 pub(super) struct Links {
@@ -22,15 +23,18 @@ pub(super) struct EdgeCounts {
 impl Links {
     /// Returns the adjacency of `triangles`, whose corners must differ.
     pub(super) fn new(triangles: &[[u32; 3]]) -> Self {
-        let mut keyed: Vec<(EdgeKey, HalfEdge)> = (0..3 * triangles.len())
+        let vertices = triangles.iter().flatten().max();
+        let vertices = vertices.map_or(0, |&v| v as usize + 1);
+        let keyed: Vec<(EdgeKey, HalfEdge)> = (0..3 * triangles.len())
             .map(HalfEdge::from_index)
             .map(|h| {
                 let key = EdgeKey::new(origin(triangles, h), origin(triangles, h.next()));
                 (key, h)
             })
             .collect();
-        keyed.sort_unstable();
-        Self { keyed }
+        Self {
+            keyed: sort_by_edge(&keyed, vertices),
+        }
     }
 
     /// Iterates over the half-edges of every edge, in the order of the edges' keys.

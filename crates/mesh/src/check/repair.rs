@@ -221,6 +221,9 @@ impl Repaired {
         }
         if !separate && !out.defects.iter().any(is_crowded) {
             out.orient(&links);
+            if out.flipped.contains(&true) {
+                links = Links::new(&out.triangles);
+            }
         }
         let all = out.defects.len();
         if params.allow_boundaries {
@@ -239,7 +242,7 @@ impl Repaired {
         }
         let is_open = out.defects.len() < all;
         if out.defects.is_empty() {
-            out.split_vertices(is_open);
+            out.split_vertices(&links, is_open);
             if !is_open || params.separate_sheets {
                 out.check_volumes(data, is_open, separate);
             }
@@ -280,8 +283,8 @@ impl Repaired {
     /// Gives each fan of triangles around a vertex its own vertex.
     ///
     /// Fans around holes that touch at the vertex count as one.
-    fn split_vertices(&mut self, is_open: bool) {
-        let mut fans = Links::new(&self.triangles).fans(&self.triangles);
+    fn split_vertices(&mut self, links: &Links, is_open: bool) {
+        let mut fans = links.fans(&self.triangles);
         if is_open {
             let topology = Topology::from_triangles(self.vertices.len(), &self.triangles)
                 .expect("edges have two triangles at most, wound the same way");

@@ -1,5 +1,6 @@
 //! Builds welded mesh data from a reader's vertices and faces.
 
+use crate::bucket_sort::sort_in_buckets;
 use crate::geometry::round_to_f32;
 use crate::ids::index_u32;
 use crate::io::channels::FileChannels;
@@ -197,8 +198,7 @@ impl Builder {
         };
         let parts = self.parts(&corners);
         let (attributes, channels) = self.attributes(&corners, &welded);
-        let mut tuples = corners;
-        tuples.sort_unstable();
+        let mut tuples = sort_in_buckets(&corners, self.positions.len(), |c| c.position);
         tuples.dedup();
         Ok(MeshData {
             positions,
@@ -284,17 +284,19 @@ impl Builder {
         }
         // Adding 0 turns -0 into 0.
         let key = |i: u32| self.positions[i as usize].map(|x| (x + 0.0).to_bits());
-        let mut order: Vec<u32> = (0..)
+        let keyed: Vec<([u32; 3], u32)> = (0..)
             .zip(&used)
             .filter(|&(_, &used)| used)
-            .map(|(i, _)| i)
+            .map(|(i, _)| (key(i), i))
             .collect();
-        let unused = used.len() - order.len();
-        order.sort_unstable_by_key(|&i| (key(i), i));
+        let unused = used.len() - keyed.len();
+        // Equal positions are neighbors, the first one of the file in front.
+        let bits = usize::BITS - keyed.len().leading_zeros();
+        let keyed = sort_in_buckets(&keyed, 1 << bits, |&(key, _)| position_bucket(key, bits));
         let mut first_equal = vec![NONE; used.len()];
-        for group in order.chunk_by(|&a, &b| key(a) == key(b)) {
-            for &i in group {
-                first_equal[i as usize] = group[0];
+        for group in keyed.chunk_by(|a, b| a.0 == b.0) {
+            for &(_, i) in group {
+                first_equal[i as usize] = group[0].1;
             }
         }
         let mut positions = Vec::new();
@@ -336,6 +338,15 @@ impl Builder {
         }
         (out, channels)
     }
+}
+
+/// Returns a number below 2^`bits` that few other positions have.
+fn position_bucket(key: [u32; 3], bits: u32) -> u32 {
+    let mixed = key.iter().fold(0_u64, |mixed, &word| {
+        let x = (mixed ^ u64::from(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        x ^ (x >> 29)
+    });
+    u32::try_from(mixed >> (u64::BITS - bits)).expect("there are at most 2^32 positions")
 }
 
 fn gather<const N: usize>(

@@ -1,6 +1,7 @@
 //! Construction of a corner table from a list of triangles.
 
 use super::{Topology, TopologyError};
+use crate::bucket_sort::sort_in_buckets;
 use crate::ids::{EdgeKey, HalfEdge, TriangleId, VertexId};
 
 impl Topology {
@@ -63,7 +64,12 @@ impl Topology {
             .iter()
             .map(|&h| (EdgeKey::new(self.origin(h), self.target(h)), h))
             .collect();
-        keyed.sort_unstable();
+        // A bucket per vertex costs too much where an edit stitches a few half-edges.
+        if keyed.len() < self.vertex_slots() {
+            keyed.sort_unstable();
+        } else {
+            keyed = sort_by_edge(&keyed, self.vertex_slots());
+        }
         for group in keyed.chunk_by(|x, y| x.0 == y.0) {
             let [a, b] = group[0].0.vertices();
             match *group {
@@ -86,6 +92,14 @@ impl Topology {
         }
         Ok(())
     }
+}
+
+/// Sorts half-edges over `vertex_count` vertices by their edges' keys, then by their ids.
+pub(crate) fn sort_by_edge(
+    keyed: &[(EdgeKey, HalfEdge)],
+    vertex_count: usize,
+) -> Vec<(EdgeKey, HalfEdge)> {
+    sort_in_buckets(keyed, vertex_count, |(key, _)| key.vertices()[0].0)
 }
 
 #[cfg(test)]
