@@ -1,7 +1,7 @@
 //! Repair of mesh data, and its conversion to a surface.
 
 use super::gaps::gap;
-use super::links::Links;
+use super::links::{Fans, Links};
 use super::weld::Weld;
 use super::{Defect, NotCuttable};
 use crate::geometry::{Aabb, to_f64};
@@ -253,6 +253,9 @@ impl Repaired {
     }
 
     fn find_bad_edges(&mut self, data: &MeshData, links: &Links) {
+        if links.edges().all(|edge| edge.len() == 2) {
+            return;
+        }
         let counts = links.edge_counts(&self.triangles);
         self.open_edges = counts.open;
         let first = |bad: fn(usize) -> bool| {
@@ -284,7 +287,7 @@ impl Repaired {
     ///
     /// Fans around holes that touch at the vertex count as one.
     fn split_vertices(&mut self, links: &Links, is_open: bool) {
-        let mut fans = links.fans(&self.triangles);
+        let mut fans = Fans::of_manifold(links);
         if is_open {
             let topology = Topology::from_triangles(self.vertices.len(), &self.triangles)
                 .expect("edges have two triangles at most, wound the same way");

@@ -5,7 +5,7 @@ use super::links::{Links, origin};
 use super::repair::Repaired;
 use super::tally::Tally;
 use crate::geometry::{Aabb, area_vector, to_f64};
-use crate::ids::{HalfEdge, TriangleId};
+use crate::ids::TriangleId;
 use crate::io::{MeshData, Warning};
 use crate::measure::cone_volume;
 use crate::partition::Partition;
@@ -18,13 +18,7 @@ const FLAT: f64 = 1e-12;
 impl Repaired {
     /// Orients each component like most of its triangles.
     pub(super) fn orient(&mut self, links: &Links) {
-        let mut twin = vec![HalfEdge::NULL; 3 * self.triangles.len()];
-        for edge in links.edges() {
-            if let [(_, h), (_, g)] = *edge {
-                twin[h.index()] = g;
-                twin[g.index()] = h;
-            }
-        }
+        let twin = links.twins();
         let (mut reoriented, mut one_sided) = (Tally::default(), Tally::default());
         let mut seen = vec![false; self.triangles.len()];
         for seed in 0..self.triangles.len() {

@@ -60,16 +60,16 @@ impl Topology {
     /// [`TopologyError::NonManifoldEdge`] or [`TopologyError::InconsistentWinding`]; nothing is
     /// paired then.
     pub fn stitch(&mut self, half_edges: &[HalfEdge]) -> Result<(), TopologyError> {
-        let mut keyed: Vec<(EdgeKey, HalfEdge)> = half_edges
-            .iter()
-            .map(|&h| (EdgeKey::new(self.origin(h), self.target(h)), h))
-            .collect();
+        let key = |&h: &HalfEdge| (EdgeKey::new(self.origin(h), self.target(h)), h);
+        let keyed = half_edges.iter().map(key);
         // A bucket per vertex costs too much where an edit stitches a few half-edges.
-        if keyed.len() < self.vertex_slots() {
+        let keyed = if half_edges.len() < self.vertex_slots() {
+            let mut keyed: Vec<(EdgeKey, HalfEdge)> = keyed.collect();
             keyed.sort_unstable();
+            keyed
         } else {
-            keyed = sort_by_edge(&keyed, self.vertex_slots());
-        }
+            sort_by_edge(keyed, self.vertex_slots())
+        };
         for group in keyed.chunk_by(|x, y| x.0 == y.0) {
             let [a, b] = group[0].0.vertices();
             match *group {
@@ -96,7 +96,7 @@ impl Topology {
 
 /// Sorts half-edges over `vertex_count` vertices by their edges' keys, then by their ids.
 pub(crate) fn sort_by_edge(
-    keyed: &[(EdgeKey, HalfEdge)],
+    keyed: impl Iterator<Item = (EdgeKey, HalfEdge)> + Clone,
     vertex_count: usize,
 ) -> Vec<(EdgeKey, HalfEdge)> {
     sort_in_buckets(keyed, vertex_count, |(key, _)| key.vertices()[0].0)
