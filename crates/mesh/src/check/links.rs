@@ -105,8 +105,9 @@ impl Fans {
     }
 
     /// Returns the fans of triangles whose edges are oriented and have at most two of them.
-    pub(super) fn of_manifold(links: &Links) -> Self {
-        let twins = links.twins();
+    ///
+    /// `twins` are those of [`Links::twins`].
+    pub(super) fn of_manifold(twins: &[HalfEdge]) -> Self {
         let mut corners = Partition::new(twins.len());
         let mut is_found = vec![false; twins.len()];
         for first in (0..twins.len()).map(HalfEdge::from_index) {

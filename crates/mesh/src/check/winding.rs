@@ -118,6 +118,7 @@ impl Repaired {
         if let Some((triangle, count)) = flat.found().filter(|_| !is_open) {
             if remove_flat && is_kept.contains(&true) {
                 self.retain_triangles(&is_kept);
+                self.twins.clear();
                 self.warnings
                     .push(Warning::FlatComponentsRemoved { triangle, count });
             } else {
@@ -126,6 +127,7 @@ impl Repaired {
         }
         let closed = components.iter().filter(|c| !c.is_open);
         if closed.map(|c| c.volume).sum::<f64>() < 0.0 {
+            self.twins.clear();
             for (t, flipped) in self.triangles.iter_mut().zip(&mut self.flipped) {
                 t.swap(1, 2);
                 *flipped = !*flipped;

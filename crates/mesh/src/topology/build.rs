@@ -15,6 +15,27 @@ impl Topology {
         vertex_count: usize,
         triangles: &[[u32; 3]],
     ) -> Result<Self, TopologyError> {
+        let mut topology = Self::unstitched(vertex_count, triangles)?;
+        let all: Vec<HalfEdge> = (0..topology.origin.len())
+            .map(HalfEdge::from_index)
+            .collect();
+        topology.stitch(&all)?;
+        Ok(topology)
+    }
+
+    /// Builds the connectivity of `triangles`, whose pairs of half-edges are known.
+    #[cfg(feature = "io")]
+    pub(crate) fn from_twins(
+        vertex_count: usize,
+        triangles: &[[u32; 3]],
+        twin: Vec<HalfEdge>,
+    ) -> Result<Self, TopologyError> {
+        let topology = Self::unstitched(vertex_count, triangles)?;
+        Ok(Self { twin, ..topology })
+    }
+
+    /// Returns the connectivity of triangles that share no edges yet.
+    fn unstitched(vertex_count: usize, triangles: &[[u32; 3]]) -> Result<Self, TopologyError> {
         for (i, corners) in triangles.iter().enumerate() {
             let triangle = TriangleId::from_index(i);
             let [a, b, c] = corners.map(VertexId);
@@ -45,10 +66,6 @@ impl Topology {
                 topology.outgoing[v.index()] = h;
             }
         }
-        let all: Vec<HalfEdge> = (0..topology.origin.len())
-            .map(HalfEdge::from_index)
-            .collect();
-        topology.stitch(&all)?;
         Ok(topology)
     }
 
