@@ -42,7 +42,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn ascending_buckets_sort_everything(items in prop::collection::vec((0..9_u32, 0..99_u32), 0..200)) {
+        fn ascending_buckets_sort_everything(
+            items in prop::collection::vec((0..9_u32, 0..99_u32), 0..200),
+        ) {
             let mut expected = items.clone();
             expected.sort_unstable();
             prop_assert_eq!(sort_in_buckets(items.iter().copied(), 9, |item| item.0), expected);
@@ -50,7 +52,8 @@ mod tests {
 
         #[test]
         fn equal_items_are_neighbors(items in prop::collection::vec(0..30_u32, 0..200)) {
-            let sorted = sort_in_buckets(items.iter().copied(), 4, |item| item.wrapping_mul(2_654_435_769) >> 30);
+            let bucket = |item: &u32| item.wrapping_mul(2_654_435_769) >> 30;
+            let sorted = sort_in_buckets(items.iter().copied(), 4, bucket);
             let mut runs: Vec<u32> = sorted.chunk_by(|a, b| a == b).map(|run| run[0]).collect();
             let count = runs.len();
             runs.sort_unstable();
