@@ -19,6 +19,7 @@ mod loops;
 mod traverse;
 mod validate;
 
+#[cfg(feature = "io")]
 pub(crate) use build::sort_by_edge;
 
 use crate::ids::{HalfEdge, TriangleId, VertexId};
