@@ -25,6 +25,8 @@ use clap::ValueEnum;
 use incise_cut::CutParams;
 use incise_mesh::Surface;
 use incise_mesh::geometry::round_to_f32;
+#[cfg(feature = "gpu")]
+use incise_pbd_gpu::Collider;
 use incise_pbd_gpu::{Material, SolverParams};
 use incise_scene::{BackendChoice, BackendRequest, ContactParams, Scene, SceneParams};
 use knife::Knife;
@@ -144,12 +146,14 @@ pub(crate) fn run(
     let (write, written) = timed(|| write_pieces(&file.output, &cut_surfaces, reporter));
     let written = written?;
     #[cfg(feature = "gpu")]
-    let pictures = pictures::draw(
-        &recording,
-        &file.output,
-        ground(&file, origin),
-        file.adapter.clone(),
-    )?;
+    let pictures = {
+        let ground = ground(&file, origin).map(|height| Collider::Plane {
+            point: [0.0, height, 0.0],
+            normal: [0.0, 1.0, 0.0],
+        });
+        let colliders: Vec<Collider> = scene.colliders.iter().copied().chain(ground).collect();
+        pictures::draw(&recording, &file.output, &colliders, file.adapter.clone())?
+    };
     if let Some(path) = &file.output.export {
         let rate = file.output.pictures_per_second();
         for warning in export::write(&recording, rate, path)? {

@@ -23,6 +23,7 @@ fn main() -> ExitCode {
     incise_test_support::gpu::run(vec![
         trial("pictures_show_the_fall_and_the_cut", any, fall_and_cut),
         trial("a_shorter_run_removes_surplus_frames", any, shorter_run),
+        trial("pictures_show_colliders", any, colliders),
         Trial::test("pieces_are_exported_with_their_motion", || {
             exported_pieces();
             Ok(())
@@ -95,6 +96,88 @@ fn shorter_run(_: Context) {
         let done = incise(&[&words[..], &more].concat());
         assert_eq!(done.status.code(), Some(0), "{done:?}");
         assert_eq!(std::fs::read_dir(&frames).expect("frames").count(), count);
+    }
+}
+
+/// Three solids in front of a ball, and a plane that crosses the background.
+fn colliders(_: Context) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = folder.path().join("scene.toml");
+    let frame = folder.path().join("frames/frame_0000.png");
+    let picture = |colliders: &str| {
+        let text_of_scene = format!(
+            r##"
+seconds = 0.02
+gravity = [0, 0, 0]
+[[bodies]]
+mesh = "Sphere768"
+{colliders}
+[output]
+frames = "frames"
+[output.picture]
+size = "201x201"
+camera = "0,0"
+color = "#0f0"
+background = "#00f"
+"##
+        );
+        std::fs::write(&scene, text_of_scene).expect("a scene");
+        let done = incise(&["simulate", text(&scene)]);
+        assert_eq!(done.status.code(), Some(0), "{done:?}");
+        let (width, height, pixels) = pixels(&frame);
+        assert_eq!((width, height), (201, 201));
+        pixels
+    };
+    let is_gray = |[r, g, b, _]: [u8; 4]| r > 60 && r.abs_diff(g) < 12 && g.abs_diff(b) < 16;
+    let plain = picture("");
+    assert!(!plain.iter().any(|&pixel| is_gray(pixel)));
+    let green = plain.iter().filter(|&&pixel| is_green(pixel)).count();
+    // Shape, its height relative to its width, and the part of that rectangle that it fills.
+    for (shape, slenderness, fill) in [
+        ("sphere = { center = [0, 0, 1], radius = 0.2 }", 1.0, 0.79),
+        (
+            "capsule = { ends = [[0, -0.2, 1], [0, 0.2, 1]], radius = 0.1 }",
+            3.0,
+            0.93,
+        ),
+        (
+            "box = { center = [0, 0, 1], half = [0.2, 0.1, 0.1] }",
+            0.5,
+            1.0,
+        ),
+    ] {
+        let pixels = picture(&format!("[[colliders]]\n{shape}"));
+        let gray = (0..).zip(&pixels).filter(|&(_, &pixel)| is_gray(pixel));
+        let places: Vec<[u32; 2]> = gray.map(|(i, _)| [i % 201, i / 201]).collect();
+        let [width, height] = [0, 1].map(|k| {
+            let along = || places.iter().map(|place| place[k]);
+            let (low, high) = (along().min().expect("gray"), along().max().expect("gray"));
+            assert!(
+                (196..205).contains(&(low + high)),
+                "{shape}: {low} to {high}"
+            );
+            f64::from(high + 1 - low)
+        });
+        let agrees = |found: f64, expected: f64| (found / expected - 1.0).abs() < 0.15;
+        assert!(
+            agrees(height / width, slenderness),
+            "{shape}: {width} x {height}"
+        );
+        let filled = places.len() as f64 / (width * height);
+        assert!(agrees(filled, fill), "{shape}: {filled}");
+        let visible = pixels.iter().filter(|&&pixel| is_green(pixel)).count();
+        let hidden = green.saturating_sub(visible);
+        assert!(
+            agrees(hidden as f64, places.len() as f64),
+            "{shape}: hides {hidden}"
+        );
+    }
+    // A wall behind the ball is in front of the background alone.
+    let pixels = picture("[[colliders]]\nplane = { point = [0, 0, -1], normal = [0, 0, 1] }");
+    for (&pixel, &plain) in pixels.iter().zip(&plain) {
+        let (is_ball, is_background) = (plain[2] == 0, plain == [0, 0, 255, 255]);
+        assert!(!is_ball || pixel == plain, "{pixel:?} instead of {plain:?}");
+        assert!(!is_background || pixel != plain, "no wall over {plain:?}");
     }
 }
 

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod bucket_sort;
 mod bvh;
 #[cfg(feature = "io")]
 mod check;

@@ -28,6 +28,11 @@ impl Partition {
         i
     }
 
+    /// Adds `i`, so far in a set of its own, to the set that the smaller `root` names.
+    pub(crate) fn attach(&mut self, i: u32, root: u32) {
+        self.parent[i as usize] = root;
+    }
+
     /// Merges the sets of `a` and `b`.
     pub(crate) fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.find(a), self.find(b));

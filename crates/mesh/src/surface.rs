@@ -98,6 +98,15 @@ impl Surface {
         triangles: &[[u32; 3]],
     ) -> Result<Self, TopologyError> {
         let topology = Topology::from_triangles(positions.len(), triangles)?;
+        Ok(Self::from_topology(topology, positions, triangles))
+    }
+
+    /// Builds a surface of the triangles of a topology without free slots.
+    pub(crate) fn from_topology(
+        topology: Topology,
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+    ) -> Self {
         let piece = topology.component_labels();
         let mut pieces = Pieces::default();
         piece.iter().for_each(|&p| pieces.add(p));
@@ -122,7 +131,7 @@ impl Surface {
             motion: 0,
         };
         surface.reserve(positions.len() / 4, triangles.len() / 4);
-        Ok(surface)
+        surface
     }
 
     /// Reserves memory for additional vertices and triangles, so that edits do not reallocate.

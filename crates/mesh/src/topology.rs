@@ -19,6 +19,9 @@ mod loops;
 mod traverse;
 mod validate;
 
+#[cfg(feature = "io")]
+pub(crate) use build::sort_by_edge;
+
 use crate::ids::{HalfEdge, TriangleId, VertexId};
 
 /// The error of triangles that do not form an oriented manifold.

@@ -1,32 +1,31 @@
 //! Draws a recording: as PNG files, and as an animated PNG.
 
+mod obstacles;
+
 use super::output::SimulateOutput;
 use super::recording::{Recording, Take};
 use crate::failure::Failure;
 use crate::picture::PictureOptions;
 use incise_cut::CutParams;
 use incise_mesh::Aabb;
-use incise_pbd_gpu::{AdapterRequest, Context};
+use incise_pbd_gpu::{AdapterRequest, Collider, Context};
 use incise_render::{
-    BodyView, Color, DrawList, Image, Line, Offscreen, Overlay, OverlayTriangle, RenderError,
-    Renderer, View, write_animation,
+    BodyView, Color, DrawList, Image, Line, Offscreen, Overlay, RenderError, Renderer, View,
+    write_animation,
 };
+use obstacles::Obstacles;
 use std::path::{Path, PathBuf};
 
 /// Color of the blades' edges.
 const BLADE: Color = Color::rgb(40, 70, 140);
 /// Width of the blades' edges [pixels].
 const BLADE_WIDTH: f32 = 3.0;
-/// Color of the ground.
-const GROUND: Color = Color::rgb(96, 104, 112).with_alpha(60);
-/// Side of the ground [diagonals of the scene].
-const GROUND_SIDE: f32 = 3.0;
 
 /// Draws the pictures that an output names, and returns their number.
 pub(super) fn draw(
     recording: &Recording,
     output: &SimulateOutput,
-    ground: Option<f32>,
+    colliders: &[Collider],
     adapter: Option<String>,
 ) -> Result<usize, Failure> {
     if output.frames.is_none() && output.animation.is_none() {
@@ -34,7 +33,7 @@ pub(super) fn draw(
     }
     let context = Context::open(&AdapterRequest::any(adapter))?;
     let renderer = Renderer::offscreen(context.device(), context.queue())?;
-    let mut artist = Artist::new(&renderer, recording, &output.picture, ground)?;
+    let mut artist = Artist::new(&renderer, recording, &output.picture, colliders)?;
     if let Some(folder) = &output.frames {
         std::fs::create_dir_all(folder).map_err(|source| Failure::Folder {
             path: folder.clone(),
@@ -85,7 +84,7 @@ struct Artist<'a> {
     options: &'a PictureOptions,
     offscreen: Offscreen,
     view: View,
-    ground: Overlay,
+    obstacles: Obstacles,
     bodies: Vec<Drawn>,
 }
 
@@ -101,20 +100,13 @@ impl<'a> Artist<'a> {
         renderer: &'a Renderer,
         recording: &'a Recording,
         options: &'a PictureOptions,
-        ground: Option<f32>,
+        colliders: &[Collider],
     ) -> Result<Self, RenderError> {
         let points = || {
             let takes = recording.bodies.iter().flatten();
             takes.flat_map(Take::points)
         };
         let [width, height] = options.size();
-        let corners = ground.map(|height| ground_corners(&Aabb::around(points()), height));
-        let triangles = corners.iter().flat_map(|&[a, b, c, d]| {
-            [[a, b, c], [a, c, d]].map(|corners| OverlayTriangle {
-                corners,
-                color: GROUND,
-            })
-        });
         let drawn = |_: &Vec<Take>| {
             let view = BodyView::new(renderer)?;
             Ok(Drawn { view, take: None })
@@ -125,7 +117,7 @@ impl<'a> Artist<'a> {
             options,
             offscreen: Offscreen::new(renderer, width, height)?,
             view: options.view(points),
-            ground: Overlay::new(renderer, &triangles.collect::<Vec<_>>(), &[])?,
+            obstacles: Obstacles::new(renderer, colliders, &Aabb::around(points()))?,
             bodies: (recording.bodies.iter().map(drawn)).collect::<Result<_, RenderError>>()?,
         })
     }
@@ -157,13 +149,10 @@ impl<'a> Artist<'a> {
             width: BLADE_WIDTH,
         });
         let blades = Overlay::new(self.renderer, &[], &blades.collect::<Vec<_>>())?;
+        let views = self.bodies.iter().map(|drawn| &drawn.view);
         let content = DrawList {
-            bodies: &self
-                .bodies
-                .iter()
-                .map(|drawn| &drawn.view)
-                .collect::<Vec<_>>(),
-            overlays: &[&self.ground, &blades],
+            bodies: &views.chain(&self.obstacles.solids).collect::<Vec<_>>(),
+            overlays: &[&self.obstacles.planes, &blades],
         };
         self.offscreen.render(self.renderer, &self.view, &content)
     }
@@ -180,13 +169,4 @@ impl Take {
             })
         })
     }
-}
-
-/// Returns the corners of the ground below a box.
-fn ground_corners(bounds: &Aabb, height: f32) -> [[f32; 3]; 4] {
-    let [x, z] = [0, 2].map(|k| f32::midpoint(bounds.min[k], bounds.max[k]));
-    let size = [0, 1, 2].map(|k| bounds.max[k] - bounds.min[k]);
-    let half = GROUND_SIDE / 2.0 * size[0].hypot(size[1]).hypot(size[2]);
-    [[-half, -half], [half, -half], [half, half], [-half, half]]
-        .map(|[dx, dz]| [x + dx, height, z + dz])
 }

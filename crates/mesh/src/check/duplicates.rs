@@ -3,6 +3,7 @@
 use super::links::Links;
 use super::repair::{Repaired, is_collapsed};
 use super::tally::Tally;
+use crate::bucket_sort::sort_in_buckets;
 use crate::io::Warning;
 use crate::partition::Partition;
 
@@ -10,18 +11,20 @@ impl Repaired {
     /// Keeps the triangles with three different corners that do not repeat an earlier one.
     pub(super) fn keep_distinct(&mut self, triangles: &[[u32; 3]]) {
         let (mut collapsed, mut duplicates) = (Tally::default(), Tally::default());
-        let mut keyed: Vec<([u32; 3], u32)> = (0..)
+        let keyed = (0..)
             .zip(triangles)
-            .filter(|&(i, t)| !collapsed.note(is_collapsed(t), i))
-            .map(|(i, &[a, b, c])| ([a, b, c].min([b, c, a]).min([c, a, b]), i))
-            .collect();
-        keyed.sort_unstable();
+            .filter(|(_, t)| !is_collapsed(t))
+            .map(|(i, &[a, b, c])| ([a, b, c].min([b, c, a]).min([c, a, b]), i));
+        let keyed = sort_in_buckets(keyed, self.vertices.len(), |(corners, _)| corners[0]);
         let mut repeats = vec![false; triangles.len()];
+        self.triangles.reserve_exact(triangles.len());
+        self.sources.reserve_exact(triangles.len());
         for pair in keyed.windows(2) {
             repeats[pair[1].1 as usize] = pair[0].0 == pair[1].0;
         }
         for (i, &t) in (0..).zip(triangles) {
-            if !is_collapsed(&t) && !duplicates.note(repeats[i as usize], i) {
+            let is_new = !collapsed.note(is_collapsed(&t), i);
+            if is_new && !duplicates.note(repeats[i as usize], i) {
                 self.triangles.push(t);
                 self.sources.push(i);
             }

@@ -2,6 +2,7 @@
 
 use crate::ids::{EdgeKey, HalfEdge, VertexId};
 use crate::partition::Partition;
+use crate::topology::sort_by_edge;
 
 /// The half-edges of triangles, grouped by edge.
 pub(super) struct Links {
@@ -22,15 +23,13 @@ pub(super) struct EdgeCounts {
 impl Links {
     /// Returns the adjacency of `triangles`, whose corners must differ.
     pub(super) fn new(triangles: &[[u32; 3]]) -> Self {
-        let mut keyed: Vec<(EdgeKey, HalfEdge)> = (0..3 * triangles.len())
-            .map(HalfEdge::from_index)
-            .map(|h| {
-                let key = EdgeKey::new(origin(triangles, h), origin(triangles, h.next()));
-                (key, h)
-            })
-            .collect();
-        keyed.sort_unstable();
-        Self { keyed }
+        let vertices = triangles.iter().flatten().max();
+        let vertices = vertices.map_or(0, |&v| v as usize + 1);
+        let key = |h: HalfEdge| EdgeKey::new(origin(triangles, h), origin(triangles, h.next()));
+        let half_edges = (0..3 * triangles.len()).map(HalfEdge::from_index);
+        Self {
+            keyed: sort_by_edge(half_edges.map(|h| (key(h), h)), vertices),
+        }
     }
 
     /// Iterates over the half-edges of every edge, in the order of the edges' keys.
@@ -73,6 +72,18 @@ impl Links {
         fans
     }
 
+    /// Returns the other half-edge of every edge with two, null for all others.
+    pub(super) fn twins(&self) -> Vec<HalfEdge> {
+        let mut twins = vec![HalfEdge::NULL; self.keyed.len()];
+        for edge in self.edges() {
+            if let [(_, h), (_, g)] = *edge {
+                twins[h.index()] = g;
+                twins[g.index()] = h;
+            }
+        }
+        twins
+    }
+
     /// Returns whether no two triangles of an edge of [`Self::edges`] have the same direction.
     pub(super) fn is_consistent(edge: &[(EdgeKey, HalfEdge)], triangles: &[[u32; 3]]) -> bool {
         edge.len() < 2
@@ -91,6 +102,40 @@ impl Fans {
         Self {
             corners: Partition::new(count),
         }
+    }
+
+    /// Returns the fans of triangles whose edges are oriented and have at most two of them.
+    ///
+    /// `twins` are those of [`Links::twins`].
+    pub(super) fn of_manifold(twins: &[HalfEdge]) -> Self {
+        let mut corners = Partition::new(twins.len());
+        let mut is_found = vec![false; twins.len()];
+        for first in (0..twins.len()).map(HalfEdge::from_index) {
+            if is_found[first.index()] {
+                continue;
+            }
+            let mut add = |h: HalfEdge| {
+                is_found[h.index()] = true;
+                corners.attach(h.0, first.0);
+            };
+            let mut h = first;
+            while !h.is_null() {
+                add(h);
+                h = twins[h.prev().index()];
+                if h == first {
+                    break;
+                }
+            }
+            if h.is_null() {
+                // The fan ends at a boundary, and its other end may lie behind the first corner.
+                let mut twin = twins[first.index()];
+                while !twin.is_null() {
+                    add(twin.next());
+                    twin = twins[twin.next().index()];
+                }
+            }
+        }
+        Self { corners }
     }
 
     /// Merges the fans of two triangles at both ends of their common edge.
@@ -124,8 +169,8 @@ impl Fans {
     pub(super) fn split(&mut self, triangles: &mut [[u32; 3]], next: usize) -> Vec<u32> {
         let mut seen = vec![false; next];
         let mut copies = Vec::new();
-        let mut vertex_of_head = vec![u32::MAX; 3 * triangles.len()];
         let heads: Vec<(u32, u32)> = self.heads(triangles).collect();
+        let mut vertex_of_head = vec![u32::MAX; 3 * triangles.len()];
         for (head, v) in heads {
             vertex_of_head[head as usize] = if std::mem::replace(&mut seen[v as usize], true) {
                 copies.push(v);
@@ -133,6 +178,9 @@ impl Fans {
             } else {
                 v
             };
+        }
+        if copies.is_empty() {
+            return copies;
         }
         for h in (0..3 * triangles.len()).map(HalfEdge::from_index) {
             let head = self.corners.find(h.0);

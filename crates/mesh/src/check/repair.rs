@@ -1,11 +1,11 @@
 //! Repair of mesh data, and its conversion to a surface.
 
 use super::gaps::gap;
-use super::links::Links;
+use super::links::{Fans, Links};
 use super::weld::Weld;
 use super::{Defect, NotCuttable};
 use crate::geometry::{Aabb, to_f64};
-use crate::ids::{TriangleId, VertexId};
+use crate::ids::{HalfEdge, TriangleId, VertexId};
 use crate::io::{MeshData, Warning};
 use crate::quality::EdgeStats;
 use crate::surface::{CornerAttributes, Domain, Surface};
@@ -29,6 +29,8 @@ pub(super) struct Repaired {
     pub(super) sources: Vec<u32>,
     /// Whether each triangle was flipped.
     pub(super) flipped: Vec<bool>,
+    /// Twin of each half-edge; empty if triangles have moved since.
+    pub(super) twins: Vec<HalfEdge>,
     /// Number of edges with one triangle.
     open_edges: usize,
     pub(super) warnings: Vec<Warning>,
@@ -86,7 +88,7 @@ impl MeshData {
     /// separated in several ways, boundaries unless allowed, or no boundary and components without
     /// volume.
     pub fn repair(self, params: RepairParams) -> Result<(Surface, Vec<Warning>), NotCuttable> {
-        let repaired = repair(&self, params);
+        let mut repaired = repair(&self, params);
         if !repaired.defects.is_empty() {
             return Err(NotCuttable {
                 defects: repaired.defects,
@@ -97,8 +99,15 @@ impl MeshData {
             .iter()
             .map(|&v| self.positions[v as usize])
             .collect();
-        let mut surface = Surface::from_triangles(&positions, &repaired.triangles)
-            .expect("a mesh without defects is an oriented manifold");
+        let (count, triangles) = (positions.len(), &repaired.triangles);
+        let twins = std::mem::take(&mut repaired.twins);
+        let topology = if twins.is_empty() {
+            Topology::from_triangles(count, triangles)
+        } else {
+            Topology::from_twins(count, triangles, twins)
+        };
+        let topology = topology.expect("a mesh without defects is an oriented manifold");
+        let mut surface = Surface::from_topology(topology, &positions, triangles);
         surface.origin = self.origin;
         let corners = repaired.corners();
         surface.corners = CornerAttributes {
@@ -193,6 +202,7 @@ impl Repaired {
             triangles: Vec::new(),
             sources: Vec::new(),
             flipped: Vec::new(),
+            twins: Vec::new(),
             open_edges: 0,
             warnings: Vec::new(),
             defects: Vec::new(),
@@ -221,6 +231,9 @@ impl Repaired {
         }
         if !separate && !out.defects.iter().any(is_crowded) {
             out.orient(&links);
+            if out.flipped.contains(&true) {
+                links = Links::new(&out.triangles);
+            }
         }
         let all = out.defects.len();
         if params.allow_boundaries {
@@ -239,7 +252,7 @@ impl Repaired {
         }
         let is_open = out.defects.len() < all;
         if out.defects.is_empty() {
-            out.split_vertices(is_open);
+            out.split_vertices(&links, is_open);
             if !is_open || params.separate_sheets {
                 out.check_volumes(data, is_open, separate);
             }
@@ -250,6 +263,9 @@ impl Repaired {
     }
 
     fn find_bad_edges(&mut self, data: &MeshData, links: &Links) {
+        if links.edges().all(|edge| edge.len() == 2) {
+            return;
+        }
         let counts = links.edge_counts(&self.triangles);
         self.open_edges = counts.open;
         let first = |bad: fn(usize) -> bool| {
@@ -280,8 +296,9 @@ impl Repaired {
     /// Gives each fan of triangles around a vertex its own vertex.
     ///
     /// Fans around holes that touch at the vertex count as one.
-    fn split_vertices(&mut self, is_open: bool) {
-        let mut fans = Links::new(&self.triangles).fans(&self.triangles);
+    fn split_vertices(&mut self, links: &Links, is_open: bool) {
+        self.twins = links.twins();
+        let mut fans = Fans::of_manifold(&self.twins);
         if is_open {
             let topology = Topology::from_triangles(self.vertices.len(), &self.triangles)
                 .expect("edges have two triangles at most, wound the same way");

@@ -3,6 +3,7 @@
 mod open;
 
 use super::*;
+use crate::surface::Surface;
 use proptest::prelude::*;
 
 const CUBE: [[u32; 3]; 12] = [
@@ -279,5 +280,10 @@ proptest! {
             .collect();
         let (surface, _) = cube_of(&triangles).into_surface().unwrap();
         prop_assert_eq!(surface.volume(), 1.0);
+        let topology = surface.topology();
+        let triangles = topology.triangles().map(|t| topology.triangle(t).map(|v| v.0));
+        let triangles: Vec<[u32; 3]> = triangles.collect();
+        let expected = Surface::from_triangles(surface.rest_positions(), &triangles);
+        prop_assert_eq!(Ok(&surface), expected.as_ref());
     }
 }

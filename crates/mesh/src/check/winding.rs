@@ -5,7 +5,7 @@ use super::links::{Links, origin};
 use super::repair::Repaired;
 use super::tally::Tally;
 use crate::geometry::{Aabb, area_vector, to_f64};
-use crate::ids::{HalfEdge, TriangleId};
+use crate::ids::TriangleId;
 use crate::io::{MeshData, Warning};
 use crate::measure::cone_volume;
 use crate::partition::Partition;
@@ -18,13 +18,7 @@ const FLAT: f64 = 1e-12;
 impl Repaired {
     /// Orients each component like most of its triangles.
     pub(super) fn orient(&mut self, links: &Links) {
-        let mut twin = vec![HalfEdge::NULL; 3 * self.triangles.len()];
-        for edge in links.edges() {
-            if let [(_, h), (_, g)] = *edge {
-                twin[h.index()] = g;
-                twin[g.index()] = h;
-            }
-        }
+        let twin = links.twins();
         let (mut reoriented, mut one_sided) = (Tally::default(), Tally::default());
         let mut seen = vec![false; self.triangles.len()];
         for seed in 0..self.triangles.len() {
@@ -124,6 +118,7 @@ impl Repaired {
         if let Some((triangle, count)) = flat.found().filter(|_| !is_open) {
             if remove_flat && is_kept.contains(&true) {
                 self.retain_triangles(&is_kept);
+                self.twins.clear();
                 self.warnings
                     .push(Warning::FlatComponentsRemoved { triangle, count });
             } else {
@@ -132,6 +127,7 @@ impl Repaired {
         }
         let closed = components.iter().filter(|c| !c.is_open);
         if closed.map(|c| c.volume).sum::<f64>() < 0.0 {
+            self.twins.clear();
             for (t, flipped) in self.triangles.iter_mut().zip(&mut self.flipped) {
                 t.swap(1, 2);
                 *flipped = !*flipped;

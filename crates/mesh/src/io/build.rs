@@ -1,5 +1,6 @@
 //! Builds welded mesh data from a reader's vertices and faces.
 
+use crate::bucket_sort::sort_in_buckets;
 use crate::geometry::round_to_f32;
 use crate::ids::index_u32;
 use crate::io::channels::FileChannels;
@@ -7,6 +8,7 @@ use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, SourceLocation};
 use crate::io::polygon::triangulate;
 use crate::surface::{Blend, Channel, CornerAttributes, Domain};
+use std::ops::Range;
 
 /// Marks a corner without texture coordinates or normal.
 pub(super) const NONE: u32 = u32::MAX;
@@ -65,7 +67,10 @@ pub(super) struct Builder {
     uv: Vec<[f32; 2]>,
     normals: Vec<[f32; 3]>,
     corners: Vec<Corner>,
-    faces: Vec<(usize, SourceLocation)>,
+    /// The end of each face in `corners`.
+    face_ends: Vec<usize>,
+    /// Places of faces with references beyond the elements read before them.
+    forward: Vec<(Range<usize>, SourceLocation)>,
     /// Material of each face.
     materials: Vec<u32>,
     sorted: Vec<u32>,
@@ -166,14 +171,18 @@ impl Builder {
                 return Err(ParseError::RepeatedVertex { at });
             }
         }
+        let first = self.corners.len();
         self.corners.extend_from_slice(corners);
-        self.faces.push((self.corners.len(), at));
+        self.face_ends.push(self.corners.len());
+        if corners.iter().any(|corner| self.invalid(corner).is_some()) {
+            self.forward.push((first..self.corners.len(), at));
+        }
         self.materials.push(self.material);
         Ok(())
     }
 
     pub(super) fn finish(mut self) -> Result<MeshData, ParseError> {
-        if self.faces.is_empty() {
+        if self.face_ends.is_empty() {
             return Err(ParseError::NoFaces);
         }
         self.check_references()?;
@@ -197,9 +206,14 @@ impl Builder {
         };
         let parts = self.parts(&corners);
         let (attributes, channels) = self.attributes(&corners, &welded);
-        let mut tuples = corners;
-        tuples.sort_unstable();
-        tuples.dedup();
+        let file_vertices = if corners.iter().all(|&c| c == Corner::position(c.position)) {
+            used
+        } else {
+            let corners = corners.iter().copied();
+            let mut tuples = sort_in_buckets(corners, self.positions.len(), |c| c.position);
+            tuples.dedup();
+            tuples.len()
+        };
         Ok(MeshData {
             positions,
             triangles,
@@ -207,7 +221,7 @@ impl Builder {
             channels,
             vertex_map: welded,
             materials,
-            file_vertices: tuples.len(),
+            file_vertices,
             warnings: self.warnings,
             file_triangles,
             parts,
@@ -228,33 +242,37 @@ impl Builder {
     }
 
     fn check_references(&self) -> Result<(), ParseError> {
-        let mut first = 0;
-        for &(end, at) in &self.faces {
-            for c in &self.corners[first..end] {
-                for (index, count, optional) in [
-                    (c.position, self.positions.len(), false),
-                    (c.uv, self.uv.len(), true),
-                    (c.normal, self.normals.len(), true),
-                ] {
-                    if index as usize >= count && !(optional && index == NONE) {
-                        return Err(ParseError::IndexOutOfRange {
-                            at,
-                            index: i64::from(index) + self.index_base,
-                            count,
-                        });
-                    }
-                }
+        for (corners, at) in &self.forward {
+            let mut invalid = self.corners[corners.clone()]
+                .iter()
+                .map(|c| self.invalid(c));
+            if let Some((index, count)) = invalid.find_map(|invalid| invalid) {
+                return Err(ParseError::IndexOutOfRange {
+                    at: *at,
+                    index: i64::from(index) + self.index_base,
+                    count,
+                });
             }
-            first = end;
         }
         Ok(())
+    }
+
+    /// Returns the first index of a corner that is out of range so far, and the number of elements.
+    fn invalid(&self, corner: &Corner) -> Option<(u32, usize)> {
+        let of = |index: u32, count: usize, is_optional: bool| {
+            let is_valid = (index as usize) < count || is_optional && index == NONE;
+            (!is_valid).then_some((index, count))
+        };
+        of(corner.position, self.positions.len(), false)
+            .or_else(|| of(corner.uv, self.uv.len(), true))
+            .or_else(|| of(corner.normal, self.normals.len(), true))
     }
 
     /// Returns the corners of the faces' triangles, and the triangles' materials unless all are 0.
     fn triangle_corners(&mut self) -> (Vec<Corner>, Vec<u32>) {
         let of_faces = std::mem::take(&mut self.materials);
         let has_materials = of_faces.iter().any(|&m| m != 0);
-        if self.corners.len() == 3 * self.faces.len() {
+        if self.corners.len() == 3 * self.face_ends.len() {
             let materials = if has_materials { of_faces } else { Vec::new() };
             return (std::mem::take(&mut self.corners), materials);
         }
@@ -262,7 +280,7 @@ impl Builder {
         let mut materials = Vec::new();
         let (mut points, mut triangles) = (Vec::new(), Vec::new());
         let mut first = 0;
-        for (&(end, _), &material) in self.faces.iter().zip(&of_faces) {
+        for (&end, &material) in self.face_ends.iter().zip(&of_faces) {
             let face = &self.corners[first..end];
             points.clear();
             points.extend(face.iter().map(|c| self.positions[c.position as usize]));
@@ -284,17 +302,17 @@ impl Builder {
         }
         // Adding 0 turns -0 into 0.
         let key = |i: u32| self.positions[i as usize].map(|x| (x + 0.0).to_bits());
-        let mut order: Vec<u32> = (0..)
-            .zip(&used)
-            .filter(|&(_, &used)| used)
-            .map(|(i, _)| i)
-            .collect();
-        let unused = used.len() - order.len();
-        order.sort_unstable_by_key(|&i| (key(i), i));
+        let in_use = (0..).zip(&used).filter(|&(_, &used)| used);
+        let keyed = in_use.map(|(i, _)| (key(i), i));
+        let bits = usize::BITS - used.len().leading_zeros();
+        let bucket = |&(key, _): &([u32; 3], u32)| position_bucket(key, bits);
+        // Equal positions are neighbors, the first one of the file in front.
+        let keyed = sort_in_buckets(keyed, 1 << bits, bucket);
+        let unused = used.len() - keyed.len();
         let mut first_equal = vec![NONE; used.len()];
-        for group in order.chunk_by(|&a, &b| key(a) == key(b)) {
-            for &i in group {
-                first_equal[i as usize] = group[0];
+        for group in keyed.chunk_by(|a, b| a.0 == b.0) {
+            for &(_, i) in group {
+                first_equal[i as usize] = group[0].1;
             }
         }
         let mut positions = Vec::new();
@@ -336,6 +354,15 @@ impl Builder {
         }
         (out, channels)
     }
+}
+
+/// Returns a number below 2^`bits` that few other positions have.
+fn position_bucket(key: [u32; 3], bits: u32) -> u32 {
+    let mixed = key.iter().fold(0_u64, |mixed, &word| {
+        let x = (mixed ^ u64::from(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        x ^ (x >> 29)
+    });
+    u32::try_from(mixed >> (u64::BITS - bits)).expect("there are at most 2^32 positions")
 }
 
 fn gather<const N: usize>(

@@ -139,7 +139,7 @@ fn vertex_index(value: f64, builder: &Builder, at: SourceLocation) -> Result<u32
     u32::try_from(index)
         .ok()
         .filter(|&i| i != NONE && f64::from(i) == value)
-        .ok_or(ParseError::IndexOutOfRange {
+        .ok_or_else(|| ParseError::IndexOutOfRange {
             at,
             index,
             count: builder.position_count(),

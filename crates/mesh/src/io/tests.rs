@@ -1,6 +1,7 @@
 //! Random bytes: no reader panics, and accepted data is valid.
 
 use super::*;
+use crate::surface::{Blend, Channel, Domain};
 use proptest::prelude::*;
 
 const OBJ: &[u8] = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0 # c\nvt 0 0\nvn 0 0 1\n\
@@ -61,7 +62,26 @@ fn glb() -> Vec<u8> {
     out
 }
 
-fn valid_files() -> [Vec<u8>; 8] {
+/// A file with a binary chunk: colors, skin weights, texture coordinates, normals, and others.
+fn glb_with_attributes() -> Vec<u8> {
+    let mut surface = crate::cube_sphere(1, 0.5);
+    let channels = [
+        ("color", Domain::Corner, Blend::Linear, 4),
+        ("skin", Domain::Vertex, Blend::Skin, 8),
+        ("uv1", Domain::Corner, Blend::Linear, 2),
+        ("heat", Domain::Vertex, Blend::Linear, 1),
+    ];
+    for (name, domain, blend, width) in channels {
+        let values = vec![0.25; surface.slots(domain) * width];
+        let channel = Channel::new(name, domain, blend, width, values).unwrap();
+        surface.set_channel(channel).unwrap();
+    }
+    let mut out = Vec::new();
+    write_glb_to(&mut out, &[("a", &surface), ("b", &surface)]).unwrap();
+    out
+}
+
+fn valid_files() -> [Vec<u8>; 9] {
     [
         OBJ.to_vec(),
         STL_TEXT.to_vec(),
@@ -71,6 +91,7 @@ fn valid_files() -> [Vec<u8>; 8] {
         PLY_STRIPS.to_vec(),
         GLTF.to_vec(),
         glb(),
+        glb_with_attributes(),
     ]
 }
 
@@ -129,7 +150,7 @@ proptest! {
 
     #[test]
     fn broken_files_are_survived(
-        file in 0..8usize,
+        file in 0..9usize,
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0..4u8), 0..4),
         end in prop::option::of(any::<prop::sample::Index>()),
     ) {

@@ -248,6 +248,18 @@ mod tests {
                 let materials = if material == 0 { vec![] } else { vec![0, 0, material, 0] };
                 prop_assert_eq!(data.materials, materials);
             }
+            let path = folder.path().join("a.stl");
+            let dropped = write_stl(&path, &surface).unwrap();
+            let mut names = vec!["texture coordinates", "normals", "materials"];
+            names.truncate(if material == 0 { 2 } else { 3 });
+            names.extend(surface.channels.iter().map(Channel::name));
+            let warning = |name: &&str| Warning::Dropped { name: (*name).to_owned() };
+            prop_assert_eq!(dropped, names.iter().map(warning).collect::<Vec<_>>());
+            let data = read_mesh(&path).unwrap();
+            let corners = data.triangles.as_flattened().iter();
+            let corners = corners.map(|&v| data.positions[v as usize].map(f32::to_bits));
+            let expected = surface.topology().corners().iter();
+            prop_assert!(corners.eq(expected.map(|v| points[v.index()].map(f32::to_bits))));
         }
     }
 

@@ -1,6 +1,7 @@
 //! Construction of a corner table from a list of triangles.
 
 use super::{Topology, TopologyError};
+use crate::bucket_sort::sort_in_buckets;
 use crate::ids::{EdgeKey, HalfEdge, TriangleId, VertexId};
 
 impl Topology {
@@ -14,6 +15,27 @@ impl Topology {
         vertex_count: usize,
         triangles: &[[u32; 3]],
     ) -> Result<Self, TopologyError> {
+        let mut topology = Self::unstitched(vertex_count, triangles)?;
+        let all: Vec<HalfEdge> = (0..topology.origin.len())
+            .map(HalfEdge::from_index)
+            .collect();
+        topology.stitch(&all)?;
+        Ok(topology)
+    }
+
+    /// Builds the connectivity of `triangles`, whose pairs of half-edges are known.
+    #[cfg(feature = "io")]
+    pub(crate) fn from_twins(
+        vertex_count: usize,
+        triangles: &[[u32; 3]],
+        twin: Vec<HalfEdge>,
+    ) -> Result<Self, TopologyError> {
+        let topology = Self::unstitched(vertex_count, triangles)?;
+        Ok(Self { twin, ..topology })
+    }
+
+    /// Returns the connectivity of triangles that share no edges yet.
+    fn unstitched(vertex_count: usize, triangles: &[[u32; 3]]) -> Result<Self, TopologyError> {
         for (i, corners) in triangles.iter().enumerate() {
             let triangle = TriangleId::from_index(i);
             let [a, b, c] = corners.map(VertexId);
@@ -44,10 +66,6 @@ impl Topology {
                 topology.outgoing[v.index()] = h;
             }
         }
-        let all: Vec<HalfEdge> = (0..topology.origin.len())
-            .map(HalfEdge::from_index)
-            .collect();
-        topology.stitch(&all)?;
         Ok(topology)
     }
 
@@ -59,11 +77,16 @@ impl Topology {
     /// [`TopologyError::NonManifoldEdge`] or [`TopologyError::InconsistentWinding`]; nothing is
     /// paired then.
     pub fn stitch(&mut self, half_edges: &[HalfEdge]) -> Result<(), TopologyError> {
-        let mut keyed: Vec<(EdgeKey, HalfEdge)> = half_edges
-            .iter()
-            .map(|&h| (EdgeKey::new(self.origin(h), self.target(h)), h))
-            .collect();
-        keyed.sort_unstable();
+        let key = |&h: &HalfEdge| (EdgeKey::new(self.origin(h), self.target(h)), h);
+        let keyed = half_edges.iter().map(key);
+        // A bucket per vertex costs too much where an edit stitches a few half-edges.
+        let keyed = if half_edges.len() < self.vertex_slots() {
+            let mut keyed: Vec<(EdgeKey, HalfEdge)> = keyed.collect();
+            keyed.sort_unstable();
+            keyed
+        } else {
+            sort_by_edge(keyed, self.vertex_slots())
+        };
         for group in keyed.chunk_by(|x, y| x.0 == y.0) {
             let [a, b] = group[0].0.vertices();
             match *group {
@@ -86,6 +109,14 @@ impl Topology {
         }
         Ok(())
     }
+}
+
+/// Sorts half-edges over `vertex_count` vertices by their edges' keys, then by their ids.
+pub(crate) fn sort_by_edge(
+    keyed: impl Iterator<Item = (EdgeKey, HalfEdge)> + Clone,
+    vertex_count: usize,
+) -> Vec<(EdgeKey, HalfEdge)> {
+    sort_in_buckets(keyed, vertex_count, |(key, _)| key.vertices()[0].0)
 }
 
 #[cfg(test)]

@@ -38,19 +38,17 @@ impl<'a> Values<'a> {
         if self.encoding == Encoding::Text {
             return self.next_word(kind, at);
         }
-        Ok(match kind {
-            Kind::I8 => f64::from(i8::from_ne_bytes(self.take(at)?)),
-            Kind::U8 => f64::from(u8::from_ne_bytes(self.take(at)?)),
-            Kind::I16 => f64::from(i16::from_ne_bytes(self.take(at)?)),
-            Kind::U16 => f64::from(u16::from_ne_bytes(self.take(at)?)),
-            Kind::I32 => f64::from(i32::from_ne_bytes(self.take(at)?)),
-            Kind::U32 => f64::from(u32::from_ne_bytes(self.take(at)?)),
-            Kind::F32 => f64::from(f32::from_ne_bytes(self.take(at)?)),
-            Kind::F64 => f64::from_ne_bytes(self.take(at)?),
-        })
+        let mut out = 0.0;
+        self.binary(1, kind, at, |value| out = value)?;
+        Ok(out)
     }
 
-    /// Returns the items of the next list.
+    /// Passes the items of the next list to `item`.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a count is a whole number that does not exceed the number of bytes"
+    )]
     pub(super) fn list(
         &mut self,
         count: Kind,
@@ -65,27 +63,64 @@ impl<'a> Values<'a> {
                 expected: "a whole number of list items",
             });
         }
-        let mut read = 0.0;
-        while read < count {
-            item(self.next(kind, at)?);
-            read += 1.0;
+        // Every item takes a byte at least.
+        if count > self.rest.len() as f64 {
+            return Err(ParseError::Truncated { at });
+        }
+        let count = count as usize;
+        if self.encoding != Encoding::Text {
+            return self.binary(count, kind, at, item);
+        }
+        for _ in 0..count {
+            item(self.next_word(kind, at)?);
         }
         Ok(())
     }
 
-    /// Returns the next bytes in native order.
-    fn take<const N: usize>(&mut self, at: SourceLocation) -> Result<[u8; N], ParseError> {
-        let (bytes, rest) = self
-            .rest
-            .split_first_chunk()
-            .ok_or(ParseError::Truncated { at })?;
-        self.rest = rest;
-        let mut bytes: [u8; N] = *bytes;
-        let big = self.encoding == Encoding::BigEndian;
-        if big != cfg!(target_endian = "big") {
-            bytes.reverse();
+    /// Passes the next `count` numbers of a binary file to `item`.
+    #[inline]
+    fn binary(
+        &mut self,
+        count: usize,
+        kind: Kind,
+        at: SourceLocation,
+        item: impl FnMut(f64),
+    ) -> Result<(), ParseError> {
+        match kind {
+            Kind::I8 => self.numbers(count, at, |b| i8::from_ne_bytes(b).into(), item),
+            Kind::U8 => self.numbers(count, at, |b| u8::from_ne_bytes(b).into(), item),
+            Kind::I16 => self.numbers(count, at, |b| i16::from_ne_bytes(b).into(), item),
+            Kind::U16 => self.numbers(count, at, |b| u16::from_ne_bytes(b).into(), item),
+            Kind::I32 => self.numbers(count, at, |b| i32::from_ne_bytes(b).into(), item),
+            Kind::U32 => self.numbers(count, at, |b| u32::from_ne_bytes(b).into(), item),
+            Kind::F32 => self.numbers(count, at, |b| f32::from_ne_bytes(b).into(), item),
+            Kind::F64 => self.numbers(count, at, f64::from_ne_bytes, item),
         }
-        Ok(bytes)
+    }
+
+    /// Passes the next `count` numbers of N bytes to `item`, each decoded from native order.
+    #[inline]
+    fn numbers<const N: usize>(
+        &mut self,
+        count: usize,
+        at: SourceLocation,
+        decode: impl Fn([u8; N]) -> f64,
+        mut item: impl FnMut(f64),
+    ) -> Result<(), ParseError> {
+        let is_swapped = (self.encoding == Encoding::BigEndian) != cfg!(target_endian = "big");
+        let numbers = count.checked_mul(N);
+        let Some((numbers, rest)) = numbers.and_then(|size| self.rest.split_at_checked(size))
+        else {
+            return Err(ParseError::Truncated { at });
+        };
+        self.rest = rest;
+        for &(mut bytes) in numbers.as_chunks().0 {
+            if is_swapped {
+                bytes.reverse();
+            }
+            item(decode(bytes));
+        }
+        Ok(())
     }
 
     fn next_word(&mut self, kind: Kind, at: SourceLocation) -> Result<f64, ParseError> {
