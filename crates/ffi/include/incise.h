@@ -725,6 +725,16 @@ incise_status incise_scene_add_body(incise_scene *scene,
                                     uint32_t *out);
 
 /*
+ Changes the material of a body from the next frame on.
+
+ Refused for another density, and where bending or springs come or go: these are made with the
+ body.
+ */
+incise_status incise_body_set_material(incise_scene *scene,
+                                       uint32_t body,
+                                       const incise_material *material);
+
+/*
  Removes a body.
  */
 incise_status incise_scene_remove_body(incise_scene *scene, uint32_t body);
@@ -1034,7 +1044,22 @@ incise_status incise_scene_new(const incise_scene_params *params, incise_scene *
 incise_status incise_scene_free(incise_scene *scene);
 
 /*
- Sets the parameters from the next frame on.
+ Saves a scene: bodies, blades, colliders and parameters, without the undoable cuts.
+
+ `length` gets the number of bytes. With a `capacity` of 0 nothing is copied.
+ */
+incise_status incise_scene_save(incise_scene *scene, uint8_t *out, size_t capacity, size_t *length);
+
+/*
+ Makes a scene of the bytes of `incise_scene_save`, on the CPU. It goes on with the same bits.
+
+ Bodies and blades keep their indices. The undo limit is that of `incise_scene_params_init`. Free
+ it with `incise_scene_free`.
+ */
+incise_status incise_scene_load(const uint8_t *bytes, size_t length, incise_scene **out);
+
+/*
+ Sets the parameters from the next frame on; one out of range is an error, and nothing changes.
  */
 incise_status incise_scene_set_params(incise_scene *scene, const incise_scene_params *params);
 
@@ -1084,7 +1109,7 @@ incise_status incise_scene_failed_cuts(incise_scene *scene,
                                        size_t *length);
 
 /*
- Undoes the last cut of a body, and ends the incisions of all blades.
+ Undoes the last cut of a body, and ends the incisions in it.
 
  A blade that was inside the body cuts on from its next motion. One frame of a blade in motion is
  one cut.

@@ -27,6 +27,14 @@ pub struct BodyId {
     pub(crate) index: usize,
 }
 
+impl BodyId {
+    /// Returns the number of bodies that were added to the scene before this one.
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self.index
+    }
+}
+
 impl fmt::Display for BodyId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.index.fmt(f)
@@ -332,6 +340,8 @@ impl Body {
         let delta = self.cutter.undo(&mut self.surface, undo)?;
         self.topology_version = self.surface.fingerprint();
         self.version_before_cut = self.topology_version;
+        // The vertices of their tips may be gone.
+        self.end_all_incisions();
         self.know();
         self.solver.apply_delta(&mut self.surface, &delta)?;
         let (surface, bvh) = (&self.surface, self.cutter.bvh());

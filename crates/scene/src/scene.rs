@@ -187,6 +187,15 @@ impl Scene {
         present.map(|(i, _)| self.body_id(i))
     }
 
+    /// Returns the id of the body with an index, which counts the bodies that were added.
+    ///
+    /// `None` if there is none, or it was removed. Loading a saved scene keeps the indices.
+    #[must_use]
+    pub fn find_body(&self, index: usize) -> Option<BodyId> {
+        let body = self.bodies.get(index)?.as_ref();
+        body.map(|_| self.body_id(index))
+    }
+
     /// Returns the id of a body by index.
     pub(crate) const fn body_id(&self, index: usize) -> BodyId {
         BodyId {
@@ -267,7 +276,8 @@ impl Scene {
     /// [outcome](Self::cuts).
     ///
     /// The triangles from before the cut return. Vertices stay where they are now, except that
-    /// pieces that have moved since the cut move together. Velocities stay.
+    /// pieces that have moved since the cut move together. Velocities stay. Incisions in the body
+    /// end; their blades go on from their next motion.
     ///
     /// # Errors
     /// As [`Scene::read_back`]; [`SceneError::Undo`] when it does not belong to the body's last
@@ -284,13 +294,18 @@ impl Scene {
     /// Returns the first triangle of a body that a ray hits, at the body's present position.
     ///
     /// # Errors
-    /// As [`Scene::read_back`].
+    /// As [`Scene::read_back`]; [`SceneError::RayNotFinite`].
     pub fn cast_ray(
         &mut self,
         id: BodyId,
         origin: Vec3,
         direction: Vec3,
     ) -> Result<Option<RayHit>, SceneError> {
+        for (name, vector) in [("origin", origin), ("direction", direction)] {
+            if let Some(&value) = vector.iter().find(|c| !c.is_finite()) {
+                return Err(SceneError::RayNotFinite { name, value });
+            }
+        }
         self.read_back(id)?;
         let body = self.body_mut(id)?;
         body.refit();

@@ -229,6 +229,10 @@ namespace Incise
         [DllImport(Dll)] internal static extern Status incise_scene_free(IntPtr scene);
         [DllImport(Dll)] internal static extern Status incise_scene_set_params(
             SceneHandle scene, ref SceneParams parameters);
+        [DllImport(Dll)] internal static extern Status incise_scene_save(
+            SceneHandle scene, [Out] byte[] bytes, UIntPtr capacity, out UIntPtr length);
+        [DllImport(Dll)] internal static extern Status incise_scene_load(
+            byte[] bytes, UIntPtr length, out SceneHandle scene);
         [DllImport(Dll)] internal static extern Status incise_scene_set_colliders(
             SceneHandle scene, Collider[] colliders, UIntPtr count);
         [DllImport(Dll)] internal static extern Status incise_scene_add_blade(
@@ -252,6 +256,8 @@ namespace Incise
             SceneHandle scene, MeshHandle mesh, ref Material material, out uint body);
         [DllImport(Dll)] internal static extern Status incise_scene_remove_body(
             SceneHandle scene, uint body);
+        [DllImport(Dll)] internal static extern Status incise_body_set_material(
+            SceneHandle scene, uint body, ref Material material);
         [DllImport(Dll)] internal static extern Status incise_body_count(
             SceneHandle scene, uint body, out BodyCounts counts);
         [DllImport(Dll)] internal static extern Status incise_body_positions(

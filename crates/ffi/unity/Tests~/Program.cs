@@ -164,6 +164,29 @@ static class Program
             ExpectError(Status.BufferTooSmall, "needs",
                 () => scene.CopyPositions(body, new float[3]));
             ExpectError(Status.OutOfRange, "blade 3", () => scene.MoveBlade(3, edge));
+            edge[4] = float.NaN;
+            ExpectError(Status.InvalidArgument, "edge[4]", () => scene.MoveBlade(blade, edge));
+            SceneParams bad = parameters;
+            bad.Dt = float.NaN;
+            ExpectError(Status.InvalidArgument, "dt is NaN", () => scene.SetParams(bad));
+            Material slippery = Material.SoftBody;
+            slippery.Friction = 0;
+            scene.SetMaterial(body, slippery);
+            slippery.Friction = float.NaN;
+            ExpectError(Status.Simulation, "friction", () => scene.SetMaterial(body, slippery));
+            using (Scene loaded = Scene.Load(scene.Save()))
+            {
+                scene.Step();
+                loaded.Step();
+                var others = new float[3 * loaded.Counts(body).Vertices];
+                positions = new float[others.Length];
+                scene.CopyPositions(body, positions);
+                loaded.CopyPositions(body, others);
+                bool isSame = true;
+                for (int k = 0; k < others.Length; k++) isSame &= positions[k] == others[k];
+                Expect(isSame, "a loaded scene goes on with the same bits");
+            }
+            ExpectError(Status.File, "", () => Scene.Load(new byte[9]));
             scene.SetColliders(new[] {
                 new Collider { Kind = ColliderKind.Sphere, Radius = 0.1f, PositionY = -5 },
                 new Collider { Kind = ColliderKind.Box, HalfX = 1, HalfY = 1, HalfZ = 1,
