@@ -108,7 +108,9 @@ impl Scene {
 
     /// Adds a body at rest.
     ///
-    /// A large body is divided into patches by [`PatchParams::for_body`].
+    /// A large body is divided into patches by [`PatchParams::for_body`]. All coordinates in a scene
+    /// are relative to the [origin](Surface::origin) of its first body; the surfaces of later ones
+    /// are moved to it.
     ///
     /// # Errors
     /// [`SceneError::Constraint`] when the surface or the material cannot be simulated;
@@ -128,10 +130,13 @@ impl Scene {
     /// As [`Scene::add_body`]; [`SceneError::Constraint`] also for patch parameters out of range.
     pub fn add_body_with_patches(
         &mut self,
-        surface: Surface,
+        mut surface: Surface,
         material: &Material,
         patches: Option<&PatchParams>,
     ) -> Result<BodyId, SceneError> {
+        if let Some(first) = self.bodies.iter().flatten().next() {
+            surface.move_origin(first.surface().origin());
+        }
         self.insert(Body::new(surface, material, patches)?)
     }
 
