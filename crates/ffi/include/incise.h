@@ -534,8 +534,10 @@ typedef struct {
    */
   float high[3];
   /*
-   Origin of all positions in the coordinates of the file. Not zero only for meshes far from
-   the origin.
+   The point to which all coordinates of the mesh are relative, in meters: vertices, `low`,
+   `high`, planes and poses of cuts. Zero unless the mesh is from a file whose coordinates are
+   far from zero compared to its size; the file is read relative to a near point then, so that
+   32 bits keep its digits. `incise_mesh_write` adds it.
    */
   double origin[3];
 } incise_mesh_measures;
@@ -718,6 +720,9 @@ incise_status incise_material_init(uint32_t preset, incise_material *out);
 /*
  Adds a copy of a mesh as a body at rest. `material` may be NULL for a soft body. `out` gets the
  index of the body; indices are not reused.
+
+ All coordinates of a scene are relative to the origin of its first mesh, see
+ `incise_mesh_measure`; others are moved to it.
  */
 incise_status incise_scene_add_body(incise_scene *scene,
                                     incise_mesh *mesh,
@@ -849,7 +854,7 @@ incise_status incise_cut_params_init(incise_cut_params *out);
 incise_status incise_fill_params_init(incise_fill_params *out);
 
 /*
- Cuts a copy of a mesh along the plane `normal . x = d`.
+ Cuts a copy of a mesh along the plane `normal . x = d`, relative to the origin of the mesh.
 
  `normal` has 3 numbers of any length above 0. `params` may be NULL for the defaults. A plane
  that misses is no error: the report then has no hits. Free the result with
@@ -865,8 +870,8 @@ incise_status incise_mesh_cut_plane(incise_mesh *mesh,
  Cuts a copy of a mesh by a blade that moves from pose to pose, and may stop inside.
 
  The blade's edge is a polyline of `point_count` points, at least 2. `poses` has `pose_count`
- times `point_count` rows of 3 floats (meters). The first pose lies outside of the body. Motions
- of less than half an edge length add up.
+ times `point_count` rows of 3 floats (meters), relative to the origin of the mesh. The first pose
+ lies outside of the body. Motions of less than half an edge length add up.
  */
 incise_status incise_mesh_cut_path(incise_mesh *mesh,
                                    const float *poses,
@@ -938,7 +943,8 @@ incise_status incise_cut_result_origins(incise_cut_result *result,
 
  `vertices` has `vertex_count` rows of 3 floats (meters), `faces` has `face_count` rows of 3
  indices. `uv` has `uv_count` rows of 2 floats: none (NULL), one per vertex, or one per corner
- (3 * `face_count`). Free the mesh with `incise_mesh_free`.
+ (3 * `face_count`). Its origin is zero: of vertices in 64 bits far from zero subtract a near
+ point before they are rounded. Free the mesh with `incise_mesh_free`.
  */
 incise_status incise_mesh_new(const float *vertices,
                               size_t vertex_count,

@@ -1,5 +1,6 @@
 //! [`Body`]: a soft body of a [`crate::Scene`], its surface, solver and cutter kept consistent.
 
+mod id;
 mod parts;
 #[cfg(feature = "serde")]
 mod saved;
@@ -10,36 +11,14 @@ use crate::error::SceneError;
 use crate::interior_springs::InteriorSpringSearch;
 use crate::params::SceneParams;
 use crate::piece_shapes::PieceShapes;
-use crate::scene::SceneNumber;
+pub use id::BodyId;
 use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Incision, Sweep};
 use incise_mesh::{Aabb, Bvh, RayHit, Surface, Undo, Vec3, VertexId};
 use incise_pbd_gpu::{ConstraintError, Material, PatchParams, Solver};
 #[cfg(feature = "serde")]
 pub(crate) use saved::SavedBody;
-use std::fmt;
 use std::time::Duration;
 use web_time::Instant;
-
-/// The id of a body in one scene. Shown as the body's index.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct BodyId {
-    pub(crate) scene: SceneNumber,
-    pub(crate) index: usize,
-}
-
-impl BodyId {
-    /// Returns the number of bodies that were added to the scene before this one.
-    #[must_use]
-    pub const fn index(self) -> usize {
-        self.index
-    }
-}
-
-impl fmt::Display for BodyId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.index.fmt(f)
-    }
-}
 
 /// A soft body of one material. It stays one body when it is cut into pieces.
 #[derive(Debug, Clone)]

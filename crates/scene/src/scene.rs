@@ -108,9 +108,9 @@ impl Scene {
 
     /// Adds a body at rest.
     ///
-    /// A large body is divided into patches by [`PatchParams::for_body`]. All coordinates in a scene
-    /// are relative to the [origin](Surface::origin) of its first body; the surfaces of later ones
-    /// are moved to it.
+    /// A large body is divided into patches by [`PatchParams::for_body`]. All coordinates in a
+    /// scene are relative to the [origin](Surface::origin) of its first body; the surfaces of later
+    /// ones are moved to it.
     ///
     /// # Errors
     /// [`SceneError::Constraint`] when the surface or the material cannot be simulated;

@@ -15,6 +15,8 @@ use wasm_bindgen::prelude::wasm_bindgen;
 
 /// A triangle surface of any number of pieces, which planes cut.
 ///
+/// Coordinates are relative to `origin`, which is zero unless a file is far from zero.
+///
 /// Arrays are views into the memory of the module, without a copy. The next call of any function
 /// of the module may make them invalid: use a view at once, or copy it with `slice()`.
 #[wasm_bindgen]

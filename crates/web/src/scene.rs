@@ -17,6 +17,7 @@ use wasm_bindgen::prelude::wasm_bindgen;
 
 /// A simulation of soft bodies and blades, stepped frame by frame. The y axis points up.
 ///
+/// Coordinates are relative to the `origin` of the first mesh, which is zero unless it is far away.
 /// Bodies and blades have numbers. Arrays are views into the memory of the module, without a copy.
 /// The next call of any function of the module may make them invalid: use a view at once, or copy
 /// it with `slice()`.

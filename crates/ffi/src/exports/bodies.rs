@@ -52,6 +52,9 @@ pub extern "C" fn incise_material_init(
 
 /// Adds a copy of a mesh as a body at rest. `material` may be NULL for a soft body. `out` gets the
 /// index of the body; indices are not reused.
+///
+/// All coordinates of a scene are relative to the origin of its first mesh, see
+/// `incise_mesh_measure`; others are moved to it.
 #[unsafe(no_mangle)]
 pub extern "C" fn incise_scene_add_body(
     scene: *mut Scene,

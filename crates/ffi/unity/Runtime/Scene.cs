@@ -4,7 +4,7 @@ namespace Incise
 {
     /// <summary>Bodies and blades, stepped frame by frame.</summary>
     /// <remarks>Bodies and blades are named by the indices that their Add methods return.</remarks>
-    public sealed class Scene : IDisposable
+    public sealed partial class Scene : IDisposable
     {
         readonly SceneHandle handle;
 
