@@ -32,7 +32,8 @@ fn edge(x: f32, y: f32) -> [[f32; 3]; 2] {
 fn slice(scene: &mut Scene, stack: &mut UndoStack, blade: BladeId, y: f32) {
     scene.teleport_blade(blade, edge(-2.0, y)).unwrap();
     scene.move_blade(blade, edge(2.0, y)).unwrap();
-    assert_eq!(stack.step(scene).unwrap().cuts, 1);
+    let cuts = stack.step(scene).unwrap().cuts;
+    assert_eq!(cuts, 1, "the blade cuts one sphere at {y} m");
 }
 
 fn surface(scene: &Scene, body: BodyId) -> &Surface {
