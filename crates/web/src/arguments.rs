@@ -76,9 +76,11 @@ fn unknown(name: &str, kind: &'static str, expected: &'static str) -> WebError {
     }
 }
 
-/// The expected lengths of vectors and edges.
-const VECTOR: &str = "3: x, y and z";
-const EDGE: &str = "6: start and end";
+/// An expected length and its text.
+type Length = (usize, &'static str);
+
+pub(crate) const VECTOR: Length = (3, "3: x, y and z");
+pub(crate) const EDGE: Length = (6, "6: start and end");
 
 /// Returns a count of JavaScript, which may be any number.
 #[expect(
@@ -99,7 +101,7 @@ pub(crate) fn vector<T: Copy>(array: &'static str, numbers: &[T]) -> Result<[T; 
     numbers.try_into().map_err(|_| WebError::ArrayLength {
         array,
         length: numbers.len(),
-        expected: VECTOR,
+        expected: VECTOR.1,
     })
 }
 
@@ -110,7 +112,7 @@ pub(crate) fn edge(numbers: &[f32]) -> Result<[[f32; 3]; 2], WebError> {
         _ => Err(WebError::ArrayLength {
             array: "the edge",
             length: numbers.len(),
-            expected: EDGE,
+            expected: EDGE.1,
         }),
     }
 }
@@ -127,29 +129,22 @@ pub(crate) fn rows<'a, T>(array: &'static str, numbers: &'a [T]) -> Result<&'a [
     }
 }
 
-/// The expected length of an array of any length.
-pub(crate) const ANY: usize = usize::MAX;
-
-/// Copies typed arrays; one that is too long for memory is an error, not a trap.
+/// Copies typed arrays, of an expected length or any.
 ///
-/// An array is as long as expected, or of any length.
+/// One that is too long for memory is an error, not a trap.
 macro_rules! copy_array {
     ($name:ident, $type:ident, $number:ty) => {
         pub(crate) fn $name(
             array: &'static str,
             from: &$type,
-            expected: usize,
+            expected: Option<Length>,
         ) -> Result<Vec<$number>, WebError> {
             if !from.is_instance_of::<$type>() {
                 let expected = stringify!($type);
                 return Err(WebError::ArrayType { array, expected });
             }
             let length = from.length() as usize;
-            if expected != ANY && length != expected {
-                let expected = match expected {
-                    6 => EDGE,
-                    _ => VECTOR,
-                };
+            if let Some((_, expected)) = expected.filter(|&(expected, _)| expected != length) {
                 return Err(WebError::ArrayLength {
                     array,
                     length,

@@ -1,7 +1,7 @@
 //! [`Mesh`]: a surface at rest, from arrays or files, cut by planes.
 
 use crate::arguments::{
-    ANY, copy_f32, copy_f64, copy_u8, copy_u32, cut_params, model, read, rows, vector,
+    VECTOR, copy_f32, copy_f64, copy_u8, copy_u32, cut_params, model, read, rows, vector,
 };
 use crate::error::WebError;
 use crate::flat_arrays::FlatArrays;
@@ -118,8 +118,8 @@ impl Mesh {
     /// Throws if an index is out of range, a position is not finite, or the mesh cannot be cut.
     #[wasm_bindgen(constructor)]
     pub fn new(positions: &Float32Array, triangles: &Uint32Array) -> Result<Self, WebError> {
-        let positions = copy_f32("positions", positions, ANY)?;
-        Self::from_slices(&positions, &copy_u32("triangles", triangles, ANY)?)
+        let positions = copy_f32("positions", positions, None)?;
+        Self::from_slices(&positions, &copy_u32("triangles", triangles, None)?)
     }
 
     /// Reads a mesh from the bytes of a file: `obj`, `ply`, `stl`, `glb` or `gltf`.
@@ -127,7 +127,7 @@ impl Mesh {
     /// # Errors
     /// Throws with the line or element if the file is broken or the mesh cannot be cut.
     pub fn read(bytes: &Uint8Array, format: &str) -> Result<Self, WebError> {
-        Self::from_bytes(&copy_u8("bytes", bytes, ANY)?, format)
+        Self::from_bytes(&copy_u8("bytes", bytes, None)?, format)
     }
 
     /// Measures the mesh of a file and lists its defects, without an error for them.
@@ -137,7 +137,7 @@ impl Mesh {
     #[wasm_bindgen(js_name = checkFile)]
     pub fn check_file(bytes: &Uint8Array, format: &str) -> Result<MeshReport, WebError> {
         Ok(MeshReport::new(&read(
-            &copy_u8("bytes", bytes, ANY)?,
+            &copy_u8("bytes", bytes, None)?,
             format,
         )?))
     }
@@ -166,7 +166,12 @@ impl Mesh {
         level: Option<String>,
         method: Option<String>,
     ) -> Result<CutReport, WebError> {
-        self.cut(&copy_f64("the normal", normal, 3)?, d, level, method)
+        self.cut(
+            &copy_f64("the normal", normal, Some(VECTOR))?,
+            d,
+            level,
+            method,
+        )
     }
 }
 

@@ -4,7 +4,7 @@ mod blades;
 mod buffers;
 mod parameters;
 
-use crate::arguments::{ANY, copy_f64, copy_u8, material, vector};
+use crate::arguments::{VECTOR, copy_f64, copy_u8, material, vector};
 use crate::error::WebError;
 use crate::mesh::Mesh;
 use buffers::BodyBuffers;
@@ -62,9 +62,15 @@ impl Scene {
         let found = self.bodies.get(body as usize).and_then(Option::as_ref);
         found.ok_or(WebError::UnknownBody { body })
     }
-}
 
-impl Scene {
+    /// Gives a body of the simulation its number and buffers.
+    fn insert(&mut self, id: BodyId) -> Result<u32, WebError> {
+        let buffers = BodyBuffers::new(self.simulation.body(id)?.surface());
+        self.bodies.resize_with(id.index(), || None);
+        self.bodies.push(Some(Body { id, buffers }));
+        Ok(index(id.index()))
+    }
+
     /// Makes a scene of the bytes of [`Scene::save`].
     ///
     /// # Errors
@@ -73,10 +79,9 @@ impl Scene {
         let mut scene = Self::new();
         scene.simulation = Simulation::load(bytes)?;
         scene.simulation.params.solver.threads = NonZeroUsize::new(1);
-        for id in scene.simulation.bodies() {
-            scene.bodies.resize_with(id.index(), || None);
-            let buffers = BodyBuffers::new(scene.simulation.body(id)?.surface());
-            scene.bodies.push(Some(Body { id, buffers }));
+        let bodies: Vec<BodyId> = scene.simulation.bodies().collect();
+        for id in bodies {
+            scene.insert(id)?;
         }
         Ok(scene)
     }
@@ -132,7 +137,7 @@ impl Scene {
     /// # Errors
     /// Throws for other or damaged bytes.
     pub fn load(bytes: &Uint8Array) -> Result<Self, WebError> {
-        Self::from_bytes(&copy_u8("bytes", bytes, ANY)?)
+        Self::from_bytes(&copy_u8("bytes", bytes, None)?)
     }
 
     /// Returns the scene as bytes: bodies, blades, colliders and parameters.
@@ -160,10 +165,8 @@ impl Scene {
     ) -> Result<u32, WebError> {
         let material = material(material_name.as_deref())?;
         let surface = mesh.surface().clone();
-        let buffers = BodyBuffers::new(&surface);
         let id = self.simulation.add_body(surface, &material)?;
-        self.bodies.push(Some(Body { id, buffers }));
-        Ok(index(self.bodies.len() - 1))
+        self.insert(id)
     }
 
     /// Removes a body; its number is not used again.
@@ -258,8 +261,12 @@ impl Scene {
         origin: &Float64Array,
         direction: &Float64Array,
     ) -> Result<Option<Pick>, WebError> {
-        let origin = copy_f64("the origin", origin, 3)?;
-        self.pick(body, &origin, &copy_f64("the direction", direction, 3)?)
+        let origin = copy_f64("the origin", origin, Some(VECTOR))?;
+        self.pick(
+            body,
+            &origin,
+            &copy_f64("the direction", direction, Some(VECTOR))?,
+        )
     }
 
     /// Grabs a vertex of a body, which `drag` moves; releases the one before.

@@ -1,7 +1,7 @@
 //! Blades of a [`Scene`].
 
 use super::{Scene, index};
-use crate::arguments::{copy_f32, edge};
+use crate::arguments::{EDGE, copy_f32, edge};
 use crate::error::WebError;
 use incise::prelude::{BladeId, BladeMode};
 use incise::scene::Blade;
@@ -19,7 +19,7 @@ impl Scene {
     /// Throws for another length and numbers that are not finite.
     #[wasm_bindgen(js_name = addBlade)]
     pub fn add_blade_of_array(&mut self, from_to: &Float32Array) -> Result<u32, WebError> {
-        self.add_blade(&copy_f32("the edge", from_to, 6)?)
+        self.add_blade(&copy_f32("the edge", from_to, Some(EDGE))?)
     }
 
     /// Moves a blade; the next step cuts along its sweep.
@@ -32,7 +32,7 @@ impl Scene {
         blade: u32,
         from_to: &Float32Array,
     ) -> Result<(), WebError> {
-        self.move_blade(blade, &copy_f32("the edge", from_to, 6)?)
+        self.move_blade(blade, &copy_f32("the edge", from_to, Some(EDGE))?)
     }
 
     /// Moves a blade without cutting. Ends its incisions.
@@ -45,7 +45,7 @@ impl Scene {
         blade: u32,
         from_to: &Float32Array,
     ) -> Result<(), WebError> {
-        self.teleport_blade(blade, &copy_f32("the edge", from_to, 6)?)
+        self.teleport_blade(blade, &copy_f32("the edge", from_to, Some(EDGE))?)
     }
 
     /// Sets whether a blade cuts full slices alone: a sweep that ends inside a body is refused.

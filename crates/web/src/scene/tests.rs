@@ -145,5 +145,14 @@ fn a_loaded_scene_has_the_numbers_of_the_saved_one_and_its_bits() {
     }
     let positions = |scene: &Scene| scene.mesh(body).unwrap().surface().positions().to_vec();
     assert_eq!(positions(&scene), positions(&loaded));
+    assert_eq!(loaded.add_body(&ball, None).unwrap(), body + 1);
+    loaded.remove_body(body + 1).unwrap();
+    let mut again = Scene::from_bytes(&loaded.save().unwrap()).unwrap();
+    let next = again.add_body(&ball, None).unwrap();
+    assert_eq!(
+        next,
+        body + 2,
+        "the number of a removed body is not used again"
+    );
     assert!(Scene::from_bytes(&[0; 9]).is_err());
 }
