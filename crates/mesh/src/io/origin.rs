@@ -36,7 +36,8 @@ pub(super) fn read_near_origin(
 /// Returns an origin for positions in `bounds`: a near point if they are far away, else zero.
 ///
 /// Far is a distance of more than 100 diagonals. Positions of 64 bits keep their digits if it is
-/// subtracted before they are rounded to 32 bits, see [`Surface::set_origin`]. It lies on a grid of the box's size, so that round coordinates stay round.
+/// subtracted before they are rounded to 32 bits, see [`Surface::set_origin`]. It lies on a grid of
+/// the box's size, so that round coordinates stay round.
 #[must_use]
 pub fn nearby_origin(bounds: &Aabb) -> [f64; 3] {
     let center = bounds.center();
