@@ -8,6 +8,10 @@ const element = (id) => document.getElementById(id);
 /** Height of the body above the floor and longest step of a drag, in diagonals of the body. */
 const DROP = 0.05;
 const MAX_DRAG = 0.04;
+/** Gravity in diagonals of the body per square second, so that bodies of all sizes move alike. */
+const GRAVITY = -9.81;
+/** Smallest and largest diagonal of a body in meters. */
+const SIZES = [1e-6, 1e6];
 
 /** The body, its scene and the state of a stroke. */
 const state = {
@@ -40,6 +44,14 @@ function attempt(command) {
 
 /** Starts anew with a mesh at rest above a floor. */
 function start(mesh) {
+  const [x0, y0, z0, x1, y1, z1] = mesh.bounds();
+  const diagonal = Math.hypot(x1 - x0, y1 - y0, z1 - z0);
+  if (!(diagonal >= SIZES[0] && diagonal <= SIZES[1])) {
+    const size = diagonal.toExponential(1);
+    say(`The body is ${size} m large; open one of ${SIZES.join(" to ")} m.`);
+    mesh.free();
+    return;
+  }
   const scene = new Scene();
   const body = attempt(() => scene.addBody(mesh));
   if (body === undefined) {
@@ -48,10 +60,9 @@ function start(mesh) {
   }
   if (mesh !== state.mesh) state.mesh?.free();
   state.scene?.free();
-  const [x0, y0, z0, x1, y1, z1] = mesh.bounds();
-  const diagonal = Math.hypot(x1 - x0, y1 - y0, z1 - z0);
   const center = [(x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2];
   scene.floor = y0 - DROP * diagonal;
+  scene.setGravity(0, GRAVITY * diagonal, 0);
   Object.assign(state, { mesh, scene, body, diagonal, center, strokes: [], drag: null });
   state.blade = scene.addBlade(new Float32Array(6));
   applySettings();

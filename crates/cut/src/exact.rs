@@ -104,7 +104,6 @@ impl Exact {
         separator: &mut Separator,
         outcome: &mut CutOutcome,
     ) -> Result<(), CutError> {
-        params.refine.check()?;
         let pieces = surface.piece_bound();
         let is_done = self.split(surface, at, params, exact, true, separator, outcome)?
             || self.split(surface, at, params, exact, false, separator, outcome)?;

@@ -69,11 +69,12 @@ pub enum CutMethod {
 }
 
 impl CutParams {
-    /// Checks the ranges of the parameters, except those of the refinement.
+    /// Checks the ranges of all parameters, as every cut does.
     ///
     /// # Errors
-    /// [`CutError::ParameterOutOfRange`].
-    pub(crate) fn check(&self) -> Result<(), CutError> {
+    /// [`CutError::ParameterOutOfRange`], [`CutError::Refine`].
+    pub fn check(&self) -> Result<(), CutError> {
+        self.refine.check()?;
         check("cap_uv_scale", self.cap_uv_scale, f64::INFINITY)?;
         match self.method {
             CutMethod::Exact(ExactParams { snap, remesh }) => {

@@ -534,8 +534,10 @@ typedef struct {
    */
   float high[3];
   /*
-   Origin of all positions in the coordinates of the file. Not zero only for meshes far from
-   the origin.
+   The point to which all coordinates of the mesh are relative, in meters: vertices, `low`,
+   `high`, planes and poses of cuts. Zero unless the mesh is from a file whose coordinates are
+   far from zero compared to its size; the file is read relative to a near point then, so that
+   32 bits keep its digits. `incise_mesh_write` adds it.
    */
   double origin[3];
 } incise_mesh_measures;
@@ -718,11 +720,24 @@ incise_status incise_material_init(uint32_t preset, incise_material *out);
 /*
  Adds a copy of a mesh as a body at rest. `material` may be NULL for a soft body. `out` gets the
  index of the body; indices are not reused.
+
+ All coordinates of a scene are relative to the origin of its first mesh, see
+ `incise_mesh_measure`; others are moved to it.
  */
 incise_status incise_scene_add_body(incise_scene *scene,
                                     incise_mesh *mesh,
                                     const incise_material *material,
                                     uint32_t *out);
+
+/*
+ Changes the material of a body from the next frame on.
+
+ Refused for another density, and where bending or springs come or go: these are made with the
+ body.
+ */
+incise_status incise_body_set_material(incise_scene *scene,
+                                       uint32_t body,
+                                       const incise_material *material);
 
 /*
  Removes a body.
@@ -839,7 +854,7 @@ incise_status incise_cut_params_init(incise_cut_params *out);
 incise_status incise_fill_params_init(incise_fill_params *out);
 
 /*
- Cuts a copy of a mesh along the plane `normal . x = d`.
+ Cuts a copy of a mesh along the plane `normal . x = d`, relative to the origin of the mesh.
 
  `normal` has 3 numbers of any length above 0. `params` may be NULL for the defaults. A plane
  that misses is no error: the report then has no hits. Free the result with
@@ -855,8 +870,8 @@ incise_status incise_mesh_cut_plane(incise_mesh *mesh,
  Cuts a copy of a mesh by a blade that moves from pose to pose, and may stop inside.
 
  The blade's edge is a polyline of `point_count` points, at least 2. `poses` has `pose_count`
- times `point_count` rows of 3 floats (meters). The first pose lies outside of the body. Motions
- of less than half an edge length add up.
+ times `point_count` rows of 3 floats (meters), relative to the origin of the mesh. The first
+ pose lies outside of the body. Motions of less than half an edge length add up.
  */
 incise_status incise_mesh_cut_path(incise_mesh *mesh,
                                    const float *poses,
@@ -928,7 +943,8 @@ incise_status incise_cut_result_origins(incise_cut_result *result,
 
  `vertices` has `vertex_count` rows of 3 floats (meters), `faces` has `face_count` rows of 3
  indices. `uv` has `uv_count` rows of 2 floats: none (NULL), one per vertex, or one per corner
- (3 * `face_count`). Free the mesh with `incise_mesh_free`.
+ (3 * `face_count`). Its origin is zero: of vertices in 64 bits far from zero subtract a near
+ point before they are rounded. Free the mesh with `incise_mesh_free`.
  */
 incise_status incise_mesh_new(const float *vertices,
                               size_t vertex_count,
@@ -1034,7 +1050,22 @@ incise_status incise_scene_new(const incise_scene_params *params, incise_scene *
 incise_status incise_scene_free(incise_scene *scene);
 
 /*
- Sets the parameters from the next frame on.
+ Saves a scene: bodies, blades, colliders and parameters, without the undoable cuts.
+
+ `length` gets the number of bytes. With a `capacity` of 0 nothing is copied.
+ */
+incise_status incise_scene_save(incise_scene *scene, uint8_t *out, size_t capacity, size_t *length);
+
+/*
+ Makes a scene of the bytes of `incise_scene_save`, on the CPU. It goes on with the same bits.
+
+ Bodies and blades keep their indices. The undo limit is that of `incise_scene_params_init`. Free
+ it with `incise_scene_free`.
+ */
+incise_status incise_scene_load(const uint8_t *bytes, size_t length, incise_scene **out);
+
+/*
+ Sets the parameters from the next frame on; one out of range is an error, and nothing changes.
  */
 incise_status incise_scene_set_params(incise_scene *scene, const incise_scene_params *params);
 
@@ -1084,7 +1115,7 @@ incise_status incise_scene_failed_cuts(incise_scene *scene,
                                        size_t *length);
 
 /*
- Undoes the last cut of a body, and ends the incisions of all blades.
+ Undoes the last cut of a body, and ends the incisions in it.
 
  A blade that was inside the body cuts on from its next motion. One frame of a blade in motion is
  one cut.

@@ -125,12 +125,35 @@ pub(crate) unsafe fn text<'a>(text: *const c_char, name: &str) -> Result<&'a str
     (text.to_str()).map_err(|_| Error::argument(format_args!("{name} is not UTF-8")))
 }
 
-/// Copies a text and a zero byte to a buffer of `capacity` bytes, and its length to `length`.
+/// Copies bytes to a buffer of `capacity` bytes, and their number to `length`.
 ///
 /// A buffer of 0 bytes only asks for the length.
 ///
 /// # Errors
 /// As [`output`]; the length is set all the same.
+///
+/// # Safety
+/// As [`output`].
+pub(crate) unsafe fn output_bytes(
+    bytes: &[u8],
+    out: *mut u8,
+    capacity: usize,
+    length: Option<&mut MaybeUninit<usize>>,
+) -> Result<(), Error> {
+    if let Some(length) = length {
+        length.write(bytes.len());
+    }
+    if capacity == 0 {
+        return Ok(());
+    }
+    // SAFETY: the caller's promise is that of `output`.
+    unsafe { output(bytes, out, capacity, "out") }
+}
+
+/// Copies a text and a zero byte as [`output_bytes`] does; the zero byte is not part of its length.
+///
+/// # Errors
+/// As [`output_bytes`].
 ///
 /// # Safety
 /// As [`output`].

@@ -4,9 +4,9 @@ use crate::handles::Object;
 use crate::memory::{check_finite, count};
 use crate::params::SceneParams;
 use crate::status::{Error, Status};
-use incise::mesh::{Surface, Undo, VertexId};
-use incise::scene::{self, BackendRequest, BladeId, BladeMode, Body, BodyId};
-use std::collections::VecDeque;
+use incise::mesh::{Surface, VertexId};
+use incise::pbd::Material;
+use incise::scene::{self, BackendRequest, BladeId, BladeMode, Body, BodyId, UndoStack};
 
 /// Bodies and blades, stepped frame by frame.
 #[derive(Debug)]
@@ -14,16 +14,12 @@ pub struct Scene {
     _opaque: [u8; 0],
 }
 
-/// A scene, and the ids of its bodies and blades by their indices in the interface.
+/// A scene and its undoable cuts. Indices of the interface are those of its ids.
 #[derive(Debug)]
 pub(crate) struct SceneObject {
     pub(crate) scene: scene::Scene,
-    bodies: Vec<BodyId>,
-    blades: Vec<BladeId>,
     blade_mode: BladeMode,
-    undo_limit: usize,
-    /// The undos of cuts, oldest first.
-    undo: VecDeque<(BodyId, Undo)>,
+    undo: UndoStack,
 }
 
 impl Object for SceneObject {
@@ -39,11 +35,17 @@ impl SceneObject {
         };
         Ok(Self {
             scene: scene::Scene::with_backend(params.check()?, &request)?,
-            bodies: Vec::new(),
-            blades: Vec::new(),
             blade_mode: params.blade_mode()?,
-            undo_limit: params.undo_limit as usize,
-            undo: VecDeque::new(),
+            undo: UndoStack::new(params.undo_limit as usize),
+        })
+    }
+
+    /// Loads a saved scene, whose parameters of the interface are the defaults.
+    pub(crate) fn load(bytes: &[u8]) -> Result<Self, Error> {
+        let defaults = SceneParams::from(&scene::SceneParams::default());
+        Ok(Self {
+            scene: scene::Scene::load(bytes)?,
+            ..Self::new(&defaults)?
         })
     }
 
@@ -51,30 +53,26 @@ impl SceneObject {
     pub(crate) fn set_params(&mut self, params: &SceneParams) -> Result<(), Error> {
         let (checked, mode) = (params.check()?, params.blade_mode()?);
         if mode != self.blade_mode {
-            for &blade in &self.blades {
+            for blade in self.scene.blades() {
                 self.scene.set_blade_mode(blade, mode)?;
             }
         }
         self.scene.params = checked;
         self.blade_mode = mode;
-        self.undo_limit = params.undo_limit as usize;
+        self.undo.set_limit(params.undo_limit as usize);
         Ok(())
     }
 
     /// Adds a body and returns its index.
-    pub(crate) fn add_body(
-        &mut self,
-        surface: Surface,
-        material: &incise::pbd::Material,
-    ) -> Result<u32, Error> {
-        self.bodies.push(self.scene.add_body(surface, material)?);
-        Ok(count(self.bodies.len() - 1))
+    pub(crate) fn add_body(&mut self, surface: Surface, material: &Material) -> Result<u32, Error> {
+        Ok(count(self.scene.add_body(surface, material)?.index()))
     }
 
-    /// Returns the id of a body that may have been removed.
+    /// Returns the id of a body.
     pub(crate) fn body_id(&self, body: u32) -> Result<BodyId, Error> {
-        let id = self.bodies.get(body as usize).copied();
-        id.ok_or_else(|| out_of_range("body", body, self.bodies.len()))
+        let id = self.scene.find_body(body as usize);
+        let text = format_args!("body {body} is not in the scene: pass an index of a present body");
+        id.ok_or_else(|| Error::new(Status::OutOfRange, text))
     }
 
     /// Returns a body with its newest state.
@@ -87,7 +85,7 @@ impl SceneObject {
     pub(crate) fn remove_body(&mut self, body: u32) -> Result<(), Error> {
         let id = self.body_id(body)?;
         self.scene.remove_body(id)?;
-        self.undo.retain(|(of, _)| *of != id);
+        self.undo.forget(id);
         Ok(())
     }
 
@@ -105,13 +103,12 @@ impl SceneObject {
     pub(crate) fn add_blade(&mut self, edge: [f32; 6]) -> Result<u32, Error> {
         let id = self.scene.add_blade(to_edge(edge)?);
         self.scene.set_blade_mode(id, self.blade_mode)?;
-        self.blades.push(id);
-        Ok(count(self.blades.len() - 1))
+        Ok(count(self.scene.blades().count() - 1))
     }
 
     fn blade_id(&self, blade: u32) -> Result<BladeId, Error> {
-        let id = self.blades.get(blade as usize).copied();
-        id.ok_or_else(|| out_of_range("blade", blade, self.blades.len()))
+        let id = self.scene.blades().nth(blade as usize);
+        id.ok_or_else(|| out_of_range("blade", blade, self.scene.blades().count()))
     }
 
     /// Moves a blade; `is_cutting` tells whether the next frame cuts along its sweep.
@@ -140,41 +137,20 @@ impl SceneObject {
 
     /// Steps by one frame and records the undos of its cuts.
     pub(crate) fn step(&mut self) -> Result<(), Error> {
-        let cut = self.scene.cut().map(|_| ());
-        for result in self.scene.cuts() {
-            if let Some((body, outcome)) = &result.cut
-                && let Some(undo) = &outcome.undo
-            {
-                self.undo.push_back((*body, undo.clone()));
-            }
-        }
-        let surplus = self.undo.len().saturating_sub(self.undo_limit);
-        self.undo.drain(..surplus);
-        cut?;
-        self.scene.advance()?;
+        self.undo.step(&mut self.scene)?;
         Ok(())
     }
 
     /// Returns the number of cuts of a body that can be undone.
     pub(crate) fn undo_count(&self, body: u32) -> Result<u32, Error> {
         let id = self.body_id(body)?;
-        Ok(count(self.undo.iter().filter(|(of, _)| *of == id).count()))
+        Ok(count(self.undo.bodies().filter(|of| *of == id).count()))
     }
 
-    /// Undoes the last cut of a body and ends all incisions, whose tips may be gone.
+    /// Undoes the last cut of a body.
     pub(crate) fn undo(&mut self, body: u32) -> Result<(), Error> {
         let id = self.body_id(body)?;
-        let Some(last) = self.undo.iter().rposition(|(of, _)| *of == id) else {
-            let text = format_args!("body {body} has no cut to undo");
-            return Err(Error::new(Status::Refused, text));
-        };
-        self.scene.undo(id, self.undo[last].1.clone())?;
-        self.undo.remove(last);
-        for &blade in &self.blades {
-            let edge = self.scene.blade(blade)?.edge();
-            self.scene.teleport_blade(blade, edge)?;
-        }
-        Ok(())
+        Ok(self.undo.undo(&mut self.scene, id)?)
     }
 
     /// Returns a line for each cut that failed in the last frame.

@@ -4,6 +4,7 @@ use incise::cut::CutError;
 use incise::mesh::{NotCuttable, ParseError, ReadError, TopologyError, WriteError};
 use incise::prelude::SceneError;
 use incise::refine::HoleError;
+use incise::scene::{LoadError, SaveError};
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
 use std::fmt::Display;
@@ -81,7 +82,14 @@ impl From<SceneError> for Error {
     fn from(error: SceneError) -> Self {
         let status = match error {
             SceneError::UnknownBody { .. } | SceneError::UnknownBlade { .. } => Status::OutOfRange,
-            SceneError::Undo(_) => Status::Refused,
+            SceneError::Undo(_) | SceneError::NothingToUndo { .. } => Status::Refused,
+            SceneError::BladeNotFinite { .. }
+            | SceneError::BladeFaceNotFinite { .. }
+            | SceneError::RayNotFinite { .. }
+            | SceneError::Frame(_)
+            | SceneError::Cut(_)
+            | SceneError::InvalidSleepParams { .. }
+            | SceneError::InvalidContactThickness { .. } => Status::InvalidArgument,
             _ => Status::Simulation,
         };
         Self::new(status, error)
@@ -104,6 +112,8 @@ status_of! {
     ParseError => InvalidMesh,
     ReadError => File,
     WriteError => File,
+    LoadError => File,
+    SaveError => Simulation,
     CutError => Refused,
     HoleError => Refused,
 }

@@ -23,6 +23,7 @@ pub use error::{ParseError, ReadError, SourceLocation, WriteError};
 #[cfg(feature = "gltf")]
 pub use gltf::read_gltf;
 pub use obj::read_obj;
+pub use origin::nearby_origin;
 pub use ply::read_ply;
 pub use stl::read_stl;
 #[cfg(feature = "gltf")]

@@ -36,8 +36,8 @@ pub use ids::{EdgeKey, HalfEdge, TriangleId, VertexId, index_u32};
 pub use io::{AnimatedSurface, read_gltf, write_glb, write_glb_animation, write_glb_to};
 #[cfg(feature = "io")]
 pub use io::{
-    MeshData, ParseError, ReadError, SourceLocation, Warning, WriteError, read_mesh, read_obj,
-    read_ply, read_stl, write_obj, write_obj_to, write_ply, write_stl,
+    MeshData, ParseError, ReadError, SourceLocation, Warning, WriteError, nearby_origin, read_mesh,
+    read_obj, read_ply, read_stl, write_obj, write_obj_to, write_ply, write_stl,
 };
 pub use lineage::Lineage;
 pub use quality::{AngleStats, EdgeStats};

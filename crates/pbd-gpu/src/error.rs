@@ -82,6 +82,15 @@ pub enum ConstraintError {
         "the material has no interior springs; create the body again with a material that does"
     )]
     NoInteriorSprings,
+    /// A part of the material that cannot change once the body exists.
+    #[error(
+        "the {name} of a body cannot be changed, added or removed; create the body again with the \
+         new material"
+    )]
+    FixedMaterial {
+        /// The part.
+        name: &'static str,
+    },
     /// The density of interior springs is outside of 0 to 1.
     #[error("{value} interior springs per vertex are not between 0 and 1")]
     BadSpringDensity {
@@ -161,7 +170,7 @@ pub enum ConstraintError {
 #[non_exhaustive]
 pub enum StepError {
     /// The time step is not positive or not finite.
-    #[error("time step {value} s is not a finite number above 0")]
+    #[error("the time step dt is {value} s; give a finite number above 0")]
     BadTimeStep {
         /// Requested time step \[s\].
         value: f32,

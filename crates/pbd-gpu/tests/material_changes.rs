@@ -1,7 +1,9 @@
 //! Changes between frames: masses, stiffness, and invalid positions.
 
 use incise_mesh::VertexId;
-use incise_pbd_gpu::{ConstraintError, Material, Solver, SolverParams, StepError, Stiffness};
+use incise_pbd_gpu::{
+    ConstraintError, Density, Material, Solver, SolverParams, StepError, Stiffness, Volume,
+};
 use incise_test_support::surfaces::sphere;
 
 #[test]
@@ -99,4 +101,72 @@ fn stretch_can_be_changed_between_frames() {
         }
     }
     assert_eq!(surface.positions(), other.positions());
+}
+
+#[test]
+fn a_changed_material_acts_as_one_from_the_start() {
+    let before = Material {
+        volume: None,
+        ..Material::soft_body()
+    };
+    let after = Material {
+        stretch: Stiffness::Compliance(1e-3),
+        bending: Some(Stiffness::Compliance(0.1)),
+        volume: Some(Volume::default()),
+        damping: 3.0,
+        friction: 0.1,
+        ..before
+    };
+    let stepped = |first: &Material| {
+        let mut surface = sphere(1, [0.0; 3]);
+        let mut solver = Solver::new(&mut surface, first).unwrap();
+        solver.set_material(&surface, &after).unwrap();
+        solver.validate(&surface).unwrap();
+        for _ in 0..10 {
+            solver
+                .step(&mut surface, 0.01, &SolverParams::paper())
+                .unwrap();
+        }
+        surface.positions().to_vec()
+    };
+    assert_eq!(stepped(&before), stepped(&after));
+}
+
+#[test]
+fn parts_of_a_material_that_are_made_with_the_body_are_fixed() {
+    let mut surface = sphere(1, [0.0; 3]);
+    let mut solver = Solver::new(&mut surface, &Material::shell()).unwrap();
+    let same = Material::shell();
+    for (name, material) in [
+        (
+            "density",
+            Material {
+                density: Density::Area(2.0),
+                ..same
+            },
+        ),
+        (
+            "bending",
+            Material {
+                bending: None,
+                ..same
+            },
+        ),
+        (
+            "interior springs",
+            Material {
+                interior_springs: Some(Default::default()),
+                ..same
+            },
+        ),
+    ] {
+        let refused = solver.set_material(&surface, &material);
+        assert_eq!(refused, Err(ConstraintError::FixedMaterial { name }));
+    }
+    let rough = Material {
+        friction: f32::NAN,
+        ..same
+    };
+    assert!(solver.set_material(&surface, &rough).is_err());
+    assert_eq!(solver.material(), &same);
 }

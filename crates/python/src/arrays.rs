@@ -4,6 +4,7 @@
 
 use crate::error::refused;
 use incise::mesh::geometry::round_to_f32;
+use incise::mesh::{Aabb, nearby_origin};
 use numpy::ndarray::ArrayViewD;
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -63,7 +64,11 @@ pub(crate) fn floats(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Numbers<f
         let array = cast::<f64>(&array, "float64")?;
         copied(&array.readonly().as_array(), round_to_f32)
     };
-    let shape = array.shape().to_vec();
+    finite(values, array.shape().to_vec(), name)
+}
+
+/// Returns numbers with their shape, and refuses NaN and infinity.
+fn finite(values: Vec<f32>, shape: Vec<usize>, name: &str) -> PyResult<Numbers<f32>> {
     if let Some(at) = values.iter().position(|x| !x.is_finite()) {
         let row = at / shape.iter().skip(1).product::<usize>().max(1);
         return Err(refused(format_args!(
@@ -85,9 +90,30 @@ pub(crate) fn float_rows<const N: usize>(
     }
 }
 
+/// Reads vertices of shape (n, 3) and their origin.
+///
+/// Vertices of other types than float32 that are far from zero become relative to a near point,
+/// rounded once after the subtraction. Others have the origin zero.
+pub(crate) fn vertices(value: &Bound<'_, PyAny>) -> PyResult<(Vec<[f32; 3]>, [f64; 3])> {
+    let name = "vertices";
+    let positions = float_rows::<3>(value, name)?;
+    let origin = nearby_origin(&Aabb::around(positions.iter().copied()));
+    let array = as_array(value, name, "fiu", "numbers")?;
+    if origin == [0.0; 3] || array.cast::<PyArrayDyn<f32>>().is_ok() {
+        return Ok((positions, [0.0; 3]));
+    }
+    let array = cast::<f64>(&array, "float64")?;
+    let exact = copied(&array.readonly().as_array(), |x| x);
+    let subtract = |p: &[f64; 3]| [0, 1, 2].map(|k| round_to_f32(p[k] - origin[k]));
+    Ok((
+        exact.as_chunks::<3>().0.iter().map(subtract).collect(),
+        origin,
+    ))
+}
+
 /// Reads faces of shape (m, 3), whose indices must be below `vertices`.
 pub(crate) fn faces(value: &Bound<'_, PyAny>, vertices: usize) -> PyResult<Vec<[u32; 3]>> {
-    let array = as_array(value, "faces", "iu", "integers, best of dtype uint32")?;
+    let array = as_array(value, "faces", "iu", INTEGERS)?;
     let shape = array.shape().to_vec();
     if !matches!(*shape.as_slice(), [_, 3]) {
         return Err(wrong_shape("faces", &shape, "(m, 3)"));
@@ -116,6 +142,41 @@ pub(crate) fn faces(value: &Bound<'_, PyAny>, vertices: usize) -> PyResult<Vec<[
         return Err(out_of_range(at, &values[at]));
     }
     Ok(values.as_chunks::<3>().0.to_vec())
+}
+
+const INTEGERS: &str = "integers, best of dtype uint32";
+
+/// Reads the material numbers of `m` faces.
+pub(crate) fn materials(value: &Bound<'_, PyAny>, m: usize) -> PyResult<Vec<u32>> {
+    let name = "materials";
+    let array = as_array(value, name, "iu", INTEGERS)?;
+    if array.shape() != [m] {
+        return Err(wrong_shape(name, array.shape(), &format!("({m},)")));
+    }
+    let array = cast::<i64>(&array, "int64")?;
+    let array = array.readonly();
+    let number = |&x: &i64| {
+        let text = format_args!("{name} has the number {x}; pass 0 to {}", u32::MAX - 1);
+        let number = u32::try_from(x).ok().filter(|&x| x != u32::MAX);
+        number.ok_or_else(|| refused(text))
+    };
+    array.as_array().iter().map(number).collect()
+}
+
+/// Reads a point or a direction in 64 bits: three finite numbers.
+pub(crate) fn point(value: &Bound<'_, PyAny>, name: &str) -> PyResult<[f64; 3]> {
+    let numpy = value.py().import("numpy")?;
+    let list = numpy.call_method1("asarray", (value, "float64"));
+    let list = list.and_then(|array| array.call_method0("tolist"));
+    let point = list.and_then(|list| list.extract::<[f64; 3]>());
+    let point =
+        point.map_err(|_| refused(format_args!("{name} is no vector; pass three numbers")))?;
+    if point.iter().all(|x| x.is_finite()) {
+        return Ok(point);
+    }
+    Err(refused(format_args!(
+        "{name} is {point:?}; pass finite numbers"
+    )))
 }
 
 /// Reads a point or a direction: three numbers.

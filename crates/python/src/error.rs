@@ -3,7 +3,7 @@
 use incise::cut::CutError as LibraryCutError;
 use incise::mesh::{NotCuttable, ReadError, TopologyError as LibraryTopologyError, WriteError};
 use incise::refine::HoleError;
-use incise::scene::SceneError as LibrarySceneError;
+use incise::scene::{LoadError, SceneError as LibrarySceneError};
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -103,6 +103,12 @@ impl IntoException for HoleError {
 impl IntoException for LibrarySceneError {
     fn exception(self) -> PyErr {
         SceneError::new_err(self.to_string())
+    }
+}
+
+impl IntoException for LoadError {
+    fn exception(self) -> PyErr {
+        FileError::new_err(self.to_string())
     }
 }
 

@@ -25,6 +25,7 @@ fn _incise(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<mesh::Mesh>()?;
     m.add_class::<cut::CutResult>()?;
     m.add_class::<scene::Scene>()?;
+    m.add_class::<scene::RayHit>()?;
     m.add_class::<frame_stats::FrameStats>()?;
     error::add(m)
 }

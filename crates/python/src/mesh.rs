@@ -1,16 +1,15 @@
-//! [`Mesh`]: a triangle mesh of Python, and the built-in models.
+//! [`Mesh`]: a triangle mesh of Python, its arrays, files and copies.
+
+mod operations;
 
 use crate::arrays;
-use crate::cut::{CutResult, cut_by_path, cut_by_plane};
 use crate::error::{OrRaise, refused};
 use crate::mesh_arrays::MeshArrays;
-use crate::options::{count, cut_params, level as level_of};
-use crate::{report, view};
+use crate::view;
 use incise::mesh::{
-    Domain, RepairParams, Surface, TopologyError, Warning, check_with, read_mesh, write_glb,
-    write_obj, write_ply, write_stl,
+    Domain, Surface, TopologyError, Warning, read_mesh, write_glb, write_obj, write_ply, write_stl,
 };
-use incise::refine::{HoleParams, fill_holes};
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -18,13 +17,18 @@ use std::sync::OnceLock;
 
 /// A triangle mesh at rest. Lengths are in meters, or in any one unit of yours.
 ///
+/// Positions have 32 bits. Vertices of 64 bits that are more than 100 diagonals of the mesh away
+/// from zero are stored relative to a near point, `origin`, so that they keep their digits. Then
+/// everything else is relative to `origin`, too: planes, paths, and positions in scenes. For a
+/// plane in the coordinates that were passed in, subtract `np.dot(normal, mesh.origin)` from d.
+///
 /// Meshes are immutable: the arrays that a mesh returns are read-only views of its memory, without
 /// a copy, and every operation returns a new mesh. The arrays that are passed in are copied once.
 ///
 /// Parameters
 /// ----------
 /// vertices : array of shape (n, 3)
-///     Positions [m]. Other types than float32 are rounded once.
+///     Positions [m]. Other types than float32 are rounded once, relative to `origin`.
 /// faces : array of integers of shape (m, 3)
 ///     Indices of vertices, counterclockwise seen from outside. They may form any mesh; cuts need
 ///     an oriented manifold, closed for bodies or with a boundary for sheets, see `check`.
@@ -33,6 +37,14 @@ use std::sync::OnceLock;
 /// attributes : dict of arrays, optional
 ///     Values of vertices, of shape (n,) or (n, k), or of corners, of shape (m, 3, k), with k up to
 ///     16. Cuts interpolate them. The one named "skin" holds joints and then their weights.
+/// normals : array of shape (m, 3, 3), optional
+///     Shading normals of the corners of faces.
+/// materials : array of integers of shape (m,), optional
+///     Material numbers of faces, 0 if absent.
+/// origin : three numbers, optional
+///     The point to which `vertices` are relative [m]. If absent it is found as above.
+/// warnings : sequence of str
+///     Texts for `warnings`.
 ///
 /// Raises
 /// ------
@@ -70,21 +82,43 @@ impl Mesh {
 #[pymethods]
 impl Mesh {
     #[new]
-    #[pyo3(signature = (vertices, faces, uv=None, attributes=None))]
+    #[pyo3(signature = (
+        vertices, faces, uv=None, attributes=None, *, normals=None, materials=None, origin=None,
+        warnings=Vec::new()
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn new(
         vertices: &Bound<'_, PyAny>,
         faces: &Bound<'_, PyAny>,
         uv: Option<&Bound<'_, PyAny>>,
         attributes: Option<&Bound<'_, PyDict>>,
+        normals: Option<&Bound<'_, PyAny>>,
+        materials: Option<&Bound<'_, PyAny>>,
+        origin: Option<&Bound<'_, PyAny>>,
+        warnings: Vec<String>,
     ) -> PyResult<Self> {
-        let positions = arrays::float_rows(vertices, "vertices")?;
+        let (positions, origin) = match origin {
+            Some(origin) => {
+                let origin = arrays::point(origin, "origin")?;
+                (arrays::float_rows(vertices, "vertices")?, origin)
+            }
+            None => arrays::vertices(vertices)?,
+        };
         let triangles = arrays::faces(faces, positions.len())?;
         let mut arrays = MeshArrays {
             materials: vec![0; triangles.len()],
             positions,
             triangles,
+            origin,
+            warnings,
             ..MeshArrays::default()
         };
+        if let Some(normals) = normals {
+            arrays.read_normals(normals)?;
+        }
+        if let Some(materials) = materials {
+            arrays.materials = arrays::materials(materials, arrays.triangles.len())?;
+        }
         if let Some(uv) = uv {
             arrays.read_uv(uv)?;
         }
@@ -109,7 +143,7 @@ impl Mesh {
             if !repair {
                 return Ok(Self::from_arrays(MeshArrays::from_data(data)));
             }
-            let (surface, warnings) = data.repair(REPAIR_ALL).or_raise()?;
+            let (surface, warnings) = data.repair(operations::REPAIR_ALL).or_raise()?;
             Ok(Self::from_arrays(
                 MeshArrays::from_surface(&surface).with_warnings(&warnings),
             ))
@@ -218,10 +252,10 @@ impl Mesh {
         view::of(slf, |mesh| mesh.arrays.materials.as_slice(), [m])
     }
 
-    /// Origin of the vertices in the coordinates of their file [m], (x, y, z).
+    /// The point to which all coordinates of the mesh are relative [m], (x, y, z).
     ///
-    /// Zero unless the file is far from its origin compared to its size. Files are written relative
-    /// to it; planes of cuts are relative to the vertices.
+    /// Zero unless a file or array of 64 bits was far from zero compared to its size. Files are
+    /// written in absolute coordinates, which are `vertices + origin`.
     #[getter]
     fn origin(&self) -> (f64, f64, f64) {
         self.arrays.origin.into()
@@ -262,157 +296,22 @@ impl Mesh {
         })
     }
 
-    /// Measures the mesh and lists its defects, as `incise check --json` does.
-    ///
-    /// Returns a dictionary with counts, `area` [m^2], `volume` [m^3], `closed`, `manifold`,
-    /// `oriented`, `warnings`, and `defects`, which is empty for a mesh that can be cut as a body.
-    /// With `allow_boundaries` holes are no defects. Raises Error for a mesh without faces.
-    #[pyo3(signature = (allow_boundaries=false))]
-    fn check<'py>(&self, py: Python<'py>, allow_boundaries: bool) -> PyResult<Bound<'py, PyAny>> {
-        let json = py.detach(|| {
-            let params = RepairParams {
-                allow_boundaries,
-                ..REPAIR_ALL
-            };
-            let report = check_with(&self.arrays.data()?, params);
-            serde_json::to_string(&report).map_err(refused)
-        })?;
-        report::from_json(py, &json)
-    }
-
-    /// Returns a mesh that can be cut, if there is one way to repair this one.
-    ///
-    /// Equal positions are welded; duplicate and collapsed faces are removed, orientations made
-    /// consistent, and with `separate_sheets` sheets and bodies that share edges are separated.
-    /// `warnings` of the result lists the repairs. Without `allow_boundaries` holes are refused.
-    /// Attributes of vertices become those of corners where positions were welded.
-    ///
-    /// Raises `RepairError` with all defects.
-    #[pyo3(signature = (allow_boundaries=true, separate_sheets=true))]
-    fn repair(
-        &self,
-        py: Python<'_>,
-        allow_boundaries: bool,
-        separate_sheets: bool,
-    ) -> PyResult<Self> {
-        py.detach(|| {
-            let repaired = self.arrays.data()?.repair(RepairParams {
-                allow_boundaries,
-                separate_sheets,
-            });
-            let (surface, warnings) = repaired.or_raise()?;
-            let arrays = MeshArrays::from_surface(&surface).with_warnings(&warnings);
-            Ok(Self::from_arrays(arrays))
-        })
-    }
-
-    /// Closes every hole and returns the new mesh and a report.
-    ///
-    /// The outer boundary of a sheet is a hole too. Old vertices and faces come first, in their
-    /// order; vertices that no face uses are dropped. Faces of patches have the material 1. `level`
-    /// is the ratio of the patches' edge length to that of the surface, a number or a name as in
-    /// `cut`. Holes of more than `max_edges` edges stay open. The report has `holes`, a dictionary
-    /// each, and `left_open`. Patches are not faired.
-    ///
-    /// Raises `FillError` and `TopologyError`.
-    #[pyo3(signature = (*, level=None, max_edges=None, max_triangles=None))]
-    fn fill<'py>(
-        &self,
-        py: Python<'py>,
-        level: Option<&Bound<'py, PyAny>>,
-        max_edges: Option<&Bound<'py, PyAny>>,
-        max_triangles: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<(Self, Bound<'py, PyDict>)> {
-        let mut params = HoleParams::default();
-        if let Some(value) = level {
-            params.level = level_of(value)?;
-        }
-        if let Some(value) = max_edges {
-            params.max_rim_edges = count(value, "max_edges")?;
-        }
-        if let Some(value) = max_triangles {
-            params.max_triangles = count(value, "max_triangles")?;
-        }
-        let (mesh, report) = py.detach(|| {
-            let mut surface = self.surface().or_raise()?.clone();
-            let report = fill_holes(&mut surface, &params).or_raise()?;
-            surface.compact();
-            PyResult::Ok((
-                Self::from_arrays(MeshArrays::from_surface(&surface)),
-                report,
-            ))
-        })?;
-        Ok((mesh, report::of_fill(py, &report)?))
-    }
-
-    /// Returns the mesh with vertices and faces in an order that is near in space and in memory.
-    ///
-    /// It speeds up scenes with large bodies. Raises `TopologyError`.
-    fn sort_by_position(&self, py: Python<'_>) -> PyResult<Self> {
-        py.detach(|| {
-            let mut surface = self.surface().or_raise()?.clone();
-            surface.sort_by_position();
-            Ok(Self::from_arrays(MeshArrays::from_surface(&surface)))
-        })
-    }
-
-    /// Cuts along the plane `normal . x = d` [m] and caps the pieces.
-    ///
-    /// `normal` has any length. A plane that misses is no error, see `CutResult.is_miss`. Other
-    /// threads of Python run meanwhile.
-    ///
-    /// Options, as those of `incise cut`:
-    ///     `level`: edge length of caps relative to the surface: "2x-coarser", "1.5x-coarser",
-    ///         "original" (default), "1.5x-finer", "2x-finer", or a number.
-    ///     `method`: "exact" (default) or "paper".
-    ///     `refine_method`: "delaunay" (default) or "paper", the meshing of caps.
-    ///     `snap`: shortest edge along the rim [local edge lengths], 0 to 0.5, default 0.1.
-    ///     `remesh`: largest motion of the surface that removes slivers [local edge lengths], 0.
-    ///     `grading`: growth of the caps' edge length with the distance from the rim [m/m], 0.3.
-    ///     `caps`: "bodies" (default), "all-loops" or "none".
-    ///     `max_triangles`: largest number of triangles of a cap.
-    ///
-    /// Raises `CutError`, `TopologyError`, and Error for an option out of range.
-    #[pyo3(signature = (normal, d=0.0, **options))]
-    fn cut(
-        &self,
-        py: Python<'_>,
-        normal: &Bound<'_, PyAny>,
-        d: f64,
-        options: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<CutResult> {
-        let normal: [f64; 3] = plane_normal(normal)?;
-        let params = cut_params(options)?;
-        cut_by_plane(py, self, normal, d, &params)
-    }
-
-    /// Moves a blade through the mesh, pose by pose, as `incise cut --path` does.
-    ///
-    /// `path` has the shape (poses, points, 3) [m]: at least two poses of the blade's edge, a
-    /// polyline of two or more points. The cut may end inside: where the blade stops the mesh has
-    /// two walls that coincide. Motions of less than half an edge length inside a body add up.
-    /// Options are those of `cut`; method "paper" cuts full slices only.
-    ///
-    /// Raises `CutError`, also if the blade starts inside, `TopologyError` and Error.
-    #[pyo3(signature = (path, **options))]
-    fn cut_path(
-        &self,
-        py: Python<'_>,
-        path: &Bound<'_, PyAny>,
-        options: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<CutResult> {
-        let numbers = arrays::floats(path, "path")?;
-        let points = match *numbers.shape.as_slice() {
-            [poses, points, 3] if poses >= 2 && points >= 2 => points,
-            _ => {
-                let expected = "(poses, points, 3) with 2 or more poses and points";
-                return Err(arrays::wrong_shape("path", &numbers.shape, expected));
-            }
-        };
-        let rows = numbers.values.as_chunks::<3>().0;
-        let poses: Vec<&[[f32; 3]]> = rows.chunks(points).collect();
-        let params = cut_params(options)?;
-        cut_by_path(py, self, &poses, &params)
+    /// Pickles and copies the mesh by the arguments of its constructor.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let (py, mesh) = (slf.py(), slf.get());
+        let keys = PyDict::new(py);
+        keys.set_item("uv", Self::uv(slf)?)?;
+        keys.set_item("attributes", Self::attributes(slf)?)?;
+        keys.set_item("normals", Self::normals(slf)?)?;
+        keys.set_item("materials", Self::materials(slf)?)?;
+        keys.set_item("origin", mesh.origin())?;
+        keys.set_item("warnings", mesh.warnings())?;
+        let partial = py.import("functools")?.getattr("partial")?;
+        let make = partial.call((slf.get_type(),), Some(&keys))?;
+        let arrays = (Self::vertices(slf)?, Self::faces(slf)?);
+        // The attributes of a subclass.
+        let state = slf.getattr_opt("__dict__")?;
+        (make, arrays, state).into_bound_py_any(py)
     }
 
     fn __repr__(&self) -> String {
@@ -421,21 +320,7 @@ impl Mesh {
     }
 }
 
-const REPAIR_ALL: RepairParams = RepairParams {
-    allow_boundaries: true,
-    separate_sheets: true,
-};
-
 /// Returns the values of an attribute.
 fn channel(mesh: &Mesh, i: usize) -> &[f32] {
     mesh.arrays.channels[i].values()
-}
-
-/// Reads the normal of a plane in 64 bits.
-fn plane_normal(value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
-    let numpy = value.py().import("numpy")?;
-    let list = numpy.call_method1("asarray", (value, "float64"));
-    let list = list.and_then(|array| array.call_method0("tolist"));
-    let normal = list.and_then(|list| list.extract::<[f64; 3]>());
-    normal.map_err(|_| refused("normal is no vector; pass three numbers"))
 }

@@ -146,6 +146,17 @@ impl MeshArrays {
         Ok(())
     }
 
+    /// Reads shading normals of shape (m, 3, 3).
+    pub(crate) fn read_normals(&mut self, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let Numbers { shape, values } = floats(value, "normals")?;
+        let m = self.triangles.len();
+        if shape != [m, 3, 3] {
+            return Err(wrong_shape("normals", &shape, &format!("({m}, 3, 3)")));
+        }
+        self.normals = values.as_chunks::<3>().0.to_vec();
+        Ok(())
+    }
+
     /// Reads attributes of shape (n,), (n, k) or (m, 3, k).
     pub(crate) fn read_attributes(&mut self, attributes: &Bound<'_, PyDict>) -> PyResult<()> {
         let (n, m) = (self.positions.len(), self.triangles.len());

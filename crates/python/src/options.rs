@@ -1,87 +1,104 @@
 //! Keyword arguments of cuts as [`CutParams`]. Names and values are those of `incise cut`.
 
-use crate::error::refused;
+use crate::error::{OrRaise, refused};
 use incise::cut::{Caps, CutMethod, CutParams, ExactParams, PaperParams};
-use incise::refine::{RefineMethod, RefineParams, RefinementLevel};
+use incise::refine::{RefineMethod, RefinementLevel};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Names of the options that only the exact method has.
-const EXACT_ONLY: [&str; 4] = ["snap", "remesh", "grading", "caps"];
+/// Names of the options of a cut.
+pub(crate) const CUT_OPTIONS: &str =
+    "level, method, refine_method, snap, remesh, grading, caps and max_triangles";
 
 /// Reads the options of a cut.
 pub(crate) fn cut_params(options: Option<&Bound<'_, PyDict>>) -> PyResult<CutParams> {
-    let mut params = CutParams::default();
-    let Some(options) = options else {
-        return Ok(params);
-    };
-    let (mut exact, mut is_paper) = (ExactParams::default(), false);
-    let mut refine_method = None;
-    for (key, value) in options {
+    let mut cut = CutOptions::new(CutParams::default());
+    for (key, value) in options.into_iter().flatten() {
         let key: String = key.extract()?;
-        match key.as_str() {
-            "level" => params.refine.level = level(&value)?,
-            "method" => is_paper = choice(&value, &key, &[("exact", false), ("paper", true)])?,
+        if !cut.set(&key, &value)? {
+            return Err(PyTypeError::new_err(format!(
+                "unknown option '{key}'; options of a cut are {CUT_OPTIONS}"
+            )));
+        }
+    }
+    cut.finish()
+}
+
+/// Parameters of cuts while keyword arguments change them.
+pub(crate) struct CutOptions {
+    params: CutParams,
+    exact: ExactParams,
+    is_paper: bool,
+    /// The last option that was given and the paper's method does not have.
+    exact_only: Option<String>,
+}
+
+impl CutOptions {
+    /// Starts with parameters, which options replace one by one.
+    pub(crate) fn new(params: CutParams) -> Self {
+        let (exact, is_paper) = match params.method {
+            CutMethod::Exact(exact) => (exact, false),
+            CutMethod::Paper(_) => (ExactParams::default(), true),
+        };
+        Self {
+            params,
+            exact,
+            is_paper,
+            exact_only: None,
+        }
+    }
+
+    /// Reads an option; false if a cut has none of this name.
+    pub(crate) fn set(&mut self, key: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
+        let Self { params, exact, .. } = self;
+        let mut is_exact_only = false;
+        match key {
+            "level" => params.refine.level = level(value)?,
+            "method" => self.is_paper = choice(value, key, &[("exact", false), ("paper", true)])?,
             "refine_method" => {
                 let methods = [
                     ("delaunay", RefineMethod::Delaunay),
                     ("paper", RefineMethod::Paper),
                 ];
-                refine_method = Some(choice(&value, &key, &methods)?);
+                params.refine.method = choice(value, key, &methods)?;
+                is_exact_only = params.refine.method == RefineMethod::Delaunay;
             }
-            "snap" => exact.snap = number(&value, &key)?,
-            "remesh" => exact.remesh = number(&value, &key)?,
-            "grading" => params.refine.grading = number(&value, &key)?,
-            "max_triangles" => params.refine.max_triangles = count(&value, &key)?,
+            "snap" => (exact.snap, is_exact_only) = (number(value, key)?, true),
+            "remesh" => (exact.remesh, is_exact_only) = (number(value, key)?, true),
+            "grading" => (params.refine.grading, is_exact_only) = (number(value, key)?, true),
+            "max_triangles" => params.refine.max_triangles = count(value, key)?,
             "caps" => {
                 let caps = [
                     ("bodies", Caps::Bodies),
                     ("all-loops", Caps::AllLoops),
                     ("none", Caps::None),
                 ];
-                params.caps = choice(&value, &key, &caps)?;
+                (params.caps, is_exact_only) = (choice(value, key, &caps)?, true);
             }
-            _ => {
-                return Err(PyTypeError::new_err(format!(
-                    "unknown option '{key}'; options of a cut are level, method, refine_method, \
-                     snap, remesh, grading, caps and max_triangles"
-                )));
-            }
+            _ => return Ok(false),
         }
+        if is_exact_only {
+            self.exact_only = Some(key.to_owned());
+        }
+        Ok(true)
     }
-    if is_paper {
-        for option in EXACT_ONLY {
-            if options.contains(option)? {
+
+    /// Returns the parameters, which are checked.
+    pub(crate) fn finish(self) -> PyResult<CutParams> {
+        let mut params = self.params;
+        params.method = match (self.is_paper, self.exact_only) {
+            (true, Some(option)) => {
                 return Err(refused(format_args!(
                     "{option} has no meaning with method 'paper'; leave it out"
                 )));
             }
-        }
-        if refine_method == Some(RefineMethod::Delaunay) {
-            return Err(refused(
-                "method 'paper' has the paper's refinement; leave refine_method out",
-            ));
-        }
+            (true, None) => CutMethod::Paper(PaperParams::default()),
+            (false, _) => CutMethod::Exact(self.exact),
+        };
+        params.check().or_raise()?;
+        Ok(params)
     }
-    check_grading(&params.refine)?;
-    params.refine.method = refine_method.unwrap_or_default();
-    params.method = if is_paper {
-        CutMethod::Paper(PaperParams::default())
-    } else {
-        CutMethod::Exact(exact)
-    };
-    Ok(params)
-}
-
-fn check_grading(refine: &RefineParams) -> PyResult<()> {
-    if refine.grading >= 0.0 && refine.grading.is_finite() {
-        return Ok(());
-    }
-    Err(refused(format_args!(
-        "grading is {}; pass 0 or a positive number",
-        refine.grading
-    )))
 }
 
 /// Reads a refinement level: a name or a number.
@@ -124,4 +141,10 @@ pub(crate) fn choice<T: Copy>(
         "{option} is '{text}'; pass one of {}",
         names.join(", ")
     )))
+}
+
+/// Reads a yes or no.
+pub(crate) fn flag(value: &Bound<'_, PyAny>, name: &str) -> PyResult<bool> {
+    let flag = value.extract();
+    flag.map_err(|_| PyTypeError::new_err(format!("{name} is no bool; pass True or False")))
 }

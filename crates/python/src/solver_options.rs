@@ -10,18 +10,22 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Reads a material: a preset, and the keys that replace its values.
-pub(crate) fn material(
-    preset: &Bound<'_, PyAny>,
-    keys: Option<&Bound<'_, PyDict>>,
-) -> PyResult<Material> {
+/// Reads a material: the name of a preset.
+pub(crate) fn preset(name: &Bound<'_, PyAny>) -> PyResult<Material> {
     let presets = [
         ("soft-body", Material::soft_body()),
         ("shell", Material::shell()),
         ("limp-shell", Material::default()),
         ("cloth", Material::cloth()),
     ];
-    let mut material = choice(preset, "material", &presets)?;
+    choice(name, "material", &presets)
+}
+
+/// Returns a material with the values that keys replace.
+pub(crate) fn changed(
+    mut material: Material,
+    keys: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Material> {
     for (key, value) in keys.into_iter().flatten() {
         let key: String = key.extract()?;
         match key.as_str() {
@@ -44,7 +48,7 @@ pub(crate) fn material(
 }
 
 /// Reads a value that may be None.
-fn some<'py, T>(
+pub(crate) fn some<'py, T>(
     value: &Bound<'py, PyAny>,
     read: impl FnOnce(&Bound<'py, PyAny>) -> PyResult<T>,
 ) -> PyResult<Option<T>> {

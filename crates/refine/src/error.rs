@@ -31,7 +31,7 @@ pub enum RefineError {
         length: f64,
     },
     /// The grading is negative or not a number.
-    #[error("the grading must be 0 or a positive number, not {grading}")]
+    #[error("the grading is {grading}; it must be 0 or a positive number")]
     NegativeGrading {
         /// The grading \[m/m\].
         grading: f64,

@@ -141,14 +141,19 @@ impl Default for RefineParams {
 }
 
 impl RefineParams {
-    /// Checks that the level and the rim length are positive numbers.
+    /// Checks that level and rim length are positive numbers and the grading is not negative.
     ///
     /// # Errors
-    /// [`RefineError::NonPositiveLevel`] and [`RefineError::NonPositiveLength`].
+    /// [`RefineError::NonPositiveLevel`], [`RefineError::NonPositiveLength`] and
+    /// [`RefineError::NegativeGrading`].
     pub fn check(&self) -> Result<(), RefineError> {
         let z = self.level.z();
         if !(z > 0.0 && z.is_finite()) {
             return Err(RefineError::NonPositiveLevel { z });
+        }
+        let grading = self.grading;
+        if !(grading >= 0.0 && grading.is_finite()) {
+            return Err(RefineError::NegativeGrading { grading });
         }
         match self.rim_length {
             Some(length) if !(length > 0.0 && length.is_finite()) => {

@@ -65,6 +65,15 @@ impl Blade {
         }
     }
 
+    /// Checks an edge, as [`Scene::move_blade`] does.
+    ///
+    /// # Errors
+    /// [`SceneError::BladeNotFinite`].
+    pub fn check_edge(edge: &[[f32; 3]; 2]) -> Result<(), SceneError> {
+        let value = edge.as_flattened().iter().find(|c| !c.is_finite());
+        value.map_or(Ok(()), |&value| Err(SceneError::BladeNotFinite { value }))
+    }
+
     /// Returns the start and the end of the edge \[m\].
     #[must_use]
     pub const fn edge(&self) -> [[f32; 3]; 2] {
@@ -102,6 +111,8 @@ impl Blade {
 
 impl Scene {
     /// Adds a blade with its edge from start to end \[m\].
+    ///
+    /// The sweeps of an edge that is not finite fail, see [`Blade::check_edge`].
     pub fn add_blade(&mut self, edge: [[f32; 3]; 2]) -> BladeId {
         self.blades.push(Blade::new(edge));
         self.blade_id(self.blades.len() - 1)
@@ -199,18 +210,21 @@ impl Scene {
     /// Moves a blade; the next frame cuts along its sweep.
     ///
     /// # Errors
-    /// [`SceneError::UnknownBlade`].
+    /// [`SceneError::UnknownBlade`] and [`SceneError::BladeNotFinite`]; the blade stays then.
     pub fn move_blade(&mut self, id: BladeId, edge: [[f32; 3]; 2]) -> Result<(), SceneError> {
-        self.blade_mut(id)?.edge = edge;
+        let blade = self.blade_mut(id)?;
+        Blade::check_edge(&edge)?;
+        blade.edge = edge;
         Ok(())
     }
 
     /// Moves a blade without cutting. Ends its incisions.
     ///
     /// # Errors
-    /// [`SceneError::UnknownBlade`].
+    /// [`SceneError::UnknownBlade`] and [`SceneError::BladeNotFinite`]; the blade stays then.
     pub fn teleport_blade(&mut self, id: BladeId, edge: [[f32; 3]; 2]) -> Result<(), SceneError> {
         let blade = self.blade_mut(id)?;
+        Blade::check_edge(&edge)?;
         blade.edge = edge;
         blade.previous_edge = edge;
         blade.previous_face = None;

@@ -1,5 +1,6 @@
 //! [`Body`]: a soft body of a [`crate::Scene`], its surface, solver and cutter kept consistent.
 
+mod id;
 mod parts;
 #[cfg(feature = "serde")]
 mod saved;
@@ -10,28 +11,14 @@ use crate::error::SceneError;
 use crate::interior_springs::InteriorSpringSearch;
 use crate::params::SceneParams;
 use crate::piece_shapes::PieceShapes;
-use crate::scene::SceneNumber;
+pub use id::BodyId;
 use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Incision, Sweep};
 use incise_mesh::{Aabb, Bvh, RayHit, Surface, Undo, Vec3, VertexId};
 use incise_pbd_gpu::{ConstraintError, Material, PatchParams, Solver};
 #[cfg(feature = "serde")]
 pub(crate) use saved::SavedBody;
-use std::fmt;
 use std::time::Duration;
 use web_time::Instant;
-
-/// The id of a body in one scene. Shown as the body's index.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct BodyId {
-    pub(crate) scene: SceneNumber,
-    pub(crate) index: usize,
-}
-
-impl fmt::Display for BodyId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.index.fmt(f)
-    }
-}
 
 /// A soft body of one material. It stays one body when it is cut into pieces.
 #[derive(Debug, Clone)]
@@ -332,6 +319,8 @@ impl Body {
         let delta = self.cutter.undo(&mut self.surface, undo)?;
         self.topology_version = self.surface.fingerprint();
         self.version_before_cut = self.topology_version;
+        // The vertices of their tips may be gone.
+        self.end_all_incisions();
         self.know();
         self.solver.apply_delta(&mut self.surface, &delta)?;
         let (surface, bvh) = (&self.surface, self.cutter.bvh());

@@ -2,6 +2,7 @@
 
 use crate::blade::BladeId;
 use crate::body::BodyId;
+use incise_cut::CutError;
 use incise_mesh::{ChannelError, UndoError, VertexId};
 use incise_pbd_gpu::{ConstraintError, StepError};
 
@@ -29,12 +30,29 @@ pub enum SceneError {
         /// The blade.
         blade: BladeId,
     },
+    /// The edge of a blade is not finite. The blade is unchanged.
+    #[error("the edge of the blade has the coordinate {value}; give two finite points in meters")]
+    BladeNotFinite {
+        /// The first such coordinate \[m\].
+        value: f32,
+    },
+    /// The origin or direction of a ray is not finite.
+    #[error("the {name} of the ray has the coordinate {value}; give finite numbers in meters")]
+    RayNotFinite {
+        /// `origin` or `direction`.
+        name: &'static str,
+        /// The first such coordinate \[m\].
+        value: f64,
+    },
     /// The body cannot be simulated, or its constraints cannot follow a cut.
     #[error("constraints: {0}")]
     Constraint(#[from] ConstraintError),
     /// A frame parameter is out of range, or not supported on the GPU. Nothing has moved.
     #[error("invalid frame: {0}")]
     Frame(StepError),
+    /// A parameter of cuts is out of range.
+    #[error("cuts: {0}")]
+    Cut(CutError),
     /// A sleep parameter is out of range.
     #[error("sleep: {name} is {value}; give a finite number that is not negative")]
     InvalidSleepParams {
@@ -46,6 +64,12 @@ pub enum SceneError {
     /// A cut cannot be undone; nothing has changed.
     #[error("undo: {0}")]
     Undo(#[from] UndoError),
+    /// An undo stack has no cut of the body.
+    #[error("body {body} has no cut to undo")]
+    NothingToUndo {
+        /// The body.
+        body: BodyId,
+    },
     /// The contact thickness is out of range.
     #[error(
         "contacts: the thickness is {value} edge lengths; give a number above 0 and at most {}",

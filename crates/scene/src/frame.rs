@@ -4,7 +4,6 @@ use crate::blade::{Blade, BladeId};
 use crate::body::BodyId;
 use crate::error::SceneError;
 use crate::gpu_bodies::GpuBodies;
-use crate::params::SceneParams;
 use crate::scene::{FailedCut, Scene, SweepResult};
 use crate::stats::FrameStats;
 use incise_cut::{CutError, CutParams, Sweep};
@@ -93,26 +92,13 @@ impl Scene {
 
     /// Validates the parameters of the frame.
     fn check_params(&self) -> Result<(), SceneError> {
-        let SceneParams {
-            dt,
-            solver,
-            sleep,
-            contacts,
-            ..
-        } = &self.params;
-        solver.check(*dt).map_err(SceneError::Frame)?;
-        if let Some(sleep) = sleep {
-            sleep.check()?;
-        }
-        if let Some(contacts) = contacts {
-            contacts.check()?;
-        }
+        self.params.check_motion()?;
         let is_bad = |collider: &Collider| !collider.is_valid();
         if let Some(number) = self.colliders.iter().position(is_bad) {
             return Err(ConstraintError::BadCollider { number }.into());
         }
         if let Some(gpu) = &self.gpu
-            && !solver.is_supported_on_gpu()
+            && !self.params.solver.is_supported_on_gpu()
             && (0..self.bodies.len()).any(|i| gpu.holds(i))
         {
             return Err(SceneError::Frame(StepError::UnsupportedOnGpu));

@@ -21,6 +21,7 @@ mod save;
 mod scene;
 mod sleep;
 mod stats;
+mod undo_stack;
 
 pub use backend::{BackendChoice, BackendReport, BackendRequest};
 pub use blade::{Blade, BladeId, BladeMode};
@@ -35,6 +36,7 @@ pub use save::{LoadError, SaveError};
 pub use scene::{FailedCut, Scene, SweepResult};
 pub use sleep::SleepParams;
 pub use stats::FrameStats;
+pub use undo_stack::UndoStack;
 
 /// The example of the README, compiled and run with the documentation tests.
 #[cfg(doctest)]

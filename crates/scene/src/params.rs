@@ -1,6 +1,7 @@
 //! [`SceneParams`]: the parameters of a scene's frames.
 
 use crate::contacts::ContactParams;
+use crate::error::SceneError;
 use crate::sleep::SleepParams;
 use incise_cut::CutParams;
 use incise_pbd_gpu::SolverParams;
@@ -32,6 +33,25 @@ pub struct SceneParams {
     pub contacts: Option<ContactParams>,
     /// When bodies at rest fall asleep; `None` steps every body in every frame.
     pub sleep: Option<SleepParams>,
+}
+
+impl SceneParams {
+    /// Checks all parameters, for a caller that sets them long before the next frame.
+    ///
+    /// # Errors
+    /// [`SceneError::Frame`], [`SceneError::InvalidSleepParams`],
+    /// [`SceneError::InvalidContactThickness`] and [`SceneError::Cut`].
+    pub fn check(&self) -> Result<(), SceneError> {
+        self.check_motion()?;
+        self.cut.check().map_err(SceneError::Cut)
+    }
+
+    /// Checks all parameters except those of cuts, which each cut checks.
+    pub(crate) fn check_motion(&self) -> Result<(), SceneError> {
+        self.solver.check(self.dt).map_err(SceneError::Frame)?;
+        self.sleep.map_or(Ok(()), |sleep| sleep.check())?;
+        self.contacts.map_or(Ok(()), |contacts| contacts.check())
+    }
 }
 
 impl Default for SceneParams {

@@ -108,7 +108,9 @@ impl Scene {
 
     /// Adds a body at rest.
     ///
-    /// A large body is divided into patches by [`PatchParams::for_body`].
+    /// A large body is divided into patches by [`PatchParams::for_body`]. All coordinates in a
+    /// scene are relative to the [origin](Surface::origin) of its first body; the surfaces of later
+    /// ones are moved to it.
     ///
     /// # Errors
     /// [`SceneError::Constraint`] when the surface or the material cannot be simulated;
@@ -128,10 +130,13 @@ impl Scene {
     /// As [`Scene::add_body`]; [`SceneError::Constraint`] also for patch parameters out of range.
     pub fn add_body_with_patches(
         &mut self,
-        surface: Surface,
+        mut surface: Surface,
         material: &Material,
         patches: Option<&PatchParams>,
     ) -> Result<BodyId, SceneError> {
+        if let Some(first) = self.bodies.iter().flatten().next() {
+            surface.move_origin(first.surface().origin());
+        }
         self.insert(Body::new(surface, material, patches)?)
     }
 
@@ -185,6 +190,15 @@ impl Scene {
     pub fn bodies(&self) -> impl Iterator<Item = BodyId> + '_ {
         let present = (self.bodies.iter().enumerate()).filter(|(_, body)| body.is_some());
         present.map(|(i, _)| self.body_id(i))
+    }
+
+    /// Returns the id of the body with an index, which counts the bodies that were added.
+    ///
+    /// `None` if there is none, or it was removed. Loading a saved scene keeps the indices.
+    #[must_use]
+    pub fn find_body(&self, index: usize) -> Option<BodyId> {
+        let body = self.bodies.get(index)?.as_ref();
+        body.map(|_| self.body_id(index))
     }
 
     /// Returns the id of a body by index.
@@ -267,7 +281,8 @@ impl Scene {
     /// [outcome](Self::cuts).
     ///
     /// The triangles from before the cut return. Vertices stay where they are now, except that
-    /// pieces that have moved since the cut move together. Velocities stay.
+    /// pieces that have moved since the cut move together. Velocities stay. Incisions in the body
+    /// end; their blades go on from their next motion.
     ///
     /// # Errors
     /// As [`Scene::read_back`]; [`SceneError::Undo`] when it does not belong to the body's last
@@ -284,13 +299,18 @@ impl Scene {
     /// Returns the first triangle of a body that a ray hits, at the body's present position.
     ///
     /// # Errors
-    /// As [`Scene::read_back`].
+    /// As [`Scene::read_back`]; [`SceneError::RayNotFinite`].
     pub fn cast_ray(
         &mut self,
         id: BodyId,
         origin: Vec3,
         direction: Vec3,
     ) -> Result<Option<RayHit>, SceneError> {
+        for (name, vector) in [("origin", origin), ("direction", direction)] {
+            if let Some(&value) = vector.iter().find(|c| !c.is_finite()) {
+                return Err(SceneError::RayNotFinite { name, value });
+            }
+        }
         self.read_back(id)?;
         let body = self.body_mut(id)?;
         body.refit();

@@ -1,9 +1,9 @@
 //! Misuse of a scene: ids of other scenes, removed bodies and invalid edits are typed errors.
 
-use incise_mesh::VertexId;
+use incise_mesh::{Vec3, VertexId};
 use incise_models::{Model, build_model};
 use incise_pbd_gpu::Material;
-use incise_scene::{BladeId, BodyId, Scene, SceneError, SceneParams};
+use incise_scene::{BladeId, BodyId, ContactParams, Scene, SceneError, SceneParams};
 use std::collections::{BTreeSet, HashSet};
 
 const LEFT: [[f32; 3]; 2] = [[-2.0, 0.1, -2.0], [-2.0, 0.1, 2.0]];
@@ -151,4 +151,61 @@ fn a_blade_face_that_is_not_finite_is_an_error() {
         None,
         "the face is unchanged"
     );
+}
+
+#[test]
+fn poses_and_rays_that_are_not_finite_are_refused_at_once() {
+    let (mut scene, body, blade) = scene();
+    for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        let bad = [[0.0; 3], [0.0, value, 0.0]];
+        for refused in [
+            scene.move_blade(blade, bad),
+            scene.teleport_blade(blade, bad),
+        ] {
+            let text = refused.unwrap_err().to_string();
+            assert!(
+                text.contains("edge") && text.contains(&value.to_string()),
+                "{text}"
+            );
+        }
+        let far = Vec3::new(0.0, f64::from(value), 0.0);
+        for (origin, direction, name) in [
+            (far, Vec3::x(), "origin"),
+            (Vec3::zeros(), far, "direction"),
+        ] {
+            let text = scene
+                .cast_ray(body, origin, direction)
+                .unwrap_err()
+                .to_string();
+            assert!(text.contains(name), "{text}");
+        }
+    }
+    assert_eq!(scene.blade(blade).unwrap().edge(), LEFT, "it has not moved");
+}
+
+#[test]
+fn all_parameters_are_checked_on_request() {
+    let valid = SceneParams::default();
+    assert_eq!(valid.check(), Ok(()));
+    let text = |change: fn(&mut SceneParams)| {
+        let mut params = valid;
+        change(&mut params);
+        params.check().unwrap_err().to_string()
+    };
+    assert!(text(|p| p.dt = f32::NAN).contains("dt is NaN"));
+    assert!(text(|p| p.solver.gravity[1] = f32::NAN).contains("gravity"));
+    assert!(text(|p| p.solver.ground = Some(f32::NAN)).contains("ground"));
+    assert!(text(|p| p.solver.substeps = 0).contains("substeps"));
+    assert!(text(|p| p.cut.refine.grading = f64::NAN).contains("grading"));
+    assert!(text(|p| p.cut.cap_uv_scale = f64::NAN).contains("cap_uv_scale"));
+    let thick = ContactParams {
+        thickness: f32::NAN,
+        ..ContactParams::default()
+    };
+    let contacts = SceneParams {
+        contacts: Some(thick),
+        ..valid
+    };
+    let text = contacts.check().unwrap_err().to_string();
+    assert!(text.contains("thickness"), "{text}");
 }

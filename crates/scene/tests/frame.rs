@@ -142,7 +142,14 @@ fn a_sweep_of_full_slices_that_ends_inside_is_refused_and_changes_nothing() {
 #[test]
 fn a_pose_that_is_not_finite_is_refused() {
     let (mut scene, _, blade) = scene();
-    scene.move_blade(blade, [[f32::NAN; 3], [0.0; 3]]).unwrap();
+    let pose = [[f32::NAN; 3], [0.0; 3]];
+    let error = scene.move_blade(blade, pose).unwrap_err();
+    assert!(
+        matches!(error, SceneError::BladeNotFinite { .. }),
+        "{error}"
+    );
+    assert_eq!(scene.step().unwrap().sweeps, 0, "the blade has not moved");
+    scene.add_blade(pose);
     assert_eq!(scene.step().unwrap().failed_cuts, 1);
     let error = scene.failed_cuts()[0].error;
     assert!(matches!(error, CutError::SweepNotFinite { .. }), "{error}");

@@ -3,9 +3,9 @@
 use crate::error::WebError;
 use incise::cut::{CutMethod, CutParams, PaperParams};
 use incise::mesh::{MeshData, read_gltf, read_obj, read_ply, read_stl};
-use incise::pbd::Material;
+use incise::pbd::{Material, SolverParams};
 use incise_models::Model;
-use js_sys::{Float32Array, Uint8Array, Uint32Array};
+use js_sys::{Float32Array, Float64Array, Uint8Array, Uint32Array};
 use wasm_bindgen::JsCast;
 
 /// Returns the parameters of a cut; absent names are the defaults of the library.
@@ -76,12 +76,32 @@ fn unknown(name: &str, kind: &'static str, expected: &'static str) -> WebError {
     }
 }
 
+/// An expected length and its text.
+type Length = (usize, &'static str);
+
+pub(crate) const VECTOR: Length = (3, "3: x, y and z");
+pub(crate) const EDGE: Length = (6, "6: start and end");
+
+/// Returns a count of JavaScript, which may be any number.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a whole number of 20 bits"
+)]
+pub(crate) fn count(name: &'static str, value: f64) -> Result<u32, WebError> {
+    let most = SolverParams::MAX_COUNT;
+    if value.fract() == 0.0 && (1.0..=f64::from(most)).contains(&value) {
+        return Ok(value as u32);
+    }
+    Err(WebError::Count { name, value, most })
+}
+
 /// Returns the numbers of a vector.
 pub(crate) fn vector<T: Copy>(array: &'static str, numbers: &[T]) -> Result<[T; 3], WebError> {
     numbers.try_into().map_err(|_| WebError::ArrayLength {
         array,
         length: numbers.len(),
-        expected: "3: x, y and z",
+        expected: VECTOR.1,
     })
 }
 
@@ -92,7 +112,7 @@ pub(crate) fn edge(numbers: &[f32]) -> Result<[[f32; 3]; 2], WebError> {
         _ => Err(WebError::ArrayLength {
             array: "the edge",
             length: numbers.len(),
-            expected: "6: start and end",
+            expected: EDGE.1,
         }),
     }
 }
@@ -109,15 +129,28 @@ pub(crate) fn rows<'a, T>(array: &'static str, numbers: &'a [T]) -> Result<&'a [
     }
 }
 
-/// Copies typed arrays of any length, of which too long ones are an error, not a trap.
+/// Copies typed arrays, of an expected length or any.
+///
+/// One that is too long for memory is an error, not a trap.
 macro_rules! copy_array {
     ($name:ident, $type:ident, $number:ty) => {
-        pub(crate) fn $name(array: &'static str, from: &$type) -> Result<Vec<$number>, WebError> {
+        pub(crate) fn $name(
+            array: &'static str,
+            from: &$type,
+            expected: Option<Length>,
+        ) -> Result<Vec<$number>, WebError> {
             if !from.is_instance_of::<$type>() {
                 let expected = stringify!($type);
                 return Err(WebError::ArrayType { array, expected });
             }
             let length = from.length() as usize;
+            if let Some((_, expected)) = expected.filter(|&(expected, _)| expected != length) {
+                return Err(WebError::ArrayLength {
+                    array,
+                    length,
+                    expected,
+                });
+            }
             let mut numbers = Vec::new();
             if numbers.try_reserve_exact(length).is_err() {
                 return Err(WebError::TooLarge { array, length });
@@ -130,6 +163,7 @@ macro_rules! copy_array {
 }
 
 copy_array!(copy_f32, Float32Array, f32);
+copy_array!(copy_f64, Float64Array, f64);
 copy_array!(copy_u32, Uint32Array, u32);
 copy_array!(copy_u8, Uint8Array, u8);
 
@@ -167,6 +201,18 @@ mod tests {
         let params = cut_params(Some("0.7"), Some("paper")).unwrap();
         assert_eq!(params.refine.level.z(), 0.7);
         assert!(cut_params(Some("-1"), None).is_err());
+    }
+
+    #[test]
+    fn counts_are_whole_numbers_in_range() {
+        assert_eq!(count("substeps", 16.0).unwrap(), 16);
+        for bad in [-1.0, 0.0, 1.5, f64::NAN, f64::INFINITY, 4294967295.0] {
+            let text = count("substeps", bad).unwrap_err().to_string();
+            assert_eq!(
+                text,
+                format!("substeps is {bad}; pass a whole number from 1 to 1048576")
+            );
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use incise::cut::CutError;
 use incise::mesh::{NotCuttable, ParseError, UndoError};
 use incise::pbd::ConstraintError;
 use incise::refine::ParseLevelError;
-use incise::scene::SceneError;
+use incise::scene::{LoadError, SaveError, SceneError};
 use wasm_bindgen::JsValue;
 
 /// An error of the binding or of the libraries below it.
@@ -28,6 +28,16 @@ pub enum WebError {
         length: usize,
         /// The expected length.
         expected: &'static str,
+    },
+    /// A count is out of range.
+    #[error("{name} is {value}; pass a whole number from 1 to {most}")]
+    Count {
+        /// The property.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The largest count.
+        most: u32,
     },
     /// An array is too large for the memory of WebAssembly.
     #[error("{array} has {length} numbers, and memory has no room for them; split the mesh")]
@@ -89,6 +99,12 @@ pub enum WebError {
     /// A scene refused a call.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A scene cannot be saved.
+    #[error(transparent)]
+    Save(#[from] SaveError),
+    /// Bytes are no saved scene.
+    #[error(transparent)]
+    Load(#[from] LoadError),
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] std::io::Error),

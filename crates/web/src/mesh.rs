@@ -1,6 +1,8 @@
 //! [`Mesh`]: a surface at rest, from arrays or files, cut by planes.
 
-use crate::arguments::{copy_f32, copy_u8, copy_u32, cut_params, model, read, rows, vector};
+use crate::arguments::{
+    VECTOR, copy_f32, copy_f64, copy_u8, copy_u32, cut_params, model, read, rows, vector,
+};
 use crate::error::WebError;
 use crate::flat_arrays::FlatArrays;
 use crate::memory_views::{view_f32, view_u8, view_u32};
@@ -8,10 +10,12 @@ use crate::report::{MeshReport, REPAIR};
 use incise::cut::{Cutter, Sweep};
 use incise::mesh::{MeshData, Surface, Undo, Warning, write_glb_to, write_obj_to};
 use incise_models::build_model;
-use js_sys::{Float32Array, Uint8Array, Uint32Array};
+use js_sys::{Float32Array, Float64Array, Uint8Array, Uint32Array};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 /// A triangle surface of any number of pieces, which planes cut.
+///
+/// Coordinates are relative to `origin`, which is zero unless a file is far from zero.
 ///
 /// Arrays are views into the memory of the module, without a copy. The next call of any function
 /// of the module may make them invalid: use a view at once, or copy it with `slice()`.
@@ -114,8 +118,8 @@ impl Mesh {
     /// Throws if an index is out of range, a position is not finite, or the mesh cannot be cut.
     #[wasm_bindgen(constructor)]
     pub fn new(positions: &Float32Array, triangles: &Uint32Array) -> Result<Self, WebError> {
-        let positions = copy_f32("positions", positions)?;
-        Self::from_slices(&positions, &copy_u32("triangles", triangles)?)
+        let positions = copy_f32("positions", positions, None)?;
+        Self::from_slices(&positions, &copy_u32("triangles", triangles, None)?)
     }
 
     /// Reads a mesh from the bytes of a file: `obj`, `ply`, `stl`, `glb` or `gltf`.
@@ -123,7 +127,7 @@ impl Mesh {
     /// # Errors
     /// Throws with the line or element if the file is broken or the mesh cannot be cut.
     pub fn read(bytes: &Uint8Array, format: &str) -> Result<Self, WebError> {
-        Self::from_bytes(&copy_u8("bytes", bytes)?, format)
+        Self::from_bytes(&copy_u8("bytes", bytes, None)?, format)
     }
 
     /// Measures the mesh of a file and lists its defects, without an error for them.
@@ -132,7 +136,10 @@ impl Mesh {
     /// Throws with the line or element if the file is broken.
     #[wasm_bindgen(js_name = checkFile)]
     pub fn check_file(bytes: &Uint8Array, format: &str) -> Result<MeshReport, WebError> {
-        Ok(MeshReport::new(&read(&copy_u8("bytes", bytes)?, format)?))
+        Ok(MeshReport::new(&read(
+            &copy_u8("bytes", bytes, None)?,
+            format,
+        )?))
     }
 
     /// Builds a model by formula: `Sphere20`, `Sphere80`, `Sphere768`, `Bunny`, `Octopus`,
@@ -144,13 +151,35 @@ impl Mesh {
         Ok(build_model(model(name)?).into())
     }
 
-    /// Cuts along the plane `normal . x = d` \[m\] and caps both sides.
+    /// Cuts along the plane `normal . x = d` \[m\], relative to `origin`, and caps both sides.
     ///
     /// `level` is `2x-coarser`, `1.5x-coarser`, `original`, `1.5x-finer`, `2x-finer` or a factor
     /// of the edge length as text. `method` is `exact` or `paper`.
     ///
     /// # Errors
     /// Throws if the cut is refused; the mesh is then unchanged.
+    #[wasm_bindgen(js_name = cut)]
+    pub fn cut_by_array(
+        &mut self,
+        normal: &Float64Array,
+        d: f64,
+        level: Option<String>,
+        method: Option<String>,
+    ) -> Result<CutReport, WebError> {
+        self.cut(
+            &copy_f64("the normal", normal, Some(VECTOR))?,
+            d,
+            level,
+            method,
+        )
+    }
+}
+
+impl Mesh {
+    /// Cuts along the plane `normal . x = d` \[m\], see [`Mesh::cut_by_array`].
+    ///
+    /// # Errors
+    /// [`WebError`] if the cut is refused; the mesh is then unchanged.
     pub fn cut(
         &mut self,
         normal: &[f64],
@@ -177,7 +206,10 @@ impl Mesh {
         }
         Ok(report)
     }
+}
 
+#[wasm_bindgen]
+impl Mesh {
     /// Returns the number of cuts that can be undone.
     #[wasm_bindgen(getter, js_name = undoCount)]
     pub fn undo_count(&self) -> usize {
@@ -262,6 +294,16 @@ impl Mesh {
         [bounds.min, bounds.max].concat()
     }
 
+    /// Returns the point to which all coordinates are relative \[m\]: positions, planes, bounds.
+    ///
+    /// It is zero unless the mesh is from a file whose coordinates are far from zero compared to
+    /// its size. Written files have absolute coordinates. In a scene all coordinates are relative
+    /// to the origin of its first body.
+    #[wasm_bindgen(getter)]
+    pub fn origin(&self) -> Vec<f64> {
+        self.surface.origin().to_vec()
+    }
+
     /// Returns the warnings of reading and repairs, one text each.
     #[wasm_bindgen(getter)]
     pub fn warnings(&self) -> Vec<String> {
@@ -308,100 +350,4 @@ impl Mesh {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const UP: [f64; 3] = [0.0, 1.0, 0.0];
-
-    #[test]
-    fn a_cut_is_two_closed_pieces_with_caps_and_undo_takes_it_back() {
-        let mut mesh = Mesh::model("Sphere768").unwrap();
-        let before = mesh.surface().clone();
-        let report = mesh.cut(&UP, 0.0, None, None).unwrap();
-        assert!(!report.is_miss && report.refined && report.pieces_added == 1);
-        assert_eq!(mesh.piece_numbers().len(), 2);
-        let mask = mesh
-            .arrays()
-            .caps
-            .iter()
-            .map(|&m| usize::from(m))
-            .sum::<usize>();
-        assert_eq!(mask, report.cap_triangles);
-        let pieces = mesh
-            .piece_numbers()
-            .into_iter()
-            .map(|p| mesh.piece(p).unwrap());
-        for mut piece in pieces {
-            let report = piece.check().unwrap();
-            assert!(report.closed && report.defects.is_empty());
-        }
-        mesh.undo().unwrap();
-        assert_eq!(mesh.surface().positions(), before.positions());
-        assert!(
-            mesh.surface()
-                .topology()
-                .triangles()
-                .eq(before.topology().triangles())
-        );
-        assert!(matches!(mesh.undo(), Err(WebError::NothingToUndo)));
-        assert!(matches!(
-            mesh.piece(3),
-            Err(WebError::UnknownPiece { piece: 3 })
-        ));
-    }
-
-    #[test]
-    fn exports_are_read_again() {
-        let mut mesh = Mesh::model("Sphere80").unwrap();
-        let _ = mesh
-            .cut(&UP, 0.1, Some("2x-finer".to_owned()), None)
-            .unwrap();
-        for (format, bytes) in [("obj", mesh.to_obj()), ("GLB", mesh.to_glb())] {
-            let read = Mesh::from_bytes(&bytes.unwrap(), format).unwrap();
-            assert_eq!(read.triangle_count(), mesh.triangle_count(), "{format}");
-        }
-    }
-
-    #[test]
-    fn hostile_arrays_and_files_are_errors() {
-        let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-        for (positions, triangles) in [
-            (&corners[..], &[0, 1, 3][..]),
-            (&corners, &[0, 1, u32::MAX]),
-            (&corners, &[0, 1]),
-            (&corners[..8], &[0, 1, 2]),
-            (&[f32::NAN; 9], &[0, 1, 2]),
-            (&[f32::INFINITY; 9], &[0, 1, 2]),
-            (&[0.0; 9], &[0, 1, 2]),
-            (&[], &[]),
-        ] {
-            assert!(
-                Mesh::from_slices(positions, triangles).is_err(),
-                "{triangles:?}"
-            );
-        }
-        let sheet = Mesh::from_slices(&corners, &[0, 1, 2]).unwrap();
-        assert_eq!((sheet.triangle_count(), sheet.piece_count()), (1, 1));
-        for format in ["obj", "ply", "stl", "glb", "gltf", "exe"] {
-            for bytes in [&[][..], &[0xff; 100], b"glTF\x02\0\0\0\xff\xff\xff\xff"] {
-                assert!(Mesh::from_bytes(bytes, format).is_err(), "{format}");
-            }
-        }
-    }
-
-    #[test]
-    fn hostile_planes_are_errors_or_misses() {
-        let mut mesh = Mesh::model("Sphere80").unwrap();
-        for normal in [[0.0; 3], [f64::NAN; 3], [f64::INFINITY; 3]] {
-            assert!(mesh.cut(&normal, 0.0, None, None).is_err());
-        }
-        assert!(mesh.cut(&UP[..2], 0.0, None, None).is_err());
-        assert!(mesh.cut(&UP, f64::NAN, None, None).is_err());
-        for name in ["0", "nan", "-1", ""] {
-            assert!(mesh.cut(&UP, 0.0, Some(name.to_owned()), None).is_err());
-        }
-        assert!(mesh.cut(&UP, 0.0, None, Some("none".to_owned())).is_err());
-        assert!(mesh.cut(&UP, 1e300, None, None).unwrap().is_miss);
-        assert_eq!((mesh.undo_count(), mesh.triangle_count()), (0, 80));
-    }
-}
+mod tests;

@@ -1,20 +1,23 @@
 //! [`Scene`]: bodies in motion, blades that cut them, and buffers for a renderer.
 
+mod blades;
 mod buffers;
 mod parameters;
 
-use crate::arguments::{edge, material, vector};
+use crate::arguments::{VECTOR, copy_f64, copy_u8, material, vector};
 use crate::error::WebError;
 use crate::mesh::Mesh;
 use buffers::BodyBuffers;
-use incise::mesh::{Undo, Vec3, VertexId};
-use incise::prelude::{BladeId, BladeMode, BodyId, SceneParams};
-use incise::scene::Scene as Simulation;
+use incise::mesh::{Vec3, VertexId};
+use incise::prelude::{BodyId, SceneParams};
+use incise::scene::{Scene as Simulation, UndoStack};
+use js_sys::{Float64Array, Uint8Array};
 use std::num::NonZeroUsize;
 use wasm_bindgen::prelude::wasm_bindgen;
 
 /// A simulation of soft bodies and blades, stepped frame by frame. The y axis points up.
 ///
+/// Coordinates are relative to the `origin` of the first mesh, which is zero unless it is far away.
 /// Bodies and blades have numbers. Arrays are views into the memory of the module, without a copy.
 /// The next call of any function of the module may make them invalid: use a view at once, or copy
 /// it with `slice()`.
@@ -24,9 +27,7 @@ pub struct Scene {
     simulation: Simulation,
     /// `None` where a body was removed.
     bodies: Vec<Option<Body>>,
-    blades: Vec<BladeId>,
-    /// The bodies of the cuts that can be undone, in order.
-    undo: Vec<(u32, Undo)>,
+    undo: UndoStack,
     /// The vertex that is dragged.
     grabbed: Option<(BodyId, VertexId)>,
 }
@@ -62,21 +63,51 @@ impl Scene {
         found.ok_or(WebError::UnknownBody { body })
     }
 
-    fn blade_of(&self, blade: u32) -> Result<BladeId, WebError> {
-        let found = self.blades.get(blade as usize).copied();
-        found.ok_or(WebError::UnknownBlade { blade })
+    /// Gives a body of the simulation its number and buffers.
+    fn insert(&mut self, id: BodyId) -> Result<u32, WebError> {
+        let buffers = BodyBuffers::new(self.simulation.body(id)?.surface());
+        self.bodies.resize_with(id.index(), || None);
+        self.bodies.push(Some(Body { id, buffers }));
+        Ok(index(id.index()))
     }
 
-    /// Puts the cuts of the frame on the undo stack.
-    fn record_cuts(&mut self) {
-        for (id, outcome) in self.simulation.cuts().iter().filter_map(|c| c.cut.as_ref()) {
-            let is_own = |own: &Option<Body>| own.as_ref().is_some_and(|own| own.id == *id);
-            if let Some(body) = self.bodies.iter().position(is_own)
-                && let Some(undo) = &outcome.undo
-            {
-                self.undo.push((index(body), undo.clone()));
-            }
+    /// Makes a scene of the bytes of [`Scene::save`].
+    ///
+    /// # Errors
+    /// [`WebError::Load`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, WebError> {
+        let mut scene = Self::new();
+        scene.simulation = Simulation::load(bytes)?;
+        scene.simulation.params.solver.threads = NonZeroUsize::new(1);
+        let bodies: Vec<BodyId> = scene.simulation.bodies().collect();
+        for id in bodies {
+            scene.insert(id)?;
         }
+        Ok(scene)
+    }
+
+    /// Returns the first point of a body that a ray hits, see [`Scene::pick_by_arrays`].
+    ///
+    /// # Errors
+    /// [`WebError`], as there.
+    pub fn pick(
+        &mut self,
+        body: u32,
+        origin: &[f64],
+        direction: &[f64],
+    ) -> Result<Option<Pick>, WebError> {
+        let id = self.body_of(body)?.id;
+        let origin = Vec3::from(vector("the origin", origin)?);
+        let direction = Vec3::from(vector("the direction", direction)?);
+        let Some(hit) = self.simulation.cast_ray(id, origin, direction)? else {
+            return Ok(None);
+        };
+        let topology = self.simulation.body(id)?.surface().topology();
+        let corners = topology.triangle(hit.triangle);
+        Ok(Some(Pick {
+            vertex: corners[hit.nearest_corner()].0,
+            distance: hit.distance,
+        }))
     }
 }
 
@@ -94,13 +125,33 @@ impl Scene {
         Self {
             simulation: Simulation::new(params),
             bodies: Vec::new(),
-            blades: Vec::new(),
-            undo: Vec::new(),
+            undo: UndoStack::new(usize::MAX),
             grabbed: None,
         }
     }
 
+    /// Makes a scene of the bytes of `save`, which goes on with the same bits.
+    ///
+    /// Bodies and blades keep their numbers. No cut can be undone and no vertex is grabbed.
+    ///
+    /// # Errors
+    /// Throws for other or damaged bytes.
+    pub fn load(bytes: &Uint8Array) -> Result<Self, WebError> {
+        Self::from_bytes(&copy_u8("bytes", bytes, None)?)
+    }
+
+    /// Returns the scene as bytes: bodies, blades, colliders and parameters.
+    ///
+    /// # Errors
+    /// Throws if memory is too small.
+    pub fn save(&mut self) -> Result<Vec<u8>, WebError> {
+        Ok(self.simulation.save()?)
+    }
+
     /// Adds a copy of a mesh as a body at rest and returns its number.
+    ///
+    /// All coordinates of a scene are relative to the `origin` of its first mesh, to which others
+    /// are moved.
     ///
     /// `material` is `soft-body`, the default, `shell` or `cloth`.
     ///
@@ -114,10 +165,8 @@ impl Scene {
     ) -> Result<u32, WebError> {
         let material = material(material_name.as_deref())?;
         let surface = mesh.surface().clone();
-        let buffers = BodyBuffers::new(&surface);
         let id = self.simulation.add_body(surface, &material)?;
-        self.bodies.push(Some(Body { id, buffers }));
-        Ok(index(self.bodies.len() - 1))
+        self.insert(id)
     }
 
     /// Removes a body; its number is not used again.
@@ -129,7 +178,7 @@ impl Scene {
         let id = self.body_of(body)?.id;
         self.simulation.remove_body(id)?;
         self.bodies[body as usize] = None;
-        self.undo.retain(|(own, _)| *own != body);
+        self.undo.forget(id);
         self.grabbed = self.grabbed.filter(|(own, _)| *own != id);
         Ok(())
     }
@@ -170,53 +219,6 @@ impl Scene {
         Ok(self.simulation.wake(self.body_of(body)?.id)?)
     }
 
-    /// Adds a blade and returns its number.
-    ///
-    /// `from_to` has the start and the end of its edge \[m\], 6 numbers. The blade may stop inside
-    /// a body and go on from there, see `setFullSlices`.
-    ///
-    /// # Errors
-    /// Throws for another length.
-    #[wasm_bindgen(js_name = addBlade)]
-    pub fn add_blade(&mut self, from_to: &[f32]) -> Result<u32, WebError> {
-        let id = self.simulation.add_blade(edge(from_to)?);
-        self.blades.push(id);
-        Ok(index(self.blades.len() - 1))
-    }
-
-    /// Moves a blade; the next step cuts along its sweep.
-    ///
-    /// # Errors
-    /// Throws for an unknown blade and another length than 6.
-    #[wasm_bindgen(js_name = moveBlade)]
-    pub fn move_blade(&mut self, blade: u32, from_to: &[f32]) -> Result<(), WebError> {
-        let id = self.blade_of(blade)?;
-        Ok(self.simulation.move_blade(id, edge(from_to)?)?)
-    }
-
-    /// Moves a blade without cutting. Ends its incisions.
-    ///
-    /// # Errors
-    /// Throws for an unknown blade and another length than 6.
-    #[wasm_bindgen(js_name = teleportBlade)]
-    pub fn teleport_blade(&mut self, blade: u32, from_to: &[f32]) -> Result<(), WebError> {
-        let id = self.blade_of(blade)?;
-        Ok(self.simulation.teleport_blade(id, edge(from_to)?)?)
-    }
-
-    /// Sets whether a blade cuts full slices alone: a sweep that ends inside a body is refused.
-    ///
-    /// # Errors
-    /// Throws for an unknown blade.
-    #[wasm_bindgen(js_name = setFullSlices)]
-    pub fn set_full_slices(&mut self, blade: u32, full_slices: bool) -> Result<(), WebError> {
-        let mode = match full_slices {
-            true => BladeMode::FullSlices,
-            false => BladeMode::Progressive,
-        };
-        Ok((self.simulation).set_blade_mode(self.blade_of(blade)?, mode)?)
-    }
-
     /// Steps by one frame: cuts along the sweeps of the blades, then moves the bodies.
     ///
     /// A refused cut is no exception, see `failedCuts`.
@@ -224,9 +226,7 @@ impl Scene {
     /// # Errors
     /// Throws for a parameter out of range, and if a body cannot be stepped.
     pub fn step(&mut self) -> Result<(), WebError> {
-        self.simulation.cut()?;
-        self.record_cuts();
-        self.simulation.advance()?;
+        self.undo.step(&mut self.simulation)?;
         Ok(())
     }
 
@@ -234,7 +234,7 @@ impl Scene {
     #[wasm_bindgen(getter, js_name = undoCount)]
     #[must_use]
     pub fn undo_count(&self) -> usize {
-        self.undo.len()
+        self.undo.bodies().len()
     }
 
     /// Undoes the last cut. A blade that moves within a body makes one cut a frame.
@@ -244,34 +244,29 @@ impl Scene {
     /// # Errors
     /// Throws if there is none, or the body does not allow it.
     pub fn undo(&mut self) -> Result<(), WebError> {
-        let (body, undo) = self.undo.pop().ok_or(WebError::NothingToUndo)?;
-        let id = self.body_of(body)?.id;
-        Ok(self.simulation.undo(id, undo)?)
+        let last = self.undo.bodies().next_back();
+        let body = last.ok_or(WebError::NothingToUndo)?;
+        Ok(self.undo.undo(&mut self.simulation, body)?)
     }
 
     /// Returns the first point of a body that a ray hits.
     ///
     /// # Errors
-    /// Throws for an unknown body and vectors of another length than 3.
-    pub fn pick(
+    /// Throws for an unknown body, vectors of another length than 3 and numbers that are not
+    /// finite.
+    #[wasm_bindgen(js_name = pick)]
+    pub fn pick_by_arrays(
         &mut self,
         body: u32,
-        origin: &[f64],
-        direction: &[f64],
+        origin: &Float64Array,
+        direction: &Float64Array,
     ) -> Result<Option<Pick>, WebError> {
-        let id = self.body_of(body)?.id;
-        let origin = Vec3::from(vector("the origin", origin)?);
-        let direction = Vec3::from(vector("the direction", direction)?);
-        let Some(hit) = self.simulation.cast_ray(id, origin, direction)? else {
-            return Ok(None);
-        };
-        let topology = self.simulation.body(id)?.surface().topology();
-        let corners = topology.triangle(hit.triangle);
-        let nearest = (0..3).max_by(|&i, &j| hit.weights[i].total_cmp(&hit.weights[j]));
-        Ok(nearest.map(|i| Pick {
-            vertex: corners[i].0,
-            distance: hit.distance,
-        }))
+        let origin = copy_f64("the origin", origin, Some(VECTOR))?;
+        self.pick(
+            body,
+            &origin,
+            &copy_f64("the direction", direction, Some(VECTOR))?,
+        )
     }
 
     /// Grabs a vertex of a body, which `drag` moves; releases the one before.

@@ -111,6 +111,47 @@ test("a file is opened, cut, and its pieces are downloaded", async () => {
   await page.context().close();
 });
 
+/** Returns an OBJ file of a ball with a given scale. */
+function ball(scale) {
+  const text = new TextDecoder().decode(module.Mesh.model("Sphere80").toObj());
+  const scaled = (line) => {
+    const [head, ...numbers] = line.split(" ");
+    return head === "v" ? `v ${numbers.map((x) => x * scale).join(" ")}` : line;
+  };
+  const buffer = Buffer.from(text.split("\n").map(scaled).join("\n"));
+  return { name: "ball.obj", mimeType: "text/plain", buffer };
+}
+
+test("a body too small or too large is a message, and the body stays", async () => {
+  const { page, errors } = await browser.open(VIEWPORTS.desktop);
+  for (const scale of [1e-20, 1e20]) {
+    await page.setInputFiles("#file", ball(scale));
+    await page.waitForFunction((size) => {
+      const { textContent } = document.querySelector("#message");
+      return textContent.includes(size) && textContent.includes("open one of");
+    }, scale < 1 ? "e-20 m" : "e+20 m");
+  }
+  const [x, y] = middle(VIEWPORTS.desktop);
+  await drag(page, [x - 150, y], [x + 150, y - 20]);
+  await waitForPieces(page, 2);
+  assert.deepEqual(errors, []);
+  await page.context().close();
+});
+
+test("bodies of a tenth of a millimeter and of a kilometer are cut", async () => {
+  const { page, errors } = await browser.open(VIEWPORTS.desktop);
+  for (const scale of [1e-4, 1e3]) {
+    await page.setInputFiles("#file", ball(scale));
+    await page.waitForFunction(() => document.querySelector("#message").textContent.includes("80"));
+    await page.waitForFunction(() => document.querySelector("#pieces").textContent === "1 piece");
+    const [x, y] = middle(VIEWPORTS.desktop);
+    await drag(page, [x - 150, y], [x + 150, y - 20]);
+    await waitForPieces(page, 2);
+  }
+  assert.deepEqual(errors, []);
+  await page.context().close();
+});
+
 test("a broken file is a message, and the body stays", async () => {
   const { page, errors } = await browser.open(VIEWPORTS.desktop);
   const buffer = Buffer.from("v 0 0 x\n");

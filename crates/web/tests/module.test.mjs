@@ -74,13 +74,52 @@ test("hostile cuts and ids are exceptions", () => {
   const body = scene.addBody(mesh);
   refuses(() => scene.grab(body, 1e9), /./);
   refuses(() => scene.moveBlade(0, new Float32Array(6)), /no blade 0/);
-  scene.dt = NaN;
-  refuses(() => scene.step(), /invalid frame/);
-  scene.dt = 1 / 60;
-  scene.substeps = -1;
-  refuses(() => scene.step(), /substeps; use 1 to/);
+  // Of 2 GiB: no copy is made of an array of the wrong length.
+  refuses(() => scene.addBlade(new Float32Array(2 ** 29)), /536870912 numbers; pass 6/);
+  refuses(() => mesh.cut(new Float64Array(2 ** 28), 0), /268435456 numbers; pass 3/);
+  refuses(() => scene.addBlade([0, 0, 0, 1, 0, 0]), /not a Float32Array/);
+  refuses(() => scene.addBlade(undefined), /./);
+  for (const bad of [NaN, Infinity]) {
+    refuses(() => (scene.dt = bad), /invalid frame: the time step dt is/);
+    refuses(() => (scene.floor = bad), /ground is not finite/);
+    refuses(() => scene.setGravity(0, bad, 0), /gravity is not finite/);
+    const edge = new Float32Array([0, 0, 0, 0, bad, 0]);
+    refuses(() => scene.addBlade(edge), /edge of the blade has the coordinate/);
+    const [here, there] = [new Float64Array(3), new Float64Array([0, bad, 0])];
+    refuses(() => scene.pick(body, there, here), /origin of the ray/);
+    refuses(() => scene.pick(body, here, there), /direction of the ray/);
+  }
+  const blade = scene.addBlade(new Float32Array([-2, 0, 0, -2, 1, 0]));
+  refuses(() => scene.moveBlade(blade, new Float32Array(6).fill(NaN)), /coordinate NaN/);
+  refuses(() => scene.teleportBlade(blade, new Float32Array(6).fill(NaN)), /coordinate NaN/);
+  for (const bad of [-1, 0, 1.5, NaN, 2 ** 32]) {
+    refuses(() => (scene.substeps = bad), /substeps is .*; pass a whole number from 1 to 1048576/);
+    refuses(() => (scene.iterations = bad), /iterations is/);
+  }
+  assert.equal(scene.substeps, 16);
+  scene.step();
   mesh.free();
   refuses(() => mesh.triangleCount, /moved value/);
+});
+
+test("a loaded scene goes on with the same bits", () => {
+  const scene = new Scene();
+  const body = scene.addBody(Mesh.model("Bunny"));
+  scene.step();
+  const loaded = Scene.load(scene.save());
+  for (const each of [scene, loaded]) for (let i = 0; i < 5; i++) each.step();
+  const expected = scene.positions(body).slice();
+  assert.deepEqual(loaded.positions(body).slice(), expected);
+  refuses(() => Scene.load(new Uint8Array(99)), /./);
+});
+
+test("a file far from zero has an origin", () => {
+  const far = (x, y) => `v ${1e6 + x} ${y} 0\n`;
+  const text = far(0.125, 0) + far(1.125, 0) + far(0.125, 1.0000001) + "f 1 2 3\n";
+  const mesh = Mesh.read(new TextEncoder().encode(text), "obj");
+  assert.ok(Math.abs(mesh.origin[0] - 1e6) <= 2, `${mesh.origin}`);
+  assert.equal(mesh.positions()[0] + mesh.origin[0], 1e6 + 0.125);
+  assert.ok(Mesh.model("Bunny").origin.every((x) => x === 0));
 });
 
 test("random bytes are no trap in any format", () => {

@@ -7,7 +7,7 @@ use crate::params::Material;
 use crate::simulation::{Scene, SceneObject};
 use crate::status::{Error, Status, call};
 use incise::mesh::{Surface, TriangleId, Vec3};
-use incise::scene::Body;
+use incise::scene::{Body, SceneError};
 use std::mem::MaybeUninit;
 
 /// Counts of a body.
@@ -52,6 +52,9 @@ pub extern "C" fn incise_material_init(
 
 /// Adds a copy of a mesh as a body at rest. `material` may be NULL for a soft body. `out` gets the
 /// index of the body; indices are not reused.
+///
+/// All coordinates of a scene are relative to the origin of its first mesh, see
+/// `incise_mesh_measure`; others are moved to it.
 #[unsafe(no_mangle)]
 pub extern "C" fn incise_scene_add_body(
     scene: *mut Scene,
@@ -68,6 +71,29 @@ pub extern "C" fn incise_scene_add_body(
         let surface = with(mesh, |mesh: &mut MeshObject| Ok(mesh.surface.clone()))?;
         with(scene, |scene: &mut SceneObject| {
             out.write(scene.add_body(surface, &material)?);
+            Ok(())
+        })
+    })
+}
+
+/// Changes the material of a body from the next frame on.
+///
+/// Refused for another density, and where bending or springs come or go: these are made with the
+/// body.
+#[unsafe(no_mangle)]
+pub extern "C" fn incise_body_set_material(
+    scene: *mut Scene,
+    body: u32,
+    material: Option<&Material>,
+) -> Status {
+    call(|| {
+        let material = material.ok_or_else(|| Error::null("material"))?.check()?;
+        with(scene, |scene: &mut SceneObject| {
+            let id = scene.body_id(body)?;
+            let (solver, surface) = scene.scene.edit(id)?.solver_mut();
+            solver
+                .set_material(surface, &material)
+                .map_err(SceneError::from)?;
             Ok(())
         })
     })
@@ -262,29 +288,14 @@ pub unsafe extern "C" fn incise_body_cast_ray(
                 fixed::<f64, 3>(direction, "direction")?,
             )
         };
-        if origin.iter().chain(&direction).any(|x| !x.is_finite()) {
-            let text = "origin or direction is NaN or infinite; pass finite numbers";
-            return Err(Error::argument(text));
-        }
         with(scene, |scene: &mut SceneObject| {
             let id = scene.body_id(body)?;
             let hit = (scene.scene).cast_ray(id, Vec3::from(origin), Vec3::from(direction))?;
             let topology = scene.body(body)?.surface().topology();
-            let hit = hit.map(|hit| {
-                let corners = topology.triangle(hit.triangle);
-                let [a, b, c] = hit.weights;
-                let nearest = if a >= b && a >= c {
-                    0
-                } else if b >= c {
-                    1
-                } else {
-                    2
-                };
-                RayHit {
-                    hit: 1,
-                    vertex: corners[nearest].0,
-                    distance: hit.distance,
-                }
+            let hit = hit.map(|hit| RayHit {
+                hit: 1,
+                vertex: topology.triangle(hit.triangle)[hit.nearest_corner()].0,
+                distance: hit.distance,
             });
             let none = RayHit {
                 hit: 0,

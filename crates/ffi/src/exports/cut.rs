@@ -24,7 +24,7 @@ pub extern "C" fn incise_fill_params_init(out: Option<&mut MaybeUninit<FillParam
     call(|| put(out, FillParams::from(&HoleParams::default()), "out"))
 }
 
-/// Cuts a copy of a mesh along the plane `normal . x = d`.
+/// Cuts a copy of a mesh along the plane `normal . x = d`, relative to the origin of the mesh.
 ///
 /// `normal` has 3 numbers of any length above 0. `params` may be NULL for the defaults. A plane
 /// that misses is no error: the report then has no hits. Free the result with
@@ -53,8 +53,8 @@ pub unsafe extern "C" fn incise_mesh_cut_plane(
 /// Cuts a copy of a mesh by a blade that moves from pose to pose, and may stop inside.
 ///
 /// The blade's edge is a polyline of `point_count` points, at least 2. `poses` has `pose_count`
-/// times `point_count` rows of 3 floats (meters). The first pose lies outside of the body. Motions
-/// of less than half an edge length add up.
+/// times `point_count` rows of 3 floats (meters), relative to the origin of the mesh. The first
+/// pose lies outside of the body. Motions of less than half an edge length add up.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn incise_mesh_cut_path(
     mesh: *mut Mesh,

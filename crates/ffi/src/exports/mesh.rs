@@ -40,8 +40,10 @@ pub struct MeshMeasures {
     pub low: [f32; 3],
     /// The other corner.
     pub high: [f32; 3],
-    /// Origin of all positions in the coordinates of the file. Not zero only for meshes far from
-    /// the origin.
+    /// The point to which all coordinates of the mesh are relative, in meters: vertices, `low`,
+    /// `high`, planes and poses of cuts. Zero unless the mesh is from a file whose coordinates are
+    /// far from zero compared to its size; the file is read relative to a near point then, so that
+    /// 32 bits keep its digits. `incise_mesh_write` adds it.
     pub origin: [f64; 3],
 }
 
@@ -64,7 +66,8 @@ pub struct FillReport {
 ///
 /// `vertices` has `vertex_count` rows of 3 floats (meters), `faces` has `face_count` rows of 3
 /// indices. `uv` has `uv_count` rows of 2 floats: none (NULL), one per vertex, or one per corner
-/// (3 * `face_count`). Free the mesh with `incise_mesh_free`.
+/// (3 * `face_count`). Its origin is zero: of vertices in 64 bits far from zero subtract a near
+/// point before they are rounded. Free the mesh with `incise_mesh_free`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn incise_mesh_new(
     vertices: *const f32,

@@ -1,7 +1,7 @@
 //! Scenes: parameters, colliders, blades, frames and undo.
 
 use crate::handles::{insert, remove, with};
-use crate::memory::{check_finite, count, fixed, input, output_text, put};
+use crate::memory::{count, fixed, input, output_bytes, output_text, put};
 use crate::params::{Collider, SceneParams};
 use crate::simulation::{Scene, SceneObject};
 use crate::status::{Error, Status, call};
@@ -67,7 +67,45 @@ pub extern "C" fn incise_scene_free(scene: *mut Scene) -> Status {
     call(|| remove::<SceneObject>(scene))
 }
 
-/// Sets the parameters from the next frame on.
+/// Saves a scene: bodies, blades, colliders and parameters, without the undoable cuts.
+///
+/// `length` gets the number of bytes. With a `capacity` of 0 nothing is copied.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn incise_scene_save(
+    scene: *mut Scene,
+    out: *mut u8,
+    capacity: usize,
+    length: Option<&mut MaybeUninit<usize>>,
+) -> Status {
+    call(|| {
+        with(scene, |scene: &mut SceneObject| {
+            let bytes = scene.scene.save()?;
+            // SAFETY: the caller's contract, see the README.
+            unsafe { output_bytes(&bytes, out, capacity, length) }
+        })
+    })
+}
+
+/// Makes a scene of the bytes of `incise_scene_save`, on the CPU. It goes on with the same bits.
+///
+/// Bodies and blades keep their indices. The undo limit is that of `incise_scene_params_init`. Free
+/// it with `incise_scene_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn incise_scene_load(
+    bytes: *const u8,
+    length: usize,
+    out: Option<&mut MaybeUninit<*mut Scene>>,
+) -> Status {
+    call(|| {
+        // SAFETY: the caller's contract, see the README.
+        let bytes = unsafe { input(bytes, length, "bytes")? };
+        let out = out.ok_or_else(|| Error::null("out"))?;
+        out.write(insert(SceneObject::load(bytes)?));
+        Ok(())
+    })
+}
+
+/// Sets the parameters from the next frame on; one out of range is an error, and nothing changes.
 #[unsafe(no_mangle)]
 pub extern "C" fn incise_scene_set_params(
     scene: *mut Scene,
@@ -163,7 +201,6 @@ pub unsafe extern "C" fn incise_scene_set_blade_face(
             // SAFETY: the caller's contract, see the README.
             false => Some(unsafe { fixed(face, "face")? }),
         };
-        check_finite(face.as_ref().map_or(&[], |face| face), "face")?;
         with(scene, |scene: &mut SceneObject| {
             scene.set_blade_face(blade, face)
         })
@@ -218,7 +255,7 @@ pub unsafe extern "C" fn incise_scene_failed_cuts(
     })
 }
 
-/// Undoes the last cut of a body, and ends the incisions of all blades.
+/// Undoes the last cut of a body, and ends the incisions in it.
 ///
 /// A blade that was inside the body cuts on from its next motion. One frame of a blade in motion is
 /// one cut.

@@ -76,14 +76,14 @@ impl From<&scene::SceneParams> for SceneParams {
 }
 
 impl SceneParams {
-    /// Returns the parameters of the library. Ranges are checked by each frame.
+    /// Returns the parameters of the library.
     pub(crate) fn check(&self) -> Result<scene::SceneParams, Error> {
         let defaults = scene::SceneParams::default();
         let contacts = ContactParams {
             thickness: self.contact_thickness,
             self_collision: flag(self.self_collision, "self_collision")?,
         };
-        Ok(scene::SceneParams {
+        let params = scene::SceneParams {
             dt: self.dt,
             solver: pbd::SolverParams {
                 gravity: self.gravity,
@@ -97,7 +97,9 @@ impl SceneParams {
             contacts: flag(self.contacts, "contacts")?.then_some(contacts),
             sleep: flag(self.sleep, "sleep")?.then(SleepParams::default),
             ..defaults
-        })
+        };
+        params.check()?;
+        Ok(params)
     }
 
     /// Returns the backend.

@@ -145,6 +145,34 @@ static void cuts(void) {
     OK(incise_mesh_free(piece));
 }
 
+/* Saves a scene, and steps it and the loaded one to the same bits. */
+static void saved(incise_scene *scene, uint32_t body) {
+    size_t length = 0;
+    OK(incise_scene_save(scene, NULL, 0, &length));
+    uint8_t *bytes = malloc(length);
+    EXPECT(incise_scene_save(scene, bytes, length - 1, NULL), BUFFER_TOO_SMALL, "needs");
+    OK(incise_scene_save(scene, bytes, length, NULL));
+    incise_scene *loaded = NULL;
+    EXPECT(incise_scene_load(bytes, length / 2, &loaded), FILE, "");
+    EXPECT(incise_scene_load(NULL, length, &loaded), NULL_POINTER, "bytes");
+    OK(incise_scene_load(bytes, length, &loaded));
+    free(bytes);
+    incise_body_counts counts;
+    OK(incise_body_count(scene, body, &counts));
+    float *positions[2];
+    for (int i = 0; i < 2; i++) {
+        incise_scene *of = i ? loaded : scene;
+        positions[i] = malloc(counts.vertices * 3 * sizeof(float));
+        OK(incise_scene_step(of, NULL));
+        OK(incise_body_positions(of, body, positions[i], 3 * (size_t)counts.vertices));
+    }
+    if (memcmp(positions[0], positions[1], counts.vertices * 3 * sizeof(float)) != 0)
+        failures++, printf("a loaded scene has other bits\n");
+    free(positions[0]);
+    free(positions[1]);
+    OK(incise_scene_free(loaded));
+}
+
 static void scenes(void) {
     incise_scene_params params;
     OK(incise_scene_params_init(&params));
@@ -192,12 +220,26 @@ static void scenes(void) {
     float positions[3];
     EXPECT(incise_body_positions(scene, body, positions, 3), BUFFER_TOO_SMALL, "needs");
     EXPECT(incise_body_positions(scene, 1, positions, 3), OUT_OF_RANGE, "body 1");
+    const incise_scene_params valid = params;
     params.dt = NAN;
-    OK(incise_scene_set_params(scene, &params));
-    EXPECT(incise_scene_step(scene, NULL), SIMULATION, "");
-    params.dt = 1 / 60.0f;
-    OK(incise_scene_set_params(scene, &params));
+    EXPECT(incise_scene_set_params(scene, &params), INVALID_ARGUMENT, "dt is NaN");
+    params = valid, params.gravity[1] = NAN;
+    EXPECT(incise_scene_set_params(scene, &params), INVALID_ARGUMENT, "gravity");
+    params = valid, params.cut.grading = NAN;
+    EXPECT(incise_scene_set_params(scene, &params), INVALID_ARGUMENT, "grading");
+    params = valid, params.substeps = UINT32_MAX;
+    EXPECT(incise_scene_set_params(scene, &params), INVALID_ARGUMENT, "substeps");
+    OK(incise_scene_set_params(scene, &valid));
     OK(incise_scene_step(scene, NULL));
+    saved(scene, body);
+    OK(incise_material_init(INCISE_MATERIAL_SOFT_BODY, &material));
+    material.friction = 0.9f;
+    OK(incise_body_set_material(scene, body, &material));
+    EXPECT(incise_body_set_material(scene, body, NULL), NULL_POINTER, "material");
+    material.friction = NAN;
+    EXPECT(incise_body_set_material(scene, body, &material), SIMULATION, "friction");
+    material.friction = 0, material.density = 2;
+    EXPECT(incise_body_set_material(scene, body, &material), SIMULATION, "density");
     OK(incise_scene_remove_body(scene, body));
     EXPECT(incise_scene_remove_body(scene, body), OUT_OF_RANGE, "body");
     OK(incise_scene_free(scene));

@@ -87,7 +87,7 @@ namespace Incise
     /// <summary>P/Invoke. Arrays of blittable elements are pinned, not copied.</summary>
     internal static class Native
     {
-        const string Dll = "incise_c";
+        internal const string Dll = "incise_c";
 
         static Native()
         {
@@ -133,13 +133,16 @@ namespace Incise
         /// <summary>Returns the number of rows of a flat array.</summary>
         internal static UIntPtr Rows(Array array, int width, string name)
         {
-            if (array == null) return UIntPtr.Zero;
-            if (array.Length % width != 0)
+            return array == null ? UIntPtr.Zero : Rows(array.Length, width, name);
+        }
+
+        internal static UIntPtr Rows(int length, int width, string name)
+        {
+            if (length % width != 0)
             {
-                throw new ArgumentException(
-                    array.Length + " numbers are no rows of " + width, name);
+                throw new ArgumentException(length + " numbers are no rows of " + width, name);
             }
-            return (UIntPtr)(ulong)(array.Length / width);
+            return (UIntPtr)(ulong)(length / width);
         }
 
         internal delegate Status TextCall(byte[] text, UIntPtr capacity, out UIntPtr length);
@@ -229,6 +232,10 @@ namespace Incise
         [DllImport(Dll)] internal static extern Status incise_scene_free(IntPtr scene);
         [DllImport(Dll)] internal static extern Status incise_scene_set_params(
             SceneHandle scene, ref SceneParams parameters);
+        [DllImport(Dll)] internal static extern Status incise_scene_save(
+            SceneHandle scene, [Out] byte[] bytes, UIntPtr capacity, out UIntPtr length);
+        [DllImport(Dll)] internal static extern Status incise_scene_load(
+            byte[] bytes, UIntPtr length, out SceneHandle scene);
         [DllImport(Dll)] internal static extern Status incise_scene_set_colliders(
             SceneHandle scene, Collider[] colliders, UIntPtr count);
         [DllImport(Dll)] internal static extern Status incise_scene_add_blade(
@@ -252,6 +259,8 @@ namespace Incise
             SceneHandle scene, MeshHandle mesh, ref Material material, out uint body);
         [DllImport(Dll)] internal static extern Status incise_scene_remove_body(
             SceneHandle scene, uint body);
+        [DllImport(Dll)] internal static extern Status incise_body_set_material(
+            SceneHandle scene, uint body, ref Material material);
         [DllImport(Dll)] internal static extern Status incise_body_count(
             SceneHandle scene, uint body, out BodyCounts counts);
         [DllImport(Dll)] internal static extern Status incise_body_positions(

@@ -4,7 +4,7 @@ namespace Incise
 {
     /// <summary>Bodies and blades, stepped frame by frame.</summary>
     /// <remarks>Bodies and blades are named by the indices that their Add methods return.</remarks>
-    public sealed class Scene : IDisposable
+    public sealed partial class Scene : IDisposable
     {
         readonly SceneHandle handle;
 
@@ -13,6 +13,29 @@ namespace Incise
         {
             SceneParams scene = parameters ?? SceneParams.Default;
             Native.Check(Native.incise_scene_new(ref scene, out handle));
+        }
+
+        Scene(SceneHandle handle)
+        {
+            this.handle = handle;
+        }
+
+        /// <summary>Makes a scene of the bytes of Save. It goes on with the same bits.</summary>
+        public static Scene Load(byte[] bytes)
+        {
+            SceneHandle scene;
+            Native.Check(Native.incise_scene_load(bytes, Native.Size(bytes), out scene));
+            return new Scene(scene);
+        }
+
+        /// <summary>Returns the scene as bytes, without the undoable cuts.</summary>
+        public byte[] Save()
+        {
+            UIntPtr length;
+            Native.Check(Native.incise_scene_save(handle, null, UIntPtr.Zero, out length));
+            var bytes = new byte[(int)length];
+            Native.Check(Native.incise_scene_save(handle, bytes, length, out length));
+            return bytes;
         }
 
         /// <summary>Sets the parameters from the next frame on.</summary>
@@ -42,6 +65,13 @@ namespace Incise
         public void RemoveBody(uint body)
         {
             Native.Check(Native.incise_scene_remove_body(handle, body));
+        }
+
+        /// <summary>Changes the numbers of a body's material from the next frame on.</summary>
+        /// <remarks>The density stays, and bending and springs do not come or go.</remarks>
+        public void SetMaterial(uint body, Material material)
+        {
+            Native.Check(Native.incise_body_set_material(handle, body, ref material));
         }
 
         /// <summary>Adds a blade with its edge from start to end: 6 floats.</summary>
@@ -92,7 +122,7 @@ namespace Incise
             }
         }
 
-        /// <summary>Undoes the last cut of a body, and ends the incisions of all blades.</summary>
+        /// <summary>Undoes the last cut of a body, and ends the incisions in it.</summary>
         public void Undo(uint body)
         {
             Native.Check(Native.incise_scene_undo(handle, body));

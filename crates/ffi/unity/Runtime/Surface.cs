@@ -4,7 +4,7 @@ namespace Incise
 {
     /// <summary>A triangle surface: a body or a sheet that can be cut.</summary>
     /// <remarks>Arrays are flat: 3 floats per vertex (meters), 3 indices per triangle.</remarks>
-    public sealed class Surface : IDisposable
+    public sealed partial class Surface : IDisposable
     {
         internal readonly MeshHandle Handle;
 
@@ -178,10 +178,14 @@ namespace Incise
         internal static void RequireLength(Array array, int length, string name)
         {
             if (array == null) throw new ArgumentNullException(name);
-            if (array.Length != length)
+            RequireLength(array.Length, length, name);
+        }
+
+        internal static void RequireLength(int found, int length, string name)
+        {
+            if (found != length)
             {
-                throw new ArgumentException(
-                    array.Length + " numbers, not " + length, name);
+                throw new ArgumentException(found + " numbers, not " + length, name);
             }
         }
     }

@@ -164,6 +164,29 @@ static class Program
             ExpectError(Status.BufferTooSmall, "needs",
                 () => scene.CopyPositions(body, new float[3]));
             ExpectError(Status.OutOfRange, "blade 3", () => scene.MoveBlade(3, edge));
+            edge[4] = float.NaN;
+            ExpectError(Status.InvalidArgument, "edge[4]", () => scene.MoveBlade(blade, edge));
+            SceneParams bad = parameters;
+            bad.Dt = float.NaN;
+            ExpectError(Status.InvalidArgument, "dt is NaN", () => scene.SetParams(bad));
+            Material slippery = Material.SoftBody;
+            slippery.Friction = 0;
+            scene.SetMaterial(body, slippery);
+            slippery.Friction = float.NaN;
+            ExpectError(Status.Simulation, "friction", () => scene.SetMaterial(body, slippery));
+            using (Scene loaded = Scene.Load(scene.Save()))
+            {
+                scene.Step();
+                loaded.Step();
+                var others = new float[3 * loaded.Counts(body).Vertices];
+                positions = new float[others.Length];
+                scene.CopyPositions(body, positions);
+                loaded.CopyPositions(body, others);
+                bool isSame = true;
+                for (int k = 0; k < others.Length; k++) isSame &= positions[k] == others[k];
+                Expect(isSame, "a loaded scene goes on with the same bits");
+            }
+            ExpectError(Status.File, "", () => Scene.Load(new byte[9]));
             scene.SetColliders(new[] {
                 new Collider { Kind = ColliderKind.Sphere, Radius = 0.1f, PositionY = -5 },
                 new Collider { Kind = ColliderKind.Box, HalfX = 1, HalfY = 1, HalfZ = 1,
@@ -171,6 +194,46 @@ static class Program
             scene.Step();
         }
     }
+
+#if INCISE_SPANS
+    static void SpansAreArrays()
+    {
+        var padded = new float[Corners.Length + 5];
+        Array.Copy(Corners, 0, padded, 2, Corners.Length);
+        var corners = new ReadOnlySpan<float>(padded, 2, Corners.Length);
+        using (Surface surface = Surface.FromArrays(corners, new ReadOnlySpan<int>(Sides)))
+        using (Surface repaired = Surface.Repair(corners, new ReadOnlySpan<int>(Sides)))
+        using (var scene = new Scene())
+        {
+            Expect(surface.Measures.Volume == repaired.Measures.Volume, "volumes of spans");
+            uint body = scene.AddBody(surface);
+            var edge = new float[] { 0, -9, 0, 0, -9, 0, 1, 0 };
+            uint blade = scene.AddBlade(new ReadOnlySpan<float>(edge, 1, 6));
+            scene.MoveBlade(blade, new ReadOnlySpan<float>(edge, 1, 6));
+            scene.TeleportBlade(blade, new ReadOnlySpan<float>(edge, 2, 6));
+            Throws<ArgumentException>(() =>
+                scene.MoveBlade(blade, new ReadOnlySpan<float>(edge, 0, 5)));
+            scene.Pin(body, 1);
+            scene.MovePin(body, 1, new ReadOnlySpan<float>(new float[] { 2, 0, 0 }));
+            scene.Step();
+            var copy = new float[12];
+            scene.CopyPositions(body, copy);
+            var buffer = new float[20];
+            scene.CopyPositions(body, new Span<float>(buffer, 4, 12));
+            for (int k = 0; k < 12; k++) Expect(buffer[4 + k] == copy[k], "position " + k);
+            Expect(copy[3] == 2 && buffer[3] == 0 && buffer[16] == 0, "within the span");
+            var faces = new int[12];
+            scene.CopyFaces(body, new Span<int>(faces));
+            Expect(faces[11] == Sides[11], "faces of spans");
+            ExpectError(Status.BufferTooSmall, "needs",
+                () => scene.CopyPositions(body, new Span<float>(buffer, 0, 11)));
+            ExpectError(Status.NullPointer, "out",
+                () => scene.CopyPositions(body, Span<float>.Empty));
+        }
+        Throws<ArgumentException>(() =>
+            Surface.FromArrays(new ReadOnlySpan<float>(Corners, 0, 4), new ReadOnlySpan<int>(Sides)));
+    }
+#endif
 
     static int Main(string[] arguments)
     {
@@ -181,6 +244,9 @@ static class Program
         }
         Errors();
         SceneIsSteppedAndCut();
+#if INCISE_SPANS
+        SpansAreArrays();
+#endif
         Expect(Library.LiveHandles == 0, "every object was disposed of");
         Console.WriteLine("incise {0}: {1} failures", Library.Version, failures);
         return failures == 0 ? 0 : 1;

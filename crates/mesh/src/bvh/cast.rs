@@ -18,6 +18,19 @@ pub struct RayHit {
     pub from_inside: bool,
 }
 
+impl RayHit {
+    /// Returns the corner of the triangle that is nearest to the point, 0 to 2.
+    #[must_use]
+    pub fn nearest_corner(&self) -> usize {
+        let [a, b, c] = self.weights;
+        if a >= b && a >= c {
+            0
+        } else {
+            1 + usize::from(c > b)
+        }
+    }
+}
+
 /// A ray with precomputed values for box tests.
 struct Ray {
     origin: Vec3,

@@ -7,6 +7,8 @@ use crate::geometry::Aabb;
 use crate::io::build::Builder;
 use crate::io::data::{MeshData, Warning};
 use crate::io::error::ParseError;
+#[cfg(doc)]
+use crate::surface::Surface;
 
 /// Distance from the origin, in diagonals, beyond which coordinates get another origin.
 const FAR: f64 = 100.0;
@@ -31,10 +33,13 @@ pub(super) fn read_near_origin(
     Ok(data)
 }
 
-/// Returns a point close to a distant box, and zero for any other box.
+/// Returns an origin for positions in `bounds`: a near point if they are far away, else zero.
 ///
-/// It lies on a grid of the box's size, so that round coordinates stay round.
-fn nearby_origin(bounds: &Aabb) -> [f64; 3] {
+/// Far is a distance of more than 100 diagonals. Positions of 64 bits keep their digits if it is
+/// subtracted before they are rounded to 32 bits, see [`Surface::set_origin`]. It lies on a grid of
+/// the box's size, so that round coordinates stay round.
+#[must_use]
+pub fn nearby_origin(bounds: &Aabb) -> [f64; 3] {
     let center = bounds.center();
     // Vertices closer than the spacing of 32-bit numbers may have become one.
     let spacing = center.amax() * f64::from(f32::EPSILON);

@@ -79,7 +79,7 @@ impl Solver {
     /// # Errors
     /// [`ConstraintError`] if the number is out of range; nothing is changed then.
     pub fn set_stretch(&mut self, stiffness: Stiffness) -> Result<(), ConstraintError> {
-        self.set_material(Material {
+        self.replace_material(Material {
             stretch: stiffness,
             ..self.material
         })
@@ -90,7 +90,7 @@ impl Solver {
     /// # Errors
     /// [`ConstraintError`] if the number is out of range; nothing is changed then.
     pub fn set_damping(&mut self, damping: f32) -> Result<(), ConstraintError> {
-        self.set_material(Material {
+        self.replace_material(Material {
             damping,
             ..self.material
         })
@@ -128,7 +128,7 @@ impl Solver {
     ) -> Result<(), ConstraintError> {
         self.check_surface(surface)?;
         let before = self.material.volume;
-        self.set_material(Material {
+        self.replace_material(Material {
             volume,
             ..self.material
         })?;
@@ -140,7 +140,37 @@ impl Solver {
         Ok(())
     }
 
-    fn set_material(&mut self, material: Material) -> Result<(), ConstraintError> {
+    /// Changes the material from the next frame on.
+    ///
+    /// All numbers may change except the density of the body, and volume may come and go. Bending
+    /// and interior springs cannot: their constraints are made with the body.
+    ///
+    /// # Errors
+    /// [`ConstraintError`] if a number is out of range, and [`ConstraintError::FixedMaterial`];
+    /// nothing is changed then.
+    pub fn set_material(
+        &mut self,
+        surface: &Surface,
+        material: &Material,
+    ) -> Result<(), ConstraintError> {
+        let old = self.material;
+        let kinds = |of: &Material| (of.bending.is_some(), of.interior_springs.is_some());
+        let ((bends, springs), (bent, sprung)) = (kinds(material), kinds(&old));
+        for (name, is_kept) in [
+            ("density", material.density == old.density),
+            ("bending", bends == bent),
+            ("interior springs", springs == sprung),
+        ] {
+            if !is_kept {
+                return Err(ConstraintError::FixedMaterial { name });
+            }
+        }
+        material.check()?;
+        self.set_volume(surface, material.volume)?;
+        self.replace_material(*material)
+    }
+
+    fn replace_material(&mut self, material: Material) -> Result<(), ConstraintError> {
         material.check()?;
         self.material = material;
         Ok(())

@@ -1,10 +1,21 @@
-//! Parameters of a scene as properties. A step checks them.
+//! Parameters of a scene as properties, which are checked when they are set.
 
 use super::Scene;
-use crate::arguments::{cut_method, method_name};
+use crate::arguments::{count, cut_method, method_name};
 use crate::error::WebError;
-use incise::prelude::{ContactParams, SleepParams};
+use incise::prelude::{ContactParams, SceneParams, SleepParams};
 use wasm_bindgen::prelude::wasm_bindgen;
+
+impl Scene {
+    /// Changes the parameters, or nothing if one is out of range.
+    fn change(&mut self, change: impl FnOnce(&mut SceneParams)) -> Result<(), WebError> {
+        let mut params = self.simulation.params;
+        change(&mut params);
+        params.check()?;
+        self.simulation.params = params;
+        Ok(())
+    }
+}
 
 #[wasm_bindgen]
 impl Scene {
@@ -16,9 +27,12 @@ impl Scene {
     }
 
     /// Sets the duration of a frame \[s\].
+    ///
+    /// # Errors
+    /// Throws for a value out of range; nothing is changed then.
     #[wasm_bindgen(setter)]
-    pub fn set_dt(&mut self, seconds: f32) {
-        self.simulation.params.dt = seconds;
+    pub fn set_dt(&mut self, seconds: f32) -> Result<(), WebError> {
+        self.change(|params| params.dt = seconds)
     }
 
     /// Substeps of a frame; more are stiffer.
@@ -29,9 +43,13 @@ impl Scene {
     }
 
     /// Sets the substeps of a frame.
+    ///
+    /// # Errors
+    /// Throws for a value out of range; nothing is changed then.
     #[wasm_bindgen(setter)]
-    pub fn set_substeps(&mut self, count: u32) {
-        self.simulation.params.solver.substeps = count;
+    pub fn set_substeps(&mut self, substeps: f64) -> Result<(), WebError> {
+        let substeps = count("substeps", substeps)?;
+        self.change(|params| params.solver.substeps = substeps)
     }
 
     /// Iterations of a substep.
@@ -42,15 +60,22 @@ impl Scene {
     }
 
     /// Sets the iterations of a substep.
+    ///
+    /// # Errors
+    /// Throws for a value out of range; nothing is changed then.
     #[wasm_bindgen(setter)]
-    pub fn set_iterations(&mut self, count: u32) {
-        self.simulation.params.solver.iterations = count;
+    pub fn set_iterations(&mut self, iterations: f64) -> Result<(), WebError> {
+        let iterations = count("iterations", iterations)?;
+        self.change(|params| params.solver.iterations = iterations)
     }
 
     /// Sets the gravitational acceleration [m/s^2].
+    ///
+    /// # Errors
+    /// Throws for a value out of range; nothing is changed then.
     #[wasm_bindgen(js_name = setGravity)]
-    pub fn set_gravity(&mut self, x: f32, y: f32, z: f32) {
-        self.simulation.params.solver.gravity = [x, y, z];
+    pub fn set_gravity(&mut self, x: f32, y: f32, z: f32) -> Result<(), WebError> {
+        self.change(|params| params.solver.gravity = [x, y, z])
     }
 
     /// Height of the floor \[m\]; `undefined` without one.
@@ -61,9 +86,12 @@ impl Scene {
     }
 
     /// Sets the height of the floor \[m\], or removes it with `undefined`.
+    ///
+    /// # Errors
+    /// Throws for a value out of range; nothing is changed then.
     #[wasm_bindgen(setter)]
-    pub fn set_floor(&mut self, height: Option<f32>) {
-        self.simulation.params.solver.ground = height;
+    pub fn set_floor(&mut self, height: Option<f32>) -> Result<(), WebError> {
+        self.change(|params| params.solver.ground = height)
     }
 
     /// Sets whether bodies and pieces touch each other, and the walls of incisions, too.

@@ -1,0 +1,92 @@
+//! Blades and colliders of a [`Scene`].
+
+use super::{Scene, unknown};
+use crate::arrays::{edge, vector};
+use crate::error::OrRaise;
+use crate::options::choice;
+use crate::solver_options::collider;
+use incise::scene::{BladeId, BladeMode};
+use pyo3::prelude::*;
+
+/// The names of the modes of blades.
+const MODES: [(&str, BladeMode); 2] = [
+    ("progressive", BladeMode::Progressive),
+    ("full-slices", BladeMode::FullSlices),
+];
+
+impl Scene {
+    fn blade_id(&self, blade: usize) -> PyResult<BladeId> {
+        let id = self.scene.blades().nth(blade);
+        id.ok_or_else(|| unknown("blade", blade))
+    }
+}
+
+#[pymethods]
+impl Scene {
+    /// Adds a straight blade with its edge from start to end [m], shape (2, 3); returns its number.
+    ///
+    /// `mode` is "progressive", a blade that may stop inside a body, or "full-slices".
+    #[pyo3(signature = (edge, mode=None))]
+    fn add_blade(
+        &mut self,
+        edge: &Bound<'_, PyAny>,
+        mode: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<usize> {
+        let edge = self::edge(edge, "edge")?;
+        let mode = mode.map(|mode| choice(mode, "mode", &MODES)).transpose()?;
+        let blade = self.scene.add_blade(edge);
+        if let Some(mode) = mode {
+            self.scene.set_blade_mode(blade, mode).or_raise()?;
+        }
+        Ok(self.scene.blades().count() - 1)
+    }
+
+    /// Moves a blade to a pose [m], shape (2, 3); the next step cuts along its sweep.
+    fn set_blade(&mut self, blade: usize, edge: &Bound<'_, PyAny>) -> PyResult<()> {
+        let edge = self::edge(edge, "edge")?;
+        self.scene
+            .move_blade(self.blade_id(blade)?, edge)
+            .or_raise()
+    }
+
+    /// Moves a blade without a cut and ends its incisions.
+    fn teleport_blade(&mut self, blade: usize, edge: &Bound<'_, PyAny>) -> PyResult<()> {
+        let edge = self::edge(edge, "edge")?;
+        self.scene
+            .teleport_blade(self.blade_id(blade)?, edge)
+            .or_raise()
+    }
+
+    /// Gives a blade a face, the vector from its edge to its back [m], which pushes bodies.
+    ///
+    /// None removes it. Faces need `contacts`.
+    #[pyo3(signature = (blade, face))]
+    fn set_blade_face(&mut self, blade: usize, face: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let face = face.map(|face| vector(face, "face")).transpose()?;
+        self.scene
+            .set_blade_face(self.blade_id(blade)?, face)
+            .or_raise()
+    }
+
+    /// Restricts a blade to one piece of the bodies; None cuts all pieces.
+    #[pyo3(signature = (blade, piece))]
+    fn set_blade_piece(&mut self, blade: usize, piece: Option<u32>) -> PyResult<()> {
+        self.scene
+            .set_blade_piece(self.blade_id(blade)?, piece)
+            .or_raise()
+    }
+
+    /// Replaces the rigid obstacles, a list of dictionaries with one shape each.
+    ///
+    /// {"plane": {"point", "normal"}}, {"sphere": {"center", "radius"}}, {"capsule": {"ends",
+    /// "radius"}} or {"box": {"center", "half", "axes"}}. A list of the same length moves them
+    /// within the next frame.
+    fn set_colliders(&mut self, colliders: Vec<Bound<'_, PyAny>>) -> PyResult<()> {
+        let read = colliders
+            .iter()
+            .enumerate()
+            .map(|(i, value)| collider(value, i));
+        self.scene.colliders = read.collect::<PyResult<_>>()?;
+        Ok(())
+    }
+}

@@ -1,0 +1,227 @@
+"""Scenes: undo, removal, rays, changes of parameters and materials, saving and copies."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+import incise
+
+NAN, INF = float("nan"), float("inf")
+
+
+def edge(x: float, y: float = 0.1) -> Any:
+    return [[x, y, -2.0], [x, y, 2.0]]
+
+
+def slice_body(scene: incise.Scene, blade: int, y: float) -> None:
+    scene.teleport_blade(blade, edge(-2, y))
+    scene.set_blade(blade, edge(2, y))
+    assert scene.step().cuts == 1
+
+
+def test_cuts_are_undone_to_the_bit(bunny: incise.Mesh) -> None:
+    scene = incise.Scene(gravity=(0, 0, 0))
+    body = scene.add_body(bunny)
+    blade = scene.add_blade(edge(-2))
+    before = scene.faces(body)
+    for y in (0.1, -0.05):
+        slice_body(scene, blade, y)
+    assert scene.undo_count() == scene.undo_count(body) == 2
+    pieces = scene.piece_numbers(body)
+    scene.undo(body)
+    assert 1 < len(scene.piece_numbers(body)) < len(pieces)
+    scene.undo()
+    np.testing.assert_array_equal(scene.faces(body), before)
+    assert scene.piece_numbers(body) == [0]
+    with pytest.raises(incise.Error, match="no cut to undo"):
+        scene.undo()
+    with pytest.raises(incise.SceneError, match="body 0 has no cut"):
+        scene.undo(body)
+    scene.step()
+
+
+def test_only_the_last_cuts_are_kept(bunny: incise.Mesh) -> None:
+    scene = incise.Scene(gravity=(0, 0, 0), undo_limit=1)
+    scene.add_body(bunny)
+    blade = scene.add_blade(edge(-2))
+    for y in (0.1, -0.05):
+        slice_body(scene, blade, y)
+    assert scene.undo_count() == 1
+    scene.set_params(undo_limit=0)
+    assert scene.undo_count() == 0
+
+
+def test_a_removed_body_is_gone_and_the_others_keep_their_numbers(sphere: incise.Mesh) -> None:
+    scene = incise.Scene(gravity=(0, 0, 0))
+    first, second = scene.add_body(sphere), scene.add_body(sphere)
+    blade = scene.add_blade(edge(-2))
+    scene.set_blade(blade, edge(2))
+    assert scene.step().cuts == 2
+    scene.remove_body(first)
+    assert scene.bodies == [second] and scene.undo_count() == 1
+    with pytest.raises(incise.SceneError, match="body 0 does not exist"):
+        scene.positions(first)
+    assert scene.add_body(sphere) == 2
+    loaded = incise.Scene.load(scene.save())
+    assert loaded.bodies == [1, 2]
+    np.testing.assert_array_equal(loaded.positions(second), scene.positions(second))
+
+
+def test_a_ray_hits_the_nearest_face(sphere: incise.Mesh) -> None:
+    scene = incise.Scene()
+    body = scene.add_body(sphere)
+    hit = scene.cast_ray(body, [0.1, 0.05, 5], [0, 0, -2])
+    assert hit is not None and not hit.from_inside
+    corners = scene.positions(body)[scene.faces(body)[hit.face]].astype(np.float64)
+    np.testing.assert_allclose(np.asarray(hit.weights) @ corners, hit.point, atol=1e-6)
+    np.testing.assert_allclose(hit.point, [0.1, 0.05, 5 - 2 * hit.distance])
+    assert hit.point[2] > 0.4
+    nearest = scene.faces(body)[hit.face][np.argmax(hit.weights)]
+    assert hit.vertex == nearest
+    assert scene.cast_ray(body, [2, 2, 5], [0, 0, -1]) is None
+
+
+def test_changed_parameters_are_those_of_a_new_scene(sphere: incise.Mesh) -> None:
+    new: Any = {"dt": 0.01, "substeps": 4, "iterations": 2, "gravity": [0, -1, 0], "ground": -0.51}
+    changed, made = incise.Scene(), incise.Scene(**new)
+    changed.set_params(**new)
+    for scene in (changed, made):
+        scene.add_body(sphere)
+        for _ in range(20):
+            scene.step()
+    np.testing.assert_array_equal(changed.positions(0), made.positions(0))
+
+
+def test_absent_parameters_stay(sphere: incise.Mesh) -> None:
+    scene = incise.Scene(gravity=(0, 0, 0), level="2x-coarser")
+    body = scene.add_body(sphere)
+    blade = scene.add_blade(edge(-2))
+    coarse = incise.Scene(gravity=(0, 0, 0), level="2x-coarser", snap=0.2)
+    coarse.add_body(sphere)
+    coarse.add_blade(edge(-2))
+    scene.set_params(snap=0.2)
+    for each in (scene, coarse):
+        slice_body(each, blade, 0.1)
+    np.testing.assert_array_equal(scene.positions(body), coarse.positions(body))
+    assert abs(scene.positions(body)[:, 1].mean()) < 0.1, "no gravity"
+
+
+def test_a_refused_parameter_changes_nothing(sphere: incise.Mesh) -> None:
+    scene = incise.Scene(gravity=(0, 0, 0), dt=0.01)
+    body = scene.add_body(sphere)
+    before = scene.save()
+    with pytest.raises(incise.Error, match="substeps"):
+        scene.set_params(dt=0.5, gravity=(0, -9, 0), substeps=0)
+    assert scene.save() == before
+    with pytest.raises(incise.SceneError, match="friction"):
+        scene.set_material(body, damping=1.0, friction=-1.0)
+    with pytest.raises(incise.SceneError, match="the density of a body cannot be changed"):
+        scene.set_material(body, density={"per_area": 2.0})
+    with pytest.raises(incise.SceneError, match="bending"):
+        scene.set_material(body, bending=None)
+    scene.step()
+
+
+def test_a_changed_material_is_that_of_a_new_body(sphere: incise.Mesh) -> None:
+    positions = []
+    oiled: Any = {"damping": 5.0, "friction": 0.0}
+    for first, then in (({}, oiled), (oiled, {})):
+        scene = incise.Scene(ground=-0.55)
+        body = scene.add_body(sphere, "soft-body", **first)
+        scene.set_material(body, **then)
+        for _ in range(20):
+            scene.step()
+        positions.append(scene.positions(body))
+    np.testing.assert_array_equal(positions[0], positions[1])
+
+
+def test_a_loaded_scene_goes_on_with_the_same_bits(bunny: incise.Mesh) -> None:
+    scene = incise.Scene(ground=-0.5, contacts=True)
+    body = scene.add_body(bunny)
+    blade = scene.add_blade(edge(-2))
+    slice_body(scene, blade, 0.1)
+    others = [incise.Scene.load(scene.save()), copy.deepcopy(scene)]
+    others.append(pickle.loads(pickle.dumps(scene)))
+    for each in (scene, *others):
+        each.set_blade(blade, edge(-2, 0.12))
+        for _ in range(10):
+            each.step()
+        assert each.positions(body).tobytes() == scene.positions(body).tobytes()
+    for bad in (b"", b"incise", scene.save()[:-9]):
+        with pytest.raises(incise.FileError):
+            incise.Scene.load(bad)
+
+
+@pytest.mark.parametrize("value", [NAN, INF, -INF])
+def test_numbers_that_are_not_finite_are_refused_at_the_call(
+    sphere: incise.Mesh, value: float
+) -> None:
+    scene = incise.Scene(contacts=True)
+    body = scene.add_body(sphere)
+    blade = scene.add_blade(edge(-2))
+    scene.pin(body, 3)
+    pose, bad = np.array([[0, 0, 0], [0, value, 0]]), np.array([0, value, 0])
+    calls: list[tuple[str, Any]] = [
+        ("edge", lambda: scene.add_blade(pose)),
+        ("edge", lambda: scene.set_blade(blade, pose)),
+        ("edge", lambda: scene.teleport_blade(blade, pose)),
+        ("face", lambda: scene.set_blade_face(blade, bad)),
+        ("target", lambda: scene.set_pin_target(body, 3, bad)),
+        ("velocities", lambda: scene.set_velocities(body, np.full_like(sphere.vertices, value))),
+        ("origin", lambda: scene.cast_ray(body, bad, [0, 0, 1])),
+        ("direction", lambda: scene.cast_ray(body, [0, 0, 1], bad)),
+        ("dt", lambda: scene.step(dt=value)),
+        ("center", lambda: scene.set_colliders([{"sphere": {"center": bad, "radius": 1}}])),
+        ("normal", lambda: sphere.cut(bad)),
+        ("d is", lambda: sphere.cut([0, 1, 0], value)),
+        ("path", lambda: sphere.cut_path(np.array([pose, pose]))),
+        ("damping", lambda: scene.set_material(body, damping=value)),
+        ("compliance", lambda: scene.set_material(body, stretch={"compliance": value})),
+        ("pressure", lambda: scene.add_body(sphere, volume={"pressure": value})),
+    ]
+    for name in ("dt", "ground", "grading", "snap", "remesh", "level"):
+        option: Any = {name: value}
+        calls.append((name, lambda option=option: scene.set_params(**option)))
+        calls.append((name, lambda option=option: incise.Scene(**option)))
+    calls.append(("diagonal scale", lambda: scene.set_params(diagonal_scale=value)))
+    calls.append(("gravity", lambda: scene.set_params(gravity=bad)))
+    calls.append(("thickness", lambda: scene.set_params(contacts={"thickness": value})))
+    for name, call in calls:
+        with pytest.raises(incise.Error, match=name):
+            call()
+    assert scene.step().failed_cuts == 0
+    assert np.isfinite(scene.positions(body)).all()
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"threads": 0}, "threads is 0; pass 1 or more"),
+        ({"threads": -2}, "threads is -2"),
+        ({"substeps": -1}, "substeps is -1; pass 1 to 1048576"),
+        ({"iterations": 2**40}, "iterations is 1099511627776"),
+        ({"substeps": 1 << 21}, "substeps; use 1 to"),
+    ],
+)
+def test_counts_out_of_range_name_the_argument(options: Any, text: str) -> None:
+    with pytest.raises(incise.Error, match=text):
+        incise.Scene(**options)
+    with pytest.raises(ValueError, match=text):
+        incise.Scene().set_params(**options)
+
+
+def test_unknown_options_of_a_scene_list_those_of_a_scene() -> None:
+    misspelled: Any = {"grond": 1}
+    scene = incise.Scene()
+    for call in (lambda: incise.Scene(**misspelled), lambda: scene.set_params(**misspelled)):
+        with pytest.raises(TypeError, match="'grond'; options of a scene are dt.*ground.*level"):
+            call()
+    with pytest.raises(TypeError, match="substeps is no count"):
+        incise.Scene(substeps=1.5)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="sleep is no bool"):
+        incise.Scene(sleep="no")  # type: ignore[arg-type]

@@ -1,0 +1,95 @@
+use super::*;
+
+const UP: [f64; 3] = [0.0, 1.0, 0.0];
+
+#[test]
+fn a_cut_is_two_closed_pieces_with_caps_and_undo_takes_it_back() {
+    let mut mesh = Mesh::model("Sphere768").unwrap();
+    let before = mesh.surface().clone();
+    let report = mesh.cut(&UP, 0.0, None, None).unwrap();
+    assert!(!report.is_miss && report.refined && report.pieces_added == 1);
+    assert_eq!(mesh.piece_numbers().len(), 2);
+    let mask = mesh
+        .arrays()
+        .caps
+        .iter()
+        .map(|&m| usize::from(m))
+        .sum::<usize>();
+    assert_eq!(mask, report.cap_triangles);
+    let pieces = mesh
+        .piece_numbers()
+        .into_iter()
+        .map(|p| mesh.piece(p).unwrap());
+    for mut piece in pieces {
+        let report = piece.check().unwrap();
+        assert!(report.closed && report.defects.is_empty());
+    }
+    mesh.undo().unwrap();
+    assert_eq!(mesh.surface().positions(), before.positions());
+    assert!(
+        mesh.surface()
+            .topology()
+            .triangles()
+            .eq(before.topology().triangles())
+    );
+    assert!(matches!(mesh.undo(), Err(WebError::NothingToUndo)));
+    assert!(matches!(
+        mesh.piece(3),
+        Err(WebError::UnknownPiece { piece: 3 })
+    ));
+}
+
+#[test]
+fn exports_are_read_again() {
+    let mut mesh = Mesh::model("Sphere80").unwrap();
+    let _ = mesh
+        .cut(&UP, 0.1, Some("2x-finer".to_owned()), None)
+        .unwrap();
+    for (format, bytes) in [("obj", mesh.to_obj()), ("GLB", mesh.to_glb())] {
+        let read = Mesh::from_bytes(&bytes.unwrap(), format).unwrap();
+        assert_eq!(read.triangle_count(), mesh.triangle_count(), "{format}");
+    }
+}
+
+#[test]
+fn hostile_arrays_and_files_are_errors() {
+    let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    for (positions, triangles) in [
+        (&corners[..], &[0, 1, 3][..]),
+        (&corners, &[0, 1, u32::MAX]),
+        (&corners, &[0, 1]),
+        (&corners[..8], &[0, 1, 2]),
+        (&[f32::NAN; 9], &[0, 1, 2]),
+        (&[f32::INFINITY; 9], &[0, 1, 2]),
+        (&[0.0; 9], &[0, 1, 2]),
+        (&[], &[]),
+    ] {
+        assert!(
+            Mesh::from_slices(positions, triangles).is_err(),
+            "{triangles:?}"
+        );
+    }
+    let sheet = Mesh::from_slices(&corners, &[0, 1, 2]).unwrap();
+    assert_eq!((sheet.triangle_count(), sheet.piece_count()), (1, 1));
+    for format in ["obj", "ply", "stl", "glb", "gltf", "exe"] {
+        for bytes in [&[][..], &[0xff; 100], b"glTF\x02\0\0\0\xff\xff\xff\xff"] {
+            assert!(Mesh::from_bytes(bytes, format).is_err(), "{format}");
+        }
+    }
+}
+
+#[test]
+fn hostile_planes_are_errors_or_misses() {
+    let mut mesh = Mesh::model("Sphere80").unwrap();
+    for normal in [[0.0; 3], [f64::NAN; 3], [f64::INFINITY; 3]] {
+        assert!(mesh.cut(&normal, 0.0, None, None).is_err());
+    }
+    assert!(mesh.cut(&UP[..2], 0.0, None, None).is_err());
+    assert!(mesh.cut(&UP, f64::NAN, None, None).is_err());
+    for name in ["0", "nan", "-1", ""] {
+        assert!(mesh.cut(&UP, 0.0, Some(name.to_owned()), None).is_err());
+    }
+    assert!(mesh.cut(&UP, 0.0, None, Some("none".to_owned())).is_err());
+    assert!(mesh.cut(&UP, 1e300, None, None).unwrap().is_miss);
+    assert_eq!((mesh.undo_count(), mesh.triangle_count()), (0, 80));
+}
