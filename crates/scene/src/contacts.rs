@@ -32,7 +32,7 @@ use crate::body::Body;
 use crate::error::SceneError;
 use crate::scene::Bodies;
 use broad_phase::Pieces;
-use carriers::{Carriers, Touching, reaches_ground};
+use carriers::{Carriers, Touching};
 use edge_pairs::EdgePairs;
 use incise_mesh::Aabb;
 use incise_pbd_gpu::MovingCollider;
@@ -191,10 +191,12 @@ impl ContactDetection {
         };
         search.run(&mut self.rows, &mut self.edges);
         if let Some(ground) = frame.ground {
-            let motions = &*self.motions;
-            let is_low = reaches_ground(&self.pieces, motions, (ground, frame.dt));
-            let touching = Touching { bodies, motions };
-            self.carriers.mark(touching, is_low, &mut self.rows);
+            let touching = Touching {
+                bodies,
+                motions: &self.motions,
+                pieces: &self.pieces,
+            };
+            (self.carriers).mark(touching, (ground, frame), &mut self.rows);
         }
     }
 

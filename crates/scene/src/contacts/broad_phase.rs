@@ -94,6 +94,12 @@ impl Pieces {
         }
     }
 
+    /// Returns the mean velocity of the vertices of a piece [m/s].
+    pub(super) fn mean_velocity(&self, index: u32) -> Vec3 {
+        let (sum, count) = self.list[index as usize].velocity_sum;
+        sum / count
+    }
+
     /// Returns all pieces, ascending by index.
     pub(super) fn iter(&self) -> std::slice::Iter<'_, Piece> {
         self.list.iter()

@@ -1,9 +1,11 @@
-//! [`Carriers`]: which piece of a contact carries the other one on its way to the ground.
+//! [`Carriers`]: the contacts through which a falling column of pieces rests on the ground.
 //!
 //! Called by [`super::ContactDetection`] after the narrow phase. Pieces at the ground have level 0,
 //! pieces that touch them level 1, and so on. Of two pieces in contact the one of the lower level
-//! carries the other one.
+//! carries the other one. Only the contacts of columns of three pieces or more are marked, and only
+//! while one of the two pieces falls: the solver carries other loads well.
 
+use super::ContactFrame;
 use super::broad_phase::Pieces;
 use super::motion::Motion;
 use super::narrow_phase::{BodyContact, BodyRows};
@@ -13,13 +15,18 @@ use incise_pbd_gpu::{Carried, ContactKind};
 use std::cmp::Ordering;
 
 /// Level of a piece that no other one connects with the ground.
-const NONE: u32 = u32::MAX;
+const NO_LEVEL: u32 = u32::MAX;
+
+/// Minimum speed of a piece that falls [speeds gained by gravity in a frame].
+const MIN_FALL: f64 = 2.0;
 
 /// Levels of pieces, in memory reused between frames.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Carriers {
     /// By index of a piece in the broad phase.
     levels: Vec<u32>,
+    /// Whether a piece carries another one, by the same index.
+    carries: Vec<bool>,
     /// Pairs of pieces in contact, in both orders, ascending.
     pairs: Vec<[u32; 2]>,
     /// Pieces with a level, ascending by it.
@@ -27,15 +34,14 @@ pub(super) struct Carriers {
 }
 
 impl Carriers {
-    /// Sets [`incise_pbd_gpu::Contact::carried`] of all contacts above a ground.
-    ///
-    /// `is_low` says of every piece whether it may touch the ground within the frame.
+    /// Sets [`incise_pbd_gpu::Contact::carried`] of the contacts above a ground \[m\].
     pub(super) fn mark(
         &mut self,
         touching: Touching<'_>,
-        is_low: impl Iterator<Item = bool>,
+        (ground, frame): (f32, &ContactFrame<'_>),
         rows: &mut [BodyRows],
     ) {
+        let is_low = reaches_ground(touching, ground, frame.dt);
         self.find_levels(touching, is_low, rows);
         if self.queue.is_empty() {
             return;
@@ -45,13 +51,27 @@ impl Carriers {
                 let Some(pair) = touching.pieces_of(i, found) else {
                     continue;
                 };
-                let [first, second] = pair.map(|piece| self.levels[piece as usize]);
-                found.contact.carried = match first.cmp(&second) {
-                    Ordering::Less => Carried::Second,
-                    Ordering::Equal => Carried::Neither,
-                    Ordering::Greater => Carried::First,
-                };
+                let speed = pair.map(|piece| -touching.pieces.mean_velocity(piece).y);
+                if f64::max(speed[0], speed[1]) > MIN_FALL * frame.speed_gain {
+                    found.contact.carried = self.carried(pair);
+                }
             }
+        }
+    }
+
+    /// Returns which of two pieces in contact is carried in a column.
+    fn carried(&self, pair: [u32; 2]) -> Carried {
+        let [first, second] = pair.map(|piece| self.levels[piece as usize]);
+        let (carried, upper) = match first.cmp(&second) {
+            Ordering::Less => (Carried::Second, pair[1]),
+            Ordering::Equal => return Carried::Neither,
+            Ordering::Greater => (Carried::First, pair[0]),
+        };
+        let is_in_column = first.max(second) > 1 || self.carries[upper as usize];
+        if is_in_column {
+            carried
+        } else {
+            Carried::Neither
         }
     }
 
@@ -65,9 +85,11 @@ impl Carriers {
         self.levels.clear();
         self.queue.clear();
         for (piece, is_low) in (0..).zip(is_low) {
-            self.levels.push(if is_low { 0 } else { NONE });
+            self.levels.push(if is_low { 0 } else { NO_LEVEL });
             self.queue.extend(is_low.then_some(piece));
         }
+        self.carries.clear();
+        self.carries.resize(self.levels.len(), false);
         if self.queue.is_empty() {
             return;
         }
@@ -88,10 +110,11 @@ impl Carriers {
             let first = self.pairs.partition_point(|pair| pair[0] < piece);
             let pairs = self.pairs[first..].iter();
             for &[_, other] in pairs.take_while(|pair| pair[0] == piece) {
-                if self.levels[other as usize] == NONE {
+                if self.levels[other as usize] == NO_LEVEL {
                     self.levels[other as usize] = level;
                     self.queue.push(other);
                 }
+                self.carries[piece as usize] |= self.levels[other as usize] == level;
             }
         }
     }
@@ -102,6 +125,7 @@ impl Carriers {
 pub(super) struct Touching<'a> {
     pub(super) bodies: &'a Bodies,
     pub(super) motions: &'a [Motion],
+    pub(super) pieces: &'a Pieces,
 }
 
 impl Touching<'_> {
@@ -126,14 +150,14 @@ impl Touching<'_> {
 }
 
 /// Returns for each piece whether it may touch the ground \[m\] within a frame of `dt` \[s\].
-pub(super) fn reaches_ground<'a>(
-    pieces: &'a Pieces,
-    motions: &'a [Motion],
-    (ground, dt): (f32, f64),
-) -> impl Iterator<Item = bool> + 'a {
-    pieces.iter().map(move |piece| {
+fn reaches_ground(
+    touching: Touching<'_>,
+    ground: f32,
+    dt: f64,
+) -> impl Iterator<Item = bool> + use<'_> {
+    touching.pieces.iter().map(move |piece| {
         let fall = f64::min(0.0, piece.velocity_bounds[0].y) * dt;
-        let thickness = motions[piece.body as usize].thickness;
+        let thickness = touching.motions[piece.body as usize].thickness;
         f64::from(piece.bounds.min[1]) + fall - thickness <= f64::from(ground)
     })
 }
