@@ -17,6 +17,7 @@ use incise_pbd_gpu::{ConstraintError, Material, PatchParams, Solver};
 #[cfg(feature = "serde")]
 pub(crate) use saved::SavedBody;
 use std::fmt;
+use std::num::NonZeroUsize;
 use std::time::Duration;
 use web_time::Instant;
 
@@ -256,6 +257,11 @@ impl Body {
     /// Ends all incisions.
     pub(crate) fn end_all_incisions(&mut self) {
         self.incisions.clear();
+    }
+
+    /// Sets the maximum number of threads of a cut.
+    pub(crate) fn set_cut_threads(&mut self, threads: Option<NonZeroUsize>) {
+        self.cutter.set_threads(threads);
     }
 
     /// Cuts along the sweep of a blade and updates constraints and masses.

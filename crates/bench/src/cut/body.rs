@@ -47,8 +47,10 @@ impl CutBody {
     /// Returns a body of the table's material.
     pub(super) fn new(mut surface: Surface) -> Result<Self, Box<dyn Error>> {
         let solver = Solver::new(&mut surface, &motion::material())?;
+        let mut cutter = Cutter::new(&surface);
+        cutter.set_threads(None);
         Ok(Self {
-            cutter: Cutter::new(&surface),
+            cutter,
             surface,
             solver,
         })
