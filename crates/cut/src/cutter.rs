@@ -47,6 +47,8 @@ pub struct Cutter {
     has_sheets: bool,
     /// Whether the surface has walls of incisions, so that cuts are checked.
     has_walls: bool,
+    /// Whether cuts leave the update of the BVH to [`Cutter::update_bvh`].
+    defers_bvh: bool,
     /// See [`Cutter::set_threads`].
     threads: Option<NonZeroUsize>,
 }
@@ -88,8 +90,23 @@ impl Cutter {
             separator: Separator::default(),
             has_sheets: !surface.topology().is_closed(),
             has_walls: has_walls(surface),
+            defers_bvh: false,
             threads: Some(NonZeroUsize::MIN),
         }
+    }
+
+    /// Sets whether cuts leave the BVH as it is, so that it is updated beside other work.
+    ///
+    /// [`Self::update_bvh`] must then follow each cut.
+    pub fn set_defers_bvh(&mut self, defers_bvh: bool) {
+        self.defers_bvh = defers_bvh;
+    }
+
+    /// Updates the BVH after a cut that left it as it was, see [`Self::set_defers_bvh`]. O(k log k)
+    /// for k changed triangles.
+    pub fn update_bvh(&mut self, surface: &Surface, delta: &TopologyDelta) {
+        self.bvh.update(surface, delta);
+        self.version.topology = surface.fingerprint();
     }
 
     /// Sets the maximum number of threads of a cut, one by default; `None` for all of the current
@@ -277,6 +294,7 @@ impl Cutter {
         let is_sheet = self.find_capped(surface, params)?;
         outcome.report.detection = begin.elapsed();
         let is_shared = self.is_shared(surface);
+        let topology = self.version.topology;
         let (separator, outcome_mut) = (&mut self.separator, &mut outcome);
         let at = Intersection {
             sweep,
@@ -300,10 +318,14 @@ impl Cutter {
         if !outcome.is_miss() {
             self.has_sheets |= params.caps == Caps::None;
             self.has_walls |= outcome.report.slits > 0;
-            let begin = Instant::now();
-            self.bvh.update(surface, &outcome.delta);
-            self.version.topology = surface.fingerprint();
-            outcome.report.bvh_update = begin.elapsed();
+            if self.defers_bvh {
+                // Not the surface's: the BVH must be updated before the next cut.
+                self.version.topology = topology;
+            } else {
+                let begin = Instant::now();
+                self.update_bvh(surface, &outcome.delta);
+                outcome.report.bvh_update = begin.elapsed();
+            }
         }
         Ok(outcome)
     }

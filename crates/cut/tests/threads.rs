@@ -1,6 +1,6 @@
 //! Cuts have the same bits on any number of threads.
 
-use incise_cut::{CutMethod, CutParams, Cutter, ExactParams, Sweep};
+use incise_cut::{CutError, CutMethod, CutParams, Cutter, ExactParams, Sweep};
 use incise_mesh::{Surface, cube_sphere, torus};
 use std::num::NonZeroUsize;
 
@@ -41,4 +41,22 @@ fn any_number_of_threads_gives_the_same_bits() {
             }
         }
     }
+}
+
+#[test]
+fn a_deferred_bvh_is_updated_before_the_next_cut() {
+    let mut surface = cube_sphere(8, 0.5);
+    let mut cutter = Cutter::new(&surface);
+    cutter.set_defers_bvh(true);
+    let mut cut = |cutter: &mut Cutter, height: f64| {
+        let sweep = Sweep::from_plane([0.1, 1.0, 0.2], height, &surface.bounds()).unwrap();
+        let outcome = cutter.cut(&mut surface, &sweep, &CutParams::default());
+        (outcome, surface.clone())
+    };
+    let (outcome, after) = cut(&mut cutter, 0.03);
+    let delta = outcome.unwrap().delta;
+    assert_eq!(cut(&mut cutter, 0.2).0, Err(CutError::SurfaceEdited));
+    cutter.update_bvh(&after, &delta);
+    cutter.bvh().validate(&after).unwrap();
+    assert!(cut(&mut cutter, 0.2).0.is_ok());
 }

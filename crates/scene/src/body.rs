@@ -65,7 +65,7 @@ struct LooseBounds {
     drift: f64,
 }
 
-/// The result of a cut, and the time of updating the constraints.
+/// The result of a cut, and the time of updating BVH and constraints.
 pub(crate) struct BodyCut {
     pub(crate) cut: Result<CutOutcome, CutError>,
     pub(crate) constraints: Duration,
@@ -259,12 +259,8 @@ impl Body {
         self.incisions.clear();
     }
 
-    /// Sets the maximum number of threads of a cut.
-    pub(crate) fn set_cut_threads(&mut self, threads: Option<NonZeroUsize>) {
-        self.cutter.set_threads(threads);
-    }
-
-    /// Cuts along the sweep of a blade and updates constraints and masses.
+    /// Cuts along the sweep of a blade on at most `threads` threads, and updates BVH, constraints
+    /// and masses.
     ///
     /// The BVH must be refitted.
     pub(crate) fn cut(
@@ -272,7 +268,10 @@ impl Body {
         (number, blade): (usize, &Blade),
         sweep: &Sweep,
         params: &CutParams,
+        threads: Option<NonZeroUsize>,
     ) -> Result<BodyCut, SceneError> {
+        self.cutter.set_threads(threads);
+        self.cutter.set_defers_bvh(true);
         let mut stepped = None;
         let cut = match blade.mode {
             BladeMode::FullSlices => self.cutter.cut(&mut self.surface, sweep, params),
@@ -311,7 +310,7 @@ impl Body {
                 ..
             } = self;
             let cut = (sweep, &outcome.delta);
-            spring_search.follow_cut(surface, solver, cutter.bvh(), cut)?;
+            spring_search.follow_cut(surface, solver, cutter, cut, threads)?;
         }
         Ok(BodyCut {
             cut,
