@@ -33,7 +33,6 @@ mod verify;
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
 use crate::intersection::Intersection;
-use crate::intersection::trace::Trace;
 use crate::outcome::CutOutcome;
 use crate::params::{CutParams, ExactParams};
 use crate::separate::Separator;
@@ -56,14 +55,16 @@ use web_time::Instant;
 /// A search for the parts of cut pieces beside the meshing of caps, which must not join others.
 struct Search<'a> {
     separator: &'a mut Separator,
-    /// Sides that caps are expected to join.
-    joined: Vec<(usize, usize)>,
+    /// Sides that caps are expected to join, as far as that is known.
+    joined: Option<Vec<(usize, usize)>>,
     seeds: Vec<TriangleId>,
 }
 
 impl Search<'_> {
     fn run(&mut self, surface: &Surface, sweep: &Sweep) {
-        (self.separator).find_parts(surface, sweep, &self.seeds, &self.joined);
+        if let Some(joined) = &self.joined {
+            (self.separator).find_parts(surface, sweep, &self.seeds, joined);
+        }
     }
 }
 
@@ -188,7 +189,6 @@ impl Exact {
         } else {
             None
         };
-        let expected = self.expected_joints(trace, groups.is_some());
         let mut opened = Opened {
             edit: &mut edit,
             nodes: &trace.nodes,
@@ -204,9 +204,9 @@ impl Exact {
         report.short_rim_edges = Snapper::short_edges(&opened, exact.snap);
         report.remeshing = begin.elapsed();
         let begin = Instant::now();
-        let mut search = expected.filter(|_| is_shared).map(|joined| Search {
+        let mut search = is_shared.then(|| Search {
             separator,
-            joined,
+            joined: groups.as_ref().map(|_| self.cap.joined().collect()),
             seeds: self.seeds(),
         });
         report.refined =
@@ -223,7 +223,7 @@ impl Exact {
         report.cap = begin.elapsed();
         let begin = Instant::now();
         let joined: Vec<(usize, usize)> = self.cap.joined().collect();
-        if search.is_none_or(|search| search.joined != joined) {
+        if search.is_none_or(|search| search.joined.as_ref() != Some(&joined)) {
             separator.find_parts(edit.surface(), sweep, &self.seeds(), &joined);
         }
         separator.number_parts(&mut edit);
@@ -265,16 +265,6 @@ impl Exact {
         sides.collect()
     }
 
-    /// Returns [`Cap::joined`] as far as it is known before caps are meshed: for curves that
-    /// `are_grouped`, and for a single one without tip.
-    fn expected_joints(&self, trace: &Trace, are_grouped: bool) -> Option<Vec<(usize, usize)>> {
-        if are_grouped {
-            return Some(self.cap.joined().collect());
-        }
-        let is_single = trace.curves.len() == 1 && !trace.has_end(&trace.curves[0]);
-        is_single.then(Vec::new)
-    }
-
     /// Meshes the sections of the opened surface, which get new points if `is_refined`.
     ///
     /// Returns whether they reached their target lengths. A search for parts runs beside, on
@@ -294,7 +284,7 @@ impl Exact {
         }: Intersection<'_>,
         refine: &RefineParams,
         is_refined: bool,
-        search: Option<&mut Search<'_>>,
+        mut search: Option<&mut Search<'_>>,
     ) -> Result<bool, CutError> {
         target_lengths(&trace.nodes, &self.rim, refine, &mut self.lengths);
         self.sides.vertices.truncate(trace.nodes.len());
@@ -320,13 +310,21 @@ impl Exact {
         };
         self.cap.section.project(&rims, &self.lengths)?;
         let surface = edit.surface();
+        if let Some(search) = &mut search
+            && search.joined.is_none()
+            && !self.cap.section.has_holes()
+            && !trace.curves.iter().any(|curve| trace.has_end(curve))
+        {
+            // Caps without holes join nothing in one plane.
+            search.joined = Some(Vec::new());
+        }
         let mut mesh = || (self.cap).triangulate(&rims, surface.topology(), refine, is_refined);
         let has_converged = match search {
-            Some(search) => rayon::in_place_scope(|scope| {
+            Some(search) if search.joined.is_some() => rayon::in_place_scope(|scope| {
                 scope.spawn(|_| search.run(surface, sweep));
                 mesh()
             }),
-            None => mesh(),
+            _ => mesh(),
         };
         Ok(has_converged?)
     }
