@@ -312,6 +312,7 @@ impl CutPlan<'_> {
         let mut sums = CutSums::default();
         let (bvh_build, mut cutter) = timed(|| Cutter::new(surface));
         sums.bvh_build = bvh_build;
+        cutter.set_threads(None);
         for (number, sweep) in (1..).zip(sweeps) {
             let params = if sweeps.len() == 1 {
                 &params

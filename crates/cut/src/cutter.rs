@@ -19,12 +19,16 @@ use incise_mesh::{Bvh, Surface, TopologyDelta, TriangleId, Undo, UndoError, Vert
 use incise_refine::Section;
 #[cfg(feature = "serde")]
 pub use saved::SavedCutter;
+use std::num::NonZeroUsize;
 use web_time::Instant;
 
 /// Maximum ratio of the largest coordinates of a sweep and of the body.
 ///
 /// Differences in 53 bits then keep all 24 bits of the body's coordinates.
 const MAX_SWEEP_RATIO: f64 = (1u64 << 29) as f64;
+
+/// Minimum number of triangles of a body that two threads cut; a fork costs 10 us.
+const MIN_SHARED: usize = 1 << 14;
 
 /// Cuts one surface repeatedly: its BVH and scratch memory.
 ///
@@ -43,6 +47,10 @@ pub struct Cutter {
     has_sheets: bool,
     /// Whether the surface has walls of incisions, so that cuts are checked.
     has_walls: bool,
+    /// Whether cuts leave the update of the BVH to [`Cutter::update_bvh`].
+    defers_bvh: bool,
+    /// See [`Cutter::set_threads`].
+    threads: Option<NonZeroUsize>,
 }
 
 /// A state of a surface: equal for equal triangles and positions, and for no others.
@@ -82,7 +90,39 @@ impl Cutter {
             separator: Separator::default(),
             has_sheets: !surface.topology().is_closed(),
             has_walls: has_walls(surface),
+            defers_bvh: false,
+            threads: Some(NonZeroUsize::MIN),
         }
+    }
+
+    /// Sets whether cuts leave the BVH as it is, so that it is updated beside other work.
+    ///
+    /// [`Self::update_bvh`] must then follow each cut.
+    pub fn set_defers_bvh(&mut self, defers_bvh: bool) {
+        self.defers_bvh = defers_bvh;
+    }
+
+    /// Updates the BVH after a cut that left it as it was, see [`Self::set_defers_bvh`]. O(k log k)
+    /// for k changed triangles.
+    pub fn update_bvh(&mut self, surface: &Surface, delta: &TopologyDelta) {
+        self.bvh.update(surface, delta);
+        self.version.topology = surface.fingerprint();
+    }
+
+    /// Sets the maximum number of threads of a cut, one by default; `None` for all of the current
+    /// rayon pool.
+    ///
+    /// The results do not depend on it. One thread is the calling thread: no pool is touched. Two
+    /// share cuts of bodies from 16,384 triangles by the exact method.
+    pub fn set_threads(&mut self, threads: Option<NonZeroUsize>) {
+        self.threads = threads;
+    }
+
+    /// Returns whether two threads share a cut of `surface`.
+    fn is_shared(&self, surface: &Surface) -> bool {
+        surface.topology().triangle_count() >= MIN_SHARED
+            && self.threads.is_none_or(|threads| threads.get() > 1)
+            && rayon::current_num_threads() > 1
     }
 
     /// Fits the BVH to the surface as it is now.
@@ -253,6 +293,8 @@ impl Cutter {
         }
         let is_sheet = self.find_capped(surface, params)?;
         outcome.report.detection = begin.elapsed();
+        let is_shared = self.is_shared(surface);
+        let topology = self.version.topology;
         let (separator, outcome_mut) = (&mut self.separator, &mut outcome);
         let at = Intersection {
             sweep,
@@ -260,6 +302,7 @@ impl Cutter {
             trace: &self.trace,
             is_sheet: &is_sheet,
             may_share_walls: self.has_walls || outcome_mut.report.slits > 0,
+            is_shared,
         };
         match params.method {
             CutMethod::Exact(exact) => {
@@ -275,10 +318,14 @@ impl Cutter {
         if !outcome.is_miss() {
             self.has_sheets |= params.caps == Caps::None;
             self.has_walls |= outcome.report.slits > 0;
-            let begin = Instant::now();
-            self.bvh.update(surface, &outcome.delta);
-            self.version.topology = surface.fingerprint();
-            outcome.report.bvh_update = begin.elapsed();
+            if self.defers_bvh {
+                // Not the surface's: the BVH must be updated before the next cut.
+                self.version.topology = topology;
+            } else {
+                let begin = Instant::now();
+                self.update_bvh(surface, &outcome.delta);
+                outcome.report.bvh_update = begin.elapsed();
+            }
         }
         Ok(outcome)
     }

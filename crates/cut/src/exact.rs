@@ -36,11 +36,12 @@ use crate::intersection::Intersection;
 use crate::outcome::CutOutcome;
 use crate::params::{CutParams, ExactParams};
 use crate::separate::Separator;
+use crate::sweep::Sweep;
 use cap::Cap;
 use chains::{Chains, Opening};
 use contract::Opened;
 use frames::Frames;
-use incise_mesh::{Edit, HalfEdge, Surface};
+use incise_mesh::{Edit, HalfEdge, Surface, TriangleId};
 use incise_refine::{RefineParams, Section};
 use open::Sides;
 use remesh::Remesher;
@@ -50,6 +51,22 @@ use snap::Snapper;
 use split::Splitter;
 pub(crate) use verify::has_walls;
 use web_time::Instant;
+
+/// A search for the parts of cut pieces beside the meshing of caps, which must not join others.
+struct Search<'a> {
+    separator: &'a mut Separator,
+    /// Sides that caps are expected to join, as far as that is known.
+    joined: Option<Vec<(usize, usize)>>,
+    seeds: Vec<TriangleId>,
+}
+
+impl Search<'_> {
+    fn run(&mut self, surface: &Surface, sweep: &Sweep) {
+        if let Some(joined) = &self.joined {
+            (self.separator).find_parts(surface, sweep, &self.seeds, joined);
+        }
+    }
+}
 
 /// Scratch memory, kept between cuts.
 #[derive(Debug, Clone, Default)]
@@ -139,6 +156,7 @@ impl Exact {
             facets,
             trace,
             is_sheet,
+            is_shared,
             ..
         } = at;
         let report = &mut outcome.report;
@@ -165,7 +183,7 @@ impl Exact {
         let may_join = may_merge && exact.remesh > 0.0 && trace.curves.len() > 1;
         let groups = if may_join {
             // Groups depend on the curves alone, so meshes without new points are enough.
-            self.mesh_sections(&mut edit, at, &params.refine, false)?;
+            self.mesh_sections(&mut edit, at, &params.refine, false, None)?;
             Some(self.cap.groups().to_vec())
         } else {
             None
@@ -185,7 +203,13 @@ impl Exact {
         report.short_rim_edges = Snapper::short_edges(&opened, exact.snap);
         report.remeshing = begin.elapsed();
         let begin = Instant::now();
-        report.refined = self.mesh_sections(&mut edit, at, &params.refine, true)?;
+        let mut search = is_shared.then(|| Search {
+            separator,
+            joined: groups.as_ref().map(|_| self.cap.joined().collect()),
+            seeds: self.seeds(),
+        });
+        report.refined =
+            self.mesh_sections(&mut edit, at, &params.refine, true, search.as_mut())?;
         let triangles = edit.surface().topology().triangle_count();
         let is_inside = || is_in_body(edit.surface(), is_sheet, sweep);
         if self.cap.section.ends_inside(triangles, is_inside) {
@@ -197,10 +221,11 @@ impl Exact {
         }
         report.cap = begin.elapsed();
         let begin = Instant::now();
-        // Side 0 of a loop has an even number, side 1 the next.
-        let sides = self.rim.first.iter();
-        let sides = sides.flat_map(|&node| self.sides.rim[node as usize].map(HalfEdge::triangle));
-        separator.separate(&mut edit, sweep, sides, self.cap.joined());
+        let joined: Vec<(usize, usize)> = self.cap.joined().collect();
+        if search.is_none_or(|search| search.joined.as_ref() != Some(&joined)) {
+            separator.find_parts(edit.surface(), sweep, &self.seeds(), &joined);
+        }
+        separator.number_parts(&mut edit);
         report.separation = begin.elapsed();
         let begin = Instant::now();
         let rims = Rims {
@@ -230,9 +255,19 @@ impl Exact {
         Ok(true)
     }
 
+    /// Returns a triangle on each side of each curve.
+    ///
+    /// Side 0 of a curve has an even number, side 1 the next.
+    fn seeds(&self) -> Vec<TriangleId> {
+        let nodes = self.rim.first.iter();
+        let sides = nodes.flat_map(|&node| self.sides.rim[node as usize].map(HalfEdge::triangle));
+        sides.collect()
+    }
+
     /// Meshes the sections of the opened surface, which get new points if `is_refined`.
     ///
-    /// Returns whether they reached their target lengths.
+    /// Returns whether they reached their target lengths. A search for parts runs beside, on
+    /// another thread.
     ///
     /// # Errors
     /// [`CutError`].
@@ -248,6 +283,7 @@ impl Exact {
         }: Intersection<'_>,
         refine: &RefineParams,
         is_refined: bool,
+        mut search: Option<&mut Search<'_>>,
     ) -> Result<bool, CutError> {
         target_lengths(&trace.nodes, &self.rim, refine, &mut self.lengths);
         self.sides.vertices.truncate(trace.nodes.len());
@@ -272,7 +308,23 @@ impl Exact {
             chains: &self.chains,
         };
         self.cap.section.project(&rims, &self.lengths)?;
-        let topology = edit.surface().topology();
-        Ok(self.cap.triangulate(&rims, topology, refine, is_refined)?)
+        let surface = edit.surface();
+        if let Some(search) = &mut search
+            && search.joined.is_none()
+            && !self.cap.section.has_holes()
+            && !trace.curves.iter().any(|curve| trace.has_end(curve))
+        {
+            // Caps without holes join nothing in one plane.
+            search.joined = Some(Vec::new());
+        }
+        let mut mesh = || (self.cap).triangulate(&rims, surface.topology(), refine, is_refined);
+        let has_converged = match search {
+            Some(search) if search.joined.is_some() => rayon::in_place_scope(|scope| {
+                scope.spawn(|_| search.run(surface, sweep));
+                mesh()
+            }),
+            _ => mesh(),
+        };
+        Ok(has_converged?)
     }
 }

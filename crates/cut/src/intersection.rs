@@ -23,4 +23,6 @@ pub(crate) struct Intersection<'a> {
     pub(crate) is_sheet: &'a [bool],
     /// Whether the surface has walls of incisions, or gets some.
     pub(crate) may_share_walls: bool,
+    /// Whether two threads share the work.
+    pub(crate) is_shared: bool,
 }

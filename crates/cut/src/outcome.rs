@@ -75,11 +75,11 @@ pub struct CutReport {
     pub cap: Duration,
     /// Time of refining the caps.
     pub refinement: Duration,
-    /// Time of numbering the pieces.
+    /// Time of numbering the pieces. Their search runs beside the caps of large bodies.
     pub separation: Duration,
     /// Time of deriving the delta and the undo, and of checking the result near walls.
     pub commit: Duration,
-    /// Time of updating the BVH.
+    /// Time of updating the BVH; zero for a cutter that defers it.
     pub bvh_update: Duration,
 }
 

@@ -195,12 +195,9 @@ pub(crate) fn cut(
         .all(|side| side.cap.as_ref().is_none_or(|cap| cap.report.converged));
     outcome.report.split = begin.elapsed() - outcome.report.refinement;
     let begin = Instant::now();
-    separator.separate(
-        &mut edit,
-        at.sweep,
-        seeds.into_iter().flatten(),
-        [].into_iter(),
-    );
+    let seeds: Vec<_> = seeds.into_iter().flatten().collect();
+    separator.find_parts(edit.surface(), at.sweep, &seeds, &[]);
+    separator.number_parts(&mut edit);
     outcome.report.separation = begin.elapsed();
     let begin = Instant::now();
     let (delta, undo) = edit.finish();

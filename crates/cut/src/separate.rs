@@ -31,6 +31,8 @@ pub(crate) struct Separator {
     smaller: usize,
     /// Searches, grouped by part.
     members: Vec<usize>,
+    /// The parts that the searches have joined.
+    parts: Vec<Part>,
 }
 
 /// The triangles that were reached from one side of a loop.
@@ -60,37 +62,36 @@ struct Part {
 }
 
 impl Separator {
-    /// Gives every connected part of the pieces at `seeds` a piece number of its own.
+    /// Finds the connected parts of the pieces at `seeds`, for [`Self::number_parts`].
     ///
-    /// Seeds are triangles in turns below and above the sweep. The part with the most triangles
-    /// keeps the old number; of equals, the one with the first triangle. Seeds with `joined`
-    /// numbers will be joined by a cap, so their parts are one.
-    pub(crate) fn separate(
+    /// Seeds are triangles in turns below and above the sweep. Seeds with `joined` numbers will be
+    /// joined by a cap, so their parts are one.
+    pub(crate) fn find_parts(
         &mut self,
-        edit: &mut Edit<'_>,
+        surface: &Surface,
         sweep: &Sweep,
-        seeds: impl Iterator<Item = TriangleId>,
-        joined: impl Iterator<Item = (usize, usize)>,
+        seeds: &[TriangleId],
+        joined: &[(usize, usize)],
     ) {
-        self.begin(edit.surface(), seeds);
-        self.smaller = estimate_smaller_side(edit.surface(), sweep, self.searches[0].piece);
-        for (a, b) in joined {
+        self.begin(surface, seeds);
+        self.smaller = estimate_smaller_side(surface, sweep, self.searches[0].piece);
+        for &(a, b) in joined {
             self.join(a, b);
         }
-        let mut parts = Vec::new();
+        let mut parts = std::mem::take(&mut self.parts);
         loop {
-            self.parts(&mut parts);
+            self.join_searches(&mut parts);
             let mut is_done = true;
             for group in parts.chunk_by(|a, b| a.piece == b.piece) {
                 let finished = || group.iter().filter(|p| p.is_finished).map(|p| p.triangles);
                 let open = group.iter().filter(|p| !p.is_finished).count();
-                let rest = edit.surface().piece_triangles(group[0].piece);
+                let rest = surface.piece_triangles(group[0].piece);
                 let rest = rest.saturating_sub(finished().sum());
                 let is_largest = finished().all(|triangles| triangles < rest);
                 for part in group.iter().filter(|p| !p.is_finished) {
                     if open > 1 || part.is_mixed || !is_largest {
                         is_done = false;
-                        self.advance(edit.surface(), part);
+                        self.advance(surface, part);
                     }
                 }
             }
@@ -98,16 +99,22 @@ impl Separator {
                 break;
             }
         }
-        self.number_parts(edit, &parts);
+        for part in parts.iter_mut().filter(|p| p.is_finished) {
+            let firsts = self
+                .reached(part)
+                .filter_map(|reached| reached.iter().min());
+            part.first_triangle = firsts.min().expect("a search has a triangle").triangle();
+        }
+        parts.sort_by_key(|part| (part.piece, part.first_triangle));
+        self.parts = parts;
     }
 
-    fn begin(&mut self, surface: &Surface, seeds: impl Iterator<Item = TriangleId>) {
+    fn begin(&mut self, surface: &Surface, seeds: &[TriangleId]) {
         let slots = surface.topology().triangle_slots();
         for search in &mut self.searches {
             search.reached.clear();
             search.visited = 0;
         }
-        let seeds: Vec<TriangleId> = seeds.collect();
         self.searches.resize(seeds.len(), Search::default());
         self.stamps.resize(slots.max(self.stamps.len()), 0);
         // Stamps of earlier cuts are below the epoch, so nothing is cleared but once in a long
@@ -152,7 +159,7 @@ impl Separator {
     }
 
     /// Collects the parts that the searches have joined so far, by piece, then by root.
-    fn parts(&mut self, out: &mut Vec<Part>) {
+    fn join_searches(&mut self, out: &mut Vec<Part>) {
         for i in 0..self.searches.len() {
             self.searches[i].root = self.root(i);
         }
@@ -238,17 +245,12 @@ impl Separator {
         (self.searches[i].reached).extend_from_slice(&new[..fresh]);
     }
 
-    /// Writes the piece numbers of the parts.
-    fn number_parts(&self, edit: &mut Edit<'_>, parts: &[Part]) {
-        let mut parts = parts.to_vec();
-        for part in parts.iter_mut().filter(|p| p.is_finished) {
-            let firsts = self
-                .reached(part)
-                .filter_map(|reached| reached.iter().min());
-            part.first_triangle = firsts.min().expect("a search has a triangle").triangle();
-        }
-        parts.sort_by_key(|part| (part.piece, part.first_triangle));
-        for group in parts.chunk_by(|a, b| a.piece == b.piece) {
+    /// Gives every part that was found a piece number of its own.
+    ///
+    /// The part with the most triangles keeps the old number; of equals, the one with the first
+    /// triangle.
+    pub(crate) fn number_parts(&self, edit: &mut Edit<'_>) {
+        for group in self.parts.chunk_by(|a, b| a.piece == b.piece) {
             // An unfinished part is larger than all others; of finished ones the first of the
             // largest.
             let size = |p: &Part| {

@@ -17,6 +17,7 @@ use incise_mesh::{Aabb, Bvh, RayHit, Surface, Undo, Vec3, VertexId};
 use incise_pbd_gpu::{ConstraintError, Material, PatchParams, Solver};
 #[cfg(feature = "serde")]
 pub(crate) use saved::SavedBody;
+use std::num::NonZeroUsize;
 use std::time::Duration;
 use web_time::Instant;
 
@@ -51,7 +52,7 @@ struct LooseBounds {
     drift: f64,
 }
 
-/// The result of a cut, and the time of updating the constraints.
+/// The result of a cut, and the time of updating BVH and constraints.
 pub(crate) struct BodyCut {
     pub(crate) cut: Result<CutOutcome, CutError>,
     pub(crate) constraints: Duration,
@@ -245,7 +246,8 @@ impl Body {
         self.incisions.clear();
     }
 
-    /// Cuts along the sweep of a blade and updates constraints and masses.
+    /// Cuts along the sweep of a blade on at most `threads` threads, and updates BVH, constraints
+    /// and masses.
     ///
     /// The BVH must be refitted.
     pub(crate) fn cut(
@@ -253,7 +255,10 @@ impl Body {
         (number, blade): (usize, &Blade),
         sweep: &Sweep,
         params: &CutParams,
+        threads: Option<NonZeroUsize>,
     ) -> Result<BodyCut, SceneError> {
+        self.cutter.set_threads(threads);
+        self.cutter.set_defers_bvh(true);
         let mut stepped = None;
         let cut = match blade.mode {
             BladeMode::FullSlices => self.cutter.cut(&mut self.surface, sweep, params),
@@ -292,7 +297,7 @@ impl Body {
                 ..
             } = self;
             let cut = (sweep, &outcome.delta);
-            spring_search.follow_cut(surface, solver, cutter.bvh(), cut)?;
+            spring_search.follow_cut(surface, solver, cutter, cut, threads)?;
         }
         Ok(BodyCut {
             cut,

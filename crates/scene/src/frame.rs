@@ -267,7 +267,8 @@ impl Scene {
         self.stats.narrow_phase_queries += 1;
         self.stats.detection += begin.elapsed();
         let begin = Instant::now();
-        let result = body.cut((id.index, blade), sweep, params)?;
+        let threads = self.params.solver.threads;
+        let result = body.cut((id.index, blade), sweep, params, threads)?;
         self.stats.constraint_update += result.constraints;
         match result.cut {
             Ok(outcome) => {

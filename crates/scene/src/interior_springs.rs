@@ -3,10 +3,12 @@
 //! [`Body`](crate::Body) fills a new body with springs and has them follow every cut. A ray through
 //! the body finds the vertex at the other end of a spring.
 
-use incise_cut::Sweep;
+use crate::follow_cut::follow_cut;
+use incise_cut::{Cutter, Sweep};
 use incise_mesh::{Bvh, Surface, TopologyDelta, VertexId};
 use incise_pbd_gpu::{ConstraintError, Solver};
 use rayon::prelude::*;
+use std::num::NonZeroUsize;
 
 /// Minimum number of rays per parallel task.
 const MIN_RAYS_PER_TASK: usize = 64;
@@ -69,14 +71,15 @@ impl InteriorSpringSearch {
         self.add_missing(surface, solver, bvh)
     }
 
-    /// Updates solver and springs after a cut: removes severed springs, applies the delta, and adds
-    /// springs to new vertices and to those that lost theirs. The BVH must be refitted.
+    /// Updates BVH, solver and springs after a cut, see [`follow_cut`]: removes severed springs, and
+    /// adds springs to new vertices and to those that lost theirs.
     pub(crate) fn follow_cut(
         &mut self,
         surface: &mut Surface,
         solver: &mut Solver,
-        bvh: &Bvh,
+        cutter: &mut Cutter,
         (sweep, delta): (&Sweep, &TopologyDelta),
+        threads: Option<NonZeroUsize>,
     ) -> Result<(), ConstraintError> {
         self.without.clear();
         let is_severed = |[a, b]: [VertexId; 2]| {
@@ -84,13 +87,13 @@ impl InteriorSpringSearch {
             sweep.intersects_segment(a, b)
         };
         solver.remove_interior_springs(is_severed, &mut self.without);
-        solver.apply_delta(surface, delta)?;
+        follow_cut(cutter, solver, surface, delta, threads)?;
         self.without.extend(solver.lost_interior_springs());
         let added = delta.vertices_added.iter().map(|added| added.vertex);
         self.without.extend(added);
         self.without
             .retain(|&v| !surface.topology().outgoing(v).is_null());
-        self.add_missing(surface, solver, bvh)
+        self.add_missing(surface, solver, cutter.bvh())
     }
 
     fn add_missing(

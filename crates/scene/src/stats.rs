@@ -86,7 +86,7 @@ pub struct FrameStats {
     pub topology: Duration,
     /// Time of meshing cross-sections.
     pub refinement: Duration,
-    /// Time of updating constraints after cuts.
+    /// Time of updating constraints and BVHs after cuts.
     pub constraint_update: Duration,
     /// Time of uploading edited bodies to the GPU.
     pub gpu_upload: Duration,

@@ -6,6 +6,7 @@ use crate::statistics::median;
 use incise_cut::{CutError, CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, TriangleId, Undo};
 use incise_pbd_gpu::Solver;
+use incise_scene::follow_cut;
 use std::error::Error;
 use std::time::Instant;
 
@@ -47,8 +48,11 @@ impl CutBody {
     /// Returns a body of the table's material.
     pub(super) fn new(mut surface: Surface) -> Result<Self, Box<dyn Error>> {
         let solver = Solver::new(&mut surface, &motion::material())?;
+        let mut cutter = Cutter::new(&surface);
+        cutter.set_threads(None);
+        cutter.set_defers_bvh(true);
         Ok(Self {
-            cutter: Cutter::new(&surface),
+            cutter,
             surface,
             solver,
         })
@@ -71,7 +75,8 @@ impl CutBody {
             return Ok(Ok(None));
         }
         let begin = Instant::now();
-        self.solver.apply_delta(&mut self.surface, &outcome.delta)?;
+        let (cutter, solver, surface) = (&mut self.cutter, &mut self.solver, &mut self.surface);
+        follow_cut(cutter, solver, surface, &outcome.delta, None)?;
         Ok(Ok(Some(Cut {
             times: Times::new(&outcome.report, begin.elapsed()),
             hits: outcome.report.hits,

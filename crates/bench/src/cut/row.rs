@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 pub(crate) const LEGEND: &str = "\
 n: triangles; k: hit triangles; caps: triangles of both caps; medians. Times of stages in ms, \
 medians; p99: of the sum. detect: search and intersection; split: mesh edit along the sweep; \
-separate: pieces; commit: delta and undo; bvh: update of the BVH; solver: update of constraints \
-and masses. middle: the plane through the middle, 15 times; seeded: seeded planes. Every cut is \
-undone before the next.";
+separate: pieces, unless beside the cap; commit: delta and undo; bvh: update of the BVH, unless \
+beside the solver; solver: update of constraints and masses. middle: the plane through the middle, \
+15 times; seeded: seeded planes. Every cut is undone before the next.";
 
 /// An object of the JSON file.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -146,7 +146,7 @@ impl Record {
             )),
             Self::Latency(row) => Some(format!(
                 "After {} cuts of {} ({} triangles, {} pieces): {} cuts that hit {} to {} \
-                 triangles, median {} ms, p99 {} ms, {} times that of the first; BVH {} ms.",
+                 triangles, median {} ms, p99 {} ms, {} times that of the first.",
                 row.cuts_before,
                 row.model,
                 row.triangles,
@@ -157,7 +157,6 @@ impl Record {
                 fixed(row.ms_median.total, 3),
                 fixed(row.ms_p99.total, 3),
                 fixed(row.p99_ratio, 2),
-                fixed(row.ms_median.bvh_update, 3),
             )),
         }
     }

@@ -272,14 +272,23 @@ impl CrossSection {
         &self.sections[..self.count]
     }
 
+    /// Returns whether a loop is the boundary of a hole.
+    pub(super) fn has_holes(&self) -> bool {
+        let mut sections = self.sections().iter();
+        sections.any(|section| section.loops.iter().any(|points| section.is_hole(points)))
+    }
+
     /// Returns whether the sweep ends inside the body although no curve ends.
     ///
     /// `is_inside` returns whether the sweep's boundary is inside the body, and costs as much as
     /// `triangles` steps. It is called first if comparing all loops costs more.
     pub(super) fn ends_inside(&self, triangles: usize, is_inside: impl FnOnce() -> bool) -> bool {
         let is_suspect = |section: &FacetSection| {
-            let is_hole = |points: &&Vec<u32>| doubled_area(section.outline(points)) < 0.0;
-            let holes = section.loops.iter().filter(is_hole).count();
+            let holes = section
+                .loops
+                .iter()
+                .filter(|points| section.is_hole(points))
+                .count();
             let is_cheap = holes * section.points.len() <= triangles;
             holes > 0 && (!is_cheap || section.has_loose_hole())
         };
@@ -340,11 +349,15 @@ impl FacetSection {
         points.iter().map(|&p| self.points[p as usize])
     }
 
+    fn is_hole(&self, points: &[u32]) -> bool {
+        doubled_area(self.outline(points)) < 0.0
+    }
+
     /// Returns whether a hole lies in no outer loop. The rim of a cavity in which the sweep ends is
     /// such a hole.
     fn has_loose_hole(&self) -> bool {
         (0..self.loops.len()).any(|i| {
-            if doubled_area(self.outline(&self.loops[i])) >= 0.0 {
+            if !self.is_hole(&self.loops[i]) {
                 return false;
             }
             let inside = self.points[self.loops[i][0] as usize];

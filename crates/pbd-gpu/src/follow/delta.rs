@@ -6,9 +6,13 @@
 use crate::constraints::Constraints;
 use crate::constraints::edges::{EdgeLists, EdgeTable, Sets};
 use crate::error::ConstraintError;
-use crate::follow::FollowState;
+use crate::follow::{FollowState, Scratch};
 use crate::particles::Particles;
 use incise_mesh::{Surface, TopologyDelta, VertexId};
+use std::num::NonZeroUsize;
+
+/// Minimum number of new triangles for which two threads update a solver; a fork costs 10 us.
+const MIN_SHARED: usize = 1 << 10;
 
 /// Checks that a delta matches the edge table and the surface, and that new vertices are finite.
 pub(crate) fn check(
@@ -41,24 +45,52 @@ pub(crate) fn check(
 
 impl FollowState {
     /// Updates particles, edge constraints and interior springs after a checked edit.
+    ///
+    /// The inverse masses in the surface stay, see [`Self::write_inverse_masses`].
     pub(crate) fn apply_delta(
         &mut self,
         particles: &mut Particles,
         constraints: &mut Constraints,
-        surface: &mut Surface,
+        surface: &Surface,
         delta: &TopologyDelta,
+        threads: Option<NonZeroUsize>,
     ) {
         // An undo removes slots. Their vertices pass on mass and constraints before that.
         let (before, slots) = (particles.len(), surface.topology().vertex_slots());
         resize(particles, constraints, slots.max(before));
-        update_edge_constraints(constraints, &mut self.scratch.lists, surface, delta);
-        self.drop_interior_springs(constraints, surface);
-        interpolate_velocities(particles, delta);
-        let restored = &mut self.scratch.restored;
-        let mut pins_changed = self.dropped_pins.restore_pins(particles, delta, restored);
-        let transfer = &mut self.scratch.mass_transfer;
-        self.is_late_undo = transfer.run(particles, &mut self.undo, surface, delta);
-        pins_changed |= self.dropped_pins.drop_pins(particles, surface, delta);
+        let Self {
+            undo,
+            is_late_undo,
+            dropped_pins,
+            lost_interior_springs,
+            scratch,
+            ..
+        } = self;
+        let Scratch {
+            lists,
+            mass_transfer,
+            restored,
+        } = scratch;
+        let mut pins_changed = false;
+        let mut update_particles = || {
+            interpolate_velocities(particles, delta);
+            pins_changed = dropped_pins.restore_pins(particles, delta, restored);
+            *is_late_undo = mass_transfer.run(particles, undo, surface, delta);
+            pins_changed |= dropped_pins.drop_pins(particles, surface, delta);
+        };
+        let mut update_constraints = || {
+            update_edge_constraints(constraints, lists, surface, delta);
+            drop_interior_springs(constraints, surface, lost_interior_springs);
+        };
+        if is_shared(delta, threads) {
+            rayon::in_place_scope(|scope| {
+                scope.spawn(|_| update_particles());
+                update_constraints();
+            });
+        } else {
+            update_constraints();
+            update_particles();
+        }
         if pins_changed {
             self.log.mark_pins();
         }
@@ -73,14 +105,36 @@ impl FollowState {
         (before..slots).for_each(|i| self.log.mark_vertex(VertexId::from_index(i)));
     }
 
-    /// Removes interior springs whose ends are no longer vertices of one piece.
-    fn drop_interior_springs(&mut self, constraints: &mut Constraints, surface: &Surface) {
-        use crate::constraints::interior_springs::is_inside;
-        let lost = &mut self.lost_interior_springs;
-        lost.clear();
-        constraints.remove_interior_springs(|ends| !is_inside(surface, ends), lost);
-        lost.retain(|&v| !surface.topology().outgoing(v).is_null());
+    /// Writes the inverse masses of the vertices that the last edit affected.
+    pub(crate) fn write_inverse_masses(&self, particles: &Particles, surface: &mut Surface) {
+        let positions = surface.positions_mut();
+        for &v in &self.scratch.mass_transfer.affected.vertices {
+            // An undo may have removed the slot.
+            if let Some(position) = positions.get_mut(v.index()) {
+                position[3] = particles.inverse_mass(v);
+            }
+        }
     }
+}
+
+/// Returns whether two threads update a solver after an edit.
+fn is_shared(delta: &TopologyDelta, threads: Option<NonZeroUsize>) -> bool {
+    delta.triangles_added.len() >= MIN_SHARED
+        && threads.is_none_or(|threads| threads.get() > 1)
+        && rayon::current_num_threads() > 1
+}
+
+/// Removes interior springs whose ends are no longer vertices of one piece, and lists the first
+/// vertices of those.
+fn drop_interior_springs(
+    constraints: &mut Constraints,
+    surface: &Surface,
+    lost: &mut Vec<VertexId>,
+) {
+    use crate::constraints::interior_springs::is_inside;
+    lost.clear();
+    constraints.remove_interior_springs(|ends| !is_inside(surface, ends), lost);
+    lost.retain(|&v| !surface.topology().outgoing(v).is_null());
 }
 
 /// Sets the number of vertex slots of particles and constraints.

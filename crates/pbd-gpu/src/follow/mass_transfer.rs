@@ -10,7 +10,7 @@ use crate::follow::affected::Affected;
 use crate::follow::momentum::{Momentum, Recipient, keep_center, keep_momentum};
 use crate::follow::undo_state::UndoStack;
 use crate::mass::shares_of;
-use crate::particles::{Particles, inverse};
+use crate::particles::Particles;
 use incise_mesh::{Surface, TopologyDelta, Vec3, VertexId};
 use std::ops::Range;
 
@@ -57,7 +57,7 @@ impl MassTransfer {
         &mut self,
         particles: &mut Particles,
         undo: &mut UndoStack,
-        surface: &mut Surface,
+        surface: &Surface,
         delta: &TopologyDelta,
     ) -> bool {
         let Self { affected, pools } = self;
@@ -76,14 +76,9 @@ impl MassTransfer {
                 }
             }
         }
-        let positions = surface.positions_mut();
         for v in affected.deleted() {
             particles.mass[v.index()] = 0.0;
             particles.velocities[v.index()] = [0.0; 4];
-            // An undo may have removed the slot.
-            if let Some(position) = positions.get_mut(v.index()) {
-                position[3] = 0.0;
-            }
         }
         if !is_undo {
             undo.record_after(particles, surface, delta, affected);
@@ -205,12 +200,7 @@ impl Pools {
         clippy::cast_possible_truncation,
         reason = "a computed mass is rounded once to storage"
     )]
-    fn distribute(
-        &mut self,
-        affected: &Affected,
-        particles: &mut Particles,
-        surface: &mut Surface,
-    ) {
+    fn distribute(&mut self, affected: &Affected, particles: &mut Particles, surface: &Surface) {
         self.list_recipients(affected, particles, surface);
         let mut first = 0;
         for siblings in self.pools.chunk_by(|a, b| a.parent == b.parent) {
@@ -223,17 +213,10 @@ impl Pools {
             let members = self.ranges[pools.start].start..self.ranges[pools.end - 1].end;
             let recipients = &mut self.recipients[members];
             keep_center(recipients, before.first_moment);
-            let positions = surface.positions_mut();
             for recipient in &mut *recipients {
-                let i = recipient.vertex.index();
-                particles.mass[i] = recipient.mass as f32;
-                recipient.mass = f64::from(particles.mass[i]);
-                let inverse = if recipient.is_free {
-                    inverse(particles.mass[i])
-                } else {
-                    0.0
-                };
-                positions[i][3] = inverse;
+                let mass = &mut particles.mass[recipient.vertex.index()];
+                *mass = recipient.mass as f32;
+                recipient.mass = f64::from(*mass);
             }
             keep_momentum(recipients, &mut particles.velocities, &before);
         }

@@ -112,7 +112,7 @@ impl UndoStack {
     pub(crate) fn restore(
         &mut self,
         particles: &mut Particles,
-        surface: &mut Surface,
+        surface: &Surface,
         delta: &TopologyDelta,
         affected: &Affected,
     ) -> bool {
@@ -131,12 +131,10 @@ impl UndoStack {
             self.0.clear();
             return false;
         }
-        let positions = surface.positions_mut();
         for state in last.before {
             let v = state.vertex;
             particles.mass[v.index()] = f32::from_bits(state.mass);
             particles.velocities[v.index()] = state.velocity.map(f32::from_bits);
-            positions[v.index()][3] = particles.inverse_mass(v);
         }
         true
     }

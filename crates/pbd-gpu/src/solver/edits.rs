@@ -4,6 +4,7 @@ use super::Solver;
 use crate::error::ConstraintError;
 use crate::follow::delta;
 use incise_mesh::{Surface, TopologyDelta};
+use std::num::NonZeroUsize;
 
 #[cfg(any(test, feature = "gpu"))]
 use crate::follow::changes::Changes;
@@ -42,9 +43,28 @@ impl Solver {
         surface: &mut Surface,
         delta: &TopologyDelta,
     ) -> Result<(), ConstraintError> {
+        self.follow_delta(surface, delta, Some(NonZeroUsize::MIN))?;
+        self.write_inverse_masses(surface);
+        Ok(())
+    }
+
+    /// Does all of [`Self::apply_delta`] but [`Self::write_inverse_masses`], which must follow.
+    ///
+    /// It reads the surface only, so that a BVH can be updated at the same time. At most `threads`
+    /// share a large edit; `None` means all of the current rayon pool, and one does not touch it.
+    /// The results do not depend on it.
+    ///
+    /// # Errors
+    /// As [`Self::apply_delta`].
+    pub fn follow_delta(
+        &mut self,
+        surface: &Surface,
+        delta: &TopologyDelta,
+        threads: Option<NonZeroUsize>,
+    ) -> Result<(), ConstraintError> {
         delta::check(&self.constraints.edges, surface, delta)?;
         let (particles, constraints) = (&mut self.particles, &mut self.constraints);
-        (self.follow).apply_delta(particles, constraints, surface, delta);
+        (self.follow).apply_delta(particles, constraints, surface, delta, threads);
         self.constraints.update_volumes(surface, &self.material);
         self.constraints.contacts.clear();
         self.constraints.attachments.invalidate();
@@ -57,6 +77,11 @@ impl Solver {
             }
         }
         Ok(())
+    }
+
+    /// Writes the inverse masses that the last edit changed to the surface.
+    pub fn write_inverse_masses(&self, surface: &mut Surface) {
+        (self.follow).write_inverse_masses(&self.particles, surface);
     }
 
     /// Declares that the caller has changed positions in the surface.
