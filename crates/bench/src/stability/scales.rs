@@ -5,7 +5,8 @@ use super::energy::{Limits, energy_over};
 use super::error::StressError;
 use super::runner::Runner;
 use super::scenes::{FRAME, GROUND, HANGING, ball, elastic_shell, place};
-use incise_mesh::{Vec3, VertexId, icosphere};
+use incise_mesh::geometry::to_f32;
+use incise_mesh::{Aabb, Vec3, VertexId, icosphere, nearby_origin};
 use incise_pbd_gpu::{Material, SolverParams};
 
 pub(super) const CASES: [Case; 2] = [
@@ -49,7 +50,13 @@ fn scales(runner: &mut Runner) -> Result<Worst, StressError> {
 /// Returns the relative error of a free fall: `n (n + 1) / 2 g h^2` after `n` steps.
 fn fall(runner: &mut Runner, distance: f64, substeps: u32) -> Result<f64, StressError> {
     let mut surface = icosphere(0, 0.5);
-    place(&mut surface, |p| p + Vec3::repeat(distance));
+    // Positions are relative to the origin that a mesh gets which is read at this distance.
+    let away = |p: Vec3| p + Vec3::repeat(distance);
+    let vertices = surface.topology().vertices();
+    let bounds = Aabb::around(vertices.map(|v| to_f32(away(surface.position(v)))));
+    surface.set_origin(nearby_origin(&bounds));
+    let origin = Vec3::from(surface.origin());
+    place(&mut surface, |p| away(p) - origin);
     let start: Vec<f64> = surface.positions().iter().map(|p| p[1].into()).collect();
     let mut body = runner.enter(surface, &elastic_shell(1e3, 1e3))?;
     let params = SolverParams {
