@@ -71,8 +71,9 @@ impl InteriorSpringSearch {
         self.add_missing(surface, solver, bvh)
     }
 
-    /// Updates BVH, solver and springs after a cut, see [`follow_cut`]: removes severed springs, and
-    /// adds springs to new vertices and to those that lost theirs.
+    /// Updates BVH, solver and springs after a cut, see [`follow_cut`].
+    ///
+    /// Severed springs are removed. New vertices and those that lost theirs get springs.
     pub(crate) fn follow_cut(
         &mut self,
         surface: &mut Surface,
