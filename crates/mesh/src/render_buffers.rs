@@ -142,11 +142,15 @@ impl RenderBuffers {
     /// Follows a change of the surface, and refreshes positions and normals.
     ///
     /// Only corners around changed triangles get other buffer vertices. Buffers of an open surface,
-    /// and those of a single piece that may have been split or merged, are built again.
+    /// of a single piece that may have been split or merged, and of other channels are built again.
+    /// Values of UVs and channels are read again at every vertex, but new seams need
+    /// [`Self::rebuild`].
     pub fn update(&mut self, surface: &Surface, delta: &TopologyDelta) {
         let has_new_pieces = !delta.pieces_added.is_empty() || !delta.pieces_removed.is_empty();
         let may_have_split = self.params.piece.is_some() && has_new_pieces;
-        if may_have_split || !surface.topology().is_closed() {
+        let kinds = self.channels.iter().map(kind);
+        let has_same_channels = kinds.eq(surface.channels().iter().map(kind));
+        if may_have_split || !has_same_channels || !surface.topology().is_closed() {
             self.rebuild(surface);
             return;
         }
@@ -376,4 +380,9 @@ impl RenderBuffers {
             }
         }
     }
+}
+
+/// Returns the name and the width of a channel.
+fn kind(channel: &Channel) -> (&str, usize) {
+    (channel.name(), channel.width())
 }

@@ -19,7 +19,8 @@ impl Scene {
     ///
     /// Call it after every frame: buffers that follow each cut keep the numbers of vertices away
     /// from it. They are built again after two cuts within a frame, and if a cut was not followed.
-    /// A frame without a cut allocates nothing.
+    /// A frame without a cut allocates nothing. Edits of UVs and channels between cuts need
+    /// [`RenderBuffers::rebuild`].
     ///
     /// # Errors
     /// As [`Scene::read_back`]; the buffers are unchanged then.

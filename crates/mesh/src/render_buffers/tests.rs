@@ -120,6 +120,23 @@ fn tangents_follow_u() {
     }
 }
 
+/// Regression: after the first of two channels was removed, the other one had its values.
+#[test]
+fn removed_channels_leave_the_buffers() {
+    let mut surface = with_channels(torus(0.4, 0.15, 12, 8));
+    let params = RenderParams::default();
+    let mut buffers = RenderBuffers::new(&surface, params);
+    surface.remove_channel("a").unwrap();
+    let mut edit = surface.edit();
+    let t = edit.surface().topology().triangles().next().unwrap();
+    edit.flip_edge(t.half_edges()[0]).unwrap();
+    let (delta, _) = edit.finish();
+    buffers.update(&surface, &delta);
+    let new = RenderBuffers::new(&surface, params);
+    assert_eq!(buffers.channels().len(), 1);
+    assert_eq!(buffers.channels()[0].values(), new.channels()[0].values());
+}
+
 #[test]
 fn updates_equal_new_buffers() {
     let mut surface = with_channels(torus(0.4, 0.15, 12, 8));
