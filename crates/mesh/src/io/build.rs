@@ -132,8 +132,11 @@ impl Builder {
     /// Sets the color of the last position.
     pub(super) fn color(&mut self, color: &[f32; 3]) {
         let channels = &mut self.channels;
-        let channel = channels.vertex_channel("color", Domain::Vertex, Blend::Linear, 3);
-        if let (Some(channel), Some(last)) = (channel, self.positions.len().checked_sub(1)) {
+        let Some(last) = self.positions.len().checked_sub(1) else {
+            return;
+        };
+        let channel = channels.vertex_channel("color", Domain::Vertex, Blend::Linear, 3, last);
+        if let Some(channel) = channel {
             channels.add_vertex_row(channel, last, color);
         }
     }

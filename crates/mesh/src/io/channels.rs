@@ -14,6 +14,8 @@ pub(super) struct FileChannels {
     of_vertices: Vec<Channel>,
     /// Number of rows that were added to each of them.
     added: Vec<usize>,
+    /// The first position of the attribute that fills each of them.
+    filled_from: Vec<usize>,
     /// Channels with a row per entry of the table that corners refer to.
     of_corners: Vec<Channel>,
     /// Number of rows in that table.
@@ -23,27 +25,39 @@ pub(super) struct FileChannels {
 impl FileChannels {
     /// Returns the number of a channel with rows per position, which is added if it is new.
     ///
-    /// None if the width is not allowed, if the name has another width or rule, or if there are too
-    /// many channels.
+    /// The caller adds a row to every position from number `first`. None if another attribute fills
+    /// the channel from there, if the width is not allowed, if the name has another width, rule or
+    /// domain, or if there are too many channels.
     pub(super) fn vertex_channel(
         &mut self,
         name: &str,
         domain: Domain,
         blend: Blend,
         width: usize,
+        first: usize,
     ) -> Option<usize> {
-        let channel = find_or_add(&mut self.of_vertices, name, domain, blend, width);
+        if has_name(&self.of_corners, name) {
+            return None;
+        }
+        let channel = find_or_add(&mut self.of_vertices, name, domain, blend, width)?;
         self.added.resize(self.of_vertices.len(), 0);
-        channel
+        self.filled_from.resize(self.of_vertices.len(), usize::MAX);
+        let before = std::mem::replace(&mut self.filled_from[channel], first);
+        (before != first).then_some(channel)
     }
 
-    /// Returns the number of a channel with rows per corner, like [`Self::vertex_channel`].
+    /// Returns the number of a channel with rows per corner, which is added if it is new.
+    ///
+    /// None as in [`Self::vertex_channel`]; the caller fills it with one list of a face at most.
     pub(super) fn corner_channel(
         &mut self,
         name: &str,
         blend: Blend,
         width: usize,
     ) -> Option<usize> {
+        if has_name(&self.of_vertices, name) {
+            return None;
+        }
         find_or_add(&mut self.of_corners, name, Domain::Corner, blend, width)
     }
 
@@ -117,6 +131,10 @@ impl FileChannels {
         }
         out
     }
+}
+
+fn has_name(channels: &[Channel], name: &str) -> bool {
+    channels.iter().any(|channel| channel.name() == name)
 }
 
 fn find_or_add(
