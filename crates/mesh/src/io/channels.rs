@@ -2,6 +2,7 @@
 
 use crate::ids::index_u32;
 use crate::io::build::{Corner, NONE};
+use crate::io::data::Warning;
 use crate::surface::{Blend, Channel, Domain};
 
 /// Maximum number of channels, so that a file with very many names does not take very long.
@@ -65,11 +66,11 @@ impl FileChannels {
     pub(super) fn add_vertex_row(&mut self, channel: usize, position: usize, row: &[f32]) {
         self.added[channel] += 1;
         let channel = &mut self.of_vertices[channel];
-        channel.fit(position);
+        channel.fit_neutral(position);
         channel.values.extend_from_slice(row);
     }
 
-    /// Starts a row of all corner channels and returns its number; channels not set have zeros.
+    /// Starts a row of all corner channels and returns its number; channels not set are neutral.
     pub(super) fn add_corner_row(&mut self) -> u32 {
         self.corner_rows += 1;
         index_u32(self.corner_rows - 1)
@@ -78,7 +79,7 @@ impl FileChannels {
     /// Sets a channel in the last row of [`Self::add_corner_row`].
     pub(super) fn set_corner_row(&mut self, channel: usize, row: &[f32]) {
         let channel = &mut self.of_corners[channel];
-        channel.fit(self.corner_rows - 1);
+        channel.fit_neutral(self.corner_rows - 1);
         channel.values.extend_from_slice(row);
     }
 
@@ -92,13 +93,13 @@ impl FileChannels {
     /// Returns the channels over welded vertices and over corners.
     ///
     /// `welded` has the welded vertex of each position. A channel of vertices whose rows differ at
-    /// one welded vertex becomes a channel of corners. `zeros` counts rows that were missing or had
-    /// values that are not finite, and became zeros.
+    /// one welded vertex becomes a channel of corners. Rows that are missing or have values that
+    /// are not finite become neutral, with a warning for each channel.
     pub(super) fn finish(
         self,
         welded: &[u32],
         corners: &[Corner],
-        zeros: &mut usize,
+        warnings: &mut Vec<Warning>,
     ) -> Vec<Channel> {
         let mut firsts: Vec<usize> = Vec::new();
         for (i, &vertex) in welded.iter().enumerate() {
@@ -108,8 +109,8 @@ impl FileChannels {
         }
         let mut out = Vec::with_capacity(self.of_vertices.len() + self.of_corners.len());
         for (mut channel, added) in self.of_vertices.into_iter().zip(self.added) {
-            *zeros += welded.len() - added;
-            complete(&mut channel, welded.len(), zeros);
+            let missing = welded.len() - added + complete(&mut channel, welded.len());
+            warnings.extend(Warning::partial(channel.name(), missing));
             let bits = |i: usize| channel.row(i).iter().map(|x| x.to_bits());
             let mut used = welded
                 .iter()
@@ -125,9 +126,12 @@ impl FileChannels {
             });
         }
         for mut channel in self.of_corners {
-            complete(&mut channel, self.corner_rows, zeros);
-            *zeros += corners.iter().filter(|corner| corner.row == NONE).count();
-            out.push(channel.gather(corners.iter().map(|corner| corner.row as usize)));
+            // Corners without a row have the one after the last.
+            let without = corners.iter().filter(|corner| corner.row == NONE).count();
+            let missing = without + complete(&mut channel, self.corner_rows + 1);
+            warnings.extend(Warning::partial(channel.name(), missing));
+            let rows = corners.iter().map(|corner| corner.row as usize);
+            out.push(channel.gather(rows.map(|row| row.min(self.corner_rows))));
         }
         out
     }
@@ -155,14 +159,16 @@ fn find_or_add(
     }
 }
 
-/// Adds missing rows and replaces values that are not finite by 0.
-fn complete(channel: &mut Channel, rows: usize, zeros: &mut usize) {
-    channel.fit(rows);
-    let width = channel.width();
+/// Adds missing rows, makes rows neutral whose values are not finite, and returns their number.
+fn complete(channel: &mut Channel, rows: usize) -> usize {
+    channel.fit_neutral(rows);
+    let (neutral, width) = (channel.neutral_row(), channel.width());
+    let mut replaced = 0;
     for row in channel.values.chunks_exact_mut(width) {
         if row.iter().any(|x| !x.is_finite()) {
-            row.fill(0.0);
-            *zeros += 1;
+            row.copy_from_slice(&neutral[..width]);
+            replaced += 1;
         }
     }
+    replaced
 }

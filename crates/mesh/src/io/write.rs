@@ -60,7 +60,8 @@ pub fn write_ply(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteEr
 
 /// Writes the triangles of a surface as binary STL, which holds positions alone.
 ///
-/// The surface's origin is added to positions. Returns warnings about all other attributes.
+/// The surface's origin is added to positions, which are then rounded to 32 bits. Returns warnings
+/// about that and about all other attributes.
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.
@@ -76,9 +77,9 @@ pub fn write_stl(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteEr
 /// Vertices are split where attributes differ. Every material has a primitive and the name
 /// `material_N`. The channel `color` becomes `COLOR_0`, `uv1` and further ones `TEXCOORD_1` and so
 /// on, `skin` becomes `JOINTS_0` and `WEIGHTS_0`, and other channels of up to four numbers become
-/// `_NAME`. Surfaces without normals get those of [`RenderBuffers`](crate::RenderBuffers). The
-/// surface's origin is the translation of its node. Returns warnings about channels that do not
-/// fit.
+/// `_NAME`. Surfaces without normals and corners whose normal is zero get those of
+/// [`RenderBuffers`](crate::RenderBuffers). The surface's origin is the translation of its node.
+/// Returns warnings about channels that do not fit.
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.
@@ -104,7 +105,8 @@ pub fn write_glb_to(
 /// Writes moving surfaces as binary glTF 2.0 (`.glb`) with one animation.
 ///
 /// Nodes are those of [`write_glb`]. Shapes after the first one are morph targets with linear
-/// interpolation, and a node is scaled to 0 while it is invisible.
+/// interpolation, and a node is scaled to 0 while it is invisible. Surfaces with times have the
+/// normals of [`RenderBuffers`](crate::RenderBuffers), since their own ones do not follow.
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.

@@ -129,7 +129,9 @@ fn component_names(channel: &Channel) -> Vec<String> {
 
 /// Returns whether a channel has colors with or without alpha.
 fn is_color(channel: &Channel) -> bool {
-    channel.name() == "color" && (3..=4).contains(&channel.width())
+    channel.name() == "color"
+        && channel.blend() == Blend::Linear
+        && (3..=4).contains(&channel.width())
 }
 
 /// Returns whether a channel has colors that bytes keep to the bit.
