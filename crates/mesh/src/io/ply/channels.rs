@@ -45,14 +45,16 @@ const RESERVED: [&str; 24] = [
 pub(in crate::io) fn keeps(channel: &Channel) -> bool {
     let name = channel.name();
     let number = name.rsplit_once('_').map(|(_, number)| number);
-    let is_numbered = channel.domain() == Domain::Vertex && channel.width() > 1;
-    let has_skin_part = ["_joint", "_weight"]
-        .iter()
-        .any(|part| name.ends_with(part));
+    // Numbers of such names are read as joints and weights.
+    let is_skin_part = channel.domain() == Domain::Vertex
+        && channel.width() > 1
+        && ["_joint", "_weight"]
+            .iter()
+            .any(|part| name.ends_with(part));
     name.bytes().all(|b| b.is_ascii_graphic())
         && !RESERVED.contains(&name)
         && !name.ends_with(SKIN_LIST)
-        && !(is_numbered && has_skin_part)
+        && !is_skin_part
         && number.is_none_or(|number| number.parse::<usize>().is_err())
 }
 
