@@ -264,6 +264,12 @@ pub(crate) enum Failure {
         /// The file.
         path: PathBuf,
     },
+    /// Two outputs have the same name.
+    #[error("{}: two outputs have this name; choose another one for either", path.display())]
+    SameOutput {
+        /// The file.
+        path: PathBuf,
+    },
     /// The output file's name is that of a folder.
     #[error("{}: the output file is a folder; choose another name", path.display())]
     TargetIsFolder {
@@ -355,6 +361,7 @@ impl Failure {
             | Self::Offsets { .. }
             | Self::PathAfterEnd { .. }
             | Self::BelowGround { .. }
+            | Self::SameOutput { .. }
             | Self::OutputFormat { .. } => WRONG_COMMAND_LINE,
             Self::Folder { .. }
             | Self::TargetIsInput { .. }

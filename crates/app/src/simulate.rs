@@ -307,7 +307,8 @@ fn step(
     Ok(())
 }
 
-/// Writes the pieces, if the output has a place for them.
+/// Writes the pieces, if the output has a place for them, without the normals of the input, which
+/// do not follow the motion.
 fn write_pieces(
     output: &SimulateOutput,
     surfaces: &[(&Surface, &Path)],
@@ -316,7 +317,16 @@ fn write_pieces(
     let Some(path) = &output.pieces else {
         return Ok(Written::default());
     };
-    let written = pieces::write(surfaces, path, output.format.unwrap_or_default())?;
+    let moved = surfaces.iter().map(|&(surface, input)| {
+        let mut surface = surface.clone();
+        surface
+            .set_corner_normals(Vec::new())
+            .expect("a surface without normals is allowed");
+        (surface, input)
+    });
+    let moved: Vec<(Surface, &Path)> = moved.collect();
+    let moved: Vec<(&Surface, &Path)> = moved.iter().map(|(s, input)| (s, *input)).collect();
+    let written = pieces::write(&moved, path, output.format.unwrap_or_default())?;
     for warning in &written.warnings {
         reporter.warn(format_args!("{}: {warning}", path.display()));
     }

@@ -240,3 +240,40 @@ fn a_body_that_starts_below_the_ground_is_refused() {
     assert!(!out.exists(), "nothing is written");
     assert_eq!(run("-0.5").status.code(), Some(0), "it stands on it");
 }
+
+#[test]
+fn normals_of_the_input_are_not_those_of_moved_pieces() {
+    let (folder, input) = with_sphere();
+    assert!(!read_mesh(&input).unwrap().corners.normal.is_empty());
+    let out = folder.path().join("out");
+    let done = incise(&[
+        "simulate",
+        text(&input),
+        "--seconds",
+        "0.1",
+        "-o",
+        text(&out),
+    ]);
+    assert_eq!(done.status.code(), Some(0), "{done:?}");
+    let read = read_mesh(&out.join("piece_000.obj")).unwrap();
+    assert!(read.corners.normal.is_empty());
+}
+
+#[test]
+fn outputs_of_one_name_are_refused() {
+    let (folder, input) = with_sphere();
+    let file = folder.path().join("a.glb");
+    let same = folder.path().join(".").join("a.glb");
+    let words = [
+        "simulate",
+        text(&input),
+        "--seconds",
+        "0.1",
+        "-o",
+        text(&file),
+    ];
+    let done = incise(&[&words[..], &["--export", text(&same)]].concat());
+    assert_eq!(done.status.code(), Some(2), "{done:?}");
+    assert!(String::from_utf8_lossy(&done.stderr).contains("two outputs have this name"));
+    assert!(!file.exists());
+}

@@ -51,6 +51,13 @@ pub fn area_vector([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).cross(&(c - a))
 }
 
+/// Returns the outward unit normal of a triangle; zero if it has no area.
+#[must_use]
+pub(crate) fn unit_normal(corners: [Vec3; 3]) -> [f32; 3] {
+    let normal = area_vector(corners).try_normalize(0.0);
+    to_f32(normal.unwrap_or_default())
+}
+
 /// Returns whether a triangle has no area within the rounding of stored positions.
 ///
 /// Its height is then at most that share of its longest side.

@@ -7,7 +7,7 @@ use crate::picture::PictureOptions;
 use crate::pieces::output_path;
 use serde::Deserialize;
 use std::num::NonZeroU16;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The files to write.
 #[derive(Debug, Clone, Default, clap::Args, Deserialize)]
@@ -78,7 +78,7 @@ impl SimulateOutput {
         self.fps.map_or(PICTURES_PER_SECOND, NonZeroU16::get)
     }
 
-    /// Refuses an animation whose name is not that of a PNG.
+    /// Refuses an animation whose name is not that of a PNG, and outputs of the same name.
     pub(super) fn check(&self) -> Result<(), Failure> {
         #[cfg(feature = "gpu")]
         if let Some(path) = &self.animation {
@@ -87,6 +87,21 @@ impl SimulateOutput {
                 let path = path.clone();
                 return Err(Failure::ImageFormat { path });
             }
+        }
+        let files = [
+            &self.pieces,
+            #[cfg(feature = "gpu")]
+            &self.animation,
+            &self.export,
+        ];
+        let mut places = Vec::new();
+        for path in files.into_iter().flatten() {
+            let place = place(path);
+            if places.contains(&place) {
+                let path = path.clone();
+                return Err(Failure::SameOutput { path });
+            }
+            places.push(place);
         }
         Ok(())
     }
@@ -104,4 +119,20 @@ impl SimulateOutput {
         .into_iter()
         .flatten()
     }
+}
+
+/// Returns the path of a file that may not exist yet, equal for all spellings of its folder.
+fn place(path: &Path) -> PathBuf {
+    let of_parent = || {
+        let folder = std::path::absolute(path)
+            .ok()?
+            .parent()?
+            .canonicalize()
+            .ok()?;
+        Some(folder.join(path.file_name()?))
+    };
+    path.canonicalize()
+        .ok()
+        .or_else(of_parent)
+        .unwrap_or_else(|| path.to_owned())
 }

@@ -1,7 +1,7 @@
 //! Builds welded mesh data from a reader's vertices and faces.
 
 use crate::bucket_sort::sort_in_buckets;
-use crate::geometry::round_to_f32;
+use crate::geometry::{round_to_f32, to_f64, unit_normal};
 use crate::ids::index_u32;
 use crate::io::channels::FileChannels;
 use crate::io::data::{MeshData, Warning};
@@ -132,8 +132,11 @@ impl Builder {
     /// Sets the color of the last position.
     pub(super) fn color(&mut self, color: &[f32; 3]) {
         let channels = &mut self.channels;
-        let channel = channels.vertex_channel("color", Domain::Vertex, Blend::Linear, 3);
-        if let (Some(channel), Some(last)) = (channel, self.positions.len().checked_sub(1)) {
+        let Some(last) = self.positions.len().checked_sub(1) else {
+            return;
+        };
+        let channel = channels.vertex_channel("color", Domain::Vertex, Blend::Linear, 3, last);
+        if let Some(channel) = channel {
             channels.add_vertex_row(channel, last, color);
         }
     }
@@ -338,20 +341,26 @@ impl Builder {
         corners: &[Corner],
         welded: &[u32],
     ) -> (CornerAttributes, Vec<Channel>) {
-        let mut zeros = 0;
         let mut out = CornerAttributes::default();
         if corners.iter().any(|c| c.uv != NONE) {
-            out.uv = gather(&self.uv, corners.iter().map(|c| c.uv), &mut zeros);
+            let indices = corners.iter().map(|c| c.uv);
+            let uv = gather("texture coordinates", &self.uv, indices, |_| [0.0; 2]);
+            out.uv = uv.0;
+            self.warnings.extend(uv.1);
         }
         if corners.iter().any(|c| c.normal != NONE) {
-            out.normal = gather(&self.normals, corners.iter().map(|c| c.normal), &mut zeros);
+            let flat = |corner: usize| {
+                let triangle = &corners.as_chunks::<3>().0[corner / 3];
+                let point = |c: &Corner| to_f64(self.positions[c.position as usize]);
+                unit_normal(triangle.each_ref().map(point))
+            };
+            let indices = corners.iter().map(|c| c.normal);
+            let normals = gather("normals", &self.normals, indices, flat);
+            out.normal = normals.0;
+            self.warnings.extend(normals.1);
         }
         let channels = std::mem::take(&mut self.channels);
-        let channels = channels.finish(welded, corners, &mut zeros);
-        if zeros > 0 {
-            self.warnings
-                .push(Warning::PartialAttributes { corners: zeros });
-        }
+        let channels = channels.finish(welded, corners, &mut self.warnings);
         (out, channels)
     }
 }
@@ -365,18 +374,22 @@ fn position_bucket(key: [u32; 3], bits: u32) -> u32 {
     u32::try_from(mixed >> (u64::BITS - bits)).expect("there are at most 2^32 positions")
 }
 
+/// Returns a value per corner, `neutral` where one is missing or not finite, and a warning about
+/// those.
 fn gather<const N: usize>(
+    name: &str,
     values: &[[f32; N]],
     indices: impl Iterator<Item = u32>,
-    zeros: &mut usize,
-) -> Vec<[f32; N]> {
-    indices
-        .map(|i| match values.get(i as usize) {
-            Some(value) if value.iter().all(|x| x.is_finite()) => *value,
-            _ => {
-                *zeros += 1;
-                [0.0; N]
-            }
+    neutral: impl Fn(usize) -> [f32; N],
+) -> (Vec<[f32; N]>, Option<Warning>) {
+    let mut missing = 0;
+    let values = indices.enumerate().map(|(corner, i)| {
+        let value = values.get(i as usize).copied();
+        let value = value.filter(|value| value.iter().all(|x| x.is_finite()));
+        value.unwrap_or_else(|| {
+            missing += 1;
+            neutral(corner)
         })
-        .collect()
+    });
+    (values.collect(), Warning::partial(name, missing))
 }

@@ -96,9 +96,18 @@ pub enum Warning {
         /// The point in the file's coordinates \[m\].
         origin: [f64; 3],
     },
-    /// Some corners or vertices lack finite values of an attribute, and got zeros.
+    /// The format has coordinates of 32 bits, and those far from the origin lose digits.
+    OriginRounded {
+        /// Origin of the surface that was added to its positions \[m\].
+        origin: [f64; 3],
+    },
+    /// Some corners or vertices lack finite values of an attribute, and got neutral ones.
+    ///
+    /// These are white, the joint 0 with the weight 1, the normal of the triangle, or else zeros.
     PartialAttributes {
-        /// Number of corners and rows of channels that got zeros.
+        /// Name of the attribute.
+        name: String,
+        /// Number of corners or vertices that got neutral values.
         corners: usize,
     },
     /// An attribute was dropped: the file format or this crate has no place for it.
@@ -198,6 +207,12 @@ impl Warning {
         let name = String::from_utf8_lossy(name).into_owned();
         Self::Dropped { name }
     }
+
+    /// Returns the warning about corners or vertices that lack an attribute, if there are any.
+    pub(crate) fn partial(name: &str, corners: usize) -> Option<Self> {
+        let name = name.to_owned();
+        (corners > 0).then_some(Self::PartialAttributes { name, corners })
+    }
 }
 
 impl fmt::Display for Warning {
@@ -208,12 +223,16 @@ impl fmt::Display for Warning {
             Self::OriginMoved { origin } => {
                 write!(f, "far from the origin, computed relative to {origin:?}")
             }
-            Self::PartialAttributes { corners } => {
-                write!(
-                    f,
-                    "corners without usable attributes, set to zero: {corners}"
-                )
-            }
+            Self::OriginRounded { origin } => write!(
+                f,
+                "coordinates near {origin:?} are rounded to 32 bits and the shape loses digits; \
+                 write OBJ, PLY or GLB"
+            ),
+            Self::PartialAttributes { name, corners } => write!(
+                f,
+                "corners or vertices without a usable value of {name}, set to a neutral one: \
+                 {corners}"
+            ),
             Self::Dropped { name } => write!(f, "attribute that is not kept: {name}"),
             Self::Skipped { count } => {
                 write!(f, "points, lines or unknown statements, ignored: {count}")

@@ -218,10 +218,11 @@ mod tests {
             data.warnings,
             [
                 Warning::Skipped { count: 2 },
-                Warning::PartialAttributes { corners: 6 }
+                Warning::partial("texture coordinates", 4).unwrap(),
+                Warning::partial("color", 2).unwrap(),
             ]
         );
-        let gray = [0.0, 0.0, 0.0, 0.5, 0.5, 0.5, 0.0, 0.0, 0.0];
+        let gray = [1.0, 1.0, 1.0, 0.5, 0.5, 0.5, 1.0, 1.0, 1.0];
         assert_eq!(data.channels[0].values(), gray);
     }
 

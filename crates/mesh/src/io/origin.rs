@@ -37,9 +37,12 @@ pub(super) fn read_near_origin(
 ///
 /// Far is a distance of more than 100 diagonals. Positions of 64 bits keep their digits if it is
 /// subtracted before they are rounded to 32 bits, see [`Surface::set_origin`]. It lies on a grid of
-/// the box's size, so that round coordinates stay round.
+/// the box's size, so that round coordinates stay round. That of an empty box is zero.
 #[must_use]
 pub fn nearby_origin(bounds: &Aabb) -> [f64; 3] {
+    if bounds.min[0] > bounds.max[0] {
+        return [0.0; 3];
+    }
     let center = bounds.center();
     // Vertices closer than the spacing of 32-bit numbers may have become one.
     let spacing = center.amax() * f64::from(f32::EPSILON);

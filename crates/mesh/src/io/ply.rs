@@ -19,7 +19,7 @@ use crate::io::data::{MeshData, Warning};
 use crate::io::error::{ParseError, SourceLocation};
 use crate::io::origin::read_near_origin;
 use channels::VertexChannel;
-pub(super) use channels::{SKIN_LIST, keeps_name};
+pub(super) use channels::{SKIN_LIST, keeps};
 use faces::read_faces;
 use header::{Element, Header, read_header};
 use strips::read_strips;
@@ -164,6 +164,55 @@ mod tests {
         assert_eq!(data.triangles, [[0, 1, 2], [0, 2, 3]]);
         assert_eq!(data.corners.uv[2], [1.0, 1.0]);
         assert_eq!(data.file_vertices, 4);
+    }
+
+    #[test]
+    fn the_first_of_properties_of_one_channel_is_kept() {
+        let cases = [
+            ("heat", "heat", "heat", 1),
+            ("heat", "heat_0", "heat", 1),
+            ("red green blue", "color_0 color_1 color_2", "color", 3),
+        ];
+        for (first, second, channel, width) in cases {
+            let header: String = ["x", "y", "z"]
+                .into_iter()
+                .chain(first.split(' '))
+                .chain(second.split(' '))
+                .map(|name| format!("property float {name}\n"))
+                .collect();
+            let file = format!(
+                "ply\nformat ascii 1.0\nelement vertex 3\n{header}element face 1\n\
+                 property list uchar int vertex_indices\nend_header\n"
+            );
+            let rows = ["0 0 0", "1 0 0", "0 1 0"].map(|position| {
+                let numbers = [" 5", " 7"].map(|number| number.repeat(width));
+                format!("{position}{}\n", numbers.concat())
+            });
+            let data = read_ply(format!("{file}{}3 0 1 2\n", rows.concat()).as_bytes()).unwrap();
+            assert_eq!(data.channels.len(), 1, "{first}, {second}");
+            assert_eq!(data.channels[0].name(), channel);
+            assert_eq!(data.channels[0].values(), vec![5.0; 3 * width]);
+            let name = second.split(' ').next().unwrap().to_owned();
+            assert_eq!(data.warnings, [Warning::Dropped { name }]);
+        }
+    }
+
+    #[test]
+    fn the_first_of_lists_of_one_channel_is_kept() {
+        let file = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n\
+            property float y\nproperty float z\nproperty float heat\nelement face 1\n\
+            property list uchar int vertex_indices\nproperty list uchar float wear\n\
+            property list uchar float wear\nproperty list uchar float heat\nend_header\n\
+            0 0 0 4\n1 0 0 4\n0 1 0 4\n3 0 1 2 3 1 2 3 3 7 8 9 3 5 5 5\n";
+        let data = read_ply(file.as_bytes()).unwrap();
+        let found = data.channels.iter().map(|c| (c.name(), c.values()));
+        let expected = [
+            ("heat", &[4.0, 4.0, 4.0][..]),
+            ("wear", &[1.0, 2.0, 3.0][..]),
+        ];
+        assert_eq!(found.collect::<Vec<_>>(), expected);
+        let dropped = ["wear", "heat"].map(|name| Warning::dropped(name.as_bytes()));
+        assert_eq!(data.warnings, dropped);
     }
 
     #[test]

@@ -46,8 +46,8 @@ pub fn write_obj_to(out: &mut impl Write, surface: &Surface) -> io::Result<Vec<W
 /// [`read_ply`](crate::read_ply) reads the file. Channels of vertices are properties of vertices:
 /// `red green blue alpha` for `color`, `NAME_joint_I` and `NAME_weight_I` for skin weights, else
 /// `NAME_I`, or `NAME` for a single number. Attributes of corners are lists of faces. Free slots
-/// are skipped. Coordinates are doubles if the surface's origin is not zero. Returns warnings about
-/// channels whose names have another meaning in PLY.
+/// are skipped. Coordinates are doubles if the surface's origin is not zero. Channels whose names
+/// have another meaning in PLY are left out; returns a warning about each.
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.
@@ -60,7 +60,8 @@ pub fn write_ply(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteEr
 
 /// Writes the triangles of a surface as binary STL, which holds positions alone.
 ///
-/// The surface's origin is added to positions. Returns warnings about all other attributes.
+/// The surface's origin is added to positions, which are then rounded to 32 bits. Returns warnings
+/// about that and about all other attributes.
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.
@@ -76,9 +77,9 @@ pub fn write_stl(path: &Path, surface: &Surface) -> Result<Vec<Warning>, WriteEr
 /// Vertices are split where attributes differ. Every material has a primitive and the name
 /// `material_N`. The channel `color` becomes `COLOR_0`, `uv1` and further ones `TEXCOORD_1` and so
 /// on, `skin` becomes `JOINTS_0` and `WEIGHTS_0`, and other channels of up to four numbers become
-/// `_NAME`. Surfaces without normals get those of [`RenderBuffers`](crate::RenderBuffers). The
-/// surface's origin is the translation of its node. Returns warnings about channels that do not
-/// fit.
+/// `_NAME`. Surfaces without normals and corners whose normal is zero get those of
+/// [`RenderBuffers`](crate::RenderBuffers). The surface's origin is the translation of its node.
+/// Returns warnings about channels that do not fit.
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.
@@ -104,7 +105,8 @@ pub fn write_glb_to(
 /// Writes moving surfaces as binary glTF 2.0 (`.glb`) with one animation.
 ///
 /// Nodes are those of [`write_glb`]. Shapes after the first one are morph targets with linear
-/// interpolation, and a node is scaled to 0 while it is invisible.
+/// interpolation, and a node is scaled to 0 while it is invisible. Surfaces with times have the
+/// normals of [`RenderBuffers`](crate::RenderBuffers), since their own ones do not follow.
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.
@@ -165,7 +167,7 @@ mod tests {
     use super::*;
     use crate::ids::TriangleId;
     use crate::io::read_mesh;
-    use crate::surface::{Blend, Channel, Domain};
+    use crate::surface::{Blend, Channel, CornerAttributes, Domain};
     use proptest::prelude::*;
 
     fn tetrahedron(corners: [[f32; 3]; 4]) -> Surface {
@@ -260,6 +262,74 @@ mod tests {
             let corners = corners.map(|&v| data.positions[v as usize].map(f32::to_bits));
             let expected = surface.topology().corners().iter();
             prop_assert!(corners.eq(expected.map(|v| points[v.index()].map(f32::to_bits))));
+        }
+    }
+
+    /// Returns names of channels: any text, and words that files give a meaning.
+    fn any_name() -> impl Strategy<Value = String> {
+        let words = [
+            "x",
+            "nx",
+            "s",
+            "u",
+            "red",
+            "alpha",
+            "color",
+            "normal",
+            "texcoord",
+            "material",
+            "vertex_indices",
+            "vertex_index",
+            "heat",
+            "heat_0",
+            "heat_weight",
+            "heat_joint",
+            "heat_skin",
+            "a b",
+            "a\nend_header",
+            "property",
+            "",
+        ];
+        let word = prop::sample::select(words.to_vec()).prop_map(str::to_owned);
+        prop_oneof![word, "[ -~\n\u{e9}]{0,4}(_[0-9]{1,2})?"]
+    }
+
+    proptest! {
+        #[test]
+        fn ply_has_the_channels_without_a_warning(
+            channels in prop::collection::vec((any_name(), any::<[bool; 2]>(), 1usize..5), 0..6),
+            is_byte: bool,
+        ) {
+            let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+            let mut surface = tetrahedron(corners);
+            for (name, [is_corner, is_skin], width) in channels {
+                let domain = if is_corner { Domain::Corner } else { Domain::Vertex };
+                let (blend, width) = if is_skin && !is_corner {
+                    (Blend::Skin, 2 * width)
+                } else {
+                    (Blend::Linear, width)
+                };
+                let count = surface.slots(domain) * width;
+                let values = (0..count).map(|i| if is_byte { 1.0 } else { i as f32 + 0.5 });
+                let values = values.collect();
+                let channel = Channel::new(name, domain, blend, width, values).unwrap();
+                surface.set_channel(channel).unwrap();
+            }
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("a.ply");
+            let dropped = write_ply(&path, &surface).unwrap();
+            let data = read_mesh(&path).unwrap();
+            prop_assert_eq!(&data.warnings, &[]);
+            let is_dropped = |name: &str| dropped.contains(&Warning::dropped(name.as_bytes()));
+            let of = |domain: Domain| {
+                let all = surface.channels.iter().filter(move |c| c.domain() == domain);
+                all.filter(|c| !is_dropped(c.name())).cloned()
+            };
+            let kept: Vec<Channel> = of(Domain::Vertex).chain(of(Domain::Corner)).collect();
+            prop_assert_eq!(&data.channels, &kept);
+            prop_assert_eq!(kept.len() + dropped.len(), surface.channels.len());
+            prop_assert_eq!(data.positions, corners);
+            prop_assert_eq!(data.corners, CornerAttributes::default());
         }
     }
 

@@ -2,15 +2,16 @@
 
 use super::channels::{Channel, ChannelError};
 use super::{Domain, Surface};
-use crate::geometry::{Vec3, to_f32, to_f64};
+use crate::geometry::{Vec3, to_f32, to_f64, unit_normal};
 use crate::ids::{HalfEdge, TriangleId, VertexId};
 
 impl Surface {
     /// Adds the vertices and triangles of another surface. Its pieces get the next free numbers.
     ///
     /// The other surface stays in place in its file: its positions are rounded once if its
-    /// [`Self::origin`] differs. Attributes that one surface lacks are zero there. Returns the new
-    /// id, or null, of every vertex slot of `other`.
+    /// [`Self::origin`] differs. Attributes that one surface lacks are neutral there: white, the
+    /// joint 0 with the weight 1, the normals of triangles, or else zeros. Returns the new id, or
+    /// null, of every vertex slot of `other`.
     ///
     /// # Errors
     /// [`ChannelError::Mismatch`] if the surfaces have different channels of one name; nothing has
@@ -63,10 +64,19 @@ impl Surface {
         for (old, new) in triangles {
             self.copy_corners(new, other, old);
         }
-        for (channel, from) in self.like_channels(other) {
-            if from.domain() == Domain::Vertex {
+        for channel in &mut self.channels {
+            let neutral = channel.neutral_row();
+            let neutral = &neutral[..channel.width()];
+            let from = other.channel(channel.name());
+            if channel.domain() == Domain::Vertex {
                 let vertices = vertices.iter().enumerate().filter(|(_, v)| !v.is_null());
-                vertices.for_each(|(old, new)| channel.set_row(new.index(), from.row(old)));
+                vertices.for_each(|(old, new)| {
+                    let row = from.map_or(neutral, |from| from.row(old));
+                    channel.set_row(new.index(), row);
+                });
+            } else if from.is_none() {
+                let corners = half_edges.iter();
+                corners.for_each(|h| channel.set_row(h.index(), neutral));
             }
         }
         Ok(vertices)
@@ -89,12 +99,12 @@ impl Surface {
         Ok(())
     }
 
-    /// Adds arrays of zeros for the attributes that only the other surface has.
+    /// Adds arrays of neutral values for the attributes that only the other surface has.
     fn fit_attributes(&mut self, other: &Self) {
         for from in &other.channels {
             if self.channel(from.name()).is_none() {
                 let mut channel = from.with_values(Vec::new());
-                channel.fit(self.slots(from.domain()));
+                channel.fit_neutral(self.slots(from.domain()));
                 self.channels.push(channel);
             }
         }
@@ -102,13 +112,32 @@ impl Surface {
         if !other.corners.uv.is_empty() {
             self.corners.uv.resize(corners, [0.0; 2]);
         }
-        if !other.corners.normal.is_empty() {
-            self.corners.normal.resize(corners, [0.0; 3]);
+        if !other.corners.normal.is_empty() && self.corners.normal.is_empty() {
+            self.corners.normal = vec![[0.0; 3]; corners];
+            for t in 0..self.topology.triangle_slots() {
+                let t = TriangleId::from_index(t);
+                if self.topology.is_triangle(t) {
+                    self.set_flat_normals(t);
+                }
+            }
+        }
+    }
+
+    /// Sets the normals of a triangle's corners to that of the triangle, if the surface has any.
+    fn set_flat_normals(&mut self, t: TriangleId) {
+        let normal = unit_normal(self.triangle_positions(t));
+        for h in t.half_edges() {
+            if let Some(own) = self.corners.normal.get_mut(h.index()) {
+                *own = normal;
+            }
         }
     }
 
     /// Copies the attributes of the corners of a triangle of another surface.
     fn copy_corners(&mut self, to: TriangleId, other: &Self, from: TriangleId) {
+        if other.corners.normal.is_empty() {
+            self.set_flat_normals(to);
+        }
         let corners = to.half_edges().into_iter().zip(from.half_edges());
         for (to, from) in corners.map(|(a, b): (HalfEdge, HalfEdge)| (a.index(), b.index())) {
             if let Some(&uv) = other.corners.uv.get(from) {
@@ -206,6 +235,50 @@ mod tests {
         let position = |s: &Surface, v: VertexId| s.positions[v.index()];
         for v in cloth.topology.vertices() {
             assert_eq!(position(&all, vertices[v.index()]), position(&cloth, v));
+        }
+    }
+
+    #[test]
+    fn attributes_that_a_part_lacks_are_neutral() {
+        let mut full = icosphere(1, 0.5);
+        for (name, domain, blend, width) in [
+            ("color", Domain::Vertex, Blend::Linear, 4),
+            ("color1", Domain::Corner, Blend::Linear, 3),
+            ("skin", Domain::Vertex, Blend::Skin, 8),
+            ("heat", Domain::Vertex, Blend::Linear, 1),
+        ] {
+            let values = vec![0.25; full.slots(domain) * width];
+            let channel = Channel::new(name, domain, blend, width, values).unwrap();
+            full.set_channel(channel).unwrap();
+        }
+        let bare = cube_sphere(2, 0.2);
+        let (mut before, mut after) = (bare.clone(), full.clone());
+        before.append(&full).unwrap();
+        after.append(&bare).unwrap();
+        for (all, piece) in [(before, 0), (after, 1)] {
+            let part = all.extract_piece(piece);
+            assert_eq!(
+                part.topology.triangle_count(),
+                bare.topology.triangle_count()
+            );
+            for (name, neutral) in [
+                ("color", &[1.0; 4][..]),
+                ("color1", &[1.0; 3]),
+                ("skin", &[0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]),
+                ("heat", &[0.0]),
+            ] {
+                let channel = part.channel(name).unwrap();
+                let mut rows = channel.values().chunks(channel.width());
+                assert!(rows.all(|row| row == neutral), "{name} of piece {piece}");
+            }
+            for t in part.topology.triangles() {
+                let [a, b, c] = part.triangle_positions(t);
+                let expected = (b - a).cross(&(c - a)).normalize();
+                for h in t.half_edges() {
+                    let normal = to_f64(part.corners.normal[h.index()]);
+                    assert!((normal - expected).norm() < 1e-6, "{normal} {expected}");
+                }
+            }
         }
     }
 

@@ -194,6 +194,31 @@ impl Channel {
         self.values.resize(slots * self.width, 0.0);
     }
 
+    /// Returns the row of vertices and corners to which nobody gave one.
+    ///
+    /// It is white and opaque for colors, the joint 0 with the weight 1 for skin weights, else 0.
+    pub(crate) fn neutral_row(&self) -> Row {
+        let mut out = Row::default();
+        let number = self.name.strip_prefix("color");
+        let is_color = number.is_some_and(|n| n.bytes().all(|b| b.is_ascii_digit()));
+        match self.blend {
+            Blend::Skin => out[self.width / 2] = 1.0,
+            Blend::Linear if is_color && (3..=4).contains(&self.width) => out.fill(1.0),
+            Blend::Linear => {}
+        }
+        out
+    }
+
+    /// Extends the array by neutral rows, to `slots` rows.
+    pub(crate) fn fit_neutral(&mut self, slots: usize) {
+        let neutral = self.neutral_row();
+        let missing = slots.saturating_sub(self.values.len() / self.width);
+        self.values.reserve(missing * self.width);
+        for _ in 0..missing {
+            self.values.extend_from_slice(&neutral[..self.width]);
+        }
+    }
+
     /// Returns the channel with the rows of `slots`, in their order.
     pub(crate) fn gather(&self, slots: impl Iterator<Item = usize>) -> Self {
         let mut values = Vec::with_capacity(slots.size_hint().0 * self.width);

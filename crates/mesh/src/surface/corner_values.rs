@@ -2,6 +2,7 @@
 
 use super::Surface;
 use super::channels::{Blend, Row};
+use crate::geometry::{Vec3, to_f32, to_f64};
 use crate::ids::HalfEdge;
 
 /// The texture coordinates, the normal and the rows of corner channels of one corner.
@@ -18,7 +19,8 @@ pub struct CornerValues {
 impl CornerValues {
     /// Returns the interpolation of three corners of one surface by weights that sum to 1.
     ///
-    /// A corner with the weight 1 is returned bit for bit.
+    /// A corner with the weight 1 is returned bit for bit. Other normals have the length 1, or are
+    /// zero where the parents cancel.
     #[must_use]
     pub fn interpolate(corners: [&Self; 3], weights: [f32; 3]) -> Self {
         if let Some(k) = weights.iter().position(|&w| w == 1.0) {
@@ -29,7 +31,7 @@ impl CornerValues {
         let shares = weights.map(f64::from);
         Self {
             uv: all([a.uv, b.uv, c.uv]).map(|values| sum(values, weights)),
-            normal: all([a.normal, b.normal, c.normal]).map(|values| sum(values, weights)),
+            normal: all([a.normal, b.normal, c.normal]).map(|values| unit_sum(values, shares)),
             rows: rows
                 .map(|((a, b), c)| {
                     let rows = [(a.0, shares[0]), (b.0, shares[1]), (c.0, shares[2])];
@@ -54,6 +56,12 @@ fn sum<const N: usize>(values: [[f32; N]; 3], weights: [f32; 3]) -> [f32; N] {
     std::array::from_fn(|i| (0..3).map(|k| weights[k] * values[k][i]).sum())
 }
 
+/// Returns the direction of a weighted sum of normals; zero if they cancel.
+fn unit_sum(normals: [[f32; 3]; 3], weights: [f64; 3]) -> [f32; 3] {
+    let sum: Vec3 = (0..3).map(|k| to_f64(normals[k]) * weights[k]).sum();
+    to_f32(sum.try_normalize(0.0).unwrap_or_default())
+}
+
 impl Surface {
     /// Returns all attributes of the corner at `h`.
     #[must_use]
@@ -76,5 +84,26 @@ impl Surface {
         uvs.get(a) == uvs.get(b)
             && normals.get(a) == normals.get(b)
             && (self.corner_channels()).all(|channel| channel.row(a) == channel.row(b))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn interpolated_normals_have_the_length_one() {
+        let corner = |normal| CornerValues {
+            uv: None,
+            normal: Some(normal),
+            rows: Vec::new(),
+        };
+        let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(corner);
+        let normal = CornerValues::interpolate([&x, &y, &y], [0.5, 0.25, 0.25]).normal;
+        let half = 0.5f32.sqrt();
+        assert_eq!(normal, Some([half, half, 0.0]));
+        let back = corner([-1.0, 0.0, 0.0]);
+        let normal = CornerValues::interpolate([&x, &back, &y], [0.5, 0.5, 0.0]).normal;
+        assert_eq!(normal, Some([0.0; 3]));
     }
 }

@@ -117,11 +117,12 @@ fn add_rows(
     width: usize,
     values: &[f32],
 ) -> bool {
-    let Some(channel) = builder.channels.vertex_channel(name, domain, blend, width) else {
+    let channels = &mut builder.channels;
+    let Some(channel) = channels.vertex_channel(name, domain, blend, width, first) else {
         return false;
     };
     for (i, row) in values.chunks(width).enumerate() {
-        builder.channels.add_vertex_row(channel, first + i, row);
+        channels.add_vertex_row(channel, first + i, row);
     }
     true
 }

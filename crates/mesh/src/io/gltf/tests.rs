@@ -177,24 +177,44 @@ fn distant_nodes_keep_the_shape_of_their_meshes() {
     assert_eq!(far.triangles, near.triangles);
 }
 
+fn attribute(name: &str, accessor: usize) -> String {
+    format!(r#","{name}":{accessor}"#)
+}
+
+/// Returns a document with two triangles that have further attributes.
+fn file(attributes: &str) -> Vec<u8> {
+    let bytes = glb(r#"[{"mesh":0}]"#, r#","mode":6"#);
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    let end = text.find("BIN").unwrap() - 4;
+    let json = text[20..end].replace(r#""POSITION":0"#, &format!(r#""POSITION":0{attributes}"#));
+    let mut file = json.into_bytes();
+    file.resize(file.len().next_multiple_of(4), b' ');
+    let mut out = bytes[..12].to_vec();
+    out.extend(u32::try_from(file.len()).unwrap().to_le_bytes());
+    out.extend(b"JSON");
+    out.extend(file);
+    out.extend(&bytes[end..]);
+    out
+}
+
+#[test]
+fn the_first_of_attributes_of_one_channel_is_kept() {
+    for (first, second) in [
+        ("COLOR_0", "_color"),
+        ("COLOR_1", "_color1"),
+        ("COLOR_0", "COLOR_00"),
+        ("TEXCOORD_01", "TEXCOORD_1"),
+    ] {
+        let both = attribute(first, 0) + &attribute(second, 0);
+        let data = read_gltf(&file(&both), None).unwrap();
+        let alone = read_gltf(&file(&attribute(first, 0)), None).unwrap();
+        assert_eq!(data.channels, alone.channels);
+        assert_eq!(data.warnings, [Warning::dropped(second.as_bytes())]);
+    }
+}
+
 #[test]
 fn further_attributes_become_channels() {
-    let attribute = |name: &str, accessor: usize| format!(r#","{name}":{accessor}"#);
-    let file = |attributes: &str| {
-        let bytes = glb(r#"[{"mesh":0}]"#, r#","mode":6"#);
-        let text = String::from_utf8_lossy(&bytes).into_owned();
-        let end = text.find("BIN").unwrap() - 4;
-        let json =
-            text[20..end].replace(r#""POSITION":0"#, &format!(r#""POSITION":0{attributes}"#));
-        let mut file = json.into_bytes();
-        file.resize(file.len().next_multiple_of(4), b' ');
-        let mut out = bytes[..12].to_vec();
-        out.extend(u32::try_from(file.len()).unwrap().to_le_bytes());
-        out.extend(b"JSON");
-        out.extend(file);
-        out.extend(&bytes[end..]);
-        out
-    };
     let all = [
         attribute("COLOR_0", 0),
         attribute("TEXCOORD_2", 0),

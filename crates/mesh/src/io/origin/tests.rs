@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::geometry::{to_f32, to_f64};
-use crate::io::{read_mesh, read_obj, read_ply, read_stl, write_obj, write_ply};
+use crate::io::{read_mesh, read_obj, read_ply, read_stl, write_obj, write_ply, write_stl};
 use crate::shapes::{icosphere, torus};
 use crate::surface::Surface;
 use proptest::prelude::*;
@@ -187,6 +187,25 @@ fn an_origin_moves_without_the_surface() {
     let p = moved.positions()[0];
     let q = to_f32(to_f64([p[0], p[1], p[2]]) + nalgebra::Vector3::new(8.0, -4.0, 0.0));
     assert!((to_f64(q) - body.position(crate::VertexId(0))).amax() < 1e-6);
+}
+
+#[test]
+fn the_origin_of_an_empty_box_is_zero() {
+    assert_eq!(nearby_origin(&Aabb::default()), [0.0; 3]);
+}
+
+#[test]
+fn stl_warns_that_distant_coordinates_are_rounded() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.stl");
+    let mut body = crate::cube_sphere(2, 0.5);
+    assert_eq!(write_stl(&path, &body).unwrap(), []);
+    body.set_origin([1e6, 0.0, 0.0]);
+    let origin = body.origin();
+    let warnings = write_stl(&path, &body).unwrap();
+    assert_eq!(warnings, [Warning::OriginRounded { origin }]);
+    assert_eq!(write_ply(&path, &body).unwrap(), []);
+    assert_eq!(write_obj(&path, &body).unwrap(), []);
 }
 
 proptest! {

@@ -10,7 +10,7 @@ use crate::geometry::round_to_f32;
 use crate::io::build::Builder;
 use crate::io::channels::FileChannels;
 use crate::io::data::Warning;
-use crate::surface::{Blend, Domain, MAX_WIDTH};
+use crate::surface::{Blend, Channel, Domain, MAX_WIDTH};
 use rustc_hash::FxHashMap;
 
 /// Names of properties that belong to no channel, or to the colors.
@@ -41,12 +41,20 @@ const RESERVED: [&str; 24] = [
     "",
 ];
 
-/// Returns whether a reader of PLY finds a channel of this name again.
-pub(in crate::io) fn keeps_name(name: &str) -> bool {
+/// Returns whether a reader of PLY finds a channel again, by the names of its properties.
+pub(in crate::io) fn keeps(channel: &Channel) -> bool {
+    let name = channel.name();
     let number = name.rsplit_once('_').map(|(_, number)| number);
+    // Numbers of such names are read as joints and weights.
+    let is_skin_part = channel.domain() == Domain::Vertex
+        && channel.width() > 1
+        && ["_joint", "_weight"]
+            .iter()
+            .any(|part| name.ends_with(part));
     name.bytes().all(|b| b.is_ascii_graphic())
         && !RESERVED.contains(&name)
         && !name.ends_with(SKIN_LIST)
+        && !is_skin_part
         && number.is_none_or(|number| number.parse::<usize>().is_err())
 }
 
@@ -139,7 +147,8 @@ impl VertexChannel {
 }
 
 fn vertex_channel(builder: &mut Builder, name: &str, blend: Blend, width: usize) -> Option<usize> {
-    (builder.channels).vertex_channel(name, Domain::Vertex, blend, width)
+    let first = builder.position_count();
+    (builder.channels).vertex_channel(name, Domain::Vertex, blend, width, first)
 }
 
 /// A list of numbers per face that may be a channel of corners.
@@ -189,7 +198,9 @@ impl CornerChannels {
         channels: &mut FileChannels,
     ) -> Option<u32> {
         self.key.clear();
-        for list in &mut self.lists {
+        for i in 0..self.lists.len() {
+            let (before, rest) = self.lists.split_at_mut(i);
+            let list = &mut rest[0];
             let width = list.values.len() / corners;
             if list.channel.is_none() && width > 0 {
                 let (name, blend) = match list.name.strip_suffix(SKIN_LIST) {
@@ -197,7 +208,9 @@ impl CornerChannels {
                     None => (&*list.name, Blend::Linear),
                 };
                 let channel = channels.corner_channel(name, blend, width);
-                list.channel = channel.map(|channel| (channel, width));
+                let channel = channel.map(|channel| (channel, width));
+                let is_free = |list: &CornerChannel| list.channel != channel;
+                list.channel = channel.filter(|_| before.iter().all(is_free));
             }
             if let Some(row) = list.row(corner, corners) {
                 self.key.extend(row.iter().map(|x| x.to_bits()));

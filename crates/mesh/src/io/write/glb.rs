@@ -104,6 +104,20 @@ pub(super) fn write(
     Ok(dropped.map(|name| Warning::Dropped { name }).collect())
 }
 
+/// Returns the surface's own normals, computed ones where these are zero or do not follow it.
+fn normals(animated: &AnimatedSurface<'_>, buffers: &RenderBuffers) -> Vec<[f32; 3]> {
+    let mut normals = buffers.normals().to_vec();
+    if animated.times.is_empty() {
+        for (normal, h) in normals.iter_mut().zip(buffers.corners()) {
+            let own = animated.surface.corner_normals().get(h.index());
+            if let Some(own) = own.filter(|own| **own != [0.0; 3]) {
+                *normal = *own;
+            }
+        }
+    }
+    normals
+}
+
 /// Returns a material with the name that readers of this crate know.
 fn material(number: u32) -> Value {
     json!({
@@ -120,16 +134,7 @@ impl Document {
     fn add(&mut self, animated: &AnimatedSurface<'_>) -> io::Result<()> {
         let AnimatedSurface { name, surface, .. } = *animated;
         let mut buffers = RenderBuffers::new(surface, RenderParams::default());
-        let own_normals = surface.corner_normals();
-        let normals: Vec<[f32; 3]> = if own_normals.is_empty() {
-            buffers.normals().to_vec()
-        } else {
-            buffers
-                .corners()
-                .iter()
-                .map(|h| own_normals[h.index()])
-                .collect()
-        };
+        let normals = normals(animated, &buffers);
         let mut attributes = json!({
             "POSITION": self.vectors(buffers.positions()),
             "NORMAL": self.floats(3, normals.as_flattened()),
@@ -334,7 +339,10 @@ mod tests {
     proptest! {
         #[test]
         fn files_keep_every_bit(
-            values in prop::collection::vec(-1e3f32..1e3, 1..99),
+            values in prop::collection::vec(
+                (-1e3f32..1e3).prop_filter("not zero", |x| *x != 0.0),
+                1..99,
+            ),
             joints in prop::collection::vec(0u16..999, 1..99),
             material in 0u32..5,
         ) {
@@ -369,6 +377,49 @@ mod tests {
             prop_assert_eq!(&data.warnings, &[]);
             let (again, _) = data.into_surface().unwrap();
             prop_assert_eq!(corners(&again, &names), corners(&surface, &names));
+        }
+    }
+
+    #[test]
+    fn zero_normals_become_those_of_the_surface() {
+        let mut surface = cube_sphere(2, 0.5);
+        let corners = surface.slots(Domain::Corner);
+        surface.set_corner_normals(vec![[0.0; 3]; corners]).unwrap();
+        let (bytes, _) = bytes_of(&[("a", &surface)]);
+        let (again, _) = read_gltf(&bytes, None).unwrap().into_surface().unwrap();
+        assert_eq!(again.corner_normals().len(), corners);
+        for [x, y, z] in again.corner_normals() {
+            assert!((x * x + y * y + z * z - 1.0).abs() < 1e-5, "{x} {y} {z}");
+        }
+    }
+
+    #[test]
+    fn a_node_without_attributes_beside_one_with_them_gets_neutral_ones() {
+        let bare = cube_sphere(1, 0.25);
+        let mut full = cube_sphere(1, 0.5);
+        let skin = [1.0, 2.0, 3.0, 0.0, 0.5, 0.25, 0.125, 0.125];
+        for (name, blend, row) in [
+            ("color", Blend::Linear, &skin[4..]),
+            ("skin", Blend::Skin, &skin[..]),
+        ] {
+            let values = row.repeat(full.slots(Domain::Vertex));
+            let channel = Channel::new(name, Domain::Vertex, blend, row.len(), values).unwrap();
+            full.set_channel(channel).unwrap();
+        }
+        for nodes in [[("a", &bare), ("b", &full)], [("b", &full), ("a", &bare)]] {
+            let (bytes, dropped) = bytes_of(&nodes);
+            assert_eq!(dropped, []);
+            let data = read_gltf(&bytes, None).unwrap();
+            let named = data.warnings.iter().filter_map(|warning| match warning {
+                Warning::PartialAttributes { name, .. } => Some(name.as_str()),
+                _ => None,
+            });
+            assert_eq!(named.collect::<Vec<_>>(), ["color", "skin"]);
+            let colors = data.channels[0].values().chunks(4);
+            assert!(colors.clone().any(|row| row == [1.0; 4]));
+            assert!(colors.clone().all(|row| row[0] > 0.0 && row[3] > 0.0));
+            let mut skin = data.channels[1].values().chunks(8);
+            assert!(skin.all(|row| row[4..].iter().sum::<f32>() == 1.0));
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::ids::TriangleId;
 use crate::io::Warning;
-use crate::io::ply::{SKIN_LIST, keeps_name};
+use crate::io::ply::{SKIN_LIST, keeps};
 use crate::surface::{Blend, Channel, Domain, Surface};
 use std::io::{self, Write};
 
@@ -15,7 +15,7 @@ pub(super) fn write(surface: &Surface, out: &mut impl Write) -> io::Result<()> {
         surface
             .channels()
             .iter()
-            .filter(move |c| c.domain() == domain)
+            .filter(move |c| c.domain() == domain && keeps(c))
     };
     let has_materials = topology.triangles().any(|t| surface.material(t) != 0);
     let kind = if surface.origin == [0.0; 3] {
@@ -99,21 +99,18 @@ pub(super) fn write(surface: &Surface, out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Returns warnings about channels whose names a reader would not find again.
+/// Returns warnings about the channels that are not written: a reader would not find them again.
 pub(super) fn dropped(surface: &Surface) -> Vec<Warning> {
-    let names = surface.channels().iter().map(|channel| channel.name());
-    let dropped = names.filter(|name| !keeps_name(name));
+    let dropped = surface.channels().iter().filter(|channel| !keeps(channel));
     dropped
-        .map(|name| Warning::Dropped {
-            name: name.to_owned(),
-        })
+        .map(|channel| Warning::dropped(channel.name().as_bytes()))
         .collect()
 }
 
 /// Returns the names of a channel's properties.
 fn component_names(channel: &Channel) -> Vec<String> {
     let (name, width) = (channel.name(), channel.width());
-    if name == "color" && (3..=4).contains(&width) {
+    if is_color(channel) {
         let names = ["red", "green", "blue", "alpha"].iter().take(width);
         return names.map(|&name| name.to_owned()).collect();
     }
@@ -130,9 +127,16 @@ fn component_names(channel: &Channel) -> Vec<String> {
     }
 }
 
+/// Returns whether a channel has colors with or without alpha.
+fn is_color(channel: &Channel) -> bool {
+    channel.name() == "color"
+        && channel.blend() == Blend::Linear
+        && (3..=4).contains(&channel.width())
+}
+
 /// Returns whether a channel has colors that bytes keep to the bit.
 fn has_bytes(channel: &Channel) -> bool {
-    channel.name() == "color" && channel.values().iter().all(|&x| byte(x).is_some())
+    is_color(channel) && channel.values().iter().all(|&x| byte(x).is_some())
 }
 
 /// Returns the byte of a fraction that readers divide by 255, if it keeps every bit.

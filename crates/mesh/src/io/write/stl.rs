@@ -1,6 +1,6 @@
 //! Writes binary STL.
 
-use crate::geometry::{area_vector, to_f32};
+use crate::geometry::{to_f32, unit_normal};
 use crate::ids::index_u32;
 use crate::io::Warning;
 use crate::surface::Surface;
@@ -14,8 +14,7 @@ pub(super) fn write(surface: &Surface, out: &mut impl Write) -> io::Result<()> {
     out.write_all(&header)?;
     out.write_all(&index_u32(topology.triangle_count()).to_le_bytes())?;
     for t in topology.triangles() {
-        let normal = area_vector(surface.triangle_positions(t));
-        let normal = to_f32(normal.try_normalize(0.0).unwrap_or_default());
+        let normal = unit_normal(surface.triangle_positions(t));
         let corners = topology.triangle(t).map(|v| {
             let [x, y, z, _] = surface.positions[v.index()];
             match surface.file_position([x, y, z]) {
@@ -31,7 +30,7 @@ pub(super) fn write(surface: &Surface, out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Returns warnings about all attributes but positions.
+/// Returns warnings about all attributes but positions, and about an origin that is far away.
 pub(super) fn dropped(surface: &Surface) -> Vec<Warning> {
     let has_materials = surface
         .topology()
@@ -47,5 +46,7 @@ pub(super) fn dropped(surface: &Surface) -> Vec<Warning> {
     let dropped = names.map(|name| Warning::Dropped {
         name: name.to_owned(),
     });
-    dropped.collect()
+    let origin = surface.origin();
+    let rounded = (origin != [0.0; 3]).then_some(Warning::OriginRounded { origin });
+    dropped.chain(rounded).collect()
 }

@@ -54,20 +54,17 @@ impl Document {
         buffers: &mut RenderBuffers,
     ) -> Vec<Value> {
         let (positions, normals) = (buffers.positions().to_vec(), buffers.normals().to_vec());
-        let has_own_normals = !animated.surface.corner_normals().is_empty();
         let mut moved = animated.surface.clone();
         let mut targets = Vec::new();
         for shape in animated.shapes() {
             moved.positions_mut().copy_from_slice(shape);
             buffers.refresh(&moved);
-            let mut target = json!({
-                "POSITION": self.vectors(&differences(&positions, buffers.positions())),
-            });
-            if !has_own_normals {
-                let normals = differences(&normals, buffers.normals());
-                target["NORMAL"] = self.floats(3, normals.as_flattened());
-            }
-            targets.push(target);
+            let positions = differences(&positions, buffers.positions());
+            let normals = differences(&normals, buffers.normals());
+            targets.push(json!({
+                "POSITION": self.vectors(&positions),
+                "NORMAL": self.floats(3, normals.as_flattened()),
+            }));
         }
         targets
     }
@@ -135,6 +132,39 @@ mod tests {
         let bytes = &binary[begin..begin + index(&view["byteLength"])];
         let words = bytes.as_chunks::<4>().0.iter();
         words.map(|&word| f32::from_le_bytes(word)).collect()
+    }
+
+    #[test]
+    fn normals_follow_the_motion_even_if_the_surface_has_its_own() {
+        let mut surface = crate::icosphere(1, 0.5);
+        let corners = surface.corner_normals().len();
+        surface
+            .set_corner_normals(vec![[0.0, 0.0, 1.0]; corners])
+            .unwrap();
+        let turned = |&[x, y, z, w]: &[f32; 4]| [z, x, y, w];
+        let node = AnimatedSurface {
+            name: "piece",
+            surface: &surface,
+            times: vec![0.0, 1.0],
+            positions: vec![surface.positions().iter().map(turned).collect()],
+            end: None,
+        };
+        let mut file = Vec::new();
+        super::super::write(&[node], &mut file).unwrap();
+        let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
+        let json: Value = serde_json::from_slice(&file[20..20 + length]).unwrap();
+        let primitive = &json["meshes"][0]["primitives"][0];
+        let vectors = |accessor: &Value| numbers(&json, &file[20 + length + 8..], accessor);
+        let first = vectors(&primitive["attributes"]["NORMAL"]);
+        let by = vectors(&primitive["targets"][0]["NORMAL"]);
+        assert!(!first.is_empty());
+        let rows = first.as_chunks::<3>().0.iter().zip(by.as_chunks::<3>().0);
+        for (&[x, y, z], by) in rows {
+            let expected = [z, x, y];
+            for k in 0..3 {
+                assert!(([x, y, z][k] + by[k] - expected[k]).abs() < 1e-5);
+            }
+        }
     }
 
     #[test]
