@@ -1,6 +1,7 @@
 //! [`BodyBuffers`]: vertex and index buffers of a body, brought up to date when they are asked for.
 
 use super::Scene;
+use crate::arguments::index_of;
 use crate::error::WebError;
 use crate::memory_views::{view_f32, view_u32};
 use incise::mesh::{RenderBuffers, RenderParams, Surface};
@@ -47,7 +48,7 @@ impl Scene {
     }
 
     fn updated(&mut self, body: f64) -> Result<&BodyBuffers, WebError> {
-        let own = self.bodies.get_mut(body as usize).and_then(Option::as_mut);
+        let own = index_of(body).and_then(|i| self.bodies.get_mut(i)?.as_mut());
         let own = own.ok_or(WebError::UnknownBody { body })?;
         own.buffers.update(self.simulation.body(own.id)?.surface());
         Ok(&own.buffers)

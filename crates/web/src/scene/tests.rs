@@ -84,6 +84,7 @@ fn unknown_numbers_and_hostile_values_are_errors() {
     for number in [f64::NAN, 0.5, -1.0, 4294967296.0] {
         let text = scene.mesh(number).unwrap_err().to_string();
         assert!(text.contains(&format!("no body {number};")), "{text}");
+        assert!(scene.buffers(number).is_err() && scene.revision(number).is_err());
         assert!(scene.remove_body(number).is_err() && scene.move_blade(number, &BEHIND).is_err());
     }
     let nan = [f64::NAN; 3];
