@@ -23,6 +23,8 @@ const state = {
   center: [0, 0, 0],
   /** Number of cuts of each stroke, for undo. */
   strokes: [],
+  /** Whether the present stroke has an error, which stays on the screen. */
+  hasFailed: false,
   /** Where a grabbed vertex is and where it goes. */
   drag: null,
 };
@@ -37,6 +39,7 @@ function attempt(command) {
   try {
     return command();
   } catch (error) {
+    state.hasFailed = true;
     say(error.message ?? String(error));
     return undefined;
   }
@@ -79,6 +82,7 @@ function applySettings() {
 function slice(from, to) {
   const { scene, blade } = state;
   state.strokes.push(0);
+  state.hasFailed = false;
   scene.setFullSlices(blade, true);
   scene.teleportBlade(blade, from);
   scene.moveBlade(blade, to);
@@ -89,6 +93,7 @@ function slice(from, to) {
 function beginCut(edge) {
   const { scene, blade } = state;
   state.strokes.push(0);
+  state.hasFailed = false;
   scene.setFullSlices(blade, false);
   scene.teleportBlade(blade, edge);
   // The walls of a cut that ends inside touch each other.
@@ -98,7 +103,7 @@ function beginCut(edge) {
 function finishStroke(nothing) {
   if (state.strokes.at(-1) === 0) {
     state.strokes.pop();
-    if (nothing && state.scene.failedCuts.length === 0) say(nothing);
+    if (nothing && !state.hasFailed) say(nothing);
   }
 }
 
@@ -131,7 +136,10 @@ function step() {
     element("cut").textContent = `cut ${scene.cutMilliseconds.toFixed(1)} ms`;
     say("");
   }
-  for (const text of scene.failedCuts) say(text);
+  for (const text of scene.failedCuts) {
+    state.hasFailed = true;
+    say(text);
+  }
   const pieces = scene.pieceCount(state.body);
   element("pieces").textContent = pieces === 1 ? "1 piece" : `${pieces} pieces`;
   element("undo").disabled = state.strokes.length === 0;

@@ -389,7 +389,8 @@ typedef struct {
    */
   double level;
   /*
-   Growth of edge lengths from the rim inward; see `RefineParams` of the Rust crate.
+   Growth of the edge lengths of caps with the distance from the rim (meters per meter), at
+   least 0. At 0 the length at the rim holds everywhere.
    */
   double grading;
   /*
@@ -573,7 +574,7 @@ typedef struct {
    */
   float dt;
   /*
-   Gravitational acceleration in meters per second squared.
+   Gravitational acceleration in meters per second squared; 0, -9.81, 0 by default.
    */
   float gravity[3];
   /*
@@ -597,7 +598,7 @@ typedef struct {
    */
   uint32_t threads;
   /*
-   1 for contacts between bodies, pieces and blade faces, 0 for none.
+   1 for contacts between bodies, pieces and blade faces, 0 (default) for none.
    */
   uint32_t contacts;
   /*
@@ -870,8 +871,9 @@ incise_status incise_mesh_cut_plane(incise_mesh *mesh,
  Cuts a copy of a mesh by a blade that moves from pose to pose, and may stop inside.
 
  The blade's edge is a polyline of `point_count` points, at least 2. `poses` has `pose_count`
- times `point_count` rows of 3 floats (meters), relative to the origin of the mesh. The first
- pose lies outside of the body. Motions of less than half an edge length add up.
+ times `point_count` rows of 3 floats (meters), relative to the origin of the mesh. A blade
+ that starts inside a body has to leave it first. Motions of less than half an edge length add
+ up.
  */
 incise_status incise_mesh_cut_path(incise_mesh *mesh,
                                    const float *poses,
@@ -1071,11 +1073,18 @@ incise_status incise_scene_set_params(incise_scene *scene, const incise_scene_pa
 
 /*
  Replaces all colliders. Those of a list of the same length move to their new places in the next
- frame.
+ frame. One that is no solid shape is an error, and nothing changes.
  */
 incise_status incise_scene_set_colliders(incise_scene *scene,
                                          const incise_collider *colliders,
                                          size_t collider_count);
+
+/*
+ Writes the point to which all coordinates of a scene are relative: 3 numbers (meters).
+
+ It is the origin of the bodies, see `incise_mesh_measure`, and zero without bodies.
+ */
+incise_status incise_scene_origin(incise_scene *scene, double *out);
 
 /*
  Adds a blade with its edge from start to end: 6 floats (meters). `out` gets its index.

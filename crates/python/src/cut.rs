@@ -49,7 +49,7 @@ impl CutResult {
             .collect()
     }
 
-    /// Which faces of each piece are caps or walls of the cut: bool arrays of shape (m,).
+    /// Masks of the faces that are caps or walls of the cut: bool arrays of shape (m,).
     #[getter]
     fn cap_masks<'py>(slf: &Bound<'py, Self>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         views(slf, |piece| &piece.is_new)

@@ -175,8 +175,10 @@ impl Mesh {
         })
     }
 
-    /// Makes a mesh of a `trimesh.Trimesh`, with its texture coordinates and attributes of
-    /// vertices.
+    /// Makes a mesh of a `trimesh.Trimesh`, with its texture coordinates and attributes.
+    ///
+    /// Attributes of faces and those with text, bool, NaN or more than 16 columns are skipped. A
+    /// warning names them.
     #[staticmethod]
     fn from_trimesh(py: Python<'_>, mesh: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
         let module = py.import("incise._trimesh")?;

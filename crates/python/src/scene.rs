@@ -9,8 +9,11 @@ use crate::frame_stats::FrameStats;
 use incise::mesh::geometry::round_to_f32;
 use incise::scene::{Scene as LibraryScene, SceneParams, UndoStack};
 use parameters::SceneOptions;
+use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::{PyBytes, PyDict, PyMemoryView};
+use std::fmt::Display;
 
 pub(crate) use bodies::RayHit;
 
@@ -29,20 +32,23 @@ const UNDO_LIMIT: usize = 256;
 /// iterations, substeps : int
 ///     Solver iterations per substep, and substeps per frame.
 /// gravity : three numbers
-///     Acceleration [m/s^2].
+///     Acceleration [m/s^2]; None is (0, -9.81, 0).
 /// ground : float, optional
 ///     Height of the ground plane [m].
 /// contacts : bool or dict
-///     Whether bodies, pieces and blade faces touch each other; `{"thickness": edge_lengths,
-///     "self_collision": bool}` sets parameters.
+///     Whether bodies, pieces and blade faces touch each other, by default not; `{"thickness":
+///     edge_lengths, "self_collision": bool}` sets parameters.
 /// sleep : bool
 ///     Whether bodies at rest are not stepped until something moves them.
 /// `skip_far_sweeps` : bool
 ///     Whether a blade is tested only against bodies whose bounding box it meets.
 /// threads : int, optional
 ///     Largest number of threads of a step. The results do not depend on it.
-/// `diagonal_scale`, `attachments` : float, bool
-///     See `SolverParams` of the Rust library; 1.0 and False are the paper's.
+/// `diagonal_scale` : float
+///     Over-relaxation of the XPBD diagonal, 0.5 (default) to 1. Bodies are softer and damped with
+///     1, the paper's value.
+/// attachments : bool
+///     Whether pinned bodies that do not stretch have long range attachments; the paper has none.
 /// `undo_limit` : int
 ///     Number of cuts that `undo` can undo.
 /// **options
@@ -55,8 +61,28 @@ pub(crate) struct Scene {
     undo: UndoStack,
 }
 
-fn unknown(kind: &str, number: usize) -> PyErr {
+fn unknown(kind: &str, number: impl Display) -> PyErr {
     SceneError::new_err(format!("{kind} {number} does not exist"))
+}
+
+/// The number of a body, blade, vertex or piece.
+#[derive(Clone, Copy)]
+struct Number(usize);
+
+impl<'py> FromPyObject<'_, 'py> for Number {
+    type Error = PyErr;
+
+    /// Reads an int; a negative or huge one is a `SceneError`, as is that of no object.
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let is_too_large = |error: &PyErr| error.is_instance_of::<PyOverflowError>(value.py());
+        value
+            .extract()
+            .map(Self)
+            .map_err(|error: PyErr| match error {
+                error if is_too_large(&error) => unknown("number", &*value),
+                error => error,
+            })
+    }
 }
 
 #[pymethods]
@@ -103,40 +129,56 @@ impl Scene {
 
     /// Makes a scene of the bytes of `save`. It goes on with the same bits.
     ///
-    /// Bodies and blades keep their numbers. Raises `FileError` for other or damaged bytes.
+    /// Bodies and blades keep their numbers. `undo_limit` is not part of the bytes, which may also
+    /// be a bytearray or memoryview. Raises `FileError` for other or damaged bytes.
     #[staticmethod]
-    fn load(py: Python<'_>, bytes: &[u8]) -> PyResult<Self> {
+    #[pyo3(
+        signature = (bytes, undo_limit=UNDO_LIMIT),
+        text_signature = "(bytes, undo_limit=256)"
+    )]
+    fn load(py: Python<'_>, bytes: &Bound<'_, PyAny>, undo_limit: usize) -> PyResult<Self> {
+        let bytes = PyMemoryView::from(bytes)?.call_method0("tobytes")?;
+        let bytes: &[u8] = bytes.extract()?;
         Ok(Self {
             scene: py.detach(|| LibraryScene::load(bytes).or_raise())?,
-            undo: UndoStack::new(UNDO_LIMIT),
+            undo: UndoStack::new(undo_limit),
         })
     }
 
     /// Pickles and copies the scene by `save`, without the cuts that can be undone.
-    fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
-        let bytes = slf.borrow_mut().save(slf.py())?;
-        Ok((slf.get_type().getattr("load")?, (bytes,)))
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let py = slf.py();
+        let bytes = slf.borrow_mut().save(py)?;
+        let limit = slf.borrow().undo.limit();
+        let load = slf.get_type().getattr("load")?;
+        (load, (bytes, limit)).into_bound_py_any(py)
+    }
+
+    /// The point to which all coordinates of the scene are relative [m], (x, y, z): that of its
+    /// first body; zero without bodies.
+    #[getter]
+    fn origin(&self) -> (f64, f64, f64) {
+        self.scene.origin().into()
     }
 
     /// Steps by one frame of `dt` [s], by default that of the scene: cuts, then motion.
     ///
-    /// A cut that fails raises nothing, see `failed_cuts`. Raises `SceneError` for a body that
-    /// cannot be stepped.
+    /// Later frames have the `dt` of the scene again. A cut that fails raises nothing, see
+    /// `failed_cuts`. Raises `SceneError` for a body that cannot be stepped; the cuts of the frame
+    /// may be done then.
     #[pyo3(signature = (dt=None))]
     fn step(&mut self, py: Python<'_>, dt: Option<f64>) -> PyResult<FrameStats> {
-        if let Some(dt) = dt.map(round_to_f32) {
-            let params = SceneParams {
-                dt,
-                ..self.scene.params
-            };
-            params.check().or_raise()?;
-            self.scene.params = params;
-        }
+        let usual = self.scene.params.dt;
+        let params = SceneParams {
+            dt: dt.map_or(usual, round_to_f32),
+            ..self.scene.params
+        };
+        params.check().or_raise()?;
+        self.scene.params = params;
         let Self { scene, undo } = self;
-        py.detach(|| undo.step(scene).map(FrameStats::new))
-            .or_raise()
+        let stats = py.detach(|| undo.step(scene).map(FrameStats::new));
+        scene.params.dt = usual;
+        stats.or_raise()
     }
 
     /// Cuts that failed in the last frame: blade, body and reason.
@@ -155,7 +197,7 @@ impl Scene {
     /// The faces from before the cut return. Vertices stay where they are, except that pieces that
     /// have moved apart move together. Incisions in the body end. Raises `SceneError`.
     #[pyo3(signature = (body=None))]
-    fn undo(&mut self, py: Python<'_>, body: Option<usize>) -> PyResult<()> {
+    fn undo(&mut self, py: Python<'_>, body: Option<Number>) -> PyResult<()> {
         let last = || self.undo.bodies().next_back();
         let body = match body {
             Some(body) => self.body_id(body)?,
@@ -167,7 +209,7 @@ impl Scene {
 
     /// Number of cuts that `undo` can undo, of all bodies or of one.
     #[pyo3(signature = (body=None))]
-    fn undo_count(&self, body: Option<usize>) -> PyResult<usize> {
+    fn undo_count(&self, body: Option<Number>) -> PyResult<usize> {
         let id = body.map(|body| self.body_id(body)).transpose()?;
         let cuts = self.undo.bodies();
         Ok(cuts.filter(|&of| id.is_none_or(|id| id == of)).count())

@@ -164,12 +164,23 @@ pub(crate) fn collider(value: &Bound<'_, PyAny>, number: usize) -> PyResult<Coll
     let name = format!("colliders[{number}]");
     let shapes = "a dict with one of the keys plane, sphere, capsule and box";
     let (shape, keys) = single(value, &name, shapes)?;
-    let keys = keys
-        .cast_into::<PyDict>()
-        .map_err(|_| unknown_key(&shape, &name, shapes))?;
-    let item = |key: &str| {
-        let missing = || refused(format_args!("{name} has no {key}; see Scene.set_colliders"));
-        keys.get_item(key)?.ok_or_else(missing)
+    let example = match shape.as_str() {
+        "plane" => "{'point': [0, 0, 0], 'normal': [0, 1, 0]}",
+        "sphere" => "{'center': [0, 0, 0], 'radius': 1.0}",
+        "capsule" => "{'ends': [[0, 0, 0], [0, 1, 0]], 'radius': 1.0}",
+        "box" => "{'center': [0, 0, 0], 'half': [1, 1, 1]}",
+        _ => return Err(unknown_key(&shape, &name, shapes)),
+    };
+    let name = format!("{name}['{shape}']");
+    let mut keys = items(&keys, &name, example)?;
+    let mut optional = |key: &str| {
+        let at = keys.iter().position(|(own, _)| own == key)?;
+        Some(keys.swap_remove(at).1)
+    };
+    let axes = (shape == "box").then(|| optional("axes")).flatten();
+    let mut item = |key: &str| {
+        let missing = || refused(format_args!("{name} has no {key}; pass {example}"));
+        optional(key).ok_or_else(missing)
     };
     let collider = match shape.as_str() {
         "plane" => Collider::Plane {
@@ -184,16 +195,18 @@ pub(crate) fn collider(value: &Bound<'_, PyAny>, number: usize) -> PyResult<Coll
             ends: edge(&item("ends")?, "ends")?,
             radius: real(&item("radius")?, "radius")?,
         },
-        "box" => Collider::Box {
+        _ => Collider::Box {
             center: vector(&item("center")?, "center")?,
             half: vector(&item("half")?, "half")?,
-            axes: match keys.get_item("axes")? {
+            axes: match axes {
                 Some(axes) => edge(&axes, "axes")?,
                 None => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
             },
         },
-        _ => return Err(unknown_key(&shape, &name, shapes)),
     };
+    if let Some((key, _)) = keys.first() {
+        return Err(unknown_key(key, &name, example));
+    }
     if collider.is_valid() {
         Ok(collider)
     } else {

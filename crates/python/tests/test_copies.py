@@ -111,7 +111,9 @@ def test_bodies_of_a_scene_have_one_origin(sphere: incise.Mesh) -> None:
     meshes = [incise.Mesh(near + FAR + [x, 0, 0], sphere.faces) for x in (0.25, 2.25)]
     assert meshes[0].origin != meshes[1].origin
     scene = incise.Scene()
+    assert scene.origin == (0, 0, 0)
     bodies = [scene.add_body(mesh) for mesh in meshes]
+    assert scene.origin == meshes[0].origin
     apart = scene.positions(bodies[1]) - scene.positions(bodies[0])
     np.testing.assert_allclose(apart.mean(axis=0), [2, 0, 0], atol=1e-6)
     assert {piece.origin for body in bodies for piece in scene.pieces(body)} == {

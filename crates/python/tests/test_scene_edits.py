@@ -157,6 +157,69 @@ def test_a_loaded_scene_goes_on_with_the_same_bits(bunny: incise.Mesh) -> None:
             incise.Scene.load(bad)
 
 
+def test_copies_keep_the_undo_limit(bunny: incise.Mesh) -> None:
+    scene = incise.Scene(gravity=(0, 0, 0), undo_limit=1)
+    scene.add_body(bunny)
+    blade = scene.add_blade(edge(-2))
+    others = [copy.copy(scene), copy.deepcopy(scene), pickle.loads(pickle.dumps(scene))]
+    others += [incise.Scene.load(scene.save(), undo_limit=1), incise.Scene.load(scene.save())]
+    for each, count in zip(others, (1, 1, 1, 1, 2)):
+        for y in (0.1, -0.05):
+            slice_body(each, blade, y)
+        assert each.undo_count() == count
+
+
+def test_a_scene_is_loaded_from_any_bytes(sphere: incise.Mesh) -> None:
+    scene = incise.Scene()
+    scene.add_body(sphere)
+    saved = scene.save()
+    for data in (bytearray(saved), memoryview(saved), memoryview(b"x" + saved)[1:]):
+        assert incise.Scene.load(data).save() == saved
+    for bad in (3, "text", None, [1, 2]):
+        with pytest.raises(TypeError):
+            incise.Scene.load(bad)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("shape", "text"),
+    [
+        ({"sphere": 3}, r"colliders\[1\]\['sphere'\] is no dict; pass {'center': .*'radius'"),
+        ({"sphere": {"radius": 1.0}}, r"\['sphere'\] has no center; pass {'center'"),
+        ({"box": {"center": [0, 0, 0], "half": [1, 1, 1], "size": 2}}, "unknown key 'size'"),
+        ({"plane": {"point": [0, 0, 0], "normal": [0, 1, 0], "axes": 2}}, "unknown key 'axes'"),
+        ({"cone": {}}, "unknown key 'cone'"),
+        ({"sphere": {"center": [0, 0, 0], "radius": NAN}}, "no solid shape"),
+    ],
+)
+def test_bad_colliders_are_refused(shape: Any, text: str) -> None:
+    good = {"sphere": {"center": [0, -5, 0], "radius": 1.0}}
+    with pytest.raises(incise.Error, match=text):
+        incise.Scene().set_colliders([good, shape])
+
+
+@pytest.mark.parametrize("number", [-1, -(2**70), 2**64, 2**70, 7])
+def test_numbers_of_no_object_are_errors(sphere: incise.Mesh, number: int) -> None:
+    scene = incise.Scene()
+    body, blade = scene.add_body(sphere), scene.add_blade(edge(-2))
+    number = number * 1000
+    for call in (
+        lambda: scene.positions(number),
+        lambda: scene.pin(body, number),
+        lambda: scene.pin(number, 0),
+        lambda: scene.set_pin_target(body, number, [0, 0, 0]),
+        lambda: scene.set_blade(number, edge(0)),
+        lambda: scene.set_blade_face(number, None),
+        lambda: scene.undo(number),
+        lambda: scene.undo_count(number),
+        lambda: scene.remove_body(number),
+    ):
+        with pytest.raises(incise.SceneError, match=f"{number} does not exist"):
+            call()
+    for piece in (-1, 2**32):
+        with pytest.raises(incise.SceneError, match=f"{piece} does not exist"):
+            scene.set_blade_piece(blade, piece)
+
+
 @pytest.mark.parametrize("value", [NAN, INF, -INF])
 def test_numbers_that_are_not_finite_are_refused_at_the_call(
     sphere: incise.Mesh, value: float

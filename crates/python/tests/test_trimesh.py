@@ -71,3 +71,24 @@ def test_texture_coordinates_of_a_visual_are_taken() -> None:
 def test_other_objects_are_refused() -> None:
     with pytest.raises(incise.Error, match="int has no vertices"):
         incise.Mesh.from_trimesh(3)
+
+
+def test_attributes_that_a_mesh_cannot_have_are_skipped_with_a_warning() -> None:
+    body = trimesh.creation.icosphere(subdivisions=1)
+    n, m = len(body.vertices), len(body.faces)
+    body.vertex_attributes.update(
+        heat=np.arange(n),
+        many=np.zeros((n, 16)),
+        wide=np.zeros((n, 17)),
+        holes=np.full(n, np.nan),
+        huge=np.full(n, 1e300),
+        is_marked=np.ones(n, dtype=bool),
+    )
+    body.face_attributes.update(group=np.arange(m), tint=np.ones((m, 3, 2)))
+    with pytest.warns(UserWarning, match="skips the attributes") as caught:
+        mesh = incise.Mesh.from_trimesh(body)
+    assert sorted(mesh.attributes) == ["heat", "many", "tint"]
+    [warning] = caught
+    for name in ("wide", "holes", "huge", "is_marked", "group"):
+        assert repr(name) in str(warning.message)
+    assert warning.filename == __file__

@@ -134,10 +134,19 @@ impl Scene {
         material: &Material,
         patches: Option<&PatchParams>,
     ) -> Result<BodyId, SceneError> {
-        if let Some(first) = self.bodies.iter().flatten().next() {
-            surface.move_origin(first.surface().origin());
+        if self.bodies().next().is_some() {
+            surface.move_origin(self.origin());
         }
         self.insert(Body::new(surface, material, patches)?)
+    }
+
+    /// Returns the [origin](Surface::origin) of all coordinates in the scene \[m\].
+    ///
+    /// It is that of the bodies, and zero without bodies.
+    #[must_use]
+    pub fn origin(&self) -> [f64; 3] {
+        let first = self.bodies.iter().flatten().next();
+        first.map_or([0.0; 3], |body| body.surface().origin())
     }
 
     pub(crate) fn insert(&mut self, body: Body) -> Result<BodyId, SceneError> {

@@ -27,6 +27,12 @@ impl UndoStack {
         }
     }
 
+    /// Returns the maximum number of cuts.
+    #[must_use]
+    pub fn limit(&self) -> usize {
+        self.limit
+    }
+
     /// Changes the number of cuts that are kept, and drops the oldest surplus ones.
     pub fn set_limit(&mut self, limit: usize) {
         self.limit = limit;

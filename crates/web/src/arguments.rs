@@ -96,6 +96,23 @@ pub(crate) fn count(name: &'static str, value: f64) -> Result<u32, WebError> {
     Err(WebError::Count { name, value, most })
 }
 
+/// Returns an index of JavaScript, which may be any number, unless it has a fraction or a sign.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a whole number of 32 bits"
+)]
+pub(crate) fn index_of(value: f64) -> Option<usize> {
+    let is_index = value.fract() == 0.0 && (0.0..f64::from(u32::MAX)).contains(&value);
+    is_index.then_some(value as usize)
+}
+
+/// Refuses NaN and infinity.
+pub(crate) fn finite(name: &'static str, numbers: &[f64]) -> Result<(), WebError> {
+    let bad = numbers.iter().find(|x| !x.is_finite());
+    bad.map_or(Ok(()), |&value| Err(WebError::NotFinite { name, value }))
+}
+
 /// Returns the numbers of a vector.
 pub(crate) fn vector<T: Copy>(array: &'static str, numbers: &[T]) -> Result<[T; 3], WebError> {
     numbers.try_into().map_err(|_| WebError::ArrayLength {
@@ -212,6 +229,14 @@ mod tests {
                 text,
                 format!("substeps is {bad}; pass a whole number from 1 to 1048576")
             );
+        }
+    }
+
+    #[test]
+    fn indices_are_whole_numbers_of_32_bits() {
+        assert_eq!((index_of(0.0), index_of(7.0)), (Some(0), Some(7)));
+        for bad in [-1.0, 0.5, f64::NAN, f64::INFINITY, 4294967296.0] {
+            assert_eq!(index_of(bad), None, "{bad}");
         }
     }
 

@@ -61,19 +61,33 @@ pub enum WebError {
     #[error("the mesh has no piece {piece}; use a number of pieceNumbers()")]
     UnknownPiece {
         /// The number.
-        piece: u32,
+        piece: f64,
     },
     /// A scene has no body of this number.
     #[error("the scene has no body {body}; use a number that addBody of this scene returned")]
     UnknownBody {
         /// The number.
-        body: u32,
+        body: f64,
     },
     /// A scene has no blade of this number.
     #[error("the scene has no blade {blade}; use a number that addBlade of this scene returned")]
     UnknownBlade {
         /// The number.
-        blade: u32,
+        blade: f64,
+    },
+    /// A body has no vertex of this number.
+    #[error("the body has no vertex {vertex}; use the vertex of a pick()")]
+    UnknownVertex {
+        /// The number.
+        vertex: f64,
+    },
+    /// A number is NaN or infinite.
+    #[error("{name} is not finite: it is or has {value}; pass finite numbers")]
+    NotFinite {
+        /// The argument.
+        name: &'static str,
+        /// The number.
+        value: f64,
     },
     /// There is no cut to undo.
     #[error("there is no cut to undo; ask undoCount first")]

@@ -1,7 +1,7 @@
 //! [`Mesh`]: a surface at rest, from arrays or files, cut by planes.
 
 use crate::arguments::{
-    VECTOR, copy_f32, copy_f64, copy_u8, copy_u32, cut_params, model, read, rows, vector,
+    VECTOR, copy_f32, copy_f64, copy_u8, copy_u32, cut_params, finite, model, read, rows, vector,
 };
 use crate::error::WebError;
 use crate::flat_arrays::FlatArrays;
@@ -189,6 +189,8 @@ impl Mesh {
     ) -> Result<CutReport, WebError> {
         let params = cut_params(level.as_deref(), method.as_deref())?;
         let normal = vector("the normal", normal)?;
+        finite("the normal", &normal)?;
+        finite("d", &[d])?;
         let plane = Sweep::from_plane(normal, d, &self.surface.bounds())?;
         let cutter = (self.cutter).get_or_insert_with(|| Cutter::new(&self.surface));
         let outcome = cutter.cut(&mut self.surface, &plane, &params)?;
@@ -281,11 +283,11 @@ impl Mesh {
     ///
     /// # Errors
     /// Throws for the number of no piece.
-    pub fn piece(&self, piece: u32) -> Result<Self, WebError> {
-        if !self.piece_numbers().contains(&piece) {
-            return Err(WebError::UnknownPiece { piece });
-        }
-        Ok(self.surface.extract_piece(piece).into())
+    pub fn piece(&self, piece: f64) -> Result<Self, WebError> {
+        let mut numbers = self.piece_numbers().into_iter();
+        let found = numbers.find(|&number| f64::from(number) == piece);
+        let number = found.ok_or(WebError::UnknownPiece { piece })?;
+        Ok(self.surface.extract_piece(number).into())
     }
 
     /// Returns the bounding box \[m\]: minimum, then maximum.

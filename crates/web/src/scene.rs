@@ -4,7 +4,7 @@ mod blades;
 mod buffers;
 mod parameters;
 
-use crate::arguments::{VECTOR, copy_f64, copy_u8, material, vector};
+use crate::arguments::{VECTOR, copy_f64, copy_u8, finite, index_of, material, vector};
 use crate::error::WebError;
 use crate::mesh::Mesh;
 use buffers::BodyBuffers;
@@ -58,8 +58,8 @@ impl Default for Scene {
 }
 
 impl Scene {
-    fn body_of(&self, body: u32) -> Result<&Body, WebError> {
-        let found = self.bodies.get(body as usize).and_then(Option::as_ref);
+    fn body_of(&self, body: f64) -> Result<&Body, WebError> {
+        let found = index_of(body).and_then(|i| self.bodies.get(i)?.as_ref());
         found.ok_or(WebError::UnknownBody { body })
     }
 
@@ -92,7 +92,7 @@ impl Scene {
     /// [`WebError`], as there.
     pub fn pick(
         &mut self,
-        body: u32,
+        body: f64,
         origin: &[f64],
         direction: &[f64],
     ) -> Result<Option<Pick>, WebError> {
@@ -174,10 +174,10 @@ impl Scene {
     /// # Errors
     /// Throws for an unknown body.
     #[wasm_bindgen(js_name = removeBody)]
-    pub fn remove_body(&mut self, body: u32) -> Result<(), WebError> {
+    pub fn remove_body(&mut self, body: f64) -> Result<(), WebError> {
         let id = self.body_of(body)?.id;
         self.simulation.remove_body(id)?;
-        self.bodies[body as usize] = None;
+        self.bodies[id.index()] = None;
         self.undo.forget(id);
         self.grabbed = self.grabbed.filter(|(own, _)| *own != id);
         Ok(())
@@ -187,7 +187,7 @@ impl Scene {
     ///
     /// # Errors
     /// Throws for an unknown body.
-    pub fn mesh(&self, body: u32) -> Result<Mesh, WebError> {
+    pub fn mesh(&self, body: f64) -> Result<Mesh, WebError> {
         let body = self.simulation.body(self.body_of(body)?.id)?;
         Ok(body.surface().clone().into())
     }
@@ -197,7 +197,7 @@ impl Scene {
     /// # Errors
     /// Throws for an unknown body.
     #[wasm_bindgen(js_name = pieceCount)]
-    pub fn piece_count(&self, body: u32) -> Result<usize, WebError> {
+    pub fn piece_count(&self, body: f64) -> Result<usize, WebError> {
         let body = self.simulation.body(self.body_of(body)?.id)?;
         Ok(body.surface().piece_count())
     }
@@ -207,7 +207,7 @@ impl Scene {
     /// # Errors
     /// Throws for an unknown body.
     #[wasm_bindgen(js_name = isAsleep)]
-    pub fn is_asleep(&self, body: u32) -> Result<bool, WebError> {
+    pub fn is_asleep(&self, body: f64) -> Result<bool, WebError> {
         Ok(self.simulation.is_asleep(self.body_of(body)?.id)?)
     }
 
@@ -215,7 +215,7 @@ impl Scene {
     ///
     /// # Errors
     /// Throws for an unknown body.
-    pub fn wake(&mut self, body: u32) -> Result<(), WebError> {
+    pub fn wake(&mut self, body: f64) -> Result<(), WebError> {
         Ok(self.simulation.wake(self.body_of(body)?.id)?)
     }
 
@@ -224,7 +224,8 @@ impl Scene {
     /// A refused cut is no exception, see `failedCuts`.
     ///
     /// # Errors
-    /// Throws for a parameter out of range, and if a body cannot be stepped.
+    /// Throws for a parameter out of range, and if a body cannot be stepped. The cuts of the frame
+    /// may be done then.
     pub fn step(&mut self) -> Result<(), WebError> {
         self.undo.step(&mut self.simulation)?;
         Ok(())
@@ -257,7 +258,7 @@ impl Scene {
     #[wasm_bindgen(js_name = pick)]
     pub fn pick_by_arrays(
         &mut self,
-        body: u32,
+        body: f64,
         origin: &Float64Array,
         direction: &Float64Array,
     ) -> Result<Option<Pick>, WebError> {
@@ -269,14 +270,22 @@ impl Scene {
         )
     }
 
+    /// Returns the point to which all coordinates are relative \[m\]; zero without bodies.
+    #[wasm_bindgen(getter)]
+    #[must_use]
+    pub fn origin(&self) -> Vec<f64> {
+        self.simulation.origin().to_vec()
+    }
+
     /// Grabs a vertex of a body, which `drag` moves; releases the one before.
     ///
     /// # Errors
     /// Throws for an unknown body or vertex.
-    pub fn grab(&mut self, body: u32, vertex: u32) -> Result<(), WebError> {
+    pub fn grab(&mut self, body: f64, vertex: f64) -> Result<(), WebError> {
         let id = self.body_of(body)?.id;
         self.release()?;
-        let v = VertexId(vertex);
+        let unknown = WebError::UnknownVertex { vertex };
+        let v = VertexId::from_index(index_of(vertex).ok_or(unknown)?);
         let (solver, surface) = self.simulation.edit(id)?.solver_mut();
         solver.pin(surface, v)?;
         self.grabbed = Some((id, v));
@@ -290,6 +299,7 @@ impl Scene {
     /// # Errors
     /// Throws for numbers that are not finite.
     pub fn drag(&mut self, x: f32, y: f32, z: f32) -> Result<(), WebError> {
+        finite("the point", &[x, y, z].map(f64::from))?;
         match self.grabbed {
             Some((id, v)) if self.is_pinned(id, v) => {
                 Ok(self.simulation.set_pin_target(id, v, [x, y, z])?)

@@ -90,6 +90,21 @@ test("a blade that stops inside leaves one piece with a cut", async () => {
   await page.context().close();
 });
 
+test("the error of a refused cut stays after the drag", async () => {
+  const { page, errors } = await browser.open(VIEWPORTS.desktop);
+  // The paper's method cuts full slices alone.
+  await page.selectOption("#method", "paper");
+  await page.click("label:has(input[value=cut])");
+  const [x, y] = middle(VIEWPORTS.desktop);
+  await drag(page, [x - 400, y + 60], [x + 400, y + 40]);
+  await page.waitForFunction(() => document.querySelector("#message").textContent !== "");
+  await page.waitForTimeout(500);
+  const message = await page.textContent("#message");
+  assert.ok(message !== "" && !message.includes("misses"), message);
+  assert.deepEqual(errors, []);
+  await page.context().close();
+});
+
 test("a file is opened, cut, and its pieces are downloaded", async () => {
   const { page, errors } = await browser.open(VIEWPORTS.desktop);
   const model = module.Mesh.model("Sphere768");

@@ -62,6 +62,9 @@ test("hostile cuts and ids are exceptions", () => {
   const mesh = Mesh.model("Sphere80");
   refuses(() => mesh.cut(new Float64Array(3), 0), /no area/);
   refuses(() => mesh.cut(new Float64Array([Infinity, 0, 0]), 0), /not finite/);
+  refuses(() => mesh.cut(new Float64Array([0, NaN, 0]), 0), /the normal is not finite.*NaN/);
+  refuses(() => mesh.cut(new Float64Array([0, 1, 0])), /d is not finite.*NaN/);
+  refuses(() => mesh.cut(new Float64Array([0, 1, 0]), Infinity), /d is not finite/);
   refuses(() => mesh.cut(new Float64Array(2), 0), /pass 3/);
   refuses(() => mesh.cut(new Float64Array([0, 1, 0]), 0, "finest"), /not a refinement level/);
   refuses(() => mesh.cut(new Float64Array([0, 1, 0]), 0, 0.5), /expected a string/);
@@ -73,6 +76,17 @@ test("hostile cuts and ids are exceptions", () => {
   refuses(() => scene.addBody(new Scene()), /expected instance of Mesh/);
   const body = scene.addBody(mesh);
   refuses(() => scene.grab(body, 1e9), /./);
+  refuses(() => scene.drag(NaN, 0, 0), /the point is not finite.*NaN/);
+  for (const bad of [NaN, 0.5, -1, 2 ** 32, undefined]) {
+    const number = new RegExp(`no body ${bad ?? NaN};`);
+    refuses(() => scene.positions(bad), number);
+    refuses(() => scene.removeBody(bad), number);
+    refuses(() => scene.pick(bad, new Float64Array(3), new Float64Array(3)), number);
+    refuses(() => scene.grab(body, bad), /no vertex/);
+    refuses(() => scene.moveBlade(bad, new Float32Array(6)), /no blade/);
+    refuses(() => mesh.piece(bad), /no piece/);
+  }
+  assert.deepEqual([...scene.origin], [0, 0, 0]);
   refuses(() => scene.moveBlade(0, new Float32Array(6)), /no blade 0/);
   // Of 2 GiB: no copy is made of an array of the wrong length.
   refuses(() => scene.addBlade(new Float32Array(2 ** 29)), /536870912 numbers; pass 6/);

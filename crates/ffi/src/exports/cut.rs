@@ -53,8 +53,9 @@ pub unsafe extern "C" fn incise_mesh_cut_plane(
 /// Cuts a copy of a mesh by a blade that moves from pose to pose, and may stop inside.
 ///
 /// The blade's edge is a polyline of `point_count` points, at least 2. `poses` has `pose_count`
-/// times `point_count` rows of 3 floats (meters), relative to the origin of the mesh. The first
-/// pose lies outside of the body. Motions of less than half an edge length add up.
+/// times `point_count` rows of 3 floats (meters), relative to the origin of the mesh. A blade
+/// that starts inside a body has to leave it first. Motions of less than half an edge length add
+/// up.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn incise_mesh_cut_path(
     mesh: *mut Mesh,

@@ -1,7 +1,7 @@
 //! Scenes: parameters, colliders, blades, frames and undo.
 
 use crate::handles::{insert, remove, with};
-use crate::memory::{count, fixed, input, output_bytes, output_text, put};
+use crate::memory::{count, fixed, input, output, output_bytes, output_text, put};
 use crate::params::{Collider, SceneParams};
 use crate::simulation::{Scene, SceneObject};
 use crate::status::{Error, Status, call};
@@ -118,7 +118,7 @@ pub extern "C" fn incise_scene_set_params(
 }
 
 /// Replaces all colliders. Those of a list of the same length move to their new places in the next
-/// frame.
+/// frame. One that is no solid shape is an error, and nothing changes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn incise_scene_set_colliders(
     scene: *mut Scene,
@@ -128,11 +128,25 @@ pub unsafe extern "C" fn incise_scene_set_colliders(
     call(|| {
         // SAFETY: the caller's contract, see the README.
         let colliders = unsafe { input(colliders, collider_count, "colliders")? };
-        let colliders = colliders.iter().map(Collider::check);
+        let checked = |(number, collider): (usize, &Collider)| collider.check(number);
+        let colliders = colliders.iter().enumerate().map(checked);
         let colliders = colliders.collect::<Result<Vec<_>, Error>>()?;
         with(scene, |scene: &mut SceneObject| {
             scene.scene.colliders = colliders;
             Ok(())
+        })
+    })
+}
+
+/// Writes the point to which all coordinates of a scene are relative: 3 numbers (meters).
+///
+/// It is the origin of the bodies, see `incise_mesh_measure`, and zero without bodies.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn incise_scene_origin(scene: *mut Scene, out: *mut f64) -> Status {
+    call(|| {
+        with(scene, |scene: &mut SceneObject| {
+            // SAFETY: the caller's contract, see the README.
+            unsafe { output(&scene.scene.origin(), out, 3, "out") }
         })
     })
 }

@@ -39,7 +39,8 @@ pub struct CutParams {
     /// Edge length of caps relative to the surface at the rim, above 0. The paper's levels are 2,
     /// 1.5, 1, 1/1.5 and 0.5.
     pub level: f64,
-    /// Growth of edge lengths from the rim inward; see `RefineParams` of the Rust crate.
+    /// Growth of the edge lengths of caps with the distance from the rim (meters per meter), at
+    /// least 0. At 0 the length at the rim holds everywhere.
     pub grading: f64,
     /// Exact method: minimum length of rim edges in local edge lengths, at least 0, below 0.5.
     pub snap: f64,
@@ -76,10 +77,10 @@ impl From<&cut::CutParams> for CutParams {
 }
 
 impl CutParams {
-    /// Returns the parameters of the library. Ranges are checked by the cut itself.
+    /// Returns the parameters of the library.
     pub(crate) fn check(&self) -> Result<cut::CutParams, Error> {
         let Self { snap, remesh, .. } = *self;
-        Ok(cut::CutParams {
+        let params = cut::CutParams {
             method: match self.method {
                 INCISE_METHOD_EXACT => CutMethod::Exact(ExactParams { snap, remesh }),
                 INCISE_METHOD_PAPER => CutMethod::Paper(PaperParams::default()),
@@ -104,7 +105,9 @@ impl CutParams {
             cap_material: self.cap_material,
             cap_uv_scale: self.cap_uv_scale,
             only_piece: None,
-        })
+        };
+        params.check().map_err(Error::argument)?;
+        Ok(params)
     }
 }
 
@@ -156,6 +159,7 @@ impl FillParams {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::status::Status;
 
     #[test]
     fn defaults_are_those_of_the_libraries() {
@@ -188,6 +192,19 @@ mod tests {
         }
         for z in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(CutParams { level: z, ..valid }.check().is_err(), "{z}");
+        }
+        let (snap, remesh, grading) = (0.5, 0.5, -0.1);
+        for params in [
+            CutParams { snap, ..valid },
+            CutParams { remesh, ..valid },
+            CutParams { grading, ..valid },
+            CutParams {
+                cap_uv_scale: f64::NAN,
+                ..valid
+            },
+        ] {
+            let status = params.check().map_err(|error| error.status);
+            assert_eq!(status, Err(Status::InvalidArgument), "{params:?}");
         }
     }
 }

@@ -19,7 +19,7 @@ pub const INCISE_BACKEND_AUTO: u32 = 2;
 pub struct SceneParams {
     /// Duration of a frame in seconds.
     pub dt: f32,
-    /// Gravitational acceleration in meters per second squared.
+    /// Gravitational acceleration in meters per second squared; 0, -9.81, 0 by default.
     pub gravity: [f32; 3],
     /// 1 for a ground plane at the height `ground`, 0 for none.
     pub has_ground: u32,
@@ -31,7 +31,7 @@ pub struct SceneParams {
     pub iterations: u32,
     /// Maximum number of threads; 0 for all. The results do not depend on it.
     pub threads: u32,
-    /// 1 for contacts between bodies, pieces and blade faces, 0 for none.
+    /// 1 for contacts between bodies, pieces and blade faces, 0 (default) for none.
     pub contacts: u32,
     /// Minimum distance between surfaces in mean edge lengths.
     pub contact_thickness: f32,
@@ -300,10 +300,10 @@ pub struct Collider {
 }
 
 impl Collider {
-    /// Returns the collider of the library.
-    pub(crate) fn check(&self) -> Result<pbd::Collider, Error> {
+    /// Returns the collider of the library; `number` is its place in the caller's array.
+    pub(crate) fn check(&self, number: usize) -> Result<pbd::Collider, Error> {
         let [ax, ay, az, bx, by, bz] = self.axes;
-        Ok(match self.kind {
+        let collider = match self.kind {
             INCISE_COLLIDER_PLANE => pbd::Collider::Plane {
                 point: self.position,
                 normal: self.direction,
@@ -322,7 +322,13 @@ impl Collider {
                 axes: [[ax, ay, az], [bx, by, bz]],
             },
             kind => return Err(Error::constant("kind", kind)),
-        })
+        };
+        if collider.is_valid() {
+            return Ok(collider);
+        }
+        Err(Error::argument(pbd::ConstraintError::BadCollider {
+            number,
+        }))
     }
 }
 

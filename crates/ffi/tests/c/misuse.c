@@ -110,8 +110,14 @@ static void cuts(void) {
     params.level = -1;
     EXPECT(incise_mesh_cut_plane(mesh, up, 0, &params, &result), INVALID_ARGUMENT, "level");
     params.level = 1, params.snap = 0.7;
-    EXPECT(incise_mesh_cut_plane(mesh, up, 0, &params, &result), REFUSED, "snap");
-    params.snap = 0.1, params.method = 9;
+    EXPECT(incise_mesh_cut_plane(mesh, up, 0, &params, &result), INVALID_ARGUMENT, "snap");
+    params.snap = 0.1, params.remesh = NAN;
+    EXPECT(incise_mesh_cut_plane(mesh, up, 0, &params, &result), INVALID_ARGUMENT, "remesh");
+    params.remesh = 0, params.grading = -1;
+    EXPECT(incise_mesh_cut_plane(mesh, up, 0, &params, &result), INVALID_ARGUMENT, "grading");
+    params.grading = 0, params.cap_uv_scale = -1;
+    EXPECT(incise_mesh_cut_plane(mesh, up, 0, &params, &result), INVALID_ARGUMENT, "cap_uv_scale");
+    params.cap_uv_scale = 1, params.method = 9;
     EXPECT(incise_mesh_cut_plane(mesh, up, 0, &params, &result), INVALID_ARGUMENT, "method is 9");
     float poses[12] = {0, 1, -1, 0, 1, 1, 0, 0, -1, 0, 0, 1};
     EXPECT(incise_mesh_cut_path(mesh, poses, 2, 1, NULL, &result), INVALID_ARGUMENT, "at least 2");
@@ -202,6 +208,19 @@ static void scenes(void) {
     collider.kind = 7;
     EXPECT(incise_scene_set_colliders(scene, &collider, 1), INVALID_ARGUMENT, "kind");
     EXPECT(incise_scene_set_colliders(scene, NULL, 1), NULL_POINTER, "colliders");
+    const float bad_radii[4] = {NAN, -1, 0, INFINITY};
+    for (int i = 0; i < 4; i++) {
+        incise_collider shapes[2];
+        memset(shapes, 0, sizeof shapes);
+        shapes[0].kind = shapes[1].kind = INCISE_COLLIDER_SPHERE;
+        shapes[0].radius = 0.1f, shapes[0].position[1] = -9, shapes[1].radius = bad_radii[i];
+        EXPECT(incise_scene_set_colliders(scene, shapes, 2), INVALID_ARGUMENT, "collider 1");
+    }
+    OK(incise_scene_step(scene, NULL));
+    double origin[3] = {1, 1, 1};
+    OK(incise_scene_origin(scene, origin));
+    if (origin[0] != 0 || origin[2] != 0) failures++, printf("the origin of a scene\n");
+    EXPECT(incise_scene_origin(scene, NULL), NULL_POINTER, "out");
     float edge[6] = {-2, 0, -2, -2, 0, 2};
     EXPECT(incise_scene_add_blade(scene, NULL, &blade), NULL_POINTER, "edge");
     OK(incise_scene_add_blade(scene, edge, &blade));

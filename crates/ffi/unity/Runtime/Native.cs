@@ -238,6 +238,8 @@ namespace Incise
             byte[] bytes, UIntPtr length, out SceneHandle scene);
         [DllImport(Dll)] internal static extern Status incise_scene_set_colliders(
             SceneHandle scene, Collider[] colliders, UIntPtr count);
+        [DllImport(Dll)] internal static extern Status incise_scene_origin(
+            SceneHandle scene, [Out] double[] origin);
         [DllImport(Dll)] internal static extern Status incise_scene_add_blade(
             SceneHandle scene, float[] edge, out uint blade);
         [DllImport(Dll)] internal static extern Status incise_scene_move_blade(

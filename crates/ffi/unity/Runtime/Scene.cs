@@ -51,10 +51,23 @@ namespace Incise
                 handle, colliders, Native.Size(colliders)));
         }
 
+        /// <summary>Returns the point to which all coordinates are relative: 3 numbers.</summary>
+        public double[] Origin
+        {
+            get
+            {
+                var origin = new double[3];
+                Native.Check(Native.incise_scene_origin(handle, origin));
+                return origin;
+            }
+        }
+
         /// <summary>Adds a copy of a surface as a body at rest; a soft body by default.</summary>
         public uint AddBody(Surface surface, Material? material = null)
         {
             if (surface == null) throw new ArgumentNullException("surface");
+            // Mono keeps its reference to the first handle of a call whose second one is refused.
+            if (surface.Handle.IsClosed) throw new ObjectDisposedException("surface");
             Material of = material ?? Material.SoftBody;
             uint body;
             Native.Check(Native.incise_scene_add_body(handle, surface.Handle, ref of, out body));

@@ -78,6 +78,12 @@ static class Program
         disposed.Dispose();
         Throws<ObjectDisposedException>(() => disposed.Cut(new[] { 0, 1, 0.2 }, 0.3));
         disposed.Dispose();
+        using (var scene = new Scene())
+        {
+            Throws<ObjectDisposedException>(() => scene.AddBody(disposed));
+            Throws<ArgumentNullException>(() => scene.AddBody(null));
+        }
+        Expect(Library.LiveHandles == 0, "a scene that refused a body is disposed of");
         string text;
         var open = new[] { 0, 2, 1, 0, 1, 3, 0, 3, 2 };
         MeshReport report = Surface.Check(Corners, open, out text);
@@ -187,6 +193,14 @@ static class Program
                 Expect(isSame, "a loaded scene goes on with the same bits");
             }
             ExpectError(Status.File, "", () => Scene.Load(new byte[9]));
+            double[] origin = scene.Origin;
+            Expect(origin[0] == 0 && origin[1] == 0 && origin[2] == 0, "an origin near zero");
+            foreach (float radius in new[] { float.NaN, -1 })
+            {
+                var ball = new Collider { Kind = ColliderKind.Sphere, Radius = radius };
+                ExpectError(Status.InvalidArgument, "collider 0",
+                    () => scene.SetColliders(new[] { ball }));
+            }
             scene.SetColliders(new[] {
                 new Collider { Kind = ColliderKind.Sphere, Radius = 0.1f, PositionY = -5 },
                 new Collider { Kind = ColliderKind.Box, HalfX = 1, HalfY = 1, HalfZ = 1,

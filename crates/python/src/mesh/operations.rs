@@ -123,9 +123,11 @@ impl Mesh {
     ///         "original" (default), "1.5x-finer", "2x-finer", or a number.
     ///     `method`: "exact" (default) or "paper".
     ///     `refine_method`: "delaunay" (default) or "paper", the meshing of caps.
-    ///     `snap`: shortest edge along the rim [local edge lengths], 0 to 0.5, default 0.1.
-    ///     `remesh`: largest motion of the surface that removes slivers [local edge lengths], 0.
-    ///     `grading`: growth of the caps' edge length with the distance from the rim [m/m], 0.3.
+    ///     `snap`: shortest edge along the rim [local edge lengths], 0 to below 0.5, 0.1.
+    ///     `remesh`: largest motion of the surface that removes slivers [local edge lengths], 0 to
+    ///         below 0.5, default 0.
+    ///     `grading`: growth of the caps' edge length with the distance from the rim [m/m], at
+    ///         least 0, default 0.3.
     ///     `caps`: "bodies" (default), "all-loops" or "none".
     ///     `max_triangles`: largest number of triangles of a cap.
     ///
@@ -153,7 +155,8 @@ impl Mesh {
     /// stops the mesh has two walls that coincide. Motions of less than half an edge length inside
     /// a body add up. Options are those of `cut`; method "paper" cuts full slices only.
     ///
-    /// Raises `CutError`, also if the blade starts inside, `TopologyError` and Error.
+    /// Raises `CutError`, also for a blade that starts inside and does not leave, `TopologyError`
+    /// and Error.
     #[pyo3(signature = (path, **options))]
     fn cut_path(
         &self,

@@ -1,6 +1,6 @@
 //! Blades and colliders of a [`Scene`].
 
-use super::{Scene, unknown};
+use super::{Number, Scene, unknown};
 use crate::arrays::{edge, vector};
 use crate::error::OrRaise;
 use crate::options::choice;
@@ -15,9 +15,9 @@ const MODES: [(&str, BladeMode); 2] = [
 ];
 
 impl Scene {
-    fn blade_id(&self, blade: usize) -> PyResult<BladeId> {
-        let id = self.scene.blades().nth(blade);
-        id.ok_or_else(|| unknown("blade", blade))
+    fn blade_id(&self, blade: Number) -> PyResult<BladeId> {
+        let id = self.scene.blades().nth(blade.0);
+        id.ok_or_else(|| unknown("blade", blade.0))
     }
 }
 
@@ -42,7 +42,7 @@ impl Scene {
     }
 
     /// Moves a blade to a pose [m], shape (2, 3); the next step cuts along its sweep.
-    fn set_blade(&mut self, blade: usize, edge: &Bound<'_, PyAny>) -> PyResult<()> {
+    fn set_blade(&mut self, blade: Number, edge: &Bound<'_, PyAny>) -> PyResult<()> {
         let edge = self::edge(edge, "edge")?;
         self.scene
             .move_blade(self.blade_id(blade)?, edge)
@@ -50,7 +50,7 @@ impl Scene {
     }
 
     /// Moves a blade without a cut and ends its incisions.
-    fn teleport_blade(&mut self, blade: usize, edge: &Bound<'_, PyAny>) -> PyResult<()> {
+    fn teleport_blade(&mut self, blade: Number, edge: &Bound<'_, PyAny>) -> PyResult<()> {
         let edge = self::edge(edge, "edge")?;
         self.scene
             .teleport_blade(self.blade_id(blade)?, edge)
@@ -61,7 +61,7 @@ impl Scene {
     ///
     /// None removes it. Faces need `contacts`.
     #[pyo3(signature = (blade, face))]
-    fn set_blade_face(&mut self, blade: usize, face: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    fn set_blade_face(&mut self, blade: Number, face: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let face = face.map(|face| vector(face, "face")).transpose()?;
         self.scene
             .set_blade_face(self.blade_id(blade)?, face)
@@ -70,7 +70,9 @@ impl Scene {
 
     /// Restricts a blade to one piece of the bodies; None cuts all pieces.
     #[pyo3(signature = (blade, piece))]
-    fn set_blade_piece(&mut self, blade: usize, piece: Option<u32>) -> PyResult<()> {
+    fn set_blade_piece(&mut self, blade: Number, piece: Option<Number>) -> PyResult<()> {
+        let number = |piece: Number| u32::try_from(piece.0).map_err(|_| unknown("piece", piece.0));
+        let piece = piece.map(number).transpose()?;
         self.scene
             .set_blade_piece(self.blade_id(blade)?, piece)
             .or_raise()

@@ -1,6 +1,6 @@
 //! Bodies of a [`Scene`]: their materials, arrays, pins and rays.
 
-use super::{Scene, unknown};
+use super::{Number, Scene, unknown};
 use crate::arrays::{float_rows, point, vector, wrong_shape};
 use crate::error::{IntoException, OrRaise};
 use crate::mesh::Mesh;
@@ -42,32 +42,32 @@ impl RayHit {
 }
 
 impl Scene {
-    pub(super) fn body_id(&self, body: usize) -> PyResult<BodyId> {
-        let id = self.scene.find_body(body);
-        id.ok_or_else(|| unknown("body", body))
+    pub(super) fn body_id(&self, body: Number) -> PyResult<BodyId> {
+        let id = self.scene.find_body(body.0);
+        id.ok_or_else(|| unknown("body", body.0))
     }
 
-    fn body(&self, body: usize) -> PyResult<&Body> {
+    fn body(&self, body: Number) -> PyResult<&Body> {
         self.scene.body(self.body_id(body)?).or_raise()
     }
 
-    fn surface(&self, body: usize) -> PyResult<&Surface> {
+    fn surface(&self, body: Number) -> PyResult<&Surface> {
         Ok(self.body(body)?.surface())
     }
 
     /// Returns the solver and the surface of a body, to edit pins, velocities and materials.
-    fn edit(&mut self, body: usize) -> PyResult<(&mut Solver, &mut Surface)> {
+    fn edit(&mut self, body: Number) -> PyResult<(&mut Solver, &mut Surface)> {
         let id = self.body_id(body)?;
         Ok(self.scene.edit(id).or_raise()?.solver_mut())
     }
 
     /// Returns the vertex of an index that a body has.
-    fn vertex(&self, body: usize, vertex: usize) -> PyResult<VertexId> {
+    fn vertex(&self, body: Number, vertex: Number) -> PyResult<VertexId> {
         let slots = self.surface(body)?.topology().vertex_slots();
-        if vertex < slots {
-            return Ok(VertexId::from_index(vertex));
+        if vertex.0 < slots {
+            return Ok(VertexId::from_index(vertex.0));
         }
-        Err(unknown("vertex", vertex))
+        Err(unknown("vertex", vertex.0))
     }
 }
 
@@ -112,14 +112,14 @@ impl Scene {
     /// Values without a key stay. The density cannot change, bending and springs cannot come or go:
     /// they are made with the body. Raises `SceneError`, and nothing has changed.
     #[pyo3(signature = (body, **keys))]
-    fn set_material(&mut self, body: usize, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+    fn set_material(&mut self, body: Number, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let material = changed(*self.body(body)?.solver().material(), keys)?;
         let (solver, surface) = self.edit(body)?;
         solver.set_material(surface, &material).map_err(constraint)
     }
 
     /// Removes a body. Its number is not used again.
-    fn remove_body(&mut self, body: usize) -> PyResult<()> {
+    fn remove_body(&mut self, body: Number) -> PyResult<()> {
         let id = self.body_id(body)?;
         self.scene.remove_body(id).or_raise()?;
         self.undo.forget(id);
@@ -137,7 +137,7 @@ impl Scene {
     /// `origin` [m] and `direction`, of any length, have three numbers each.
     fn cast_ray(
         &mut self,
-        body: usize,
+        body: Number,
         origin: &Bound<'_, PyAny>,
         direction: &Bound<'_, PyAny>,
     ) -> PyResult<Option<RayHit>> {
@@ -162,13 +162,13 @@ impl Scene {
     /// Positions of a body [m], float32 of shape (vertices, 3): one copy.
     ///
     /// Cuts add rows. Rows of vertices that a cut removed are still there.
-    fn positions<'py>(&self, py: Python<'py>, body: usize) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    fn positions<'py>(&self, py: Python<'py>, body: Number) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let positions = self.surface(body)?.positions().iter();
         rows(py, positions.map(|&[x, y, z, _]| [x, y, z]).collect())
     }
 
     /// Faces of a body, uint32 of shape (faces, 3), as indices of `positions`: one copy.
-    fn faces<'py>(&self, py: Python<'py>, body: usize) -> PyResult<Bound<'py, PyArray2<u32>>> {
+    fn faces<'py>(&self, py: Python<'py>, body: Number) -> PyResult<Bound<'py, PyArray2<u32>>> {
         let topology = self.surface(body)?.topology();
         let corners = topology
             .triangles()
@@ -177,20 +177,24 @@ impl Scene {
     }
 
     /// The piece of each face of `faces`: uint32 of shape (faces,).
-    fn face_pieces<'py>(&self, py: Python<'py>, body: usize) -> PyResult<Bound<'py, PyAny>> {
+    fn face_pieces<'py>(&self, py: Python<'py>, body: Number) -> PyResult<Bound<'py, PyAny>> {
         let surface = self.surface(body)?;
         let pieces = surface.topology().triangles().map(|t| surface.piece(t));
         Ok(PyArray::from_vec(py, pieces.collect()).into_any())
     }
 
     /// Velocities of a body [m/s], float32 of shape (vertices, 3): one copy.
-    fn velocities<'py>(&self, py: Python<'py>, body: usize) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    fn velocities<'py>(
+        &self,
+        py: Python<'py>,
+        body: Number,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let velocities = self.body(body)?.solver().velocities().iter();
         rows(py, velocities.map(|&[x, y, z, _]| [x, y, z]).collect())
     }
 
     /// Sets the velocities of a body [m/s], shape (vertices, 3).
-    fn set_velocities(&mut self, body: usize, velocities: &Bound<'_, PyAny>) -> PyResult<()> {
+    fn set_velocities(&mut self, body: Number, velocities: &Bound<'_, PyAny>) -> PyResult<()> {
         let velocities = float_rows::<3>(velocities, "velocities")?;
         let topology = self.surface(body)?.topology();
         let slots = topology.vertex_slots();
@@ -209,14 +213,14 @@ impl Scene {
     }
 
     /// Pins a vertex where it is.
-    fn pin(&mut self, body: usize, vertex: usize) -> PyResult<()> {
+    fn pin(&mut self, body: Number, vertex: Number) -> PyResult<()> {
         let v = self.vertex(body, vertex)?;
         let (solver, surface) = self.edit(body)?;
         solver.pin(surface, v).map_err(constraint)
     }
 
     /// Releases a pinned vertex.
-    fn unpin(&mut self, body: usize, vertex: usize) -> PyResult<()> {
+    fn unpin(&mut self, body: Number, vertex: Number) -> PyResult<()> {
         let v = self.vertex(body, vertex)?;
         let (solver, surface) = self.edit(body)?;
         solver.unpin(surface, v).map_err(constraint)
@@ -225,8 +229,8 @@ impl Scene {
     /// Sets the position of a pinned vertex at the end of the next frame [m].
     fn set_pin_target(
         &mut self,
-        body: usize,
-        vertex: usize,
+        body: Number,
+        vertex: Number,
         target: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
         let (v, target) = (self.vertex(body, vertex)?, vector(target, "target")?);
@@ -236,34 +240,34 @@ impl Scene {
     }
 
     /// Numbers of the pieces of a body, ascending.
-    fn piece_numbers(&self, body: usize) -> PyResult<Vec<u32>> {
+    fn piece_numbers(&self, body: Number) -> PyResult<Vec<u32>> {
         Ok(self.body(body)?.pieces())
     }
 
     /// The pieces of a body as meshes at their present positions, as in `piece_numbers`: copies.
-    fn pieces(&self, py: Python<'_>, body: usize) -> PyResult<Vec<Mesh>> {
+    fn pieces(&self, py: Python<'_>, body: Number) -> PyResult<Vec<Mesh>> {
         let surface = self.surface(body)?;
         let mesh = |(_, piece): (u32, Surface)| Mesh::from_arrays(MeshArrays::from_surface(&piece));
         Ok(py.detach(|| surface.extract_pieces().map(mesh).collect()))
     }
 
     /// Enclosed volume of a body [m^3].
-    fn volume(&self, body: usize) -> PyResult<f64> {
+    fn volume(&self, body: Number) -> PyResult<f64> {
         Ok(self.surface(body)?.volume())
     }
 
     /// Whether a body sleeps.
-    fn is_asleep(&self, body: usize) -> PyResult<bool> {
+    fn is_asleep(&self, body: Number) -> PyResult<bool> {
         self.scene.is_asleep(self.body_id(body)?).or_raise()
     }
 
     /// Wakes a body, or restarts the time until it may fall asleep.
-    fn wake(&mut self, body: usize) -> PyResult<()> {
+    fn wake(&mut self, body: Number) -> PyResult<()> {
         self.scene.wake(self.body_id(body)?).or_raise()
     }
 
     /// Mean relative change of edge lengths of a body, weighted by rest length.
-    fn stretch_error(&self, body: usize) -> PyResult<f64> {
+    fn stretch_error(&self, body: Number) -> PyResult<f64> {
         let body = self.body(body)?;
         Ok(body.solver().stretch_error(body.surface()))
     }

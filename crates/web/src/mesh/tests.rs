@@ -19,7 +19,7 @@ fn a_cut_is_two_closed_pieces_with_caps_and_undo_takes_it_back() {
     let pieces = mesh
         .piece_numbers()
         .into_iter()
-        .map(|p| mesh.piece(p).unwrap());
+        .map(|p| mesh.piece(p.into()).unwrap());
     for mut piece in pieces {
         let report = piece.check().unwrap();
         assert!(report.closed && report.defects.is_empty());
@@ -34,8 +34,8 @@ fn a_cut_is_two_closed_pieces_with_caps_and_undo_takes_it_back() {
     );
     assert!(matches!(mesh.undo(), Err(WebError::NothingToUndo)));
     assert!(matches!(
-        mesh.piece(3),
-        Err(WebError::UnknownPiece { piece: 3 })
+        mesh.piece(3.0),
+        Err(WebError::UnknownPiece { piece: 3.0 })
     ));
 }
 

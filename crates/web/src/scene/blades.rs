@@ -1,7 +1,7 @@
 //! Blades of a [`Scene`].
 
 use super::{Scene, index};
-use crate::arguments::{EDGE, copy_f32, edge};
+use crate::arguments::{EDGE, copy_f32, edge, index_of};
 use crate::error::WebError;
 use incise::prelude::{BladeId, BladeMode};
 use incise::scene::Blade;
@@ -29,7 +29,7 @@ impl Scene {
     #[wasm_bindgen(js_name = moveBlade)]
     pub fn move_blade_to_array(
         &mut self,
-        blade: u32,
+        blade: f64,
         from_to: &Float32Array,
     ) -> Result<(), WebError> {
         self.move_blade(blade, &copy_f32("the edge", from_to, Some(EDGE))?)
@@ -42,7 +42,7 @@ impl Scene {
     #[wasm_bindgen(js_name = teleportBlade)]
     pub fn teleport_blade_to_array(
         &mut self,
-        blade: u32,
+        blade: f64,
         from_to: &Float32Array,
     ) -> Result<(), WebError> {
         self.teleport_blade(blade, &copy_f32("the edge", from_to, Some(EDGE))?)
@@ -53,7 +53,7 @@ impl Scene {
     /// # Errors
     /// Throws for an unknown blade.
     #[wasm_bindgen(js_name = setFullSlices)]
-    pub fn set_full_slices(&mut self, blade: u32, full_slices: bool) -> Result<(), WebError> {
+    pub fn set_full_slices(&mut self, blade: f64, full_slices: bool) -> Result<(), WebError> {
         let mode = match full_slices {
             true => BladeMode::FullSlices,
             false => BladeMode::Progressive,
@@ -78,7 +78,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`WebError`], as there.
-    pub fn move_blade(&mut self, blade: u32, from_to: &[f32]) -> Result<(), WebError> {
+    pub fn move_blade(&mut self, blade: f64, from_to: &[f32]) -> Result<(), WebError> {
         let id = self.blade_of(blade)?;
         Ok(self.simulation.move_blade(id, edge(from_to)?)?)
     }
@@ -87,13 +87,13 @@ impl Scene {
     ///
     /// # Errors
     /// [`WebError`], as there.
-    pub fn teleport_blade(&mut self, blade: u32, from_to: &[f32]) -> Result<(), WebError> {
+    pub fn teleport_blade(&mut self, blade: f64, from_to: &[f32]) -> Result<(), WebError> {
         let id = self.blade_of(blade)?;
         Ok(self.simulation.teleport_blade(id, edge(from_to)?)?)
     }
 
-    fn blade_of(&self, blade: u32) -> Result<BladeId, WebError> {
-        let found = self.simulation.blades().nth(blade as usize);
+    fn blade_of(&self, blade: f64) -> Result<BladeId, WebError> {
+        let found = index_of(blade).and_then(|i| self.simulation.blades().nth(i));
         found.ok_or(WebError::UnknownBlade { blade })
     }
 }

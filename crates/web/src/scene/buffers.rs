@@ -1,6 +1,7 @@
 //! [`BodyBuffers`]: vertex and index buffers of a body, brought up to date when they are asked for.
 
 use super::Scene;
+use crate::arguments::index_of;
 use crate::error::WebError;
 use crate::memory_views::{view_f32, view_u32};
 use incise::mesh::{RenderBuffers, RenderParams, Surface};
@@ -42,12 +43,12 @@ impl BodyBuffers {
 
 impl Scene {
     /// Returns the buffers of a body, up to date.
-    pub(super) fn buffers(&mut self, body: u32) -> Result<&RenderBuffers, WebError> {
+    pub(super) fn buffers(&mut self, body: f64) -> Result<&RenderBuffers, WebError> {
         Ok(&self.updated(body)?.buffers)
     }
 
-    fn updated(&mut self, body: u32) -> Result<&BodyBuffers, WebError> {
-        let own = self.bodies.get_mut(body as usize).and_then(Option::as_mut);
+    fn updated(&mut self, body: f64) -> Result<&BodyBuffers, WebError> {
+        let own = index_of(body).and_then(|i| self.bodies.get_mut(i)?.as_mut());
         let own = own.ok_or(WebError::UnknownBody { body })?;
         own.buffers.update(self.simulation.body(own.id)?.surface());
         Ok(&own.buffers)
@@ -60,7 +61,7 @@ impl Scene {
     ///
     /// # Errors
     /// Throws for an unknown body.
-    pub fn revision(&mut self, body: u32) -> Result<u32, WebError> {
+    pub fn revision(&mut self, body: f64) -> Result<u32, WebError> {
         Ok(self.updated(body)?.revision)
     }
 
@@ -70,7 +71,7 @@ impl Scene {
     ///
     /// # Errors
     /// Throws for an unknown body.
-    pub fn positions(&mut self, body: u32) -> Result<Float32Array, WebError> {
+    pub fn positions(&mut self, body: f64) -> Result<Float32Array, WebError> {
         Ok(view_f32(self.buffers(body)?.positions().as_flattened()))
     }
 
@@ -78,7 +79,7 @@ impl Scene {
     ///
     /// # Errors
     /// Throws for an unknown body.
-    pub fn normals(&mut self, body: u32) -> Result<Float32Array, WebError> {
+    pub fn normals(&mut self, body: f64) -> Result<Float32Array, WebError> {
         Ok(view_f32(self.buffers(body)?.normals().as_flattened()))
     }
 
@@ -87,7 +88,7 @@ impl Scene {
     /// # Errors
     /// Throws for an unknown body.
     #[wasm_bindgen(js_name = skinIndices)]
-    pub fn skin_indices(&mut self, body: u32) -> Result<Uint32Array, WebError> {
+    pub fn skin_indices(&mut self, body: f64) -> Result<Uint32Array, WebError> {
         Ok(view_u32(self.buffers(body)?.skin_indices()))
     }
 
@@ -96,7 +97,7 @@ impl Scene {
     /// # Errors
     /// Throws for an unknown body.
     #[wasm_bindgen(js_name = capIndices)]
-    pub fn cap_indices(&mut self, body: u32) -> Result<Uint32Array, WebError> {
+    pub fn cap_indices(&mut self, body: f64) -> Result<Uint32Array, WebError> {
         Ok(view_u32(self.buffers(body)?.cap_indices()))
     }
 }

@@ -2,14 +2,14 @@ use super::*;
 use crate::mesh::Mesh;
 
 /// Returns a scene without gravity that holds a sphere and a blade in front of it.
-fn scene() -> (Scene, u32, u32) {
+fn scene() -> (Scene, f64, f64) {
     let mut scene = Scene::new();
     scene.set_gravity(0.0, 0.0, 0.0).unwrap();
     let body = scene
         .add_body(&Mesh::model("Sphere768").unwrap(), None)
         .unwrap();
     let blade = scene.add_blade(&[-2.0, 0.0, -2.0, -2.0, 0.0, 2.0]).unwrap();
-    (scene, body, blade)
+    (scene, body.into(), blade.into())
 }
 
 const BEHIND: [f32; 6] = [2.0, 0.01, -2.0, 2.0, 0.01, 2.0];
@@ -55,7 +55,7 @@ fn a_dragged_vertex_follows_and_is_released() {
     let (mut scene, body, _) = scene();
     let hit = scene.pick(body, &[0.0, 0.0, 5.0], &[0.0, 0.0, -1.0]);
     let vertex = hit.unwrap().expect("the ray hits the body").vertex;
-    scene.grab(body, vertex).unwrap();
+    scene.grab(body, vertex.into()).unwrap();
     let mesh = scene.mesh(body).unwrap();
     let [x, y, z, _] = mesh.surface().positions()[vertex as usize];
     scene.drag(x, y + 0.02, z).unwrap();
@@ -75,19 +75,23 @@ fn a_dragged_vertex_follows_and_is_released() {
 #[test]
 fn unknown_numbers_and_hostile_values_are_errors() {
     let (mut scene, body, blade) = scene();
-    assert!(scene.mesh(7).is_err() && scene.positions(u32::MAX).is_err());
-    assert!(scene.move_blade(9, &BEHIND).is_err());
+    assert!(scene.mesh(7.0).is_err() && scene.positions(4294967296.0).is_err());
+    assert!(scene.move_blade(9.0, &BEHIND).is_err());
     assert!(scene.move_blade(blade, &[0.0; 5]).is_err());
-    assert!(scene.grab(body, u32::MAX).is_err() && scene.grab(body, 1 << 20).is_err());
-    assert!(
-        scene.drag(f32::NAN, 0.0, 0.0).is_ok(),
-        "no vertex is grabbed"
-    );
+    assert!(scene.grab(body, f64::NAN).is_err() && scene.grab(body, 1048576.0).is_err());
+    assert!(scene.drag(f32::NAN, 0.0, 0.0).is_err());
+    assert!(scene.drag(0.0, 0.0, 0.0).is_ok(), "no vertex is grabbed");
+    for number in [f64::NAN, 0.5, -1.0, 4294967296.0] {
+        let text = scene.mesh(number).unwrap_err().to_string();
+        assert!(text.contains(&format!("no body {number};")), "{text}");
+        assert!(scene.buffers(number).is_err() && scene.revision(number).is_err());
+        assert!(scene.remove_body(number).is_err() && scene.move_blade(number, &BEHIND).is_err());
+    }
     let nan = [f64::NAN; 3];
     assert!(scene.pick(body, &nan, &[1.0; 3]).is_err());
     assert!(scene.pick(body, &[1.0; 3], &nan).is_err());
     assert!(scene.pick(body, &[0.0; 3], &[0.0; 3]).is_ok());
-    scene.grab(body, 0).unwrap();
+    scene.grab(body, 0.0).unwrap();
     assert!(scene.drag(f32::NAN, 0.0, 0.0).is_err());
     let nan = [f32::NAN; 6];
     assert!(scene.move_blade(blade, &nan).is_err() && scene.teleport_blade(blade, &nan).is_err());
@@ -129,7 +133,7 @@ fn a_loaded_scene_has_the_numbers_of_the_saved_one_and_its_bits() {
     let (mut scene, body, blade) = scene();
     scene.remove_body(body).unwrap();
     let ball = Mesh::model("Sphere80").unwrap();
-    let body = scene.add_body(&ball, None).unwrap();
+    let body = f64::from(scene.add_body(&ball, None).unwrap());
     scene.move_blade(blade, &BEHIND).unwrap();
     scene.step().unwrap();
     let mut loaded = Scene::from_bytes(&scene.save().unwrap()).unwrap();
@@ -137,7 +141,7 @@ fn a_loaded_scene_has_the_numbers_of_the_saved_one_and_its_bits() {
         (loaded.undo_count(), loaded.piece_count(body).unwrap()),
         (0, 2)
     );
-    assert!(loaded.mesh(body - 1).is_err());
+    assert!(loaded.mesh(body - 1.0).is_err());
     for each in [&mut scene, &mut loaded] {
         each.move_blade(blade, &[-2.0, 0.1, -2.0, -2.0, 0.1, 2.0])
             .unwrap();
@@ -145,13 +149,13 @@ fn a_loaded_scene_has_the_numbers_of_the_saved_one_and_its_bits() {
     }
     let positions = |scene: &Scene| scene.mesh(body).unwrap().surface().positions().to_vec();
     assert_eq!(positions(&scene), positions(&loaded));
-    assert_eq!(loaded.add_body(&ball, None).unwrap(), body + 1);
-    loaded.remove_body(body + 1).unwrap();
+    assert_eq!(f64::from(loaded.add_body(&ball, None).unwrap()), body + 1.0);
+    loaded.remove_body(body + 1.0).unwrap();
     let mut again = Scene::from_bytes(&loaded.save().unwrap()).unwrap();
-    let next = again.add_body(&ball, None).unwrap();
+    let next = f64::from(again.add_body(&ball, None).unwrap());
     assert_eq!(
         next,
-        body + 2,
+        body + 2.0,
         "the number of a removed body is not used again"
     );
     assert!(Scene::from_bytes(&[0; 9]).is_err());
