@@ -27,7 +27,7 @@ use web_time::Instant;
 /// Differences in 53 bits then keep all 24 bits of the body's coordinates.
 const MAX_SWEEP_RATIO: f64 = (1u64 << 29) as f64;
 
-/// Minimum number of triangles of a body that two threads cut; a fork costs 10 us.
+/// Minimum number of triangles of a body for a cut on two threads.
 const MIN_SHARED: usize = 1 << 14;
 
 /// Cuts one surface repeatedly: its BVH and scratch memory.
@@ -95,25 +95,25 @@ impl Cutter {
         }
     }
 
-    /// Sets whether cuts leave the BVH as it is, so that it is updated beside other work.
+    /// Sets whether cuts defer the update of the BVH to [`Self::update_bvh`].
     ///
-    /// [`Self::update_bvh`] must then follow each cut.
+    /// The caller must then call it after each cut, for example in parallel with other work.
     pub fn set_defers_bvh(&mut self, defers_bvh: bool) {
         self.defers_bvh = defers_bvh;
     }
 
-    /// Updates the BVH after a cut that left it as it was, see [`Self::set_defers_bvh`]. O(k log k)
-    /// for k changed triangles.
+    /// Updates the BVH after a cut that deferred it, see [`Self::set_defers_bvh`].
+    ///
+    /// O(k log k) for k changed triangles.
     pub fn update_bvh(&mut self, surface: &Surface, delta: &TopologyDelta) {
         self.bvh.update(surface, delta);
         self.version.topology = surface.fingerprint();
     }
 
-    /// Sets the maximum number of threads of a cut, one by default; `None` for all of the current
-    /// rayon pool.
+    /// Sets the maximum number of threads of a cut; the default is one.
     ///
-    /// The results do not depend on it. One thread is the calling thread: no pool is touched. Two
-    /// share cuts of bodies from 16,384 triangles by the exact method.
+    /// `None` allows the current rayon pool, and one uses no pool. At most two threads share a cut:
+    /// by the exact method, of a body of at least 16,384 triangles. Results do not depend on it.
     pub fn set_threads(&mut self, threads: Option<NonZeroUsize>) {
         self.threads = threads;
     }
@@ -319,7 +319,7 @@ impl Cutter {
             self.has_sheets |= params.caps == Caps::None;
             self.has_walls |= outcome.report.slits > 0;
             if self.defers_bvh {
-                // Not the surface's: the BVH must be updated before the next cut.
+                // The old version: a cut before `update_bvh` then fails.
                 self.version.topology = topology;
             } else {
                 let begin = Instant::now();

@@ -266,8 +266,7 @@ impl Exact {
 
     /// Meshes the sections of the opened surface, which get new points if `is_refined`.
     ///
-    /// Returns whether they reached their target lengths. A search for parts runs beside, on
-    /// another thread.
+    /// Returns whether they reached their target lengths. `search` runs in parallel, if present.
     ///
     /// # Errors
     /// [`CutError`].

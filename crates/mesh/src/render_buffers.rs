@@ -139,11 +139,11 @@ impl RenderBuffers {
         self.refresh(surface);
     }
 
-    /// Follows a change of the surface, and refreshes positions and normals.
+    /// Updates the buffers after an edit of the surface, and refreshes positions and normals.
     ///
-    /// Only corners around changed triangles get other buffer vertices. Buffers of an open surface,
-    /// of a single piece that may have been split or merged, and of other channels are built again.
-    /// Values of UVs and channels are read again at every vertex, but new seams need
+    /// Only corners around changed triangles get other buffer vertices. The buffers are rebuilt if
+    /// the surface is open, its channels have changed, or a single piece may have been split or
+    /// merged. Values of UVs and channels are read again at every vertex; new seams need
     /// [`Self::rebuild`].
     pub fn update(&mut self, surface: &Surface, delta: &TopologyDelta) {
         let has_new_pieces = !delta.pieces_added.is_empty() || !delta.pieces_removed.is_empty();

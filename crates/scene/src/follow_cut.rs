@@ -1,18 +1,18 @@
-//! [`follow_cut`]: the BVH and the solver of a body follow a cut, side by side for a large one.
+//! [`follow_cut`]: updates BVH and solver of a body after a cut, in parallel if it is large.
 
 use incise_cut::Cutter;
 use incise_mesh::{Surface, TopologyDelta};
 use incise_pbd_gpu::{ConstraintError, Solver};
 use std::num::NonZeroUsize;
 
-/// Minimum number of new triangles for which threads share the work; a fork costs 10 us.
+/// Minimum number of new triangles for a parallel update of BVH and solver.
 const MIN_SHARED: usize = 1 << 9;
 
-/// Updates the BVH of a cutter that defers it, then constraints and masses.
+/// Updates the BVH, the constraints and the masses of a body after a cut.
 ///
-/// It is [`Cutter::update_bvh`] and [`Solver::apply_delta`]. At most `threads` share a large cut;
-/// `None` means all of the current rayon pool, and one does not touch it. The results do not
-/// depend on it.
+/// Equivalent to [`Cutter::update_bvh`], then [`Solver::apply_delta`], for a cutter that defers its
+/// BVH. `threads` limits the threads of a large cut: `None` allows the current rayon pool, and one
+/// uses no pool. Results do not depend on it.
 ///
 /// # Errors
 /// As [`Solver::apply_delta`]; the BVH is updated all the same.

@@ -194,9 +194,9 @@ impl Channel {
         self.values.resize(slots * self.width, 0.0);
     }
 
-    /// Returns the row of vertices and corners to which nobody gave one.
+    /// Returns the default row of a vertex or corner without a value.
     ///
-    /// It is white and opaque for colors, the joint 0 with the weight 1 for skin weights, else 0.
+    /// Colors are opaque white, skin weights are joint 0 with weight 1, all others are 0.
     pub(crate) fn neutral_row(&self) -> Row {
         let mut out = Row::default();
         let number = self.name.strip_prefix("color");

@@ -28,24 +28,24 @@ pub struct Contact {
     pub gap_rate: f32,
     /// Coulomb friction coefficient.
     pub friction: f32,
-    /// Which feature belongs to a piece that the other one's piece carries.
+    /// The feature whose piece is carried by the piece of the other feature.
     pub carried: Carried,
 }
 
-/// Which feature of a contact belongs to a piece that rests on the other one's piece.
+/// The carried feature of a contact: its piece rests on the piece of the other feature.
 ///
-/// While the contact is active, the pass over [volumes](crate::Volume) does not move its vertices
-/// further down, as if the carrying piece were the ground. A column of pieces then keeps its
-/// volume: otherwise a load travels through one piece per substep, and the lowest ones collapse.
+/// While the contact is active, [volume constraints](crate::Volume) do not move the vertices of
+/// this feature further down, as if the carrying piece were the ground. Without this, a load
+/// travels through one piece per substep, and the lowest pieces of a column collapse.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Carried {
-    /// Neither: none of the pieces is above the other on its way to the ground.
+    /// No feature is carried.
     #[default]
     Neither,
-    /// The first feature.
+    /// The first feature is carried.
     First,
-    /// The second feature.
+    /// The second feature is carried.
     Second,
 }
 
@@ -193,9 +193,9 @@ impl ContactRecord {
         if self.vertices[1] == NO_VERTEX { 1 } else { 4 }
     }
 
-    /// Returns whether the vertex of a weight belongs to the carried feature.
+    /// Returns whether a vertex belongs to the carried feature, by the sign of its weight.
     #[inline(always)]
-    pub(crate) fn carries(&self, weight: f32) -> bool {
+    pub(crate) fn is_carried(&self, weight: f32) -> bool {
         (self.carried == Carried::First as u16 && weight > 0.0)
             || (self.carried == Carried::Second as u16 && weight < 0.0)
     }

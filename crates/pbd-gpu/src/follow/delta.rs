@@ -11,7 +11,7 @@ use crate::particles::Particles;
 use incise_mesh::{Surface, TopologyDelta, VertexId};
 use std::num::NonZeroUsize;
 
-/// Minimum number of new triangles for which two threads update a solver; a fork costs 10 us.
+/// Minimum number of new triangles for an update on two threads.
 const MIN_SHARED: usize = 1 << 10;
 
 /// Checks that a delta matches the edge table and the surface, and that new vertices are finite.

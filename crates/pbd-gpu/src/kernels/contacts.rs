@@ -65,7 +65,7 @@ pub(crate) fn contacts(
             ];
             let v = contact.vertices[i] as usize;
             particles.set_d(v, moved);
-            if contact.carries(w[i]) {
+            if contact.is_carried(w[i]) {
                 carried[v].set(true);
             }
         }

@@ -1,7 +1,7 @@
 // WGSL counterpart of `ground.rs`.
 //
-// The fourth component of the velocity holds the remaining friction bound of the substep, and in
-// its sign bit whether an active contact carries the vertex. integrate() sets it to 0.
+// The fourth component of the velocity holds the remaining friction bound of the substep. Its sign
+// bit tells whether an active contact carries the vertex. integrate() resets both.
 
 const SIGN_BIT: u32 = 0x80000000u;
 

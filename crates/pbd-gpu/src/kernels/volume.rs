@@ -10,7 +10,7 @@
 //! each reduced by a tree, then the chunks by the same tree. The fixed order makes the sums equal
 //! on any number of threads and on any GPU.
 //!
-//! A vertex on the ground, or [carried](crate::Carried) by a piece, does not move further down: it
+//! A vertex on the ground, or [carried](crate::Carried) by a piece, does not move further down. It
 //! has no inverse mass here if its outward normal points down. The ground then takes nothing of a
 //! volume after this pass.
 //!

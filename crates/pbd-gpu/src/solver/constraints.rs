@@ -142,8 +142,8 @@ impl Solver {
 
     /// Changes the material from the next frame on.
     ///
-    /// All numbers may change except the density of the body, and volume may come and go. Bending
-    /// and interior springs cannot: their constraints are made with the body.
+    /// The density is fixed. Volume constraints can be added and removed; bending and interior
+    /// springs cannot, because their constraints are created with the body.
     ///
     /// # Errors
     /// [`ConstraintError`] if a number is out of range, and [`ConstraintError::FixedMaterial`];

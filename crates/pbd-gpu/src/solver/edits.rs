@@ -48,11 +48,12 @@ impl Solver {
         Ok(())
     }
 
-    /// Does all of [`Self::apply_delta`] but [`Self::write_inverse_masses`], which must follow.
+    /// Updates particles and constraints after an edit, without writing to the surface.
     ///
-    /// It reads the surface only, so that a BVH can be updated at the same time. At most `threads`
-    /// share a large edit; `None` means all of the current rayon pool, and one does not touch it.
-    /// The results do not depend on it.
+    /// [`Self::write_inverse_masses`] must follow; both together are [`Self::apply_delta`]. The
+    /// surface is only read, so that a BVH can be updated in parallel. `threads` limits the threads
+    /// of a large edit: `None` allows the current rayon pool, and one uses no pool. Results do not
+    /// depend on it.
     ///
     /// # Errors
     /// As [`Self::apply_delta`].

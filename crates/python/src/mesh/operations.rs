@@ -123,7 +123,8 @@ impl Mesh {
     ///         "original" (default), "1.5x-finer", "2x-finer", or a number.
     ///     `method`: "exact" (default) or "paper".
     ///     `refine_method`: "delaunay" (default) or "paper", the meshing of caps.
-    ///     `snap`: shortest edge along the rim [local edge lengths], 0 to below 0.5, 0.1.
+    ///     `snap`: shortest edge along the rim [local edge lengths], 0 to below 0.5, default
+    ///         0.1.
     ///     `remesh`: largest motion of the surface that removes slivers [local edge lengths], 0 to
     ///         below 0.5, default 0.
     ///     `grading`: growth of the caps' edge length with the distance from the rim [m/m], at

@@ -1,9 +1,10 @@
-//! [`Carriers`]: the contacts through which a falling column of pieces rests on the ground.
+//! [`Carriers`]: finds the piece that supports another one, as in shock propagation.
 //!
-//! Called by [`super::ContactDetection`] after the narrow phase. Pieces at the ground have level 0,
-//! pieces that touch them level 1, and so on. Of two pieces in contact the one of the lower level
-//! carries the other one. Only the contacts of columns of three pieces or more are marked, and only
-//! while one of the two pieces falls: the solver carries other loads well.
+//! Called by [`super::ContactDetection`] after the narrow phase. The level of a piece is its
+//! distance from the ground in the graph of contacts (Guendelman, Bridson and Fedkiw 2003,
+//! "Nonconvex rigid bodies with stacking"). In a contact the piece of the lower level carries the
+//! other one. Only contacts in columns of at least three pieces are marked, and only while one of
+//! the two pieces falls. The solver handles other loads without marks.
 
 use super::ContactFrame;
 use super::broad_phase::Pieces;
@@ -14,7 +15,7 @@ use incise_mesh::VertexId;
 use incise_pbd_gpu::{Carried, ContactKind};
 use std::cmp::Ordering;
 
-/// Level of a piece that no other one connects with the ground.
+/// Level of a piece without a path of contacts to the ground.
 const NO_LEVEL: u32 = u32::MAX;
 
 /// Minimum speed of a piece that falls [speeds gained by gravity in a frame].
@@ -29,7 +30,7 @@ pub(super) struct Carriers {
     carries: Vec<bool>,
     /// Pairs of pieces in contact, in both orders, ascending.
     pairs: Vec<[u32; 2]>,
-    /// Pieces with a level, ascending by it.
+    /// Pieces with a level, in breadth-first order.
     queue: Vec<u32>,
 }
 
