@@ -1,4 +1,4 @@
-//! [`CapMarker`]: tells the caps of several cuts from those that a surface already has.
+//! [`CapMarker`]: marks the caps of new cuts by a material of their own.
 
 use crate::params::CutParams;
 use incise_mesh::{Surface, TriangleId};

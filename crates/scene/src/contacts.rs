@@ -16,6 +16,7 @@
 //! no velocity; deep ones remain.
 
 mod blade_face;
+mod body_rows;
 mod broad_phase;
 mod carriers;
 mod edge_pairs;
@@ -31,17 +32,18 @@ mod sheets;
 use crate::body::Body;
 use crate::error::SceneError;
 use crate::scene::Bodies;
+use body_rows::BodyRows;
 use broad_phase::Pieces;
-use carriers::{Carriers, Touching};
+use carriers::Carriers;
 use edge_pairs::EdgePairs;
 use incise_mesh::Aabb;
 use incise_pbd_gpu::MovingCollider;
 use motion::Motion;
-use narrow_phase::{BodyRows, Search};
+use narrow_phase::Search;
 use near_bodies::{NearBodies, reachable_bounds};
 
 pub(crate) use blade_face::BladeFace;
-pub(crate) use narrow_phase::BodyContact;
+pub(crate) use body_rows::BodyContact;
 #[cfg(feature = "serde")]
 pub(crate) use saved::{SavedContacts, SavedFace};
 
@@ -191,12 +193,7 @@ impl ContactDetection {
         };
         search.run(&mut self.rows, &mut self.edges);
         if let Some(ground) = frame.ground {
-            let touching = Touching {
-                bodies,
-                motions: &self.motions,
-                pieces: &self.pieces,
-            };
-            (self.carriers).mark(touching, (ground, frame), &mut self.rows);
+            self.carriers.mark(search, ground, &mut self.rows);
         }
     }
 

@@ -73,7 +73,7 @@ impl InteriorSpringSearch {
 
     /// Updates BVH, solver and springs after a cut, see [`follow_cut`].
     ///
-    /// Severed springs are removed. New vertices and those that lost theirs get springs.
+    /// Removes severed springs. Adds a spring to each new vertex and to each end of a removed one.
     pub(crate) fn follow_cut(
         &mut self,
         surface: &mut Surface,

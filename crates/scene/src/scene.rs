@@ -381,23 +381,4 @@ impl Scene {
         }
         Ok(())
     }
-
-    /// Returns counters and times of the last frame.
-    #[must_use]
-    pub fn stats(&self) -> &FrameStats {
-        &self.stats
-    }
-
-    /// Returns the cuts that failed in the last frame, for example a sweep that ended inside a
-    /// body.
-    #[must_use]
-    pub fn failed_cuts(&self) -> &[FailedCut] {
-        &self.failed_cuts
-    }
-
-    /// Returns the results of the last frame's sweeps: cuts and misses, in the order of blades.
-    #[must_use]
-    pub fn cuts(&self) -> &[SweepResult] {
-        &self.cuts
-    }
 }

@@ -1,5 +1,7 @@
-//! [`FrameStats`]: counters and times of one frame, filled by `frame.rs` and the GPU side.
+//! [`FrameStats`]: counters and times of one frame, filled by `frame.rs` and the GPU side, and the
+//! results of a scene's last frame.
 
+use crate::scene::{FailedCut, Scene, SweepResult};
 use std::time::Duration;
 
 /// Counters and times of one frame.
@@ -107,5 +109,26 @@ impl FrameStats {
     #[must_use]
     pub fn total(&self) -> Duration {
         self.cutting() + self.contact_detection + self.solver
+    }
+}
+
+impl Scene {
+    /// Returns counters and times of the last frame.
+    #[must_use]
+    pub fn stats(&self) -> &FrameStats {
+        &self.stats
+    }
+
+    /// Returns the cuts that failed in the last frame, for example a sweep that ended inside a
+    /// body.
+    #[must_use]
+    pub fn failed_cuts(&self) -> &[FailedCut] {
+        &self.failed_cuts
+    }
+
+    /// Returns the results of the last frame's sweeps: cuts and misses, in the order of blades.
+    #[must_use]
+    pub fn cuts(&self) -> &[SweepResult] {
+        &self.cuts
     }
 }

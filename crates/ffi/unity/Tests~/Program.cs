@@ -245,7 +245,8 @@ static class Program
                 () => scene.CopyPositions(body, Span<float>.Empty));
         }
         Throws<ArgumentException>(() =>
-            Surface.FromArrays(new ReadOnlySpan<float>(Corners, 0, 4), new ReadOnlySpan<int>(Sides)));
+            Surface.FromArrays(
+                new ReadOnlySpan<float>(Corners, 0, 4), new ReadOnlySpan<int>(Sides)));
     }
 #endif
 

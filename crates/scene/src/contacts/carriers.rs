@@ -6,11 +6,8 @@
 //! other one. Only contacts in columns of at least three pieces are marked, and only while one of
 //! the two pieces falls. The solver handles other loads without marks.
 
-use super::ContactFrame;
-use super::broad_phase::Pieces;
-use super::motion::Motion;
-use super::narrow_phase::{BodyContact, BodyRows};
-use crate::scene::Bodies;
+use super::body_rows::{BodyContact, BodyRows};
+use super::narrow_phase::Search;
 use incise_mesh::VertexId;
 use incise_pbd_gpu::{Carried, ContactKind};
 use std::cmp::Ordering;
@@ -36,24 +33,18 @@ pub(super) struct Carriers {
 
 impl Carriers {
     /// Sets [`incise_pbd_gpu::Contact::carried`] of the contacts above a ground \[m\].
-    pub(super) fn mark(
-        &mut self,
-        touching: Touching<'_>,
-        (ground, frame): (f32, &ContactFrame<'_>),
-        rows: &mut [BodyRows],
-    ) {
-        let is_low = reaches_ground(touching, ground, frame.dt);
-        self.find_levels(touching, is_low, rows);
+    pub(super) fn mark(&mut self, search: Search<'_>, ground: f32, rows: &mut [BodyRows]) {
+        self.find_levels(search, ground, rows);
         if self.queue.is_empty() {
             return;
         }
         for (i, rows) in rows.iter_mut().enumerate() {
             for found in rows.contacts_mut() {
-                let Some(pair) = touching.pieces_of(i, found) else {
+                let Some(pair) = search.pieces_of(i, found) else {
                     continue;
                 };
-                let speed = pair.map(|piece| -touching.pieces.mean_velocity(piece).y);
-                if f64::max(speed[0], speed[1]) > MIN_FALL * frame.speed_gain {
+                let speed = pair.map(|piece| -search.pieces.mean_velocity(piece).y);
+                if f64::max(speed[0], speed[1]) > MIN_FALL * search.frame.speed_gain {
                     found.contact.carried = self.carried(pair);
                 }
             }
@@ -77,15 +68,10 @@ impl Carriers {
     }
 
     /// Finds the levels of all pieces, breadth first.
-    fn find_levels(
-        &mut self,
-        touching: Touching<'_>,
-        is_low: impl Iterator<Item = bool>,
-        rows: &[BodyRows],
-    ) {
+    fn find_levels(&mut self, search: Search<'_>, ground: f32, rows: &[BodyRows]) {
         self.levels.clear();
         self.queue.clear();
-        for (piece, is_low) in (0..).zip(is_low) {
+        for (piece, is_low) in (0..).zip(reaches_ground(search, ground)) {
             self.levels.push(if is_low { 0 } else { NO_LEVEL });
             self.queue.extend(is_low.then_some(piece));
         }
@@ -96,7 +82,7 @@ impl Carriers {
         }
         self.pairs.clear();
         for (i, rows) in rows.iter().enumerate() {
-            for [a, b] in (rows.contacts()).filter_map(|found| touching.pieces_of(i, found)) {
+            for [a, b] in (rows.contacts()).filter_map(|found| search.pieces_of(i, found)) {
                 if a != b && self.pairs.last() != Some(&[b, a]) {
                     self.pairs.extend([[a, b], [b, a]]);
                 }
@@ -121,15 +107,7 @@ impl Carriers {
     }
 }
 
-/// The bodies of a search, and the indices of their pieces.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Touching<'a> {
-    pub(super) bodies: &'a Bodies,
-    pub(super) motions: &'a [Motion],
-    pub(super) pieces: &'a Pieces,
-}
-
-impl Touching<'_> {
+impl Search<'_> {
     /// Returns the pieces of both features of a contact, by index in the broad phase.
     ///
     /// A plane has none.
@@ -150,15 +128,11 @@ impl Touching<'_> {
     }
 }
 
-/// Returns for each piece whether it may touch the ground \[m\] within a frame of `dt` \[s\].
-fn reaches_ground(
-    touching: Touching<'_>,
-    ground: f32,
-    dt: f64,
-) -> impl Iterator<Item = bool> + use<'_> {
-    touching.pieces.iter().map(move |piece| {
-        let fall = f64::min(0.0, piece.velocity_bounds[0].y) * dt;
-        let thickness = touching.motions[piece.body as usize].thickness;
+/// Returns for each piece whether it may touch the ground \[m\] within the frame.
+fn reaches_ground(search: Search<'_>, ground: f32) -> impl Iterator<Item = bool> + use<'_> {
+    search.pieces.iter().map(move |piece| {
+        let fall = f64::min(0.0, piece.velocity_bounds[0].y) * search.frame.dt;
+        let thickness = search.motions[piece.body as usize].thickness;
         f64::from(piece.bounds.min[1]) + fall - thickness <= f64::from(ground)
     })
 }

@@ -2,9 +2,10 @@
 //!
 //! [`super::narrow_phase`] collects the edges of each row, then tests the pairs of near ones here.
 
+use super::body_rows::{BodyContact, BodyRows, Row};
 use super::broad_phase::Piece;
 use super::edges::{EdgeDistance, MovingEdge, SharpEdge};
-use super::narrow_phase::{BodyContact, BodyRows, MAX_DEPTH, Row, Search, Searched, friction};
+use super::narrow_phase::{MAX_DEPTH, Search, Searched, friction};
 use super::near_bodies::grow;
 use incise_mesh::{HalfEdge, Surface, Vec3, VertexId};
 use incise_pbd_gpu::Contact;

@@ -3,9 +3,9 @@
 //! Called by [`super::ContactDetection`] after the broad phase. Rows are concatenated in order, so
 //! that the result does not depend on the number of threads.
 
+use super::body_rows::{BodyContact, BodyRows, ROW, Row};
 use super::broad_phase::Pieces;
 use super::edge_pairs::EdgePairs;
-use super::edges::MovingEdge;
 use super::motion::Motion;
 use super::persistent::{PersistentContact, contact_kind, faces, outward_normal};
 use super::sheets::{SideLimits, is_behind};
@@ -16,105 +16,14 @@ use incise_mesh::{MovingPoint, Surface, TriangleId, Vec3, VertexId, index_u32};
 use incise_pbd_gpu::{Contact, ContactKind};
 use rayon::prelude::*;
 
-/// Number of vertex slots of a row.
-const ROW: usize = 512;
-
 /// Minimum number of rows for threads: waking one takes about ten microseconds.
 const MIN_PARALLEL_ROWS: usize = 4;
 
 /// Maximum depth of a contact [thicknesses].
 pub(super) const MAX_DEPTH: f64 = 2.0;
 
-/// A contact of a vertex of one body with a triangle of the same or another one, or with a plane.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct BodyContact {
-    /// Index of the triangle's body.
-    pub(crate) other: u32,
-    /// The vertices of its first feature are those of the searched body.
-    pub(crate) contact: Contact,
-}
-
-/// The contacts of one row, in memory reused between frames.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Row {
-    contacts: Vec<BodyContact>,
-    persistent: Vec<PersistentContact>,
-    /// Scratch memory: the current vertex and its neighbors, excluded from self-collision.
-    one_ring: Vec<VertexId>,
-    /// Scratch memory: the bodies that the current vertex may touch.
-    near: Vec<u32>,
-    /// Sharp edges near other pieces, until they are tested.
-    pub(super) edges: Vec<MovingEdge>,
-}
-
-/// The contacts of the vertices of one body, in memory reused between frames.
-#[derive(Debug, Clone, Default)]
-pub(super) struct BodyRows {
-    pub(super) rows: Vec<Row>,
-    /// Contacts of its edges with later ones.
-    pub(super) edge_contacts: Vec<BodyContact>,
-    /// The persistent contacts of the previous frame, ascending by vertex.
-    previous: Vec<PersistentContact>,
-    /// By vertex slot: first index into `previous`, or `u32::MAX`.
-    previous_of_vertex: Vec<u32>,
-}
-
-impl BodyRows {
-    /// Returns the contacts in the order of vertices, then those of edges.
-    pub(super) fn contacts(&self) -> impl Iterator<Item = &BodyContact> {
-        let of_vertices = self.rows.iter().flat_map(|row| &row.contacts);
-        of_vertices.chain(&self.edge_contacts)
-    }
-
-    /// Returns the same contacts for changes.
-    pub(super) fn contacts_mut(&mut self) -> impl Iterator<Item = &mut BodyContact> {
-        let of_vertices = self.rows.iter_mut().flat_map(|row| &mut row.contacts);
-        of_vertices.chain(&mut self.edge_contacts)
-    }
-
-    /// Returns the contacts of the last search that persist to the next frame.
-    #[cfg(feature = "serde")]
-    pub(super) fn persistent(&self) -> impl Iterator<Item = &PersistentContact> {
-        self.rows.iter().flat_map(|row| &row.persistent)
-    }
-
-    /// Creates rows with contacts that persist to the next frame.
-    #[cfg(feature = "serde")]
-    pub(super) fn with_persistent(contacts: impl Iterator<Item = PersistentContact>) -> Self {
-        let row = Row {
-            persistent: contacts.collect(),
-            ..Row::default()
-        };
-        Self {
-            rows: vec![row],
-            ..Self::default()
-        }
-    }
-
-    /// Removes all contacts; those of the last search become the previous ones.
-    pub(super) fn begin_frame(&mut self, vertex_slots: usize) {
-        self.previous.clear();
-        for row in &mut self.rows {
-            self.previous.append(&mut row.persistent);
-            row.contacts.clear();
-        }
-        self.edge_contacts.clear();
-        self.previous_of_vertex.clear();
-        self.previous_of_vertex.resize(vertex_slots, u32::MAX);
-        for (i, contact) in (0..).zip(&self.previous) {
-            if let Some(first) = self.previous_of_vertex.get_mut(contact.vertex.index()) {
-                *first = i.min(*first);
-            }
-        }
-    }
-
-    /// Sets the number of vertex slots that are searched.
-    fn resize(&mut self, vertex_slots: usize) {
-        (self.rows).resize_with(vertex_slots.div_ceil(ROW), Row::default);
-    }
-}
-
 /// The input of a search, shared by all rows.
+#[derive(Clone, Copy)]
 pub(super) struct Search<'a> {
     pub(super) bodies: &'a Bodies,
     pub(super) motions: &'a [Motion],

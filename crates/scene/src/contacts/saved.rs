@@ -2,8 +2,8 @@
 
 use super::ContactDetection;
 use super::blade_face::{BladeFace, Pose};
+use super::body_rows::BodyRows;
 use super::edge_pairs::EdgePair;
-use super::narrow_phase::BodyRows;
 use super::persistent::PersistentContact;
 use incise_mesh::{HalfEdge, TriangleId, Vec3, VertexId};
 use incise_pbd_gpu::ContactKind;
