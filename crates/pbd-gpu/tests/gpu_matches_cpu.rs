@@ -10,6 +10,7 @@ use incise_models::{Model, build_model};
 use incise_pbd_gpu::{Context, GpuBackend, Material, Schedule, Solver, SolverParams, Volume};
 use incise_test_support::cpu_gpu_pair::{DT, SCHEDULES, solver_for, with_most_features};
 use incise_test_support::gpu::{Needs, trial};
+use incise_test_support::surfaces::scaled;
 use std::process::ExitCode;
 
 /// A body and its solver with a few pins on the move.
@@ -57,15 +58,10 @@ fn equal(context: Context, model: Model, schedule: Schedule, frames: u32) {
     }
 }
 
-/// A ball of 1 cm, which falls by more than an edge in a substep of the paper's parameters.
-fn small_ball(schedule: Schedule) -> (Surface, Solver) {
-    let mut surface = build_model(Model::Sphere80);
-    let small = |p: &mut [f32; 3]| *p = p.map(|c| 0.01 * c);
-    surface.rest_positions_mut().iter_mut().for_each(small);
-    for i in 0..surface.positions().len() {
-        let ([x, y, z], weight) = (surface.rest_positions()[i], surface.positions()[i][3]);
-        surface.positions_mut()[i] = [x, y, z, weight];
-    }
+/// A ball of 1 cm, which falls by more than an edge in a substep of the paper's parameters, or a
+/// chip that is thinner than its fall.
+fn small_body(factors: [f32; 3], schedule: Schedule) -> (Surface, Solver) {
+    let mut surface = scaled(build_model(Model::Sphere80), factors);
     let material = Material {
         volume: Some(Volume::default()),
         ..Material::default()
@@ -74,9 +70,9 @@ fn small_ball(schedule: Schedule) -> (Surface, Solver) {
     (surface, solver)
 }
 
-fn equal_in_more_substeps(context: Context, schedule: Schedule) {
-    let (mut on_cpu, mut cpu) = small_ball(schedule);
-    let (mut on_gpu, mut solver) = small_ball(schedule);
+fn equal_in_more_substeps(context: Context, factors: [f32; 3], schedule: Schedule) {
+    let (mut on_cpu, mut cpu) = small_body(factors, schedule);
+    let (mut on_gpu, mut solver) = small_body(factors, schedule);
     let params = SolverParams {
         ground: Some(on_cpu.bounds().min[1] - 0.005),
         ..SolverParams::paper()
@@ -104,10 +100,12 @@ fn equal_in_more_substeps(context: Context, schedule: Schedule) {
 fn main() -> ExitCode {
     let mut trials = Vec::new();
     for schedule in SCHEDULES {
-        let name = format!("a ball of 1 cm by {}", schedule.name());
-        trials.push(trial(&name, Needs::Strict, move |context| {
-            equal_in_more_substeps(context, schedule);
-        }));
+        for (body, factors) in [("ball", [0.01; 3]), ("chip", [0.01, 1e-5, 0.01])] {
+            let name = format!("a {body} of 1 cm by {}", schedule.name());
+            trials.push(trial(&name, Needs::Strict, move |context| {
+                equal_in_more_substeps(context, factors, schedule);
+            }));
+        }
     }
     for (model, frames) in [
         (Model::Sphere20, 120),

@@ -21,7 +21,6 @@ pub(crate) struct PieceShapes {
     version: Option<u64>,
     /// By piece number.
     shapes: Vec<PieceShape>,
-    has_sheets: bool,
     sums: Vec<Sums>,
 }
 
@@ -60,12 +59,6 @@ impl PieceShapes {
                 shape.thickness = 2.0 / 3.0 * sums.volume.abs() / sums.area;
             }
         }
-        self.has_sheets = self.shapes.iter().any(|shape| shape.is_sheet);
-    }
-
-    /// Returns whether a piece has a boundary.
-    pub(crate) const fn has_sheets(&self) -> bool {
-        self.has_sheets
     }
 
     /// Returns whether each piece is a sheet and its thickness \[m\], for a file.
@@ -93,7 +86,6 @@ impl PieceShapes {
         let shapes: Vec<PieceShape> = shapes.map(shape).collect();
         Self {
             version,
-            has_sheets: shapes.iter().any(|shape| shape.is_sheet),
             shapes,
             sums: Vec::new(),
         }
@@ -138,7 +130,6 @@ mod tests {
         let mut shapes = PieceShapes::default();
         shapes.update(&plate);
         assert!((shapes.get(0).thickness / 0.01 - 1.0).abs() < 0.02);
-        assert!(!shapes.has_sheets());
         shapes.update(&sheet([1.0; 2], [3; 2]));
         assert!(shapes.get(0).is_sheet);
     }

@@ -13,6 +13,18 @@ pub fn sphere(levels: u32, center: [f32; 3]) -> Surface {
     Surface::from_triangles(&positions, &faces).expect("spheres are closed manifolds")
 }
 
+/// Returns a surface whose sides are scaled by three factors, at rest.
+#[must_use]
+pub fn scaled(mut surface: Surface, factors: [f32; 3]) -> Surface {
+    for v in 0..surface.positions().len() {
+        let rest = surface.rest_positions()[v];
+        let rest = [0, 1, 2].map(|k| rest[k] * factors[k]);
+        surface.rest_positions_mut()[v] = rest;
+        surface.positions_mut()[v][..3].copy_from_slice(&rest);
+    }
+    surface
+}
+
 /// Returns a surface of two separate spheres.
 ///
 /// # Panics

@@ -1,18 +1,14 @@
 //! Nearest points that a moving point may reach within a frame.
 //!
 //! Contact detection gives every vertex the box of its displacement. Nodes of the BVH have such a
-//! box, too, so a search descends only where the relative motion may close the gap. Nodes whose
-//! triangles all face away from the point are skipped.
+//! box, too, so a search descends only where the relative motion may close the gap.
 
 use super::nearest::Candidate;
 use super::{Bvh, LEAF_SIZE, NONE, NearestPoint, least, most, triangle_bounds, union};
-use crate::geometry::{area_vector, to_f32};
+use crate::geometry::to_f32;
 use crate::{Aabb, Surface, TriangleId, Vec3};
 
-/// Relative slack of normal bounds, above the rounding of normals to 32 bits.
-const SLACK: f32 = 1e-5;
-
-/// Boxes, displacements, normals and pieces of the triangles below each node of a BVH.
+/// Boxes, displacements and pieces of the triangles below each node of a BVH.
 #[derive(Debug, Clone, Default)]
 pub struct MotionBounds {
     nodes: Vec<Motion>,
@@ -28,8 +24,6 @@ struct Motion {
     bounds: [[f32; 4]; 2],
     /// Corners of the box around the displacements of the vertices \[m\].
     displacement: [[f32; 4]; 2],
-    /// Corners of the box around the area vectors \[m^2\].
-    normal: [[f32; 4]; 2],
     /// Piece of all triangles; [`NONE`] for several pieces.
     piece: u32,
 }
@@ -38,18 +32,15 @@ impl Motion {
     const NOTHING: Self = Self {
         bounds: [[0.0; 4]; 2],
         displacement: [[0.0; 4]; 2],
-        normal: [[0.0; 4]; 2],
         piece: NONE,
     };
 
     fn of_triangle(surface: &Surface, t: TriangleId, displacements: &[Aabb]) -> Self {
         let corners = surface.topology().triangle(t);
         let [a, b, c] = corners.map(|v| &displacements[v.index()]);
-        let normal = padded(to_f32(area_vector(surface.triangle_positions(t))));
         Self {
             bounds: padded_box(&triangle_bounds(surface, corners)),
             displacement: padded_box(&union(&union(a, b), c)),
-            normal: [normal; 2],
             piece: surface.piece(t),
         }
     }
@@ -64,7 +55,6 @@ impl Motion {
         Self {
             bounds: both(&self.bounds, &other.bounds),
             displacement: both(&self.displacement, &other.displacement),
-            normal: both(&self.normal, &other.normal),
             piece: if self.piece == other.piece {
                 self.piece
             } else {
@@ -137,8 +127,6 @@ pub struct MovingPoint {
     pub displacement: Aabb,
     /// Distance that counts as reached \[m\].
     pub margin: f64,
-    /// Outward normal: nodes whose triangles all face away from it are skipped. Zero skips none.
-    pub outward: Vec3,
     /// Piece whose triangles do not count.
     pub excluded_piece: Option<u32>,
 }
@@ -156,7 +144,6 @@ struct Query {
     position: [f32; 4],
     displacement: [[f32; 4]; 2],
     squared_margin: f32,
-    outward: [f32; 4],
     /// Piece whose triangles do not count, or [`NONE`].
     excluded: u32,
 }
@@ -167,13 +154,10 @@ impl Query {
         reason = "positions and displacements have 32 bits"
     )]
     fn new(point: &MovingPoint) -> Self {
-        // The direction alone counts.
-        let outward = point.outward / point.outward.amax().max(f64::MIN_POSITIVE);
         Self {
             position: padded(to_f32(point.position)),
             displacement: padded_box(&point.displacement),
             squared_margin: (point.margin * point.margin) as f32,
-            outward: padded(to_f32(outward)),
             excluded: point.excluded_piece.unwrap_or(NONE),
         }
     }
@@ -207,23 +191,11 @@ impl Query {
         f64::from(self.squared_margin).sqrt() + f64::from(sum(farthest.map(|x| x * x))).sqrt()
     }
 
-    /// Returns false only if no triangle with a normal in a box faces the point.
-    #[inline]
-    fn may_be_faced_by(&self, [min, max]: &[[f32; 4]; 2]) -> bool {
-        let products: [[f32; 4]; 2] =
-            [min, max].map(|n| std::array::from_fn(|k| self.outward[k] * n[k]));
-        let [a, b] = products;
-        let low = sum(std::array::from_fn(|k| least(a[k], b[k])));
-        let slack = sum(std::array::from_fn(|k| most(a[k].abs(), b[k].abs())));
-        low <= SLACK * slack
-    }
-
     /// Returns whether triangles may count and be reached.
     #[inline]
     fn may_touch(&self, motion: &Motion) -> bool {
         (motion.piece != self.excluded || self.excluded == NONE)
             && self.reaches(&motion.bounds, &motion.displacement)
-            && self.may_be_faced_by(&motion.normal)
     }
 }
 
@@ -235,8 +207,8 @@ fn sum([a, b, c, d]: [f32; 4]) -> f32 {
 impl Bvh {
     /// Returns the nearest point among the triangles that count and that a moving point may reach.
     ///
-    /// Some triangles that face away are skipped; `counts` decides about the others. A good first
-    /// guess, such as the last nearest triangle, speeds the search up.
+    /// `counts` decides which triangles count. A good first guess, such as the last nearest
+    /// triangle, speeds the search up.
     #[must_use]
     pub fn nearest_in_reach(
         &self,

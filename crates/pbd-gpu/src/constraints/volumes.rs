@@ -21,6 +21,10 @@ pub(crate) const REACH: f32 = 0.25;
 /// Volume relative to a ball of the same area, below which it is a rounding error of a flat piece.
 const FLAT: f64 = 1e-6;
 
+/// Volume relative to the area and the largest coordinate, below which rounding of positions to 32
+/// bits changes it by 6 % and more.
+const UNRESOLVED: f64 = 1e-6;
+
 /// A vertex of a closed piece, with the first half-edge of the traversal around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Spoke {
@@ -70,6 +74,8 @@ struct Tally {
     volume: f64,
     /// Rest area [m^2].
     area: f64,
+    /// Largest coordinate at rest \[m\].
+    extent: f64,
     /// Half-edges of its triangles minus those in the fans of its vertices; 0 unless two fans share
     /// a vertex.
     untraversed: i64,
@@ -186,6 +192,8 @@ impl VolumeSet {
             let normal = area_vector(corners);
             tally.volume += normal.dot(&(corners[0] - apex)) / 6.0;
             tally.area += normal.norm() / 2.0;
+            let extents = corners.map(|corner| corner.amax());
+            tally.extent = extents.into_iter().fold(tally.extent, f64::max);
             tally.untraversed += 3;
             tally.is_open |= t.half_edges().iter().any(|&h| topology.twin(h).is_null());
         }
@@ -225,7 +233,8 @@ impl Tally {
     )]
     fn rest(&self) -> Option<(f32, f32)> {
         let ball = self.area.powf(1.5) / (6.0 * PI.sqrt());
-        let encloses = self.volume.abs() > FLAT * ball;
+        let encloses = self.volume.abs() > FLAT * ball
+            && self.volume.abs() > UNRESOLVED * self.area * self.extent;
         let rest = self.volume as f32;
         let is_closed = !self.is_open && self.untraversed == 0;
         let reach = (f64::from(REACH) * 3.0 * self.volume.abs() / self.area) as f32;

@@ -16,14 +16,14 @@
 //!
 //! An incompressible piece regains the loss of the current substep at once. Older losses, such as
 //! those of an impact or a change of pressure, are regained at rate [`RECOVERY`] at most. Gravity
-//! moves the faces of a thin piece faster. The piece regains [`LOADS`] times such a motion, which
-//! becomes velocity and carries the weight. The rest of a loss that takes several substeps moves
+//! moves the faces of a thin piece faster. The piece regains [`LOADS`] times such a motion, even if
+//! it is thinner. This becomes velocity and carries the weight. The rest of a loss that takes several substeps moves
 //! positions instead of displacements: a piece that grows or shrinks to another volume does not
 //! gain velocity from it.
 
 use super::block::difference;
 use super::particle_state::ParticleStates;
-use crate::constraints::volumes::{PieceVolume, Spoke, VolumeSet};
+use crate::constraints::volumes::{PieceVolume, REACH, Spoke, VolumeSet};
 use crate::parallel::Leader;
 use crate::parallel::passes::volume_gradients;
 use crate::step::constants::VolumeProjection;
@@ -37,6 +37,9 @@ pub(crate) const RECOVERY: f32 = 3.0;
 
 /// Maximum recovery per substep, relative to the area of a piece times `|g| h^2`.
 pub(crate) const LOADS: f32 = 4.0;
+
+/// Rest area of a piece times its reach, relative to its rest volume.
+const AREA: f32 = 3.0 * REACH;
 
 /// Leaves of a reduction tree.
 pub(crate) const CHUNK: usize = 256;
@@ -288,7 +291,7 @@ fn recovery(piece: &PieceVolume, by: VolumeProjection) -> f32 {
 /// Returns the part of it that becomes velocity [m^3].
 #[inline(always)]
 fn loaded(piece: &PieceVolume, by: VolumeProjection) -> f32 {
-    by.sink * (piece.rest.abs() / piece.reach)
+    by.sink * (AREA * (piece.rest.abs() / piece.reach))
 }
 
 /// Returns the steps against the gradients: of the displacements, by which the multiplier
@@ -331,7 +334,7 @@ fn steps(
     let wish = ((error - left) - shift) + alpha * lambda;
     let sum = by.diagonal_scale * weight + alpha;
     let under = if weight > sum { weight } else { sum };
-    let limit = piece.reach / most;
+    let limit = greater(piece.reach, by.sink) / most;
     [wish / under, shift / under].map(|wanted| {
         let wanted = if wanted > limit { limit } else { wanted };
         let wanted = if wanted < -limit { -limit } else { wanted };

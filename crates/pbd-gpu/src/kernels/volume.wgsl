@@ -4,6 +4,7 @@
 
 const SIXTH: f32 = 0.16666667;
 const THIRD: f32 = 0.33333334;
+const AREA: f32 = 0.75;
 
 struct Around {
     gradient: vec3f,
@@ -153,7 +154,7 @@ fn steps_of(sums: vec4f, rest: f32, reach: f32, body: Body, lambda: f32) -> vec2
     let error = sums.x * THIRD - goal;
     let before = sums.y * THIRD - goal;
     let steady = body.volume_recovery * size;
-    let loaded = body.volume_sink * (size / reach);
+    let loaded = body.volume_sink * (AREA * (size / reach));
     let returned = select(steady, loaded, loaded > steady);
     var left = 0.0;
     if (error > returned || error < -returned) {
@@ -173,7 +174,7 @@ fn steps_of(sums: vec4f, rest: f32, reach: f32, body: Body, lambda: f32) -> vec2
     let weight = sums.z;
     let sum = frame.diagonal_scale * weight + alpha;
     let under = select(sum, weight, weight > sum);
-    let limit = reach / sums.w;
+    let limit = select(reach, body.volume_sink, body.volume_sink > reach) / sums.w;
     var wanted = vec2f(wish / under, shift / under);
     wanted = select(wanted, vec2f(limit), wanted > vec2f(limit));
     wanted = select(wanted, vec2f(-limit), wanted < vec2f(-limit));

@@ -2,7 +2,6 @@
 //!
 //! The coefficients follow from the stiffness of a material and the length of a substep.
 
-use crate::constraints::volumes::REACH;
 use crate::error::StepError;
 use crate::kernels::bending::{FIRM, HOLD, RECOVERY};
 use crate::kernels::volume;
@@ -172,9 +171,6 @@ fn fraction_per_projection(k: f32, iterations: u32) -> f32 {
     (1.0 - (1.0 - f64::from(k)).powf(1.0 / f64::from(iterations))) as f32
 }
 
-/// Rest area of a piece times its reach, relative to its rest volume.
-const AREA: f32 = 3.0 * REACH;
-
 /// Coefficients of one projection of a volume constraint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VolumeProjection {
@@ -188,7 +184,7 @@ pub struct VolumeProjection {
     /// Maximum correction of an old error per projection, as a fraction of the rest volume;
     /// unbounded for a compressible one.
     pub recovery: f32,
-    /// Factor of rest volume over `reach` in the correction that weight requires \[m\].
+    /// Displacement by a correction that weight may require \[m\].
     pub sink: f32,
     /// As in [`Projection`].
     pub error_carryover: f32,
@@ -229,7 +225,7 @@ impl Volume {
             } else {
                 FIRM
             },
-            sink: AREA * volume::LOADS * fall,
+            sink: volume::LOADS * fall,
             accumulates_lambda: !is_rigid && iterations > 1,
             ..VolumeProjection::NONE
         }

@@ -2,7 +2,7 @@
 //!
 //! `blade.rs` creates the faces of a frame, the narrow phase finds their contacts.
 
-use super::persistent::outward_normal;
+use super::outside::outward_normal;
 use incise_mesh::geometry::to_f64;
 use incise_mesh::{Aabb, Surface, Vec3, VertexId};
 use incise_pbd_gpu::Contact;

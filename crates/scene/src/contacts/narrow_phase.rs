@@ -7,7 +7,8 @@ use super::body_rows::{BodyContact, BodyRows, ROW, Row};
 use super::broad_phase::Pieces;
 use super::edge_pairs::EdgePairs;
 use super::motion::Motion;
-use super::persistent::{PersistentContact, contact_kind, faces, outward_normal};
+use super::outside::{faces, is_outside, outward_normal, shared_by};
+use super::persistent::{PersistentContact, contact_kind};
 use super::sheets::{SideLimits, is_behind};
 use super::{ContactFrame, SPEED_MARGIN};
 use crate::body::Body;
@@ -18,6 +19,11 @@ use rayon::prelude::*;
 
 /// Minimum number of rows for threads: waking one takes about ten microseconds.
 const MIN_PARALLEL_ROWS: usize = 4;
+
+/// Maximum distance of a resting vertex from the triangle of a contact [thicknesses].
+///
+/// Others may push it within the frame, and its distance is a thickness up to rounding.
+const MARGIN: f64 = 1.5;
 
 /// Maximum depth of a contact [thicknesses].
 pub(super) const MAX_DEPTH: f64 = 2.0;
@@ -131,8 +137,7 @@ impl Search<'_> {
         MovingPoint {
             position: of.body.surface().position(v),
             displacement: of.motion.displacements[v.index()],
-            margin: of.thickness(v) + gain,
-            outward: outward_normal(of.body.surface(), v),
+            margin: MARGIN * of.thickness(v) + gain,
             excluded_piece: (!self.frame.params.self_collision).then_some(piece),
         }
     }
@@ -197,7 +202,8 @@ impl Search<'_> {
     /// Finds the nearest triangle of a body within reach of a vertex, other than those around it.
     ///
     /// The search starts at the triangle of the previous frame's contact. Sheets are touched from
-    /// both sides, the other triangles from the side of their normal.
+    /// both sides. Other triangles are touched from [outside](is_outside), by slow vertices only if
+    /// they face them.
     fn nearest(
         &self,
         of: Searched<'_>,
@@ -226,33 +232,36 @@ impl Search<'_> {
         let is_in_sheet = |t: TriangleId| shapes.get(other_surface.piece(t)).is_sheet;
         let number = surface.piece(topology.outgoing(v).triangle());
         let of_sheet = of.body.piece_shapes().get(number).is_sheet;
-        let has_two_sides = |t| {
-            let is_own = other == of.index && other_surface.piece(t) == number;
-            (of_sheet || is_in_sheet(t)) && !is_own
+        let is_own = |t| other == of.index && other_surface.piece(t) == number;
+        let has_two_sides = |t| (of_sheet || is_in_sheet(t)) && !is_own(t);
+        // A deeper vertex has passed the triangle, whose plane would hold the two together.
+        let max_depth = |t| MAX_DEPTH * of.thickness(v).min(motion.thickness(other_surface, t));
+        let outward = outward_normal(surface, v);
+        // In a crushed piece the normal of a vertex may point anywhere.
+        let is_fast = of.motion.max_displacement(v) > MARGIN * of.thickness(v);
+        let is_candidate = |t| {
+            let is_on_side = has_two_sides(t)
+                || (is_fast || faces(other_surface, outward, t))
+                    && is_outside(other_surface, t, (at, outward), max_depth(t));
+            is_on_side && !is_around(t)
         };
-        let is_faced = |t| has_two_sides(t) || faces(other_surface, point.outward, t);
-        let is_candidate = |t| is_faced(t) && !is_around(t);
-        let is_own = other == of.index;
-        let all_have_one_side = !of_sheet && !shapes.has_sheets();
         let point = MovingPoint {
-            excluded_piece: point.excluded_piece.filter(|_| is_own),
-            outward: if all_have_one_side {
-                point.outward
-            } else {
-                Vec3::zeros()
-            },
+            excluded_piece: point.excluded_piece.filter(|_| other == of.index),
             ..*point
         };
         let first = previous.map(|contact| contact.triangle);
         let (bvh, bounds) = (body.bvh(), &motion.bounds);
         let found = bvh.nearest_in_reach(other_surface, &point, bounds, first, is_candidate)?;
-        // A deeper vertex has passed the triangle, whose plane would hold the two together.
-        let of_other = motion.thickness(other_surface, found.triangle);
-        let thickness = of.thickness(v).min(of_other);
-        let max_depth = MAX_DEPTH * thickness;
+        let is_faced = |t| has_two_sides(t) || faces(other_surface, outward, t);
+        let found = shared_by(other_surface, found, is_faced);
+        let max_depth = max_depth(found.triangle);
         let is_behind = if is_in_sheet(found.triangle) {
             // The sides of a cut through a sheet start in one plane.
-            let apart = if other == of.index { thickness } else { 0.0 };
+            let apart = if other == of.index {
+                max_depth / MAX_DEPTH
+            } else {
+                0.0
+            };
             let limits = SideLimits { apart, max_depth };
             let (previous, nearest) = (previous.as_ref(), (at, &found));
             is_behind(other_surface, nearest, previous, limits)?

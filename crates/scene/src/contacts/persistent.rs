@@ -94,19 +94,8 @@ fn is_above([a, b, c]: [Vec3; 3], p: Vec3) -> bool {
 }
 
 /// Returns the normal of a triangle with the length of twice its area [m^2].
-fn area_normal(surface: &Surface, t: TriangleId) -> Vec3 {
+pub(super) fn area_normal(surface: &Surface, t: TriangleId) -> Vec3 {
     area_vector(surface.triangle_positions(t))
-}
-
-/// Returns whether a triangle faces a vertex with an outward normal.
-pub(super) fn faces(surface: &Surface, outward: Vec3, t: TriangleId) -> bool {
-    outward.dot(&area_normal(surface, t)) < 0.0
-}
-
-/// Returns the sum of the area normals of the triangles around a vertex [m^2].
-pub(super) fn outward_normal(surface: &Surface, v: VertexId) -> Vec3 {
-    let fan = surface.topology().outgoing_fan(v);
-    fan.map(|h| area_normal(surface, h.triangle())).sum()
 }
 
 /// Returns what a vertex at `at` keeps its distance from: the plane or the nearest point.

@@ -1,0 +1,63 @@
+//! Sides of triangles on which a vertex may touch them.
+//!
+//! The side of a fast vertex follows from positions alone: in a crushed piece its outward normal may
+//! point anywhere. That of a slow one must also face the triangle.
+
+use super::persistent::area_normal;
+use incise_mesh::{NearestPoint, Surface, TriangleId, Vec3, VertexId};
+
+/// Returns the sum of the area normals of the triangles around a vertex [m^2].
+pub(super) fn outward_normal(surface: &Surface, v: VertexId) -> Vec3 {
+    let fan = surface.topology().outgoing_fan(v);
+    fan.map(|h| area_normal(surface, h.triangle())).sum()
+}
+
+/// Returns whether a triangle faces a vertex with an outward normal.
+pub(super) fn faces(surface: &Surface, outward: Vec3, t: TriangleId) -> bool {
+    outward.dot(&area_normal(surface, t)) < 0.0
+}
+
+/// Returns whether a vertex is in front of a triangle, or slightly behind it and faced by it.
+///
+/// It counts as slightly behind up to a depth of `max_depth` \[m\].
+pub(super) fn is_outside(
+    surface: &Surface,
+    t: TriangleId,
+    (at, outward): (Vec3, Vec3),
+    max_depth: f64,
+) -> bool {
+    let [a, ..] = surface.triangle_positions(t);
+    let normal = area_normal(surface, t);
+    let height = normal.dot(&(at - a));
+    height > 0.0
+        || outward.dot(&normal) < 0.0 && height.powi(2) <= max_depth.powi(2) * normal.norm_squared()
+}
+
+/// Returns a nearest point on an edge or corner as one of a triangle there that `counts`, if any.
+///
+/// Beside the rim of a cap, only the cap carries a vertex above it; the skin would let it pass.
+pub(super) fn shared_by(
+    surface: &Surface,
+    mut found: NearestPoint,
+    counts: impl Fn(TriangleId) -> bool,
+) -> NearestPoint {
+    let topology = surface.topology();
+    let corners = topology.triangle(found.triangle);
+    let used = found.weights.iter().filter(|&&w| w > 0.0).count();
+    let first = found.weights.iter().position(|&w| w > 0.0);
+    let Some(first) = first.filter(|_| used < 3 && !counts(found.triangle)) else {
+        return found;
+    };
+    for h in topology.outgoing_fan(corners[first]) {
+        let weights = topology.triangle(h.triangle()).map(|v| {
+            let corner = corners.iter().position(|&c| c == v);
+            corner.map_or(0.0, |k| found.weights[k])
+        });
+        let has_point = weights.iter().filter(|&&w| w > 0.0).count() == used;
+        if has_point && counts(h.triangle()) {
+            (found.triangle, found.weights) = (h.triangle(), weights);
+            break;
+        }
+    }
+    found
+}
