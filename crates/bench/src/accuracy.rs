@@ -230,6 +230,7 @@ impl Setup<'_> {
                             if let Ok(exact) = &exact {
                                 measure.errors(states, &exact.states).store_total(&mut row);
                                 row.uncertainty = Some(exact.uncertainty);
+                                row.floor_position = convergence.floor(exact, substeps);
                             }
                         }
                         Err(error) => row.refusal = Some(error.to_string()),

@@ -3,7 +3,7 @@
 use crate::chart::{Chart, Stack};
 use crate::output::{OutputError, OutputFile};
 use crate::picture::PictureFile;
-use crate::work_precision::{Row, series};
+use crate::work_precision::{Row, floors, series};
 use plotters::chart::SeriesLabelPosition;
 use std::error::Error;
 use std::path::Path;
@@ -54,8 +54,12 @@ impl PlotFiles {
             log_x: true,
             legend: SeriesLabelPosition::LowerLeft,
             series: series(rows(), error, true),
+            levels: Vec::new(),
         };
-        let total = chart(|row| row.total_position, "total error [mean edges]");
+        let total = Chart {
+            levels: floors(rows()),
+            ..chart(|row| row.total_position, "total error [mean edges]")
+        };
         let solver = chart(|row| row.solver_position, "solver error [mean edges]");
         Ok(self.picture.draw(SIZE, &Stack(&[total, solver]))?)
     }
