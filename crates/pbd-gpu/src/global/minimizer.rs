@@ -64,13 +64,14 @@ pub(super) struct Minimizer {
 impl Minimizer {
     /// Starts a substep whose prediction falls freely by `fall` \[m\].
     ///
-    /// Iterations start from the prediction with or without that fall, whichever has the lower
-    /// value: a free body falls, one that hangs from pins does not.
+    /// Iterations start from the prediction with or without the fall of held pieces, whichever has
+    /// the lower value: a free piece falls, one that hangs from pins does not. `held` marks the
+    /// vertices of pieces with a pin, shape [vertex slots].
     pub(super) fn begin(
         &mut self,
         particles: ParticleStates<'_>,
         objective: &Objective<'_>,
-        fall: [f64; 3],
+        (fall, held): ([f64; 3], &[bool]),
     ) {
         self.start.clear();
         self.masses.clear();
@@ -91,15 +92,13 @@ impl Minimizer {
             .extend_from_slice(&self.predicted);
         self.evaluate_current(objective);
         let fall = Vec3::from(fall);
-        if fall == Vec3::zeros() {
+        if fall == Vec3::zeros() || !held.contains(&true) {
             return;
         }
-        let masses = self.masses.iter();
-        let resting = self.predicted.iter().zip(masses).map(
-            |(d, &mass)| {
-                if mass > 0.0 { d - fall } else { *d }
-            },
-        );
+        let falls = self.masses.iter().zip(held);
+        let falls = falls.map(|(&mass, &is_held)| mass > 0.0 && is_held);
+        let resting = self.predicted.iter().zip(falls);
+        let resting = resting.map(|(d, falls)| if falls { d - fall } else { *d });
         self.other.displacements.clear();
         self.other.displacements.extend(resting);
         self.evaluate_other(objective);
