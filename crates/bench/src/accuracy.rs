@@ -17,6 +17,7 @@ mod device {
 mod convergence;
 mod error;
 mod plot;
+mod ranks;
 mod run;
 mod scene;
 mod scenes;
@@ -40,6 +41,7 @@ use incise_mesh::TriangleId;
 use incise_pbd_gpu::SolverParams;
 use incise_progress::Progress;
 use plot::PlotFiles;
+use ranks::RanksFile;
 use run::Run;
 use scene::{Body, DT, Scene, Scheme};
 use std::error::Error;
@@ -76,7 +78,7 @@ pub(crate) struct AccuracyArguments {
         conflicts_with_all = ["only", "backend", "adapter", "most", "most_iterations", "plot"]
     )]
     cuts: bool,
-    /// Also draw every scene as SVG and PNG, with its rows as CSV.
+    /// Also draw every scene as SVG and PNG, with its rows as CSV, and write `ranks.csv`.
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
 }
@@ -107,8 +109,10 @@ pub(crate) fn run(
         |name: &&str| arguments.only.is_empty() || arguments.only.iter().any(|n| n == name);
     let names = || scenes::NAMES.into_iter().filter(wanted);
     let mut plots = Vec::new();
+    let mut ranks_file = None;
     if let Some(folder) = &arguments.plot {
         output::folder(folder)?;
+        ranks_file = Some(RanksFile::open(folder)?);
         // One picture per backend; with several, the backend ends the name.
         let backends = arguments.run.backends();
         for name in names() {
@@ -162,7 +166,10 @@ pub(crate) fn run(
     }
     progress.end();
     table::summary(out, &rows)?;
+    let ranks = ranks::ranks(&rows);
+    ranks::print(out, &ranks)?;
     drawn?;
+    ranks_file.map_or(Ok(()), |mut file| file.write(&ranks))?;
     Ok(written?)
 }
 

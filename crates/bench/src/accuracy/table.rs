@@ -98,7 +98,7 @@ pub(super) fn scene(out: &mut impl Write, rows: &[Row]) -> io::Result<()> {
 }
 
 /// Returns the backends of rows.
-fn backends(rows: &[Row]) -> Vec<&str> {
+pub(super) fn backends(rows: &[Row]) -> Vec<&str> {
     let mut names: Vec<&str> = rows.iter().map(|row| row.backend.as_str()).collect();
     names.sort_unstable();
     names.dedup();
