@@ -13,8 +13,11 @@ const PAIRS: usize = 5;
 /// Minimum decrease relative to the predicted one (Armijo).
 const DECREASE: f64 = 1e-4;
 
-/// Maximum number of halvings of a step; after that the substep stays where it is.
-const MAX_HALVINGS: u32 = 10;
+/// Maximum number of reductions of a step; after that the substep stays where it is.
+const MAX_REDUCTIONS: u32 = 10;
+
+/// Range of a reduced step relative to the one before.
+const REDUCTION: [f64; 2] = [0.01, 0.5];
 
 /// Minimum cosine between a step and its change of the gradient for the pair to be kept.
 const MIN_COSINE: f64 = 1e-6;
@@ -59,6 +62,8 @@ pub(super) struct Minimizer {
     pair_count: usize,
     /// Whether the last iteration has moved from `other` to `current`.
     has_step: bool,
+    /// Whether the matrix alone gives no step from `current`, so that another iteration would not.
+    is_stuck: bool,
 }
 
 impl Minimizer {
@@ -84,7 +89,7 @@ impl Minimizer {
                 .push(if w > 0.0 { 1.0 / f64::from(w) } else { 0.0 });
             self.predicted.push(to_f64([dx, dy, dz]));
         }
-        (self.pair_count, self.has_step) = (0, false);
+        (self.pair_count, self.has_step, self.is_stuck) = (0, false, false);
         self.mark_unobstructed(particles);
         self.current.displacements.clear();
         self.current
@@ -117,6 +122,10 @@ impl Minimizer {
     ) {
         if self.load(particles) {
             self.evaluate_current(objective);
+            self.is_stuck = false;
+        }
+        if self.is_stuck {
+            return;
         }
         if self.has_step {
             self.add_pair();
@@ -128,10 +137,11 @@ impl Minimizer {
             slope = self.find_direction(volumes, preconditioner);
         }
         if slope >= 0.0 {
+            self.is_stuck = true;
             return;
         }
         let mut share = 1.0;
-        for _ in 0..=MAX_HALVINGS {
+        for _ in 0..=MAX_REDUCTIONS {
             let Self {
                 current,
                 other,
@@ -151,8 +161,17 @@ impl Minimizer {
                 self.store(particles);
                 return;
             }
-            share *= 0.5;
+            // Where a parabola through both values, with this slope, has its minimum.
+            let excess = self.other.value - self.current.value - share * slope;
+            let [least, most] = REDUCTION.map(|by| by * share);
+            let lowest = -0.5 * slope * share * share / excess;
+            share = if lowest.is_finite() {
+                lowest.clamp(least, most)
+            } else {
+                most
+            };
         }
+        self.is_stuck = self.pair_count == 0;
         self.pair_count = 0;
     }
 
