@@ -1,5 +1,6 @@
 //! `incise-bench accuracy`: time per frame against error, scene by scene (work-precision fronts).
 
+mod after_cut;
 mod cuts;
 #[cfg(feature = "gpu")]
 mod device;
@@ -78,6 +79,12 @@ pub(crate) struct AccuracyArguments {
         conflicts_with_all = ["only", "backend", "adapter", "most", "most_iterations", "plot"]
     )]
     cuts: bool,
+    /// Measure the first frames after a cut instead, against converged steps.
+    #[arg(
+        long,
+        conflicts_with_all = ["cuts", "only", "backend", "adapter", "most", "most_iterations"]
+    )]
+    after_cut: bool,
     /// Also draw every scene as SVG and PNG, with its rows as CSV, and write `ranks.csv`.
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
@@ -108,6 +115,18 @@ pub(crate) fn run(
     let wanted =
         |name: &&str| arguments.only.is_empty() || arguments.only.iter().any(|n| n == name);
     let names = || scenes::NAMES.into_iter().filter(wanted);
+    let (machine, commit) = (machine::machine(), machine::commit());
+    if arguments.after_cut || arguments.cuts {
+        writeln!(out, "{machine}, commit {commit}")?;
+    }
+    if arguments.after_cut {
+        let rows = after_cut::run((&machine, &commit), arguments.plot.as_deref(), out)?;
+        return Ok(json.write(&rows)?);
+    }
+    if arguments.cuts {
+        let rows = cuts::run(&machine, &commit, out)?;
+        return Ok(json.write(&rows)?);
+    }
     let mut plots = Vec::new();
     let mut ranks_file = None;
     if let Some(folder) = &arguments.plot {
@@ -132,15 +151,11 @@ pub(crate) fn run(
     };
     let mut setup = Setup {
         arguments,
-        machine: machine::machine(),
-        commit: machine::commit(),
+        machine,
+        commit,
         device,
     };
     writeln!(out, "{}, commit {}", setup.machine, setup.commit)?;
-    if arguments.cuts {
-        let rows = cuts::run(&setup.machine, &setup.commit, out)?;
-        return Ok(json.write(&rows)?);
-    }
     writeln!(out, "Errors are of positions, over the mean rest length.")?;
     if let Some(device) = &setup.device {
         writeln!(out, "gpu: {}", device.name())?;
