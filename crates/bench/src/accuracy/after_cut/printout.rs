@@ -13,7 +13,7 @@ const LEGEND: &str = "\
 step: error of the frame, to a converged step from the state before it. fresh: the same with a \
 factor made in this frame. drift: error to converged steps since the cut. age: frames since the \
 constraints of the factor in use were copied. Errors are root mean squares over vertices, over the \
-mean rest length. The time of frame 1 includes the update of the solver after the cut.";
+mean rest length. ms: shortest of several runs; that of frame 1 includes the update of the solver after the cut.";
 
 /// Columns of the table.
 const COLUMNS: &[Column<FrameRow>] = &[
