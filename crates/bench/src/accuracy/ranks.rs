@@ -19,8 +19,11 @@ iterations. all: the best of all schemes but pbd; sweeps: without the global ste
 substep. default: time and error of the default parameters, and their error over the smallest one \
 in the same time.";
 
-/// Which rows of a scene a rank compares.
-const SOLVERS: [(&str, fn(&Row) -> bool); 3] = [
+/// A set of solvers: its name and its rows.
+type Solvers = (&'static str, fn(&Row) -> bool);
+
+/// The rows of a scene that ranks compare.
+const SOLVERS: [Solvers; 3] = [
     ("all", |row| row.scheme != "pbd"),
     ("sweeps", |row| {
         row.scheme != "pbd" && !row.scheme.starts_with("global")
