@@ -1,5 +1,6 @@
 //! `incise-bench accuracy`: time per frame against error, scene by scene (work-precision fronts).
 
+mod after_cut;
 mod cuts;
 #[cfg(feature = "gpu")]
 mod device;
@@ -17,6 +18,7 @@ mod device {
 mod convergence;
 mod error;
 mod plot;
+mod ranks;
 mod run;
 mod scene;
 mod scenes;
@@ -40,6 +42,7 @@ use incise_mesh::TriangleId;
 use incise_pbd_gpu::SolverParams;
 use incise_progress::Progress;
 use plot::PlotFiles;
+use ranks::RanksFile;
 use run::Run;
 use scene::{Body, DT, Scene, Scheme};
 use std::error::Error;
@@ -76,7 +79,13 @@ pub(crate) struct AccuracyArguments {
         conflicts_with_all = ["only", "backend", "adapter", "most", "most_iterations", "plot"]
     )]
     cuts: bool,
-    /// Also draw every scene as SVG and PNG, with its rows as CSV.
+    /// Measure the first frames after a cut instead, against converged steps.
+    #[arg(
+        long,
+        conflicts_with_all = ["cuts", "only", "backend", "adapter", "most", "most_iterations"]
+    )]
+    after_cut: bool,
+    /// Also draw every scene as SVG and PNG, with its rows as CSV, and write `ranks.csv`.
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
 }
@@ -106,9 +115,23 @@ pub(crate) fn run(
     let wanted =
         |name: &&str| arguments.only.is_empty() || arguments.only.iter().any(|n| n == name);
     let names = || scenes::NAMES.into_iter().filter(wanted);
+    let (machine, commit) = (machine::machine(), machine::commit());
+    if arguments.after_cut || arguments.cuts {
+        writeln!(out, "{machine}, commit {commit}")?;
+    }
+    if arguments.after_cut {
+        let rows = after_cut::run((&machine, &commit), arguments.plot.as_deref(), out)?;
+        return Ok(json.write(&rows)?);
+    }
+    if arguments.cuts {
+        let rows = cuts::run(&machine, &commit, out)?;
+        return Ok(json.write(&rows)?);
+    }
     let mut plots = Vec::new();
+    let mut ranks_file = None;
     if let Some(folder) = &arguments.plot {
         output::folder(folder)?;
+        ranks_file = Some(RanksFile::open(folder)?);
         // One picture per backend; with several, the backend ends the name.
         let backends = arguments.run.backends();
         for name in names() {
@@ -128,15 +151,11 @@ pub(crate) fn run(
     };
     let mut setup = Setup {
         arguments,
-        machine: machine::machine(),
-        commit: machine::commit(),
+        machine,
+        commit,
         device,
     };
     writeln!(out, "{}, commit {}", setup.machine, setup.commit)?;
-    if arguments.cuts {
-        let rows = cuts::run(&setup.machine, &setup.commit, out)?;
-        return Ok(json.write(&rows)?);
-    }
     writeln!(out, "Errors are of positions, over the mean rest length.")?;
     if let Some(device) = &setup.device {
         writeln!(out, "gpu: {}", device.name())?;
@@ -162,7 +181,10 @@ pub(crate) fn run(
     }
     progress.end();
     table::summary(out, &rows)?;
+    let ranks = ranks::ranks(&rows);
+    ranks::print(out, &ranks)?;
     drawn?;
+    ranks_file.map_or(Ok(()), |mut file| file.write(&ranks))?;
     Ok(written?)
 }
 
@@ -230,6 +252,7 @@ impl Setup<'_> {
                             if let Ok(exact) = &exact {
                                 measure.errors(states, &exact.states).store_total(&mut row);
                                 row.uncertainty = Some(exact.uncertainty);
+                                row.floor_position = convergence.floor(exact, substeps);
                             }
                         }
                         Err(error) => row.refusal = Some(error.to_string()),

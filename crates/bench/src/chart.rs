@@ -25,6 +25,9 @@ const COLORS: [RGBColor; 8] = [
     RGBColor(190, 80, 140),
 ];
 
+/// Color of levels.
+const LEVEL: RGBColor = RGBColor(110, 110, 110);
+
 /// Top of the y axis relative to the largest value, where the legend is above all lines.
 const HEADROOM: f64 = 12.0;
 
@@ -52,6 +55,13 @@ impl Series {
     }
 }
 
+/// A horizontal line over the whole chart, with a text at its right end.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Level {
+    pub(crate) y: f64,
+    pub(crate) label: String,
+}
+
 /// A chart with a logarithmic y axis.
 #[derive(Debug)]
 pub(crate) struct Chart<'a> {
@@ -62,6 +72,8 @@ pub(crate) struct Chart<'a> {
     pub(crate) log_x: bool,
     pub(crate) legend: SeriesLabelPosition,
     pub(crate) series: Vec<Series>,
+    /// Levels that series are compared with.
+    pub(crate) levels: Vec<Level>,
 }
 
 impl Image for Chart<'_> {
@@ -71,12 +83,12 @@ impl Image for Chart<'_> {
     {
         let x = self.range(0).unwrap_or(0.1..1.0);
         if self.log_x {
-            self.draw_over(area, (x.start / 1.5..x.end * 1.5).log_scale(), &|x| {
-                log_label(*x)
-            })
+            let x = x.start / 1.5..x.end * 1.5;
+            self.draw_over(area, x.clone().log_scale(), x, &|x| log_label(*x))
         } else {
             let margin = 0.03 * (x.end - x.start).max(1.0);
-            self.draw_over(area, x.start - margin..x.end + margin, &|x| label(*x))
+            let x = x.start - margin..x.end + margin;
+            self.draw_over(area, x.clone(), x, &|x| label(*x))
         }
     }
 }
@@ -95,8 +107,11 @@ impl Chart<'_> {
     fn range(&self, axis: usize) -> Option<Range<f64>> {
         let mut range: Option<Range<f64>> = None;
         let all = self.series.iter().flat_map(|s| [&s.points, &s.line]);
-        for (x, y) in all.flat_map(|points| self.drawn(points)) {
-            let value = [x, y][axis];
+        let values = all.flat_map(|points| self.drawn(points));
+        let values = values.map(|(x, y)| [x, y][axis]);
+        let levels = self.levels.iter().map(|level| level.y);
+        let levels = levels.filter(|y| axis == 1 && y.is_finite() && *y > 0.0);
+        for value in values.chain(levels) {
             let known = range.unwrap_or(value..value);
             range = Some(known.start.min(value)..known.end.max(value));
         }
@@ -107,6 +122,7 @@ impl Chart<'_> {
         &self,
         area: &DrawingArea<B, Shift>,
         x: X,
+        ends: Range<f64>,
         x_label: &dyn Fn(&f64) -> String,
     ) -> Result<(), Fault<B>>
     where
@@ -151,6 +167,13 @@ impl Chart<'_> {
                     + Circle::new((0, 0), 3, color.filled())
                     + Text::new(label.clone(), (5, -4), (FONT, 11).into_font())
             }))?;
+        }
+        for level in self.levels.iter().filter(|level| level.y > 0.0) {
+            let line = [(ends.start, level.y), (ends.end, level.y)];
+            chart.draw_series(LineSeries::new(line, LEVEL.stroke_width(1)))?;
+            let text = Text::new(level.label.clone(), (-110, -13), (FONT, 11).into_font());
+            let label = EmptyElement::at((ends.end, level.y)) + text;
+            chart.draw_series([label])?;
         }
         chart
             .configure_series_labels()
@@ -217,6 +240,10 @@ mod tests {
                 series("<b>&", vec![[1.0, 2.0], [10.0, 0.5], [f64::NAN, 1.0]]),
                 Series::line("none".to_owned(), vec![[0.0, 3.0], [5.0, -1.0]]),
             ],
+            levels: vec![Level {
+                y: 1e-6,
+                label: "below all <points>".to_owned(),
+            }],
         };
         let size = (900, 480);
         let [log, linear] = [true, false].map(|log_x| picture::svg(size, &chart(log_x)).unwrap());
@@ -229,6 +256,8 @@ mod tests {
         for svg in [log, linear] {
             assert!(!svg.contains("<b>") && !svg.contains("<x>"), "{svg}");
             assert!(svg.contains("&lt;b&gt;&amp;"), "{svg}");
+            assert!(svg.contains("below all &lt;points&gt;"), "{svg}");
+            assert!(svg.contains("1e-6"), "the axis reaches the level: {svg}");
         }
         let nothing = Chart {
             series: Vec::new(),

@@ -52,8 +52,11 @@ fn options_of_every_bench_are_parsed() {
 fn accuracy_knows_its_scenes() {
     assert!(parse("b accuracy --only chain,cut --backend cpu,gpu --most 8 --plot y").is_ok());
     assert!(parse("b accuracy --cuts --json x").is_ok());
+    assert!(parse("b accuracy --after-cut --json x --plot y").is_ok());
     for bad in [
         "b accuracy --cuts --only chain",
+        "b accuracy --after-cut --cuts",
+        "b accuracy --after-cut --only chain",
         "b accuracy --cuts --backend cpu",
         "b accuracy --only chains",
         "b accuracy --most 65",

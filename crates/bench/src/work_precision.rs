@@ -1,6 +1,6 @@
 //! Rows of `accuracy` and their work-precision Pareto fronts: time of a frame against error.
 
-use crate::chart::Series;
+use crate::chart::{Level, Series};
 use serde::{Deserialize, Serialize};
 
 /// Time of a frame \[ms\] and error.
@@ -50,6 +50,9 @@ pub(crate) struct Row {
     pub(crate) total_sag: Option<f64>,
     /// Estimated error of the limit; total errors below ten times of it are uncertain.
     pub(crate) uncertainty: Option<f64>,
+    /// Position error to the limit of a converged second-order step of the same size: no solver of
+    /// such steps can have a smaller one but by chance.
+    pub(crate) floor_position: Option<f64>,
     /// The error of the run, if it failed.
     pub(crate) refusal: Option<String>,
     pub(crate) device: String,
@@ -151,6 +154,23 @@ pub(crate) fn series<'a>(
     all.filter(|series| !series.points.is_empty()).collect()
 }
 
+/// Numbers of substeps whose floors are drawn.
+pub(crate) const FLOOR_SUBSTEPS: [u32; 4] = [1, 2, 4, 8];
+
+/// Returns the errors of converged second-order steps at every number of [`FLOOR_SUBSTEPS`].
+pub(crate) fn floors<'a>(rows: impl Iterator<Item = &'a Row> + Clone) -> Vec<Level> {
+    let floor = |substeps: u32| {
+        let row = rows.clone().find(|row| row.substeps == substeps)?;
+        let label = match substeps {
+            1 => "converged, 1 step".to_owned(),
+            n => format!("converged, {n} steps"),
+        };
+        let y = row.floor_position?;
+        Some(Level { y, label })
+    };
+    FLOOR_SUBSTEPS.into_iter().filter_map(floor).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -174,6 +194,26 @@ mod tests {
         let other = [[2.0, 1.0], [5.0, 0.2]];
         assert_eq!(least_gain(&front, &other), Some(4.0), "20, 4, 4 and 4");
         assert_eq!(least_gain(&front, &[[20.0, 0.1]]), None);
+    }
+
+    #[test]
+    fn floors_are_those_of_their_substeps() {
+        let row = |substeps, floor_position| Row {
+            substeps,
+            floor_position,
+            ..Row::default()
+        };
+        let rows = [
+            row(2, Some(0.5)),
+            row(2, Some(0.5)),
+            row(1, Some(0.7)),
+            row(4, None),
+            row(16, Some(0.1)),
+        ];
+        let found = floors(rows.iter()).into_iter();
+        let found: Vec<(f64, String)> = found.map(|level| (level.y, level.label)).collect();
+        let expected = [(0.7, "converged, 1 step"), (0.5, "converged, 2 steps")];
+        assert_eq!(found, expected.map(|(y, label)| (y, label.to_owned())));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use incise_bench::{Model, State, Stepper};
 use incise_cut::{CutParams, Cutter, Sweep};
-use incise_mesh::{Surface, icosphere, torus};
+use incise_mesh::{Surface, TriangleId, icosphere, torus};
 use incise_pbd_gpu::{Material, Scheme, Solver, SolverParams, Stiffness};
 
 const DT: f32 = 1.0 / 60.0;
@@ -89,4 +89,47 @@ fn the_accuracy_returns_after_a_cut() {
         "{errors:?} with the new factor"
     );
     assert!(before < 0.02, "{before} before the cut");
+}
+
+/// A piece without pins starts to fall in the frame of the cut, while the factor still ties it to
+/// the held one.
+#[test]
+fn a_piece_that_is_cut_off_falls_at_once() {
+    let (mut surface, mut solver) = hung(icosphere(3, 0.5));
+    for _ in 0..10 {
+        solver.step(&mut surface, DT, &params(12)).unwrap();
+    }
+    let sweep = Sweep::from_plane([0.1, 1.0, 0.2], 0.0, &surface.bounds()).unwrap();
+    let mut cutter = Cutter::new(&surface);
+    let cut = cutter
+        .cut(&mut surface, &sweep, &CutParams::default())
+        .unwrap();
+    solver.apply_delta(&mut surface, &cut.delta).unwrap();
+    let topology = surface.topology();
+    let height = |t: TriangleId| surface.triangle_positions(t)[0].y;
+    let lowest = topology
+        .triangles()
+        .min_by(|&a, &b| height(a).total_cmp(&height(b)));
+    let free = surface.piece(lowest.unwrap());
+    let mut is_free = vec![false; surface.positions().len()];
+    for t in topology.triangles().filter(|&t| surface.piece(t) == free) {
+        for v in topology.triangle(t) {
+            is_free[v.index()] = true;
+        }
+    }
+    assert!(solver.pins().iter().all(|pin| !is_free[pin.vertex.index()]));
+    let momentum = |solver: &Solver| {
+        let mut sums = (0.0, 0.0);
+        for (v, _) in is_free.iter().enumerate().filter(|(_, is_free)| **is_free) {
+            let mass = f64::from(solver.masses()[v]);
+            sums.0 += mass;
+            sums.1 += mass * f64::from(solver.velocities()[v][1]);
+        }
+        sums
+    };
+    let (mass, before) = momentum(&solver);
+    solver.step(&mut surface, DT, &params(12)).unwrap();
+    let (_, after) = momentum(&solver);
+    let share = (after - before) / (-9.81 * f64::from(DT) * mass);
+    assert!((share - 1.0).abs() < 0.25, "{share} of the weight acts");
 }

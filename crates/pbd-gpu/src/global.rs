@@ -20,6 +20,7 @@
 //! instruction set, because `faer` uses fused multiply-add where the CPU has it.
 
 mod choice;
+mod held;
 mod job;
 mod matrix;
 mod minimizer;
@@ -39,6 +40,7 @@ use crate::particles::Particles;
 use crate::step::constants::StepConstants;
 use crate::step::params::{Scheme, SolverParams};
 pub(crate) use choice::Extent;
+use held::HeldPieces;
 use incise_mesh::{Surface, TopologyDelta, VertexId};
 use minimizer::Minimizer;
 use objective::{Compliances, Objective};
@@ -67,6 +69,7 @@ pub struct GlobalStats {
 pub(crate) struct GlobalStep {
     preconditioner: Preconditioner,
     minimizer: Minimizer,
+    held: HeldPieces,
 }
 
 /// The constraints with an energy, as the objective reads them.
@@ -112,6 +115,7 @@ impl GlobalStep {
         params: &SolverParams,
     ) {
         let compliances = Compliances::new(constants);
+        self.held.update(particles, surface);
         self.preconditioner.prepare(
             (particles, &sets(constraints), surface),
             compliances,
@@ -121,6 +125,7 @@ impl GlobalStep {
 
     /// Removes the vertices that an edit created or deleted from the factor.
     pub(crate) fn follow_edit(&mut self, delta: &TopologyDelta) {
+        self.held.forget();
         let added = delta.vertices_added.iter().map(|added| added.vertex);
         let removed = delta.vertices_removed.iter().copied();
         self.preconditioner
@@ -137,7 +142,8 @@ impl GlobalStep {
         let objective = Objective::new(sets, Compliances::new(constants));
         let kept = constants.velocity_factor * constants.h;
         let fall = constants.gravity_step.map(|g| f64::from(g * kept));
-        self.minimizer.begin(particles, &objective, fall);
+        let held = self.held.vertices();
+        self.minimizer.begin(particles, &objective, (fall, held));
     }
 
     /// Holds the vertices that contacts and the ground have moved, before volumes are projected.
@@ -173,7 +179,7 @@ impl GlobalStep {
     /// Returns memory and cost.
     pub(crate) fn stats(&self) -> GlobalStats {
         GlobalStats {
-            bytes: self.preconditioner.bytes() + self.minimizer.bytes(),
+            bytes: self.preconditioner.bytes() + self.minimizer.bytes() + self.held.bytes(),
             ..self.preconditioner.stats()
         }
     }

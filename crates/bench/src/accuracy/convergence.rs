@@ -2,6 +2,7 @@
 
 use super::error::distance;
 use super::scene::{Body, DT, Scene, Scheme};
+use crate::work_precision::FLOOR_SUBSTEPS;
 use incise_bench::{Model, ReferenceError, State, Stepper};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -18,9 +19,9 @@ pub(super) struct Convergence {
     pub(super) model: Model,
     /// Implicit Euler, the solver's integrator.
     euler: Vec<Level>,
-    /// Second-order backward differentiation (BDF2).
-    fine: Vec<Level>,
-    /// Steps a frame of `fine`.
+    /// Second-order backward differentiation (BDF2): the fine motions, and those of the floors.
+    second: Vec<Level>,
+    /// Steps a frame of the fine motions.
     steps: [u32; 3],
     /// Time of all motions together \[s\].
     pub(super) seconds: f64,
@@ -41,7 +42,8 @@ enum Formula {
 }
 
 impl Convergence {
-    /// Computes the motions of a scene with the given steps a frame, and the fine ones.
+    /// Computes the motions of a scene with the given steps a frame, the fine ones and those of
+    /// the floors.
     pub(super) fn compute(
         scene: &Scene,
         body: &Body,
@@ -50,12 +52,15 @@ impl Convergence {
         let begin = Instant::now();
         let model = Model::of(&body.solver, &body.surface, &scene.params(1, 1))?;
         let start = State::of(&body.solver, &body.surface);
-        let fine = scene.fine.map(|n| (Formula::Bdf2, n));
+        let floors = FLOOR_SUBSTEPS.into_iter();
+        let floors = floors.filter(|n| !scene.fine.contains(n));
+        let second = scene.fine.into_iter().chain(floors);
+        let second = second.map(|n| (Formula::Bdf2, n));
         let near = substeps
             .iter()
             .filter(|&&n| n <= scene.max_reference_substeps);
         let euler = near.map(|&n| (Formula::ImplicitEuler, n));
-        let mut tasks: Vec<(Formula, u32)> = fine.into_iter().chain(euler).collect();
+        let mut tasks: Vec<(Formula, u32)> = second.chain(euler).collect();
         // Longest first, for balance.
         tasks.sort_by_key(|task| std::cmp::Reverse(task.1));
         let done = tasks.into_par_iter().map(|(formula, n)| {
@@ -63,12 +68,12 @@ impl Convergence {
             (formula, (n, moved))
         });
         let done: Vec<(Formula, Level)> = done.collect();
-        let (fine, euler): (Vec<_>, Vec<_>) =
+        let (second, euler): (Vec<_>, Vec<_>) =
             done.into_iter().partition(|task| task.0 == Formula::Bdf2);
         let levels = |tasks: Vec<(Formula, Level)>| tasks.into_iter().map(|task| task.1).collect();
         Ok(Self {
             euler: levels(euler),
-            fine: levels(fine),
+            second: levels(second),
             steps: scene.fine,
             model,
             seconds: begin.elapsed().as_secs_f64(),
@@ -78,7 +83,7 @@ impl Convergence {
     /// Returns the converged motion with a scheme's integrator; none if it was not computed.
     pub(super) fn known(&self, scheme: Scheme, substeps: u32) -> Option<&[State]> {
         let levels = match scheme {
-            Scheme::Second | Scheme::GlobalSecond => &self.fine,
+            Scheme::Second | Scheme::GlobalSecond => &self.second,
             _ => &self.euler,
         };
         let states = level(levels, substeps).ok()?;
@@ -87,7 +92,7 @@ impl Convergence {
 
     /// Returns the Richardson extrapolation of the two finest motions.
     pub(super) fn exact(&self) -> Result<Exact, ReferenceError> {
-        let [coarse, middle, fine] = self.steps.map(|n| level(&self.fine, n));
+        let [coarse, middle, fine] = self.steps.map(|n| level(&self.second, n));
         let (coarse, middle, fine) = (coarse?, middle?, fine?);
         let before = extrapolate(coarse, middle);
         let states = extrapolate(middle, fine);
@@ -97,6 +102,12 @@ impl Convergence {
             states,
             uncertainty,
         })
+    }
+
+    /// Returns the error of converged second-order steps; none if they were not computed.
+    pub(super) fn floor(&self, exact: &Exact, substeps: u32) -> Option<f64> {
+        let states = self.known(Scheme::Second, substeps)?;
+        Some(distance(&self.model, states, &exact.states))
     }
 }
 

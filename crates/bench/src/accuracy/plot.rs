@@ -3,8 +3,9 @@
 use crate::chart::{Chart, Stack};
 use crate::output::{OutputError, OutputFile};
 use crate::picture::PictureFile;
-use crate::work_precision::{Row, series};
+use crate::work_precision::{Row, floors, series};
 use plotters::chart::SeriesLabelPosition;
+use serde::Serialize;
 use std::error::Error;
 use std::path::Path;
 
@@ -41,22 +42,39 @@ impl PlotFiles {
     /// # Errors
     /// An error of a file, of the CSV writer or of the plot.
     pub(super) fn draw(&mut self, name: &str, rows: &[Row]) -> Result<(), Box<dyn Error>> {
-        let rows = || rows.iter().filter(|row| row.backend == self.backend);
-        let mut csv = csv::Writer::from_writer(Vec::new());
-        for row in rows() {
-            csv.serialize(row)?;
-        }
-        self.csv.write(csv.into_inner()?)?;
+        let backend = self.backend;
+        let rows = || rows.iter().filter(|row| row.backend == backend);
         let chart = |error: fn(&Row) -> Option<f64>, y: &'static str| Chart {
-            title: format!("{name}, {}", self.backend),
+            title: format!("{name}, {backend}"),
             x: "ms per frame",
             y,
             log_x: true,
             legend: SeriesLabelPosition::LowerLeft,
             series: series(rows(), error, true),
+            levels: Vec::new(),
         };
-        let total = chart(|row| row.total_position, "total error [mean edges]");
+        let total = Chart {
+            levels: floors(rows()),
+            ..chart(|row| row.total_position, "total error [mean edges]")
+        };
         let solver = chart(|row| row.solver_position, "solver error [mean edges]");
-        Ok(self.picture.draw(SIZE, &Stack(&[total, solver]))?)
+        self.write(rows(), &[total, solver])
+    }
+
+    /// Writes rows as CSV, and charts one below the other.
+    ///
+    /// # Errors
+    /// As [`Self::draw`].
+    pub(super) fn write<R: Serialize>(
+        &mut self,
+        rows: impl IntoIterator<Item = R>,
+        charts: &[Chart<'_>],
+    ) -> Result<(), Box<dyn Error>> {
+        let mut csv = csv::Writer::from_writer(Vec::new());
+        for row in rows {
+            csv.serialize(row)?;
+        }
+        self.csv.write(csv.into_inner()?)?;
+        Ok(self.picture.draw(SIZE, &Stack(charts))?)
     }
 }

@@ -37,7 +37,7 @@ pub(super) fn scene(name: &'static str) -> Result<Scene, Box<dyn Error>> {
         "drop" => drop(),
         "ribbon" => ribbon(),
         "cut" => cut(),
-        _ => armadillo(),
+        _ => Ok(armadillo()),
     }
 }
 
@@ -152,17 +152,29 @@ fn cut() -> Result<Scene, Box<dyn Error>> {
 }
 
 /// An armadillo pinned at the top of its head.
-fn armadillo() -> Result<Scene, Box<dyn Error>> {
-    let surface = build_model(Model::Armadillo);
-    let top = surface.bounds().max[1] - 0.05;
-    let pins = vertices_where(&surface, |[_, y, _]| y > top);
-    Ok(Scene {
-        pins,
+fn armadillo() -> Scene {
+    Scene {
         frames: 3,
         fine: [8, 16, 32],
         max_reference_substeps: 0,
-        ..Scene::new("armadillo", surface, material(1e-4, Some(1e-1)))
-    })
+        ..hung_model("armadillo", build_model(Model::Armadillo))
+    }
+}
+
+/// The bodies whose frames after a cut are measured.
+pub(super) fn hung_models() -> [Scene; 2] {
+    [("bunny", Model::Bunny), ("armadillo", Model::Armadillo)]
+        .map(|(name, model)| hung_model(name, build_model(model)))
+}
+
+/// A stiff body pinned at its top.
+pub(super) fn hung_model(name: &'static str, surface: Surface) -> Scene {
+    let top = surface.bounds().max[1] - 0.05;
+    let pins = vertices_where(&surface, |[_, y, _]| y > top);
+    Scene {
+        pins,
+        ..Scene::new(name, surface, material(1e-4, Some(1e-1)))
+    }
 }
 
 fn move_all(surface: &mut Surface, to: impl Fn([f32; 3]) -> [f32; 3]) {

@@ -6,7 +6,9 @@ use super::scene::{Body, Scene};
 use super::scenes;
 use crate::numbers::{exponent, fixed};
 use crate::text_table::{Column, paragraphs, text_table};
-use crate::work_precision::{BUDGETS, Point, Row, TARGETS, error_at, least_gain, time_to, totals};
+use crate::work_precision::{
+    BUDGETS, FLOOR_SUBSTEPS, Point, Row, TARGETS, error_at, least_gain, time_to, totals,
+};
 use incise_bench::{ReferenceError, State};
 use std::io::{self, Write};
 
@@ -54,6 +56,12 @@ pub(super) fn reference(
     match exact {
         Ok(exact) => {
             writeln!(out, "  uncertainty: {:.1e}", exact.uncertainty)?;
+            let floors = FLOOR_SUBSTEPS.map(|n| {
+                let floor = convergence.floor(exact, n);
+                format!("{} with {n}", exponent(floor))
+            });
+            let floors = floors.join(", ");
+            writeln!(out, "  floor, of converged second-order substeps: {floors}")?;
             let start = State::of(&body.solver, &body.surface);
             let measure = ErrorMeasure {
                 model: &convergence.model,
@@ -90,7 +98,7 @@ pub(super) fn scene(out: &mut impl Write, rows: &[Row]) -> io::Result<()> {
 }
 
 /// Returns the backends of rows.
-fn backends(rows: &[Row]) -> Vec<&str> {
+pub(super) fn backends(rows: &[Row]) -> Vec<&str> {
     let mut names: Vec<&str> = rows.iter().map(|row| row.backend.as_str()).collect();
     names.sort_unstable();
     names.dedup();

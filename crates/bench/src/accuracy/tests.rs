@@ -5,6 +5,7 @@ use super::error::{ErrorMeasure, distance};
 use super::run::on_cpu;
 use super::scene::{DT, Scheme};
 use super::scenes;
+use crate::work_precision::FLOOR_SUBSTEPS;
 use incise_bench::{Model, State};
 use incise_pbd_gpu::{SolverParams, Stiffness};
 use nalgebra::Vector3;
@@ -163,6 +164,28 @@ fn substeps_lead_to_what_the_reference_tends_to() {
         "{} of {errors:?}",
         exact.uncertainty
     );
+}
+
+#[test]
+fn floors_are_errors_of_second_order() {
+    let mut scene = scenes::scene("sheet-1e2").unwrap();
+    scene.frames = 4;
+    let body = scene.body().unwrap();
+    let convergence = Convergence::compute(&scene, &body, &[8]).unwrap();
+    let exact = convergence.exact().unwrap();
+    let floor = |substeps| convergence.floor(&exact, substeps).unwrap();
+    let floors = FLOOR_SUBSTEPS.map(floor);
+    for pair in floors[1..].windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((1.6..2.4).contains(&order), "order {order} of {floors:?}");
+    }
+    let first_order = convergence.known(Scheme::Xpbd, 8).unwrap();
+    let first_order = distance(&convergence.model, first_order, &exact.states);
+    assert!(
+        4.0 * floors[3] < first_order,
+        "{floors:?}, and {first_order}"
+    );
+    assert_eq!(convergence.floor(&exact, 3), None, "3 substeps are not run");
 }
 
 #[test]

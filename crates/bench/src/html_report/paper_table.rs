@@ -112,6 +112,7 @@ fn over_time(html: &mut Html, sources: &Sources<'_>) -> Result<(), ReportError> 
                 log_x: false,
                 legend: SeriesLabelPosition::UpperRight,
                 series: series.collect(),
+                levels: Vec::new(),
             };
             svg(HALF, &chart)
         };

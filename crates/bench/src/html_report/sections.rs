@@ -99,6 +99,7 @@ pub(super) fn over_triangles(y: &str, series: Vec<Series>) -> Chart<'_> {
             false => SeriesLabelPosition::UpperLeft,
         },
         series,
+        levels: Vec::new(),
     }
 }
 
@@ -148,6 +149,7 @@ fn accuracy(html: &mut Html, sources: &Sources<'_>) -> Result<(), ReportError> {
             y: "error of positions [mean edges]",
             log_x: true,
             legend: SeriesLabelPosition::LowerLeft,
+            levels: work_precision::floors(rows.clone()),
             series: work_precision::series(rows, |row| row.total_position, false),
         };
         if !chart.series.is_empty() {

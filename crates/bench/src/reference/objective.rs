@@ -21,6 +21,9 @@ const SOFTNESS: f64 = 1e-4;
 /// Factor by which slowly converging constraints are stiffened.
 const STIFFEN: f64 = 0.1;
 
+/// Largest number of times that rigid constraints are stiffened; more leaves no digits.
+const MOST_STIFFER: u32 = 4;
+
 /// Rounding error of a position, over the largest coordinate.
 const ROUNDING: f64 = f64::EPSILON;
 
@@ -30,6 +33,8 @@ pub(super) struct Multipliers {
     /// Multipliers: \[N\] for edges and the ground, [N m] for hinges, [Pa m^1.5] for pieces.
     pub(super) lambda: Vec<f64>,
     compliance: f64,
+    /// Number of times that the regularization was reduced.
+    stiffened: u32,
     /// Regularization added to the compliance.
     mu: Vec<f64>,
     /// Inverse of the regularized compliance; 0 disables a constraint.
@@ -78,41 +83,49 @@ impl<'a> Objective<'a> {
         goal: Vec<Vector3<f64>>,
     ) -> Self {
         let inertia = h.powi(-2) * (1.0 + model.damping * h);
-        let (stretch, stretch_square) = multipliers::<Edge, 2>(model, &model.stretch, h, x);
-        let (bending, bending_square) = multipliers::<Hinge, 4>(model, &model.bending, h, x);
-        let mut square = stretch_square + bending_square;
         let mut ground = Multipliers::default();
-        for &mass in &model.mass {
-            square += mass * inertia;
-            if model.ground.is_some() {
+        if model.ground.is_some() {
+            for &mass in &model.mass {
                 ground.add(h, if mass > 0.0 { mass.recip() } else { 0.0 });
             }
         }
-        square += ground.stiffness.iter().sum::<f64>();
-        let mut rough = 0.0;
         let mut volume = Multipliers {
             compliance: model.volumes.compressibility,
             ..Multipliers::default()
         };
         for piece in &model.volumes.pieces {
             volume.add(h, piece.weight(x, &model.mass));
-            let slopes: f64 = piece.gradient(x).iter().map(Vector3::norm_squared).sum();
-            let stiffness = volume.stiffness.last().copied().unwrap_or(0.0);
-            square += slopes * stiffness;
-            rough += piece.roughness(x).powi(2) * stiffness;
         }
-        let extent = (x.iter().chain(&goal)).fold(0.0, |far: f64, p| far.max(p.amax()));
-        Self {
+        let mut objective = Self {
             model,
             h,
             inertia,
-            goal,
-            stretch,
-            bending,
+            stretch: multipliers::<Edge, 2>(model, &model.stretch, h, x),
+            bending: multipliers::<Hinge, 4>(model, &model.bending, h, x),
             ground,
             volume,
-            rounding: ROUNDING * (extent * extent * square + rough).sqrt(),
+            rounding: 0.0,
+            goal,
+        };
+        objective.rounding = objective.rounding_at(x);
+        objective
+    }
+
+    /// Returns the decrement that rounding of positions causes at `x`, about.
+    fn rounding_at(&self, x: &[Vector3<f64>]) -> f64 {
+        let model = self.model;
+        let mut square = sharpness::<Edge, 2>(&model.stretch, &self.stretch, x)
+            + sharpness::<Hinge, 4>(&model.bending, &self.bending, x)
+            + self.inertia * model.mass.iter().sum::<f64>()
+            + self.ground.stiffness.iter().sum::<f64>();
+        let mut rough = 0.0;
+        for (piece, stiffness) in model.volumes.pieces.iter().zip(&self.volume.stiffness) {
+            let slopes: f64 = piece.gradient(x).iter().map(Vector3::norm_squared).sum();
+            square += slopes * stiffness;
+            rough += piece.roughness(x).powi(2) * stiffness;
         }
+        let extent = (x.iter().chain(&self.goal)).fold(0.0, |far: f64, p| far.max(p.amax()));
+        ROUNDING * (extent * extent * square + rough).sqrt()
     }
 
     /// Returns the value \[J\].
@@ -205,12 +218,12 @@ impl<'a> Objective<'a> {
     }
 
     /// Stiffens constraints: less work for multipliers, more for Newton's method.
-    pub(super) fn stiffen(&mut self) {
+    pub(super) fn stiffen(&mut self, x: &[Vector3<f64>]) {
         self.stretch.stiffen();
         self.bending.stiffen();
         self.ground.stiffen();
         self.volume.stiffen();
-        self.rounding /= STIFFEN.sqrt();
+        self.rounding = self.rounding_at(x);
     }
 
     /// Updates the multipliers at `x`; returns the remaining constraint error in units of the
@@ -234,7 +247,12 @@ impl<'a> Objective<'a> {
 }
 
 impl Multipliers {
+    /// Reduces the regularization, of rigid constraints a limited number of times.
     fn stiffen(&mut self) {
+        if self.compliance == 0.0 && self.stiffened == MOST_STIFFER {
+            return;
+        }
+        self.stiffened += 1;
         for (mu, stiffness) in self.mu.iter_mut().zip(&mut self.stiffness) {
             *mu *= STIFFEN;
             if *stiffness > 0.0 {
@@ -256,32 +274,42 @@ fn points<const N: usize>(x: &[Vector3<f64>], vertices: [usize; N]) -> [Vector3<
     vertices.map(|v| x[v])
 }
 
-/// Returns multipliers of constraints, and the sum of their squared gradients over compliances.
+/// Returns multipliers of constraints for a step of `h` from `x`.
 fn multipliers<K: Kind<N>, const N: usize>(
     model: &Model,
     constraints: &Constraints<N>,
     h: f64,
     x: &[Vector3<f64>],
-) -> (Multipliers, f64) {
+) -> Multipliers {
     let mut out = Multipliers {
         compliance: constraints.compliance,
         ..Multipliers::default()
     };
-    let mut sum = 0.0;
     for &vertices in &constraints.vertices {
-        let (mut weight, mut square) = (0.0, 0.0);
+        let mut weight = 0.0;
         if let Some(slope) = K::slope(&points(x, vertices)) {
-            for (v, gradient) in vertices.iter().zip(slope.gradient) {
-                square += gradient.norm_squared();
-                if model.mass[*v] > 0.0 {
-                    weight += gradient.norm_squared() / model.mass[*v];
-                }
-            }
+            let each = vertices.iter().zip(slope.gradient);
+            let moving = each.filter(|(v, _)| model.mass[**v] > 0.0);
+            weight = moving.map(|(v, g)| g.norm_squared() / model.mass[*v]).sum();
         }
         out.add(h, weight);
-        sum += square * out.stiffness.last().copied().unwrap_or(0.0);
     }
-    (out, sum)
+    out
+}
+
+/// Returns the sum of squared gradients over regularized compliances.
+fn sharpness<K: Kind<N>, const N: usize>(
+    constraints: &Constraints<N>,
+    multipliers: &Multipliers,
+    x: &[Vector3<f64>],
+) -> f64 {
+    let square = |(&vertices, stiffness): (&[usize; N], &f64)| {
+        let slope = K::slope(&points(x, vertices))?;
+        let square: f64 = slope.gradient.iter().map(Vector3::norm_squared).sum();
+        Some(square * stiffness)
+    };
+    let each = constraints.vertices.iter().zip(&multipliers.stiffness);
+    each.filter_map(square).sum()
 }
 
 /// Returns the energy of constraints \[J\].

@@ -27,9 +27,6 @@ const NEARBY: f64 = 0.01;
 /// stiffened.
 const SLOW: f64 = 0.1;
 
-/// Largest number of times that constraints are stiffened; more leaves no digits.
-const MOST_STIFFER: u32 = 4;
-
 /// Largest number of Newton steps.
 const MOST_NEWTON: usize = 2000;
 
@@ -165,7 +162,7 @@ impl<'a> Stepper<'a> {
         self.factored = self.factored.filter(|&of| of == h);
         let mut report = StepReport::default();
         let mut first = 0.0_f64;
-        let (mut before, mut stiffer) = (f64::INFINITY, 0);
+        let mut before = f64::INFINITY;
         loop {
             self.minimize(&objective, &mut x, &mut first, &mut report)?;
             let lack = objective.update(&x);
@@ -173,9 +170,8 @@ impl<'a> Stepper<'a> {
             if lack <= objective.rounding.max(DONE * first) {
                 break;
             }
-            if lack > SLOW * before && stiffer < MOST_STIFFER {
-                objective.stiffen();
-                stiffer += 1;
+            if lack > SLOW * before {
+                objective.stiffen(&x);
             }
             before = lack;
         }

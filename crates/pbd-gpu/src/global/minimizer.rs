@@ -13,8 +13,11 @@ const PAIRS: usize = 5;
 /// Minimum decrease relative to the predicted one (Armijo).
 const DECREASE: f64 = 1e-4;
 
-/// Maximum number of halvings of a step; after that the substep stays where it is.
-const MAX_HALVINGS: u32 = 10;
+/// Maximum number of reductions of a step; after that the substep stays where it is.
+const MAX_REDUCTIONS: u32 = 10;
+
+/// Range of a reduced step relative to the one before.
+const REDUCTION: [f64; 2] = [0.01, 0.5];
 
 /// Minimum cosine between a step and its change of the gradient for the pair to be kept.
 const MIN_COSINE: f64 = 1e-6;
@@ -59,18 +62,21 @@ pub(super) struct Minimizer {
     pair_count: usize,
     /// Whether the last iteration has moved from `other` to `current`.
     has_step: bool,
+    /// Whether the matrix alone gives no step from `current`, so that another iteration would not.
+    is_stuck: bool,
 }
 
 impl Minimizer {
     /// Starts a substep whose prediction falls freely by `fall` \[m\].
     ///
-    /// Iterations start from the prediction with or without that fall, whichever has the lower
-    /// value: a free body falls, one that hangs from pins does not.
+    /// Iterations start from the prediction with or without the fall of held pieces, whichever has
+    /// the lower value: a free piece falls, one that hangs from pins does not. `held` marks the
+    /// vertices of pieces with a pin, shape [vertex slots].
     pub(super) fn begin(
         &mut self,
         particles: ParticleStates<'_>,
         objective: &Objective<'_>,
-        fall: [f64; 3],
+        (fall, held): ([f64; 3], &[bool]),
     ) {
         self.start.clear();
         self.masses.clear();
@@ -83,7 +89,7 @@ impl Minimizer {
                 .push(if w > 0.0 { 1.0 / f64::from(w) } else { 0.0 });
             self.predicted.push(to_f64([dx, dy, dz]));
         }
-        (self.pair_count, self.has_step) = (0, false);
+        (self.pair_count, self.has_step, self.is_stuck) = (0, false, false);
         self.mark_unobstructed(particles);
         self.current.displacements.clear();
         self.current
@@ -91,15 +97,13 @@ impl Minimizer {
             .extend_from_slice(&self.predicted);
         self.evaluate_current(objective);
         let fall = Vec3::from(fall);
-        if fall == Vec3::zeros() {
+        if fall == Vec3::zeros() || !held.contains(&true) {
             return;
         }
-        let masses = self.masses.iter();
-        let resting = self.predicted.iter().zip(masses).map(
-            |(d, &mass)| {
-                if mass > 0.0 { d - fall } else { *d }
-            },
-        );
+        let falls = self.masses.iter().zip(held);
+        let falls = falls.map(|(&mass, &is_held)| mass > 0.0 && is_held);
+        let resting = self.predicted.iter().zip(falls);
+        let resting = resting.map(|(d, falls)| if falls { d - fall } else { *d });
         self.other.displacements.clear();
         self.other.displacements.extend(resting);
         self.evaluate_other(objective);
@@ -118,6 +122,10 @@ impl Minimizer {
     ) {
         if self.load(particles) {
             self.evaluate_current(objective);
+            self.is_stuck = false;
+        }
+        if self.is_stuck {
+            return;
         }
         if self.has_step {
             self.add_pair();
@@ -129,10 +137,11 @@ impl Minimizer {
             slope = self.find_direction(volumes, preconditioner);
         }
         if slope >= 0.0 {
+            self.is_stuck = true;
             return;
         }
         let mut share = 1.0;
-        for _ in 0..=MAX_HALVINGS {
+        for _ in 0..=MAX_REDUCTIONS {
             let Self {
                 current,
                 other,
@@ -152,8 +161,17 @@ impl Minimizer {
                 self.store(particles);
                 return;
             }
-            share *= 0.5;
+            // Where a parabola through both values, with this slope, has its minimum.
+            let excess = self.other.value - self.current.value - share * slope;
+            let [least, most] = REDUCTION.map(|by| by * share);
+            let lowest = -0.5 * slope * share * share / excess;
+            share = if lowest.is_finite() {
+                lowest.clamp(least, most)
+            } else {
+                most
+            };
         }
+        self.is_stuck = self.pair_count == 0;
         self.pair_count = 0;
     }
 

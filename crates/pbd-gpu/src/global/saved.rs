@@ -1,6 +1,7 @@
 //! Saving of the global step: the inputs of its factors, from which loading makes them again.
 
 use super::GlobalStep;
+use super::held::HeldPieces;
 use super::job::FactorJob;
 use super::matrix::{MatrixInput, NO_ROW};
 use super::minimizer::Minimizer;
@@ -89,6 +90,7 @@ impl GlobalStep {
                 factor_age: saved.factor_age,
             },
             minimizer: Minimizer::default(),
+            held: HeldPieces::default(),
         })
     }
 }

@@ -1,0 +1,267 @@
+//! Errors of the first frames after a cut, against converged steps on the same surface.
+//!
+//! The global step keeps the factor of the uncut body in use for some frames. So each frame is also
+//! repeated with a factor of its own, made in that frame.
+
+mod printout;
+#[cfg(test)]
+mod tests;
+
+use super::convergence::Trajectory;
+use super::error::distance;
+use super::plot::PlotFiles;
+use super::scene::{Body, DT, Scene};
+use super::scenes;
+use incise_bench::{Model, ReferenceError, State, Stepper};
+use incise_cut::{CutParams, Cutter, Sweep};
+use incise_pbd_gpu::{Scheme, SolverParams, StepError};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::error::Error;
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
+
+/// Frames before the cut, of the global step in all runs, so that all start from the same state.
+const FRAMES_BEFORE: u32 = 10;
+/// Frames after the cut.
+const FRAMES: usize = 20;
+/// Runs whose times are taken.
+const REPEATS: usize = 7;
+/// Largest error of a frame over that with a factor of its own at which a factor is as good.
+const RECOVERED: f64 = 1.5;
+
+/// A way to step the body after the cut; an iteration of the global step takes about as long as
+/// ten of sweeps.
+const SCHEMES: [(&str, Scheme, u32); 3] = [
+    ("sweeps", Scheme::Sweeps, 80),
+    ("global", Scheme::Global, 8),
+    ("auto", Scheme::Auto, 8),
+];
+
+/// A row: a frame after the cut by one scheme. Errors are of positions, over the mean rest length.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct FrameRow {
+    /// The report reads rows with a field `scene` as runs of the accuracy bench.
+    body: &'static str,
+    triangles: usize,
+    solver: &'static str,
+    iterations: u32,
+    /// Number of the frame; the cut is before frame 1.
+    frame: usize,
+    /// Shortest time of the frame, the first with the update of the solver after the cut.
+    ms: f64,
+    /// Error to a converged step from the state before the frame.
+    step_error: Option<f64>,
+    /// The same with a factor made in this frame; none without the global step.
+    fresh_error: Option<f64>,
+    /// Motion of the converged step, as errors are measured.
+    motion: Option<f64>,
+    /// Error to converged steps from the state after the cut.
+    drift: Option<f64>,
+    /// Frames since the constraints of the factor in use were copied; none without one.
+    factor_age: Option<u32>,
+    machine: String,
+    commit: String,
+}
+
+/// States of a run after the cut.
+struct Run {
+    /// The state after the cut and after each frame.
+    states: Trajectory,
+    /// The state after each frame with a factor of its own; empty without the global step.
+    fresh: Trajectory,
+    ages: Vec<Option<u32>>,
+}
+
+/// Measures the bodies, prints and returns the rows.
+pub(super) fn run(
+    (machine, commit): (&str, &str),
+    plots: Option<&Path>,
+    out: &mut impl Write,
+) -> Result<Vec<FrameRow>, Box<dyn Error>> {
+    let mut rows = Vec::new();
+    for scene in scenes::hung_models() {
+        let mut plot = match plots {
+            Some(folder) => {
+                let name = format!("after-cut-{}", scene.name);
+                Some(PlotFiles::open(folder, &name, "cpu")?)
+            }
+            None => None,
+        };
+        let mut found = measure(&scene, FRAMES, REPEATS)?;
+        for row in &mut found {
+            (row.machine, row.commit) = (machine.to_owned(), commit.to_owned());
+        }
+        printout::scene(out, &found)?;
+        out.flush()?;
+        if let Some(plot) = &mut plot {
+            plot.write(&found, &printout::charts(&found))?;
+        }
+        rows.append(&mut found);
+    }
+    Ok(rows)
+}
+
+fn params(scene: &Scene, (scheme, iterations): (Scheme, u32)) -> SolverParams {
+    SolverParams {
+        scheme,
+        ..scene.params(1, iterations)
+    }
+}
+
+/// Steps a scene's body before the cut.
+fn before_cut(
+    scene: &Scene,
+    frames: u32,
+    by: (Scheme, u32),
+) -> Result<(Body, Sweep), Box<dyn Error>> {
+    let mut body = scene.body()?;
+    for _ in 0..frames {
+        (body.solver).step(&mut body.surface, DT, &params(scene, by))?;
+    }
+    let sweep = Sweep::from_plane([0.2, 1.0, 0.2], 0.0, &body.surface.bounds())?;
+    Ok((body, sweep))
+}
+
+/// Measures all schemes on the body of a scene.
+fn measure(scene: &Scene, frames: usize, repeats: usize) -> Result<Vec<FrameRow>, Box<dyn Error>> {
+    let (mut body, sweep) = before_cut(scene, FRAMES_BEFORE, (Scheme::Global, 16))?;
+    let triangles = body.surface.topology().triangle_count();
+    let cut = Cutter::new(&body.surface).cut(&mut body.surface, &sweep, &CutParams::default())?;
+    body.solver.apply_delta(&mut body.surface, &cut.delta)?;
+    let model = Model::of(&body.solver, &body.surface, &scene.params(1, 1))?;
+    let runs = SCHEMES
+        .map(|(_, scheme, iterations)| follow(&body, &params(scene, (scheme, iterations)), frames));
+    let [sweeps, global, auto] = runs;
+    let runs = [sweeps?, global?, auto?];
+    let (exact, restarted) = references(&model, &runs, frames);
+    let mut rows = Vec::new();
+    for (((name, scheme, iterations), run), restarted) in SCHEMES.iter().zip(&runs).zip(restarted) {
+        let ms = times(scene, (*scheme, *iterations), (frames, repeats))?;
+        for (k, restarted) in restarted.into_iter().enumerate() {
+            let restarted = restarted.ok();
+            let error = |a: &State, b: &State| {
+                distance(&model, std::slice::from_ref(a), std::slice::from_ref(b))
+            };
+            let to_restarted = |state: &State| Some(error(state, restarted.as_ref()?));
+            rows.push(FrameRow {
+                body: scene.name,
+                triangles,
+                solver: name,
+                iterations: *iterations,
+                frame: k + 1,
+                ms: ms[k],
+                step_error: to_restarted(&run.states[k + 1]),
+                fresh_error: run.fresh.get(k).and_then(to_restarted),
+                motion: to_restarted(&run.states[k]),
+                drift: exact.get(k).map(|exact| error(&run.states[k + 1], exact)),
+                factor_age: run.ages[k],
+                machine: String::new(),
+                commit: String::new(),
+            });
+        }
+    }
+    Ok(rows)
+}
+
+/// Steps a copy of the cut body.
+fn follow(body: &Body, params: &SolverParams, frames: usize) -> Result<Run, StepError> {
+    let mut body = body.clone();
+    let mut run = Run {
+        states: vec![State::of(&body.solver, &body.surface)],
+        fresh: Vec::new(),
+        ages: Vec::new(),
+    };
+    for _ in 0..frames {
+        let mut fresh = without_factor(&body)?;
+        body.solver.step(&mut body.surface, DT, params)?;
+        let is_global = body.solver.stats().global_iterations > 0;
+        if is_global {
+            fresh.solver.step(&mut fresh.surface, DT, params)?;
+            run.fresh.push(State::of(&fresh.solver, &fresh.surface));
+        }
+        let age = body.solver.global_stats().factor_age;
+        run.ages.push(is_global.then_some(age));
+        run.states.push(State::of(&body.solver, &body.surface));
+    }
+    Ok(run)
+}
+
+/// Returns a copy of a body in the same state, whose next global step makes a factor.
+fn without_factor(body: &Body) -> Result<Body, StepError> {
+    let mut copy = body.clone();
+    // A frame of sweeps drops the factor. It moves another copy of the surface.
+    let mut moved = copy.surface.clone();
+    (copy.solver).step(&mut moved, DT, &SolverParams::paper())?;
+    for v in copy.surface.topology().vertices() {
+        let [x, y, z, _] = body.solver.velocities()[v.index()];
+        // Only a velocity that is not finite is refused, and a step has checked it.
+        let _ = copy.solver.set_velocity(v, [x, y, z]);
+    }
+    Ok(copy)
+}
+
+/// A converged step from the state before a frame.
+type Restarted = Result<State, ReferenceError>;
+
+/// Returns the converged motion from the cut on, as far as it converges, and for each run the
+/// converged step of every frame.
+fn references(model: &Model, runs: &[Run; 3], frames: usize) -> (Trajectory, Vec<Vec<Restarted>>) {
+    let step = |state: &State| -> Restarted {
+        let mut state = state.clone();
+        Stepper::new(model)?.step(&mut state, f64::from(DT), &[])?;
+        Ok(state)
+    };
+    let motion = || {
+        let states = std::iter::successors(runs[0].states.first().cloned(), |s| step(s).ok());
+        states.skip(1).take(frames).collect()
+    };
+    let restarted = || {
+        // Where a scheme chooses another one, the states are the same.
+        let first = |r: usize, k: usize| {
+            let state = &runs[r].states[k];
+            (0..r).find(|&s| runs[s].states[k] == *state)
+        };
+        let all: Vec<(usize, usize)> = (0..runs.len())
+            .flat_map(|r| (0..frames).map(move |k| (r, k)))
+            .collect();
+        let made: Vec<Option<Restarted>> = (all.par_iter())
+            .map(|&(r, k)| first(r, k).is_none().then(|| step(&runs[r].states[k])))
+            .collect();
+        let made_at = |r: usize, k: usize| made[r * frames + k].clone();
+        let of_run = |r: usize| {
+            let of_frame = move |k: usize| made_at(first(r, k).unwrap_or(r), k);
+            (0..frames).filter_map(of_frame).collect()
+        };
+        (0..runs.len()).map(of_run).collect()
+    };
+    rayon::join(motion, restarted)
+}
+
+/// Returns the shortest time of every frame after a cut \[ms\], with the scheme before it, too.
+///
+/// Other programs lengthen the same frame of a few runs, but hardly of all.
+fn times(
+    scene: &Scene,
+    by: (Scheme, u32),
+    (frames, repeats): (usize, usize),
+) -> Result<Vec<f64>, Box<dyn Error>> {
+    let (body, sweep) = before_cut(scene, 3, by)?;
+    let mut shortest = vec![f64::INFINITY; frames];
+    for _ in 0..repeats {
+        let mut body = body.clone();
+        // The copy's scratch memory grows in its first frame.
+        (body.solver).step(&mut body.surface, DT, &params(scene, by))?;
+        let cut = CutParams::default();
+        let cut = Cutter::new(&body.surface).cut(&mut body.surface, &sweep, &cut)?;
+        let mut begin = Instant::now();
+        body.solver.apply_delta(&mut body.surface, &cut.delta)?;
+        for shortest in &mut shortest {
+            (body.solver).step(&mut body.surface, DT, &params(scene, by))?;
+            *shortest = shortest.min(begin.elapsed().as_secs_f64() * 1e3);
+            begin = Instant::now();
+        }
+    }
+    Ok(shortest)
+}
