@@ -85,7 +85,8 @@ pub(crate) struct AccuracyArguments {
         conflicts_with_all = ["cuts", "only", "backend", "adapter", "most", "most_iterations"]
     )]
     after_cut: bool,
-    /// Also draw every scene as SVG and PNG, with its rows as CSV, and write `ranks.csv`.
+    /// Also draw every scene as SVG and PNG, with its rows as CSV; a run of all scenes writes
+    /// `ranks.csv`, too.
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
 }
@@ -131,7 +132,9 @@ pub(crate) fn run(
     let mut ranks_file = None;
     if let Some(folder) = &arguments.plot {
         output::folder(folder)?;
-        ranks_file = Some(RanksFile::open(folder)?);
+        if arguments.only.is_empty() {
+            ranks_file = Some(RanksFile::open(folder)?);
+        }
         // One picture per backend; with several, the backend ends the name.
         let backends = arguments.run.backends();
         for name in names() {

@@ -160,12 +160,12 @@ pub(crate) const FLOOR_SUBSTEPS: [u32; 4] = [1, 2, 4, 8];
 /// Returns the errors of converged second-order steps at every number of [`FLOOR_SUBSTEPS`].
 pub(crate) fn floors<'a>(rows: impl Iterator<Item = &'a Row> + Clone) -> Vec<Level> {
     let floor = |substeps: u32| {
-        let row = rows.clone().find(|row| row.substeps == substeps)?;
+        let mut of_count = rows.clone().filter(|row| row.substeps == substeps);
         let label = match substeps {
             1 => "converged, 1 step".to_owned(),
             n => format!("converged, {n} steps"),
         };
-        let y = row.floor_position?;
+        let y = of_count.find_map(|row| row.floor_position)?;
         Some(Level { y, label })
     };
     FLOOR_SUBSTEPS.into_iter().filter_map(floor).collect()

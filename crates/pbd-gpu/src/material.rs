@@ -51,7 +51,8 @@ impl Stiffness {
 
 /// Resistance of closed pieces to a change of their volume.
 ///
-/// Pieces with a boundary, and pieces without rest volume, have no volume constraint.
+/// Pieces with a boundary, and pieces whose rest volume is zero or lost in rounding, have no volume
+/// constraint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Volume {

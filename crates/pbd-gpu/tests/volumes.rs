@@ -241,11 +241,11 @@ fn open_and_flat_pieces_have_no_volume_constraint() {
     let mut open = sphere(2, [0.0; 3]);
     open.remove_triangles(&[TriangleId(0)]);
     bodies.push(open);
-    // Coordinates of 10 m are stored to a micrometer, which is as thick as the chip.
+    // Coordinates of 10 m are stored to a micrometer, half the thickness of the chip.
     let mut chip = scaled(sphere(2, [0.0; 3]), [1e-3, 1e-6, 1e-3]);
     chip.rest_positions_mut()
         .iter_mut()
-        .for_each(|p| p[0] += 10.0);
+        .for_each(|p| p[1] += 10.0);
     bodies.push(chip);
     for mut surface in bodies {
         let material = Material {
@@ -288,6 +288,8 @@ fn an_overflow_of_compressibility_is_an_error() {
     }
 }
 
+/// Regression: changes of pressure became velocity, and the vertices of a ball that had collapsed
+/// flew apart with 57 J, to 100,000 times its volume.
 #[test]
 fn a_weightless_ball_follows_every_pressure() {
     let mut surface = scaled(sphere(3, [0.0; 3]), [0.5; 3]);

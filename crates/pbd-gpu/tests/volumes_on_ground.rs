@@ -31,8 +31,6 @@ fn a_soft_ball_on_the_ground_keeps_its_volume() {
     assert!(without > 0.05, "or nothing would: {without}");
 }
 
-/// Regression: changes of pressure became velocity, and the vertices of a ball that had collapsed
-/// flew apart with 57 J, to 100,000 times its volume.
 /// Regression: gravity moves the faces of a small ball by `g h^2` per substep, which is more of its
 /// volume than it regained; a ball of 1 cm lost nine tenths of it.
 #[test]

@@ -4,9 +4,9 @@
 //!
 //! 1. [`near_bodies`] finds the bodies whose boxes, grown by the motion of a frame, overlap.
 //! 2. [`broad_phase`] finds the pairs of their pieces.
-//! 3. [`narrow_phase`] finds for each vertex of such a piece the nearest triangle within reach that
-//!    it is outside of, so that no vertex is pushed through a thin piece, and [`edge_pairs`] finds
-//!    the sharp edges that cross each other.
+//! 3. [`narrow_phase`] finds for each vertex of such a piece the nearest triangle within reach on
+//!    whose outer side it lies, so that no vertex is pushed through a thin piece, and
+//!    [`edge_pairs`] finds the sharp edges that cross each other.
 //! 4. [`persistent`] keeps a contact from frame to frame while the vertex hardly moves.
 //! 5. [`carriers`] finds which piece of a contact carries the other one above the ground.
 //!

@@ -22,7 +22,8 @@ use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 
-/// Frames before the cut, of the global step in all runs, so that all start from the same state.
+/// Frames of the global step before the cut, in runs whose errors are measured: all start from the
+/// same state.
 const FRAMES_BEFORE: u32 = 10;
 /// Frames after the cut.
 const FRAMES: usize = 20;
@@ -239,8 +240,9 @@ fn references(model: &Model, runs: &[Run; 3], frames: usize) -> (Trajectory, Vec
     rayon::join(motion, restarted)
 }
 
-/// Returns the shortest time of every frame after a cut \[ms\], with the scheme before it, too.
+/// Returns the shortest time of every frame after a cut \[ms\].
 ///
+/// The frames before the cut use the same scheme.
 /// Other programs lengthen the same frame of a few runs, but hardly of all.
 fn times(
     scene: &Scene,

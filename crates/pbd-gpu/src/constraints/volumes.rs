@@ -12,7 +12,8 @@ use incise_mesh::{HalfEdge, Surface, VertexId};
 pub(crate) use saved::SavedVolumes;
 use std::f64::consts::PI;
 
-/// Maximum displacement of a vertex per projection, relative to the rest thickness `3 |V| / A`.
+/// Maximum displacement of a vertex per projection, unless gravity moves it further in a substep,
+/// relative to the rest thickness `3 |V| / A`.
 ///
 /// The thickness is the radius of a ball, or 3/2 of that of a plate. Without a limit the gradient
 /// of a nearly collapsed piece would throw its vertices away.
@@ -38,7 +39,7 @@ pub(crate) struct Spoke {
 pub struct PieceVolume {
     pub(crate) piece: u32,
     pub(crate) rest: f32,
-    /// Maximum displacement of a vertex per projection \[m\].
+    /// Maximum displacement of a vertex per projection, unless gravity moves it further \[m\].
     pub(crate) reach: f32,
     /// Range in the list of spokes.
     pub(crate) first: usize,

@@ -16,7 +16,7 @@ pub(super) struct HeldPieces {
 }
 
 impl HeldPieces {
-    /// Updates them after an edit or a change of pins. O(triangles) then.
+    /// Finds the vertices again after an edit or a change of pins. O(triangles) then.
     pub(super) fn update(&mut self, particles: &Particles, surface: &Surface) {
         let pins = particles.pins.iter().map(|pin| pin.vertex);
         if self.is_current && pins.clone().eq(self.pins.iter().copied()) {
@@ -34,9 +34,9 @@ impl HeldPieces {
         }
         let topology = surface.topology();
         let piece = |t| surface.piece(t) as usize;
-        let is_pin = |v: VertexId| surface.positions()[v.index()][3] == 0.0;
-        for t in topology.triangles() {
-            self.pieces[piece(t)] |= topology.triangle(t).into_iter().any(is_pin);
+        let first_triangles = self.pins.iter().map(|&pin| topology.outgoing(pin));
+        for h in first_triangles.filter(|h| !h.is_null()) {
+            self.pieces[piece(h.triangle())] = true;
         }
         for t in topology.triangles().filter(|&t| self.pieces[piece(t)]) {
             for v in topology.triangle(t) {

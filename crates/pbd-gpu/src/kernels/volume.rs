@@ -16,10 +16,10 @@
 //!
 //! An incompressible piece regains the loss of the current substep at once. Older losses, such as
 //! those of an impact or a change of pressure, are regained at rate [`RECOVERY`] at most. Gravity
-//! moves the faces of a thin piece faster. The piece regains [`LOADS`] times such a motion, even if
-//! it is thinner. This becomes velocity and carries the weight. The rest of a loss that takes several substeps moves
-//! positions instead of displacements: a piece that grows or shrinks to another volume does not
-//! gain velocity from it.
+//! may move the faces of a thin piece by more than that, even by more than its thickness. The piece
+//! then regains up to [`LOADS`] times that motion as velocity, which carries its weight. The rest of
+//! a loss that takes several substeps moves positions instead of displacements: a piece that grows
+//! or shrinks to another volume does not gain velocity from it.
 
 use super::block::difference;
 use super::particle_state::ParticleStates;
@@ -39,7 +39,7 @@ pub(crate) const RECOVERY: f32 = 3.0;
 pub(crate) const LOADS: f32 = 4.0;
 
 /// Rest area of a piece times its reach, relative to its rest volume.
-const AREA: f32 = 3.0 * REACH;
+pub(crate) const AREA: f32 = 3.0 * REACH;
 
 /// Leaves of a reduction tree.
 pub(crate) const CHUNK: usize = 256;
@@ -334,8 +334,9 @@ fn steps(
     let wish = ((error - left) - shift) + alpha * lambda;
     let sum = by.diagonal_scale * weight + alpha;
     let under = if weight > sum { weight } else { sum };
-    let limit = greater(piece.reach, by.sink) / most;
-    [wish / under, shift / under].map(|wanted| {
+    let limits = [greater(piece.reach, by.sink), piece.reach].map(|limit| limit / most);
+    [(wish, limits[0]), (shift, limits[1])].map(|(wanted, limit)| {
+        let wanted = wanted / under;
         let wanted = if wanted > limit { limit } else { wanted };
         let wanted = if wanted < -limit { -limit } else { wanted };
         if weight > 0.0 && most > 0.0 {

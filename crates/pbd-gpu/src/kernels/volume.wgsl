@@ -174,10 +174,11 @@ fn steps_of(sums: vec4f, rest: f32, reach: f32, body: Body, lambda: f32) -> vec2
     let weight = sums.z;
     let sum = frame.diagonal_scale * weight + alpha;
     let under = select(sum, weight, weight > sum);
-    let limit = select(reach, body.volume_sink, body.volume_sink > reach) / sums.w;
+    let farthest = select(reach, body.volume_sink, body.volume_sink > reach);
+    let limit = vec2f(farthest / sums.w, reach / sums.w);
     var wanted = vec2f(wish / under, shift / under);
-    wanted = select(wanted, vec2f(limit), wanted > vec2f(limit));
-    wanted = select(wanted, vec2f(-limit), wanted < vec2f(-limit));
+    wanted = select(wanted, limit, wanted > limit);
+    wanted = select(wanted, -limit, wanted < -limit);
     return select(vec2f(), wanted, weight > 0.0 && sums.w > 0.0);
 }
 

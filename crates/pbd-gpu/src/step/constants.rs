@@ -184,7 +184,7 @@ pub struct VolumeProjection {
     /// Maximum correction of an old error per projection, as a fraction of the rest volume;
     /// unbounded for a compressible one.
     pub recovery: f32,
-    /// Displacement by a correction that weight may require \[m\].
+    /// Displacement per projection that carries the weight \[m\].
     pub sink: f32,
     /// As in [`Projection`].
     pub error_carryover: f32,

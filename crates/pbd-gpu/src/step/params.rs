@@ -75,9 +75,9 @@ pub enum Scheme {
     /// mean mass `m` of a vertex and the frame `dt` this is `dt / sqrt(c m)`. With the bending
     /// compliance it is divided by the mean rest length. The sizes are measured at creation and
     /// after edits, so the choice is the same on every machine. Substeps of one iteration take
-    /// sweeps. With one or two substeps of two to four iterations such bodies are on the
-    /// work-precision Pareto front of `incise-bench accuracy`. The GPU backend does not support it. Without the feature `global` all bodies take
-    /// sweeps.
+    /// sweeps. With one or two substeps of two to four iterations such bodies are on or near
+    /// the work-precision Pareto front of `incise-bench accuracy`. The GPU backend does not support it.
+    /// Without the feature `global` all bodies take sweeps.
     Auto,
 }
 
@@ -139,7 +139,7 @@ pub enum Integrator {
 impl Default for SolverParams {
     /// Returns 16 substeps of one iteration with a diagonal scale of 1/2, and no ground.
     ///
-    /// On eight of the eleven scenes of `incise-bench accuracy` its error is at most 1.1 times the
+    /// On eight of the eleven scenes of `incise-bench accuracy` its error is at most 1.11 times the
     /// smallest one in the same time. Soft sheets gain from [`Integrator::Bdf2`], large and stiff
     /// bodies from [`Scheme::Auto`] with two substeps of four iterations. More iterations in fewer
     /// substeps of sweeps have larger errors (Macklin et al. 2019, "Small Steps in Physics

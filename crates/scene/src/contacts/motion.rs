@@ -23,7 +23,7 @@ pub(super) struct Motion {
     velocities: Vec<[f32; 4]>,
     /// Boxes of displacements relative to their group of pieces \[m\], shape [vertex slots].
     pub(super) displacements: Vec<Aabb>,
-    /// Displacements and normals of the nodes of the body's BVH.
+    /// Boxes and displacements of the nodes of the body's BVH.
     pub(super) bounds: MotionBounds,
     /// By piece number: index in the broad phase, or `u32::MAX`.
     pub(super) pieces: Vec<u32>,

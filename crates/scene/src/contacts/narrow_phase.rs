@@ -22,7 +22,8 @@ const MIN_PARALLEL_ROWS: usize = 4;
 
 /// Maximum distance of a resting vertex from the triangle of a contact [thicknesses].
 ///
-/// Others may push it within the frame, and its distance is a thickness up to rounding.
+/// Others may push it within the frame, and its distance is a thickness up to rounding. A vertex
+/// is fast if it may move farther in the frame.
 const MARGIN: f64 = 1.5;
 
 /// Maximum depth of a contact [thicknesses].
@@ -202,8 +203,8 @@ impl Search<'_> {
     /// Finds the nearest triangle of a body within reach of a vertex, other than those around it.
     ///
     /// The search starts at the triangle of the previous frame's contact. Sheets are touched from
-    /// both sides. Other triangles are touched from [outside](is_outside), by slow vertices only if
-    /// they face them.
+    /// both sides. Other triangles are touched from [outside](is_outside); a slow vertex touches
+    /// only those that face it.
     fn nearest(
         &self,
         of: Searched<'_>,
@@ -237,14 +238,17 @@ impl Search<'_> {
         // A deeper vertex has passed the triangle, whose plane would hold the two together.
         let max_depth = |t| MAX_DEPTH * of.thickness(v).min(motion.thickness(other_surface, t));
         let outward = outward_normal(surface, v);
+        let is_faced = |t| {
+            faces(other_surface, outward, t)
+                && (is_in_sheet(t) || is_outside(other_surface, t, (at, outward), max_depth(t)))
+        };
         // In a crushed piece the normal of a vertex may point anywhere.
         let is_fast = of.motion.max_displacement(v) > MARGIN * of.thickness(v);
-        let is_candidate = |t| {
-            let is_on_side = has_two_sides(t)
-                || (is_fast || faces(other_surface, outward, t))
-                    && is_outside(other_surface, t, (at, outward), max_depth(t));
-            is_on_side && !is_around(t)
+        let is_before = |t| {
+            let is_free = is_fast && !is_own(t);
+            is_free && is_outside(other_surface, t, (at, outward), max_depth(t))
         };
+        let is_candidate = |t| (has_two_sides(t) || is_faced(t) || is_before(t)) && !is_around(t);
         let point = MovingPoint {
             excluded_piece: point.excluded_piece.filter(|_| other == of.index),
             ..*point
@@ -252,8 +256,8 @@ impl Search<'_> {
         let first = previous.map(|contact| contact.triangle);
         let (bvh, bounds) = (body.bvh(), &motion.bounds);
         let found = bvh.nearest_in_reach(other_surface, &point, bounds, first, is_candidate)?;
-        let is_faced = |t| has_two_sides(t) || faces(other_surface, outward, t);
-        let found = shared_by(other_surface, found, is_faced);
+        let is_preferred = |t| (has_two_sides(t) || is_faced(t)) && !is_around(t);
+        let found = shared_by(other_surface, (at, found), is_preferred);
         let max_depth = max_depth(found.triangle);
         let is_behind = if is_in_sheet(found.triangle) {
             // The sides of a cut through a sheet start in one plane.

@@ -1,7 +1,7 @@
 //! Sides of triangles on which a vertex may touch them.
 //!
-//! The side of a fast vertex follows from positions alone: in a crushed piece its outward normal may
-//! point anywhere. That of a slow one must also face the triangle.
+//! A fast vertex in front of a triangle touches it whatever its own normal is, which may point
+//! anywhere in a crushed piece. A slow vertex, and one slightly behind, must be faced by it.
 
 use super::persistent::area_normal;
 use incise_mesh::{NearestPoint, Surface, TriangleId, Vec3, VertexId};
@@ -33,12 +33,13 @@ pub(super) fn is_outside(
         || outward.dot(&normal) < 0.0 && height.powi(2) <= max_depth.powi(2) * normal.norm_squared()
 }
 
-/// Returns a nearest point on an edge or corner as one of a triangle there that `counts`, if any.
+/// Returns the point nearest to `at` as one of a triangle that `counts`, if it is on an edge or
+/// corner of such a triangle.
 ///
 /// Beside the rim of a cap, only the cap carries a vertex above it; the skin would let it pass.
 pub(super) fn shared_by(
     surface: &Surface,
-    mut found: NearestPoint,
+    (at, mut found): (Vec3, NearestPoint),
     counts: impl Fn(TriangleId) -> bool,
 ) -> NearestPoint {
     let topology = surface.topology();
@@ -56,6 +57,8 @@ pub(super) fn shared_by(
         let has_point = weights.iter().filter(|&&w| w > 0.0).count() == used;
         if has_point && counts(h.triangle()) {
             (found.triangle, found.weights) = (h.triangle(), weights);
+            let height = area_normal(surface, h.triangle()).dot(&(at - found.point));
+            found.distance = found.distance.abs().copysign(height);
             break;
         }
     }

@@ -12,8 +12,9 @@ use std::io::{self, Write};
 const LEGEND: &str = "\
 step: error of the frame, to a converged step from the state before it. fresh: the same with a \
 factor made in this frame. drift: error to converged steps since the cut. age: frames since the \
-constraints of the factor in use were copied. Errors are root mean squares over vertices, over the \
-mean rest length. ms: shortest of several runs; that of frame 1 includes the update of the solver after the cut.";
+constraints of the factor in use were copied. Errors are root mean squares over vertices, weighted \
+by mass, over the mean rest length. ms: shortest of several runs; that of frame 1 includes the \
+update of the solver after the cut.";
 
 /// Columns of the table.
 const COLUMNS: &[Column<FrameRow>] = &[
@@ -69,10 +70,10 @@ pub(super) fn scene(out: &mut impl Write, rows: &[FrameRow]) -> io::Result<()> {
     Ok(())
 }
 
-/// Returns the time by which the slowest frame exceeds the median \[ms\].
+/// Returns the time by which the frame of the cut exceeds the median \[ms\].
 pub(super) fn blocked(rows: &[&FrameRow]) -> f64 {
-    let slowest = rows.iter().fold(0.0, |most: f64, row| most.max(row.ms));
-    slowest - median(rows.iter().map(|row| row.ms).collect())
+    let of_cut = rows.first().map_or(0.0, |row| row.ms);
+    of_cut - median(rows.iter().map(|row| row.ms).collect())
 }
 
 /// Returns the number of frames after which all are as accurate as with a factor of their own;

@@ -205,7 +205,11 @@ fn wgsl_kernels_have_the_constants_of_rust() {
         }
         // The module for patches has no volume kernel.
         if module.entry_points[0].name != PATCHES {
-            for (name, wanted) in [("SIXTH", volume::SIXTH), ("THIRD", volume::THIRD)] {
+            for (name, wanted) in [
+                ("SIXTH", volume::SIXTH),
+                ("THIRD", volume::THIRD),
+                ("AREA", volume::AREA),
+            ] {
                 assert_eq!(constant(&module, name), [wanted.to_bits()], "{name}");
             }
         }
