@@ -17,9 +17,9 @@
 //! An incompressible piece regains the loss of the current substep at once. Older losses, such as
 //! those of an impact or a change of pressure, are regained at rate [`RECOVERY`] at most. Gravity
 //! may move the faces of a thin piece by more than that, even by more than its thickness. The piece
-//! then regains up to [`LOADS`] times that motion as velocity, which carries its weight. The rest of
-//! a loss that takes several substeps moves positions instead of displacements: a piece that grows
-//! or shrinks to another volume does not gain velocity from it.
+//! then regains up to [`LOADS`] times that motion as velocity, which carries its weight. The rest
+//! of a loss that takes several substeps moves positions instead of displacements: a piece that
+//! grows or shrinks to another volume does not gain velocity from it.
 
 use super::block::difference;
 use super::particle_state::ParticleStates;

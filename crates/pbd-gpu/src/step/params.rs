@@ -75,8 +75,8 @@ pub enum Scheme {
     /// mean mass `m` of a vertex and the frame `dt` this is `dt / sqrt(c m)`. With the bending
     /// compliance it is divided by the mean rest length. The sizes are measured at creation and
     /// after edits, so the choice is the same on every machine. Substeps of one iteration take
-    /// sweeps. With one or two substeps of two to four iterations such bodies are on or near
-    /// the work-precision Pareto front of `incise-bench accuracy`. The GPU backend does not support it.
+    /// sweeps. With one or two substeps of two to four iterations such bodies are on or near the
+    /// work-precision Pareto front of `incise-bench accuracy`. The GPU backend does not support it.
     /// Without the feature `global` all bodies take sweeps.
     Auto,
 }
