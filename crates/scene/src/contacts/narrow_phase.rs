@@ -256,8 +256,11 @@ impl Search<'_> {
         let first = previous.map(|contact| contact.triangle);
         let (bvh, bounds) = (body.bvh(), &motion.bounds);
         let found = bvh.nearest_in_reach(other_surface, &point, bounds, first, is_candidate)?;
-        let is_preferred = |t| (has_two_sides(t) || is_faced(t)) && !is_around(t);
-        let found = shared_by(other_surface, (at, found), is_preferred);
+        let is_preferred = |t| {
+            let is_faced = has_two_sides(t) || faces(other_surface, outward, t);
+            is_faced && !is_around(t)
+        };
+        let found = shared_by(other_surface, found, is_preferred);
         let max_depth = max_depth(found.triangle);
         let is_behind = if is_in_sheet(found.triangle) {
             // The sides of a cut through a sheet start in one plane.

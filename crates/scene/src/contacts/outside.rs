@@ -33,13 +33,14 @@ pub(super) fn is_outside(
         || outward.dot(&normal) < 0.0 && height.powi(2) <= max_depth.powi(2) * normal.norm_squared()
 }
 
-/// Returns the point nearest to `at` as one of a triangle that `counts`, if it is on an edge or
-/// corner of such a triangle.
+/// Returns a nearest point as one of a triangle that `counts`, if it is on an edge or corner of such
+/// a triangle.
 ///
-/// Beside the rim of a cap, only the cap carries a vertex above it; the skin would let it pass.
+/// Beside the rim of a cap, only the cap carries a vertex above it; the skin would let it pass. The
+/// distance keeps its sign, since a vertex in front of either of them is outside.
 pub(super) fn shared_by(
     surface: &Surface,
-    (at, mut found): (Vec3, NearestPoint),
+    mut found: NearestPoint,
     counts: impl Fn(TriangleId) -> bool,
 ) -> NearestPoint {
     let topology = surface.topology();
@@ -57,8 +58,6 @@ pub(super) fn shared_by(
         let has_point = weights.iter().filter(|&&w| w > 0.0).count() == used;
         if has_point && counts(h.triangle()) {
             (found.triangle, found.weights) = (h.triangle(), weights);
-            let height = area_normal(surface, h.triangle()).dot(&(at - found.point));
-            found.distance = found.distance.abs().copysign(height);
             break;
         }
     }
