@@ -19,7 +19,7 @@ pub(super) fn faces(surface: &Surface, outward: Vec3, t: TriangleId) -> bool {
 
 /// Returns whether a vertex is in front of a triangle, or slightly behind it and faced by it.
 ///
-/// It counts as slightly behind up to a depth of `max_depth` \[m\].
+/// Slightly behind is up to a depth of `max_depth` \[m\].
 pub(super) fn is_outside(
     surface: &Surface,
     t: TriangleId,
@@ -33,8 +33,7 @@ pub(super) fn is_outside(
         || outward.dot(&normal) < 0.0 && height.powi(2) <= max_depth.powi(2) * normal.norm_squared()
 }
 
-/// Returns a nearest point as one of a triangle that `counts`, if it is on an edge or corner of such
-/// a triangle.
+/// Returns a nearest point as one of a triangle that `counts`, if it is on the border of one.
 ///
 /// Beside the rim of a cap, only the cap carries a vertex above it; the skin would let it pass. The
 /// distance keeps its sign, since a vertex in front of either of them is outside.
