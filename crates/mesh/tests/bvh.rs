@@ -1,6 +1,5 @@
 //! Queries of a BVH (planes, rays, nearest points), compared with brute force.
 
-use incise_mesh::geometry::area_vector;
 use incise_mesh::{
     Aabb, Bvh, MotionBounds, MovingPoint, Surface, TriangleId, Vec3, VertexId, cube_sphere,
     index_u32, torus,
