@@ -69,7 +69,7 @@ def main() -> None:
     parser.add_argument("--scenes", nargs="*")
     parser.add_argument("-o", "--output", default="accuracy.png")
     arguments = parser.parse_args()
-    files = sorted(arguments.results.glob("*.csv"))
+    files = [path for path in sorted(arguments.results.glob("*.csv")) if path.stem != "ranks"]
     scenes = [path for path in files if not arguments.scenes or path.stem in arguments.scenes]
     if not scenes:
         known = ", ".join(path.stem for path in files) or "none"
