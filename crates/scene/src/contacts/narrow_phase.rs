@@ -7,7 +7,7 @@ use super::body_rows::{BodyContact, BodyRows, ROW, Row};
 use super::broad_phase::Pieces;
 use super::edge_pairs::EdgePairs;
 use super::motion::Motion;
-use super::outside::{faces, is_outside, outward_normal, shared_by};
+use super::outside::{Touching, faces, is_outside, outward_normal, shared_by};
 use super::persistent::{PersistentContact, contact_kind};
 use super::sheets::{SideLimits, is_behind};
 use super::{ContactFrame, SPEED_MARGIN};
@@ -22,8 +22,8 @@ const MIN_PARALLEL_ROWS: usize = 4;
 
 /// Maximum distance of a resting vertex from the triangle of a contact [thicknesses].
 ///
-/// Others may push it within the frame, and its distance is a thickness up to rounding. A vertex
-/// is fast if it may move farther in the frame.
+/// Others may push it within the frame, and its distance is a thickness up to rounding. Vertices
+/// with a larger maximum displacement in the frame count as fast.
 const MARGIN: f64 = 1.5;
 
 /// Maximum depth of a contact [thicknesses].
@@ -203,8 +203,7 @@ impl Search<'_> {
     /// Finds the nearest triangle of a body within reach of a vertex, other than those around it.
     ///
     /// The search starts at the triangle of the previous frame's contact. Sheets are touched from
-    /// both sides. Other triangles are touched from [outside](is_outside); a slow vertex touches
-    /// only those that face it.
+    /// both sides, the other triangles from [outside](is_outside).
     fn nearest(
         &self,
         of: Searched<'_>,
@@ -238,17 +237,19 @@ impl Search<'_> {
         // A deeper vertex has passed the triangle, whose plane would hold the two together.
         let max_depth = |t| MAX_DEPTH * of.thickness(v).min(motion.thickness(other_surface, t));
         let outward = outward_normal(surface, v);
-        let is_faced = |t| {
-            faces(other_surface, outward, t)
-                && (is_in_sheet(t) || is_outside(other_surface, t, (at, outward), max_depth(t)))
-        };
-        // In a crushed piece the normal of a vertex may point anywhere.
         let is_fast = of.motion.max_displacement(v) > MARGIN * of.thickness(v);
-        let is_before = |t| {
-            let is_free = is_fast && !is_own(t);
-            is_free && is_outside(other_surface, t, (at, outward), max_depth(t))
+        let is_candidate = |t| {
+            let vertex = Touching {
+                at,
+                outward,
+                must_be_faced: !is_fast || is_own(t),
+                max_depth: max_depth(t),
+            };
+            let is_on_side = has_two_sides(t)
+                || is_in_sheet(t) && faces(other_surface, outward, t)
+                || is_outside(other_surface, t, vertex);
+            is_on_side && !is_around(t)
         };
-        let is_candidate = |t| (has_two_sides(t) || is_faced(t) || is_before(t)) && !is_around(t);
         let point = MovingPoint {
             excluded_piece: point.excluded_piece.filter(|_| other == of.index),
             ..*point

@@ -17,20 +17,30 @@ pub(super) fn faces(surface: &Surface, outward: Vec3, t: TriangleId) -> bool {
     outward.dot(&area_normal(surface, t)) < 0.0
 }
 
-/// Returns whether a vertex is in front of a triangle, or slightly behind it and faced by it.
-///
-/// Slightly behind is up to a depth of `max_depth` \[m\].
-pub(super) fn is_outside(
-    surface: &Surface,
-    t: TriangleId,
-    (at, outward): (Vec3, Vec3),
-    max_depth: f64,
-) -> bool {
+/// A vertex that may touch a triangle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Touching {
+    /// Position \[m\].
+    pub(super) at: Vec3,
+    /// Outward normal, of any length.
+    pub(super) outward: Vec3,
+    /// Whether the triangle must face the vertex, also one that the vertex is in front of.
+    pub(super) must_be_faced: bool,
+    /// Maximum depth behind a triangle that faces the vertex \[m\].
+    pub(super) max_depth: f64,
+}
+
+/// Returns whether a vertex is in front of a triangle, or slightly behind one that faces it.
+pub(super) fn is_outside(surface: &Surface, t: TriangleId, vertex: Touching) -> bool {
     let [a, ..] = surface.triangle_positions(t);
     let normal = area_normal(surface, t);
-    let height = normal.dot(&(at - a));
-    height > 0.0
-        || outward.dot(&normal) < 0.0 && height.powi(2) <= max_depth.powi(2) * normal.norm_squared()
+    let height = normal.dot(&(vertex.at - a));
+    let is_faced = vertex.outward.dot(&normal) < 0.0;
+    if height > 0.0 {
+        is_faced || !vertex.must_be_faced
+    } else {
+        is_faced && height.powi(2) <= vertex.max_depth.powi(2) * normal.norm_squared()
+    }
 }
 
 /// Returns a nearest point as one of a triangle that `counts`, if it is on the border of one.
