@@ -77,6 +77,9 @@ impl Scene {
             self.stats.bvh_refits_skipped = self.stats.bvh_refits_skipped.saturating_sub(refit);
             body.measure_pieces();
             self.stats.contact_searches += 1;
+            if !is_asleep {
+                self.sleep.measure(i, body, &self.params);
+            }
             let frame = contact_frame(
                 params,
                 &self.params,

@@ -7,12 +7,15 @@
 //! [`SleepParams::LAG`] frames later, when the GPU's measurement has arrived; it then either falls
 //! asleep or is observed again.
 
+mod excursion;
 #[cfg(feature = "serde")]
 mod saved;
 
+use crate::body::Body;
 use crate::contacts::ContactParams;
 use crate::error::SceneError;
 use crate::params::SceneParams;
+use excursion::Excursion;
 use incise_mesh::Aabb;
 use incise_pbd_gpu::SolverParams;
 #[cfg(feature = "serde")]
@@ -24,7 +27,8 @@ pub(crate) use saved::SavedSleep;
 pub struct SleepParams {
     /// Maximum speed of a vertex along an axis at rest [mean rest edge lengths per second].
     ///
-    /// Measured in the fastest substep. Rounding adds up to four times as much: a few units in the
+    /// Measured in the fastest substep, and of bodies that may touch others also over the whole
+    /// time: their vertices may tremble by a twentieth of an edge length. Rounding adds up to four times as much: a few units in the
     /// last place of the body's largest coordinate. A body whose coordinates round more coarsely
     /// stays awake. A body that creeps more slowly than this is stopped by its sleep.
     pub speed: f32,
@@ -95,6 +99,23 @@ impl Default for SleepParams {
 /// Maximum displacement attributed to rounding, relative to the displacement at rest.
 const MAX_ROUNDING: f64 = 4.0;
 
+/// Maximum distance of a vertex at rest from its place at any time, in mean rest edge lengths.
+const MAX_TREMOR: f64 = 0.05;
+
+/// Returns the maximum distance of a trembling vertex from its place along an axis \[m\].
+///
+/// At most half of the way that a body thrown upwards takes to return to its place within `time`
+/// \[s\].
+fn tremor_limit(edge: f64, gravity: [f32; 3], time: f64) -> f64 {
+    let gravity = gravity.iter().map(|&g| f64::from(g).powi(2)).sum::<f64>();
+    let tremor = MAX_TREMOR * edge;
+    if gravity > 0.0 {
+        tremor.min(gravity.sqrt() * time * time / 16.0)
+    } else {
+        tremor
+    }
+}
+
 /// Maximum relative change of `dt` that wakes no body.
 const DT_TOLERANCE: f32 = 0.2;
 
@@ -118,6 +139,8 @@ struct Observation {
     max_displacement: f32,
     /// Whether that was small enough, once the observed frames are over.
     is_at_rest: bool,
+    /// Whether the body trembles without leaving its place, known before the last frame.
+    is_in_place: bool,
 }
 
 /// The frames of an observation in which a GPU measurement starts or ends.
@@ -144,6 +167,7 @@ pub(crate) struct Sleep {
     /// Boxes of sleeping bodies; [`EVERYWHERE`] for an unknown one.
     bounds: Vec<Aabb>,
     observations: Vec<Observation>,
+    excursions: Vec<Excursion>,
     /// First body of the island in which a sleeping body fell asleep.
     islands: Vec<usize>,
     sleeping_bodies: u32,
@@ -165,6 +189,7 @@ impl Sleep {
         self.asleep.resize(i + 1, false);
         self.bounds.resize(i + 1, EVERYWHERE);
         self.observations.resize(i + 1, Observation::default());
+        self.excursions.resize(i + 1, Excursion::default());
         self.islands.resize(i + 1, i);
     }
 
@@ -261,8 +286,30 @@ impl Sleep {
         (observation.frames == observed_frames).then_some(observation.max_displacement)
     }
 
+    /// Measures before a frame how far an awake body has moved since its observation started.
+    ///
+    /// Only bodies that may touch others are measured: contacts are found on the CPU, which has
+    /// their positions then.
+    pub(crate) fn measure(&mut self, i: usize, body: &Body, params: &SceneParams) {
+        let Some(sleep) = &params.sleep else { return };
+        let (observation, excursion) = (&mut self.observations[i], &mut self.excursions[i]);
+        let surface = body.surface();
+        excursion.measure(surface.positions(), observation.frames == 0);
+        observation.is_in_place = false;
+        if observation.frames + 1 == self.observed_frames + SleepParams::LAG
+            && let Some(distances) = excursion.distances()
+        {
+            let time = f64::from(observation.frames) * f64::from(params.dt);
+            let edge = body.solver().mean_rest_length();
+            let net = sleep.limit(edge, &surface.bounds(), time);
+            let farthest = tremor_limit(edge, params.solver.gravity, time);
+            observation.is_in_place = distances[0] <= net && distances[1] <= farthest;
+        }
+    }
+
     /// Records a frame of an awake body.
     pub(crate) fn count_frame(&mut self, i: usize) {
+        self.excursions[i].end_frame();
         let frames = &mut self.observations[i].frames;
         *frames = (*frames + 1).min(self.observed_frames + SleepParams::LAG);
     }
@@ -307,7 +354,9 @@ impl Sleep {
         if !members.iter().all(is_over) {
             return false;
         }
-        let are_at_rest = members.iter().all(|&i| self.observations[i].is_at_rest);
+        let is_at_rest =
+            |&i: &usize| self.observations[i].is_at_rest || self.observations[i].is_in_place;
+        let are_at_rest = members.iter().all(is_at_rest);
         for &i in members {
             self.observations[i] = Observation::default();
         }

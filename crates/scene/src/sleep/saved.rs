@@ -1,5 +1,6 @@
 //! [`SavedSleep`]: the sleeping state of all bodies, for files.
 
+use super::excursion::Excursion;
 use super::{Conditions, Observation, Sleep, SleepParams};
 use incise_mesh::{Aabb, index_u32};
 use serde::{Deserialize, Serialize};
@@ -11,6 +12,7 @@ pub(crate) struct SavedSleep<'a> {
     asleep: Cow<'a, [bool]>,
     bounds: Cow<'a, [Aabb]>,
     observations: Cow<'a, [Observation]>,
+    excursions: Cow<'a, [Excursion]>,
     islands: Vec<u32>,
     woken: u32,
     conditions: Option<Conditions>,
@@ -24,6 +26,7 @@ impl Sleep {
             asleep: (&self.asleep).into(),
             bounds: (&self.bounds).into(),
             observations: (&self.observations).into(),
+            excursions: (&self.excursions).into(),
             islands: self.islands.iter().map(|&i| index_u32(i)).collect(),
             woken: self.woken,
             conditions: self.conditions,
@@ -37,9 +40,10 @@ impl Sleep {
             saved.asleep.len(),
             saved.bounds.len(),
             saved.observations.len(),
+            saved.excursions.len(),
         ];
         let last = saved.observed_frames.checked_add(SleepParams::LAG)?;
-        let is_valid = lengths == [bodies; 3]
+        let is_valid = lengths == [bodies; 4]
             && saved.islands.len() == bodies
             && saved.islands.iter().all(|&i| (i as usize) < bodies)
             && saved
@@ -52,6 +56,7 @@ impl Sleep {
             asleep: saved.asleep.into_owned(),
             bounds: saved.bounds.into_owned(),
             observations: saved.observations.into_owned(),
+            excursions: saved.excursions.into_owned(),
             islands: saved.islands.iter().map(|&i| i as usize).collect(),
             woken: saved.woken,
             conditions: saved.conditions,
