@@ -28,11 +28,18 @@ impl Scene {
             islands,
             sleep,
             gpu,
+            params,
             ..
         } = self;
         let is_awake = |i: usize| !sleep.is_asleep(i);
         let is_on_gpu = |i: usize| gpu.as_ref().is_some_and(|gpu| gpu.holds(i));
         self.stats.contacts += islands.group(bodies, detection, is_awake, is_on_gpu)?;
+        for (i, body) in bodies.iter().enumerate() {
+            let touches = islands.is_shared(i) || detection.contacts(i).next().is_some();
+            if let Some(body) = body.as_ref().filter(|_| touches && !sleep.is_asleep(i)) {
+                sleep.measure(i, body, params);
+            }
+        }
         if let Some(gpu) = gpu {
             for (i, body) in bodies.iter().enumerate() {
                 if let Some(body) = body.as_ref().filter(|_| islands.is_shared(i)) {
@@ -77,9 +84,6 @@ impl Scene {
             self.stats.bvh_refits_skipped = self.stats.bvh_refits_skipped.saturating_sub(refit);
             body.measure_pieces();
             self.stats.contact_searches += 1;
-            if !is_asleep {
-                self.sleep.measure(i, body, &self.params);
-            }
             let frame = contact_frame(
                 params,
                 &self.params,

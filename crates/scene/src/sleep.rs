@@ -15,7 +15,7 @@ use crate::body::Body;
 use crate::contacts::ContactParams;
 use crate::error::SceneError;
 use crate::params::SceneParams;
-use excursion::Excursion;
+use excursion::{Excursion, INTERVAL};
 use incise_mesh::Aabb;
 use incise_pbd_gpu::SolverParams;
 #[cfg(feature = "serde")]
@@ -27,8 +27,8 @@ pub(crate) use saved::SavedSleep;
 pub struct SleepParams {
     /// Maximum speed of a vertex along an axis at rest [mean rest edge lengths per second].
     ///
-    /// Measured in the fastest substep, and of bodies that may touch others also over the whole
-    /// time: their vertices may tremble by a twentieth of an edge length. Rounding adds up to four times as much: a few units in the
+    /// Measured in the fastest substep, or over eight frames for bodies that touch others and
+    /// tremble in place by at most a twentieth of an edge length. Rounding adds up to four times as much: a few units in the
     /// last place of the body's largest coordinate. A body whose coordinates round more coarsely
     /// stays awake. A body that creeps more slowly than this is stopped by its sleep.
     pub speed: f32,
@@ -99,22 +99,8 @@ impl Default for SleepParams {
 /// Maximum displacement attributed to rounding, relative to the displacement at rest.
 const MAX_ROUNDING: f64 = 4.0;
 
-/// Maximum distance of a vertex at rest from its place at any time, in mean rest edge lengths.
+/// Maximum motion of a vertex that trembles in place, in mean rest edge lengths.
 const MAX_TREMOR: f64 = 0.05;
-
-/// Returns the maximum distance of a trembling vertex from its place along an axis \[m\].
-///
-/// At most half of the way that a body thrown upwards takes to return to its place within `time`
-/// \[s\].
-fn tremor_limit(edge: f64, gravity: [f32; 3], time: f64) -> f64 {
-    let gravity = gravity.iter().map(|&g| f64::from(g).powi(2)).sum::<f64>();
-    let tremor = MAX_TREMOR * edge;
-    if gravity > 0.0 {
-        tremor.min(gravity.sqrt() * time * time / 16.0)
-    } else {
-        tremor
-    }
-}
 
 /// Maximum relative change of `dt` that wakes no body.
 const DT_TOLERANCE: f32 = 0.2;
@@ -139,8 +125,6 @@ struct Observation {
     max_displacement: f32,
     /// Whether that was small enough, once the observed frames are over.
     is_at_rest: bool,
-    /// Whether the body trembles without leaving its place, known before the last frame.
-    is_in_place: bool,
 }
 
 /// The frames of an observation in which a GPU measurement starts or ends.
@@ -286,25 +270,17 @@ impl Sleep {
         (observation.frames == observed_frames).then_some(observation.max_displacement)
     }
 
-    /// Measures before a frame how far an awake body has moved since its observation started.
+    /// Measures before a frame whether an awake body that touches others has left its place.
     ///
-    /// Only bodies that may touch others are measured: contacts are found on the CPU, which has
-    /// their positions then.
+    /// Contacts are found on the CPU, which has the positions of such bodies.
     pub(crate) fn measure(&mut self, i: usize, body: &Body, params: &SceneParams) {
         let Some(sleep) = &params.sleep else { return };
-        let (observation, excursion) = (&mut self.observations[i], &mut self.excursions[i]);
-        let surface = body.surface();
-        excursion.measure(surface.positions(), observation.frames == 0);
-        observation.is_in_place = false;
-        if observation.frames + 1 == self.observed_frames + SleepParams::LAG
-            && let Some(distances) = excursion.distances()
-        {
-            let time = f64::from(observation.frames) * f64::from(params.dt);
-            let edge = body.solver().mean_rest_length();
-            let net = sleep.limit(edge, &surface.bounds(), time);
-            let farthest = tremor_limit(edge, params.solver.gravity, time);
-            observation.is_in_place = distances[0] <= net && distances[1] <= farthest;
-        }
+        let time = f64::from(INTERVAL) * f64::from(params.dt);
+        let (surface, edge) = (body.surface(), body.solver().mean_rest_length());
+        let slow = sleep.limit(edge, &surface.bounds(), time);
+        let limits = [slow, f64::max(slow, MAX_TREMOR * edge)];
+        let frames = self.observations[i].frames;
+        self.excursions[i].measure(surface.positions(), frames, limits);
     }
 
     /// Records a frame of an awake body.
@@ -354,8 +330,10 @@ impl Sleep {
         if !members.iter().all(is_over) {
             return false;
         }
-        let is_at_rest =
-            |&i: &usize| self.observations[i].is_at_rest || self.observations[i].is_in_place;
+        let has_intervals = until > 2 * INTERVAL;
+        let is_at_rest = |&i: &usize| {
+            self.observations[i].is_at_rest || has_intervals && self.excursions[i].is_in_place()
+        };
         let are_at_rest = members.iter().all(is_at_rest);
         for &i in members {
             self.observations[i] = Observation::default();
