@@ -41,8 +41,7 @@ pub(crate) fn contacts(
         };
         let depth = gap - dot(between, n);
         let w = contact.weights;
-        let shares = [0, 1, 2, 3].map(|i: usize| w[i] * p[i].x[3]);
-        let weight = (w[0] * shares[0] + w[1] * shares[1]) + (w[2] * shares[2] + w[3] * shares[3]);
+        let (shares, weight) = mobility(w, p);
         let is_active = depth > 0.0 && weight > 0.0;
         contact.is_active = u32::from(is_active);
         if !is_active {
@@ -72,6 +71,22 @@ pub(crate) fn contacts(
     }
 }
 
+/// Maximum motion of a vertex, relative to the correction of the distance.
+///
+/// With equal masses it is at most 1.4. Next to a pin it may be the reciprocal of a tiny weight.
+const MAX_SHARE: f32 = 2.0;
+
+/// Returns the weights over the masses, and the inverse mass of the distance [1/kg].
+#[inline(always)]
+fn mobility(w: [f32; 4], p: [ParticleState; 4]) -> ([f32; 4], f32) {
+    let shares = [0, 1, 2, 3].map(|i: usize| w[i] * p[i].x[3]);
+    let weight = (w[0] * shares[0] + w[1] * shares[1]) + (w[2] * shares[2] + w[3] * shares[3]);
+    let greater = |a: f32, b: f32| if b > a { b } else { a };
+    let [a, b, c, d] = shares.map(f32::abs);
+    let largest = greater(greater(a, b), greater(c, d));
+    (shares, greater(weight, largest / MAX_SHARE))
+}
+
 /// Rate at which a distance below the minimum grows, relative to the missing distance [1/s].
 const RECOVERY: f32 = 5.0;
 
@@ -96,8 +111,7 @@ pub(crate) fn recover_contacts(
         }
         let p = contact.vertices.map(|v| particles.get(v as usize));
         let (w, n) = (contact.weights, contact.normal);
-        let shares = [0, 1, 2, 3].map(|i: usize| w[i] * p[i].x[3]);
-        let weight = (w[0] * shares[0] + w[1] * shares[1]) + (w[2] * shares[2] + w[3] * shares[3]);
+        let (shares, weight) = mobility(w, p);
         let is_movable = weight > 0.0;
         if !is_movable {
             continue;

@@ -13,6 +13,18 @@ fn friction_fraction(at: u32, slide: vec3f, more: f32) -> f32 {
     return select(1.0, limit / length, slips);
 }
 
+const MAX_SHARE: f32 = 2.0;
+
+// Returns the inverse mass of the distance, so that no vertex moves much further than it changes.
+fn mobility(w: vec4f, shares: vec4f) -> f32 {
+    let weight = (w.x * shares.x + w.y * shares.y) + (w.z * shares.z + w.w * shares.w);
+    let sizes = abs(shares);
+    let first = select(sizes.x, sizes.y, sizes.y > sizes.x);
+    let second = select(sizes.z, sizes.w, sizes.w > sizes.z);
+    let least = select(first, second, second > first) / MAX_SHARE;
+    return select(weight, least, least > weight);
+}
+
 // Separates the features of the contact at an entry.
 fn project_contact(at: u32) {
     let v = vec4u(constraints[at], constraints[at + 1u]);
@@ -38,7 +50,7 @@ fn project_contact(at: u32) {
     let gap = select(moved, plane.w, is_pair);
     let depth = gap - (between.x * n.x + between.y * n.y + between.z * n.z);
     let shares = vec4f(w.x * x[0].w, w.y * x[1].w, w.z * x[2].w, w.w * x[3].w);
-    let weight = (w.x * shares.x + w.y * shares.y) + (w.z * shares.z + w.w * shares.w);
+    let weight = mobility(w, shares);
     let is_active = depth > 0.0 && weight > 0.0;
     constraints[at + 8u].x = select(0u, 1u, is_active);
     if (!is_active) {
@@ -78,7 +90,7 @@ fn recover_contact(at: u32) {
         d[i] = load_d(v[i]);
     }
     let shares = vec4f(w.x * x[0].w, w.y * x[1].w, w.z * x[2].w, w.w * x[3].w);
-    let weight = (w.x * shares.x + w.y * shares.y) + (w.z * shares.z + w.w * shares.w);
+    let weight = mobility(w, shares);
     if (!(weight > 0.0)) {
         return;
     }
