@@ -60,19 +60,26 @@ fn equal(context: Context, model: Model, schedule: Schedule, frames: u32) {
 
 /// A ball of 1 cm, which falls by more than an edge in a substep of the paper's parameters, or a
 /// chip that is thinner than its fall.
-fn small_body(factors: [f32; 3], schedule: Schedule) -> (Surface, Solver) {
+fn small_body(factors: [f32; 3], pressure: f32, schedule: Schedule) -> (Surface, Solver) {
     let mut surface = scaled(build_model(Model::Sphere80), factors);
     let material = Material {
-        volume: Some(Volume::default()),
+        volume: Some(Volume {
+            pressure,
+            ..Volume::default()
+        }),
         ..Material::default()
     };
     let solver = solver_for(&mut surface, &material, schedule);
     (surface, solver)
 }
 
-fn equal_in_more_substeps(context: Context, factors: [f32; 3], schedule: Schedule) {
-    let (mut on_cpu, mut cpu) = small_body(factors, schedule);
-    let (mut on_gpu, mut solver) = small_body(factors, schedule);
+fn equal_in_more_substeps(
+    context: Context,
+    (factors, pressure): ([f32; 3], f32),
+    schedule: Schedule,
+) {
+    let (mut on_cpu, mut cpu) = small_body(factors, pressure, schedule);
+    let (mut on_gpu, mut solver) = small_body(factors, pressure, schedule);
     let params = SolverParams {
         ground: Some(on_cpu.bounds().min[1] - 0.005),
         ..SolverParams::paper()
@@ -100,10 +107,15 @@ fn equal_in_more_substeps(context: Context, factors: [f32; 3], schedule: Schedul
 fn main() -> ExitCode {
     let mut trials = Vec::new();
     for schedule in SCHEDULES {
-        for (body, factors) in [("ball", [0.01; 3]), ("chip", [0.01, 1e-5, 0.01])] {
+        for (body, factors, pressure) in [
+            ("ball", [0.01; 3], 1.0),
+            ("inflated ball", [0.01; 3], 1.02),
+            ("deflated ball", [0.01; 3], 0.98),
+            ("chip", [0.01, 1e-5, 0.01], 1.0),
+        ] {
             let name = format!("a {body} of 1 cm by {}", schedule.name());
             trials.push(trial(&name, Needs::Strict, move |context| {
-                equal_in_more_substeps(context, factors, schedule);
+                equal_in_more_substeps(context, (factors, pressure), schedule);
             }));
         }
     }

@@ -14,16 +14,13 @@
 //! has no inverse mass here if its outward normal points down. The ground then takes nothing of a
 //! volume after this pass.
 //!
-//! An incompressible piece regains the loss of the current substep at once. Older losses, such as
-//! those of an impact or a change of pressure, are regained at rate [`RECOVERY`] at most. Gravity
-//! may move the faces of a thin piece by more than that, even by more than its thickness. The piece
-//! then regains up to [`LOADS`] times that motion as velocity, which carries its weight. The rest
-//! of a loss that takes several substeps moves positions instead of displacements: a piece that
-//! grows or shrinks to another volume does not gain velocity from it.
+//! `steps` decides how much of an error a substep corrects.
+
+pub(crate) mod steps;
 
 use super::block::difference;
 use super::particle_state::ParticleStates;
-use crate::constraints::volumes::{PieceVolume, REACH, Spoke, VolumeSet};
+use crate::constraints::volumes::{Spoke, VolumeSet};
 use crate::parallel::Leader;
 use crate::parallel::passes::volume_gradients;
 use crate::step::constants::VolumeProjection;
@@ -31,15 +28,8 @@ use incise_mesh::Topology;
 use pulp::{Arch, NullaryFnOnce};
 use std::cell::Cell;
 use std::ops::Range;
-
-/// Rate at which an incompressible piece regains older volume losses, in rest volumes [1/s].
-pub(crate) const RECOVERY: f32 = 3.0;
-
-/// Maximum recovery per substep, relative to the area of a piece times `|g| h^2`.
-pub(crate) const LOADS: f32 = 4.0;
-
-/// Rest area of a piece times its reach, relative to its rest volume.
-pub(crate) const AREA: f32 = 3.0 * REACH;
+pub(crate) use steps::{LOADS, RECOVERY};
+use steps::{greater, recovery, steps};
 
 /// Leaves of a reduction tree.
 pub(crate) const CHUNK: usize = 256;
@@ -112,7 +102,8 @@ pub(crate) fn volumes(
         };
         let sums = sum::<false>((leader, arch), input, spokes, scratch);
         let missing = (sums[0] * THIRD - by.pressure * piece.rest).abs();
-        let before = if missing > recovery(piece, by) || by.error_carryover > 0.0 {
+        let is_needed = by.error_carryover > 0.0 || by.pressure != 1.0;
+        let before = if is_needed || missing > recovery(piece, by) {
             sum::<true>((leader, arch), input, spokes, scratch)[0]
         } else {
             sums[0]
@@ -235,11 +226,6 @@ fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &Spoke) -> ([f32; 4
     ([gx, gy, gz, w], [-place, w * square, w * square.sqrt()])
 }
 
-#[inline(always)]
-fn greater(a: f32, b: f32) -> f32 {
-    if b > a { b } else { a }
-}
-
 /// Returns the sums of the first `leaves` leaves.
 #[inline(always)]
 fn tree(columns: &mut [[f32; CHUNK]; 3], leaves: usize) -> Sums {
@@ -279,72 +265,6 @@ fn total_of(partial: &[Sums]) -> Sums {
         }
     }
     tree(&mut columns, partial.len().min(CHUNK))
-}
-
-/// Returns the maximum correction of an old error in a substep [m^3].
-#[inline(always)]
-fn recovery(piece: &PieceVolume, by: VolumeProjection) -> f32 {
-    let size = piece.rest.abs();
-    greater(by.recovery * size, loaded(piece, by))
-}
-
-/// Returns the part of it that becomes velocity [m^3].
-#[inline(always)]
-fn loaded(piece: &PieceVolume, by: VolumeProjection) -> f32 {
-    by.sink * (AREA * (piece.rest.abs() / piece.reach))
-}
-
-/// Returns the steps against the gradients: of the displacements, by which the multiplier
-/// decreases, and of the positions.
-#[inline(always)]
-fn steps(
-    [now, weight, most]: Sums,
-    before: f32,
-    piece: &PieceVolume,
-    by: VolumeProjection,
-    lambda: f32,
-) -> [f32; 2] {
-    let size = piece.rest.abs();
-    let target = by.pressure * piece.rest;
-    let error = now * THIRD - target;
-    let before = before * THIRD - target;
-    let recovery = recovery(piece, by);
-    let mut left = 0.0;
-    if error > recovery || error < -recovery {
-        left = if before > recovery {
-            before - recovery
-        } else {
-            left
-        };
-        left = if before < -recovery {
-            before + recovery
-        } else {
-            left
-        };
-    }
-    let kept = by.error_carryover * before;
-    left = if kept.abs() > left.abs() { kept } else { left };
-    let alpha = by.alpha * size;
-    let mut shift = 0.0;
-    if error > recovery || error < -recovery {
-        let (old, loaded) = (before - left, loaded(piece, by));
-        shift = if old > loaded { old - loaded } else { shift };
-        shift = if old < -loaded { old + loaded } else { shift };
-    }
-    let wish = ((error - left) - shift) + alpha * lambda;
-    let sum = by.diagonal_scale * weight + alpha;
-    let under = if weight > sum { weight } else { sum };
-    let limits = [greater(piece.reach, by.sink), piece.reach].map(|limit| limit / most);
-    [(wish, limits[0]), (shift, limits[1])].map(|(wanted, limit)| {
-        let wanted = wanted / under;
-        let wanted = if wanted > limit { limit } else { wanted };
-        let wanted = if wanted < -limit { -limit } else { wanted };
-        if weight > 0.0 && most > 0.0 {
-            wanted
-        } else {
-            0.0
-        }
-    })
 }
 
 #[inline(always)]

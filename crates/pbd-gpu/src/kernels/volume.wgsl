@@ -5,6 +5,8 @@
 const SIXTH: f32 = 0.16666667;
 const THIRD: f32 = 0.33333334;
 const AREA: f32 = 0.75;
+const PRESS: f32 = 0.125;
+const EASE: f32 = 8.0;
 
 struct Around {
     gradient: vec3f,
@@ -170,13 +172,30 @@ fn steps_of(sums: vec4f, rest: f32, reach: f32, body: Body, lambda: f32) -> vec2
         shift = select(shift, old - loaded, old > loaded);
         shift = select(shift, old + loaded, old < -loaded);
     }
-    let wish = ((error - left) - shift) + alpha * lambda;
+    var parts = vec2f(((error - left) - shift) + alpha * lambda, shift);
+    let direction = select(-1.0, 1.0, goal > rest);
+    let ahead = -(direction * before);
+    if (body.volume_alpha == 0.0 && goal != rest && ahead > 0.0) {
+        let change = direction * (error - before);
+        let missing = -(direction * (before + (goal - rest)));
+        let least = PRESS * steady;
+        let force = select(least, loaded, loaded > least) + select(0.0, missing, missing > 0.0);
+        let free = returned * (1.0 - EASE * (abs(change) / force));
+        let left_over = force - select(0.0, -change, -change > 0.0);
+        var growth = select(free, left_over, left_over > free);
+        growth = select(growth, returned, returned < growth);
+        growth = select(0.0, growth, growth > 0.0);
+        parts = vec2f(
+            direction * select(change, -force, -force > change),
+            -(direction * select(growth, ahead, ahead < growth)),
+        );
+    }
     let weight = sums.z;
     let sum = frame.diagonal_scale * weight + alpha;
     let under = select(sum, weight, weight > sum);
     let farthest = select(reach, body.volume_sink, body.volume_sink > reach);
     let limit = vec2f(farthest / sums.w, reach / sums.w);
-    var wanted = vec2f(wish / under, shift / under);
+    var wanted = parts / under;
     wanted = select(wanted, limit, wanted > limit);
     wanted = select(wanted, -limit, wanted < -limit);
     return select(vec2f(), wanted, weight > 0.0 && sums.w > 0.0);

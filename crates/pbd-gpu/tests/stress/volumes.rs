@@ -1,7 +1,7 @@
 //! Bodies that keep their volumes: turned inside out, and opened.
 
 use crate::motions::squeeze;
-use crate::runner::{Body, Case, FRAME, GROUND, Runner, ball, place, shells};
+use crate::runner::{Body, Case, FRAME, GROUND, Runner, WEIGHTLESS, ball, place, shells};
 use incise_mesh::{Surface, TriangleId, Vec3};
 use incise_pbd_gpu::{Material, Volume};
 
@@ -61,7 +61,7 @@ fn balls(count: u32) -> Surface {
 /// later. Unless `is_asked`, volume is turned off before.
 fn open(runner: &mut Runner<'_>, material: &Material, count: u32, is_asked: bool) -> Vec<[f32; 4]> {
     let mut body = Body::new(balls(count), material);
-    runner.step(&mut body, FRAME, &GROUND, 60);
+    runner.step(&mut body, FRAME, &WEIGHTLESS, 60);
     if !is_asked {
         (body.solver.set_volume(&body.surface, None)).expect("a volume");
     }
@@ -71,7 +71,7 @@ fn open(runner: &mut Runner<'_>, material: &Material, count: u32, is_asked: bool
     edit.remove_triangle(TriangleId(last));
     let (delta, _) = edit.finish();
     (body.solver.apply_delta(&mut body.surface, &delta)).expect("it fits");
-    runner.step(&mut body, FRAME, &GROUND, 1);
+    runner.step(&mut body, FRAME, &WEIGHTLESS, 1);
     let closed = if is_asked { count - 1 } else { 0 };
     let kept = body.solver.volumes().pieces();
     assert!(
@@ -80,14 +80,14 @@ fn open(runner: &mut Runner<'_>, material: &Material, count: u32, is_asked: bool
         kept.len()
     );
     if !runner.is_gpu {
-        let projections = u64::from(closed * GROUND.iterations * GROUND.substeps);
+        let projections = u64::from(closed * WEIGHTLESS.iterations * WEIGHTLESS.substeps);
         assert_eq!(
             body.solver.stats().volume_projections,
             projections,
             "open pieces have none"
         );
     }
-    runner.step(&mut body, FRAME, &GROUND, 60);
+    runner.step(&mut body, FRAME, &WEIGHTLESS, 60);
     body.surface.positions()[first..].to_vec()
 }
 

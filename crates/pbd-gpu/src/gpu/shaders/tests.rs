@@ -208,7 +208,9 @@ fn wgsl_kernels_have_the_constants_of_rust() {
             for (name, wanted) in [
                 ("SIXTH", volume::SIXTH),
                 ("THIRD", volume::THIRD),
-                ("AREA", volume::AREA),
+                ("AREA", volume::steps::AREA),
+                ("PRESS", volume::steps::PRESS),
+                ("EASE", volume::steps::EASE),
             ] {
                 assert_eq!(constant(&module, name), [wanted.to_bits()], "{name}");
             }
