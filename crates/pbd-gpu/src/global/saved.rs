@@ -32,7 +32,7 @@ impl GlobalStep {
             compliances: state.compliances.to_saved(),
             pins: (&state.pins).into(),
             is_stale: state.is_stale,
-            is_diagonal_stale: state.is_diagonal_stale,
+            is_diagonal_stale: state.is_local_stale,
             pending,
             factorizations: state.factorizations,
             factor_age: state.factor_age,
@@ -73,7 +73,7 @@ impl GlobalStep {
         };
         Some(Self {
             preconditioner: Preconditioner {
-                scratch: factor.as_ref().and_then(|factor| factor.scratch()),
+                scratch: factor.as_ref().and_then(|factor| factor.cholesky.scratch()),
                 factor_time: factor
                     .as_ref()
                     .map(|factor| factor.time)
@@ -84,8 +84,12 @@ impl GlobalStep {
                 compliances: Compliances::from_saved(saved.compliances),
                 pins: saved.pins.into_owned(),
                 is_stale: saved.is_stale,
-                is_diagonal_stale: saved.is_diagonal_stale,
+                // Made again from the same constraints, pins and compliances.
+                is_local_stale: true,
                 pending,
+                local: None,
+                local_compliances: Compliances::default(),
+                local_pins: Vec::new(),
                 factorizations: saved.factorizations,
                 factor_age: saved.factor_age,
             },

@@ -1,4 +1,5 @@
-use super::matrix::MatrixInput;
+use super::local::LocalFactor;
+use super::matrix::{Factor, MatrixInput, NO_ROW};
 use super::objective::{Compliances, Objective};
 use super::*;
 use crate::solver::Solver;
@@ -63,16 +64,22 @@ fn the_gradient_is_that_of_the_value() {
     }
 }
 
+/// Returns the product of the inverse with a vector, for the vertices with a row.
+fn solve(factor: &Factor, rows: &[u32], vector: &mut [Vec3]) {
+    let mut scratch = factor.cholesky.scratch().expect("memory");
+    let rows = rows.iter().enumerate().filter(|&(_, &row)| row != NO_ROW);
+    let rows = rows.map(|(v, &row)| (row as usize, v));
+    factor.cholesky.solve(rows, vector, &mut scratch);
+}
+
 #[test]
 fn the_factor_solves_the_assembled_matrix() {
     let (mut solver, surface, points) = ball();
     let (_, constraints, _) = solver.step_parts();
     let input = Arc::new(MatrixInput::new(&sets(constraints), &surface, COMPLIANCES));
     let factor = input.factor().expect("masses are positive");
-    let mut scratch = factor.scratch().expect("memory");
-    let right = input.times(&points);
-    let mut solved = right.clone();
-    factor.solve(&factor.rows, &mut solved, &mut scratch);
+    let mut solved = input.times(&points);
+    solve(&factor, &factor.rows, &mut solved);
     for (found, expected) in solved.iter().zip(&points) {
         assert!((found - expected).norm() < 1e-12, "{found}, not {expected}");
     }
@@ -82,11 +89,25 @@ fn the_factor_solves_the_assembled_matrix() {
         let expected = Vec3::new(1.0, 2.0, 3.0) / f64::from(p[3]);
         assert!((found - expected).norm() < 1e-9, "{found}, not {expected}");
     }
-    let diagonal = input.diagonal();
-    for (i, sum) in diagonal.iter().enumerate() {
-        let mut unit = vec![Vec3::zeros(); points.len()];
-        unit[i].x = 1.0;
-        let found = input.times(&unit)[i].x;
-        assert!((found - sum).abs() < 1e-9 * sum, "{found}, not {sum}");
+}
+
+#[test]
+fn a_local_factor_beside_a_current_one_is_exact() {
+    let (mut solver, surface, points) = ball();
+    let (_, constraints, _) = solver.step_parts();
+    let input = Arc::new(MatrixInput::new(&sets(constraints), &surface, COMPLIANCES));
+    let factor = input.factor().expect("masses are positive");
+    let mut rows = factor.rows.clone();
+    for v in [0, 3, 4, 17, 30] {
+        rows[v] = NO_ROW;
     }
+    let mut local = LocalFactor::new(&input, &rows).expect("a part of a positive matrix");
+    for _ in 0..2 {
+        let mut solved = input.times(&points);
+        local.apply(&mut solved, |vector| solve(&factor, &rows, vector));
+        for (found, expected) in solved.iter().zip(&points) {
+            assert!((found - expected).norm() < 1e-12, "{found}, not {expected}");
+        }
+    }
+    assert!(LocalFactor::new(&input, &factor.rows).is_none());
 }
