@@ -6,10 +6,18 @@ use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
-use faer::sparse::{SparseColMat, Triplet};
+use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use faer::{Conj, Mat, Par, Side, Spec};
 use incise_mesh::Vec3;
 use std::fmt;
+
+/// A part of an element of the lower triangle of a matrix.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Entry {
+    pub(super) row: u32,
+    pub(super) column: u32,
+    pub(super) value: f64,
+}
 
 /// A factored sparse matrix.
 pub(super) struct Cholesky {
@@ -43,8 +51,8 @@ impl Cholesky {
     /// Factors the matrix of `count` rows whose lower triangle is the sum of some entries.
     ///
     /// `None` if it is not positive definite in 64 bits.
-    pub(super) fn new(count: usize, entries: &[Triplet<usize, usize, f64>]) -> Option<Self> {
-        let matrix = SparseColMat::try_new_from_triplets(count, count, entries).ok()?;
+    pub(super) fn new(count: usize, entries: &[Entry]) -> Option<Self> {
+        let matrix = assemble(count, entries);
         let symbolic = factorize_symbolic_cholesky(
             matrix.symbolic(),
             Side::Lower,
@@ -124,4 +132,45 @@ impl Cholesky {
             vector[v] = Vec3::from_fn(|k, _| right[(row, k)]);
         }
     }
+}
+
+/// Adds entries up.
+fn assemble(count: usize, entries: &[Entry]) -> SparseColMat<usize, f64> {
+    let mut starts = vec![0; count + 1];
+    for entry in entries {
+        starts[entry.column as usize + 1] += 1;
+    }
+    for column in 0..count {
+        starts[column + 1] += starts[column];
+    }
+    let mut next = starts.clone();
+    let mut by_column = vec![(0, 0.0); entries.len()];
+    for entry in entries {
+        let place = &mut next[entry.column as usize];
+        by_column[*place] = (entry.row, entry.value);
+        *place += 1;
+    }
+    // The place of a row's sum among those of the column; those of other columns are outdated.
+    let mut places = vec![usize::MAX; count];
+    let mut sums: Vec<(u32, f64)> = Vec::with_capacity(entries.len() / 2);
+    for column in 0..count {
+        let first = sums.len();
+        for &(row, value) in &by_column[starts[column]..starts[column + 1]] {
+            let place = &mut places[row as usize];
+            match sums.get_mut(*place).filter(|_| *place >= first) {
+                Some((_, sum)) => *sum += value,
+                None => {
+                    *place = sums.len();
+                    sums.push((row, value));
+                }
+            }
+        }
+        sums[first..].sort_unstable_by_key(|&(row, _)| row);
+        starts[column] = first;
+    }
+    starts[count] = sums.len();
+    let rows = sums.iter().map(|&(row, _)| row as usize).collect();
+    let structure = SymbolicSparseColMat::new_checked(count, count, starts, None, rows);
+    let values = sums.into_iter().map(|(_, value)| value).collect();
+    SparseColMat::new(structure, values)
 }

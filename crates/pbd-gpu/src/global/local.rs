@@ -12,7 +12,6 @@
 
 use super::cholesky::{Cholesky, SolveScratch};
 use super::matrix::{MatrixInput, NO_ROW, push_lower};
-use faer::sparse::Triplet;
 use incise_mesh::{Vec3, index_u32};
 use std::sync::Arc;
 
@@ -61,8 +60,9 @@ impl LocalFactor {
         let mut local = vec![NO_ROW; rows.len()];
         let mut entries = Vec::new();
         for (row, &v) in vertices.iter().enumerate() {
-            local[v as usize] = index_u32(row);
-            entries.push(Triplet::new(row, row, input.mass(v as usize)));
+            let row = index_u32(row);
+            local[v as usize] = row;
+            push_lower(&mut entries, [row; 2], input.mass(v as usize));
         }
         let mut couplings = Vec::new();
         input.for_each_entry(

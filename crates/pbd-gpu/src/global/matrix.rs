@@ -5,10 +5,10 @@
 //! on each coordinate alike, so that one factor with three right-hand sides serves all of them.
 
 use super::EnergySets;
-use super::cholesky::Cholesky;
+use super::cholesky::{Cholesky, Entry};
 use super::objective::Compliances;
 use crate::constraints::batches::ConstraintSet;
-use faer::sparse::Triplet;
+use crate::kernels::bending::FLAT;
 use incise_mesh::geometry::to_f64;
 use incise_mesh::{Surface, Vec3, VertexId, index_u32};
 use std::sync::Arc;
@@ -119,9 +119,8 @@ impl MatrixInput {
         for (v, row) in rows.iter_mut().enumerate() {
             let mass = self.mass(v);
             if mass > 0.0 {
-                let count = entries.len();
-                *row = index_u32(count);
-                entries.push(Triplet::new(count, count, mass));
+                *row = index_u32(entries.len());
+                push_lower(&mut entries, [*row; 2], mass);
             }
         }
         let count = entries.len();
@@ -139,13 +138,9 @@ impl MatrixInput {
 }
 
 /// Adds an entry of the lower triangle, if both rows exist.
-pub(super) fn push_lower(
-    entries: &mut Vec<Triplet<usize, usize, f64>>,
-    [row, column]: [u32; 2],
-    value: f64,
-) {
+pub(super) fn push_lower(entries: &mut Vec<Entry>, [row, column]: [u32; 2], value: f64) {
     if row >= column && row != NO_ROW {
-        entries.push(Triplet::new(row as usize, column as usize, value));
+        entries.push(Entry { row, column, value });
     }
 }
 
@@ -172,14 +167,18 @@ fn vertices_of<const N: usize>(set: Option<&ConstraintSet<N>>) -> Vec<[VertexId;
         .collect()
 }
 
-/// Returns the coefficients of a hinge at rest [1/m]; `None` for a sliver.
+/// Returns the coefficients of a hinge at rest [1/m]; `None` for a sliver without a normal.
 ///
 /// At rest the gradients of a flat hinge are multiples of its normal.
 fn hinge_coefficients(points: [Vec3; 4]) -> Option<[f64; 4]> {
-    let (_, slopes) = super::objective::hinge(points)?;
     let [e, a, b] = [1, 2, 3].map(|i: usize| points[i] - points[0]);
     let square = e.norm_squared();
-    let (c2, c3) = (slopes[2].norm(), slopes[3].norm());
+    let slope = |side: &Vec3| {
+        let doubled_area = e.cross(side).norm();
+        let flat = f64::from(FLAT) * (square + side.norm_squared());
+        (doubled_area > flat).then(|| square.sqrt() / doubled_area)
+    };
+    let (c2, c3) = (slope(&a)?, slope(&b)?);
     let c1 = -(c2 * (a.dot(&e) / square) + c3 * (b.dot(&e) / square));
     Some([-(c1 + c2 + c3), c1, c2, c3])
 }
