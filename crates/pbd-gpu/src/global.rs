@@ -20,10 +20,13 @@
 //! Results are the same on any number of threads. Unlike those of sweeps they depend on the
 //! instruction set, because `faer` uses fused multiply-add where the CPU has it.
 
+mod arctangent;
 mod choice;
 mod cholesky;
+mod energy;
 mod held;
 mod job;
+mod lanes;
 mod local;
 mod matrix;
 mod minimizer;

@@ -1,3 +1,4 @@
+use super::lanes::Row;
 use super::local::LocalFactor;
 use super::matrix::{Factor, MatrixInput, NO_ROW};
 use super::objective::{Compliances, Objective};
@@ -36,12 +37,14 @@ fn the_gradient_is_that_of_the_value() {
     let (mut solver, _, points) = ball();
     let (_, constraints, _) = solver.step_parts();
     let objective = Objective::new(sets(constraints), COMPLIANCES);
-    let inertia = |points: &[Vec3]| -> Vec<(Vec3, f64)> {
+    let evaluate = |points: &[Vec3], gradient: &mut Vec<Row>| {
         let masses = (0..).map(|i| 1.0 + 0.1 * f64::from(i));
-        points.iter().copied().zip(masses).collect()
+        let rows: Vec<Row> = points.iter().map(|&x| Row::from(x)).collect();
+        objective.evaluate(&rows, points.iter().copied().zip(masses), gradient)
     };
     let mut gradient = Vec::new();
-    let value = objective.evaluate(&points, inertia(&points).into_iter(), &mut gradient);
+    let value = evaluate(&points, &mut gradient);
+    let gradient: Vec<Vec3> = gradient.into_iter().map(Vec3::from).collect();
     assert!(
         value > 0.0 && gradient.iter().any(|g| g.norm() > 1e-3),
         "all constraints are active"
@@ -52,7 +55,7 @@ fn the_gradient_is_that_of_the_value() {
             let [low, high] = [-step, step].map(|by| {
                 let mut moved = points.clone();
                 moved[i][k] += by;
-                objective.evaluate(&moved, inertia(&moved).into_iter(), &mut Vec::new())
+                evaluate(&moved, &mut Vec::new())
             });
             let expected = (high - low) / (2.0 * step);
             let found = gradient[i][k];
