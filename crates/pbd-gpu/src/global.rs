@@ -13,9 +13,9 @@
 //!
 //! [`objective`] evaluates `F` and its gradient, [`matrix`] assembles the matrix and [`cholesky`]
 //! factors it. [`preconditioner`] keeps a factor while the body changes, with a [`local`] one for
-//! the changed region, and [`minimizer`] iterates. Pins hold by their zero inverse mass. Volumes,
-//! contacts, colliders and the ground are projected after each iteration, as with sweeps.
-//! Directions keep incompressible volumes to first order.
+//! the changed region and exact translations of [`free_pieces`], and [`minimizer`] iterates. Pins
+//! hold by their zero inverse mass. Volumes, contacts, colliders and the ground are projected after
+//! each iteration, as with sweeps. Directions keep incompressible volumes to first order.
 //!
 //! Results are the same on any number of threads. Unlike those of sweeps they depend on the
 //! instruction set, because `faer` uses fused multiply-add where the CPU has it.
@@ -24,6 +24,7 @@ mod arctangent;
 mod choice;
 mod cholesky;
 mod energy;
+mod free_pieces;
 mod held;
 mod job;
 mod lanes;

@@ -6,6 +6,7 @@
 //! not depend on speed.
 
 use super::cholesky::SolveScratch;
+use super::free_pieces::FreePieces;
 use super::job::FactorJob;
 use super::local::LocalFactor;
 use super::matrix::{Factor, MatrixInput, NO_ROW};
@@ -31,6 +32,8 @@ pub(super) struct Preconditioner {
     pub(super) rows: Vec<u32>,
     /// The matrix of the vertices without a row.
     pub(super) local: Option<LocalFactor>,
+    /// Pieces without a pin; none while the factor has all rows.
+    pub(super) free: FreePieces,
     /// Inverse diagonal of the matrix [1/kg], for vertices without a row; empty with `local`.
     pub(super) inverse_diagonal: Vec<f64>,
     pub(super) scratch: Option<SolveScratch>,
@@ -58,6 +61,7 @@ impl Clone for Preconditioner {
             factor: self.factor.clone(),
             rows: self.rows.clone(),
             local: self.local.as_ref().and_then(LocalFactor::share),
+            free: self.free.clone(),
             inverse_diagonal: self.inverse_diagonal.clone(),
             local_pins: self.local_pins.clone(),
             scratch: self
@@ -132,6 +136,7 @@ impl Preconditioner {
         if vertices.all(|(&row, p)| row != NO_ROW || p[3] == 0.0) {
             self.is_local_stale = false;
             self.local = None;
+            self.free = FreePieces::default();
         } else if self.is_local_stale
             || self.local_compliances != compliances
             || !pins().eq(self.local_pins.iter().copied())
@@ -140,10 +145,10 @@ impl Preconditioner {
             self.local_compliances = compliances;
             self.local_pins.clear();
             self.local_pins.extend(pins());
-            match input {
-                Some(input) => self.update_local(&input),
-                None => self.update_local(&MatrixInput::new(sets, surface, compliances)),
-            }
+            let input =
+                input.unwrap_or_else(|| Arc::new(MatrixInput::new(sets, surface, compliances)));
+            self.free = FreePieces::new(&input, surface);
+            self.update_local(&input);
         }
     }
 
@@ -207,6 +212,7 @@ impl Preconditioner {
             scratch,
             rows,
             local,
+            free,
             inverse_diagonal,
             ..
         } = self;
@@ -217,17 +223,18 @@ impl Preconditioner {
                 factor.cholesky.solve(known, vector, scratch);
             }
         };
-        if let Some(local) = local {
-            local.apply(vector, solve);
-            return;
-        }
-        let vertices = vector.iter_mut().zip(&*inverse_diagonal).zip(&*rows);
-        for ((v, &inverse), &row) in vertices {
-            if row == NO_ROW {
-                *v *= inverse;
+        free.apply(vector, |vector| match local {
+            Some(local) => local.apply(vector, solve),
+            None => {
+                let vertices = vector.iter_mut().zip(&*inverse_diagonal).zip(&*rows);
+                for ((v, &inverse), &row) in vertices {
+                    if row == NO_ROW {
+                        *v *= inverse;
+                    }
+                }
+                solve(vector);
             }
-        }
-        solve(vector);
+        });
     }
 
     /// Returns the memory \[bytes\].
@@ -240,6 +247,7 @@ impl Preconditioner {
         factor
             + pending
             + local
+            + self.free.bytes()
             + 4 * (self.rows.capacity() + self.local_pins.capacity())
             + 8 * self.inverse_diagonal.capacity()
     }

@@ -1,6 +1,7 @@
 //! Saving of the global step: the inputs of its factors, from which loading makes them again.
 
 use super::GlobalStep;
+use super::free_pieces::FreePieces;
 use super::held::HeldPieces;
 use super::job::FactorJob;
 use super::matrix::{MatrixInput, NO_ROW};
@@ -88,6 +89,7 @@ impl GlobalStep {
                 is_local_stale: true,
                 pending,
                 local: None,
+                free: FreePieces::default(),
                 local_compliances: Compliances::default(),
                 local_pins: Vec::new(),
                 factorizations: saved.factorizations,

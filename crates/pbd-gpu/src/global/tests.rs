@@ -1,3 +1,4 @@
+use super::free_pieces::FreePieces;
 use super::lanes::Row;
 use super::local::LocalFactor;
 use super::matrix::{Factor, MatrixInput, NO_ROW};
@@ -113,4 +114,31 @@ fn a_local_factor_beside_a_current_one_is_exact() {
         }
     }
     assert!(LocalFactor::new(&input, &factor.rows).is_none());
+}
+
+#[test]
+fn a_free_piece_gets_the_translation_of_its_gradient() {
+    let (mut solver, surface, points) = ball();
+    let (_, constraints, _) = solver.step_parts();
+    let input = Arc::new(MatrixInput::new(&sets(constraints), &surface, COMPLIANCES));
+    let factor = input.factor().expect("masses are positive");
+    let mut free = FreePieces::new(&input, &surface);
+    // Any other inverse gives the same momentum.
+    let gradient = input.times(&points);
+    let mut direction = gradient.clone();
+    free.apply(&mut direction, |vector| {
+        for (i, x) in vector.iter_mut().enumerate() {
+            *x *= 1.0 + i as f64;
+        }
+    });
+    let masses = (0..points.len()).map(|v| input.mass(v));
+    let momentum: Vec3 = direction.iter().zip(masses).map(|(d, mass)| d * mass).sum();
+    let force: Vec3 = gradient.iter().sum();
+    assert!((momentum - force).norm() < 1e-9, "{momentum}, not {force}");
+    // The exact inverse stays as it is.
+    let mut solved = gradient;
+    free.apply(&mut solved, |vector| solve(&factor, &factor.rows, vector));
+    for (found, expected) in solved.iter().zip(&points) {
+        assert!((found - expected).norm() < 1e-12, "{found}, not {expected}");
+    }
 }
