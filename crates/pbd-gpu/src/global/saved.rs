@@ -85,11 +85,12 @@ impl GlobalStep {
                 compliances: Compliances::from_saved(saved.compliances),
                 pins: saved.pins.into_owned(),
                 is_stale: saved.is_stale,
-                // Made again from the same constraints, pins and compliances.
-                is_local_stale: true,
+                is_local_stale: saved.is_diagonal_stale,
                 pending,
                 local: None,
                 free: FreePieces::default(),
+                // Differ from all others, so that the next frame makes `local` again, from the same
+                // constraints and pins.
                 local_compliances: Compliances::default(),
                 local_pins: Vec::new(),
                 factorizations: saved.factorizations,
