@@ -49,7 +49,7 @@ impl FreePieces {
         let mut pieces = Vec::new();
         let numbers: Vec<u32> = (masses.iter())
             .map(|&mass| {
-                if !(mass > 0.0) {
+                if mass.is_nan() || mass == 0.0 {
                     return NO_PIECE;
                 }
                 pieces.push(Piece {
