@@ -11,17 +11,24 @@
 //! projective dynamics (Bouaziz et al. 2014): the inverse of a constant matrix, the same for all
 //! three coordinates, times the gradient. The last steps correct it by L-BFGS (Liu et al. 2017).
 //!
-//! [`objective`] evaluates `F` and its gradient, [`matrix`] assembles and factors the matrix,
-//! [`preconditioner`] keeps a factor while the body changes, and [`minimizer`] iterates. Pins hold
-//! by their zero inverse mass. Volumes, contacts, colliders and the ground are projected after
+//! [`objective`] evaluates `F` and its gradient, [`matrix`] assembles the matrix and [`cholesky`]
+//! factors it. [`preconditioner`] keeps a factor while the body changes, with a [`local`] one for
+//! the changed region and exact translations of [`free_pieces`], and [`minimizer`] iterates. Pins
+//! hold by their zero inverse mass. Volumes, contacts, colliders and the ground are projected after
 //! each iteration, as with sweeps. Directions keep incompressible volumes to first order.
 //!
 //! Results are the same on any number of threads. Unlike those of sweeps they depend on the
 //! instruction set, because `faer` uses fused multiply-add where the CPU has it.
 
+mod arctangent;
 mod choice;
+mod cholesky;
+mod energy;
+mod free_pieces;
 mod held;
 mod job;
+mod lanes;
+mod local;
 mod matrix;
 mod minimizer;
 mod objective;
@@ -123,11 +130,13 @@ impl GlobalStep {
         );
     }
 
-    /// Removes the vertices that an edit created or deleted from the factor.
-    pub(crate) fn follow_edit(&mut self, delta: &TopologyDelta) {
+    /// Removes the vertices of changed triangles from the factor.
+    pub(crate) fn follow_edit(&mut self, surface: &Surface, delta: &TopologyDelta) {
         self.held.forget();
-        let added = delta.vertices_added.iter().map(|added| added.vertex);
-        let removed = delta.vertices_removed.iter().copied();
+        let topology = surface.topology();
+        let (added, removed) = (&delta.triangles_added, &delta.triangles_removed);
+        let added = added.iter().flat_map(|&t| topology.triangle(t));
+        let removed = removed.iter().flat_map(|(_, vertices)| *vertices);
         self.preconditioner
             .forget(added.chain(removed).map(VertexId::index));
     }

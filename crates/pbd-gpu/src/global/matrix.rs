@@ -1,23 +1,16 @@
-//! The matrix of the global step and its Cholesky factor.
+//! The matrix of the global step.
 //!
 //! `A = M + sum of w c c^T` over edges (`c = (1, -1)`), springs and hinges, with `w = 1 / alpha`.
 //! The coefficients of a hinge are the lengths of its gradients at rest, with their signs. `A` acts
 //! on each coordinate alike, so that one factor with three right-hand sides serves all of them.
 
 use super::EnergySets;
+use super::cholesky::{Cholesky, Entry};
 use super::objective::Compliances;
 use crate::constraints::batches::ConstraintSet;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltRegularization;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMat, Triplet};
-use faer::{Conj, Mat, Par, Side, Spec};
+use crate::kernels::bending::FLAT;
 use incise_mesh::geometry::to_f64;
 use incise_mesh::{Surface, Vec3, VertexId, index_u32};
-use std::fmt;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -63,63 +56,58 @@ impl MatrixInput {
             + 16 * self.hinges.capacity()
     }
 
-    /// Returns the mass of every vertex \[kg\], 0 of fixed vertices.
-    fn masses(&self) -> impl Iterator<Item = f64> {
-        let mass = |&w: &f32| if w > 0.0 { 1.0 / f64::from(w) } else { 0.0 };
-        self.inverse_masses.iter().map(mass)
+    /// Returns the mass of a vertex \[kg\], 0 of a fixed one.
+    pub(super) fn mass(&self, v: usize) -> f64 {
+        let w = self.inverse_masses[v];
+        if w > 0.0 { 1.0 / f64::from(w) } else { 0.0 }
     }
 
-    /// Returns the elements of edges and springs.
-    fn lines(&self) -> impl Iterator<Item = Element<2>> {
+    /// Returns the elements of edges and springs with a vertex for which `is_in` holds.
+    fn lines_at(&self, is_in: impl Fn(usize) -> bool) -> impl Iterator<Item = Element<2>> {
         let by = self.compliances;
         let edges = self.edges.iter().map(move |ends| (ends, by.stretch));
         let springs = self.springs.iter();
         let springs = springs.map(move |ends| (ends, by.interior_springs));
         let all = edges.chain(springs);
-        all.map(|(ends, alpha)| (ends.map(VertexId::index), [-1.0, 1.0], 1.0 / alpha))
+        let all = all.map(|(ends, alpha)| (ends.map(VertexId::index), [-1.0, 1.0], 1.0 / alpha));
+        all.filter(move |(ends, ..)| ends.iter().any(|&v| is_in(v)))
     }
 
-    /// Returns the elements of hinges.
-    fn hinges(&self) -> impl Iterator<Item = Element<4>> {
-        self.hinges.iter().filter_map(|vertices| {
+    /// Returns the elements of hinges with a vertex for which `is_in` holds.
+    fn hinges_at(&self, is_in: impl Fn(usize) -> bool) -> impl Iterator<Item = Element<4>> {
+        self.hinges.iter().filter_map(move |vertices| {
             let vertices = vertices.map(VertexId::index);
+            if !vertices.iter().any(|&v| is_in(v)) {
+                return None;
+            }
             let coefficients = hinge_coefficients(vertices.map(|v| to_f64(self.rest[v])))?;
             Some((vertices, coefficients, 1.0 / self.compliances.bending))
         })
     }
 
-    /// Returns the diagonal of the matrix \[kg\], shape [vertex slots].
-    pub(super) fn diagonal(&self) -> Vec<f64> {
-        let mut sum: Vec<f64> = self.masses().collect();
-        add_squares(self.lines(), &mut sum);
-        add_squares(self.hinges(), &mut sum);
-        sum
+    /// Calls `add` with all places and values of elements with a vertex for which `is_in` holds.
+    ///
+    /// Their sum is the matrix without its masses, at least in the rows and columns of these
+    /// vertices.
+    pub(super) fn for_each_entry(
+        &self,
+        is_in: impl Fn(usize) -> bool + Copy,
+        mut add: impl FnMut(usize, usize, f64),
+    ) {
+        for (vertices, coefficients, weight) in self.lines_at(is_in) {
+            add_products(&vertices, &coefficients, weight, &mut add);
+        }
+        for (vertices, coefficients, weight) in self.hinges_at(is_in) {
+            add_products(&vertices, &coefficients, weight, &mut add);
+        }
     }
 
     /// Returns the product of the matrix with a vector.
     #[cfg(test)]
     pub(super) fn times(&self, vector: &[Vec3]) -> Vec<Vec3> {
-        let mut out: Vec<Vec3> = vector
-            .iter()
-            .zip(self.masses())
-            .map(|(v, m)| v * m)
-            .collect();
-        let mut add = |vertices: &[usize], coefficients: &[f64], weight: f64| {
-            let along: Vec3 = vertices
-                .iter()
-                .zip(coefficients)
-                .map(|(&v, &c)| vector[v] * c)
-                .sum();
-            for (&v, &c) in vertices.iter().zip(coefficients) {
-                out[v] += along * (c * weight);
-            }
-        };
-        for (vertices, coefficients, weight) in self.lines() {
-            add(&vertices, &coefficients, weight);
-        }
-        for (vertices, coefficients, weight) in self.hinges() {
-            add(&vertices, &coefficients, weight);
-        }
+        let masses = (0..vector.len()).map(|v| self.mass(v));
+        let mut out: Vec<Vec3> = vector.iter().zip(masses).map(|(v, m)| v * m).collect();
+        self.for_each_entry(|_| true, |a, b, value| out[a] += vector[b] * value);
         out
     }
 
@@ -127,47 +115,46 @@ impl MatrixInput {
     pub(super) fn factor(self: &Arc<Self>) -> Option<Factor> {
         let begin = Instant::now();
         let mut rows = vec![NO_ROW; self.inverse_masses.len()];
-        let mut entries: Vec<Triplet<usize, usize, f64>> = Vec::new();
-        let mut count = 0;
-        for (row, mass) in rows.iter_mut().zip(self.masses()) {
+        let mut entries = Vec::new();
+        for (v, row) in rows.iter_mut().enumerate() {
+            let mass = self.mass(v);
             if mass > 0.0 {
-                *row = index_u32(count);
-                entries.push(Triplet::new(count, count, mass));
-                count += 1;
+                *row = index_u32(entries.len());
+                push_lower(&mut entries, [*row; 2], mass);
             }
         }
-        add_entries(self.lines(), &rows, &mut entries);
-        add_entries(self.hinges(), &rows, &mut entries);
-        let matrix = SparseColMat::try_new_from_triplets(count, count, &entries).ok()?;
-        let symbolic = factorize_symbolic_cholesky(
-            matrix.symbolic(),
-            Side::Lower,
-            SymmetricOrdering::Amd,
-            CholeskySymbolicParams::default(),
-        )
-        .ok()?;
-        let mut values = vec![0.0; symbolic.len_val()];
-        let request = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
-        let mut memory = MemBuffer::try_new(request).ok()?;
-        symbolic
-            .factorize_numeric_llt(
-                &mut values,
-                matrix.as_ref(),
-                Side::Lower,
-                LltRegularization::default(),
-                Par::Seq,
-                MemStack::new(&mut memory),
-                Spec::default(),
-            )
-            .ok()?;
+        let count = entries.len();
+        self.for_each_entry(
+            |_| true,
+            |a, b, value| push_lower(&mut entries, [rows[a], rows[b]], value),
+        );
         Some(Factor {
             input: self.clone(),
             rows,
-            count,
-            symbolic,
-            values,
+            cholesky: Cholesky::new(count, &entries)?,
             time: begin.elapsed(),
         })
+    }
+}
+
+/// Adds an entry of the lower triangle, if both rows exist.
+pub(super) fn push_lower(entries: &mut Vec<Entry>, [row, column]: [u32; 2], value: f64) {
+    if row >= column && row != NO_ROW {
+        entries.push(Entry { row, column, value });
+    }
+}
+
+/// Calls `add` with all entries of `weight c c^T`.
+fn add_products(
+    vertices: &[usize],
+    coefficients: &[f64],
+    weight: f64,
+    add: &mut impl FnMut(usize, usize, f64),
+) {
+    for (&a, c) in vertices.iter().zip(coefficients) {
+        for (&b, d) in vertices.iter().zip(coefficients) {
+            add(a, b, weight * (c * d));
+        }
     }
 }
 
@@ -180,127 +167,36 @@ fn vertices_of<const N: usize>(set: Option<&ConstraintSet<N>>) -> Vec<[VertexId;
         .collect()
 }
 
-/// Returns the coefficients of a hinge at rest [1/m]; `None` for a sliver.
+/// Returns the coefficients of a hinge at rest [1/m]; `None` for a sliver without a normal.
 ///
 /// At rest the gradients of a flat hinge are multiples of its normal.
 fn hinge_coefficients(points: [Vec3; 4]) -> Option<[f64; 4]> {
-    let (_, slopes) = super::objective::hinge(points)?;
     let [e, a, b] = [1, 2, 3].map(|i: usize| points[i] - points[0]);
     let square = e.norm_squared();
-    let (c2, c3) = (slopes[2].norm(), slopes[3].norm());
+    let slope = |side: &Vec3| {
+        let doubled_area = e.cross(side).norm();
+        let flat = f64::from(FLAT) * (square + side.norm_squared());
+        (doubled_area > flat).then(|| square.sqrt() / doubled_area)
+    };
+    let (c2, c3) = (slope(&a)?, slope(&b)?);
     let c1 = -(c2 * (a.dot(&e) / square) + c3 * (b.dot(&e) / square));
     Some([-(c1 + c2 + c3), c1, c2, c3])
 }
 
-/// Adds the diagonal of elements.
-fn add_squares<const N: usize>(elements: impl Iterator<Item = Element<N>>, sum: &mut [f64]) {
-    for (vertices, coefficients, weight) in elements {
-        for (v, c) in vertices.into_iter().zip(coefficients) {
-            sum[v] += weight * c * c;
-        }
-    }
-}
-
-/// Adds the lower triangle of elements.
-fn add_entries<const N: usize>(
-    elements: impl Iterator<Item = Element<N>>,
-    rows: &[u32],
-    entries: &mut Vec<Triplet<usize, usize, f64>>,
-) {
-    for (vertices, coefficients, weight) in elements {
-        let places = vertices.map(|v| rows[v]);
-        for (row, c) in places.into_iter().zip(coefficients) {
-            for (column, d) in places.into_iter().zip(coefficients) {
-                if row >= column && row != NO_ROW {
-                    let value = weight * (c * d);
-                    entries.push(Triplet::new(row as usize, column as usize, value));
-                }
-            }
-        }
-    }
-}
-
 /// The factored matrix of a body.
+#[derive(Debug)]
 pub(super) struct Factor {
     pub(super) input: Arc<MatrixInput>,
     /// Row of every vertex slot, or [`NO_ROW`].
     pub(super) rows: Vec<u32>,
-    count: usize,
-    symbolic: SymbolicCholesky<usize>,
-    values: Vec<f64>,
+    pub(super) cholesky: Cholesky,
     /// Time of assembly and factorization.
     pub(super) time: Duration,
 }
 
-impl fmt::Debug for Factor {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Factor")
-            .field("rows", &self.count)
-            .field("entries", &self.values.len())
-            .finish_non_exhaustive()
-    }
-}
-
-/// Memory of a solve.
-pub(super) struct SolveScratch {
-    right: Mat<f64>,
-    memory: MemBuffer,
-}
-
-impl fmt::Debug for SolveScratch {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("SolveScratch")
-    }
-}
-
 impl Factor {
-    /// Returns the number of entries.
-    pub(super) fn entries(&self) -> usize {
-        self.values.len()
-    }
-
     /// Returns the size of factor, its structure, input, rows and scratch memory \[bytes\].
     pub(super) fn bytes(&self) -> usize {
-        let indices = match self.symbolic.raw() {
-            SymbolicCholeskyRaw::Simplicial(symbolic) => symbolic.row_idx(),
-            SymbolicCholeskyRaw::Supernodal(symbolic) => symbolic.row_idx(),
-        };
-        let scratch = self.symbolic.solve_in_place_scratch::<f64>(3, Par::Seq);
-        8 * (self.values.len() + indices.len() + 3 * self.count)
-            + 4 * self.rows.len()
-            + self.input.bytes()
-            + scratch.unaligned_bytes_required()
-    }
-
-    /// Allocates the memory of a solve; `None` if there is not enough.
-    pub(super) fn scratch(&self) -> Option<SolveScratch> {
-        let request = self.symbolic.solve_in_place_scratch::<f64>(3, Par::Seq);
-        Some(SolveScratch {
-            right: Mat::zeros(self.count, 3),
-            memory: MemBuffer::try_new(request).ok()?,
-        })
-    }
-
-    /// Replaces the entries of `vector` at the vertices with a row by those of `A^-1 vector`.
-    ///
-    /// `rows` are the factor's, less those of vertices that have changed since.
-    pub(super) fn solve(&self, rows: &[u32], vector: &mut [Vec3], scratch: &mut SolveScratch) {
-        let SolveScratch { right, memory } = scratch;
-        right.fill(0.0);
-        let known = |&(_, &row): &(usize, &u32)| row != NO_ROW;
-        for (v, &row) in rows.iter().enumerate().filter(known) {
-            for k in 0..3 {
-                right[(row as usize, k)] = vector[v][k];
-            }
-        }
-        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
-            Conj::No,
-            right.as_mut(),
-            Par::Seq,
-            MemStack::new(memory),
-        );
-        for (v, &row) in rows.iter().enumerate().filter(known) {
-            vector[v] = Vec3::from_fn(|k, _| right[(row as usize, k)]);
-        }
+        self.cholesky.bytes() + 4 * self.rows.len() + self.input.bytes()
     }
 }

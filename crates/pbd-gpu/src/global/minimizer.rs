@@ -1,5 +1,6 @@
 //! [`Minimizer`]: quasi-Newton iterations of a substep with L-BFGS and line search.
 
+use super::lanes::Row;
 use super::objective::Objective;
 use super::preconditioner::Preconditioner;
 use super::volumes::{VolumeGradients, Volumes};
@@ -40,6 +41,14 @@ struct Pair {
     inverse: f64,
 }
 
+/// Memory of an evaluation.
+#[derive(Debug, Clone, Default)]
+struct Evaluation {
+    /// Displaced positions \[m\].
+    points: Vec<Row>,
+    gradient: Vec<Row>,
+}
+
 /// The iterations of a substep.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Minimizer {
@@ -53,8 +62,7 @@ pub(super) struct Minimizer {
     current: Point,
     /// The next point, and after a step the previous one.
     other: Point,
-    /// Displaced positions of the point that is evaluated \[m\].
-    points: Vec<Vec3>,
+    evaluation: Evaluation,
     direction: Vec<Vec3>,
     volume_gradients: VolumeGradients,
     pairs: [Pair; PAIRS],
@@ -232,10 +240,10 @@ impl Minimizer {
             masses,
             predicted,
             current,
-            points,
+            evaluation,
             ..
         } = self;
-        evaluate(objective, (start, masses, predicted), current, points);
+        evaluate(objective, (start, masses, predicted), current, evaluation);
     }
 
     fn evaluate_other(&mut self, objective: &Objective<'_>) {
@@ -244,10 +252,10 @@ impl Minimizer {
             masses,
             predicted,
             other,
-            points,
+            evaluation,
             ..
         } = self;
-        evaluate(objective, (start, masses, predicted), other, points);
+        evaluate(objective, (start, masses, predicted), other, evaluation);
     }
 
     /// Adds the last step as a pair, if the objective is convex along it.
@@ -318,7 +326,8 @@ impl Minimizer {
             + of(&self.predicted)
             + point(&self.current)
             + point(&self.other)
-            + of(&self.points)
+            + size_of::<Row>()
+                * (self.evaluation.points.capacity() + self.evaluation.gradient.capacity())
             + of(&self.direction)
             + self.volume_gradients.bytes()
             + pairs.sum::<usize>()
@@ -330,18 +339,20 @@ fn evaluate(
     objective: &Objective<'_>,
     (start, masses, predicted): (&[Vec3], &[f64], &[Vec3]),
     point: &mut Point,
-    points: &mut Vec<Vec3>,
+    Evaluation { points, gradient }: &mut Evaluation,
 ) {
     points.clear();
-    points.extend(start.iter().zip(&point.displacements).map(|(x, d)| x + d));
+    let displaced = start.iter().zip(&point.displacements);
+    points.extend(displaced.map(|(x, d)| Row::from(x + d)));
     let offsets = point.displacements.iter().zip(predicted);
     let inertia = offsets.zip(masses).map(|((d, to), &mass)| (d - to, mass));
-    point.value = objective.evaluate(points, inertia, &mut point.gradient);
-    for (gradient, &mass) in point.gradient.iter_mut().zip(masses) {
-        if mass == 0.0 {
-            *gradient = Vec3::zeros();
-        }
-    }
+    point.value = objective.evaluate(points, inertia, gradient);
+    point.gradient.clear();
+    let gradient = gradient.iter().zip(masses);
+    (point.gradient).extend(gradient.map(|(&row, &mass)| match mass {
+        0.0 => Vec3::zeros(),
+        _ => Vec3::from(row),
+    }));
 }
 
 /// Multiplies a vector by the approximate inverse of the Hessian: the two loops of L-BFGS

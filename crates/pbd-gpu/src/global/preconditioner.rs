@@ -1,11 +1,15 @@
 //! [`Preconditioner`]: the factor of a body, kept in use while the body is cut.
 //!
-//! New vertices have no row in the factor; they get the diagonal of the matrix instead. A new
-//! factor is made beside the frames and taken into use after a number of frames that depends on
-//! the body alone, so that results do not depend on speed.
+//! Touched vertices, those of triangles that an edit changed, have no row in the factor. They get
+//! a [`LocalFactor`] of their own in the frame of the edit. A new factor is made beside the frames
+//! and taken into use after a number of frames that depends on the body alone, so that results do
+//! not depend on speed.
 
+use super::cholesky::SolveScratch;
+use super::free_pieces::FreePieces;
 use super::job::FactorJob;
-use super::matrix::{Factor, MatrixInput, NO_ROW, SolveScratch};
+use super::local::LocalFactor;
+use super::matrix::{Factor, MatrixInput, NO_ROW};
 use super::objective::Compliances;
 use super::{EnergySets, GlobalStats};
 use crate::particles::Particles;
@@ -26,7 +30,11 @@ pub(super) struct Preconditioner {
     pub(super) factor: Option<Arc<Factor>>,
     /// Rows of the factor, without those of vertices that have changed since.
     pub(super) rows: Vec<u32>,
-    /// Inverse diagonal of the matrix [1/kg], for vertices without a row.
+    /// The matrix of the vertices without a row.
+    pub(super) local: Option<LocalFactor>,
+    /// Pieces without a pin; none while the factor has all rows.
+    pub(super) free: FreePieces,
+    /// Inverse diagonal of the matrix [1/kg], for vertices without a row; empty with `local`.
     pub(super) inverse_diagonal: Vec<f64>,
     pub(super) scratch: Option<SolveScratch>,
     /// Compliances and pinned vertices of the last matrix.
@@ -34,8 +42,11 @@ pub(super) struct Preconditioner {
     pub(super) pins: Vec<VertexId>,
     /// Whether vertices have changed since the input of the last factorization.
     pub(super) is_stale: bool,
-    /// Whether vertices have changed since the diagonal was computed.
-    pub(super) is_diagonal_stale: bool,
+    /// Whether vertices have lost or got their rows since `local` or the diagonal was made.
+    pub(super) is_local_stale: bool,
+    /// Compliances and pinned vertices of `local` or the diagonal.
+    pub(super) local_compliances: Compliances,
+    pub(super) local_pins: Vec<VertexId>,
     pub(super) pending: Option<Pending>,
     pub(super) factorizations: u32,
     pub(super) factor_time: Duration,
@@ -49,8 +60,14 @@ impl Clone for Preconditioner {
         Self {
             factor: self.factor.clone(),
             rows: self.rows.clone(),
+            local: self.local.as_ref().and_then(LocalFactor::share),
+            free: self.free.clone(),
             inverse_diagonal: self.inverse_diagonal.clone(),
-            scratch: self.factor.as_ref().and_then(|factor| factor.scratch()),
+            local_pins: self.local_pins.clone(),
+            scratch: self
+                .factor
+                .as_ref()
+                .and_then(|factor| factor.cholesky.scratch()),
             pins: self.pins.clone(),
             pending: self.pending.clone(),
             ..*self
@@ -88,42 +105,57 @@ impl Preconditioner {
                 self.pending = Some(pending);
             }
         }
-        let pins = particles.pins.iter().map(|pin| pin.vertex);
+        let pins = || particles.pins.iter().map(|pin| pin.vertex);
         self.is_stale |= self.factorizations == 0
             || !self.compliances.is_near(&compliances)
-            || !pins.clone().eq(self.pins.iter().copied());
-        let is_started = self.is_stale && self.pending.is_none();
-        if !(is_started || self.is_diagonal_stale) {
-            return;
-        }
-        let input = Arc::new(MatrixInput::new(sets, surface, compliances));
+            || !pins().eq(self.pins.iter().copied());
         self.rows.resize(surface.positions().len(), NO_ROW);
-        self.update_diagonal(&input);
-        if !is_started {
-            return;
+        let mut input = None;
+        if self.is_stale && self.pending.is_none() {
+            self.is_stale = false;
+            self.compliances = compliances;
+            self.pins.clear();
+            self.pins.extend(pins());
+            let of_body = Arc::new(MatrixInput::new(sets, surface, compliances));
+            let own = of_body.clone();
+            if self.factor.is_none() {
+                let job = FactorJob::start(move || own.factor(), NonZeroUsize::new(1));
+                self.adopt(job.finish(), &[], 0);
+            } else {
+                self.pending = Some(Pending {
+                    job: FactorJob::start(move || own.factor(), threads),
+                    input: of_body.clone(),
+                    frames_left: index_u32(2 + surface.positions().len() / VERTICES_PER_FRAME),
+                    age: 0,
+                    changed: Vec::new(),
+                });
+            }
+            input = Some(of_body);
         }
-        self.is_stale = false;
-        self.compliances = compliances;
-        self.pins.clear();
-        self.pins.extend(pins);
-        if self.factor.is_none() {
-            let job = FactorJob::start(move || input.factor(), NonZeroUsize::new(1));
-            self.adopt(job.finish(), &[], 0);
-        } else {
-            let own = input.clone();
-            self.pending = Some(Pending {
-                job: FactorJob::start(move || own.factor(), threads),
-                input,
-                frames_left: index_u32(2 + surface.positions().len() / VERTICES_PER_FRAME),
-                age: 0,
-                changed: Vec::new(),
-            });
+        let mut vertices = self.rows.iter().zip(surface.positions());
+        if vertices.all(|(&row, p)| row != NO_ROW || p[3] == 0.0) {
+            self.is_local_stale = false;
+            self.local = None;
+            self.free = FreePieces::default();
+        } else if self.is_local_stale
+            || self.local_compliances != compliances
+            || !pins().eq(self.local_pins.iter().copied())
+        {
+            self.is_local_stale = false;
+            self.local_compliances = compliances;
+            self.local_pins.clear();
+            self.local_pins.extend(pins());
+            let input =
+                input.unwrap_or_else(|| Arc::new(MatrixInput::new(sets, surface, compliances)));
+            self.free = FreePieces::new(&input, surface);
+            self.update_local(&input);
         }
     }
 
     /// Takes a new factor into use, except for vertices that have changed since.
     fn adopt(&mut self, factor: Option<Arc<Factor>>, changed: &[usize], age: u32) {
         self.factorizations += 1;
+        self.is_local_stale = true;
         // Without a positive definite matrix, or after a panic, the old factor stays.
         let Some(factor) = factor else { return };
         let slots = self.rows.len();
@@ -133,7 +165,7 @@ impl Preconditioner {
         for &v in changed.iter().filter(|&&v| v < slots) {
             self.rows[v] = NO_ROW;
         }
-        self.scratch = factor.scratch();
+        self.scratch = factor.cholesky.scratch();
         self.factor_time = factor.time;
         self.factor_age = age;
         self.factor = Some(factor);
@@ -149,35 +181,60 @@ impl Preconditioner {
                 pending.changed.push(v);
             }
         }
-        (self.is_stale, self.is_diagonal_stale) = (true, true);
+        (self.is_stale, self.is_local_stale) = (true, true);
     }
 
-    /// Computes the inverse diagonal.
-    fn update_diagonal(&mut self, input: &MatrixInput) {
-        self.is_diagonal_stale = false;
+    /// Factors the matrix of the vertices without a row, or computes its inverse diagonal.
+    fn update_local(&mut self, input: &MatrixInput) {
         self.inverse_diagonal.clear();
-        (self.inverse_diagonal).extend(
-            input
-                .diagonal()
-                .iter()
-                .map(|&sum| if sum > 0.0 { 1.0 / sum } else { 0.0 }),
-        );
+        self.local = LocalFactor::new(input, &self.rows);
+        if self.local.is_none() {
+            let masses = (0..self.rows.len()).map(|v| input.mass(v));
+            self.inverse_diagonal.extend(masses);
+            input.for_each_entry(
+                |v| self.rows[v] == NO_ROW,
+                |a, b, value| {
+                    if a == b {
+                        self.inverse_diagonal[a] += value;
+                    }
+                },
+            );
+            for sum in &mut self.inverse_diagonal {
+                *sum = if *sum > 0.0 { 1.0 / *sum } else { 0.0 };
+            }
+        }
     }
 
     /// Replaces a gradient by the preconditioned one.
     pub(super) fn apply(&mut self, vector: &mut [Vec3]) {
-        for ((v, &inverse), &row) in vector
-            .iter_mut()
-            .zip(&self.inverse_diagonal)
-            .zip(&self.rows)
-        {
-            if row == NO_ROW {
-                *v *= inverse;
+        let Self {
+            factor,
+            scratch,
+            rows,
+            local,
+            free,
+            inverse_diagonal,
+            ..
+        } = self;
+        let solve = |vector: &mut [Vec3]| {
+            if let (Some(factor), Some(scratch)) = (factor, scratch) {
+                let known = rows.iter().enumerate().filter(|&(_, &row)| row != NO_ROW);
+                let known = known.map(|(v, &row)| (row as usize, v));
+                factor.cholesky.solve(known, vector, scratch);
             }
-        }
-        if let (Some(factor), Some(scratch)) = (&self.factor, &mut self.scratch) {
-            factor.solve(&self.rows, vector, scratch);
-        }
+        };
+        free.apply(vector, |vector| match local {
+            Some(local) => local.apply(vector, solve),
+            None => {
+                let vertices = vector.iter_mut().zip(&*inverse_diagonal).zip(&*rows);
+                for ((v, &inverse), &row) in vertices {
+                    if row == NO_ROW {
+                        *v *= inverse;
+                    }
+                }
+                solve(vector);
+            }
+        });
     }
 
     /// Returns the memory \[bytes\].
@@ -186,13 +243,22 @@ impl Preconditioner {
         let pending = (self.pending.as_ref()).map_or(0, |pending| {
             pending.input.bytes() + 8 * pending.changed.capacity()
         });
-        factor + pending + 4 * self.rows.capacity() + 8 * self.inverse_diagonal.capacity()
+        let local = self.local.as_ref().map_or(0, LocalFactor::bytes);
+        factor
+            + pending
+            + local
+            + self.free.bytes()
+            + 4 * (self.rows.capacity() + self.local_pins.capacity())
+            + 8 * self.inverse_diagonal.capacity()
     }
 
     /// Returns the statistics of the factor.
     pub(super) fn stats(&self) -> GlobalStats {
         GlobalStats {
-            factor_entries: self.factor.as_ref().map_or(0, |factor| factor.entries()),
+            factor_entries: self
+                .factor
+                .as_ref()
+                .map_or(0, |factor| factor.cholesky.entries()),
             bytes: 0,
             factorizations: self.factorizations,
             factor_time: self.factor_time,

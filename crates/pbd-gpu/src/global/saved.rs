@@ -1,6 +1,7 @@
 //! Saving of the global step: the inputs of its factors, from which loading makes them again.
 
 use super::GlobalStep;
+use super::free_pieces::FreePieces;
 use super::held::HeldPieces;
 use super::job::FactorJob;
 use super::matrix::{MatrixInput, NO_ROW};
@@ -32,7 +33,7 @@ impl GlobalStep {
             compliances: state.compliances.to_saved(),
             pins: (&state.pins).into(),
             is_stale: state.is_stale,
-            is_diagonal_stale: state.is_diagonal_stale,
+            is_diagonal_stale: state.is_local_stale,
             pending,
             factorizations: state.factorizations,
             factor_age: state.factor_age,
@@ -73,7 +74,7 @@ impl GlobalStep {
         };
         Some(Self {
             preconditioner: Preconditioner {
-                scratch: factor.as_ref().and_then(|factor| factor.scratch()),
+                scratch: factor.as_ref().and_then(|factor| factor.cholesky.scratch()),
                 factor_time: factor
                     .as_ref()
                     .map(|factor| factor.time)
@@ -84,8 +85,14 @@ impl GlobalStep {
                 compliances: Compliances::from_saved(saved.compliances),
                 pins: saved.pins.into_owned(),
                 is_stale: saved.is_stale,
-                is_diagonal_stale: saved.is_diagonal_stale,
+                is_local_stale: saved.is_diagonal_stale,
                 pending,
+                local: None,
+                free: FreePieces::default(),
+                // Differ from all others, so that the next frame makes `local` again, from the same
+                // constraints and pins.
+                local_compliances: Compliances::default(),
+                local_pins: Vec::new(),
                 factorizations: saved.factorizations,
                 factor_age: saved.factor_age,
             },

@@ -1,4 +1,7 @@
-use super::matrix::MatrixInput;
+use super::free_pieces::FreePieces;
+use super::lanes::Row;
+use super::local::LocalFactor;
+use super::matrix::{Factor, MatrixInput, NO_ROW};
 use super::objective::{Compliances, Objective};
 use super::*;
 use crate::solver::Solver;
@@ -35,12 +38,14 @@ fn the_gradient_is_that_of_the_value() {
     let (mut solver, _, points) = ball();
     let (_, constraints, _) = solver.step_parts();
     let objective = Objective::new(sets(constraints), COMPLIANCES);
-    let inertia = |points: &[Vec3]| -> Vec<(Vec3, f64)> {
+    let evaluate = |points: &[Vec3], gradient: &mut Vec<Row>| {
         let masses = (0..).map(|i| 1.0 + 0.1 * f64::from(i));
-        points.iter().copied().zip(masses).collect()
+        let rows: Vec<Row> = points.iter().map(|&x| Row::from(x)).collect();
+        objective.evaluate(&rows, points.iter().copied().zip(masses), gradient)
     };
     let mut gradient = Vec::new();
-    let value = objective.evaluate(&points, inertia(&points).into_iter(), &mut gradient);
+    let value = evaluate(&points, &mut gradient);
+    let gradient: Vec<Vec3> = gradient.into_iter().map(Vec3::from).collect();
     assert!(
         value > 0.0 && gradient.iter().any(|g| g.norm() > 1e-3),
         "all constraints are active"
@@ -51,7 +56,7 @@ fn the_gradient_is_that_of_the_value() {
             let [low, high] = [-step, step].map(|by| {
                 let mut moved = points.clone();
                 moved[i][k] += by;
-                objective.evaluate(&moved, inertia(&moved).into_iter(), &mut Vec::new())
+                evaluate(&moved, &mut Vec::new())
             });
             let expected = (high - low) / (2.0 * step);
             let found = gradient[i][k];
@@ -63,16 +68,22 @@ fn the_gradient_is_that_of_the_value() {
     }
 }
 
+/// Returns the product of the inverse with a vector, for the vertices with a row.
+fn solve(factor: &Factor, rows: &[u32], vector: &mut [Vec3]) {
+    let mut scratch = factor.cholesky.scratch().expect("memory");
+    let rows = rows.iter().enumerate().filter(|&(_, &row)| row != NO_ROW);
+    let rows = rows.map(|(v, &row)| (row as usize, v));
+    factor.cholesky.solve(rows, vector, &mut scratch);
+}
+
 #[test]
 fn the_factor_solves_the_assembled_matrix() {
     let (mut solver, surface, points) = ball();
     let (_, constraints, _) = solver.step_parts();
     let input = Arc::new(MatrixInput::new(&sets(constraints), &surface, COMPLIANCES));
     let factor = input.factor().expect("masses are positive");
-    let mut scratch = factor.scratch().expect("memory");
-    let right = input.times(&points);
-    let mut solved = right.clone();
-    factor.solve(&factor.rows, &mut solved, &mut scratch);
+    let mut solved = input.times(&points);
+    solve(&factor, &factor.rows, &mut solved);
     for (found, expected) in solved.iter().zip(&points) {
         assert!((found - expected).norm() < 1e-12, "{found}, not {expected}");
     }
@@ -82,11 +93,52 @@ fn the_factor_solves_the_assembled_matrix() {
         let expected = Vec3::new(1.0, 2.0, 3.0) / f64::from(p[3]);
         assert!((found - expected).norm() < 1e-9, "{found}, not {expected}");
     }
-    let diagonal = input.diagonal();
-    for (i, sum) in diagonal.iter().enumerate() {
-        let mut unit = vec![Vec3::zeros(); points.len()];
-        unit[i].x = 1.0;
-        let found = input.times(&unit)[i].x;
-        assert!((found - sum).abs() < 1e-9 * sum, "{found}, not {sum}");
+}
+
+#[test]
+fn a_local_factor_beside_a_current_one_is_exact() {
+    let (mut solver, surface, points) = ball();
+    let (_, constraints, _) = solver.step_parts();
+    let input = Arc::new(MatrixInput::new(&sets(constraints), &surface, COMPLIANCES));
+    let factor = input.factor().expect("masses are positive");
+    let mut rows = factor.rows.clone();
+    for v in [0, 3, 4, 17, 30] {
+        rows[v] = NO_ROW;
+    }
+    let mut local = LocalFactor::new(&input, &rows).expect("a part of a positive matrix");
+    for _ in 0..2 {
+        let mut solved = input.times(&points);
+        local.apply(&mut solved, |vector| solve(&factor, &rows, vector));
+        for (found, expected) in solved.iter().zip(&points) {
+            assert!((found - expected).norm() < 1e-12, "{found}, not {expected}");
+        }
+    }
+    assert!(LocalFactor::new(&input, &factor.rows).is_none());
+}
+
+#[test]
+fn a_free_piece_gets_the_translation_of_its_gradient() {
+    let (mut solver, surface, points) = ball();
+    let (_, constraints, _) = solver.step_parts();
+    let input = Arc::new(MatrixInput::new(&sets(constraints), &surface, COMPLIANCES));
+    let factor = input.factor().expect("masses are positive");
+    let mut free = FreePieces::new(&input, &surface);
+    // Any other inverse gives the same momentum.
+    let gradient = input.times(&points);
+    let mut direction = gradient.clone();
+    free.apply(&mut direction, |vector| {
+        for (i, x) in vector.iter_mut().enumerate() {
+            *x *= 1.0 + i as f64;
+        }
+    });
+    let masses = (0..points.len()).map(|v| input.mass(v));
+    let momentum: Vec3 = direction.iter().zip(masses).map(|(d, mass)| d * mass).sum();
+    let force: Vec3 = gradient.iter().sum();
+    assert!((momentum - force).norm() < 1e-9, "{momentum}, not {force}");
+    // The exact inverse stays as it is.
+    let mut solved = gradient;
+    free.apply(&mut solved, |vector| solve(&factor, &factor.rows, vector));
+    for (found, expected) in solved.iter().zip(&points) {
+        assert!((found - expected).norm() < 1e-12, "{found}, not {expected}");
     }
 }

@@ -74,7 +74,7 @@ impl Solver {
         {
             self.step.extent = None;
             if let Some(global) = &mut self.step.global {
-                global.follow_edit(delta);
+                global.follow_edit(surface, delta);
             }
         }
         Ok(())
