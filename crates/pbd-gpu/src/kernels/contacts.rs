@@ -74,7 +74,7 @@ pub(crate) fn contacts(
 /// Maximum motion of a vertex, relative to the correction of the distance.
 ///
 /// With equal masses it is at most 1.4. Next to a pin it may be the reciprocal of a tiny weight.
-const MAX_SHARE: f32 = 2.0;
+const MAX_SHARE: f32 = 8.0;
 
 /// Returns the weights over the masses, and the inverse mass of the distance [1/kg].
 #[inline(always)]

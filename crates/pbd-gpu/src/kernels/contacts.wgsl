@@ -13,7 +13,7 @@ fn friction_fraction(at: u32, slide: vec3f, more: f32) -> f32 {
     return select(1.0, limit / length, slips);
 }
 
-const MAX_SHARE: f32 = 2.0;
+const MAX_SHARE: f32 = 8.0;
 
 // Returns the inverse mass of the distance, so that no vertex moves much further than it changes.
 fn mobility(w: vec4f, shares: vec4f) -> f32 {
