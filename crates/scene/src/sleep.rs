@@ -27,10 +27,11 @@ pub(crate) use saved::SavedSleep;
 pub struct SleepParams {
     /// Maximum speed of a vertex along an axis at rest [mean rest edge lengths per second].
     ///
-    /// Measured in the fastest substep, or over eight frames for bodies that touch others and
-    /// tremble in place by at most a twentieth of an edge length. Rounding adds up to four times as much: a few units in the
-    /// last place of the body's largest coordinate. A body whose coordinates round more coarsely
-    /// stays awake. A body that creeps more slowly than this is stopped by its sleep.
+    /// Measured in the fastest substep. Bodies that touch others may also tremble in place, by at
+    /// most a twentieth of an edge length: theirs is measured over 16 frames. Rounding adds up to
+    /// four times as much: a few units in the last place of the body's largest coordinate. A body
+    /// whose coordinates round more coarsely stays awake. A body that creeps more slowly than this
+    /// is stopped by its sleep.
     pub speed: f32,
     /// Time for which every vertex must be slower \[s\].
     ///
