@@ -141,6 +141,11 @@ impl GlobalStep {
             .forget(added.chain(removed).map(VertexId::index));
     }
 
+    /// Follows a change of masses.
+    pub(crate) fn follow_masses(&mut self) {
+        self.preconditioner.mark_stale();
+    }
+
     /// Starts a substep from the predicted displacements.
     pub(crate) fn begin(
         &mut self,

@@ -135,6 +135,30 @@ fn center(surface: &Surface, solver: &Solver) -> Vec3 {
     sum / mass
 }
 
+/// Regression: after the second release the factor of the pinned body had no correction.
+#[test]
+fn a_released_body_falls_at_once_each_time() {
+    let (mut surface, mut solver) = body(icosphere(2, 0.5), &elastic(1e-6, 1e-3));
+    for release in 0..3 {
+        solver.pin(&mut surface, VertexId(0)).unwrap();
+        // Until the factor of the pinned body is in use.
+        for _ in 0..6 {
+            solver.step(&mut surface, DT, &GLOBAL).unwrap();
+        }
+        solver.unpin(&mut surface, VertexId(0)).unwrap();
+        set_velocities(&mut solver, &surface, |_| Vec3::zeros());
+        let before = center(&surface, &solver);
+        solver.step(&mut surface, DT, &GLOBAL).unwrap();
+        let fallen = before.y - center(&surface, &solver).y;
+        let expected = 9.81 * f64::from(DT).powi(2);
+        let off = (fallen / expected - 1.0).abs();
+        assert!(off < 1e-3, "release {release}: {fallen} of {expected} m");
+        for _ in 0..6 {
+            solver.step(&mut surface, DT, &GLOBAL).unwrap();
+        }
+    }
+}
+
 #[test]
 fn spin_decays_as_in_implicit_euler() {
     for iterations in [1, 4, 16] {

@@ -50,9 +50,6 @@ fn pressure_scales_the_volume_of_a_ball() {
     }
 }
 
-/// The vertices of a regular tetrahedron move symmetrically, so it is one oscillator: `V = V0 r^3`,
-/// pulled back by `(V - V0) / (compressibility V0)` on all of its mass. Every substep of one
-/// iteration is backward Euler of it.
 /// Regression: changes of pressure became velocity, and the vertices of a ball that had collapsed
 /// flew apart with 57 J, to 100,000 times its volume.
 #[test]

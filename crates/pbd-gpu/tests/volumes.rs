@@ -40,6 +40,9 @@ fn tetrahedron() -> Surface {
     Surface::from_triangles(&corners, &faces).unwrap()
 }
 
+/// The vertices of a regular tetrahedron move symmetrically, so it is one oscillator: `V = V0 r^3`,
+/// pulled back by `(V - V0) / (compressibility V0)` on all of its mass. Every substep of one
+/// iteration is backward Euler of it.
 #[test]
 fn a_tetrahedron_oscillates_as_in_backward_euler() {
     let compressibility = 1e-4_f32;

@@ -27,11 +27,11 @@ pub(crate) use saved::SavedSleep;
 pub struct SleepParams {
     /// Maximum speed of a vertex along an axis at rest [mean rest edge lengths per second].
     ///
-    /// Measured in the fastest substep. Bodies that touch others may also tremble in place, by at
-    /// most a twentieth of an edge length: theirs is measured over 16 frames. Rounding adds up to
-    /// four times as much: a few units in the last place of the body's largest coordinate. A body
-    /// whose coordinates round more coarsely stays awake. A body that creeps more slowly than this
-    /// is stopped by its sleep.
+    /// Measured in the fastest substep. Bodies that touch others may also jitter by a twentieth of
+    /// an edge length; their speed is then measured over 16 frames each, if more than 32 are
+    /// observed ([`SleepParams::LAG`] included). Rounding adds up to four times as much: a few units
+    /// in the last place of the body's largest coordinate. A body whose coordinates round more
+    /// coarsely stays awake. A body that creeps more slowly than this is stopped by its sleep.
     pub speed: f32,
     /// Time for which every vertex must be slower \[s\].
     ///
@@ -100,8 +100,8 @@ impl Default for SleepParams {
 /// Maximum displacement attributed to rounding, relative to the displacement at rest.
 const MAX_ROUNDING: f64 = 4.0;
 
-/// Maximum motion of a vertex that trembles in place, in mean rest edge lengths.
-const MAX_TREMOR: f64 = 0.05;
+/// Maximum jitter of a vertex at rest, in mean rest edge lengths.
+const MAX_JITTER: f64 = 0.05;
 
 /// Maximum relative change of `dt` that wakes no body.
 const DT_TOLERANCE: f32 = 0.2;
@@ -180,6 +180,7 @@ impl Sleep {
 
     /// Removes a body and wakes its island. The index is not reused.
     pub(crate) fn remove(&mut self, i: usize) {
+        self.excursions[i] = Excursion::default();
         if std::mem::replace(&mut self.asleep[i], false) {
             self.sleeping_bodies -= 1;
             self.wake_island(self.islands[i]);
@@ -276,12 +277,20 @@ impl Sleep {
     /// Contacts are found on the CPU, which has the positions of such bodies.
     pub(crate) fn measure(&mut self, i: usize, body: &Body, params: &SceneParams) {
         let Some(sleep) = &params.sleep else { return };
+        if !self.has_intervals() {
+            return;
+        }
         let time = f64::from(INTERVAL) * f64::from(params.dt);
         let (surface, edge) = (body.surface(), body.solver().mean_rest_length());
         let slow = sleep.limit(edge, &surface.bounds(), time);
-        let limits = [slow, f64::max(slow, MAX_TREMOR * edge)];
+        let limits = [slow, f64::max(slow, MAX_JITTER * edge)];
         let frames = self.observations[i].frames;
         self.excursions[i].measure(surface.positions(), frames, limits);
+    }
+
+    /// Returns whether an observation is long enough to compare positions.
+    fn has_intervals(&self) -> bool {
+        self.observed_frames + SleepParams::LAG > 2 * INTERVAL
     }
 
     /// Records a frame of an awake body.
@@ -331,10 +340,8 @@ impl Sleep {
         if !members.iter().all(is_over) {
             return false;
         }
-        let has_intervals = until > 2 * INTERVAL;
-        let is_at_rest = |&i: &usize| {
-            self.observations[i].is_at_rest || has_intervals && self.excursions[i].is_in_place()
-        };
+        let is_at_rest =
+            |&i: &usize| self.observations[i].is_at_rest || self.excursions[i].is_in_place();
         let are_at_rest = members.iter().all(is_at_rest);
         for &i in members {
             self.observations[i] = Observation::default();
@@ -358,6 +365,7 @@ impl Sleep {
     pub(crate) fn fall_asleep(&mut self, i: usize, island: usize, bounds: Option<Aabb>) {
         self.islands[i] = island;
         self.asleep[i] = true;
+        self.excursions[i] = Excursion::default();
         self.bounds[i] = bounds.unwrap_or(EVERYWHERE);
         self.sleeping_bodies += 1;
     }

@@ -137,7 +137,12 @@ impl Preconditioner {
             self.is_local_stale = false;
             self.local = None;
             self.free = FreePieces::default();
+            self.inverse_diagonal.clear();
+            // The next vertex without a row needs new ones, with the same pins or others.
+            self.local_compliances = Compliances::default();
+            self.local_pins.clear();
         } else if self.is_local_stale
+            // Exactly, so that a loaded body makes the same factor.
             || self.local_compliances != compliances
             || !pins().eq(self.local_pins.iter().copied())
         {
@@ -171,6 +176,11 @@ impl Preconditioner {
         self.factor = Some(factor);
     }
 
+    /// Makes the next frame start a new factor, after a change of masses.
+    pub(super) fn mark_stale(&mut self) {
+        (self.is_stale, self.is_local_stale) = (true, true);
+    }
+
     /// Removes vertices from the factor in use and from the one that is being made.
     pub(super) fn forget(&mut self, vertices: impl Iterator<Item = usize>) {
         for v in vertices {
@@ -181,7 +191,7 @@ impl Preconditioner {
                 pending.changed.push(v);
             }
         }
-        (self.is_stale, self.is_local_stale) = (true, true);
+        self.mark_stale();
     }
 
     /// Factors the matrix of the vertices without a row, or computes its inverse diagonal.

@@ -15,7 +15,8 @@ fn friction_fraction(at: u32, slide: vec3f, more: f32) -> f32 {
 
 const MAX_SHARE: f32 = 8.0;
 
-// Returns the inverse mass of the distance, so that no vertex moves much further than it changes.
+// Returns the effective inverse mass of a contact; no vertex moves by more than MAX_SHARE times the
+// correction.
 fn mobility(w: vec4f, shares: vec4f) -> f32 {
     let weight = (w.x * shares.x + w.y * shares.y) + (w.z * shares.z + w.w * shares.w);
     let sizes = abs(shares);

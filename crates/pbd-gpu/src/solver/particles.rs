@@ -82,6 +82,9 @@ impl Solver {
         #[cfg(feature = "global")]
         {
             self.step.extent = None;
+            if let Some(global) = &mut self.step.global {
+                global.follow_masses();
+            }
         }
         Ok(())
     }

@@ -1,8 +1,8 @@
-//! [`Excursion`]: whether a touching body trembles in place while it is observed.
+//! [`Excursion`]: the displacement of a body in contact while it is observed.
 //!
 //! Contacts of resting bodies may alternate from frame to frame. Their vertices then move back and
-//! forth, faster than [`SleepParams::speed`](super::SleepParams::speed), and get nowhere. So their
-//! positions are compared after several frames each. A body that turns around in its motion moves
+//! forth, faster than [`SleepParams::speed`](super::SleepParams::speed), without a net displacement.
+//! So positions are compared every [`INTERVAL`] frames. A body that turns around in its motion moves
 //! in some of these intervals.
 
 /// Number of frames between compared positions: even, since contacts alternate every frame.
@@ -23,8 +23,8 @@ pub(crate) struct Excursion {
 impl Excursion {
     /// Measures before a frame; `frames` counts those since the start of the observation.
     ///
-    /// In place, no vertex moves by more than `limits` \[m\] along an axis: at the end of an
-    /// interval, and at any time.
+    /// In place, `limits` \[m\] bound the displacement along an axis: at the end of an interval,
+    /// and within it.
     pub(super) fn measure(&mut self, positions: &[[f32; 4]], frames: u32, limits: [f64; 2]) {
         self.is_measured = true;
         if frames > 0 {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::constraints::interior_springs;
 use crate::gpu::layout::{BodyRecord, Entry, FrameUniform, Link, PassUniform, Report, Run};
-use crate::kernels::{arctangent, attachments, bending, volume};
+use crate::kernels::{arctangent, attachments, bending, contacts, volume};
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Literal, Module, TypeInner};
@@ -199,6 +199,7 @@ fn wgsl_kernels_have_the_constants_of_rust() {
             ("LIMP", bending::LIMP),
             ("RETURN", attachments::RETURN),
             ("FIRM", bending::FIRM),
+            ("MAX_SHARE", contacts::MAX_SHARE),
             ("SPRING_DIAGONAL_SCALE", interior_springs::DIAGONAL_SCALE),
         ] {
             assert_eq!(constant(&module, name), [wanted.to_bits()], "{name}");

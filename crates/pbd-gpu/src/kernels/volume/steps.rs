@@ -8,8 +8,8 @@
 //! grows or shrinks to another volume does not gain velocity from it.
 //!
 //! A piece may be unable to reach the volume that its pressure asks for, because its edges hold.
-//! Beyond its rest volume it presses against them with a limited force. Otherwise edges and volume
-//! undo each other's corrections, and what these leave of the angular momentum spins the piece.
+//! Beyond its rest volume it presses against them with a limited force. Otherwise corrections of
+//! edges and volume undo each other, and the torque that is left of their sum spins the piece.
 
 use super::{Sums, THIRD};
 use crate::constraints::volumes::{PieceVolume, REACH};
@@ -24,7 +24,7 @@ pub(crate) const LOADS: f32 = 4.0;
 /// Maximum loss that a piece beyond its rest volume regains in a substep, relative to its recovery.
 pub(crate) const PRESS: f32 = 0.125;
 
-/// Change of a volume by itself at which it grows no faster than its force, relative to the force.
+/// Gain of the resistance: growth falls to the limited force at a change of `1 / EASE` of it.
 pub(crate) const EASE: f32 = 8.0;
 
 /// Rest area of a piece times its reach, relative to its rest volume.
