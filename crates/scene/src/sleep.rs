@@ -29,9 +29,9 @@ pub struct SleepParams {
     ///
     /// Measured in the fastest substep. Bodies that touch others may also jitter by a twentieth of
     /// an edge length; their speed is then measured over 16 frames each, if more than 32 are
-    /// observed ([`SleepParams::LAG`] included). Rounding adds up to four times as much: a few units
-    /// in the last place of the body's largest coordinate. A body whose coordinates round more
-    /// coarsely stays awake. A body that creeps more slowly than this is stopped by its sleep.
+    /// observed ([`SleepParams::LAG`] included). Rounding adds up to four times as much: a few
+    /// units in the last place of the body's largest coordinate. A body whose coordinates round
+    /// more coarsely stays awake. A body that creeps more slowly than this is stopped by its sleep.
     pub speed: f32,
     /// Time for which every vertex must be slower \[s\].
     ///

@@ -1,5 +1,5 @@
-// WGSL counterpart of `volume.rs` and `volume/steps.rs`, which explain the formulas and the order of
-// sums.
+// WGSL counterpart of `volume.rs` and `volume/steps.rs`, which explain the formulas and the order
+// of sums.
 //
 // Gradients are stored in the velocities, which are unused between predict() and integrate().
 

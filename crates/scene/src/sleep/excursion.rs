@@ -1,9 +1,9 @@
 //! [`Excursion`]: the displacement of a body in contact while it is observed.
 //!
 //! Contacts of resting bodies may alternate from frame to frame. Their vertices then move back and
-//! forth, faster than [`SleepParams::speed`](super::SleepParams::speed), without a net displacement.
-//! So positions are compared every [`INTERVAL`] frames. A body that turns around in its motion moves
-//! in some of these intervals.
+//! forth, faster than [`SleepParams::speed`](super::SleepParams::speed), without a net
+//! displacement. So positions are compared every [`INTERVAL`] frames. A body that turns around in
+//! its motion moves in some of these intervals.
 
 /// Number of frames between compared positions: even, since contacts alternate every frame.
 pub(super) const INTERVAL: u32 = 16;
