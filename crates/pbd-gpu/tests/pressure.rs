@@ -1,31 +1,15 @@
 //! Pressure: volumes that differ from those at rest.
 
-use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness, Volume};
+use incise_pbd_gpu::{Material, Solver, SolverParams, Volume};
+use incise_test_support::materials::{limp, with_pressure};
 use incise_test_support::surfaces::{scaled, sphere};
 
 const DT: f32 = 1.0 / 60.0;
-
-/// Edges and angles that do not pull, so that the volume is alone.
-fn limp(volume: Volume) -> Material {
-    Material {
-        stretch: Stiffness::Pbd(0.0),
-        bending: None,
-        volume: Some(volume),
-        ..Material::default()
-    }
-}
 
 fn weightless() -> SolverParams {
     SolverParams {
         gravity: [0.0; 3],
         ..SolverParams::default()
-    }
-}
-
-fn with_pressure(pressure: f32) -> Volume {
-    Volume {
-        pressure,
-        ..Volume::default()
     }
 }
 

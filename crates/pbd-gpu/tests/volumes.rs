@@ -1,34 +1,16 @@
 //! Volume constraints: closed forms and invariants.
 
 use incise_mesh::{Surface, TriangleId, VertexId};
-use incise_pbd_gpu::{
-    Carried, Contact, Material, Solver, SolverParams, StepError, Stiffness, Volume,
-};
+use incise_pbd_gpu::{Carried, Contact, Material, Solver, SolverParams, StepError, Volume};
+use incise_test_support::materials::{limp, with_pressure};
 use incise_test_support::surfaces::{edge_keys, scaled, sphere, two_spheres};
 
 const DT: f32 = 1.0 / 60.0;
-
-/// Edges and angles that do not pull, so that the volume is alone.
-fn limp(volume: Volume) -> Material {
-    Material {
-        stretch: Stiffness::Pbd(0.0),
-        bending: None,
-        volume: Some(volume),
-        ..Material::default()
-    }
-}
 
 fn weightless() -> SolverParams {
     SolverParams {
         gravity: [0.0; 3],
         ..SolverParams::default()
-    }
-}
-
-fn with_pressure(pressure: f32) -> Volume {
-    Volume {
-        pressure,
-        ..Volume::default()
     }
 }
 

@@ -18,3 +18,23 @@ pub fn firm(friction: f32, damping: f32) -> Material {
         friction,
     }
 }
+
+/// Returns a material whose edges and angles do not pull, so that its volume acts alone.
+#[must_use]
+pub fn limp(volume: Volume) -> Material {
+    Material {
+        stretch: Stiffness::Pbd(0.0),
+        bending: None,
+        volume: Some(volume),
+        ..Material::default()
+    }
+}
+
+/// Returns an incompressible volume of a number of rest volumes.
+#[must_use]
+pub fn with_pressure(pressure: f32) -> Volume {
+    Volume {
+        pressure,
+        ..Volume::default()
+    }
+}

@@ -34,7 +34,7 @@ pub(super) fn arctangent2<S: Simd>(simd: S, y: Lanes<S>, x: Lanes<S>) -> Lanes<S
     let is_steep = (number(STEEP) * large).lt(small);
     let above = is_steep.select(small - large, small);
     let below = is_steep.select(small + large, large);
-    let t = zero.lt(below).or_zero(above.over(below));
+    let t = zero.lt(below).or_zero(above / below);
     let angle = series(simd, t * t) * t;
     let angle = is_steep.select(number(FRAC_PI_4) + angle, angle);
     let angle = is_up.select(number(FRAC_PI_2) - angle, angle);

@@ -53,7 +53,7 @@ impl Energy<2> for Line {
         let length = dot(edge, edge).sqrt();
         let error = length - block.rest;
         let has_direction = Lanes::splat(gather.simd(), 0.0).lt(length);
-        let per_length = has_direction.or_zero((block.stiffness * error).over(length));
+        let per_length = has_direction.or_zero(block.stiffness * error / length);
         let force = scale(per_length, edge);
         let (vertices, count) = (block.vertices, block.count);
         gather.add(gradient, vertices, (0, count), negative(force));
@@ -93,9 +93,9 @@ impl Energy<4> for Hinge {
         let solid = |by: Lanes<G::S>| solid2.or_zero(solid3.or_zero(by));
         let error = solid(turn);
         let force = -(block.stiffness * error * length);
-        let g2 = scale(solid(force.over(q2)), n2);
-        let g3 = scale(solid(force.over(q3)), n3);
-        let per_square = solid(number(1.0).over(square));
+        let g2 = scale(solid(force / q2), n2);
+        let g3 = scale(solid(force / q3), n3);
+        let per_square = solid(number(1.0) / square);
         let (s, t) = (dot(a, e) * per_square, dot(b, e) * per_square);
         let g1 = negative(add(scale(s, g2), scale(t, g3)));
         let g0 = negative(add(g1, add(g2, g3)));

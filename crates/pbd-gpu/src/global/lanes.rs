@@ -8,7 +8,7 @@ mod avx2;
 use bytemuck::{Pod, Zeroable};
 use incise_mesh::{Vec3, VertexId};
 use pulp::{Arch, Scalar, Simd, WithSimd};
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A vector with a fourth component of 0, as wide as a register.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
@@ -82,11 +82,6 @@ impl<S: Simd> Lanes<S> {
         Self::new(self.simd, self.simd.and_f64s(magnitude, self.values))
     }
 
-    #[inline(always)]
-    pub(super) fn over(self, divisor: Self) -> Self {
-        Self::new(self.simd, self.simd.div_f64s(self.values, divisor.values))
-    }
-
     /// Returns the lanes that are less; none with NaN.
     #[inline(always)]
     pub(super) fn lt(self, other: Self) -> Mask<S> {
@@ -138,6 +133,7 @@ macro_rules! operator {
 operator!(Add, add, add_f64s);
 operator!(Sub, sub, sub_f64s);
 operator!(Mul, mul, mul_f64s);
+operator!(Div, div, div_f64s);
 
 #[inline(always)]
 pub(super) fn add<S: Simd>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
