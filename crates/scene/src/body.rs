@@ -13,7 +13,8 @@ use crate::params::SceneParams;
 use crate::piece_shapes::PieceShapes;
 pub use id::BodyId;
 use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Incision, Sweep};
-use incise_mesh::{Aabb, Bvh, RayHit, Surface, Undo, Vec3, VertexId};
+use incise_mesh::geometry::to_f32;
+use incise_mesh::{Aabb, Bvh, RayHit, Surface, Undo, Vec3, VertexId, index_u32};
 use incise_pbd_gpu::{ConstraintError, Material, PatchParams, Solver};
 #[cfg(feature = "serde")]
 pub(crate) use saved::SavedBody;
@@ -146,11 +147,24 @@ impl Body {
     }
 
     /// Returns the surface and the solver, for changes that move vertices.
-    #[cfg(feature = "gpu")]
     pub(crate) fn moved_parts(&mut self) -> (&mut Surface, &mut Solver) {
         self.stale = true;
         self.loose_bounds = None;
         self.parts()
+    }
+
+    /// Moves a piece by a displacement \[m\], without a change of velocities.
+    pub(crate) fn move_piece(&mut self, number: u32, shift: Vec3) {
+        let (surface, _) = self.moved_parts();
+        for slot in 0..surface.positions().len() {
+            let v = VertexId(index_u32(slot));
+            let h = surface.topology().outgoing(v);
+            if !h.is_null() && surface.piece(h.triangle()) == number {
+                let [x, y, z] = to_f32(surface.position(v) + shift);
+                let p = &mut surface.positions_mut()[slot];
+                *p = [x, y, z, p[3]];
+            }
+        }
     }
 
     /// Returns the numbers of the body's pieces, ascending.

@@ -9,12 +9,14 @@
 //!    [`edge_pairs`] finds the sharp edges that cross each other.
 //! 4. [`persistent`] keeps a contact from frame to frame while the vertex hardly moves.
 //! 5. [`carriers`] finds which piece of a contact carries the other one above the ground.
+//! 6. [`overlaps`] finds pieces deep in each other, which the next frames move apart.
 //!
 //! The solver finds nearest points and normals in every substep. A vertex stays in front of a
 //! triangle in whose reach it started the frame, provided that its speed grows at most
 //! [`SPEED_MARGIN`]-fold within the frame. Penetrations are resolved at a limited speed and leave
-//! no velocity; deep ones remain.
+//! no velocity.
 
+mod axes;
 mod blade_face;
 mod body_rows;
 mod broad_phase;
@@ -25,6 +27,7 @@ mod motion;
 mod narrow_phase;
 mod near_bodies;
 mod outside;
+mod overlaps;
 mod persistent;
 #[cfg(feature = "serde")]
 mod saved;
@@ -37,14 +40,16 @@ use body_rows::BodyRows;
 use broad_phase::Pieces;
 use carriers::Carriers;
 use edge_pairs::EdgePairs;
-use incise_mesh::Aabb;
+use incise_mesh::{Aabb, Vec3};
 use incise_pbd_gpu::MovingCollider;
 use motion::Motion;
 use narrow_phase::Search;
 use near_bodies::{NearBodies, reachable_bounds};
+use overlaps::Overlaps;
 
 pub(crate) use blade_face::BladeFace;
 pub(crate) use body_rows::BodyContact;
+pub(crate) use overlaps::PieceId;
 #[cfg(feature = "serde")]
 pub(crate) use saved::{SavedContacts, SavedFace};
 
@@ -102,6 +107,8 @@ pub(crate) struct ContactFrame<'a> {
     pub(crate) params: ContactParams,
     /// Duration of the frame \[s\].
     pub(crate) dt: f64,
+    /// Acceleration by gravity [m/s^2].
+    pub(crate) gravity: Vec3,
     /// Maximum speed that gravity adds within the frame [m/s].
     pub(crate) speed_gain: f64,
     /// Height of the ground \[m\].
@@ -127,6 +134,7 @@ pub(crate) struct ContactDetection {
     rows: Vec<BodyRows>,
     edges: EdgePairs,
     carriers: Carriers,
+    overlaps: Overlaps,
 }
 
 impl ContactDetection {
@@ -141,7 +149,18 @@ impl ContactDetection {
             rows.begin_frame(slots);
         }
         self.edges.begin_frame();
+        self.overlaps.begin_frame(bodies);
         self.begin_search(bodies.len());
+    }
+
+    /// Returns the number of pairs of pieces that are moved apart before the frame.
+    pub(crate) fn overlaps(&self) -> usize {
+        self.overlaps.len()
+    }
+
+    /// Returns the pieces of such a pair and their displacements \[m\].
+    pub(crate) fn shifts(&self, n: usize) -> [(PieceId, Vec3); 2] {
+        self.overlaps.shifts(n)
     }
 
     /// Begins a search for near bodies.
@@ -196,6 +215,7 @@ impl ContactDetection {
         if let Some(ground) = frame.ground {
             self.carriers.mark(search, ground, &mut self.rows);
         }
+        self.overlaps.find(search);
     }
 
     /// Returns the contacts of the vertices of a body, in the order of vertices.

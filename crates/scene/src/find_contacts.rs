@@ -5,6 +5,7 @@ use crate::error::SceneError;
 use crate::frame::inflated;
 use crate::params::SceneParams;
 use crate::scene::Scene;
+use incise_mesh::Vec3;
 use incise_pbd_gpu::MovingCollider;
 use web_time::Instant;
 
@@ -16,6 +17,7 @@ impl Scene {
         let begin = Instant::now();
         self.detection.begin_frame(&self.bodies);
         if let Some(params) = self.params.contacts {
+            self.separate_overlaps()?;
             // A woken body may touch others that sleep.
             self.search_contacts(params)?;
             while self.wake_touched() {
@@ -48,6 +50,29 @@ impl Scene {
             }
         }
         self.stats.contact_detection = begin.elapsed();
+        Ok(())
+    }
+
+    /// Moves pieces apart that are deep in each other; their bodies are read back.
+    fn separate_overlaps(&mut self) -> Result<(), SceneError> {
+        for n in 0..self.detection.overlaps() {
+            for (piece, shift) in self.detection.shifts(n) {
+                let i = piece.body as usize;
+                if let (Some(gpu), Some(body)) = (&mut self.gpu, &mut self.bodies[i])
+                    && let Err(error) = gpu.read_back(i, body)
+                {
+                    self.recover(None, error)?;
+                }
+                let Some(body) = &mut self.bodies[i] else {
+                    continue;
+                };
+                self.sleep.wake(i);
+                body.move_piece(piece.number, shift);
+                if let Some(gpu) = &mut self.gpu {
+                    gpu.begin_edit(i, body.surface());
+                }
+            }
+        }
         Ok(())
     }
 
@@ -158,11 +183,12 @@ fn contact_frame<'a>(
     blade_faces: &'a [BladeFace],
 ) -> ContactFrame<'a> {
     let dt = f64::from(scene.dt);
-    let gravity = scene.solver.gravity.map(f64::from);
+    let gravity = Vec3::from(scene.solver.gravity.map(f64::from));
     ContactFrame {
         params,
         dt,
-        speed_gain: gravity.iter().map(|g| g * g).sum::<f64>().sqrt() * dt,
+        gravity,
+        speed_gain: gravity.norm() * dt,
         ground: scene.solver.ground,
         colliders,
         blade_faces,

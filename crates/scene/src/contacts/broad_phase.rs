@@ -5,6 +5,7 @@
 
 use super::motion::{Motion, max_norm};
 use super::near_bodies::grow;
+use super::overlaps::PieceId;
 use super::{BladeFace, ContactFrame, SPEED_MARGIN};
 use crate::scene::Bodies;
 use incise_mesh::{Aabb, MovingPoint, Surface, Vec3, VertexId, index_u32};
@@ -222,6 +223,14 @@ impl Piece {
     /// Returns whether a moving point may reach the piece's box.
     pub(super) fn is_near(&self, point: &MovingPoint) -> bool {
         point.reaches(&self.bounds, &self.displacement)
+    }
+
+    /// Returns the body of the piece and its number there.
+    pub(super) fn id(&self) -> PieceId {
+        PieceId {
+            body: self.body,
+            number: self.number,
+        }
     }
 
     /// Returns the maximum displacement of a vertex \[m\].

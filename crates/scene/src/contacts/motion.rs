@@ -71,7 +71,12 @@ impl Motion {
 
     /// Returns the minimum distance of other surfaces from the piece of a triangle \[m\].
     pub(super) fn thickness(&self, surface: &Surface, t: TriangleId) -> f64 {
-        self.thicknesses[surface.piece(t) as usize]
+        self.piece_thickness(surface.piece(t))
+    }
+
+    /// Returns the minimum distance of other surfaces from a piece \[m\].
+    pub(super) fn piece_thickness(&self, piece: u32) -> f64 {
+        self.thicknesses[piece as usize]
     }
 
     /// Returns the velocity of a vertex [m/s].

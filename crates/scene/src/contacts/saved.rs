@@ -4,6 +4,7 @@ use super::ContactDetection;
 use super::blade_face::{BladeFace, Pose};
 use super::body_rows::BodyRows;
 use super::edge_pairs::EdgePair;
+use super::overlaps::Overlaps;
 use super::persistent::PersistentContact;
 use incise_mesh::{HalfEdge, TriangleId, Vec3, VertexId};
 use incise_pbd_gpu::ContactKind;
@@ -15,6 +16,7 @@ pub(crate) struct SavedContacts {
     /// By body index, in order of vertices.
     vertices: Vec<Vec<SavedContact>>,
     edges: Vec<SavedEdgePair>,
+    overlaps: Overlaps,
 }
 
 /// See [`PersistentContact`].
@@ -45,6 +47,7 @@ impl ContactDetection {
         SavedContacts {
             vertices: self.rows.iter().map(of_body).collect(),
             edges: self.edges.found().iter().map(SavedEdgePair::new).collect(),
+            overlaps: self.overlaps.clone(),
         }
     }
 
@@ -53,7 +56,10 @@ impl ContactDetection {
     /// The search ignores a contact with a triangle that does not exist.
     pub(crate) fn from_saved(saved: SavedContacts, bodies: usize) -> Option<Self> {
         let is_finite = |pair: &SavedEdgePair| pair.normal.iter().all(|c| c.is_finite());
-        if saved.vertices.len() > bodies || !saved.edges.iter().all(is_finite) {
+        if saved.vertices.len() > bodies
+            || !saved.edges.iter().all(is_finite)
+            || !saved.overlaps.is_finite()
+        {
             return None;
         }
         let mut detection = Self::default();
@@ -65,6 +71,7 @@ impl ContactDetection {
             .extend(saved.vertices.into_iter().map(of_body));
         let pairs = saved.edges.into_iter().map(SavedEdgePair::into_pair);
         detection.edges.set_found(pairs.collect());
+        detection.overlaps = saved.overlaps;
         Some(detection)
     }
 }

@@ -3,6 +3,7 @@
 mod bodies;
 mod cuts;
 mod obstacles;
+mod overlaps;
 mod pieces;
 mod sheets;
 

@@ -1,0 +1,265 @@
+//! [`Overlaps`]: pieces deep in each other, which are moved apart as rigid bodies.
+//!
+//! Contacts separate surfaces that are at most two thicknesses behind each other. Bodies that start
+//! in each other are deeper, and so are small ones that meet at high speed. Every frame tests a few
+//! points inside of each piece. Two pieces that contain such a point are moved apart before the
+//! next frames: along the [axis](super::axes) on which they overlap least, without a change of
+//! velocity.
+
+use super::axes::{Extents, separation};
+use super::motion::Motion;
+use super::narrow_phase::Search;
+use super::outside::outward_normal;
+use crate::body::Body;
+use crate::scene::Bodies;
+use incise_mesh::{Surface, Vec3, VertexId, index_u32};
+
+/// Number of vertices per piece that are tested in a frame.
+const TESTED: usize = 16;
+
+/// Number of vertices per piece at which the depth of an overlap is measured.
+const MEASURED: usize = 256;
+
+/// Minimum distance of a common point from both surfaces [thicknesses].
+///
+/// Both surfaces are twice as far behind each other, deeper than any contact.
+const CLEARANCE: f64 = 1.25;
+
+/// Number of frames between two measurements of an overlap.
+const PERIOD: u32 = 8;
+
+/// Maximum speed of a separation [diagonals of the smaller piece per second].
+const SPEED: f64 = 1.0;
+
+/// A piece of a body of the scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct PieceId {
+    /// Index of the body in the scene.
+    pub(crate) body: u32,
+    pub(crate) number: u32,
+}
+
+/// Two pieces that are moved apart.
+#[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Overlap {
+    pieces: [PieceId; 2],
+    /// Fingerprints of their surfaces.
+    versions: [u64; 2],
+    /// Displacements per frame \[m\].
+    shifts: [[f64; 3]; 2],
+    frames_left: u32,
+}
+
+/// The overlaps of a scene, in memory reused between frames.
+#[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Overlaps {
+    list: Vec<Overlap>,
+    /// Number of searches, from which the tested vertices follow.
+    searches: u32,
+}
+
+impl Overlaps {
+    /// Begins a frame: forgets overlaps of bodies that are gone or were cut.
+    pub(super) fn begin_frame(&mut self, bodies: &Bodies) {
+        self.list.retain_mut(|overlap| {
+            overlap.frames_left = overlap.frames_left.saturating_sub(1);
+            let mut versions = overlap.pieces.iter().zip(overlap.versions);
+            versions.all(|(piece, version)| {
+                let body = bodies.get(piece.body as usize).and_then(Option::as_ref);
+                body.is_some_and(|body| body.surface().fingerprint() == version)
+            })
+        });
+    }
+
+    /// Returns whether all displacements are finite.
+    #[cfg(feature = "serde")]
+    pub(super) fn is_finite(&self) -> bool {
+        let shifts = self.list.iter().flat_map(|overlap| overlap.shifts);
+        shifts.flatten().all(f64::is_finite)
+    }
+
+    /// Returns the number of overlaps.
+    pub(super) fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Returns the pieces of an overlap and their displacements in this frame \[m\].
+    pub(super) fn shifts(&self, n: usize) -> [(PieceId, Vec3); 2] {
+        let Overlap { pieces, shifts, .. } = self.list[n];
+        [0, 1].map(|i: usize| (pieces[i], Vec3::from(shifts[i])))
+    }
+
+    /// Finds overlaps, and measures known ones again after their period.
+    pub(super) fn find(&mut self, search: Search<'_>) {
+        let start = self.searches as usize;
+        self.searches = self.searches.wrapping_add(1);
+        self.list.retain_mut(|overlap| {
+            if overlap.frames_left > 0 {
+                return true;
+            }
+            let measured = search.measure(overlap.pieces, start);
+            measured.is_some_and(|measured| {
+                *overlap = measured;
+                true
+            })
+        });
+        for (i, body) in (0..).zip(search.bodies) {
+            if let Some(body) = body.as_ref().filter(|_| search.is_active(i)) {
+                for v in sample(body.surface(), TESTED, start) {
+                    self.test(search, i, v);
+                }
+            }
+        }
+    }
+
+    /// Finds overlaps at a vertex of a body.
+    fn test(&mut self, search: Search<'_>, body: u32, v: VertexId) {
+        let Some((own, _)) = search.piece_at(body, v) else {
+            return;
+        };
+        let index = search.motions[body as usize].pieces[own.number as usize];
+        for other in search.pieces.neighbors(index) {
+            let pair = [own, other.id()];
+            let is_known = |o: &Overlap| o.pieces == pair || o.pieces == [pair[1], pair[0]];
+            if !self.list.iter().any(is_known) && search.common_point(pair, v).is_some() {
+                self.list.extend(search.measure(pair, v.index()));
+            }
+        }
+    }
+}
+
+/// Returns about `count` vertex slots per piece at equal distances, among them `start` modulo that.
+fn sample(surface: &Surface, count: usize, start: usize) -> impl Iterator<Item = VertexId> {
+    let slots = surface.positions().len();
+    let stride = (slots / (count * surface.piece_count().max(1))).max(1);
+    (start % stride..slots)
+        .step_by(stride)
+        .map(|slot| VertexId(index_u32(slot)))
+}
+
+impl Search<'_> {
+    /// Returns whether a body is searched in this frame.
+    fn is_active(&self, body: u32) -> bool {
+        self.motions[body as usize].is_active
+    }
+
+    /// Returns the piece at a vertex slot of a body; `None` for an unused one.
+    fn piece_at(&self, body: u32, v: VertexId) -> Option<(PieceId, Vec3)> {
+        let surface = self.bodies[body as usize].as_ref()?.surface();
+        let h = surface.topology().outgoing(v);
+        let number = (!h.is_null()).then(|| surface.piece(h.triangle()))?;
+        Some((PieceId { body, number }, surface.position(v)))
+    }
+
+    /// Returns the body of a piece and its motion.
+    fn body_of(&self, piece: PieceId) -> Option<(&Body, &Motion)> {
+        let body = self.bodies.get(piece.body as usize)?.as_ref()?;
+        (self.is_active(piece.body)).then_some((body, &self.motions[piece.body as usize]))
+    }
+
+    /// Returns the minimum distance of two closed pieces \[m\]; `None` for sheets.
+    fn thickness_of(&self, pieces: [PieceId; 2]) -> Option<f64> {
+        let mut least = f64::INFINITY;
+        for piece in pieces {
+            let (body, motion) = self.body_of(piece)?;
+            if body.piece_shapes().get(piece.number).is_sheet {
+                return None;
+            }
+            least = least.min(motion.piece_thickness(piece.number));
+        }
+        Some(least)
+    }
+
+    /// Returns the distance of a point inside a piece from its surface \[m\], if it is at least
+    /// `clearance`.
+    fn depth_in(&self, piece: PieceId, at: Vec3, clearance: f64) -> Option<f64> {
+        let (body, _) = self.body_of(piece)?;
+        let (surface, bvh) = (body.surface(), body.bvh());
+        let is_own = |t| surface.piece(t) == piece.number;
+        if bvh.nearest(surface, at, clearance, is_own).is_some() {
+            return None;
+        }
+        let hit = bvh.cast(surface, at, Vec3::x(), is_own)?;
+        let nearest = || bvh.nearest(surface, at, hit.distance, is_own);
+        hit.from_inside
+            .then(|| nearest().map_or(hit.distance, |found| found.distance.abs()))
+    }
+
+    /// Returns the depth of the common point of two pieces below a vertex of the first one \[m\].
+    fn common_point(&self, [own, other]: [PieceId; 2], v: VertexId) -> Option<f64> {
+        let clearance = CLEARANCE * self.thickness_of([own, other])?;
+        let (body, _) = self.body_of(own)?;
+        let surface = body.surface();
+        let inward = -outward_normal(surface, v).try_normalize(0.0)?;
+        let point = surface.position(v) + inward * (2.0 * clearance);
+        let depth = self.depth_in(other, point, clearance)?;
+        self.depth_in(own, point, clearance)?;
+        Some(depth + clearance)
+    }
+
+    /// Returns the maximum depth of the first piece in the second one \[m\], 0 without an overlap.
+    fn depth(&self, pieces: [PieceId; 2], start: usize) -> f64 {
+        let Some((body, _)) = self.body_of(pieces[0]) else {
+            return 0.0;
+        };
+        let of_piece = |v: &VertexId| {
+            let found = self.piece_at(pieces[0].body, *v);
+            found.is_some_and(|(piece, _)| piece == pieces[0])
+        };
+        let vertices = sample(body.surface(), MEASURED, start).filter(of_piece);
+        vertices
+            .filter_map(|v| self.common_point(pieces, v))
+            .fold(0.0, f64::max)
+    }
+
+    /// Measures an overlap; `None` if there is none, or neither piece can be moved.
+    fn measure(&self, pieces: [PieceId; 2], start: usize) -> Option<Overlap> {
+        let [a, b] = pieces;
+        let depth = f64::max(self.depth([a, b], start), self.depth([b, a], start));
+        if depth == 0.0 {
+            return None;
+        }
+        let extents = [self.extents(a)?, self.extents(b)?];
+        let mobilities = [self.mobility(a)?, self.mobility(b)?];
+        let shifts = separation(&extents, mobilities, self.frame.gravity)?;
+        let smaller = f64::min(extents[0].diagonal(), extents[1].diagonal());
+        let step = f64::min(depth / f64::from(PERIOD), SPEED * smaller * self.frame.dt);
+        let version = |piece| Some(self.body_of(piece)?.0.surface().fingerprint());
+        Some(Overlap {
+            pieces,
+            versions: [version(a)?, version(b)?],
+            shifts: shifts.map(|shift| (shift * step).into()),
+            frames_left: PERIOD,
+        })
+    }
+
+    /// Returns the extents of a piece.
+    fn extents(&self, piece: PieceId) -> Option<Extents> {
+        let (body, _) = self.body_of(piece)?;
+        let vertices = body.surface().topology().vertices();
+        let found = vertices.filter_map(|v| self.piece_at(piece.body, v));
+        let points = found.filter_map(|(of, at)| (of == piece).then_some(at));
+        Some(Extents::new(points))
+    }
+
+    /// Returns the reciprocal mass of a piece [1/kg], 0 with a pin.
+    fn mobility(&self, piece: PieceId) -> Option<f64> {
+        let (body, _) = self.body_of(piece)?;
+        let is_own = |v: VertexId| {
+            let found = self.piece_at(piece.body, v);
+            found.is_some_and(|(of, _)| of == piece)
+        };
+        let solver = body.solver();
+        if solver.pins().iter().any(|pin| is_own(pin.vertex)) {
+            return Some(0.0);
+        }
+        let vertices = body.surface().topology().vertices().filter(|&v| is_own(v));
+        let mass: f64 = vertices
+            .map(|v| f64::from(solver.masses()[v.index()]))
+            .sum();
+        Some(if mass > 0.0 { mass.recip() } else { 0.0 })
+    }
+}

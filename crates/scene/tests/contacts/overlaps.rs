@@ -1,0 +1,182 @@
+//! Bodies that start in each other, or enter each other, are moved apart.
+
+use super::*;
+use incise_mesh::{Vec3, icosphere};
+
+/// Adds a body with its center at `at`.
+fn add(scene: &mut Scene, shape: &Surface, at: [f32; 3], scale: f32) -> BodyId {
+    let surface = moved(shape, at, [scale; 3]);
+    let surface = merged(&[surface]);
+    scene.add_body(surface, &Material::soft_body()).unwrap()
+}
+
+fn weightless() -> Scene {
+    Scene::new(params([0.0; 3], None))
+}
+
+/// Returns the center of mass of bodies \[m\].
+fn center(scene: &Scene, ids: &[BodyId]) -> Vec3 {
+    let (mut sum, mut mass) = (Vec3::zeros(), 0.0);
+    for &id in ids {
+        let body = scene.body(id).unwrap();
+        for v in body.surface().topology().vertices() {
+            let m = f64::from(body.solver().masses()[v.index()]);
+            sum += body.surface().position(v) * m;
+            mass += m;
+        }
+    }
+    sum / mass
+}
+
+/// Returns the distance between the centers of mass of two bodies \[m\].
+fn between(scene: &Scene, [a, b]: [BodyId; 2]) -> Vec3 {
+    center(scene, &[b]) - center(scene, &[a])
+}
+
+/// Returns the volume of a body by its rest volume.
+fn volume(scene: &Scene, id: BodyId) -> f64 {
+    let surface = scene.body(id).unwrap().surface();
+    surface.volume() / surface.rest_volume_of(surface.topology().triangles())
+}
+
+/// Returns the number of vertices of a body that are deeper in another one than a distance \[m\].
+fn inside(scene: &Scene, [id, other]: [BodyId; 2], depth: f64) -> usize {
+    let [surface, other] = [id, other].map(|id| scene.body(id).unwrap().surface());
+    let bvh = Bvh::build(other);
+    let is_deep = |v: &VertexId| {
+        let at = surface.position(*v);
+        let hit = bvh.cast(other, at, Vec3::new(0.3, 0.9, 0.2), |_| true);
+        hit.is_some_and(|hit| hit.from_inside) && bvh.nearest(other, at, depth, |_| true).is_none()
+    };
+    surface.topology().vertices().filter(is_deep).count()
+}
+
+/// Steps until the bodies have been apart for a second; returns the number of frames.
+///
+/// Their centers move at most a diagonal of the smaller body per second relative to each other.
+fn separate(scene: &mut Scene, pair: [BodyId; 2], diagonal: f64) -> u32 {
+    let mut apart = 0;
+    for frame in 1..600 {
+        let before = between(scene, pair);
+        scene.step().unwrap();
+        let moved = (between(scene, pair) - before).norm();
+        let limit = 1.05 * diagonal * f64::from(scene.params.dt);
+        assert!(moved <= limit, "{moved} m in frame {frame}");
+        let is_apart = inside(scene, pair, 1e-3) + inside(scene, [pair[1], pair[0]], 1e-3) == 0;
+        apart = if is_apart { apart + 1 } else { 0 };
+        if apart == 60 {
+            return frame;
+        }
+    }
+    panic!("they are still in each other");
+}
+
+#[test]
+fn a_body_added_in_another_one_leaves_it() {
+    let ball = icosphere(3, 1.0);
+    // In the middle, beside it, and partly outside; a small and an equal one.
+    for (radius, x) in [(0.2, 0.0), (0.2, 0.5), (0.5, 0.9), (0.5, 0.3)] {
+        let mut scene = weightless();
+        let large = add(&mut scene, &ball, [0.0; 3], 0.5);
+        let small = add(&mut scene, &ball, [x, 0.01, 0.02], radius);
+        let before = center(&scene, &[large, small]);
+        separate(&mut scene, [large, small], 3.5 * f64::from(radius));
+        let moved = (center(&scene, &[large, small]) - before).norm();
+        assert!(moved < 1e-3, "the center of mass moved by {moved} m");
+        for id in [large, small] {
+            let volume = volume(&scene, id);
+            assert!((volume - 1.0).abs() < 0.01, "{volume}");
+            let energy = scene.body(id).unwrap().solver().kinetic_energy();
+            assert!(energy < 1e-3, "{energy} J");
+        }
+    }
+}
+
+#[test]
+fn bodies_in_one_place_separate() {
+    for shape in [cube(1), cube(3), icosphere(2, 1.0)] {
+        let mut scene = weightless();
+        let pair = [0, 1].map(|_| add(&mut scene, &shape, [0.0; 3], 0.5));
+        for _ in 0..240 {
+            scene.step().unwrap();
+        }
+        let apart = between(&scene, pair).norm();
+        assert!(apart > 0.9, "{apart} m apart");
+    }
+}
+
+#[test]
+fn a_pinned_body_stays_and_an_upper_one_rises() {
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+    let pinned = add(&mut scene, &icosphere(3, 1.0), [0.0, 2.0, 0.0], 0.5);
+    pin_piece(&mut scene, pinned, 0);
+    let free = add(&mut scene, &icosphere(2, 1.0), [0.3, 2.0, 0.0], 0.2);
+    let at = center(&scene, &[pinned]);
+    for _ in 0..120 {
+        scene.step().unwrap();
+    }
+    assert!((center(&scene, &[pinned]) - at).norm() < 1e-6);
+    assert_eq!(inside(&scene, [free, pinned], 1e-3), 0);
+
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+    let slab = moved(&cube(4), [0.0; 3], [1.0, 0.2, 1.0]);
+    let lower = add(&mut scene, &slab, [0.0, 0.1, 0.0], 0.5);
+    let upper = add(&mut scene, &slab, [0.02, 0.2, 0.01], 0.5);
+    for _ in 0..240 {
+        scene.step().unwrap();
+        let low = lowest_of(&scene, lower);
+        assert!(low > -1e-3, "pressed {low} m into the ground");
+    }
+    let above = between(&scene, [lower, upper]).y;
+    assert!(above > 0.18, "{above} m above the lower one");
+}
+
+fn lowest_of(scene: &Scene, id: BodyId) -> f32 {
+    height_range(scene.body(id).unwrap(), 0)[0]
+}
+
+/// Regression: bodies of 1 cm entered each other by up to five edges, and stayed so.
+#[test]
+fn small_bodies_that_enter_each_other_leave_again() {
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+    let shapes = [cube(1), icosphere(1, 1.0), cube(2), icosphere(2, 1.0)];
+    let ids: Vec<BodyId> = (0..10)
+        .map(|i| {
+            let [x, z] = [i % 3, i % 4].map(|k| 0.002 * k as f32 - 0.002);
+            let at = [x, 0.012 * (i + 1) as f32, z];
+            add(&mut scene, &shapes[i % 4], at, 0.003)
+        })
+        .collect();
+    for _ in 0..300 {
+        scene.step().unwrap();
+    }
+    for (i, &a) in ids.iter().enumerate() {
+        for &b in ids.iter().filter(|&&b| b != a) {
+            assert_eq!(inside(&scene, [a, b], 6e-4), 0, "of body {i}");
+        }
+        let volume = volume(&scene, a);
+        assert!((volume - 1.0).abs() < 0.02, "{i}: {volume}");
+    }
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn a_saved_separation_goes_on_with_the_same_bits() {
+    let mut scene = weightless();
+    let ball = icosphere(2, 1.0);
+    for x in [0.0, 0.1] {
+        add(&mut scene, &ball, [x, 0.0, 0.0], 0.3);
+    }
+    for _ in 0..11 {
+        scene.step().unwrap();
+    }
+    let mut loaded = Scene::load(&scene.save().unwrap()).unwrap();
+    for _ in 0..40 {
+        scene.step().unwrap();
+        loaded.step().unwrap();
+    }
+    for (a, b) in scene.bodies().zip(loaded.bodies()) {
+        let positions = |scene: &Scene, id| scene.body(id).unwrap().surface().positions().to_vec();
+        assert_eq!(positions(&scene, a), positions(&loaded, b));
+    }
+}
