@@ -131,7 +131,7 @@ pub struct Material {
     pub volume: Option<Volume>,
     /// Springs through the body. `None` costs nothing.
     pub interior_springs: Option<InteriorSprings>,
-    /// Rate at which velocities decay [1/s].
+    /// Rate at which velocities decay [1/s]; bodies rebound less with it.
     pub damping: f32,
     /// Coulomb friction coefficient against ground, colliders and contacts.
     pub friction: f32,

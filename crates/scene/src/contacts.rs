@@ -60,7 +60,8 @@ const SPEED_MARGIN: f64 = 2.0;
 ///
 /// Vertices are tested against triangles, and sharp edges against those of other bodies. Sheets
 /// collide on both sides, closed pieces on the outer one. Between two bodies friction is the
-/// geometric mean of both.
+/// geometric mean of both. Closed pieces deep in each other are moved apart, at most by a diagonal
+/// of the smaller one per second and without velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContactParams {

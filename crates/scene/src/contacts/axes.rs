@@ -45,23 +45,32 @@ impl Extents {
         Self(extents)
     }
 
+    /// Returns the minimum and maximum corner of the bounding box \[m\].
+    pub(super) fn corners(&self) -> [Vec3; 2] {
+        let [x, z, y] = [self.0[0], self.0[1], self.0[2]];
+        [0, 1].map(|side: usize| Vec3::new(x[side], y[side], z[side]))
+    }
+
     /// Returns the diagonal of the bounding box \[m\].
     pub(super) fn diagonal(&self) -> f64 {
-        let [x, z, y] = [0, 1, 2].map(|k: usize| self.0[k][1] - self.0[k][0]);
-        Vec3::new(x, y, z).norm()
+        let [min, max] = self.corners();
+        (max - min).norm()
     }
 }
 
 /// Returns displacements of two pieces that separate them by 1, along the shortest way.
 ///
 /// They share it by their mobilities, the reciprocal masses. None moves along `gravity`, since it
-/// may rest on something. `None` if no way is left.
+/// may rest on something. A way on which `is_blocked` holds for a piece and its displacement is
+/// taken only if there is no other one. `None` if no way is left.
 pub(super) fn separation(
-    [a, b]: &[Extents; 2],
+    extents: &[Extents; 2],
     mobilities: [f64; 2],
     gravity: Vec3,
+    is_blocked: impl Fn(&Extents, Vec3) -> bool,
 ) -> Option<[Vec3; 2]> {
-    let mut best: Option<(f64, [Vec3; 2])> = None;
+    let [a, b] = extents;
+    let mut best: Option<((bool, f64), [Vec3; 2])> = None;
     for k in 0..AXES.len() {
         let ([a_min, a_max], [b_min, b_max]) = (a.0[k], b.0[k]);
         for (way, direction) in [(a_max - b_min, axis(k)), (b_max - a_min, -axis(k))] {
@@ -73,9 +82,16 @@ pub(super) fn separation(
                 }
             }
             let sum = shares[0] + shares[1];
-            if sum > 0.0 && best.is_none_or(|(least, _)| way < least) {
-                let [first, second] = shares.map(|share| direction * (share / sum));
-                best = Some((way, [-first, second]));
+            let has_way = sum > 0.0;
+            if !has_way {
+                continue;
+            }
+            let [first, second] = shares.map(|share| direction * (share / sum));
+            let shifts = [-first, second];
+            let mut moves = extents.iter().zip(shifts);
+            let cost = (moves.any(|(piece, by)| is_blocked(piece, by * way)), way);
+            if best.is_none_or(|(least, _)| cost < least) {
+                best = Some((cost, shifts));
             }
         }
     }
@@ -97,12 +113,20 @@ mod tests {
         let block_a = block([0.0; 3], [4.0, 4.0, 4.0]);
         let block_b = block([1.0, 0.5, 3.0], [5.0, 4.5, 7.0]);
         assert!((block_a.diagonal() - 48.0_f64.sqrt()).abs() < 1e-12);
-        let shifts = separation(&[block_a, block_b], [1.0, 3.0], Vec3::zeros()).unwrap();
+        let weightless = |mobilities, is_blocked: fn(&Extents, Vec3) -> bool| {
+            let blocks = [block_a, block_b];
+            separation(&blocks, mobilities, Vec3::zeros(), is_blocked).unwrap()
+        };
+        let shifts = weightless([1.0, 3.0], |_, _| false);
         assert!((shifts[0] - Vec3::new(0.0, 0.0, -0.25)).norm() < 1e-12);
         assert!((shifts[1] - Vec3::new(0.0, 0.0, 0.75)).norm() < 1e-12);
-        let shifts = separation(&[block_a, block_b], [1.0, 0.0], Vec3::zeros()).unwrap();
+        let shifts = weightless([1.0, 0.0], |_, _| false);
         assert_eq!(shifts[1], Vec3::zeros(), "it is pinned");
         assert!((shifts[0] - Vec3::new(0.0, 0.0, -1.0)).norm() < 1e-12);
+        let shifts = weightless([0.0, 1.0], |_, by| by.z != 0.0);
+        assert_eq!(shifts[1], Vec3::x(), "the next shortest way");
+        let shifts = weightless([0.0, 1.0], |_, _| true);
+        assert_eq!(shifts[1], Vec3::z(), "all ways are blocked");
     }
 
     #[test]
@@ -112,10 +136,10 @@ mod tests {
             block([0.0; 3], [9.0, 1.0, 9.0]),
             block([0.0, 0.5, 0.0], [9.0, 1.5, 9.0]),
         ];
-        let shifts = separation(&plates, [1.0; 2], gravity).unwrap();
+        let shifts = separation(&plates, [1.0; 2], gravity, |_, _| false).unwrap();
         assert_eq!(shifts, [Vec3::zeros(), Vec3::y()], "the upper one rises");
-        let shifts = separation(&plates, [1.0, 0.0], gravity).unwrap();
+        let shifts = separation(&plates, [1.0, 0.0], gravity, |_, _| false).unwrap();
         assert_eq!(shifts, [Vec3::y(), Vec3::zeros()], "it rises through it");
-        assert_eq!(separation(&plates, [0.0; 2], gravity), None);
+        assert_eq!(separation(&plates, [0.0; 2], gravity, |_, _| false), None);
     }
 }

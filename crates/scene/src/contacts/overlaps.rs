@@ -12,7 +12,9 @@ use super::narrow_phase::Search;
 use super::outside::outward_normal;
 use crate::body::Body;
 use crate::scene::Bodies;
-use incise_mesh::{Surface, Vec3, VertexId, index_u32};
+use incise_mesh::geometry::{to_f32, to_f64};
+use incise_mesh::{Aabb, Surface, Vec3, VertexId, index_u32};
+use incise_pbd_gpu::Collider;
 
 /// Number of vertices per piece that are tested in a frame.
 const TESTED: usize = 16;
@@ -224,7 +226,8 @@ impl Search<'_> {
         }
         let extents = [self.extents(a)?, self.extents(b)?];
         let mobilities = [self.mobility(a)?, self.mobility(b)?];
-        let shifts = separation(&extents, mobilities, self.frame.gravity)?;
+        let enters = |piece: &Extents, by| self.enters_collider(piece, by);
+        let shifts = separation(&extents, mobilities, self.frame.gravity, enters)?;
         let smaller = f64::min(extents[0].diagonal(), extents[1].diagonal());
         let step = f64::min(depth / f64::from(PERIOD), SPEED * smaller * self.frame.dt);
         let version = |piece| Some(self.body_of(piece)?.0.surface().fingerprint());
@@ -233,6 +236,22 @@ impl Search<'_> {
             versions: [version(a)?, version(b)?],
             shifts: shifts.map(|shift| (shift * step).into()),
             frames_left: PERIOD,
+        })
+    }
+
+    /// Returns whether the box of a piece enters a collider, or goes deeper into a plane.
+    fn enters_collider(&self, piece: &Extents, by: Vec3) -> bool {
+        let [min, max] = piece.corners();
+        let boxed = |by: Vec3| Aabb::around([to_f32(min + by), to_f32(max + by)]);
+        self.frame.colliders.iter().any(|collider| {
+            if let Collider::Plane { point, normal } = collider.start {
+                let (point, normal) = (to_f64(point), to_f64(normal));
+                let corner = min.zip_zip_map(&max, &normal, |a, b, n| if n > 0.0 { a } else { b });
+                normal.dot(&by) < 0.0 && normal.dot(&(corner + by - point)) < 0.0
+            } else {
+                let bounds = collider.start.bounds();
+                boxed(by).overlaps(&bounds) && !boxed(Vec3::zeros()).overlaps(&bounds)
+            }
         })
     }
 

@@ -131,6 +131,24 @@ fn a_pinned_body_stays_and_an_upper_one_rises() {
     assert!(above > 0.18, "{above} m above the lower one");
 }
 
+#[test]
+fn bodies_in_a_shaft_leave_each_other_along_it() {
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+    let sides = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
+    scene.colliders = sides.map(|[x, z]| Collider::Plane {
+        point: [-0.6 * x, 0.0, -0.6 * z],
+        normal: [x, 0.0, z],
+    });
+    let ball = icosphere(2, 1.0);
+    let lower = add(&mut scene, &ball, [0.0, 0.5, 0.0], 0.5);
+    let upper = add(&mut scene, &ball, [0.05, 0.5, 0.02], 0.5);
+    for _ in 0..240 {
+        scene.step().unwrap();
+    }
+    let above = between(&scene, [lower, upper]).y.abs();
+    assert!(above > 0.8, "{above} m");
+}
+
 fn lowest_of(scene: &Scene, id: BodyId) -> f32 {
     height_range(scene.body(id).unwrap(), 0)[0]
 }
