@@ -1,6 +1,7 @@
 //! Parameters and statistics of a frame.
 
 use crate::error::StepError;
+use crate::step::second_order::SUBSTEP_RATIO;
 use std::num::NonZeroUsize;
 
 /// Parameters of a frame. The y axis points up.
@@ -182,6 +183,11 @@ impl SolverParams {
     /// Maximum number of iterations, and of substeps.
     pub const MAX_COUNT: u32 = 1 << 20;
 
+    /// Minimum length of a substep \[s\], the square root of the smallest normal number.
+    ///
+    /// With [`Integrator::Bdf2`] a substep counts as two thirds of its length.
+    pub const MIN_SUBSTEP: f32 = 1.0 / (1_u64 << 63) as f32;
+
     /// Checks all parameters and the time step `dt` \[s\].
     ///
     /// # Errors
@@ -194,6 +200,14 @@ impl SolverParams {
             if !(1..=Self::MAX_COUNT).contains(&count) {
                 return Err(StepError::CountOutOfRange { name, value: count });
             }
+        }
+        let h = dt / self.substeps as f32;
+        let h = match self.integrator {
+            Integrator::Euler => h,
+            Integrator::Bdf2 => SUBSTEP_RATIO * h,
+        };
+        if h < Self::MIN_SUBSTEP {
+            return Err(StepError::SubstepTooShort { h });
         }
         if !self.gravity.iter().all(|g| g.is_finite()) {
             return Err(StepError::NonFiniteParameter { name: "gravity" });
