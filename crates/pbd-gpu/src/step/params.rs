@@ -66,7 +66,9 @@ pub enum Scheme {
     /// An iteration takes about as long as ten of sweeps. Use it for large and stiff bodies, with
     /// one or two substeps of four to eight iterations. A body with a rigid or a PBD stiffness has
     /// no energy to minimize and takes sweeps. The GPU backend does not support it. Results
-    /// depend on the instruction set of the CPU, not on the number of threads.
+    /// depend on the instruction set of the CPU, not on the number of threads. A body of more than
+    /// 4,096 vertices leaves out a quarter of the iterations in the frame of an edit, which
+    /// prepares a matrix of the changed region.
     #[cfg(feature = "global")]
     Global,
     /// The global step for large bodies that are stiff in stretch and bending, sweeps for others.
