@@ -234,7 +234,7 @@ impl Setup<'_> {
                     continue;
                 }
                 let body = scene.body_by(scheme, f64::from(DT) / f64::from(substeps))?;
-                let most = self.arguments.most_iterations;
+                let most = self.arguments.most_iterations.min(scheme.most_iterations());
                 let ways: Vec<SolverParams> = (numbers.iter())
                     .take_while(|&&iterations| substeps * iterations <= most)
                     .map(|&iterations| scene.params_by(scheme, substeps, iterations))
@@ -242,7 +242,7 @@ impl Setup<'_> {
                 for params in ways {
                     let mut row = self.row(scene, executor, scheme);
                     (row.substeps, row.iterations) = (params.substeps, params.iterations);
-                    match self.step(executor, &body, &params, scene.frames) {
+                    match self.step((executor, scheme), &body, &params, scene.frames) {
                         Ok(run) => {
                             row.ms_per_frame = run.seconds * 1e3;
                             row.ms_encode = run.encode.map(|seconds| seconds * 1e3);
@@ -269,12 +269,13 @@ impl Setup<'_> {
 
     fn step(
         &mut self,
-        executor: Executor,
+        (executor, scheme): (Executor, Scheme),
         body: &Body,
         params: &SolverParams,
         frames: u32,
     ) -> Result<Run, Box<dyn Error>> {
         match (executor, &mut self.device) {
+            _ if scheme == Scheme::Patches => Ok(run::by_patches(body, params, frames)?),
             (Executor::Gpu, Some(device)) => Ok(device.run(body, params, frames)?),
             _ => Ok(run::on_cpu(body, params, frames)?),
         }

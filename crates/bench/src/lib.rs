@@ -29,6 +29,6 @@ mod reference;
 
 #[cfg(feature = "reference")]
 pub use reference::{
-    Constraints, Measure, Model, Piece, ReferenceError, State, StepReport, Stepper, Volumes, edge,
-    hinge,
+    Constraints, Measure, Model, PatchStepper, Piece, ReferenceError, State, StepReport, Stepper,
+    Volumes, edge, hinge,
 };

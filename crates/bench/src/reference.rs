@@ -24,6 +24,7 @@ mod matrix;
 mod measure;
 mod model;
 mod objective;
+mod patches;
 mod quantities;
 mod step;
 #[cfg(test)]
@@ -35,5 +36,6 @@ pub use error::ReferenceError;
 pub use hinge::hinge;
 pub use measure::Measure;
 pub use model::{Constraints, Model, State};
+pub use patches::PatchStepper;
 pub use step::{StepReport, Stepper};
 pub use volume::{Piece, Volumes};

@@ -62,6 +62,11 @@ pub(crate) struct Row {
 }
 
 impl Row {
+    /// Returns whether the scheme is one of the solver's own, not the paper's or an alternative.
+    pub(crate) fn is_ours(&self) -> bool {
+        self.scheme != "pbd" && self.scheme != "patches"
+    }
+
     /// Returns whether the row is the paper's Algorithm 1: one substep, any iterations.
     pub(crate) fn is_paper(&self) -> bool {
         self.scheme == "pbd" && self.substeps == 1
@@ -108,7 +113,7 @@ pub(crate) fn least_gain(ours: &[Point], theirs: &[Point]) -> Option<f64> {
 /// A scheme as plots name it.
 type Scheme = (&'static str, fn(&Row) -> bool);
 
-const SCHEMES: [Scheme; 7] = [
+const SCHEMES: [Scheme; 8] = [
     ("XPBD", |row| row.scheme == "xpbd"),
     ("the paper's (PBD, one substep)", Row::is_paper),
     ("PBD", |row| row.scheme == "pbd" && !row.is_paper()),
@@ -120,6 +125,7 @@ const SCHEMES: [Scheme; 7] = [
     ("global step, second order", |row| {
         row.scheme == "global-bdf2"
     }),
+    ("rigid patches", |row| row.scheme == "patches"),
 ];
 
 /// Returns the points of every scheme, with its Pareto front as a line.

@@ -175,10 +175,12 @@ pub enum StepError {
         /// Requested time step \[s\].
         value: f32,
     },
-    /// `compliance / h^2` overflows.
+    /// `h^2` is no normal number of 32 bits, or `compliance / h^2` overflows.
     #[error(
-        "compliance over the square of a substep of {h} s overflows; use fewer substeps, longer \
-         steps or less compliance"
+        "a substep of {h:e} s is too short: its square must be a normal number of 32 bits, as \
+         from {:e} s on, and compliance over its square must be finite; use fewer substeps, \
+         longer steps or less compliance",
+        crate::SolverParams::MIN_SUBSTEP
     )]
     SubstepTooShort {
         /// Length of the substep \[s\].

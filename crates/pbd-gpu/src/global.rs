@@ -77,6 +77,10 @@ pub(crate) struct GlobalStep {
     preconditioner: Preconditioner,
     minimizer: Minimizer,
     held: HeldPieces,
+    /// Iterations of a substep in this frame.
+    iterations: u32,
+    /// Iterations that are left of this substep.
+    iterations_left: u32,
 }
 
 /// The constraints with an energy, as the objective reads them.
@@ -89,6 +93,10 @@ pub(crate) struct EnergySets<'a> {
 
 /// Minimum number of iterations for [`Scheme::Auto`]: one alone has no L-BFGS correction.
 const MIN_ITERATIONS: u32 = 2;
+
+/// The frame of an edit of a large body leaves out one of as many iterations of a substep: they
+/// take as long as its local factor and the longer line searches beside new slivers.
+const LEFT_OUT: u32 = 4;
 
 /// Returns whether a body takes the global step in a frame of `dt` \[s\].
 ///
@@ -128,6 +136,11 @@ impl GlobalStep {
             compliances,
             params.threads,
         );
+        let all = params.iterations;
+        self.iterations = match self.preconditioner.is_edit_slow() {
+            true => all - all / LEFT_OUT,
+            false => all,
+        };
     }
 
     /// Removes the vertices of changed triangles from the factor.
@@ -158,6 +171,7 @@ impl GlobalStep {
         let fall = constants.gravity_step.map(|g| f64::from(g * kept));
         let held = self.held.vertices();
         self.minimizer.begin(particles, &objective, (fall, held));
+        self.iterations_left = self.iterations;
     }
 
     /// Holds the vertices that contacts and the ground have moved, before volumes are projected.
@@ -170,19 +184,25 @@ impl GlobalStep {
         self.minimizer.mark_unobstructed(particles);
     }
 
-    /// Moves the displacements toward the minimum by one iteration.
+    /// Moves the displacements toward the minimum by one iteration; returns the number done, 0 or
+    /// 1: the frame of an edit may leave out the last ones.
     pub(crate) fn iterate(
         &mut self,
         particles: ParticleStates<'_>,
         (sets, volumes): (EnergySets<'_>, Volumes<'_>),
         constants: &StepConstants,
-    ) {
+    ) -> u32 {
+        let Some(left) = self.iterations_left.checked_sub(1) else {
+            return 0;
+        };
+        self.iterations_left = left;
         let objective = Objective::new(sets, Compliances::new(constants));
         let is_kept = !volumes.set.pieces.is_empty() && constants.volume.alpha == 0.0;
         let volumes = is_kept.then_some(volumes);
         let body = (&objective, volumes);
         self.minimizer
             .iterate(particles, body, &mut self.preconditioner);
+        1
     }
 
     /// Returns the allocated size in elements of 64 bits.

@@ -286,6 +286,27 @@ fn memory_and_age_of_the_factor_are_reported() {
 }
 
 #[test]
+fn the_frame_of_an_edit_leaves_out_a_quarter_of_the_iterations_of_a_large_body() {
+    for (level, expected) in [(4, [8, 8, 8]), (5, [8, 6, 8])] {
+        let (mut surface, mut solver) = body(icosphere(level, 0.5), &elastic(1e-5, 1e-2));
+        let params = SolverParams {
+            iterations: 4,
+            substeps: 2,
+            ..GLOBAL
+        };
+        let found = [false, true, false].map(|is_edited| {
+            if is_edited {
+                let delta = split(&mut surface, TriangleId(77).half_edges()[0], 0.4).unwrap();
+                solver.apply_delta(&mut surface, &delta).unwrap();
+            }
+            solver.step(&mut surface, DT, &params).unwrap();
+            solver.stats().global_iterations
+        });
+        assert_eq!(found, expected, "{} vertices", surface.positions().len());
+    }
+}
+
+#[test]
 fn stiff_bodies_take_it_by_themselves() {
     let auto = SolverParams {
         scheme: Scheme::Auto,

@@ -2,7 +2,7 @@
 
 use incise_mesh::{Surface, TopologyDelta, TriangleId, VertexId};
 use incise_pbd_gpu::{
-    ConstraintError, Density, Material, Solver, SolverParams, StepError, Stiffness,
+    ConstraintError, Density, Integrator, Material, Solver, SolverParams, StepError, Stiffness,
 };
 use incise_test_support::surfaces::sphere;
 
@@ -117,6 +117,46 @@ fn a_failed_step_moves_nothing() {
         bits(&surface, &solver) == before,
         "an edit without its delta"
     );
+}
+
+#[test]
+fn a_substep_has_a_square_that_is_a_normal_number() {
+    let least = SolverParams::MIN_SUBSTEP;
+    assert_eq!(least * least, f32::MIN_POSITIVE, "it is its square root");
+    let paper = SolverParams::paper();
+    let two = SolverParams {
+        substeps: 2,
+        ..paper
+    };
+    let second = SolverParams {
+        integrator: Integrator::Bdf2,
+        ..paper
+    };
+    for (params, dt, h) in [
+        (paper, 1e-44, 1e-44),
+        (paper, least.next_down(), least.next_down()),
+        (two, least, 0.5 * least),
+        (second, least, 2.0 / 3.0 * least),
+    ] {
+        let (mut surface, mut solver) = moving();
+        let before = bits(&surface, &solver);
+        let expected = Err(StepError::SubstepTooShort { h });
+        assert_eq!(params.check(dt), expected);
+        let result = solver.step(&mut surface, dt, &params).map(|_| ());
+        assert_eq!(result, expected);
+        assert!(bits(&surface, &solver) == before, "{dt} s moved something");
+    }
+    for (params, dt) in [
+        (paper, least),
+        (two, 2.0 * least),
+        (second, 1.5 * least.next_up()),
+    ] {
+        let (mut surface, mut solver) = moving();
+        solver.step(&mut surface, dt, &params).unwrap();
+        let velocities = solver.velocities().iter().flatten();
+        let mut all = velocities.chain(surface.positions().iter().flatten());
+        assert!(all.all(|x| x.is_finite()), "{dt} s, {params:?}");
+    }
 }
 
 #[test]

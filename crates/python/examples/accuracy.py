@@ -29,6 +29,7 @@ LABELS = {
     "xpbd-half-bdf2": "the same, second order",
     "global": "global step",
     "global-bdf2": "global step, second order",
+    "patches": "rigid patches",
 }
 
 

@@ -15,18 +15,18 @@ use std::path::Path;
 /// Explains the columns.
 const LEGEND: &str = "\
 ms to E: shortest time of a frame with a total error of at most E, and the run: scheme, substeps x \
-iterations. all: the best of all schemes but pbd; sweeps: without the global step; paper: pbd, one \
-substep. default: time and error of the default parameters, and their error over the smallest one \
-in the same time.";
+iterations. all: the best of all schemes but pbd and patches; sweeps: without the global step; \
+paper: pbd, one substep. default: time and error of the default parameters, and their error over \
+the smallest one in the same time.";
 
 /// A set of solvers: its name and its rows.
 type Solvers = (&'static str, fn(&Row) -> bool);
 
 /// The rows of a scene that ranks compare.
 const SOLVERS: [Solvers; 3] = [
-    ("all", |row| row.scheme != "pbd"),
+    ("all", Row::is_ours),
     ("sweeps", |row| {
-        row.scheme != "pbd" && !row.scheme.starts_with("global")
+        row.is_ours() && !row.scheme.starts_with("global")
     }),
     ("paper", Row::is_paper),
 ];

@@ -3,7 +3,7 @@
 use super::convergence::Trajectory;
 use super::scene::{Body, DT};
 use crate::statistics::median;
-use incise_bench::State;
+use incise_bench::{Model, PatchStepper, ReferenceError, State};
 use incise_pbd_gpu::{SolverParams, StepError};
 use std::time::{Duration, Instant};
 
@@ -77,5 +77,31 @@ pub(super) fn on_cpu(body: &Body, params: &SolverParams, frames: u32) -> Result<
             }
         }
         Ok(projections)
+    })
+}
+
+/// Steps a body by rigid patches, repeatedly from its start.
+pub(super) fn by_patches(
+    body: &Body,
+    params: &SolverParams,
+    frames: u32,
+) -> Result<Run, ReferenceError> {
+    let model = Model::of(&body.solver, &body.surface, params)?;
+    let start = State::of(&body.solver, &body.surface);
+    let stepper = PatchStepper::new(&model, &start.x)?;
+    let h = f64::from(DT) / f64::from(params.substeps);
+    timed(|times, mut states| {
+        let mut state = start.clone();
+        for _ in 0..frames {
+            let begin = Instant::now();
+            for _ in 0..params.substeps {
+                stepper.step(&mut state, h, params.iterations);
+            }
+            times.frames.push(begin.elapsed().as_secs_f64());
+            if let Some(states) = states.as_deref_mut() {
+                states.push(state.clone());
+            }
+        }
+        Ok(0)
     })
 }

@@ -22,24 +22,39 @@ pub(super) enum Scheme {
     Global,
     /// The global step with BDF2 substeps.
     GlobalSecond,
+    /// Rigid patches, coarse to fine, in 64 bits: not in the product.
+    Patches,
     /// The paper's stiffnesses of 0 to 1, those of an isolated constraint with the median weight
     /// and the same compliance.
     Pbd,
 }
 
 impl Scheme {
-    pub(super) const ALL: [Self; 6] = [
+    pub(super) const ALL: [Self; 7] = [
         Self::Xpbd,
         Self::Half,
         Self::Second,
         Self::Global,
         Self::GlobalSecond,
+        Self::Patches,
         Self::Pbd,
     ];
 
     /// Returns whether the GPU backend does not support the scheme.
     pub(super) const fn is_cpu_only(self) -> bool {
-        matches!(self, Self::Second | Self::Global | Self::GlobalSecond)
+        matches!(
+            self,
+            Self::Second | Self::Global | Self::GlobalSecond | Self::Patches
+        )
+    }
+
+    /// Returns the largest number of iterations per frame, over all substeps: a cycle of patches
+    /// takes as long as a thousand iterations of sweeps.
+    pub(super) const fn most_iterations(self) -> u32 {
+        match self {
+            Self::Patches => 16,
+            _ => u32::MAX,
+        }
     }
 
     pub(super) const fn name(self) -> &'static str {
@@ -49,6 +64,7 @@ impl Scheme {
             Self::Second => "xpbd-half-bdf2",
             Self::Global => "global",
             Self::GlobalSecond => "global-bdf2",
+            Self::Patches => "patches",
             Self::Pbd => "pbd",
         }
     }
@@ -105,7 +121,7 @@ impl Scene {
     pub(super) fn params_by(&self, scheme: Scheme, substeps: u32, iterations: u32) -> SolverParams {
         let diagonal_scale = match scheme {
             Scheme::Half | Scheme::Second => 0.5,
-            Scheme::Xpbd | Scheme::Global | Scheme::GlobalSecond | Scheme::Pbd => 1.0,
+            _ => 1.0,
         };
         let integrator = match scheme {
             Scheme::Second | Scheme::GlobalSecond => Integrator::Bdf2,

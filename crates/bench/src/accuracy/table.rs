@@ -30,7 +30,7 @@ submission. -: the GPU has no timestamps.";
 /// Explains the columns of the summary.
 const SUMMARY: &str = "\
 ms to E: shortest time of a frame with a total error of at most E. at T ms: smallest total error \
-of frames of at most T ms. First all schemes but pbd, then the paper's: pbd, one substep. gain: \
+of frames of at most T ms. First all schemes but pbd and patches, then the paper's: pbd, one substep. gain: \
 ratio of the second error to the first in the same time, the smallest at 1, 4, 8 and 16 ms; empty \
 where one has no run that fast.";
 
@@ -189,7 +189,7 @@ pub(super) fn summary(out: &mut impl Write, rows: &[Row]) -> io::Result<()> {
         if rows().next().is_none() {
             continue;
         }
-        let ours = totals(rows().filter(|row| row.scheme != "pbd"));
+        let ours = totals(rows().filter(|row| row.is_ours()));
         let paper = totals(rows().filter(|row| row.is_paper()));
         fronts.push(Front {
             name: format!("{name}, {backend}"),

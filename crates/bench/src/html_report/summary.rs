@@ -90,7 +90,7 @@ fn result(source: &Source) -> Option<String> {
             )
         }
         Rows::Accuracy(rows) => {
-            let ours = totals(rows.iter().filter(|row| row.scheme != "pbd"));
+            let ours = totals(rows.iter().filter(|row| row.is_ours()));
             let theirs = totals(rows.iter().filter(|row| row.is_paper()));
             let gain = least_gain(&ours, &theirs)?;
             let scene = rows.first().map_or("", |row| &row.scene);

@@ -53,6 +53,9 @@ pub enum ReferenceError {
         /// The quantity.
         name: &'static str,
     },
+    /// A model that rigid patches do not solve.
+    #[error("steps by rigid patches solve no rigid constraints, ground and volumes")]
+    NoPatches,
     /// A step that did not converge.
     #[error(
         "after {newton_steps} steps of Newton's method the decrement is {decrement:e} of the first \

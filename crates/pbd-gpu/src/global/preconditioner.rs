@@ -44,6 +44,8 @@ pub(super) struct Preconditioner {
     pub(super) is_stale: bool,
     /// Whether vertices have lost or got their rows since `local` or the diagonal was made.
     pub(super) is_local_stale: bool,
+    /// Whether `local` was made in this frame because of an edit, of masses or of a new factor.
+    pub(super) is_local_new: bool,
     /// Compliances and pinned vertices of `local` or the diagonal.
     pub(super) local_compliances: Compliances,
     pub(super) local_pins: Vec<VertexId>,
@@ -96,6 +98,7 @@ impl Preconditioner {
         threads: Option<NonZeroUsize>,
     ) {
         self.factor_age = self.factor_age.saturating_add(1);
+        self.is_local_new = false;
         if let Some(mut pending) = self.pending.take() {
             pending.frames_left -= 1;
             pending.age += 1;
@@ -146,7 +149,6 @@ impl Preconditioner {
             || self.local_compliances != compliances
             || !pins().eq(self.local_pins.iter().copied())
         {
-            self.is_local_stale = false;
             self.local_compliances = compliances;
             self.local_pins.clear();
             self.local_pins.extend(pins());
@@ -154,7 +156,14 @@ impl Preconditioner {
                 input.unwrap_or_else(|| Arc::new(MatrixInput::new(sets, surface, compliances)));
             self.free = FreePieces::new(&input, surface);
             self.update_local(&input);
+            self.is_local_new = self.is_local_stale && self.local.is_some();
+            self.is_local_stale = false;
         }
+    }
+
+    /// Returns whether this frame has made a factor for the region of an edit of a large body.
+    pub(super) fn is_edit_slow(&self) -> bool {
+        self.is_local_new && self.rows.len() > VERTICES_PER_FRAME
     }
 
     /// Takes a new factor into use, except for vertices that have changed since.

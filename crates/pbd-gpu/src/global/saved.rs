@@ -86,6 +86,7 @@ impl GlobalStep {
                 pins: saved.pins.into_owned(),
                 is_stale: saved.is_stale,
                 is_local_stale: saved.is_diagonal_stale,
+                is_local_new: false,
                 pending,
                 local: None,
                 free: FreePieces::default(),
@@ -98,6 +99,8 @@ impl GlobalStep {
             },
             minimizer: Minimizer::default(),
             held: HeldPieces::default(),
+            iterations: 0,
+            iterations_left: 0,
         })
     }
 }

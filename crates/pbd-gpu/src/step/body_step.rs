@@ -60,29 +60,32 @@ fn project_batch<K: Kernel<N>, const N: usize>(
     count
 }
 
-/// Runs a pass of the global step.
+/// Runs a pass of the global step; returns the number of iterations.
 #[cfg(feature = "global")]
 fn global_pass(
     particles: ParticleStates<'_>,
     body: &mut Body<'_>,
     constants: &StepConstants,
     pass: Pass,
-) {
+) -> u32 {
     let sets = crate::global::EnergySets {
         stretch: body.stretch,
         bending: body.bending.as_deref(),
         interior_springs: body.interior_springs.as_deref(),
     };
-    if let Some(global) = &mut body.global {
-        if pass == Pass::BeginGlobal {
+    match &mut body.global {
+        Some(global) if pass == Pass::BeginGlobal => {
             global.begin(particles, sets, constants);
-        } else {
+            0
+        }
+        Some(global) => {
             let volumes = crate::global::Volumes {
                 set: body.volumes,
                 topology: body.topology,
             };
-            global.iterate(particles, (sets, volumes), constants);
+            global.iterate(particles, (sets, volumes), constants)
         }
+        None => 0,
     }
 }
 
@@ -160,8 +163,9 @@ impl BodyStep<'_, '_, '_> {
             }
             Pass::BeginGlobal | Pass::GlobalIteration => {
                 #[cfg(feature = "global")]
-                global_pass(particles, body, constants, pass);
-                stats.global_iterations += u32::from(pass == Pass::GlobalIteration);
+                {
+                    stats.global_iterations += global_pass(particles, body, constants, pass);
+                }
             }
             // `Frame` projects the contacts of the island.
             Pass::ContactFeatures

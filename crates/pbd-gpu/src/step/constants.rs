@@ -6,6 +6,7 @@ use crate::error::StepError;
 use crate::kernels::bending::{FIRM, HOLD, RECOVERY};
 use crate::kernels::volume;
 use crate::material::{Stiffness, Volume};
+use crate::step::params::SolverParams;
 use std::num::NonZeroUsize;
 
 /// The constants of a frame that kernels read.
@@ -38,14 +39,17 @@ pub struct StepConstants {
 }
 
 impl StepConstants {
-    /// Checks that all coefficients are finite.
+    /// Checks the substep, which is shorter than that of the parameters in a body above a ground,
+    /// and that all coefficients are finite.
     ///
     /// # Errors
     /// [`StepError::SubstepTooShort`].
     pub(crate) fn check(&self) -> Result<(), StepError> {
         let projections = [&self.stretch, &self.bending, &self.interior_springs];
         let alphas = projections.map(|projection| projection.alpha);
-        if alphas.iter().all(|alpha| alpha.is_finite()) && self.volume.alpha.is_finite() {
+        let are_finite =
+            alphas.iter().all(|alpha| alpha.is_finite()) && self.volume.alpha.is_finite();
+        if are_finite && self.h >= SolverParams::MIN_SUBSTEP {
             return Ok(());
         }
         Err(StepError::SubstepTooShort { h: self.h })
