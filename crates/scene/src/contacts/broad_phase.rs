@@ -8,6 +8,7 @@ use super::near_bodies::grow;
 use super::overlaps::PieceId;
 use super::{BladeFace, ContactFrame, SPEED_MARGIN};
 use crate::scene::Bodies;
+use incise_mesh::geometry::to_f64;
 use incise_mesh::{Aabb, MovingPoint, Surface, Vec3, VertexId, index_u32};
 use incise_pbd_gpu::MovingCollider;
 
@@ -108,11 +109,16 @@ impl Pieces {
 
     /// Returns the pieces with which a piece, by index, may collide.
     pub(super) fn neighbors(&self, index: u32) -> impl Iterator<Item = &Piece> {
+        let all = self.neighbor_indices(index);
+        all.map(|other| &self.list[other as usize])
+    }
+
+    /// Returns the indices of these pieces, ascending.
+    pub(super) fn neighbor_indices(&self, index: u32) -> impl Iterator<Item = u32> {
         let first = self.list[index as usize].first_pair as usize;
         let pairs = self.pairs[first..].iter();
-        pairs
-            .take_while(move |pair| pair.0 == index)
-            .map(|pair| &self.list[pair.1 as usize])
+        let of_piece = pairs.take_while(move |pair| pair.0 == index);
+        of_piece.map(|pair| pair.1)
     }
 
     /// Adds the pieces of a body with their boxes and velocity bounds.
@@ -223,6 +229,13 @@ impl Piece {
     /// Returns whether a moving point may reach the piece's box.
     pub(super) fn is_near(&self, point: &MovingPoint) -> bool {
         point.reaches(&self.bounds, &self.displacement)
+    }
+
+    /// Returns whether a point is at most `reach` \[m\] outside of the piece's box.
+    pub(super) fn contains(&self, at: Vec3, reach: f64) -> bool {
+        let [min, max] = [self.bounds.min, self.bounds.max].map(to_f64);
+        let outside = (min - at).sup(&(at - max));
+        outside.max() <= reach
     }
 
     /// Returns the body of the piece and its number there.

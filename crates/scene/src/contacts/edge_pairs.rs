@@ -3,17 +3,19 @@
 //! [`super::narrow_phase`] collects the edges of each row, then tests the pairs of near ones here.
 
 use super::body_rows::{BodyContact, BodyRows, Row};
-use super::broad_phase::Piece;
+use super::broad_phase::{Piece, Pieces};
 use super::edges::{EdgeDistance, MovingEdge, SharpEdge};
 use super::narrow_phase::{MAX_DEPTH, Search, Searched, friction};
 use super::near_bodies::grow;
-use incise_mesh::{HalfEdge, Surface, Vec3, VertexId};
+use incise_mesh::{Aabb, HalfEdge, Surface, Vec3, VertexId, index_u32};
 use incise_pbd_gpu::Contact;
 
 /// The pairs of edges in contact, in memory reused between frames.
 #[derive(Debug, Clone, Default)]
 pub(super) struct EdgePairs {
     edges: Vec<MovingEdge>,
+    /// By index of a piece in the broad phase: its edges, as a range and a box.
+    of_pieces: Vec<EdgesOfPiece>,
     /// Pairs of indices into `edges`.
     near: Vec<(u32, u32)>,
     /// The contacts of the last search, ascending.
@@ -30,6 +32,15 @@ pub(super) struct EdgePair {
     pub(super) ends: [[VertexId; 2]; 2],
     /// Unit normal towards the first edge.
     pub(super) normal: Vec3,
+}
+
+/// The collected edges of a piece.
+#[derive(Debug, Clone, Copy, Default)]
+struct EdgesOfPiece {
+    /// Index of its first edge, and of the first one after them.
+    range: (u32, u32),
+    /// Box around all of their boxes.
+    bounds: Aabb,
 }
 
 impl EdgePairs {
@@ -51,26 +62,82 @@ impl EdgePairs {
         self.found.clear();
     }
 
-    /// Finds the pairs of collected edges that overlap, by a sweep along the longest axis.
+    /// Finds the pairs of collected edges that overlap, by sweeps along the longest axis.
     ///
     /// Sorts the edges. Pairs ascend by key, and so do the edges of each.
-    fn find_near(&mut self, self_collision: bool) {
+    fn find_near(&mut self, pieces: &Pieces, self_collision: bool) {
+        let axis = longest_axis(&self.edges);
+        self.edges.sort_unstable_by(|a, b| {
+            let by_place = a.bounds.min[axis].total_cmp(&b.bounds.min[axis]);
+            (a.piece.cmp(&b.piece).then(by_place)).then(a.key().cmp(&b.key()))
+        });
+        self.of_pieces.clear();
+        let none = EdgesOfPiece::default();
+        self.of_pieces.resize(pieces.iter().len(), none);
+        for (i, edge) in (0..).zip(&self.edges) {
+            let of_piece = &mut self.of_pieces[edge.piece as usize];
+            if of_piece.range == none.range {
+                of_piece.range.0 = i;
+            }
+            of_piece.range.1 = i + 1;
+            of_piece.bounds = of_piece.bounds.union(edge.bounds);
+        }
+        self.near.clear();
+        for piece in 0..index_u32(self.of_pieces.len()) {
+            if self_collision {
+                self.sweep([piece, piece], axis);
+            }
+            for other in pieces
+                .neighbor_indices(piece)
+                .filter(|&other| other > piece)
+            {
+                self.sweep([piece, other], axis);
+            }
+        }
+        let edges = &self.edges;
+        let keys = |&(i, j): &(u32, u32)| (edges[i as usize].key(), edges[j as usize].key());
+        self.near.sort_unstable_by_key(keys);
+    }
+
+    /// Finds the overlapping pairs of edges of two pieces, or of one.
+    fn sweep(&mut self, pieces: [u32; 2], axis: usize) {
         let Self { edges, near, .. } = self;
-        let axis = longest_axis(edges);
-        let min = |edge: &MovingEdge| edge.bounds.min[axis];
-        edges.sort_unstable_by(|a, b| min(a).total_cmp(&min(b)).then(a.key().cmp(&b.key())));
-        near.clear();
-        for (i, a) in (0..).zip(&*edges) {
-            let later = (i + 1..).zip(&edges[i as usize + 1..]);
-            for (j, b) in later.take_while(|(_, b)| min(b) <= a.bounds.max[axis]) {
-                let may_touch = self_collision || a.piece != b.piece;
-                if may_touch && a.bounds.overlaps(&b.bounds) {
-                    near.push(if a.key() < b.key() { (i, j) } else { (j, i) });
+        let [a, b] = pieces.map(|piece| self.of_pieces[piece as usize]);
+        if !a.bounds.overlaps(&b.bounds) {
+            return;
+        }
+        let (mut i, mut j) = (a.range.0, b.range.0);
+        let is_one = pieces[0] == pieces[1];
+        while i < a.range.1 && j < b.range.1 {
+            let [first, second] = [i, j].map(|i| &edges[i as usize].bounds);
+            // The edge that begins first, and the others from their first possible partner on.
+            let (edge, others, far) = if is_one || first.min[axis] <= second.min[axis] {
+                i += 1;
+                j = if is_one { i } else { j };
+                (i - 1, j..b.range.1, &b.bounds)
+            } else {
+                j += 1;
+                (j - 1, i..a.range.1, &a.bounds)
+            };
+            let swept = &edges[edge as usize];
+            if !swept.bounds.overlaps(far) {
+                continue;
+            }
+            for other in others {
+                let partner = &edges[other as usize];
+                if partner.bounds.min[axis] > swept.bounds.max[axis] {
+                    break;
+                }
+                if partner.bounds.overlaps(&swept.bounds) {
+                    let is_first = swept.key() < partner.key();
+                    near.push(if is_first {
+                        (edge, other)
+                    } else {
+                        (other, edge)
+                    });
                 }
             }
         }
-        let keys = |&(i, j): &(u32, u32)| (edges[i as usize].key(), edges[j as usize].key());
-        near.sort_unstable_by_key(keys);
     }
 }
 
@@ -134,7 +201,7 @@ impl Search<'_> {
                 pairs.edges.append(&mut row.edges);
             }
         }
-        pairs.find_near(self.frame.params.self_collision);
+        pairs.find_near(self.pieces, self.frame.params.self_collision);
         pairs.found.clear();
         let mut previous = pairs.previous.iter().peekable();
         for &(a, b) in &pairs.near {

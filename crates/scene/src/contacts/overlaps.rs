@@ -17,7 +17,7 @@ use incise_mesh::{Aabb, Surface, Vec3, VertexId, index_u32};
 use incise_pbd_gpu::Collider;
 
 /// Number of vertices per piece that are tested in a frame.
-const TESTED: usize = 16;
+const TESTED: usize = 4;
 
 /// Number of vertices per piece at which the depth of an overlap is measured.
 const MEASURED: usize = 256;
@@ -119,11 +119,16 @@ impl Overlaps {
 
     /// Finds overlaps at a vertex of a body.
     fn test(&mut self, search: Search<'_>, body: u32, v: VertexId) {
-        let Some((own, _)) = search.piece_at(body, v) else {
+        let Some((own, at)) = search.piece_at(body, v) else {
             return;
         };
-        let index = search.motions[body as usize].pieces[own.number as usize];
+        let motion = &search.motions[body as usize];
+        let reach = 2.0 * CLEARANCE * motion.piece_thickness(own.number);
+        let index = motion.pieces[own.number as usize];
         for other in search.pieces.neighbors(index) {
+            if !other.contains(at, reach) {
+                continue;
+            }
             let pair = [own, other.id()];
             let is_known = |o: &Overlap| o.pieces == pair || o.pieces == [pair[1], pair[0]];
             if !self.list.iter().any(is_known) && search.common_point(pair, v).is_some() {
