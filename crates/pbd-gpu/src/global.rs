@@ -25,13 +25,13 @@ mod choice;
 mod cholesky;
 mod energy;
 mod free_pieces;
-mod held;
 mod job;
 mod lanes;
 mod local;
 mod matrix;
 mod minimizer;
 mod objective;
+mod pieces;
 mod preconditioner;
 #[cfg(feature = "serde")]
 mod saved;
@@ -47,10 +47,10 @@ use crate::particles::Particles;
 use crate::step::constants::StepConstants;
 use crate::step::params::{Scheme, SolverParams};
 pub(crate) use choice::Extent;
-use held::HeldPieces;
 use incise_mesh::{Surface, TopologyDelta, VertexId};
 use minimizer::Minimizer;
 use objective::{Compliances, Objective};
+use pieces::PieceMotions;
 use preconditioner::Preconditioner;
 use std::time::Duration;
 pub(crate) use volumes::Volumes;
@@ -76,7 +76,7 @@ pub struct GlobalStats {
 pub(crate) struct GlobalStep {
     preconditioner: Preconditioner,
     minimizer: Minimizer,
-    held: HeldPieces,
+    pieces: PieceMotions,
     /// Iterations of a substep in this frame.
     iterations: u32,
     /// Iterations that are left of this substep.
@@ -115,7 +115,11 @@ pub(crate) fn is_used(
     let is_chosen = match params.scheme {
         Scheme::Sweeps => false,
         Scheme::Global => true,
-        Scheme::Auto => params.iterations >= MIN_ITERATIONS && extent.is_some_and(is_needed),
+        Scheme::Auto => {
+            params.iterations >= MIN_ITERATIONS
+                && params.ground.is_none()
+                && extent.is_some_and(is_needed)
+        }
     };
     is_possible && is_chosen
 }
@@ -130,7 +134,7 @@ impl GlobalStep {
         params: &SolverParams,
     ) {
         let compliances = Compliances::new(constants);
-        self.held.update(particles, surface);
+        self.pieces.update(particles, surface);
         self.preconditioner.prepare(
             (particles, &sets(constraints), surface),
             compliances,
@@ -145,7 +149,7 @@ impl GlobalStep {
 
     /// Removes the vertices of changed triangles from the factor.
     pub(crate) fn follow_edit(&mut self, surface: &Surface, delta: &TopologyDelta) {
-        self.held.forget();
+        self.pieces.forget();
         let topology = surface.topology();
         let (added, removed) = (&delta.triangles_added, &delta.triangles_removed);
         let added = added.iter().flat_map(|&t| topology.triangle(t));
@@ -169,9 +173,23 @@ impl GlobalStep {
         let objective = Objective::new(sets, Compliances::new(constants));
         let kept = constants.velocity_factor * constants.h;
         let fall = constants.gravity_step.map(|g| f64::from(g * kept));
-        let held = self.held.vertices();
-        self.minimizer.begin(particles, &objective, (fall, held));
+        let pieces = &mut self.pieces;
+        let start = (fall, pieces, self.iterations);
+        self.minimizer.begin(particles, &objective, start);
         self.iterations_left = self.iterations;
+    }
+
+    /// Ends a substep: obstacles, which are `still` or not, add no energy.
+    pub(crate) fn end(
+        &mut self,
+        particles: ParticleStates<'_>,
+        (sets, is_still): (EnergySets<'_>, bool),
+        constants: &StepConstants,
+    ) {
+        let objective = Objective::new(sets, Compliances::new(constants));
+        let pieces = &mut self.pieces;
+        self.minimizer
+            .bound_end(particles, &objective, (pieces, is_still));
     }
 
     /// Holds the vertices that contacts and the ground have moved, before volumes are projected.
@@ -213,7 +231,7 @@ impl GlobalStep {
     /// Returns memory and cost.
     pub(crate) fn stats(&self) -> GlobalStats {
         GlobalStats {
-            bytes: self.preconditioner.bytes() + self.minimizer.bytes() + self.held.bytes(),
+            bytes: self.preconditioner.bytes() + self.minimizer.bytes() + self.pieces.bytes(),
             ..self.preconditioner.stats()
         }
     }

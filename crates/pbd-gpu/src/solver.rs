@@ -28,7 +28,7 @@ use crate::step::island::{Island, IslandError, Single};
 use crate::step::params::Scheme;
 use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
-use crate::step::prepare::{prepare, takes_global_step};
+use crate::step::prepare::{leaves_global_step, prepare, takes_global_step};
 use crate::step::substeps::substeps;
 use incise_mesh::Surface;
 #[cfg(feature = "serde")]
@@ -171,6 +171,9 @@ impl Solver {
 
     /// Returns the number of substeps of a frame of `dt` \[s\], at least that of the parameters.
     pub(crate) fn needed_substeps(&mut self, dt: f32, params: &SolverParams) -> u32 {
+        if leaves_global_step(&self.step, &self.material, dt, params) {
+            return params.substeps.saturating_mul(params.iterations);
+        }
         if params.ground.is_none() || takes_global_step(&self.step, &self.material, dt, params) {
             return params.substeps;
         }
@@ -202,9 +205,10 @@ impl Solver {
         Ok(constants)
     }
 
-    /// Measures the body after an edit, if the scheme depends on its size.
+    /// Finds on what the scheme of a frame depends: contacts, and the size after an edit.
     #[cfg(feature = "global")]
-    pub(crate) fn measure(&mut self, surface: &Surface, params: &SolverParams) {
+    pub(crate) fn measure(&mut self, surface: &Surface, is_touched: bool, params: &SolverParams) {
+        self.step.leaves_global_step = is_touched || !self.constraints.contacts.is_empty();
         if params.scheme == Scheme::Auto && self.step.extent.is_none() {
             let edge = self.mean_rest_length();
             self.step.extent = Some(Extent::new(surface, &self.particles.mass, edge));
@@ -220,7 +224,9 @@ impl Solver {
         params: &SolverParams,
     ) {
         if !takes_global_step(&self.step, &self.material, dt, params) {
-            self.step.global = None;
+            if !leaves_global_step(&self.step, &self.material, dt, params) {
+                self.step.global = None;
+            }
             return;
         }
         let global = self.step.global.get_or_insert_default();

@@ -33,6 +33,9 @@ pub(crate) struct StepState {
     /// The global step of a body that takes it.
     #[cfg(feature = "global")]
     pub(crate) global: Option<Box<crate::global::GlobalStep>>,
+    /// Whether a body that asks for the global step takes sweeps in this frame.
+    #[cfg(feature = "global")]
+    pub(crate) leaves_global_step: bool,
     /// The size of the body since its last edit, once a frame has asked for it.
     #[cfg(feature = "global")]
     pub(crate) extent: Option<crate::global::Extent>,

@@ -1,10 +1,14 @@
 //! [`Minimizer`]: quasi-Newton iterations of a substep with L-BFGS and line search.
 
+mod energy_bound;
+
 use super::lanes::Row;
 use super::objective::Objective;
+use super::pieces::PieceMotions;
 use super::preconditioner::Preconditioner;
 use super::volumes::{VolumeGradients, Volumes};
 use crate::kernels::particle_state::ParticleStates;
+use energy_bound::inertia;
 use incise_mesh::Vec3;
 use incise_mesh::geometry::{to_f32, to_f64};
 
@@ -59,6 +63,12 @@ pub(super) struct Minimizer {
     /// Displacements before the passes of contacts, colliders and ground \[m\].
     unobstructed: Vec<[f32; 3]>,
     predicted: Vec<Vec3>,
+    /// The rigid motion of each piece; pinned vertices move to their targets \[m\].
+    rigid: Vec<Vec3>,
+    /// Displacement by gravity in the substep \[m\].
+    fall: Vec3,
+    /// Whether an obstacle has stopped a vertex in this substep.
+    is_obstructed: bool,
     current: Point,
     /// The next point, and after a step the previous one.
     other: Point,
@@ -78,26 +88,27 @@ impl Minimizer {
     /// Starts a substep whose prediction falls freely by `fall` \[m\].
     ///
     /// Iterations start from the prediction with or without the fall of held pieces, whichever has
-    /// the lower value: a free piece falls, one that hangs from pins does not. `held` marks the
-    /// vertices of pieces with a pin, shape [vertex slots].
+    /// the lower value: a free piece falls, one that hangs from pins does not. A start with more
+    /// energy than the body has moves toward the rigid motion of its pieces. With one iteration it
+    /// does not, since a single one would not turn the body as far as the prediction does.
     pub(super) fn begin(
         &mut self,
         particles: ParticleStates<'_>,
         objective: &Objective<'_>,
-        (fall, held): ([f64; 3], &[bool]),
+        (fall, pieces, iterations): ([f64; 3], &mut PieceMotions, u32),
     ) {
         self.start.clear();
         self.masses.clear();
         self.predicted.clear();
         for cell in particles.iter() {
             let state = cell.get();
-            let ([x, y, z, w], [dx, dy, dz, _]) = (state.x, state.d);
+            let ([x, y, z, _], [dx, dy, dz, _]) = (state.x, state.d);
             self.start.push(to_f64([x, y, z]));
-            self.masses
-                .push(if w > 0.0 { 1.0 / f64::from(w) } else { 0.0 });
+            self.masses.push(inertia(state));
             self.predicted.push(to_f64([dx, dy, dz]));
         }
         (self.pair_count, self.has_step, self.is_stuck) = (0, false, false);
+        self.is_obstructed = false;
         self.mark_unobstructed(particles);
         self.current.displacements.clear();
         self.current
@@ -105,19 +116,22 @@ impl Minimizer {
             .extend_from_slice(&self.predicted);
         self.evaluate_current(objective);
         let fall = Vec3::from(fall);
-        if fall == Vec3::zeros() || !held.contains(&true) {
-            return;
+        self.fall = fall;
+        if fall != Vec3::zeros() && pieces.has_pins() {
+            let falls = |v: usize| self.masses[v] > 0.0 && pieces.is_held(v);
+            let resting = (self.predicted.iter().enumerate())
+                .map(|(v, d)| if falls(v) { d - fall } else { *d });
+            self.other.displacements.clear();
+            self.other.displacements.extend(resting);
+            self.evaluate_other(objective);
+            if self.other.value < self.current.value {
+                std::mem::swap(&mut self.current, &mut self.other);
+                self.store(particles);
+            }
         }
-        let falls = self.masses.iter().zip(held);
-        let falls = falls.map(|(&mass, &is_held)| mass > 0.0 && is_held);
-        let resting = self.predicted.iter().zip(falls);
-        let resting = resting.map(|(d, falls)| if falls { d - fall } else { *d });
-        self.other.displacements.clear();
-        self.other.displacements.extend(resting);
-        self.evaluate_other(objective);
-        if self.other.value < self.current.value {
-            std::mem::swap(&mut self.current, &mut self.other);
-            self.store(particles);
+        let rotation = self.find_rigid(pieces, true);
+        if iterations > 1 {
+            self.bound_start(particles, objective, (pieces, rotation));
         }
     }
 
@@ -202,6 +216,7 @@ impl Minimizer {
             let [x, y, z, _] = cell.get().d;
             if [x, y, z] != *before {
                 *mass = 0.0;
+                self.is_obstructed = true;
             }
         }
     }
@@ -324,6 +339,7 @@ impl Minimizer {
             + 8 * self.masses.capacity()
             + 12 * self.unobstructed.capacity()
             + of(&self.predicted)
+            + of(&self.rigid)
             + point(&self.current)
             + point(&self.other)
             + size_of::<Row>()
@@ -339,20 +355,35 @@ fn evaluate(
     objective: &Objective<'_>,
     (start, masses, predicted): (&[Vec3], &[f64], &[Vec3]),
     point: &mut Point,
-    Evaluation { points, gradient }: &mut Evaluation,
+    evaluation: &mut Evaluation,
 ) {
-    points.clear();
-    let displaced = start.iter().zip(&point.displacements);
-    points.extend(displaced.map(|(x, d)| Row::from(x + d)));
     let offsets = point.displacements.iter().zip(predicted);
     let inertia = offsets.zip(masses).map(|((d, to), &mass)| (d - to, mass));
-    point.value = objective.evaluate(points, inertia, gradient);
+    point.value = evaluate_at(
+        objective,
+        (start, inertia),
+        &point.displacements,
+        evaluation,
+    );
     point.gradient.clear();
-    let gradient = gradient.iter().zip(masses);
+    let gradient = evaluation.gradient.iter().zip(masses);
     (point.gradient).extend(gradient.map(|(&row, &mass)| match mass {
         0.0 => Vec3::zeros(),
         _ => Vec3::from(row),
     }));
+}
+
+/// Evaluates the objective with offsets from the prediction and masses, and returns its value.
+fn evaluate_at(
+    objective: &Objective<'_>,
+    (start, inertia): (&[Vec3], impl Iterator<Item = (Vec3, f64)>),
+    displacements: &[Vec3],
+    Evaluation { points, gradient }: &mut Evaluation,
+) -> f64 {
+    points.clear();
+    let displaced = start.iter().zip(displacements);
+    points.extend(displaced.map(|(x, d)| Row::from(x + d)));
+    objective.evaluate(points, inertia, gradient)
 }
 
 /// Multiplies a vector by the approximate inverse of the Hessian: the two loops of L-BFGS

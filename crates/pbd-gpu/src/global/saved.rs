@@ -2,11 +2,11 @@
 
 use super::GlobalStep;
 use super::free_pieces::FreePieces;
-use super::held::HeldPieces;
 use super::job::FactorJob;
 use super::matrix::{MatrixInput, NO_ROW};
 use super::minimizer::Minimizer;
 use super::objective::Compliances;
+use super::pieces::PieceMotions;
 use super::preconditioner::{Pending, Preconditioner};
 use crate::step::saved::{SavedGlobalStep, SavedMatrix, SavedPending};
 use incise_mesh::index_u32;
@@ -98,7 +98,7 @@ impl GlobalStep {
                 factor_age: saved.factor_age,
             },
             minimizer: Minimizer::default(),
-            held: HeldPieces::default(),
+            pieces: PieceMotions::default(),
             iterations: 0,
             iterations_left: 0,
         })

@@ -71,7 +71,8 @@ fn parts<'a>(
     }
     #[cfg(feature = "global")]
     {
-        body.global = step.global.as_deref_mut();
+        let is_taken = step.plan.has_global_step();
+        body.global = step.global.as_deref_mut().filter(|_| is_taken);
     }
     (&step.plan, body)
 }

@@ -78,6 +78,11 @@ fn global_pass(
             global.begin(particles, sets, constants);
             0
         }
+        Some(global) if pass == Pass::Integrate => {
+            let is_still = body.colliders.iter().all(|c| c.velocity == [0.0; 3]);
+            global.end(particles, (sets, is_still), constants);
+            0
+        }
         Some(global) => {
             let volumes = crate::global::Volumes {
                 set: body.volumes,
@@ -112,6 +117,10 @@ impl BodyStep<'_, '_, '_> {
             stats,
             ..
         } = self;
+        #[cfg(feature = "global")]
+        if pass == Pass::Integrate {
+            global_pass(self.particles, body, constants, pass);
+        }
         let (particles, v) = (self.particles, &mut *body.velocities);
         match pass {
             Pass::Predict => *self.lowest = predict::predict(particles, v, constants),

@@ -152,6 +152,11 @@ impl Island {
         params
             .check(dt)
             .map_err(|error| IslandError { body: 0, error })?;
+        #[cfg(feature = "global")]
+        for body in 0..bodies.count() {
+            let (solver, surface) = bodies.get(body);
+            solver.measure(surface, !self.contacts.is_empty(), params);
+        }
         let needed = (0..bodies.count()).map(|i| bodies.get(i).0.needed_substeps(dt, params));
         self.substeps = needed.fold(params.substeps, u32::max);
         let params = &SolverParams {
@@ -233,8 +238,6 @@ fn prepare_member(
     params: &SolverParams,
 ) -> Result<Member, StepError> {
     solver.check_step(surface)?;
-    #[cfg(feature = "global")]
-    solver.measure(surface, params);
     let constants = solver.prepare(dt, params)?;
     let orders = both_orders(solver.material(), &constants, params);
     #[cfg(feature = "global")]

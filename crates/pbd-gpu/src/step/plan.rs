@@ -209,6 +209,12 @@ impl StepPlan {
         &self.epilogue
     }
 
+    /// Returns whether the global step replaces projections.
+    #[cfg(feature = "global")]
+    pub(crate) fn has_global_step(&self) -> bool {
+        self.key.global
+    }
+
     /// Returns all passes of one substep in order of execution.
     pub fn passes(&self) -> impl Iterator<Item = Pass> {
         let parts = 0..=self.key.iterations + 1;

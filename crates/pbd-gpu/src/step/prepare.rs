@@ -57,7 +57,11 @@ pub(crate) fn prepare(
     let key = PlanKey {
         attachments,
         global: takes_global_step(step, material, dt, params),
-        iterations: params.iterations,
+        iterations: if leaves_global_step(step, material, dt, params) {
+            1
+        } else {
+            params.iterations
+        },
         pins: !particles.pins.is_empty(),
         volumes: !volumes.pieces().is_empty(),
         contacts: !contacts.is_empty(),
@@ -78,7 +82,27 @@ pub(crate) fn takes_global_step(
     dt: f32,
     params: &SolverParams,
 ) -> bool {
-    crate::global::is_used(params, material, (step.extent, dt))
+    !step.leaves_global_step && crate::global::is_used(params, material, (step.extent, dt))
+}
+
+/// Returns whether a body in contact takes sweeps in place of the global step.
+///
+/// A vertex that a contact stops is fixed for later iterations, which would make momentum. Such
+/// frames have a substep for each iteration.
+#[cfg(feature = "global")]
+pub(crate) fn leaves_global_step(
+    step: &StepState,
+    material: &Material,
+    dt: f32,
+    params: &SolverParams,
+) -> bool {
+    step.leaves_global_step && crate::global::is_used(params, material, (step.extent, dt))
+}
+
+/// Returns false: the global step is not compiled.
+#[cfg(not(feature = "global"))]
+pub(crate) fn leaves_global_step(_: &StepState, _: &Material, _: f32, _: &SolverParams) -> bool {
+    false
 }
 
 /// Returns false: the global step is not compiled.

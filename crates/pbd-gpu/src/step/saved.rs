@@ -141,6 +141,8 @@ impl StepState {
             substeps: saved.substeps,
             stats: saved.stats,
             #[cfg(feature = "global")]
+            leaves_global_step: false,
+            #[cfg(feature = "global")]
             global,
             #[cfg(feature = "global")]
             extent: saved.extent.map(crate::global::Extent::from_saved),

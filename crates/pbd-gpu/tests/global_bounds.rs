@@ -1,0 +1,140 @@
+//! Motions that the global step must survive: strained bodies, bodies on the ground and in contact.
+
+use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, icosphere};
+use incise_pbd_gpu::{Contact, Material, Scheme, Solver, SolverParams, Stiffness};
+
+const DT: f32 = 1.0 / 60.0;
+
+/// Two substeps of four iterations without gravity and ground.
+const GLOBAL: SolverParams = SolverParams {
+    substeps: 2,
+    iterations: 4,
+    gravity: [0.0; 3],
+    scheme: Scheme::Global,
+    ..SolverParams::paper()
+};
+
+fn elastic(stretch: f32, bending: Option<f32>) -> Material {
+    Material {
+        stretch: Stiffness::Compliance(stretch),
+        bending: bending.map(Stiffness::Compliance),
+        ..Material::default()
+    }
+}
+
+/// Returns the energy of edges and motion \[J\] with a stretch compliance [m/N].
+fn energy(surface: &Surface, solver: &Solver, compliance: f64) -> f64 {
+    let topology = surface.topology();
+    let of_edges: f64 = topology
+        .edges()
+        .map(|h| {
+            let [a, b] = [topology.origin(h), topology.target(h)];
+            let length = (surface.position(b) - surface.position(a)).norm();
+            let rest = (surface.rest_position(b) - surface.rest_position(a)).norm();
+            (length - rest).powi(2) / (2.0 * compliance)
+        })
+        .sum();
+    of_edges + solver.kinetic_energy()
+}
+
+/// Regression: a start from a strained prediction made energy, 1e7 J in half a second.
+#[test]
+fn a_strained_body_gains_no_energy() {
+    for compliance in [1e-5_f32, 1e-3] {
+        let mut surface = icosphere(3, 0.5);
+        let mut solver = Solver::new(&mut surface, &elastic(compliance, None)).unwrap();
+        for p in surface.positions_mut() {
+            *p = [2.0 * p[0], 0.5 * p[1], 0.5 * p[2], p[3]];
+        }
+        let compliance = f64::from(compliance);
+        let first = energy(&surface, &solver, compliance);
+        let mut last = first;
+        for frame in 0..30 {
+            solver.step(&mut surface, DT, &GLOBAL).unwrap();
+            last = energy(&surface, &solver, compliance);
+            assert!(last <= first, "{first} J, {last} J in frame {frame}");
+        }
+        assert!(last < 0.01 * first, "{first} J became {last} J");
+    }
+}
+
+/// A slab of 0.6 x 0.2 x 0.6 m that lies on the ground.
+fn slab() -> Surface {
+    let mut surface = cube_sphere(6, 1.0);
+    for p in surface.rest_positions_mut() {
+        let largest = p.iter().fold(0.0_f32, |a, c| a.max(c.abs()));
+        *p = [
+            0.3 * p[0] / largest,
+            0.1 + 0.1 * p[1] / largest,
+            0.3 * p[2] / largest,
+        ];
+    }
+    let rest = surface.rest_positions().to_vec();
+    for (p, rest) in surface.positions_mut().iter_mut().zip(rest) {
+        *p = [rest[0], rest[1], rest[2], p[3]];
+    }
+    surface
+}
+
+/// Regression: the ground gave a slab at rest 7e6 J within three seconds.
+#[test]
+fn a_slab_on_the_ground_stays_in_place() {
+    let mut surface = slab();
+    let material = Material {
+        damping: 1.0,
+        ..elastic(1e-5, Some(1e-3))
+    };
+    let mut solver = Solver::new(&mut surface, &material).unwrap();
+    let params = SolverParams {
+        gravity: [0.0, -9.81, 0.0],
+        ground: Some(0.0),
+        ..GLOBAL
+    };
+    let center = |surface: &Surface| {
+        let points = surface.topology().vertices().map(|v| surface.position(v));
+        points.sum::<Vec3>() / surface.positions().len() as f64
+    };
+    let before = center(&surface);
+    for _ in 0..300 {
+        solver.step(&mut surface, DT, &params).unwrap();
+    }
+    let moved = (center(&surface) - before).norm();
+    assert!(moved < 0.01, "{moved} m");
+    let energy = solver.kinetic_energy();
+    assert!(energy < 0.01, "{energy} J");
+}
+
+/// Regression: contacts after each iteration made momentum and energy.
+#[test]
+fn a_body_in_contact_takes_sweeps() {
+    let mut surface = icosphere(3, 0.5);
+    let mut solver = Solver::new(&mut surface, &elastic(1e-4, Some(1e-2))).unwrap();
+    solver.step(&mut surface, DT, &GLOBAL).unwrap();
+    assert_eq!(solver.stats().global_iterations, 8);
+    let bytes = solver.global_stats().bytes;
+    let ground = Contact::plane(VertexId(0), [0.0, 1.0, 0.0], -2.0);
+    solver.set_contacts(&[ground]).unwrap();
+    solver.step(&mut surface, DT, &GLOBAL).unwrap();
+    assert_eq!(solver.stats().global_iterations, 0);
+    assert_eq!(solver.substeps(), 8, "one per iteration");
+    assert_eq!(solver.global_stats().bytes, bytes, "the factor is kept");
+    solver.set_contacts(&[]).unwrap();
+    solver.step(&mut surface, DT, &GLOBAL).unwrap();
+    assert_eq!(solver.stats().global_iterations, 8);
+    assert_eq!(solver.substeps(), 2);
+}
+
+#[test]
+fn above_a_ground_bodies_take_sweeps_unless_told() {
+    for (ground, expected) in [(None, 8), (Some(-9.0), 0)] {
+        let mut surface = icosphere(3, 0.5);
+        let mut solver = Solver::new(&mut surface, &elastic(1e-6, Some(1e-4))).unwrap();
+        let params = SolverParams {
+            scheme: Scheme::Auto,
+            ground,
+            ..GLOBAL
+        };
+        solver.step(&mut surface, DT, &params).unwrap();
+        assert_eq!(solver.stats().global_iterations, expected);
+    }
+}
