@@ -212,8 +212,8 @@ fn a_surface_is_saved_with_all_arrays() {
 }
 
 /// Returns a ball with an energy, which swings on a pin, and its solver.
-fn swinging() -> (Surface, Solver) {
-    let mut surface = icosphere(3, 0.5);
+fn swinging(level: u32) -> (Surface, Solver) {
+    let mut surface = icosphere(level, 0.5);
     let material = Material {
         stretch: Stiffness::Compliance(1e-4),
         bending: Some(Stiffness::Compliance(1e-2)),
@@ -227,7 +227,7 @@ fn swinging() -> (Surface, Solver) {
 
 /// Steps a solver, saves it after 5 frames and an edit of pins, and compares 60 more frames.
 fn check_solver(params: &SolverParams) {
-    let (mut surface, mut solver) = swinging();
+    let (mut surface, mut solver) = swinging(3);
     for frame in 0..60 {
         if frame == 5 {
             let last = surface.topology().vertices().last().unwrap();
@@ -269,4 +269,39 @@ fn the_global_step_goes_on_with_the_same_bits() {
         substeps: 1,
         ..SolverParams::default()
     });
+}
+
+/// The frame of an edit of a large body does fewer iterations.
+#[cfg(feature = "global")]
+#[test]
+fn a_large_body_with_the_global_step_goes_on_with_the_same_bits_after_a_cut() {
+    use incise_cut::{CutParams, Cutter, Sweep};
+    let params = SolverParams {
+        scheme: incise_pbd_gpu::Scheme::Global,
+        iterations: 4,
+        substeps: 1,
+        ..SolverParams::default()
+    };
+    let (mut surface, mut solver) = swinging(5);
+    let plane = Sweep::from_plane([0.3, 1.0, 0.2], 0.1, &surface.bounds()).unwrap();
+    for frame in 0..8 {
+        if frame == 2 {
+            let cut = CutParams::default();
+            let outcome = Cutter::new(&surface).cut(&mut surface, &plane, &cut);
+            let delta = outcome.unwrap().delta;
+            solver.apply_delta(&mut surface, &delta).unwrap();
+        }
+        let bytes = solver.save(&surface).unwrap();
+        let (mut other_surface, mut other) = Solver::load(&bytes).unwrap();
+        solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+        other.step(&mut other_surface, 1.0 / 60.0, &params).unwrap();
+        let expected = if frame == 2 { 3 } else { 4 };
+        assert_eq!(solver.stats().global_iterations, expected, "frame {frame}");
+        assert_eq!(other.stats(), solver.stats(), "frame {frame}");
+        assert!(
+            surface.positions() == other_surface.positions()
+                && solver.velocities() == other.velocities(),
+            "other bits in frame {frame}"
+        );
+    }
 }
