@@ -135,10 +135,11 @@ fn a_pinned_body_stays_and_an_upper_one_rises() {
 fn bodies_in_a_shaft_leave_each_other_along_it() {
     let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
     let sides = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
-    scene.colliders = sides.map(|[x, z]| Collider::Plane {
+    let plane = |[x, z]: [f32; 2]| Collider::Plane {
         point: [-0.6 * x, 0.0, -0.6 * z],
         normal: [x, 0.0, z],
-    });
+    };
+    scene.colliders = sides.map(plane).to_vec();
     let ball = icosphere(2, 1.0);
     let lower = add(&mut scene, &ball, [0.0, 0.5, 0.0], 0.5);
     let upper = add(&mut scene, &ball, [0.05, 0.5, 0.02], 0.5);

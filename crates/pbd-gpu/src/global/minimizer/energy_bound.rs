@@ -130,11 +130,10 @@ impl Minimizer {
             if mass > 0.0 {
                 let ParticleState { mut x, mut d } = cell.get();
                 let kept = (by - of_piece) * relative + of_piece * rigid;
-                let kept = to_f32(kept);
-                for k in 0..3 {
-                    x[k] += d[k] - kept[k];
-                    d[k] = kept[k];
-                }
+                let [kx, ky, kz] = to_f32(kept);
+                let lost = [d[0] - kx, d[1] - ky, d[2] - kz];
+                x = [x[0] + lost[0], x[1] + lost[1], x[2] + lost[2], x[3]];
+                d = [kx, ky, kz, d[3]];
                 cell.set(ParticleState { x, d });
             }
         }
