@@ -177,9 +177,8 @@ pub enum StepError {
     },
     /// `h^2` is no normal number of 32 bits, or `compliance / h^2` overflows.
     #[error(
-        "a substep of {h:e} s is too short: its square must be a normal number of 32 bits, as \
-         from {:e} s on, and compliance over its square must be finite; use fewer substeps, \
-         longer steps or less compliance",
+        "a substep of {h:e} s is too short: the minimum is {:e} s, and compliance over its square \
+         must be finite; use fewer substeps, longer steps or less compliance",
         crate::SolverParams::MIN_SUBSTEP
     )]
     SubstepTooShort {

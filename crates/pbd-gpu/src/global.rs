@@ -46,7 +46,7 @@ use crate::material::{Material, Stiffness};
 use crate::particles::Particles;
 use crate::step::constants::StepConstants;
 use crate::step::params::{Scheme, SolverParams};
-pub(crate) use choice::Extent;
+pub(crate) use choice::{Choice, Extent};
 use incise_mesh::{Surface, TopologyDelta, VertexId};
 use minimizer::Minimizer;
 use objective::{Compliances, Objective};
@@ -94,8 +94,9 @@ pub(crate) struct EnergySets<'a> {
 /// Minimum number of iterations for [`Scheme::Auto`]: one alone has no L-BFGS correction.
 const MIN_ITERATIONS: u32 = 2;
 
-/// The frame of an edit of a large body leaves out one of as many iterations of a substep: they
-/// take as long as its local factor and the longer line searches beside new slivers.
+/// One of as many iterations of a substep is left out in the frame of an edit of a large body.
+///
+/// They take as long as its local factor and the longer line searches beside new slivers.
 const LEFT_OUT: u32 = 4;
 
 /// Returns whether a body takes the global step in a frame of `dt` \[s\].
@@ -180,16 +181,18 @@ impl GlobalStep {
     }
 
     /// Ends a substep: obstacles, which are `still` or not, add no energy.
+    ///
+    /// Returns the maximum change of a start position along an axis \[m\].
     pub(crate) fn end(
         &mut self,
         particles: ParticleStates<'_>,
         (sets, is_still): (EnergySets<'_>, bool),
         constants: &StepConstants,
-    ) {
+    ) -> f32 {
         let objective = Objective::new(sets, Compliances::new(constants));
         let pieces = &mut self.pieces;
         self.minimizer
-            .bound_end(particles, &objective, (pieces, is_still));
+            .bound_end(particles, &objective, (pieces, is_still))
     }
 
     /// Holds the vertices that contacts and the ground have moved, before volumes are projected.
@@ -202,8 +205,9 @@ impl GlobalStep {
         self.minimizer.mark_unobstructed(particles);
     }
 
-    /// Moves the displacements toward the minimum by one iteration; returns the number done, 0 or
-    /// 1: the frame of an edit may leave out the last ones.
+    /// Moves the displacements toward the minimum by one iteration, and returns the number done.
+    ///
+    /// It is 0 or 1: the frame of an edit may leave out the last ones.
     pub(crate) fn iterate(
         &mut self,
         particles: ParticleStates<'_>,

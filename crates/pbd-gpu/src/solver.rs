@@ -15,7 +15,7 @@ use crate::constraints::Constraints;
 use crate::error::{ConstraintError, StepError};
 use crate::follow::FollowState;
 #[cfg(feature = "global")]
-use crate::global::Extent;
+use crate::global::{Choice, Extent};
 use crate::kernels::integrate::{are_finite, first_non_finite};
 use crate::mass::masses;
 use crate::material::Material;
@@ -28,7 +28,7 @@ use crate::step::island::{Island, IslandError, Single};
 use crate::step::params::Scheme;
 use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
-use crate::step::prepare::{leaves_global_step, prepare, takes_global_step};
+use crate::step::prepare::{prepare, takes_global_step};
 use crate::step::substeps::substeps;
 use incise_mesh::Surface;
 #[cfg(feature = "serde")]
@@ -171,10 +171,7 @@ impl Solver {
 
     /// Returns the number of substeps of a frame of `dt` \[s\], at least that of the parameters.
     pub(crate) fn needed_substeps(&mut self, dt: f32, params: &SolverParams) -> u32 {
-        if leaves_global_step(&self.step, &self.material, dt, params) {
-            return params.substeps.saturating_mul(params.iterations);
-        }
-        if params.ground.is_none() || takes_global_step(&self.step, &self.material, dt, params) {
+        if params.ground.is_none() || takes_global_step(&self.step, params) {
             return params.substeps;
         }
         let known = self.step.mean_rest_length;
@@ -205,36 +202,50 @@ impl Solver {
         Ok(constants)
     }
 
-    /// Finds on what the scheme of a frame depends: contacts, and the size after an edit.
+    /// Chooses the scheme of a frame of `dt` \[s\], by contacts and the size of the body.
     #[cfg(feature = "global")]
-    pub(crate) fn measure(&mut self, surface: &Surface, is_touched: bool, params: &SolverParams) {
-        self.step.leaves_global_step = is_touched || !self.constraints.contacts.is_empty();
+    pub(crate) fn choose_scheme(
+        &mut self,
+        (surface, is_touched): (&Surface, bool),
+        dt: f32,
+        params: &SolverParams,
+    ) -> Choice {
         if params.scheme == Scheme::Auto && self.step.extent.is_none() {
             let edge = self.mean_rest_length();
             self.step.extent = Some(Extent::new(surface, &self.particles.mass, edge));
         }
+        let is_touched = is_touched || !self.constraints.contacts.is_empty();
+        let of_body = (self.step.extent, dt);
+        self.step.choice = match crate::global::is_used(params, &self.material, of_body) {
+            false => Choice::Sweeps,
+            true if is_touched => Choice::SweepsInContact,
+            true => Choice::Global,
+        };
+        self.step.choice
     }
 
-    /// Prepares the global step of a frame, or drops it from a body that does not take it.
+    /// Prepares the global step of a frame, or drops it from a body that no longer asks for it.
     #[cfg(feature = "global")]
     pub(crate) fn prepare_global(
         &mut self,
         surface: &Surface,
-        (constants, dt): (&StepConstants, f32),
+        constants: &StepConstants,
         params: &SolverParams,
     ) {
-        if !takes_global_step(&self.step, &self.material, dt, params) {
-            if !leaves_global_step(&self.step, &self.material, dt, params) {
-                self.step.global = None;
+        match self.step.choice {
+            Choice::Sweeps => self.step.global = None,
+            Choice::SweepsInContact => {}
+            Choice::Global => {
+                let global = self.step.global.get_or_insert_default();
+                let body = (&self.particles, &self.constraints, surface);
+                global.prepare(body, constants, params);
             }
-            return;
         }
-        let global = self.step.global.get_or_insert_default();
-        let body = (&self.particles, &self.constraints, surface);
-        global.prepare(body, constants, params);
     }
 
-    /// Returns memory and cost of the global step; zero for a body that does not take it.
+    /// Returns memory and cost of the global step; zero for a body that never takes it.
+    ///
+    /// A body in contact takes sweeps and keeps its factor, whose age stands still.
     #[cfg(feature = "global")]
     #[must_use]
     pub fn global_stats(&self) -> crate::global::GlobalStats {

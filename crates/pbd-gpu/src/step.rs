@@ -30,12 +30,12 @@ pub(crate) struct StepState {
     /// Substeps of the last frame.
     pub(crate) substeps: u32,
     pub(crate) stats: StepStats,
-    /// The global step of a body that takes it.
+    /// The global step of a body that takes it when it touches nothing.
     #[cfg(feature = "global")]
     pub(crate) global: Option<Box<crate::global::GlobalStep>>,
-    /// Whether a body that asks for the global step takes sweeps in this frame.
+    /// The scheme of the body in this frame, which the CPU steps.
     #[cfg(feature = "global")]
-    pub(crate) leaves_global_step: bool,
+    pub(crate) choice: crate::global::Choice,
     /// The size of the body since its last edit, once a frame has asked for it.
     #[cfg(feature = "global")]
     pub(crate) extent: Option<crate::global::Extent>,

@@ -60,8 +60,8 @@ const SPEED_MARGIN: f64 = 2.0;
 ///
 /// Vertices are tested against triangles, and sharp edges against those of other bodies. Sheets
 /// collide on both sides, closed pieces on the outer one. Between two bodies friction is the
-/// geometric mean of both. Closed pieces deep in each other are moved apart, at most by a diagonal
-/// of the smaller one per second and without velocity.
+/// geometric mean of both. Closed pieces deep in each other are moved apart, each pair at most by a
+/// diagonal of the smaller one per second, and without velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContactParams {
@@ -154,12 +154,17 @@ impl ContactDetection {
         self.begin_search(bodies.len());
     }
 
+    /// Forgets the overlaps of a body, which is edited.
+    pub(crate) fn forget_overlaps(&mut self, body: usize) {
+        self.overlaps.forget(body);
+    }
+
     /// Returns the number of pairs of pieces that are moved apart before the frame.
     pub(crate) fn overlaps(&self) -> usize {
         self.overlaps.len()
     }
 
-    /// Returns the pieces of such a pair and their displacements \[m\].
+    /// Returns the pieces of a pair that is moved apart and their displacements \[m\].
     pub(crate) fn shifts(&self, n: usize) -> [(PieceId, Vec3); 2] {
         self.overlaps.shifts(n)
     }

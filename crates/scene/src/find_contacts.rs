@@ -58,6 +58,9 @@ impl Scene {
         for n in 0..self.detection.overlaps() {
             for (piece, shift) in self.detection.shifts(n) {
                 let i = piece.body as usize;
+                if shift == Vec3::zeros() {
+                    continue;
+                }
                 if let (Some(gpu), Some(body)) = (&mut self.gpu, &mut self.bodies[i])
                     && let Err(error) = gpu.read_back(i, body)
                 {
@@ -67,10 +70,10 @@ impl Scene {
                     continue;
                 };
                 self.sleep.wake(i);
-                body.move_piece(piece.number, shift);
                 if let Some(gpu) = &mut self.gpu {
                     gpu.begin_edit(i, body.surface());
                 }
+                body.move_piece(piece.number, shift);
             }
         }
         Ok(())

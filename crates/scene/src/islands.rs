@@ -352,7 +352,7 @@ impl Scene {
         #[cfg(feature = "global")]
         {
             let global = body.solver().global_stats();
-            self.stats.global_bodies += u32::from(global.bytes > 0);
+            self.stats.global_bodies += u32::from(done.global_iterations > 0);
             self.stats.global_bytes += global.bytes;
             self.stats.factor_time = self.stats.factor_time.max(global.factor_time);
             self.stats.factor_age = self.stats.factor_age.max(global.factor_age);

@@ -280,6 +280,7 @@ impl Scene {
     pub fn edit(&mut self, id: BodyId) -> Result<&mut Body, SceneError> {
         self.read_back(id)?;
         self.sleep.wake(id.index);
+        self.detection.forget_overlaps(id.index);
         if let (Some(gpu), Some(body)) = (&mut self.gpu, &self.bodies[id.index]) {
             gpu.begin_edit(id.index, body.surface());
         }

@@ -6,11 +6,11 @@
 
 mod common;
 
-use common::{Bits, add, bits, cpu_copy_bits, on, params, request};
+use common::{Bits, add, bits, cpu_copy_bits, model, on, params, request};
 use incise_mesh::VertexId;
 use incise_models::Model;
-use incise_pbd_gpu::{Context, GpuError, Integrator};
-use incise_scene::{BackendChoice, BackendRequest, Scene, SceneError, SceneParams};
+use incise_pbd_gpu::{Context, GpuError, Integrator, Material};
+use incise_scene::{BackendChoice, BackendRequest, ContactParams, Scene, SceneError, SceneParams};
 use incise_test_support::gpu::{Needs, run, trial};
 use std::process::ExitCode;
 
@@ -33,6 +33,7 @@ fn main() -> ExitCode {
         }),
         trial("auto_puts_only_large_bodies_on_the_gpu", any, large_only),
         trial("an_invalid_frame_causes_no_fallback", any, wrong),
+        trial("a_body_in_another_one_leaves_it", any, nested),
     ])
 }
 
@@ -107,6 +108,40 @@ fn lost_in_a_cut(context: Context) {
         assert_eq!(body.pieces().len(), 2);
         body.solver().validate(body.surface()).unwrap();
     }
+}
+
+/// Regression: positions of bodies on the GPU were moved on the CPU only.
+fn nested(context: Context) {
+    let mut params = params();
+    params.contacts = Some(ContactParams::default());
+    params.solver.gravity = [0.0; 3];
+    params.solver.ground = None;
+    let mut scene = on(context, params);
+    let scaled = |scale: f32| {
+        let mut ball = model(Model::Sphere80, 0.0);
+        for p in ball.positions_mut() {
+            *p = [scale * p[0] + 0.01, scale * p[1], scale * p[2], p[3]];
+        }
+        for p in ball.rest_positions_mut() {
+            *p = [scale * p[0] + 0.01, scale * p[1], scale * p[2]];
+        }
+        ball
+    };
+    for scale in [1.0, 0.2] {
+        let material = Material::soft_body();
+        scene.add_body(scaled(scale), &material).unwrap();
+    }
+    for _ in 0..240 {
+        scene.step().unwrap();
+    }
+    let ids: Vec<_> = scene.bodies().collect();
+    let boxes = ids.into_iter().map(|id| {
+        scene.read_back(id).unwrap();
+        scene.body(id).unwrap().surface().bounds()
+    });
+    let centers: Vec<_> = boxes.map(|bounds| bounds.center()).collect();
+    let apart = (centers[1] - centers[0]).norm();
+    assert!(apart > 1.0, "{apart} m apart");
 }
 
 fn lost(context: Context) {

@@ -110,10 +110,15 @@ fn check(scene: &Scene, id: BodyId) {
         let areas = own.iter().map(|&t| area_vector(corners(t)).norm() / 2.0);
         let area: f64 = areas.sum();
         let ball = area.powf(1.5) / (6.0 * std::f64::consts::PI.sqrt());
-        let round = surface.rest_volume_of(own.into_iter()).abs() / ball;
+        let points = own.iter().flat_map(|&t| corners(t));
+        let largest = points.fold(0.0, |largest, p| f64::max(largest, p.amax()));
+        let volume = surface.rest_volume_of(own.into_iter()).abs();
+        // Flat pieces have none, and those whose volume is lost in rounding (`Volume`).
+        let (round, resolved) = (volume / ball, volume / (area * largest));
         assert!(
-            solids.contains(&piece) || round < 2e-6,
-            "piece {piece} has no volume constraint, but {round} of the volume of a ball"
+            solids.contains(&piece) || round < 2e-6 || resolved < 2e-6,
+            "piece {piece} has no volume constraint, but {round} of the volume of a ball, \
+             {resolved} of its area times the largest coordinate"
         );
     }
     let interior_springs = solver.interior_springs().unwrap();

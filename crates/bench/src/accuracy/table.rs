@@ -30,7 +30,8 @@ submission. -: the GPU has no timestamps.";
 /// Explains the columns of the summary.
 const SUMMARY: &str = "\
 ms to E: shortest time of a frame with a total error of at most E. at T ms: smallest total error \
-of frames of at most T ms. First all schemes but pbd and patches, then the paper's: pbd, one substep. gain: \
+of frames of at most T ms. First all schemes but pbd and patches, then the paper's: pbd, one \
+substep. gain: \
 ratio of the second error to the first in the same time, the smallest at 1, 4, 8 and 16 ms; empty \
 where one has no run that fast.";
 

@@ -54,7 +54,7 @@ pub enum ReferenceError {
         name: &'static str,
     },
     /// A model that rigid patches do not solve.
-    #[error("steps by rigid patches solve no rigid constraints, ground and volumes")]
+    #[error("rigid patches support no rigid constraints, ground or volumes; use another scheme")]
     NoPatches,
     /// A step that did not converge.
     #[error(

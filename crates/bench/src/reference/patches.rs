@@ -1,4 +1,4 @@
-//! Steps by rigid patches, coarse to fine, without a matrix: the multilevel alternative to a factor.
+//! Steps by rigid patches, coarse to fine: the multilevel alternative to a factor.
 //!
 //! A cycle goes from the whole body to patches of eight vertices and then to single vertices. It
 //! moves one patch after another as a rigid body, with all others held, to where a Gauss-Newton
@@ -188,6 +188,10 @@ fn energy<K: Kind<N>, const N: usize>(
     which: &[usize],
     x: &[Vector3<f64>],
 ) -> f64 {
+    if which.is_empty() {
+        // A body without such constraints has no compliance.
+        return 0.0;
+    }
     let off = |&i: &usize| {
         let slope = K::slope(&constraints.vertices[i].map(|v| x[v]))?;
         Some(K::error(slope.value, constraints.rest[i]))

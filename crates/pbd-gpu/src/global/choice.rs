@@ -14,6 +14,18 @@ const MIN_TRAVEL: f64 = 24.0;
 /// Minimum number of vertices of a piece: sweeps carry a load through smaller ones.
 const MIN_VERTICES: usize = 128;
 
+/// The scheme of a body in a frame.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) enum Choice {
+    /// Sweeps, as always.
+    #[default]
+    Sweeps,
+    /// Sweeps of a body that takes the global step when it touches nothing.
+    SweepsInContact,
+    /// The global step.
+    Global,
+}
+
 /// Sizes of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Extent {

@@ -59,7 +59,7 @@ impl PieceMotions {
         }
     }
 
-    /// Marks them as changed by an edit.
+    /// Marks the pieces as changed by an edit.
     pub(super) fn forget(&mut self) {
         self.is_current = false;
     }
@@ -69,7 +69,7 @@ impl PieceMotions {
         !self.pins.is_empty()
     }
 
-    /// Returns whether a vertex belongs to a piece with a pin.
+    /// Returns whether a vertex belongs to a piece with a pin, or to no triangle.
     pub(super) fn is_held(&self, v: usize) -> bool {
         self.vertices.get(v).is_none_or(|&piece| piece == HELD)
     }
@@ -78,8 +78,8 @@ impl PieceMotions {
     ///
     /// Momentum and angular momentum of each piece are those of the displacements. Pieces with a
     /// pin have none. With `turns` the vertices move on circles, by the angle whose tangent the
-    /// displacements have: that is the implicit Euler step of a rigid piece. Returns half of the sum
-    /// of masses times squared rotations.
+    /// displacements have: that is the implicit Euler step of a rigid piece. Returns half of the
+    /// sum of masses times squared rotations.
     pub(super) fn find_rigid(
         &mut self,
         (points, masses): (&[Vec3], &[f64]),

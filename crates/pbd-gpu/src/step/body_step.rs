@@ -60,37 +60,37 @@ fn project_batch<K: Kernel<N>, const N: usize>(
     count
 }
 
-/// Runs a pass of the global step; returns the number of iterations.
+/// Runs a pass of the global step and adds it to the statistics.
 #[cfg(feature = "global")]
 fn global_pass(
     particles: ParticleStates<'_>,
     body: &mut Body<'_>,
-    constants: &StepConstants,
+    (constants, stats): (&StepConstants, &mut StepStats),
     pass: Pass,
-) -> u32 {
+) {
     let sets = crate::global::EnergySets {
         stretch: body.stretch,
         bending: body.bending.as_deref(),
         interior_springs: body.interior_springs.as_deref(),
     };
-    match &mut body.global {
-        Some(global) if pass == Pass::BeginGlobal => {
-            global.begin(particles, sets, constants);
-            0
-        }
-        Some(global) if pass == Pass::Integrate => {
+    let Some(global) = &mut body.global else {
+        return;
+    };
+    match pass {
+        Pass::BeginGlobal => global.begin(particles, sets, constants),
+        Pass::Integrate => {
             let is_still = body.colliders.iter().all(|c| c.velocity == [0.0; 3]);
-            global.end(particles, (sets, is_still), constants);
-            0
+            let change = global.end(particles, (sets, is_still), constants);
+            stats.max_displacement += change;
+            stats.max_substep_displacement = stats.max_substep_displacement.max(change);
         }
-        Some(global) => {
+        _ => {
             let volumes = crate::global::Volumes {
                 set: body.volumes,
                 topology: body.topology,
             };
-            global.iterate(particles, (sets, volumes), constants)
+            stats.global_iterations += global.iterate(particles, (sets, volumes), constants);
         }
-        None => 0,
     }
 }
 
@@ -119,7 +119,7 @@ impl BodyStep<'_, '_, '_> {
         } = self;
         #[cfg(feature = "global")]
         if pass == Pass::Integrate {
-            global_pass(self.particles, body, constants, pass);
+            global_pass(self.particles, body, (constants, stats), pass);
         }
         let (particles, v) = (self.particles, &mut *body.velocities);
         match pass {
@@ -172,9 +172,7 @@ impl BodyStep<'_, '_, '_> {
             }
             Pass::BeginGlobal | Pass::GlobalIteration => {
                 #[cfg(feature = "global")]
-                {
-                    stats.global_iterations += global_pass(particles, body, constants, pass);
-                }
+                global_pass(particles, body, (constants, stats), pass);
             }
             // `Frame` projects the contacts of the island.
             Pass::ContactFeatures

@@ -5,6 +5,8 @@
 
 use crate::constraints::contacts::{Contact, ContactSet};
 use crate::error::{ConstraintError, StepError};
+#[cfg(feature = "global")]
+use crate::global::Choice;
 use crate::kernels::integrate::first_non_finite;
 use crate::solver::Solver;
 use crate::step::backend::{NonFinite, StepScratch, execute};
@@ -153,10 +155,7 @@ impl Island {
             .check(dt)
             .map_err(|error| IslandError { body: 0, error })?;
         #[cfg(feature = "global")]
-        for body in 0..bodies.count() {
-            let (solver, surface) = bodies.get(body);
-            solver.measure(surface, !self.contacts.is_empty(), params);
-        }
+        let params = &self.choose_schemes(bodies, dt, params);
         let needed = (0..bodies.count()).map(|i| bodies.get(i).0.needed_substeps(dt, params));
         self.substeps = needed.fold(params.substeps, u32::max);
         let params = &SolverParams {
@@ -170,6 +169,36 @@ impl Island {
                 .push(member.map_err(|error| IslandError { body, error })?);
         }
         Ok(())
+    }
+
+    /// Chooses the scheme of each body, and returns the parameters of all.
+    ///
+    /// A vertex that a contact stops would be fixed for later iterations of the global step, which
+    /// makes momentum. So an island with such a body has a substep for each iteration.
+    #[cfg(feature = "global")]
+    fn choose_schemes(
+        &self,
+        bodies: &mut dyn IslandBodies,
+        dt: f32,
+        params: &SolverParams,
+    ) -> SolverParams {
+        let is_touched = !self.contacts.is_empty();
+        let mut in_contact = false;
+        for body in 0..bodies.count() {
+            let (solver, surface) = bodies.get(body);
+            let choice = solver.choose_scheme((surface, is_touched), dt, params);
+            in_contact |= choice == Choice::SweepsInContact;
+        }
+        let (substeps, iterations) = if in_contact {
+            (params.substeps.saturating_mul(params.iterations), 1)
+        } else {
+            (params.substeps, params.iterations)
+        };
+        SolverParams {
+            substeps,
+            iterations,
+            ..*params
+        }
     }
 
     /// Steps the prepared bodies by one frame.
@@ -246,7 +275,7 @@ fn prepare_member(
             Integrator::Euler => &constants,
             Integrator::Bdf2 => &orders.second,
         };
-        solver.prepare_global(surface, (of, dt), params);
+        solver.prepare_global(surface, of, params);
     }
     let (_, constraints, _) = solver.step_parts();
     constraints.update_patch_contents();

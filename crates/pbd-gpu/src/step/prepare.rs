@@ -8,6 +8,8 @@ use crate::particles::Particles;
 use crate::step::StepState;
 use crate::step::constants::StepConstants;
 use crate::step::constants::{Projection, VolumeProjection};
+#[cfg(feature = "global")]
+use crate::step::params::Scheme;
 use crate::step::params::{Integrator, SolverParams};
 use crate::step::plan::PlanKey;
 use crate::step::second_order::{Orders, SUBSTEP_RATIO};
@@ -56,12 +58,8 @@ pub(crate) fn prepare(
     }
     let key = PlanKey {
         attachments,
-        global: takes_global_step(step, material, dt, params),
-        iterations: if leaves_global_step(step, material, dt, params) {
-            1
-        } else {
-            params.iterations
-        },
+        global: takes_global_step(step, params),
+        iterations: params.iterations,
         pins: !particles.pins.is_empty(),
         volumes: !volumes.pieces().is_empty(),
         contacts: !contacts.is_empty(),
@@ -76,38 +74,14 @@ pub(crate) fn prepare(
 
 /// Returns whether the global step replaces the projections of a body.
 #[cfg(feature = "global")]
-pub(crate) fn takes_global_step(
-    step: &StepState,
-    material: &Material,
-    dt: f32,
-    params: &SolverParams,
-) -> bool {
-    !step.leaves_global_step && crate::global::is_used(params, material, (step.extent, dt))
+pub(crate) fn takes_global_step(step: &StepState, params: &SolverParams) -> bool {
+    // The choice is that of the last frame on the CPU; the GPU steps with sweeps only.
+    step.choice == crate::global::Choice::Global && params.scheme != Scheme::Sweeps
 }
 
-/// Returns whether a body in contact takes sweeps in place of the global step.
-///
-/// A vertex that a contact stops is fixed for later iterations, which would make momentum. Such
-/// frames have a substep for each iteration.
-#[cfg(feature = "global")]
-pub(crate) fn leaves_global_step(
-    step: &StepState,
-    material: &Material,
-    dt: f32,
-    params: &SolverParams,
-) -> bool {
-    step.leaves_global_step && crate::global::is_used(params, material, (step.extent, dt))
-}
-
-/// Returns false: the global step is not compiled.
+/// Returns false for every body: the global step is not compiled.
 #[cfg(not(feature = "global"))]
-pub(crate) fn leaves_global_step(_: &StepState, _: &Material, _: f32, _: &SolverParams) -> bool {
-    false
-}
-
-/// Returns false: the global step is not compiled.
-#[cfg(not(feature = "global"))]
-pub(crate) fn takes_global_step(_: &StepState, _: &Material, _: f32, _: &SolverParams) -> bool {
+pub(crate) fn takes_global_step(_: &StepState, _: &SolverParams) -> bool {
     false
 }
 

@@ -141,7 +141,7 @@ impl StepState {
             substeps: saved.substeps,
             stats: saved.stats,
             #[cfg(feature = "global")]
-            leaves_global_step: false,
+            choice: crate::global::Choice::default(),
             #[cfg(feature = "global")]
             global,
             #[cfg(feature = "global")]

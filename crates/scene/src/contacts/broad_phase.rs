@@ -102,6 +102,16 @@ impl Pieces {
         sum / count
     }
 
+    /// Returns the number of vertices of a piece.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a sum of ones"
+    )]
+    pub(super) fn vertex_count(&self, index: u32) -> usize {
+        self.list[index as usize].velocity_sum.1 as usize
+    }
+
     /// Returns all pieces, ascending by index.
     pub(super) fn iter(&self) -> std::slice::Iter<'_, Piece> {
         self.list.iter()
@@ -113,7 +123,7 @@ impl Pieces {
         all.map(|other| &self.list[other as usize])
     }
 
-    /// Returns the indices of these pieces, ascending.
+    /// Returns the indices of the pieces with which a piece may collide, ascending.
     pub(super) fn neighbor_indices(&self, index: u32) -> impl Iterator<Item = u32> {
         let first = self.list[index as usize].first_pair as usize;
         let pairs = self.pairs[first..].iter();

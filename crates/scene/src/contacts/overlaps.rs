@@ -3,8 +3,8 @@
 //! Contacts separate surfaces that are at most two thicknesses behind each other. Bodies that start
 //! in each other are deeper, and so are small ones that meet at high speed. Every frame tests a few
 //! points inside of each piece. Two pieces that contain such a point are moved apart before the
-//! next frames: along the [axis](super::axes) on which they overlap least, without a change of
-//! velocity.
+//! next frames. They move along the [axis](super::axes) on which they overlap least, without a
+//! change of velocity.
 
 use super::axes::{Extents, separation};
 use super::motion::Motion;
@@ -13,7 +13,7 @@ use super::outside::outward_normal;
 use crate::body::Body;
 use crate::scene::Bodies;
 use incise_mesh::geometry::{to_f32, to_f64};
-use incise_mesh::{Aabb, Surface, Vec3, VertexId, index_u32};
+use incise_mesh::{Aabb, Vec3, VertexId};
 use incise_pbd_gpu::Collider;
 
 /// Number of vertices per piece that are tested in a frame.
@@ -30,7 +30,7 @@ const CLEARANCE: f64 = 1.25;
 /// Number of frames between two measurements of an overlap.
 const PERIOD: u32 = 8;
 
-/// Maximum speed of a separation [diagonals of the smaller piece per second].
+/// Maximum speed of the separation of a pair [diagonals of the smaller piece per second].
 const SPEED: f64 = 1.0;
 
 /// A piece of a body of the scene.
@@ -61,6 +61,9 @@ pub(crate) struct Overlaps {
     list: Vec<Overlap>,
     /// Number of searches, from which the tested vertices follow.
     searches: u32,
+    /// Scratch memory, by index of a piece in the broad phase: number of its vertices so far.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    seen: Vec<usize>,
 }
 
 impl Overlaps {
@@ -76,11 +79,21 @@ impl Overlaps {
         });
     }
 
-    /// Returns whether all displacements are finite.
+    /// Returns whether all numbers are in the range of a search.
     #[cfg(feature = "serde")]
-    pub(super) fn is_finite(&self) -> bool {
-        let shifts = self.list.iter().flat_map(|overlap| overlap.shifts);
-        shifts.flatten().all(f64::is_finite)
+    pub(super) fn is_valid(&self) -> bool {
+        let is_position = |shift: f64| shift.abs() <= f64::from(f32::MAX);
+        self.list.iter().all(|overlap| {
+            overlap.frames_left <= PERIOD
+                && overlap.shifts.iter().flatten().all(|c| is_position(*c))
+        })
+    }
+
+    /// Forgets the overlaps of a body, which is edited.
+    pub(super) fn forget(&mut self, body: usize) {
+        let is_of = |piece: &PieceId| piece.body as usize == body;
+        self.list
+            .retain(|overlap| !overlap.pieces.iter().any(is_of));
     }
 
     /// Returns the number of overlaps.
@@ -102,15 +115,25 @@ impl Overlaps {
             if overlap.frames_left > 0 {
                 return true;
             }
-            let measured = search.measure(overlap.pieces, start);
+            let measured = search.measure(overlap.pieces, (start, 0.0));
             measured.is_some_and(|measured| {
                 *overlap = measured;
                 true
             })
         });
+        self.seen.clear();
+        self.seen.resize(search.pieces.iter().len(), 0);
         for (i, body) in (0..).zip(search.bodies) {
-            if let Some(body) = body.as_ref().filter(|_| search.is_active(i)) {
-                for v in sample(body.surface(), TESTED, start) {
+            let Some(body) = body.as_ref().filter(|_| search.is_active(i)) else {
+                continue;
+            };
+            for v in body.surface().topology().vertices() {
+                let Some(index) = search.piece_index(i, v) else {
+                    continue;
+                };
+                let number = &mut self.seen[index as usize];
+                *number += 1;
+                if is_sampled(*number, search.pieces.vertex_count(index), (TESTED, start)) {
                     self.test(search, i, v);
                 }
             }
@@ -131,20 +154,23 @@ impl Overlaps {
             }
             let pair = [own, other.id()];
             let is_known = |o: &Overlap| o.pieces == pair || o.pieces == [pair[1], pair[0]];
-            if !self.list.iter().any(is_known) && search.common_point(pair, v).is_some() {
-                self.list.extend(search.measure(pair, v.index()));
+            if self.list.iter().any(is_known) {
+                continue;
+            }
+            if let Some(depth) = search.common_point(pair, v) {
+                let start = self.searches as usize;
+                self.list.extend(search.measure(pair, (start, depth)));
             }
         }
     }
 }
 
-/// Returns about `count` vertex slots per piece at equal distances, among them `start` modulo that.
-fn sample(surface: &Surface, count: usize, start: usize) -> impl Iterator<Item = VertexId> {
-    let slots = surface.positions().len();
-    let stride = (slots / (count * surface.piece_count().max(1))).max(1);
-    (start % stride..slots)
-        .step_by(stride)
-        .map(|slot| VertexId(index_u32(slot)))
+/// Returns whether the vertex of a `number` in its piece is one of about `count` of `all`.
+///
+/// They are at equal distances, and others in the next searches.
+fn is_sampled(number: usize, all: usize, (count, search): (usize, usize)) -> bool {
+    let stride = (all / count).max(1);
+    (number + search).is_multiple_of(stride)
 }
 
 impl Search<'_> {
@@ -164,7 +190,18 @@ impl Search<'_> {
     /// Returns the body of a piece and its motion.
     fn body_of(&self, piece: PieceId) -> Option<(&Body, &Motion)> {
         let body = self.bodies.get(piece.body as usize)?.as_ref()?;
-        (self.is_active(piece.body)).then_some((body, &self.motions[piece.body as usize]))
+        let is_known = piece.number < body.surface().piece_bound();
+        let motion = &self.motions[piece.body as usize];
+        (is_known && motion.is_active).then_some((body, motion))
+    }
+
+    /// Returns the index in the broad phase of the piece at a vertex of an active body.
+    fn piece_index(&self, body: u32, v: VertexId) -> Option<u32> {
+        let (piece, _) = self.piece_at(body, v)?;
+        self.motions[body as usize]
+            .pieces
+            .get(piece.number as usize)
+            .copied()
     }
 
     /// Returns the minimum distance of two closed pieces \[m\]; `None` for sheets.
@@ -216,21 +253,30 @@ impl Search<'_> {
             let found = self.piece_at(pieces[0].body, *v);
             found.is_some_and(|(piece, _)| piece == pieces[0])
         };
-        let vertices = sample(body.surface(), MEASURED, start).filter(of_piece);
-        vertices
-            .filter_map(|v| self.common_point(pieces, v))
+        let vertices = || body.surface().topology().vertices().filter(of_piece);
+        let all = vertices().count();
+        let sampled = (0..).zip(vertices());
+        sampled
+            .filter(|(number, _)| is_sampled(*number, all, (MEASURED, start)))
+            .filter_map(|(_, v)| self.common_point(pieces, v))
             .fold(0.0, f64::max)
     }
 
-    /// Measures an overlap; `None` if there is none, or neither piece can be moved.
-    fn measure(&self, pieces: [PieceId; 2], start: usize) -> Option<Overlap> {
+    /// Measures an overlap of a known depth or 0 \[m\] in a search.
+    ///
+    /// `None` if there is none, or neither piece can be moved.
+    fn measure(&self, pieces: [PieceId; 2], (search, known): (usize, f64)) -> Option<Overlap> {
         let [a, b] = pieces;
-        let depth = f64::max(self.depth([a, b], start), self.depth([b, a], start));
+        let mobilities = [self.mobility(a)?, self.mobility(b)?];
+        if mobilities == [0.0; 2] {
+            return None;
+        }
+        let depth = f64::max(self.depth([a, b], search), self.depth([b, a], search));
+        let depth = depth.max(known);
         if depth == 0.0 {
             return None;
         }
         let extents = [self.extents(a)?, self.extents(b)?];
-        let mobilities = [self.mobility(a)?, self.mobility(b)?];
         let enters = |piece: &Extents, by| self.enters_collider(piece, by);
         let shifts = separation(&extents, mobilities, self.frame.gravity, enters)?;
         let smaller = f64::min(extents[0].diagonal(), extents[1].diagonal());
@@ -244,9 +290,14 @@ impl Search<'_> {
         })
     }
 
-    /// Returns whether the box of a piece enters a collider, or goes deeper into a plane.
+    /// Returns whether the box of a piece enters a collider, or goes deeper into the ground or a
+    /// plane.
     fn enters_collider(&self, piece: &Extents, by: Vec3) -> bool {
         let [min, max] = piece.corners();
+        let ground = self.frame.ground.map_or(f64::NEG_INFINITY, f64::from);
+        if by.y < 0.0 && min.y + by.y < ground {
+            return true;
+        }
         let boxed = |by: Vec3| Aabb::around([to_f32(min + by), to_f32(max + by)]);
         self.frame.colliders.iter().any(|collider| {
             if let Collider::Plane { point, normal } = collider.start {
@@ -285,5 +336,28 @@ impl Search<'_> {
             .map(|v| f64::from(solver.masses()[v.index()]))
             .sum();
         Some(if mass > 0.0 { mass.recip() } else { 0.0 })
+    }
+}
+
+#[cfg(all(test, feature = "serde"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn saved_numbers_out_of_range_are_refused() {
+        let piece = PieceId { body: 0, number: 0 };
+        let overlaps = |frames_left, shift| Overlaps {
+            list: vec![Overlap {
+                pieces: [piece; 2],
+                versions: [0; 2],
+                shifts: [[0.0, shift, 0.0], [0.0; 3]],
+                frames_left,
+            }],
+            ..Overlaps::default()
+        };
+        assert!(overlaps(PERIOD, -0.1).is_valid());
+        assert!(!overlaps(PERIOD + 1, 0.1).is_valid(), "a longer period");
+        assert!(!overlaps(1, 1e39).is_valid(), "no position");
+        assert!(!overlaps(1, f64::NAN).is_valid());
     }
 }

@@ -58,7 +58,7 @@ impl ContactDetection {
         let is_finite = |pair: &SavedEdgePair| pair.normal.iter().all(|c| c.is_finite());
         if saved.vertices.len() > bodies
             || !saved.edges.iter().all(is_finite)
-            || !saved.overlaps.is_finite()
+            || !saved.overlaps.is_valid()
         {
             return None;
         }

@@ -178,6 +178,27 @@ fn small_bodies_that_enter_each_other_leave_again() {
     }
 }
 
+#[test]
+fn a_body_moved_by_an_edit_is_left_alone() {
+    let mut scene = weightless();
+    let ball = icosphere(2, 1.0);
+    let pair = [0.0, 0.1].map(|x| add(&mut scene, &ball, [x, 0.0, 0.0], 0.3));
+    for _ in 0..4 {
+        scene.step().unwrap();
+    }
+    let (_, surface) = scene.edit(pair[1]).unwrap().solver_mut();
+    surface.positions_mut().iter_mut().for_each(|p| p[1] += 5.0);
+    let before = pair.map(|id| center(&scene, &[id]));
+    for _ in 0..8 {
+        scene.step().unwrap();
+    }
+    for (id, before) in pair.into_iter().zip(before) {
+        let moved = (center(&scene, &[id]) - before).norm();
+        let slow = 1e-4;
+        assert!(moved < slow, "{moved} m");
+    }
+}
+
 #[cfg(feature = "serde")]
 #[test]
 fn a_saved_separation_goes_on_with_the_same_bits() {

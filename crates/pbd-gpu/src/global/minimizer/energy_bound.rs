@@ -1,10 +1,9 @@
 //! Bounds of the energy of a substep.
 //!
-//! At the rigid motion of its pieces a body has the elastic energy with which the substep begins,
-//! and the objective there counts the kinetic energy relative to that motion. A substep that ends
-//! with a lower objective has gained no energy. Two things would break this bound: a prediction
-//! that strains the body, from which the iterations start, and obstacles, which move vertices after
-//! them.
+//! At the rigid motion of its pieces a body has the elastic energy of the start. The objective
+//! there adds the kinetic energy relative to that motion. A substep that ends with a lower
+//! objective has gained no energy. Two things would break this bound: a prediction that strains
+//! the body, from which iterations start, and obstacles, which move vertices after them.
 
 use super::{Minimizer, evaluate_at};
 use crate::global::objective::Objective;
@@ -71,16 +70,16 @@ impl Minimizer {
     ///
     /// If that has added energy, vertices lose velocity: first that relative to the rigid motion of
     /// their piece, then, if pins and obstacles are `still`, that of the rigid motion. Positions
-    /// stay.
+    /// stay. Returns the maximum part of a displacement along an axis that the start gains \[m\].
     pub(in crate::global) fn bound_end(
         &mut self,
         particles: ParticleStates<'_>,
         objective: &Objective<'_>,
         (pieces, is_still): (&mut PieceMotions, bool),
-    ) {
+    ) -> f32 {
         self.load(particles);
         if !self.is_obstructed {
-            return;
+            return 0.0;
         }
         for (cell, mass) in particles.iter().zip(&mut self.masses) {
             *mass = inertia(cell.get());
@@ -117,14 +116,17 @@ impl Minimizer {
             if share < 1.0 { share } else { 1.0 }
         };
         let shares = [share(kept, relative), share(rigid_kept, rigid)];
-        if shares != [1.0; 2] {
-            self.slow_down(particles, shares);
+        if shares == [1.0; 2] {
+            return 0.0;
         }
+        self.slow_down(particles, shares)
     }
 
-    /// Takes velocity from vertices: keeps shares of that relative to the rigid motion and of the
-    /// rigid motion.
-    fn slow_down(&self, particles: ParticleStates<'_>, [relative, rigid]: [f64; 2]) {
+    /// Takes velocity from vertices, and returns as [`Self::bound_end`].
+    ///
+    /// Keeps shares of the motion relative to the rigid one and of the rigid one.
+    fn slow_down(&self, particles: ParticleStates<'_>, [relative, rigid]: [f64; 2]) -> f32 {
+        let mut largest = 0.0;
         let motions = self.current.displacements.iter().zip(&self.rigid);
         for ((cell, (by, of_piece)), &mass) in particles.iter().zip(motions).zip(&self.masses) {
             if mass > 0.0 {
@@ -134,9 +136,13 @@ impl Minimizer {
                 let lost = [d[0] - kx, d[1] - ky, d[2] - kz];
                 x = [x[0] + lost[0], x[1] + lost[1], x[2] + lost[2], x[3]];
                 d = [kx, ky, kz, d[3]];
+                largest = lost
+                    .iter()
+                    .fold(largest, |largest, c| f32::max(largest, c.abs()));
                 cell.set(ParticleState { x, d });
             }
         }
+        largest
     }
 
     /// Returns the kinetic energy before the substep and the work of gravity in it.
@@ -155,8 +161,9 @@ impl Minimizer {
         vertices.any(|(by, &mass)| mass == 0.0 && *by != Vec3::zeros())
     }
 
-    /// Finds the rigid motion of the prediction and the energy of its rotation, along tangents or with `turns` on circles; pinned
-    /// vertices move to their targets.
+    /// Finds the rigid motion of the prediction and returns the energy of its rotation.
+    ///
+    /// It goes along tangents or with `turns` on circles. Pinned vertices move to their targets.
     pub(super) fn find_rigid(&mut self, pieces: &mut PieceMotions, turns: bool) -> f64 {
         let body = (&*self.start, &*self.masses);
         let rotation = pieces.find_rigid(body, (&self.predicted, turns), &mut self.rigid);
