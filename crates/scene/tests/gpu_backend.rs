@@ -7,7 +7,7 @@
 mod common;
 
 use common::{Bits, add, bits, cpu_copy_bits, model, on, params, request};
-use incise_mesh::VertexId;
+use incise_mesh::{Bvh, Vec3, VertexId};
 use incise_models::Model;
 use incise_pbd_gpu::{Context, GpuError, Integrator, Material};
 use incise_scene::{BackendChoice, BackendRequest, ContactParams, Scene, SceneError, SceneParams};
@@ -131,17 +131,22 @@ fn nested(context: Context) {
         let material = Material::soft_body();
         scene.add_body(scaled(scale), &material).unwrap();
     }
+    let ids: Vec<_> = scene.bodies().collect();
     for _ in 0..240 {
         scene.step().unwrap();
     }
-    let ids: Vec<_> = scene.bodies().collect();
-    let boxes = ids.into_iter().map(|id| {
+    for &id in &ids {
         scene.read_back(id).unwrap();
-        scene.body(id).unwrap().surface().bounds()
+    }
+    let [large, small] = [0, 1].map(|i| scene.body(ids[i]).unwrap().surface());
+    let bvh = Bvh::build(large);
+    let deep = small.topology().vertices().filter(|&v| {
+        let at = small.position(v);
+        let hit = bvh.cast(large, at, Vec3::new(0.3, 0.9, 0.2), |_| true);
+        let near = bvh.nearest(large, at, 0.02, |_| true);
+        hit.is_some_and(|hit| hit.from_inside) && near.is_none()
     });
-    let centers: Vec<_> = boxes.map(|bounds| bounds.center()).collect();
-    let apart = (centers[1] - centers[0]).norm();
-    assert!(apart > 1.0, "{apart} m apart");
+    assert_eq!(deep.count(), 0, "vertices more than 2 cm inside of it");
 }
 
 fn lost(context: Context) {
