@@ -1,9 +1,7 @@
 //! Motions that the global step must survive: strained bodies, bodies on the ground and in contact.
 
 use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, icosphere};
-use incise_pbd_gpu::{
-    Contact, Island, IslandBodies, Material, Scheme, Solver, SolverParams, Stiffness,
-};
+use incise_pbd_gpu::{Contact, Material, Scheme, Solver, SolverParams, Stiffness};
 
 const DT: f32 = 1.0 / 60.0;
 
@@ -124,57 +122,6 @@ fn a_body_in_contact_takes_sweeps() {
     solver.step(&mut surface, DT, &GLOBAL).unwrap();
     assert_eq!(solver.stats().global_iterations, 8);
     assert_eq!(solver.substeps(), 2);
-}
-
-struct Bodies(Vec<(Surface, Solver)>);
-
-impl IslandBodies for Bodies {
-    fn count(&self) -> usize {
-        self.0.len()
-    }
-
-    fn get(&mut self, i: usize) -> (&mut Solver, &mut Surface) {
-        let (surface, solver) = &mut self.0[i];
-        (solver, surface)
-    }
-}
-
-/// Regression: bodies of two schemes in one island took the iterations of the first one.
-#[test]
-fn touching_bodies_of_two_schemes_move_together() {
-    let rigid = Material {
-        stretch: Stiffness::Compliance(0.0),
-        bending: None,
-        ..Material::default()
-    };
-    let soft = elastic(1e-4, Some(1e-2));
-    for materials in [[&rigid, &soft], [&soft, &rigid]] {
-        let mut bodies = Bodies(Vec::new());
-        for (material, x) in materials.into_iter().zip([0.0, 2.0]) {
-            let mut surface = icosphere(2, 0.5);
-            surface.positions_mut().iter_mut().for_each(|p| p[0] += x);
-            let mut solver = Solver::new(&mut surface, material).unwrap();
-            for v in surface.topology().vertices().collect::<Vec<_>>() {
-                solver.set_velocity(v, [1.0, 0.0, 0.0]).unwrap();
-            }
-            bodies.0.push((surface, solver));
-        }
-        let slots = u32::try_from(bodies.0[0].0.positions().len()).unwrap();
-        let of_second = [0, 1, 2].map(|i| VertexId(slots + i));
-        let contact = Contact::vertex_face(VertexId(0), of_second, 0.01);
-        let mut island = Island::default();
-        island.set_contacts(&[contact], 2 * slots as usize).unwrap();
-        let before: Vec<Vec<[f32; 4]>> = (bodies.0.iter())
-            .map(|(surface, _)| surface.positions().to_vec())
-            .collect();
-        island.step(&mut bodies, DT, &GLOBAL).unwrap();
-        for ((surface, solver), before) in bodies.0.iter().zip(&before) {
-            assert_eq!(solver.stats().global_iterations, 0);
-            for (p, before) in surface.positions().iter().zip(before) {
-                assert!((p[0] - before[0] - DT).abs() < 1e-4, "{p:?} {before:?}");
-            }
-        }
-    }
 }
 
 #[test]

@@ -158,3 +158,54 @@ fn an_error_names_the_body() {
     assert_eq!(error.error, StepError::NonFiniteInput { vertex });
     assert!(bits(&bodies.0[0]) == before, "nothing has moved");
 }
+
+/// Regression: bodies of two schemes in one island took the iterations of the first one.
+#[cfg(feature = "global")]
+#[test]
+fn touching_bodies_of_two_schemes_move_together() {
+    use incise_pbd_gpu::{Scheme, Stiffness};
+    let elastic = |compliance| Material {
+        stretch: Stiffness::Compliance(compliance),
+        bending: None,
+        ..Material::default()
+    };
+    let params = SolverParams {
+        substeps: 2,
+        iterations: 4,
+        gravity: [0.0; 3],
+        scheme: Scheme::Global,
+        ..SolverParams::paper()
+    };
+    for compliances in [[0.0, 1e-4], [1e-4, 0.0]] {
+        let bodies = [0.0, 2.5].into_iter().zip(compliances);
+        let mut bodies = Bodies(
+            bodies
+                .map(|(y, compliance)| {
+                    let mut surface = sphere(2, [0.0, y, 0.0]);
+                    let mut solver = Solver::new(&mut surface, &elastic(compliance)).unwrap();
+                    for v in surface.topology().vertices() {
+                        solver.set_velocity(v, [1.0, 0.0, 0.0]).unwrap();
+                    }
+                    (surface, solver)
+                })
+                .collect(),
+        );
+        let positions = bodies
+            .0
+            .iter()
+            .map(|(surface, _)| surface.positions().to_vec());
+        let before: Vec<Vec<[f32; 4]>> = positions.collect();
+        let slots = before[0].len();
+        let of_second = [0, 1, 2].map(|i| VertexId::from_index(slots + i));
+        let contact = Contact::vertex_face(VertexId(0), of_second, 0.01);
+        let mut island = Island::default();
+        island.set_contacts(&[contact], 2 * slots).unwrap();
+        island.step(&mut bodies, DT, &params).unwrap();
+        for ((surface, solver), before) in bodies.0.iter().zip(&before) {
+            assert_eq!(solver.stats().global_iterations, 0);
+            for (p, before) in surface.positions().iter().zip(before) {
+                assert!((p[0] - before[0] - DT).abs() < 1e-4, "{p:?} {before:?}");
+            }
+        }
+    }
+}

@@ -278,7 +278,7 @@ fn find_root(list: &mut [Piece], mut i: u32) -> u32 {
 }
 
 /// Returns the number of a vertex' piece; `None` for a vertex that no triangle uses.
-fn piece_of(surface: &Surface, v: VertexId) -> Option<u32> {
+pub(super) fn piece_of(surface: &Surface, v: VertexId) -> Option<u32> {
     let h = surface.topology().outgoing(v);
     (!h.is_null()).then(|| surface.piece(h.triangle()))
 }

@@ -7,6 +7,7 @@
 //! change of velocity.
 
 use super::axes::{Extents, separation};
+use super::broad_phase::piece_of;
 use super::motion::Motion;
 use super::narrow_phase::Search;
 use super::outside::outward_normal;
@@ -127,25 +128,25 @@ impl Overlaps {
             let Some(body) = body.as_ref().filter(|_| search.is_active(i)) else {
                 continue;
             };
-            for v in body.surface().topology().vertices() {
-                let Some(index) = search.piece_index(i, v) else {
+            let surface = body.surface();
+            for v in surface.topology().vertices() {
+                let Some(number) = piece_of(surface, v) else {
                     continue;
                 };
-                let number = &mut self.seen[index as usize];
-                *number += 1;
-                if is_sampled(*number, search.pieces.vertex_count(index), (TESTED, start)) {
-                    self.test(search, i, v);
+                let index = search.motions[i as usize].pieces[number as usize];
+                let seen = &mut self.seen[index as usize];
+                *seen += 1;
+                if is_sampled(*seen, search.pieces.vertex_count(index), (TESTED, start)) {
+                    let own = PieceId { body: i, number };
+                    self.test(search, own, (v, surface.position(v)));
                 }
             }
         }
     }
 
-    /// Finds overlaps at a vertex of a body.
-    fn test(&mut self, search: Search<'_>, body: u32, v: VertexId) {
-        let Some((own, at)) = search.piece_at(body, v) else {
-            return;
-        };
-        let motion = &search.motions[body as usize];
+    /// Finds the overlaps of a piece at one of its vertices.
+    fn test(&mut self, search: Search<'_>, own: PieceId, (v, at): (VertexId, Vec3)) {
+        let motion = &search.motions[own.body as usize];
         let reach = 2.0 * CLEARANCE * motion.piece_thickness(own.number);
         let index = motion.pieces[own.number as usize];
         for other in search.pieces.neighbors(index) {
@@ -179,14 +180,6 @@ impl Search<'_> {
         self.motions[body as usize].is_active
     }
 
-    /// Returns the piece at a vertex slot of a body; `None` for an unused one.
-    fn piece_at(&self, body: u32, v: VertexId) -> Option<(PieceId, Vec3)> {
-        let surface = self.bodies[body as usize].as_ref()?.surface();
-        let h = surface.topology().outgoing(v);
-        let number = (!h.is_null()).then(|| surface.piece(h.triangle()))?;
-        Some((PieceId { body, number }, surface.position(v)))
-    }
-
     /// Returns the body of a piece and its motion.
     fn body_of(&self, piece: PieceId) -> Option<(&Body, &Motion)> {
         let body = self.bodies.get(piece.body as usize)?.as_ref()?;
@@ -195,13 +188,13 @@ impl Search<'_> {
         (is_known && motion.is_active).then_some((body, motion))
     }
 
-    /// Returns the index in the broad phase of the piece at a vertex of an active body.
-    fn piece_index(&self, body: u32, v: VertexId) -> Option<u32> {
-        let (piece, _) = self.piece_at(body, v)?;
-        self.motions[body as usize]
-            .pieces
-            .get(piece.number as usize)
-            .copied()
+    /// Returns the vertices of a piece.
+    fn vertices_of(&self, piece: PieceId) -> impl Iterator<Item = VertexId> {
+        let surface = self.body_of(piece).map(|(body, _)| body.surface());
+        surface.into_iter().flat_map(move |surface| {
+            let vertices = surface.topology().vertices();
+            vertices.filter(move |&v| piece_of(surface, v) == Some(piece.number))
+        })
     }
 
     /// Returns the minimum distance of two closed pieces \[m\]; `None` for sheets.
@@ -246,16 +239,8 @@ impl Search<'_> {
 
     /// Returns the maximum depth of the first piece in the second one \[m\], 0 without an overlap.
     fn depth(&self, pieces: [PieceId; 2], start: usize) -> f64 {
-        let Some((body, _)) = self.body_of(pieces[0]) else {
-            return 0.0;
-        };
-        let of_piece = |v: &VertexId| {
-            let found = self.piece_at(pieces[0].body, *v);
-            found.is_some_and(|(piece, _)| piece == pieces[0])
-        };
-        let vertices = || body.surface().topology().vertices().filter(of_piece);
-        let all = vertices().count();
-        let sampled = (0..).zip(vertices());
+        let all = self.vertices_of(pieces[0]).count();
+        let sampled = (0..).zip(self.vertices_of(pieces[0]));
         sampled
             .filter(|(number, _)| is_sampled(*number, all, (MEASURED, start)))
             .filter_map(|(_, v)| self.common_point(pieces, v))
@@ -314,27 +299,20 @@ impl Search<'_> {
     /// Returns the extents of a piece.
     fn extents(&self, piece: PieceId) -> Option<Extents> {
         let (body, _) = self.body_of(piece)?;
-        let vertices = body.surface().topology().vertices();
-        let found = vertices.filter_map(|v| self.piece_at(piece.body, v));
-        let points = found.filter_map(|(of, at)| (of == piece).then_some(at));
-        Some(Extents::new(points))
+        let vertices = self.vertices_of(piece);
+        Some(Extents::new(vertices.map(|v| body.surface().position(v))))
     }
 
     /// Returns the reciprocal mass of a piece [1/kg], 0 with a pin.
     fn mobility(&self, piece: PieceId) -> Option<f64> {
         let (body, _) = self.body_of(piece)?;
-        let is_own = |v: VertexId| {
-            let found = self.piece_at(piece.body, v);
-            found.is_some_and(|(of, _)| of == piece)
-        };
         let solver = body.solver();
+        let is_own = |v| piece_of(body.surface(), v) == Some(piece.number);
         if solver.pins().iter().any(|pin| is_own(pin.vertex)) {
             return Some(0.0);
         }
-        let vertices = body.surface().topology().vertices().filter(|&v| is_own(v));
-        let mass: f64 = vertices
-            .map(|v| f64::from(solver.masses()[v.index()]))
-            .sum();
+        let masses = self.vertices_of(piece).map(|v| solver.masses()[v.index()]);
+        let mass: f64 = masses.map(f64::from).sum();
         Some(if mass > 0.0 { mass.recip() } else { 0.0 })
     }
 }
