@@ -14,8 +14,9 @@
 //! [`objective`] evaluates `F` and its gradient, [`matrix`] assembles the matrix and [`cholesky`]
 //! factors it. [`preconditioner`] keeps a factor while the body changes, with a [`local`] one for
 //! the changed region and exact translations of [`free_pieces`], and [`minimizer`] iterates. Pins
-//! hold by their zero inverse mass. Volumes, contacts, colliders and the ground are projected after
-//! each iteration, as with sweeps. Directions keep incompressible volumes to first order.
+//! hold by their zero inverse mass. Volumes are projected after each iteration, as with sweeps, and
+//! directions keep incompressible ones to first order. Near [`obstacles`], the ground and
+//! colliders, and in contact with others a body takes sweeps.
 //!
 //! Results are the same on any number of threads. Unlike those of sweeps they depend on the
 //! instruction set, because `faer` uses fused multiply-add where the CPU has it.
@@ -31,6 +32,7 @@ mod local;
 mod matrix;
 mod minimizer;
 mod objective;
+mod obstacles;
 mod pieces;
 mod preconditioner;
 #[cfg(feature = "serde")]
@@ -50,6 +52,7 @@ pub(crate) use choice::{Choice, Extent};
 use incise_mesh::{Surface, TopologyDelta, VertexId};
 use minimizer::Minimizer;
 use objective::{Compliances, Objective};
+pub(crate) use obstacles::Obstacles;
 use pieces::PieceMotions;
 use preconditioner::Preconditioner;
 use std::time::Duration;
@@ -99,6 +102,12 @@ const MIN_ITERATIONS: u32 = 2;
 /// They take as long as its local factor and the longer line searches beside new slivers.
 const LEFT_OUT: u32 = 4;
 
+/// Substeps of a body in contact for each iteration of the global step.
+///
+/// They take less time than it does, and carry a load as far as most bodies of a few thousand
+/// triangles need.
+pub(crate) const SUBSTEPS_IN_CONTACT: u32 = 4;
+
 /// Returns whether a body takes the global step in a frame of `dt` \[s\].
 ///
 /// All of its constraints need an energy, that is a compliance above 0.
@@ -116,11 +125,7 @@ pub(crate) fn is_used(
     let is_chosen = match params.scheme {
         Scheme::Sweeps => false,
         Scheme::Global => true,
-        Scheme::Auto => {
-            params.iterations >= MIN_ITERATIONS
-                && params.ground.is_none()
-                && extent.is_some_and(is_needed)
-        }
+        Scheme::Auto => params.iterations >= MIN_ITERATIONS && extent.is_some_and(is_needed),
     };
     is_possible && is_chosen
 }
@@ -178,31 +183,6 @@ impl GlobalStep {
         let start = (fall, pieces, self.iterations);
         self.minimizer.begin(particles, &objective, start);
         self.iterations_left = self.iterations;
-    }
-
-    /// Ends a substep: obstacles, which are `still` or not, add no energy.
-    ///
-    /// Returns the maximum change of a start position along an axis \[m\].
-    pub(crate) fn end(
-        &mut self,
-        particles: ParticleStates<'_>,
-        (sets, is_still): (EnergySets<'_>, bool),
-        constants: &StepConstants,
-    ) -> f32 {
-        let objective = Objective::new(sets, Compliances::new(constants));
-        let pieces = &mut self.pieces;
-        self.minimizer
-            .bound_end(particles, &objective, (pieces, is_still))
-    }
-
-    /// Holds the vertices that contacts and the ground have moved, before volumes are projected.
-    pub(crate) fn hold_obstructed(&mut self, particles: ParticleStates<'_>) {
-        self.minimizer.hold_obstructed(particles);
-    }
-
-    /// Remembers displacements after volumes, before contacts, colliders and the ground.
-    pub(crate) fn mark_unobstructed(&mut self, particles: ParticleStates<'_>) {
-        self.minimizer.mark_unobstructed(particles);
     }
 
     /// Moves the displacements toward the minimum by one iteration, and returns the number done.

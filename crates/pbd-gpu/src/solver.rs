@@ -15,7 +15,7 @@ use crate::constraints::Constraints;
 use crate::error::{ConstraintError, StepError};
 use crate::follow::FollowState;
 #[cfg(feature = "global")]
-use crate::global::{Choice, Extent};
+use crate::global::{Choice, Extent, Obstacles};
 use crate::kernels::integrate::{are_finite, first_non_finite};
 use crate::mass::masses;
 use crate::material::Material;
@@ -174,11 +174,16 @@ impl Solver {
         if params.ground.is_none() || takes_global_step(&self.step, params) {
             return params.substeps;
         }
+        substeps(dt, params, self.known_mean_rest_length())
+    }
+
+    /// Returns the mean rest length of edges \[m\]. O(n) in the first frame after an edit.
+    fn known_mean_rest_length(&mut self) -> f64 {
         let known = self.step.mean_rest_length;
         let edge = known.filter(|_| self.step.plan.is_current());
         let edge = edge.unwrap_or_else(|| self.mean_rest_length());
         self.step.mean_rest_length = Some(edge);
-        substeps(dt, params, edge)
+        edge
     }
 
     /// Updates the plan and returns the constants of a frame.
@@ -214,14 +219,34 @@ impl Solver {
             let edge = self.mean_rest_length();
             self.step.extent = Some(Extent::new(surface, &self.particles.mass, edge));
         }
-        let is_touched = is_touched || !self.constraints.contacts.is_empty();
         let of_body = (self.step.extent, dt);
-        self.step.choice = match crate::global::is_used(params, &self.material, of_body) {
-            false => Choice::Sweeps,
-            true if is_touched => Choice::SweepsInContact,
-            true => Choice::Global,
+        self.step.choice = if !crate::global::is_used(params, &self.material, of_body) {
+            Choice::Sweeps
+        } else if is_touched
+            || !self.constraints.contacts.is_empty()
+            || self.may_touch_obstacles(surface, dt, params)
+        {
+            Choice::SweepsInContact
+        } else {
+            Choice::Global
         };
         self.step.choice
+    }
+
+    /// Returns whether the ground or a collider may stop a vertex within a frame of `dt` \[s\].
+    #[cfg(feature = "global")]
+    fn may_touch_obstacles(&mut self, surface: &Surface, dt: f32, params: &SolverParams) -> bool {
+        if params.ground.is_none() && self.constraints.colliders.records().is_empty() {
+            return false;
+        }
+        let edge = self.known_mean_rest_length() as f32;
+        let obstacles = Obstacles {
+            ground: params.ground,
+            colliders: self.constraints.colliders.records(),
+            gravity: params.gravity,
+        };
+        let body = (surface, &*self.particles.velocities);
+        obstacles.may_touch(body, dt, edge)
     }
 
     /// Prepares the global step of a frame, or drops it from a body that no longer asks for it.

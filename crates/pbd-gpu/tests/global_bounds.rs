@@ -1,7 +1,9 @@
 //! Motions that the global step must survive: strained bodies, bodies on the ground and in contact.
 
 use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, icosphere};
-use incise_pbd_gpu::{Contact, Material, Scheme, Solver, SolverParams, Stiffness};
+use incise_pbd_gpu::{
+    Collider, Contact, Material, MovingCollider, Scheme, Solver, SolverParams, Stiffness,
+};
 
 const DT: f32 = 1.0 / 60.0;
 
@@ -116,7 +118,7 @@ fn a_body_in_contact_takes_sweeps() {
     solver.set_contacts(&[ground]).unwrap();
     solver.step(&mut surface, DT, &GLOBAL).unwrap();
     assert_eq!(solver.stats().global_iterations, 0);
-    assert_eq!(solver.substeps(), 8, "one per iteration");
+    assert_eq!(solver.substeps(), 32, "four for each iteration");
     assert_eq!(solver.global_stats().bytes, bytes, "the factor is kept");
     solver.set_contacts(&[]).unwrap();
     solver.step(&mut surface, DT, &GLOBAL).unwrap();
@@ -124,17 +126,66 @@ fn a_body_in_contact_takes_sweeps() {
     assert_eq!(solver.substeps(), 2);
 }
 
-#[test]
-fn above_a_ground_bodies_take_sweeps_unless_told() {
-    for (ground, expected) in [(None, 8), (Some(-9.0), 0)] {
-        let mut surface = icosphere(3, 0.5);
-        let mut solver = Solver::new(&mut surface, &elastic(1e-6, Some(1e-4))).unwrap();
-        let params = SolverParams {
-            scheme: Scheme::Auto,
-            ground,
-            ..GLOBAL
-        };
-        solver.step(&mut surface, DT, &params).unwrap();
-        assert_eq!(solver.stats().global_iterations, expected);
+/// A stiff ball of 1 m at the origin, and its global iterations in a frame beside obstacles.
+fn iterations_beside(ground: Option<f32>, collider: Option<MovingCollider>, speed: f32) -> u32 {
+    let mut surface = icosphere(3, 0.5);
+    let mut solver = Solver::new(&mut surface, &elastic(1e-6, Some(1e-4))).unwrap();
+    for v in (0..surface.positions().len() as u32).map(VertexId) {
+        solver.set_velocity(v, [0.0, -speed, 0.0]).unwrap();
     }
+    solver.set_colliders(collider.as_slice()).unwrap();
+    let params = SolverParams {
+        scheme: Scheme::Auto,
+        ground,
+        ..GLOBAL
+    };
+    solver.step(&mut surface, DT, &params).unwrap();
+    solver.stats().global_iterations
+}
+
+#[test]
+fn a_body_near_an_obstacle_takes_sweeps() {
+    for (height, speed, expected) in [(-9.0, 0.0, 8), (-0.51, 0.0, 0), (-9.0, 300.0, 0)] {
+        let of_ground = iterations_beside(Some(height), None, speed);
+        assert_eq!(of_ground, expected, "ground at {height} m, {speed} m/s");
+        let sphere = Collider::Sphere {
+            center: [0.0, height - 1.0, 0.0],
+            radius: 1.0,
+        };
+        let still = iterations_beside(None, Some(sphere.into()), speed);
+        assert_eq!(still, expected, "sphere at {height} m, {speed} m/s");
+        let rising = MovingCollider {
+            start: sphere,
+            velocity: [0.0, speed, 0.0],
+        };
+        let met = iterations_beside(None, Some(rising), 0.0);
+        assert_eq!(
+            met, expected,
+            "sphere at {height} m that rises at {speed} m/s"
+        );
+    }
+    let around = Collider::Box {
+        center: [0.0; 3],
+        half: [3.0; 3],
+        axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+    };
+    assert_eq!(iterations_beside(None, Some(around.into()), 0.0), 0);
+}
+
+/// Regression: the ground dented a ball, which then stood still, a tenth lower than its diameter.
+#[test]
+fn a_ball_that_lands_stays_round() {
+    let mut surface = icosphere(3, 0.5);
+    let mut solver = Solver::new(&mut surface, &elastic(1e-4, Some(1e-2))).unwrap();
+    let params = SolverParams {
+        gravity: [0.0, -9.81, 0.0],
+        ground: Some(-1.5),
+        ..GLOBAL
+    };
+    for _ in 0..240 {
+        solver.step(&mut surface, DT, &params).unwrap();
+    }
+    let bounds = surface.bounds();
+    let height = bounds.max[1] - bounds.min[1];
+    assert!((height - 1.0).abs() < 0.01, "{height} m");
 }

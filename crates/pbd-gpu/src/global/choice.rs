@@ -20,7 +20,7 @@ pub(crate) enum Choice {
     /// Sweeps, as always.
     #[default]
     Sweeps,
-    /// Sweeps of a body that takes the global step when it touches nothing.
+    /// Sweeps of a body that takes the global step away from obstacles and others.
     SweepsInContact,
     /// The global step.
     Global,

@@ -58,17 +58,11 @@ struct Evaluation {
 pub(super) struct Minimizer {
     /// Positions at the start of the substep \[m\].
     start: Vec<Vec3>,
-    /// Masses \[kg\]; 0 for fixed vertices, and for vertices that an obstacle has stopped.
+    /// Masses \[kg\], 0 for fixed vertices.
     masses: Vec<f64>,
-    /// Displacements before the passes of contacts, colliders and ground \[m\].
-    unobstructed: Vec<[f32; 3]>,
     predicted: Vec<Vec3>,
     /// The rigid motion of each piece; pinned vertices move to their targets \[m\].
     rigid: Vec<Vec3>,
-    /// Displacement by gravity in the substep \[m\].
-    fall: Vec3,
-    /// Whether an obstacle has stopped a vertex in this substep.
-    is_obstructed: bool,
     current: Point,
     /// The next point, and after a step the previous one.
     other: Point,
@@ -108,15 +102,12 @@ impl Minimizer {
             self.predicted.push(to_f64([dx, dy, dz]));
         }
         (self.pair_count, self.has_step, self.is_stuck) = (0, false, false);
-        self.is_obstructed = false;
-        self.mark_unobstructed(particles);
         self.current.displacements.clear();
         self.current
             .displacements
             .extend_from_slice(&self.predicted);
         self.evaluate_current(objective);
         let fall = Vec3::from(fall);
-        self.fall = fall;
         if fall != Vec3::zeros() && pieces.has_pins() {
             let falls = |v: usize| self.masses[v] > 0.0 && pieces.is_held(v);
             let resting = (self.predicted.iter().enumerate())
@@ -197,35 +188,10 @@ impl Minimizer {
         self.pair_count = 0;
     }
 
-    /// Remembers displacements before the passes of obstacles.
-    pub(super) fn mark_unobstructed(&mut self, particles: ParticleStates<'_>) {
-        self.unobstructed.clear();
-        let displacements = particles.iter().map(|cell| {
-            let [x, y, z, _] = cell.get().d;
-            [x, y, z]
-        });
-        self.unobstructed.extend(displacements);
-    }
-
-    /// Holds the vertices that obstacles have moved for the rest of the substep.
-    ///
-    /// Otherwise the next iteration would push them in again, and the body would tremble.
-    pub(super) fn hold_obstructed(&mut self, particles: ParticleStates<'_>) {
-        let vertices = particles.iter().zip(&self.unobstructed);
-        for ((cell, before), mass) in vertices.zip(&mut self.masses) {
-            let [x, y, z, _] = cell.get().d;
-            if [x, y, z] != *before {
-                *mass = 0.0;
-                self.is_obstructed = true;
-            }
-        }
-    }
-
     /// Reads changes by other passes, and returns whether there are any.
     ///
     /// The pass of volumes also moves positions.
     fn load(&mut self, particles: ParticleStates<'_>) -> bool {
-        self.hold_obstructed(particles);
         let mut is_changed = false;
         let vertices = self.start.iter_mut().zip(&mut self.current.displacements);
         for (cell, (start, displacement)) in particles.iter().zip(vertices) {
@@ -246,7 +212,6 @@ impl Minimizer {
             let [x, y, z] = to_f32(*d);
             particles.set_d(i, [x, y, z, 0.0]);
         }
-        self.mark_unobstructed(particles);
     }
 
     fn evaluate_current(&mut self, objective: &Objective<'_>) {
@@ -337,7 +302,6 @@ impl Minimizer {
             .map(|pair| of(&pair.step) + of(&pair.change));
         of(&self.start)
             + 8 * self.masses.capacity()
-            + 12 * self.unobstructed.capacity()
             + of(&self.predicted)
             + of(&self.rigid)
             + point(&self.current)
@@ -355,35 +319,20 @@ fn evaluate(
     objective: &Objective<'_>,
     (start, masses, predicted): (&[Vec3], &[f64], &[Vec3]),
     point: &mut Point,
-    evaluation: &mut Evaluation,
+    Evaluation { points, gradient }: &mut Evaluation,
 ) {
+    points.clear();
+    let displaced = start.iter().zip(&point.displacements);
+    points.extend(displaced.map(|(x, d)| Row::from(x + d)));
     let offsets = point.displacements.iter().zip(predicted);
     let inertia = offsets.zip(masses).map(|((d, to), &mass)| (d - to, mass));
-    point.value = evaluate_at(
-        objective,
-        (start, inertia),
-        &point.displacements,
-        evaluation,
-    );
+    point.value = objective.evaluate(points, inertia, gradient);
     point.gradient.clear();
-    let gradient = evaluation.gradient.iter().zip(masses);
+    let gradient = gradient.iter().zip(masses);
     (point.gradient).extend(gradient.map(|(&row, &mass)| match mass {
         0.0 => Vec3::zeros(),
         _ => Vec3::from(row),
     }));
-}
-
-/// Evaluates the objective with offsets from the prediction and masses, and returns its value.
-fn evaluate_at(
-    objective: &Objective<'_>,
-    (start, inertia): (&[Vec3], impl Iterator<Item = (Vec3, f64)>),
-    displacements: &[Vec3],
-    Evaluation { points, gradient }: &mut Evaluation,
-) -> f64 {
-    points.clear();
-    let displaced = start.iter().zip(displacements);
-    points.extend(displaced.map(|(x, d)| Row::from(x + d)));
-    objective.evaluate(points, inertia, gradient)
 }
 
 /// Multiplies a vector by the approximate inverse of the Hessian: the two loops of L-BFGS

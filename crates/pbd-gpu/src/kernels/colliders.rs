@@ -67,7 +67,7 @@ fn push(
 /// The point is `q + d` relative to the origin of the collider. The change by `d` is computed
 /// separately, since a displacement would be lost in the rounding of large coordinates.
 #[inline(always)]
-fn separation(q: [f32; 3], d: [f32; 3], c: &ColliderRecord) -> (f32, [f32; 3]) {
+pub(crate) fn separation(q: [f32; 3], d: [f32; 3], c: &ColliderRecord) -> (f32, [f32; 3]) {
     if c.kind == PLANE {
         return (dot(c.extent, q) + dot(c.extent, d), c.extent);
     }

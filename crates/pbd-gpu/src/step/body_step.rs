@@ -78,12 +78,6 @@ fn global_pass(
     };
     match pass {
         Pass::BeginGlobal => global.begin(particles, sets, constants),
-        Pass::Integrate => {
-            let is_still = body.colliders.iter().all(|c| c.velocity == [0.0; 3]);
-            let change = global.end(particles, (sets, is_still), constants);
-            stats.max_displacement += change;
-            stats.max_substep_displacement = stats.max_substep_displacement.max(change);
-        }
         _ => {
             let volumes = crate::global::Volumes {
                 set: body.volumes,
@@ -117,10 +111,6 @@ impl BodyStep<'_, '_, '_> {
             stats,
             ..
         } = self;
-        #[cfg(feature = "global")]
-        if pass == Pass::Integrate {
-            global_pass(self.particles, body, (constants, stats), pass);
-        }
         let (particles, v) = (self.particles, &mut *body.velocities);
         match pass {
             Pass::Predict => *self.lowest = predict::predict(particles, v, constants),
@@ -180,10 +170,6 @@ impl BodyStep<'_, '_, '_> {
             | Pass::Contacts
             | Pass::ContactRecovery => {}
             Pass::Volumes => {
-                #[cfg(feature = "global")]
-                if let Some(global) = &mut body.global {
-                    global.hold_obstructed(particles);
-                }
                 stats.volume_projections += body.volumes.pieces().len() as u64;
                 let piece = (body.topology, &mut *body.volumes);
                 let change = volume::volumes(
@@ -193,10 +179,6 @@ impl BodyStep<'_, '_, '_> {
                     (constants.volume, constants.ground, self.carried),
                     self.volume_scratch,
                 );
-                #[cfg(feature = "global")]
-                if let Some(global) = &mut body.global {
-                    global.mark_unobstructed(particles);
-                }
                 stats.max_displacement += change;
                 stats.max_substep_displacement = stats.max_substep_displacement.max(change);
             }

@@ -6,7 +6,7 @@
 use crate::constraints::contacts::{Contact, ContactSet};
 use crate::error::{ConstraintError, StepError};
 #[cfg(feature = "global")]
-use crate::global::Choice;
+use crate::global::{Choice, SUBSTEPS_IN_CONTACT};
 use crate::kernels::integrate::first_non_finite;
 use crate::solver::Solver;
 use crate::step::backend::{NonFinite, StepScratch, execute};
@@ -173,8 +173,8 @@ impl Island {
 
     /// Chooses the scheme of each body, and returns the parameters of all.
     ///
-    /// A vertex that a contact stops would be fixed for later iterations of the global step, which
-    /// makes momentum. So an island with such a body has a substep for each iteration.
+    /// Obstacles and contacts would undo iterations of the global step, and these would undo
+    /// projections. So an island with a body that touches something has short substeps of sweeps.
     #[cfg(feature = "global")]
     fn choose_schemes(
         &self,
@@ -190,7 +190,8 @@ impl Island {
             in_contact |= choice == Choice::SweepsInContact;
         }
         let (substeps, iterations) = if in_contact {
-            (params.substeps.saturating_mul(params.iterations), 1)
+            let substeps = params.substeps.saturating_mul(params.iterations);
+            (substeps.saturating_mul(SUBSTEPS_IN_CONTACT), 1)
         } else {
             (params.substeps, params.iterations)
         };

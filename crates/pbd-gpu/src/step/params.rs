@@ -70,9 +70,8 @@ pub enum Scheme {
     /// 4,096 vertices leaves out a quarter of the iterations in the frame of an edit, which
     /// prepares a matrix of the changed region.
     ///
-    /// In contact the body takes sweeps, with one substep for each iteration. The ground and
-    /// colliders are projected between iterations, which leaves stiff bodies strained: sweeps suit
-    /// these better.
+    /// In a frame in which it may touch another body, the ground or a collider, it takes sweeps,
+    /// with four substeps of one iteration for each iteration of the global step.
     #[cfg(feature = "global")]
     Global,
     /// The global step for large bodies that are stiff in stretch and bending, sweeps for others.
@@ -82,9 +81,9 @@ pub enum Scheme {
     /// mean mass `m` of a vertex and the frame `dt` this is `dt / sqrt(c m)`. With the bending
     /// compliance it is divided by the mean rest length. The sizes are measured at creation and
     /// after edits, so the choice is the same on every machine. Substeps of one iteration take
-    /// sweeps, and so do bodies above a ground. With one or two substeps of two to four iterations
-    /// such bodies are on or near the work-precision Pareto front of `incise-bench accuracy`. The
-    /// GPU backend does not support it. Without the feature `global` all bodies take sweeps.
+    /// sweeps. With one or two substeps of two to four iterations such bodies are on or near the
+    /// work-precision Pareto front of `incise-bench accuracy`. The GPU backend does not support it.
+    /// Without the feature `global` all bodies take sweeps.
     Auto,
 }
 

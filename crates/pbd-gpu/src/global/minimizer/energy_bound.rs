@@ -1,16 +1,15 @@
-//! Bounds of the energy of a substep.
+//! Bound of the energy of a substep.
 //!
 //! At the rigid motion of its pieces a body has the elastic energy of the start. The objective
 //! there adds the kinetic energy relative to that motion. A substep that ends with a lower
-//! objective has gained no energy. Two things would break this bound: a prediction that strains
-//! the body, from which iterations start, and obstacles, which move vertices after them.
+//! objective has gained no energy. A prediction that strains the body may have far more, so that
+//! iterations would not return below the bound.
 
-use super::{Minimizer, evaluate_at};
+use super::Minimizer;
 use crate::global::objective::Objective;
 use crate::global::pieces::PieceMotions;
 use crate::kernels::particle_state::{ParticleState, ParticleStates};
 use incise_mesh::Vec3;
-use incise_mesh::geometry::to_f32;
 
 /// Number of starts between the prediction and the rigid motion, each half as far from the latter.
 const MAX_HALVINGS: i32 = 7;
@@ -64,101 +63,6 @@ impl Minimizer {
         }
         std::mem::swap(&mut self.current, &mut self.other);
         self.store(particles);
-    }
-
-    /// Ends a substep in which obstacles have moved vertices.
-    ///
-    /// If that has added energy, vertices lose velocity: first that relative to the rigid motion of
-    /// their piece, then, if pins and obstacles are `still`, that of the rigid motion. Positions
-    /// stay. Returns the maximum part of a displacement along an axis that the start gains \[m\].
-    pub(in crate::global) fn bound_end(
-        &mut self,
-        particles: ParticleStates<'_>,
-        objective: &Objective<'_>,
-        (pieces, is_still): (&mut PieceMotions, bool),
-    ) -> f32 {
-        self.load(particles);
-        if !self.is_obstructed {
-            return 0.0;
-        }
-        for (cell, mass) in particles.iter().zip(&mut self.masses) {
-            *mass = inertia(cell.get());
-        }
-        self.other.displacements.clone_from(&self.rigid);
-        self.evaluate_other(objective);
-        let bound = self.other.value;
-        let elastic_before = bound - self.kinetic(&self.predicted, &self.rigid);
-        // Without masses the objective is the elastic energy.
-        let weightless = self.masses.iter().map(|_| (Vec3::zeros(), 0.0));
-        let elastic = evaluate_at(
-            objective,
-            (&self.start, weightless),
-            &self.current.displacements,
-            &mut self.evaluation,
-        );
-        let available = self.energy_before() + elastic_before - elastic;
-        let body = (&*self.start, &*self.masses);
-        let moved = (&*self.current.displacements, false);
-        pieces.find_rigid(body, moved, &mut self.rigid);
-        let relative = self.kinetic(&self.current.displacements, &self.rigid);
-        self.direction.clear();
-        self.direction.resize(self.rigid.len(), Vec3::zeros());
-        let rigid = self.kinetic(&self.rigid, &self.direction);
-        let mut kept = f64::min(relative, bound - elastic);
-        let mut rigid_kept = rigid;
-        let is_bounded = is_still && !self.has_moving_pins();
-        if is_bounded && rigid + f64::max(kept, 0.0) > available {
-            kept = f64::min(kept, available - rigid);
-            rigid_kept = f64::min(rigid, available);
-        }
-        let share = |kept: f64, of: f64| {
-            let share = (kept.max(0.0) / of).sqrt();
-            if share < 1.0 { share } else { 1.0 }
-        };
-        let shares = [share(kept, relative), share(rigid_kept, rigid)];
-        if shares == [1.0; 2] {
-            return 0.0;
-        }
-        self.slow_down(particles, shares)
-    }
-
-    /// Takes velocity from vertices, and returns as [`Self::bound_end`].
-    ///
-    /// Keeps shares of the motion relative to the rigid one and of the rigid one.
-    fn slow_down(&self, particles: ParticleStates<'_>, [relative, rigid]: [f64; 2]) -> f32 {
-        let mut largest = 0.0;
-        let motions = self.current.displacements.iter().zip(&self.rigid);
-        for ((cell, (by, of_piece)), &mass) in particles.iter().zip(motions).zip(&self.masses) {
-            if mass > 0.0 {
-                let ParticleState { mut x, mut d } = cell.get();
-                let kept = (by - of_piece) * relative + of_piece * rigid;
-                let [kx, ky, kz] = to_f32(kept);
-                let lost = [d[0] - kx, d[1] - ky, d[2] - kz];
-                x = [x[0] + lost[0], x[1] + lost[1], x[2] + lost[2], x[3]];
-                d = [kx, ky, kz, d[3]];
-                largest = lost
-                    .iter()
-                    .fold(largest, |largest, c| f32::max(largest, c.abs()));
-                cell.set(ParticleState { x, d });
-            }
-        }
-        largest
-    }
-
-    /// Returns the kinetic energy before the substep and the work of gravity in it.
-    fn energy_before(&self) -> f64 {
-        let motions = self.predicted.iter().zip(&self.current.displacements);
-        let terms = motions.zip(&self.masses).map(|((predicted, by), &mass)| {
-            let before = predicted - self.fall;
-            mass * (before.norm_squared() / 2.0 + self.fall.dot(by))
-        });
-        terms.sum()
-    }
-
-    /// Returns whether a pinned vertex moves to its target.
-    fn has_moving_pins(&self) -> bool {
-        let mut vertices = self.predicted.iter().zip(&self.masses);
-        vertices.any(|(by, &mass)| mass == 0.0 && *by != Vec3::zeros())
     }
 
     /// Finds the rigid motion of the prediction and returns the energy of its rotation.
