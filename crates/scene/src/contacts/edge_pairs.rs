@@ -16,8 +16,12 @@ pub(super) struct EdgePairs {
     edges: Vec<MovingEdge>,
     /// By index of a piece in the broad phase: its edges, as a range and a box.
     of_pieces: Vec<EdgesOfPiece>,
-    /// Pairs of indices into `edges`.
+    /// Pairs of indices into `edges`, each in the order of their keys.
     near: Vec<(u32, u32)>,
+    /// The contacts and minimum distances \[m\] of this search.
+    touching: Vec<(EdgePair, f64)>,
+    /// By edge: index of the first previous contact that it begins.
+    known: Vec<u32>,
     /// The contacts of the last search, ascending.
     found: Vec<EdgePair>,
     /// The contacts of the previous frame, ascending.
@@ -64,7 +68,7 @@ impl EdgePairs {
 
     /// Finds the pairs of collected edges that overlap, by sweeps along the longest axis.
     ///
-    /// Sorts the edges. Pairs ascend by key, and so do the edges of each.
+    /// Sorts the edges by piece and place.
     fn find_near(&mut self, pieces: &Pieces, self_collision: bool) {
         let axis = longest_axis(&self.edges);
         self.edges.sort_unstable_by(|a, b| {
@@ -94,9 +98,25 @@ impl EdgePairs {
                 self.sweep([piece, other], axis);
             }
         }
-        let edges = &self.edges;
-        let keys = |&(i, j): &(u32, u32)| (edges[i as usize].key(), edges[j as usize].key());
-        self.near.sort_unstable_by_key(keys);
+    }
+
+    /// Finds the previous contacts of the edges.
+    fn find_known(&mut self) {
+        let previous = &self.previous;
+        let first = |edge: &MovingEdge| previous.partition_point(|pair| pair.key[0] < edge.key());
+        self.known.clear();
+        self.known
+            .extend(self.edges.iter().map(|edge| index_u32(first(edge))));
+    }
+
+    /// Returns the normal of the previous contact of two edges, by index, if there was one.
+    fn known_normal(&self, (a, b): (u32, u32)) -> Option<Vec3> {
+        let [edge, other] = [a, b].map(|i| &self.edges[i as usize]);
+        let previous = &self.previous[self.known[a as usize] as usize..];
+        let of_edge = previous.iter().take_while(|pair| pair.key[0] == edge.key());
+        let ends = [edge.edge.ends, other.edge.ends];
+        let mut of_both = of_edge.filter(|pair| pair.key[1] == other.key() && pair.ends == ends);
+        of_both.next().map(|pair| pair.normal)
     }
 
     /// Finds the overlapping pairs of edges of two pieces, or of one.
@@ -202,22 +222,25 @@ impl Search<'_> {
             }
         }
         pairs.find_near(self.pieces, self.frame.params.self_collision);
+        pairs.find_known();
+        pairs.touching.clear();
+        for &(i, j) in &pairs.near {
+            let [a, b] = [i, j].map(|i| &pairs.edges[i as usize]);
+            if let Some((normal, gap)) = self.touch(a, b, pairs.known_normal((i, j))) {
+                let (key, ends) = ([a.key(), b.key()], [a.edge.ends, b.edge.ends]);
+                pairs.touching.push((EdgePair { key, ends, normal }, gap));
+            }
+        }
+        pairs.touching.sort_unstable_by_key(|(pair, _)| pair.key);
         pairs.found.clear();
-        let mut previous = pairs.previous.iter().peekable();
-        for &(a, b) in &pairs.near {
-            let [a, b] = [a, b].map(|i| &pairs.edges[i as usize]);
-            let (key, ends) = ([a.key(), b.key()], [a.edge.ends, b.edge.ends]);
-            while previous.next_if(|pair| pair.key < key).is_some() {}
-            let known = previous.peek().filter(|p| p.key == key && p.ends == ends);
-            let Some((normal, gap)) = self.touch(a, b, known.map(|pair| pair.normal)) else {
-                continue;
-            };
-            let bodies = [a, b].map(|edge| self.bodies[edge.body as usize].as_ref());
-            if let [Some(body), Some(other)] = bodies {
-                pairs.found.push(EdgePair { key, ends, normal });
-                all[a.body as usize].edge_contacts.push(BodyContact {
-                    other: b.body,
-                    contact: edge_edge(ends, normal, gap, friction(body, other)),
+        for &(pair, gap) in &pairs.touching {
+            let [body, other] = pair.key.map(|(body, _)| body);
+            let bodies = [body, other].map(|i| self.bodies[i as usize].as_ref());
+            if let [Some(of_first), Some(of_second)] = bodies {
+                pairs.found.push(pair);
+                all[body as usize].edge_contacts.push(BodyContact {
+                    other,
+                    contact: edge_edge(pair.ends, pair.normal, gap, friction(of_first, of_second)),
                 });
             }
         }
