@@ -2,6 +2,7 @@
 
 mod id;
 mod parts;
+mod pieces;
 #[cfg(feature = "serde")]
 mod saved;
 
@@ -13,9 +14,9 @@ use crate::params::SceneParams;
 use crate::piece_shapes::PieceShapes;
 pub use id::BodyId;
 use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Incision, Sweep};
-use incise_mesh::geometry::to_f32;
-use incise_mesh::{Aabb, Bvh, RayHit, Surface, Undo, Vec3, VertexId, index_u32};
+use incise_mesh::{Aabb, Bvh, RayHit, Surface, Undo, Vec3, VertexId};
 use incise_pbd_gpu::{ConstraintError, Material, PatchParams, Solver};
+pub(crate) use pieces::{piece_of, vertices_of};
 #[cfg(feature = "serde")]
 pub(crate) use saved::SavedBody;
 use std::num::NonZeroUsize;
@@ -151,44 +152,6 @@ impl Body {
         self.stale = true;
         self.loose_bounds = None;
         self.parts()
-    }
-
-    /// Moves a piece by a displacement \[m\], without a change of velocities.
-    pub(crate) fn move_piece(&mut self, number: u32, shift: Vec3) {
-        let (surface, _) = self.moved_parts();
-        for slot in 0..surface.positions().len() {
-            let v = VertexId(index_u32(slot));
-            let h = surface.topology().outgoing(v);
-            if !h.is_null() && surface.piece(h.triangle()) == number {
-                let [x, y, z] = to_f32(surface.position(v) + shift);
-                let p = &mut surface.positions_mut()[slot];
-                *p = [x, y, z, p[3]];
-            }
-        }
-    }
-
-    /// Returns the numbers of the body's pieces, ascending.
-    #[must_use]
-    pub fn pieces(&self) -> Vec<u32> {
-        let mut pieces: Vec<u32> = self
-            .surface
-            .topology()
-            .triangles()
-            .map(|t| self.surface.piece(t))
-            .collect();
-        pieces.sort_unstable();
-        pieces.dedup();
-        pieces
-    }
-
-    /// Returns the piece of every vertex slot; none for unused ones.
-    fn piece_of_vertices(&self) -> Vec<Option<u32>> {
-        let topology = self.surface.topology();
-        let mut pieces = vec![None; topology.vertex_slots()];
-        for v in topology.vertices() {
-            pieces[v.index()] = Some(self.surface.piece(topology.outgoing(v).triangle()));
-        }
-        pieces
     }
 
     /// Returns whether the body's bounding box overlaps `other`.

@@ -23,6 +23,7 @@ mod broad_phase;
 mod carriers;
 mod edge_pairs;
 mod edges;
+mod free_way;
 mod motion;
 mod narrow_phase;
 mod near_bodies;
@@ -167,6 +168,16 @@ impl ContactDetection {
     /// Returns the pieces of a pair that is moved apart and their displacements \[m\].
     pub(crate) fn shifts(&self, n: usize) -> [(PieceId, Vec3); 2] {
         self.overlaps.shifts(n)
+    }
+
+    /// Finds the pieces that are moved before the frame, and returns their number.
+    pub(crate) fn find_moves(&mut self, bodies: &Bodies, frame: &ContactFrame<'_>) -> usize {
+        self.overlaps.find_moves(bodies, frame)
+    }
+
+    /// Returns a piece that is moved and its displacement \[m\].
+    pub(crate) fn piece_move(&self, n: usize) -> (PieceId, Vec3) {
+        self.overlaps.piece_move(n)
     }
 
     /// Begins a search for near bodies.

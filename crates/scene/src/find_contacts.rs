@@ -1,6 +1,7 @@
 //! Contact detection of a frame: which bodies take part, and which sleeping ones it wakes.
 
-use crate::contacts::{BladeFace, ContactFrame, ContactParams};
+use crate::body::Body;
+use crate::contacts::{BladeFace, ContactFrame, ContactParams, PieceId};
 use crate::error::SceneError;
 use crate::frame::inflated;
 use crate::params::SceneParams;
@@ -17,7 +18,7 @@ impl Scene {
         let begin = Instant::now();
         self.detection.begin_frame(&self.bodies);
         if let Some(params) = self.params.contacts {
-            self.separate_overlaps()?;
+            self.separate_overlaps(params)?;
             // A woken body may touch others that sleep.
             self.search_contacts(params)?;
             while self.wake_touched() {
@@ -54,29 +55,64 @@ impl Scene {
     }
 
     /// Moves pieces apart that are deep in each other; their bodies are read back.
-    fn separate_overlaps(&mut self) -> Result<(), SceneError> {
+    fn separate_overlaps(&mut self, params: ContactParams) -> Result<(), SceneError> {
         for n in 0..self.detection.overlaps() {
-            for (piece, shift) in self.detection.shifts(n) {
-                let i = piece.body as usize;
-                if shift == Vec3::zeros() {
-                    continue;
-                }
-                if let (Some(gpu), Some(body)) = (&mut self.gpu, &mut self.bodies[i])
-                    && let Err(error) = gpu.read_back(i, body)
-                {
-                    self.recover(None, error)?;
-                }
-                let Some(body) = &mut self.bodies[i] else {
-                    continue;
-                };
-                self.sleep.wake(i);
-                if let Some(gpu) = &mut self.gpu {
-                    gpu.begin_edit(i, body.surface());
-                }
+            self.stop_approach(self.detection.shifts(n))?;
+        }
+        let frame = contact_frame(
+            params,
+            &self.params,
+            &self.moving_colliders,
+            &self.blade_faces,
+        );
+        for n in 0..self.detection.find_moves(&self.bodies, &frame) {
+            let (piece, shift) = self.detection.piece_move(n);
+            if let Some(body) = self.begin_move(piece)? {
                 body.move_piece(piece.number, shift);
             }
         }
         Ok(())
+    }
+
+    /// Takes the velocity with which two pieces approach each other on the way they are moved.
+    ///
+    /// They share the change as they share the displacement, so that neither moves along gravity.
+    fn stop_approach(&mut self, pair: [(PieceId, Vec3); 2]) -> Result<(), SceneError> {
+        let apart = pair[1].1 - pair[0].1;
+        let mut velocities = [Vec3::zeros(); 2];
+        for (velocity, (piece, _)) in velocities.iter_mut().zip(pair) {
+            if let Some(body) = self.begin_move(piece)? {
+                *velocity = body.piece_velocity(piece.number);
+            }
+        }
+        // Relative to the displacement apart [1/s].
+        let rate = (velocities[1] - velocities[0]).dot(&apart) / apart.norm_squared();
+        if rate < 0.0 {
+            for (piece, shift) in pair {
+                if let Some(body) = &mut self.bodies[piece.body as usize] {
+                    body.add_piece_velocity(piece.number, shift * -rate)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads the body of a piece back and wakes it, before it is moved.
+    fn begin_move(&mut self, piece: PieceId) -> Result<Option<&mut Body>, SceneError> {
+        let i = piece.body as usize;
+        if let (Some(gpu), Some(body)) = (&mut self.gpu, &mut self.bodies[i])
+            && let Err(error) = gpu.read_back(i, body)
+        {
+            self.recover(None, error)?;
+        }
+        let Some(body) = &mut self.bodies[i] else {
+            return Ok(None);
+        };
+        self.sleep.wake(i);
+        if let Some(gpu) = &mut self.gpu {
+            gpu.begin_edit(i, body.surface());
+        }
+        Ok(Some(body))
     }
 
     /// Searches all bodies that may be in contact, at least one of each pair awake.

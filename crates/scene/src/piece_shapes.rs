@@ -10,9 +10,15 @@ use incise_mesh::{Surface, TriangleId, Vec3};
 pub(crate) struct PieceShape {
     /// Whether it has a boundary, so that it has no inside.
     pub(crate) is_sheet: bool,
+    /// Whether its normals point inward: it is the wall of a hollow.
+    pub(crate) is_cavity: bool,
     /// Twice its volume by its area \[m\]: the distance between the sides of a plate.
     pub(crate) thickness: f64,
 }
+
+/// A shape in a file: whether it is a sheet and a cavity, and its thickness \[m\].
+#[cfg(feature = "serde")]
+pub(crate) type SavedShape = (bool, bool, f64);
 
 /// The shapes of a body's pieces, in memory reused between cuts.
 #[derive(Debug, Clone, Default)]
@@ -55,32 +61,34 @@ impl PieceShapes {
             self.sums[piece].add(surface, t);
         }
         for (shape, sums) in self.shapes.iter_mut().zip(&self.sums) {
+            shape.is_cavity = !shape.is_sheet && sums.volume < 0.0;
             if sums.area > 0.0 {
                 shape.thickness = 2.0 / 3.0 * sums.volume.abs() / sums.area;
             }
         }
     }
 
-    /// Returns whether each piece is a sheet and its thickness \[m\], for a file.
+    /// Returns whether each piece is a sheet and a cavity, and its thickness \[m\], for a file.
     ///
     /// `None` unless the shapes are those of the surface's topology.
     #[cfg(feature = "serde")]
-    pub(crate) fn to_saved(&self, surface: &Surface) -> Option<Vec<(bool, f64)>> {
+    pub(crate) fn to_saved(&self, surface: &Surface) -> Option<Vec<SavedShape>> {
         let shapes = self.shapes.iter();
         (self.version == Some(surface.fingerprint())).then(|| {
             shapes
-                .map(|shape| (shape.is_sheet, shape.thickness))
+                .map(|shape| (shape.is_sheet, shape.is_cavity, shape.thickness))
                 .collect()
         })
     }
 
     /// Returns saved shapes of a surface; `None` is measured at the next update.
     #[cfg(feature = "serde")]
-    pub(crate) fn from_saved(saved: Option<Vec<(bool, f64)>>, surface: &Surface) -> Self {
+    pub(crate) fn from_saved(saved: Option<Vec<SavedShape>>, surface: &Surface) -> Self {
         let version = saved.is_some().then(|| surface.fingerprint());
         let shapes = saved.into_iter().flatten();
-        let shape = |(is_sheet, thickness)| PieceShape {
+        let shape = |(is_sheet, is_cavity, thickness)| PieceShape {
             is_sheet,
+            is_cavity,
             thickness,
         };
         let shapes: Vec<PieceShape> = shapes.map(shape).collect();

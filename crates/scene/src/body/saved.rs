@@ -2,7 +2,7 @@
 
 use super::{Body, LooseBounds};
 use crate::interior_springs::InteriorSpringSearch;
-use crate::piece_shapes::PieceShapes;
+use crate::piece_shapes::{PieceShapes, SavedShape};
 use crate::save::LoadError;
 use incise_cut::{Cutter, Incision, SavedCutter, SavedIncision};
 use incise_mesh::{Aabb, ArchiveError, SavedSurface, index_u32};
@@ -18,7 +18,7 @@ pub(crate) struct SavedBody<'a> {
     /// Incisions by the numbers of their blades.
     incisions: Vec<(u32, SavedIncision)>,
     /// Whether each piece is a sheet, and its thickness \[m\]; `None` if they are to be measured.
-    piece_shapes: Option<Vec<(bool, f64)>>,
+    piece_shapes: Option<Vec<SavedShape>>,
     is_stale: bool,
     /// A bounding box and the maximum displacement since \[m\].
     loose_bounds: Option<(Aabb, f64)>,

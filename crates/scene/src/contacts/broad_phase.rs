@@ -7,9 +7,10 @@ use super::motion::{Motion, max_norm};
 use super::near_bodies::grow;
 use super::overlaps::PieceId;
 use super::{BladeFace, ContactFrame, SPEED_MARGIN};
+use crate::body::piece_of;
 use crate::scene::Bodies;
 use incise_mesh::geometry::to_f64;
-use incise_mesh::{Aabb, MovingPoint, Surface, Vec3, VertexId, index_u32};
+use incise_mesh::{Aabb, MovingPoint, Surface, Vec3, index_u32};
 use incise_pbd_gpu::MovingCollider;
 
 /// A piece of a body.
@@ -275,10 +276,4 @@ fn find_root(list: &mut [Piece], mut i: u32) -> u32 {
         i = next;
     }
     i
-}
-
-/// Returns the number of a vertex' piece; `None` for a vertex that no triangle uses.
-pub(super) fn piece_of(surface: &Surface, v: VertexId) -> Option<u32> {
-    let h = surface.topology().outgoing(v);
-    (!h.is_null()).then(|| surface.piece(h.triangle()))
 }

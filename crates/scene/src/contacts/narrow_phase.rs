@@ -24,7 +24,7 @@ const MIN_PARALLEL_ROWS: usize = 4;
 ///
 /// Others may push it within the frame, and its distance is a thickness up to rounding. Vertices
 /// with a larger maximum displacement in the frame count as fast.
-const MARGIN: f64 = 1.5;
+pub(super) const MARGIN: f64 = 1.5;
 
 /// Maximum depth of a contact [thicknesses].
 pub(super) const MAX_DEPTH: f64 = 2.0;

@@ -1,32 +1,30 @@
 //! [`Overlaps`]: pieces deep in each other, which are moved apart as rigid bodies.
 //!
-//! Contacts separate surfaces that are at most two thicknesses behind each other. Bodies that start
-//! in each other are deeper, and so are small ones that meet at high speed. Every frame tests a few
-//! points inside of each piece. Two pieces that contain such a point are moved apart before the
-//! next frames. They move along the [axis](super::axes) on which they overlap least, without a
-//! change of velocity.
+//! Contacts separate surfaces that are slightly behind each other. Bodies that start in each other
+//! are deeper, and so are small ones that meet at high speed. Every frame tests a few points of
+//! each piece. Two closed pieces, one of which has a point deep in the other one, are moved apart
+//! before the next frames. They move along the [axis](super::axes) on which they overlap least, and
+//! lose the velocity with which they approach each other along it.
 
+use super::ContactFrame;
 use super::axes::{Extents, separation};
-use super::broad_phase::piece_of;
+use super::broad_phase::Piece;
+use super::free_way::free_way;
 use super::motion::Motion;
-use super::narrow_phase::Search;
+use super::narrow_phase::{MARGIN, Search};
 use super::outside::outward_normal;
-use crate::body::Body;
+use crate::body::{Body, piece_of, vertices_of};
 use crate::scene::Bodies;
-use incise_mesh::geometry::{to_f32, to_f64};
-use incise_mesh::{Aabb, Vec3, VertexId};
-use incise_pbd_gpu::Collider;
+use incise_mesh::{Surface, Vec3, VertexId};
 
-/// Number of vertices per piece that are tested in a frame.
-const TESTED: usize = 4;
+/// Number of points per piece that are tested in a frame.
+const TESTED: usize = 8;
 
-/// Number of vertices per piece at which the depth of an overlap is measured.
+/// Number of points per piece at which the depth of an overlap is measured.
 const MEASURED: usize = 256;
 
-/// Minimum distance of a common point from both surfaces [thicknesses].
-///
-/// Both surfaces are twice as far behind each other, deeper than any contact.
-const CLEARANCE: f64 = 1.25;
+/// Points of a piece by its vertices: these, points below them and the midpoints of edges.
+const POINTS_PER_VERTEX: usize = 5;
 
 /// Number of frames between two measurements of an overlap.
 const PERIOD: u32 = 8;
@@ -65,6 +63,9 @@ pub(crate) struct Overlaps {
     /// Scratch memory, by index of a piece in the broad phase: number of its vertices so far.
     #[cfg_attr(feature = "serde", serde(skip))]
     seen: Vec<usize>,
+    /// Scratch memory: the pieces that are moved and their displacements \[m\].
+    #[cfg_attr(feature = "serde", serde(skip))]
+    moves: Vec<(PieceId, Vec3)>,
 }
 
 impl Overlaps {
@@ -108,6 +109,47 @@ impl Overlaps {
         [0, 1].map(|i: usize| (pieces[i], Vec3::from(shifts[i])))
     }
 
+    /// Adds up the displacements of every piece that is moved in this frame, and returns their
+    /// number.
+    ///
+    /// Those of several pairs together are at most as long as the longest one, and no piece enters
+    /// the ground or a collider.
+    pub(super) fn find_moves(&mut self, bodies: &Bodies, frame: &ContactFrame<'_>) -> usize {
+        let mut moves = std::mem::take(&mut self.moves);
+        moves.clear();
+        moves.extend((0..self.len()).flat_map(|n| self.shifts(n)));
+        moves.retain(|(_, shift)| *shift != Vec3::zeros());
+        moves.sort_by_key(|(piece, _)| (piece.body, piece.number));
+        let mut longest = 0.0;
+        moves.dedup_by(|(piece, shift), (kept, sum)| {
+            if piece != kept {
+                longest = 0.0;
+                return false;
+            }
+            longest = f64::max(longest, sum.norm()).max(shift.norm());
+            *sum = (*sum + *shift).cap_magnitude(longest);
+            true
+        });
+        for (piece, shift) in &mut moves {
+            let body = bodies.get(piece.body as usize).and_then(Option::as_ref);
+            let surface = body.map(|body| body.surface());
+            let points = surface.map(|surface| {
+                let vertices = vertices_of(surface, piece.number);
+                Extents::new(vertices.map(|v| surface.position(v)))
+            });
+            *shift = points.map_or(Vec3::zeros(), |extents| {
+                free_way(extents.corners(), *shift, frame)
+            });
+        }
+        self.moves = moves;
+        self.moves.len()
+    }
+
+    /// Returns a piece that is moved in this frame and its displacement \[m\].
+    pub(super) fn piece_move(&self, n: usize) -> (PieceId, Vec3) {
+        self.moves[n]
+    }
+
     /// Finds overlaps, and measures known ones again after their period.
     pub(super) fn find(&mut self, search: Search<'_>) {
         let start = self.searches as usize;
@@ -134,31 +176,29 @@ impl Overlaps {
                     continue;
                 };
                 let index = search.motions[i as usize].pieces[number as usize];
-                let seen = &mut self.seen[index as usize];
-                *seen += 1;
-                if is_sampled(*seen, search.pieces.vertex_count(index), (TESTED, start)) {
-                    let own = PieceId { body: i, number };
-                    self.test(search, own, (v, surface.position(v)));
+                let all = POINTS_PER_VERTEX * search.pieces.vertex_count(index);
+                for point in points_at(surface, v) {
+                    let seen = &mut self.seen[index as usize];
+                    *seen += 1;
+                    if is_sampled(*seen, all, (TESTED, start)) {
+                        let own = PieceId { body: i, number };
+                        self.test(search, own, point);
+                    }
                 }
             }
         }
     }
 
-    /// Finds the overlaps of a piece at one of its vertices.
-    fn test(&mut self, search: Search<'_>, own: PieceId, (v, at): (VertexId, Vec3)) {
-        let motion = &search.motions[own.body as usize];
-        let reach = 2.0 * CLEARANCE * motion.piece_thickness(own.number);
-        let index = motion.pieces[own.number as usize];
+    /// Finds the overlaps of a piece at one of its points.
+    fn test(&mut self, search: Search<'_>, own: PieceId, point: Point) {
+        let index = search.motions[own.body as usize].pieces[own.number as usize];
         for other in search.pieces.neighbors(index) {
-            if !other.contains(at, reach) {
-                continue;
-            }
             let pair = [own, other.id()];
             let is_known = |o: &Overlap| o.pieces == pair || o.pieces == [pair[1], pair[0]];
             if self.list.iter().any(is_known) {
                 continue;
             }
-            if let Some(depth) = search.common_point(pair, v) {
+            if let Some(depth) = search.depth_of(pair, other, point) {
                 let start = self.searches as usize;
                 self.list.extend(search.measure(pair, (start, depth)));
             }
@@ -166,12 +206,33 @@ impl Overlaps {
     }
 }
 
-/// Returns whether the vertex of a `number` in its piece is one of about `count` of `all`.
+/// Returns whether the point of a `number` in its piece is one of about `count` of `all`.
 ///
 /// They are at equal distances, and others in the next searches.
 fn is_sampled(number: usize, all: usize, (count, search): (usize, usize)) -> bool {
     let stride = (all / count).max(1);
     (number + search).is_multiple_of(stride)
+}
+
+/// A point of a piece that is tested.
+#[derive(Debug, Clone, Copy)]
+enum Point {
+    OnSurface(Vec3),
+    /// Below a vertex on the surface, along an inward direction.
+    Below(Vec3, Vec3),
+}
+
+/// Returns the points at a vertex: itself, one below it, and the midpoints of edges that begin
+/// there, each edge at one end.
+fn points_at(surface: &Surface, v: VertexId) -> impl Iterator<Item = Point> {
+    let at = surface.position(v);
+    let below = Point::Below(at, -outward_normal(surface, v));
+    let ends = surface.topology().outgoing_fan(v);
+    let ends = ends.map(|h| surface.topology().target(h));
+    let middles = ends.filter(move |&end| end > v);
+    let middles = middles.map(move |end| (at + surface.position(end)) / 2.0);
+    let on_surface = std::iter::once(at).chain(middles).map(Point::OnSurface);
+    on_surface.chain([below])
 }
 
 impl Search<'_> {
@@ -188,21 +249,13 @@ impl Search<'_> {
         (is_known && motion.is_active).then_some((body, motion))
     }
 
-    /// Returns the vertices of a piece.
-    fn vertices_of(&self, piece: PieceId) -> impl Iterator<Item = VertexId> {
-        let surface = self.body_of(piece).map(|(body, _)| body.surface());
-        surface.into_iter().flat_map(move |surface| {
-            let vertices = surface.topology().vertices();
-            vertices.filter(move |&v| piece_of(surface, v) == Some(piece.number))
-        })
-    }
-
-    /// Returns the minimum distance of two closed pieces \[m\]; `None` for sheets.
+    /// Returns the minimum distance of two solid pieces \[m\]; `None` for sheets and cavities.
     fn thickness_of(&self, pieces: [PieceId; 2]) -> Option<f64> {
         let mut least = f64::INFINITY;
         for piece in pieces {
             let (body, motion) = self.body_of(piece)?;
-            if body.piece_shapes().get(piece.number).is_sheet {
+            let shape = body.piece_shapes().get(piece.number);
+            if shape.is_sheet || shape.is_cavity {
                 return None;
             }
             least = least.min(motion.piece_thickness(piece.number));
@@ -210,41 +263,71 @@ impl Search<'_> {
         Some(least)
     }
 
-    /// Returns the distance of a point inside a piece from its surface \[m\], if it is at least
-    /// `clearance`.
-    fn depth_in(&self, piece: PieceId, at: Vec3, clearance: f64) -> Option<f64> {
-        let (body, _) = self.body_of(piece)?;
-        let (surface, bvh) = (body.surface(), body.bvh());
-        let is_own = |t| surface.piece(t) == piece.number;
-        if bvh.nearest(surface, at, clearance, is_own).is_some() {
-            return None;
+    /// Returns the depth of a point of the first piece in the second one, of a box \[m\].
+    ///
+    /// `None` if contacts reach as deep.
+    fn depth_of(&self, pair: [PieceId; 2], other: &Piece, point: Point) -> Option<f64> {
+        let clearance = MARGIN * self.thickness_of(pair)?;
+        let [own, in_other] = [pair, [pair[1], pair[0]]];
+        match point {
+            Point::OnSurface(at) if other.contains(at, 0.0) => self.depth_at(own, at, clearance),
+            Point::Below(at, inward) if other.contains(at, 0.0) => {
+                // Coincident bodies have all of their vertices on each other.
+                let at = at + inward.try_normalize(0.0)? * (2.0 * clearance);
+                let depth = self.depth_at(own, at, clearance)?;
+                self.depth_at(in_other, at, clearance).map(|_| depth)
+            }
+            _ => None,
         }
-        let hit = bvh.cast(surface, at, Vec3::x(), is_own)?;
-        let nearest = || bvh.nearest(surface, at, hit.distance, is_own);
-        hit.from_inside
-            .then(|| nearest().map_or(hit.distance, |found| found.distance.abs()))
     }
 
-    /// Returns the depth of the common point of two pieces below a vertex of the first one \[m\].
-    fn common_point(&self, [own, other]: [PieceId; 2], v: VertexId) -> Option<f64> {
-        let clearance = CLEARANCE * self.thickness_of([own, other])?;
-        let (body, _) = self.body_of(own)?;
-        let surface = body.surface();
-        let inward = -outward_normal(surface, v).try_normalize(0.0)?;
-        let point = surface.position(v) + inward * (2.0 * clearance);
-        let depth = self.depth_in(other, point, clearance)?;
-        self.depth_in(own, point, clearance)?;
-        Some(depth + clearance)
+    /// Returns the depth of a point in the second piece \[m\], `None` if it is below `clearance`.
+    ///
+    /// All directions must leave the piece through its inner side: a fold of a crumpled piece shows
+    /// that side to points outside, too. Its cavities are outside.
+    fn depth_at(&self, [own, other]: [PieceId; 2], at: Vec3, clearance: f64) -> Option<f64> {
+        let (body, _) = self.body_of(other)?;
+        let (surface, bvh, shapes) = (body.surface(), body.bvh(), body.piece_shapes());
+        let counts = |t| {
+            let piece = surface.piece(t);
+            piece == other.number || piece != own.number && shapes.get(piece).is_cavity
+        };
+        if bvh.nearest(surface, at, clearance, counts).is_some() {
+            return None;
+        }
+        let mut depth = f64::INFINITY;
+        for axis in [Vec3::x(), Vec3::y(), Vec3::z()] {
+            for direction in [axis, -axis] {
+                let hit = bvh.cast(surface, at, direction, counts)?;
+                if !hit.from_inside {
+                    return None;
+                }
+                depth = f64::min(depth, hit.distance);
+            }
+        }
+        let nearest = bvh.nearest(surface, at, depth, counts);
+        Some(nearest.map_or(depth, |found| found.distance.abs()))
     }
 
     /// Returns the maximum depth of the first piece in the second one \[m\], 0 without an overlap.
     fn depth(&self, pieces: [PieceId; 2], start: usize) -> f64 {
-        let all = self.vertices_of(pieces[0]).count();
-        let sampled = (0..).zip(self.vertices_of(pieces[0]));
-        sampled
-            .filter(|(number, _)| is_sampled(*number, all, (MEASURED, start)))
-            .filter_map(|(_, v)| self.common_point(pieces, v))
-            .fold(0.0, f64::max)
+        let Some((body, motion)) = self.body_of(pieces[0]) else {
+            return 0.0;
+        };
+        let surface = body.surface();
+        let number_of = |piece: PieceId, motion: &Motion| motion.pieces[piece.number as usize];
+        let all = POINTS_PER_VERTEX * self.pieces.vertex_count(number_of(pieces[0], motion));
+        let other = (self.body_of(pieces[1])).map(|(_, motion)| number_of(pieces[1], motion));
+        let Some(other) = other.and_then(|index| self.pieces.iter().nth(index as usize)) else {
+            return 0.0;
+        };
+        let vertices = vertices_of(surface, pieces[0].number);
+        let points = vertices.flat_map(|v| points_at(surface, v));
+        let sampled = (0..)
+            .zip(points)
+            .filter(|(number, _)| is_sampled(*number, all, (MEASURED, start)));
+        let depths = sampled.filter_map(|(_, point)| self.depth_of(pieces, other, point));
+        depths.fold(0.0, f64::max)
     }
 
     /// Measures an overlap of a known depth or 0 \[m\] in a search.
@@ -262,10 +345,13 @@ impl Search<'_> {
             return None;
         }
         let extents = [self.extents(a)?, self.extents(b)?];
-        let enters = |piece: &Extents, by| self.enters_collider(piece, by);
-        let shifts = separation(&extents, mobilities, self.frame.gravity, enters)?;
+        let is_blocked = |piece: &Extents, by| free_way(piece.corners(), by, self.frame) != by;
+        let shifts = separation(&extents, mobilities, self.frame.gravity, is_blocked)?;
         let smaller = f64::min(extents[0].diagonal(), extents[1].diagonal());
         let step = f64::min(depth / f64::from(PERIOD), SPEED * smaller * self.frame.dt);
+        // As far as an upper piece falls in the frame.
+        let fall = self.frame.gravity.dot(&(shifts[1] - shifts[0])).abs();
+        let step = step + fall * self.frame.dt.powi(2);
         let version = |piece| Some(self.body_of(piece)?.0.surface().fingerprint());
         Some(Overlap {
             pieces,
@@ -275,31 +361,10 @@ impl Search<'_> {
         })
     }
 
-    /// Returns whether the box of a piece enters a collider, or goes deeper into the ground or a
-    /// plane.
-    fn enters_collider(&self, piece: &Extents, by: Vec3) -> bool {
-        let [min, max] = piece.corners();
-        let ground = self.frame.ground.map_or(f64::NEG_INFINITY, f64::from);
-        if by.y < 0.0 && min.y + by.y < ground {
-            return true;
-        }
-        let boxed = |by: Vec3| Aabb::around([to_f32(min + by), to_f32(max + by)]);
-        self.frame.colliders.iter().any(|collider| {
-            if let Collider::Plane { point, normal } = collider.start {
-                let (point, normal) = (to_f64(point), to_f64(normal));
-                let corner = min.zip_zip_map(&max, &normal, |a, b, n| if n > 0.0 { a } else { b });
-                normal.dot(&by) < 0.0 && normal.dot(&(corner + by - point)) < 0.0
-            } else {
-                let bounds = collider.start.bounds();
-                boxed(by).overlaps(&bounds) && !boxed(Vec3::zeros()).overlaps(&bounds)
-            }
-        })
-    }
-
     /// Returns the extents of a piece.
     fn extents(&self, piece: PieceId) -> Option<Extents> {
         let (body, _) = self.body_of(piece)?;
-        let vertices = self.vertices_of(piece);
+        let vertices = vertices_of(body.surface(), piece.number);
         Some(Extents::new(vertices.map(|v| body.surface().position(v))))
     }
 
@@ -311,7 +376,8 @@ impl Search<'_> {
         if solver.pins().iter().any(|pin| is_own(pin.vertex)) {
             return Some(0.0);
         }
-        let masses = self.vertices_of(piece).map(|v| solver.masses()[v.index()]);
+        let vertices = vertices_of(body.surface(), piece.number);
+        let masses = vertices.map(|v| solver.masses()[v.index()]);
         let mass: f64 = masses.map(f64::from).sum();
         Some(if mass > 0.0 { mass.recip() } else { 0.0 })
     }

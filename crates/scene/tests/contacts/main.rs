@@ -8,7 +8,9 @@ mod pieces;
 mod sheets;
 
 use incise_mesh::{Bvh, Surface, TriangleId, VertexId, cube_sphere};
-use incise_pbd_gpu::{Collider, InteriorSprings, Material, SolverParams, Stiffness, Volume};
+use incise_pbd_gpu::{
+    Collider, InteriorSprings, Material, Solver, SolverParams, Stiffness, Volume,
+};
 use incise_scene::{Body, BodyId, ContactParams, Scene, SceneError, SceneParams, SleepParams};
 use incise_test_support::materials::firm;
 

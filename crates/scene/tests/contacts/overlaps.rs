@@ -178,6 +178,102 @@ fn small_bodies_that_enter_each_other_leave_again() {
     }
 }
 
+/// Regression: bodies fell faster than they were lifted, and stayed in each other.
+#[test]
+fn bodies_in_each_other_separate_under_gravity() {
+    // A ball in the middle of a cube that rests, and cubes that overlap by 6 and 30 cm.
+    let others = [
+        (icosphere(2, 1.0), [0.0, 0.5, 0.0], 0.1),
+        (cube(4), [0.1, 1.44, 0.07], 0.5),
+        (cube(4), [0.1, 1.2, 0.07], 0.5),
+    ];
+    for (shape, at, scale) in others {
+        let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+        let lower = add(&mut scene, &cube(4), [0.0, 0.5, 0.0], 0.5);
+        let upper = add(&mut scene, &shape, at, scale);
+        for _ in 0..300 {
+            scene.step().unwrap();
+        }
+        for pair in [[lower, upper], [upper, lower]] {
+            assert_eq!(inside(&scene, pair, 0.02), 0, "at {at:?}");
+        }
+    }
+}
+
+/// Regression: shifts of many pairs added up and pushed bodies into the ground, 218 J.
+#[test]
+fn many_bodies_in_one_place_gain_no_energy() {
+    let mut scene = weightless();
+    scene.params.solver.ground = Some(0.0);
+    let ball = icosphere(2, 1.0);
+    let ids: Vec<BodyId> = (0..30)
+        .map(|i| {
+            let [x, z] = [i % 5, i % 7].map(|k| 0.015 * k as f32);
+            let at = [x, 0.21 + 0.011 * i as f32, z];
+            add(&mut scene, &ball, at, 0.2)
+        })
+        .collect();
+    for frame in 0..60 {
+        scene.step().unwrap();
+        let energies = ids.iter().map(|&id| scene.body(id).unwrap().solver());
+        let energy: f64 = energies.map(Solver::kinetic_energy).sum();
+        assert!(energy < 1.0, "{energy} J in frame {frame}");
+    }
+}
+
+/// Regression: a point outside of a cavity's wall counted as inside of it.
+#[test]
+fn a_hollow_body_and_one_in_its_cavity_stay() {
+    let ball = icosphere(2, 1.0);
+    let skin = moved(&ball, [0.0; 3], [0.5; 3]);
+    // A mirrored wall has its normals inward.
+    let wall = moved(&ball, [0.0; 3], [0.4, -0.4, 0.4]);
+    let inner = moved(&ball, [0.0, 0.05, 0.0], [0.2; 3]);
+    for parts in [&[skin.clone(), wall.clone()][..], &[skin, wall, inner]] {
+        let mut scene = weightless();
+        let surface = merged(parts);
+        let id = scene.add_body(surface, &Material::soft_body()).unwrap();
+        for _ in 0..60 {
+            scene.step().unwrap();
+        }
+        let surface = scene.body(id).unwrap().surface();
+        for v in surface.topology().vertices() {
+            let moved = (surface.position(v) - surface.rest_position(v)).norm();
+            assert!(moved < 1e-4, "{moved} m of {} parts", parts.len());
+        }
+    }
+}
+
+/// Regression: coarse bodies whose vertices are outside of each other stayed so.
+#[test]
+fn crossed_bars_without_a_vertex_inside_separate() {
+    let mut scene = weightless();
+    let along = |scale| merged(&[moved(&cube(1), [0.0; 3], scale)]);
+    let lower = add(&mut scene, &along([1.0, 0.15, 0.15]), [0.0; 3], 1.0);
+    let upper = add(&mut scene, &along([0.15, 0.15, 1.0]), [0.0, 0.1, 0.0], 1.0);
+    for _ in 0..240 {
+        scene.step().unwrap();
+    }
+    let between = between(&scene, [lower, upper]);
+    assert!(between.norm() > 0.28, "{between}");
+}
+
+/// Regression: overlaps between two and three thicknesses had neither contacts nor a separation.
+#[test]
+fn cubes_separate_from_any_depth() {
+    for overlap in 1..12 {
+        let overlap = 0.01 * overlap as f32;
+        let mut scene = weightless();
+        let at = [[0.0; 3], [1.0 - overlap, 0.1, 0.07]];
+        let pair = at.map(|at| add(&mut scene, &cube(4), at, 0.5));
+        for _ in 0..300 {
+            scene.step().unwrap();
+        }
+        let apart = between(&scene, pair).x;
+        assert!(apart > 0.999, "{apart} m from an overlap of {overlap} m");
+    }
+}
+
 #[test]
 fn a_body_moved_by_an_edit_is_left_alone() {
     let mut scene = weightless();
