@@ -21,6 +21,7 @@ mod blade_face;
 mod body_rows;
 mod broad_phase;
 mod carriers;
+mod depth;
 mod edge_pairs;
 mod edges;
 mod free_way;
@@ -62,7 +63,7 @@ const SPEED_MARGIN: f64 = 2.0;
 /// Vertices are tested against triangles, and sharp edges against those of other bodies. Sheets
 /// collide on both sides, closed pieces on the outer one. Between two bodies friction is the
 /// geometric mean of both. Closed pieces deep in each other are moved apart, each pair at most by a
-/// diagonal of the smaller one per second, and without velocity.
+/// diagonal of the smaller one per second, and lose the velocity of their approach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContactParams {

@@ -113,6 +113,11 @@ impl Pieces {
         self.list[index as usize].velocity_sum.1 as usize
     }
 
+    /// Returns a piece by its index.
+    pub(super) fn get(&self, index: u32) -> &Piece {
+        &self.list[index as usize]
+    }
+
     /// Returns all pieces, ascending by index.
     pub(super) fn iter(&self) -> std::slice::Iter<'_, Piece> {
         self.list.iter()

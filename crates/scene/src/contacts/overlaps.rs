@@ -8,23 +8,15 @@
 
 use super::ContactFrame;
 use super::axes::{Extents, separation};
-use super::broad_phase::Piece;
+use super::depth::{POINTS_PER_VERTEX, Point, is_sampled, points_at};
 use super::free_way::free_way;
-use super::motion::Motion;
-use super::narrow_phase::{MARGIN, Search};
-use super::outside::outward_normal;
-use crate::body::{Body, piece_of, vertices_of};
+use super::narrow_phase::Search;
+use crate::body::{piece_of, vertices_of};
 use crate::scene::Bodies;
-use incise_mesh::{Surface, Vec3, VertexId};
+use incise_mesh::Vec3;
 
 /// Number of points per piece that are tested in a frame.
 const TESTED: usize = 8;
-
-/// Number of points per piece at which the depth of an overlap is measured.
-const MEASURED: usize = 256;
-
-/// Points of a piece by its vertices: these, points below them and the midpoints of edges.
-const POINTS_PER_VERTEX: usize = 5;
 
 /// Number of frames between two measurements of an overlap.
 const PERIOD: u32 = 8;
@@ -206,128 +198,10 @@ impl Overlaps {
     }
 }
 
-/// Returns whether the point of a `number` in its piece is one of about `count` of `all`.
-///
-/// They are at equal distances, and others in the next searches.
-fn is_sampled(number: usize, all: usize, (count, search): (usize, usize)) -> bool {
-    let stride = (all / count).max(1);
-    (number + search).is_multiple_of(stride)
-}
-
-/// A point of a piece that is tested.
-#[derive(Debug, Clone, Copy)]
-enum Point {
-    OnSurface(Vec3),
-    /// Below a vertex on the surface, along an inward direction.
-    Below(Vec3, Vec3),
-}
-
-/// Returns the points at a vertex: itself, one below it, and the midpoints of edges that begin
-/// there, each edge at one end.
-fn points_at(surface: &Surface, v: VertexId) -> impl Iterator<Item = Point> {
-    let at = surface.position(v);
-    let below = Point::Below(at, -outward_normal(surface, v));
-    let ends = surface.topology().outgoing_fan(v);
-    let ends = ends.map(|h| surface.topology().target(h));
-    let middles = ends.filter(move |&end| end > v);
-    let middles = middles.map(move |end| (at + surface.position(end)) / 2.0);
-    let on_surface = std::iter::once(at).chain(middles).map(Point::OnSurface);
-    on_surface.chain([below])
-}
-
 impl Search<'_> {
     /// Returns whether a body is searched in this frame.
     fn is_active(&self, body: u32) -> bool {
         self.motions[body as usize].is_active
-    }
-
-    /// Returns the body of a piece and its motion.
-    fn body_of(&self, piece: PieceId) -> Option<(&Body, &Motion)> {
-        let body = self.bodies.get(piece.body as usize)?.as_ref()?;
-        let is_known = piece.number < body.surface().piece_bound();
-        let motion = &self.motions[piece.body as usize];
-        (is_known && motion.is_active).then_some((body, motion))
-    }
-
-    /// Returns the minimum distance of two solid pieces \[m\]; `None` for sheets and cavities.
-    fn thickness_of(&self, pieces: [PieceId; 2]) -> Option<f64> {
-        let mut least = f64::INFINITY;
-        for piece in pieces {
-            let (body, motion) = self.body_of(piece)?;
-            let shape = body.piece_shapes().get(piece.number);
-            if shape.is_sheet || shape.is_cavity {
-                return None;
-            }
-            least = least.min(motion.piece_thickness(piece.number));
-        }
-        Some(least)
-    }
-
-    /// Returns the depth of a point of the first piece in the second one, of a box \[m\].
-    ///
-    /// `None` if contacts reach as deep.
-    fn depth_of(&self, pair: [PieceId; 2], other: &Piece, point: Point) -> Option<f64> {
-        let clearance = MARGIN * self.thickness_of(pair)?;
-        let [own, in_other] = [pair, [pair[1], pair[0]]];
-        match point {
-            Point::OnSurface(at) if other.contains(at, 0.0) => self.depth_at(own, at, clearance),
-            Point::Below(at, inward) if other.contains(at, 0.0) => {
-                // Coincident bodies have all of their vertices on each other.
-                let at = at + inward.try_normalize(0.0)? * (2.0 * clearance);
-                let depth = self.depth_at(own, at, clearance)?;
-                self.depth_at(in_other, at, clearance).map(|_| depth)
-            }
-            _ => None,
-        }
-    }
-
-    /// Returns the depth of a point in the second piece \[m\], `None` if it is below `clearance`.
-    ///
-    /// All directions must leave the piece through its inner side: a fold of a crumpled piece shows
-    /// that side to points outside, too. Its cavities are outside.
-    fn depth_at(&self, [own, other]: [PieceId; 2], at: Vec3, clearance: f64) -> Option<f64> {
-        let (body, _) = self.body_of(other)?;
-        let (surface, bvh, shapes) = (body.surface(), body.bvh(), body.piece_shapes());
-        let counts = |t| {
-            let piece = surface.piece(t);
-            piece == other.number || piece != own.number && shapes.get(piece).is_cavity
-        };
-        if bvh.nearest(surface, at, clearance, counts).is_some() {
-            return None;
-        }
-        let mut depth = f64::INFINITY;
-        for axis in [Vec3::x(), Vec3::y(), Vec3::z()] {
-            for direction in [axis, -axis] {
-                let hit = bvh.cast(surface, at, direction, counts)?;
-                if !hit.from_inside {
-                    return None;
-                }
-                depth = f64::min(depth, hit.distance);
-            }
-        }
-        let nearest = bvh.nearest(surface, at, depth, counts);
-        Some(nearest.map_or(depth, |found| found.distance.abs()))
-    }
-
-    /// Returns the maximum depth of the first piece in the second one \[m\], 0 without an overlap.
-    fn depth(&self, pieces: [PieceId; 2], start: usize) -> f64 {
-        let Some((body, motion)) = self.body_of(pieces[0]) else {
-            return 0.0;
-        };
-        let surface = body.surface();
-        let number_of = |piece: PieceId, motion: &Motion| motion.pieces[piece.number as usize];
-        let all = POINTS_PER_VERTEX * self.pieces.vertex_count(number_of(pieces[0], motion));
-        let other = (self.body_of(pieces[1])).map(|(_, motion)| number_of(pieces[1], motion));
-        let Some(other) = other.and_then(|index| self.pieces.iter().nth(index as usize)) else {
-            return 0.0;
-        };
-        let vertices = vertices_of(surface, pieces[0].number);
-        let points = vertices.flat_map(|v| points_at(surface, v));
-        let sampled = (0..)
-            .zip(points)
-            .filter(|(number, _)| is_sampled(*number, all, (MEASURED, start)));
-        let depths = sampled.filter_map(|(_, point)| self.depth_of(pieces, other, point));
-        depths.fold(0.0, f64::max)
     }
 
     /// Measures an overlap of a known depth or 0 \[m\] in a search.

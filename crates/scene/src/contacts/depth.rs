@@ -1,0 +1,146 @@
+//! Depth of the points of a piece in another one, for [overlaps](super::overlaps).
+
+use super::broad_phase::Piece;
+use super::motion::Motion;
+use super::narrow_phase::{MARGIN, Search};
+use super::outside::outward_normal;
+use super::overlaps::PieceId;
+use crate::body::{Body, vertices_of};
+use incise_mesh::{HalfEdge, Surface, Vec3, VertexId};
+
+/// Number of points per piece at which the depth of an overlap is measured.
+const MEASURED: usize = 256;
+
+/// Points of a piece by its vertices: these, points below them and the midpoints of edges.
+pub(super) const POINTS_PER_VERTEX: usize = 5;
+
+/// Returns whether the point of a `number` in its piece is one of about `count` of `all`.
+///
+/// They are at equal distances, and others in the next searches.
+pub(super) fn is_sampled(number: usize, all: usize, (count, search): (usize, usize)) -> bool {
+    let stride = (all / count).max(1);
+    (number + search).is_multiple_of(stride)
+}
+
+/// A point of a piece that is tested.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Point {
+    Vertex(VertexId),
+    /// The middle of an edge.
+    Middle(HalfEdge),
+    /// A point below a vertex.
+    Below(VertexId),
+}
+
+/// Returns the points at a vertex: itself, one below it, and the middles of edges that begin there,
+/// each edge at one end.
+pub(super) fn points_at(surface: &Surface, v: VertexId) -> impl Iterator<Item = Point> {
+    let topology = surface.topology();
+    let edges = topology.outgoing_fan(v);
+    let edges = edges.filter(move |&h| topology.target(h) > v);
+    let of_vertex = [Point::Vertex(v), Point::Below(v)];
+    of_vertex.into_iter().chain(edges.map(Point::Middle))
+}
+
+impl Search<'_> {
+    /// Returns the body of a piece and its motion.
+    pub(super) fn body_of(&self, piece: PieceId) -> Option<(&Body, &Motion)> {
+        let body = self.bodies.get(piece.body as usize)?.as_ref()?;
+        let is_known = piece.number < body.surface().piece_bound();
+        let motion = &self.motions[piece.body as usize];
+        (is_known && motion.is_active).then_some((body, motion))
+    }
+
+    /// Returns the minimum distance of two solid pieces \[m\]; `None` for sheets and cavities.
+    fn thickness_of(&self, pieces: [PieceId; 2]) -> Option<f64> {
+        let mut least = f64::INFINITY;
+        for piece in pieces {
+            let (body, motion) = self.body_of(piece)?;
+            let shape = body.piece_shapes().get(piece.number);
+            if shape.is_sheet || shape.is_cavity {
+                return None;
+            }
+            least = least.min(motion.piece_thickness(piece.number));
+        }
+        Some(least)
+    }
+
+    /// Returns the depth of a point of the first piece in the second one, of a box \[m\].
+    ///
+    /// `None` if contacts reach as deep.
+    pub(super) fn depth_of(&self, pair: [PieceId; 2], other: &Piece, point: Point) -> Option<f64> {
+        let surface = self.body_of(pair[0])?.0.surface();
+        let at = match point {
+            Point::Vertex(v) | Point::Below(v) => surface.position(v),
+            Point::Middle(h) => {
+                let topology = surface.topology();
+                let ends = [topology.origin(h), topology.target(h)];
+                let [a, b] = ends.map(|v| surface.position(v));
+                (a + b) / 2.0
+            }
+        };
+        if !other.contains(at, 0.0) {
+            return None;
+        }
+        let clearance = MARGIN * self.thickness_of(pair)?;
+        let Point::Below(v) = point else {
+            return self.depth_at(pair, at, clearance);
+        };
+        // Coincident bodies have all of their vertices on each other.
+        let inward = -outward_normal(surface, v).try_normalize(0.0)?;
+        let below = at + inward * (2.0 * clearance);
+        let depth = self.depth_at(pair, below, clearance)?;
+        let in_own = self.depth_at([pair[1], pair[0]], below, clearance);
+        in_own.map(|_| depth)
+    }
+
+    /// Returns the depth of a point in the second piece \[m\], `None` if it is below `clearance`.
+    ///
+    /// All directions must leave the piece through its inner side: a fold of a crumpled piece shows
+    /// that side to points outside, too. Its cavities are outside.
+    fn depth_at(&self, [own, other]: [PieceId; 2], at: Vec3, clearance: f64) -> Option<f64> {
+        let (body, _) = self.body_of(other)?;
+        let (surface, bvh, shapes) = (body.surface(), body.bvh(), body.piece_shapes());
+        let counts = |t| {
+            let piece = surface.piece(t);
+            piece == other.number || piece != own.number && shapes.get(piece).is_cavity
+        };
+        if bvh.nearest(surface, at, clearance, counts).is_some() {
+            return None;
+        }
+        let mut depth = f64::INFINITY;
+        for axis in [Vec3::x(), Vec3::y(), Vec3::z()] {
+            for direction in [axis, -axis] {
+                let hit = bvh.cast(surface, at, direction, counts)?;
+                if !hit.from_inside {
+                    return None;
+                }
+                depth = f64::min(depth, hit.distance);
+            }
+        }
+        let nearest = bvh.nearest(surface, at, depth, counts);
+        Some(nearest.map_or(depth, |found| found.distance.abs()))
+    }
+
+    /// Returns the maximum depth of the first piece in the second one \[m\], 0 without an overlap.
+    pub(super) fn depth(&self, pieces: [PieceId; 2], start: usize) -> f64 {
+        let [Some((body, motion)), Some((_, motion_of_other))] = pieces.map(|p| self.body_of(p))
+        else {
+            return 0.0;
+        };
+        let [own, other] = [
+            motion.pieces[pieces[0].number as usize],
+            motion_of_other.pieces[pieces[1].number as usize],
+        ];
+        let all = POINTS_PER_VERTEX * self.pieces.vertex_count(own);
+        let other = self.pieces.get(other);
+        let surface = body.surface();
+        let vertices = vertices_of(surface, pieces[0].number);
+        let points = vertices.flat_map(|v| points_at(surface, v));
+        let sampled = (0..)
+            .zip(points)
+            .filter(|(number, _)| is_sampled(*number, all, (MEASURED, start)));
+        let depths = sampled.filter_map(|(_, point)| self.depth_of(pieces, other, point));
+        depths.fold(0.0, f64::max)
+    }
+}
