@@ -239,7 +239,7 @@ impl Solver {
         if params.ground.is_none() && self.constraints.colliders.records().is_empty() {
             return false;
         }
-        let edge = self.known_mean_rest_length() as f32;
+        let edge = self.known_mean_rest_length();
         let obstacles = Obstacles {
             ground: params.ground,
             colliders: self.constraints.colliders.records(),

@@ -130,7 +130,7 @@ fn a_body_in_contact_takes_sweeps() {
 fn iterations_beside(ground: Option<f32>, collider: Option<MovingCollider>, speed: f32) -> u32 {
     let mut surface = icosphere(3, 0.5);
     let mut solver = Solver::new(&mut surface, &elastic(1e-6, Some(1e-4))).unwrap();
-    for v in (0..surface.positions().len() as u32).map(VertexId) {
+    for v in (0..surface.positions().len()).map(VertexId::from_index) {
         solver.set_velocity(v, [0.0, -speed, 0.0]).unwrap();
     }
     solver.set_colliders(collider.as_slice()).unwrap();

@@ -26,13 +26,14 @@ impl Obstacles<'_> {
         &self,
         (surface, velocities): (&Surface, &[[f32; 4]]),
         dt: f32,
-        edge: f32,
+        edge: f64,
     ) -> bool {
         let fall = norm(self.gravity) * dt;
         let mut vertices = surface.positions().iter().zip(velocities);
         vertices.any(|(&[x, y, z, inverse_mass], &[vx, vy, vz, _])| {
             let is_near = |distance: f32, velocity: [f32; 3]| {
-                distance < MARGIN * (norm(velocity) + fall) * dt + edge
+                let motion = MARGIN * (norm(velocity) + fall) * dt;
+                f64::from(distance) < f64::from(motion) + edge
             };
             inverse_mass > 0.0
                 && (self.ground.is_some_and(|g| is_near(y - g, [vx, vy, vz]))
