@@ -9,6 +9,10 @@ use super::narrow_phase::{MAX_DEPTH, Search, Searched, friction};
 use super::near_bodies::grow;
 use incise_mesh::{Aabb, HalfEdge, Surface, Vec3, VertexId, index_u32};
 use incise_pbd_gpu::Contact;
+use rayon::prelude::*;
+
+/// Minimum number of near pairs for threads, each with half of it.
+const MIN_PARALLEL_PAIRS: usize = 512;
 
 /// The pairs of edges in contact, in memory reused between frames.
 #[derive(Debug, Clone, Default)]
@@ -18,6 +22,8 @@ pub(super) struct EdgePairs {
     of_pieces: Vec<EdgesOfPiece>,
     /// Pairs of indices into `edges`, each in the order of their keys.
     near: Vec<(u32, u32)>,
+    /// By pair: its normal and minimum distance \[m\], if the edges touch.
+    touches: Vec<Option<(Vec3, f64)>>,
     /// The contacts and minimum distances \[m\] of this search.
     touching: Vec<(EdgePair, f64)>,
     /// By edge: index of the first previous contact that it begins.
@@ -223,14 +229,28 @@ impl Search<'_> {
         }
         pairs.find_near(self.pieces, self.frame.params.self_collision);
         pairs.find_known();
-        pairs.touching.clear();
-        for &(i, j) in &pairs.near {
+        let mut touches = std::mem::take(&mut pairs.touches);
+        touches.clear();
+        touches.resize(pairs.near.len(), None);
+        let find = |(touch, &(i, j)): (&mut Option<_>, &(u32, u32))| {
             let [a, b] = [i, j].map(|i| &pairs.edges[i as usize]);
-            if let Some((normal, gap)) = self.touch(a, b, pairs.known_normal((i, j))) {
+            *touch = self.touch(a, b, pairs.known_normal((i, j)));
+        };
+        if touches.len() < MIN_PARALLEL_PAIRS {
+            touches.iter_mut().zip(&pairs.near).for_each(find);
+        } else {
+            let all = touches.par_iter_mut().zip(&pairs.near);
+            all.with_min_len(MIN_PARALLEL_PAIRS / 2).for_each(find);
+        }
+        pairs.touching.clear();
+        for (&(i, j), touch) in pairs.near.iter().zip(&touches) {
+            if let Some((normal, gap)) = *touch {
+                let [a, b] = [i, j].map(|i| &pairs.edges[i as usize]);
                 let (key, ends) = ([a.key(), b.key()], [a.edge.ends, b.edge.ends]);
                 pairs.touching.push((EdgePair { key, ends, normal }, gap));
             }
         }
+        pairs.touches = touches;
         pairs.touching.sort_unstable_by_key(|(pair, _)| pair.key);
         pairs.found.clear();
         for &(pair, gap) in &pairs.touching {
