@@ -10,8 +10,22 @@ use incise_mesh::{Surface, TriangleId, Vec3};
 pub(crate) struct PieceShape {
     /// Whether it has a boundary, so that it has no inside.
     pub(crate) is_sheet: bool,
+    /// Whether its volume is negative: it is the wall of a cavity.
+    pub(crate) is_cavity: bool,
     /// Twice its volume by its area \[m\]: the distance between the sides of a plate.
     pub(crate) thickness: f64,
+}
+
+impl PieceShape {
+    /// Returns the thickness \[m\], negative for a cavity.
+    #[cfg(feature = "serde")]
+    fn signed_thickness(self) -> f64 {
+        if self.is_cavity {
+            -self.thickness
+        } else {
+            self.thickness
+        }
+    }
 }
 
 /// The shapes of a body's pieces, in memory reused between cuts.
@@ -57,19 +71,21 @@ impl PieceShapes {
         for (shape, sums) in self.shapes.iter_mut().zip(&self.sums) {
             if sums.area > 0.0 {
                 shape.thickness = 2.0 / 3.0 * sums.volume.abs() / sums.area;
+                shape.is_cavity = sums.volume < 0.0;
             }
         }
     }
 
     /// Returns whether each piece is a sheet and its thickness \[m\], for a file.
     ///
+    /// That of a cavity is negative.
     /// `None` unless the shapes are those of the surface's topology.
     #[cfg(feature = "serde")]
     pub(crate) fn to_saved(&self, surface: &Surface) -> Option<Vec<(bool, f64)>> {
         let shapes = self.shapes.iter();
         (self.version == Some(surface.fingerprint())).then(|| {
             shapes
-                .map(|shape| (shape.is_sheet, shape.thickness))
+                .map(|shape| (shape.is_sheet, shape.signed_thickness()))
                 .collect()
         })
     }
@@ -79,9 +95,10 @@ impl PieceShapes {
     pub(crate) fn from_saved(saved: Option<Vec<(bool, f64)>>, surface: &Surface) -> Self {
         let version = saved.is_some().then(|| surface.fingerprint());
         let shapes = saved.into_iter().flatten();
-        let shape = |(is_sheet, thickness)| PieceShape {
+        let shape = |(is_sheet, thickness): (bool, f64)| PieceShape {
             is_sheet,
-            thickness,
+            is_cavity: thickness < 0.0,
+            thickness: thickness.abs(),
         };
         let shapes: Vec<PieceShape> = shapes.map(shape).collect();
         Self {

@@ -2,6 +2,7 @@
 
 mod bodies;
 mod cuts;
+mod folds;
 mod obstacles;
 mod overlaps;
 mod pieces;
