@@ -3,6 +3,7 @@
 mod bodies;
 mod cuts;
 mod folds;
+mod friction;
 mod obstacles;
 mod overlaps;
 mod pieces;
