@@ -6,7 +6,8 @@
 //! 2. [`broad_phase`] finds the pairs of their pieces.
 //! 3. [`narrow_phase`] finds for each vertex of such a piece the nearest triangle within reach on
 //!    whose outer side it lies, so that no vertex is pushed through a thin piece, and
-//!    [`edge_pairs`] finds the sharp edges that cross each other.
+//!    [`edge_pairs`] finds the sharp edges that cross each other. [`folds`] tells contacts within
+//!    a piece from sides that face each other through it.
 //! 4. [`persistent`] keeps a contact from frame to frame while the vertex hardly moves.
 //! 5. [`carriers`] finds which piece of a contact carries the other one above the ground.
 //! 6. [`overlaps`] finds pieces deep in each other, which the next frames move apart.
@@ -24,6 +25,7 @@ mod carriers;
 mod depth;
 mod edge_pairs;
 mod edges;
+mod folds;
 mod free_way;
 mod motion;
 mod narrow_phase;

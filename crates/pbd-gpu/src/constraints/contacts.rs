@@ -182,8 +182,11 @@ pub(crate) struct ContactRecord {
     pub(crate) carried: u16,
     /// Whether the last projection has separated the features.
     pub(crate) is_active: u32,
-    /// Remaining friction bound of the substep \[m\].
-    pub(crate) friction_left: f32,
+    /// Maximum sum of the corrections by friction in the substep \[m\].
+    pub(crate) friction_bound: f32,
+    /// Sum of the corrections by friction in the substep \[m\]; the last component is unused.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(crate) friction_sum: [f32; 4],
 }
 
 impl ContactRecord {
@@ -254,13 +257,6 @@ impl ContactSet {
         self.colors.iter().map(Vec::capacity).sum()
     }
 
-    /// Resets the friction bounds at the start of a substep.
-    pub(crate) fn reset_friction(&mut self) {
-        for contact in self.colors.iter_mut().flatten() {
-            contact.friction_left = 0.0;
-        }
-    }
-
     /// Replaces the contacts. They must be valid.
     pub(crate) fn set(&mut self, contacts: &[Contact], vertex_slots: usize) {
         self.clear();
@@ -281,7 +277,8 @@ impl ContactSet {
                 kind: contact.kind as u16,
                 carried: contact.carried as u16,
                 is_active: 0,
-                friction_left: 0.0,
+                friction_bound: 0.0,
+                friction_sum: [0.0; 4],
             };
             let (ids, count) = record.moved();
             let color = self.masks.claim(0, &ids[..count]).unwrap_or(UNCOLORED);

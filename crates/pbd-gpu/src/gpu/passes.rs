@@ -66,16 +66,6 @@ impl Compiler<'_> {
         for layer in 1..LAYERS {
             out.extend(self.patches(Kernel::ResetPatches, layer));
         }
-        let contacts: Vec<(u32, u32)> = (self.by_passes())
-            .map(|b| {
-                (
-                    b.slot,
-                    b.body.contacts.count.min(1) * b.body.contacts.room(),
-                )
-            })
-            .collect();
-        let kernel = Kernel::Pass(EntryPoint::ResetMultipliers);
-        out.extend(self.dispatch(kernel, ALL_CONTACTS, false, &contacts));
         let pieces: Vec<(u32, u32)> = (self.by_passes())
             .map(|b| (b.slot, b.body.volumes.places.pieces))
             .collect();

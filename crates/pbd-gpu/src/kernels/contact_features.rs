@@ -4,7 +4,8 @@
 //! from the plane or from the nearest point is decided once a frame, so that a vertex which slides
 //! over an edge onto the next triangle is not lost. The normal between two edges
 //! keeps its side from substep to substep, so that edges which have crossed are separated the way
-//! they came. A feature that the other one has left does nothing.
+//! they came. A feature that the other one has left does nothing. Normals stay for the substep, so
+//! that its sums of friction are along the same plane.
 
 use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::contacts::{ContactKind, ContactRecord};
@@ -15,10 +16,12 @@ const INACTIVE: f32 = -1e30;
 /// Minimum squared sine between two edges.
 const MIN_SQUARED_SINE: f32 = 1e-4;
 
-/// Finds the features of all contacts between pairs.
+/// Finds the features of all contacts between pairs, and begins their sums of friction.
 #[inline(never)]
 pub(crate) fn contact_features(particles: ParticleStates<'_>, contacts: &mut [ContactRecord]) {
     for contact in contacts {
+        contact.friction_bound = 0.0;
+        contact.friction_sum = [0.0; 4];
         if contact.kind == ContactKind::Plane as u16 {
             continue;
         }

@@ -117,8 +117,11 @@ fn edge_edge(v: vec4u, old_weights: vec4f, old: vec3f) -> Features {
     return Features(vec4f(1.0 - s, s, t - 1.0, -t), normal, dot_of(normal, ca));
 }
 
-// Finds the features of the contact at an entry.
+// Finds the features of the contact at an entry and begins its sum of friction.
 fn find_features(at: u32) {
+    constraints[at + 8u].y = 0u;
+    constraints[at + 9u] = vec2u();
+    constraints[at + 10u] = vec2u();
     let kind = constraints[at + 7u].y & 0xffffu;
     if (kind == CONTACT_PLANE) {
         return;

@@ -1,16 +1,19 @@
 // WGSL counterpart of `contacts.rs`.
 
-// Returns the fraction of a slide that friction removes, and adds `more` to the friction bound.
-fn friction_fraction(at: u32, slide: vec3f, more: f32) -> f32 {
-    let length = sqrt(slide.x * slide.x + slide.y * slide.y + slide.z * slide.z);
-    let keeps = frame.iterations > 1u;
-    let held = bitcast<f32>(constraints[at + 8u].y);
-    let limit = select(0.0, held, keeps) + more;
-    let slips = length > limit;
-    if (keeps) {
-        constraints[at + 8u].y = bitcast<u32>(select(limit - length, 0.0, slips));
-    }
-    return select(1.0, limit / length, slips);
+// Returns the part of a slide that friction removes, and adds `more` to the friction bound.
+fn hold(at: u32, slide: vec3f, more: f32) -> vec3f {
+    let before = vec3f(
+        bitcast<vec2f>(constraints[at + 9u]),
+        bitcast<f32>(constraints[at + 10u].x),
+    );
+    let sum = before + slide;
+    let length = sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z);
+    let bound = bitcast<f32>(constraints[at + 8u].y) + more;
+    let held = select(1.0, bound / length, length > bound) * sum;
+    constraints[at + 8u].y = bitcast<u32>(bound);
+    constraints[at + 9u] = bitcast<vec2u>(held.xy);
+    constraints[at + 10u].x = bitcast<u32>(held.z);
+    return held - before;
 }
 
 const MAX_SHARE: f32 = 8.0;
@@ -60,8 +63,7 @@ fn project_contact(at: u32) {
     let motion = (w.x * d[0] + w.y * d[1]) + (w.z * d[2] + w.w * d[3]);
     let along = motion.x * n.x + motion.y * n.y + motion.z * n.z;
     let slide = motion - along * n;
-    let back = friction_fraction(at, slide, rates.y * depth);
-    let push = (depth * n - back * slide) / weight;
+    let push = (depth * n - hold(at, slide, rates.y * depth)) / weight;
     let carried = constraints[at + 7u].y >> 16u;
     for (var i = 0u; i < select(1u, 4u, is_pair); i++) {
         store_d(v[i], d[i] + shares[i] * push);

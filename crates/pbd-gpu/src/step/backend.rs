@@ -190,7 +190,6 @@ impl NullaryFnOnce for Frame<'_, '_> {
         // The prologue, the iterations, the epilogue.
         let last = iterations + 1;
         for substep in self.substeps.clone() {
-            self.contacts.reset_friction();
             self.carried.iter().for_each(|carried| carried.set(false));
             let mut part = 0;
             while part <= last {
@@ -207,7 +206,7 @@ impl NullaryFnOnce for Frame<'_, '_> {
                 for ends in stages.windows(2) {
                     self.run_stage(part, [ends[0], ends[1]], substep)?;
                     if let Some(pass) = ends[1] {
-                        self.run_contacts(pass, iterations > 1, substep);
+                        self.run_contacts(pass, substep);
                     }
                 }
                 part += 1;
@@ -277,7 +276,7 @@ impl Frame<'_, '_> {
     }
 
     /// Runs a pass over the contacts of the island.
-    fn run_contacts(&mut self, pass: Pass, accumulates: bool, substep: u32) {
+    fn run_contacts(&mut self, pass: Pass, substep: u32) {
         let has_volumes = self.members.iter().any(|member| member.has_volumes);
         let Some(first) = self.members.first_mut() else {
             return;
@@ -309,7 +308,7 @@ impl Frame<'_, '_> {
                 first.stats.contact_projections += self.contacts.len() as u64;
                 let time = time_after(substep, first);
                 for color in &mut self.contacts.colors {
-                    contacts::contacts(particles, self.carried, color, (accumulates, time));
+                    contacts::contacts(particles, self.carried, color, time);
                 }
             }
         }

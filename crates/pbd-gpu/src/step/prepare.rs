@@ -65,8 +65,7 @@ pub(crate) fn prepare(
         contacts: !contacts.is_empty(),
         colliders: !colliders.records().is_empty(),
         ground: params.ground.is_some(),
-        multipliers: constants.accumulates_lambda()
-            || params.iterations > 1 && !contacts.is_empty(),
+        multipliers: constants.accumulates_lambda(),
     };
     (step.plan).update(key, stretch, bending.as_ref(), interior_springs.as_ref());
     Ok(constants)

@@ -6,6 +6,7 @@
 use super::body_rows::{BodyContact, BodyRows, ROW, Row};
 use super::broad_phase::Pieces;
 use super::edge_pairs::EdgePairs;
+use super::folds::is_from_outside;
 use super::motion::Motion;
 use super::outside::{Touching, faces, is_outside, outward_normal, shared_by};
 use super::persistent::{PersistentContact, contact_kind};
@@ -185,7 +186,7 @@ impl Search<'_> {
         });
         let contact = kept.or_else(|| {
             let target = (other, other_body.as_ref());
-            self.nearest(of, (v, point), target, previous, &mut row.one_ring)
+            self.nearest_from_outside(of, (v, point), target, previous, row)
         });
         let Some(contact) = contact else { return };
         // Within a piece at most half of the rest distance, so that a thin fold stays as it is.
@@ -198,6 +199,30 @@ impl Search<'_> {
             contact: vertex_face(&contact, gap, friction(of.body, other_body)),
         });
         row.persistent.push(contact);
+    }
+
+    /// Finds the nearest triangle of a body that a vertex touches [from outside](is_from_outside).
+    fn nearest_from_outside(
+        &self,
+        of: Searched<'_>,
+        (v, point): (VertexId, &MovingPoint),
+        (other, body): (u32, &Body),
+        previous: Option<PersistentContact>,
+        row: &mut Row,
+    ) -> Option<PersistentContact> {
+        let target = (other, body);
+        let found = self.nearest(of, (v, point), target, previous, &mut row.one_ring)?;
+        let surface = of.body.surface();
+        let is_fold = other == of.index && is_own(surface, v, found.triangle);
+        let contact = (&found, point.position);
+        if !is_fold || is_from_outside(body, contact, of.thickness(v), &mut row.column) {
+            return Some(found);
+        }
+        let others = MovingPoint {
+            excluded_piece: Some(surface.piece(found.triangle)),
+            ..*point
+        };
+        self.nearest(of, (v, &others), target, previous, &mut row.one_ring)
     }
 
     /// Finds the nearest triangle of a body within reach of a vertex, other than those around it.

@@ -2,6 +2,8 @@
 
 mod bodies;
 mod cuts;
+mod folds;
+mod friction;
 mod obstacles;
 mod overlaps;
 mod pieces;

@@ -53,7 +53,7 @@ impl ContactRecord {
             &self.gap_rate,
             &self.friction,
             &self.thickness,
-            &self.friction_left,
+            &self.friction_bound,
         ]);
         has_vertices
             && first[0] != NO_VERTEX

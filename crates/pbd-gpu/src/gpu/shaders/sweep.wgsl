@@ -29,8 +29,7 @@ fn sweep(kind: u32, body: Body, run: Run, first: u32, stride: u32) {
 // Sets the multiplier of constraint k of a run to zero, if it exists.
 fn reset_constraint(kind: u32, run: Run, k: u32) {
     if (k < run.len) {
-        let edges = select(STRETCH_ENTRIES, BENDING_ENTRIES, kind == BENDING);
-        let entries = select(edges, CONTACT_ENTRIES, kind == CONTACTS);
+        let entries = select(STRETCH_ENTRIES, BENDING_ENTRIES, kind == BENDING);
         constraints[run.first + entries * k + entries - 1u].y = 0u;
     }
 }

@@ -109,7 +109,7 @@ struct Projection {
 // - chunk: (first spoke, spokes), (piece, 0), then four sums
 // - spoke: (vertex, half-edge)
 // - corner: (origin, twin)
-// - contact: 9 entries as in contacts.rs
+// - contact: 11 entries as in contacts.rs
 // - collider: 8 entries as in colliders.rs
 @group(0) @binding(3) var<storage, read_write> constraints: array<vec2u>;
 @group(0) @binding(4) var<storage, read> bodies: array<Body>;

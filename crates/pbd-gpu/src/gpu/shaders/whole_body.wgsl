@@ -121,9 +121,6 @@ fn whole_body(
         if ((body.flags & KEEPS_BENDING) != 0u) {
             reset_kind(body, BENDING, body.bending_colors, lane);
         }
-        if (body.contacts != 0u && frame.iterations > 1u) {
-            reset_kind(body, CONTACTS, MAX_COLORS, lane);
-        }
         if ((body.flags & KEEPS_INTERIOR_SPRINGS) != 0u) {
             reset_kind(body, INTERIOR_SPRINGS, body.spring_colors, lane);
         }
