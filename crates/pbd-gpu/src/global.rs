@@ -44,7 +44,7 @@ mod volumes;
 use crate::constraints::Constraints;
 use crate::constraints::batches::{BendingSet, StretchSet};
 use crate::kernels::particle_state::ParticleStates;
-use crate::material::{Material, Stiffness};
+use crate::material::{Material, Stiffness, Volume};
 use crate::particles::Particles;
 use crate::step::constants::StepConstants;
 use crate::step::params::{Scheme, SolverParams};
@@ -102,6 +102,19 @@ const MIN_ITERATIONS: u32 = 2;
 /// They take as long as its local factor and the longer line searches beside new slivers.
 const LEFT_OUT: u32 = 4;
 
+/// Time for which a body takes sweeps after it has touched something \[s\].
+///
+/// Sweeps leave strains of other kinds than the global step, which would turn them into motion. So
+/// it begins only with a small elastic energy.
+pub(crate) const SWEEPS_AFTER_CONTACT: f32 = 1.0;
+
+/// Maximum elastic energy of a body that returns to the global step, relative to its kinetic energy
+/// and the work of its weight over its size.
+pub(crate) const MAX_ELASTIC: f64 = 0.1;
+
+/// Mean strain of edges whose energy is always allowed.
+pub(crate) const FREE_STRAIN: f64 = 1e-4;
+
 /// Substeps of a body in contact for each iteration of the global step.
 ///
 /// They take less time than it does, and carry a load as far as most bodies of a few thousand
@@ -110,7 +123,8 @@ pub(crate) const SUBSTEPS_IN_CONTACT: u32 = 4;
 
 /// Returns whether a body takes the global step in a frame of `dt` \[s\].
 ///
-/// All of its constraints need an energy, that is a compliance above 0.
+/// All of its edges, springs and hinges need an energy, that is a compliance above 0. A volume is
+/// kept exactly, since iterations and the forces of others would undo each other.
 pub(crate) fn is_used(
     params: &SolverParams,
     material: &Material,
@@ -119,7 +133,10 @@ pub(crate) fn is_used(
     let has_energy = |stiffness| matches!(stiffness, Stiffness::Compliance(c) if c > 0.0);
     let is_possible = has_energy(material.stretch)
         && material.bending.is_none_or(has_energy)
-        && (material.interior_springs).is_none_or(|springs| has_energy(springs.stiffness));
+        && (material.interior_springs).is_none_or(|springs| has_energy(springs.stiffness))
+        && material
+            .volume
+            .is_none_or(|volume| volume == Volume::default());
     let is_needed =
         |extent: Extent| extent.needs_global_step(material.stretch, material.bending, dt);
     let is_chosen = match params.scheme {
@@ -151,6 +168,26 @@ impl GlobalStep {
             true => all - all / LEFT_OUT,
             false => all,
         };
+    }
+
+    /// Returns the energy of edges, interior springs and hinges \[J\].
+    pub(crate) fn elastic_energy(
+        &mut self,
+        (constraints, surface): (&Constraints, &Surface),
+        material: &Material,
+    ) -> f64 {
+        let compliance = |stiffness| match stiffness {
+            Some(Stiffness::Compliance(compliance)) => f64::from(compliance),
+            _ => f64::INFINITY,
+        };
+        let springs = material.interior_springs.map(|springs| springs.stiffness);
+        let compliances = Compliances {
+            stretch: compliance(Some(material.stretch)),
+            bending: compliance(material.bending),
+            interior_springs: compliance(springs),
+        };
+        let objective = Objective::new(sets(constraints), compliances);
+        self.minimizer.value_at(&objective, surface)
     }
 
     /// Removes the vertices of changed triangles from the factor.
@@ -199,8 +236,7 @@ impl GlobalStep {
         };
         self.iterations_left = left;
         let objective = Objective::new(sets, Compliances::new(constants));
-        let is_kept = !volumes.set.pieces.is_empty() && constants.volume.alpha == 0.0;
-        let volumes = is_kept.then_some(volumes);
+        let volumes = (!volumes.set.pieces.is_empty()).then_some(volumes);
         let body = (&objective, volumes);
         self.minimizer
             .iterate(particles, body, &mut self.preconditioner);

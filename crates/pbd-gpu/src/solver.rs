@@ -10,12 +10,12 @@ mod join;
 mod particles;
 #[cfg(feature = "serde")]
 mod saved;
+#[cfg(feature = "global")]
+mod scheme;
 
 use crate::constraints::Constraints;
 use crate::error::{ConstraintError, StepError};
 use crate::follow::FollowState;
-#[cfg(feature = "global")]
-use crate::global::{Choice, Extent, Obstacles};
 use crate::kernels::integrate::{are_finite, first_non_finite};
 use crate::mass::masses;
 use crate::material::Material;
@@ -24,8 +24,6 @@ use crate::patches::PatchParams;
 use crate::step::StepState;
 use crate::step::constants::StepConstants;
 use crate::step::island::{Island, IslandError, Single};
-#[cfg(feature = "global")]
-use crate::step::params::Scheme;
 use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
 use crate::step::prepare::{prepare, takes_global_step};
@@ -126,7 +124,7 @@ impl Solver {
         let mut body = Single(self, surface);
         let done = island.prepare(&mut body, dt, params).and_then(|()| {
             let mut contacts = std::mem::take(&mut body.0.constraints.contacts);
-            let done = island.run(&mut body, &mut contacts, params);
+            let done = island.run(&mut body, &mut contacts);
             body.0.constraints.contacts = contacts;
             done
         });
@@ -205,77 +203,6 @@ impl Solver {
         let constants = prepare(step, constraints, particles, material, dt, params)?;
         step.substeps = constants.substeps;
         Ok(constants)
-    }
-
-    /// Chooses the scheme of a frame of `dt` \[s\], by contacts and the size of the body.
-    #[cfg(feature = "global")]
-    pub(crate) fn choose_scheme(
-        &mut self,
-        (surface, is_touched): (&Surface, bool),
-        dt: f32,
-        params: &SolverParams,
-    ) -> Choice {
-        if params.scheme == Scheme::Auto && self.step.extent.is_none() {
-            let edge = self.mean_rest_length();
-            self.step.extent = Some(Extent::new(surface, &self.particles.mass, edge));
-        }
-        let of_body = (self.step.extent, dt);
-        self.step.choice = if !crate::global::is_used(params, &self.material, of_body) {
-            Choice::Sweeps
-        } else if is_touched
-            || !self.constraints.contacts.is_empty()
-            || self.may_touch_obstacles(surface, dt, params)
-        {
-            Choice::SweepsInContact
-        } else {
-            Choice::Global
-        };
-        self.step.choice
-    }
-
-    /// Returns whether the ground or a collider may stop a vertex within a frame of `dt` \[s\].
-    #[cfg(feature = "global")]
-    fn may_touch_obstacles(&mut self, surface: &Surface, dt: f32, params: &SolverParams) -> bool {
-        if params.ground.is_none() && self.constraints.colliders.records().is_empty() {
-            return false;
-        }
-        let edge = self.known_mean_rest_length();
-        let obstacles = Obstacles {
-            ground: params.ground,
-            colliders: self.constraints.colliders.records(),
-            gravity: params.gravity,
-        };
-        let body = (surface, &*self.particles.velocities);
-        obstacles.may_touch(body, dt, edge)
-    }
-
-    /// Prepares the global step of a frame, or drops it from a body that no longer asks for it.
-    #[cfg(feature = "global")]
-    pub(crate) fn prepare_global(
-        &mut self,
-        surface: &Surface,
-        constants: &StepConstants,
-        params: &SolverParams,
-    ) {
-        match self.step.choice {
-            Choice::Sweeps => self.step.global = None,
-            Choice::SweepsInContact => {}
-            Choice::Global => {
-                let global = self.step.global.get_or_insert_default();
-                let body = (&self.particles, &self.constraints, surface);
-                global.prepare(body, constants, params);
-            }
-        }
-    }
-
-    /// Returns memory and cost of the global step; zero for a body that never takes it.
-    ///
-    /// A body in contact takes sweeps and keeps its factor, whose age stands still.
-    #[cfg(feature = "global")]
-    #[must_use]
-    pub fn global_stats(&self) -> crate::global::GlobalStats {
-        let global = self.step.global.as_ref();
-        global.map(|global| global.stats()).unwrap_or_default()
     }
 
     /// Returns the material.

@@ -39,6 +39,9 @@ pub(crate) struct StepState {
     /// The size of the body since its last edit, once a frame has asked for it.
     #[cfg(feature = "global")]
     pub(crate) extent: Option<crate::global::Extent>,
+    /// Time for which the body still takes sweeps since it touched something \[s\].
+    #[cfg(feature = "global")]
+    pub(crate) sweeps_left: f32,
 }
 
 impl StepState {

@@ -1,8 +1,10 @@
 //! Motions that the global step must survive: strained bodies, bodies on the ground and in contact.
 
-use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, icosphere};
+use incise_mesh::geometry::to_f32;
+use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, icosphere, torus};
 use incise_pbd_gpu::{
-    Collider, Contact, Material, MovingCollider, Scheme, Solver, SolverParams, Stiffness,
+    Collider, Contact, Integrator, Material, MovingCollider, Scheme, Solver, SolverParams,
+    Stiffness, Volume,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -121,9 +123,105 @@ fn a_body_in_contact_takes_sweeps() {
     assert_eq!(solver.substeps(), 32, "four for each iteration");
     assert_eq!(solver.global_stats().bytes, bytes, "the factor is kept");
     solver.set_contacts(&[]).unwrap();
+    for frame in 0..60 {
+        solver.step(&mut surface, DT, &GLOBAL).unwrap();
+        let iterations = solver.stats().global_iterations;
+        assert_eq!(iterations, 0, "{frame} frames later");
+    }
     solver.step(&mut surface, DT, &GLOBAL).unwrap();
     assert_eq!(solver.stats().global_iterations, 8);
     assert_eq!(solver.substeps(), 2);
+}
+
+/// Regression: strain that sweeps leave became motion in the first frame of the global step.
+#[test]
+fn a_strained_body_that_left_an_obstacle_keeps_its_sweeps() {
+    for stretched in [1.0, 1.3] {
+        let mut surface = icosphere(3, 0.5);
+        let mut solver = Solver::new(&mut surface, &elastic(1e-4, Some(1e-2))).unwrap();
+        // Two opposite vertices are held as far apart.
+        for v in [VertexId(0), VertexId(3)] {
+            solver.pin(&mut surface, v).unwrap();
+            let target = surface.position(v) * stretched;
+            solver.set_pin_target(v, to_f32(target)).unwrap();
+        }
+        let beside = Contact::plane(VertexId(7), [0.0, 1.0, 0.0], -2.0);
+        solver.set_contacts(&[beside]).unwrap();
+        solver.step(&mut surface, DT, &GLOBAL).unwrap();
+        solver.set_contacts(&[]).unwrap();
+        let mut first = None;
+        for frame in 1..200 {
+            solver.step(&mut surface, DT, &GLOBAL).unwrap();
+            if solver.stats().global_iterations > 0 {
+                first = first.or(Some(frame));
+            }
+        }
+        let expected = (stretched == 1.0).then_some(61);
+        assert_eq!(first, expected, "stretched to {stretched}");
+    }
+}
+
+/// Regression: second-order sweeps of a stiff body in contact gained 130 J.
+#[test]
+fn frames_in_contact_are_of_first_order() {
+    let step = |integrator| {
+        let mut surface = icosphere(2, 0.5);
+        let mut solver = Solver::new(&mut surface, &elastic(1e-5, Some(1e-3))).unwrap();
+        let plane = Contact::plane(VertexId(0), [0.0, 1.0, 0.0], 0.2);
+        solver.set_contacts(&[plane]).unwrap();
+        for _ in 0..3 {
+            let params = SolverParams {
+                integrator,
+                ..GLOBAL
+            };
+            solver.step(&mut surface, DT, &params).unwrap();
+        }
+        surface.positions().to_vec()
+    };
+    assert_eq!(step(Integrator::Bdf2), step(Integrator::Euler));
+}
+
+/// Regression: volumes with a compressibility gained 90 J after a cut, those with a pressure
+/// jumped by a fifth at each change of the scheme.
+#[test]
+fn only_volumes_at_rest_take_the_global_step() {
+    let of = |compressibility, pressure| {
+        let mut surface = icosphere(2, 0.5);
+        let material = Material {
+            volume: Some(Volume {
+                compressibility,
+                pressure,
+            }),
+            ..elastic(1e-5, Some(1e-3))
+        };
+        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        solver.step(&mut surface, DT, &GLOBAL).unwrap();
+        solver.stats().global_iterations
+    };
+    assert_eq!([of(0.0, 1.0), of(1e-6, 1.0), of(0.0, 1.2)], [8, 0, 0]);
+}
+
+/// Regression: one iteration without a bound of its start gained 8,000 J.
+#[test]
+fn one_iteration_does_not_explode() {
+    let mut surface = torus(0.4, 0.12, 28, 10);
+    let mut solver = Solver::new(&mut surface, &elastic(5.6e-4, Some(7e-4))).unwrap();
+    for v in (0..surface.positions().len()).map(VertexId::from_index) {
+        let p = surface.position(v);
+        let velocity = Vec3::new(4.3 * p.z, 0.0, -4.3 * p.x);
+        solver.set_velocity(v, to_f32(velocity)).unwrap();
+    }
+    let first = solver.kinetic_energy();
+    for frame in 0..80 {
+        let params = SolverParams {
+            substeps: 1,
+            iterations: 1,
+            ..GLOBAL
+        };
+        solver.step(&mut surface, DT, &params).unwrap();
+        let now = solver.kinetic_energy();
+        assert!(now < 1.5 * first, "{first} J, {now} J in frame {frame}");
+    }
 }
 
 /// A stiff ball of 1 m at the origin, and its global iterations in a frame beside obstacles.

@@ -41,7 +41,13 @@ fn scales(runner: &mut Runner) -> Result<Worst, StressError> {
             let mut body = runner.enter(surface, &material)?;
             // The ball of 1 km (1e-5 m/N) is strained by 5.8 % at rest, with 1 to 256 substeps
             // alike: all of its weight would stretch an edge by its own length.
-            let weight = 9.81 * body.solver.masses().iter().map(|&m| f64::from(m)).sum::<f64>();
+            let weight = 9.81
+                * body
+                    .solver
+                    .masses()
+                    .iter()
+                    .map(|&m| f64::from(m))
+                    .sum::<f64>();
             let stretch = match material.stretch {
                 Stiffness::Compliance(c) => weight * f64::from(c) / body.solver.mean_rest_length(),
                 Stiffness::Pbd(_) => 0.0,

@@ -8,9 +8,9 @@ use super::pieces::PieceMotions;
 use super::preconditioner::Preconditioner;
 use super::volumes::{VolumeGradients, Volumes};
 use crate::kernels::particle_state::ParticleStates;
-use energy_bound::inertia;
-use incise_mesh::Vec3;
+use energy_bound::{MAX_STRAIN, MAX_STRAIN_ALONE, inertia};
 use incise_mesh::geometry::{to_f32, to_f64};
+use incise_mesh::{Surface, Vec3};
 
 /// Number of pairs of steps and changes of the gradient.
 const PAIRS: usize = 5;
@@ -83,8 +83,7 @@ impl Minimizer {
     ///
     /// Iterations start from the prediction with or without the fall of held pieces, whichever has
     /// the lower value: a free piece falls, one that hangs from pins does not. A start with more
-    /// energy than the body has moves toward the rigid motion of its pieces. With one iteration it
-    /// does not, since a single one would not turn the body as far as the prediction does.
+    /// energy than the body has moves toward the rigid motion of its pieces.
     pub(super) fn begin(
         &mut self,
         particles: ParticleStates<'_>,
@@ -121,9 +120,23 @@ impl Minimizer {
             }
         }
         let rotation = self.find_rigid(pieces, true);
-        if iterations > 1 {
-            self.bound_start(particles, objective, (pieces, rotation));
-        }
+        let max_strain = rotation
+            * if iterations > 1 {
+                MAX_STRAIN
+            } else {
+                MAX_STRAIN_ALONE
+            };
+        self.bound_start(particles, objective, (pieces, max_strain));
+    }
+
+    /// Returns the value of an objective at the positions of a surface, without inertia.
+    pub(super) fn value_at(&mut self, objective: &Objective<'_>, surface: &Surface) -> f64 {
+        let Evaluation { points, gradient } = &mut self.evaluation;
+        points.clear();
+        let positions = surface.positions().iter();
+        points.extend(positions.map(|&[x, y, z, _]| Row::from(to_f64([x, y, z]))));
+        let inertia = points.iter().map(|_| (Vec3::zeros(), 0.0));
+        objective.evaluate(points, inertia, gradient)
     }
 
     /// Moves the displacements by one iteration.

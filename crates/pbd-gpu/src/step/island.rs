@@ -49,6 +49,7 @@ pub struct Island {
     members: Vec<Member>,
     /// Substeps of the frame.
     substeps: u32,
+    integrator: Integrator,
     /// Statistics of the second-order substeps so far, by member.
     sums: Vec<StepStats>,
     scratch: StepScratch,
@@ -135,7 +136,7 @@ impl Island {
             return Err(IslandError { body: 0, error });
         }
         let mut contacts = std::mem::take(&mut self.contacts);
-        let done = self.run(bodies, &mut contacts, params);
+        let done = self.run(bodies, &mut contacts);
         self.contacts = contacts;
         done
     }
@@ -158,6 +159,7 @@ impl Island {
         let params = &self.choose_schemes(bodies, dt, params);
         let needed = (0..bodies.count()).map(|i| bodies.get(i).0.needed_substeps(dt, params));
         self.substeps = needed.fold(params.substeps, u32::max);
+        self.integrator = params.integrator;
         let params = &SolverParams {
             substeps: self.substeps,
             ..*params
@@ -198,6 +200,12 @@ impl Island {
         SolverParams {
             substeps,
             iterations,
+            // Second-order sweeps of stiff bodies add energy in contact.
+            integrator: if in_contact {
+                Integrator::Euler
+            } else {
+                params.integrator
+            },
             ..*params
         }
     }
@@ -210,16 +218,16 @@ impl Island {
         &mut self,
         bodies: &mut dyn IslandBodies,
         contacts: &mut ContactSet,
-        params: &SolverParams,
     ) -> Result<(), IslandError> {
         let Self {
             members,
             sums,
             scratch,
             substeps,
+            integrator,
             ..
         } = self;
-        let done = match params.integrator {
+        let done = match integrator {
             Integrator::Euler => {
                 for i in 0..members.len() {
                     let (_, _, step) = bodies.get(i).0.step_parts();

@@ -65,13 +65,16 @@ pub enum Scheme {
     ///
     /// An iteration takes about as long as ten of sweeps. Use it for large and stiff bodies, with
     /// one or two substeps of four to eight iterations. A body with a rigid or a PBD stiffness has
-    /// no energy to minimize and takes sweeps. The GPU backend does not support it. Results
+    /// no energy to minimize and takes sweeps, and so does a volume with a compressibility or a
+    /// pressure other than 1. The GPU backend does not support it. Results
     /// depend on the instruction set of the CPU, not on the number of threads. A body of more than
     /// 4,096 vertices leaves out a quarter of the iterations in the frame of an edit, which
     /// prepares a matrix of the changed region.
     ///
-    /// In a frame in which it may touch another body, the ground or a collider, it takes sweeps,
-    /// with four substeps of one iteration for each iteration of the global step.
+    /// In a frame in which it may touch another piece, the ground or a collider, all bodies of its
+    /// island take sweeps of first order, with four substeps of one iteration for each iteration of
+    /// the global step. It takes the global step again after a second, once its elastic energy is
+    /// small.
     #[cfg(feature = "global")]
     Global,
     /// The global step for large bodies that are stiff in stretch and bending, sweeps for others.
@@ -81,7 +84,8 @@ pub enum Scheme {
     /// mean mass `m` of a vertex and the frame `dt` this is `dt / sqrt(c m)`. With the bending
     /// compliance it is divided by the mean rest length. The sizes are measured at creation and
     /// after edits, so the choice is the same on every machine. Substeps of one iteration take
-    /// sweeps. With one or two substeps of two to four iterations such bodies are on or near the
+    /// sweeps, and so do bodies in contact, as with [`Scheme::Global`]. With one or two substeps of
+    /// two to four iterations such bodies are on or near the
     /// work-precision Pareto front of `incise-bench accuracy`. The GPU backend does not support it.
     /// Without the feature `global` all bodies take sweeps.
     Auto,

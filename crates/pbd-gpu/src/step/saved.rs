@@ -25,6 +25,8 @@ pub(crate) struct SavedStep<'a> {
     /// Vertices, mass \[kg\] and edge length \[m\] of the extent.
     extent: Option<(u64, f64, f64)>,
     global: Option<SavedGlobalStep<'a>>,
+    /// Time for which the body still takes sweeps \[s\].
+    sweeps_left: f32,
 }
 
 /// The global step of a body, as it is saved.
@@ -70,12 +72,13 @@ impl StepState {
     /// Returns the state as plain data for a file.
     pub(crate) fn to_saved(&self) -> SavedStep<'_> {
         #[cfg(feature = "global")]
-        let (extent, global) = (
+        let (extent, global, sweeps_left) = (
             self.extent.map(crate::global::Extent::to_saved),
             self.global.as_ref().map(|global| global.to_saved()),
+            self.sweeps_left,
         );
         #[cfg(not(feature = "global"))]
-        let (extent, global) = (None, None);
+        let (extent, global, sweeps_left) = (None, None, 0.0);
         SavedStep {
             plan: self.plan.current_key(),
             history: self.history.to_saved(),
@@ -85,6 +88,7 @@ impl StepState {
             stats: self.stats,
             extent,
             global,
+            sweeps_left,
         }
     }
 
@@ -116,7 +120,8 @@ impl StepState {
             None => History::default(),
         };
         let mean = saved.mean_rest_length.unwrap_or_default();
-        if !(saved.longest_substep.is_finite() && mean.is_finite()) {
+        let times = [saved.longest_substep, saved.sweeps_left];
+        if !(times.iter().all(|time| time.is_finite()) && mean.is_finite()) {
             return Err(invalid("times of the last step"));
         }
         #[cfg(feature = "global")]
@@ -146,6 +151,8 @@ impl StepState {
             global,
             #[cfg(feature = "global")]
             extent: saved.extent.map(crate::global::Extent::from_saved),
+            #[cfg(feature = "global")]
+            sweeps_left: saved.sweeps_left,
         })
     }
 }

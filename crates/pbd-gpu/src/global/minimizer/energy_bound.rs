@@ -17,7 +17,10 @@ const MAX_HALVINGS: i32 = 7;
 /// Maximum energy by which a prediction may strain a body that turns [energies of the rotation].
 ///
 /// Iterations from the prediction follow a rotation better than those from the bound.
-const MAX_STRAIN: f64 = 8.0;
+pub(super) const MAX_STRAIN: f64 = 8.0;
+
+/// The same with one iteration, which alone does not turn the body as far as the prediction does.
+pub(super) const MAX_STRAIN_ALONE: f64 = 100.0;
 
 impl Minimizer {
     /// Moves the start of the iterations toward the rigid motion until it is within the bound.
@@ -28,7 +31,7 @@ impl Minimizer {
         &mut self,
         particles: ParticleStates<'_>,
         objective: &Objective<'_>,
-        (pieces, rotation): (&mut PieceMotions, f64),
+        (pieces, max_strain): (&mut PieceMotions, f64),
     ) {
         if self.current.value <= self.kinetic(&self.predicted, &self.rigid) {
             // The objective of the rigid motion is larger by the elastic energy.
@@ -38,7 +41,7 @@ impl Minimizer {
         self.evaluate_other(objective);
         let bound = self.other.value;
         // False for a value that is not finite.
-        let is_bounded = self.current.value <= bound + MAX_STRAIN * rotation;
+        let is_bounded = self.current.value <= bound + max_strain;
         if is_bounded {
             return;
         }

@@ -1,0 +1,117 @@
+//! The scheme of a body: sweeps or the global step, chosen in every frame.
+
+use super::Solver;
+use crate::global::{
+    Choice, Extent, FREE_STRAIN, GlobalStats, MAX_ELASTIC, Obstacles, SWEEPS_AFTER_CONTACT,
+};
+use crate::material::Stiffness;
+use crate::step::constants::StepConstants;
+use crate::step::params::{Scheme, SolverParams};
+use incise_mesh::Surface;
+
+impl Solver {
+    /// Chooses the scheme of a frame of `dt` \[s\], by contacts and the size of the body.
+    pub(crate) fn choose_scheme(
+        &mut self,
+        (surface, is_touched): (&Surface, bool),
+        dt: f32,
+        params: &SolverParams,
+    ) -> Choice {
+        if params.scheme == Scheme::Auto && self.step.extent.is_none() {
+            let edge = self.mean_rest_length();
+            self.step.extent = Some(Extent::new(surface, &self.particles.mass, edge));
+        }
+        let of_body = (self.step.extent, dt);
+        if !crate::global::is_used(params, &self.material, of_body) {
+            self.step.choice = Choice::Sweeps;
+            return Choice::Sweeps;
+        }
+        let is_touched = is_touched
+            || !self.constraints.contacts.is_empty()
+            || self.may_touch_obstacles(surface, dt, params);
+        let left = self.step.sweeps_left;
+        let takes_sweeps =
+            is_touched || left > dt || left > 0.0 && !self.is_relaxed(surface, params);
+        self.step.sweeps_left = match takes_sweeps {
+            true if !is_touched && left > dt => left - dt,
+            true => SWEEPS_AFTER_CONTACT,
+            false => 0.0,
+        };
+        self.step.choice = if takes_sweeps {
+            Choice::SweepsInContact
+        } else {
+            Choice::Global
+        };
+        self.step.choice
+    }
+
+    /// Returns whether the body has little elastic energy for its motion, weight and stiffness.
+    fn is_relaxed(&mut self, surface: &Surface, params: &SolverParams) -> bool {
+        let edge = self.known_mean_rest_length();
+        let Self {
+            material,
+            particles,
+            constraints,
+            step,
+            ..
+        } = self;
+        let global = step.global.get_or_insert_default();
+        let elastic = global.elastic_energy((constraints, surface), material);
+        let squares = params.gravity.map(|g| f64::from(g) * f64::from(g));
+        let gravity = squares.iter().sum::<f64>().sqrt();
+        let mass: f64 = particles.mass.iter().map(|&m| f64::from(m)).sum();
+        let weight = mass * gravity * surface.bounds().diagonal();
+        let free = match material.stretch {
+            Stiffness::Compliance(c) => {
+                let edges = constraints.stretch.len() as f64;
+                edges * (FREE_STRAIN * edge).powi(2) / (2.0 * f64::from(c))
+            }
+            Stiffness::Pbd(_) => 0.0,
+        };
+        elastic <= MAX_ELASTIC * (self.kinetic_energy() + weight) + free
+    }
+
+    /// Returns whether the ground or a collider may stop a vertex within a frame of `dt` \[s\].
+    fn may_touch_obstacles(&mut self, surface: &Surface, dt: f32, params: &SolverParams) -> bool {
+        if params.ground.is_none() && self.constraints.colliders.records().is_empty() {
+            return false;
+        }
+        let edge = self.known_mean_rest_length();
+        let obstacles = Obstacles {
+            ground: params.ground,
+            colliders: self.constraints.colliders.records(),
+            gravity: params.gravity,
+        };
+        let body = (surface, &*self.particles.velocities);
+        obstacles.may_touch(body, dt, edge)
+    }
+
+    /// Prepares the global step of a frame, or drops it from a body that no longer asks for it.
+    pub(crate) fn prepare_global(
+        &mut self,
+        surface: &Surface,
+        constants: &StepConstants,
+        params: &SolverParams,
+    ) {
+        match self.step.choice {
+            // One that chooses by the time step may take it again.
+            Choice::Sweeps if params.scheme == Scheme::Auto => {}
+            Choice::Sweeps => self.step.global = None,
+            Choice::SweepsInContact => {}
+            Choice::Global => {
+                let global = self.step.global.get_or_insert_default();
+                let body = (&self.particles, &self.constraints, surface);
+                global.prepare(body, constants, params);
+            }
+        }
+    }
+
+    /// Returns memory and cost of the global step; zero for a body that never takes it.
+    ///
+    /// A body in contact takes sweeps and keeps its factor, whose age stands still.
+    #[must_use]
+    pub fn global_stats(&self) -> GlobalStats {
+        let global = self.step.global.as_ref();
+        global.map(|global| global.stats()).unwrap_or_default()
+    }
+}
