@@ -1,10 +1,10 @@
 //! Contacts: two features, or a feature and a plane, keep a distance (Mueller et al. 2007, 4.3).
 //!
 //! `C = n . sum of w_i x_i - gap`. Vertex against face, edge against edge and vertex against plane
-//! differ in their weights only. Coulomb friction removes sliding. The vector sum of what it removes
-//! in a substep is bounded by the sum of the corrections of the distance. With a bound of its own, a
-//! projection after volumes would lose the slide that they add, and stacked bodies would creep
-//! downhill. A sum of lengths would count a slide and its return twice.
+//! differ in their weights only. Coulomb friction removes sliding. The vector sum of all that it
+//! removes in a substep is bounded by the sum of the corrections of the distance. With a bound of
+//! its own, a projection after volumes would lose the slide that they add, and stacked bodies would
+//! creep downhill. A sum of lengths would count a slide and its return twice.
 
 use super::block::difference;
 use super::particle_state::{ParticleState, ParticleStates};
