@@ -123,8 +123,8 @@ pub(crate) const SUBSTEPS_IN_CONTACT: u32 = 4;
 
 /// Returns whether a body takes the global step in a frame of `dt` \[s\].
 ///
-/// All of its edges, springs and hinges need an energy, that is a compliance above 0. A volume is
-/// kept exactly, since iterations and the forces of others would undo each other.
+/// All of its edges, springs and hinges need an energy, that is a compliance above 0. A volume must
+/// be incompressible without excess pressure: projections of others and iterations undo each other.
 pub(crate) fn is_used(
     params: &SolverParams,
     material: &Material,

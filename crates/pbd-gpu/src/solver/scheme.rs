@@ -29,15 +29,17 @@ impl Solver {
         let is_touched = is_touched
             || !self.constraints.contacts.is_empty()
             || self.may_touch_obstacles(surface, dt, params);
-        let left = self.step.sweeps_left;
-        let takes_sweeps =
-            is_touched || left > dt || left > 0.0 && !self.is_relaxed(surface, params);
-        self.step.sweeps_left = match takes_sweeps {
-            true if !is_touched && left > dt => left - dt,
-            true => SWEEPS_AFTER_CONTACT,
-            false => 0.0,
+        let before = self.step.sweeps_left;
+        self.step.sweeps_left = if is_touched {
+            SWEEPS_AFTER_CONTACT
+        } else if before > dt {
+            before - dt
+        } else if before > 0.0 && !self.is_relaxed(surface, params) {
+            SWEEPS_AFTER_CONTACT
+        } else {
+            0.0
         };
-        self.step.choice = if takes_sweeps {
+        self.step.choice = if self.step.sweeps_left > 0.0 {
             Choice::SweepsInContact
         } else {
             Choice::Global
@@ -48,22 +50,15 @@ impl Solver {
     /// Returns whether the body has little elastic energy for its motion, weight and stiffness.
     fn is_relaxed(&mut self, surface: &Surface, params: &SolverParams) -> bool {
         let edge = self.known_mean_rest_length();
-        let Self {
-            material,
-            particles,
-            constraints,
-            step,
-            ..
-        } = self;
-        let global = step.global.get_or_insert_default();
-        let elastic = global.elastic_energy((constraints, surface), material);
+        let global = self.step.global.get_or_insert_default();
+        let elastic = global.elastic_energy((&self.constraints, surface), &self.material);
         let squares = params.gravity.map(|g| f64::from(g) * f64::from(g));
         let gravity = squares.iter().sum::<f64>().sqrt();
-        let mass: f64 = particles.mass.iter().map(|&m| f64::from(m)).sum();
+        let mass: f64 = self.particles.mass.iter().map(|&m| f64::from(m)).sum();
         let weight = mass * gravity * surface.bounds().diagonal();
-        let free = match material.stretch {
+        let free = match self.material.stretch {
             Stiffness::Compliance(c) => {
-                let edges = constraints.stretch.len() as f64;
+                let edges = self.constraints.stretch.len() as f64;
                 edges * (FREE_STRAIN * edge).powi(2) / (2.0 * f64::from(c))
             }
             Stiffness::Pbd(_) => 0.0,

@@ -17,7 +17,7 @@ pub(crate) struct SavedBody<'a> {
     cutter: SavedCutter<'a>,
     /// Incisions by the numbers of their blades.
     incisions: Vec<(u32, SavedIncision)>,
-    /// Whether each piece is a sheet, and its thickness \[m\]; `None` if they are to be measured.
+    /// The rest shapes of the pieces; `None` if they are to be measured.
     piece_shapes: Option<Vec<SavedShape>>,
     is_stale: bool,
     /// A bounding box and the maximum displacement since \[m\].
