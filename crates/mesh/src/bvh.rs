@@ -33,6 +33,7 @@ mod saved;
 mod tests;
 mod update;
 mod validate;
+mod winding;
 
 use crate::ids::index_u32;
 pub use cast::RayHit;

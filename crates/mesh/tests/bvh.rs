@@ -266,3 +266,40 @@ fn a_sheet_has_no_opposite_vertex() {
     let bvh = Bvh::build(&surface);
     assert_eq!(bvh.opposite_vertex(&surface, VertexId(0)), None);
 }
+
+/// Returns the winding number of a point: the solid angle of all triangles over that of a sphere.
+///
+/// Van Oosterom and Strackee 1983, "The solid angle of a plane triangle".
+fn by_solid_angle(surface: &Surface, at: Vec3) -> f64 {
+    let angle = |t: TriangleId| {
+        let [a, b, c] = surface.triangle_positions(t).map(|p| p - at);
+        let [la, lb, lc] = [a, b, c].map(|p| p.norm());
+        let cosine = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
+        2.0 * a.dot(&b.cross(&c)).atan2(cosine)
+    };
+    let sum: f64 = surface.topology().triangles().map(angle).sum();
+    sum / (4.0 * std::f64::consts::PI)
+}
+
+proptest! {
+    /// The torus is bent until it intersects itself, and turned inside out by a negative scale.
+    #[test]
+    fn the_winding_number_is_the_solid_angle(
+        at in [-1.5f64..1.5, -1.5..1.5, -0.8..0.8],
+        bend in 0.0f32..6.0,
+        scale in prop_oneof![Just(1.0f32), Just(-1.0)],
+    ) {
+        let mut surface = torus(1.0, 0.4, 24, 12);
+        for p in surface.positions_mut() {
+            let [x, y, z, w] = *p;
+            *p = [x + 0.5 * (bend * z).sin(), y + 0.5 * (bend * x).sin(), scale * z, w];
+        }
+        let bvh = Bvh::build(&surface);
+        let at = Vec3::from(at);
+        let near = bvh.nearest(&surface, at, 1e-6, |_| true);
+        prop_assume!(near.is_none());
+        let found = bvh.winding_number(&surface, at, |_| true);
+        let expected = by_solid_angle(&surface, at);
+        prop_assert!((f64::from(found) - expected).abs() < 1e-6, "{found}, not {expected}");
+    }
+}

@@ -82,6 +82,16 @@ impl Bvh {
         touches: impl Fn(&Aabb) -> bool,
         out: &mut Vec<TriangleId>,
     ) {
+        self.visit(surface, touches, |t| out.push(t));
+    }
+
+    /// Calls `each` with every triangle whose box `touches`, as in [`Bvh::traverse`].
+    pub(super) fn visit(
+        &self,
+        surface: &Surface,
+        touches: impl Fn(&Aabb) -> bool,
+        mut each: impl FnMut(TriangleId),
+    ) {
         let mut at = 0;
         let mut rights = [0; MAX_HEIGHT];
         let mut depth = 0;
@@ -96,7 +106,7 @@ impl Bvh {
                 let block = &self.blocks[node.index as usize];
                 for k in 0..node.count as usize {
                     if touches(&triangle_bounds(surface, block.corners[k])) {
-                        out.push(block.triangles[k]);
+                        each(block.triangles[k]);
                     }
                 }
             }

@@ -2,7 +2,7 @@
 
 use super::edges::MovingEdge;
 use super::persistent::PersistentContact;
-use incise_mesh::{TriangleId, VertexId};
+use incise_mesh::VertexId;
 use incise_pbd_gpu::Contact;
 
 /// Number of vertex slots of a row.
@@ -26,8 +26,6 @@ pub(super) struct Row {
     pub(super) one_ring: Vec<VertexId>,
     /// Scratch memory: the bodies that the current vertex may touch.
     pub(super) near: Vec<u32>,
-    /// Scratch memory: triangles along a ray through the current body.
-    pub(super) column: Vec<TriangleId>,
     /// Sharp edges near other pieces, until they are tested.
     pub(super) edges: Vec<MovingEdge>,
 }

@@ -96,8 +96,7 @@ impl Search<'_> {
 
     /// Returns the depth of a point in the second piece \[m\], `None` if it is below `clearance`.
     ///
-    /// All directions must leave the piece through its inner side: a fold of a crumpled piece shows
-    /// that side to points outside, too. Its cavities are outside.
+    /// Its cavities are outside, and so is the space around a part that is inside out.
     fn depth_at(&self, [own, other]: [PieceId; 2], at: Vec3, clearance: f64) -> Option<f64> {
         let (body, _) = self.body_of(other)?;
         let (surface, bvh, shapes) = (body.surface(), body.bvh(), body.piece_shapes());
@@ -105,21 +104,11 @@ impl Search<'_> {
             let piece = surface.piece(t);
             piece == other.number || piece != own.number && shapes.get(piece).is_cavity
         };
-        if bvh.nearest(surface, at, clearance, counts).is_some() {
+        if bvh.winding_number(surface, at, counts) < 1 {
             return None;
         }
-        let mut depth = f64::INFINITY;
-        for axis in [Vec3::x(), Vec3::y(), Vec3::z()] {
-            for direction in [axis, -axis] {
-                let hit = bvh.cast(surface, at, direction, counts)?;
-                if !hit.from_inside {
-                    return None;
-                }
-                depth = f64::min(depth, hit.distance);
-            }
-        }
-        let nearest = bvh.nearest(surface, at, depth, counts);
-        Some(nearest.map_or(depth, |found| found.distance.abs()))
+        let nearest = bvh.nearest(surface, at, f64::INFINITY, counts)?;
+        Some(nearest.distance.abs()).filter(|&depth| depth >= clearance)
     }
 
     /// Returns the maximum depth of the first piece in the second one \[m\], 0 without an overlap.

@@ -215,7 +215,7 @@ impl Search<'_> {
         let surface = of.body.surface();
         let is_fold = other == of.index && is_own(surface, v, found.triangle);
         let contact = (&found, point.position);
-        if !is_fold || is_from_outside(body, contact, of.thickness(v), &mut row.column) {
+        if !is_fold || is_from_outside(body, contact, of.thickness(v)) {
             return Some(found);
         }
         let others = MovingPoint {
