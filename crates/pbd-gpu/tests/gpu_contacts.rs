@@ -11,6 +11,13 @@ use incise_test_support::gpu::{Needs, trial};
 use incise_test_support::random::Random;
 use std::process::ExitCode;
 
+const CARRIED: [Carried; 4] = [
+    Carried::Neither,
+    Carried::First,
+    Carried::Second,
+    Carried::Upper,
+];
+
 /// Returns random contacts, in which one vertex has more contacts than there are colors.
 fn contacts(surface: &Surface, random: &mut Random, count: usize) -> Vec<Contact> {
     let topology = surface.topology();
@@ -46,7 +53,7 @@ fn contacts(surface: &Surface, random: &mut Random, count: usize) -> Vec<Contact
                     _ => 0.0,
                 },
                 friction: random.fraction(),
-                carried: [Carried::Neither, Carried::First, Carried::Second][random.below(3)],
+                carried: CARRIED[random.below(4)],
                 ..contact
             });
         }

@@ -232,9 +232,7 @@ impl ContactDetection {
             frame,
         };
         search.run(&mut self.rows, &mut self.edges);
-        if let Some(ground) = frame.ground {
-            self.carriers.mark(search, ground, &mut self.rows);
-        }
+        self.carriers.mark(search, &mut self.rows);
         self.overlaps.find(search);
     }
 

@@ -5,21 +5,24 @@
 //! removes in a substep is bounded by the sum of the corrections of the distance. With a bound of
 //! its own, a projection after volumes would lose the slide that they add, and stacked bodies would
 //! creep downhill. A sum of lengths would count a slide and its return twice.
+//!
+//! A vertex on the ground does not move further down. The ground would undo it, and what lies on
+//! the vertex would sink into it.
 
 use super::block::difference;
 use super::particle_state::{ParticleState, ParticleStates};
-use crate::constraints::contacts::ContactRecord;
+use crate::constraints::contacts::{Carried, ContactRecord};
 use std::cell::Cell;
 
 /// Separates the features of contacts at a time of the frame \[s\], one contact after the other.
 ///
-/// Marks the vertices of [carried](crate::Carried) features in `carried`, shape [vertices].
+/// Vertices at or below `ground` \[m\] do not move down. Marks the vertices of [carried](crate::Carried) features in `carried`, shape [vertices].
 #[inline(never)]
 pub(crate) fn contacts(
     particles: ParticleStates<'_>,
     carried: &[Cell<bool>],
     contacts: &mut [ContactRecord],
-    time: f32,
+    (ground, time): (f32, f32),
 ) {
     for contact in contacts {
         let count = contact.vertex_count();
@@ -27,14 +30,16 @@ pub(crate) fn contacts(
         for (p, &v) in p.iter_mut().zip(&contact.vertices[..count]) {
             *p = particles.get(v as usize);
         }
+        // The ground lifts its vertices later in the substep.
+        let lifted = p.map(|p| lifted(p, ground));
         // Differences keep precision far from the origin, from which a plane is measured.
         let center = if count == 4 {
-            p[0]
+            lifted[0]
         } else {
             ParticleState::default()
         };
         let n = contact.normal;
-        let between = weighted_sum(contact.weights, p.map(|p| difference(center, p)));
+        let between = weighted_sum(contact.weights, lifted.map(|p| difference(center, p)));
         let gap = if count == 4 {
             contact.gap
         } else {
@@ -42,24 +47,30 @@ pub(crate) fn contacts(
         };
         let depth = gap - dot(between, n);
         let w = contact.weights;
-        let (shares, weight) = mobility(w, p);
+        let Mobility {
+            shares,
+            climbs,
+            weight,
+            free_weight,
+        } = Mobility::new((w, n), p, ground);
         let is_active = depth > 0.0 && weight > 0.0;
         contact.is_active = u32::from(is_active);
         if !is_active {
             continue;
         }
         // The sliding of one feature along the other in this substep.
-        let motion = weighted_sum(w, p.map(|p| p.d));
+        let motion = weighted_sum(w, lifted.map(|p| p.d));
         let along = dot(motion, n);
         let slide = [0, 1, 2].map(|k: usize| motion[k] - along * n[k]);
         let held = hold(contact, slide, contact.friction * depth);
-        let push = [0, 1, 2].map(|k: usize| (depth * n[k] - held[k]) / weight);
+        let push = depth / weight;
+        let [x, y, z] = held.map(|c| c / free_weight);
         for i in 0..count {
             let (d, by) = (p[i].d, shares[i]);
             let moved = [
-                d[0] + by * push[0],
-                d[1] + by * push[1],
-                d[2] + by * push[2],
+                d[0] + by * (push * n[0] - x),
+                d[1] + by * (push * climbs[i] - y),
+                d[2] + by * (push * n[2] - z),
                 d[3],
             ];
             let v = contact.vertices[i] as usize;
@@ -71,22 +82,58 @@ pub(crate) fn contacts(
     }
 }
 
+/// Returns a state as the ground will leave it.
+#[inline(always)]
+fn lifted(ParticleState { x, mut d }: ParticleState, ground: f32) -> ParticleState {
+    let depth = ground - (x[1] + d[1]);
+    if depth > 0.0 && x[3] > 0.0 {
+        d[1] += depth;
+    }
+    ParticleState { x, d }
+}
+
 /// Maximum motion of a vertex, relative to the correction of the distance.
 ///
 /// Without this bound it is at most 1.4 for equal masses, if the vertices of a feature can move or
 /// all of them are fixed. Next to a pin it may be the reciprocal of a tiny weight.
 pub(crate) const MAX_SHARE: f32 = 8.0;
 
-/// Returns the weights times the inverse masses, and the effective inverse mass of the contact
-/// [1/kg], bounded from below by [`MAX_SHARE`].
-#[inline(always)]
-fn mobility(w: [f32; 4], p: [ParticleState; 4]) -> ([f32; 4], f32) {
-    let shares = [0, 1, 2, 3].map(|i: usize| w[i] * p[i].x[3]);
-    let weight = (w[0] * shares[0] + w[1] * shares[1]) + (w[2] * shares[2] + w[3] * shares[3]);
-    let greater = |a: f32, b: f32| if b > a { b } else { a };
-    let [a, b, c, d] = shares.map(f32::abs);
-    let largest = greater(greater(a, b), greater(c, d));
-    (shares, greater(weight, largest / MAX_SHARE))
+/// The shares of the vertices in the correction of a contact.
+struct Mobility {
+    /// Weights times inverse masses.
+    shares: [f32; 4],
+    /// Vertical components of the normal, 0 for vertices that the ground holds.
+    climbs: [f32; 4],
+    /// Effective inverse mass along the normal [1/kg], bounded from below by [`MAX_SHARE`].
+    weight: f32,
+    /// The same without the ground, for friction.
+    free_weight: f32,
+}
+
+impl Mobility {
+    #[inline(always)]
+    fn new((w, n): ([f32; 4], [f32; 3]), p: [ParticleState; 4], ground: f32) -> Self {
+        let greater = |a: f32, b: f32| if b > a { b } else { a };
+        let bounded = |along: [f32; 4], sizes: [f32; 4]| {
+            let [a, b, c, d] = sizes;
+            let weight = (w[0] * along[0] + w[1] * along[1]) + (w[2] * along[2] + w[3] * along[3]);
+            greater(weight, greater(greater(a, b), greater(c, d)) / MAX_SHARE)
+        };
+        let shares = [0, 1, 2, 3].map(|i: usize| w[i] * p[i].x[3]);
+        let heights = p.map(|p| p.x[1] + p.d[1]);
+        let is_held = [0, 1, 2, 3].map(|i: usize| w[i] * n[1] < 0.0 && heights[i] <= ground);
+        // Held vertices move along the horizontal part of the normal.
+        let level = [greater(1.0 - n[1] * n[1], 0.0), n[0].abs() + n[2].abs()];
+        let parts = is_held.map(|is_held| if is_held { level } else { [1.0; 2] });
+        let along = [0, 1, 2, 3].map(|i: usize| shares[i] * parts[i][0]);
+        let sizes = [0, 1, 2, 3].map(|i: usize| shares[i].abs() * parts[i][1]);
+        Self {
+            shares,
+            climbs: is_held.map(|is_held| if is_held { 0.0 } else { n[1] }),
+            weight: bounded(along, sizes),
+            free_weight: bounded(shares, shares.map(f32::abs)),
+        }
+    }
 }
 
 /// Rate at which a distance below the minimum grows, relative to the missing distance [1/s].
@@ -95,17 +142,24 @@ const RECOVERY: f32 = 5.0;
 /// Maximum missing distance that recovers at once [minimum distances].
 const MAX_MISSING: f32 = 2.0;
 
+/// Recovery of a carried feature per substep [displacements by gravity].
+const LIFT: f32 = 4.0;
+
 /// Ends a substep of `h` \[s\]: active contacts of pairs separate without velocity.
 ///
 /// Displacements lose their separating part, and start positions gain it and the recovery of
-/// missing distances. Returns an upper bound of the change of a position by recovery along an axis
-/// \[m\], if no vertex is in two of the contacts.
+/// missing distances. [Carried](crate::Carried) features only rise, and recover more: contacts on
+/// which others press lose parts of `fall`, the displacement by gravity in a substep \[m\], in each
+/// substep. Returns an upper bound of the change of a position by recovery along an axis \[m\], if no vertex
+/// is in two of the contacts.
 #[inline(never)]
 pub(crate) fn recover_contacts(
     particles: ParticleStates<'_>,
     contacts: &[ContactRecord],
-    h: f32,
+    (ground, h): (f32, f32),
+    fall: [f32; 3],
 ) -> f32 {
+    let lesser = |a: f32, b: f32| if b < a { b } else { a };
     let mut max_change = 0.0;
     for contact in contacts {
         if contact.is_active == 0 || contact.vertex_count() < 4 {
@@ -113,36 +167,38 @@ pub(crate) fn recover_contacts(
         }
         let p = contact.vertices.map(|v| particles.get(v as usize));
         let (w, n) = (contact.weights, contact.normal);
-        let (shares, weight) = mobility(w, p);
-        let is_movable = weight > 0.0;
+        let free = Mobility::new((w, n), p, ground);
+        let is_movable = free.weight > 0.0;
         if !is_movable {
             continue;
         }
+        // The carrying feature is not pressed down, as on the ground.
+        let is_carried = contact.carried != Carried::Neither as u16;
+        let height = if is_carried { f32::INFINITY } else { ground };
+        let raised = Mobility::new((w, n), p, height);
+        let raised = if raised.weight > 0.0 { &raised } else { &free };
         let along = dot(weighted_sum(w, p.map(|p| p.d)), n);
         let separation = if along > 0.0 { along } else { 0.0 };
         let missing = contact.thickness - contact.gap;
-        let limit = MAX_MISSING * contact.thickness;
-        let recovery = if missing < limit { missing } else { limit } * (RECOVERY * h);
-        let [lost, gained] = [separation, separation + recovery].map(|step| step / weight);
-        for i in 0..4 {
-            let ParticleState { x, d } = p[i];
-            let [lost, gained] = [shares[i] * lost, shares[i] * gained];
+        let slow = lesser(missing, MAX_MISSING * contact.thickness) * (RECOVERY * h);
+        let lift = if is_carried {
+            LIFT * dot(fall, n).abs()
+        } else {
+            0.0
+        };
+        let recovery = lesser(missing, slow + lift);
+        for (i, ParticleState { x, d }) in p.into_iter().enumerate() {
+            let lost = free.shares[i] * (separation / free.weight);
+            let gained = free.shares[i] * (recovery / raised.weight);
+            let back = [lost * n[0], lost * free.climbs[i], lost * n[2]];
+            let shift = [gained * n[0], gained * raised.climbs[i], gained * n[2]];
+            let moved = [0, 1, 2].map(|k: usize| x[k] + (back[k] + shift[k]));
             let state = ParticleState {
-                x: [
-                    x[0] + gained * n[0],
-                    x[1] + gained * n[1],
-                    x[2] + gained * n[2],
-                    x[3],
-                ],
-                d: [
-                    d[0] - lost * n[0],
-                    d[1] - lost * n[1],
-                    d[2] - lost * n[2],
-                    d[3],
-                ],
+                x: [moved[0], moved[1], moved[2], x[3]],
+                d: [d[0] - back[0], d[1] - back[1], d[2] - back[2], d[3]],
             };
             particles.set(contact.vertices[i] as usize, state);
-            max_change = f32::max(max_change, gained.abs());
+            max_change = f32::max(max_change, (lost + gained).abs());
         }
     }
     max_change
@@ -180,6 +236,8 @@ mod tests {
     use crate::constraints::contacts::{ContactKind, NO_VERTEX};
     use crate::kernels::particle_state::on_arrays;
 
+    const NO_GROUND: f32 = f32::NEG_INFINITY;
+
     /// A vertex of 2 kg over the middle of a triangle of 3 kg that lies in the plane y = 0.
     fn pair() -> (Vec<[f32; 4]>, ContactRecord) {
         let x = vec![
@@ -202,7 +260,9 @@ mod tests {
     fn vertex_and_triangle_are_separated_by_inverse_mass() {
         let (x, contact) = pair();
         let mut d = [[0.0, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
-        on_arrays(&x, &mut d, |p| contacts(p, &[], &mut [contact], 0.0));
+        on_arrays(&x, &mut d, |p| {
+            contacts(p, &[], &mut [contact], (NO_GROUND, 0.0))
+        });
         // 0.15 m too near; inverse masses 1/2 and 3 (1/3)^2.
         let step = 0.15 / (0.5 + 1.0 / 3.0);
         assert!((d[0][1] - (-0.2 + 0.5 * step)).abs() < 1e-6, "{d:?}");
@@ -210,7 +270,9 @@ mod tests {
             assert!((corner[1] + step / 3.0).abs() < 1e-6, "{d:?}");
         }
         let before = d;
-        on_arrays(&x, &mut d, |p| contacts(p, &[], &mut [contact], 0.0));
+        on_arrays(&x, &mut d, |p| {
+            contacts(p, &[], &mut [contact], (NO_GROUND, 0.0))
+        });
         let off = (d[0][1] - before[0][1]).abs();
         assert!(off < 1e-6, "separated contacts are inactive");
     }
@@ -227,7 +289,9 @@ mod tests {
             ..contact
         };
         let mut d = [[0.0, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
-        on_arrays(&x, &mut d, |p| contacts(p, &[], &mut [contact], 0.0));
+        on_arrays(&x, &mut d, |p| {
+            contacts(p, &[], &mut [contact], (NO_GROUND, 0.0))
+        });
         let depth = 0.15;
         assert!((d[3][1] + MAX_SHARE * depth).abs() < 1e-5, "{d:?}");
     }
@@ -240,7 +304,8 @@ mod tests {
             .map(|(x, d)| ParticleState { x, d })
             .collect();
         let mut after = states.clone();
-        let change = recover_contacts(ParticleStates::new(&mut after), &[contact], 0.01);
+        let states_after = ParticleStates::new(&mut after);
+        let change = recover_contacts(states_after, &[contact], (NO_GROUND, 0.01), [0.0; 3]);
         assert_eq!(change > 0.0, after != states);
         (states, after)
     }
@@ -291,6 +356,58 @@ mod tests {
         }
     }
 
+    /// Regression: the ground undid what contacts pressed into it, so that upper sheets sank into
+    /// lower ones.
+    #[test]
+    fn a_triangle_on_the_ground_is_not_pressed_down() {
+        let (x, contact) = pair();
+        for normal in [[0.0, 1.0, 0.0], [0.6, 0.8, 0.0]] {
+            let contact = ContactRecord { normal, ..contact };
+            let mut d = [[0.0, -0.08, 0.0, 0.0]; 4];
+            on_arrays(&x, &mut d, |p| contacts(p, &[], &mut [contact], (0.0, 0.0)));
+            for corner in &d[1..] {
+                assert_eq!(corner[1], -0.08, "{d:?}: the ground lifts it later");
+            }
+            // Relative to the corners on the ground.
+            let shift = d[0][0] - (d[1][0] + d[2][0] + d[3][0]) / 3.0;
+            let distance = normal[0] * shift + normal[1] * (0.1 + d[0][1]);
+            assert!((distance - 0.05).abs() < 1e-6, "{distance} m, {d:?}");
+            let momentum = 2.0 * d[0][0] + d[1][0] + d[2][0] + d[3][0];
+            assert!(momentum.abs() < 1e-6, "sideways it is free: {momentum}");
+        }
+    }
+
+    /// Regression: a contact on which others press lost more in each substep than it regained.
+    #[test]
+    fn a_carried_feature_rises() {
+        let contact = ContactRecord {
+            is_active: 1,
+            thickness: 0.07,
+            gap: 0.03,
+            ..pair().1
+        };
+        let fall = [0.0, -0.005, 0.0];
+        for missing in [0.04, 0.005] {
+            let contact = ContactRecord {
+                gap: contact.thickness - missing,
+                carried: Carried::First as u16,
+                ..contact
+            };
+            let mut states: Vec<_> = (pair().0.into_iter())
+                .map(|x| ParticleState { x, d: [0.0; 4] })
+                .collect();
+            let before = states.clone();
+            let particles = ParticleStates::new(&mut states);
+            recover_contacts(particles, &[contact], (NO_GROUND, 0.01), fall);
+            let expected = f32::min(missing, 0.05 * missing + 0.02);
+            assert!(
+                (states[0].x[1] - 0.1 - expected).abs() < 1e-6,
+                "{expected} m"
+            );
+            assert_eq!(states[1..], before[1..], "nothing is pressed down");
+        }
+    }
+
     #[test]
     fn crossed_edges_are_separated_by_inverse_mass() {
         // Edges along x and z cross at a quarter of the first and the middle of the second.
@@ -313,7 +430,9 @@ mod tests {
             [0.0; 4],
             [0.0; 4],
         ];
-        on_arrays(&x, &mut d, |p| contacts(p, &[], &mut [contact], 0.0));
+        on_arrays(&x, &mut d, |p| {
+            contacts(p, &[], &mut [contact], (NO_GROUND, 0.0))
+        });
         let heights = [0, 1, 2, 3].map(|i: usize| x[i][1] + d[i][1]);
         let between = 0.75 * heights[0] + 0.25 * heights[1] - 0.5 * (heights[2] + heights[3]);
         assert!((between - 0.05).abs() < 1e-6, "{between} m apart");
@@ -335,7 +454,9 @@ mod tests {
         };
         for (time, height) in [(0.0, 0.15), (0.05, 0.25)] {
             let mut d = [[0.3, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
-            on_arrays(&x, &mut d, |p| contacts(p, &[], &mut [plane], time));
+            on_arrays(&x, &mut d, |p| {
+                contacts(p, &[], &mut [plane], (NO_GROUND, time))
+            });
             assert!((x[0][1] + d[0][1] - height).abs() < 1e-6, "{d:?}");
             // Friction removes half of the lift.
             let left = 0.3 - 0.5 * (height + 0.1);
@@ -345,7 +466,9 @@ mod tests {
         let mut held = x;
         held[0][3] = 0.0;
         let mut d = [[0.0; 4]; 4];
-        on_arrays(&held, &mut d, |p| contacts(p, &[], &mut [plane], 0.0));
+        on_arrays(&held, &mut d, |p| {
+            contacts(p, &[], &mut [plane], (NO_GROUND, 0.0))
+        });
         assert_eq!(d, [[0.0; 4]; 4], "pinned vertices stay");
     }
 
@@ -358,7 +481,9 @@ mod tests {
                 friction: 0.5,
                 ..contact
             }];
-            on_arrays(&x, &mut d, |p| contacts(p, &[], &mut list, 0.0));
+            on_arrays(&x, &mut d, |p| {
+                contacts(p, &[], &mut list, (NO_GROUND, 0.0))
+            });
             let point = (d[1][0] + d[2][0] + d[3][0]) / 3.0;
             assert!((d[0][0] - point - left).abs() < 1e-6, "{d:?}");
             let momentum = 2.0 * d[0][0] + d[1][0] + d[2][0] + d[3][0];
@@ -378,7 +503,9 @@ mod tests {
         for (pull, left) in [(0.0, 0.0), (-0.1, 0.0), (0.06, 0.0), (0.1, 0.045)] {
             d[0][0] += pull;
             d[0][1] -= 1e-9;
-            on_arrays(&x, &mut d, |p| contacts(p, &[], &mut list, 0.0));
+            on_arrays(&x, &mut d, |p| {
+                contacts(p, &[], &mut list, (NO_GROUND, 0.0))
+            });
             let slide = d[0][0] - (d[1][0] + d[2][0] + d[3][0]) / 3.0;
             assert!((slide - left).abs() < 1e-6, "{slide} m after {pull} m");
         }

@@ -18,15 +18,53 @@ fn hold(at: u32, slide: vec3f, more: f32) -> vec3f {
 
 const MAX_SHARE: f32 = 8.0;
 
-// Returns the effective inverse mass of a contact; no vertex moves by more than MAX_SHARE times the
-// correction.
-fn mobility(w: vec4f, shares: vec4f) -> f32 {
-    let weight = (w.x * shares.x + w.y * shares.y) + (w.z * shares.z + w.w * shares.w);
+// The shares of the vertices in the correction of a contact.
+struct Mobility {
+    shares: vec4f,
+    // Vertical components of the normal, 0 for vertices that the ground holds.
+    climbs: vec4f,
+    weight: f32,
+    // The same without the ground, for friction.
+    free_weight: f32,
+}
+
+fn greater(a: f32, b: f32) -> f32 {
+    return select(a, b, b > a);
+}
+
+fn lesser(a: f32, b: f32) -> f32 {
+    return select(a, b, b < a);
+}
+
+// Returns an effective inverse mass, bounded from below by sizes.
+fn bounded(w: vec4f, along: vec4f, sizes: vec4f) -> f32 {
+    let weight = (w.x * along.x + w.y * along.y) + (w.z * along.z + w.w * along.w);
+    let largest = greater(greater(sizes.x, sizes.y), greater(sizes.z, sizes.w));
+    return greater(weight, largest / MAX_SHARE);
+}
+
+fn is_low(heights: vec4f) -> vec4<bool> {
+    return heights <= vec4f(frame.ground) & vec4<bool>(frame.has_ground != 0u);
+}
+
+// Returns the shares of vertices, of which low ones do not move down.
+fn mobility_of(w: vec4f, n: vec3f, inverse_masses: vec4f, low: vec4<bool>) -> Mobility {
+    let shares = w * inverse_masses;
     let sizes = abs(shares);
-    let first = select(sizes.x, sizes.y, sizes.y > sizes.x);
-    let second = select(sizes.z, sizes.w, sizes.w > sizes.z);
-    let least = select(first, second, second > first) / MAX_SHARE;
-    return select(weight, least, least > weight);
+    let is_held = (w * n.y < vec4f()) & low;
+    // Held vertices move along the horizontal part of the normal.
+    let level = vec2f(greater(1.0 - n.y * n.y, 0.0), abs(n.x) + abs(n.z));
+    let along = select(shares, shares * level.x, is_held);
+    let bounds = select(sizes, sizes * level.y, is_held);
+    let climbs = select(vec4f(n.y), vec4f(), is_held);
+    return Mobility(shares, climbs, bounded(w, along, bounds), bounded(w, shares, sizes));
+}
+
+// Returns a displacement as the ground will leave it.
+fn lifted(x: vec4f, d: vec3f) -> vec3f {
+    let depth = frame.ground - (x.y + d.y);
+    let is_low = frame.has_ground != 0u && depth > 0.0 && x.w > 0.0;
+    return vec3f(d.x, select(d.y, d.y + depth, is_low), d.z);
 }
 
 // Separates the features of the contact at an entry.
@@ -39,34 +77,39 @@ fn project_contact(at: u32) {
     let is_pair = v.y != NO_VERTEX;
     var x: array<vec4f, 4>;
     var d: array<vec3f, 4>;
+    var up: array<vec3f, 4>;
     for (var i = 0u; i < select(1u, 4u, is_pair); i++) {
         x[i] = load_x(v[i]);
         d[i] = load_d(v[i]);
+        up[i] = lifted(x[i], d[i]);
     }
     let center_x = select(vec4f(), x[0], is_pair);
-    let center_d = select(vec3f(), d[0], is_pair);
-    let r0 = difference(center_x, center_d, x[0], d[0]);
-    let r1 = difference(center_x, center_d, x[1], d[1]);
-    let r2 = difference(center_x, center_d, x[2], d[2]);
-    let r3 = difference(center_x, center_d, x[3], d[3]);
+    let center_d = select(vec3f(), up[0], is_pair);
+    let r0 = difference(center_x, center_d, x[0], up[0]);
+    let r1 = difference(center_x, center_d, x[1], up[1]);
+    let r2 = difference(center_x, center_d, x[2], up[2]);
+    let r3 = difference(center_x, center_d, x[3], up[3]);
     let between = (w.x * r0 + w.y * r1) + (w.z * r2 + w.w * r3);
     let moved = plane.w + rates.x * (f32(substep_index + 1u) * frame.h);
     let gap = select(moved, plane.w, is_pair);
     let depth = gap - (between.x * n.x + between.y * n.y + between.z * n.z);
-    let shares = vec4f(w.x * x[0].w, w.y * x[1].w, w.z * x[2].w, w.w * x[3].w);
-    let weight = mobility(w, shares);
-    let is_active = depth > 0.0 && weight > 0.0;
+    let inverse_masses = vec4f(x[0].w, x[1].w, x[2].w, x[3].w);
+    let heights = vec4f(x[0].y, x[1].y, x[2].y, x[3].y) + vec4f(d[0].y, d[1].y, d[2].y, d[3].y);
+    let mobility = mobility_of(w, n, inverse_masses, is_low(heights));
+    let is_active = depth > 0.0 && mobility.weight > 0.0;
     constraints[at + 8u].x = select(0u, 1u, is_active);
     if (!is_active) {
         return;
     }
-    let motion = (w.x * d[0] + w.y * d[1]) + (w.z * d[2] + w.w * d[3]);
+    let motion = (w.x * up[0] + w.y * up[1]) + (w.z * up[2] + w.w * up[3]);
     let along = motion.x * n.x + motion.y * n.y + motion.z * n.z;
     let slide = motion - along * n;
-    let push = (depth * n - hold(at, slide, rates.y * depth)) / weight;
+    let push = depth / mobility.weight;
+    let drag = hold(at, slide, rates.y * depth) / mobility.free_weight;
     let carried = constraints[at + 7u].y >> 16u;
     for (var i = 0u; i < select(1u, 4u, is_pair); i++) {
-        store_d(v[i], d[i] + shares[i] * push);
+        let along = vec3f(n.x, mobility.climbs[i], n.z);
+        store_d(v[i], d[i] + mobility.shares[i] * (push * along - drag));
         if ((carried == CARRIED_FIRST && w[i] > 0.0) || (carried == CARRIED_SECOND && w[i] < 0.0)) {
             mark_carried(v[i]);
         }
@@ -75,6 +118,7 @@ fn project_contact(at: u32) {
 
 const CONTACT_RECOVERY: f32 = 5.0;
 const MAX_MISSING: f32 = 2.0;
+const LIFT: f32 = 4.0;
 
 // Lets the contact at an entry separate without velocity, if it is active.
 fn recover_contact(at: u32) {
@@ -92,21 +136,32 @@ fn recover_contact(at: u32) {
         x[i] = load_x(v[i]);
         d[i] = load_d(v[i]);
     }
-    let shares = vec4f(w.x * x[0].w, w.y * x[1].w, w.z * x[2].w, w.w * x[3].w);
-    let weight = mobility(w, shares);
-    if (!(weight > 0.0)) {
+    let inverse_masses = vec4f(x[0].w, x[1].w, x[2].w, x[3].w);
+    let heights = vec4f(x[0].y, x[1].y, x[2].y, x[3].y) + vec4f(d[0].y, d[1].y, d[2].y, d[3].y);
+    let free = mobility_of(w, n, inverse_masses, is_low(heights));
+    if (!(free.weight > 0.0)) {
         return;
+    }
+    let is_carried = (constraints[at + 7u].y >> 16u) != 0u;
+    let is_base = is_low(heights) | vec4<bool>(is_carried);
+    var raised = mobility_of(w, n, inverse_masses, is_base);
+    if (!(raised.weight > 0.0)) {
+        raised = free;
     }
     let motion = (w.x * d[0] + w.y * d[1]) + (w.z * d[2] + w.w * d[3]);
     let along = motion.x * n.x + motion.y * n.y + motion.z * n.z;
     let separation = select(0.0, along, along > 0.0);
     let missing = thickness - plane.w;
-    let limit = MAX_MISSING * thickness;
-    let recovery = select(limit, missing, missing < limit) * (CONTACT_RECOVERY * frame.h);
-    let lost = separation / weight;
-    let gained = (separation + recovery) / weight;
+    let slow = lesser(missing, MAX_MISSING * thickness) * (CONTACT_RECOVERY * frame.h);
+    let fall = frame.gravity_step * frame.h;
+    let along_normal = abs(fall.x * n.x + fall.y * n.y + fall.z * n.z);
+    let recovery = lesser(missing, slow + select(0.0, LIFT * along_normal, is_carried));
     for (var i = 0u; i < 4u; i++) {
-        store_x(v[i], vec4f(x[i].xyz + (shares[i] * gained) * n, x[i].w));
-        store_d(v[i], d[i] - (shares[i] * lost) * n);
+        let lost = free.shares[i] * (separation / free.weight);
+        let gained = free.shares[i] * (recovery / raised.weight);
+        let back = vec3f(lost * n.x, lost * free.climbs[i], lost * n.z);
+        let shift = vec3f(gained * n.x, gained * raised.climbs[i], gained * n.z);
+        store_x(v[i], vec4f(x[i].xyz + (back + shift), x[i].w));
+        store_d(v[i], d[i] - back);
     }
 }

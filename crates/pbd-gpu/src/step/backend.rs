@@ -282,7 +282,7 @@ impl Frame<'_, '_> {
             return;
         };
         let particles = self.particles;
-        let h = first.constants.h;
+        let (ground, h) = (first.constants.ground, first.constants.h);
         first.stats.passes += 1;
         match pass {
             Pass::ContactFeatures => {
@@ -292,12 +292,13 @@ impl Frame<'_, '_> {
             }
             Pass::ContactRecovery => {
                 let mut change = 0.0;
+                let fall = first.constants.gravity_step.map(|g| g * h);
                 let (serial, colors) = split_serial(&self.contacts.colors);
                 for color in colors {
-                    change += contacts::recover_contacts(particles, color, h);
+                    change += contacts::recover_contacts(particles, color, (ground, h), fall);
                 }
                 for contact in serial.chunks(1) {
-                    change += contacts::recover_contacts(particles, contact, h);
+                    change += contacts::recover_contacts(particles, contact, (ground, h), fall);
                 }
                 for member in &mut *self.members {
                     member.stats.max_displacement += change;
@@ -306,9 +307,9 @@ impl Frame<'_, '_> {
             Pass::ContactsBeforeVolumes if !has_volumes => first.stats.passes -= 1,
             _ => {
                 first.stats.contact_projections += self.contacts.len() as u64;
-                let time = time_after(substep, first);
+                let at = (ground, time_after(substep, first));
                 for color in &mut self.contacts.colors {
-                    contacts::contacts(particles, self.carried, color, time);
+                    contacts::contacts(particles, self.carried, color, at);
                 }
             }
         }

@@ -4,10 +4,12 @@
 //! distance from the ground in the graph of contacts (Guendelman, Bridson and Fedkiw 2003,
 //! "Nonconvex rigid bodies with stacking"). In a contact the piece of the lower level carries the
 //! other one. Only contacts in columns of at least three pieces are marked, and only while one of
-//! the two pieces falls. The solver handles other loads without marks.
+//! the two pieces falls. The solver handles other loads without marks, except for those of sheets:
+//! they have no volume that keeps them apart.
 
 use super::body_rows::{BodyContact, BodyRows};
 use super::narrow_phase::Search;
+use super::overlaps::PieceId;
 use incise_mesh::VertexId;
 use incise_pbd_gpu::{Carried, ContactKind};
 use std::cmp::Ordering;
@@ -32,19 +34,21 @@ pub(super) struct Carriers {
 }
 
 impl Carriers {
-    /// Sets [`incise_pbd_gpu::Contact::carried`] of the contacts above a ground \[m\].
-    pub(super) fn mark(&mut self, search: Search<'_>, ground: f32, rows: &mut [BodyRows]) {
-        self.find_levels(search, ground, rows);
-        if self.queue.is_empty() {
+    /// Sets [`incise_pbd_gpu::Contact::carried`] of the contacts.
+    pub(super) fn mark(&mut self, search: Search<'_>, rows: &mut [BodyRows]) {
+        if search.frame.gravity.y >= 0.0 {
             return;
         }
+        self.find_levels(search, rows);
         for (i, rows) in rows.iter_mut().enumerate() {
             for found in rows.contacts_mut() {
                 let Some(pair) = search.pieces_of(i, found) else {
                     continue;
                 };
                 let speed = pair.map(|piece| -search.pieces.mean_velocity(piece).y);
-                if f64::max(speed[0], speed[1]) > MIN_FALL * search.frame.speed_gain {
+                if pair.iter().any(|&piece| search.is_sheet(piece)) {
+                    found.contact.carried = Carried::Upper;
+                } else if f64::max(speed[0], speed[1]) > MIN_FALL * search.frame.speed_gain {
                     found.contact.carried = self.carried(pair);
                 }
             }
@@ -68,10 +72,10 @@ impl Carriers {
     }
 
     /// Finds the levels of all pieces, breadth first.
-    fn find_levels(&mut self, search: Search<'_>, ground: f32, rows: &[BodyRows]) {
+    fn find_levels(&mut self, search: Search<'_>, rows: &[BodyRows]) {
         self.levels.clear();
         self.queue.clear();
-        for (piece, is_low) in (0..).zip(reaches_ground(search, ground)) {
+        for (piece, is_low) in (0..).zip(reaches_ground(search)) {
             self.levels.push(if is_low { 0 } else { NO_LEVEL });
             self.queue.extend(is_low.then_some(piece));
         }
@@ -108,6 +112,13 @@ impl Carriers {
 }
 
 impl Search<'_> {
+    /// Returns whether a piece, by index in the broad phase, is a sheet.
+    fn is_sheet(&self, piece: u32) -> bool {
+        let PieceId { body, number } = self.pieces.get(piece).id();
+        let body = self.bodies[body as usize].as_ref();
+        body.is_some_and(|body| body.piece_shapes().get(number).is_sheet)
+    }
+
     /// Returns the pieces of both features of a contact, by index in the broad phase.
     ///
     /// A plane has none.
@@ -128,8 +139,9 @@ impl Search<'_> {
     }
 }
 
-/// Returns for each piece whether it may touch the ground \[m\] within the frame.
-fn reaches_ground(search: Search<'_>, ground: f32) -> impl Iterator<Item = bool> + use<'_> {
+/// Returns for each piece whether it may touch the ground within the frame.
+fn reaches_ground(search: Search<'_>) -> impl Iterator<Item = bool> + use<'_> {
+    let ground = search.frame.ground.unwrap_or(f32::NEG_INFINITY);
     search.pieces.iter().map(move |piece| {
         let fall = f64::min(0.0, piece.velocity_bounds[0].y) * search.frame.dt;
         let thickness = search.motions[piece.body as usize].thickness;

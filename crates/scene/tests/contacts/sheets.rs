@@ -14,14 +14,14 @@ fn horizontal(cells: u32, height: f32, is_up: bool) -> Surface {
 }
 
 /// Adds a body at its rest positions.
-fn add(scene: &mut Scene, surface: &Surface) -> BodyId {
+fn add(scene: &mut Scene, surface: &Surface, material: &Material) -> BodyId {
     let corners = surface.rest_positions().to_vec();
     let topology = surface.topology();
     let faces: Vec<[u32; 3]> = (topology.triangles())
         .map(|t| topology.triangle(t).map(|v| v.0))
         .collect();
     let surface = Surface::from_triangles(&corners, &faces).unwrap();
-    scene.add_body(surface, &firm(1.0, 0.0)).unwrap()
+    scene.add_body(surface, material).unwrap()
 }
 
 fn lowest(scene: &Scene, id: BodyId) -> f32 {
@@ -35,9 +35,10 @@ fn a_ball_and_a_sheet_rest_on_either_side_of_a_held_sheet() {
     for upper in [ball, horizontal(9, 0.1, true), horizontal(9, 0.1, false)] {
         for is_up in [true, false] {
             let mut scene = Scene::new(params([0.0, -9.81, 0.0], None));
-            let held = add(&mut scene, &horizontal(8, 0.0, is_up));
+            let material = firm(1.0, 0.0);
+            let held = add(&mut scene, &horizontal(8, 0.0, is_up), &material);
             pin_piece(&mut scene, held, 0);
-            let id = add(&mut scene, &upper);
+            let id = add(&mut scene, &upper, &material);
             for _ in 0..60 {
                 scene.step().unwrap();
             }
@@ -50,7 +51,7 @@ fn a_ball_and_a_sheet_rest_on_either_side_of_a_held_sheet() {
 #[test]
 fn the_halves_of_a_cut_sheet_stay_in_its_plane() {
     let mut scene = Scene::new(params([0.0; 3], None));
-    let id = add(&mut scene, &horizontal(8, 0.0, true));
+    let id = add(&mut scene, &horizontal(8, 0.0, true), &firm(1.0, 0.0));
     let blade = scene.add_blade([[-2.0, 1.0, 0.03], [2.0, 1.0, 0.04]]);
     scene
         .move_blade(blade, [[-2.0, -1.0, 0.03], [2.0, -1.0, 0.04]])
@@ -62,4 +63,34 @@ fn the_halves_of_a_cut_sheet_stay_in_its_plane() {
     assert_eq!(body.pieces().len(), 2, "it is cut");
     let [low, high] = height_range(body, 0);
     assert!(low > -1e-6 && high < 1e-6, "{low} to {high} m");
+}
+
+/// Regression: contacts saw the lower sheet where it had fallen to, before the ground lifted it, and
+/// pressed it into the ground. Upper sheets sank until all of them were in one plane.
+#[test]
+fn sheets_on_sheets_keep_their_gap() {
+    for size in [0.1, 2.0] {
+        let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+        let ids = [0.0, 1.0, 2.0, 3.0].map(|layer: f32| {
+            let mut surface = horizontal(12, 0.02 * layer, true);
+            for p in surface.rest_positions_mut() {
+                *p = p.map(|c| c * size / 2.0);
+            }
+            add(&mut scene, &surface, &Material::cloth())
+        });
+        for _ in 0..240 {
+            scene.step().unwrap();
+        }
+        for (layer, id) in (0..).zip(ids) {
+            let body = scene.body(id).unwrap();
+            let heights = body.surface().positions().iter().map(|p| f64::from(p[1]));
+            let mean = heights.sum::<f64>() / body.surface().positions().len() as f64;
+            let gaps = mean / (0.1 * body.solver().mean_rest_length());
+            let expected = f64::from(layer);
+            assert!(
+                (gaps - expected).abs() < 0.01 + 0.05 * expected,
+                "{size} m: layer {layer} at {gaps} gaps"
+            );
+        }
+    }
 }

@@ -58,7 +58,7 @@ impl ContactRecord {
         has_vertices
             && first[0] != NO_VERTEX
             && self.kind <= ContactKind::Plane as u16
-            && self.carried <= Carried::Second as u16
+            && self.carried <= Carried::Upper as u16
             && numbers.into_iter().all(|number| number.is_finite())
     }
 }
