@@ -18,16 +18,6 @@ fn hold(at: u32, slide: vec3f, more: f32) -> vec3f {
 
 const MAX_SHARE: f32 = 8.0;
 
-// The shares of the vertices in the correction of a contact.
-struct Mobility {
-    shares: vec4f,
-    // Vertical components of the normal, 0 for vertices that the ground holds.
-    climbs: vec4f,
-    weight: f32,
-    // The same without the ground, for friction.
-    free_weight: f32,
-}
-
 fn greater(a: f32, b: f32) -> f32 {
     return select(a, b, b > a);
 }
@@ -36,28 +26,23 @@ fn lesser(a: f32, b: f32) -> f32 {
     return select(a, b, b < a);
 }
 
-// Returns an effective inverse mass, bounded from below by sizes.
-fn bounded(w: vec4f, along: vec4f, sizes: vec4f) -> f32 {
-    let weight = (w.x * along.x + w.y * along.y) + (w.z * along.z + w.w * along.w);
-    let largest = greater(greater(sizes.x, sizes.y), greater(sizes.z, sizes.w));
-    return greater(weight, largest / MAX_SHARE);
+// Returns whether the correction of a contact moves each vertex down.
+fn is_pressed_down(w: vec4f, n: vec3f) -> vec4<bool> {
+    return w * n.y < vec4f();
 }
 
 fn is_low(heights: vec4f) -> vec4<bool> {
     return heights <= vec4f(frame.ground) & vec4<bool>(frame.has_ground != 0u);
 }
 
-// Returns the shares of vertices, of which low ones do not move down.
-fn mobility_of(w: vec4f, n: vec3f, inverse_masses: vec4f, low: vec4<bool>) -> Mobility {
-    let shares = w * inverse_masses;
-    let sizes = abs(shares);
-    let is_held = (w * n.y < vec4f()) & low;
-    // Held vertices move along the horizontal part of the normal.
-    let level = vec2f(greater(1.0 - n.y * n.y, 0.0), abs(n.x) + abs(n.z));
-    let along = select(shares, shares * level.x, is_held);
-    let bounds = select(sizes, sizes * level.y, is_held);
-    let climbs = select(vec4f(n.y), vec4f(), is_held);
-    return Mobility(shares, climbs, bounded(w, along, bounds), bounded(w, shares, sizes));
+// Returns the effective inverse mass of a contact. The parts of the vertices multiply their inverse
+// masses, and their motion in the bound by MAX_SHARE.
+fn effective_inverse_mass(w: vec4f, shares: vec4f, parts: vec4f, sizes: vec4f) -> f32 {
+    let along = shares * parts;
+    let motion = abs(shares) * sizes;
+    let weight = (w.x * along.x + w.y * along.y) + (w.z * along.z + w.w * along.w);
+    let largest = greater(greater(motion.x, motion.y), greater(motion.z, motion.w));
+    return greater(weight, largest / MAX_SHARE);
 }
 
 // Returns a displacement as the ground will leave it.
@@ -93,10 +78,15 @@ fn project_contact(at: u32) {
     let moved = plane.w + rates.x * (f32(substep_index + 1u) * frame.h);
     let gap = select(moved, plane.w, is_pair);
     let depth = gap - (between.x * n.x + between.y * n.y + between.z * n.z);
-    let inverse_masses = vec4f(x[0].w, x[1].w, x[2].w, x[3].w);
+    let shares = w * vec4f(x[0].w, x[1].w, x[2].w, x[3].w);
+    let free = effective_inverse_mass(w, shares, vec4f(1.0), vec4f(1.0));
+    // Vertices on the ground move along the horizontal part of the normal only.
     let heights = vec4f(x[0].y, x[1].y, x[2].y, x[3].y) + vec4f(d[0].y, d[1].y, d[2].y, d[3].y);
-    let mobility = mobility_of(w, n, inverse_masses, is_low(heights));
-    let is_active = depth > 0.0 && mobility.weight > 0.0;
+    let holds = is_pressed_down(w, n) & is_low(heights);
+    let parts = select(vec4f(1.0), vec4f(greater(1.0 - n.y * n.y, 0.0)), holds);
+    let sizes = select(vec4f(1.0), vec4f(abs(n.x) + abs(n.z)), holds);
+    let weight = effective_inverse_mass(w, shares, parts, sizes);
+    let is_active = depth > 0.0 && weight > 0.0;
     constraints[at + 8u].x = select(0u, 1u, is_active);
     if (!is_active) {
         return;
@@ -104,12 +94,11 @@ fn project_contact(at: u32) {
     let motion = (w.x * up[0] + w.y * up[1]) + (w.z * up[2] + w.w * up[3]);
     let along = motion.x * n.x + motion.y * n.y + motion.z * n.z;
     let slide = motion - along * n;
-    let push = depth / mobility.weight;
-    let drag = hold(at, slide, rates.y * depth) / mobility.free_weight;
+    let press = depth * (free / weight);
+    let push = (press * n - hold(at, slide, rates.y * press)) / free;
     let carried = constraints[at + 7u].y >> 16u;
     for (var i = 0u; i < select(1u, 4u, is_pair); i++) {
-        let along = vec3f(n.x, mobility.climbs[i], n.z);
-        store_d(v[i], d[i] + mobility.shares[i] * (push * along - drag));
+        store_d(v[i], d[i] + shares[i] * push);
         if ((carried == CARRIED_FIRST && w[i] > 0.0) || (carried == CARRIED_SECOND && w[i] < 0.0)) {
             mark_carried(v[i]);
         }
@@ -136,17 +125,20 @@ fn recover_contact(at: u32) {
         x[i] = load_x(v[i]);
         d[i] = load_d(v[i]);
     }
-    let inverse_masses = vec4f(x[0].w, x[1].w, x[2].w, x[3].w);
-    let heights = vec4f(x[0].y, x[1].y, x[2].y, x[3].y) + vec4f(d[0].y, d[1].y, d[2].y, d[3].y);
-    let free = mobility_of(w, n, inverse_masses, is_low(heights));
-    if (!(free.weight > 0.0)) {
+    let shares = w * vec4f(x[0].w, x[1].w, x[2].w, x[3].w);
+    let free = effective_inverse_mass(w, shares, vec4f(1.0), vec4f(1.0));
+    if (!(free > 0.0)) {
         return;
     }
+    // The carrying feature stays, as the ground does.
     let is_carried = (constraints[at + 7u].y >> 16u) != 0u;
-    let is_base = is_low(heights) | vec4<bool>(is_carried);
-    var raised = mobility_of(w, n, inverse_masses, is_base);
-    if (!(raised.weight > 0.0)) {
-        raised = free;
+    let heights = vec4f(x[0].y, x[1].y, x[2].y, x[3].y) + vec4f(d[0].y, d[1].y, d[2].y, d[3].y);
+    let stays = is_pressed_down(w, n) & (is_low(heights) | vec4<bool>(is_carried));
+    var rising = select(vec4f(1.0), vec4f(), stays);
+    var weight = effective_inverse_mass(w, shares, rising, rising);
+    if (!(weight > 0.0)) {
+        rising = vec4f(1.0);
+        weight = free;
     }
     let motion = (w.x * d[0] + w.y * d[1]) + (w.z * d[2] + w.w * d[3]);
     let along = motion.x * n.x + motion.y * n.y + motion.z * n.z;
@@ -157,11 +149,9 @@ fn recover_contact(at: u32) {
     let along_normal = abs(fall.x * n.x + fall.y * n.y + fall.z * n.z);
     let recovery = lesser(missing, slow + select(0.0, LIFT * along_normal, is_carried));
     for (var i = 0u; i < 4u; i++) {
-        let lost = free.shares[i] * (separation / free.weight);
-        let gained = free.shares[i] * (recovery / raised.weight);
-        let back = vec3f(lost * n.x, lost * free.climbs[i], lost * n.z);
-        let shift = vec3f(gained * n.x, gained * raised.climbs[i], gained * n.z);
-        store_x(v[i], vec4f(x[i].xyz + (back + shift), x[i].w));
-        store_d(v[i], d[i] - back);
+        let lost = shares[i] * (separation / free);
+        let shift = lost + shares[i] * ((recovery / weight) * rising[i]);
+        store_x(v[i], vec4f(x[i].xyz + shift * n, x[i].w));
+        store_d(v[i], d[i] - lost * n);
     }
 }
