@@ -11,8 +11,9 @@
 //! on any number of threads and on any GPU.
 //!
 //! A vertex on the ground, or [carried](crate::Carried) by a piece, does not move further down. It
-//! has no inverse mass here if its outward normal points down. The ground then takes nothing of a
-//! volume after this pass.
+//! does not move here if its outward normal points down. The ground then takes nothing of a
+//! volume after this pass. Where it slips, it moves sideways: all horizontal parts of gradients
+//! cancel, and without friction the piece must not be pushed.
 //!
 //! `steps` decides how much of an error a substep corrects.
 
@@ -69,6 +70,8 @@ struct PieceInput<'a> {
     ground: f32,
     /// Vertices that a piece carries, shape [vertex slots]; empty without contacts.
     carried: &'a [Cell<bool>],
+    /// Velocities, whose fourth components hold what is left of the friction of the ground \[m\].
+    velocities: &'a [[f32; 4]],
 }
 
 /// Projects the volume of every piece.
@@ -79,7 +82,7 @@ struct PieceInput<'a> {
 #[inline(never)]
 pub(crate) fn volumes(
     (leader, arch): (&mut Leader<'_>, Arch),
-    particles: ParticleStates<'_>,
+    (particles, velocities): (ParticleStates<'_>, &[[f32; 4]]),
     (topology, set): (&Topology, &mut VolumeSet),
     (by, ground, carried): (VolumeProjection, f32, &[Cell<bool>]),
     scratch: &mut VolumeScratch,
@@ -99,6 +102,7 @@ pub(crate) fn volumes(
             center: center.vertex.index(),
             ground,
             carried,
+            velocities,
         };
         let sums = sum::<false>((leader, arch), input, spokes, scratch);
         let missing = (sums[0] * THIRD - by.pressure * piece.rest).abs();
@@ -193,6 +197,7 @@ fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &Spoke) -> ([f32; 4
         center,
         ground,
         carried,
+        velocities,
     } = input;
     let v = spoke.vertex.index();
     let state = |i: usize| {
@@ -220,10 +225,17 @@ fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &Spoke) -> ([f32; 4
     // Vector from the vertex to the center, hence the other sign of the sum.
     let back = edge(*center);
     let is_carried = carried.get(v).is_some_and(Cell::get);
-    let is_held = (is_carried || origin.x[1] + origin.d[1] <= *ground) && gy < 0.0;
-    let w = if is_held { 0.0 } else { origin.x[3] };
-    let square = gx * gx + gy * gy + gz * gz;
+    let is_low = origin.x[1] + origin.d[1] <= *ground;
+    let is_pressed = (is_carried || is_low) && gy < 0.0;
+    let slips = !is_carried && velocities[v][3] == 0.0;
     let place = gx * back[0] + gy * back[1] + gz * back[2];
+    let w = origin.x[3];
+    let [gx, gy, gz] = match (is_pressed, slips) {
+        (false, _) => [gx, gy, gz],
+        (true, true) => [gx, 0.0, gz],
+        (true, false) => [0.0; 3],
+    };
+    let square = gx * gx + gy * gy + gz * gz;
     ([gx, gy, gz, w], [-place, w * square, w * square.sqrt()])
 }
 

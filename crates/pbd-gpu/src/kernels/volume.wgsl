@@ -47,12 +47,13 @@ fn displacement(i: u32, at_start: bool) -> vec3f {
     return load_d(i);
 }
 
-// Returns the inverse mass of a vertex with a gradient, 0 if the ground or a carrying piece is in
-// its way.
-fn inverse_mass(v: u32, gradient: vec3f) -> f32 {
-    let x = load_x(v);
-    let is_low = frame.has_ground != 0u && x.y + load_d(v).y <= frame.ground;
-    return select(x.w, 0.0, (is_low || is_carried(v)) && gradient.y < 0.0);
+// Returns the part of a gradient that the ground or a carrying piece lets a vertex follow.
+fn free_gradient(v: u32, gradient: vec3f) -> vec3f {
+    let is_low = frame.has_ground != 0u && load_x(v).y + load_d(v).y <= frame.ground;
+    let is_pressed = (is_carried(v) || is_low) && gradient.y < 0.0;
+    let slips = !is_carried(v) && friction_bound(v) == 0.0;
+    let level = select(vec3f(), vec3f(gradient.x, 0.0, gradient.z), slips);
+    return select(gradient, level, is_pressed);
 }
 
 fn next_corner(h: u32) -> u32 {
@@ -99,8 +100,8 @@ fn sum_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
         if (i < spokes.y) {
             let spoke = constraints[body.first_spoke + spokes.x + i];
             let now = around(body, spoke, center, false);
-            let g = now.gradient;
-            let w = inverse_mass(spoke.x, g);
+            let g = free_gradient(spoke.x, now.gradient);
+            let w = load_x(spoke.x).w;
             let square = g.x * g.x + g.y * g.y + g.z * g.z;
             leaf = vec4f(now.place, now.place, w * square, w * sqrt(square));
             if (recovers) {
@@ -213,10 +214,9 @@ fn move_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
         let v = constraints[body.first_spoke + spokes.x + i].x;
         let g = velocities[first_vertex + v].xyz;
         let x = load_x(v);
-        let w = inverse_mass(v, g);
-        store_d(v, load_d(v) + -(w * step) * g);
+        store_d(v, load_d(v) + -(x.w * step) * g);
         if (shift != 0.0) {
-            store_x(v, vec4f(x.xyz + -(w * shift) * g, x.w));
+            store_x(v, vec4f(x.xyz + -(x.w * shift) * g, x.w));
         }
     }
 }

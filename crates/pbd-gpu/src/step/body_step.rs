@@ -174,7 +174,7 @@ impl BodyStep<'_, '_, '_> {
                 let piece = (body.topology, &mut *body.volumes);
                 let change = volume::volumes(
                     (leader, *arch),
-                    particles,
+                    (particles, v),
                     piece,
                     (constants.volume, constants.ground, self.carried),
                     self.volume_scratch,
