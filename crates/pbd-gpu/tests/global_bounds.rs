@@ -2,6 +2,7 @@
 
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, icosphere, torus};
+use incise_models::{Model, build_model};
 use incise_pbd_gpu::{
     Collider, Contact, Integrator, Material, MovingCollider, Scheme, Solver, SolverParams,
     Stiffness, Volume,
@@ -159,6 +160,48 @@ fn a_strained_body_that_left_an_obstacle_keeps_its_sweeps() {
         let expected = (stretched == 1.0).then_some(61);
         assert_eq!(first, expected, "stretched to {stretched}");
     }
+}
+
+/// Regression: a hanging body that was touched never took the global step again, and slept two edges
+/// lower than it hangs.
+#[test]
+fn a_hanging_body_that_was_touched_takes_the_global_step_again() {
+    let mut surface = build_model(Model::Bunny);
+    let material = Material {
+        damping: 1.0,
+        ..elastic(1e-5, Some(1e-2))
+    };
+    let [bottom, top] = [surface.bounds().min[1], surface.bounds().max[1]].map(f64::from);
+    let mut solver = Solver::new(&mut surface, &material).unwrap();
+    for v in surface.topology().vertices().collect::<Vec<_>>() {
+        if surface.position(v).y > top - 0.1 * (top - bottom) {
+            solver.pin(&mut surface, v).unwrap();
+        }
+    }
+    let params = SolverParams {
+        gravity: [0.0, -9.81, 0.0],
+        substeps: 1,
+        ..GLOBAL
+    };
+    let is_pushed = |v: &VertexId| surface.position(*v).x > 0.1;
+    let pushed = surface.topology().vertices().filter(is_pushed);
+    let wall: Vec<Contact> = pushed
+        .map(|v| Contact::plane(v, [-1.0, 0.0, 0.0], -0.1))
+        .collect();
+    solver.set_contacts(&wall).unwrap();
+    for _ in 0..20 {
+        solver.step(&mut surface, DT, &params).unwrap();
+    }
+    solver.set_contacts(&[]).unwrap();
+    for _ in 0..900 {
+        solver.step(&mut surface, DT, &params).unwrap();
+    }
+    assert!(
+        solver.stats().global_iterations > 0,
+        "it still takes sweeps"
+    );
+    let elastic = energy(&surface, &solver, 1e-5);
+    assert!(elastic < 0.1, "it hangs lower: {elastic} J");
 }
 
 /// Regression: second-order sweeps of a stiff body in contact gained 130 J.

@@ -9,6 +9,9 @@ use crate::step::constants::StepConstants;
 use crate::step::params::{Scheme, SolverParams};
 use incise_mesh::Surface;
 
+/// Maximum kinetic energy of a body at rest [weights times its diagonal].
+const MAX_KINETIC: f64 = 1e-5;
+
 impl Solver {
     /// Chooses the scheme of a frame of `dt` \[s\], by contacts and the size of the body.
     pub(crate) fn choose_scheme(
@@ -47,7 +50,8 @@ impl Solver {
         self.step.choice
     }
 
-    /// Returns whether the body has little elastic energy for its motion, weight and stiffness.
+    /// Returns whether the body has little elastic energy for its motion, weight and stiffness, or
+    /// hardly moves.
     fn is_relaxed(&mut self, surface: &Surface, params: &SolverParams) -> bool {
         let edge = self.known_mean_rest_length();
         let global = self.step.global.get_or_insert_default();
@@ -63,7 +67,9 @@ impl Solver {
             }
             Stiffness::Pbd(_) => 0.0,
         };
-        elastic <= MAX_ELASTIC * (self.kinetic_energy() + weight) + free
+        let kinetic = self.kinetic_energy();
+        let is_at_rest = kinetic <= MAX_KINETIC * weight;
+        is_at_rest || elastic <= MAX_ELASTIC * (kinetic + weight) + free
     }
 
     /// Returns whether the ground or a collider may stop a vertex within a frame of `dt` \[s\].
