@@ -162,7 +162,7 @@ fn a_strained_body_that_left_an_obstacle_keeps_its_sweeps() {
     }
 }
 
-/// Regression: a hanging body that was touched never took the global step again, and slept two edges
+/// Regression: a hanging body that was touched never took the global step again. It slept two edges
 /// lower than it hangs.
 #[test]
 fn a_hanging_body_that_was_touched_takes_the_global_step_again() {

@@ -120,6 +120,15 @@ impl Minimizer {
             }
         }
         let rotation = self.find_rigid(pieces, true);
+        if pieces.has_pivots() {
+            // A piece that swings about its pins.
+            self.other.displacements.clone_from(&self.rigid);
+            self.evaluate_other(objective);
+            if self.other.value < self.current.value {
+                std::mem::swap(&mut self.current, &mut self.other);
+                self.store(particles);
+            }
+        }
         let max_strain = rotation
             * if iterations > 1 {
                 MAX_STRAIN

@@ -1,19 +1,60 @@
-//! [`PieceMotions`]: the pieces of a body, those with a pin, and the rigid motions of the others.
+//! [`PieceMotions`]: the pieces of a body, how pins hold them, and their rigid motions.
 
 use crate::particles::Particles;
 use incise_mesh::{Surface, Vec3, VertexId};
 use nalgebra::Matrix3;
 
-/// Piece of a vertex whose piece has a pin, or that no triangle uses.
-const HELD: u32 = u32::MAX;
+/// Piece of a vertex that no triangle uses.
+const NO_PIECE: u32 = u32::MAX;
+
+/// Maximum distance of pins from a line, relative to the distance of the first two.
+const MAX_OFFSET: f64 = 1e-4;
+
+/// The rigid motions that the pins of a piece allow.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+enum Joint {
+    #[default]
+    Free,
+    /// Rotations about a pin.
+    Point(VertexId),
+    /// Rotations about the line through two pins.
+    Axis([VertexId; 2]),
+    /// None.
+    Fixed,
+}
+
+impl Joint {
+    /// Returns the joint with one more pin.
+    fn with(self, pin: VertexId, surface: &Surface) -> Self {
+        match self {
+            Self::Free => Self::Point(pin),
+            Self::Point(first) => Self::Axis([first, pin]),
+            Self::Axis(ends) => {
+                let [from, to] = ends.map(|v| surface.position(v));
+                let (along, offset) = (to - from, surface.position(pin) - from);
+                let is_on_line = along.cross(&offset).norm() <= MAX_OFFSET * along.norm_squared();
+                if is_on_line { self } else { Self::Fixed }
+            }
+            Self::Fixed => Self::Fixed,
+        }
+    }
+
+    /// Returns the vertex about which the piece turns.
+    fn center(self) -> Option<VertexId> {
+        match self {
+            Self::Point(pin) | Self::Axis([pin, _]) => Some(pin),
+            Self::Free | Self::Fixed => None,
+        }
+    }
+}
 
 /// The pieces of all vertices.
 #[derive(Debug, Clone, Default)]
 pub(super) struct PieceMotions {
-    /// Number of the piece of a vertex, or [`HELD`], shape [vertex slots].
+    /// Number of the piece of a vertex, or [`NO_PIECE`], shape [vertex slots].
     vertices: Vec<u32>,
-    /// By piece number: whether it has a pin.
-    has_pin: Vec<bool>,
+    /// By piece number.
+    joints: Vec<Joint>,
     /// The pins of `vertices`.
     pins: Vec<VertexId>,
     is_current: bool,
@@ -32,6 +73,25 @@ struct Motion {
     turn: Vec3,
 }
 
+impl Motion {
+    /// Returns the angle of the rotation that the joint allows.
+    fn angle(&self, joint: Joint, points: &[Vec3]) -> Vec3 {
+        let angle = match joint {
+            Joint::Fixed => None,
+            Joint::Free | Joint::Point(_) => {
+                (self.inertia.try_inverse()).map(|inverse| inverse * self.turn)
+            }
+            Joint::Axis(ends) => {
+                let [from, to] = ends.map(|v| points[v.index()]);
+                let axis = to - from;
+                Some(axis * (axis.dot(&self.turn) / axis.dot(&(self.inertia * axis))))
+            }
+        };
+        let is_finite = |angle: &Vec3| angle.iter().all(|c| c.is_finite());
+        angle.filter(is_finite).unwrap_or_default()
+    }
+}
+
 impl PieceMotions {
     /// Finds the pieces again after an edit or a change of pins. O(triangles) then.
     pub(super) fn update(&mut self, particles: &Particles, surface: &Surface) {
@@ -42,17 +102,20 @@ impl PieceMotions {
         self.is_current = true;
         self.pins.clear();
         self.pins.extend(pins);
-        self.has_pin.clear();
-        self.has_pin.resize(surface.piece_bound() as usize, false);
+        self.joints.clear();
+        let pieces = surface.piece_bound() as usize;
+        self.joints.resize(pieces, Joint::default());
         let topology = surface.topology();
-        let piece = |t| surface.piece(t) as usize;
-        let first_triangles = self.pins.iter().map(|&pin| topology.outgoing(pin));
-        for h in first_triangles.filter(|h| !h.is_null()) {
-            self.has_pin[piece(h.triangle())] = true;
+        for &pin in &self.pins {
+            let h = topology.outgoing(pin);
+            if !h.is_null() {
+                let joint = &mut self.joints[surface.piece(h.triangle()) as usize];
+                *joint = joint.with(pin, surface);
+            }
         }
         self.vertices.clear();
-        self.vertices.resize(surface.positions().len(), HELD);
-        for t in topology.triangles().filter(|&t| !self.has_pin[piece(t)]) {
+        self.vertices.resize(surface.positions().len(), NO_PIECE);
+        for t in topology.triangles() {
             for v in topology.triangle(t) {
                 self.vertices[v.index()] = surface.piece(t);
             }
@@ -71,15 +134,22 @@ impl PieceMotions {
 
     /// Returns whether a vertex belongs to a piece with a pin, or to no triangle.
     pub(super) fn is_held(&self, v: usize) -> bool {
-        self.vertices.get(v).is_none_or(|&piece| piece == HELD)
+        let piece = self.vertices.get(v);
+        let joint = piece.and_then(|&piece| self.joints.get(piece as usize));
+        joint.is_none_or(|&joint| joint != Joint::Free)
+    }
+
+    /// Returns whether a piece turns about pins.
+    pub(super) fn has_pivots(&self) -> bool {
+        self.joints.iter().any(|joint| joint.center().is_some())
     }
 
     /// Computes the rigid part of displacements of vertices at `points` \[m\] of `masses` \[kg\].
     ///
-    /// Momentum and angular momentum of each piece are those of the displacements. Pieces with a
-    /// pin have none. With `turns` the vertices move on circles, by the angle whose tangent the
+    /// Momentum and angular momentum of each piece are those of the displacements. Pieces with pins
+    /// turn about them, those with pins off a line do not move. With `turns` the vertices move on circles, by the angle whose tangent the
     /// displacements have: that is the implicit Euler step of a rigid piece. Returns half of the
-    /// sum of masses times squared rotations.
+    /// sum of masses times squared rotations of pieces without pins.
     pub(super) fn find_rigid(
         &mut self,
         (points, masses): (&[Vec3], &[f64]),
@@ -88,12 +158,12 @@ impl PieceMotions {
     ) -> f64 {
         let motions = &mut self.motions;
         motions.clear();
-        motions.resize(self.has_pin.len(), Motion::default());
+        motions.resize(self.joints.len(), Motion::default());
         let vertices = || {
             let of_vertices = self.vertices.iter().zip(points.iter().zip(masses));
             of_vertices
                 .zip(displacements)
-                .filter(|((piece, _), _)| **piece != HELD)
+                .filter(|((piece, _), _)| **piece != NO_PIECE)
         };
         for ((&piece, (point, &mass)), by) in vertices() {
             let motion = &mut motions[piece as usize];
@@ -101,9 +171,13 @@ impl PieceMotions {
             motion.center += point * mass;
             motion.translation += by * mass;
         }
-        for motion in motions.iter_mut().filter(|motion| motion.mass > 0.0) {
-            motion.center /= motion.mass;
-            motion.translation /= motion.mass;
+        for (motion, joint) in motions.iter_mut().zip(&self.joints) {
+            if let Some(pin) = joint.center().map(VertexId::index) {
+                (motion.center, motion.translation) = (points[pin], displacements[pin]);
+            } else if motion.mass > 0.0 {
+                motion.center /= motion.mass;
+                motion.translation /= motion.mass;
+            }
         }
         for ((&piece, (point, &mass)), by) in vertices() {
             let motion = &mut motions[piece as usize];
@@ -113,11 +187,15 @@ impl PieceMotions {
                 (Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()) * mass;
         }
         let mut rotation = 0.0;
-        for motion in motions.iter_mut() {
-            let inverse = motion.inertia.try_inverse();
-            let angle = inverse.map_or(Vec3::zeros(), |inverse| inverse * motion.turn);
-            rotation += angle.dot(&motion.turn) / 2.0;
+        for (motion, joint) in motions.iter_mut().zip(&self.joints) {
+            let angle = motion.angle(*joint, points);
+            if *joint == Joint::Free {
+                rotation += angle.dot(&motion.turn) / 2.0;
+            }
             motion.turn = angle;
+            if *joint == Joint::Fixed {
+                motion.translation = Vec3::zeros();
+            }
         }
         rigid.clear();
         let of_vertices = self.vertices.iter().zip(points);
@@ -141,7 +219,7 @@ impl PieceMotions {
     /// Returns the memory \[bytes\].
     pub(super) fn bytes(&self) -> usize {
         4 * self.vertices.capacity()
-            + self.has_pin.capacity()
+            + size_of::<Joint>() * self.joints.capacity()
             + 4 * self.pins.capacity()
             + size_of::<Motion>() * self.motions.capacity()
     }
@@ -160,8 +238,8 @@ mod tests {
         let screw = |p: &Vec3| Vec3::new(0.3, 0.0, 0.1) + Vec3::new(0.0, 0.2, -0.1).cross(p);
         let displacements: Vec<Vec3> = points.iter().map(screw).collect();
         let mut pieces = PieceMotions {
-            vertices: vec![0, 0, 0, 0, HELD],
-            has_pin: vec![false],
+            vertices: vec![0, 0, 0, 0, NO_PIECE],
+            joints: vec![Joint::Free],
             ..PieceMotions::default()
         };
         let mut rigid = Vec::new();
@@ -170,7 +248,26 @@ mod tests {
         for (found, expected) in rigid.iter().zip(&displacements).take(4) {
             assert!((found - expected).norm() < 1e-12, "{found} {expected}");
         }
-        assert_eq!(rigid[4], Vec3::zeros(), "it is held");
+        assert_eq!(rigid[4], Vec3::zeros(), "it is in no piece");
+        // About a pin at the first point, and about a line through the first and the third.
+        let turn = Vec3::new(0.0, 0.2, -0.1);
+        let about_first: Vec<Vec3> = points.iter().map(|p| turn.cross(p)).collect();
+        let axis = points[2].normalize();
+        let ends = [VertexId(0), VertexId(2)];
+        for (joint, expected) in [(Joint::Point(ends[0]), turn), (Joint::Axis(ends), axis)] {
+            pieces.joints[0] = joint;
+            let given: Vec<Vec3> = points.iter().map(|p| expected.cross(p)).collect();
+            pieces.find_rigid(body, (&given, false), &mut rigid);
+            for (found, given) in rigid.iter().zip(&given).take(4) {
+                assert!((found - given).norm() < 1e-12, "{found} {given}");
+            }
+        }
+        pieces.find_rigid(body, (&about_first, false), &mut rigid);
+        assert!(rigid[2].norm() < 1e-12, "the axis stays");
+        pieces.joints[0] = Joint::Fixed;
+        pieces.find_rigid(body, (&about_first, false), &mut rigid);
+        assert!(rigid.iter().all(|by| *by == Vec3::zeros()));
+        pieces.joints[0] = Joint::Free;
         // A stretch has no rigid part.
         let stretch: Vec<Vec3> = points.iter().map(|p| p * 0.1).collect();
         pieces.find_rigid(body, (&stretch, false), &mut rigid);
