@@ -6,8 +6,8 @@ use incise_test_support::surfaces::{scaled, sphere};
 
 const DT: f32 = 1.0 / 60.0;
 
-/// Regression: the matrix resisted rotations about pins, so that a stiff bar kept 0.05 of the energy
-/// of its fall.
+/// Regression: the matrix resisted rotations about pins, so that a stiff bar kept 0.05 of the
+/// energy of its fall.
 #[test]
 fn a_stiff_bar_swings_about_its_pins() {
     for pins in [1, 2] {

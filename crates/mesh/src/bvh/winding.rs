@@ -8,8 +8,8 @@ impl Bvh {
     /// Returns how often triangles enclose a point: their winding number.
     ///
     /// Only triangles for which `counts` is true are read; they must form closed surfaces. It is 0
-    /// outside, 1 inside and 2 where parts of a piece overlap. Reversed surfaces count -1. Points on
-    /// a triangle may be on either side. The BVH must be fitted.
+    /// outside, 1 inside and 2 where parts of a piece overlap. Reversed surfaces count -1. A point
+    /// on a triangle may be on either side. The BVH must be fitted.
     ///
     /// Sums the signed crossings of a ray along the axis on which the box of the BVH ends first.
     #[must_use]

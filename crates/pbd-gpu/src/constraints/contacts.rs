@@ -38,8 +38,8 @@ pub struct Contact {
 /// this feature further down, as if the carrying piece were the ground. Without this, a load
 /// travels through one piece per substep, and the lowest pieces of a column collapse.
 ///
-/// Missing distances recover by raising this feature only, and faster. Otherwise stacked sheets sink
-/// into each other.
+/// Missing distances recover by raising this feature only, and faster. Otherwise stacked sheets
+/// sink into each other.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Carried {

@@ -147,9 +147,10 @@ impl PieceMotions {
     /// Computes the rigid part of displacements of vertices at `points` \[m\] of `masses` \[kg\].
     ///
     /// Momentum and angular momentum of each piece are those of the displacements. Pieces with pins
-    /// turn about them, those with pins off a line do not move. With `turns` the vertices move on circles, by the angle whose tangent the
-    /// displacements have: that is the implicit Euler step of a rigid piece. Returns half of the
-    /// sum of masses times squared rotations of pieces without pins.
+    /// turn about them, those with pins off a line do not move. With `turns` the vertices move on
+    /// circles, by the angle whose tangent the displacements have: that is the implicit Euler step
+    /// of a rigid piece. Returns half of the sum of masses times squared rotations of pieces
+    /// without pins.
     pub(super) fn find_rigid(
         &mut self,
         (points, masses): (&[Vec3], &[f64]),

@@ -65,8 +65,8 @@ fn the_halves_of_a_cut_sheet_stay_in_its_plane() {
     assert!(low > -1e-6 && high < 1e-6, "{low} to {high} m");
 }
 
-/// Regression: contacts saw the lower sheet where it had fallen to, before the ground lifted it, and
-/// pressed it into the ground. Upper sheets sank until all of them were in one plane.
+/// Regression: contacts saw the lower sheet where it had fallen to, before the ground lifted it,
+/// and pressed it into the ground. Upper sheets sank until all of them were in one plane.
 #[test]
 fn sheets_on_sheets_keep_their_gap() {
     for size in [0.1, 2.0] {
