@@ -112,6 +112,10 @@ pub(crate) const SWEEPS_AFTER_CONTACT: f32 = 1.0;
 /// and the work of its weight over its size.
 pub(crate) const MAX_ELASTIC: f64 = 0.1;
 
+/// Maximum kinetic energy of a body at rest, which returns to the global step with any strain,
+/// relative to the work of its weight over its size.
+pub(crate) const MAX_KINETIC: f64 = 1e-5;
+
 /// Mean strain of edges whose energy is always allowed.
 pub(crate) const FREE_STRAIN: f64 = 1e-4;
 

@@ -113,21 +113,13 @@ impl Minimizer {
                 .map(|(v, d)| if falls(v) { d - fall } else { *d });
             self.other.displacements.clear();
             self.other.displacements.extend(resting);
-            self.evaluate_other(objective);
-            if self.other.value < self.current.value {
-                std::mem::swap(&mut self.current, &mut self.other);
-                self.store(particles);
-            }
+            self.start_lower(particles, objective);
         }
         let rotation = self.find_rigid(pieces, true);
         if pieces.has_pivots() {
             // A piece that swings about its pins.
             self.other.displacements.clone_from(&self.rigid);
-            self.evaluate_other(objective);
-            if self.other.value < self.current.value {
-                std::mem::swap(&mut self.current, &mut self.other);
-                self.store(particles);
-            }
+            self.start_lower(particles, objective);
         }
         let max_strain = rotation
             * if iterations > 1 {
@@ -136,6 +128,15 @@ impl Minimizer {
                 MAX_STRAIN_ALONE
             };
         self.bound_start(particles, objective, (pieces, max_strain));
+    }
+
+    /// Starts from the other displacements if their objective is lower.
+    fn start_lower(&mut self, particles: ParticleStates<'_>, objective: &Objective<'_>) {
+        self.evaluate_other(objective);
+        if self.other.value < self.current.value {
+            std::mem::swap(&mut self.current, &mut self.other);
+            self.store(particles);
+        }
     }
 
     /// Returns the value of an objective at the positions of a surface, without inertia.

@@ -2,15 +2,13 @@
 
 use super::Solver;
 use crate::global::{
-    Choice, Extent, FREE_STRAIN, GlobalStats, MAX_ELASTIC, Obstacles, SWEEPS_AFTER_CONTACT,
+    Choice, Extent, FREE_STRAIN, GlobalStats, MAX_ELASTIC, MAX_KINETIC, Obstacles,
+    SWEEPS_AFTER_CONTACT,
 };
 use crate::material::Stiffness;
 use crate::step::constants::StepConstants;
 use crate::step::params::{Scheme, SolverParams};
 use incise_mesh::Surface;
-
-/// Maximum kinetic energy of a body at rest [weights times its diagonal].
-const MAX_KINETIC: f64 = 1e-5;
 
 impl Solver {
     /// Chooses the scheme of a frame of `dt` \[s\], by contacts and the size of the body.
