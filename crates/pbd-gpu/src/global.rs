@@ -16,7 +16,7 @@
 //! the changed region and exact translations of [`free_pieces`], and [`minimizer`] iterates. Pins
 //! hold by their zero inverse mass. Volumes are projected after each iteration, as with sweeps, and
 //! directions keep incompressible ones to first order. Near [`obstacles`], the ground and
-//! colliders, and in contact with others a body takes sweeps.
+//! colliders, and in contact with others a body takes sweeps, after which it is [settling](minimizer::settling).
 //!
 //! Results are the same on any number of threads. Unlike those of sweeps they depend on the
 //! instruction set, because `faer` uses fused multiply-add where the CPU has it.
@@ -51,6 +51,7 @@ use crate::step::params::{Scheme, SolverParams};
 pub(crate) use choice::{Choice, Extent};
 use incise_mesh::{Surface, TopologyDelta, VertexId};
 use minimizer::Minimizer;
+pub(crate) use minimizer::settling::{BLOCKED_TIME, FREE_STRAIN, MAX_ELASTIC, SETTLING_TIME};
 use objective::{Compliances, Objective};
 pub(crate) use obstacles::Obstacles;
 use pieces::PieceMotions;
@@ -84,6 +85,10 @@ pub(crate) struct GlobalStep {
     iterations: u32,
     /// Iterations that are left of this substep.
     iterations_left: u32,
+    /// Mean length of edges \[m\], if the body settles.
+    settling_edge: Option<f64>,
+    /// Maximum motion of the substep relative to rigid pieces [kg m^2], if the body settles.
+    max_motion: Option<f64>,
 }
 
 /// The constraints with an energy, as the objective reads them.
@@ -102,28 +107,11 @@ const MIN_ITERATIONS: u32 = 2;
 /// They take as long as its local factor and the longer line searches beside new slivers.
 const LEFT_OUT: u32 = 4;
 
-/// Time for which a body takes sweeps after it has touched something \[s\].
-///
-/// Sweeps leave strains of other kinds than the global step, which would turn them into motion. So
-/// it begins only with a small elastic energy.
-pub(crate) const SWEEPS_AFTER_CONTACT: f32 = 1.0;
-
-/// Maximum elastic energy of a body that returns to the global step, relative to its kinetic energy
-/// and the work of its weight over its size.
-pub(crate) const MAX_ELASTIC: f64 = 0.1;
-
-/// Maximum kinetic energy of a body at rest, which returns to the global step with any strain,
-/// relative to the work of its weight over its size.
-pub(crate) const MAX_KINETIC: f64 = 1e-5;
-
-/// Mean strain of edges whose energy is always allowed.
-pub(crate) const FREE_STRAIN: f64 = 1e-4;
-
-/// Substeps of a body in contact for each iteration of the global step.
+/// Substeps of short sweeps for each iteration of the global step.
 ///
 /// They take less time than it does, and carry a load as far as most bodies of a few thousand
 /// triangles need.
-pub(crate) const SUBSTEPS_IN_CONTACT: u32 = 4;
+pub(crate) const SHORT_SUBSTEPS: u32 = 4;
 
 /// Returns whether a body takes the global step in a frame of `dt` \[s\].
 ///
@@ -159,7 +147,10 @@ impl GlobalStep {
         (particles, constraints, surface): (&Particles, &Constraints, &Surface),
         constants: &StepConstants,
         params: &SolverParams,
+        settling_edge: Option<f64>,
     ) {
+        self.settling_edge = settling_edge;
+        self.minimizer.is_blocked = false;
         let compliances = Compliances::new(constants);
         self.pieces.update(particles, surface);
         self.preconditioner.prepare(
@@ -172,6 +163,11 @@ impl GlobalStep {
             true => all - all / LEFT_OUT,
             false => all,
         };
+    }
+
+    /// Returns whether iterations of the last frame found no way to a lower objective.
+    pub(crate) fn is_blocked(&self) -> bool {
+        self.minimizer.is_blocked
     }
 
     /// Returns the energy of edges, interior springs and hinges \[J\].
@@ -223,6 +219,8 @@ impl GlobalStep {
         let pieces = &mut self.pieces;
         let start = (fall, pieces, self.iterations);
         self.minimizer.begin(particles, &objective, start);
+        self.max_motion =
+            (self.settling_edge).map(|edge| self.minimizer.relative_motion(edge, constants.h));
         self.iterations_left = self.iterations;
     }
 
@@ -244,6 +242,11 @@ impl GlobalStep {
         let body = (&objective, volumes);
         self.minimizer
             .iterate(particles, body, &mut self.preconditioner);
+        if left == 0
+            && let Some(most) = self.max_motion
+        {
+            self.minimizer.settle(particles, most);
+        }
         1
     }
 

@@ -162,6 +162,8 @@ impl Solver {
     /// Records a step, whose statistics are `None` if it failed.
     pub(crate) fn end_step(&mut self, stats: Option<StepStats>) {
         self.follow.log.mark_all();
+        #[cfg(feature = "global")]
+        self.follow_iterations();
         if let Some(stats) = stats {
             self.step.stats = stats;
         }

@@ -39,9 +39,10 @@ pub(crate) struct StepState {
     /// The size of the body since its last edit, once a frame has asked for it.
     #[cfg(feature = "global")]
     pub(crate) extent: Option<crate::global::Extent>,
-    /// Time for which the body still takes sweeps since it touched something \[s\].
+    /// Time for which the body still settles if it takes the global step \[s\]; more after its
+    /// iterations found no way.
     #[cfg(feature = "global")]
-    pub(crate) sweeps_left: f32,
+    pub(crate) unsettled: f32,
 }
 
 impl StepState {

@@ -124,46 +124,53 @@ fn a_body_in_contact_takes_sweeps() {
     assert_eq!(solver.substeps(), 32, "four for each iteration");
     assert_eq!(solver.global_stats().bytes, bytes, "the factor is kept");
     solver.set_contacts(&[]).unwrap();
-    for frame in 0..60 {
-        solver.step(&mut surface, DT, &GLOBAL).unwrap();
-        let iterations = solver.stats().global_iterations;
-        assert_eq!(iterations, 0, "{frame} frames later");
-    }
     solver.step(&mut surface, DT, &GLOBAL).unwrap();
     assert_eq!(solver.stats().global_iterations, 8);
     assert_eq!(solver.substeps(), 2);
 }
 
-/// Regression: strain that sweeps leave became motion in the first frame of the global step.
+/// Regression: strain that sweeps leave became motion in the first frames of the global step, 27 J.
 #[test]
-fn a_strained_body_that_left_an_obstacle_keeps_its_sweeps() {
-    for stretched in [1.0, 1.3] {
-        let mut surface = icosphere(3, 0.5);
-        let mut solver = Solver::new(&mut surface, &elastic(1e-4, Some(1e-2))).unwrap();
-        // Two opposite vertices are held as far apart.
-        for v in [VertexId(0), VertexId(3)] {
-            solver.pin(&mut surface, v).unwrap();
-            let target = surface.position(v) * stretched;
-            solver.set_pin_target(v, to_f32(target)).unwrap();
+fn strain_that_sweeps_leave_does_not_become_motion() {
+    let mut surface = build_model(Model::Bunny);
+    let mut solver = Solver::new(&mut surface, &elastic(1e-5, Some(1e-2))).unwrap();
+    pin_top(&mut solver, &mut surface);
+    let params = SolverParams {
+        gravity: [0.0, -9.81, 0.0],
+        ..GLOBAL
+    };
+    for _ in 0..60 {
+        let params = SolverParams {
+            scheme: Scheme::Sweeps,
+            ..params
+        };
+        solver.step(&mut surface, DT, &params).unwrap();
+    }
+    let before = energy(&surface, &solver, 1e-5);
+    assert!(before > 1000.0, "it is hardly strained: {before} J");
+    let weight: f64 = solver.masses().iter().map(|&m| 9.81 * f64::from(m)).sum();
+    for frame in 0..240 {
+        solver.step(&mut surface, DT, &params).unwrap();
+        assert_eq!(solver.stats().global_iterations, 8, "frame {frame}");
+        let kinetic = solver.kinetic_energy();
+        assert!(kinetic < 0.1 * weight, "{kinetic} J in frame {frame}");
+    }
+    let after = energy(&surface, &solver, 1e-5);
+    assert!(after < 1e-3 * before, "{before} J, later {after} J");
+}
+
+/// Pins the upper tenth of a body.
+fn pin_top(solver: &mut Solver, surface: &mut Surface) {
+    let [bottom, top] = [surface.bounds().min[1], surface.bounds().max[1]].map(f64::from);
+    for v in surface.topology().vertices().collect::<Vec<_>>() {
+        if surface.position(v).y > top - 0.1 * (top - bottom) {
+            solver.pin(surface, v).unwrap();
         }
-        let beside = Contact::plane(VertexId(7), [0.0, 1.0, 0.0], -2.0);
-        solver.set_contacts(&[beside]).unwrap();
-        solver.step(&mut surface, DT, &GLOBAL).unwrap();
-        solver.set_contacts(&[]).unwrap();
-        let mut first = None;
-        for frame in 1..200 {
-            solver.step(&mut surface, DT, &GLOBAL).unwrap();
-            if solver.stats().global_iterations > 0 {
-                first = first.or(Some(frame));
-            }
-        }
-        let expected = (stretched == 1.0).then_some(61);
-        assert_eq!(first, expected, "stretched to {stretched}");
     }
 }
 
 /// Regression: a hanging body that was touched never took the global step again. It slept two edges
-/// lower than it hangs.
+/// lower than it hangs. Later its iterations found no way past triangles that had collapsed, 939 J.
 #[test]
 fn a_hanging_body_that_was_touched_takes_the_global_step_again() {
     let mut surface = build_model(Model::Bunny);
@@ -171,13 +178,8 @@ fn a_hanging_body_that_was_touched_takes_the_global_step_again() {
         damping: 1.0,
         ..elastic(1e-5, Some(1e-2))
     };
-    let [bottom, top] = [surface.bounds().min[1], surface.bounds().max[1]].map(f64::from);
     let mut solver = Solver::new(&mut surface, &material).unwrap();
-    for v in surface.topology().vertices().collect::<Vec<_>>() {
-        if surface.position(v).y > top - 0.1 * (top - bottom) {
-            solver.pin(&mut surface, v).unwrap();
-        }
-    }
+    pin_top(&mut solver, &mut surface);
     let params = SolverParams {
         gravity: [0.0, -9.81, 0.0],
         substeps: 1,

@@ -20,8 +20,11 @@ pub(crate) enum Choice {
     /// Sweeps, as always.
     #[default]
     Sweeps,
-    /// Sweeps of a body that takes the global step away from obstacles and others.
-    SweepsInContact,
+    /// Sweeps in short substeps of a body that otherwise takes the global step: it touches
+    /// something, or iterations found no way.
+    ShortSweeps,
+    /// The global step of a body that has taken sweeps before, see [`minimizer::settling`](super::minimizer::settling).
+    Settling,
     /// The global step.
     Global,
 }
@@ -35,6 +38,13 @@ pub(crate) struct Extent {
     mass: f64,
     /// Mean rest length of edges \[m\].
     edge: f64,
+}
+
+impl Choice {
+    /// Returns whether it is the global step.
+    pub(crate) fn is_global(self) -> bool {
+        matches!(self, Self::Settling | Self::Global)
+    }
 }
 
 impl Extent {

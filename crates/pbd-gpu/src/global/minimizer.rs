@@ -1,6 +1,7 @@
 //! [`Minimizer`]: quasi-Newton iterations of a substep with L-BFGS and line search.
 
 mod energy_bound;
+pub(super) mod settling;
 
 use super::lanes::Row;
 use super::objective::Objective;
@@ -23,6 +24,9 @@ const MAX_REDUCTIONS: u32 = 10;
 
 /// Range of a reduced step relative to the one before.
 const REDUCTION: [f64; 2] = [0.01, 0.5];
+
+/// Minimum slope of a search whose failure counts, relative to the objective.
+const MIN_STEEPNESS: f64 = 0.1;
 
 /// Minimum cosine between a step and its change of the gradient for the pair to be kept.
 const MIN_COSINE: f64 = 1e-6;
@@ -76,6 +80,8 @@ pub(super) struct Minimizer {
     has_step: bool,
     /// Whether the matrix alone gives no step from `current`, so that another iteration would not.
     is_stuck: bool,
+    /// Whether a search of this frame found no lower objective though its slope is steep.
+    pub(super) is_blocked: bool,
 }
 
 impl Minimizer {
@@ -208,6 +214,7 @@ impl Minimizer {
             };
         }
         self.is_stuck = self.pair_count == 0;
+        self.is_blocked |= self.is_stuck && -slope > MIN_STEEPNESS * self.current.value;
         self.pair_count = 0;
     }
 

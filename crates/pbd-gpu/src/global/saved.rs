@@ -101,6 +101,8 @@ impl GlobalStep {
             pieces: PieceMotions::default(),
             iterations: 0,
             iterations_left: 0,
+            settling_edge: None,
+            max_motion: None,
         })
     }
 }

@@ -2,8 +2,7 @@
 
 use super::Solver;
 use crate::global::{
-    Choice, Extent, FREE_STRAIN, GlobalStats, MAX_ELASTIC, MAX_KINETIC, Obstacles,
-    SWEEPS_AFTER_CONTACT,
+    BLOCKED_TIME, Choice, Extent, FREE_STRAIN, GlobalStats, MAX_ELASTIC, Obstacles, SETTLING_TIME,
 };
 use crate::material::Stiffness;
 use crate::step::constants::StepConstants;
@@ -24,38 +23,36 @@ impl Solver {
         }
         let of_body = (self.step.extent, dt);
         if !crate::global::is_used(params, &self.material, of_body) {
+            self.step.unsettled = SETTLING_TIME;
             self.step.choice = Choice::Sweeps;
             return Choice::Sweeps;
         }
         let is_touched = is_touched
             || !self.constraints.contacts.is_empty()
             || self.may_touch_obstacles(surface, dt, params);
-        let before = self.step.sweeps_left;
-        self.step.sweeps_left = if is_touched {
-            SWEEPS_AFTER_CONTACT
-        } else if before > dt {
-            before - dt
-        } else if before > 0.0 && !self.is_relaxed(surface, params) {
-            SWEEPS_AFTER_CONTACT
+        let before = self.step.unsettled;
+        (self.step.choice, self.step.unsettled) = if is_touched {
+            (Choice::ShortSweeps, SETTLING_TIME)
+        } else if before > dt && !self.is_relaxed(surface, params) {
+            let is_settling = before <= SETTLING_TIME;
+            let choice = if is_settling {
+                Choice::Settling
+            } else {
+                Choice::ShortSweeps
+            };
+            (choice, before - dt)
         } else {
-            0.0
-        };
-        self.step.choice = if self.step.sweeps_left > 0.0 {
-            Choice::SweepsInContact
-        } else {
-            Choice::Global
+            (Choice::Global, 0.0)
         };
         self.step.choice
     }
 
-    /// Returns whether the body has little elastic energy for its motion, weight and stiffness, or
-    /// hardly moves.
+    /// Returns whether the body has little elastic energy for its motion, weight and stiffness.
     fn is_relaxed(&mut self, surface: &Surface, params: &SolverParams) -> bool {
         let edge = self.known_mean_rest_length();
         let global = self.step.global.get_or_insert_default();
         let elastic = global.elastic_energy((&self.constraints, surface), &self.material);
-        let squares = params.gravity.map(|g| f64::from(g) * f64::from(g));
-        let gravity = squares.iter().sum::<f64>().sqrt();
+        let gravity = norm(params.gravity);
         let mass: f64 = self.particles.mass.iter().map(|&m| f64::from(m)).sum();
         let weight = mass * gravity * surface.bounds().diagonal();
         let free = match self.material.stretch {
@@ -65,9 +62,15 @@ impl Solver {
             }
             Stiffness::Pbd(_) => 0.0,
         };
-        let kinetic = self.kinetic_energy();
-        let is_at_rest = kinetic <= MAX_KINETIC * weight;
-        is_at_rest || elastic <= MAX_ELASTIC * (kinetic + weight) + free
+        elastic <= MAX_ELASTIC * (self.kinetic_energy() + weight) + free
+    }
+
+    /// Ends a frame: a body whose iterations found no way takes sweeps for some time.
+    pub(crate) fn follow_iterations(&mut self) {
+        let global = self.step.global.as_ref();
+        if self.step.choice.is_global() && global.is_some_and(|global| global.is_blocked()) {
+            self.step.unsettled = BLOCKED_TIME + SETTLING_TIME;
+        }
     }
 
     /// Returns whether the ground or a collider may stop a vertex within a frame of `dt` \[s\].
@@ -96,11 +99,13 @@ impl Solver {
             // One that chooses by the time step may take it again.
             Choice::Sweeps if params.scheme == Scheme::Auto => {}
             Choice::Sweeps => self.step.global = None,
-            Choice::SweepsInContact => {}
-            Choice::Global => {
+            Choice::ShortSweeps => {}
+            Choice::Settling | Choice::Global => {
+                let is_settling = self.step.choice == Choice::Settling;
+                let edge = is_settling.then(|| self.known_mean_rest_length());
                 let global = self.step.global.get_or_insert_default();
                 let body = (&self.particles, &self.constraints, surface);
-                global.prepare(body, constants, params);
+                global.prepare(body, constants, params, edge);
             }
         }
     }
@@ -113,4 +118,9 @@ impl Solver {
         let global = self.step.global.as_ref();
         global.map(|global| global.stats()).unwrap_or_default()
     }
+}
+
+fn norm(vector: [f32; 3]) -> f64 {
+    let squares = vector.map(|c| f64::from(c) * f64::from(c));
+    squares.iter().sum::<f64>().sqrt()
 }

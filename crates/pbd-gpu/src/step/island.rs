@@ -6,7 +6,7 @@
 use crate::constraints::contacts::{Contact, ContactSet};
 use crate::error::{ConstraintError, StepError};
 #[cfg(feature = "global")]
-use crate::global::{Choice, SUBSTEPS_IN_CONTACT};
+use crate::global::{Choice, SHORT_SUBSTEPS};
 use crate::kernels::integrate::first_non_finite;
 use crate::solver::Solver;
 use crate::step::backend::{NonFinite, StepScratch, execute};
@@ -185,23 +185,24 @@ impl Island {
         params: &SolverParams,
     ) -> SolverParams {
         let is_touched = !self.contacts.is_empty();
-        let mut in_contact = false;
+        let (mut is_short, mut is_settling) = (false, false);
         for body in 0..bodies.count() {
             let (solver, surface) = bodies.get(body);
             let choice = solver.choose_scheme((surface, is_touched), dt, params);
-            in_contact |= choice == Choice::SweepsInContact;
+            is_short |= choice == Choice::ShortSweeps;
+            is_settling |= choice == Choice::Settling;
         }
-        let (substeps, iterations) = if in_contact {
+        let (substeps, iterations) = if is_short {
             let substeps = params.substeps.saturating_mul(params.iterations);
-            (substeps.saturating_mul(SUBSTEPS_IN_CONTACT), 1)
+            (substeps.saturating_mul(SHORT_SUBSTEPS), 1)
         } else {
             (params.substeps, params.iterations)
         };
         SolverParams {
             substeps,
             iterations,
-            // Second-order sweeps of stiff bodies add energy in contact.
-            integrator: if in_contact {
+            // Second-order sweeps of stiff bodies add energy in contact, and settling has no order.
+            integrator: if is_short || is_settling {
                 Integrator::Euler
             } else {
                 params.integrator

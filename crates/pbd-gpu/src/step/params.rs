@@ -73,8 +73,9 @@ pub enum Scheme {
     ///
     /// In a frame in which it may touch another piece, the ground or a collider, all bodies of its
     /// island take sweeps of first order, with four substeps of one iteration for each iteration of
-    /// the global step. It takes the global step again after a second, once its elastic energy is
-    /// small.
+    /// the global step. After it, and after other frames of sweeps, a body settles for up to three
+    /// seconds: until its elastic energy is small, its parts gain no speed against each other. One
+    /// whose iterations find no way takes sweeps for a quarter of a second first.
     #[cfg(feature = "global")]
     Global,
     /// The global step for large bodies that are stiff in stretch and bending, sweeps for others.

@@ -75,7 +75,7 @@ pub(crate) fn prepare(
 #[cfg(feature = "global")]
 pub(crate) fn takes_global_step(step: &StepState, params: &SolverParams) -> bool {
     // The choice is that of the last frame on the CPU; the GPU steps with sweeps only.
-    step.choice == crate::global::Choice::Global && params.scheme != Scheme::Sweeps
+    step.choice.is_global() && params.scheme != Scheme::Sweeps
 }
 
 /// Returns false for every body: the global step is not compiled.

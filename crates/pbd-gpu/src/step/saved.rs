@@ -25,8 +25,8 @@ pub(crate) struct SavedStep<'a> {
     /// Vertices, mass \[kg\] and edge length \[m\] of the extent.
     extent: Option<(u64, f64, f64)>,
     global: Option<SavedGlobalStep<'a>>,
-    /// Time for which the body still takes sweeps \[s\].
-    sweeps_left: f32,
+    /// Time for which the body still settles \[s\].
+    unsettled: f32,
 }
 
 /// The global step of a body, as it is saved.
@@ -72,13 +72,13 @@ impl StepState {
     /// Returns the state as plain data for a file.
     pub(crate) fn to_saved(&self) -> SavedStep<'_> {
         #[cfg(feature = "global")]
-        let (extent, global, sweeps_left) = (
+        let (extent, global, unsettled) = (
             self.extent.map(crate::global::Extent::to_saved),
             self.global.as_ref().map(|global| global.to_saved()),
-            self.sweeps_left,
+            self.unsettled,
         );
         #[cfg(not(feature = "global"))]
-        let (extent, global, sweeps_left) = (None, None, 0.0);
+        let (extent, global, unsettled) = (None, None, 0.0);
         SavedStep {
             plan: self.plan.current_key(),
             history: self.history.to_saved(),
@@ -88,7 +88,7 @@ impl StepState {
             stats: self.stats,
             extent,
             global,
-            sweeps_left,
+            unsettled,
         }
     }
 
@@ -120,7 +120,7 @@ impl StepState {
             None => History::default(),
         };
         let mean = saved.mean_rest_length.unwrap_or_default();
-        let times = [saved.longest_substep, saved.sweeps_left];
+        let times = [saved.longest_substep, saved.unsettled];
         if !(times.iter().all(|time| time.is_finite()) && mean.is_finite()) {
             return Err(invalid("times of the last step"));
         }
@@ -152,7 +152,7 @@ impl StepState {
             #[cfg(feature = "global")]
             extent: saved.extent.map(crate::global::Extent::from_saved),
             #[cfg(feature = "global")]
-            sweeps_left: saved.sweeps_left,
+            unsettled: saved.unsettled,
         })
     }
 }

@@ -84,7 +84,7 @@ impl Minimizer {
     }
 
     /// Returns half of the sum of masses times squared differences, as the objective counts them.
-    fn kinetic(&self, from: &[Vec3], to: &[Vec3]) -> f64 {
+    pub(in crate::global) fn kinetic(&self, from: &[Vec3], to: &[Vec3]) -> f64 {
         let differences = from.iter().zip(to).map(|(a, b)| (a - b).norm_squared());
         let terms = self.masses.iter().zip(differences);
         terms.map(|(&mass, square)| mass * square).sum::<f64>() / 2.0
