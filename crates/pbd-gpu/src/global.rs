@@ -16,7 +16,8 @@
 //! the changed region and exact translations of [`free_pieces`], and [`minimizer`] iterates. Pins
 //! hold by their zero inverse mass. Volumes are projected after each iteration, as with sweeps, and
 //! directions keep incompressible ones to first order. Near [`obstacles`], the ground and
-//! colliders, and in contact with others a body takes sweeps, after which it is [settling](minimizer::settling).
+//! colliders, and in contact with others a body takes sweeps, after which it is
+//! [settling](minimizer::settling).
 //!
 //! Results are the same on any number of threads. Unlike those of sweeps they depend on the
 //! instruction set, because `faer` uses fused multiply-add where the CPU has it.

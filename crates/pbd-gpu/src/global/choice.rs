@@ -23,7 +23,8 @@ pub(crate) enum Choice {
     /// Sweeps in short substeps of a body that otherwise takes the global step: it touches
     /// something, or iterations found no way.
     ShortSweeps,
-    /// The global step of a body that has taken sweeps before, see [`minimizer::settling`](super::minimizer::settling).
+    /// The global step of a body that has taken sweeps before, see
+    /// [`minimizer::settling`](super::minimizer::settling).
     Settling,
     /// The global step.
     Global,
