@@ -103,10 +103,11 @@ pub(crate) struct EnergySets<'a> {
 /// Minimum number of iterations for [`Scheme::Auto`]: one alone has no L-BFGS correction.
 const MIN_ITERATIONS: u32 = 2;
 
-/// One of as many iterations of a substep is left out in the frame of an edit of a large body.
+/// One of as many iterations of a substep is made in the frame of an edit of a large body.
 ///
-/// They take as long as its local factor and the longer line searches beside new slivers.
-const LEFT_OUT: u32 = 4;
+/// The others would take as long as its local factor and the longer line searches beside new
+/// slivers, and hardly lessen the error of that frame.
+const ITERATIONS_PER_ONE: u32 = 4;
 
 /// Substeps of short sweeps for each iteration of the global step.
 ///
@@ -161,7 +162,7 @@ impl GlobalStep {
         );
         let all = params.iterations;
         self.iterations = match self.preconditioner.is_edit_slow() {
-            true => all - all / LEFT_OUT,
+            true => all.div_ceil(ITERATIONS_PER_ONE),
             false => all,
         };
     }

@@ -68,8 +68,8 @@ pub enum Scheme {
     /// no energy to minimize and takes sweeps, and so does a volume with a compressibility or a
     /// pressure other than 1. The GPU backend does not support it. Results
     /// depend on the instruction set of the CPU, not on the number of threads. A body of more than
-    /// 4,096 vertices leaves out a quarter of the iterations in the frame of an edit, which
-    /// prepares a matrix of the changed region.
+    /// 4,096 vertices makes a quarter of the iterations in the frame of an edit, which prepares a
+    /// matrix of the changed region.
     ///
     /// In a frame in which it may touch another piece, the ground or a collider, all bodies of its
     /// island take sweeps of first order, with four substeps of one iteration for each iteration of

@@ -1,7 +1,7 @@
 //! Settling: the global step of a body that has taken sweeps before.
 //!
-//! Sweeps leave strains of other kinds than the global step, which would turn them into motion. So a
-//! substep moves vertices relative to rigid pieces with no more energy than the start of its
+//! Sweeps leave strains of other kinds than the global step, which would turn them into motion. So
+//! a substep moves vertices relative to rigid pieces with no more energy than the start of its
 //! iterations, or slowly.
 
 use super::Minimizer;
