@@ -1,10 +1,12 @@
 //! Volume constraints hold while pieces are in contact, also after impacts.
 
-use incise_mesh::{Surface, TriangleId, VertexId, cube_sphere};
+use incise_mesh::{Surface, TriangleId, VertexId, cube_sphere, icosphere};
 use incise_models::{Model, build_model};
-use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Volume};
+use incise_pbd_gpu::{Collider, InteriorSprings, Material, SolverParams, Volume};
 use incise_scene::{ContactParams, Scene, SceneParams};
 use incise_test_support::materials::firm;
+use incise_test_support::surfaces::scaled;
+use std::f32::consts::TAU;
 
 /// Regression: when contacts were projected only after volumes, a crushed piece inverted.
 #[test]
@@ -125,6 +127,45 @@ fn a_column_of_slabs_keeps_its_volumes_in_an_impact() {
             // The impact is in frame 11; the column rebounds, and lies on its slabs a second later.
             let tolerance = if frame < 71 { 0.2 } else { 0.02 };
             assert!((kept - 1.0).abs() < tolerance, "{kept} in frame {frame}");
+        }
+    }
+}
+
+/// Regression: colliders took what volumes had moved into them. Balls under others lost up to 3 %
+/// of their volumes, and 18 % in a heap of a thousand.
+#[test]
+fn balls_in_a_funnel_of_planes_keep_their_volumes() {
+    let mut scene = Scene::new(SceneParams {
+        contacts: Some(ContactParams::default()),
+        ..SceneParams::default()
+    });
+    let radius = 0.05_f32;
+    let mut ids = Vec::new();
+    for i in 0..27_u8 {
+        let [x, y, z] = [i % 3, i / 9, i / 3 % 3].map(|k| 2.4 * (f32::from(k) - 1.0));
+        // Each is a little beside its place.
+        let beside = 0.01 * (x + 2.0 * y - 1.5 * z);
+        let center = [x + beside, y + 7.8, z - beside];
+        let mut ball = icosphere(0, 1.0);
+        for p in ball.rest_positions_mut() {
+            *p = [0, 1, 2].map(|k| p[k] + center[k]);
+        }
+        let ball = scaled(ball, [radius; 3]);
+        ids.push(scene.add_body(ball, &Material::soft_body()).unwrap());
+    }
+    for wall in 0..8_u8 {
+        let (sin, cos) = (TAU * f32::from(wall) / 8.0).sin_cos();
+        scene.colliders.push(Collider::Plane {
+            point: [0.0; 3],
+            normal: [-cos, 1.0, -sin],
+        });
+    }
+    let rest = icosphere(0, f64::from(radius)).volume();
+    for frame in 0..150 {
+        scene.step().unwrap();
+        for &id in ids.iter().filter(|_| frame >= 60) {
+            let kept = scene.body(id).unwrap().surface().volume() / rest;
+            assert!((kept - 1.0).abs() < 0.01, "{kept} in frame {frame}");
         }
     }
 }

@@ -30,14 +30,15 @@ impl Compiler<'_> {
             Pass::Predict => (EntryPoint::Predict, true),
             Pass::Pins => (EntryPoint::Pins, true),
             Pass::LongRangeAttachments => (EntryPoint::LongRangeAttachments, false),
-            Pass::Colliders => (EntryPoint::Colliders, true),
+            Pass::CollidersBeforeVolumes | Pass::Colliders => (EntryPoint::Colliders, true),
             Pass::Ground => (EntryPoint::Ground, true),
             _ => (EntryPoint::Integrate, true),
         };
         let lanes_of = |b: &Stepped<'_>| match pass {
             Pass::Pins => b.body.pin_count,
             Pass::LongRangeAttachments => b.body.attachment_count,
-            Pass::Colliders if b.body.collider_count == 0 => 0,
+            Pass::CollidersBeforeVolumes if b.body.volumes.places.pieces == 0 => 0,
+            Pass::CollidersBeforeVolumes | Pass::Colliders if b.body.collider_count == 0 => 0,
             _ => b.body.vertex_count,
         };
         let lanes: Vec<(u32, u32)> = (self.by_passes()).map(|b| (b.slot, lanes_of(b))).collect();
@@ -117,7 +118,9 @@ impl Compiler<'_> {
             let lanes: Vec<(u32, u32)> = (self.by_passes())
                 .map(|b| (b.slot, groups(b) * self.workgroup))
                 .collect();
-            out.extend(self.dispatch(Kernel::Pass(entry_point), PLAIN_PASS, false, &lanes));
+            let by_substep = entry_point == EntryPoint::SumVolumes;
+            let kernel = Kernel::Pass(entry_point);
+            out.extend(self.dispatch(kernel, PLAIN_PASS, by_substep, &lanes));
         }
     }
 

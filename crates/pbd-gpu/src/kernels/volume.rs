@@ -13,14 +13,16 @@
 //! A vertex on the ground, or [carried](crate::Carried) by a piece, does not move further down. It
 //! does not move here if its outward normal points down. The ground then takes nothing of a
 //! volume after this pass. Where it slips, it moves sideways: all horizontal parts of gradients
-//! cancel, and without friction the piece must not be pushed.
+//! cancel, and without friction the piece must not be pushed. Colliders are as the ground.
 //!
 //! `steps` decides how much of an error a substep corrects.
 
 pub(crate) mod steps;
 
 use super::block::difference;
-use super::particle_state::ParticleStates;
+use super::colliders::separation;
+use super::particle_state::{ParticleState, ParticleStates};
+use crate::constraints::colliders::ColliderRecord;
 use crate::constraints::volumes::{Spoke, VolumeSet};
 use crate::parallel::Leader;
 use crate::parallel::passes::volume_gradients;
@@ -59,6 +61,18 @@ impl VolumeScratch {
     }
 }
 
+/// What keeps vertices from moving outwards.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Obstacles<'a> {
+    /// Height of the ground \[m\].
+    pub(crate) ground: f32,
+    pub(crate) colliders: &'a [ColliderRecord],
+    /// Vertices that a piece carries, shape [vertex slots]; empty without contacts.
+    pub(crate) carried: &'a [Cell<bool>],
+    /// Time of the frame at the end of the substep \[s\].
+    pub(crate) time: f32,
+}
+
 /// Input of the pass for one piece.
 #[derive(Debug, Clone, Copy)]
 struct PieceInput<'a> {
@@ -66,10 +80,7 @@ struct PieceInput<'a> {
     topology: &'a Topology,
     /// Vertex that positions are relative to.
     center: usize,
-    /// Height of the ground \[m\].
-    ground: f32,
-    /// Vertices that a piece carries, shape [vertex slots]; empty without contacts.
-    carried: &'a [Cell<bool>],
+    obstacles: Obstacles<'a>,
     /// Velocities, whose fourth components hold what is left of the friction of the ground \[m\].
     velocities: &'a [[f32; 4]],
 }
@@ -84,7 +95,7 @@ pub(crate) fn volumes(
     (leader, arch): (&mut Leader<'_>, Arch),
     (particles, velocities): (ParticleStates<'_>, &[[f32; 4]]),
     (topology, set): (&Topology, &mut VolumeSet),
-    (by, ground, carried): (VolumeProjection, f32, &[Cell<bool>]),
+    (by, obstacles): (VolumeProjection, Obstacles<'_>),
     scratch: &mut VolumeScratch,
 ) -> f32 {
     let mut max_change = 0.0;
@@ -100,8 +111,7 @@ pub(crate) fn volumes(
             particles,
             topology,
             center: center.vertex.index(),
-            ground,
-            carried,
+            obstacles,
             velocities,
         };
         let sums = sum::<false>((leader, arch), input, spokes, scratch);
@@ -195,8 +205,7 @@ fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &Spoke) -> ([f32; 4
         particles,
         topology,
         center,
-        ground,
-        carried,
+        obstacles,
         velocities,
     } = input;
     let v = spoke.vertex.index();
@@ -224,19 +233,51 @@ fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &Spoke) -> ([f32; 4
     let [gx, gy, gz] = sum.map(|c| c * SIXTH);
     // Vector from the vertex to the center, hence the other sign of the sum.
     let back = edge(*center);
-    let is_carried = carried.get(v).is_some_and(Cell::get);
-    let is_low = origin.x[1] + origin.d[1] <= *ground;
-    let is_pressed = (is_carried || is_low) && gy < 0.0;
-    let slips = !is_carried && velocities[v][3] == 0.0;
     let place = gx * back[0] + gy * back[1] + gz * back[2];
     let w = origin.x[3];
-    let [gx, gy, gz] = match (is_pressed, slips) {
-        (false, _) => [gx, gy, gz],
-        (true, true) => [gx, 0.0, gz],
-        (true, false) => [0.0; 3],
+    let [gx, gy, gz] = if BEFORE {
+        [gx, gy, gz]
+    } else {
+        obstacles.free_gradient(v, [gx, gy, gz], origin, velocities[v][3])
     };
     let square = gx * gx + gy * gy + gz * gz;
     ([gx, gy, gz, w], [-place, w * square, w * square.sqrt()])
+}
+
+impl Obstacles<'_> {
+    /// Returns the part of a gradient that a vertex can follow, with `held` of friction left \[m\].
+    #[inline(always)]
+    fn free_gradient(
+        &self,
+        v: usize,
+        [gx, gy, gz]: [f32; 3],
+        state: ParticleState,
+        held: f32,
+    ) -> [f32; 3] {
+        let ParticleState { x, d } = state;
+        let is_carried = self.carried.get(v).is_some_and(Cell::get);
+        let is_low = x[1] + d[1] <= self.ground;
+        let is_pressed = (is_carried || is_low) && gy < 0.0;
+        let slips = !is_carried && held == 0.0;
+        let mut free = match (is_pressed, slips) {
+            (false, _) => [gx, gy, gz],
+            (true, true) => [gx, 0.0, gz],
+            (true, false) => [0.0; 3],
+        };
+        for collider in self.colliders {
+            let q = [0, 1, 2].map(|k: usize| {
+                let origin = collider.origin[k] + collider.velocity[k] * self.time;
+                x[k] - origin
+            });
+            let (distance, n) = separation(q, [d[0], d[1], d[2]], collider);
+            let along = free[0] * n[0] + free[1] * n[1] + free[2] * n[2];
+            if distance <= 0.0 && along < 0.0 {
+                let slide = [0, 1, 2].map(|k: usize| free[k] - along * n[k]);
+                free = if slips { slide } else { [0.0; 3] };
+            }
+        }
+        free
+    }
 }
 
 /// Returns the sums of the first `leaves` leaves.

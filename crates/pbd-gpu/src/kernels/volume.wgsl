@@ -47,13 +47,28 @@ fn displacement(i: u32, at_start: bool) -> vec3f {
     return load_d(i);
 }
 
-// Returns the part of a gradient that the ground or a carrying piece lets a vertex follow.
-fn free_gradient(v: u32, gradient: vec3f) -> vec3f {
-    let is_low = frame.has_ground != 0u && load_x(v).y + load_d(v).y <= frame.ground;
+// Returns the part of a gradient that the ground, a carrying piece and colliders let a vertex
+// follow.
+fn free_gradient(body: Body, v: u32, gradient: vec3f) -> vec3f {
+    let x = load_x(v);
+    let d = load_d(v);
+    let is_low = frame.has_ground != 0u && x.y + d.y <= frame.ground;
     let is_pressed = (is_carried(v) || is_low) && gradient.y < 0.0;
     let slips = !is_carried(v) && friction_bound(v) == 0.0;
     let level = select(vec3f(), vec3f(gradient.x, 0.0, gradient.z), slips);
-    return select(gradient, level, is_pressed);
+    var free = select(gradient, level, is_pressed);
+    let time = f32(substep_index + 1u) * frame.h;
+    for (var k = 0u; k < body.colliders; k++) {
+        let at = body.first_collider + COLLIDER_ENTRIES * k;
+        let origin = collider_vector(at, 2u) + collider_vector(at, 14u) * time;
+        let out = separation(x.xyz - origin, d, at);
+        let n = out.normal;
+        let along = dot_product(free, n);
+        if (out.distance <= 0.0 && along < 0.0) {
+            free = select(vec3f(), free - along * n, slips);
+        }
+    }
+    return free;
 }
 
 fn next_corner(h: u32) -> u32 {
@@ -100,7 +115,7 @@ fn sum_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
         if (i < spokes.y) {
             let spoke = constraints[body.first_spoke + spokes.x + i];
             let now = around(body, spoke, center, false);
-            let g = free_gradient(spoke.x, now.gradient);
+            let g = free_gradient(body, spoke.x, now.gradient);
             let w = load_x(spoke.x).w;
             let square = g.x * g.x + g.y * g.y + g.z * g.z;
             leaf = vec4f(now.place, now.place, w * square, w * sqrt(square));

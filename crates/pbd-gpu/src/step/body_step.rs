@@ -172,17 +172,23 @@ impl BodyStep<'_, '_, '_> {
             Pass::Volumes => {
                 stats.volume_projections += body.volumes.pieces().len() as u64;
                 let piece = (body.topology, &mut *body.volumes);
+                let obstacles = volume::Obstacles {
+                    ground: constants.ground,
+                    colliders: body.colliders,
+                    carried: self.carried,
+                    time: self.time,
+                };
                 let change = volume::volumes(
                     (leader, *arch),
                     (particles, v),
                     piece,
-                    (constants.volume, constants.ground, self.carried),
+                    (constants.volume, obstacles),
                     self.volume_scratch,
                 );
                 stats.max_displacement += change;
                 stats.max_substep_displacement = stats.max_substep_displacement.max(change);
             }
-            Pass::Colliders => {
+            Pass::CollidersBeforeVolumes | Pass::Colliders => {
                 let times = [constants.h, self.time];
                 colliders::colliders(particles, v, body.colliders, constants.friction, times);
             }

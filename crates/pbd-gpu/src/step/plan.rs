@@ -58,10 +58,14 @@ pub enum Pass {
     /// Otherwise that loss would be an old error in the next substep, which is corrected slowly,
     /// and stacked pieces would collapse.
     ContactsBeforeVolumes,
-    /// Lifts the vertices of pieces with a volume onto the ground before volumes.
+    /// Pushes vertices out of colliders before volumes, in a body that has both.
     ///
     /// The volumes pass then moves the other vertices instead, so that a piece keeps its volume
-    /// on the ground.
+    /// between colliders.
+    CollidersBeforeVolumes,
+    /// Lifts the vertices of pieces with a volume onto the ground before volumes.
+    ///
+    /// This is as [`Self::CollidersBeforeVolumes`].
     GroundBeforeVolumes,
     /// Restores the volumes of closed pieces.
     Volumes,
@@ -100,13 +104,14 @@ impl Pass {
                 (stage, batch.layer(), Some(kind), Some(batch))
             }
             Self::ContactsBeforeVolumes => stage(9),
-            Self::GroundBeforeVolumes => stage(10),
-            Self::Volumes => stage(11),
-            Self::Contacts => stage(12),
-            Self::Colliders => stage(13),
-            Self::Ground => stage(14),
-            Self::ContactRecovery => stage(15),
-            Self::Integrate => stage(16),
+            Self::CollidersBeforeVolumes => stage(10),
+            Self::GroundBeforeVolumes => stage(11),
+            Self::Volumes => stage(12),
+            Self::Contacts => stage(13),
+            Self::Colliders => stage(14),
+            Self::Ground => stage(15),
+            Self::ContactRecovery => stage(16),
+            Self::Integrate => stage(17),
         }
     }
 
@@ -290,6 +295,8 @@ impl StepPlan {
         }
         let before_volumes = key.contacts && key.volumes;
         push_if(list, before_volumes, Pass::ContactsBeforeVolumes);
+        let colliders_before_volumes = key.colliders && key.volumes;
+        push_if(list, colliders_before_volumes, Pass::CollidersBeforeVolumes);
         let ground_before_volumes = key.ground && key.volumes;
         push_if(list, ground_before_volumes, Pass::GroundBeforeVolumes);
         push_if(list, key.volumes, Pass::Volumes);
@@ -361,7 +368,7 @@ mod tests {
         let [prologue, iteration, epilogue] = [plan.prologue(), plan.iteration(), plan.epilogue()];
         let once: Vec<Pass> = [prologue, iteration, epilogue].concat();
         assert!(once.is_sorted_by(|a, b| a < b), "{once:?}");
-        assert_eq!(iteration.len(), 1 + 3 * (64 + 1) + 1 + 1 + 1 + 1 + 1 + 1);
+        assert_eq!(iteration.len(), 1 + 3 * (64 + 1) + 7);
         let all: Vec<Pass> = plan.passes().collect();
         let expected = [prologue, iteration, iteration, iteration, epilogue].concat();
         assert_eq!(all, expected);
@@ -375,7 +382,11 @@ mod tests {
             Some(&bending),
             Some(&interior_springs),
         );
-        for pass in [Pass::ContactsBeforeVolumes, Pass::GroundBeforeVolumes] {
+        for pass in [
+            Pass::ContactsBeforeVolumes,
+            Pass::CollidersBeforeVolumes,
+            Pass::GroundBeforeVolumes,
+        ] {
             let is_there = plan.iteration().contains(&pass);
             assert!(!is_there, "there is no volume to restore");
         }

@@ -72,6 +72,14 @@ fn predict_body(body: Body, lane: u32) {
     }
 }
 
+// Pushes all vertices out of colliders.
+fn push_all_out(body: Body, lane: u32) {
+    for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
+        push_out(i, body.first_collider, body.colliders, body.friction);
+    }
+    workgroupBarrier();
+}
+
 // Lifts the vertices of all pieces onto the ground unless the body is predicted above it.
 fn lift_volumes(body: Body, lane: u32) {
     if (!is_above_ground(atomicLoad(&lowest))) {
@@ -146,6 +154,9 @@ fn whole_body(
                 if (body.contacts != 0u) {
                     project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);
                 }
+                if (body.colliders != 0u) {
+                    push_all_out(body, lane);
+                }
                 if (frame.has_ground != 0u) {
                     lift_volumes(body, lane);
                 }
@@ -155,10 +166,7 @@ fn whole_body(
                 project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);
             }
             if (body.colliders != 0u) {
-                for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
-                    push_out(i, body.first_collider, body.colliders, body.friction);
-                }
-                workgroupBarrier();
+                push_all_out(body, lane);
             }
             if (frame.has_ground != 0u) {
                 if (!is_above_ground(atomicLoad(&lowest))) {
