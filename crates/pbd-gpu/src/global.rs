@@ -86,8 +86,8 @@ pub(crate) struct GlobalStep {
     iterations: u32,
     /// Iterations that are left of this substep.
     iterations_left: u32,
-    /// Mean length of edges \[m\], if the body settles.
-    settling_edge: Option<f64>,
+    /// Size of the body \[m\], if it settles.
+    settling_size: Option<f64>,
     /// Maximum motion of the substep relative to rigid pieces [kg m^2], if the body settles.
     max_motion: Option<f64>,
 }
@@ -113,16 +113,36 @@ const ITERATIONS_PER_ONE: u32 = 4;
 ///
 /// They take less time than it does, and carry a load as far as most bodies of a few thousand
 /// triangles need.
-pub(crate) const SHORT_SUBSTEPS: u32 = 4;
+const SHORT_SUBSTEPS: u32 = 4;
+
+/// Minimum length of a substep of short sweeps \[s\].
+///
+/// In shorter ones the displacement by gravity is lost in the rounding of positions.
+const MIN_SHORT_SUBSTEP: f32 = 2.5e-4;
+
+/// Returns the number of substeps of short sweeps in a frame of `dt` \[s\].
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a saturating cast of a positive number"
+)]
+pub(crate) fn short_substeps(dt: f32, params: &SolverParams) -> u32 {
+    let most = (dt / MIN_SHORT_SUBSTEP) as u32;
+    let substeps = params.substeps.saturating_mul(params.iterations);
+    let substeps = substeps.saturating_mul(SHORT_SUBSTEPS);
+    substeps.min(most).max(params.substeps)
+}
 
 /// Returns whether a body takes the global step in a frame of `dt` \[s\].
+///
+/// `is_taken` tells whether it has taken it before, so that small changes of `dt` change nothing.
 ///
 /// All of its edges, springs and hinges need an energy, that is a compliance above 0. A volume must
 /// be incompressible without excess pressure: projections of others and iterations undo each other.
 pub(crate) fn is_used(
     params: &SolverParams,
     material: &Material,
-    (extent, dt): (Option<Extent>, f32),
+    (extent, dt, is_taken): (Option<Extent>, f32, bool),
 ) -> bool {
     let has_energy = |stiffness| matches!(stiffness, Stiffness::Compliance(c) if c > 0.0);
     let is_possible = has_energy(material.stretch)
@@ -131,8 +151,9 @@ pub(crate) fn is_used(
         && material
             .volume
             .is_none_or(|volume| volume == Volume::default());
-    let is_needed =
-        |extent: Extent| extent.needs_global_step(material.stretch, material.bending, dt);
+    let is_needed = |extent: Extent| {
+        extent.needs_global_step((material.stretch, material.bending), dt, is_taken)
+    };
     let is_chosen = match params.scheme {
         Scheme::Sweeps => false,
         Scheme::Global => true,
@@ -149,9 +170,9 @@ impl GlobalStep {
         (particles, constraints, surface): (&Particles, &Constraints, &Surface),
         constants: &StepConstants,
         params: &SolverParams,
-        settling_edge: Option<f64>,
+        settling_size: Option<f64>,
     ) {
-        self.settling_edge = settling_edge;
+        self.settling_size = settling_size;
         self.minimizer.is_blocked = false;
         let compliances = Compliances::new(constants);
         self.pieces.update(particles, surface);
@@ -222,7 +243,7 @@ impl GlobalStep {
         let start = (fall, pieces, self.iterations);
         self.minimizer.begin(particles, &objective, start);
         self.max_motion =
-            (self.settling_edge).map(|edge| self.minimizer.relative_motion(edge, constants.h));
+            (self.settling_size).map(|size| self.minimizer.relative_motion(size, constants.h));
         self.iterations_left = self.iterations;
     }
 
@@ -247,7 +268,7 @@ impl GlobalStep {
         if left == 0
             && let Some(most) = self.max_motion
         {
-            self.minimizer.settle(particles, most);
+            self.minimizer.settle(particles, &mut self.pieces, most);
         }
         1
     }

@@ -39,6 +39,9 @@ pub(crate) struct StepState {
     /// The size of the body since its last edit, once a frame has asked for it.
     #[cfg(feature = "global")]
     pub(crate) extent: Option<crate::global::Extent>,
+    /// Whether the parameters asked for the global step in the last frame.
+    #[cfg(feature = "global")]
+    pub(crate) takes_global: bool,
     /// Time for which the body still settles if it takes the global step \[s\]; more after its
     /// iterations found no way.
     #[cfg(feature = "global")]

@@ -95,10 +95,6 @@ fn a_slab_on_the_ground_stays_in_place() {
         ground: Some(0.0),
         ..GLOBAL
     };
-    let center = |surface: &Surface| {
-        let points = surface.topology().vertices().map(|v| surface.position(v));
-        points.sum::<Vec3>() / surface.positions().len() as f64
-    };
     let before = center(&surface);
     for _ in 0..300 {
         solver.step(&mut surface, DT, &params).unwrap();
@@ -157,6 +153,65 @@ fn strain_that_sweeps_leave_does_not_become_motion() {
     }
     let after = energy(&surface, &solver, 1e-5);
     assert!(after < 1e-3 * before, "{before} J, later {after} J");
+}
+
+/// Regression: a body that settles did not follow its pins, and was torn by 1e6 J.
+#[test]
+fn a_settling_body_follows_its_pins() {
+    let mut surface = build_model(Model::Bunny);
+    let mut solver = Solver::new(&mut surface, &elastic(1e-5, Some(1e-2))).unwrap();
+    pin_top(&mut solver, &mut surface);
+    let pins: Vec<VertexId> = solver.pins().iter().map(|pin| pin.vertex).collect();
+    let before = center(&surface);
+    for frame in 0..80 {
+        let scheme = match frame {
+            0..20 => Scheme::Sweeps,
+            _ => Scheme::Global,
+        };
+        let params = SolverParams {
+            gravity: [0.0, -9.81, 0.0],
+            scheme,
+            ..GLOBAL
+        };
+        if frame >= 20 {
+            for &v in &pins {
+                let to = surface.position(v) + Vec3::new(1.0 / 60.0, 0.0, 0.0);
+                solver.set_pin_target(v, to_f32(to)).unwrap();
+            }
+        }
+        solver.step(&mut surface, DT, &params).unwrap();
+    }
+    let moved = (center(&surface) - before).x;
+    assert!((moved - 1.0).abs() < 0.1, "{moved} of 1 m");
+}
+
+/// Regression: in a ball on the ground 64 substeps per frame of 5 ms gained energy: gravity moved
+/// vertices by less than their positions are rounded.
+#[test]
+fn substeps_in_contact_are_not_too_short() {
+    let mut surface = icosphere(2, 0.5);
+    let mut solver = Solver::new(&mut surface, &elastic(1e-4, Some(1e-2))).unwrap();
+    let plane = Contact::plane(VertexId(0), [0.0, 1.0, 0.0], -2.0);
+    solver.set_contacts(&[plane]).unwrap();
+    for (dt, [substeps, iterations], expected) in [
+        (1.0 / 60.0, [2, 4], 32),
+        (0.0051, [8, 4], 20),
+        (0.005, [40, 4], 40),
+        (1e-5, [1, 8], 1),
+    ] {
+        let params = SolverParams {
+            substeps,
+            iterations,
+            ..GLOBAL
+        };
+        solver.step(&mut surface, dt, &params).unwrap();
+        assert_eq!(solver.substeps(), expected, "{substeps} x {iterations}");
+    }
+}
+
+fn center(surface: &Surface) -> Vec3 {
+    let points = surface.topology().vertices().map(|v| surface.position(v));
+    points.sum::<Vec3>() / surface.positions().len() as f64
 }
 
 /// Pins the upper tenth of a body.

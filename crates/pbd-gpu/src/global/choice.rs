@@ -11,6 +11,9 @@ use incise_mesh::Surface;
 /// Minimum number of edges that stretch and bending waves travel per frame.
 const MIN_TRAVEL: f64 = 24.0;
 
+/// Factor of [`MIN_TRAVEL`] for a body that has taken the global step.
+const KEPT: f64 = 0.8;
+
 /// Minimum number of vertices of a piece: sweeps carry a load through smaller ones.
 const MIN_VERTICES: usize = 128;
 
@@ -81,11 +84,13 @@ impl Extent {
     }
 
     /// Returns whether the global step has the smaller error in a frame of `dt` \[s\].
+    ///
+    /// A body that has taken it keeps it a little longer.
     pub(crate) fn needs_global_step(
         &self,
-        stretch: Stiffness,
-        bending: Option<Stiffness>,
+        (stretch, bending): (Stiffness, Option<Stiffness>),
         dt: f32,
+        is_taken: bool,
     ) -> bool {
         let (Stiffness::Compliance(stretch), Some(Stiffness::Compliance(bending))) =
             (stretch, bending)
@@ -94,7 +99,12 @@ impl Extent {
         };
         let travel = |compliance: f32| f64::from(dt) / (f64::from(compliance) * self.mass).sqrt();
         let slowest = travel(stretch).min(travel(bending) / self.edge);
-        self.vertices >= MIN_VERTICES && slowest >= MIN_TRAVEL
+        let least = if is_taken {
+            KEPT * MIN_TRAVEL
+        } else {
+            MIN_TRAVEL
+        };
+        self.vertices >= MIN_VERTICES && slowest >= least
     }
 }
 
@@ -113,11 +123,22 @@ mod tests {
         assert_eq!(ball(4).vertices, 2560, "10 * 4^4 + 2 by Euler's formula");
         let is_chosen = |level, stretch, bending: Option<f32>| {
             let bending = bending.map(Stiffness::Compliance);
-            ball(level).needs_global_step(Stiffness::Compliance(stretch), bending, 1.0 / 60.0)
+            let material = (Stiffness::Compliance(stretch), bending);
+            ball(level).needs_global_step(material, 1.0 / 60.0, false)
         };
         assert!(is_chosen(4, 1e-3, Some(1e-1)), "53 edges in both");
         assert!(!is_chosen(4, 1e-2, Some(1e-1)), "stretch travels 17 edges");
         assert!(!is_chosen(4, 1e-3, Some(1.0)), "bending passes 17 edges");
+        let after = |dt| {
+            let material = (
+                Stiffness::Compliance(1e-3),
+                Some(Stiffness::Compliance(1e-1)),
+            );
+            [false, true].map(|is_taken| ball(4).needs_global_step(material, dt, is_taken))
+        };
+        assert_eq!(after(0.0080), [true; 2], "25 edges");
+        assert_eq!(after(0.0070), [false, true], "22 edges");
+        assert_eq!(after(0.0055), [false; 2], "17 edges");
         assert!(!is_chosen(4, 1e-3, None), "parts turn freely");
         assert!(!is_chosen(1, 1e-3, Some(1e-1)), "40 vertices");
     }

@@ -122,8 +122,10 @@ impl Minimizer {
             self.start_lower(particles, objective);
         }
         let rotation = self.find_rigid(pieces, true);
-        if pieces.has_pivots() {
-            // A piece that swings about its pins.
+        let pins = self.masses.iter().zip(&self.predicted);
+        let mut pins = pins.filter(|(mass, _)| **mass == 0.0);
+        if pieces.has_pivots() || pins.any(|(_, by)| *by != Vec3::zeros()) {
+            // A piece that swings about its pins, or that they drag.
             self.other.displacements.clone_from(&self.rigid);
             self.start_lower(particles, objective);
         }

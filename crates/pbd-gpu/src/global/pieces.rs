@@ -19,7 +19,7 @@ enum Joint {
     Point(VertexId),
     /// Rotations about the line through two pins.
     Axis([VertexId; 2]),
-    /// None.
+    /// Those of its pins.
     Fixed,
 }
 
@@ -77,8 +77,7 @@ impl Motion {
     /// Returns the angle of the rotation that the joint allows.
     fn angle(&self, joint: Joint, points: &[Vec3]) -> Vec3 {
         let angle = match joint {
-            Joint::Fixed => None,
-            Joint::Free | Joint::Point(_) => {
+            Joint::Free | Joint::Point(_) | Joint::Fixed => {
                 (self.inertia.try_inverse()).map(|inverse| inverse * self.turn)
             }
             Joint::Axis(ends) => {
@@ -147,9 +146,9 @@ impl PieceMotions {
     /// Computes the rigid part of displacements of vertices at `points` \[m\] of `masses` \[kg\].
     ///
     /// Momentum and angular momentum of each piece are those of the displacements. Pieces with pins
-    /// turn about them, those with pins off a line do not move. With `turns` the vertices move on
-    /// circles, by the angle whose tangent the displacements have: that is the implicit Euler step
-    /// of a rigid piece. Returns half of the sum of masses times squared rotations of pieces
+    /// turn about them, those with pins off a line move as these do. With `turns` the vertices move
+    /// on circles, by the angle whose tangent the displacements have: that is the implicit Euler
+    /// step of a rigid piece. Returns half of the sum of masses times squared rotations of pieces
     /// without pins.
     pub(super) fn find_rigid(
         &mut self,
@@ -160,13 +159,22 @@ impl PieceMotions {
         let motions = &mut self.motions;
         motions.clear();
         motions.resize(self.joints.len(), Motion::default());
+        let joints = &self.joints;
         let vertices = || {
             let of_vertices = self.vertices.iter().zip(points.iter().zip(masses));
             of_vertices
                 .zip(displacements)
                 .filter(|((piece, _), _)| **piece != NO_PIECE)
+                .map(|((&piece, (point, &mass)), by)| {
+                    let weight = match joints[piece as usize] {
+                        Joint::Fixed if mass == 0.0 => 1.0,
+                        Joint::Fixed => 0.0,
+                        _ => mass,
+                    };
+                    (piece, point, weight, by)
+                })
         };
-        for ((&piece, (point, &mass)), by) in vertices() {
+        for (piece, point, mass, by) in vertices() {
             let motion = &mut motions[piece as usize];
             motion.mass += mass;
             motion.center += point * mass;
@@ -180,7 +188,7 @@ impl PieceMotions {
                 motion.translation /= motion.mass;
             }
         }
-        for ((&piece, (point, &mass)), by) in vertices() {
+        for (piece, point, mass, by) in vertices() {
             let motion = &mut motions[piece as usize];
             let arm = point - motion.center;
             motion.turn += arm.cross(&(by - motion.translation)) * mass;
@@ -194,9 +202,6 @@ impl PieceMotions {
                 rotation += angle.dot(&motion.turn) / 2.0;
             }
             motion.turn = angle;
-            if *joint == Joint::Fixed {
-                motion.translation = Vec3::zeros();
-            }
         }
         rigid.clear();
         let of_vertices = self.vertices.iter().zip(points);

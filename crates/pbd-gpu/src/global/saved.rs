@@ -101,7 +101,7 @@ impl GlobalStep {
             pieces: PieceMotions::default(),
             iterations: 0,
             iterations_left: 0,
-            settling_edge: None,
+            settling_size: None,
             max_motion: None,
         })
     }

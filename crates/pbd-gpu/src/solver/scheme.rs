@@ -21,8 +21,9 @@ impl Solver {
             let edge = self.mean_rest_length();
             self.step.extent = Some(Extent::new(surface, &self.particles.mass, edge));
         }
-        let of_body = (self.step.extent, dt);
-        if !crate::global::is_used(params, &self.material, of_body) {
+        let of_body = (self.step.extent, dt, self.step.takes_global);
+        self.step.takes_global = crate::global::is_used(params, &self.material, of_body);
+        if !self.step.takes_global {
             self.step.unsettled = SETTLING_TIME;
             self.step.choice = Choice::Sweeps;
             return Choice::Sweeps;
@@ -102,10 +103,10 @@ impl Solver {
             Choice::ShortSweeps => {}
             Choice::Settling | Choice::Global => {
                 let is_settling = self.step.choice == Choice::Settling;
-                let edge = is_settling.then(|| self.known_mean_rest_length());
+                let size = is_settling.then(|| surface.bounds().diagonal());
                 let global = self.step.global.get_or_insert_default();
                 let body = (&self.particles, &self.constraints, surface);
-                global.prepare(body, constants, params, edge);
+                global.prepare(body, constants, params, size);
             }
         }
     }

@@ -25,6 +25,8 @@ pub(crate) struct SavedStep<'a> {
     /// Vertices, mass \[kg\] and edge length \[m\] of the extent.
     extent: Option<(u64, f64, f64)>,
     global: Option<SavedGlobalStep<'a>>,
+    /// Whether the parameters asked for the global step.
+    takes_global: bool,
     /// Time for which the body still settles \[s\].
     unsettled: f32,
 }
@@ -72,13 +74,14 @@ impl StepState {
     /// Returns the state as plain data for a file.
     pub(crate) fn to_saved(&self) -> SavedStep<'_> {
         #[cfg(feature = "global")]
-        let (extent, global, unsettled) = (
+        let (extent, global, takes_global, unsettled) = (
             self.extent.map(crate::global::Extent::to_saved),
             self.global.as_ref().map(|global| global.to_saved()),
+            self.takes_global,
             self.unsettled,
         );
         #[cfg(not(feature = "global"))]
-        let (extent, global, unsettled) = (None, None, 0.0);
+        let (extent, global, takes_global, unsettled) = (None, None, false, 0.0);
         SavedStep {
             plan: self.plan.current_key(),
             history: self.history.to_saved(),
@@ -88,6 +91,7 @@ impl StepState {
             stats: self.stats,
             extent,
             global,
+            takes_global,
             unsettled,
         }
     }
@@ -151,6 +155,8 @@ impl StepState {
             global,
             #[cfg(feature = "global")]
             extent: saved.extent.map(crate::global::Extent::from_saved),
+            #[cfg(feature = "global")]
+            takes_global: saved.takes_global,
             #[cfg(feature = "global")]
             unsettled: saved.unsettled,
         })

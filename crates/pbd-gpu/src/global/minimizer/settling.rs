@@ -5,6 +5,7 @@
 //! iterations, or slowly.
 
 use super::Minimizer;
+use crate::global::pieces::PieceMotions;
 use crate::kernels::particle_state::ParticleStates;
 
 /// Maximum time for which a body settles \[s\].
@@ -24,29 +25,54 @@ pub(crate) const MAX_ELASTIC: f64 = 0.1;
 /// Mean strain of edges whose energy is always allowed.
 pub(crate) const FREE_STRAIN: f64 = 1e-4;
 
-/// Root mean square of relative velocities that are always allowed [edges/s].
-const SLACK: f64 = 6.0;
+/// Root mean square of relative velocities that are always allowed [sizes/s].
+const SLACK: f64 = 0.2;
 
 impl Minimizer {
     /// Returns the relative motion of a substep that has begun, half of masses times squared
     /// displacements \[kg m^2\].
     ///
-    /// The body has edges of a mean length of `edge` \[m\], the substep takes `h` \[s\].
-    pub(in crate::global) fn relative_motion(&self, edge: f64, h: f32) -> f64 {
+    /// The body has a size of `size` \[m\], the substep takes `h` \[s\].
+    pub(in crate::global) fn relative_motion(&self, size: f64, h: f32) -> f64 {
         let half_mass = self.masses.iter().sum::<f64>() / 2.0;
         let motion = self.kinetic(&self.current.displacements, &self.rigid);
-        motion.max(half_mass * (SLACK * edge * f64::from(h)).powi(2))
+        motion.max(half_mass * (SLACK * size * f64::from(h)).powi(2))
     }
 
     /// Shortens displacements relative to rigid pieces down to the motion `most` \[kg m^2\].
-    pub(in crate::global) fn settle(&mut self, particles: ParticleStates<'_>, most: f64) {
-        let motion = self.kinetic(&self.current.displacements, &self.rigid);
-        if motion > most {
-            let share = (most / motion).sqrt();
-            for (d, rigid) in self.current.displacements.iter_mut().zip(&self.rigid) {
-                *d = rigid + (*d - rigid) * share;
+    ///
+    /// The pieces themselves move as predicted, since inner forces change neither their momentum
+    /// nor their angular momentum about pins.
+    pub(in crate::global) fn settle(
+        &mut self,
+        particles: ParticleStates<'_>,
+        pieces: &mut PieceMotions,
+        most: f64,
+    ) {
+        let Self {
+            start,
+            masses,
+            rigid: predicted,
+            direction: rigid,
+            current,
+            ..
+        } = self;
+        let displacements = &mut current.displacements;
+        pieces.find_rigid((start, masses), (displacements, true), rigid);
+        let moved = displacements.iter().zip(&*rigid).zip(&*masses);
+        let motion = moved.map(|((d, rigid), mass)| mass * (d - rigid).norm_squared() / 2.0);
+        let motion: f64 = motion.sum();
+        let share = if motion > most {
+            (most / motion).sqrt()
+        } else {
+            1.0
+        };
+        let vertices = displacements.iter_mut().zip(masses).zip(rigid);
+        for (((d, mass), rigid), predicted) in vertices.zip(predicted) {
+            if *mass > 0.0 {
+                *d = *predicted + (*d - *rigid) * share;
             }
-            self.store(particles);
         }
+        self.store(particles);
     }
 }
