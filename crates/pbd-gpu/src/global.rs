@@ -52,7 +52,7 @@ use crate::step::params::{Scheme, SolverParams};
 pub(crate) use choice::{Choice, Extent};
 use incise_mesh::{Surface, TopologyDelta, VertexId};
 use minimizer::Minimizer;
-pub(crate) use minimizer::settling::{BLOCKED_TIME, FREE_STRAIN, MAX_ELASTIC, SETTLING_TIME};
+pub(crate) use minimizer::settling::{FAILED_SEARCH_TIME, FREE_STRAIN, MAX_ELASTIC, SETTLING_TIME};
 use objective::{Compliances, Objective};
 pub(crate) use obstacles::Obstacles;
 use pieces::PieceMotions;
@@ -88,8 +88,9 @@ pub(crate) struct GlobalStep {
     iterations_left: u32,
     /// Size of the body \[m\], if it settles.
     settling_size: Option<f64>,
-    /// Maximum motion of the substep relative to rigid pieces [kg m^2], if the body settles.
-    max_motion: Option<f64>,
+    /// Bound of the kinetic term of the substep relative to rigid pieces [kg m^2], if the body
+    /// settles.
+    max_relative_kinetic: Option<f64>,
 }
 
 /// The constraints with an energy, as the objective reads them.
@@ -103,46 +104,48 @@ pub(crate) struct EnergySets<'a> {
 /// Minimum number of iterations for [`Scheme::Auto`]: one alone has no L-BFGS correction.
 const MIN_ITERATIONS: u32 = 2;
 
-/// One of as many iterations of a substep is made in the frame of an edit of a large body.
+/// Divisor of the iteration count of a large body in the frame of an edit.
 ///
-/// The others would take as long as its local factor and the longer line searches beside new
-/// slivers, and hardly lessen the error of that frame.
-const ITERATIONS_PER_ONE: u32 = 4;
+/// The other iterations would take as long as its local factor and the longer line searches beside
+/// new slivers, and hardly lessen the error of that frame.
+const EDIT_DIVISOR: u32 = 4;
 
-/// Substeps of short sweeps for each iteration of the global step.
+/// Short substeps of sweeps for each iteration of the global step.
 ///
 /// They take less time than it does, and carry a load as far as most bodies of a few thousand
 /// triangles need.
-const SHORT_SUBSTEPS: u32 = 4;
+const SHORT_SUBSTEPS_PER_ITERATION: u32 = 4;
 
-/// Minimum length of a substep of short sweeps \[s\].
+/// Minimum length to which substeps of sweeps are shortened \[s\].
 ///
-/// In shorter ones the displacement by gravity is lost in the rounding of positions.
+/// The parameters or a ground may ask for shorter ones, in which the displacement by gravity is
+/// lost in the rounding of positions.
 const MIN_SHORT_SUBSTEP: f32 = 2.5e-4;
 
-/// Returns the number of substeps of short sweeps in a frame of `dt` \[s\].
+/// Returns the number of short substeps of sweeps in a frame of `dt` \[s\].
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a saturating cast of a positive number"
 )]
 pub(crate) fn short_substeps(dt: f32, params: &SolverParams) -> u32 {
-    let most = (dt / MIN_SHORT_SUBSTEP) as u32;
+    let max_substeps = (dt / MIN_SHORT_SUBSTEP) as u32;
     let substeps = params.substeps.saturating_mul(params.iterations);
-    let substeps = substeps.saturating_mul(SHORT_SUBSTEPS);
-    substeps.min(most).max(params.substeps)
+    let substeps = substeps.saturating_mul(SHORT_SUBSTEPS_PER_ITERATION);
+    substeps.min(max_substeps).max(params.substeps)
 }
 
-/// Returns whether a body takes the global step in a frame of `dt` \[s\].
+/// Returns whether parameters and material choose the global step in a frame of `dt` \[s\].
 ///
-/// `is_taken` tells whether it has taken it before, so that small changes of `dt` change nothing.
+/// `was_chosen` tells whether they did in the last frame, so that small changes of `dt` change
+/// nothing.
 ///
 /// All of its edges, springs and hinges need an energy, that is a compliance above 0. A volume must
 /// be incompressible without excess pressure: projections of others and iterations undo each other.
-pub(crate) fn is_used(
+pub(crate) fn is_chosen(
     params: &SolverParams,
     material: &Material,
-    (extent, dt, is_taken): (Option<Extent>, f32, bool),
+    (extent, dt, was_chosen): (Option<Extent>, f32, bool),
 ) -> bool {
     let has_energy = |stiffness| matches!(stiffness, Stiffness::Compliance(c) if c > 0.0);
     let is_possible = has_energy(material.stretch)
@@ -152,14 +155,14 @@ pub(crate) fn is_used(
             .volume
             .is_none_or(|volume| volume == Volume::default());
     let is_needed = |extent: Extent| {
-        extent.needs_global_step((material.stretch, material.bending), dt, is_taken)
+        extent.needs_global_step((material.stretch, material.bending), dt, was_chosen)
     };
-    let is_chosen = match params.scheme {
+    let is_wanted = match params.scheme {
         Scheme::Sweeps => false,
         Scheme::Global => true,
         Scheme::Auto => params.iterations >= MIN_ITERATIONS && extent.is_some_and(is_needed),
     };
-    is_possible && is_chosen
+    is_possible && is_wanted
 }
 
 impl GlobalStep {
@@ -173,7 +176,7 @@ impl GlobalStep {
         settling_size: Option<f64>,
     ) {
         self.settling_size = settling_size;
-        self.minimizer.is_blocked = false;
+        self.minimizer.line_search_failed = false;
         let compliances = Compliances::new(constants);
         self.pieces.update(particles, surface);
         self.preconditioner.prepare(
@@ -183,14 +186,14 @@ impl GlobalStep {
         );
         let all = params.iterations;
         self.iterations = match self.preconditioner.is_edit_slow() {
-            true => all.div_ceil(ITERATIONS_PER_ONE),
+            true => all.div_ceil(EDIT_DIVISOR),
             false => all,
         };
     }
 
-    /// Returns whether iterations of the last frame found no way to a lower objective.
-    pub(crate) fn is_blocked(&self) -> bool {
-        self.minimizer.is_blocked
+    /// Returns whether a line search of the last frame failed on a steep slope.
+    pub(crate) fn line_search_failed(&self) -> bool {
+        self.minimizer.line_search_failed
     }
 
     /// Returns the energy of edges, interior springs and hinges \[J\].
@@ -242,8 +245,8 @@ impl GlobalStep {
         let pieces = &mut self.pieces;
         let start = (fall, pieces, self.iterations);
         self.minimizer.begin(particles, &objective, start);
-        self.max_motion =
-            (self.settling_size).map(|size| self.minimizer.relative_motion(size, constants.h));
+        self.max_relative_kinetic =
+            (self.settling_size).map(|size| self.minimizer.max_relative_kinetic(size, constants.h));
         self.iterations_left = self.iterations;
     }
 
@@ -266,7 +269,7 @@ impl GlobalStep {
         self.minimizer
             .iterate(particles, body, &mut self.preconditioner);
         if left == 0
-            && let Some(most) = self.max_motion
+            && let Some(most) = self.max_relative_kinetic
         {
             self.minimizer.settle(particles, &mut self.pieces, most);
         }

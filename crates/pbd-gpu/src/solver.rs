@@ -163,7 +163,7 @@ impl Solver {
     pub(crate) fn end_step(&mut self, stats: Option<StepStats>) {
         self.follow.log.mark_all();
         #[cfg(feature = "global")]
-        self.follow_iterations();
+        self.record_failed_search();
         if let Some(stats) = stats {
             self.step.stats = stats;
         }

@@ -39,13 +39,13 @@ pub(crate) struct StepState {
     /// The size of the body since its last edit, once a frame has asked for it.
     #[cfg(feature = "global")]
     pub(crate) extent: Option<crate::global::Extent>,
-    /// Whether the parameters asked for the global step in the last frame.
+    /// Whether parameters, material and time step chose the global step in the last frame.
     #[cfg(feature = "global")]
-    pub(crate) takes_global: bool,
-    /// Time for which the body still settles if it takes the global step \[s\]; more after its
-    /// iterations found no way.
+    pub(crate) was_global_chosen: bool,
+    /// Remaining time of settling \[s\]; above [`crate::global::SETTLING_TIME`] the body takes
+    /// sweeps first.
     #[cfg(feature = "global")]
-    pub(crate) unsettled: f32,
+    pub(crate) settling_time_left: f32,
 }
 
 impl StepState {

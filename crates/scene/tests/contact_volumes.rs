@@ -132,7 +132,7 @@ fn a_column_of_slabs_keeps_its_volumes_in_an_impact() {
 }
 
 /// Regression: colliders took what volumes had moved into them. Balls under others lost up to 3 %
-/// of their volumes, and 18 % in a heap of a thousand.
+/// of their volumes, and 19 % in a heap of a thousand.
 #[test]
 fn balls_in_a_funnel_of_planes_keep_their_volumes() {
     let mut scene = Scene::new(SceneParams {

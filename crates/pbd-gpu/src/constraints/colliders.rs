@@ -122,6 +122,17 @@ pub(crate) struct ColliderRecord {
     pub(crate) pad: u32,
 }
 
+impl ColliderRecord {
+    /// Returns a position \[m\] relative to the origin at a time of the frame \[s\].
+    #[inline(always)]
+    pub(crate) fn relative(&self, x: [f32; 4], time: f32) -> [f32; 3] {
+        [0, 1, 2].map(|k: usize| {
+            let origin = self.origin[k] + self.velocity[k] * time;
+            x[k] - origin
+        })
+    }
+}
+
 pub(crate) const PLANE: u32 = 0;
 pub(crate) const ROUND: u32 = 1;
 pub(crate) const BOX: u32 = 2;

@@ -12,7 +12,7 @@ use incise_mesh::Surface;
 const MIN_TRAVEL: f64 = 24.0;
 
 /// Factor of [`MIN_TRAVEL`] for a body that has taken the global step.
-const KEPT: f64 = 0.8;
+const HYSTERESIS: f64 = 0.8;
 
 /// Minimum number of vertices of a piece: sweeps carry a load through smaller ones.
 const MIN_VERTICES: usize = 128;
@@ -24,8 +24,8 @@ pub(crate) enum Choice {
     #[default]
     Sweeps,
     /// Sweeps in short substeps of a body that otherwise takes the global step: it touches
-    /// something, or iterations found no way.
-    ShortSweeps,
+    /// something, or a line search has failed.
+    ShortSubsteps,
     /// The global step of a body that has taken sweeps before, see
     /// [`minimizer::settling`](super::minimizer::settling).
     Settling,
@@ -85,12 +85,13 @@ impl Extent {
 
     /// Returns whether the global step has the smaller error in a frame of `dt` \[s\].
     ///
-    /// A body that has taken it keeps it a little longer.
+    /// A body for which it was chosen in the last frame keeps it down to [`HYSTERESIS`] of the
+    /// limit.
     pub(crate) fn needs_global_step(
         &self,
         (stretch, bending): (Stiffness, Option<Stiffness>),
         dt: f32,
-        is_taken: bool,
+        was_chosen: bool,
     ) -> bool {
         let (Stiffness::Compliance(stretch), Some(Stiffness::Compliance(bending))) =
             (stretch, bending)
@@ -99,8 +100,8 @@ impl Extent {
         };
         let travel = |compliance: f32| f64::from(dt) / (f64::from(compliance) * self.mass).sqrt();
         let slowest = travel(stretch).min(travel(bending) / self.edge);
-        let least = if is_taken {
-            KEPT * MIN_TRAVEL
+        let least = if was_chosen {
+            HYSTERESIS * MIN_TRAVEL
         } else {
             MIN_TRAVEL
         };
@@ -134,7 +135,7 @@ mod tests {
                 Stiffness::Compliance(1e-3),
                 Some(Stiffness::Compliance(1e-1)),
             );
-            [false, true].map(|is_taken| ball(4).needs_global_step(material, dt, is_taken))
+            [false, true].map(|was_chosen| ball(4).needs_global_step(material, dt, was_chosen))
         };
         assert_eq!(after(0.0080), [true; 2], "25 edges");
         assert_eq!(after(0.0070), [false, true], "22 edges");

@@ -80,16 +80,17 @@ pub(super) struct Minimizer {
     has_step: bool,
     /// Whether the matrix alone gives no step from `current`, so that another iteration would not.
     is_stuck: bool,
-    /// Whether a search of this frame found no lower objective though its slope is steep.
-    pub(super) is_blocked: bool,
+    /// Whether a line search of this frame found no lower objective on a steep slope.
+    pub(super) line_search_failed: bool,
 }
 
 impl Minimizer {
     /// Starts a substep whose prediction falls freely by `fall` \[m\].
     ///
     /// Iterations start from the prediction with or without the fall of held pieces, whichever has
-    /// the lower value: a free piece falls, one that hangs from pins does not. A start with more
-    /// energy than the body has moves toward the rigid motion of its pieces.
+    /// the lower value: a free piece falls, one that hangs from pins does not. They start from the
+    /// rigid motion of pieces that turn about pins or are dragged, if its value is lower. A start
+    /// with more energy than the body has moves toward the rigid motion of its pieces.
     pub(super) fn begin(
         &mut self,
         particles: ParticleStates<'_>,
@@ -216,7 +217,7 @@ impl Minimizer {
             };
         }
         self.is_stuck = self.pair_count == 0;
-        self.is_blocked |= self.is_stuck && -slope > MIN_STEEPNESS * self.current.value;
+        self.line_search_failed |= self.is_stuck && -slope > MIN_STEEPNESS * self.current.value;
         self.pair_count = 0;
     }
 

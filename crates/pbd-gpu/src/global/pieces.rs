@@ -19,7 +19,7 @@ enum Joint {
     Point(VertexId),
     /// Rotations about the line through two pins.
     Axis([VertexId; 2]),
-    /// Those of its pins.
+    /// None of its own: the piece moves as its pins, which are off a line.
     Fixed,
 }
 
@@ -62,7 +62,7 @@ pub(super) struct PieceMotions {
     motions: Vec<Motion>,
 }
 
-/// The mass of a piece and its rigid motion in a substep.
+/// The rigid motion of a piece in a substep, and the sum of the weights of its vertices.
 #[derive(Debug, Clone, Copy, Default)]
 struct Motion {
     mass: f64,
@@ -145,11 +145,11 @@ impl PieceMotions {
 
     /// Computes the rigid part of displacements of vertices at `points` \[m\] of `masses` \[kg\].
     ///
-    /// Momentum and angular momentum of each piece are those of the displacements. Pieces with pins
-    /// turn about them, those with pins off a line move as these do. With `turns` the vertices move
-    /// on circles, by the angle whose tangent the displacements have: that is the implicit Euler
-    /// step of a rigid piece. Returns half of the sum of masses times squared rotations of pieces
-    /// without pins.
+    /// Momentum and angular momentum of a piece without pins are those of its displacements. Pieces
+    /// with pins turn about them, those with pins off a line move as these do. With `turns` the
+    /// vertices move on circles, by the angle whose tangent the displacements have: that is the
+    /// implicit Euler step of a rigid piece. Returns half of the sum of masses times squared
+    /// rotations of pieces without pins.
     pub(super) fn find_rigid(
         &mut self,
         (points, masses): (&[Vec3], &[f64]),
@@ -174,11 +174,11 @@ impl PieceMotions {
                     (piece, point, weight, by)
                 })
         };
-        for (piece, point, mass, by) in vertices() {
+        for (piece, point, weight, by) in vertices() {
             let motion = &mut motions[piece as usize];
-            motion.mass += mass;
-            motion.center += point * mass;
-            motion.translation += by * mass;
+            motion.mass += weight;
+            motion.center += point * weight;
+            motion.translation += by * weight;
         }
         for (motion, joint) in motions.iter_mut().zip(&self.joints) {
             if let Some(pin) = joint.center().map(VertexId::index) {
@@ -188,12 +188,12 @@ impl PieceMotions {
                 motion.translation /= motion.mass;
             }
         }
-        for (piece, point, mass, by) in vertices() {
+        for (piece, point, weight, by) in vertices() {
             let motion = &mut motions[piece as usize];
             let arm = point - motion.center;
-            motion.turn += arm.cross(&(by - motion.translation)) * mass;
+            motion.turn += arm.cross(&(by - motion.translation)) * weight;
             motion.inertia +=
-                (Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()) * mass;
+                (Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()) * weight;
         }
         let mut rotation = 0.0;
         for (motion, joint) in motions.iter_mut().zip(&self.joints) {
@@ -270,9 +270,13 @@ mod tests {
         }
         pieces.find_rigid(body, (&about_first, false), &mut rigid);
         assert!(rigid[2].norm() < 1e-12, "the axis stays");
+        // With pins off a line, as these move.
         pieces.joints[0] = Joint::Fixed;
-        pieces.find_rigid(body, (&about_first, false), &mut rigid);
-        assert!(rigid.iter().all(|by| *by == Vec3::zeros()));
+        let pinned = [0.0, 0.0, 0.0, 3.0, 1.0];
+        let mut dragged = displacements.clone();
+        dragged[3] = Vec3::zeros();
+        pieces.find_rigid((&points, &pinned), (&dragged, false), &mut rigid);
+        assert!((rigid[3] - displacements[3]).norm() < 1e-12, "{}", rigid[3]);
         pieces.joints[0] = Joint::Free;
         // A stretch has no rigid part.
         let stretch: Vec<Vec3> = points.iter().map(|p| p * 0.1).collect();

@@ -102,7 +102,7 @@ impl GlobalStep {
             iterations: 0,
             iterations_left: 0,
             settling_size: None,
-            max_motion: None,
+            max_relative_kinetic: None,
         })
     }
 }

@@ -153,10 +153,11 @@ impl DeviceBody {
         } else {
             0
         };
-        // With volumes contacts are projected before and after them.
+        // With volumes contacts and colliders are handled before and after them, and gradients test
+        // the colliders.
         let sweeps = 1 + u64::from(places.pieces > 0);
         let contacts = sweeps * (u64::from(self.contacts.count) + 64);
-        let colliders = vertices * u64::from(1 + self.collider_count);
+        let colliders = (2 * sweeps - 1) * vertices * u64::from(1 + self.collider_count);
         let attachments = per_lane(self.attachment_count);
         let iteration =
             2 * colors.sum::<u64>() + volumes + contacts + colliders + attachments + vertices;

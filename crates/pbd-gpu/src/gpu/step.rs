@@ -84,6 +84,8 @@ impl GpuBackend {
                     break;
                 }
             };
+            #[cfg(feature = "global")]
+            solver.record_sweeps();
             frame = FrameUniform {
                 measures_motion: frame.measures_motion,
                 ..frame_record(&constants, params)

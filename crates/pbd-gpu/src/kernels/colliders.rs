@@ -23,10 +23,7 @@ pub(crate) fn colliders(
         if x[3] > 0.0 {
             for collider in colliders {
                 let along = collider.velocity;
-                let q = [0, 1, 2].map(|k: usize| {
-                    let origin = collider.origin[k] + along[k] * time;
-                    x[k] - origin
-                });
+                let q = collider.relative(x, time);
                 let (distance, n) = separation(q, [d[0], d[1], d[2]], collider);
                 if distance < 0.0 {
                     let dragged = along.map(|c| c * h);

@@ -15,6 +15,16 @@ fn collider_vector(at: u32, k: u32) -> vec3f {
     return vec3f(collider_number(at, k), collider_number(at, k + 1u), collider_number(at, k + 2u));
 }
 
+fn collider_velocity(at: u32) -> vec3f {
+    return collider_vector(at, 14u);
+}
+
+// Returns the origin of a collider at the end of the substep of substep_index.
+fn collider_origin(at: u32) -> vec3f {
+    let time = f32(substep_index + 1u) * frame.h;
+    return collider_vector(at, 2u) + collider_velocity(at) * time;
+}
+
 // Pushes a vertex out of the colliders that start at an entry, in the substep of substep_index.
 fn push_out(i: u32, first: u32, count: u32, friction: f32) {
     let x = load_x(i);
@@ -22,12 +32,10 @@ fn push_out(i: u32, first: u32, count: u32, friction: f32) {
         return;
     }
     var d = load_d(i);
-    let time = f32(substep_index + 1u) * frame.h;
     for (var k = 0u; k < count; k++) {
         let at = first + COLLIDER_ENTRIES * k;
-        let velocity = collider_vector(at, 14u);
-        let origin = collider_vector(at, 2u) + velocity * time;
-        let out = separation(x.xyz - origin, d, at);
+        let velocity = collider_velocity(at);
+        let out = separation(x.xyz - collider_origin(at), d, at);
         if (out.distance < 0.0) {
             let n = out.normal;
             let depth = -out.distance;

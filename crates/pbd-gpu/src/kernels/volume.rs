@@ -13,7 +13,8 @@
 //! A vertex on the ground, or [carried](crate::Carried) by a piece, does not move further down. It
 //! does not move here if its outward normal points down. The ground then takes nothing of a
 //! volume after this pass. Where it slips, it moves sideways: all horizontal parts of gradients
-//! cancel, and without friction the piece must not be pushed. Colliders are as the ground.
+//! cancel, and without friction the piece must not be pushed. The same holds for colliders,
+//! along their normals.
 //!
 //! `steps` decides how much of an error a substep corrects.
 
@@ -61,9 +62,9 @@ impl VolumeScratch {
     }
 }
 
-/// What keeps vertices from moving outwards.
+/// The ground, colliders and carrying pieces that bound the motion of vertices.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Obstacles<'a> {
+pub(crate) struct VolumeObstacles<'a> {
     /// Height of the ground \[m\].
     pub(crate) ground: f32,
     pub(crate) colliders: &'a [ColliderRecord],
@@ -80,8 +81,9 @@ struct PieceInput<'a> {
     topology: &'a Topology,
     /// Vertex that positions are relative to.
     center: usize,
-    obstacles: Obstacles<'a>,
-    /// Velocities, whose fourth components hold what is left of the friction of the ground \[m\].
+    obstacles: VolumeObstacles<'a>,
+    /// Velocities; the fourth component is the remaining friction bound of ground and colliders
+    /// \[m\].
     velocities: &'a [[f32; 4]],
 }
 
@@ -95,7 +97,7 @@ pub(crate) fn volumes(
     (leader, arch): (&mut Leader<'_>, Arch),
     (particles, velocities): (ParticleStates<'_>, &[[f32; 4]]),
     (topology, set): (&Topology, &mut VolumeSet),
-    (by, obstacles): (VolumeProjection, Obstacles<'_>),
+    (by, obstacles): (VolumeProjection, VolumeObstacles<'_>),
     scratch: &mut VolumeScratch,
 ) -> f32 {
     let mut max_change = 0.0;
@@ -244,7 +246,7 @@ fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &Spoke) -> ([f32; 4
     ([gx, gy, gz, w], [-place, w * square, w * square.sqrt()])
 }
 
-impl Obstacles<'_> {
+impl VolumeObstacles<'_> {
     /// Returns the part of a gradient that a vertex can follow, with `held` of friction left \[m\].
     #[inline(always)]
     fn free_gradient(
@@ -265,10 +267,7 @@ impl Obstacles<'_> {
             (true, false) => [0.0; 3],
         };
         for collider in self.colliders {
-            let q = [0, 1, 2].map(|k: usize| {
-                let origin = collider.origin[k] + collider.velocity[k] * self.time;
-                x[k] - origin
-            });
+            let q = collider.relative(x, self.time);
             let (distance, n) = separation(q, [d[0], d[1], d[2]], collider);
             let along = free[0] * n[0] + free[1] * n[1] + free[2] * n[2];
             if distance <= 0.0 && along < 0.0 {

@@ -57,11 +57,9 @@ fn free_gradient(body: Body, v: u32, gradient: vec3f) -> vec3f {
     let slips = !is_carried(v) && friction_bound(v) == 0.0;
     let level = select(vec3f(), vec3f(gradient.x, 0.0, gradient.z), slips);
     var free = select(gradient, level, is_pressed);
-    let time = f32(substep_index + 1u) * frame.h;
     for (var k = 0u; k < body.colliders; k++) {
         let at = body.first_collider + COLLIDER_ENTRIES * k;
-        let origin = collider_vector(at, 2u) + collider_vector(at, 14u) * time;
-        let out = separation(x.xyz - origin, d, at);
+        let out = separation(x.xyz - collider_origin(at), d, at);
         let n = out.normal;
         let along = dot_product(free, n);
         if (out.distance <= 0.0 && along < 0.0) {

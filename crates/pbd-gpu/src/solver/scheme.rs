@@ -2,7 +2,8 @@
 
 use super::Solver;
 use crate::global::{
-    BLOCKED_TIME, Choice, Extent, FREE_STRAIN, GlobalStats, MAX_ELASTIC, Obstacles, SETTLING_TIME,
+    Choice, Extent, FAILED_SEARCH_TIME, FREE_STRAIN, GlobalStats, MAX_ELASTIC, Obstacles,
+    SETTLING_TIME,
 };
 use crate::material::Stiffness;
 use crate::step::constants::StepConstants;
@@ -10,7 +11,7 @@ use crate::step::params::{Scheme, SolverParams};
 use incise_mesh::Surface;
 
 impl Solver {
-    /// Chooses the scheme of a frame of `dt` \[s\], by contacts and the size of the body.
+    /// Chooses the scheme of a frame of `dt` \[s\], by contacts, the size of the body and its past.
     pub(crate) fn choose_scheme(
         &mut self,
         (surface, is_touched): (&Surface, bool),
@@ -21,25 +22,25 @@ impl Solver {
             let edge = self.mean_rest_length();
             self.step.extent = Some(Extent::new(surface, &self.particles.mass, edge));
         }
-        let of_body = (self.step.extent, dt, self.step.takes_global);
-        self.step.takes_global = crate::global::is_used(params, &self.material, of_body);
-        if !self.step.takes_global {
-            self.step.unsettled = SETTLING_TIME;
+        let of_body = (self.step.extent, dt, self.step.was_global_chosen);
+        self.step.was_global_chosen = crate::global::is_chosen(params, &self.material, of_body);
+        if !self.step.was_global_chosen {
+            self.record_sweeps();
             self.step.choice = Choice::Sweeps;
             return Choice::Sweeps;
         }
         let is_touched = is_touched
             || !self.constraints.contacts.is_empty()
             || self.may_touch_obstacles(surface, dt, params);
-        let before = self.step.unsettled;
-        (self.step.choice, self.step.unsettled) = if is_touched {
-            (Choice::ShortSweeps, SETTLING_TIME)
+        let before = self.step.settling_time_left;
+        (self.step.choice, self.step.settling_time_left) = if is_touched {
+            (Choice::ShortSubsteps, SETTLING_TIME)
         } else if before > dt && !self.is_relaxed(surface, params) {
             let is_settling = before <= SETTLING_TIME;
             let choice = if is_settling {
                 Choice::Settling
             } else {
-                Choice::ShortSweeps
+                Choice::ShortSubsteps
             };
             (choice, before - dt)
         } else {
@@ -66,11 +67,17 @@ impl Solver {
         elastic <= MAX_ELASTIC * (self.kinetic_energy() + weight) + free
     }
 
-    /// Ends a frame: a body whose iterations found no way takes sweeps for some time.
-    pub(crate) fn follow_iterations(&mut self) {
+    /// Records a frame of sweeps, after which the body settles if it takes the global step.
+    pub(crate) fn record_sweeps(&mut self) {
+        self.step.settling_time_left = SETTLING_TIME;
+    }
+
+    /// Ends a frame: a body whose line search failed takes sweeps for some time.
+    pub(crate) fn record_failed_search(&mut self) {
         let global = self.step.global.as_ref();
-        if self.step.choice.is_global() && global.is_some_and(|global| global.is_blocked()) {
-            self.step.unsettled = BLOCKED_TIME + SETTLING_TIME;
+        if self.step.choice.is_global() && global.is_some_and(|global| global.line_search_failed())
+        {
+            self.step.settling_time_left = FAILED_SEARCH_TIME + SETTLING_TIME;
         }
     }
 
@@ -100,7 +107,7 @@ impl Solver {
             // One that chooses by the time step may take it again.
             Choice::Sweeps if params.scheme == Scheme::Auto => {}
             Choice::Sweeps => self.step.global = None,
-            Choice::ShortSweeps => {}
+            Choice::ShortSubsteps => {}
             Choice::Settling | Choice::Global => {
                 let is_settling = self.step.choice == Choice::Settling;
                 let size = is_settling.then(|| surface.bounds().diagonal());
@@ -113,7 +120,8 @@ impl Solver {
 
     /// Returns memory and cost of the global step; zero for a body that never takes it.
     ///
-    /// A body in contact takes sweeps and keeps its factor, whose age stands still.
+    /// A body in contact or after a failed line search takes sweeps and keeps its factor, whose age
+    /// stands still.
     #[must_use]
     pub fn global_stats(&self) -> GlobalStats {
         let global = self.step.global.as_ref();

@@ -172,7 +172,7 @@ impl BodyStep<'_, '_, '_> {
             Pass::Volumes => {
                 stats.volume_projections += body.volumes.pieces().len() as u64;
                 let piece = (body.topology, &mut *body.volumes);
-                let obstacles = volume::Obstacles {
+                let obstacles = volume::VolumeObstacles {
                     ground: constants.ground,
                     colliders: body.colliders,
                     carried: self.carried,

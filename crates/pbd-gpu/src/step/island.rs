@@ -176,7 +176,8 @@ impl Island {
     /// Chooses the scheme of each body, and returns the parameters of all.
     ///
     /// Obstacles and contacts would undo iterations of the global step, and these would undo
-    /// projections. So an island with a body that touches something has short substeps of sweeps.
+    /// projections. So an island has short substeps of sweeps if a body touches something, or its
+    /// line search has failed.
     #[cfg(feature = "global")]
     fn choose_schemes(
         &self,
@@ -185,14 +186,14 @@ impl Island {
         params: &SolverParams,
     ) -> SolverParams {
         let is_touched = !self.contacts.is_empty();
-        let (mut is_short, mut is_settling) = (false, false);
+        let (mut has_short_substeps, mut is_settling) = (false, false);
         for body in 0..bodies.count() {
             let (solver, surface) = bodies.get(body);
             let choice = solver.choose_scheme((surface, is_touched), dt, params);
-            is_short |= choice == Choice::ShortSweeps;
+            has_short_substeps |= choice == Choice::ShortSubsteps;
             is_settling |= choice == Choice::Settling;
         }
-        let (substeps, iterations) = if is_short {
+        let (substeps, iterations) = if has_short_substeps {
             (short_substeps(dt, params), 1)
         } else {
             (params.substeps, params.iterations)
@@ -200,8 +201,9 @@ impl Island {
         SolverParams {
             substeps,
             iterations,
-            // Second-order sweeps of stiff bodies add energy in contact, and settling has no order.
-            integrator: if is_short || is_settling {
+            // Second-order sweeps of stiff bodies add energy in contact. Settling changes the
+            // displacements that BDF2 extrapolates.
+            integrator: if has_short_substeps || is_settling {
                 Integrator::Euler
             } else {
                 params.integrator

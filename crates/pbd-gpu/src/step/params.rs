@@ -71,24 +71,26 @@ pub enum Scheme {
     /// 4,096 vertices makes a quarter of the iterations in the frame of an edit, which prepares a
     /// matrix of the changed region.
     ///
-    /// In a frame in which it may touch another piece, the ground or a collider, all bodies of its
-    /// island take sweeps of first order, with four substeps of one iteration for each iteration of
-    /// the global step. After it, and after other frames of sweeps, a body settles for up to three
-    /// seconds: until its elastic energy is small, its parts gain no speed against each other. One
-    /// whose iterations find no way takes sweeps for a quarter of a second first.
+    /// A body that may touch another piece, the ground or a collider takes first-order sweeps in
+    /// that frame, with all bodies of its island. Each iteration becomes four substeps, of 250 us
+    /// or more unless [`SolverParams::substeps`] asks for shorter ones. After sweeps a body settles
+    /// for up to three seconds, with implicit Euler, until its elastic energy is small. A settling
+    /// substep limits the kinetic energy relative to rigid pieces to that of its start, or that of
+    /// 0.2 body diagonals per second. A body whose line search fails takes sweeps for up to a
+    /// quarter of a second first.
     #[cfg(feature = "global")]
     Global,
     /// The global step for large bodies that are stiff in stretch and bending, sweeps for others.
     ///
     /// A body takes the global step if its largest piece has 128 vertices or more, and waves of
-    /// stretch and bending travel 24 edges per frame or more. With the stretch compliance `c`, the
-    /// mean mass `m` of a vertex and the frame `dt` this is `dt / sqrt(c m)`. With the bending
-    /// compliance it is divided by the mean rest length. The sizes are measured at creation and
-    /// after edits, so the choice is the same on every machine. Substeps of one iteration take
-    /// sweeps, and so do bodies in contact, as with [`Scheme::Global`]. With one or two substeps of
-    /// two to four iterations such bodies are on or near the
-    /// work-precision Pareto front of `incise-bench accuracy`. The GPU backend does not support it.
-    /// Without the feature `global` all bodies take sweeps.
+    /// stretch and bending travel 24 edges per frame or more. Once chosen, it is kept down to 0.8
+    /// of this limit. With the stretch compliance `c`, the mean mass `m` of a vertex and the frame
+    /// `dt` this is `dt / sqrt(c m)`. With the bending compliance it is divided by the mean rest
+    /// length. The sizes are measured at creation and after edits, so the choice is the same on
+    /// every machine. Substeps of one iteration take sweeps, and so do bodies in contact, as with
+    /// [`Scheme::Global`]. With one or two substeps of two to four iterations such bodies are on or
+    /// near the work-precision Pareto front of `incise-bench accuracy`. The GPU backend does not
+    /// support it. Without the feature `global` all bodies take sweeps.
     Auto,
 }
 

@@ -65,7 +65,7 @@ pub enum Pass {
     CollidersBeforeVolumes,
     /// Lifts the vertices of pieces with a volume onto the ground before volumes.
     ///
-    /// This is as [`Self::CollidersBeforeVolumes`].
+    /// The reason is that of [`Self::CollidersBeforeVolumes`].
     GroundBeforeVolumes,
     /// Restores the volumes of closed pieces.
     Volumes,

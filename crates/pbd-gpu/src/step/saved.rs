@@ -25,10 +25,10 @@ pub(crate) struct SavedStep<'a> {
     /// Vertices, mass \[kg\] and edge length \[m\] of the extent.
     extent: Option<(u64, f64, f64)>,
     global: Option<SavedGlobalStep<'a>>,
-    /// Whether the parameters asked for the global step.
-    takes_global: bool,
-    /// Time for which the body still settles \[s\].
-    unsettled: f32,
+    /// Whether the global step was chosen in the last frame.
+    was_global_chosen: bool,
+    /// Remaining time of settling \[s\].
+    settling_time_left: f32,
 }
 
 /// The global step of a body, as it is saved.
@@ -74,14 +74,14 @@ impl StepState {
     /// Returns the state as plain data for a file.
     pub(crate) fn to_saved(&self) -> SavedStep<'_> {
         #[cfg(feature = "global")]
-        let (extent, global, takes_global, unsettled) = (
+        let (extent, global, was_global_chosen, settling_time_left) = (
             self.extent.map(crate::global::Extent::to_saved),
             self.global.as_ref().map(|global| global.to_saved()),
-            self.takes_global,
-            self.unsettled,
+            self.was_global_chosen,
+            self.settling_time_left,
         );
         #[cfg(not(feature = "global"))]
-        let (extent, global, takes_global, unsettled) = (None, None, false, 0.0);
+        let (extent, global, was_global_chosen, settling_time_left) = (None, None, false, 0.0);
         SavedStep {
             plan: self.plan.current_key(),
             history: self.history.to_saved(),
@@ -91,8 +91,8 @@ impl StepState {
             stats: self.stats,
             extent,
             global,
-            takes_global,
-            unsettled,
+            was_global_chosen,
+            settling_time_left,
         }
     }
 
@@ -124,7 +124,7 @@ impl StepState {
             None => History::default(),
         };
         let mean = saved.mean_rest_length.unwrap_or_default();
-        let times = [saved.longest_substep, saved.unsettled];
+        let times = [saved.longest_substep, saved.settling_time_left];
         if !(times.iter().all(|time| time.is_finite()) && mean.is_finite()) {
             return Err(invalid("times of the last step"));
         }
@@ -156,9 +156,9 @@ impl StepState {
             #[cfg(feature = "global")]
             extent: saved.extent.map(crate::global::Extent::from_saved),
             #[cfg(feature = "global")]
-            takes_global: saved.takes_global,
+            was_global_chosen: saved.was_global_chosen,
             #[cfg(feature = "global")]
-            unsettled: saved.unsettled,
+            settling_time_left: saved.settling_time_left,
         })
     }
 }

@@ -33,7 +33,7 @@ impl Minimizer {
         objective: &Objective<'_>,
         (pieces, max_strain): (&mut PieceMotions, f64),
     ) {
-        if self.current.value <= self.kinetic(&self.predicted, &self.rigid) {
+        if self.current.value <= kinetic(&self.masses, &self.predicted, &self.rigid) {
             // The objective of the rigid motion is larger by the elastic energy.
             return;
         }
@@ -82,13 +82,13 @@ impl Minimizer {
         }
         rotation
     }
+}
 
-    /// Returns half of the sum of masses times squared differences, as the objective counts them.
-    pub(in crate::global) fn kinetic(&self, from: &[Vec3], to: &[Vec3]) -> f64 {
-        let differences = from.iter().zip(to).map(|(a, b)| (a - b).norm_squared());
-        let terms = self.masses.iter().zip(differences);
-        terms.map(|(&mass, square)| mass * square).sum::<f64>() / 2.0
-    }
+/// Returns half of the sum of masses times squared differences, as the objective counts them.
+pub(super) fn kinetic(masses: &[f64], from: &[Vec3], to: &[Vec3]) -> f64 {
+    let differences = from.iter().zip(to).map(|(a, b)| (a - b).norm_squared());
+    let terms = masses.iter().zip(differences);
+    terms.map(|(&mass, square)| mass * square).sum::<f64>() / 2.0
 }
 
 /// Returns the mass of a vertex \[kg\], 0 if it is fixed.
