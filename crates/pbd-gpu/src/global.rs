@@ -114,26 +114,7 @@ const EDIT_DIVISOR: u32 = 4;
 ///
 /// They take less time than it does, and carry a load as far as most bodies of a few thousand
 /// triangles need.
-const SHORT_SUBSTEPS_PER_ITERATION: u32 = 4;
-
-/// Minimum length to which substeps of sweeps are shortened \[s\].
-///
-/// The parameters or a ground may ask for shorter ones, in which the displacement by gravity is
-/// lost in the rounding of positions.
-const MIN_SHORT_SUBSTEP: f32 = 2.5e-4;
-
-/// Returns the number of short substeps of sweeps in a frame of `dt` \[s\].
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a saturating cast of a positive number"
-)]
-pub(crate) fn short_substeps(dt: f32, params: &SolverParams) -> u32 {
-    let max_substeps = (dt / MIN_SHORT_SUBSTEP) as u32;
-    let substeps = params.substeps.saturating_mul(params.iterations);
-    let substeps = substeps.saturating_mul(SHORT_SUBSTEPS_PER_ITERATION);
-    substeps.min(max_substeps).max(params.substeps)
-}
+pub(crate) const SHORT_SUBSTEPS_PER_ITERATION: u32 = 4;
 
 /// Returns whether parameters and material choose the global step in a frame of `dt` \[s\].
 ///

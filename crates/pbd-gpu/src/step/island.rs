@@ -6,7 +6,7 @@
 use crate::constraints::contacts::{Contact, ContactSet};
 use crate::error::{ConstraintError, StepError};
 #[cfg(feature = "global")]
-use crate::global::{Choice, short_substeps};
+use crate::global::{Choice, SHORT_SUBSTEPS_PER_ITERATION};
 use crate::kernels::integrate::first_non_finite;
 use crate::solver::Solver;
 use crate::step::backend::{NonFinite, StepScratch, execute};
@@ -194,7 +194,8 @@ impl Island {
             is_settling |= choice == Choice::Settling;
         }
         let (substeps, iterations) = if has_short_substeps {
-            (short_substeps(dt, params), 1)
+            let substeps = params.substeps.saturating_mul(params.iterations);
+            (substeps.saturating_mul(SHORT_SUBSTEPS_PER_ITERATION), 1)
         } else {
             (params.substeps, params.iterations)
         };

@@ -72,12 +72,11 @@ pub enum Scheme {
     /// matrix of the changed region.
     ///
     /// A body that may touch another piece, the ground or a collider takes first-order sweeps in
-    /// that frame, with all bodies of its island. Each iteration becomes four substeps, of 250 us
-    /// or more unless [`SolverParams::substeps`] asks for shorter ones. After sweeps a body settles
-    /// for up to three seconds, with implicit Euler, until its elastic energy is small. A settling
-    /// substep limits the kinetic energy relative to rigid pieces to that of its start, or that of
-    /// 0.2 body diagonals per second. A body whose line search fails takes sweeps for up to a
-    /// quarter of a second first.
+    /// that frame, with all bodies of its island. Each iteration becomes four substeps. After
+    /// sweeps a body settles for up to three seconds, with implicit Euler, until its elastic energy
+    /// is small. A settling substep limits the kinetic energy relative to rigid pieces to that of
+    /// its start, or that of 0.2 body diagonals per second. A body whose line search fails takes
+    /// sweeps for up to a quarter of a second first.
     #[cfg(feature = "global")]
     Global,
     /// The global step for large bodies that are stiff in stretch and bending, sweeps for others.
