@@ -33,6 +33,13 @@ pub(crate) enum Choice {
     Global,
 }
 
+impl Choice {
+    /// Returns whether it is the global step.
+    pub(crate) fn is_global(self) -> bool {
+        matches!(self, Self::Settling | Self::Global)
+    }
+}
+
 /// Sizes of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Extent {
@@ -42,13 +49,6 @@ pub(crate) struct Extent {
     mass: f64,
     /// Mean rest length of edges \[m\].
     edge: f64,
-}
-
-impl Choice {
-    /// Returns whether it is the global step.
-    pub(crate) fn is_global(self) -> bool {
-        matches!(self, Self::Settling | Self::Global)
-    }
 }
 
 impl Extent {

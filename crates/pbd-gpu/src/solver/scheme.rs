@@ -54,7 +54,8 @@ impl Solver {
         let edge = self.known_mean_rest_length();
         let global = self.step.global.get_or_insert_default();
         let elastic = global.elastic_energy((&self.constraints, surface), &self.material);
-        let gravity = norm(params.gravity);
+        let squares = params.gravity.map(|g| f64::from(g) * f64::from(g));
+        let gravity = squares.iter().sum::<f64>().sqrt();
         let mass: f64 = self.particles.mass.iter().map(|&m| f64::from(m)).sum();
         let weight = mass * gravity * surface.bounds().diagonal();
         let free = match self.material.stretch {
@@ -127,9 +128,4 @@ impl Solver {
         let global = self.step.global.as_ref();
         global.map(|global| global.stats()).unwrap_or_default()
     }
-}
-
-fn norm(vector: [f32; 3]) -> f64 {
-    let squares = vector.map(|c| f64::from(c) * f64::from(c));
-    squares.iter().sum::<f64>().sqrt()
 }
