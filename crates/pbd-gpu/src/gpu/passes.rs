@@ -42,7 +42,11 @@ impl Compiler<'_> {
             _ => b.body.vertex_count,
         };
         let lanes: Vec<(u32, u32)> = (self.by_passes()).map(|b| (b.slot, lanes_of(b))).collect();
-        self.dispatch(Kernel::Pass(kernel), PLAIN_PASS, by_substep, &lanes)
+        let uniform = PassUniform {
+            slows: u32::from(pass == Pass::Colliders),
+            ..PLAIN_PASS
+        };
+        self.dispatch(Kernel::Pass(kernel), uniform, by_substep, &lanes)
     }
 
     /// Adds the resets of multipliers, one dispatch per kind.
@@ -118,7 +122,7 @@ impl Compiler<'_> {
             let lanes: Vec<(u32, u32)> = (self.by_passes())
                 .map(|b| (b.slot, groups(b) * self.workgroup))
                 .collect();
-            let by_substep = entry_point == EntryPoint::SumVolumes;
+            let by_substep = entry_point != EntryPoint::StepVolumes;
             let kernel = Kernel::Pass(entry_point);
             out.extend(self.dispatch(kernel, PLAIN_PASS, by_substep, &lanes));
         }

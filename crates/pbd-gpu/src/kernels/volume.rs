@@ -11,17 +11,20 @@
 //! on any number of threads and on any GPU.
 //!
 //! A vertex on the ground, or [carried](crate::Carried) by a piece, does not move further down. It
-//! does not move here if its outward normal points down. The ground then takes nothing of a
-//! volume after this pass. Where it slips, it moves sideways: all horizontal parts of gradients
-//! cancel, and without friction the piece must not be pushed. The same holds for colliders,
-//! along their normals.
+//! counts as fixed if its outward normal points down, so that the ground takes nothing of a volume
+//! after this pass. Where it slips, it counts as free to move sideways: all horizontal parts of
+//! gradients cancel, and without friction the piece must not be pushed. The same holds for
+//! colliders, along their normals.
+//!
+//! A vertex that a growing volume presses into the ground or a collider takes the reaction all the
+//! same. Their pass undoes it, and their friction counts the load. Otherwise blocks creep downhill.
 //!
 //! `steps` decides how much of an error a substep corrects.
 
 pub(crate) mod steps;
 
 use super::block::difference;
-use super::colliders::separation;
+use super::colliders::{dot, separation, split, touches};
 use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::colliders::ColliderRecord;
 use crate::constraints::volumes::{Spoke, VolumeSet};
@@ -70,8 +73,8 @@ pub(crate) struct VolumeObstacles<'a> {
     pub(crate) colliders: &'a [ColliderRecord],
     /// Vertices that a piece carries, shape [vertex slots]; empty without contacts.
     pub(crate) carried: &'a [Cell<bool>],
-    /// Time of the frame at the end of the substep \[s\].
-    pub(crate) time: f32,
+    /// Duration of the substep, and time of the frame at its end \[s\].
+    pub(crate) times: [f32; 2],
 }
 
 /// Input of the pass for one piece.
@@ -130,7 +133,7 @@ pub(crate) fn volumes(
         if by.accumulates_lambda {
             *lambda -= steps[0];
         }
-        apply(particles, spokes, &scratch.gradients, steps);
+        apply(input, spokes, &scratch.gradients, steps);
         max_change = greater(max_change, steps[1].abs() * sums[2]);
     }
     max_change
@@ -237,42 +240,52 @@ fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &Spoke) -> ([f32; 4
     let back = edge(*center);
     let place = gx * back[0] + gy * back[1] + gz * back[2];
     let w = origin.x[3];
-    let [gx, gy, gz] = if BEFORE {
-        [gx, gy, gz]
+    let gradient = [gx, gy, gz];
+    let is_carried = obstacles.is_carried(v);
+    let free = if BEFORE {
+        gradient
     } else {
-        obstacles.free_gradient(v, [gx, gy, gz], origin, velocities[v][3])
+        obstacles.free_gradient(is_carried, gradient, origin, velocities[v][3])
     };
-    let square = gx * gx + gy * gy + gz * gz;
+    let square = dot(free, free);
+    let [gx, gy, gz] = if is_carried { free } else { gradient };
     ([gx, gy, gz, w], [-place, w * square, w * square.sqrt()])
 }
 
 impl VolumeObstacles<'_> {
+    /// Returns whether a piece carries a vertex.
+    #[inline(always)]
+    fn is_carried(&self, v: usize) -> bool {
+        self.carried.get(v).is_some_and(Cell::get)
+    }
+
     /// Returns the part of a gradient that a vertex can follow, with `held` of friction left \[m\].
     #[inline(always)]
     fn free_gradient(
         &self,
-        v: usize,
+        is_carried: bool,
         [gx, gy, gz]: [f32; 3],
-        state: ParticleState,
+        ParticleState { x, d }: ParticleState,
         held: f32,
     ) -> [f32; 3] {
-        let ParticleState { x, d } = state;
-        let is_carried = self.carried.get(v).is_some_and(Cell::get);
         let is_low = x[1] + d[1] <= self.ground;
         let is_pressed = (is_carried || is_low) && gy < 0.0;
-        let slips = !is_carried && held == 0.0;
+        let slips = !is_carried && (d[0] * d[0] + d[2] * d[2]).sqrt() >= held;
         let mut free = match (is_pressed, slips) {
             (false, _) => [gx, gy, gz],
             (true, true) => [gx, 0.0, gz],
             (true, false) => [0.0; 3],
         };
+        let [h, time] = self.times;
         for collider in self.colliders {
-            let q = collider.relative(x, self.time);
+            let q = collider.relative(x, time);
             let (distance, n) = separation(q, [d[0], d[1], d[2]], collider);
-            let along = free[0] * n[0] + free[1] * n[1] + free[2] * n[2];
-            if distance <= 0.0 && along < 0.0 {
-                let slide = [0, 1, 2].map(|k: usize| free[k] - along * n[k]);
-                free = if slips { slide } else { [0.0; 3] };
+            let along = dot(free, n);
+            if along < 0.0 && touches(distance, q) {
+                let (_, slide) = split(d, collider.velocity.map(|c| c * h), n);
+                let slips = !is_carried && dot(slide, slide).sqrt() >= held;
+                let level = [0, 1, 2].map(|k: usize| free[k] - along * n[k]);
+                free = if slips { level } else { [0.0; 3] };
             }
         }
         free
@@ -320,27 +333,37 @@ fn total_of(partial: &[Sums]) -> Sums {
     tree(&mut columns, partial.len().min(CHUNK))
 }
 
+/// Moves the vertices of a piece by the steps of displacements and of positions.
+///
+/// Vertices that obstacles stop follow a growing volume into them, but not by their positions.
 #[inline(always)]
-fn apply(
-    particles: ParticleStates<'_>,
-    spokes: &[Spoke],
-    gradients: &[[f32; 4]],
-    [step, shift]: [f32; 2],
-) {
+fn apply(input: PieceInput<'_>, spokes: &[Spoke], gradients: &[[f32; 4]], [step, shift]: [f32; 2]) {
+    let PieceInput {
+        particles,
+        obstacles,
+        velocities,
+        ..
+    } = input;
+    let presses = step < 0.0;
     for (spoke, &[gx, gy, gz, w]) in spokes.iter().zip(gradients) {
         let v = spoke.vertex.index();
-        let by = -(w * step);
-        particles.add_d(v, [by * gx, by * gy, by * gz, 0.0]);
-    }
-    if shift != 0.0 {
-        for (spoke, &[gx, gy, gz, w]) in spokes.iter().zip(gradients) {
-            let v = spoke.vertex.index();
-            let by = -(w * shift);
-            let mut state = particles.get(v);
-            for (x, g) in state.x.iter_mut().zip([gx, gy, gz]) {
-                *x += by * g;
-            }
-            particles.set(v, state);
+        let gradient = [gx, gy, gz];
+        let mut state = particles.get(v);
+        let free = if presses && shift == 0.0 {
+            gradient
+        } else {
+            obstacles.free_gradient(obstacles.is_carried(v), gradient, state, velocities[v][3])
+        };
+        let followed = if presses { gradient } else { free };
+        let [by, moved] = [-(w * step), -(w * shift)];
+        for k in 0..3 {
+            state.d[k] += by * followed[k];
         }
+        if shift != 0.0 {
+            for k in 0..3 {
+                state.x[k] += moved * free[k];
+            }
+        }
+        particles.set(v, state);
     }
 }

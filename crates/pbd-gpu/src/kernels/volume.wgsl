@@ -52,17 +52,21 @@ fn displacement(i: u32, at_start: bool) -> vec3f {
 fn free_gradient(body: Body, v: u32, gradient: vec3f) -> vec3f {
     let x = load_x(v);
     let d = load_d(v);
+    let held = friction_bound(v);
     let is_low = frame.has_ground != 0u && x.y + d.y <= frame.ground;
     let is_pressed = (is_carried(v) || is_low) && gradient.y < 0.0;
-    let slips = !is_carried(v) && friction_bound(v) == 0.0;
+    let slips = !is_carried(v) && sqrt(d.x * d.x + d.z * d.z) >= held;
     let level = select(vec3f(), vec3f(gradient.x, 0.0, gradient.z), slips);
     var free = select(gradient, level, is_pressed);
     for (var k = 0u; k < body.colliders; k++) {
         let at = body.first_collider + COLLIDER_ENTRIES * k;
-        let out = separation(x.xyz - collider_origin(at), d, at);
+        let q = x.xyz - collider_origin(at);
+        let out = separation(q, d, at);
         let n = out.normal;
         let along = dot_product(free, n);
-        if (out.distance <= 0.0 && along < 0.0) {
+        if (along < 0.0 && touches(out.distance, q)) {
+            let slide = split(d, collider_velocity(at) * frame.h, n).slide;
+            let slips = !is_carried(v) && sqrt(dot_product(slide, slide)) >= held;
             free = select(vec3f(), free - along * n, slips);
         }
     }
@@ -113,9 +117,10 @@ fn sum_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
         if (i < spokes.y) {
             let spoke = constraints[body.first_spoke + spokes.x + i];
             let now = around(body, spoke, center, false);
-            let g = free_gradient(body, spoke.x, now.gradient);
+            let free = free_gradient(body, spoke.x, now.gradient);
+            let g = select(now.gradient, free, is_carried(spoke.x));
             let w = load_x(spoke.x).w;
-            let square = g.x * g.x + g.y * g.y + g.z * g.z;
+            let square = dot_product(free, free);
             leaf = vec4f(now.place, now.place, w * square, w * sqrt(square));
             if (recovers) {
                 leaf.y = around(body, spoke, center, true).place;
@@ -223,13 +228,18 @@ fn move_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
     let piece = body.first_piece + PIECE_ENTRIES * constraints[chunk + 1u].x;
     let step = bitcast<f32>(constraints[piece + 2u].y);
     let shift = bitcast<f32>(constraints[piece + 3u].y);
+    let presses = step < 0.0;
     for (var i = lane; i < spokes.y; i += lanes) {
         let v = constraints[body.first_spoke + spokes.x + i].x;
         let g = velocities[first_vertex + v].xyz;
         let x = load_x(v);
-        store_d(v, load_d(v) + -(x.w * step) * g);
+        var free = g;
+        if (!presses || shift != 0.0) {
+            free = free_gradient(body, v, g);
+        }
+        store_d(v, load_d(v) + -(x.w * step) * select(free, g, presses));
         if (shift != 0.0) {
-            store_x(v, vec4f(x.xyz + -(x.w * shift) * g, x.w));
+            store_x(v, vec4f(x.xyz + -(x.w * shift) * free, x.w));
         }
     }
 }

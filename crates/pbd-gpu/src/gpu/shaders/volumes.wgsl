@@ -66,6 +66,7 @@ fn move_volumes(
     let work = find_work(group_number(group, groups));
     let body = bodies[work.body];
     first_vertex = body.first_vertex;
+    substep_index = current.substep;
     let chunk = work.first_lane / WORKGROUP_SIZE;
     if (chunk < body.chunks) {
         move_chunk(body, chunk, lane, WORKGROUP_SIZE);
