@@ -129,6 +129,11 @@ impl Body {
         Ok(())
     }
 
+    /// Returns the surface's fingerprint after the last cut.
+    pub(crate) fn version(&self) -> u64 {
+        self.topology_version
+    }
+
     /// Returns the surface's fingerprint before the last cut, or the present one after an undo.
     pub(crate) fn version_before_cut(&self) -> u64 {
         self.version_before_cut

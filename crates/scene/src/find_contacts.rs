@@ -109,6 +109,7 @@ impl Scene {
             return Ok(None);
         };
         self.sleep.wake(i);
+        self.islands.forget(i);
         if let Some(gpu) = &mut self.gpu {
             gpu.begin_edit(i, body.surface());
         }

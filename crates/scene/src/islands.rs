@@ -3,15 +3,19 @@
 //! A body without contacts with others is an island of one. `frame.rs` groups the bodies after
 //! contact detection, steps the islands and returns the bodies to the scene.
 
+mod held;
+
 use crate::body::{Body, BodyId};
 use crate::contacts::ContactDetection;
 use crate::error::SceneError;
 use crate::scene::{Bodies, Scene};
+use held::HeldContacts;
 use incise_mesh::{Surface, VertexId, index_u32};
-use incise_pbd_gpu::{
-    Contact, ContactKind, Island, IslandBodies, IslandError, Solver, SolverParams,
-};
+use incise_pbd_gpu::{Contact, Island, IslandBodies, IslandError, Solver, SolverParams};
 use rayon::prelude::*;
+
+#[cfg(feature = "serde")]
+pub(crate) use held::HeldContact;
 
 /// Minimum number of constraints of all stepped bodies for several threads.
 ///
@@ -35,6 +39,8 @@ pub(crate) struct Islands {
     list: Vec<BodyIsland>,
     /// Number of islands of the frame; memory of others stays in the list.
     count: usize,
+    /// Contacts of the last frame.
+    held: HeldContacts,
     /// Scratch memory: contacts of a single body.
     contacts: Vec<Contact>,
 }
@@ -196,17 +202,23 @@ impl Islands {
         is_stepped: impl Fn(usize, &Option<Box<Body>>) -> bool,
     ) -> Result<usize, SceneError> {
         let mut count = 0;
-        for (i, body) in bodies.iter_mut().enumerate() {
-            if !is_stepped(i, body) {
+        for i in 0..bodies.len() {
+            if !is_stepped(i, &bodies[i]) {
                 continue;
             }
             self.contacts.clear();
             if self.is_shared(i) {
                 let island = &mut self.list[self.island_of[i] as usize];
-                let first = &self.first_vertex;
+                let (first, held) = (&self.first_vertex, &self.held);
+                let version = |i: usize| bodies[i].as_ref().map_or(0, |body| body.version());
                 let found = detection.contacts(i).map(|found| {
-                    let offsets = [first[i], first[found.other as usize]];
-                    shifted(&found.contact, offsets)
+                    let both = [i, found.other as usize];
+                    let held = held.find(&found.contact, both.map(|i| (i, version(i))));
+                    let contact = Contact {
+                        held,
+                        ..found.contact
+                    };
+                    shifted(&contact, both.map(|i| first[i]))
                 });
                 let before = island.contacts.len();
                 island.contacts.extend(found);
@@ -216,7 +228,7 @@ impl Islands {
                 self.contacts.extend(found.map(|found| found.contact));
                 count += self.contacts.len();
             }
-            if let Some(body) = body {
+            if let Some(body) = &mut bodies[i] {
                 body.parts().1.set_contacts(&self.contacts)?;
             }
         }
@@ -258,6 +270,46 @@ impl Islands {
         }
     }
 
+    /// Keeps where friction held the contacts of the frame.
+    fn keep_held(&mut self, bodies: &Bodies) {
+        let versions = bodies.iter().map(|body| Some(body.as_ref()?.version()));
+        self.held.begin(versions);
+        let first = &self.first_vertex;
+        for island in &self.list[..self.count] {
+            let members = &island.members;
+            if members.len() > 1 {
+                self.held.add(island.solver.contacts(), |v| {
+                    let end = members.partition_point(|&i| first[i] <= v.0);
+                    let body = members[end - 1];
+                    [index_u32(body), v.0 - first[body]]
+                });
+            }
+        }
+        self.held.finish();
+    }
+
+    /// Forgets the contacts of a body that is edited or moved.
+    pub(crate) fn forget(&mut self, body: usize) {
+        self.held.forget(body);
+    }
+
+    /// Returns the contacts of bodies that have not changed since the last frame, for a file.
+    #[cfg(feature = "serde")]
+    pub(crate) fn to_saved(&self, bodies: &Bodies) -> Vec<HeldContact> {
+        let version = |i: u32| Some(bodies.get(i as usize)?.as_ref()?.version());
+        self.held.to_saved(version)
+    }
+
+    /// Returns islands that go on from the saved contacts of bodies, if these are valid.
+    #[cfg(feature = "serde")]
+    pub(crate) fn from_saved(contacts: Vec<HeldContact>, bodies: &Bodies) -> Option<Self> {
+        let versions = bodies.iter().map(|body| Some(body.as_ref()?.version()));
+        Some(Self {
+            held: HeldContacts::from_saved(contacts, versions)?,
+            ..Self::default()
+        })
+    }
+
     /// Steps all islands, which are independent of each other, in parallel.
     fn step(&mut self, dt: f32, params: &SolverParams) {
         let islands = &mut self.list[..self.count];
@@ -288,14 +340,10 @@ impl Islands {
 /// Returns a contact in island vertices, from those of a body and those of the other one.
 fn shifted(contact: &Contact, [of_first, of_others]: [u32; 2]) -> Contact {
     let mut out = *contact;
-    let own = if contact.kind == ContactKind::EdgeEdge {
-        2
-    } else {
-        1
-    };
+    let first = contact.first_feature();
     for (i, v) in out.vertices.iter_mut().enumerate() {
         if *v != VertexId::NULL {
-            v.0 += if i < own { of_first } else { of_others };
+            v.0 += if i < first { of_first } else { of_others };
         }
     }
     out
@@ -324,6 +372,7 @@ impl Scene {
             self.islands.step(self.params.dt, &self.params.solver);
         }
         self.islands.give_back(&mut self.bodies);
+        self.islands.keep_held(&self.bodies);
         on_gpu?;
         if let Some((index, IslandError { error, .. })) = self.islands.error() {
             let scene = self.number;

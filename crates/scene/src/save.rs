@@ -8,6 +8,7 @@ use crate::blade::Blade;
 use crate::body::{Body, BodyId, SavedBody};
 use crate::contacts::{BladeFace, ContactDetection, SavedContacts, SavedFace};
 use crate::error::SceneError;
+use crate::islands::{HeldContact, Islands};
 use crate::params::SceneParams;
 use crate::scene::Scene;
 use crate::sleep::{SavedSleep, Sleep};
@@ -100,6 +101,7 @@ struct SavedScene<'a> {
     bodies: Vec<Option<SavedBody<'a>>>,
     sleep: SavedSleep<'a>,
     contacts: SavedContacts,
+    held: Vec<HeldContact>,
 }
 
 impl Scene {
@@ -140,6 +142,7 @@ impl Scene {
             bodies,
             sleep: self.sleep.to_saved(),
             contacts: self.detection.to_saved(),
+            held: self.islands.to_saved(&self.bodies),
         };
         Ok(write_archive(FileKind::Scene, &saved)?)
     }
@@ -185,6 +188,8 @@ impl Scene {
         scene.sleep = sleep.ok_or(invalid("sleeping states"))?;
         let contacts = ContactDetection::from_saved(saved.contacts, count);
         scene.detection = contacts.ok_or(invalid("contacts"))?;
+        let islands = Islands::from_saved(saved.held, &scene.bodies);
+        scene.islands = islands.ok_or(invalid("held contacts"))?;
         Ok(scene)
     }
 }

@@ -281,6 +281,7 @@ impl Scene {
         self.read_back(id)?;
         self.sleep.wake(id.index);
         self.detection.forget_overlaps(id.index);
+        self.islands.forget(id.index);
         if let (Some(gpu), Some(body)) = (&mut self.gpu, &self.bodies[id.index]) {
             gpu.begin_edit(id.index, body.surface());
         }

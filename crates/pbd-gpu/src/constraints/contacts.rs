@@ -30,6 +30,28 @@ pub struct Contact {
     pub friction: f32,
     /// The feature whose piece is carried by the piece of the other feature.
     pub carried: Carried,
+    /// Where friction held the features before; none for features that have not touched.
+    pub held: Option<Held>,
+}
+
+/// Where friction has held the features of a pair in the last substep.
+///
+/// Other constraints of that substep have moved them on. Friction takes this back in the next one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Held {
+    /// Weights of the vertices, -1 to 1; they sum to zero.
+    pub weights: [f32; 4],
+    /// Weighted sum of their positions: the vector from the second feature to the first one \[m\].
+    pub at: [f32; 3],
+}
+
+impl Held {
+    /// Returns whether all numbers are finite.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        self.weights.iter().chain(&self.at).all(|c| c.is_finite())
+    }
 }
 
 /// The carried feature of a contact: its piece rests on the piece of the other feature.
@@ -83,6 +105,7 @@ impl Contact {
             gap_rate: 0.0,
             friction: 0.0,
             carried: Carried::Neither,
+            held: None,
         }
     }
 
@@ -101,6 +124,7 @@ impl Contact {
             gap_rate: 0.0,
             friction: 0.0,
             carried: Carried::Neither,
+            held: None,
         }
     }
 
@@ -117,6 +141,7 @@ impl Contact {
             gap_rate: 0.0,
             friction: 0.0,
             carried: Carried::Neither,
+            held: None,
         }
     }
 
@@ -134,6 +159,16 @@ impl Contact {
             return Err(ConstraintError::BadContact { vertex });
         }
         Ok(())
+    }
+
+    /// Returns the number of vertices of the first feature.
+    #[must_use]
+    pub fn first_feature(&self) -> usize {
+        if self.kind == ContactKind::EdgeEdge {
+            2
+        } else {
+            1
+        }
     }
 
     /// Returns the number of vertices: four, or one for a plane.
@@ -157,6 +192,7 @@ impl Contact {
             && [self.gap, self.gap_rate].iter().all(|c| c.is_finite())
             && self.friction.is_finite()
             && self.friction >= 0.0
+            && self.held.is_none_or(|held| held.is_finite())
     }
 }
 
@@ -187,11 +223,18 @@ pub(crate) struct ContactRecord {
     pub(crate) carried: u16,
     /// Whether the last projection has separated the features.
     pub(crate) is_active: u32,
-    /// Maximum sum of the corrections by friction in the substep \[m\].
+    /// Maximum sum of the corrections by friction in the last substep \[m\]. If it is positive,
+    /// friction has held the features.
     pub(crate) friction_bound: f32,
-    /// Sum of the corrections by friction in the substep \[m\]; the last component is unused.
+    /// Sum of the corrections by friction in the substep \[m\].
     #[cfg_attr(feature = "serde", serde(skip))]
-    pub(crate) friction_sum: [f32; 4],
+    pub(crate) friction_sum: [f32; 3],
+    /// Vector between the features of a pair as the last projection of a substep left it \[m\].
+    pub(crate) held_at: [f32; 3],
+    /// Change of that vector by the rest of the last substep, which friction takes back \[m\].
+    pub(crate) drift: [f32; 3],
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(crate) pad: u32,
 }
 
 impl ContactRecord {
@@ -258,6 +301,18 @@ impl ContactSet {
         self.generation
     }
 
+    /// Returns the vertices of each pair that friction has held in the last substep, and where.
+    ///
+    /// Contacts that a GPU has projected are not among them.
+    pub fn held(&self) -> impl Iterator<Item = ([VertexId; 4], Held)> {
+        let pairs = self.colors.iter().flatten();
+        let held = pairs.filter(|pair| pair.friction_bound > 0.0 && pair.vertex_count() == 4);
+        held.map(|pair| {
+            let (weights, at) = (pair.weights, pair.held_at);
+            (pair.vertices.map(VertexId), Held { weights, at })
+        })
+    }
+
     pub(crate) fn capacity(&self) -> usize {
         self.colors.iter().map(Vec::capacity).sum()
     }
@@ -271,9 +326,13 @@ impl ContactSet {
         self.masks.resize(vertex_slots);
         self.colors.resize_with(UNCOLORED + 1, Vec::new);
         for contact in contacts {
+            let held = contact.held.unwrap_or(Held {
+                weights: [1.0, 0.0, 0.0, 0.0],
+                at: [0.0; 3],
+            });
             let record = ContactRecord {
                 vertices: contact.vertices.map(|v| v.0),
-                weights: [1.0, 0.0, 0.0, 0.0],
+                weights: held.weights,
                 normal: contact.normal,
                 gap: contact.gap,
                 gap_rate: contact.gap_rate,
@@ -282,8 +341,11 @@ impl ContactSet {
                 kind: contact.kind as u16,
                 carried: contact.carried as u16,
                 is_active: 0,
-                friction_bound: 0.0,
-                friction_sum: [0.0; 4],
+                friction_bound: if contact.held.is_some() { 1.0 } else { 0.0 },
+                friction_sum: [0.0; 3],
+                held_at: held.at,
+                drift: [0.0; 3],
+                pad: 0,
             };
             let (ids, count) = record.moved();
             let color = self.masks.claim(0, &ids[..count]).unwrap_or(UNCOLORED);

@@ -6,7 +6,11 @@
 //! keeps its side from substep to substep, so that edges which have crossed are separated the way
 //! they came. A feature that the other one has left does nothing. Normals stay for the substep, so
 //! that its sums of friction are along the same plane.
+//!
+//! Other constraints move the features on after friction has held them. Friction takes this drift
+//! back in the next substep. Without that, each ball of a heap creeps.
 
+use super::contacts::between_features;
 use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::contacts::{ContactKind, ContactRecord};
 
@@ -20,12 +24,19 @@ const MIN_SQUARED_SINE: f32 = 1e-4;
 #[inline(never)]
 pub(crate) fn contact_features(particles: ParticleStates<'_>, contacts: &mut [ContactRecord]) {
     for contact in contacts {
+        let was_held = contact.friction_bound > 0.0;
         contact.friction_bound = 0.0;
-        contact.friction_sum = [0.0; 4];
+        contact.friction_sum = [0.0; 3];
         if contact.kind == ContactKind::Plane as u16 {
             continue;
         }
         let p = contact.vertices.map(|v| particles.get(v as usize));
+        contact.drift = if was_held {
+            let now = between_features(contact, p.map(ParticleState::at_start));
+            [0, 1, 2].map(|k: usize| now[k] - contact.held_at[k])
+        } else {
+            [0.0; 3]
+        };
         let distance = if contact.kind == ContactKind::EdgeEdge as u16 {
             edge_edge(contact, p)
         } else {

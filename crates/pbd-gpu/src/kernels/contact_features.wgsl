@@ -117,17 +117,33 @@ fn edge_edge(v: vec4u, old_weights: vec4f, old: vec3f) -> Features {
     return Features(vec4f(1.0 - s, s, t - 1.0, -t), normal, dot_of(normal, ca));
 }
 
+// Returns the vector from the second feature to the first one at the start of the substep.
+fn between_features(v: vec4u, w: vec4f) -> vec3f {
+    let x = load_x(v.x);
+    let none = vec3f();
+    let r0 = w.x * difference(x, none, x, none);
+    let r1 = w.y * difference(x, none, load_x(v.y), none);
+    let r2 = w.z * difference(x, none, load_x(v.z), none);
+    let r3 = w.w * difference(x, none, load_x(v.w), none);
+    return (r0 + r1) + (r2 + r3);
+}
+
 // Finds the features of the contact at an entry and begins its sum of friction.
 fn find_features(at: u32) {
+    let was_held = bitcast<f32>(constraints[at + 8u].y) > 0.0;
     constraints[at + 8u].y = 0u;
     constraints[at + 9u] = vec2u();
-    constraints[at + 10u] = vec2u();
+    constraints[at + 10u].x = 0u;
     let kind = constraints[at + 7u].y & 0xffffu;
     if (kind == CONTACT_PLANE) {
         return;
     }
     let v = vec4u(constraints[at], constraints[at + 1u]);
     let weights = bitcast<vec4f>(vec4u(constraints[at + 2u], constraints[at + 3u]));
+    let held_at = bitcast<vec3f>(vec3u(constraints[at + 10u].y, constraints[at + 11u]));
+    let drift = bitcast<vec3u>(between_features(v, weights) - held_at);
+    constraints[at + 12u] = select(vec2u(), drift.xy, was_held);
+    constraints[at + 13u].x = select(0u, drift.z, was_held);
     let normal = bitcast<vec4f>(vec4u(constraints[at + 4u], constraints[at + 5u])).xyz;
     let thickness = bitcast<f32>(constraints[at + 7u].x);
     var found: Features;

@@ -34,14 +34,8 @@ pub(crate) fn contacts(
         }
         // The ground lifts its vertices later in the substep.
         let lifted = p.map(|p| lifted(p, ground));
-        // Differences keep precision far from the origin, from which a plane is measured.
-        let center = if count == 4 {
-            lifted[0]
-        } else {
-            ParticleState::default()
-        };
         let n = contact.normal;
-        let between = weighted_sum(contact.weights, lifted.map(|p| difference(center, p)));
+        let between = between_features(contact, lifted);
         let gap = if count == 4 {
             contact.gap
         } else {
@@ -61,14 +55,17 @@ pub(crate) fn contacts(
         if !is_active {
             continue;
         }
-        // The sliding of one feature along the other in this substep.
+        // The sliding of one feature along the other in this substep, and what it drifted before.
         let motion = weighted_sum(w, lifted.map(|p| p.d));
+        let motion = [0, 1, 2].map(|k: usize| motion[k] + contact.drift[k]);
         let along = dot(motion, n);
         let slide = [0, 1, 2].map(|k: usize| motion[k] - along * n[k]);
         // The correction that moves all vertices freely by the impulse which separates them.
         let press = depth * (free / weight);
         let held = hold(contact, slide, contact.friction * press);
         let push = [0, 1, 2].map(|k: usize| (press * n[k] - held[k]) / free);
+        let moved = (w[0] * shares[0] + w[1] * shares[1]) + (w[2] * shares[2] + w[3] * shares[3]);
+        contact.held_at = [0, 1, 2].map(|k: usize| between[k] + moved * push[k]);
         for i in 0..count {
             let (d, by) = (p[i].d, shares[i]);
             let moved = [
@@ -84,6 +81,19 @@ pub(crate) fn contacts(
             }
         }
     }
+}
+
+/// Returns the vector from the second feature of a pair to the first one, and from the origin to
+/// the vertex of a plane's contact \[m\].
+#[inline(always)]
+pub(super) fn between_features(contact: &ContactRecord, p: [ParticleState; 4]) -> [f32; 3] {
+    // Differences keep precision far from the origin, from which a plane is measured.
+    let center = if contact.vertex_count() == 4 {
+        p[0]
+    } else {
+        ParticleState::default()
+    };
+    weighted_sum(contact.weights, p.map(|p| difference(center, p)))
 }
 
 /// Returns a state as the ground will leave it.
@@ -230,16 +240,14 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 /// Returns the part of a slide that friction removes, and adds `more` to the friction bound.
 #[inline(always)]
 fn hold(contact: &mut ContactRecord, slide: [f32; 3], more: f32) -> [f32; 3] {
-    let [x, y, z, _] = contact.friction_sum;
-    let before = [x, y, z];
+    let before = contact.friction_sum;
     let sum = [0, 1, 2].map(|k: usize| before[k] + slide[k]);
     let length = (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]).sqrt();
     let bound = contact.friction_bound + more;
     let part = if length > bound { bound / length } else { 1.0 };
-    let [x, y, z] = sum.map(|c| part * c);
     contact.friction_bound = bound;
-    contact.friction_sum = [x, y, z, 0.0];
-    [x - before[0], y - before[1], z - before[2]]
+    contact.friction_sum = sum.map(|c| part * c);
+    [0, 1, 2].map(|k: usize| contact.friction_sum[k] - before[k])
 }
 
 #[cfg(test)]

@@ -75,8 +75,8 @@ fn project_contact(at: u32) {
     let r2 = difference(center_x, center_d, x[2], up[2]);
     let r3 = difference(center_x, center_d, x[3], up[3]);
     let between = (w.x * r0 + w.y * r1) + (w.z * r2 + w.w * r3);
-    let moved = plane.w + rates.x * (f32(substep_index + 1u) * frame.h);
-    let gap = select(moved, plane.w, is_pair);
+    let plane_gap = plane.w + rates.x * (f32(substep_index + 1u) * frame.h);
+    let gap = select(plane_gap, plane.w, is_pair);
     let depth = gap - (between.x * n.x + between.y * n.y + between.z * n.z);
     let shares = w * vec4f(x[0].w, x[1].w, x[2].w, x[3].w);
     let free = effective_inverse_mass(w, shares, vec4f(1.0), vec4f(1.0));
@@ -91,11 +91,19 @@ fn project_contact(at: u32) {
     if (!is_active) {
         return;
     }
-    let motion = (w.x * up[0] + w.y * up[1]) + (w.z * up[2] + w.w * up[3]);
+    let drift = vec3f(
+        bitcast<vec2f>(constraints[at + 12u]),
+        bitcast<f32>(constraints[at + 13u].x),
+    );
+    let motion = ((w.x * up[0] + w.y * up[1]) + (w.z * up[2] + w.w * up[3])) + drift;
     let along = motion.x * n.x + motion.y * n.y + motion.z * n.z;
     let slide = motion - along * n;
     let press = depth * (free / weight);
     let push = (press * n - hold(at, slide, rates.y * press)) / free;
+    let moved = (w.x * shares.x + w.y * shares.y) + (w.z * shares.z + w.w * shares.w);
+    let held_at = bitcast<vec3u>(between + moved * push);
+    constraints[at + 10u].y = held_at.x;
+    constraints[at + 11u] = held_at.yz;
     let carried = constraints[at + 7u].y >> 16u;
     for (var i = 0u; i < select(1u, 4u, is_pair); i++) {
         store_d(v[i], d[i] + shares[i] * push);

@@ -48,7 +48,9 @@ impl ContactRecord {
         } else {
             (1..4).all(is_distinct) && others.iter().all(|&v| v != NO_VERTEX)
         };
-        let numbers = self.weights.iter().chain(&self.normal).chain([
+        let vectors = [&self.normal, &self.held_at, &self.drift];
+        let vectors = vectors.into_iter().flatten();
+        let numbers = self.weights.iter().chain(vectors).chain([
             &self.gap,
             &self.gap_rate,
             &self.friction,

@@ -1,5 +1,6 @@
 use super::*;
 use crate::constraints::contacts::{ContactKind, NO_VERTEX};
+use crate::kernels::contact_features::contact_features;
 use crate::kernels::particle_state::on_arrays;
 
 const NO_GROUND: f32 = f32::NEG_INFINITY;
@@ -277,5 +278,40 @@ fn friction_is_bounded_by_the_sums_of_a_substep() {
         });
         let slide = d[0][0] - (d[1][0] + d[2][0] + d[3][0]) / 3.0;
         assert!((slide - left).abs() < 1e-6, "{slide} m after {pull} m");
+    }
+}
+
+/// Regression: each substep forgot what other constraints had moved on, and heaps crept.
+#[test]
+fn friction_takes_back_what_others_moved_in_the_last_substep() {
+    let drift = 0.02;
+    for (friction, left) in [(1.0, -drift), (0.05, 0.01 - drift - 0.05 * 0.15)] {
+        let (mut x, contact) = pair();
+        let mut list = [ContactRecord {
+            friction,
+            // Its normal points up.
+            vertices: [0, 1, 3, 2],
+            thickness: 0.05,
+            ..contact
+        }];
+        let mut d = [[0.0, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
+        on_arrays(&x, &mut d, |p| {
+            contact_features(p, &mut list);
+            contacts(p, &[], &mut list, (NO_GROUND, 0.0));
+        });
+        // Others move the vertex; then the substep ends, and it slides on.
+        d[0][0] += drift;
+        for (x, d) in x.iter_mut().zip(&mut d) {
+            for k in 0..3 {
+                x[k] += std::mem::take(&mut d[k]);
+            }
+        }
+        d[0] = [0.01 - drift, -0.15, 0.0, 0.0];
+        on_arrays(&x, &mut d, |p| {
+            contact_features(p, &mut list);
+            contacts(p, &[], &mut list, (NO_GROUND, 0.0));
+        });
+        let slide = d[0][0] - (d[1][0] + d[2][0] + d[3][0]) / 3.0;
+        assert!((slide - left).abs() < 1e-5, "{slide} m with {friction}");
     }
 }

@@ -1,0 +1,95 @@
+//! [`HeldContacts`]: where friction held the contacts of islands at the end of a frame.
+//!
+//! Contacts are found anew in each frame. Without this list friction would forget in each frame how
+//! far other constraints have moved its features on, and heaps would creep.
+
+use incise_mesh::{VertexId, index_u32};
+use incise_pbd_gpu::{Contact, ContactSet, Held};
+
+/// A contact by body and vertex of each of its vertices, and where friction held it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct HeldContact {
+    key: [[u32; 2]; 4],
+    held: Held,
+}
+
+/// The held contacts of the last frame, in memory reused between frames.
+#[derive(Debug, Default)]
+pub(crate) struct HeldContacts {
+    /// Ascending by key.
+    list: Vec<HeldContact>,
+    /// By body index: version of its topology; none of a body whose contacts are forgotten.
+    versions: Vec<Option<u64>>,
+}
+
+impl HeldContacts {
+    /// Begins a list without contacts; `versions` are those of the bodies' topologies.
+    pub(crate) fn begin(&mut self, versions: impl Iterator<Item = Option<u64>>) {
+        self.list.clear();
+        self.versions.clear();
+        self.versions.extend(versions);
+    }
+
+    /// Adds the contacts of an island; `locate` returns the body and the vertex of an island vertex.
+    pub(crate) fn add(&mut self, contacts: &ContactSet, locate: impl Fn(VertexId) -> [u32; 2]) {
+        let held = contacts.held().map(|(vertices, held)| HeldContact {
+            key: vertices.map(&locate),
+            held,
+        });
+        self.list.extend(held);
+    }
+
+    /// Ends the list.
+    pub(crate) fn finish(&mut self) {
+        self.list.sort_unstable_by_key(|contact| contact.key);
+    }
+
+    /// Forgets the contacts of a body that is edited or moved.
+    pub(crate) fn forget(&mut self, body: usize) {
+        if let Some(version) = self.versions.get_mut(body) {
+            *version = None;
+        }
+    }
+
+    /// Returns where friction held a contact between two bodies with versions of their topologies.
+    pub(crate) fn find(&self, contact: &Contact, bodies: [(usize, u64); 2]) -> Option<Held> {
+        let is_current = |(i, version): (usize, u64)| self.versions.get(i) == Some(&Some(version));
+        if !bodies.into_iter().all(is_current) {
+            return None;
+        }
+        let first = contact.first_feature();
+        let mut key = contact.vertices.map(|v| [0, v.0]);
+        for (i, [body, _]) in key.iter_mut().enumerate() {
+            *body = index_u32(bodies[usize::from(i >= first)].0);
+        }
+        let found = self.list.binary_search_by_key(&key, |contact| contact.key);
+        found.ok().map(|i| self.list[i].held)
+    }
+
+    /// Returns the contacts of bodies that have not changed since, for a file.
+    #[cfg(feature = "serde")]
+    pub(crate) fn to_saved(&self, version: impl Fn(u32) -> Option<u64>) -> Vec<HeldContact> {
+        let is_current = |&[body, _]: &[u32; 2]| {
+            let known = self.versions.get(body as usize).copied().flatten();
+            known.is_some() && known == version(body)
+        };
+        let contacts = self.list.iter();
+        contacts
+            .filter(|contact| contact.key.iter().all(is_current))
+            .copied()
+            .collect()
+    }
+
+    /// Returns saved contacts, if they are in order and finite.
+    #[cfg(feature = "serde")]
+    pub(crate) fn from_saved(
+        list: Vec<HeldContact>,
+        versions: impl Iterator<Item = Option<u64>>,
+    ) -> Option<Self> {
+        let is_valid = list.is_sorted_by_key(|contact| contact.key)
+            && list.iter().all(|contact| contact.held.is_finite());
+        let versions = versions.collect();
+        is_valid.then_some(Self { list, versions })
+    }
+}
