@@ -201,6 +201,13 @@ impl Islands {
         detection: &ContactDetection,
         is_stepped: impl Fn(usize, &Option<Box<Body>>) -> bool,
     ) -> Result<usize, SceneError> {
+        for (i, body) in bodies.iter().enumerate() {
+            if let Some(body) = body.as_ref().filter(|_| is_stepped(i, body)) {
+                let contacts = body.solver().contacts();
+                self.held.add(contacts, |v| [index_u32(i), v.0]);
+            }
+        }
+        self.held.sort();
         let mut count = 0;
         for i in 0..bodies.len() {
             if !is_stepped(i, &bodies[i]) {
@@ -224,8 +231,12 @@ impl Islands {
                 island.contacts.extend(found);
                 count += island.contacts.len() - before;
             } else {
-                let found = detection.contacts(i);
-                self.contacts.extend(found.map(|found| found.contact));
+                let version = bodies[i].as_ref().map_or(0, |body| body.version());
+                let found = detection.contacts(i).map(|found| Contact {
+                    held: self.held.find(&found.contact, [(i, version); 2]),
+                    ..found.contact
+                });
+                self.contacts.extend(found);
                 count += self.contacts.len();
             }
             if let Some(body) = &mut bodies[i] {
@@ -270,7 +281,7 @@ impl Islands {
         }
     }
 
-    /// Keeps where friction held the contacts of the frame.
+    /// Keeps where friction held the contacts of shared islands; solvers keep those of a body.
     fn keep_held(&mut self, bodies: &Bodies) {
         let versions = bodies.iter().map(|body| Some(body.as_ref()?.version()));
         self.held.begin(versions);
@@ -285,7 +296,6 @@ impl Islands {
                 });
             }
         }
-        self.held.finish();
     }
 
     /// Forgets the contacts of a body that is edited or moved.
@@ -293,7 +303,7 @@ impl Islands {
         self.held.forget(body);
     }
 
-    /// Returns the contacts of bodies that have not changed since the last frame, for a file.
+    /// Returns the contacts between bodies that have not changed since the last frame, for a file.
     #[cfg(feature = "serde")]
     pub(crate) fn to_saved(&self, bodies: &Bodies) -> Vec<HeldContact> {
         let version = |i: u32| Some(bodies.get(i as usize)?.as_ref()?.version());

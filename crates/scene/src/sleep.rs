@@ -15,7 +15,7 @@ use crate::body::Body;
 use crate::contacts::ContactParams;
 use crate::error::SceneError;
 use crate::params::SceneParams;
-use excursion::{Excursion, INTERVAL};
+use excursion::{Excursion, LAST};
 use incise_mesh::Aabb;
 use incise_pbd_gpu::SolverParams;
 #[cfg(feature = "serde")]
@@ -28,8 +28,8 @@ pub struct SleepParams {
     /// Maximum speed of a vertex along an axis at rest [mean rest edge lengths per second].
     ///
     /// Measured in the fastest substep. Bodies that touch others may also jitter by a twentieth of
-    /// an edge length; their speed is then measured over 16 frames each, if more than 32 are
-    /// observed ([`SleepParams::LAG`] included). Rounding adds up to four times as much: a few
+    /// an edge length if they return to where they were within 20 frames, and once more within the
+    /// next 12; that takes more than 32 observed frames ([`SleepParams::LAG`] included). Rounding adds up to four times as much: a few
     /// units in the last place of the body's largest coordinate. A body whose coordinates round
     /// more coarsely stays awake. A body that creeps more slowly than this is stopped by its sleep.
     pub speed: f32,
@@ -277,20 +277,20 @@ impl Sleep {
     /// Contacts are found on the CPU, which has the positions of such bodies.
     pub(crate) fn measure(&mut self, i: usize, body: &Body, params: &SceneParams) {
         let Some(sleep) = &params.sleep else { return };
-        if !self.has_intervals() {
+        if !self.is_long() {
             return;
         }
-        let time = f64::from(INTERVAL) * f64::from(params.dt);
+        let frames = self.observations[i].frames;
+        let time = f64::from(frames) * f64::from(params.dt);
         let (surface, edge) = (body.surface(), body.solver().mean_rest_length());
         let slow = sleep.limit(edge, &surface.bounds(), time);
         let limits = [slow, f64::max(slow, MAX_JITTER * edge)];
-        let frames = self.observations[i].frames;
         self.excursions[i].measure(surface.positions(), frames, limits);
     }
 
     /// Returns whether an observation is long enough to compare positions.
-    fn has_intervals(&self) -> bool {
-        self.observed_frames + SleepParams::LAG > 2 * INTERVAL
+    fn is_long(&self) -> bool {
+        self.observed_frames + SleepParams::LAG > LAST
     }
 
     /// Records a frame of an awake body.

@@ -303,7 +303,7 @@ impl ContactSet {
 
     /// Returns the vertices of each pair that friction has held in the last substep, and where.
     ///
-    /// Contacts that a GPU has projected are not among them.
+    /// A GPU returns this with the positions.
     pub fn held(&self) -> impl Iterator<Item = ([VertexId; 4], Held)> {
         let pairs = self.colors.iter().flatten();
         let held = pairs.filter(|pair| pair.friction_bound > 0.0 && pair.vertex_count() == 4);

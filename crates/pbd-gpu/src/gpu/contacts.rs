@@ -5,9 +5,10 @@ use super::body::{Arenas, RUN_TABLES};
 use super::context::Context;
 use super::error::GpuError;
 use super::layout::{CONTACT_ENTRIES, CONTACTS, Entry, RUN_COLORS, RUN_STRIDE, Run};
+use super::readback::Part;
 use super::upload::Uploads;
 use crate::constraints::batches::OVERFLOW;
-use crate::constraints::contacts::{ContactSet, UNCOLORED};
+use crate::constraints::contacts::{ContactRecord, ContactSet, UNCOLORED};
 use incise_mesh::index_u32;
 use std::ops::Range;
 
@@ -31,6 +32,28 @@ impl DeviceContacts {
     pub(super) fn free(&mut self, arenas: &mut Arenas) {
         arenas.entries.free(std::mem::take(&mut self.list));
         *self = Self::default();
+    }
+
+    /// Returns the list in its buffer.
+    pub(super) fn part<'a>(&self, arenas: &'a Arenas) -> Part<'a> {
+        let entry = size_of::<Entry>() as u64;
+        let bytes = u64::from(entries(self.count)) * entry;
+        (
+            arenas.entries.buffer(0),
+            u64::from(self.list.start) * entry,
+            bytes,
+        )
+    }
+
+    /// Copies the bytes of the list to the contacts that were uploaded, unless others have been set.
+    pub(super) fn take(&self, bytes: &[u8], set: &mut ContactSet) {
+        let size = size_of::<ContactRecord>();
+        if set.generation() == self.generation && bytes.len() == set.len() * size {
+            let contacts = set.colors.iter_mut().flatten();
+            for (contact, bytes) in contacts.zip(bytes.chunks_exact(size)) {
+                *contact = bytemuck::pod_read_unaligned(bytes);
+            }
+        }
     }
 
     /// Uploads the solver's contacts of the body in `slot` if they have changed.

@@ -29,7 +29,9 @@ impl GpuBackend {
         Ok(())
     }
 
-    /// Reads positions and velocities back; blocks until the GPU has finished.
+    /// Reads positions, velocities and contacts back; blocks until the GPU has finished.
+    ///
+    /// Contacts that were set after the last step stay as they are.
     ///
     /// # Errors
     /// [`StepError::NonFinitePosition`] in [`GpuError::Step`] if a position is not finite;
@@ -75,10 +77,12 @@ impl GpuBackend {
         let bytes = &mut self.bytes_read;
         let shown = resident.state.fetch(&self.context, |data| {
             *bytes += data.len() as u64;
-            let (vectors, report) = data.split_at(data.len() - size_of::<Report>());
+            let (report, data) = data.split_at(size_of::<Report>());
             let report = bytemuck::pod_read_unaligned::<Report>(report);
             finite(&report)?;
-            let (positions, velocities) = vectors.split_at(vectors.len() / 2);
+            let bytes = size_of_val(surface.positions());
+            let (positions, data) = data.split_at(bytes);
+            let (velocities, contacts) = data.split_at(bytes);
             let vector = |bytes: &[u8]| bytemuck::pod_read_unaligned::<[f32; 4]>(bytes);
             for (to, from) in surface
                 .positions_mut()
@@ -92,6 +96,7 @@ impl GpuBackend {
             {
                 *to = vector(from);
             }
+            resident.body.contacts.take(contacts, solver.contacts_mut());
             Ok(())
         })?;
         shown.unwrap_or(Err(GpuError::UnknownBody))?;
@@ -134,9 +139,10 @@ impl GpuBackend {
             let start = u64::from(body.first_vertex()) * 16;
             let bytes = u64::from(body.vertex_count) * 16;
             let parts = [
+                report_part(&self.arenas, body.slot),
                 (self.arenas.vertices.buffer(POSITIONS), start, bytes),
                 (self.arenas.vertices.buffer(VELOCITIES), start, bytes),
-                report_part(&self.arenas, body.slot),
+                body.contacts.part(&self.arenas),
             ];
             let frame = resident.frame;
             resident

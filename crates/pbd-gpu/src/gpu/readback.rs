@@ -67,7 +67,7 @@ impl Readback {
             )?,
         };
         let mut at = 0;
-        for &(from, offset, bytes) in parts {
+        for &(from, offset, bytes) in parts.iter().filter(|(_, _, bytes)| *bytes > 0) {
             encoder.copy_buffer_to_buffer(from, offset, &buffer, at, bytes);
             at += bytes;
         }

@@ -356,12 +356,12 @@ fn apply(input: PieceInput<'_>, spokes: &[Spoke], gradients: &[[f32; 4]], [step,
         };
         let followed = if presses { gradient } else { free };
         let [by, moved] = [-(w * step), -(w * shift)];
-        for k in 0..3 {
-            state.d[k] += by * followed[k];
+        for (d, g) in state.d.iter_mut().zip(followed) {
+            *d += by * g;
         }
         if shift != 0.0 {
-            for k in 0..3 {
-                state.x[k] += moved * free[k];
+            for (x, g) in state.x.iter_mut().zip(free) {
+                *x += moved * g;
             }
         }
         particles.set(v, state);

@@ -53,6 +53,12 @@ impl Solver {
         }
     }
 
+    /// Returns the contacts for the results of a GPU.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn contacts_mut(&mut self) -> &mut ContactSet {
+        &mut self.constraints.contacts
+    }
+
     /// Returns the contacts of the next frame.
     #[must_use]
     pub fn contacts(&self) -> &ContactSet {

@@ -1,4 +1,4 @@
-//! [`HeldContacts`]: where friction held the contacts of islands at the end of a frame.
+//! [`HeldContacts`]: where friction held contacts at the end of a frame.
 //!
 //! Contacts are found anew in each frame. Without this list friction would forget in each frame how
 //! far other constraints have moved its features on, and heaps would creep.
@@ -17,7 +17,7 @@ pub(crate) struct HeldContact {
 /// The held contacts of the last frame, in memory reused between frames.
 #[derive(Debug, Default)]
 pub(crate) struct HeldContacts {
-    /// Ascending by key.
+    /// Ascending by key once it is [sorted](Self::sort).
     list: Vec<HeldContact>,
     /// By body index: version of its topology; none of a body whose contacts are forgotten.
     versions: Vec<Option<u64>>,
@@ -31,7 +31,7 @@ impl HeldContacts {
         self.versions.extend(versions);
     }
 
-    /// Adds the contacts of an island; `locate` returns the body and the vertex of an island vertex.
+    /// Adds contacts; `locate` returns the body of one of their vertices, and the vertex of the body.
     pub(crate) fn add(&mut self, contacts: &ContactSet, locate: impl Fn(VertexId) -> [u32; 2]) {
         let held = contacts.held().map(|(vertices, held)| HeldContact {
             key: vertices.map(&locate),
@@ -40,8 +40,8 @@ impl HeldContacts {
         self.list.extend(held);
     }
 
-    /// Ends the list.
-    pub(crate) fn finish(&mut self) {
+    /// Sorts the contacts, for [`HeldContacts::find`].
+    pub(crate) fn sort(&mut self) {
         self.list.sort_unstable_by_key(|contact| contact.key);
     }
 
@@ -81,14 +81,13 @@ impl HeldContacts {
             .collect()
     }
 
-    /// Returns saved contacts, if they are in order and finite.
+    /// Returns saved contacts, if they are finite.
     #[cfg(feature = "serde")]
     pub(crate) fn from_saved(
         list: Vec<HeldContact>,
         versions: impl Iterator<Item = Option<u64>>,
     ) -> Option<Self> {
-        let is_valid = list.is_sorted_by_key(|contact| contact.key)
-            && list.iter().all(|contact| contact.held.is_finite());
+        let is_valid = list.iter().all(|contact| contact.held.is_finite());
         let versions = versions.collect();
         is_valid.then_some(Self { list, versions })
     }

@@ -63,7 +63,7 @@ fn a_block_slides_above_the_angle_of_friction() {
 /// \[m\].
 ///
 /// The incline is the ground under inclined gravity, or a plane.
-fn way_down(degrees: f32, is_ground: bool) -> f32 {
+fn way_down(degrees: f32, is_ground: bool) -> f64 {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let block = moved(&cube(4), [0.0, 0.25, 0.0], [0.25; 3]);
     let (gravity, ground) = if is_ground {
@@ -85,12 +85,11 @@ fn way_down(degrees: f32, is_ground: bool) -> f32 {
     let along = |scene: &Scene| {
         let surface = scene.body(id).unwrap().surface();
         let [x, y, _] = surface.bounds().center().into();
-        let way = if is_ground {
+        if is_ground {
             x
         } else {
             x * f64::from(cos) - y * f64::from(sin)
-        };
-        way as f32
+        }
     };
     let mut at = [0.0; 2];
     for at in &mut at {
