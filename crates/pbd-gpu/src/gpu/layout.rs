@@ -119,8 +119,7 @@ pub(crate) struct PassUniform {
     pub(crate) with_overflow: u32,
     /// Index of the substep in the frame.
     pub(crate) substep: u32,
-    /// 1 if the friction of `colliders` slows vertices, else 0.
-    pub(crate) slows: u32,
+    pub(crate) pad: u32,
 }
 
 /// Offsets and coefficients of a body.

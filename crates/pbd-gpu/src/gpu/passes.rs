@@ -42,11 +42,7 @@ impl Compiler<'_> {
             _ => b.body.vertex_count,
         };
         let lanes: Vec<(u32, u32)> = (self.by_passes()).map(|b| (b.slot, lanes_of(b))).collect();
-        let uniform = PassUniform {
-            slows: u32::from(pass == Pass::Colliders),
-            ..PLAIN_PASS
-        };
-        self.dispatch(Kernel::Pass(kernel), uniform, by_substep, &lanes)
+        self.dispatch(Kernel::Pass(kernel), PLAIN_PASS, by_substep, &lanes)
     }
 
     /// Adds the resets of multipliers, one dispatch per kind.

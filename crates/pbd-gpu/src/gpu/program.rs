@@ -20,7 +20,7 @@ pub(super) const PLAIN_PASS: PassUniform = PassUniform {
     colors: 0,
     with_overflow: 0,
     substep: 0,
-    slows: 0,
+    pad: 0,
 };
 
 /// One dispatch.

@@ -1,7 +1,7 @@
 //! Collision of vertices with colliders, with the friction of the [ground](super::ground) kernel.
 //!
 //! Friction is bounded by the sum of all corrections of a substep, and slows the motion relative to
-//! the collider. Before volumes it only adds to its bound.
+//! the collider.
 
 use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::colliders::{ColliderRecord, PLANE, ROUND};
@@ -14,13 +14,13 @@ const TOUCH: f32 = 2.0 * f32::EPSILON;
 /// Pushes vertices out of colliders at a time of the frame, one collider after the other.
 ///
 /// The substep of `h` ends at `time` \[s\]. The fourth component of the velocity holds the
-/// remaining friction bound. Without `slows`, vertices keep their displacements along colliders.
+/// remaining friction bound.
 #[inline(never)]
 pub(crate) fn colliders(
     particles: ParticleStates<'_>,
     v: &mut [[f32; 4]],
     colliders: &[ColliderRecord],
-    (friction, slows): (f32, bool),
+    friction: f32,
     [h, time]: [f32; 2],
 ) {
     for (cell, v) in particles.iter().zip(v) {
@@ -30,16 +30,9 @@ pub(crate) fn colliders(
                 let q = collider.relative(x, time);
                 let (distance, n) = separation(q, [d[0], d[1], d[2]], collider);
                 let depth = if distance < 0.0 { -distance } else { 0.0 };
-                let is_held = slows && v[3] > 0.0 && touches(distance, q);
-                if depth > 0.0 || is_held {
-                    v[3] += friction * depth;
+                if depth > 0.0 || v[3] > 0.0 && touches(distance, q) {
                     let dragged = collider.velocity.map(|c| c * h);
-                    let (along, slide) = split(d, dragged, n);
-                    let kept = if slows { hold(slide, &mut v[3]) } else { 1.0 };
-                    let normal = along + depth;
-                    for k in 0..3 {
-                        d[k] = dragged[k] + (normal * n[k] + kept * slide[k]);
-                    }
+                    push(&mut d, &mut v[3], n, depth, (friction, dragged));
                 }
             }
             cell.set(ParticleState { x, d });
@@ -47,29 +40,34 @@ pub(crate) fn colliders(
     }
 }
 
-/// Returns the part of a slide that friction leaves, and takes from the bound `held` what it
-/// removes.
+/// Moves a displacement out by `depth` and applies friction to its tangential part, relative to
+/// the displacement of the collider.
 #[inline(always)]
-fn hold(slide: [f32; 3], held: &mut f32) -> f32 {
-    let (length, limit) = (dot(slide, slide).sqrt(), *held);
+fn push(
+    d: &mut [f32; 4],
+    held: &mut f32,
+    n: [f32; 3],
+    depth: f32,
+    (friction, dragged): (f32, [f32; 3]),
+) {
+    let relative = [0, 1, 2].map(|k: usize| d[k] - dragged[k]);
+    let along = dot(relative, n);
+    let slide = [0, 1, 2].map(|k: usize| relative[k] - along * n[k]);
+    let length = (slide[0] * slide[0] + slide[1] * slide[1] + slide[2] * slide[2]).sqrt();
+    let limit = *held + friction * depth;
     let slips = length > limit;
     *held = if slips { 0.0 } else { limit - length };
-    if slips { 1.0 - limit / length } else { 0.0 }
+    let kept = if slips { 1.0 - limit / length } else { 0.0 };
+    let normal = along + depth;
+    for k in 0..3 {
+        d[k] = dragged[k] + (normal * n[k] + kept * slide[k]);
+    }
 }
 
 /// Returns whether a point `q` relative to a collider, at a distance from it, touches it.
 #[inline(always)]
 pub(crate) fn touches(distance: f32, q: [f32; 3]) -> bool {
     distance <= TOUCH * ((q[0].abs() + q[1].abs()) + q[2].abs())
-}
-
-/// Returns the part of a displacement along a normal and the slide across it, relative to the
-/// displacement of the collider.
-#[inline(always)]
-pub(crate) fn split(d: [f32; 4], dragged: [f32; 3], n: [f32; 3]) -> (f32, [f32; 3]) {
-    let relative = [0, 1, 2].map(|k: usize| d[k] - dragged[k]);
-    let along = dot(relative, n);
-    (along, [0, 1, 2].map(|k: usize| relative[k] - along * n[k]))
 }
 
 /// Returns the signed distance of a point from a collider \[m\], and the outward unit normal.
@@ -129,7 +127,7 @@ pub(crate) fn separation(q: [f32; 3], d: [f32; 3], c: &ColliderRecord) -> (f32, 
 }
 
 #[inline(always)]
-pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
@@ -196,7 +194,7 @@ mod tests {
         let mut d = [[0.3, -0.75, 0.4, 0.0], [0.3, -1.5, 0.4, 0.0]];
         let mut v = [[0.0; 4]; 2];
         on_arrays(&x, &mut d, |p| {
-            colliders(p, &mut v, &record, (0.5, true), [0.1, 0.1])
+            colliders(p, &mut v, &record, 0.5, [0.1, 0.1])
         });
         for (d, expected) in d.iter().zip([[0.225, -0.5, 0.3], [0.0, -0.5, 0.0]]) {
             for k in 0..3 {
@@ -223,7 +221,7 @@ mod tests {
         for (time, height) in [(0.25, 0.2), (1.0, 0.8)] {
             let (mut d, mut v) = ([[0.0; 4]], [[0.0; 4]]);
             on_arrays(&x, &mut d, |p| {
-                colliders(p, &mut v, &record, (10.0, true), [0.25, time]);
+                colliders(p, &mut v, &record, 10.0, [0.25, time]);
             });
             assert!((d[0][1] - height).abs() < 1e-6, "{d:?} after {time} s");
             assert!((d[0][0] - 0.2).abs() < 1e-6, "{d:?} moves with the floor");

@@ -27,30 +27,30 @@ fn collider_origin(at: u32) -> vec3f {
     return collider_vector(at, 2u) + collider_velocity(at) * time;
 }
 
-// Pushes a vertex out of the colliders of a body, in the substep of substep_index.
-fn push_out(i: u32, body: Body, slows: bool) {
+// Pushes a vertex out of the colliders that start at an entry, in the substep of substep_index.
+fn push_out(i: u32, first: u32, count: u32, friction: f32) {
     let x = load_x(i);
     if (!(x.w > 0.0)) {
         return;
     }
     var d = load_d(i);
-    for (var k = 0u; k < body.colliders; k++) {
-        let at = body.first_collider + COLLIDER_ENTRIES * k;
+    for (var k = 0u; k < count; k++) {
+        let at = first + COLLIDER_ENTRIES * k;
         let q = x.xyz - collider_origin(at);
         let out = separation(q, d, at);
-        let n = out.normal;
         let depth = select(0.0, -out.distance, out.distance < 0.0);
-        let is_held = slows && friction_bound(i) > 0.0 && touches(out.distance, q);
-        if (depth > 0.0 || is_held) {
-            let limit = friction_bound(i) + body.friction * depth;
+        if (depth > 0.0 || friction_bound(i) > 0.0 && touches(out.distance, q)) {
+            let n = out.normal;
             let dragged = collider_velocity(at) * frame.h;
-            let parts = split(d, dragged, n);
-            let length = sqrt(dot_product(parts.slide, parts.slide));
+            let relative = d - dragged;
+            let along = dot_product(relative, n);
+            let slide = relative - along * n;
+            let length = sqrt(dot_product(slide, slide));
+            let limit = friction_bound(i) + friction * depth;
             let slips = length > limit;
-            let left = select(limit - length, 0.0, slips);
-            set_friction_bound(i, select(limit, left, slows));
-            let kept = select(1.0, select(0.0, 1.0 - limit / length, slips), slows);
-            d = dragged + ((parts.along + depth) * n + kept * parts.slide);
+            set_friction_bound(i, select(limit - length, 0.0, slips));
+            let kept = select(0.0, 1.0 - limit / length, slips);
+            d = dragged + ((along + depth) * n + kept * slide);
         }
     }
     store_d(i, d);
@@ -59,19 +59,6 @@ fn push_out(i: u32, body: Body, slows: bool) {
 // Returns whether a point relative to a collider, at a distance from it, touches it.
 fn touches(distance: f32, q: vec3f) -> bool {
     return distance <= TOUCH * ((abs(q.x) + abs(q.y)) + abs(q.z));
-}
-
-struct Parts {
-    along: f32,
-    slide: vec3f,
-}
-
-// Returns the part of a displacement along a normal and the slide across it, relative to the
-// displacement of the collider.
-fn split(d: vec3f, dragged: vec3f, n: vec3f) -> Parts {
-    let relative = d - dragged;
-    let along = dot_product(relative, n);
-    return Parts(along, relative - along * n);
 }
 
 fn separation(q: vec3f, d: vec3f, at: u32) -> Separation {

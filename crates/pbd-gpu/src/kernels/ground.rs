@@ -3,16 +3,12 @@
 //! Friction in a substep is bounded by the sum of its normal corrections. A pass that needs less
 //! than its bound leaves the rest to the next ones. With a separate bound for each pass, later
 //! iterations would move bodies that rest on the ground, because their corrections are small.
-//!
-//! Bodies with a volume meet the ground twice per iteration, before and after their volumes pass.
-//! Friction acts in the second pass alone, when the reaction to the volume counts as well. Otherwise
-//! it would count a motion sideways and its return by the volume twice, and blocks would creep
-//! downhill.
 
 use super::particle_state::{ParticleState, ParticleStates};
 use incise_mesh::VertexId;
+use std::cell::Cell;
 
-/// Moves vertices below `ground` \[m\] onto it and applies friction to their displacement.
+/// Moves vertices on or below `ground` \[m\] onto it and applies friction to their displacement.
 ///
 /// Friction in a substep is at most `friction` times the normal corrections. The fourth component
 /// of the velocity holds the remaining bound \[m\]; it is 0 before the first pass.
@@ -24,28 +20,13 @@ pub(crate) fn ground(
     friction: f32,
 ) {
     for (cell, v) in particles.iter().zip(v) {
-        let ParticleState { x, mut d } = cell.get();
-        let depth = ground - (x[1] + d[1]);
-        if depth >= 0.0 && x[3] > 0.0 {
-            d[1] += depth;
-            let sideways = (d[0] * d[0] + d[2] * d[2]).sqrt();
-            let limit = v[3] + friction * depth;
-            let kept;
-            (kept, v[3]) = if sideways > limit {
-                (1.0 - limit / sideways, 0.0)
-            } else {
-                (0.0, limit - sideways)
-            };
-            d[0] *= kept;
-            d[2] *= kept;
-            cell.set(ParticleState { x, d });
-        }
+        lift(cell, v, ground, friction);
     }
 }
 
-/// Lifts some of the vertices onto the ground, and adds to the friction bound of [`ground`].
+/// Does the same as [`ground`] for some of the vertices.
 #[inline(never)]
-pub(crate) fn lift(
+pub(crate) fn ground_of(
     vertices: impl Iterator<Item = VertexId>,
     particles: ParticleStates<'_>,
     v: &mut [[f32; 4]],
@@ -53,13 +34,27 @@ pub(crate) fn lift(
 ) {
     for vertex in vertices {
         let i = vertex.index();
-        let ParticleState { x, mut d } = particles.get(i);
-        let depth = ground - (x[1] + d[1]);
-        if depth > 0.0 && x[3] > 0.0 {
-            d[1] += depth;
-            v[i][3] += friction * depth;
-            particles.set_d(i, d);
-        }
+        lift(&particles.0[i], &mut v[i], ground, friction);
+    }
+}
+
+#[inline(always)]
+fn lift(cell: &Cell<ParticleState>, v: &mut [f32; 4], ground: f32, friction: f32) {
+    let ParticleState { x, mut d } = cell.get();
+    let depth = ground - (x[1] + d[1]);
+    if depth >= 0.0 && x[3] > 0.0 {
+        d[1] += depth;
+        let sideways = (d[0] * d[0] + d[2] * d[2]).sqrt();
+        let limit = v[3] + friction * depth;
+        let kept;
+        (kept, v[3]) = if sideways > limit {
+            (1.0 - limit / sideways, 0.0)
+        } else {
+            (0.0, limit - sideways)
+        };
+        d[0] *= kept;
+        d[2] *= kept;
+        cell.set(ParticleState { x, d });
     }
 }
 

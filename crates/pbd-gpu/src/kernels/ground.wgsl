@@ -24,7 +24,7 @@ fn is_carried(i: u32) -> bool {
 }
 
 // Lifts a vertex onto the ground and applies friction.
-fn lift_and_hold(i: u32, friction: f32) {
+fn lift_vertex(i: u32, friction: f32) {
     let x = load_x(i);
     var d = load_d(i);
     let depth = frame.ground - (x.y + d.y);
@@ -38,16 +38,5 @@ fn lift_and_hold(i: u32, friction: f32) {
         d.x *= kept;
         d.z *= kept;
         store_d(i, d);
-    }
-}
-
-// Lifts a vertex onto the ground and adds to its friction bound.
-fn lift_vertex(i: u32, friction: f32) {
-    let x = load_x(i);
-    let d = load_d(i);
-    let depth = frame.ground - (x.y + d.y);
-    if (depth > 0.0 && x.w > 0.0) {
-        set_friction_bound(i, friction_bound(i) + friction * depth);
-        store_d(i, vec3f(d.x, d.y + depth, d.z));
     }
 }

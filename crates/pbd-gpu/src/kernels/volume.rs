@@ -24,7 +24,7 @@
 pub(crate) mod steps;
 
 use super::block::difference;
-use super::colliders::{dot, separation, split, touches};
+use super::colliders::{separation, touches};
 use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::colliders::ColliderRecord;
 use crate::constraints::volumes::{Spoke, VolumeSet};
@@ -73,8 +73,8 @@ pub(crate) struct VolumeObstacles<'a> {
     pub(crate) colliders: &'a [ColliderRecord],
     /// Vertices that a piece carries, shape [vertex slots]; empty without contacts.
     pub(crate) carried: &'a [Cell<bool>],
-    /// Duration of the substep, and time of the frame at its end \[s\].
-    pub(crate) times: [f32; 2],
+    /// Time of the frame at the end of the substep \[s\].
+    pub(crate) time: f32,
 }
 
 /// Input of the pass for one piece.
@@ -242,13 +242,13 @@ fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &Spoke) -> ([f32; 4
     let w = origin.x[3];
     let gradient = [gx, gy, gz];
     let is_carried = obstacles.is_carried(v);
-    let free = if BEFORE {
+    let [fx, fy, fz] = if BEFORE {
         gradient
     } else {
         obstacles.free_gradient(is_carried, gradient, origin, velocities[v][3])
     };
-    let square = dot(free, free);
-    let [gx, gy, gz] = if is_carried { free } else { gradient };
+    let square = fx * fx + fy * fy + fz * fz;
+    let [gx, gy, gz] = if is_carried { [fx, fy, fz] } else { gradient };
     ([gx, gy, gz, w], [-place, w * square, w * square.sqrt()])
 }
 
@@ -270,22 +270,19 @@ impl VolumeObstacles<'_> {
     ) -> [f32; 3] {
         let is_low = x[1] + d[1] <= self.ground;
         let is_pressed = (is_carried || is_low) && gy < 0.0;
-        let slips = !is_carried && (d[0] * d[0] + d[2] * d[2]).sqrt() >= held;
+        let slips = !is_carried && held == 0.0;
         let mut free = match (is_pressed, slips) {
             (false, _) => [gx, gy, gz],
             (true, true) => [gx, 0.0, gz],
             (true, false) => [0.0; 3],
         };
-        let [h, time] = self.times;
         for collider in self.colliders {
-            let q = collider.relative(x, time);
+            let q = collider.relative(x, self.time);
             let (distance, n) = separation(q, [d[0], d[1], d[2]], collider);
-            let along = dot(free, n);
+            let along = free[0] * n[0] + free[1] * n[1] + free[2] * n[2];
             if along < 0.0 && touches(distance, q) {
-                let (_, slide) = split(d, collider.velocity.map(|c| c * h), n);
-                let slips = !is_carried && dot(slide, slide).sqrt() >= held;
-                let level = [0, 1, 2].map(|k: usize| free[k] - along * n[k]);
-                free = if slips { level } else { [0.0; 3] };
+                let slide = [0, 1, 2].map(|k: usize| free[k] - along * n[k]);
+                free = if slips { slide } else { [0.0; 3] };
             }
         }
         free

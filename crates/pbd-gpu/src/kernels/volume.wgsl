@@ -52,10 +52,9 @@ fn displacement(i: u32, at_start: bool) -> vec3f {
 fn free_gradient(body: Body, v: u32, gradient: vec3f) -> vec3f {
     let x = load_x(v);
     let d = load_d(v);
-    let held = friction_bound(v);
     let is_low = frame.has_ground != 0u && x.y + d.y <= frame.ground;
     let is_pressed = (is_carried(v) || is_low) && gradient.y < 0.0;
-    let slips = !is_carried(v) && sqrt(d.x * d.x + d.z * d.z) >= held;
+    let slips = !is_carried(v) && friction_bound(v) == 0.0;
     let level = select(vec3f(), vec3f(gradient.x, 0.0, gradient.z), slips);
     var free = select(gradient, level, is_pressed);
     for (var k = 0u; k < body.colliders; k++) {
@@ -65,8 +64,6 @@ fn free_gradient(body: Body, v: u32, gradient: vec3f) -> vec3f {
         let n = out.normal;
         let along = dot_product(free, n);
         if (along < 0.0 && touches(out.distance, q)) {
-            let slide = split(d, collider_velocity(at) * frame.h, n).slide;
-            let slips = !is_carried(v) && sqrt(dot_product(slide, slide)) >= held;
             free = select(vec3f(), free - along * n, slips);
         }
     }
@@ -120,7 +117,7 @@ fn sum_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
             let free = free_gradient(body, spoke.x, now.gradient);
             let g = select(now.gradient, free, is_carried(spoke.x));
             let w = load_x(spoke.x).w;
-            let square = dot_product(free, free);
+            let square = free.x * free.x + free.y * free.y + free.z * free.z;
             leaf = vec4f(now.place, now.place, w * square, w * sqrt(square));
             if (recovers) {
                 leaf.y = around(body, spoke, center, true).place;

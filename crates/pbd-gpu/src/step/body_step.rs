@@ -176,7 +176,7 @@ impl BodyStep<'_, '_, '_> {
                     ground: constants.ground,
                     colliders: body.colliders,
                     carried: self.carried,
-                    times: [constants.h, self.time],
+                    time: self.time,
                 };
                 let change = volume::volumes(
                     (leader, *arch),
@@ -190,14 +190,13 @@ impl BodyStep<'_, '_, '_> {
             }
             Pass::CollidersBeforeVolumes | Pass::Colliders => {
                 let times = [constants.h, self.time];
-                let friction = (constants.friction, pass == Pass::Colliders);
-                colliders::colliders(particles, v, body.colliders, friction, times);
+                colliders::colliders(particles, v, body.colliders, constants.friction, times);
             }
             Pass::GroundBeforeVolumes => {
                 stats.ground_passes += 1;
                 let vertices = body.volumes.spokes.iter().map(|spoke| spoke.vertex);
                 let ground = (constants.ground, constants.friction);
-                ground::lift(vertices, particles, v, ground);
+                ground::ground_of(vertices, particles, v, ground);
             }
             Pass::Ground => {
                 stats.ground_passes += 1;

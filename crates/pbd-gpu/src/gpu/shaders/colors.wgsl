@@ -149,7 +149,7 @@ fn colliders(
     substep_index = current.substep;
     let i = work.first_lane + lane;
     if (i < body.vertices) {
-        push_out(i, body, current.slows != 0u);
+        push_out(i, body.first_collider, body.colliders, body.friction);
     }
 }
 
@@ -164,7 +164,7 @@ fn ground(
     let i = work.first_lane + lane;
     let height = atomicLoad(&reports[work.body].lowest[current.substep & 1u]);
     if (i < bodies[work.body].vertices && !is_above_ground(height)) {
-        lift_and_hold(i, bodies[work.body].friction);
+        lift_vertex(i, bodies[work.body].friction);
     }
 }
 

@@ -73,9 +73,9 @@ fn predict_body(body: Body, lane: u32) {
 }
 
 // Pushes all vertices out of colliders.
-fn push_all_out(body: Body, slows: bool, lane: u32) {
+fn push_all_out(body: Body, lane: u32) {
     for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
-        push_out(i, body, slows);
+        push_out(i, body.first_collider, body.colliders, body.friction);
     }
     workgroupBarrier();
 }
@@ -155,7 +155,7 @@ fn whole_body(
                     project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);
                 }
                 if (body.colliders != 0u) {
-                    push_all_out(body, false, lane);
+                    push_all_out(body, lane);
                 }
                 if (frame.has_ground != 0u) {
                     lift_volumes(body, lane);
@@ -166,12 +166,12 @@ fn whole_body(
                 project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);
             }
             if (body.colliders != 0u) {
-                push_all_out(body, true, lane);
+                push_all_out(body, lane);
             }
             if (frame.has_ground != 0u) {
                 if (!is_above_ground(atomicLoad(&lowest))) {
                     for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
-                        lift_and_hold(i, body.friction);
+                        lift_vertex(i, body.friction);
                     }
                 }
                 workgroupBarrier();

@@ -34,7 +34,7 @@ fn token(call: &str, kind: Option<u32>) -> Option<String> {
         "project_kind" => project(kind.expect("the kind is a constant")),
         "project_volumes" => VOLUMES.to_owned(),
         "push_all_out" => COLLIDERS.to_owned(),
-        "lift_and_hold" | "lift_volumes" => GROUND.to_owned(),
+        "lift_vertex" | "lift_volumes" => GROUND.to_owned(),
         "integrate_vertex" => INTEGRATE.to_owned(),
         _ => return None,
     })
