@@ -28,10 +28,11 @@ pub struct SleepParams {
     /// Maximum speed of a vertex along an axis at rest [mean rest edge lengths per second].
     ///
     /// Measured in the fastest substep. Bodies that touch others may also jitter by a twentieth of
-    /// an edge length if they return to where they were within 20 frames, and once more within the
-    /// next 12; that takes more than 32 observed frames ([`SleepParams::LAG`] included). Rounding adds up to four times as much: a few
-    /// units in the last place of the body's largest coordinate. A body whose coordinates round
-    /// more coarsely stays awake. A body that creeps more slowly than this is stopped by its sleep.
+    /// an edge length if they return within 20 frames, and again within the next 12. That takes
+    /// more than 32 observed frames ([`SleepParams::LAG`] included). Rounding adds up to four times
+    /// as much: a few units in the last place of the body's largest coordinate. A body whose
+    /// coordinates round more coarsely stays awake. A body that creeps more slowly than this is
+    /// stopped by its sleep.
     pub speed: f32,
     /// Time for which every vertex must be slower \[s\].
     ///

@@ -45,7 +45,7 @@ impl DeviceContacts {
         )
     }
 
-    /// Copies the bytes of the list to the contacts that were uploaded, unless others have been set.
+    /// Copies the bytes of the list to the uploaded contacts, unless others have been set.
     pub(super) fn take(&self, bytes: &[u8], set: &mut ContactSet) {
         let size = size_of::<ContactRecord>();
         if set.generation() == self.generation && bytes.len() == set.len() * size {

@@ -31,7 +31,7 @@ impl HeldContacts {
         self.versions.extend(versions);
     }
 
-    /// Adds contacts; `locate` returns the body of one of their vertices, and the vertex of the body.
+    /// Adds contacts; `locate` returns body and number of one of their vertices.
     pub(crate) fn add(&mut self, contacts: &ContactSet, locate: impl Fn(VertexId) -> [u32; 2]) {
         let held = contacts.held().map(|(vertices, held)| HeldContact {
             key: vertices.map(&locate),
