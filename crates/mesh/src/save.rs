@@ -7,7 +7,8 @@
 //!
 //! **Versions.** A change of any `Saved` type, or of a type within one, needs a new
 //! [`FORMAT_VERSION`]. The old types stay beside the new ones, with a conversion, so that old
-//! files load. A file of every version is among the tests.
+//! files load. A file of every version is among the tests. Until the first release version 1
+//! changes, and its file with it.
 
 mod archive;
 mod surface;

@@ -1,10 +1,10 @@
 //! Contacts and colliders on the GPU match the CPU bit for bit while they come and go.
 
-use incise_mesh::{Surface, TriangleId};
+use incise_mesh::{Surface, TriangleId, VertexId};
 use incise_models::{Model, build_model};
 use incise_pbd_gpu::{
-    Carried, Collider, Contact, ContactKind, Context, GpuBackend, MovingCollider, Schedule,
-    SolverParams,
+    Carried, Collider, Contact, ContactKind, Context, GpuBackend, Held, MovingCollider, Schedule,
+    Solver, SolverParams,
 };
 use incise_test_support::cpu_gpu_pair::{CpuGpuPair, SCHEDULES, with_most_features};
 use incise_test_support::gpu::{Needs, trial};
@@ -54,6 +54,10 @@ fn contacts(surface: &Surface, random: &mut Random, count: usize) -> Vec<Contact
                 },
                 friction: random.fraction(),
                 carried: CARRIED[random.below(4)],
+                held: (random.below(2) == 0).then(|| Held {
+                    weights: [1.0, -a, -b, a + b - 1.0],
+                    at: normal.map(|c| 0.01 * c),
+                }),
                 ..contact
             });
         }
@@ -118,7 +122,41 @@ fn equal(context: Context, model: Model, schedule: Schedule) {
         let projected = twin.cpu.stats().contact_projections;
         assert_eq!(projected > 0, count > 0, "{projected} of {count}");
         twin.assert_equal(&mut gpu, &format!("in frame {frame}"));
+        let [expected, found] = [&twin.cpu, &twin.solver].map(held);
+        assert_eq!(found, expected, "contacts of frame {frame}");
+        assert!(count < 40 || !found.is_empty(), "none of {count} is held");
     }
+}
+
+/// Returns where friction held the contacts of a solver.
+fn held(solver: &Solver) -> Vec<([VertexId; 4], Held)> {
+    solver.contacts().held().collect()
+}
+
+/// A state that is collected late does not replace contacts that were set meanwhile.
+fn later_contacts_stay(context: Context) {
+    let mut gpu = GpuBackend::from_context(context).expect("a device");
+    let (material, params) = with_most_features();
+    let mut random = Random::new(6);
+    let model = build_model(Model::Sphere80);
+    let mut twin = CpuGpuPair::add(&mut gpu, model, &material, Schedule::WholeBody);
+    gpu.prefetch(twin.body).expect("a known body");
+    for _ in 0..2 {
+        let list = contacts(&twin.on_cpu, &mut random, 40);
+        let list: Vec<_> = list
+            .into_iter()
+            .map(|c| Contact { held: None, ..c })
+            .collect();
+        twin.cpu.set_contacts(&list).expect("vertices of the body");
+        twin.solver
+            .set_contacts(&list)
+            .expect("vertices of the body");
+        twin.step(&mut gpu, &params);
+    }
+    while !(gpu.collect(twin.body, &mut twin.on_gpu, &mut twin.solver)).expect("a state") {}
+    assert!(held(&twin.solver).is_empty(), "contacts of the first frame");
+    twin.assert_equal(&mut gpu, "after the second frame");
+    assert_eq!(held(&twin.solver), held(&twin.cpu), "of the last frame");
 }
 
 fn main() -> ExitCode {
@@ -131,5 +169,10 @@ fn main() -> ExitCode {
             }));
         }
     }
+    trials.push(trial(
+        "later contacts stay",
+        Needs::Strict,
+        later_contacts_stay,
+    ));
     incise_test_support::gpu::run(trials)
 }

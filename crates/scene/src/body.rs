@@ -129,8 +129,8 @@ impl Body {
         Ok(())
     }
 
-    /// Returns the surface's fingerprint after the last cut.
-    pub(crate) fn version(&self) -> u64 {
+    /// Returns the surface's fingerprint after the last cut or undo.
+    pub(crate) fn topology_version(&self) -> u64 {
         self.topology_version
     }
 

@@ -6,7 +6,7 @@
 mod held;
 
 use crate::body::{Body, BodyId};
-use crate::contacts::ContactDetection;
+use crate::contacts::{BodyContact, ContactDetection};
 use crate::error::SceneError;
 use crate::scene::{Bodies, Scene};
 use held::HeldContacts;
@@ -39,7 +39,7 @@ pub(crate) struct Islands {
     list: Vec<BodyIsland>,
     /// Number of islands of the frame; memory of others stays in the list.
     count: usize,
-    /// Contacts of the last frame.
+    /// Where friction held contacts in the last frame; those of a body are added with new ones.
     held: HeldContacts,
     /// Scratch memory: contacts of a single body.
     contacts: Vec<Contact>,
@@ -214,29 +214,25 @@ impl Islands {
                 continue;
             }
             self.contacts.clear();
+            let held = |found: &BodyContact| {
+                let both = [i, found.other as usize].map(|i| (i, version(bodies, i)));
+                let held = self.held.find(&found.contact, both);
+                Contact {
+                    held,
+                    ..found.contact
+                }
+            };
             if self.is_shared(i) {
                 let island = &mut self.list[self.island_of[i] as usize];
-                let (first, held) = (&self.first_vertex, &self.held);
-                let version = |i: usize| bodies[i].as_ref().map_or(0, |body| body.version());
-                let found = detection.contacts(i).map(|found| {
-                    let both = [i, found.other as usize];
-                    let held = held.find(&found.contact, both.map(|i| (i, version(i))));
-                    let contact = Contact {
-                        held,
-                        ..found.contact
-                    };
-                    shifted(&contact, both.map(|i| first[i]))
-                });
+                let first = &self.first_vertex;
                 let before = island.contacts.len();
-                island.contacts.extend(found);
+                island.contacts.extend(detection.contacts(i).map(|found| {
+                    let offsets = [first[i], first[found.other as usize]];
+                    shifted(&held(found), offsets)
+                }));
                 count += island.contacts.len() - before;
             } else {
-                let version = bodies[i].as_ref().map_or(0, |body| body.version());
-                let found = detection.contacts(i).map(|found| Contact {
-                    held: self.held.find(&found.contact, [(i, version); 2]),
-                    ..found.contact
-                });
-                self.contacts.extend(found);
+                self.contacts.extend(detection.contacts(i).map(held));
                 count += self.contacts.len();
             }
             if let Some(body) = &mut bodies[i] {
@@ -283,7 +279,7 @@ impl Islands {
 
     /// Keeps where friction held the contacts of shared islands; solvers keep those of a body.
     fn keep_held(&mut self, bodies: &Bodies) {
-        let versions = bodies.iter().map(|body| Some(body.as_ref()?.version()));
+        let versions = (0..bodies.len()).map(|i| version(bodies, i));
         self.held.begin(versions);
         let first = &self.first_vertex;
         for island in &self.list[..self.count] {
@@ -303,17 +299,16 @@ impl Islands {
         self.held.forget(body);
     }
 
-    /// Returns the contacts between bodies that have not changed since the last frame, for a file.
+    /// Returns the held contacts between unchanged bodies, for a file.
     #[cfg(feature = "serde")]
     pub(crate) fn to_saved(&self, bodies: &Bodies) -> Vec<HeldContact> {
-        let version = |i: u32| Some(bodies.get(i as usize)?.as_ref()?.version());
-        self.held.to_saved(version)
+        self.held.to_saved(|i| version(bodies, i))
     }
 
     /// Returns islands that go on from the saved contacts of bodies, if these are valid.
     #[cfg(feature = "serde")]
     pub(crate) fn from_saved(contacts: Vec<HeldContact>, bodies: &Bodies) -> Option<Self> {
-        let versions = bodies.iter().map(|body| Some(body.as_ref()?.version()));
+        let versions = (0..bodies.len()).map(|i| version(bodies, i));
         Some(Self {
             held: HeldContacts::from_saved(contacts, versions)?,
             ..Self::default()
@@ -347,10 +342,15 @@ impl Islands {
     }
 }
 
+/// Returns the version of a body's topology, none without the body.
+fn version(bodies: &Bodies, body: usize) -> Option<u64> {
+    Some(bodies.get(body)?.as_ref()?.topology_version())
+}
+
 /// Returns a contact in island vertices, from those of a body and those of the other one.
 fn shifted(contact: &Contact, [of_first, of_others]: [u32; 2]) -> Contact {
     let mut out = *contact;
-    let first = contact.first_feature();
+    let first = contact.first_vertex_count();
     for (i, v) in out.vertices.iter_mut().enumerate() {
         if *v != VertexId::NULL {
             v.0 += if i < first { of_first } else { of_others };

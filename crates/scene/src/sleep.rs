@@ -28,11 +28,11 @@ pub struct SleepParams {
     /// Maximum speed of a vertex along an axis at rest [mean rest edge lengths per second].
     ///
     /// Measured in the fastest substep. Bodies that touch others may also jitter by a twentieth of
-    /// an edge length if they return within 20 frames, and again within the next 12. That takes
-    /// more than 32 observed frames ([`SleepParams::LAG`] included). Rounding adds up to four times
-    /// as much: a few units in the last place of the body's largest coordinate. A body whose
-    /// coordinates round more coarsely stays awake. A body that creeps more slowly than this is
-    /// stopped by its sleep.
+    /// an edge length if they are back in frames 8 to 20 and again in frames 21 to 32 of the
+    /// observation. This takes more than 32 frames, [`SleepParams::LAG`] included. Rounding adds up
+    /// to four times as much: a few units in the last place of the body's largest coordinate. A
+    /// body whose coordinates round more coarsely stays awake. A body that creeps more slowly than
+    /// this is stopped by its sleep.
     pub speed: f32,
     /// Time for which every vertex must be slower \[s\].
     ///
@@ -278,7 +278,7 @@ impl Sleep {
     /// Contacts are found on the CPU, which has the positions of such bodies.
     pub(crate) fn measure(&mut self, i: usize, body: &Body, params: &SceneParams) {
         let Some(sleep) = &params.sleep else { return };
-        if !self.is_long() {
+        if !self.compares_positions() {
             return;
         }
         let frames = self.observations[i].frames;
@@ -290,7 +290,7 @@ impl Sleep {
     }
 
     /// Returns whether an observation is long enough to compare positions.
-    fn is_long(&self) -> bool {
+    fn compares_positions(&self) -> bool {
         self.observed_frames + SleepParams::LAG > LAST
     }
 

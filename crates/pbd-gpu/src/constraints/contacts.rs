@@ -34,13 +34,13 @@ pub struct Contact {
     pub held: Option<Held>,
 }
 
-/// Where friction has held the features of a pair in the last substep.
+/// The place of a pair's features relative to each other, as friction left it in a substep.
 ///
 /// Other constraints of that substep have moved them on. Friction takes this back in the next one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Held {
-    /// Weights of the vertices, -1 to 1; they sum to zero.
+    /// Weights of the vertices, -1 to 1; those of a pair sum to zero, which is not checked.
     pub weights: [f32; 4],
     /// Weighted sum of their positions: the vector from the second feature to the first one \[m\].
     pub at: [f32; 3],
@@ -57,7 +57,7 @@ impl Held {
 /// The carried feature of a contact: its piece rests on the piece of the other feature.
 ///
 /// While the contact is active, [volume constraints](crate::Volume) do not move the vertices of
-/// this feature further down, as if the carrying piece were the ground. Without this, a load
+/// this feature further down. Without this, a load
 /// travels through one piece per substep, and the lowest pieces of a column collapse.
 ///
 /// Missing distances recover by raising this feature only, and faster. Otherwise stacked sheets
@@ -163,7 +163,7 @@ impl Contact {
 
     /// Returns the number of vertices of the first feature.
     #[must_use]
-    pub fn first_feature(&self) -> usize {
+    pub fn first_vertex_count(&self) -> usize {
         if self.kind == ContactKind::EdgeEdge {
             2
         } else {
@@ -223,15 +223,18 @@ pub(crate) struct ContactRecord {
     pub(crate) carried: u16,
     /// Whether the last projection has separated the features.
     pub(crate) is_active: u32,
-    /// Maximum sum of the corrections by friction in the last substep \[m\]. If it is positive,
-    /// friction has held the features.
+    /// Maximum sum of the corrections by friction in the substep \[m\].
+    ///
+    /// If it is positive at the start of the next one, friction has held the features; of contacts
+    /// that are set as held it is 1.
     pub(crate) friction_bound: f32,
     /// Sum of the corrections by friction in the substep \[m\].
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) friction_sum: [f32; 3],
-    /// Vector between the features of a pair as the last projection of a substep left it \[m\].
+    /// Vector between the features of a pair as their last active projection left it \[m\].
     pub(crate) held_at: [f32; 3],
     /// Change of that vector by the rest of the last substep, which friction takes back \[m\].
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) drift: [f32; 3],
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) pad: u32,

@@ -10,7 +10,8 @@ impl GpuBackend {
     ///
     /// The CPU copy then has the age of that state. Returns true if no copy is pending. A state
     /// older than the CPU copy or than the last [`GpuBackend::update`] is discarded. Velocities and
-    /// pins that were set on the CPU side and not uploaded are kept.
+    /// pins that were set on the CPU side and not uploaded are kept, and so are contacts that were
+    /// set since.
     ///
     /// # Errors
     /// As [`GpuBackend::read`]. A complete copy is applied even if the device is lost.

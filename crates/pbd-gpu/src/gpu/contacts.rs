@@ -19,6 +19,8 @@ pub(super) struct DeviceContacts {
     list: Range<u32>,
     /// Generation of the uploaded contacts, 0 for none.
     generation: u64,
+    /// Generation of the contacts that were copied last.
+    copied: u64,
     pub(super) count: u32,
 }
 
@@ -34,21 +36,19 @@ impl DeviceContacts {
         *self = Self::default();
     }
 
-    /// Returns the list in its buffer.
-    pub(super) fn part<'a>(&self, arenas: &'a Arenas) -> Part<'a> {
+    /// Returns the list in its buffer, to be copied.
+    pub(super) fn begin_copy<'a>(&mut self, arenas: &'a Arenas) -> Part<'a> {
+        self.copied = self.generation;
         let entry = size_of::<Entry>() as u64;
         let bytes = u64::from(entries(self.count)) * entry;
-        (
-            arenas.entries.buffer(0),
-            u64::from(self.list.start) * entry,
-            bytes,
-        )
+        let start = u64::from(self.list.start) * entry;
+        (arenas.entries.buffer(0), start, bytes)
     }
 
-    /// Copies the bytes of the list to the uploaded contacts, unless others have been set.
-    pub(super) fn take(&self, bytes: &[u8], set: &mut ContactSet) {
+    /// Copies a downloaded list to the solver's contacts, unless these were set since.
+    pub(super) fn end_copy(&self, bytes: &[u8], set: &mut ContactSet) {
         let size = size_of::<ContactRecord>();
-        if set.generation() == self.generation && bytes.len() == set.len() * size {
+        if set.generation() == self.copied && bytes.len() == set.len() * size {
             let contacts = set.colors.iter_mut().flatten();
             for (contact, bytes) in contacts.zip(bytes.chunks_exact(size)) {
                 *contact = bytemuck::pod_read_unaligned(bytes);

@@ -80,9 +80,9 @@ impl GpuBackend {
             let (report, data) = data.split_at(size_of::<Report>());
             let report = bytemuck::pod_read_unaligned::<Report>(report);
             finite(&report)?;
-            let bytes = size_of_val(surface.positions());
-            let (positions, data) = data.split_at(bytes);
-            let (velocities, contacts) = data.split_at(bytes);
+            let size = size_of_val(surface.positions());
+            let (positions, data) = data.split_at(size);
+            let (velocities, contacts) = data.split_at(size);
             let vector = |bytes: &[u8]| bytemuck::pod_read_unaligned::<[f32; 4]>(bytes);
             for (to, from) in surface
                 .positions_mut()
@@ -96,7 +96,10 @@ impl GpuBackend {
             {
                 *to = vector(from);
             }
-            resident.body.contacts.take(contacts, solver.contacts_mut());
+            resident
+                .body
+                .contacts
+                .end_copy(contacts, solver.contacts_mut());
             Ok(())
         })?;
         shown.unwrap_or(Err(GpuError::UnknownBody))?;
@@ -135,14 +138,14 @@ impl GpuBackend {
         encoder: &mut wgpu::CommandEncoder,
     ) -> Result<(), GpuError> {
         if let Some(resident) = &mut self.residents[slot] {
-            let body = &resident.body;
+            let body = &mut resident.body;
             let start = u64::from(body.first_vertex()) * 16;
             let bytes = u64::from(body.vertex_count) * 16;
             let parts = [
                 report_part(&self.arenas, body.slot),
                 (self.arenas.vertices.buffer(POSITIONS), start, bytes),
                 (self.arenas.vertices.buffer(VELOCITIES), start, bytes),
-                body.contacts.part(&self.arenas),
+                body.contacts.begin_copy(&self.arenas),
             ];
             let frame = resident.frame;
             resident

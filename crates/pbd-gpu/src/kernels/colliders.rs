@@ -6,13 +6,14 @@
 use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::colliders::{ColliderRecord, PLANE, ROUND};
 
-/// Maximum distance of a vertex that touches a collider, relative to its coordinates.
+/// Maximum distance of a vertex that touches a collider, relative to its coordinates from there.
 ///
-/// Rounding leaves half of the vertices that were pushed out of a tilted plane beyond it.
-const TOUCH: f32 = 2.0 * f32::EPSILON;
+/// Rounding leaves half of the vertices that were pushed out of a tilted plane slightly above it.
+pub(crate) const TOUCH: f32 = 2.0 * f32::EPSILON;
 
 /// Pushes vertices out of colliders at a time of the frame, one collider after the other.
 ///
+/// What is left of the friction of earlier passes also holds vertices that only touch a collider.
 /// The substep of `h` ends at `time` \[s\]. The fourth component of the velocity holds the
 /// remaining friction bound.
 #[inline(never)]
@@ -30,7 +31,7 @@ pub(crate) fn colliders(
                 let q = collider.relative(x, time);
                 let (distance, n) = separation(q, [d[0], d[1], d[2]], collider);
                 let depth = if distance < 0.0 { -distance } else { 0.0 };
-                if depth > 0.0 || v[3] > 0.0 && touches(distance, q) {
+                if depth > 0.0 || (v[3] > 0.0 && touches(distance, q)) {
                     let dragged = collider.velocity.map(|c| c * h);
                     push(&mut d, &mut v[3], n, depth, (friction, dragged));
                 }

@@ -39,7 +39,7 @@ fn push_out(i: u32, first: u32, count: u32, friction: f32) {
         let q = x.xyz - collider_origin(at);
         let out = separation(q, d, at);
         let depth = select(0.0, -out.distance, out.distance < 0.0);
-        if (depth > 0.0 || friction_bound(i) > 0.0 && touches(out.distance, q)) {
+        if (depth > 0.0 || (friction_bound(i) > 0.0 && touches(out.distance, q))) {
             let n = out.normal;
             let dragged = collider_velocity(at) * frame.h;
             let relative = d - dragged;

@@ -4,7 +4,8 @@
 //! differ in their weights only. Coulomb friction removes sliding. The vector sum of all that it
 //! removes in a substep is bounded by the sum of the corrections of the distance. With a bound of
 //! its own, a projection after volumes would lose the slide that they add, and stacked bodies would
-//! creep downhill. A sum of lengths would count a slide and its return twice.
+//! creep downhill. A sum of lengths would count a slide and its return twice. Friction also takes
+//! back the drift of the last substep, see [`contact_features`](super::contact_features).
 //!
 //! The ground lifts its vertices after the contacts. A contact sees them as the ground will leave
 //! them, and counts them as fixed in height. They take the reaction nevertheless: the ground undoes
@@ -55,7 +56,7 @@ pub(crate) fn contacts(
         if !is_active {
             continue;
         }
-        // The sliding of one feature along the other in this substep, and what it drifted before.
+        // The motion of one feature along the other in this substep, and the drift of the last one.
         let motion = weighted_sum(w, lifted.map(|p| p.d));
         let motion = [0, 1, 2].map(|k: usize| motion[k] + contact.drift[k]);
         let along = dot(motion, n);
@@ -64,8 +65,9 @@ pub(crate) fn contacts(
         let press = depth * (free / weight);
         let held = hold(contact, slide, contact.friction * press);
         let push = [0, 1, 2].map(|k: usize| (press * n[k] - held[k]) / free);
-        let moved = (w[0] * shares[0] + w[1] * shares[1]) + (w[2] * shares[2] + w[3] * shares[3]);
-        contact.held_at = [0, 1, 2].map(|k: usize| between[k] + moved * push[k]);
+        let response =
+            (w[0] * shares[0] + w[1] * shares[1]) + (w[2] * shares[2] + w[3] * shares[3]);
+        contact.held_at = [0, 1, 2].map(|k: usize| between[k] + response * push[k]);
         for i in 0..count {
             let (d, by) = (p[i].d, shares[i]);
             let moved = [
@@ -83,8 +85,9 @@ pub(crate) fn contacts(
     }
 }
 
-/// Returns the vector from the second feature of a pair to the first one, and from the origin to
-/// the vertex of a plane's contact \[m\].
+/// Returns the vector from the second feature to the first one \[m\].
+///
+/// For a plane it starts at the origin.
 #[inline(always)]
 pub(super) fn between_features(contact: &ContactRecord, p: [ParticleState; 4]) -> [f32; 3] {
     // Differences keep precision far from the origin, from which a plane is measured.

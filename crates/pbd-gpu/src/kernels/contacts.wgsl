@@ -100,8 +100,8 @@ fn project_contact(at: u32) {
     let slide = motion - along * n;
     let press = depth * (free / weight);
     let push = (press * n - hold(at, slide, rates.y * press)) / free;
-    let moved = (w.x * shares.x + w.y * shares.y) + (w.z * shares.z + w.w * shares.w);
-    let held_at = bitcast<vec3u>(between + moved * push);
+    let response = (w.x * shares.x + w.y * shares.y) + (w.z * shares.z + w.w * shares.w);
+    let held_at = bitcast<vec3u>(between + response * push);
     constraints[at + 10u].y = held_at.x;
     constraints[at + 11u] = held_at.yz;
     let carried = constraints[at + 7u].y >> 16u;

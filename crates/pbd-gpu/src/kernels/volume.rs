@@ -10,14 +10,15 @@
 //! each reduced by a tree, then the chunks by the same tree. The fixed order makes the sums equal
 //! on any number of threads and on any GPU.
 //!
-//! A vertex on the ground, or [carried](crate::Carried) by a piece, does not move further down. It
-//! counts as fixed if its outward normal points down, so that the ground takes nothing of a volume
-//! after this pass. Where it slips, it counts as free to move sideways: all horizontal parts of
-//! gradients cancel, and without friction the piece must not be pushed. The same holds for
-//! colliders, along their normals.
+//! Sums count a vertex on the ground, or [carried](crate::Carried) by a piece, as fixed if its
+//! outward normal points down, so that the ground takes nothing of a volume after this pass. Where
+//! it slips, it counts as free to move sideways: all horizontal parts of gradients cancel, and
+//! without friction the piece must not be pushed. The same holds for colliders, along their
+//! normals.
 //!
-//! A vertex that a growing volume presses into the ground or a collider takes the reaction all the
-//! same. Their pass undoes it, and their friction counts the load. Otherwise blocks creep downhill.
+//! A growing volume still moves vertices into the ground and colliders. Their pass undoes it, and
+//! their friction counts the load. Otherwise blocks creep downhill. Carried vertices do not move
+//! down: columns would collapse.
 //!
 //! `steps` decides how much of an error a substep corrects.
 
@@ -332,7 +333,8 @@ fn total_of(partial: &[Sums]) -> Sums {
 
 /// Moves the vertices of a piece by the steps of displacements and of positions.
 ///
-/// Vertices that obstacles stop follow a growing volume into them, but not by their positions.
+/// Displacements of a growing volume go into the ground and colliders, whose passes undo them.
+/// Positions never do.
 #[inline(always)]
 fn apply(input: PieceInput<'_>, spokes: &[Spoke], gradients: &[[f32; 4]], [step, shift]: [f32; 2]) {
     let PieceInput {
@@ -341,17 +343,17 @@ fn apply(input: PieceInput<'_>, spokes: &[Spoke], gradients: &[[f32; 4]], [step,
         velocities,
         ..
     } = input;
-    let presses = step < 0.0;
+    let grows = step < 0.0;
     for (spoke, &[gx, gy, gz, w]) in spokes.iter().zip(gradients) {
         let v = spoke.vertex.index();
         let gradient = [gx, gy, gz];
         let mut state = particles.get(v);
-        let free = if presses && shift == 0.0 {
+        let free = if grows && shift == 0.0 {
             gradient
         } else {
             obstacles.free_gradient(obstacles.is_carried(v), gradient, state, velocities[v][3])
         };
-        let followed = if presses { gradient } else { free };
+        let followed = if grows { gradient } else { free };
         let [by, moved] = [-(w * step), -(w * shift)];
         for (d, g) in state.d.iter_mut().zip(followed) {
             *d += by * g;

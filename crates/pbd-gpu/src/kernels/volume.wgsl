@@ -225,16 +225,16 @@ fn move_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
     let piece = body.first_piece + PIECE_ENTRIES * constraints[chunk + 1u].x;
     let step = bitcast<f32>(constraints[piece + 2u].y);
     let shift = bitcast<f32>(constraints[piece + 3u].y);
-    let presses = step < 0.0;
+    let grows = step < 0.0;
     for (var i = lane; i < spokes.y; i += lanes) {
         let v = constraints[body.first_spoke + spokes.x + i].x;
         let g = velocities[first_vertex + v].xyz;
         let x = load_x(v);
         var free = g;
-        if (!presses || shift != 0.0) {
+        if (!grows || shift != 0.0) {
             free = free_gradient(body, v, g);
         }
-        store_d(v, load_d(v) + -(x.w * step) * select(free, g, presses));
+        store_d(v, load_d(v) + -(x.w * step) * select(free, g, grows));
         if (shift != 0.0) {
             store_x(v, vec4f(x.xyz + -(x.w * shift) * free, x.w));
         }

@@ -60,7 +60,7 @@ pub enum Pass {
     ContactsBeforeVolumes,
     /// Pushes vertices out of colliders before volumes, in a body that has both.
     ///
-    /// The volumes pass then moves the other vertices instead, so that a piece keeps its volume
+    /// The volumes pass then counts these vertices as fixed, so that a piece keeps its volume
     /// between colliders.
     CollidersBeforeVolumes,
     /// Lifts the vertices of pieces with a volume onto the ground before volumes.

@@ -1,15 +1,16 @@
 //! [`HeldContacts`]: where friction held contacts at the end of a frame.
 //!
-//! Contacts are found anew in each frame. Without this list friction would forget in each frame how
-//! far other constraints have moved its features on, and heaps would creep.
+//! Contacts are found anew in each frame. Without this list friction would lose their drift in each
+//! frame, and heaps would creep.
 
 use incise_mesh::{VertexId, index_u32};
 use incise_pbd_gpu::{Contact, ContactSet, Held};
 
-/// A contact by body and vertex of each of its vertices, and where friction held it.
+/// A contact and where friction held it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct HeldContact {
+    /// Body and vertex of each of its vertices.
     key: [[u32; 2]; 4],
     held: Held,
 }
@@ -52,13 +53,25 @@ impl HeldContacts {
         }
     }
 
+    /// Returns whether a body has a version since the last frame and its contacts are known.
+    fn is_current(&self, body: usize, version: Option<u64>) -> bool {
+        let known = self.versions.get(body).copied().flatten();
+        known.is_some() && known == version
+    }
+
     /// Returns where friction held a contact between two bodies with versions of their topologies.
-    pub(crate) fn find(&self, contact: &Contact, bodies: [(usize, u64); 2]) -> Option<Held> {
-        let is_current = |(i, version): (usize, u64)| self.versions.get(i) == Some(&Some(version));
-        if !bodies.into_iter().all(is_current) {
+    pub(crate) fn find(
+        &self,
+        contact: &Contact,
+        bodies: [(usize, Option<u64>); 2],
+    ) -> Option<Held> {
+        if !bodies
+            .into_iter()
+            .all(|(i, version)| self.is_current(i, version))
+        {
             return None;
         }
-        let first = contact.first_feature();
+        let first = contact.first_vertex_count();
         let mut key = contact.vertices.map(|v| [0, v.0]);
         for (i, [body, _]) in key.iter_mut().enumerate() {
             *body = index_u32(bodies[usize::from(i >= first)].0);
@@ -67,12 +80,12 @@ impl HeldContacts {
         found.ok().map(|i| self.list[i].held)
     }
 
-    /// Returns the contacts of bodies that have not changed since, for a file.
+    /// Returns the contacts of unchanged bodies, for a file.
     #[cfg(feature = "serde")]
-    pub(crate) fn to_saved(&self, version: impl Fn(u32) -> Option<u64>) -> Vec<HeldContact> {
+    pub(crate) fn to_saved(&self, version: impl Fn(usize) -> Option<u64>) -> Vec<HeldContact> {
         let is_current = |&[body, _]: &[u32; 2]| {
-            let known = self.versions.get(body as usize).copied().flatten();
-            known.is_some() && known == version(body)
+            let body = body as usize;
+            self.is_current(body, version(body))
         };
         let contacts = self.list.iter();
         contacts

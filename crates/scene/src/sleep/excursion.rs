@@ -2,13 +2,16 @@
 //!
 //! Contacts of resting bodies may alternate from frame to frame. Their vertices then move in a
 //! cycle of some frames, faster than [`SleepParams::speed`](super::SleepParams::speed), without a
-//! net displacement. So a body at rest is one that returns to the start of its observation, in both
-//! halves of it. One that turns around in its motion returns once.
+//! net displacement. So a body at rest is one that returns to the start of its observation, in two
+//! windows of it. One that turns around in its motion returns once.
 
 use std::ops::RangeInclusive;
 
-/// Frames of both halves of an observation; cycles of up to 12 frames return in each of them.
-const HALVES: [RangeInclusive<u32>; 2] = [8..=20, 21..=LAST];
+/// Frames in which a body at rest returns, once in each window.
+///
+/// A cycle of up to 12 frames returns in both. The first frames are too few to tell creep from
+/// rest.
+const WINDOWS: [RangeInclusive<u32>; 2] = [8..=20, 21..=LAST];
 
 /// Last frame of an observation in which a body may return.
 pub(super) const LAST: u32 = 32;
@@ -23,7 +26,7 @@ pub(crate) struct Excursion {
     is_measured: bool,
     /// Whether every frame so far was measured, and the body stayed near its start.
     stays: bool,
-    /// Whether it was back at its start in each half.
+    /// Whether it was back at its start in each window.
     has_returned: [bool; 2],
 }
 
@@ -47,8 +50,8 @@ impl Excursion {
         }
         let distance = f64::from(self.distance(positions));
         self.stays = distance <= limits[1];
-        for (has_returned, half) in self.has_returned.iter_mut().zip(HALVES) {
-            *has_returned |= half.contains(&frames) && distance <= limits[0];
+        for (has_returned, window) in self.has_returned.iter_mut().zip(WINDOWS) {
+            *has_returned |= window.contains(&frames) && distance <= limits[0];
         }
     }
 
@@ -67,7 +70,7 @@ impl Excursion {
         self.stays &= std::mem::take(&mut self.is_measured);
     }
 
-    /// Returns whether every frame was measured, and the body stayed in place.
+    /// Returns whether the body stayed near its start and returned to it in both windows.
     pub(super) fn is_in_place(&self) -> bool {
         self.stays && self.has_returned == [true; 2]
     }
@@ -98,7 +101,7 @@ mod tests {
             assert!(stays(|frame| 0.4 * part(frame)), "a cycle of {period}");
         }
         assert!(!stays(|frame| 0.02 * frame as f32), "it creeps");
-        // Up in the first half and down in the second one.
+        // Up in the first window and down in the second one.
         let turn = |frame: u32| 0.02 * frame.min(LAST - frame) as f32;
         assert!(!stays(turn), "it turns around");
     }

@@ -48,7 +48,7 @@ impl ContactRecord {
         } else {
             (1..4).all(is_distinct) && others.iter().all(|&v| v != NO_VERTEX)
         };
-        let vectors = [&self.normal, &self.held_at, &self.drift];
+        let vectors = [&self.normal, &self.held_at];
         let vectors = vectors.into_iter().flatten();
         let numbers = self.weights.iter().chain(vectors).chain([
             &self.gap,

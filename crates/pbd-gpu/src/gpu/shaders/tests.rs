@@ -3,7 +3,7 @@
 use super::*;
 use crate::constraints::interior_springs;
 use crate::gpu::layout::{BodyRecord, Entry, FrameUniform, Link, PassUniform, Report, Run};
-use crate::kernels::{arctangent, attachments, bending, contacts, volume};
+use crate::kernels::{arctangent, attachments, bending, colliders, contacts, volume};
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Literal, Module, TypeInner};
@@ -200,6 +200,7 @@ fn wgsl_kernels_have_the_constants_of_rust() {
             ("RETURN", attachments::RETURN),
             ("FIRM", bending::FIRM),
             ("MAX_SHARE", contacts::MAX_SHARE),
+            ("TOUCH", colliders::TOUCH),
             ("SPRING_DIAGONAL_SCALE", interior_springs::DIAGONAL_SCALE),
         ] {
             assert_eq!(constant(&module, name), [wanted.to_bits()], "{name}");
