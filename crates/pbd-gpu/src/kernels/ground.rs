@@ -8,7 +8,7 @@ use super::particle_state::{ParticleState, ParticleStates};
 use incise_mesh::VertexId;
 use std::cell::Cell;
 
-/// Moves vertices on or below `ground` \[m\] onto it and applies friction to their displacement.
+/// Moves vertices below `ground` \[m\] onto it and applies friction to their displacement.
 ///
 /// Friction in a substep is at most `friction` times the normal corrections. The fourth component
 /// of the velocity holds the remaining bound \[m\]; it is 0 before the first pass.
@@ -42,7 +42,7 @@ pub(crate) fn ground_of(
 fn lift(cell: &Cell<ParticleState>, v: &mut [f32; 4], ground: f32, friction: f32) {
     let ParticleState { x, mut d } = cell.get();
     let depth = ground - (x[1] + d[1]);
-    if depth >= 0.0 && x[3] > 0.0 {
+    if depth > 0.0 && x[3] > 0.0 {
         d[1] += depth;
         let sideways = (d[0] * d[0] + d[2] * d[2]).sqrt();
         let limit = v[3] + friction * depth;

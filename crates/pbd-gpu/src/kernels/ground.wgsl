@@ -28,7 +28,7 @@ fn lift_vertex(i: u32, friction: f32) {
     let x = load_x(i);
     var d = load_d(i);
     let depth = frame.ground - (x.y + d.y);
-    if (depth >= 0.0 && x.w > 0.0) {
+    if (depth > 0.0 && x.w > 0.0) {
         d.y += depth;
         let sideways = sqrt(d.x * d.x + d.z * d.z);
         let limit = friction_bound(i) + friction * depth;

@@ -18,7 +18,8 @@
 //!
 //! A growing volume still moves vertices into the ground and colliders. Their pass undoes it, and
 //! their friction counts the load. Otherwise blocks creep downhill. Carried vertices do not move
-//! down: columns would collapse.
+//! down: columns would collapse. Nor do those of pieces thinner than their fall in a substep, which
+//! friction would keep flat.
 //!
 //! `steps` decides how much of an error a substep corrects.
 
@@ -134,7 +135,8 @@ pub(crate) fn volumes(
         if by.accumulates_lambda {
             *lambda -= steps[0];
         }
-        apply(input, spokes, &scratch.gradients, steps);
+        let reacts = steps[0] < 0.0 && piece.reach > by.sink;
+        apply(input, spokes, (&scratch.gradients, steps), reacts);
         max_change = greater(max_change, steps[1].abs() * sums[2]);
     }
     max_change
@@ -333,27 +335,31 @@ fn total_of(partial: &[Sums]) -> Sums {
 
 /// Moves the vertices of a piece by the steps of displacements and of positions.
 ///
-/// Displacements of a growing volume go into the ground and colliders, whose passes undo them.
+/// If the piece `reacts`, displacements go into the ground and colliders, whose passes undo them.
 /// Positions never do.
 #[inline(always)]
-fn apply(input: PieceInput<'_>, spokes: &[Spoke], gradients: &[[f32; 4]], [step, shift]: [f32; 2]) {
+fn apply(
+    input: PieceInput<'_>,
+    spokes: &[Spoke],
+    (gradients, [step, shift]): (&[[f32; 4]], [f32; 2]),
+    reacts: bool,
+) {
     let PieceInput {
         particles,
         obstacles,
         velocities,
         ..
     } = input;
-    let grows = step < 0.0;
     for (spoke, &[gx, gy, gz, w]) in spokes.iter().zip(gradients) {
         let v = spoke.vertex.index();
         let gradient = [gx, gy, gz];
         let mut state = particles.get(v);
-        let free = if grows && shift == 0.0 {
+        let free = if reacts && shift == 0.0 {
             gradient
         } else {
             obstacles.free_gradient(obstacles.is_carried(v), gradient, state, velocities[v][3])
         };
-        let followed = if grows { gradient } else { free };
+        let followed = if reacts { gradient } else { free };
         let [by, moved] = [-(w * step), -(w * shift)];
         for (d, g) in state.d.iter_mut().zip(followed) {
             *d += by * g;

@@ -225,16 +225,17 @@ fn move_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
     let piece = body.first_piece + PIECE_ENTRIES * constraints[chunk + 1u].x;
     let step = bitcast<f32>(constraints[piece + 2u].y);
     let shift = bitcast<f32>(constraints[piece + 3u].y);
-    let grows = step < 0.0;
+    let reach = bitcast<f32>(constraints[piece + 1u].y);
+    let reacts = step < 0.0 && reach > body.volume_sink;
     for (var i = lane; i < spokes.y; i += lanes) {
         let v = constraints[body.first_spoke + spokes.x + i].x;
         let g = velocities[first_vertex + v].xyz;
         let x = load_x(v);
         var free = g;
-        if (!grows || shift != 0.0) {
+        if (!reacts || shift != 0.0) {
             free = free_gradient(body, v, g);
         }
-        store_d(v, load_d(v) + -(x.w * step) * select(free, g, grows));
+        store_d(v, load_d(v) + -(x.w * step) * select(free, g, reacts));
         if (shift != 0.0) {
             store_x(v, vec4f(x.xyz + -(x.w * shift) * free, x.w));
         }
