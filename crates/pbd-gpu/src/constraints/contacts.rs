@@ -57,8 +57,8 @@ impl Held {
 /// The carried feature of a contact: its piece rests on the piece of the other feature.
 ///
 /// While the contact is active, [volume constraints](crate::Volume) do not move the vertices of
-/// this feature further down. Without this, a load
-/// travels through one piece per substep, and the lowest pieces of a column collapse.
+/// this feature further down. Without this, a load travels through one piece per substep, and the
+/// lowest pieces of a column collapse.
 ///
 /// Missing distances recover by raising this feature only, and faster. Otherwise stacked sheets
 /// sink into each other.

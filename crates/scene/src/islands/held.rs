@@ -1,7 +1,7 @@
 //! [`HeldContacts`]: where friction held contacts at the end of a frame.
 //!
-//! Contacts are found anew in each frame. Without this list friction would lose their drift in each
-//! frame, and heaps would creep.
+//! Every frame finds its contacts anew. This list tells friction where it held them in the last
+//! frame. Without it, the balls of a heap would creep.
 
 use incise_mesh::{VertexId, index_u32};
 use incise_pbd_gpu::{Contact, ContactSet, Held};
@@ -53,22 +53,20 @@ impl HeldContacts {
         }
     }
 
-    /// Returns whether a body has a version since the last frame and its contacts are known.
+    /// Returns whether the list is about this version of a body.
     fn is_current(&self, body: usize, version: Option<u64>) -> bool {
         let known = self.versions.get(body).copied().flatten();
         known.is_some() && known == version
     }
 
-    /// Returns where friction held a contact between two bodies with versions of their topologies.
+    /// Returns where friction held a contact of two bodies, given the versions of their topologies.
     pub(crate) fn find(
         &self,
         contact: &Contact,
         bodies: [(usize, Option<u64>); 2],
     ) -> Option<Held> {
-        if !bodies
-            .into_iter()
-            .all(|(i, version)| self.is_current(i, version))
-        {
+        let mut both = bodies.into_iter();
+        if !both.all(|(i, version)| self.is_current(i, version)) {
             return None;
         }
         let first = contact.first_vertex_count();

@@ -2,8 +2,8 @@
 //!
 //! Contacts of resting bodies may alternate from frame to frame. Their vertices then move in a
 //! cycle of some frames, faster than [`SleepParams::speed`](super::SleepParams::speed), without a
-//! net displacement. So a body at rest is one that returns to the start of its observation, in two
-//! windows of it. One that turns around in its motion returns once.
+//! net displacement. A body counts as at rest if it comes back to where its observation started, in
+//! each of two windows of frames. A body that turns around comes back once.
 
 use std::ops::RangeInclusive;
 
