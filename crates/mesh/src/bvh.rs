@@ -22,6 +22,7 @@ mod assemble;
 mod build;
 mod cast;
 mod morton;
+mod motion_bounds;
 mod nearest;
 mod pieces;
 mod query;
@@ -38,8 +39,9 @@ mod winding;
 use crate::ids::index_u32;
 pub use cast::RayHit;
 pub(crate) use morton::sort_along_curve;
+pub use motion_bounds::MotionBounds;
 pub use nearest::NearestPoint;
-pub use reach::{MotionBounds, MovingPoint};
+pub use reach::MovingPoint;
 #[cfg(feature = "serde")]
 pub use saved::SavedBvh;
 pub use validate::InvalidBvh;

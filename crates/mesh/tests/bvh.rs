@@ -198,6 +198,12 @@ proptest! {
             .collect();
         let mut bounds = MotionBounds::default();
         bounds.find(&bvh, &surface, &displacements);
+        for piece in 0..4 {
+            let at = Vec3::from(to.map(f64::from));
+            let found = bvh.nearest_of_pieces(&surface, at, &bounds, |p| p == piece);
+            let is_own = |t| surface.piece(t) == piece;
+            prop_assert_eq!(found, bvh.nearest(&surface, at, f64::INFINITY, is_own));
+        }
         for excluded_piece in [None, Some(1), Some(2)] {
             let counts = |t: TriangleId| !t.0.is_multiple_of(3);
             let point = MovingPoint {

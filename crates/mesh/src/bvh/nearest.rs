@@ -1,6 +1,6 @@
 //! Nearest point queries.
 
-use super::{Bvh, MAX_HEIGHT};
+use super::{Bvh, MAX_HEIGHT, MotionBounds};
 use crate::{Aabb, Surface, TriangleId, Vec3};
 
 /// The nearest point of a triangle.
@@ -32,82 +32,153 @@ impl Bvh {
         reach: f64,
         counts: impl Fn(TriangleId) -> bool,
     ) -> Option<NearestPoint> {
-        let reaches = |found: &Candidate, _| found.square <= reach * reach;
-        self.nearest_below(surface, (to, reach), None, |_| true, counts, reaches)
+        self.nearest_below(surface, (to, reach), |_| true, counts)
     }
 
-    /// Returns the point nearest to `to` within `reach` \[m\], better than `first`.
-    ///
-    /// `is_near` decides whether to descend to a node, `accepts` whether a triangle counts, and
-    /// `reaches` whether its nearest point does.
-    pub(super) fn nearest_below(
+    /// Returns the point nearest to `to` on the pieces for which `counts` is true, with the bounds
+    /// of the BVH's nodes. Reads no triangles of other pieces.
+    #[must_use]
+    pub fn nearest_of_pieces(
+        &self,
+        surface: &Surface,
+        to: Vec3,
+        bounds: &MotionBounds,
+        counts: impl Fn(u32) -> bool,
+    ) -> Option<NearestPoint> {
+        let may_count = |at| bounds.piece_below(at).is_none_or(&counts);
+        let of_piece = |t| counts(surface.piece(t));
+        self.nearest_below(surface, (to, f64::INFINITY), may_count, of_piece)
+    }
+
+    /// Returns the point nearest to `to` within `reach` \[m\], below nodes that `may_count`.
+    fn nearest_below(
         &self,
         surface: &Surface,
         (to, reach): (Vec3, f64),
-        first: Option<(Candidate, TriangleId)>,
-        is_near: impl Fn(u32) -> bool,
-        accepts: impl Fn(TriangleId) -> bool,
-        reaches: impl Fn(&Candidate, TriangleId) -> bool,
+        may_count: impl Fn(u32) -> bool,
+        counts: impl Fn(TriangleId) -> bool,
     ) -> Option<NearestPoint> {
-        let mut best = first;
-        let mut least = best
-            .as_ref()
-            .map_or(reach * reach, |(found, _)| found.square);
-        let mut at = 0;
-        let mut others = [(0, 0.0); MAX_HEIGHT];
-        let mut depth = 0;
-        while let Some(node) = self.nodes.get(at as usize) {
-            if !node.is_leaf() {
-                let [left, right] = [node.index, node.index + 1].map(|child| {
-                    let square = square_to(&self.nodes[child as usize].bounds, to);
-                    let is_near = square <= least * (1.0 + TIE) && is_near(child);
-                    (child, if is_near { square } else { f64::INFINITY })
-                });
-                let (near, far) = if right.1 < left.1 {
-                    (right, left)
-                } else {
-                    (left, right)
-                };
-                if near.1 <= least {
-                    if far.1 < f64::INFINITY {
-                        others[depth] = far;
-                        depth += 1;
-                    }
-                    at = near.0;
-                    continue;
-                }
-            } else if square_to(&node.bounds, to) <= least {
+        let mut best = Nearest::within(reach);
+        let mut others = Others::<_, _, { MAX_HEIGHT + 1 }>::default();
+        let mut next = self.nodes.first().map(|_| 0);
+        while let Some(at) = next {
+            let node = &self.nodes[at as usize];
+            if node.is_leaf() {
                 let block = &self.blocks[node.index as usize];
-                for &triangle in &block.triangles[..node.count as usize] {
-                    if !accepts(triangle) {
-                        continue;
-                    }
-                    let found = Candidate::on(surface.triangle_positions(triangle), to);
-                    if !reaches(&found, triangle) {
-                        continue;
-                    }
-                    let is_better = best
-                        .as_ref()
-                        .is_none_or(|(other, number)| found.is_before(other, triangle < *number));
-                    if found.square <= least * (1.0 + TIE) && is_better {
-                        least = least.min(found.square);
-                        best = Some((found, triangle));
+                for &t in &block.triangles[..node.count as usize] {
+                    if counts(t) {
+                        best.offer(Candidate::on(surface.triangle_positions(t), to), t);
                     }
                 }
+            } else {
+                let children = [node.index, node.index + 1];
+                let squares = children.map(|c| {
+                    if may_count(c) {
+                        square_to(&self.nodes[c as usize].bounds, to)
+                    } else {
+                        f64::INFINITY
+                    }
+                });
+                others.push(children, squares, best.limit());
             }
-            // The next node that may contain a nearer point.
-            loop {
-                if depth == 0 {
-                    return best.map(|(found, triangle)| found.to_public(triangle));
+            next = others.pop(best.limit());
+        }
+        best.into_point()
+    }
+}
+
+/// Nodes to visit later and their squared distances \[m^2\], each group from far to near.
+#[derive(Debug)]
+pub(super) struct Others<N, S, const MAX: usize> {
+    nodes: [Option<(N, S)>; MAX],
+    len: usize,
+}
+
+impl<N: Copy, S: Copy + PartialOrd, const MAX: usize> Default for Others<N, S, MAX> {
+    fn default() -> Self {
+        Self {
+            nodes: [None; MAX],
+            len: 0,
+        }
+    }
+}
+
+impl<N: Copy, S: Copy + PartialOrd, const MAX: usize> Others<N, S, MAX> {
+    /// Keeps the nodes of a group that are within a limit; the nearest one is visited next.
+    #[inline]
+    pub(super) fn push<const COUNT: usize>(
+        &mut self,
+        nodes: [N; COUNT],
+        squares: [S; COUNT],
+        limit: S,
+    ) {
+        let first = self.len;
+        for (node, square) in nodes.into_iter().zip(squares) {
+            if square <= limit {
+                let mut at = self.len;
+                while at > first && self.nodes[at - 1].is_some_and(|(_, other)| other < square) {
+                    self.nodes[at] = self.nodes[at - 1];
+                    at -= 1;
                 }
-                depth -= 1;
-                if others[depth].1 <= least * (1.0 + TIE) {
-                    at = others[depth].0;
-                    break;
-                }
+                self.nodes[at] = Some((node, square));
+                self.len += 1;
+            }
+        }
+    }
+
+    /// Removes and returns the last node that is within a limit.
+    #[inline]
+    pub(super) fn pop(&mut self, limit: S) -> Option<N> {
+        while self.len > 0 {
+            self.len -= 1;
+            let (node, square) = self.nodes[self.len]?;
+            if square <= limit {
+                return Some(node);
             }
         }
         None
+    }
+}
+
+/// The nearest point found so far.
+#[derive(Debug)]
+pub(super) struct Nearest {
+    best: Option<(Candidate, TriangleId)>,
+    /// Least squared distance, or that of the reach \[m^2\].
+    least: f64,
+}
+
+impl Nearest {
+    /// Begins a search within a reach \[m\].
+    pub(super) fn within(reach: f64) -> Self {
+        Self {
+            best: None,
+            least: reach * reach,
+        }
+    }
+
+    /// Returns the squared distance up to which a point may be nearer or as near, finite \[m^2\].
+    #[inline]
+    pub(super) fn limit(&self) -> f64 {
+        (self.least * (1.0 + TIE)).min(f64::MAX)
+    }
+
+    /// Takes a point that is nearer than the others.
+    pub(super) fn offer(&mut self, found: Candidate, triangle: TriangleId) {
+        let is_better = match &self.best {
+            Some((other, number)) => {
+                found.square <= self.limit() && found.is_before(other, triangle < *number)
+            }
+            None => found.square <= self.least,
+        };
+        if is_better {
+            self.least = self.least.min(found.square);
+            self.best = Some((found, triangle));
+        }
+    }
+
+    pub(super) fn into_point(self) -> Option<NearestPoint> {
+        self.best.map(|(found, triangle)| found.to_public(triangle))
     }
 }
 

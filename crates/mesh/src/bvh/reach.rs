@@ -1,122 +1,13 @@
 //! Nearest points that a moving point may reach within a frame.
 //!
-//! Contact detection gives every vertex the box of its displacement. Nodes of the BVH have such a
-//! box, too, so a search descends only where the relative motion may close the gap.
+//! Contact detection gives every vertex the box of its displacement. [`MotionBounds`] have such
+//! boxes, too, so a search descends only where the relative motion may close the gap.
 
-use super::nearest::Candidate;
-use super::{Bvh, LEAF_SIZE, NONE, NearestPoint, least, most, triangle_bounds, union};
+use super::motion_bounds::{LANES, Lanes, MotionBounds};
+use super::nearest::{Candidate, Nearest, Others};
+use super::{Bvh, LEAF_SIZE, MAX_HEIGHT, NONE, NearestPoint, least, most};
 use crate::geometry::to_f32;
 use crate::{Aabb, Surface, TriangleId, Vec3};
-
-/// Boxes, displacements and pieces of the triangles below each node of a BVH.
-#[derive(Debug, Clone, Default)]
-pub struct MotionBounds {
-    nodes: Vec<Motion>,
-    /// By place in the leaves.
-    triangles: Vec<Motion>,
-}
-
-/// The motion of triangles. Vectors have a fourth component of 0, so that each comparison is one
-/// vector instruction.
-#[derive(Debug, Clone, Copy)]
-struct Motion {
-    /// Corners of the bounding box \[m\].
-    bounds: [[f32; 4]; 2],
-    /// Corners of the box around the displacements of the vertices \[m\].
-    displacement: [[f32; 4]; 2],
-    /// Piece of all triangles; [`NONE`] for several pieces.
-    piece: u32,
-}
-
-impl Motion {
-    const NOTHING: Self = Self {
-        bounds: [[0.0; 4]; 2],
-        displacement: [[0.0; 4]; 2],
-        piece: NONE,
-    };
-
-    fn of_triangle(surface: &Surface, t: TriangleId, displacements: &[Aabb]) -> Self {
-        let corners = surface.topology().triangle(t);
-        let [a, b, c] = corners.map(|v| &displacements[v.index()]);
-        Self {
-            bounds: padded_box(&triangle_bounds(surface, corners)),
-            displacement: padded_box(&union(&union(a, b), c)),
-            piece: surface.piece(t),
-        }
-    }
-
-    fn union(&self, other: &Self) -> Self {
-        let both = |a: &[[f32; 4]; 2], b: &[[f32; 4]; 2]| {
-            [
-                std::array::from_fn(|k| least(a[0][k], b[0][k])),
-                std::array::from_fn(|k| most(a[1][k], b[1][k])),
-            ]
-        };
-        Self {
-            bounds: both(&self.bounds, &other.bounds),
-            displacement: both(&self.displacement, &other.displacement),
-            piece: if self.piece == other.piece {
-                self.piece
-            } else {
-                NONE
-            },
-        }
-    }
-}
-
-fn padded([x, y, z]: [f32; 3]) -> [f32; 4] {
-    [x, y, z, 0.0]
-}
-
-fn padded_box(bounds: &Aabb) -> [[f32; 4]; 2] {
-    [padded(bounds.min), padded(bounds.max)]
-}
-
-impl MotionBounds {
-    /// Computes the bounds of a BVH's nodes from the displacements of vertex slots \[m\]. O(n).
-    ///
-    /// Valid until vertices move or the BVH is updated or rebuilt.
-    pub fn find(&mut self, bvh: &Bvh, surface: &Surface, displacements: &[Aabb]) {
-        self.nodes.resize(bvh.nodes.len(), Motion::NOTHING);
-        let places = LEAF_SIZE * bvh.blocks.len();
-        self.triangles.resize(places, Motion::NOTHING);
-        if !bvh.nodes.is_empty() {
-            self.find_below(bvh, surface, displacements, 0);
-        }
-    }
-
-    /// Returns the capacity, in nodes and triangles.
-    #[must_use]
-    pub fn capacity(&self) -> usize {
-        self.nodes.capacity() + self.triangles.capacity()
-    }
-
-    fn find_below(
-        &mut self,
-        bvh: &Bvh,
-        surface: &Surface,
-        displacements: &[Aabb],
-        at: u32,
-    ) -> Motion {
-        let node = &bvh.nodes[at as usize];
-        let found = if node.is_leaf() {
-            let block = node.index as usize;
-            let triangles = bvh.blocks[block].triangles[..node.count as usize].iter();
-            let places = &mut self.triangles[LEAF_SIZE * block..];
-            let each = triangles.zip(places).map(|(&t, place)| {
-                *place = Motion::of_triangle(surface, t, displacements);
-                *place
-            });
-            each.reduce(|a, b| a.union(&b)).unwrap_or(Motion::NOTHING)
-        } else {
-            let [left, right] = [node.index, node.index + 1]
-                .map(|child| self.find_below(bvh, surface, displacements, child));
-            left.union(&right)
-        };
-        self.nodes[at as usize] = found;
-        found
-    }
-}
 
 /// A point that moves, with the triangles that it may touch.
 #[derive(Debug, Clone, Copy)]
@@ -135,14 +26,17 @@ impl MovingPoint {
     /// Returns whether something in a box, with a box of displacements, may be reached.
     #[must_use]
     pub fn reaches(&self, bounds: &Aabb, displacement: &Aabb) -> bool {
-        Query::new(self).reaches(&padded_box(bounds), &padded_box(displacement))
+        let corners = |bounds: &Aabb| [bounds.min, bounds.max].map(|c| c.map(|x| [x]));
+        let query = Query::new(self);
+        let [square] = query.squares(&corners(bounds), &corners(displacement), [NONE]);
+        square < f32::INFINITY
     }
 }
 
-/// A [`MovingPoint`] in vectors of four components.
+/// A [`MovingPoint`] in 32 bits.
 struct Query {
-    position: [f32; 4],
-    displacement: [[f32; 4]; 2],
+    position: [f32; 3],
+    displacement: Aabb,
     squared_margin: f32,
     /// Piece whose triangles do not count, or [`NONE`].
     excluded: u32,
@@ -155,60 +49,87 @@ impl Query {
     )]
     fn new(point: &MovingPoint) -> Self {
         Self {
-            position: padded(to_f32(point.position)),
-            displacement: padded_box(&point.displacement),
+            position: to_f32(point.position),
+            displacement: point.displacement,
             squared_margin: (point.margin * point.margin) as f32,
             excluded: point.excluded_piece.unwrap_or(NONE),
         }
     }
 
-    /// Returns whether a box may be reached. True for any box in one that is reached.
+    /// Returns the squared distances from boxes, infinite for those that do not count or cannot be
+    /// reached \[m^2\].
+    ///
+    /// Components are by corner, axis and box. A box that is reached makes any box around it
+    /// reached.
     #[inline]
-    fn reaches(&self, bounds: &[[f32; 4]; 2], displacement: &[[f32; 4]; 2]) -> bool {
-        let [back, forth] = self.relative(displacement);
-        let off: [f32; 4] = std::array::from_fn(|k| {
-            let below = bounds[0][k] - (self.position[k] + forth[k]);
-            let above = (self.position[k] + back[k]) - bounds[1][k];
-            most(most(below, above), 0.0)
-        });
-        sum(off.map(|x| x * x)) <= self.squared_margin
+    fn squares<const N: usize>(
+        &self,
+        bounds: &[[[f32; N]; 3]; 2],
+        displacement: &[[[f32; N]; 3]; 2],
+        pieces: [u32; N],
+    ) -> [f32; N] {
+        let (mut at_rest, mut moving) = ([0.0; N], [0.0; N]);
+        for k in 0..3 {
+            let at = self.position[k];
+            let (min, max) = (self.displacement.min[k], self.displacement.max[k]);
+            for i in 0..N {
+                let below = bounds[0][k][i] - at;
+                let above = at - bounds[1][k][i];
+                let off = most(most(below, above), 0.0);
+                at_rest[i] += off * off;
+                let back = least(min - displacement[1][k][i], 0.0);
+                let forth = most(max - displacement[0][k][i], 0.0);
+                let off = most(most(below - forth, above + back), 0.0);
+                moving[i] += off * off;
+            }
+        }
+        std::array::from_fn(|i| {
+            let counts = pieces[i] != self.excluded || self.excluded == NONE;
+            if counts && moving[i] <= self.squared_margin {
+                at_rest[i]
+            } else {
+                f32::INFINITY
+            }
+        })
     }
 
-    /// Returns the ranges of displacements relative to others, with rest \[m\].
+    /// Returns the squared distances from four boxes, as [`Query::squares`] does.
     #[inline]
-    fn relative(&self, other: &[[f32; 4]; 2]) -> [[f32; 4]; 2] {
-        let [min, max] = &self.displacement;
-        [
-            std::array::from_fn(|k| least(min[k] - other[1][k], 0.0)),
-            std::array::from_fn(|k| most(max[k] - other[0][k], 0.0)),
-        ]
+    fn squares_to(&self, lanes: &Lanes) -> [f32; LANES] {
+        self.squares(&lanes.bounds, &lanes.displacement, lanes.pieces)
     }
 
     /// Returns the maximum distance from a triangle that is reached \[m\].
-    fn radius(&self, displacement: &[[f32; 4]; 2]) -> f64 {
-        let [back, forth] = self.relative(displacement);
-        let farthest: [f32; 4] = std::array::from_fn(|k| most(-back[k], forth[k]));
-        f64::from(self.squared_margin).sqrt() + f64::from(sum(farthest.map(|x| x * x))).sqrt()
-    }
-
-    /// Returns whether triangles may count and be reached.
-    #[inline]
-    fn may_touch(&self, motion: &Motion) -> bool {
-        (motion.piece != self.excluded || self.excluded == NONE)
-            && self.reaches(&motion.bounds, &motion.displacement)
+    fn radius(&self, displacement: &Aabb) -> f64 {
+        let farthest = |k: usize| {
+            let back = self.displacement.min[k] - displacement.max[k];
+            let forth = self.displacement.max[k] - displacement.min[k];
+            most(most(-back, forth), 0.0)
+        };
+        let [x, y, z] = [0, 1, 2].map(farthest).map(|x| x * x);
+        f64::from(self.squared_margin).sqrt() + f64::from(x + y + z).sqrt()
     }
 }
 
+/// Returns a finite upper bound of squared distances that are rounded to 32 bits.
 #[inline]
-fn sum([a, b, c, d]: [f32; 4]) -> f32 {
-    (a + c) + (b + d)
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the slack exceeds the rounding"
+)]
+fn rounded_up(square: f64) -> f32 {
+    let bound = square as f32 * (1.0 + 8.0 * f32::EPSILON) + f32::MIN_POSITIVE;
+    bound.min(f32::MAX)
 }
+
+/// Maximum number of nodes that a search keeps: three at each quad on the way.
+const MAX_OTHERS: usize = 3 * (MAX_HEIGHT / 2 + 1) + 1;
 
 impl Bvh {
     /// Returns the nearest point among the triangles that count and that a moving point may reach.
     ///
     /// `counts` decides which triangles count. A good first guess, such as the last nearest
-    /// triangle, speeds the search up.
+    /// triangle, speeds the search up. Ties are decided as in [`Bvh::nearest`].
     #[must_use]
     pub fn nearest_in_reach(
         &self,
@@ -219,22 +140,44 @@ impl Bvh {
         counts: impl Fn(TriangleId) -> bool,
     ) -> Option<NearestPoint> {
         let query = Query::new(point);
-        let reach = query.radius(&bounds.nodes.first()?.displacement);
-        let is_near = |at: u32| query.may_touch(&bounds.nodes[at as usize]);
-        let accepts = |t: TriangleId| {
-            query.may_touch(&bounds.triangles[self.places[t.index()] as usize]) && counts(t)
+        let mut best = Nearest::within(query.radius(&bounds.all.displacement));
+        let test = |best: &mut Nearest, t: TriangleId, lanes: &Lanes, lane: usize| {
+            if counts(t) {
+                let found = Candidate::on(surface.triangle_positions(t), point.position);
+                let radius = query.radius(&lanes.displacement(lane));
+                if found.square <= radius * radius {
+                    best.offer(found, t);
+                }
+            }
         };
-        let reaches = |found: &Candidate, t: TriangleId| {
-            let motion = &bounds.triangles[self.places[t.index()] as usize];
-            found.square <= query.radius(&motion.displacement).powi(2)
-        };
-        let first = first.filter(|&t| self.leaf_of(t).is_some() && accepts(t));
-        let first = first.map(|t| {
-            let found = Candidate::on(surface.triangle_positions(t), point.position);
-            (found, t)
-        });
-        let first = first.filter(|(found, t)| reaches(found, *t));
-        let to = (point.position, reach);
-        self.nearest_below(surface, to, first, is_near, accepts, reaches)
+        if let Some(t) = first.filter(|&t| self.leaf_of(t).is_some()) {
+            let place = self.places[t.index()] as usize;
+            let (lanes, lane) = (&bounds.leaves[place / LEAF_SIZE], place % LEAF_SIZE);
+            if query.squares_to(lanes)[lane] <= rounded_up(best.limit()) {
+                test(&mut best, t, lanes, lane);
+            }
+        }
+        let mut others = Others::<_, _, MAX_OTHERS>::default();
+        let mut next = bounds.root();
+        while let Some(at) = next {
+            match at.block() {
+                Err(index) => {
+                    let quad = &bounds.quads[index];
+                    let squares = query.squares_to(&quad.lanes);
+                    others.push(quad.children, squares, rounded_up(best.limit()));
+                }
+                Ok(block) => {
+                    let lanes = &bounds.leaves[block];
+                    let squares = query.squares_to(lanes);
+                    for (lane, &t) in self.blocks[block].triangles.iter().enumerate() {
+                        if squares[lane] <= rounded_up(best.limit()) {
+                            test(&mut best, t, lanes, lane);
+                        }
+                    }
+                }
+            }
+            next = others.pop(rounded_up(best.limit()));
+        }
+        best.into_point()
     }
 }

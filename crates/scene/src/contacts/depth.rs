@@ -1,6 +1,5 @@
 //! Depth of the points of a piece in another one, for [overlaps](super::overlaps).
 
-use super::broad_phase::Piece;
 use super::motion::Motion;
 use super::narrow_phase::{MARGIN, Search};
 use super::outside::outward_normal;
@@ -30,6 +29,21 @@ pub(super) enum Point {
     Middle(HalfEdge),
     /// A point below a vertex.
     Below(VertexId),
+}
+
+impl Point {
+    /// Returns the position of a point; of one below a vertex that of the vertex \[m\].
+    pub(super) fn position(self, surface: &Surface) -> Vec3 {
+        match self {
+            Self::Vertex(v) | Self::Below(v) => surface.position(v),
+            Self::Middle(h) => {
+                let topology = surface.topology();
+                let ends = [topology.origin(h), topology.target(h)];
+                let [a, b] = ends.map(|v| surface.position(v));
+                (a + b) / 2.0
+            }
+        }
+    }
 }
 
 /// Returns the points at a vertex: itself, one below it, and the middles of edges that begin there,
@@ -65,23 +79,12 @@ impl Search<'_> {
         Some(least)
     }
 
-    /// Returns the depth of a point of the first piece in the second one, of a box \[m\].
+    /// Returns the depth of a point of the first piece in the second one \[m\].
     ///
     /// `None` if contacts reach as deep.
-    pub(super) fn depth_of(&self, pair: [PieceId; 2], other: &Piece, point: Point) -> Option<f64> {
+    pub(super) fn depth_of(&self, pair: [PieceId; 2], point: Point) -> Option<f64> {
         let surface = self.body_of(pair[0])?.0.surface();
-        let at = match point {
-            Point::Vertex(v) | Point::Below(v) => surface.position(v),
-            Point::Middle(h) => {
-                let topology = surface.topology();
-                let ends = [topology.origin(h), topology.target(h)];
-                let [a, b] = ends.map(|v| surface.position(v));
-                (a + b) / 2.0
-            }
-        };
-        if !other.contains(at, 0.0) {
-            return None;
-        }
+        let at = point.position(surface);
         let clearance = MARGIN * self.thickness_of(pair)?;
         let Point::Below(v) = point else {
             return self.depth_at(pair, at, clearance);
@@ -98,16 +101,14 @@ impl Search<'_> {
     ///
     /// Its cavities are outside, and so is the space around a part that is inside out.
     fn depth_at(&self, [own, other]: [PieceId; 2], at: Vec3, clearance: f64) -> Option<f64> {
-        let (body, _) = self.body_of(other)?;
+        let (body, motion) = self.body_of(other)?;
         let (surface, bvh, shapes) = (body.surface(), body.bvh(), body.piece_shapes());
-        let counts = |t| {
-            let piece = surface.piece(t);
-            piece == other.number || piece != own.number && shapes.get(piece).is_cavity
-        };
-        if bvh.winding_number(surface, at, counts) < 1 {
+        let counts =
+            |piece| piece == other.number || piece != own.number && shapes.get(piece).is_cavity;
+        if bvh.winding_number(surface, at, |t| counts(surface.piece(t))) < 1 {
             return None;
         }
-        let nearest = bvh.nearest(surface, at, f64::INFINITY, counts)?;
+        let nearest = bvh.nearest_of_pieces(surface, at, &motion.bounds, counts)?;
         Some(nearest.distance.abs()).filter(|&depth| depth >= clearance)
     }
 
@@ -129,7 +130,9 @@ impl Search<'_> {
         let sampled = (0..)
             .zip(points)
             .filter(|(number, _)| is_sampled(*number, all, (MEASURED, start)));
-        let depths = sampled.filter_map(|(_, point)| self.depth_of(pieces, other, point));
+        let points = sampled.map(|(_, point)| point);
+        let inside = points.filter(|point| other.contains(point.position(surface), 0.0));
+        let depths = inside.filter_map(|point| self.depth_of(pieces, point));
         depths.fold(0.0, f64::max)
     }
 }

@@ -14,9 +14,13 @@ use super::narrow_phase::Search;
 use crate::body::{piece_of, vertices_of};
 use crate::scene::Bodies;
 use incise_mesh::Vec3;
+use rayon::prelude::*;
 
 /// Number of points per piece that are tested in a frame.
 const TESTED: usize = 8;
+
+/// Minimum number of tested points for a thread.
+const MIN_TESTS: usize = 64;
 
 /// Number of frames between two measurements of an overlap.
 const PERIOD: u32 = 8;
@@ -25,7 +29,7 @@ const PERIOD: u32 = 8;
 const SPEED: f64 = 1.0;
 
 /// A piece of a body of the scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct PieceId {
     /// Index of the body in the scene.
@@ -55,6 +59,9 @@ pub(crate) struct Overlaps {
     /// Scratch memory, by index of a piece in the broad phase: number of its vertices so far.
     #[cfg_attr(feature = "serde", serde(skip))]
     seen: Vec<usize>,
+    /// Scratch memory: the points that are tested.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    tests: Vec<Test>,
     /// Scratch memory: the pieces that are moved and their displacements \[m\].
     #[cfg_attr(feature = "serde", serde(skip))]
     moves: Vec<(PieceId, Vec3)>,
@@ -146,16 +153,40 @@ impl Overlaps {
     pub(super) fn find(&mut self, search: Search<'_>) {
         let start = self.searches as usize;
         self.searches = self.searches.wrapping_add(1);
-        self.list.retain_mut(|overlap| {
-            if overlap.frames_left > 0 {
-                return true;
-            }
-            let measured = search.measure(overlap.pieces, (start, 0.0));
-            measured.is_some_and(|measured| {
+        let due = self.list.par_iter_mut().filter(|o| o.frames_left == 0);
+        due.for_each(|overlap| {
+            if let Some(measured) = search.measure(overlap.pieces, (start, 0.0)) {
                 *overlap = measured;
-                true
-            })
+            }
         });
+        self.list.retain(|overlap| overlap.frames_left > 0);
+        self.sample(search, start);
+        let tests = self.tests.par_iter_mut().with_min_len(MIN_TESTS);
+        tests.for_each(|test| test.depth = search.depth_of(test.pair, test.point));
+        // The first point of a pair in the other piece counts.
+        self.tests.retain(|test| test.depth.is_some());
+        self.tests.sort_by_key(|test| test.sorted_pair());
+        self.tests.dedup_by_key(|test| test.sorted_pair());
+        let first = self.list.len();
+        self.list.extend(self.tests.iter().map(|test| Overlap {
+            pieces: test.pair,
+            versions: [0; 2],
+            shifts: [[0.0; 3]; 2],
+            frames_left: 0,
+        }));
+        let new = self.list[first..].par_iter_mut().zip(&self.tests);
+        new.for_each(|(overlap, test)| {
+            let known = (self.searches as usize, test.depth.unwrap_or(0.0));
+            if let Some(measured) = search.measure(test.pair, known) {
+                *overlap = measured;
+            }
+        });
+        self.list.retain(|overlap| overlap.frames_left > 0);
+    }
+
+    /// Collects the points that are tested in a search, in the boxes of other pieces.
+    fn sample(&mut self, search: Search<'_>, start: usize) {
+        self.tests.clear();
         self.seen.clear();
         self.seen.resize(search.pieces.iter().len(), 0);
         for (i, body) in (0..).zip(search.bodies) {
@@ -173,28 +204,44 @@ impl Overlaps {
                     let seen = &mut self.seen[index as usize];
                     *seen += 1;
                     if is_sampled(*seen, all, (TESTED, start)) {
+                        let at = point.position(surface);
+                        let others = search.pieces.neighbors(index);
+                        let tests = others.filter(|other| other.contains(at, 0.0));
                         let own = PieceId { body: i, number };
-                        self.test(search, own, point);
+                        self.tests.extend(tests.map(|other| Test {
+                            pair: [own, other.id()],
+                            point,
+                            depth: None,
+                        }));
                     }
                 }
             }
         }
+        let list = &self.list;
+        self.tests.retain(|test| {
+            let [a, b] = test.pair;
+            !list
+                .iter()
+                .any(|o| o.pieces == [a, b] || o.pieces == [b, a])
+        });
     }
+}
 
-    /// Finds the overlaps of a piece at one of its points.
-    fn test(&mut self, search: Search<'_>, own: PieceId, point: Point) {
-        let index = search.motions[own.body as usize].pieces[own.number as usize];
-        for other in search.pieces.neighbors(index) {
-            let pair = [own, other.id()];
-            let is_known = |o: &Overlap| o.pieces == pair || o.pieces == [pair[1], pair[0]];
-            if self.list.iter().any(is_known) {
-                continue;
-            }
-            if let Some(depth) = search.depth_of(pair, other, point) {
-                let start = self.searches as usize;
-                self.list.extend(search.measure(pair, (start, depth)));
-            }
-        }
+/// A point of a piece that is tested against another piece.
+#[derive(Debug, Clone, Copy)]
+struct Test {
+    /// The piece of the point, and the other one.
+    pair: [PieceId; 2],
+    point: Point,
+    /// Depth of the point in the other piece \[m\], if it is deep.
+    depth: Option<f64>,
+}
+
+impl Test {
+    /// Returns the pieces in ascending order.
+    fn sorted_pair(&self) -> [PieceId; 2] {
+        let [a, b] = self.pair;
+        [a.min(b), a.max(b)]
     }
 }
 

@@ -1,0 +1,252 @@
+//! [`MotionBounds`]: the nodes of a BVH with the displacements of a frame, four side by side.
+//!
+//! A search within reach of a moving point tests four boxes at once: the children of a node and of
+//! its children, or the triangles of a leaf. Their components are in vectors of four.
+
+use super::{Bvh, LEAF_SIZE, NONE, triangle_bounds, union};
+use crate::ids::index_u32;
+use crate::{Aabb, Surface, TriangleId};
+
+/// Number of boxes that are tested at once.
+pub(super) const LANES: usize = LEAF_SIZE;
+
+/// Boxes, displacements and pieces of the triangles below each node of a BVH.
+#[derive(Debug, Clone)]
+pub struct MotionBounds {
+    /// The root.
+    root: Child,
+    /// Bounds of the root.
+    pub(super) all: Motion,
+    /// Children of nodes and of their children.
+    pub(super) quads: Vec<Quad>,
+    /// By block: its triangles.
+    pub(super) leaves: Vec<Lanes>,
+    /// By node: the piece of all triangles below it; [`NONE`] for several pieces.
+    pieces: Vec<u32>,
+}
+
+impl Default for MotionBounds {
+    fn default() -> Self {
+        Self {
+            root: Child::NONE,
+            all: Motion::NOTHING,
+            quads: Vec::new(),
+            leaves: Vec::new(),
+            pieces: Vec::new(),
+        }
+    }
+}
+
+/// The motion of triangles.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Motion {
+    pub(super) bounds: Aabb,
+    /// Box around the displacements of the vertices \[m\].
+    pub(super) displacement: Aabb,
+    /// Piece of all triangles; [`NONE`] for several pieces.
+    pub(super) piece: u32,
+}
+
+impl Motion {
+    const NOTHING: Self = Self {
+        bounds: EMPTY,
+        displacement: EMPTY,
+        piece: NONE,
+    };
+
+    fn of_triangle(surface: &Surface, t: TriangleId, displacements: &[Aabb]) -> Self {
+        let corners = surface.topology().triangle(t);
+        let [a, b, c] = corners.map(|v| &displacements[v.index()]);
+        Self {
+            bounds: triangle_bounds(surface, corners),
+            displacement: union(&union(a, b), c),
+            piece: surface.piece(t),
+        }
+    }
+
+    fn union(&self, other: &Self) -> Self {
+        Self {
+            bounds: union(&self.bounds, &other.bounds),
+            displacement: union(&self.displacement, &other.displacement),
+            piece: if self.piece == other.piece {
+                self.piece
+            } else {
+                NONE
+            },
+        }
+    }
+}
+
+/// A box that contains nothing.
+const EMPTY: Aabb = Aabb {
+    min: [f32::INFINITY; 3],
+    max: [f32::NEG_INFINITY; 3],
+};
+
+/// A node below which a search may descend: the index of a quad, or the block of a leaf.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Child(u32);
+
+impl Child {
+    pub(super) const NONE: Self = Self(NONE);
+
+    /// Creates the reference to a leaf.
+    fn leaf(block: u32) -> Self {
+        Self(2 * block + 1)
+    }
+
+    /// Creates the reference to a quad.
+    fn quad(index: usize) -> Self {
+        Self(2 * index_u32(index))
+    }
+
+    /// Returns the block of a leaf, or the index of a quad as an error.
+    pub(super) fn block(self) -> Result<usize, usize> {
+        let index = self.0 as usize / 2;
+        if self.0 % 2 == 1 {
+            Ok(index)
+        } else {
+            Err(index)
+        }
+    }
+}
+
+/// Up to four nodes side by side.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Quad {
+    pub(super) lanes: Lanes,
+    pub(super) children: [Child; LANES],
+}
+
+/// The motions of four nodes or triangles, by corner of a box, axis and lane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lanes {
+    pub(super) bounds: [[[f32; LANES]; 3]; 2],
+    pub(super) displacement: [[[f32; LANES]; 3]; 2],
+    pub(super) pieces: [u32; LANES],
+}
+
+impl Lanes {
+    const NOTHING: Self = Self {
+        bounds: [[[f32::INFINITY; LANES]; 3], [[f32::NEG_INFINITY; LANES]; 3]],
+        displacement: [[[0.0; LANES]; 3]; 2],
+        pieces: [NONE; LANES],
+    };
+
+    /// Sets one lane.
+    pub(super) fn set(&mut self, lane: usize, motion: &Motion) {
+        let Motion {
+            bounds,
+            displacement,
+            ..
+        } = motion;
+        for k in 0..3 {
+            self.bounds[0][k][lane] = bounds.min[k];
+            self.bounds[1][k][lane] = bounds.max[k];
+            self.displacement[0][k][lane] = displacement.min[k];
+            self.displacement[1][k][lane] = displacement.max[k];
+        }
+        self.pieces[lane] = motion.piece;
+    }
+
+    /// Returns the box of the displacements of one lane \[m\].
+    pub(super) fn displacement(&self, lane: usize) -> Aabb {
+        let [min, max] = self.displacement.map(|corner| corner.map(|c| c[lane]));
+        Aabb { min, max }
+    }
+}
+
+impl MotionBounds {
+    /// Computes the bounds of a BVH's nodes from the displacements of vertex slots \[m\]. O(n).
+    ///
+    /// Valid until vertices move or the BVH is updated or rebuilt.
+    pub fn find(&mut self, bvh: &Bvh, surface: &Surface, displacements: &[Aabb]) {
+        self.quads.clear();
+        self.leaves.resize(bvh.blocks.len(), Lanes::NOTHING);
+        self.pieces.resize(bvh.nodes.len(), NONE);
+        (self.root, self.all) = if bvh.nodes.is_empty() {
+            (Child::NONE, Motion::NOTHING)
+        } else {
+            self.find_below(bvh, (surface, displacements), 0)
+        };
+    }
+
+    /// Returns the root, `None` without triangles.
+    pub(super) fn root(&self) -> Option<Child> {
+        (self.root != Child::NONE).then_some(self.root)
+    }
+
+    /// Returns the capacity, in quads and leaves.
+    #[must_use]
+    pub fn capacity(&self) -> usize {
+        self.quads.capacity() + self.leaves.capacity()
+    }
+
+    /// Returns the piece of all triangles below a node, `None` for several pieces.
+    #[inline]
+    pub(super) fn piece_below(&self, node: u32) -> Option<u32> {
+        let piece = self.pieces[node as usize];
+        (piece != NONE).then_some(piece)
+    }
+
+    /// Computes the bounds of a node and of all nodes below it.
+    fn find_below(&mut self, bvh: &Bvh, of: (&Surface, &[Aabb]), at: u32) -> (Child, Motion) {
+        let node = &bvh.nodes[at as usize];
+        let found = if node.is_leaf() {
+            (
+                Child::leaf(node.index),
+                self.find_leaf(bvh, of, node.index, node.count),
+            )
+        } else {
+            // In the order of a traversal.
+            let index = self.quads.len();
+            let mut quad = Quad {
+                lanes: Lanes::NOTHING,
+                children: [Child::NONE; LANES],
+            };
+            self.quads.push(quad);
+            let mut lane = 0;
+            let mut add = |bounds: &mut Self, at| {
+                let (child, motion) = bounds.find_below(bvh, of, at);
+                quad.lanes.set(lane, &motion);
+                quad.children[lane] = child;
+                lane += 1;
+                motion
+            };
+            let [left, right] = [node.index, node.index + 1].map(|child| {
+                let below = &bvh.nodes[child as usize];
+                if below.is_leaf() {
+                    return add(self, child);
+                }
+                let both = add(self, below.index).union(&add(self, below.index + 1));
+                self.pieces[child as usize] = both.piece;
+                both
+            });
+            self.quads[index] = quad;
+            (Child::quad(index), left.union(&right))
+        };
+        self.pieces[at as usize] = found.1.piece;
+        found
+    }
+
+    /// Computes the bounds of the triangles of a leaf.
+    fn find_leaf(
+        &mut self,
+        bvh: &Bvh,
+        (surface, displacements): (&Surface, &[Aabb]),
+        block: u32,
+        count: u8,
+    ) -> Motion {
+        let triangles = &bvh.blocks[block as usize].triangles[..count as usize];
+        let mut lanes = Lanes::NOTHING;
+        let each = triangles.iter().enumerate().map(|(lane, &t)| {
+            let motion = Motion::of_triangle(surface, t, displacements);
+            lanes.set(lane, &motion);
+            motion
+        });
+        let all = each.reduce(|a, b| a.union(&b)).unwrap_or(Motion::NOTHING);
+        self.leaves[block as usize] = lanes;
+        all
+    }
+}
