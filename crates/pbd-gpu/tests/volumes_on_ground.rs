@@ -85,10 +85,11 @@ fn a_ball_keeps_its_volume_through_an_impact() {
 }
 
 /// Regression: gravity moves a face of a chip by more than its thickness in a substep, and the
-/// volumes pass moved it back by less. A chip lost up to 0.83 of its volume.
+/// volumes pass moved it back by less. A chip lost up to 0.83 of its volume. Later rounding left
+/// vertices slightly above the ground, and volumes pushed them into it: a quarter was lost.
 #[test]
 fn chips_that_are_thinner_than_their_fall_keep_their_volume() {
-    for thickness in [1e-4_f32, 1e-5, 2e-6] {
+    for thickness in [1e-4_f32, 1e-5, 4e-6, 2e-6, 1e-6, 1e-7] {
         let mut surface = scaled(sphere(2, [0.0; 3]), [1e-3, thickness / 2.0, 1e-3]);
         let material = Material {
             volume: Some(Volume::default()),
@@ -101,14 +102,14 @@ fn chips_that_are_thinner_than_their_fall_keep_their_volume() {
             ground: Some(-thickness),
             ..SolverParams::default()
         };
-        for _ in 0..120 {
+        for frame in 0..120 {
             solver.step(&mut surface, DT, &params).unwrap();
+            let kept = surface.volume() / rest;
+            assert!(
+                (kept - 1.0).abs() < 0.01,
+                "{kept} is left of a chip of {thickness} m in frame {frame}"
+            );
         }
-        let kept = surface.volume() / rest;
-        assert!(
-            (kept - 1.0).abs() < 0.05,
-            "{kept} is left of a chip of {thickness} m"
-        );
     }
 }
 

@@ -18,7 +18,7 @@ use crate::follow::changes::Changes;
 use crate::kernels::volume::CHUNK;
 use crate::solver::Solver;
 use crate::step::constants::StepConstants;
-use crate::step::plan::ConstraintKind;
+use crate::step::plan::{ConstraintKind, StepPlan};
 use bytemuck::Zeroable;
 use incise_mesh::Surface;
 use std::ops::Range;
@@ -137,13 +137,15 @@ impl DeviceBody {
     }
 
     /// Estimates the loop iterations of an invocation per substep in the whole-body kernel.
-    pub(super) fn rounds(&self, lanes: u32, iterations: u32) -> u64 {
+    pub(super) fn rounds(&self, lanes: u32, plan: &StepPlan) -> u64 {
         let per_lane = |count: u32| u64::from(count.div_ceil(lanes)) + 1;
-        let runs = [&self.stretch, &self.bending, &self.interior_springs].into_iter();
-        let colors = runs.map(|runs| {
+        let runs = [&self.stretch, &self.bending, &self.interior_springs];
+        let colors_of = runs.map(|runs| {
             let colors = (0..runs.colors() as usize).map(|color| per_lane(runs.len(color)));
             colors.sum::<u64>() + u64::from(runs.overflow_len())
         });
+        let [stretch, bending, springs] = colors_of;
+        let colors = stretch * (1 + u64::from(plan.sweeps_back())) + bending + springs;
         let vertices = per_lane(self.vertex_count);
         let places = &self.volumes.places;
         // Two traversals of the fan of every vertex, and reduction trees.
@@ -159,9 +161,8 @@ impl DeviceBody {
         let contacts = sweeps * (u64::from(self.contacts.count) + 64);
         let colliders = (2 * sweeps - 1) * vertices * u64::from(1 + self.collider_count);
         let attachments = per_lane(self.attachment_count);
-        let iteration =
-            2 * colors.sum::<u64>() + volumes + contacts + colliders + attachments + vertices;
-        3 * vertices + u64::from(iterations) * iteration
+        let iteration = 2 * colors + volumes + contacts + colliders + attachments + vertices;
+        3 * vertices + u64::from(plan.iterations()) * iteration
     }
 
     fn runs(&self, kind: ConstraintKind) -> &Runs {

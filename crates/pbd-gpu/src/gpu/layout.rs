@@ -74,6 +74,12 @@ pub(crate) const KEEPS_VOLUME: u32 = 4;
 /// Flag of a body whose interior spring multipliers accumulate.
 pub(crate) const KEEPS_INTERIOR_SPRINGS: u32 = 8;
 
+/// Flag of a body whose edges are projected forward and back.
+pub(crate) const SWEEPS_BACK: u32 = 16;
+
+/// Flag of a body that leaves out the way back in substeps that are predicted above the ground.
+pub(crate) const SKIPS_BACK: u32 = 32;
+
 /// Inverse mass of an unused slot, which does not move.
 pub(crate) const UNUSED: f32 = -1.0;
 
@@ -119,7 +125,8 @@ pub(crate) struct PassUniform {
     pub(crate) with_overflow: u32,
     /// Index of the substep in the frame.
     pub(crate) substep: u32,
-    pub(crate) pad: u32,
+    /// 1 if `tail` and `patches` project lengths in reverse order, else 0.
+    pub(crate) is_back: u32,
 }
 
 /// Offsets and coefficients of a body.
@@ -145,7 +152,8 @@ pub(crate) struct BodyRecord {
     pub(crate) velocity_factor: f32,
     /// Coulomb friction coefficient.
     pub(crate) friction: f32,
-    /// [`KEEPS_STRETCH`], [`KEEPS_BENDING`], [`KEEPS_VOLUME`] and [`KEEPS_INTERIOR_SPRINGS`].
+    /// [`KEEPS_STRETCH`], [`KEEPS_BENDING`], [`KEEPS_VOLUME`], [`KEEPS_INTERIOR_SPRINGS`],
+    /// [`SWEEPS_BACK`] and [`SKIPS_BACK`].
     pub(crate) flags: u32,
     /// First of its [`RUNS_PER_BODY`] runs.
     pub(crate) first_run: u32,

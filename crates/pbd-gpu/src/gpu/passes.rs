@@ -65,7 +65,7 @@ impl Compiler<'_> {
             out.extend(self.dispatch(kernel, pass, false, &lanes));
         }
         for layer in 1..LAYERS {
-            out.extend(self.patches(Kernel::ResetPatches, layer));
+            out.extend(self.patches(Kernel::ResetPatches, layer, false));
         }
         let pieces: Vec<(u32, u32)> = (self.by_passes())
             .map(|b| (b.slot, b.body.volumes.places.pieces))
@@ -125,22 +125,34 @@ impl Compiler<'_> {
     }
 
     /// Adds a dispatch over the patches of a layer, one workgroup each.
-    pub(super) fn patches(&mut self, kernel: Kernel, layer: usize) -> Option<Dispatch> {
+    pub(super) fn patches(
+        &mut self,
+        kernel: Kernel,
+        layer: usize,
+        is_back: bool,
+    ) -> Option<Dispatch> {
         let lanes: Vec<(u32, u32)> = (self.by_passes())
+            .filter(|b| !is_back || b.plan.sweeps_back())
             .map(|b| (b.slot, b.body.patches(layer - 1) * self.workgroup))
             .collect();
         let pass = PassUniform {
             color: index_u32(layer - 1),
+            is_back: u32::from(is_back),
             ..PLAIN_PASS
         };
-        self.dispatch(kernel, pass, false, &lanes)
+        self.dispatch(kernel, pass, is_back, &lanes)
     }
 
     /// Adds the dispatches over the batches of one kind and layer.
     ///
-    /// Each color up to the last large one has a dispatch; all later ones share one.
+    /// Each color up to the last large one has a dispatch; all later ones share one. The way back
+    /// has the same dispatches in reverse order.
     pub(super) fn batches(&mut self, kind: ConstraintKind, run: &[Pass], out: &mut Vec<Dispatch>) {
-        let batches: Vec<BatchId> = run.iter().filter_map(|pass| pass.batch()).collect();
+        let is_back = run[0].is_back();
+        let before = out.len();
+        let mut batches: Vec<BatchId> = run.iter().filter_map(|pass| pass.batch()).collect();
+        batches.sort_unstable();
+        let is_included = |b: &&Stepped<'_>| !is_back || b.plan.sweeps_back();
         let is_large = |batch: &BatchId| {
             *batch != BatchId::Overflow
                 && (self.by_passes()).any(|b| b.body.batch_len(kind, *batch) > SMALL_COLOR)
@@ -152,6 +164,7 @@ impl Compiler<'_> {
         let (large, small) = batches.split_at(large);
         for &batch in large {
             let lanes: Vec<(u32, u32)> = (self.by_passes())
+                .filter(is_included)
                 .map(|b| (b.slot, b.body.batch_len(kind, batch)))
                 .collect();
             let kernel = match kind {
@@ -161,9 +174,10 @@ impl Compiler<'_> {
             let pass = PassUniform {
                 kind: kind as u32,
                 color: index_u32(batch.number()),
+                is_back: u32::from(is_back),
                 ..PLAIN_PASS
             };
-            out.extend(self.dispatch(Kernel::Pass(kernel), pass, false, &lanes));
+            out.extend(self.dispatch(Kernel::Pass(kernel), pass, is_back, &lanes));
         }
         let with_overflow = small.last() == Some(&BatchId::Overflow);
         let colors = &small[..small.len() - usize::from(with_overflow)];
@@ -174,6 +188,7 @@ impl Compiler<'_> {
             any || with_overflow && b.body.batch_len(kind, BatchId::Overflow) > 0
         };
         let lanes: Vec<(u32, u32)> = (self.by_passes())
+            .filter(is_included)
             .map(|b| (b.slot, if holds(b) { self.workgroup } else { 0 }))
             .collect();
         let pass = PassUniform {
@@ -181,8 +196,12 @@ impl Compiler<'_> {
             color: index_u32(first),
             colors: index_u32(end - first),
             with_overflow: u32::from(with_overflow),
+            is_back: u32::from(is_back),
             ..PLAIN_PASS
         };
-        out.extend(self.dispatch(Kernel::Pass(EntryPoint::Tail), pass, false, &lanes));
+        out.extend(self.dispatch(Kernel::Pass(EntryPoint::Tail), pass, is_back, &lanes));
+        if is_back {
+            out[before..].reverse();
+        }
     }
 }

@@ -8,7 +8,7 @@ use super::layout::{Link, PassUniform, STRETCH};
 use super::pipelines::{Kernel, Lanes};
 use super::shaders::EntryPoint;
 use super::stats::Schedule;
-use crate::step::plan::{Pass, StepPlan};
+use crate::step::plan::{ConstraintKind, Pass, StepPlan};
 use incise_mesh::index_u32;
 
 /// Parameters of a pass without kind and color.
@@ -20,7 +20,7 @@ pub(super) const PLAIN_PASS: PassUniform = PassUniform {
     colors: 0,
     with_overflow: 0,
     substep: 0,
-    pad: 0,
+    is_back: 0,
 };
 
 /// One dispatch.
@@ -149,9 +149,9 @@ impl Compiler<'_> {
             bodies.filter(|b| b.body.schedule == Schedule::WholeBody)
         };
         let links: Vec<(u32, u32)> = whole().map(|b| (b.slot, self.workgroup)).collect();
-        let (substeps, iterations) = (self.program.substeps, self.program.iterations);
+        let substeps = self.program.substeps;
         let max_rounds = whole()
-            .map(|b| b.body.rounds(lanes.whole_body, iterations))
+            .map(|b| b.body.rounds(lanes.whole_body, b.plan))
             .max();
         let at_once =
             (lanes.rounds / max_rounds.unwrap_or(1).max(1)).clamp(1, u64::from(substeps.max(1)));
@@ -192,7 +192,8 @@ impl Compiler<'_> {
     fn dispatches(&mut self, passes: &[Pass]) -> Vec<Dispatch> {
         let mut out = Vec::new();
         let together = |a: &Pass, b: &Pass| {
-            a.kind_and_layer().is_some() && a.kind_and_layer() == b.kind_and_layer()
+            let is_same = a.kind_and_layer() == b.kind_and_layer() && a.is_back() == b.is_back();
+            a.kind_and_layer().is_some() && is_same
         };
         let mut layer = 0;
         for run in passes.chunk_by(together) {
@@ -201,9 +202,15 @@ impl Compiler<'_> {
                     // Interior springs have one layer and come last.
                     if batch.layer() > layer {
                         layer = batch.layer();
-                        out.extend(self.patches(Kernel::Patches, layer));
+                        out.extend(self.patches(Kernel::Patches, layer, false));
                     }
                     self.batches(kind, run, &mut out);
+                }
+                Pass::ProjectBack { batch } => {
+                    if batch.layer() > 0 {
+                        out.extend(self.patches(Kernel::Patches, batch.layer(), true));
+                    }
+                    self.batches(ConstraintKind::Stretch, run, &mut out);
                 }
                 Pass::ResetMultipliers => self.resets(&mut out),
                 Pass::ContactFeatures

@@ -165,7 +165,7 @@ impl GpuBackend {
         if stale {
             resident.plan.clone_from(solver.plan());
         }
-        let rounds = (resident.body).rounds(lanes.whole_body, solver.plan().iterations());
+        let rounds = (resident.body).rounds(lanes.whole_body, solver.plan());
         if resident.body.schedule == Schedule::WholeBody && rounds > lanes.rounds {
             // A substep exceeds the limit of loops. The color schedule uses the same runs.
             resident.body.schedule = Schedule::Colors;
@@ -176,7 +176,8 @@ impl GpuBackend {
             Schedule::Patches => stats.patch_bodies += 1,
         }
         let times = u64::from(constants.substeps) * u64::from(solver.plan().iterations());
-        stats.stretch_projections += times * solver.stretch().len() as u64;
+        let sweeps = 1 + u64::from(solver.plan().sweeps_back());
+        stats.stretch_projections += times * sweeps * solver.stretch().len() as u64;
         stats.bending_projections += times * solver.bending().map_or(0, |set| set.len() as u64);
         stats.interior_spring_projections +=
             times * solver.interior_springs().map_or(0, |set| set.len() as u64);

@@ -18,15 +18,14 @@
 //!
 //! A growing volume still moves vertices into the ground and colliders. Their pass undoes it, and
 //! their friction counts the load. Otherwise blocks creep downhill. Carried vertices do not move
-//! down: columns would collapse. Nor do those of pieces thinner than their fall in a substep, which
-//! friction would keep flat.
+//! down: columns would collapse.
 //!
 //! `steps` decides how much of an error a substep corrects.
 
 pub(crate) mod steps;
 
 use super::block::difference;
-use super::colliders::{separation, touches};
+use super::colliders::{TOUCH, separation, touches};
 use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::colliders::ColliderRecord;
 use crate::constraints::volumes::{Spoke, VolumeSet};
@@ -135,7 +134,7 @@ pub(crate) fn volumes(
         if by.accumulates_lambda {
             *lambda -= steps[0];
         }
-        let reacts = steps[0] < 0.0 && piece.reach > by.sink;
+        let reacts = steps[0] < 0.0;
         apply(input, spokes, (&scratch.gradients, steps), reacts);
         max_change = greater(max_change, steps[1].abs() * sums[2]);
     }
@@ -271,7 +270,9 @@ impl VolumeObstacles<'_> {
         ParticleState { x, d }: ParticleState,
         held: f32,
     ) -> [f32; 3] {
-        let is_low = x[1] + d[1] <= self.ground;
+        // Rounding leaves some of the vertices that were lifted slightly above the ground.
+        let height = (x[1] + d[1]) - self.ground;
+        let is_low = height <= TOUCH * (x[1].abs() + d[1].abs());
         let is_pressed = (is_carried || is_low) && gy < 0.0;
         let slips = !is_carried && held == 0.0;
         let mut free = match (is_pressed, slips) {

@@ -52,7 +52,8 @@ fn displacement(i: u32, at_start: bool) -> vec3f {
 fn free_gradient(body: Body, v: u32, gradient: vec3f) -> vec3f {
     let x = load_x(v);
     let d = load_d(v);
-    let is_low = frame.has_ground != 0u && x.y + d.y <= frame.ground;
+    let height = (x.y + d.y) - frame.ground;
+    let is_low = frame.has_ground != 0u && height <= TOUCH * (abs(x.y) + abs(d.y));
     let is_pressed = (is_carried(v) || is_low) && gradient.y < 0.0;
     let slips = !is_carried(v) && friction_bound(v) == 0.0;
     let level = select(vec3f(), vec3f(gradient.x, 0.0, gradient.z), slips);
@@ -225,8 +226,7 @@ fn move_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
     let piece = body.first_piece + PIECE_ENTRIES * constraints[chunk + 1u].x;
     let step = bitcast<f32>(constraints[piece + 2u].y);
     let shift = bitcast<f32>(constraints[piece + 3u].y);
-    let reach = bitcast<f32>(constraints[piece + 1u].y);
-    let reacts = step < 0.0 && reach > body.volume_sink;
+    let reacts = step < 0.0;
     for (var i = lane; i < spokes.y; i += lanes) {
         let v = constraints[body.first_spoke + spokes.x + i].x;
         let g = velocities[first_vertex + v].xyz;

@@ -56,13 +56,14 @@ pub(crate) fn sweep_color<K: Kernel<N>, const N: usize>(
     });
 }
 
-/// Projects the constraints of all patches of a layer.
+/// Projects the constraints of all patches of a layer, or their lengths in reverse order.
 pub(crate) fn sweep_patches(
     leader: &mut Leader<'_>,
     arch: Arch,
     particles: ParticleStates<'_>,
     patches: &mut [PatchContent],
     (stretch, bending): (Projection, Projection),
+    is_back: bool,
 ) {
     let count = patches.len();
     // The patches of a layer share no vertex and no constraint.
@@ -78,6 +79,7 @@ pub(crate) fn sweep_patches(
                 patch,
                 stretch,
                 bending,
+                is_back,
             },
         );
     });

@@ -116,7 +116,10 @@ impl<const N: usize> PatchBatch<N> {
 
     /// Returns the runs for a projection, with multipliers if they accumulate.
     #[inline(always)]
-    pub(crate) fn runs(&mut self, accumulates_lambda: bool) -> impl Iterator<Item = Part<'_, N>> {
+    pub(crate) fn runs(
+        &mut self,
+        accumulates_lambda: bool,
+    ) -> impl DoubleEndedIterator<Item = Part<'_, N>> {
         let lambda: &mut [f32] = if accumulates_lambda {
             &mut self.lambda
         } else {
@@ -127,11 +130,10 @@ impl<const N: usize> PatchBatch<N> {
             rest: &self.rest,
             lambda: Cell::from_mut(lambda).as_slice_of_cells(),
         };
-        let mut start = 0;
-        self.run_ends.iter().map(move |&end| {
-            let run = all.slice(start..end);
-            start = end;
-            run
+        let ends = &self.run_ends;
+        (0..ends.len()).map(move |i| {
+            let start = i.checked_sub(1).map_or(0, |before| ends[before]);
+            all.slice(start..ends[i])
         })
     }
 

@@ -256,7 +256,8 @@ impl Frame<'_, '_> {
                 lowest: &mut member.lowest,
             };
             let is_same_layer = |a: &Pass, b: &Pass| {
-                a.patch_layer().is_some() && a.patch_layer() == b.patch_layer()
+                let of = |pass: &Pass| pass.patch_layer().map(|layer| (layer, pass.is_back()));
+                of(a).is_some() && of(a) == of(b)
             };
             for passes in passes[from..to].chunk_by(is_same_layer) {
                 let pass = passes[0];
@@ -264,9 +265,12 @@ impl Frame<'_, '_> {
                     step.stats.ground_passes_skipped += 1;
                     continue;
                 }
+                if pass.is_back() && step.skips_back() {
+                    continue;
+                }
                 step.stats.passes += u32::try_from(passes.len()).unwrap_or(u32::MAX);
                 match pass.patch_layer() {
-                    Some(layer) => step.project_patches(layer),
+                    Some(layer) => step.project_patches(layer, pass.is_back()),
                     None if step.run(pass) => {}
                     None => return Err(NonFinite { body: i, substep }),
                 }

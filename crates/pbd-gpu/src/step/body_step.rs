@@ -89,15 +89,22 @@ fn global_pass(
 }
 
 impl BodyStep<'_, '_, '_> {
-    /// Projects the constraints of all patches of a layer.
-    pub(super) fn project_patches(&mut self, layer: usize) {
+    /// Projects the constraints of all patches of a layer, or their lengths in reverse order.
+    pub(super) fn project_patches(&mut self, layer: usize, is_back: bool) {
         let patches = self.body.patches.of_layer_mut(layer);
         let by = (self.constants.stretch, self.constants.bending);
-        sweep_patches(self.leader, self.arch, self.particles, patches, by);
+        sweep_patches(self.leader, self.arch, self.particles, patches, by, is_back);
         for patch in patches {
             self.stats.stretch_projections += patch.stretch.len() as u64;
-            self.stats.bending_projections += patch.bending.len() as u64;
+            if !is_back {
+                self.stats.bending_projections += patch.bending.len() as u64;
+            }
         }
+    }
+
+    /// Returns whether the way back is left out: the body is predicted above its only obstacle.
+    pub(super) fn skips_back(&self) -> bool {
+        self.constants.skips_back && *self.lowest > self.constants.ground
     }
 
     /// Runs a pass; returns false if a position is not finite.
@@ -159,6 +166,12 @@ impl BodyStep<'_, '_, '_> {
                             project_batch::<Stretch, 2>(team, particles, set, batch, by);
                     }
                 }
+            }
+            Pass::ProjectBack { batch } => {
+                let set = Some(&mut *body.stretch);
+                let team = (&mut **leader, *arch);
+                stats.stretch_projections +=
+                    project_batch::<Stretch, 2>(team, particles, set, batch, constants.stretch);
             }
             Pass::BeginGlobal | Pass::GlobalIteration => {
                 #[cfg(feature = "global")]

@@ -5,7 +5,8 @@
 //! compares the shader that steps a whole body in one dispatch with it.
 
 use crate::constraints::batches::{BatchId, BendingSet, ConstraintSet, StretchSet};
-use std::cmp::Ordering;
+use crate::constraints::coloring::LAYERS;
+use std::cmp::{Ordering, Reverse};
 
 /// A kind of constraint that is projected in batches; layers project the kinds in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -50,6 +51,15 @@ pub enum Pass {
         /// The batch in the set of that kind.
         batch: BatchId,
     },
+    /// Projects the lengths of one batch of edges once more, after all other constraints.
+    ///
+    /// The batches run in reverse order. Without these passes the sweep over edges is not
+    /// symmetric: it acts like a force that depends on the order, and bodies that touch something
+    /// tremble without end.
+    ProjectBack {
+        /// The batch of stretch constraints; the overflow keeps its inner order.
+        batch: BatchId,
+    },
     /// Runs an iteration of the global step, in place of projections.
     GlobalIteration,
     /// Projects contacts before volumes, in a body that has both.
@@ -84,10 +94,19 @@ pub enum Pass {
     Integrate,
 }
 
+/// A sort key of passes.
+type Rank = (
+    u32,
+    usize,
+    Option<ConstraintKind>,
+    Option<BatchId>,
+    Option<Reverse<BatchId>>,
+);
+
 impl Pass {
-    /// Returns the sort key of the pass: stage, layer, kind, batch.
-    fn rank(self) -> (u32, usize, Option<ConstraintKind>, Option<BatchId>) {
-        let stage = |stage| (stage, 0, None, None);
+    /// Returns the sort key of the pass: stage, layer, kind, batch, and the batch if in reverse.
+    fn rank(self) -> Rank {
+        let stage = |stage| (stage, 0, None, None, None);
         match self {
             Self::Predict => stage(0),
             Self::Pins => stage(1),
@@ -101,17 +120,20 @@ impl Pass {
                     ConstraintKind::Stretch | ConstraintKind::Bending => 7,
                     ConstraintKind::InteriorSpring => 8,
                 };
-                (stage, batch.layer(), Some(kind), Some(batch))
+                (stage, batch.layer(), Some(kind), Some(batch), None)
             }
-            Self::ContactsBeforeVolumes => stage(9),
-            Self::CollidersBeforeVolumes => stage(10),
-            Self::GroundBeforeVolumes => stage(11),
-            Self::Volumes => stage(12),
-            Self::Contacts => stage(13),
-            Self::Colliders => stage(14),
-            Self::Ground => stage(15),
-            Self::ContactRecovery => stage(16),
-            Self::Integrate => stage(17),
+            Self::ProjectBack { batch } => {
+                (9, LAYERS - batch.layer(), None, None, Some(Reverse(batch)))
+            }
+            Self::ContactsBeforeVolumes => stage(10),
+            Self::CollidersBeforeVolumes => stage(11),
+            Self::GroundBeforeVolumes => stage(12),
+            Self::Volumes => stage(13),
+            Self::Contacts => stage(14),
+            Self::Colliders => stage(15),
+            Self::Ground => stage(16),
+            Self::ContactRecovery => stage(17),
+            Self::Integrate => stage(18),
         }
     }
 
@@ -123,17 +145,25 @@ impl Pass {
     /// Returns the layer of a pass over constraints within patches.
     pub(crate) fn patch_layer(self) -> Option<usize> {
         match self {
-            Self::Project { batch, .. } => Some(batch.layer()).filter(|&layer| layer > 0),
+            Self::Project { batch, .. } | Self::ProjectBack { batch } => {
+                Some(batch.layer()).filter(|&layer| layer > 0)
+            }
             _ => None,
         }
     }
 
-    /// Returns kind and layer of a pass over constraints. Passes that agree in both may share a
-    /// dispatch.
+    /// Returns whether the pass projects in reverse order.
+    pub(crate) fn is_back(self) -> bool {
+        matches!(self, Self::ProjectBack { .. })
+    }
+
+    /// Returns kind and layer of a pass over constraints. Passes of one direction that agree in
+    /// both may share a dispatch.
     #[cfg(feature = "gpu")]
     pub(crate) fn kind_and_layer(self) -> Option<(ConstraintKind, usize)> {
         match self {
             Self::Project { kind, batch } => Some((kind, batch.layer())),
+            Self::ProjectBack { batch } => Some((ConstraintKind::Stretch, batch.layer())),
             _ => None,
         }
     }
@@ -142,7 +172,7 @@ impl Pass {
     #[cfg(feature = "gpu")]
     pub(crate) fn batch(self) -> Option<BatchId> {
         match self {
-            Self::Project { batch, .. } => Some(batch),
+            Self::Project { batch, .. } | Self::ProjectBack { batch } => Some(batch),
             _ => None,
         }
     }
@@ -169,6 +199,8 @@ pub(crate) struct PlanKey {
     pub(crate) attachments: bool,
     /// Whether the global step replaces projections.
     pub(crate) global: bool,
+    /// Whether a sweep over all edges in reverse order follows.
+    pub(crate) sweeps_back: bool,
     pub(crate) volumes: bool,
     pub(crate) contacts: bool,
     pub(crate) colliders: bool,
@@ -218,6 +250,12 @@ impl StepPlan {
     #[cfg(feature = "global")]
     pub(crate) fn has_global_step(&self) -> bool {
         self.key.global
+    }
+
+    /// Returns whether a sweep over all edges in reverse order follows the other projections.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn sweeps_back(&self) -> bool {
+        self.key.sweeps_back
     }
 
     /// Returns all passes of one substep in order of execution.
@@ -293,6 +331,11 @@ impl StepPlan {
             push_batches(list, ConstraintKind::Bending, bending);
             push_batches(list, ConstraintKind::InteriorSpring, interior_springs);
         }
+        if key.sweeps_back {
+            let filled = stretch.numbered().filter(|(_, batch)| !batch.is_empty());
+            let batches = filled.map(|(number, _)| BatchId::from_number(number));
+            list.extend(batches.map(|batch| Pass::ProjectBack { batch }));
+        }
         let before_volumes = key.contacts && key.volumes;
         push_if(list, before_volumes, Pass::ContactsBeforeVolumes);
         let colliders_before_volumes = key.colliders && key.volumes;
@@ -358,6 +401,7 @@ mod tests {
             pins: true,
             attachments: true,
             global: false,
+            sweeps_back: true,
             volumes: true,
             contacts: true,
             colliders: true,
@@ -368,7 +412,21 @@ mod tests {
         let [prologue, iteration, epilogue] = [plan.prologue(), plan.iteration(), plan.epilogue()];
         let once: Vec<Pass> = [prologue, iteration, epilogue].concat();
         assert!(once.is_sorted_by(|a, b| a < b), "{once:?}");
-        assert_eq!(iteration.len(), 1 + 3 * (64 + 1) + 7);
+        assert_eq!(iteration.len(), 1 + 4 * (64 + 1) + 7);
+        let lengths = |is_back: bool| {
+            let batches = iteration.iter().filter_map(move |pass| match *pass {
+                Pass::Project {
+                    kind: ConstraintKind::Stretch,
+                    batch,
+                } if !is_back => Some(batch),
+                Pass::ProjectBack { batch } if is_back => Some(batch),
+                _ => None,
+            });
+            batches.collect::<Vec<BatchId>>()
+        };
+        let mut back = lengths(true);
+        back.reverse();
+        assert_eq!(back, lengths(false), "the sweep over edges is symmetric");
         let all: Vec<Pass> = plan.passes().collect();
         let expected = [prologue, iteration, iteration, iteration, epilogue].concat();
         assert_eq!(all, expected);

@@ -30,7 +30,14 @@ pub(crate) fn prepare(
     params: &SolverParams,
 ) -> Result<StepConstants, StepError> {
     let h = dt / params.substeps as f32;
-    let mut constants = constants_of(material, h, params.substeps, params);
+    let global = takes_global_step(step, params);
+    // Bodies that may touch something come to rest only if the sweep over edges is symmetric.
+    let touches_others =
+        !constraints.contacts.is_empty() || !constraints.colliders.records().is_empty();
+    let sweeps_back = (touches_others || params.ground.is_some()) && !global;
+    let mut constants = constants_of(material, h, (params.substeps, sweeps_back), params);
+    // A sweep that removes a part of each error is as stiff in the air as on the ground.
+    constants.skips_back = !touches_others && constants.stretch.factor == 1.0;
     constants.check()?;
     let pieces = constraints.volumes.pieces().iter();
     let max_volume = pieces.map(|piece| piece.rest().abs()).fold(0.0, f32::max);
@@ -38,7 +45,7 @@ pub(crate) fn prepare(
         return Err(StepError::SubstepTooShort { h });
     }
     if params.integrator == Integrator::Bdf2 {
-        constants_of(material, SUBSTEP_RATIO * h, 1, params).check()?;
+        constants_of(material, SUBSTEP_RATIO * h, (1, sweeps_back), params).check()?;
     }
     constants.set_error_carryover(error_carryover(&mut step.longest_substep, dt, h));
     let attachments =
@@ -58,7 +65,8 @@ pub(crate) fn prepare(
     }
     let key = PlanKey {
         attachments,
-        global: takes_global_step(step, params),
+        global,
+        sweeps_back,
         iterations: params.iterations,
         pins: !particles.pins.is_empty(),
         volumes: !volumes.pieces().is_empty(),
@@ -105,7 +113,7 @@ pub(crate) fn both_orders(
     params: &SolverParams,
 ) -> Orders {
     let order = |h| {
-        let mut order = constants_of(material, h, 1, params);
+        let mut order = constants_of(material, h, (1, constants.sweeps_back), params);
         order.stretch.error_carryover = constants.stretch.error_carryover;
         order.bending.error_carryover = constants.bending.error_carryover;
         order.interior_springs.error_carryover = constants.interior_springs.error_carryover;
@@ -122,21 +130,22 @@ pub(crate) fn both_orders(
 fn constants_of(
     material: &Material,
     h: f32,
-    substeps: u32,
+    (substeps, sweeps_back): (u32, bool),
     params: &SolverParams,
 ) -> StepConstants {
     let damping = 1.0 + material.damping * h;
     // Damping acts on constraint forces as on gravity; otherwise it would hold up a soft body that
     // hangs at rest.
-    let projection = |stiffness: Stiffness| {
-        let projection = stiffness.projection(params.iterations, h);
+    let projection_of = |stiffness: Stiffness, sweeps: u32| {
+        let projection = stiffness.projection(params.iterations.saturating_mul(sweeps), h);
         Projection {
             alpha: projection.alpha * damping,
             diagonal_scale: params.diagonal_scale,
             ..projection
         }
     };
-    let stretch = projection(material.stretch);
+    let projection = |stiffness| projection_of(stiffness, 1);
+    let stretch = projection_of(material.stretch, 1 + u32::from(sweeps_back));
     let bending = |stiffness| projection(stiffness).beside_edges(stretch.alpha);
     let interior_springs = |springs: InteriorSprings| Projection {
         diagonal_scale: DIAGONAL_SCALE,
@@ -155,6 +164,8 @@ fn constants_of(
     StepConstants {
         h,
         substeps,
+        sweeps_back,
+        skips_back: false,
         gravity_step,
         velocity_factor: 1.0 / damping,
         stretch,

@@ -30,6 +30,8 @@ pub(crate) struct Sweep<'a, K, const N: usize> {
     part: Part<'a, N>,
     projection: Projection,
     is_serial: bool,
+    /// Whether the last block is the first one.
+    is_reversed: bool,
     kernel: PhantomData<K>,
 }
 
@@ -45,6 +47,7 @@ impl<'a, K: Kernel<N>, const N: usize> Sweep<'a, K, N> {
             part,
             projection,
             is_serial: false,
+            is_reversed: false,
             kernel: PhantomData,
         }
     }
@@ -58,6 +61,16 @@ impl<'a, K: Kernel<N>, const N: usize> Sweep<'a, K, N> {
         Self {
             is_serial: true,
             ..Self::blocks(particles, part, projection)
+        }
+    }
+}
+
+impl<K, const N: usize> Sweep<'_, K, N> {
+    /// Returns the sweep over the same blocks in reverse order.
+    pub(crate) fn reversed(self) -> Self {
+        Self {
+            is_reversed: true,
+            ..self
         }
     }
 }
@@ -86,10 +99,10 @@ impl<K: Kernel<N>, const N: usize> Sweep<'_, K, N> {
         } = self;
         let size = if self.is_serial { 1 } else { L };
         let count = part.vertices.len();
-        let mut start = 0;
-        while start < count {
-            let next = part.slice(start..count.min(start + size));
-            start += size;
+        let blocks = count.div_ceil(size);
+        for i in 0..blocks {
+            let i = if self.is_reversed { blocks - 1 - i } else { i };
+            let next = part.slice(i * size..count.min((i + 1) * size));
             let padded;
             let mut block = Block {
                 vertices: match next.vertices.try_into() {
@@ -127,6 +140,8 @@ pub(crate) struct PatchSweep<'a> {
     pub(crate) patch: &'a mut PatchContent,
     pub(crate) stretch: Projection,
     pub(crate) bending: Projection,
+    /// Whether to project the lengths alone, in reverse order.
+    pub(crate) is_back: bool,
 }
 
 impl WithGather for PatchSweep<'_> {
@@ -135,6 +150,13 @@ impl WithGather for PatchSweep<'_> {
     #[inline(always)]
     fn with<G: Gather<L>, const L: usize>(self, gather: G) {
         let (particles, patch) = (self.particles, self.patch);
+        if self.is_back {
+            for run in patch.stretch.runs(self.stretch.accumulates_lambda).rev() {
+                let sweep = Sweep::<Stretch, 2>::blocks(particles, run, self.stretch);
+                sweep.reversed().with(gather);
+            }
+            return;
+        }
         for run in patch.stretch.runs(self.stretch.accumulates_lambda) {
             Sweep::<Stretch, 2>::blocks(particles, run, self.stretch).with(gather);
         }

@@ -87,6 +87,12 @@ fn stretch(
     let work = find_work(group_number(group, groups));
     let body = bodies[work.body];
     first_vertex = body.first_vertex;
+    if (current.is_back != 0u) {
+        let height = atomicLoad(&reports[work.body].lowest[current.substep & 1u]);
+        if (skips_back(body, height, lane)) {
+            return;
+        }
+    }
     let run = run_of(body, current.kind, current.color);
     let k = work.first_lane + lane;
     if (k < run.len) {
@@ -111,7 +117,7 @@ fn bending(
 }
 
 // Projects colors that are too small for a dispatch, in order, then the overflow serially, with one
-// workgroup per body.
+// workgroup per body. The way back is in reverse: the overflow, then the colors.
 @compute @workgroup_size(TAIL_SIZE)
 fn tail(
     @builtin(workgroup_id) group: vec3u,
@@ -125,13 +131,29 @@ fn tail(
     let body = bodies[work.body];
     first_vertex = body.first_vertex;
     substep_index = current.substep;
-    for (var color = current.color; color < current.color + current.colors; color++) {
+    let is_back = current.is_back != 0u;
+    if (is_back) {
+        let height = atomicLoad(&reports[work.body].lowest[current.substep & 1u]);
+        if (skips_back(body, height, lane)) {
+            return;
+        }
+        project_overflow(body, lane);
+        storageBarrier();
+    }
+    for (var i = 0u; i < current.colors; i++) {
+        let color = current.color + select(i, current.colors - 1u - i, is_back);
         let run = run_of(body, current.kind, color);
         if (run.len != 0u) {
             sweep(current.kind, body, run, lane, TAIL_SIZE);
             storageBarrier();
         }
     }
+    if (!is_back) {
+        project_overflow(body, lane);
+    }
+}
+
+fn project_overflow(body: Body, lane: u32) {
     if (current.with_overflow != 0u && lane == 0u) {
         sweep(current.kind, body, run_of(body, current.kind, OVERFLOW), 0u, 1u);
     }

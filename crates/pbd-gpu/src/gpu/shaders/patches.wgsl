@@ -75,6 +75,12 @@ fn patches(
         return;
     }
     first_vertex = body.first_vertex;
+    if (current.is_back != 0u) {
+        let height = atomicLoad(&reports[work.body].lowest[current.substep & 1u]);
+        if (skips_back(body, height, lane)) {
+            return;
+        }
+    }
     let block = find_block(body, work, lane);
     for (var i = lane; i < block.vertices; i += WORKGROUP_SIZE) {
         let v = first_vertex + vertex_of(block, i);
@@ -82,11 +88,14 @@ fn patches(
         store_d(i, displacements[v].xyz);
     }
     workgroupBarrier();
-    for (var color = 0u; color < block.stretch_colors; color++) {
+    for (var i = 0u; i < block.stretch_colors; i++) {
+        let color = select(i, block.stretch_colors - 1u - i, current.is_back != 0u);
         sweep(STRETCH, body, run_at(block.first_run + color), lane, WORKGROUP_SIZE);
         workgroupBarrier();
     }
-    for (var color = 0u; color < block.bending_colors; color++) {
+    // The sweep back is over lengths alone.
+    let bending_colors = select(block.bending_colors, 0u, current.is_back != 0u);
+    for (var color = 0u; color < bending_colors; color++) {
         let run = run_at(block.first_run + block.stretch_colors + color);
         sweep(BENDING, body, run, lane, WORKGROUP_SIZE);
         workgroupBarrier();

@@ -112,7 +112,8 @@ fn structs_have_the_layout_of_rust() {
         check(
             "Pass",
             size_of::<PassUniform>(),
-            &members!(PassUniform: first_link links kind color colors with_overflow substep),
+            &members!(PassUniform: first_link links kind color colors with_overflow substep
+                is_back),
         );
         check(
             "Body",

@@ -22,7 +22,7 @@ struct Pass {
     colors: u32,
     with_overflow: u32,
     substep: u32,
-    pad: u32,
+    is_back: u32,
 }
 
 struct Body {

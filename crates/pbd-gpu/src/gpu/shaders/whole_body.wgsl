@@ -22,17 +22,35 @@ fn reset_kind(body: Body, kind: u32, colors: u32, lane: u32) {
     }
 }
 
+fn project_color(body: Body, kind: u32, color: u32, lane: u32) {
+    let run = run_of(body, kind, color);
+    if (run.len != 0u) {
+        sweep(kind, body, run, lane, WORKGROUP_SIZE);
+        workgroupBarrier();
+        storageBarrier();
+    }
+}
+
 // Projects all colors of a kind in one layer; in layer 0 the overflow follows serially.
 fn project_kind(body: Body, kind: u32, colors: u32, layer: u32, lane: u32) {
     let end = min(colors, (layer + 1u) * MAX_COLORS);
     for (var color = layer * MAX_COLORS; color < end; color++) {
-        let run = run_of(body, kind, color);
-        if (run.len != 0u) {
-            sweep(kind, body, run, lane, WORKGROUP_SIZE);
-            workgroupBarrier();
-            storageBarrier();
-        }
+        project_color(body, kind, color, lane);
     }
+    project_overflow(body, kind, layer, lane);
+}
+
+// Projects the lengths of one layer in reverse order.
+fn project_back(body: Body, layer: u32, lane: u32) {
+    project_overflow(body, STRETCH, layer, lane);
+    let first = layer * MAX_COLORS;
+    for (var end = min(body.stretch_colors, first + MAX_COLORS); end > first; end--) {
+        project_color(body, STRETCH, end - 1u, lane);
+    }
+}
+
+// Projects the overflow of a kind serially, if the layer is 0.
+fn project_overflow(body: Body, kind: u32, layer: u32, lane: u32) {
     let overflow = run_of(body, kind, OVERFLOW);
     if (layer == 0u && overflow.len != 0u) {
         if (lane == 0u) {
@@ -150,6 +168,11 @@ fn whole_body(
                 project_kind(body, BENDING, body.bending_colors, layer, lane);
             }
             project_kind(body, INTERIOR_SPRINGS, body.spring_colors, 0u, lane);
+            if ((body.flags & SWEEPS_BACK) != 0u && !skips_back(body, atomicLoad(&lowest), lane)) {
+                for (var layer = layers; layer > 0u; layer--) {
+                    project_back(body, layer - 1u, lane);
+                }
+            }
             if (body.pieces != 0u) {
                 if (body.contacts != 0u) {
                     project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);

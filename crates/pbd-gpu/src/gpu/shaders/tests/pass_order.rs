@@ -15,6 +15,7 @@ const PREDICT: &str = "predict";
 const PINS: &str = "pins";
 const RESET: &str = "reset multipliers";
 const ATTACHMENTS: &str = "long-range attachments";
+const BACK: &str = "project edges back";
 const VOLUMES: &str = "volumes";
 const COLLIDERS: &str = "colliders";
 const GROUND: &str = "ground";
@@ -32,6 +33,7 @@ fn token(call: &str, kind: Option<u32>) -> Option<String> {
         "reset_kind" => RESET.to_owned(),
         "pull_to_anchor" => ATTACHMENTS.to_owned(),
         "project_kind" => project(kind.expect("the kind is a constant")),
+        "project_back" => BACK.to_owned(),
         "project_volumes" => VOLUMES.to_owned(),
         "push_all_out" => COLLIDERS.to_owned(),
         "lift_vertex" | "lift_volumes" => GROUND.to_owned(),
@@ -99,6 +101,7 @@ fn name(pass: Pass) -> String {
         Pass::ResetMultipliers => RESET.to_owned(),
         Pass::LongRangeAttachments => ATTACHMENTS.to_owned(),
         Pass::Project { kind, .. } => project(kind as u32),
+        Pass::ProjectBack { .. } => BACK.to_owned(),
         Pass::ContactFeatures => project(CONTACT_FEATURES),
         Pass::ContactsBeforeVolumes | Pass::Contacts => project(CONTACTS),
         Pass::ContactRecovery => project(CONTACT_RECOVERIES),
@@ -131,6 +134,7 @@ fn full_plan() -> StepPlan {
     springs.insert([VertexId(0), VertexId(1)], 1.0);
     let key = PlanKey {
         global: false,
+        sweeps_back: true,
         iterations: 2,
         pins: true,
         attachments: true,
@@ -148,8 +152,10 @@ fn full_plan() -> StepPlan {
 /// Returns the order of a plan, its layers as a loop.
 fn tokens_of(plan: &StepPlan) -> Tokens {
     let layer = |pass: &Pass| match pass.kind_and_layer() {
-        Some((ConstraintKind::InteriorSpring, _)) | None => None,
-        Some((_, layer)) => Some(layer),
+        Some((kind, layer)) if kind != ConstraintKind::InteriorSpring && !pass.is_back() => {
+            Some(layer)
+        }
+        _ => None,
     };
     let mut iteration = Tokens::new();
     let mut layers: Vec<Tokens> = Vec::new();
