@@ -18,7 +18,8 @@
 //!
 //! A growing volume still moves vertices into the ground and colliders. Their pass undoes it, and
 //! their friction counts the load. Otherwise blocks creep downhill. Carried vertices do not move
-//! down: columns would collapse.
+//! down: columns would collapse. Nor do those of pieces thinner than their fall in a substep, which
+//! friction would keep flat.
 //!
 //! `steps` decides how much of an error a substep corrects.
 
@@ -134,7 +135,7 @@ pub(crate) fn volumes(
         if by.accumulates_lambda {
             *lambda -= steps[0];
         }
-        let reacts = steps[0] < 0.0;
+        let reacts = steps[0] < 0.0 && piece.reach > by.sink;
         apply(input, spokes, (&scratch.gradients, steps), reacts);
         max_change = greater(max_change, steps[1].abs() * sums[2]);
     }

@@ -226,7 +226,8 @@ fn move_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
     let piece = body.first_piece + PIECE_ENTRIES * constraints[chunk + 1u].x;
     let step = bitcast<f32>(constraints[piece + 2u].y);
     let shift = bitcast<f32>(constraints[piece + 3u].y);
-    let reacts = step < 0.0;
+    let reach = bitcast<f32>(constraints[piece + 1u].y);
+    let reacts = step < 0.0 && reach > body.volume_sink;
     for (var i = lane; i < spokes.y; i += lanes) {
         let v = constraints[body.first_spoke + spokes.x + i].x;
         let g = velocities[first_vertex + v].xyz;
