@@ -186,13 +186,14 @@ impl Solver {
         edge
     }
 
-    /// Updates the plan and returns the constants of a frame.
+    /// Updates the plan and returns the constants of a frame, in which the island of the body may
+    /// have contacts.
     ///
     /// # Errors
     /// [`StepError::SubstepTooShort`]; nothing is changed then.
     pub(crate) fn prepare(
         &mut self,
-        dt: f32,
+        (dt, is_touched): (f32, bool),
         params: &SolverParams,
     ) -> Result<StepConstants, StepError> {
         let Self {
@@ -202,7 +203,8 @@ impl Solver {
             step,
             ..
         } = self;
-        let constants = prepare(step, constraints, particles, material, dt, params)?;
+        let frame = (dt, is_touched);
+        let constants = prepare(step, constraints, particles, material, frame, params)?;
         step.substeps = constants.substeps;
         Ok(constants)
     }

@@ -81,7 +81,7 @@ fn the_last_iterations_of_a_substep_are_skipped() {
         (surface, solver, stats)
     };
     let mut kept_before = 0;
-    for residual in [3e-3, 2e-3, 1e-3] {
+    for residual in [1e-2, 3e-3, 1e-3] {
         let (early, early_solver, stats) = after(60, Some(residual));
         let kept = 60 - stats.iterations_skipped;
         assert!((2..60).contains(&kept), "{kept} iterations at {residual}");
@@ -90,8 +90,7 @@ fn the_last_iterations_of_a_substep_are_skipped() {
         let (same, same_solver, _) = after(kept, None);
         assert!(bits(&early, &early_solver) == bits(&same, &same_solver));
         let constraints = solver.stretch().len() as u64;
-        // On the ground edges are projected forward and back.
-        assert_eq!(stats.stretch_projections, 2 * u64::from(kept) * constraints);
+        assert_eq!(stats.stretch_projections, u64::from(kept) * constraints);
         // Only the last iteration moved the body by less than the residual.
         let [two_less, one_less] = [2, 1].map(|n| after(kept - n, None).0);
         let rounding = 2.0 * f32::EPSILON;

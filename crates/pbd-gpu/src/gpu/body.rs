@@ -145,7 +145,7 @@ impl DeviceBody {
             colors.sum::<u64>() + u64::from(runs.overflow_len())
         });
         let [stretch, bending, springs] = colors_of;
-        let colors = stretch * (1 + u64::from(plan.sweeps_back())) + bending + springs;
+        let colors = (stretch + springs) * (1 + u64::from(plan.sweeps_back())) + bending;
         let vertices = per_lane(self.vertex_count);
         let places = &self.volumes.places;
         // Two traversals of the fan of every vertex, and reduction trees.

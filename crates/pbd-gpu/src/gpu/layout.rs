@@ -74,11 +74,8 @@ pub(crate) const KEEPS_VOLUME: u32 = 4;
 /// Flag of a body whose interior spring multipliers accumulate.
 pub(crate) const KEEPS_INTERIOR_SPRINGS: u32 = 8;
 
-/// Flag of a body whose edges are projected forward and back.
+/// Flag of a body whose lengths are projected forward and back.
 pub(crate) const SWEEPS_BACK: u32 = 16;
-
-/// Flag of a body that leaves out the way back in substeps that are predicted above the ground.
-pub(crate) const SKIPS_BACK: u32 = 32;
 
 /// Inverse mass of an unused slot, which does not move.
 pub(crate) const UNUSED: f32 = -1.0;
@@ -152,8 +149,8 @@ pub(crate) struct BodyRecord {
     pub(crate) velocity_factor: f32,
     /// Coulomb friction coefficient.
     pub(crate) friction: f32,
-    /// [`KEEPS_STRETCH`], [`KEEPS_BENDING`], [`KEEPS_VOLUME`], [`KEEPS_INTERIOR_SPRINGS`],
-    /// [`SWEEPS_BACK`] and [`SKIPS_BACK`].
+    /// [`KEEPS_STRETCH`], [`KEEPS_BENDING`], [`KEEPS_VOLUME`], [`KEEPS_INTERIOR_SPRINGS`] and
+    /// [`SWEEPS_BACK`].
     pub(crate) flags: u32,
     /// First of its [`RUNS_PER_BODY`] runs.
     pub(crate) first_run: u32,

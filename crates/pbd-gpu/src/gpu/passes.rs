@@ -140,7 +140,7 @@ impl Compiler<'_> {
             is_back: u32::from(is_back),
             ..PLAIN_PASS
         };
-        self.dispatch(kernel, pass, is_back, &lanes)
+        self.dispatch(kernel, pass, false, &lanes)
     }
 
     /// Adds the dispatches over the batches of one kind and layer.
@@ -174,10 +174,9 @@ impl Compiler<'_> {
             let pass = PassUniform {
                 kind: kind as u32,
                 color: index_u32(batch.number()),
-                is_back: u32::from(is_back),
                 ..PLAIN_PASS
             };
-            out.extend(self.dispatch(Kernel::Pass(kernel), pass, is_back, &lanes));
+            out.extend(self.dispatch(Kernel::Pass(kernel), pass, false, &lanes));
         }
         let with_overflow = small.last() == Some(&BatchId::Overflow);
         let colors = &small[..small.len() - usize::from(with_overflow)];
@@ -199,7 +198,7 @@ impl Compiler<'_> {
             is_back: u32::from(is_back),
             ..PLAIN_PASS
         };
-        out.extend(self.dispatch(Kernel::Pass(EntryPoint::Tail), pass, is_back, &lanes));
+        out.extend(self.dispatch(Kernel::Pass(EntryPoint::Tail), pass, false, &lanes));
         if is_back {
             out[before..].reverse();
         }

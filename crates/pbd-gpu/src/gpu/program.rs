@@ -8,7 +8,7 @@ use super::layout::{Link, PassUniform, STRETCH};
 use super::pipelines::{Kernel, Lanes};
 use super::shaders::EntryPoint;
 use super::stats::Schedule;
-use crate::step::plan::{ConstraintKind, Pass, StepPlan};
+use crate::step::plan::{Pass, StepPlan};
 use incise_mesh::index_u32;
 
 /// Parameters of a pass without kind and color.
@@ -206,11 +206,11 @@ impl Compiler<'_> {
                     }
                     self.batches(kind, run, &mut out);
                 }
-                Pass::ProjectBack { batch } => {
+                Pass::ProjectBack { kind, batch } => {
                     if batch.layer() > 0 {
                         out.extend(self.patches(Kernel::Patches, batch.layer(), true));
                     }
-                    self.batches(ConstraintKind::Stretch, run, &mut out);
+                    self.batches(kind, run, &mut out);
                 }
                 Pass::ResetMultipliers => self.resets(&mut out),
                 Pass::ContactFeatures

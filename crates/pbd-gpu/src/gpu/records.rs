@@ -2,7 +2,7 @@
 
 use super::layout::{
     BodyRecord, Entry, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME,
-    PATCH_LAYERS, SKIPS_BACK, SWEEPS_BACK, UNUSED,
+    PATCH_LAYERS, SWEEPS_BACK, UNUSED,
 };
 use super::volumes::VolumePlaces;
 use crate::constraints::attachments::LongRangeAttachment;
@@ -103,8 +103,7 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
                 constants.interior_springs.accumulates_lambda,
                 KEEPS_INTERIOR_SPRINGS,
             )
-            | flag(constants.sweeps_back, SWEEPS_BACK)
-            | flag(constants.skips_back, SKIPS_BACK),
+            | flag(constants.sweeps_back, SWEEPS_BACK),
         first_run: places.first_run,
         stretch_colors: places.stretch_colors,
         bending_colors: places.bending_colors,

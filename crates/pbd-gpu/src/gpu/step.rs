@@ -77,7 +77,7 @@ impl GpuBackend {
             if prepared.is_err() {
                 break;
             }
-            let constants = match solver.prepare(dt, params) {
+            let constants = match solver.prepare((dt, false), params) {
                 Ok(constants) => constants,
                 Err(error) => {
                     prepared = Err(error.into());
@@ -176,11 +176,11 @@ impl GpuBackend {
             Schedule::Patches => stats.patch_bodies += 1,
         }
         let times = u64::from(constants.substeps) * u64::from(solver.plan().iterations());
-        let sweeps = 1 + u64::from(solver.plan().sweeps_back());
-        stats.stretch_projections += times * sweeps * solver.stretch().len() as u64;
+        let of_lengths = times * (1 + u64::from(solver.plan().sweeps_back()));
+        stats.stretch_projections += of_lengths * solver.stretch().len() as u64;
         stats.bending_projections += times * solver.bending().map_or(0, |set| set.len() as u64);
         stats.interior_spring_projections +=
-            times * solver.interior_springs().map_or(0, |set| set.len() as u64);
+            of_lengths * solver.interior_springs().map_or(0, |set| set.len() as u64);
         stats.volume_projections += times * solver.volumes().pieces().len() as u64;
         let schedule = resident.body.schedule;
         self.program_is_stale |= stale || schedule != before;

@@ -265,9 +265,6 @@ impl Frame<'_, '_> {
                     step.stats.ground_passes_skipped += 1;
                     continue;
                 }
-                if pass.is_back() && step.skips_back() {
-                    continue;
-                }
                 step.stats.passes += u32::try_from(passes.len()).unwrap_or(u32::MAX);
                 match pass.patch_layer() {
                     Some(layer) => step.project_patches(layer, pass.is_back()),

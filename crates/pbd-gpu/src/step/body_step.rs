@@ -102,11 +102,6 @@ impl BodyStep<'_, '_, '_> {
         }
     }
 
-    /// Returns whether the way back is left out: the body is predicted above its only obstacle.
-    pub(super) fn skips_back(&self) -> bool {
-        self.constants.skips_back && *self.lowest > self.constants.ground
-    }
-
     /// Runs a pass; returns false if a position is not finite.
     #[inline(always)]
     pub(super) fn run(&mut self, pass: Pass) -> bool {
@@ -146,7 +141,7 @@ impl BodyStep<'_, '_, '_> {
                     body.volumes.reset_multipliers();
                 }
             }
-            Pass::Project { kind, batch } => {
+            Pass::Project { kind, batch } | Pass::ProjectBack { kind, batch } => {
                 let team = (&mut **leader, *arch);
                 match kind {
                     ConstraintKind::Stretch => {
@@ -166,12 +161,6 @@ impl BodyStep<'_, '_, '_> {
                             project_batch::<Stretch, 2>(team, particles, set, batch, by);
                     }
                 }
-            }
-            Pass::ProjectBack { batch } => {
-                let set = Some(&mut *body.stretch);
-                let team = (&mut **leader, *arch);
-                stats.stretch_projections +=
-                    project_batch::<Stretch, 2>(team, particles, set, batch, constants.stretch);
             }
             Pass::BeginGlobal | Pass::GlobalIteration => {
                 #[cfg(feature = "global")]

@@ -16,10 +16,8 @@ pub struct StepConstants {
     pub h: f32,
     /// Substeps of the frame.
     pub substeps: u32,
-    /// Whether edges are projected twice in an iteration, forward and back.
+    /// Whether lengths are projected twice in an iteration, forward and back.
     pub(crate) sweeps_back: bool,
-    /// Whether the way back is left out in substeps that are predicted above the ground.
-    pub(crate) skips_back: bool,
     /// Change of velocity by gravity per substep [m/s].
     pub gravity_step: [f32; 3],
     /// Factor of velocities per substep, from damping.

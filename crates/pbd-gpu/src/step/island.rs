@@ -166,7 +166,8 @@ impl Island {
         };
         for body in 0..bodies.count() {
             let (solver, surface) = bodies.get(body);
-            let member = prepare_member(solver, surface, dt, params);
+            let frame = (dt, !self.contacts.is_empty());
+            let member = prepare_member(solver, surface, frame, params);
             self.members
                 .push(member.map_err(|error| IslandError { body, error })?);
         }
@@ -271,15 +272,15 @@ impl Island {
     }
 }
 
-/// Validates a body and computes its constants of a frame.
+/// Validates a body and computes its constants of a frame, in which its island may have contacts.
 fn prepare_member(
     solver: &mut Solver,
     surface: &Surface,
-    dt: f32,
+    (dt, is_touched): (f32, bool),
     params: &SolverParams,
 ) -> Result<Member, StepError> {
     solver.check_step(surface)?;
-    let constants = solver.prepare(dt, params)?;
+    let constants = solver.prepare((dt, is_touched), params)?;
     let orders = both_orders(solver.material(), &constants, params);
     #[cfg(feature = "global")]
     {

@@ -5,7 +5,6 @@
 //! compares the shader that steps a whole body in one dispatch with it.
 
 use crate::constraints::batches::{BatchId, BendingSet, ConstraintSet, StretchSet};
-use crate::constraints::coloring::LAYERS;
 use std::cmp::{Ordering, Reverse};
 
 /// A kind of constraint that is projected in batches; layers project the kinds in this order.
@@ -51,13 +50,15 @@ pub enum Pass {
         /// The batch in the set of that kind.
         batch: BatchId,
     },
-    /// Projects the lengths of one batch of edges once more, after all other constraints.
+    /// Projects the lengths of one batch once more: all batches of interior springs, then those of
+    /// edges, in reverse order.
     ///
-    /// The batches run in reverse order. Without these passes the sweep over edges is not
-    /// symmetric: it acts like a force that depends on the order, and bodies that touch something
-    /// tremble without end.
+    /// Without these passes the sweep over lengths is not symmetric: it acts like a force that
+    /// depends on the order, and bodies that touch others sway without end.
     ProjectBack {
-        /// The batch of stretch constraints; the overflow keeps its inner order.
+        /// Edges or interior springs.
+        kind: ConstraintKind,
+        /// The batch in the set of that kind; the overflow keeps its inner order.
         batch: BatchId,
     },
     /// Runs an iteration of the global step, in place of projections.
@@ -100,11 +101,11 @@ type Rank = (
     usize,
     Option<ConstraintKind>,
     Option<BatchId>,
-    Option<Reverse<BatchId>>,
+    Option<(Reverse<ConstraintKind>, Reverse<usize>, Reverse<BatchId>)>,
 );
 
 impl Pass {
-    /// Returns the sort key of the pass: stage, layer, kind, batch, and the batch if in reverse.
+    /// Returns the sort key of the pass: stage, layer, kind, batch; in reverse kind, layer, batch.
     fn rank(self) -> Rank {
         let stage = |stage| (stage, 0, None, None, None);
         match self {
@@ -122,8 +123,9 @@ impl Pass {
                 };
                 (stage, batch.layer(), Some(kind), Some(batch), None)
             }
-            Self::ProjectBack { batch } => {
-                (9, LAYERS - batch.layer(), None, None, Some(Reverse(batch)))
+            Self::ProjectBack { kind, batch } => {
+                let reverse = (Reverse(kind), Reverse(batch.layer()), Reverse(batch));
+                (9, 0, None, None, Some(reverse))
             }
             Self::ContactsBeforeVolumes => stage(10),
             Self::CollidersBeforeVolumes => stage(11),
@@ -145,7 +147,7 @@ impl Pass {
     /// Returns the layer of a pass over constraints within patches.
     pub(crate) fn patch_layer(self) -> Option<usize> {
         match self {
-            Self::Project { batch, .. } | Self::ProjectBack { batch } => {
+            Self::Project { batch, .. } | Self::ProjectBack { batch, .. } => {
                 Some(batch.layer()).filter(|&layer| layer > 0)
             }
             _ => None,
@@ -162,8 +164,9 @@ impl Pass {
     #[cfg(feature = "gpu")]
     pub(crate) fn kind_and_layer(self) -> Option<(ConstraintKind, usize)> {
         match self {
-            Self::Project { kind, batch } => Some((kind, batch.layer())),
-            Self::ProjectBack { batch } => Some((ConstraintKind::Stretch, batch.layer())),
+            Self::Project { kind, batch } | Self::ProjectBack { kind, batch } => {
+                Some((kind, batch.layer()))
+            }
             _ => None,
         }
     }
@@ -172,7 +175,7 @@ impl Pass {
     #[cfg(feature = "gpu")]
     pub(crate) fn batch(self) -> Option<BatchId> {
         match self {
-            Self::Project { batch, .. } | Self::ProjectBack { batch } => Some(batch),
+            Self::Project { batch, .. } | Self::ProjectBack { batch, .. } => Some(batch),
             _ => None,
         }
     }
@@ -199,7 +202,7 @@ pub(crate) struct PlanKey {
     pub(crate) attachments: bool,
     /// Whether the global step replaces projections.
     pub(crate) global: bool,
-    /// Whether a sweep over all edges in reverse order follows.
+    /// Whether a sweep over all lengths in reverse order follows.
     pub(crate) sweeps_back: bool,
     pub(crate) volumes: bool,
     pub(crate) contacts: bool,
@@ -252,7 +255,7 @@ impl StepPlan {
         self.key.global
     }
 
-    /// Returns whether a sweep over all edges in reverse order follows the other projections.
+    /// Returns whether a sweep over all lengths in reverse order follows the other projections.
     #[cfg(feature = "gpu")]
     pub(crate) fn sweeps_back(&self) -> bool {
         self.key.sweeps_back
@@ -332,9 +335,14 @@ impl StepPlan {
             push_batches(list, ConstraintKind::InteriorSpring, interior_springs);
         }
         if key.sweeps_back {
-            let filled = stretch.numbered().filter(|(_, batch)| !batch.is_empty());
-            let batches = filled.map(|(number, _)| BatchId::from_number(number));
-            list.extend(batches.map(|batch| Pass::ProjectBack { batch }));
+            let forward = list.iter().filter_map(|pass| match *pass {
+                Pass::Project { kind, batch } if kind != ConstraintKind::Bending => {
+                    Some(Pass::ProjectBack { kind, batch })
+                }
+                _ => None,
+            });
+            let back: Vec<Pass> = forward.collect();
+            list.extend(back);
         }
         let before_volumes = key.contacts && key.volumes;
         push_if(list, before_volumes, Pass::ContactsBeforeVolumes);
@@ -412,21 +420,20 @@ mod tests {
         let [prologue, iteration, epilogue] = [plan.prologue(), plan.iteration(), plan.epilogue()];
         let once: Vec<Pass> = [prologue, iteration, epilogue].concat();
         assert!(once.is_sorted_by(|a, b| a < b), "{once:?}");
-        assert_eq!(iteration.len(), 1 + 4 * (64 + 1) + 7);
+        assert_eq!(iteration.len(), 1 + 5 * (64 + 1) + 7);
         let lengths = |is_back: bool| {
             let batches = iteration.iter().filter_map(move |pass| match *pass {
-                Pass::Project {
-                    kind: ConstraintKind::Stretch,
-                    batch,
-                } if !is_back => Some(batch),
-                Pass::ProjectBack { batch } if is_back => Some(batch),
+                Pass::Project { kind, batch } if kind != ConstraintKind::Bending => {
+                    (!is_back).then_some((kind, batch))
+                }
+                Pass::ProjectBack { kind, batch } => is_back.then_some((kind, batch)),
                 _ => None,
             });
-            batches.collect::<Vec<BatchId>>()
+            batches.collect::<Vec<_>>()
         };
         let mut back = lengths(true);
         back.reverse();
-        assert_eq!(back, lengths(false), "the sweep over edges is symmetric");
+        assert_eq!(back, lengths(false), "the sweep over lengths is symmetric");
         let all: Vec<Pass> = plan.passes().collect();
         let expected = [prologue, iteration, iteration, iteration, epilogue].concat();
         assert_eq!(all, expected);

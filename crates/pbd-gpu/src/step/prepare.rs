@@ -17,7 +17,8 @@ use crate::step::second_order::{Orders, SUBSTEP_RATIO};
 /// Number of its own lengths for which a long substep counts as recent.
 const MEMORY: f32 = 10.0;
 
-/// Updates the plan and returns the constants of a frame.
+/// Updates the plan and returns the constants of a frame, in which the island of the body may have
+/// contacts.
 ///
 /// # Errors
 /// [`StepError::SubstepTooShort`]; nothing is changed then.
@@ -26,18 +27,14 @@ pub(crate) fn prepare(
     constraints: &mut Constraints,
     particles: &Particles,
     material: &Material,
-    dt: f32,
+    (dt, is_touched): (f32, bool),
     params: &SolverParams,
 ) -> Result<StepConstants, StepError> {
     let h = dt / params.substeps as f32;
     let global = takes_global_step(step, params);
-    // Bodies that may touch something come to rest only if the sweep over edges is symmetric.
-    let touches_others =
-        !constraints.contacts.is_empty() || !constraints.colliders.records().is_empty();
-    let sweeps_back = (touches_others || params.ground.is_some()) && !global;
+    // Stacked bodies come to rest only if the sweep over lengths is symmetric.
+    let sweeps_back = (is_touched || !constraints.contacts.is_empty()) && !global;
     let mut constants = constants_of(material, h, (params.substeps, sweeps_back), params);
-    // A sweep that removes a part of each error is as stiff in the air as on the ground.
-    constants.skips_back = !touches_others && constants.stretch.factor == 1.0;
     constants.check()?;
     let pieces = constraints.volumes.pieces().iter();
     let max_volume = pieces.map(|piece| piece.rest().abs()).fold(0.0, f32::max);
@@ -144,12 +141,12 @@ fn constants_of(
             ..projection
         }
     };
-    let projection = |stiffness| projection_of(stiffness, 1);
-    let stretch = projection_of(material.stretch, 1 + u32::from(sweeps_back));
-    let bending = |stiffness| projection(stiffness).beside_edges(stretch.alpha);
+    let of_length = |stiffness| projection_of(stiffness, 1 + u32::from(sweeps_back));
+    let stretch = of_length(material.stretch);
+    let bending = |stiffness| projection_of(stiffness, 1).beside_edges(stretch.alpha);
     let interior_springs = |springs: InteriorSprings| Projection {
         diagonal_scale: DIAGONAL_SCALE,
-        ..projection(springs.stiffness)
+        ..of_length(springs.stiffness)
     };
     let gravity_step = params.gravity.map(|g| g * h);
     let volume = |volume: Volume| {
@@ -165,7 +162,6 @@ fn constants_of(
         h,
         substeps,
         sweeps_back,
-        skips_back: false,
         gravity_step,
         velocity_factor: 1.0 / damping,
         stretch,

@@ -87,12 +87,6 @@ fn stretch(
     let work = find_work(group_number(group, groups));
     let body = bodies[work.body];
     first_vertex = body.first_vertex;
-    if (current.is_back != 0u) {
-        let height = atomicLoad(&reports[work.body].lowest[current.substep & 1u]);
-        if (skips_back(body, height, lane)) {
-            return;
-        }
-    }
     let run = run_of(body, current.kind, current.color);
     let k = work.first_lane + lane;
     if (k < run.len) {
@@ -133,10 +127,6 @@ fn tail(
     substep_index = current.substep;
     let is_back = current.is_back != 0u;
     if (is_back) {
-        let height = atomicLoad(&reports[work.body].lowest[current.substep & 1u]);
-        if (skips_back(body, height, lane)) {
-            return;
-        }
         project_overflow(body, lane);
         storageBarrier();
     }

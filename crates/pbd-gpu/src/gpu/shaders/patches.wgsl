@@ -75,12 +75,6 @@ fn patches(
         return;
     }
     first_vertex = body.first_vertex;
-    if (current.is_back != 0u) {
-        let height = atomicLoad(&reports[work.body].lowest[current.substep & 1u]);
-        if (skips_back(body, height, lane)) {
-            return;
-        }
-    }
     let block = find_block(body, work, lane);
     for (var i = lane; i < block.vertices; i += WORKGROUP_SIZE) {
         let v = first_vertex + vertex_of(block, i);

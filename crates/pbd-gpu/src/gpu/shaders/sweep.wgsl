@@ -26,18 +26,6 @@ fn sweep(kind: u32, body: Body, run: Run, first: u32, stride: u32) {
     }
 }
 
-var<workgroup> is_back_skipped: u32;
-
-// Returns whether the body leaves out the way back, uniform for all lanes. Its lowest predicted
-// height is given as ordered bits.
-fn skips_back(body: Body, lowest: u32, lane: u32) -> bool {
-    if (lane == 0u) {
-        let is_skipped = (body.flags & SKIPS_BACK) != 0u && is_above_ground(lowest);
-        is_back_skipped = select(0u, 1u, is_skipped);
-    }
-    return workgroupUniformLoad(&is_back_skipped) != 0u;
-}
-
 // Sets the multiplier of constraint k of a run to zero, if it exists.
 fn reset_constraint(kind: u32, run: Run, k: u32) {
     if (k < run.len) {

@@ -40,12 +40,12 @@ fn project_kind(body: Body, kind: u32, colors: u32, layer: u32, lane: u32) {
     project_overflow(body, kind, layer, lane);
 }
 
-// Projects the lengths of one layer in reverse order.
-fn project_back(body: Body, layer: u32, lane: u32) {
-    project_overflow(body, STRETCH, layer, lane);
+// Projects the colors of a kind in one layer in reverse order, after the overflow.
+fn project_back(body: Body, kind: u32, colors: u32, layer: u32, lane: u32) {
+    project_overflow(body, kind, layer, lane);
     let first = layer * MAX_COLORS;
-    for (var end = min(body.stretch_colors, first + MAX_COLORS); end > first; end--) {
-        project_color(body, STRETCH, end - 1u, lane);
+    for (var end = min(colors, first + MAX_COLORS); end > first; end--) {
+        project_color(body, kind, end - 1u, lane);
     }
 }
 
@@ -168,9 +168,10 @@ fn whole_body(
                 project_kind(body, BENDING, body.bending_colors, layer, lane);
             }
             project_kind(body, INTERIOR_SPRINGS, body.spring_colors, 0u, lane);
-            if ((body.flags & SWEEPS_BACK) != 0u && !skips_back(body, atomicLoad(&lowest), lane)) {
+            if ((body.flags & SWEEPS_BACK) != 0u) {
+                project_back(body, INTERIOR_SPRINGS, body.spring_colors, 0u, lane);
                 for (var layer = layers; layer > 0u; layer--) {
-                    project_back(body, layer - 1u, lane);
+                    project_back(body, STRETCH, body.stretch_colors, layer - 1u, lane);
                 }
             }
             if (body.pieces != 0u) {

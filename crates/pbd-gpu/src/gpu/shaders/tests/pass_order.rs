@@ -15,7 +15,6 @@ const PREDICT: &str = "predict";
 const PINS: &str = "pins";
 const RESET: &str = "reset multipliers";
 const ATTACHMENTS: &str = "long-range attachments";
-const BACK: &str = "project edges back";
 const VOLUMES: &str = "volumes";
 const COLLIDERS: &str = "colliders";
 const GROUND: &str = "ground";
@@ -23,6 +22,10 @@ const INTEGRATE: &str = "integrate";
 
 fn project(kind: u32) -> String {
     format!("project kind {kind}")
+}
+
+fn back(kind: u32) -> String {
+    format!("project kind {kind} back")
 }
 
 /// Returns the token of a function that the shader calls, or none for other functions.
@@ -33,7 +36,7 @@ fn token(call: &str, kind: Option<u32>) -> Option<String> {
         "reset_kind" => RESET.to_owned(),
         "pull_to_anchor" => ATTACHMENTS.to_owned(),
         "project_kind" => project(kind.expect("the kind is a constant")),
-        "project_back" => BACK.to_owned(),
+        "project_back" => back(kind.expect("the kind is a constant")),
         "project_volumes" => VOLUMES.to_owned(),
         "push_all_out" => COLLIDERS.to_owned(),
         "lift_vertex" | "lift_volumes" => GROUND.to_owned(),
@@ -101,7 +104,7 @@ fn name(pass: Pass) -> String {
         Pass::ResetMultipliers => RESET.to_owned(),
         Pass::LongRangeAttachments => ATTACHMENTS.to_owned(),
         Pass::Project { kind, .. } => project(kind as u32),
-        Pass::ProjectBack { .. } => BACK.to_owned(),
+        Pass::ProjectBack { kind, .. } => back(kind as u32),
         Pass::ContactFeatures => project(CONTACT_FEATURES),
         Pass::ContactsBeforeVolumes | Pass::Contacts => project(CONTACTS),
         Pass::ContactRecovery => project(CONTACT_RECOVERIES),
