@@ -186,14 +186,14 @@ impl Solver {
         edge
     }
 
-    /// Updates the plan and returns the constants of a frame, in which the island of the body may
-    /// have contacts.
+    /// Updates the plan and returns the constants of a frame, in which pieces of the body's island
+    /// may touch each other.
     ///
     /// # Errors
     /// [`StepError::SubstepTooShort`]; nothing is changed then.
     pub(crate) fn prepare(
         &mut self,
-        (dt, is_touched): (f32, bool),
+        (dt, is_stacked): (f32, bool),
         params: &SolverParams,
     ) -> Result<StepConstants, StepError> {
         let Self {
@@ -203,7 +203,7 @@ impl Solver {
             step,
             ..
         } = self;
-        let frame = (dt, is_touched);
+        let frame = (dt, is_stacked);
         let constants = prepare(step, constraints, particles, material, frame, params)?;
         step.substeps = constants.substeps;
         Ok(constants)

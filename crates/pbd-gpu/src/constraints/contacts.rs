@@ -30,6 +30,8 @@ pub struct Contact {
     pub friction: f32,
     /// The feature whose piece is carried by the piece of the other feature.
     pub carried: Carried,
+    /// Whether both features belong to one piece, which touches itself.
+    pub is_fold: bool,
     /// Where friction held the features before; none for features that have not touched.
     pub held: Option<Held>,
 }
@@ -105,6 +107,7 @@ impl Contact {
             gap_rate: 0.0,
             friction: 0.0,
             carried: Carried::Neither,
+            is_fold: false,
             held: None,
         }
     }
@@ -124,6 +127,7 @@ impl Contact {
             gap_rate: 0.0,
             friction: 0.0,
             carried: Carried::Neither,
+            is_fold: false,
             held: None,
         }
     }
@@ -141,6 +145,7 @@ impl Contact {
             gap_rate: 0.0,
             friction: 0.0,
             carried: Carried::Neither,
+            is_fold: false,
             held: None,
         }
     }
@@ -236,8 +241,8 @@ pub(crate) struct ContactRecord {
     /// Change of that vector by the rest of the last substep, which friction takes back \[m\].
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) drift: [f32; 3],
-    #[cfg_attr(feature = "serde", serde(skip))]
-    pub(crate) pad: u32,
+    /// 1 for a contact within a piece, else 0.
+    pub(crate) is_fold: u32,
 }
 
 impl ContactRecord {
@@ -298,6 +303,12 @@ impl ContactSet {
         self.colors.iter().all(Vec::is_empty)
     }
 
+    /// Returns whether two pieces touch each other.
+    pub(crate) fn joins_pieces(&self) -> bool {
+        let mut all = self.colors.iter().flatten();
+        all.any(|contact| contact.vertex_count() == 4 && contact.is_fold == 0)
+    }
+
     /// Returns a number that changes whenever contacts are set.
     #[cfg(feature = "gpu")]
     pub(crate) fn generation(&self) -> u64 {
@@ -348,7 +359,7 @@ impl ContactSet {
                 friction_sum: [0.0; 3],
                 held_at: held.at,
                 drift: [0.0; 3],
-                pad: 0,
+                is_fold: u32::from(contact.is_fold),
             };
             let (ids, count) = record.moved();
             let color = self.masks.claim(0, &ids[..count]).unwrap_or(UNCOLORED);

@@ -164,9 +164,10 @@ impl Island {
             substeps: self.substeps,
             ..*params
         };
+        let is_stacked = self.contacts.joins_pieces();
         for body in 0..bodies.count() {
             let (solver, surface) = bodies.get(body);
-            let frame = (dt, !self.contacts.is_empty());
+            let frame = (dt, is_stacked);
             let member = prepare_member(solver, surface, frame, params);
             self.members
                 .push(member.map_err(|error| IslandError { body, error })?);
@@ -272,15 +273,16 @@ impl Island {
     }
 }
 
-/// Validates a body and computes its constants of a frame, in which its island may have contacts.
+/// Validates a body and computes its constants of a frame, in which pieces of its island may touch
+/// each other.
 fn prepare_member(
     solver: &mut Solver,
     surface: &Surface,
-    (dt, is_touched): (f32, bool),
+    (dt, is_stacked): (f32, bool),
     params: &SolverParams,
 ) -> Result<Member, StepError> {
     solver.check_step(surface)?;
-    let constants = solver.prepare((dt, is_touched), params)?;
+    let constants = solver.prepare((dt, is_stacked), params)?;
     let orders = both_orders(solver.material(), &constants, params);
     #[cfg(feature = "global")]
     {

@@ -24,8 +24,8 @@ pub(super) struct EdgePairs {
     near: Vec<(u32, u32)>,
     /// By pair: its normal and minimum distance \[m\], if the edges touch.
     touches: Vec<Option<(Vec3, f64)>>,
-    /// The contacts and minimum distances \[m\] of this search.
-    touching: Vec<(EdgePair, f64)>,
+    /// The contacts and minimum distances \[m\] of this search, and whether they are folds.
+    touching: Vec<(EdgePair, f64, bool)>,
     /// By edge: index of the first previous contact that it begins.
     known: Vec<u32>,
     /// The contacts of the last search, ascending.
@@ -247,20 +247,24 @@ impl Search<'_> {
             if let Some((normal, gap)) = *touch {
                 let [a, b] = [i, j].map(|i| &pairs.edges[i as usize]);
                 let (key, ends) = ([a.key(), b.key()], [a.edge.ends, b.edge.ends]);
-                pairs.touching.push((EdgePair { key, ends, normal }, gap));
+                let pair = EdgePair { key, ends, normal };
+                pairs.touching.push((pair, gap, a.piece == b.piece));
             }
         }
         pairs.touches = touches;
-        pairs.touching.sort_unstable_by_key(|(pair, _)| pair.key);
+        pairs.touching.sort_unstable_by_key(|(pair, ..)| pair.key);
         pairs.found.clear();
-        for &(pair, gap) in &pairs.touching {
+        for &(pair, gap, is_fold) in &pairs.touching {
             let [body, other] = pair.key.map(|(body, _)| body);
             let bodies = [body, other].map(|i| self.bodies[i as usize].as_ref());
             if let [Some(of_first), Some(of_second)] = bodies {
                 pairs.found.push(pair);
                 all[body as usize].edge_contacts.push(BodyContact {
                     other,
-                    contact: edge_edge(pair.ends, pair.normal, gap, friction(of_first, of_second)),
+                    contact: Contact {
+                        is_fold,
+                        ..edge_edge(pair.ends, pair.normal, gap, friction(of_first, of_second))
+                    },
                 });
             }
         }

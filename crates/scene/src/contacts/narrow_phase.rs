@@ -191,12 +191,16 @@ impl Search<'_> {
         let Some(contact) = contact else { return };
         // Within a piece at most half of the rest distance, so that a thin fold stays as it is.
         let mut gap = thickness(contact.triangle);
-        if is_fold(contact.triangle) {
+        let is_fold = is_fold(contact.triangle);
+        if is_fold {
             gap = gap.min(contact.rest_distance(surface) / 2.0);
         }
         row.contacts.push(BodyContact {
             other,
-            contact: vertex_face(&contact, gap, friction(of.body, other_body)),
+            contact: Contact {
+                is_fold,
+                ..vertex_face(&contact, gap, friction(of.body, other_body))
+            },
         });
         row.persistent.push(contact);
     }
