@@ -186,14 +186,15 @@ impl Solver {
         edge
     }
 
-    /// Updates the plan and returns the constants of a frame, in which pieces of the body's island
-    /// may touch each other.
+    /// Updates the plan and returns the constants of a frame.
+    ///
+    /// `joins_pieces` tells whether a contact of the body's island joins two pieces.
     ///
     /// # Errors
     /// [`StepError::SubstepTooShort`]; nothing is changed then.
     pub(crate) fn prepare(
         &mut self,
-        (dt, is_stacked): (f32, bool),
+        (dt, joins_pieces): (f32, bool),
         params: &SolverParams,
     ) -> Result<StepConstants, StepError> {
         let Self {
@@ -203,7 +204,7 @@ impl Solver {
             step,
             ..
         } = self;
-        let frame = (dt, is_stacked);
+        let frame = (dt, joins_pieces);
         let constants = prepare(step, constraints, particles, material, frame, params)?;
         step.substeps = constants.substeps;
         Ok(constants)

@@ -8,7 +8,7 @@
 use incise_mesh::{HalfEdge, Surface, VertexId};
 use incise_models::{Model, build_model};
 use incise_pbd_gpu::{
-    Context, GpuBackend, GpuBody, GpuError, Material, Schedule, Solver, SolverParams,
+    Contact, Context, GpuBackend, GpuBody, GpuError, Material, Schedule, Solver, SolverParams,
 };
 use incise_test_support::cpu_gpu_pair::{
     DT, SCHEDULES, assert_same, solver_for, with_most_features,
@@ -106,6 +106,20 @@ fn together_as_alone(context: Context) {
     let mut bodies: Vec<(Hosted, Hosted)> = (0..9).map(|_| double(&mut gpu)).collect();
     for frame in 0..8 {
         let rests = |i: usize| (i + frame).is_multiple_of(4);
+        // Those with a contact project lengths forward and back.
+        for (i, (one, other)) in bodies.iter_mut().enumerate() {
+            let topology = one.surface.topology();
+            let far = topology.triangles().last().expect("a triangle");
+            let contact = Contact::vertex_face(VertexId(0), topology.triangle(far), 0.01);
+            let contacts = if (i + frame) % 3 == 0 {
+                &[contact][..]
+            } else {
+                &[]
+            };
+            for hosted in [&mut *one, other] {
+                (hosted.solver.set_contacts(contacts)).expect("vertices of the body");
+            }
+        }
         let all = (bodies.iter_mut().enumerate())
             .filter(|(i, _)| !rests(*i))
             .map(|(_, (one, _))| one.stepped());

@@ -85,8 +85,8 @@ fn a_ball_keeps_its_volume_through_an_impact() {
 }
 
 /// Regression: gravity moves a face of a chip by more than its thickness in a substep, and the
-/// volumes pass moved it back by less. A chip lost up to 0.83 of its volume. Later rounding left
-/// vertices slightly above the ground, and volumes pushed them into it: a quarter was lost.
+/// volumes pass moved it back by less. Rounding left lifted vertices slightly above the ground,
+/// into which volumes pushed them.
 #[test]
 fn chips_that_are_thinner_than_their_fall_keep_their_volume() {
     for thickness in [1e-4_f32, 1e-5, 4e-6, 2e-6, 1e-6, 1e-7] {

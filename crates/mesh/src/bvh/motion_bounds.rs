@@ -1,7 +1,7 @@
-//! [`MotionBounds`]: the nodes of a BVH with the displacements of a frame, four side by side.
+//! [`MotionBounds`]: a 4-wide BVH with the displacements of a frame.
 //!
-//! A search within reach of a moving point tests four boxes at once: the children of a node and of
-//! its children, or the triangles of a leaf. Their components are in vectors of four.
+//! Boxes are stored as a structure of arrays, so that SIMD instructions test four at once: the
+//! grandchildren of a node, or the triangles of a leaf.
 
 use super::{Bvh, LEAF_SIZE, NONE, triangle_bounds, union};
 use crate::ids::index_u32;
@@ -100,18 +100,26 @@ impl Child {
         Self(2 * index_u32(index))
     }
 
-    /// Returns the block of a leaf, or the index of a quad as an error.
-    pub(super) fn block(self) -> Result<usize, usize> {
+    /// Returns the quad or leaf.
+    pub(super) fn target(self) -> Target {
         let index = self.0 as usize / 2;
         if self.0 % 2 == 1 {
-            Ok(index)
+            Target::Leaf(index)
         } else {
-            Err(index)
+            Target::Quad(index)
         }
     }
 }
 
-/// Up to four nodes side by side.
+/// A [`Child`], decoded.
+pub(super) enum Target {
+    /// Index of a quad.
+    Quad(usize),
+    /// Block of a leaf.
+    Leaf(usize),
+}
+
+/// A node of the 4-wide BVH.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Quad {
@@ -177,10 +185,10 @@ impl MotionBounds {
         (self.root != Child::NONE).then_some(self.root)
     }
 
-    /// Returns the capacity, in quads and leaves.
+    /// Returns the capacity, in quads, leaves and nodes.
     #[must_use]
     pub fn capacity(&self) -> usize {
-        self.quads.capacity() + self.leaves.capacity()
+        self.quads.capacity() + self.leaves.capacity() + self.pieces.capacity()
     }
 
     /// Returns the piece of all triangles below a node, `None` for several pieces.

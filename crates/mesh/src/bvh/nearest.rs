@@ -35,8 +35,10 @@ impl Bvh {
         self.nearest_below(surface, (to, reach), |_| true, counts)
     }
 
-    /// Returns the point nearest to `to` on the pieces for which `counts` is true, with the bounds
-    /// of the BVH's nodes. Reads no triangles of other pieces.
+    /// Returns the point nearest to `to` on the pieces for which `counts` is true.
+    ///
+    /// Reads no triangles of other pieces. `bounds` must be found with this BVH; otherwise pieces
+    /// may be missed. Displacements do not matter.
     #[must_use]
     pub fn nearest_of_pieces(
         &self,
@@ -50,7 +52,9 @@ impl Bvh {
         self.nearest_below(surface, (to, f64::INFINITY), may_count, of_piece)
     }
 
-    /// Returns the point nearest to `to` within `reach` \[m\], below nodes that `may_count`.
+    /// Returns the point nearest to `to` within `reach` \[m\].
+    ///
+    /// `may_count` decides whether to descend to a node, `counts` whether a triangle counts.
     fn nearest_below(
         &self,
         surface: &Surface,
@@ -59,7 +63,7 @@ impl Bvh {
         counts: impl Fn(TriangleId) -> bool,
     ) -> Option<NearestPoint> {
         let mut best = Nearest::within(reach);
-        let mut others = Others::<_, _, { MAX_HEIGHT + 1 }>::default();
+        let mut stack = TraversalStack::<_, _, { MAX_HEIGHT + 1 }>::default();
         let mut next = self.nodes.first().map(|_| 0);
         while let Some(at) = next {
             let node = &self.nodes[at as usize];
@@ -79,22 +83,24 @@ impl Bvh {
                         f64::INFINITY
                     }
                 });
-                others.push(children, squares, best.limit());
+                stack.push(children, squares, best.limit());
             }
-            next = others.pop(best.limit());
+            next = stack.pop(best.limit());
         }
         best.into_point()
     }
 }
 
-/// Nodes to visit later and their squared distances \[m^2\], each group from far to near.
+/// A traversal stack: nodes to visit and their squared distances \[m^2\].
+///
+/// Each group of nodes is sorted from far to near.
 #[derive(Debug)]
-pub(super) struct Others<N, S, const MAX: usize> {
+pub(super) struct TraversalStack<N, S, const MAX: usize> {
     nodes: [Option<(N, S)>; MAX],
     len: usize,
 }
 
-impl<N: Copy, S: Copy + PartialOrd, const MAX: usize> Default for Others<N, S, MAX> {
+impl<N: Copy, S: Copy + PartialOrd, const MAX: usize> Default for TraversalStack<N, S, MAX> {
     fn default() -> Self {
         Self {
             nodes: [None; MAX],
@@ -103,7 +109,7 @@ impl<N: Copy, S: Copy + PartialOrd, const MAX: usize> Default for Others<N, S, M
     }
 }
 
-impl<N: Copy, S: Copy + PartialOrd, const MAX: usize> Others<N, S, MAX> {
+impl<N: Copy, S: Copy + PartialOrd, const MAX: usize> TraversalStack<N, S, MAX> {
     /// Keeps the nodes of a group that are within a limit; the nearest one is visited next.
     #[inline]
     pub(super) fn push<const COUNT: usize>(

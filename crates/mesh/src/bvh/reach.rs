@@ -3,8 +3,8 @@
 //! Contact detection gives every vertex the box of its displacement. [`MotionBounds`] have such
 //! boxes, too, so a search descends only where the relative motion may close the gap.
 
-use super::motion_bounds::{LANES, Lanes, MotionBounds};
-use super::nearest::{Candidate, Nearest, Others};
+use super::motion_bounds::{LANES, Lanes, MotionBounds, Target};
+use super::nearest::{Candidate, Nearest, TraversalStack};
 use super::{Bvh, LEAF_SIZE, MAX_HEIGHT, NONE, NearestPoint, least, most};
 use crate::geometry::to_f32;
 use crate::{Aabb, Surface, TriangleId, Vec3};
@@ -12,7 +12,7 @@ use crate::{Aabb, Surface, TriangleId, Vec3};
 /// A point that moves, with the triangles that it may touch.
 #[derive(Debug, Clone, Copy)]
 pub struct MovingPoint {
-    /// Position at the start \[m\].
+    /// Position at the start \[m\]. Searches round it to 32 bits where they compare boxes.
     pub position: Vec3,
     /// Box around the possible displacements \[m\].
     pub displacement: Aabb,
@@ -33,7 +33,7 @@ impl MovingPoint {
     }
 }
 
-/// A [`MovingPoint`] in 32 bits.
+/// A [`MovingPoint`] in single precision.
 struct Query {
     position: [f32; 3],
     displacement: Aabb,
@@ -59,8 +59,7 @@ impl Query {
     /// Returns the squared distances from boxes, infinite for those that do not count or cannot be
     /// reached \[m^2\].
     ///
-    /// Components are by corner, axis and box. A box that is reached makes any box around it
-    /// reached.
+    /// Components are by corner, axis and box. If a box is reached, so is every box around it.
     #[inline]
     fn squares<const N: usize>(
         &self,
@@ -122,8 +121,8 @@ fn rounded_up(square: f64) -> f32 {
     bound.min(f32::MAX)
 }
 
-/// Maximum number of nodes that a search keeps: three at each quad on the way.
-const MAX_OTHERS: usize = 3 * (MAX_HEIGHT / 2 + 1) + 1;
+/// Maximum length of the traversal stack: three nodes at each quad on the way, and one.
+const MAX_STACK: usize = 3 * (MAX_HEIGHT / 2 + 1) + 1;
 
 impl Bvh {
     /// Returns the nearest point among the triangles that count and that a moving point may reach.
@@ -157,16 +156,16 @@ impl Bvh {
                 test(&mut best, t, lanes, lane);
             }
         }
-        let mut others = Others::<_, _, MAX_OTHERS>::default();
+        let mut stack = TraversalStack::<_, _, MAX_STACK>::default();
         let mut next = bounds.root();
         while let Some(at) = next {
-            match at.block() {
-                Err(index) => {
+            match at.target() {
+                Target::Quad(index) => {
                     let quad = &bounds.quads[index];
                     let squares = query.squares_to(&quad.lanes);
-                    others.push(quad.children, squares, rounded_up(best.limit()));
+                    stack.push(quad.children, squares, rounded_up(best.limit()));
                 }
-                Ok(block) => {
+                Target::Leaf(block) => {
                     let lanes = &bounds.leaves[block];
                     let squares = query.squares_to(lanes);
                     for (lane, &t) in self.blocks[block].triangles.iter().enumerate() {
@@ -176,7 +175,7 @@ impl Bvh {
                     }
                 }
             }
-            next = others.pop(rounded_up(best.limit()));
+            next = stack.pop(rounded_up(best.limit()));
         }
         best.into_point()
     }

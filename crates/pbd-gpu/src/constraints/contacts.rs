@@ -30,7 +30,9 @@ pub struct Contact {
     pub friction: f32,
     /// The feature whose piece is carried by the piece of the other feature.
     pub carried: Carried,
-    /// Whether both features belong to one piece, which touches itself.
+    /// Whether both features belong to one piece; false unless the caller sets it.
+    ///
+    /// With other contacts of two features, the bodies project lengths forward and back.
     pub is_fold: bool,
     /// Where friction held the features before; none for features that have not touched.
     pub held: Option<Held>,

@@ -145,8 +145,8 @@ impl Compiler<'_> {
 
     /// Adds the dispatches over the batches of one kind and layer.
     ///
-    /// Each color up to the last large one has a dispatch; all later ones share one. The way back
-    /// has the same dispatches in reverse order.
+    /// Each color up to the last large one has a dispatch; all later ones share one. A reverse
+    /// sweep has the same dispatches in reverse order.
     pub(super) fn batches(&mut self, kind: ConstraintKind, run: &[Pass], out: &mut Vec<Dispatch>) {
         let is_back = run[0].is_back();
         let before = out.len();

@@ -164,10 +164,10 @@ impl Island {
             substeps: self.substeps,
             ..*params
         };
-        let is_stacked = self.contacts.joins_pieces();
+        let joins_pieces = self.contacts.joins_pieces();
         for body in 0..bodies.count() {
             let (solver, surface) = bodies.get(body);
-            let frame = (dt, is_stacked);
+            let frame = (dt, joins_pieces);
             let member = prepare_member(solver, surface, frame, params);
             self.members
                 .push(member.map_err(|error| IslandError { body, error })?);
@@ -273,16 +273,17 @@ impl Island {
     }
 }
 
-/// Validates a body and computes its constants of a frame, in which pieces of its island may touch
-/// each other.
+/// Validates a body and computes its constants of a frame.
+///
+/// `joins_pieces` tells whether a contact of its island joins two pieces.
 fn prepare_member(
     solver: &mut Solver,
     surface: &Surface,
-    (dt, is_stacked): (f32, bool),
+    (dt, joins_pieces): (f32, bool),
     params: &SolverParams,
 ) -> Result<Member, StepError> {
     solver.check_step(surface)?;
-    let constants = solver.prepare((dt, is_stacked), params)?;
+    let constants = solver.prepare((dt, joins_pieces), params)?;
     let orders = both_orders(solver.material(), &constants, params);
     #[cfg(feature = "global")]
     {

@@ -335,14 +335,13 @@ impl StepPlan {
             push_batches(list, ConstraintKind::InteriorSpring, interior_springs);
         }
         if key.sweeps_back {
-            let forward = list.iter().filter_map(|pass| match *pass {
-                Pass::Project { kind, batch } if kind != ConstraintKind::Bending => {
-                    Some(Pass::ProjectBack { kind, batch })
+            for i in 0..list.len() {
+                if let Pass::Project { kind, batch } = list[i]
+                    && kind != ConstraintKind::Bending
+                {
+                    list.push(Pass::ProjectBack { kind, batch });
                 }
-                _ => None,
-            });
-            let back: Vec<Pass> = forward.collect();
-            list.extend(back);
+            }
         }
         let before_volumes = key.contacts && key.volumes;
         push_if(list, before_volumes, Pass::ContactsBeforeVolumes);
@@ -434,6 +433,13 @@ mod tests {
         let mut back = lengths(true);
         back.reverse();
         assert_eq!(back, lengths(false), "the sweep over lengths is symmetric");
+        let forward = PlanKey {
+            sweeps_back: false,
+            ..key
+        };
+        let mut other = plan.clone();
+        other.update(forward, &stretch, Some(&bending), Some(&interior_springs));
+        assert!(!other.passes().any(Pass::is_back), "nothing is touched");
         let all: Vec<Pass> = plan.passes().collect();
         let expected = [prologue, iteration, iteration, iteration, epilogue].concat();
         assert_eq!(all, expected);

@@ -17,8 +17,9 @@ use crate::step::second_order::{Orders, SUBSTEP_RATIO};
 /// Number of its own lengths for which a long substep counts as recent.
 const MEMORY: f32 = 10.0;
 
-/// Updates the plan and returns the constants of a frame, in which pieces of the body's
-/// island may touch each other.
+/// Updates the plan and returns the constants of a frame.
+///
+/// `joins_pieces` tells whether a contact of the body's island joins two pieces.
 ///
 /// # Errors
 /// [`StepError::SubstepTooShort`]; nothing is changed then.
@@ -27,13 +28,13 @@ pub(crate) fn prepare(
     constraints: &mut Constraints,
     particles: &Particles,
     material: &Material,
-    (dt, is_stacked): (f32, bool),
+    (dt, joins_pieces): (f32, bool),
     params: &SolverParams,
 ) -> Result<StepConstants, StepError> {
     let h = dt / params.substeps as f32;
     let global = takes_global_step(step, params);
     // Stacked bodies come to rest only if the sweep over lengths is symmetric.
-    let sweeps_back = (is_stacked || constraints.contacts.joins_pieces()) && !global;
+    let sweeps_back = (joins_pieces || constraints.contacts.joins_pieces()) && !global;
     let mut constants = constants_of(material, h, (params.substeps, sweeps_back), params);
     constants.check()?;
     let pieces = constraints.volumes.pieces().iter();

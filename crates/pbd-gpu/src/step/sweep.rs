@@ -30,7 +30,7 @@ pub(crate) struct Sweep<'a, K, const N: usize> {
     part: Part<'a, N>,
     projection: Projection,
     is_serial: bool,
-    /// Whether the last block is the first one.
+    /// Whether blocks are projected from last to first.
     is_reversed: bool,
     kernel: PhantomData<K>,
 }

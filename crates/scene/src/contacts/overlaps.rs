@@ -165,7 +165,7 @@ impl Overlaps {
         tests.for_each(|test| test.depth = search.depth_of(test.pair, test.point));
         // The first point of a pair in the other piece counts.
         self.tests.retain(|test| test.depth.is_some());
-        self.tests.sort_by_key(|test| test.sorted_pair());
+        (self.tests).sort_unstable_by_key(|test| (test.sorted_pair(), test.number));
         self.tests.dedup_by_key(|test| test.sorted_pair());
         let first = self.list.len();
         self.list.extend(self.tests.iter().map(|test| Overlap {
@@ -208,11 +208,14 @@ impl Overlaps {
                         let others = search.pieces.neighbors(index);
                         let tests = others.filter(|other| other.contains(at, 0.0));
                         let own = PieceId { body: i, number };
-                        self.tests.extend(tests.map(|other| Test {
-                            pair: [own, other.id()],
-                            point,
-                            depth: None,
-                        }));
+                        let first = self.tests.len();
+                        self.tests
+                            .extend((first..).zip(tests).map(|(number, other)| Test {
+                                number,
+                                pair: [own, other.id()],
+                                point,
+                                depth: None,
+                            }));
                     }
                 }
             }
@@ -230,6 +233,8 @@ impl Overlaps {
 /// A point of a piece that is tested against another piece.
 #[derive(Debug, Clone, Copy)]
 struct Test {
+    /// Position in the order of bodies, vertices and pieces.
+    number: usize,
     /// The piece of the point, and the other one.
     pair: [PieceId; 2],
     point: Point,

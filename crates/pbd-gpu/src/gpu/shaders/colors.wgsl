@@ -111,7 +111,8 @@ fn bending(
 }
 
 // Projects colors that are too small for a dispatch, in order, then the overflow serially, with one
-// workgroup per body. The way back is in reverse: the overflow, then the colors.
+// workgroup per body. If `is_back`, projects the overflow first, then the colors in descending
+// order.
 @compute @workgroup_size(TAIL_SIZE)
 fn tail(
     @builtin(workgroup_id) group: vec3u,
