@@ -56,10 +56,10 @@ impl Query {
         }
     }
 
-    /// Returns the squared distances from boxes, infinite for those that do not count or cannot be
-    /// reached \[m^2\].
+    /// Returns the squared distance to each box \[m^2\].
     ///
-    /// Components are by corner, axis and box. If a box is reached, so is every box around it.
+    /// It is infinite for a box that does not count, and for one that cannot be reached. If a box
+    /// is reached, so is every box around it. Components are by corner, axis and box.
     #[inline]
     fn squares<const N: usize>(
         &self,

@@ -1,7 +1,7 @@
 //! [`HeldContacts`]: where friction held contacts at the end of a frame.
 //!
-//! Every frame finds its contacts anew. This list tells friction where it held them in the last
-//! frame. Without it, the balls of a heap would creep.
+//! Contacts are found again in every frame. This list has the positions at which friction held them
+//! in the last one. Without it, the balls of a heap would creep.
 
 use incise_mesh::{VertexId, index_u32};
 use incise_pbd_gpu::{Contact, ContactSet, Held};
