@@ -11,10 +11,10 @@ use crate::{Aabb, Surface, TriangleId};
 pub(super) const LANES: usize = LEAF_SIZE;
 
 /// Boxes, displacements and pieces of the triangles below each node of a BVH.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct MotionBounds {
-    /// The root.
-    root: Child,
+    /// The root, `None` without triangles.
+    pub(super) root: Option<Child>,
     /// Bounds of the root.
     pub(super) all: Motion,
     /// Children of nodes and of their children.
@@ -23,18 +23,6 @@ pub struct MotionBounds {
     pub(super) leaves: Vec<Lanes>,
     /// By node: the piece of all triangles below it; [`NONE`] for several pieces.
     pieces: Vec<u32>,
-}
-
-impl Default for MotionBounds {
-    fn default() -> Self {
-        Self {
-            root: Child::NONE,
-            all: Motion::NOTHING,
-            quads: Vec::new(),
-            leaves: Vec::new(),
-            pieces: Vec::new(),
-        }
-    }
 }
 
 /// The motion of triangles.
@@ -47,13 +35,17 @@ pub(super) struct Motion {
     pub(super) piece: u32,
 }
 
-impl Motion {
-    const NOTHING: Self = Self {
-        bounds: EMPTY,
-        displacement: EMPTY,
-        piece: NONE,
-    };
+impl Default for Motion {
+    fn default() -> Self {
+        Self {
+            bounds: Aabb::default(),
+            displacement: Aabb::default(),
+            piece: NONE,
+        }
+    }
+}
 
+impl Motion {
     fn of_triangle(surface: &Surface, t: TriangleId, displacements: &[Aabb]) -> Self {
         let corners = surface.topology().triangle(t);
         let [a, b, c] = corners.map(|v| &displacements[v.index()]);
@@ -77,18 +69,12 @@ impl Motion {
     }
 }
 
-/// A box that contains nothing.
-const EMPTY: Aabb = Aabb {
-    min: [f32::INFINITY; 3],
-    max: [f32::NEG_INFINITY; 3],
-};
-
 /// A node below which a search may descend: the index of a quad, or the block of a leaf.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Child(u32);
 
 impl Child {
-    pub(super) const NONE: Self = Self(NONE);
+    const NONE: Self = Self(NONE);
 
     /// Creates the reference to a leaf.
     fn leaf(block: u32) -> Self {
@@ -174,15 +160,11 @@ impl MotionBounds {
         self.leaves.resize(bvh.blocks.len(), Lanes::NOTHING);
         self.pieces.resize(bvh.nodes.len(), NONE);
         (self.root, self.all) = if bvh.nodes.is_empty() {
-            (Child::NONE, Motion::NOTHING)
+            (None, Motion::default())
         } else {
-            self.find_below(bvh, (surface, displacements), 0)
+            let (root, all) = self.find_below(bvh, (surface, displacements), 0);
+            (Some(root), all)
         };
-    }
-
-    /// Returns the root, `None` without triangles.
-    pub(super) fn root(&self) -> Option<Child> {
-        (self.root != Child::NONE).then_some(self.root)
     }
 
     /// Returns the capacity, in quads, leaves and nodes.
@@ -253,7 +235,7 @@ impl MotionBounds {
             lanes.set(lane, &motion);
             motion
         });
-        let all = each.reduce(|a, b| a.union(&b)).unwrap_or(Motion::NOTHING);
+        let all = each.reduce(|a, b| a.union(&b)).unwrap_or_default();
         self.leaves[block as usize] = lanes;
         all
     }

@@ -157,7 +157,7 @@ impl Bvh {
             }
         }
         let mut stack = TraversalStack::<_, _, MAX_STACK>::default();
-        let mut next = bounds.root();
+        let mut next = bounds.root;
         while let Some(at) = next {
             match at.target() {
                 Target::Quad(index) => {
