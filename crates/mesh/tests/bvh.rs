@@ -221,7 +221,8 @@ proptest! {
                 let relative: f32 = (0..3)
                     .map(|k| {
                         let most = (motion.max[k] - own[k]).max(own[k] - motion.min[k]);
-                        most.max(0.0).powi(2)
+                        let alone = own[k].abs().max(motion.max[k]).max(-motion.min[k]);
+                        (MovingPoint::SPEED_MARGIN * most).max(alone).powi(2)
                     })
                     .sum();
                 // Positions have 32 bits.

@@ -13,7 +13,7 @@
 //! 6. [`overlaps`] finds pieces deep in each other, which the next frames move apart.
 //!
 //! The solver finds nearest points and normals in every substep. A vertex stays in front of a
-//! triangle in whose reach it started the frame, provided that its speed grows at most
+//! triangle in whose reach it started the frame, provided that their relative speed grows at most
 //! [`SPEED_MARGIN`]-fold within the frame. Penetrations are resolved at a limited speed and leave
 //! no velocity.
 
@@ -44,7 +44,7 @@ use body_rows::BodyRows;
 use broad_phase::Pieces;
 use carriers::Carriers;
 use edge_pairs::EdgePairs;
-use incise_mesh::{Aabb, Vec3};
+use incise_mesh::{Aabb, MovingPoint, Vec3};
 use incise_pbd_gpu::MovingCollider;
 use motion::Motion;
 use narrow_phase::Search;
@@ -58,7 +58,7 @@ pub(crate) use overlaps::PieceId;
 pub(crate) use saved::{SavedContacts, SavedFace};
 
 /// Factor by which a vertex may become faster within a frame: an impact bends the body.
-const SPEED_MARGIN: f64 = 2.0;
+const SPEED_MARGIN: f64 = MovingPoint::SPEED_MARGIN as f64;
 
 /// Parameters of contact detection. Friction is a parameter of the material.
 ///

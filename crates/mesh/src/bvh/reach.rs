@@ -1,11 +1,11 @@
 //! Nearest points that a moving point may reach within a frame.
 //!
-//! Contact detection gives every vertex the box of its displacement. [`MotionBounds`] have such
-//! boxes, too, so a search descends only where the relative motion may close the gap.
+//! Contact detection gives every vertex its displacement in the frame. [`MotionBounds`] have boxes
+//! of displacements, so a search descends only where the relative motion may close the gap.
 
 use super::motion_bounds::{LANES, Lanes, MotionBounds, Target};
 use super::nearest::{Candidate, Nearest, TraversalStack};
-use super::{Bvh, LEAF_SIZE, MAX_HEIGHT, NONE, NearestPoint, least, most};
+use super::{Bvh, LEAF_SIZE, MAX_HEIGHT, NONE, NearestPoint, most};
 use crate::geometry::to_f32;
 use crate::{Aabb, Surface, TriangleId, Vec3};
 
@@ -14,7 +14,7 @@ use crate::{Aabb, Surface, TriangleId, Vec3};
 pub struct MovingPoint {
     /// Position at the start \[m\]. Searches round it to 32 bits where they compare boxes.
     pub position: Vec3,
-    /// Box around the possible displacements \[m\].
+    /// Box around the displacements at its present velocity \[m\].
     pub displacement: Aabb,
     /// Distance that counts as reached \[m\].
     pub margin: f64,
@@ -23,6 +23,9 @@ pub struct MovingPoint {
 }
 
 impl MovingPoint {
+    /// Factor by which a relative velocity may grow within the frame: an impact bends a body.
+    pub const SPEED_MARGIN: f32 = 2.0;
+
     /// Returns whether something in a box, with a box of displacements, may be reached.
     #[must_use]
     pub fn reaches(&self, bounds: &Aabb, displacement: &Aabb) -> bool {
@@ -76,9 +79,8 @@ impl Query {
                 let above = at - bounds[1][k][i];
                 let off = most(most(below, above), 0.0);
                 at_rest[i] += off * off;
-                let back = least(min - displacement[1][k][i], 0.0);
-                let forth = most(max - displacement[0][k][i], 0.0);
-                let off = most(most(below - forth, above + back), 0.0);
+                let reach = reach([min, max], [displacement[0][k][i], displacement[1][k][i]]);
+                let off = most(most(below, above) - reach, 0.0);
                 moving[i] += off * off;
             }
         }
@@ -101,13 +103,23 @@ impl Query {
     /// Returns the maximum distance from a triangle that is reached \[m\].
     fn radius(&self, displacement: &Aabb) -> f64 {
         let farthest = |k: usize| {
-            let back = self.displacement.min[k] - displacement.max[k];
-            let forth = self.displacement.max[k] - displacement.min[k];
-            most(most(-back, forth), 0.0)
+            let own = [self.displacement.min[k], self.displacement.max[k]];
+            reach(own, [displacement.min[k], displacement.max[k]])
         };
         let [x, y, z] = [0, 1, 2].map(farthest).map(|x| x * x);
         f64::from(self.squared_margin).sqrt() + f64::from(x + y + z).sqrt()
     }
+}
+
+/// Returns the maximum change of the distance along an axis between two ranges of displacements.
+///
+/// The relative velocity may grow or be reversed within the frame, and one of the two may be
+/// stopped.
+#[inline]
+fn reach(a: [f32; 2], b: [f32; 2]) -> f32 {
+    let relative = most(a[1] - b[0], b[1] - a[0]);
+    let alone = most(most(a[1], -a[0]), most(b[1], -b[0]));
+    most(MovingPoint::SPEED_MARGIN * relative, alone)
 }
 
 /// Returns a finite upper bound of squared distances that are rounded to 32 bits.

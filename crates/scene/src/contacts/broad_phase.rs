@@ -3,7 +3,7 @@
 //! Called by [`super::ContactDetection`] with the bodies that may collide; the narrow phase reads
 //! the pairs and displacements.
 
-use super::motion::{Motion, max_norm};
+use super::motion::{Motion, max_displacement};
 use super::near_bodies::grow;
 use super::overlaps::PieceId;
 use super::{BladeFace, ContactFrame, SPEED_MARGIN};
@@ -34,6 +34,8 @@ pub(super) struct Piece {
     group_velocity: Vec3,
     /// Box around the displacements of its vertices relative to the group \[m\].
     displacement: Aabb,
+    /// Maximum displacement of a vertex \[m\].
+    pub(super) max_displacement: f64,
     /// Index of its first pair.
     first_pair: u32,
 }
@@ -94,6 +96,9 @@ impl Pieces {
             if let (true, Some(body)) = (motion.is_active, body) {
                 self.find_displacements(body.surface(), motion, frame.dt);
             }
+        }
+        for piece in &mut self.list {
+            piece.max_displacement = max_displacement(&piece.displacement);
         }
     }
 
@@ -156,6 +161,7 @@ impl Pieces {
                     velocity_sum: (Vec3::zeros(), 0.0),
                     group_velocity: Vec3::zeros(),
                     displacement: Aabb::default(),
+                    max_displacement: 0.0,
                     first_pair: 0,
                 });
             }
@@ -260,11 +266,6 @@ impl Piece {
             body: self.body,
             number: self.number,
         }
-    }
-
-    /// Returns the maximum displacement of a vertex \[m\].
-    pub(super) fn max_displacement(&self) -> f64 {
-        max_norm(&self.displacement)
     }
 }
 

@@ -185,24 +185,20 @@ impl Search<'_> {
     /// Adds an edge to those of the row, if it is sharp and near other pieces.
     pub(super) fn collect_edge(&self, of: Searched<'_>, h: HalfEdge, piece: u32, row: &mut Row) {
         let (surface, motion) = (of.body.surface(), of.motion);
-        if surface.topology().twin(h) < h {
+        let Some(edge) = SharpEdge::new(surface, h) else {
             return;
-        }
-        let ends = [surface.topology().origin(h), surface.topology().target(h)];
-        let displacement = ends.map(|v| motion.max_displacement(v));
+        };
+        let displacement = edge.ends.map(|v| motion.max_displacement(v));
         let displacement = f64::max(displacement[0], displacement[1]);
         let thickness = motion.thickness(surface, h.triangle());
         let reach = thickness + self.frame.speed_gain * self.frame.dt + displacement;
         let tight = SharpEdge::bounds(surface, h);
         let is_near = |other: &Piece| {
             let mut bounds = tight;
-            grow(&mut bounds, reach + other.max_displacement());
+            grow(&mut bounds, reach + other.max_displacement);
             other.bounds.overlaps(&bounds)
         };
-        if !self.frame.params.self_collision && !self.pieces.neighbors(piece).any(is_near) {
-            return;
-        }
-        if let Some(edge) = SharpEdge::new(surface, h) {
+        if self.frame.params.self_collision || self.pieces.neighbors(piece).any(is_near) {
             // Edges of very fast pieces would search whole bodies.
             let reach = reach.min(thickness + edge.length());
             let mut bounds = tight;

@@ -85,21 +85,16 @@ impl Motion {
         to_f64([x, y, z])
     }
 
-    /// Sets the displacements of a vertex relative to a common velocity [m/s] and returns their
-    /// box.
-    ///
-    /// It includes rest and the reverse motion: an obstacle may stop a vertex within the frame, and
-    /// springs may throw it back.
+    /// Sets the displacement of a vertex relative to a common velocity [m/s], and returns its box.
     pub(super) fn set_displacement(&mut self, v: VertexId, common: Vec3, dt: f64) -> Aabb {
-        let displacement = to_f32((self.velocity(v) - common) * (SPEED_MARGIN * dt));
-        let bounds = Aabb::around([displacement, displacement.map(|c| -c)]);
+        let bounds = Aabb::around([to_f32((self.velocity(v) - common) * dt)]);
         self.displacements[v.index()] = bounds;
         bounds
     }
 
     /// Returns the maximum displacement of a vertex \[m\].
     pub(super) fn max_displacement(&self, v: VertexId) -> f64 {
-        max_norm(&self.displacements[v.index()])
+        max_displacement(&self.displacements[v.index()])
     }
 
     /// Finds the bounds of all nodes of a BVH, which must be refitted.
@@ -109,8 +104,8 @@ impl Motion {
     }
 }
 
-/// Returns the maximum norm of the vectors in a box.
-pub(super) fn max_norm(bounds: &Aabb) -> f64 {
+/// Returns the maximum norm of the displacements in a box if velocities grow \[m\].
+pub(super) fn max_displacement(bounds: &Aabb) -> f64 {
     let [min, max] = [bounds.min, bounds.max].map(to_f64);
-    min.abs().sup(&max.abs()).norm()
+    SPEED_MARGIN * min.abs().sup(&max.abs()).norm()
 }
