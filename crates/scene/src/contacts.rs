@@ -13,9 +13,10 @@
 //! 6. [`overlaps`] finds pieces deep in each other, which the next frames move apart.
 //!
 //! The solver finds nearest points and normals in every substep. A vertex stays in front of a
-//! triangle in whose reach it started the frame, provided that their relative speed grows at most
-//! [`SPEED_MARGIN`]-fold within the frame. Penetrations are resolved at a limited speed and leave
-//! no velocity.
+//! triangle in whose reach it started the frame. This holds while the velocity of the two relative
+//! to each other grows at most [`SPEED_MARGIN`]-fold, or that of one relative to its group, as
+//! [`broad_phase`] defines it, if the other is stopped. Penetrations are resolved at a limited
+//! speed and leave no velocity.
 
 mod axes;
 mod blade_face;
@@ -57,7 +58,7 @@ pub(crate) use overlaps::PieceId;
 #[cfg(feature = "serde")]
 pub(crate) use saved::{SavedContacts, SavedFace};
 
-/// Factor by which a vertex may become faster within a frame: an impact bends the body.
+/// Factor by which a velocity may grow within a frame: an impact bends the body.
 const SPEED_MARGIN: f64 = MovingPoint::SPEED_MARGIN as f64;
 
 /// Parameters of contact detection. Friction is a parameter of the material.

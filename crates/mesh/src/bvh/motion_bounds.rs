@@ -46,12 +46,12 @@ impl Default for Motion {
 }
 
 impl Motion {
-    fn of_triangle(surface: &Surface, t: TriangleId, displacements: &[Aabb]) -> Self {
+    fn of_triangle(surface: &Surface, t: TriangleId, displacements: &[[f32; 3]]) -> Self {
         let corners = surface.topology().triangle(t);
-        let [a, b, c] = corners.map(|v| &displacements[v.index()]);
+        let displacements = corners.map(|v| displacements[v.index()]);
         Self {
             bounds: triangle_bounds(surface, corners),
-            displacement: union(&union(a, b), c),
+            displacement: Aabb::around(displacements),
             piece: surface.piece(t),
         }
     }
@@ -152,10 +152,11 @@ impl Lanes {
 }
 
 impl MotionBounds {
-    /// Computes the bounds of a BVH's nodes from the displacements of vertex slots \[m\]. O(n).
+    /// Computes the bounds of a BVH's nodes from the displacements of vertex slots in the frame, at
+    /// their present velocities \[m\]. O(n).
     ///
     /// Valid until vertices move or the BVH is updated or rebuilt.
-    pub fn find(&mut self, bvh: &Bvh, surface: &Surface, displacements: &[Aabb]) {
+    pub fn find(&mut self, bvh: &Bvh, surface: &Surface, displacements: &[[f32; 3]]) {
         self.quads.clear();
         self.leaves.resize(bvh.blocks.len(), Lanes::NOTHING);
         self.pieces.resize(bvh.nodes.len(), NONE);
@@ -181,7 +182,7 @@ impl MotionBounds {
     }
 
     /// Computes the bounds of a node and of all nodes below it.
-    fn find_below(&mut self, bvh: &Bvh, of: (&Surface, &[Aabb]), at: u32) -> (Child, Motion) {
+    fn find_below(&mut self, bvh: &Bvh, of: (&Surface, &[[f32; 3]]), at: u32) -> (Child, Motion) {
         let node = &bvh.nodes[at as usize];
         let found = if node.is_leaf() {
             (
@@ -224,7 +225,7 @@ impl MotionBounds {
     fn find_leaf(
         &mut self,
         bvh: &Bvh,
-        (surface, displacements): (&Surface, &[Aabb]),
+        (surface, displacements): (&Surface, &[[f32; 3]]),
         block: u32,
         count: u8,
     ) -> Motion {

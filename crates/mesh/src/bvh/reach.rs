@@ -14,8 +14,8 @@ use crate::{Aabb, Surface, TriangleId, Vec3};
 pub struct MovingPoint {
     /// Position at the start \[m\]. Searches round it to 32 bits where they compare boxes.
     pub position: Vec3,
-    /// Box around the displacements at its present velocity \[m\].
-    pub displacement: Aabb,
+    /// Displacement in the frame at its present velocity \[m\].
+    pub displacement: [f32; 3],
     /// Distance that counts as reached \[m\].
     pub margin: f64,
     /// Piece whose triangles do not count.
@@ -39,7 +39,7 @@ impl MovingPoint {
 /// A [`MovingPoint`] in single precision.
 struct Query {
     position: [f32; 3],
-    displacement: Aabb,
+    displacement: [f32; 3],
     squared_margin: f32,
     /// Piece whose triangles do not count, or [`NONE`].
     excluded: u32,
@@ -73,14 +73,14 @@ impl Query {
         let (mut at_rest, mut moving) = ([0.0; N], [0.0; N]);
         for k in 0..3 {
             let at = self.position[k];
-            let (min, max) = (self.displacement.min[k], self.displacement.max[k]);
+            let own = self.displacement[k];
             for i in 0..N {
                 let below = bounds[0][k][i] - at;
                 let above = at - bounds[1][k][i];
                 let off = most(most(below, above), 0.0);
                 at_rest[i] += off * off;
-                let reach = reach([min, max], [displacement[0][k][i], displacement[1][k][i]]);
-                let off = most(most(below, above) - reach, 0.0);
+                let approach = max_approach(own, [displacement[0][k][i], displacement[1][k][i]]);
+                let off = most(most(below, above) - approach, 0.0);
                 moving[i] += off * off;
             }
         }
@@ -103,23 +103,23 @@ impl Query {
     /// Returns the maximum distance from a triangle that is reached \[m\].
     fn radius(&self, displacement: &Aabb) -> f64 {
         let farthest = |k: usize| {
-            let own = [self.displacement.min[k], self.displacement.max[k]];
-            reach(own, [displacement.min[k], displacement.max[k]])
+            let others = [displacement.min[k], displacement.max[k]];
+            max_approach(self.displacement[k], others)
         };
         let [x, y, z] = [0, 1, 2].map(farthest).map(|x| x * x);
         f64::from(self.squared_margin).sqrt() + f64::from(x + y + z).sqrt()
     }
 }
 
-/// Returns the maximum change of the distance along an axis between two ranges of displacements.
+/// Returns the maximum approach along an axis of a point and others with a range of displacements.
 ///
-/// The relative velocity may grow or be reversed within the frame, and one of the two may be
-/// stopped.
+/// Their relative velocity may grow or be reversed, and so may that of one while something stops
+/// the other.
 #[inline]
-fn reach(a: [f32; 2], b: [f32; 2]) -> f32 {
-    let relative = most(a[1] - b[0], b[1] - a[0]);
-    let alone = most(most(a[1], -a[0]), most(b[1], -b[0]));
-    most(MovingPoint::SPEED_MARGIN * relative, alone)
+fn max_approach(own: f32, [min, max]: [f32; 2]) -> f32 {
+    let relative = most(max - own, own - min);
+    let if_one_stops = most(own.abs(), most(max, -min));
+    MovingPoint::SPEED_MARGIN * most(relative, if_one_stops)
 }
 
 /// Returns a finite upper bound of squared distances that are rounded to 32 bits.

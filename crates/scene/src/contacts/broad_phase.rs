@@ -3,7 +3,7 @@
 //! Called by [`super::ContactDetection`] with the bodies that may collide; the narrow phase reads
 //! the pairs and displacements.
 
-use super::motion::{Motion, max_displacement};
+use super::motion::Motion;
 use super::near_bodies::grow;
 use super::overlaps::PieceId;
 use super::{BladeFace, ContactFrame, SPEED_MARGIN};
@@ -34,7 +34,7 @@ pub(super) struct Piece {
     group_velocity: Vec3,
     /// Box around the displacements of its vertices relative to the group \[m\].
     displacement: Aabb,
-    /// Maximum displacement of a vertex \[m\].
+    /// Maximum displacement of a vertex whose velocity grows \[m\].
     pub(super) max_displacement: f64,
     /// Index of its first pair.
     first_pair: u32,
@@ -98,7 +98,8 @@ impl Pieces {
             }
         }
         for piece in &mut self.list {
-            piece.max_displacement = max_displacement(&piece.displacement);
+            let [min, max] = [piece.displacement.min, piece.displacement.max].map(to_f64);
+            piece.max_displacement = SPEED_MARGIN * min.abs().sup(&max.abs()).norm();
         }
     }
 
@@ -242,7 +243,7 @@ impl Pieces {
             let common = self.list[self.list[index].group as usize].group_velocity;
             let displacement = motion.set_displacement(v, common, dt);
             let piece = &mut self.list[index];
-            piece.displacement = piece.displacement.union(displacement);
+            piece.displacement = piece.displacement.union(Aabb::around([displacement]));
         }
     }
 }

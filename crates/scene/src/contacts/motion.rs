@@ -3,7 +3,7 @@
 use super::{ContactFrame, SPEED_MARGIN};
 use crate::body::Body;
 use incise_mesh::geometry::{to_f32, to_f64};
-use incise_mesh::{Aabb, MotionBounds, Surface, TriangleId, Vec3, VertexId};
+use incise_mesh::{MotionBounds, Surface, TriangleId, Vec3, VertexId};
 
 /// Maximum minimum distance from a piece [distances between its sides].
 ///
@@ -21,8 +21,10 @@ pub(super) struct Motion {
     thicknesses: Vec<f64>,
     /// Velocities; of pinned vertices the motion to their targets [m/s], shape [vertex slots].
     velocities: Vec<[f32; 4]>,
-    /// Boxes of displacements relative to their group of pieces \[m\], shape [vertex slots].
-    pub(super) displacements: Vec<Aabb>,
+    /// Displacements at the velocities relative to their group of pieces \[m\].
+    ///
+    /// Shape [vertex slots].
+    pub(super) displacements: Vec<[f32; 3]>,
     /// Boxes and displacements of the nodes of the body's BVH.
     pub(super) bounds: MotionBounds,
     /// By piece number: index in the broad phase, or `u32::MAX`.
@@ -53,8 +55,7 @@ impl Motion {
             });
         }
         self.displacements.clear();
-        self.displacements
-            .resize(self.velocities.len(), Aabb::default());
+        self.displacements.resize(self.velocities.len(), [0.0; 3]);
         self.thicknesses.clear();
         self.thicknesses
             .extend((0..surface.piece_bound()).map(|piece| {
@@ -85,16 +86,16 @@ impl Motion {
         to_f64([x, y, z])
     }
 
-    /// Sets the displacement of a vertex relative to a common velocity [m/s], and returns its box.
-    pub(super) fn set_displacement(&mut self, v: VertexId, common: Vec3, dt: f64) -> Aabb {
-        let bounds = Aabb::around([to_f32((self.velocity(v) - common) * dt)]);
-        self.displacements[v.index()] = bounds;
-        bounds
+    /// Sets the displacement of a vertex relative to a common velocity [m/s], and returns it.
+    pub(super) fn set_displacement(&mut self, v: VertexId, common: Vec3, dt: f64) -> [f32; 3] {
+        let displacement = to_f32((self.velocity(v) - common) * dt);
+        self.displacements[v.index()] = displacement;
+        displacement
     }
 
-    /// Returns the maximum displacement of a vertex \[m\].
+    /// Returns the maximum displacement of a vertex whose velocity grows \[m\].
     pub(super) fn max_displacement(&self, v: VertexId) -> f64 {
-        max_displacement(&self.displacements[v.index()])
+        SPEED_MARGIN * to_f64(self.displacements[v.index()]).norm()
     }
 
     /// Finds the bounds of all nodes of a BVH, which must be refitted.
@@ -102,10 +103,4 @@ impl Motion {
         let displacements = &self.displacements;
         self.bounds.find(body.bvh(), body.surface(), displacements);
     }
-}
-
-/// Returns the maximum norm of the displacements in a box if velocities grow \[m\].
-pub(super) fn max_displacement(bounds: &Aabb) -> f64 {
-    let [min, max] = [bounds.min, bounds.max].map(to_f64);
-    SPEED_MARGIN * min.abs().sup(&max.abs()).norm()
 }

@@ -200,24 +200,55 @@ fn bodies_in_each_other_separate_under_gravity() {
     }
 }
 
-/// Regression: shifts of many pairs added up and pushed bodies into the ground, 218 J.
-#[test]
-fn many_bodies_in_one_place_gain_no_energy() {
+/// Returns 30 balls in one place above the ground.
+fn many_in_one_place() -> (Scene, Vec<BodyId>) {
     let mut scene = weightless();
     scene.params.solver.ground = Some(0.0);
     let ball = icosphere(2, 1.0);
-    let ids: Vec<BodyId> = (0..30)
-        .map(|i| {
-            let [x, z] = [i % 5, i % 7].map(|k| 0.015 * k as f32);
-            let at = [x, 0.21 + 0.011 * i as f32, z];
-            add(&mut scene, &ball, at, 0.2)
-        })
-        .collect();
+    let ids = (0..30).map(|i| {
+        let [x, z] = [i % 5, i % 7].map(|k| 0.015 * k as f32);
+        let at = [x, 0.21 + 0.011 * i as f32, z];
+        add(&mut scene, &ball, at, 0.2)
+    });
+    let ids = ids.collect();
+    (scene, ids)
+}
+
+/// Regression: shifts of many pairs added up and pushed bodies into the ground, 218 J.
+#[test]
+fn many_bodies_in_one_place_gain_no_energy() {
+    let (mut scene, ids) = many_in_one_place();
     for frame in 0..60 {
         scene.step().unwrap();
         let energies = ids.iter().map(|&id| scene.body(id).unwrap().solver());
         let energy: f64 = energies.map(Solver::kinetic_energy).sum();
         assert!(energy < 1.0, "{energy} J in frame {frame}");
+    }
+}
+
+/// A frame tests 240 points, more than one thread takes at a time.
+#[test]
+fn overlaps_have_the_same_bits_on_any_number_of_threads() {
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| {
+            let (mut scene, ids) = many_in_one_place();
+            let before = center(&scene, &ids[..1]);
+            for _ in 0..12 {
+                scene.step().unwrap();
+            }
+            let way = (center(&scene, &ids[..1]) - before).norm();
+            let bits = ids.into_iter().flat_map(|id| {
+                let positions = scene.body(id).unwrap().surface().positions();
+                positions.iter().map(|p| p.map(f32::to_bits))
+            });
+            (bits.collect::<Vec<_>>(), way)
+        })
+    };
+    let one = run(1);
+    assert!(one.1 > 0.02, "the lowest ball moved by {} m", one.1);
+    for threads in [2, 4] {
+        assert!(one == run(threads), "{threads} threads differ from one");
     }
 }
 

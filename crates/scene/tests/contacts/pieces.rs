@@ -171,22 +171,44 @@ fn thin_plates_rest_on_each_other() {
     }
 }
 
-/// Two balls fall with the same velocity, half a diameter apart, and one of them is at the ground.
-///
-/// The search follows relative motion: the fall itself brings no triangle into reach.
-#[test]
-fn pieces_that_fall_together_have_no_contacts() {
+/// Returns the contacts of two balls that fall by two thirds of a meter a frame, one above the
+/// other.
+fn contacts_of_falling_balls(gap: f32, ground: Option<f32>, colliders: &[Collider]) -> usize {
     let ball = cube_sphere(6, 1.0);
     let body = merged(&[
         moved(&ball, [0.0, 1.2, 0.0], [1.0; 3]),
-        moved(&ball, [0.0, 4.2, 0.0], [1.0; 3]),
+        moved(&ball, [0.0, 3.2 + gap, 0.0], [1.0; 3]),
     ]);
-    let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0], ground));
+    scene.colliders = colliders.to_vec();
     let id = scene.add_body(body, &firm(0.5, 0.0)).unwrap();
     for piece in [0, 1] {
         set_piece_velocity(&mut scene, id, piece, [0.0, -40.0, 0.0]);
     }
-    assert_eq!(scene.step().unwrap().contacts, 0);
+    scene.step().unwrap().contacts
+}
+
+/// The search follows relative motion: the fall itself brings no triangle into reach. The ground
+/// does not change this, as it does not hold a group of pieces.
+#[test]
+fn pieces_that_fall_together_have_no_contacts() {
+    for gap in [0.6, 1.0] {
+        assert_eq!(contacts_of_falling_balls(gap, Some(0.0), &[]), 0);
+    }
+}
+
+/// A collider may stop one of two pieces that fall together, so that the other one reaches it.
+#[test]
+fn pieces_that_fall_onto_a_collider_reach_each_other_by_their_motion() {
+    let plane = Collider::Plane {
+        point: [0.0; 3],
+        normal: [0.0, 1.0, 0.0],
+    };
+    let contacts = |gap| contacts_of_falling_balls(gap, None, &[plane]);
+    for gap in [0.6, 1.2] {
+        assert!(contacts(gap) > 0, "{gap} m are less than twice the motion");
+    }
+    assert_eq!(contacts(1.6), 0, "more than twice the motion");
 }
 
 #[test]
