@@ -41,6 +41,7 @@ pub use solver::Solver;
 pub use step::constants::{Projection, StepConstants, VolumeProjection};
 pub use step::island::{Island, IslandBodies, IslandError};
 pub use step::params::{Integrator, Scheme, SolverParams, StepStats};
-pub use step::plan::{ConstraintKind, Pass, StepPlan};
+pub use step::pass::{ConstraintKind, Pass};
+pub use step::plan::StepPlan;
 #[cfg(feature = "gpu")]
 pub use wgpu;

@@ -6,6 +6,7 @@ mod body_step;
 pub(crate) mod constants;
 pub(crate) mod island;
 pub(crate) mod params;
+pub(crate) mod pass;
 pub(crate) mod plan;
 pub(crate) mod prepare;
 #[cfg(feature = "serde")]

@@ -1,26 +1,22 @@
-//! Islands: groups of touching bodies, which are stepped in lockstep, and their steps in parallel.
+//! Islands: groups of touching bodies, which are stepped in lockstep.
 //!
 //! A body without contacts with others is an island of one. `frame.rs` groups the bodies after
-//! contact detection, steps the islands and returns the bodies to the scene.
+//! contact detection; [`step`] steps the islands and returns the bodies to the scene.
 
 mod held;
+mod step;
 
-use crate::body::{Body, BodyId};
+use crate::body::Body;
 use crate::contacts::{BodyContact, ContactDetection};
 use crate::error::SceneError;
-use crate::scene::{Bodies, Scene};
+use crate::scene::Bodies;
 use held::HeldContacts;
-use incise_mesh::{Surface, VertexId, index_u32};
-use incise_pbd_gpu::{Contact, Island, IslandBodies, IslandError, Solver, SolverParams};
-use rayon::prelude::*;
+use incise_mesh::{VertexId, index_u32};
+use incise_pbd_gpu::Contact;
+use step::BodyIsland;
 
 #[cfg(feature = "serde")]
 pub(crate) use held::HeldContact;
-
-/// Minimum number of constraints of all stepped bodies for several threads.
-///
-/// Below it, waking a thread takes longer than the step.
-const MIN_PARALLEL: usize = 4096;
 
 /// Island number of a body that no island steps: it sleeps, or the GPU steps it.
 const NONE: u32 = u32::MAX;
@@ -43,57 +39,6 @@ pub(crate) struct Islands {
     held: HeldContacts,
     /// Scratch memory: contacts of a single body.
     contacts: Vec<Contact>,
-}
-
-/// The bodies of an island. They are here from grouping until they are stepped.
-#[derive(Debug, Default)]
-struct BodyIsland {
-    /// Indices in the scene, ascending.
-    members: Vec<usize>,
-    bodies: Members,
-    vertices: u32,
-    contacts: Vec<Contact>,
-    solver: Island,
-    done: Option<IslandError>,
-}
-
-#[derive(Debug, Default)]
-struct Members(Vec<Box<Body>>);
-
-impl IslandBodies for Members {
-    fn count(&self) -> usize {
-        self.0.len()
-    }
-
-    fn get(&mut self, i: usize) -> (&mut Solver, &mut Surface) {
-        let (surface, solver) = self.0[i].parts();
-        (solver, surface)
-    }
-}
-
-impl BodyIsland {
-    fn constraints(&self) -> usize {
-        self.bodies.0.iter().map(|body| body.constraints()).sum()
-    }
-
-    /// Steps the bodies by one frame.
-    fn step(&mut self, dt: f32, params: &SolverParams) {
-        for body in &mut self.bodies.0 {
-            body.begin_step();
-        }
-        let done = match self.bodies.0.as_mut_slice() {
-            [body] => {
-                let (surface, solver) = body.parts();
-                let done = solver.step(surface, dt, params).map(|_| ());
-                done.map_err(|error| IslandError { body: 0, error })
-            }
-            _ => self.solver.step(&mut self.bodies, dt, params),
-        };
-        for body in &mut self.bodies.0 {
-            body.end_step(done.is_ok());
-        }
-        self.done = done.err();
-    }
 }
 
 impl Islands {
@@ -248,35 +193,6 @@ impl Islands {
         Ok(count)
     }
 
-    /// Adds islands for bodies that fell back from the GPU since the grouping.
-    fn add_fallen_back(&mut self, bodies: &mut Bodies, is_stepped: impl Fn(usize) -> bool) {
-        for (i, body) in bodies.iter().enumerate() {
-            if self.island_of[i] == NONE && body.is_some() && is_stepped(i) {
-                self.island_of[i] = index_u32(self.count);
-                self.begin_island();
-                self.list[self.count - 1].members.push(i);
-            }
-        }
-        self.take(bodies);
-    }
-
-    /// Takes the bodies of all islands out of the scene.
-    fn take(&mut self, bodies: &mut Bodies) {
-        for island in &mut self.list[..self.count] {
-            let all = island.members.iter().filter_map(|&i| bodies[i].take());
-            island.bodies.0.extend(all);
-        }
-    }
-
-    /// Returns the bodies of all islands to the scene.
-    fn give_back(&mut self, bodies: &mut Bodies) {
-        for island in &mut self.list[..self.count] {
-            for (&i, body) in island.members.iter().zip(island.bodies.0.drain(..)) {
-                bodies[i] = Some(body);
-            }
-        }
-    }
-
     /// Keeps where friction held the contacts of shared islands; solvers keep those of a body.
     fn keep_held(&mut self, bodies: &Bodies) {
         let versions = (0..bodies.len()).map(|i| version(bodies, i));
@@ -314,32 +230,6 @@ impl Islands {
             ..Self::default()
         })
     }
-
-    /// Steps all islands, which are independent of each other, in parallel.
-    fn step(&mut self, dt: f32, params: &SolverParams) {
-        let islands = &mut self.list[..self.count];
-        let constraints: usize = islands.iter().map(BodyIsland::constraints).sum();
-        let one_thread = params.threads.is_some_and(|threads| threads.get() == 1);
-        if one_thread || islands.len() < 2 || constraints < MIN_PARALLEL {
-            islands
-                .iter_mut()
-                .for_each(|island| island.step(dt, params));
-        } else {
-            // One island a task: sizes differ, and idle threads take the next one.
-            let islands = islands.par_iter_mut().with_max_len(1);
-            islands.for_each(|island| island.step(dt, params));
-        }
-    }
-
-    /// Returns the error of the first body that could not be stepped.
-    fn error(&self) -> Option<(usize, IslandError)> {
-        let islands = self.list[..self.count].iter();
-        let errors = islands.filter_map(|island| {
-            let error = island.done?;
-            Some((island.members[error.body], error))
-        });
-        errors.min_by_key(|(body, _)| *body)
-    }
 }
 
 /// Returns the version of a body's topology, none without the body.
@@ -357,72 +247,4 @@ fn shifted(contact: &Contact, [of_first, of_others]: [u32; 2]) -> Contact {
         }
     }
     out
-}
-
-impl Scene {
-    /// Steps the frame of all awake bodies, on the GPU and on the CPU.
-    ///
-    /// # Errors
-    /// [`SceneError::Step`] with the first body that cannot be stepped; those of other islands are
-    /// stepped. [`SceneError`] of the GPU when it fails.
-    pub(crate) fn step_islands(&mut self) -> Result<(), SceneError> {
-        self.islands.take(&mut self.bodies);
-        // Bodies that an island took are not in the scene, so the GPU does not step them.
-        let on_gpu = self.step_gpu();
-        if on_gpu.is_ok() {
-            let Self {
-                bodies,
-                islands,
-                sleep,
-                gpu,
-                ..
-            } = self;
-            let is_on_gpu = |i: usize| gpu.as_ref().is_some_and(|gpu| gpu.holds(i));
-            islands.add_fallen_back(bodies, |i| !sleep.is_asleep(i) && !is_on_gpu(i));
-            self.islands.step(self.params.dt, &self.params.solver);
-        }
-        self.islands.give_back(&mut self.bodies);
-        self.islands.keep_held(&self.bodies);
-        on_gpu?;
-        if let Some((index, IslandError { error, .. })) = self.islands.error() {
-            let scene = self.number;
-            let body = BodyId { scene, index };
-            return Err(SceneError::Step { body, error });
-        }
-        for island in &self.islands.list[..self.islands.count] {
-            self.sleep.join(&island.members);
-        }
-        for i in 0..self.bodies.len() {
-            if self.islands.members(i).is_some() {
-                self.observe_step(i);
-            }
-        }
-        Ok(())
-    }
-
-    /// Adds the step of a body to the statistics and to its time at rest.
-    fn observe_step(&mut self, i: usize) {
-        let Some(body) = &mut self.bodies[i] else {
-            return;
-        };
-        let done = *body.solver().stats();
-        self.stats.iterations_skipped += done.iterations_skipped;
-        self.stats.ground_passes_skipped += done.ground_passes_skipped;
-        #[cfg(feature = "global")]
-        {
-            let global = body.solver().global_stats();
-            self.stats.global_bodies += u32::from(done.global_iterations > 0);
-            self.stats.global_bytes += global.bytes;
-            self.stats.factor_time = self.stats.factor_time.max(global.factor_time);
-            self.stats.factor_age = self.stats.factor_age.max(global.factor_age);
-        }
-        if let Some(sleep) = &self.params.sleep
-            && let Some(displacement) = self.sleep.observe(i, done.max_substep_displacement)
-        {
-            let edge = body.solver().mean_rest_length();
-            let h = f64::from(self.params.dt) / f64::from(done.substeps);
-            let limit = sleep.limit(edge, &body.surface().bounds(), h);
-            self.sleep.set_at_rest(i, f64::from(displacement) <= limit);
-        }
-    }
 }

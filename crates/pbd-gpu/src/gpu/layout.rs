@@ -2,7 +2,7 @@
 
 use crate::constraints::batches::OVERFLOW;
 use crate::constraints::coloring::LAYERS;
-use crate::step::plan::ConstraintKind;
+use crate::step::pass::ConstraintKind;
 use bytemuck::{Pod, Zeroable};
 
 /// Runs per body and kind of constraint: one per color, the overflow last.

@@ -6,7 +6,7 @@ use super::program::{Compiler, Dispatch, PLAIN_PASS, Stepped};
 use super::shaders::EntryPoint;
 use crate::constraints::batches::BatchId;
 use crate::constraints::coloring::{LAYERS, MAX_COLORS};
-use crate::step::plan::{ConstraintKind, Pass};
+use crate::step::pass::{ConstraintKind, Pass};
 use incise_mesh::index_u32;
 
 /// Maximum size of a small color.

@@ -8,7 +8,8 @@ use super::layout::{Link, PassUniform, STRETCH};
 use super::pipelines::{Kernel, Lanes};
 use super::shaders::EntryPoint;
 use super::stats::Schedule;
-use crate::step::plan::{Pass, StepPlan};
+use crate::step::pass::Pass;
+use crate::step::plan::StepPlan;
 use incise_mesh::index_u32;
 
 /// Parameters of a pass without kind and color.

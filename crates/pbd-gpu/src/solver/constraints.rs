@@ -9,7 +9,7 @@ use crate::constraints::contacts::{Contact, ContactSet};
 use crate::constraints::volumes::VolumeSet;
 use crate::error::{ConstraintError, InvalidConstraints};
 use crate::material::{InteriorSprings, Material, Stiffness, Volume};
-use crate::step::plan::Pass;
+use crate::step::pass::Pass;
 use incise_mesh::{Surface, VertexId};
 
 impl Solver {

@@ -14,7 +14,7 @@ use crate::parallel::passes::{sweep_color, sweep_patches};
 use crate::step::body::Body;
 use crate::step::constants::{Projection, StepConstants};
 use crate::step::params::StepStats;
-use crate::step::plan::{ConstraintKind, Pass};
+use crate::step::pass::{ConstraintKind, Pass};
 use crate::step::sweep::{Kernel, Sweep};
 use pulp::Arch;
 use std::cell::Cell;

@@ -4,7 +4,8 @@ use super::*;
 use crate::constraints::batches::{BendingSet, StretchSet};
 use crate::constraints::coloring::LAYERS;
 use crate::constraints::edges::EdgeId;
-use crate::step::plan::{ConstraintKind, Pass, PlanKey, StepPlan};
+use crate::step::pass::{ConstraintKind, Pass};
+use crate::step::plan::{PlanKey, StepPlan};
 use incise_mesh::VertexId;
 use naga::{Block, Constant, Function, Statement};
 

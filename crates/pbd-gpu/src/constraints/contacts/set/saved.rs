@@ -1,7 +1,8 @@
 //! Saving of contacts, whose colors follow from them.
 
-use super::{Carried, ContactKind, ContactRecord, ContactSet, NO_VERTEX, UNCOLORED};
+use super::{ContactRecord, ContactSet, NO_VERTEX, UNCOLORED};
 use crate::constraints::coloring::VertexColors;
+use crate::constraints::contacts::{Carried, ContactKind};
 use incise_mesh::VertexId;
 
 impl ContactSet {

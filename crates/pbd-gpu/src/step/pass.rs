@@ -1,0 +1,193 @@
+//! [`Pass`]: the passes of a substep in the order in which they run.
+//!
+//! Their `Ord` is the only place that states this order. Plans of several bodies are merged by it,
+//! and a unit test compares the shader that steps a whole body in one dispatch with it.
+
+use crate::constraints::batches::BatchId;
+use std::cmp::{Ordering, Reverse};
+
+/// A kind of constraint that is projected in batches; layers project the kinds in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ConstraintKind {
+    /// Lengths of edges.
+    Stretch,
+    /// Dihedral angles of edges.
+    Bending,
+    /// Lengths of interior springs, after all layers of the other kinds.
+    InteriorSpring,
+}
+
+impl ConstraintKind {
+    /// All kinds; the index of a kind is its number.
+    pub const ALL: [Self; 3] = [Self::Stretch, Self::Bending, Self::InteriorSpring];
+}
+
+/// One pass over vertices or over the constraints of one batch.
+///
+/// Passes are ordered as they run in a substep, so that the lists of several bodies can be merged.
+/// The variants below are listed in that order; the batches of stretch and bending alternate by
+/// layer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Pass {
+    /// Applies gravity and damping to velocities, predicts displacements, and finds the lowest
+    /// vertex (Algorithm 1, lines 5 to 8).
+    Predict,
+    /// Moves pinned vertices towards their targets.
+    Pins,
+    /// Finds nearest points and normals of contacts at the start of the substep.
+    ContactFeatures,
+    /// Sets all multipliers to zero.
+    ResetMultipliers,
+    /// Starts the [global step](crate::Scheme) from the predicted displacements.
+    BeginGlobal,
+    /// Pulls vertices back that are too far from their pinned anchor.
+    LongRangeAttachments,
+    /// Projects the constraints of one batch.
+    Project {
+        /// The kind of the constraints.
+        kind: ConstraintKind,
+        /// The batch in the set of that kind.
+        batch: BatchId,
+    },
+    /// Projects the lengths of one batch once more: all batches of interior springs, then those of
+    /// edges, in reverse order.
+    ///
+    /// Without these passes the sweep over lengths is not symmetric: it acts like a force that
+    /// depends on the order, and bodies that touch others sway without end.
+    ProjectBack {
+        /// Edges or interior springs.
+        kind: ConstraintKind,
+        /// The batch in the set of that kind; the overflow keeps its inner order.
+        batch: BatchId,
+    },
+    /// Runs an iteration of the global step, in place of projections.
+    GlobalIteration,
+    /// Projects contacts before volumes, in a body that has both.
+    ///
+    /// The volumes pass then restores in the same substep the volume that contacts removed.
+    /// Otherwise that loss would be an old error in the next substep, which is corrected slowly,
+    /// and stacked pieces would collapse.
+    ContactsBeforeVolumes,
+    /// Pushes vertices out of colliders before volumes, in a body that has both.
+    ///
+    /// The volumes pass then counts these vertices as fixed, so that a piece keeps its volume
+    /// between colliders.
+    CollidersBeforeVolumes,
+    /// Lifts the vertices of pieces with a volume onto the ground before volumes.
+    ///
+    /// The reason is that of [`Self::CollidersBeforeVolumes`].
+    GroundBeforeVolumes,
+    /// Restores the volumes of closed pieces.
+    Volumes,
+    /// Projects contacts, color by color.
+    Contacts,
+    /// Pushes vertices out of colliders and applies friction.
+    Colliders,
+    /// Lifts vertices onto the ground and applies friction.
+    ///
+    /// Both passes over the ground are skipped in a substep in which the whole body is predicted
+    /// above it.
+    Ground,
+    /// Lets active contacts separate without velocity.
+    ContactRecovery,
+    /// Updates velocities and positions from displacements (Algorithm 1, lines 10 to 13).
+    Integrate,
+}
+
+/// A sort key of passes.
+type Rank = (
+    u32,
+    usize,
+    Option<ConstraintKind>,
+    Option<BatchId>,
+    Option<(Reverse<ConstraintKind>, Reverse<usize>, Reverse<BatchId>)>,
+);
+
+impl Pass {
+    /// Returns the sort key of the pass: stage, layer, kind, batch; in reverse kind, layer, batch.
+    fn rank(self) -> Rank {
+        let stage = |stage| (stage, 0, None, None, None);
+        match self {
+            Self::Predict => stage(0),
+            Self::Pins => stage(1),
+            Self::ContactFeatures => stage(2),
+            Self::ResetMultipliers => stage(3),
+            Self::BeginGlobal => stage(4),
+            Self::LongRangeAttachments => stage(5),
+            Self::GlobalIteration => stage(6),
+            Self::Project { kind, batch } => {
+                let stage = match kind {
+                    ConstraintKind::Stretch | ConstraintKind::Bending => 7,
+                    ConstraintKind::InteriorSpring => 8,
+                };
+                (stage, batch.layer(), Some(kind), Some(batch), None)
+            }
+            Self::ProjectBack { kind, batch } => {
+                let reverse = (Reverse(kind), Reverse(batch.layer()), Reverse(batch));
+                (9, 0, None, None, Some(reverse))
+            }
+            Self::ContactsBeforeVolumes => stage(10),
+            Self::CollidersBeforeVolumes => stage(11),
+            Self::GroundBeforeVolumes => stage(12),
+            Self::Volumes => stage(13),
+            Self::Contacts => stage(14),
+            Self::Colliders => stage(15),
+            Self::Ground => stage(16),
+            Self::ContactRecovery => stage(17),
+            Self::Integrate => stage(18),
+        }
+    }
+
+    /// Returns whether the pass lifts vertices onto the ground.
+    pub(crate) fn is_ground(self) -> bool {
+        matches!(self, Self::GroundBeforeVolumes | Self::Ground)
+    }
+
+    /// Returns the layer of a pass over constraints within patches.
+    pub(crate) fn patch_layer(self) -> Option<usize> {
+        match self {
+            Self::Project { batch, .. } | Self::ProjectBack { batch, .. } => {
+                Some(batch.layer()).filter(|&layer| layer > 0)
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns whether the pass projects in reverse order.
+    pub(crate) fn is_back(self) -> bool {
+        matches!(self, Self::ProjectBack { .. })
+    }
+
+    /// Returns kind and layer of a pass over constraints. Passes of one direction that agree in
+    /// both may share a dispatch.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn kind_and_layer(self) -> Option<(ConstraintKind, usize)> {
+        match self {
+            Self::Project { kind, batch } | Self::ProjectBack { kind, batch } => {
+                Some((kind, batch.layer()))
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns the batch of a pass over constraints.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn batch(self) -> Option<BatchId> {
+        match self {
+            Self::Project { batch, .. } | Self::ProjectBack { batch, .. } => Some(batch),
+            _ => None,
+        }
+    }
+}
+
+impl Ord for Pass {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.rank().cmp(&other.rank())
+    }
+}
+
+impl PartialOrd for Pass {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
