@@ -193,9 +193,7 @@ proptest! {
             .map(|i| {
                 let random = |k: u32| i.wrapping_mul(2_654_435_761) ^ (seed + k).wrapping_mul(97);
                 let along = |k: u32| (random(k) % 64) as f32 / 256.0 - 0.125;
-                // Most of them move like the point.
-                let share = if i % 4 == 0 { 1.0 } else { 0.125 };
-                [0, 1, 2].map(|k| own[k as usize] + share * along(k))
+                [along(0), along(1), along(2)]
             })
             .collect();
         let mut bounds = MotionBounds::default();
@@ -222,12 +220,8 @@ proptest! {
                 let around = Aabb::around(at.map(|[x, y, z, _]| [x, y, z]));
                 let relative: f32 = (0..3)
                     .map(|k| {
-                        // Twice the relative motion, or that of one of them.
-                        let ends = [motion.min[k], motion.max[k]];
-                        let relative = ends.map(|other| (other - own[k]).abs());
-                        let alone = ends.map(|other| other.abs().max(own[k].abs()));
-                        let [a, b] = [0, 1].map(|i| relative[i].max(alone[i]));
-                        (2.0 * a.max(b)).powi(2)
+                        let other = motion.max[k].abs().max(motion.min[k].abs());
+                        (2.0 * (own[k].abs() + other)).powi(2)
                     })
                     .sum();
                 // Positions have 32 bits.

@@ -13,10 +13,9 @@
 //! 6. [`overlaps`] finds pieces deep in each other, which the next frames move apart.
 //!
 //! The solver finds nearest points and normals in every substep. A vertex stays in front of a
-//! triangle in whose reach it started the frame. This holds while the velocity of the two relative
-//! to each other grows at most [`SPEED_MARGIN`]-fold, or that of one relative to its group, as
-//! [`broad_phase`] defines it, if the other is stopped. Penetrations are resolved at a limited
-//! speed and leave no velocity.
+//! triangle in whose reach it started the frame, provided that its speed grows at most
+//! [`SPEED_MARGIN`]-fold within the frame. Penetrations are resolved at a limited speed and leave
+//! no velocity.
 
 mod axes;
 mod blade_face;

@@ -1,7 +1,7 @@
 //! Nearest points that a moving point may reach within a frame.
 //!
 //! Contact detection gives every vertex its displacement in the frame. [`MotionBounds`] have boxes
-//! of displacements, so a search descends only where the relative motion may close the gap.
+//! of displacements, so a search descends only where both motions may close the gap.
 
 use super::motion_bounds::{LANES, Lanes, MotionBounds, Target};
 use super::nearest::{Candidate, Nearest, TraversalStack};
@@ -113,13 +113,11 @@ impl Query {
 
 /// Returns the maximum approach along an axis of a point and others with a range of displacements.
 ///
-/// Their relative velocity may grow or be reversed, and so may that of one while something stops
-/// the other.
+/// Both velocities may grow or be reversed, also where the point and the others move together: an
+/// impact or a pull changes them within the frame.
 #[inline]
 fn max_approach(own: f32, [min, max]: [f32; 2]) -> f32 {
-    let relative = most(max - own, own - min);
-    let if_one_stops = most(own.abs(), most(max, -min));
-    MovingPoint::SPEED_MARGIN * most(relative, if_one_stops)
+    MovingPoint::SPEED_MARGIN * (own.abs() + most(max, -min))
 }
 
 /// Returns a finite upper bound of squared distances that are rounded to 32 bits.
