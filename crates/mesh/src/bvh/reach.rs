@@ -23,7 +23,7 @@ pub struct MovingPoint {
 }
 
 impl MovingPoint {
-    /// Factor by which a relative velocity may grow within the frame: an impact bends a body.
+    /// Factor by which a velocity may grow or be reversed within the frame: an impact bends a body.
     pub const SPEED_MARGIN: f32 = 2.0;
 
     /// Returns whether something in a box, with a box of displacements, may be reached.

@@ -25,7 +25,7 @@ pub(crate) struct ContactRecord {
     pub(crate) friction: f32,
     /// Minimum distance of a pair \[m\].
     pub(crate) thickness: f32,
-    /// A [`ContactKind`].
+    /// A [`ContactKind`](super::ContactKind).
     pub(crate) kind: u16,
     /// A [`Carried`].
     pub(crate) carried: u16,
