@@ -27,6 +27,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 
+use crate::State;
 use crate::backend::Executor;
 use crate::json::Json;
 use crate::machine;
@@ -37,7 +38,6 @@ use clap::Args;
 use convergence::Convergence;
 use device::Device;
 use error::ErrorMeasure;
-use incise_bench::State;
 use incise_mesh::TriangleId;
 use incise_pbd_gpu::SolverParams;
 use incise_progress::Progress;

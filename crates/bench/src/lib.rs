@@ -1,4 +1,8 @@
-//! The benchmark's reference: the solver's equations of motion, solved to rounding in 64 bits.
+//! The benchmarks of incise, and the reference that they measure errors against.
+//!
+//! [`program`] is the command line of `incise-bench`: the paper's table, time, error, stability,
+//! and a report of all. The reference solves the solver's equations of motion to rounding in 64
+//! bits.
 //!
 //! The feature `reference`, on by default, builds it; its sparse linear algebra takes minutes to
 //! compile. [`Model::of`] and [`State::of`] copy a body from a solver, and a [`Stepper`] moves it.
@@ -25,8 +29,42 @@
 //! ```
 
 #[cfg(feature = "reference")]
+mod accuracy;
+mod allocations;
+mod backend;
+mod chart;
+mod clock;
+mod cut;
+mod directions;
+mod frame_rates;
+mod html_report;
+mod json;
+mod machine;
+mod method;
+mod models;
+mod motion;
+#[cfg(not(feature = "gpu"))]
+mod no_gpu;
+mod numbers;
+mod options;
+mod output;
+mod picture;
+mod printout;
+mod program;
+#[cfg(feature = "reference")]
 mod reference;
+mod refine;
+mod skip;
+mod solver;
+mod stability;
+mod statistics;
+mod step;
+mod table;
+mod text_table;
+mod work_precision;
+mod workload;
 
+pub use program::program;
 #[cfg(feature = "reference")]
 pub use reference::{
     Constraints, Measure, Model, PatchStepper, Piece, ReferenceError, State, StepReport, Stepper,

@@ -58,18 +58,3 @@ fn auto_without_a_gpu_falls_back_and_reports_it_once() -> Result<(), SceneError>
     assert!(why.contains("feature gpu"), "{why}");
     Ok(())
 }
-
-#[test]
-fn the_id_of_a_removed_body_is_not_reused() -> Result<(), SceneError> {
-    let mut scene = Scene::new(SceneParams::default());
-    let mut add = || scene.add_body(build_model(Model::Sphere20), &Material::default());
-    let (first, second) = (add()?, add()?);
-    let body = scene.remove_body(first)?;
-    assert_eq!(body.surface(), scene.body(second).unwrap().surface());
-    let unknown = SceneError::UnknownBody { body: first };
-    assert_eq!(scene.remove_body(first).err(), Some(unknown));
-    let third = scene.add_body(build_model(Model::Sphere20), &Material::default())?;
-    assert!(third != first && third != second, "ids are not used again");
-    scene.step()?;
-    Ok(())
-}

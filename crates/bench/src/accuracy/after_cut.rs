@@ -12,7 +12,7 @@ use super::error::distance;
 use super::plot::PlotFiles;
 use super::scene::{Body, DT, Scene};
 use super::scenes;
-use incise_bench::{Model, ReferenceError, State, Stepper};
+use crate::{Model, ReferenceError, State, Stepper};
 use incise_cut::{CutParams, Cutter, Sweep};
 use incise_pbd_gpu::{Scheme, SolverParams, StepError};
 use rayon::prelude::*;

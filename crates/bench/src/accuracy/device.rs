@@ -2,7 +2,7 @@
 
 use super::run::{Run, Times, timed};
 use super::scene::{Body, DT};
-use incise_bench::State;
+use crate::State;
 use incise_pbd_gpu::{AdapterRequest, GpuBackend, GpuError, SolverParams};
 use std::time::Instant;
 

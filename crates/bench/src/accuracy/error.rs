@@ -2,7 +2,7 @@
 
 use super::scene::DT;
 use crate::work_precision::Row;
-use incise_bench::{Model, State};
+use crate::{Model, State};
 use nalgebra::Vector3;
 
 /// Errors over all frame ends.

@@ -3,7 +3,7 @@
 use super::convergence::Trajectory;
 use super::scene::{Body, DT};
 use crate::statistics::median;
-use incise_bench::{Model, PatchStepper, ReferenceError, State};
+use crate::{Model, PatchStepper, ReferenceError, State};
 use incise_pbd_gpu::{SolverParams, StepError};
 use std::time::{Duration, Instant};
 

@@ -1,6 +1,6 @@
 //! A scene for the solver and the reference: body, initial motion, pins and schemes.
 
-use incise_bench::{Model, State};
+use crate::{Model, State};
 use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, VertexId};
 use incise_pbd_gpu::{Integrator, Material, Solver, SolverParams, Stiffness};

@@ -6,7 +6,7 @@ use super::run::on_cpu;
 use super::scene::{DT, Scheme};
 use super::scenes;
 use crate::work_precision::FLOOR_SUBSTEPS;
-use incise_bench::{Model, State};
+use crate::{Model, State};
 use incise_pbd_gpu::{SolverParams, Stiffness};
 use nalgebra::Vector3;
 

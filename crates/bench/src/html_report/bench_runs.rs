@@ -1,7 +1,7 @@
 //! Runs benches for the report.
 
 use super::ReportArguments;
-use crate::Arguments;
+use crate::program::{self, Arguments};
 use clap::Parser;
 use std::error::Error;
 use std::io::Write;
@@ -23,7 +23,7 @@ pub(super) fn run_bench(
     let words = words.chain(quick.split_whitespace());
     let words = words.chain(arguments.quiet.then_some("--quiet"));
     let rows = ["--json".into(), file.as_os_str().to_owned()];
-    crate::run(
+    program::run(
         Arguments::try_parse_from(words.map(Into::into).chain(rows))?,
         out,
     )

@@ -1,0 +1,18 @@
+//! Tests of the contract of this crate.
+
+mod bvh;
+mod common;
+mod curved;
+mod exact;
+mod incision;
+mod lineage;
+mod mesh_planes;
+mod misuse;
+mod progress;
+mod recut;
+mod rest;
+mod sheet;
+mod stretched;
+mod strokes;
+mod sweep;
+mod threads;

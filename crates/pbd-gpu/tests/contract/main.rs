@@ -1,0 +1,24 @@
+//! Tests of the contract of this crate, on the CPU.
+
+mod attachments;
+mod cut;
+mod delta;
+mod determinism;
+mod early_out;
+#[cfg(feature = "global")]
+mod global;
+#[cfg(feature = "global")]
+mod global_bounds;
+#[cfg(feature = "global")]
+mod global_pins;
+mod invariants;
+mod islands;
+mod mass_transfer;
+mod material_changes;
+mod pressure;
+mod refusals;
+mod second_order;
+mod stability;
+mod undo;
+mod volumes;
+mod volumes_on_ground;

@@ -1,0 +1,22 @@
+//! Tests of the contract of this crate, on the CPU.
+
+mod blade_faces;
+mod contact_volumes;
+mod contacts;
+mod cut_threads;
+mod errors;
+mod frame;
+mod incisions;
+mod interior_springs;
+mod join_split;
+mod many_bodies;
+mod many_cuts;
+mod render_buffers;
+#[cfg(feature = "serde")]
+mod save;
+mod sheets;
+mod sleep;
+mod sleep_long;
+mod undo_in_motion;
+mod undo_stack;
+mod walls;

@@ -1,0 +1,306 @@
+//! A scene that is saved and loaded goes on with the same bits.
+
+mod scenes;
+
+use incise_mesh::{ArchiveError, Surface, icosphere};
+use incise_pbd_gpu::{Integrator, Material, PatchParams, Solver, SolverParams, Stiffness};
+use incise_scene::{LoadError, SaveError, Scene, SceneError, SceneParams};
+use proptest::prelude::*;
+use scenes::{BUSY_FRAMES, busy, move_blades, small, states};
+
+/// A file of version 1: [`small`], saved. A new version gets a file of its own; this one stays.
+const VERSION_1: &[u8] = include_bytes!("../data/scene-1.incise");
+
+/// Steps a scene by a frame, and returns its bits and counters.
+fn step(scene: &mut Scene, frame: u32) -> (Vec<[u32; 8]>, [u32; 4], usize) {
+    move_blades(scene, frame);
+    let stats = *scene.step().unwrap();
+    let counts = [
+        stats.cuts,
+        stats.failed_cuts,
+        stats.sleeping_bodies,
+        stats.woken,
+    ];
+    (states(scene), counts, stats.contacts)
+}
+
+#[test]
+fn a_loaded_scene_goes_on_with_the_same_bits() {
+    let mut scene = busy([2, 3, 2], &PatchParams::default());
+    let before: Vec<_> = (0..BUSY_FRAMES)
+        .map(|frame| step(&mut scene, frame))
+        .collect();
+    let touching = before.iter().filter(|(_, _, contacts)| *contacts > 0);
+    assert!(touching.count() > 20, "bodies touch");
+    let bodies: Vec<_> = scene.bodies().collect();
+    let pieces = |i: usize| scene.body(bodies[i]).unwrap().pieces().len();
+    assert!(pieces(0) > 1 && pieces(1) > 1, "two bodies are cut");
+    assert!(scene.is_asleep(bodies[2]).unwrap(), "one body sleeps");
+    let blade = scene.blades().nth(1).unwrap();
+    let incision = scene.incision(blade, bodies[3]).unwrap();
+    assert!(incision.unwrap().is_inside(), "a blade is in a body");
+    let bytes = scene.save().unwrap();
+    let frames = BUSY_FRAMES..BUSY_FRAMES + 600;
+    let expected: Vec<_> = frames
+        .clone()
+        .map(|frame| step(&mut scene, frame))
+        .collect();
+    let cuts: u32 = expected.iter().map(|(_, counts, _)| counts[0]).sum();
+    assert!(cuts > 3, "the scene is cut after it was saved, too");
+    let last = scene.save().unwrap();
+    for threads in 1..=4 {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| {
+            let mut loaded = Scene::load(&bytes).unwrap();
+            assert!(
+                loaded.save().unwrap() == bytes,
+                "a loaded scene is saved alike"
+            );
+            for (frame, expected) in frames.clone().zip(&expected) {
+                let is_equal = step(&mut loaded, frame) == *expected;
+                assert!(is_equal, "frame {frame} differs on {threads} threads");
+            }
+            assert!(
+                loaded.save().unwrap() == last,
+                "the states are equal to the bit"
+            );
+        });
+    }
+}
+
+#[test]
+fn a_file_of_version_1_loads() {
+    let mut scene = Scene::load(VERSION_1).unwrap();
+    let bodies: Vec<_> = scene.bodies().collect();
+    assert_eq!(
+        (bodies.len(), scene.blades().count(), scene.colliders.len()),
+        (4, 3, 1)
+    );
+    let body = |i: usize| scene.body(bodies[i]).unwrap();
+    assert_eq!(body(0).pieces().len(), 2);
+    assert!(
+        body(1).surface().channel("color").is_some(),
+        "channels are saved"
+    );
+    assert!(!body(3).solver().pins().is_empty(), "pins are saved");
+    for frame in 40..100 {
+        move_blades(&mut scene, frame);
+        scene.step().unwrap();
+    }
+    for &id in &bodies {
+        let body = scene.body(id).unwrap();
+        body.surface().validate().unwrap();
+        body.solver().validate(body.surface()).unwrap();
+    }
+}
+
+/// Sets length and checksum of a header to those of its content.
+fn seal(bytes: &mut [u8]) {
+    let length = (bytes.len() - 32) as u64;
+    bytes[16..24].copy_from_slice(&length.to_le_bytes());
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&bytes[..24]);
+    hasher.update(&bytes[32..]);
+    let sum = hasher.finalize();
+    bytes[24..28].copy_from_slice(&sum.to_le_bytes());
+}
+
+#[test]
+fn headers_are_checked() {
+    let bytes = Scene::default().save().unwrap();
+    let with = |at: usize, byte: u8| {
+        let mut bytes = bytes.clone();
+        bytes[at] = byte;
+        Scene::load(&bytes).err()
+    };
+    let error = |error: ArchiveError| Some(LoadError::Archive(error));
+    assert_eq!(with(0, 0), error(ArchiveError::UnknownFormat));
+    assert_eq!(Scene::load(&[]).err(), error(ArchiveError::UnknownFormat));
+    assert_eq!(
+        with(12, 9),
+        error(ArchiveError::UnknownVersion { version: 9 })
+    );
+    assert_eq!(with(40, bytes[40] ^ 1), error(ArchiveError::WrongChecksum));
+    let short = Scene::load(&bytes[..bytes.len() - 1]).err();
+    assert!(matches!(
+        short,
+        Some(LoadError::Archive(ArchiveError::WrongLength { .. }))
+    ));
+    let surface = icosphere(1, 0.5).save().unwrap();
+    let kind = Scene::load(&surface).err();
+    assert!(matches!(
+        kind,
+        Some(LoadError::Archive(ArchiveError::WrongKind { .. }))
+    ));
+}
+
+/// Loads a file and steps the scene, if it loads; returns whether it does.
+fn load_and_step(bytes: &[u8], params: SceneParams) -> bool {
+    let Ok(mut scene) = Scene::load(bytes) else {
+        return false;
+    };
+    // Parameters are public fields; huge numbers of substeps would take hours.
+    scene.params = params;
+    for frame in 40..43 {
+        move_blades(&mut scene, frame);
+        // A typed error ends the scene.
+        if scene.step().is_err() {
+            break;
+        }
+    }
+    true
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(512))]
+
+    /// The checksum is right, so that the content is decoded and validated.
+    #[test]
+    fn damaged_files_are_errors_or_scenes(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), 1..=u8::MAX), 1..4),
+        end in prop::option::weighted(0.1, any::<prop::sample::Index>()),
+    ) {
+        let mut bytes = VERSION_1.to_vec();
+        let length = bytes.len() - 32;
+        for (at, by) in changes {
+            bytes[32 + at.index(length)] ^= by;
+        }
+        if let Some(end) = end {
+            bytes.truncate(32 + end.index(length));
+        }
+        seal(&mut bytes);
+        load_and_step(&bytes, small_params());
+    }
+}
+
+/// Returns the parameters of [`small`].
+fn small_params() -> SceneParams {
+    Scene::load(VERSION_1).unwrap().params
+}
+
+#[test]
+fn one_changed_byte_anywhere_is_an_error_or_a_scene() {
+    let params = small_params();
+    let mut loaded = 0;
+    for at in (32..VERSION_1.len()).step_by(37) {
+        for by in [0x01, 0x80, 0xff] {
+            let mut bytes = VERSION_1.to_vec();
+            bytes[at] ^= by;
+            seal(&mut bytes);
+            loaded += u32::from(load_and_step(&bytes, params));
+        }
+    }
+    assert!(loaded > 0, "changed coordinates are valid");
+}
+
+#[test]
+fn a_surface_is_saved_with_all_arrays() {
+    let mut scene = small();
+    let cut = scene.bodies().nth(1).unwrap();
+    let surface = scene.body(cut).unwrap().surface();
+    let loaded = Surface::load(&surface.save().unwrap()).unwrap();
+    assert_eq!(&loaded, surface);
+    assert_eq!(loaded.fingerprint(), surface.fingerprint());
+    // A surface that is not finite is refused before it is written.
+    let (_, surface) = scene.edit(cut).unwrap().solver_mut();
+    let vertex = surface.topology().vertices().next().unwrap();
+    surface.positions_mut()[vertex.index()][0] = f32::NAN;
+    assert!(matches!(surface.save(), Err(ArchiveError::Surface(_))));
+    let error = SceneError::PositionNotFinite { body: cut, vertex };
+    assert_eq!(scene.save(), Err(SaveError::Scene(error)));
+}
+
+/// Returns a ball with an energy, which swings on a pin, and its solver.
+fn swinging(level: u32) -> (Surface, Solver) {
+    let mut surface = icosphere(level, 0.5);
+    let material = Material {
+        stretch: Stiffness::Compliance(1e-4),
+        bending: Some(Stiffness::Compliance(1e-2)),
+        ..Material::default()
+    };
+    let mut solver = Solver::new(&mut surface, &material).unwrap();
+    let top = surface.topology().vertices().next().unwrap();
+    solver.pin(&mut surface, top).unwrap();
+    (surface, solver)
+}
+
+/// Steps a solver, saves it after 5 frames and an edit of pins, and compares 60 more frames.
+fn check_solver(params: &SolverParams) {
+    let (mut surface, mut solver) = swinging(3);
+    for frame in 0..60 {
+        if frame == 5 {
+            let last = surface.topology().vertices().last().unwrap();
+            solver.pin(&mut surface, last).unwrap();
+        }
+        let bytes = solver.save(&surface).unwrap();
+        let (mut other_surface, mut other) = Solver::load(&bytes).unwrap();
+        assert!(
+            other.save(&other_surface).unwrap() == bytes,
+            "saved alike in frame {frame}"
+        );
+        solver.step(&mut surface, 1.0 / 60.0, params).unwrap();
+        other.step(&mut other_surface, 1.0 / 60.0, params).unwrap();
+        assert_eq!(
+            surface.positions(),
+            other_surface.positions(),
+            "frame {frame}"
+        );
+        assert_eq!(solver.velocities(), other.velocities(), "frame {frame}");
+    }
+}
+
+#[test]
+fn second_order_solvers_go_on_with_the_same_bits() {
+    check_solver(&SolverParams {
+        integrator: Integrator::Bdf2,
+        substeps: 2,
+        ..SolverParams::default()
+    });
+}
+
+/// The factor in use, one beside the frames, and the frame in which it is taken.
+#[cfg(feature = "global")]
+#[test]
+fn the_global_step_goes_on_with_the_same_bits() {
+    check_solver(&SolverParams {
+        scheme: incise_pbd_gpu::Scheme::Global,
+        iterations: 4,
+        substeps: 1,
+        ..SolverParams::default()
+    });
+}
+
+/// The frame of an edit of a large body does fewer iterations.
+#[cfg(feature = "global")]
+#[test]
+fn a_large_body_with_the_global_step_goes_on_with_the_same_bits_after_a_cut() {
+    use incise_cut::{CutParams, Cutter, Sweep};
+    let params = SolverParams {
+        scheme: incise_pbd_gpu::Scheme::Global,
+        iterations: 4,
+        substeps: 1,
+        ..SolverParams::default()
+    };
+    let (mut surface, mut solver) = swinging(5);
+    let plane = Sweep::from_plane([0.3, 1.0, 0.2], 0.1, &surface.bounds()).unwrap();
+    for frame in 0..8 {
+        if frame == 2 {
+            let cut = CutParams::default();
+            let outcome = Cutter::new(&surface).cut(&mut surface, &plane, &cut);
+            let delta = outcome.unwrap().delta;
+            solver.apply_delta(&mut surface, &delta).unwrap();
+        }
+        let bytes = solver.save(&surface).unwrap();
+        let (mut other_surface, mut other) = Solver::load(&bytes).unwrap();
+        solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+        other.step(&mut other_surface, 1.0 / 60.0, &params).unwrap();
+        let expected = if frame == 2 { 3 } else { 4 };
+        assert_eq!(solver.stats().global_iterations, expected, "frame {frame}");
+        assert_eq!(other.stats(), solver.stats(), "frame {frame}");
+        assert!(
+            surface.positions() == other_surface.positions()
+                && solver.velocities() == other.velocities(),
+            "other bits in frame {frame}"
+        );
+    }
+}
