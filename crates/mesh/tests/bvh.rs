@@ -215,18 +215,15 @@ proptest! {
             let is_in_reach = |t: TriangleId, distance: f64| {
                 let corners = surface.topology().triangle(t).map(|v| v.index());
                 let all = corners.map(|i| displacements[i]);
-                let motion = Aabb::around(all);
+                let motion = [0, 1, 2].map(|k| all.map(|d| d[k].abs()).into_iter().fold(0.0, f32::max));
                 let at = corners.map(|i| surface.positions()[i]);
                 let around = Aabb::around(at.map(|[x, y, z, _]| [x, y, z]));
                 let relative: f32 = (0..3)
-                    .map(|k| {
-                        let other = motion.max[k].abs().max(motion.min[k].abs());
-                        (2.0 * (own[k].abs() + other)).powi(2)
-                    })
+                    .map(|k| (2.0 * (own[k].abs() + motion[k])).powi(2))
                     .sum();
                 // Positions have 32 bits.
                 let radius = margin + f64::from(relative.sqrt());
-                (point.reaches(&around, &motion), distance - radius)
+                (point.reaches(&around, motion), distance - radius)
             };
             let others = triangles.iter().copied();
             let others =

@@ -3,7 +3,7 @@
 //! Boxes are stored as a structure of arrays, so that SIMD instructions test four at once: the
 //! grandchildren of a node, or the triangles of a leaf.
 
-use super::{Bvh, LEAF_SIZE, NONE, triangle_bounds, union};
+use super::{Bvh, LEAF_SIZE, NONE, most, triangle_bounds, union};
 use crate::ids::index_u32;
 use crate::{Aabb, Surface, TriangleId};
 
@@ -29,8 +29,8 @@ pub struct MotionBounds {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Motion {
     pub(super) bounds: Aabb,
-    /// Box around the displacements of the vertices \[m\].
-    pub(super) displacement: Aabb,
+    /// Maximum displacement of the vertices along each axis, in either direction \[m\].
+    pub(super) displacement: [f32; 3],
     /// Piece of all triangles; [`NONE`] for several pieces.
     pub(super) piece: u32,
 }
@@ -39,7 +39,7 @@ impl Default for Motion {
     fn default() -> Self {
         Self {
             bounds: Aabb::default(),
-            displacement: Aabb::default(),
+            displacement: [0.0; 3],
             piece: NONE,
         }
     }
@@ -48,10 +48,10 @@ impl Default for Motion {
 impl Motion {
     fn of_triangle(surface: &Surface, t: TriangleId, displacements: &[[f32; 3]]) -> Self {
         let corners = surface.topology().triangle(t);
-        let displacements = corners.map(|v| displacements[v.index()]);
+        let [a, b, c] = corners.map(|v| displacements[v.index()].map(f32::abs));
         Self {
             bounds: triangle_bounds(surface, corners),
-            displacement: Aabb::around(displacements),
+            displacement: greatest(greatest(a, b), c),
             piece: surface.piece(t),
         }
     }
@@ -59,7 +59,7 @@ impl Motion {
     fn union(&self, other: &Self) -> Self {
         Self {
             bounds: union(&self.bounds, &other.bounds),
-            displacement: union(&self.displacement, &other.displacement),
+            displacement: greatest(self.displacement, other.displacement),
             piece: if self.piece == other.piece {
                 self.piece
             } else {
@@ -69,8 +69,13 @@ impl Motion {
     }
 }
 
+/// Returns the greater of two values along each axis.
+fn greatest(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [0, 1, 2].map(|k| most(a[k], b[k]))
+}
+
 /// A node below which a search may descend: the index of a quad, or the block of a leaf.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Child(u32);
 
 impl Child {
@@ -113,18 +118,19 @@ pub(super) struct Quad {
     pub(super) children: [Child; LANES],
 }
 
-/// The motions of four nodes or triangles, by corner of a box, axis and lane.
+/// The motions of four nodes or triangles, by axis and lane; bounds by corner first.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lanes {
     pub(super) bounds: [[[f32; LANES]; 3]; 2],
-    pub(super) displacement: [[[f32; LANES]; 3]; 2],
+    /// Maximum displacement in either direction \[m\].
+    pub(super) displacement: [[f32; LANES]; 3],
     pub(super) pieces: [u32; LANES],
 }
 
 impl Lanes {
     const NOTHING: Self = Self {
         bounds: [[[f32::INFINITY; LANES]; 3], [[f32::NEG_INFINITY; LANES]; 3]],
-        displacement: [[[0.0; LANES]; 3]; 2],
+        displacement: [[0.0; LANES]; 3],
         pieces: [NONE; LANES],
     };
 
@@ -135,19 +141,17 @@ impl Lanes {
             displacement,
             ..
         } = motion;
-        for k in 0..3 {
+        for (k, &c) in displacement.iter().enumerate() {
             self.bounds[0][k][lane] = bounds.min[k];
             self.bounds[1][k][lane] = bounds.max[k];
-            self.displacement[0][k][lane] = displacement.min[k];
-            self.displacement[1][k][lane] = displacement.max[k];
+            self.displacement[k][lane] = c;
         }
         self.pieces[lane] = motion.piece;
     }
 
-    /// Returns the box of the displacements of one lane \[m\].
-    pub(super) fn displacement(&self, lane: usize) -> Aabb {
-        let [min, max] = self.displacement.map(|corner| corner.map(|c| c[lane]));
-        Aabb { min, max }
+    /// Returns the maximum displacement of one lane along each axis \[m\].
+    pub(super) fn displacement(&self, lane: usize) -> [f32; 3] {
+        self.displacement.map(|c| c[lane])
     }
 }
 

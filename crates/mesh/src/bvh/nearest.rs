@@ -96,14 +96,14 @@ impl Bvh {
 /// Each group of nodes is sorted from far to near.
 #[derive(Debug)]
 pub(super) struct TraversalStack<N, S, const MAX: usize> {
-    nodes: [Option<(N, S)>; MAX],
+    nodes: [(N, S); MAX],
     len: usize,
 }
 
-impl<N: Copy, S: Copy + PartialOrd, const MAX: usize> Default for TraversalStack<N, S, MAX> {
+impl<N: Copy + Default, S: Copy + Default, const MAX: usize> Default for TraversalStack<N, S, MAX> {
     fn default() -> Self {
         Self {
-            nodes: [None; MAX],
+            nodes: [Default::default(); MAX],
             len: 0,
         }
     }
@@ -122,11 +122,11 @@ impl<N: Copy, S: Copy + PartialOrd, const MAX: usize> TraversalStack<N, S, MAX> 
         for (node, square) in nodes.into_iter().zip(squares) {
             if square <= limit {
                 let mut at = self.len;
-                while at > first && self.nodes[at - 1].is_some_and(|(_, other)| other < square) {
+                while at > first && self.nodes[at - 1].1 < square {
                     self.nodes[at] = self.nodes[at - 1];
                     at -= 1;
                 }
-                self.nodes[at] = Some((node, square));
+                self.nodes[at] = (node, square);
                 self.len += 1;
             }
         }
@@ -137,7 +137,7 @@ impl<N: Copy, S: Copy + PartialOrd, const MAX: usize> TraversalStack<N, S, MAX> 
     pub(super) fn pop(&mut self, limit: S) -> Option<N> {
         while self.len > 0 {
             self.len -= 1;
-            let (node, square) = self.nodes[self.len]?;
+            let (node, square) = self.nodes[self.len];
             if square <= limit {
                 return Some(node);
             }

@@ -10,7 +10,7 @@ use super::{BladeFace, ContactFrame, SPEED_MARGIN};
 use crate::body::piece_of;
 use crate::scene::Bodies;
 use incise_mesh::geometry::to_f64;
-use incise_mesh::{Aabb, MovingPoint, Surface, Vec3, index_u32};
+use incise_mesh::{Aabb, MovingPoint, Surface, Vec3, VertexId, index_u32};
 use incise_pbd_gpu::MovingCollider;
 
 /// A piece of a body.
@@ -32,12 +32,15 @@ pub(super) struct Piece {
     velocity_sum: (Vec3, f64),
     /// The common velocity of its group, stored in the first piece [m/s].
     group_velocity: Vec3,
-    /// Box around the displacements of its vertices relative to the group \[m\].
-    displacement: Aabb,
+    /// Maximum displacement of its vertices relative to the group, along each axis in either
+    /// direction \[m\].
+    displacement: [f32; 3],
     /// Maximum displacement of a vertex whose velocity grows \[m\].
     pub(super) max_displacement: f64,
     /// Index of its first pair.
     first_pair: u32,
+    /// Range of its vertices in the list of all pieces' vertices.
+    vertices: (u32, u32),
 }
 
 /// The pieces of all bodies that may collide, in memory reused between frames.
@@ -52,6 +55,8 @@ pub(super) struct Pieces {
     pairs: Vec<(u32, u32)>,
     /// By index of a group's first piece: sum of the velocities of its vertices, and their number.
     group_velocity_sums: Vec<(Vec3, f64)>,
+    /// The vertices of each piece, ascending.
+    vertices: Vec<VertexId>,
 }
 
 impl Pieces {
@@ -92,14 +97,14 @@ impl Pieces {
         }
         self.find_pairs(motions);
         self.find_groups();
+        self.begin_vertices();
         for (body, motion) in bodies.iter().zip(motions) {
             if let (true, Some(body)) = (motion.is_active, body) {
                 self.find_displacements(body.surface(), motion, frame.dt);
             }
         }
         for piece in &mut self.list {
-            let [min, max] = [piece.displacement.min, piece.displacement.max].map(to_f64);
-            piece.max_displacement = SPEED_MARGIN * min.abs().sup(&max.abs()).norm();
+            piece.max_displacement = SPEED_MARGIN * to_f64(piece.displacement).norm();
         }
     }
 
@@ -109,14 +114,10 @@ impl Pieces {
         sum / count
     }
 
-    /// Returns the number of vertices of a piece.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a sum of ones"
-    )]
-    pub(super) fn vertex_count(&self, index: u32) -> usize {
-        self.list[index as usize].velocity_sum.1 as usize
+    /// Returns the vertices of a piece, ascending.
+    pub(super) fn vertices(&self, index: u32) -> &[VertexId] {
+        let (first, end) = self.list[index as usize].vertices;
+        &self.vertices[first as usize..end as usize]
     }
 
     /// Returns a piece by its index.
@@ -161,9 +162,10 @@ impl Pieces {
                     group: 0,
                     velocity_sum: (Vec3::zeros(), 0.0),
                     group_velocity: Vec3::zeros(),
-                    displacement: Aabb::default(),
+                    displacement: [0.0; 3],
                     max_displacement: 0.0,
                     first_pair: 0,
+                    vertices: (0, 0),
                 });
             }
             let piece = &mut self.list[*index as usize];
@@ -234,7 +236,24 @@ impl Pieces {
         }
     }
 
-    /// Finds the displacements of vertices and pieces relative to their groups.
+    /// Makes room for the vertices of each piece.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a sum of ones"
+    )]
+    fn begin_vertices(&mut self) {
+        let mut count = 0;
+        for piece in &mut self.list {
+            piece.vertices = (count, count);
+            count += piece.velocity_sum.1 as u32;
+        }
+        self.vertices.clear();
+        self.vertices.resize(count as usize, VertexId::NULL);
+    }
+
+    /// Finds the displacements of vertices and pieces relative to their groups, and lists the
+    /// vertices of each piece.
     fn find_displacements(&mut self, surface: &Surface, motion: &mut Motion, dt: f64) {
         let topology = surface.topology();
         for v in topology.vertices() {
@@ -243,7 +262,11 @@ impl Pieces {
             let common = self.list[self.list[index].group as usize].group_velocity;
             let displacement = motion.set_displacement(v, common, dt);
             let piece = &mut self.list[index];
-            piece.displacement = piece.displacement.union(Aabb::around([displacement]));
+            for (max, c) in piece.displacement.iter_mut().zip(displacement) {
+                *max = max.max(c.abs());
+            }
+            self.vertices[piece.vertices.1 as usize] = v;
+            piece.vertices.1 += 1;
         }
     }
 }
@@ -251,7 +274,7 @@ impl Pieces {
 impl Piece {
     /// Returns whether a moving point may reach the piece's box.
     pub(super) fn is_near(&self, point: &MovingPoint) -> bool {
-        point.reaches(&self.bounds, &self.displacement)
+        point.reaches(&self.bounds, self.displacement)
     }
 
     /// Returns whether a point is at most `reach` \[m\] outside of the piece's box.

@@ -4,21 +4,23 @@ use super::motion::Motion;
 use super::narrow_phase::{MARGIN, Search};
 use super::outside::outward_normal;
 use super::overlaps::PieceId;
-use crate::body::{Body, vertices_of};
+use crate::body::Body;
 use incise_mesh::{HalfEdge, Surface, Vec3, VertexId};
 
-/// Number of points per piece at which the depth of an overlap is measured.
-const MEASURED: usize = 256;
+/// Number of vertices per piece at whose [points](points_at) the depth of an overlap is measured.
+const MEASURED: usize = 50;
 
-/// Points of a piece by its vertices: these, points below them and the midpoints of edges.
-pub(super) const POINTS_PER_VERTEX: usize = 5;
-
-/// Returns whether the point of a `number` in its piece is one of about `count` of `all`.
-///
-/// They are at equal distances, and others in the next searches.
-pub(super) fn is_sampled(number: usize, all: usize, (count, search): (usize, usize)) -> bool {
-    let stride = (all / count).max(1);
-    (number + search).is_multiple_of(stride)
+/// Returns about `count` of the vertices of a piece, at equal distances; others in the next search.
+pub(super) fn sampled(
+    vertices: &[VertexId],
+    (count, search): (usize, usize),
+) -> impl Iterator<Item = VertexId> {
+    let stride = (vertices.len() / count).max(1);
+    vertices
+        .iter()
+        .skip(search % stride)
+        .step_by(stride)
+        .copied()
 }
 
 /// A point of a piece that is tested.
@@ -63,6 +65,15 @@ impl Search<'_> {
         let is_known = piece.number < body.surface().piece_bound();
         let motion = &self.motions[piece.body as usize];
         (is_known && motion.is_active).then_some((body, motion))
+    }
+
+    /// Returns the vertices of a piece, ascending.
+    pub(super) fn vertices(&self, piece: PieceId) -> &[VertexId] {
+        let index = self
+            .body_of(piece)
+            .map(|(_, motion)| motion.pieces[piece.number as usize]);
+        let index = index.filter(|&index| index != u32::MAX);
+        index.map_or(&[], |index| self.pieces.vertices(index))
     }
 
     /// Returns the minimum distance of two solid pieces \[m\]; `None` for sheets and cavities.
@@ -114,23 +125,14 @@ impl Search<'_> {
 
     /// Returns the maximum depth of the first piece in the second one \[m\], 0 without an overlap.
     pub(super) fn depth(&self, pieces: [PieceId; 2], start: usize) -> f64 {
-        let [Some((body, motion)), Some((_, motion_of_other))] = pieces.map(|p| self.body_of(p))
-        else {
+        let [Some((body, _)), Some((_, motion))] = pieces.map(|p| self.body_of(p)) else {
             return 0.0;
         };
-        let [own, other] = [
-            motion.pieces[pieces[0].number as usize],
-            motion_of_other.pieces[pieces[1].number as usize],
-        ];
-        let all = POINTS_PER_VERTEX * self.pieces.vertex_count(own);
+        let other = motion.pieces[pieces[1].number as usize];
         let other = self.pieces.get(other);
         let surface = body.surface();
-        let vertices = vertices_of(surface, pieces[0].number);
-        let points = vertices.flat_map(|v| points_at(surface, v));
-        let sampled = (0..)
-            .zip(points)
-            .filter(|(number, _)| is_sampled(*number, all, (MEASURED, start)));
-        let points = sampled.map(|(_, point)| point);
+        let sampled = sampled(self.vertices(pieces[0]), (MEASURED, start));
+        let points = sampled.flat_map(|v| points_at(surface, v));
         let inside = points.filter(|point| other.contains(point.position(surface), 0.0));
         let depths = inside.filter_map(|point| self.depth_of(pieces, point));
         depths.fold(0.0, f64::max)

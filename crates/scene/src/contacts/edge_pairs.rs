@@ -18,7 +18,9 @@ const MIN_PARALLEL_PAIRS: usize = 512;
 #[derive(Debug, Clone, Default)]
 pub(super) struct EdgePairs {
     edges: Vec<MovingEdge>,
-    /// By index of a piece in the broad phase: its edges, as a range and a box.
+    /// The boxes of `edges`, ascending by piece and place.
+    boxes: Vec<EdgeBox>,
+    /// By index of a piece in the broad phase: its boxes, as a range, and a box around them.
     of_pieces: Vec<EdgesOfPiece>,
     /// Pairs of indices into `edges`, each in the order of their keys.
     near: Vec<(u32, u32)>,
@@ -44,12 +46,21 @@ pub(super) struct EdgePair {
     pub(super) normal: Vec3,
 }
 
+/// The box of a collected edge.
+#[derive(Debug, Clone, Copy)]
+struct EdgeBox {
+    bounds: Aabb,
+    piece: u32,
+    /// Index of the edge.
+    edge: u32,
+}
+
 /// The collected edges of a piece.
 #[derive(Debug, Clone, Copy, Default)]
 struct EdgesOfPiece {
-    /// Index of its first edge, and of the first one after them.
+    /// Index of its first box, and of the first one after them.
     range: (u32, u32),
-    /// Box around all of their boxes.
+    /// Box around all of them.
     bounds: Aabb,
 }
 
@@ -73,24 +84,29 @@ impl EdgePairs {
     }
 
     /// Finds the pairs of collected edges that overlap, by sweeps along the longest axis.
-    ///
-    /// Sorts the edges by piece and place.
     fn find_near(&mut self, pieces: &Pieces, self_collision: bool) {
         let axis = longest_axis(&self.edges);
-        self.edges.sort_unstable_by(|a, b| {
+        self.boxes.clear();
+        self.boxes
+            .extend((0..).zip(&self.edges).map(|(i, edge)| EdgeBox {
+                bounds: edge.bounds,
+                piece: edge.piece,
+                edge: i,
+            }));
+        self.boxes.sort_unstable_by(|a, b| {
             let by_place = a.bounds.min[axis].total_cmp(&b.bounds.min[axis]);
-            (a.piece.cmp(&b.piece).then(by_place)).then(a.key().cmp(&b.key()))
+            a.piece.cmp(&b.piece).then(by_place)
         });
         self.of_pieces.clear();
         let none = EdgesOfPiece::default();
         self.of_pieces.resize(pieces.iter().len(), none);
-        for (i, edge) in (0..).zip(&self.edges) {
-            let of_piece = &mut self.of_pieces[edge.piece as usize];
+        for (i, of_edge) in (0..).zip(&self.boxes) {
+            let of_piece = &mut self.of_pieces[of_edge.piece as usize];
             if of_piece.range == none.range {
                 of_piece.range.0 = i;
             }
             of_piece.range.1 = i + 1;
-            of_piece.bounds = of_piece.bounds.union(edge.bounds);
+            of_piece.bounds = of_piece.bounds.union(of_edge.bounds);
         }
         self.near.clear();
         for piece in 0..index_u32(self.of_pieces.len()) {
@@ -127,40 +143,38 @@ impl EdgePairs {
 
     /// Finds the overlapping pairs of edges of two pieces, or of one.
     fn sweep(&mut self, pieces: [u32; 2], axis: usize) {
-        let Self { edges, near, .. } = self;
+        let Self {
+            edges, boxes, near, ..
+        } = self;
         let [a, b] = pieces.map(|piece| self.of_pieces[piece as usize]);
         if !a.bounds.overlaps(&b.bounds) {
             return;
         }
-        let (mut i, mut j) = (a.range.0, b.range.0);
+        let (mut i, mut j) = (a.range.0 as usize, b.range.0 as usize);
+        let (end, other_end) = (a.range.1 as usize, b.range.1 as usize);
         let is_one = pieces[0] == pieces[1];
-        while i < a.range.1 && j < b.range.1 {
-            let [first, second] = [i, j].map(|i| &edges[i as usize].bounds);
+        while i < end && j < other_end {
+            let [first, second] = [i, j].map(|i| boxes[i].bounds.min[axis]);
             // The edge that begins first, and the others from their first possible partner on.
-            let (edge, others, far) = if is_one || first.min[axis] <= second.min[axis] {
+            let (swept, others, far) = if is_one || first <= second {
                 i += 1;
                 j = if is_one { i } else { j };
-                (i - 1, j..b.range.1, &b.bounds)
+                (boxes[i - 1], j..other_end, &b.bounds)
             } else {
                 j += 1;
-                (j - 1, i..a.range.1, &a.bounds)
+                (boxes[j - 1], i..end, &a.bounds)
             };
-            let swept = &edges[edge as usize];
             if !swept.bounds.overlaps(far) {
                 continue;
             }
-            for other in others {
-                let partner = &edges[other as usize];
+            for partner in &boxes[others] {
                 if partner.bounds.min[axis] > swept.bounds.max[axis] {
                     break;
                 }
                 if partner.bounds.overlaps(&swept.bounds) {
-                    let is_first = swept.key() < partner.key();
-                    near.push(if is_first {
-                        (edge, other)
-                    } else {
-                        (other, edge)
-                    });
+                    let [one, other] = [swept.edge, partner.edge];
+                    let is_first = edges[one as usize].key() < edges[other as usize].key();
+                    near.push(if is_first { (one, other) } else { (other, one) });
                 }
             }
         }

@@ -50,11 +50,14 @@ impl SharpEdge {
         }
         let ends = [topology.origin(h), topology.target(h)];
         let at = ends.map(|v| surface.position(v));
-        let along = (at[1] - at[0]).try_normalize(0.0)?;
-        let tips = [h, twin].map(|h| surface.position(topology.origin(h.prev())));
+        let along = at[1] - at[0];
+        let into = [h, twin].map(|h| surface.position(topology.origin(h.prev())) - at[0]);
+        if is_smooth([along.cross(&into[0]), into[1].cross(&along)]) {
+            return None;
+        }
+        let along = along.try_normalize(0.0)?;
         let mut inward = [Vec3::zeros(); 2];
-        for (inward, tip) in inward.iter_mut().zip(tips) {
-            let into = tip - at[0];
+        for (inward, into) in inward.iter_mut().zip(into) {
             *inward = (into - along * into.dot(&along)).try_normalize(0.0)?;
         }
         // The normals of both triangles; they turn around the edge.
@@ -129,6 +132,15 @@ impl SharpEdge {
             is_crossing,
         })
     }
+}
+
+/// Returns whether two area normals have more than [`MAX_COSINE`], beyond rounding.
+///
+/// Most edges of a surface are smooth, and need neither roots nor divisions.
+fn is_smooth([a, b]: [Vec3; 2]) -> bool {
+    let product = a.dot(&b);
+    let limit = MAX_COSINE.powi(2) * (1.0 + 1e-9);
+    product > 0.0 && product.powi(2) > limit * a.norm_squared() * b.norm_squared()
 }
 
 /// A sharp edge that may touch others within the frame.

@@ -264,9 +264,10 @@ impl Search<'_> {
         let is_own = |t| other == of.index && other_surface.piece(t) == number;
         let has_two_sides = |t| (of_sheet || is_in_sheet(t)) && !is_own(t);
         // A deeper vertex has passed the triangle, whose plane would hold the two together.
-        let max_depth = |t| MAX_DEPTH * of.thickness(v).min(motion.thickness(other_surface, t));
+        let thickness = of.thickness(v);
+        let max_depth = |t| MAX_DEPTH * thickness.min(motion.thickness(other_surface, t));
         let outward = outward_normal(surface, v);
-        let is_fast = of.motion.max_displacement(v) > MARGIN * of.thickness(v);
+        let is_fast = of.motion.max_displacement(v) > MARGIN * thickness;
         let is_candidate = |t| {
             let vertex = Touching {
                 at,

@@ -8,7 +8,7 @@
 
 use super::ContactFrame;
 use super::axes::{Extents, separation};
-use super::depth::{POINTS_PER_VERTEX, Point, is_sampled, points_at};
+use super::depth::{Point, points_at, sampled};
 use super::free_way::free_way;
 use super::narrow_phase::Search;
 use crate::body::{piece_of, vertices_of};
@@ -16,8 +16,8 @@ use crate::scene::Bodies;
 use incise_mesh::Vec3;
 use rayon::prelude::*;
 
-/// Number of points per piece that are tested in a frame.
-const TESTED: usize = 8;
+/// Number of vertices per piece whose points are tested in a frame, about five each.
+const TESTED: usize = 2;
 
 /// Minimum number of tested points for a thread.
 const MIN_TESTS: usize = 64;
@@ -56,9 +56,6 @@ pub(crate) struct Overlaps {
     list: Vec<Overlap>,
     /// Number of searches, from which the tested vertices follow.
     searches: u32,
-    /// Scratch memory, by index of a piece in the broad phase: number of its vertices so far.
-    #[cfg_attr(feature = "serde", serde(skip))]
-    seen: Vec<usize>,
     /// Scratch memory: the points that are tested.
     #[cfg_attr(feature = "serde", serde(skip))]
     tests: Vec<Test>,
@@ -187,37 +184,24 @@ impl Overlaps {
     /// Collects the points that are tested in a search, in the boxes of other pieces.
     fn sample(&mut self, search: Search<'_>, start: usize) {
         self.tests.clear();
-        self.seen.clear();
-        self.seen.resize(search.pieces.iter().len(), 0);
-        for (i, body) in (0..).zip(search.bodies) {
-            let Some(body) = body.as_ref().filter(|_| search.is_active(i)) else {
+        for (index, piece) in (0..).zip(search.pieces.iter()) {
+            let Some((body, _)) = search.body_of(piece.id()) else {
                 continue;
             };
             let surface = body.surface();
-            for v in surface.topology().vertices() {
-                let Some(number) = piece_of(surface, v) else {
-                    continue;
-                };
-                let index = search.motions[i as usize].pieces[number as usize];
-                let all = POINTS_PER_VERTEX * search.pieces.vertex_count(index);
-                for point in points_at(surface, v) {
-                    let seen = &mut self.seen[index as usize];
-                    *seen += 1;
-                    if is_sampled(*seen, all, (TESTED, start)) {
-                        let at = point.position(surface);
-                        let others = search.pieces.neighbors(index);
-                        let tests = others.filter(|other| other.contains(at, 0.0));
-                        let own = PieceId { body: i, number };
-                        let first = self.tests.len();
-                        self.tests
-                            .extend((first..).zip(tests).map(|(number, other)| Test {
-                                number,
-                                pair: [own, other.id()],
-                                point,
-                                depth: None,
-                            }));
-                    }
-                }
+            let vertices = sampled(search.pieces.vertices(index), (TESTED, start));
+            for point in vertices.flat_map(|v| points_at(surface, v)) {
+                let at = point.position(surface);
+                let others = search.pieces.neighbors(index);
+                let tests = others.filter(|other| other.contains(at, 0.0));
+                let first = self.tests.len();
+                self.tests
+                    .extend((first..).zip(tests).map(|(number, other)| Test {
+                        number,
+                        pair: [piece.id(), other.id()],
+                        point,
+                        depth: None,
+                    }));
             }
         }
         let list = &self.list;
@@ -233,7 +217,7 @@ impl Overlaps {
 /// A point of a piece that is tested against another piece.
 #[derive(Debug, Clone, Copy)]
 struct Test {
-    /// Position in the order of bodies, vertices and pieces.
+    /// Position in the order of pieces, vertices and other pieces.
     number: usize,
     /// The piece of the point, and the other one.
     pair: [PieceId; 2],
@@ -251,11 +235,6 @@ impl Test {
 }
 
 impl Search<'_> {
-    /// Returns whether a body is searched in this frame.
-    fn is_active(&self, body: u32) -> bool {
-        self.motions[body as usize].is_active
-    }
-
     /// Measures an overlap of a known depth or 0 \[m\] in a search.
     ///
     /// `None` if there is none, or neither piece can be moved.
@@ -290,8 +269,8 @@ impl Search<'_> {
     /// Returns the extents of a piece.
     fn extents(&self, piece: PieceId) -> Option<Extents> {
         let (body, _) = self.body_of(piece)?;
-        let vertices = vertices_of(body.surface(), piece.number);
-        Some(Extents::new(vertices.map(|v| body.surface().position(v))))
+        let vertices = self.vertices(piece).iter();
+        Some(Extents::new(vertices.map(|&v| body.surface().position(v))))
     }
 
     /// Returns the reciprocal mass of a piece [1/kg], 0 with a pin.
@@ -302,7 +281,7 @@ impl Search<'_> {
         if solver.pins().iter().any(|pin| is_own(pin.vertex)) {
             return Some(0.0);
         }
-        let vertices = vertices_of(body.surface(), piece.number);
+        let vertices = self.vertices(piece).iter();
         let masses = vertices.map(|v| solver.masses()[v.index()]);
         let mass: f64 = masses.map(f64::from).sum();
         Some(if mass > 0.0 { mass.recip() } else { 0.0 })

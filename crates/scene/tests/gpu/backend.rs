@@ -5,23 +5,23 @@ use incise_mesh::{Bvh, Vec3, VertexId};
 use incise_models::Model;
 use incise_pbd_gpu::{Context, GpuError, Integrator, Material};
 use incise_scene::{BackendChoice, BackendRequest, ContactParams, Scene, SceneError, SceneParams};
-use incise_test_support::gpu::{Needs, trial};
+use incise_test_support::gpu::{Needs, trial, trial_alone};
 use libtest_mimic::Trial;
 
 pub(crate) fn trials() -> Vec<Trial> {
     let any = Needs::AnyDevice;
     vec![
-        trial(
+        trial_alone(
             "auto_continues_on_the_cpu_after_device_loss",
             Needs::Strict,
             lost_auto,
         ),
-        trial(
+        trial_alone(
             "auto_completes_a_cut_during_device_loss",
             any,
             lost_in_a_cut,
         ),
-        trial("device_loss_is_an_error_without_auto", Needs::Strict, lost),
+        trial_alone("device_loss_is_an_error_without_auto", Needs::Strict, lost),
         trial("auto_ignores_software_adapters", Needs::Strict, |_| {
             no_software()
         }),
