@@ -7,7 +7,7 @@
 use incise_pbd_gpu::wgpu::{self, BufferUsages};
 use incise_pbd_gpu::{AdapterKind, AdapterRequest, Context, GpuError, adapters};
 use incise_test_support::external_device::{open, same_adapter};
-use incise_test_support::gpu::{Needs, run, trial};
+use incise_test_support::gpu::{Needs, run, trial_alone};
 use libtest_mimic::{Completion, Failed, Trial};
 use std::process::{Command, ExitCode};
 use std::time::Duration;
@@ -21,18 +21,18 @@ fn main() -> ExitCode {
     }
     let any = Needs::AnyDevice;
     run(vec![
-        trial("a_buffer_too_large_is_refused", any, |c| {
+        trial_alone("a_buffer_too_large_is_refused", any, |c| {
             too_large_a_buffer(&c)
         }),
-        trial("a_buffer_is_never_empty", any, |c| empty_buffer(&c)),
-        trial("a_broken_shader_is_an_error", any, |c| broken_shader(&c)),
-        trial("a_wrong_call_is_an_error", any, |c| wrong_call(&c)),
-        trial("an_error_out_of_scope_is_kept", any, |c| out_of_scope(&c)),
-        trial("a_lost_device_stays_lost", any, |c| lost(&c)),
-        trial("a_lost_shared_device_is_heard_of", any, |c| shared(&c)),
-        trial("work_is_waited_for", any, |c| waits(&c)),
-        trial("too_short_a_wait_is_an_error", any, |c| too_short(&c)),
-        trial("a_wait_for_nothing_is_an_error", any, |c| for_nothing(&c)),
+        trial_alone("a_buffer_is_never_empty", any, |c| empty_buffer(&c)),
+        trial_alone("a_broken_shader_is_an_error", any, |c| broken_shader(&c)),
+        trial_alone("a_wrong_call_is_an_error", any, |c| wrong_call(&c)),
+        trial_alone("an_error_out_of_scope_is_kept", any, |c| out_of_scope(&c)),
+        trial_alone("a_lost_device_stays_lost", any, |c| lost(&c)),
+        trial_alone("a_lost_shared_device_is_heard_of", any, |c| shared(&c)),
+        trial_alone("work_is_waited_for", any, |c| waits(&c)),
+        trial_alone("too_short_a_wait_is_an_error", any, |c| too_short(&c)),
+        trial_alone("a_wait_for_nothing_is_an_error", any, |c| for_nothing(&c)),
         Trial::ignorable_test("out_of_memory_is_an_error", out_of_memory),
     ])
 }

@@ -2,8 +2,9 @@
 //!
 //! Without a suitable adapter the tests are ignored, or fail if `INCISE_REQUIRE_GPU` is set.
 
-use incise_pbd_gpu::{AdapterRequest, AdapterSummary, Context, adapters};
+use incise_pbd_gpu::{AdapterRequest, AdapterSummary, Context, GpuError, adapters};
 use libtest_mimic::{Arguments, Completion, Failed, Trial};
+use std::cell::RefCell;
 use std::process::ExitCode;
 use std::sync::OnceLock;
 
@@ -51,14 +52,43 @@ impl Needs {
 
 const STRICT: &str = "SwiftShader";
 
-/// Creates a test that runs on a device of its own and passes unless it panics.
+/// Creates a test that passes unless it panics.
+///
+/// The tests of a thread share a device, on which each kernel is compiled once: software adapters
+/// take seconds for it. It stays open, since wgpu closes no device while a thread ends.
 pub fn trial(name: &str, needs: Needs, test: impl FnOnce(Context) + Send + 'static) -> Trial {
+    thread_local! {
+        static OPEN: RefCell<[Option<&'static Context>; 2]> = const { RefCell::new([None; 2]) };
+    }
+    trial_with(name, needs, test, move || {
+        OPEN.with_borrow_mut(|open| {
+            let open = &mut open[needs as usize];
+            let context = match *open {
+                Some(context) => context,
+                None => Box::leak(Box::new(Context::open(&needs.request())?)),
+            };
+            *open = Some(context);
+            Ok(context.clone())
+        })
+    })
+}
+
+/// Creates a test that runs on a device of its own, since it breaks it or counts its kernels.
+pub fn trial_alone(name: &str, needs: Needs, test: impl FnOnce(Context) + Send + 'static) -> Trial {
+    trial_with(name, needs, test, move || Context::open(&needs.request()))
+}
+
+fn trial_with(
+    name: &str,
+    needs: Needs,
+    test: impl FnOnce(Context) + Send + 'static,
+    open: impl FnOnce() -> Result<Context, GpuError> + Send + 'static,
+) -> Trial {
     Trial::ignorable_test(name, move || {
         if !needs.is_met() {
             return without_device(needs);
         }
-        let context = Context::open(&needs.request()).map_err(|error| error.to_string())?;
-        test(context);
+        test(open().map_err(|error| error.to_string())?);
         Ok(Completion::Completed)
     })
 }

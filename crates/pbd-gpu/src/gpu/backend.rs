@@ -132,6 +132,8 @@ impl GpuBackend {
 
     /// Creates a backend on an open device, for example that of a renderer.
     ///
+    /// Backends on clones of a context share its kernels, so that only the first one compiles them.
+    ///
     /// # Errors
     /// [`GpuError`] if the initial buffers cannot be created.
     pub fn from_context(context: Context) -> Result<Self, GpuError> {
@@ -188,7 +190,7 @@ impl GpuBackend {
         &self.stats
     }
 
-    /// Returns the names of the compiled kernels; kernels are compiled on first use.
+    /// Returns the names of the kernels that steps have used; kernels are compiled on first use.
     pub fn kernels(&self) -> impl Iterator<Item = &'static str> {
         self.pipelines.names()
     }

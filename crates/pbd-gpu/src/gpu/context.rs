@@ -8,21 +8,25 @@ use super::adapter::{
     AdapterRequest, AdapterSummary, check_limits, choose, choose_among, limits_to_open,
 };
 use super::error::GpuError;
+use super::pipelines::SharedPipelines;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use wgpu::{Buffer, BufferUsages, Device, ErrorFilter, Features, PollType, Queue};
 
 /// Time limit of [`Context::wait`], far above a frame of large bodies on software adapters.
-const WAIT: Duration = Duration::from_secs(120);
+pub(super) const WAIT: Duration = Duration::from_secs(120);
 
-/// A wgpu device with its queue and its collected errors.
-#[derive(Debug)]
+/// A wgpu device with its queue, its collected errors and the kernels compiled for it.
+///
+/// Clones share all of them: backends on clones of a context compile each kernel once.
+#[derive(Debug, Clone)]
 pub struct Context {
     adapter: AdapterSummary,
     device: Device,
     queue: Queue,
     faults: Arc<Faults>,
+    pipelines: Arc<Mutex<SharedPipelines>>,
 }
 
 /// Errors that were reported outside of any error scope.
@@ -111,6 +115,7 @@ impl Context {
             device,
             queue,
             faults: Arc::default(),
+            pipelines: Arc::default(),
         };
         context.listen();
         Ok(context)
@@ -135,6 +140,7 @@ impl Context {
             device,
             queue,
             faults: Arc::default(),
+            pipelines: Arc::default(),
         })
     }
 
@@ -167,6 +173,14 @@ impl Context {
     /// Returns the queue of the device.
     pub fn queue(&self) -> &Queue {
         &self.queue
+    }
+
+    /// Returns the pipelines of the device.
+    pub(super) fn pipelines(&self) -> MutexGuard<'_, SharedPipelines> {
+        // Each pipeline is stored whole, so a poisoned lock is harmless.
+        self.pipelines
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Returns true if the device supports timestamp queries.
@@ -240,6 +254,8 @@ impl Context {
     }
 
     /// Blocks until submitted work is done and its callbacks have run.
+    ///
+    /// Another thread that waits for the device may still run callbacks.
     ///
     /// # Errors
     ///

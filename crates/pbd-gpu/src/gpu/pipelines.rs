@@ -1,4 +1,4 @@
-//! Compute pipelines, created when a program first needs them.
+//! Compute pipelines, created when a program on the device first needs them.
 
 use super::adapter::{AdapterKind, AdapterSummary};
 use super::context::Context;
@@ -81,7 +81,20 @@ impl Lanes {
     }
 }
 
-/// Pipelines by kernel.
+/// The pipelines of a device, shared by all backends on it.
+#[derive(Debug, Default)]
+pub(super) struct SharedPipelines {
+    layouts: Option<Layouts>,
+    modules: [Option<ShaderModule>; 3],
+    made: [Option<ComputePipeline>; Kernel::COUNT],
+    /// The pipeline that scatters edits.
+    pub(super) scatter: Option<ComputePipeline>,
+}
+
+/// The layouts of bind groups: storage buffers, then uniforms; and that of all pipelines.
+type Layouts = ([BindGroupLayout; 2], PipelineLayout);
+
+/// The pipelines that a backend uses, by kernel.
 #[derive(Debug)]
 pub(super) struct Pipelines {
     /// Storage buffers, then uniforms.
@@ -90,8 +103,7 @@ pub(super) struct Pipelines {
     pub(super) lanes: Lanes,
     /// Capacity of workgroup memory in vertices.
     pub(super) capacity: u32,
-    modules: [Option<ShaderModule>; 3],
-    made: [Option<ComputePipeline>; Kernel::COUNT],
+    used: [Option<ComputePipeline>; Kernel::COUNT],
     /// Pipelines created since the last query.
     compiled: u32,
 }
@@ -99,30 +111,49 @@ pub(super) struct Pipelines {
 impl Pipelines {
     pub(super) fn new(context: &Context) -> Result<Self, GpuError> {
         let limits = context.device().limits();
-        let device = context.device();
-        let (layouts, layout) = context.scoped("bind groups", || layouts(device))?;
+        let mut shared = context.pipelines();
+        let (layouts, layout) = match &shared.layouts {
+            Some(layouts) => layouts.clone(),
+            None => context.scoped("bind groups", || layouts(context.device()))?,
+        };
+        shared.layouts = Some((layouts.clone(), layout.clone()));
         Ok(Self {
             layouts,
             layout,
             lanes: Lanes::for_adapter(context.adapter()),
             capacity: shaders::capacity(limits.max_compute_workgroup_storage_size),
-            modules: [const { None }; 3],
-            made: [const { None }; Kernel::COUNT],
+            used: [const { None }; Kernel::COUNT],
             compiled: 0,
         })
     }
 
-    /// Returns the pipeline of a kernel and creates it if necessary.
+    /// Makes the pipeline of a kernel available, and creates it if no backend has.
     pub(super) fn make(&mut self, context: &Context, kernel: Kernel) -> Result<(), GpuError> {
-        if self.made[kernel.index()].is_some() {
-            return Ok(());
+        let i = kernel.index();
+        if self.used[i].is_none() {
+            let mut shared = context.pipelines();
+            if shared.made[i].is_none() {
+                shared.made[i] = Some(self.create(context, &mut shared.modules, kernel)?);
+                self.compiled += 1;
+            }
+            self.used[i].clone_from(&shared.made[i]);
         }
+        Ok(())
+    }
+
+    /// Creates the pipeline of a kernel, and its module if necessary.
+    fn create(
+        &self,
+        context: &Context,
+        modules: &mut [Option<ShaderModule>; 3],
+        kernel: Kernel,
+    ) -> Result<ComputePipeline, GpuError> {
         let (i, label) = match kernel {
             Kernel::Pass(_) => (0, "colors"),
             Kernel::WholeBody => (1, "whole body"),
             Kernel::Patches | Kernel::ResetPatches => (2, "patches"),
         };
-        let module = match &self.modules[i] {
+        let module = match &modules[i] {
             Some(module) => module.clone(),
             None => {
                 let lanes = self.lanes;
@@ -138,8 +169,8 @@ impl Pipelines {
                 context.scoped(label, || context.device().create_shader_module(descriptor))?
             }
         };
-        self.modules[i] = Some(module.clone());
-        let pipeline = context.scoped(kernel.name(), || {
+        modules[i] = Some(module.clone());
+        context.scoped(kernel.name(), || {
             let descriptor = wgpu::ComputePipelineDescriptor {
                 label: Some(kernel.name()),
                 layout: Some(&self.layout),
@@ -152,10 +183,7 @@ impl Pipelines {
                 cache: None,
             };
             context.device().create_compute_pipeline(&descriptor)
-        })?;
-        self.made[kernel.index()] = Some(pipeline);
-        self.compiled += 1;
-        Ok(())
+        })
     }
 
     /// Returns the number of pipelines created since the last call.
@@ -163,7 +191,7 @@ impl Pipelines {
         std::mem::take(&mut self.compiled)
     }
 
-    /// Returns the names of the created pipelines.
+    /// Returns the names of the pipelines that the backend uses.
     pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
         let others = [Kernel::WholeBody, Kernel::Patches, Kernel::ResetPatches];
         let all = EntryPoint::ALL.map(Kernel::Pass).into_iter().chain(others);
@@ -171,9 +199,9 @@ impl Pipelines {
             .map(Kernel::name)
     }
 
-    /// Returns the pipeline of a kernel if it exists.
+    /// Returns the pipeline of a kernel if the backend uses it.
     pub(super) fn get(&self, kernel: Kernel) -> Option<&ComputePipeline> {
-        self.made[kernel.index()].as_ref()
+        self.used[kernel.index()].as_ref()
     }
 }
 
@@ -184,7 +212,7 @@ pub(super) fn workgroups(groups: u32) -> [u32; 2] {
     [groups.div_ceil(rows), rows]
 }
 
-fn layouts(device: &wgpu::Device) -> ([BindGroupLayout; 2], PipelineLayout) {
+fn layouts(device: &wgpu::Device) -> Layouts {
     let entry = |binding: usize, ty, has_dynamic_offset| wgpu::BindGroupLayoutEntry {
         binding: u32::try_from(binding).unwrap_or(u32::MAX),
         visibility: wgpu::ShaderStages::COMPUTE,

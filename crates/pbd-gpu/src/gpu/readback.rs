@@ -1,14 +1,9 @@
 //! Asynchronous copies from GPU buffers to CPU memory.
 
-use super::context::Context;
+use super::context::{Context, WAIT};
 use super::error::GpuError;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use wgpu::{Buffer, BufferUsages, CommandEncoder, MapMode, SubmissionIndex};
-
-const PENDING: u8 = 0;
-const MAPPED: u8 = 1;
-const FAILED: u8 = 2;
 
 /// Offset and length of a part of a buffer \[bytes\].
 pub(super) type Part<'a> = (&'a Buffer, u64, u64);
@@ -26,9 +21,40 @@ struct Flight {
     bytes: u64,
     /// Submission of the copy, once it is submitted.
     submission: Option<SubmissionIndex>,
-    state: Arc<AtomicU8>,
+    mapping: Arc<Mapping>,
     /// Frame whose final state is copied.
     frame: u64,
+}
+
+/// Whether a buffer is mapped, which a callback reports.
+#[derive(Debug, Default)]
+struct Mapping {
+    /// Success or failure; `None` while it is pending.
+    state: Mutex<Option<bool>>,
+    reported: Condvar,
+}
+
+impl Mapping {
+    fn lock(&self) -> MutexGuard<'_, Option<bool>> {
+        // A single value is consistent, so a poisoned lock is harmless.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn report(&self, is_mapped: bool) {
+        *self.lock() = Some(is_mapped);
+        self.reported.notify_all();
+    }
+
+    /// Returns the result, once the work is done.
+    ///
+    /// The callback runs on any thread that waits for the device, maybe a renderer's.
+    fn wait(&self) -> Option<bool> {
+        let is_pending = |state: &mut Option<bool>| state.is_none();
+        let waited = self
+            .reported
+            .wait_timeout_while(self.lock(), WAIT, is_pending);
+        *waited.unwrap_or_else(PoisonError::into_inner).0
+    }
 }
 
 impl Readback {
@@ -44,8 +70,8 @@ impl Readback {
 
     /// Returns true if the pending copy is complete or has failed.
     pub(super) fn has_arrived(&self) -> bool {
-        let state = |flight: &Flight| flight.state.load(Ordering::Acquire);
-        self.flight.as_ref().is_some_and(|f| state(f) != PENDING)
+        let flight = self.flight.as_ref();
+        flight.is_some_and(|flight| flight.mapping.lock().is_some())
     }
 
     /// Encodes copies of the parts, one after the other, and discards a pending copy.
@@ -71,17 +97,16 @@ impl Readback {
             encoder.copy_buffer_to_buffer(from, offset, &buffer, at, bytes);
             at += bytes;
         }
-        let state = Arc::new(AtomicU8::new(PENDING));
-        let seen = Arc::clone(&state);
+        let mapping = Arc::<Mapping>::default();
+        let reported = Arc::clone(&mapping);
         encoder.map_buffer_on_submit(&buffer, MapMode::Read, 0..bytes, move |done| {
-            let now = if done.is_ok() { MAPPED } else { FAILED };
-            seen.store(now, Ordering::Release);
+            reported.report(done.is_ok());
         });
         self.buffer = Some(buffer);
         self.flight = Some(Flight {
             bytes,
             submission: None,
-            state,
+            mapping,
             frame,
         });
         Ok(())
@@ -107,12 +132,12 @@ impl Readback {
         let Some(buffer) = self.buffer.take() else {
             return Ok(None);
         };
-        if flight.state.load(Ordering::Acquire) == PENDING
-            && let Some(submission) = flight.submission
-        {
+        let mut result = *flight.mapping.lock();
+        if let (None, Some(submission)) = (result, flight.submission) {
             context.wait(submission)?;
+            result = flight.mapping.wait();
         }
-        if flight.state.load(Ordering::Acquire) != MAPPED {
+        if result != Some(true) {
             context.check()?;
             return Err(GpuError::Driver {
                 what: "reading back".to_owned(),

@@ -151,8 +151,13 @@ fn with_count(mut words: Vec<u32>) -> Vec<u32> {
     words
 }
 
+/// Returns the pipeline that scatters edits, and creates it if necessary.
 fn scatter_pipeline(context: &Context) -> Result<ComputePipeline, GpuError> {
-    context.scoped("scatter.wgsl", || {
+    let mut shared = context.pipelines();
+    if let Some(pipeline) = &shared.scatter {
+        return Ok(pipeline.clone());
+    }
+    let pipeline = context.scoped("scatter.wgsl", || {
         let module = context
             .device()
             .create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -169,7 +174,9 @@ fn scatter_pipeline(context: &Context) -> Result<ComputePipeline, GpuError> {
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 cache: None,
             })
-    })
+    })?;
+    shared.scatter = Some(pipeline.clone());
+    Ok(pipeline)
 }
 
 fn bind(

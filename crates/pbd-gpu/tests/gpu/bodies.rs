@@ -21,6 +21,7 @@ pub(crate) fn trials() -> Vec<Trial> {
         trial("nothing_is_read_that_nobody_reads", any, reads),
         trial("what_was_prefetched_is_what_is_read", any, prefetched),
         trial("what_comes_by_the_way_undoes_no_edit", any, by_the_way),
+        trial("threads_share_a_device", any, threads),
     ];
     for schedule in SCHEDULES {
         let name = |test: &str| format!("{test} by {}", schedule.name());
@@ -81,6 +82,32 @@ impl Hosted {
             (&other.surface, &other.solver),
             when,
         );
+    }
+}
+
+/// Backends on clones of one context, each stepped and read by a thread of its own.
+fn threads(context: Context) {
+    let run = |schedule| {
+        let mut gpu = GpuBackend::from_context(context.clone()).expect("a device");
+        let mut hosted = Hosted::add(&mut gpu, build_model(Model::Sphere80), schedule);
+        let mut compiled = 0;
+        for _ in 0..60 {
+            hosted.step(&mut gpu).expect("a step");
+            compiled += gpu.stats().kernels_compiled;
+            hosted.read(&mut gpu).expect("a state");
+        }
+        (hosted, compiled)
+    };
+    for schedule in SCHEDULES {
+        let (alone, _) = run(schedule);
+        let all = std::thread::scope(|scope| {
+            let threads = [(); 3].map(|()| scope.spawn(|| run(schedule)));
+            threads.map(|thread| thread.join().expect("it ends"))
+        });
+        for (hosted, compiled) in all {
+            alone.assert_same(&hosted, "on another thread");
+            assert_eq!(compiled, 0, "the first backend has compiled all kernels");
+        }
     }
 }
 

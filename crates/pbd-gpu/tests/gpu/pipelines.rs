@@ -3,7 +3,7 @@
 use incise_mesh::VertexId;
 use incise_pbd_gpu::{Context, GpuBackend, Material, Schedule, Solver, SolverParams, Stiffness};
 use incise_test_support::cpu_gpu_pair::{DT, SCHEDULES, solver_for, with_most_features};
-use incise_test_support::gpu::{Needs, trial};
+use incise_test_support::gpu::{Needs, trial_alone};
 use incise_test_support::surfaces::sphere;
 use libtest_mimic::Trial;
 use std::collections::BTreeSet;
@@ -14,9 +14,9 @@ const LEAST: [&str; 4] = ["integrate", "predict", "stretch", "tail"];
 pub(crate) fn trials() -> Vec<Trial> {
     let any = Needs::AnyDevice;
     vec![
-        trial("unused_kernels_are_not_compiled", any, absent),
-        trial("new_kernels_are_compiled_once", any, comes),
-        trial("a_schedule_compiles_its_own_kernels", any, schedules),
+        trial_alone("unused_kernels_are_not_compiled", any, absent),
+        trial_alone("new_kernels_are_compiled_once", any, comes),
+        trial_alone("a_schedule_compiles_its_own_kernels", any, schedules),
     ]
 }
 

@@ -9,7 +9,7 @@ use std::time::Duration;
 use wgpu::{Buffer, BufferUsages, Device, ErrorFilter, PollError, PollType, SubmissionIndex};
 
 /// Time limit of an image. Software adapters take seconds for the largest ones.
-const WAIT: Duration = Duration::from_secs(120);
+pub(super) const WAIT: Duration = Duration::from_secs(120);
 
 /// Runs device calls and returns their error, if any. `what` names the operation.
 pub(super) fn scoped<T>(
@@ -68,6 +68,8 @@ pub(super) fn create_buffer(
 }
 
 /// Blocks until a submission is done and its callbacks have run.
+///
+/// Another thread that waits for the device may still run callbacks.
 pub(super) fn wait(device: &Device, submission: SubmissionIndex) -> Result<(), RenderError> {
     let until = PollType::Wait {
         submission_index: Some(submission),

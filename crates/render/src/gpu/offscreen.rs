@@ -1,7 +1,7 @@
 //! Offscreen rendering: a render target that is read back to an image.
 
 use super::attachments::{Attachments, extent};
-use super::error_scope::{create_buffer, scoped, wait};
+use super::error_scope::{WAIT, create_buffer, scoped, wait};
 use super::renderer::{DrawList, OFFSCREEN, Renderer};
 use super::view::View;
 use crate::error::RenderError;
@@ -98,7 +98,8 @@ impl Offscreen {
             });
         wait(device, submission)?;
         let lost = |reason: String| RenderError::DeviceLost { reason };
-        match receiver.try_recv() {
+        // The callback may run on another thread that waits for the device.
+        match receiver.recv_timeout(WAIT) {
             Ok(Ok(())) => {}
             Ok(Err(error)) => return Err(lost(error.to_string())),
             Err(error) => return Err(lost(format!("the image was not read back: {error}"))),
