@@ -215,7 +215,10 @@ proptest! {
             let is_in_reach = |t: TriangleId, distance: f64| {
                 let corners = surface.topology().triangle(t).map(|v| v.index());
                 let all = corners.map(|i| displacements[i]);
-                let motion = [0, 1, 2].map(|k| all.map(|d| d[k].abs()).into_iter().fold(0.0, f32::max));
+                let motion = [0, 1, 2].map(|k| {
+                    let along = all.iter().map(|d: &[f32; 3]| d[k].abs());
+                    along.fold(0.0, f32::max)
+                });
                 let at = corners.map(|i| surface.positions()[i]);
                 let around = Aabb::around(at.map(|[x, y, z, _]| [x, y, z]));
                 let relative: f32 = (0..3)
