@@ -54,8 +54,8 @@ const STRICT: &str = "SwiftShader";
 
 /// Creates a test that passes unless it panics.
 ///
-/// The tests of a thread share a device, on which each kernel is compiled once: software adapters
-/// take seconds for it. It stays open, since wgpu closes no device while a thread ends.
+/// The tests of a thread share a device that works, so that each kernel is compiled once; software
+/// adapters take seconds. It is leaked, since a thread's destructors cannot close a device of wgpu.
 pub fn trial(name: &str, needs: Needs, test: impl FnOnce(Context) + Send + 'static) -> Trial {
     thread_local! {
         static OPEN: RefCell<[Option<&'static Context>; 2]> = const { RefCell::new([None; 2]) };
@@ -64,8 +64,8 @@ pub fn trial(name: &str, needs: Needs, test: impl FnOnce(Context) + Send + 'stat
         OPEN.with_borrow_mut(|open| {
             let open = &mut open[needs as usize];
             let context = match *open {
-                Some(context) => context,
-                None => Box::leak(Box::new(Context::open(&needs.request())?)),
+                Some(context) if context.check().is_ok() => context,
+                _ => Box::leak(Box::new(Context::open(&needs.request())?)),
             };
             *open = Some(context);
             Ok(context.clone())
@@ -73,7 +73,7 @@ pub fn trial(name: &str, needs: Needs, test: impl FnOnce(Context) + Send + 'stat
     })
 }
 
-/// Creates a test that runs on a device of its own, since it breaks it or counts its kernels.
+/// Creates a test with its own device, for tests that lose it or count its kernels.
 pub fn trial_alone(name: &str, needs: Needs, test: impl FnOnce(Context) + Send + 'static) -> Trial {
     trial_with(name, needs, test, move || Context::open(&needs.request()))
 }

@@ -1,4 +1,4 @@
-//! Tests of the program without pictures.
+//! Tests of the program without images.
 
 mod bodies;
 mod check;

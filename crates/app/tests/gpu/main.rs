@@ -1,4 +1,4 @@
-//! Tests of pictures that the program draws on the GPU.
+//! Tests of images that the program draws on the GPU.
 
 #![expect(
     clippy::missing_assert_message,

@@ -48,10 +48,10 @@ impl Default for Motion {
 impl Motion {
     fn of_triangle(surface: &Surface, t: TriangleId, displacements: &[[f32; 3]]) -> Self {
         let corners = surface.topology().triangle(t);
-        let [a, b, c] = corners.map(|v| displacements[v.index()].map(f32::abs));
+        let displacements = corners.map(|v| displacements[v.index()].map(f32::abs));
         Self {
             bounds: triangle_bounds(surface, corners),
-            displacement: greatest(greatest(a, b), c),
+            displacement: displacements.into_iter().fold([0.0; 3], greatest),
             piece: surface.piece(t),
         }
     }
@@ -69,7 +69,7 @@ impl Motion {
     }
 }
 
-/// Returns the greater of two values along each axis.
+/// Returns the greater of two values along each axis; a NaN in `b` is ignored.
 fn greatest(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [0, 1, 2].map(|k| most(a[k], b[k]))
 }

@@ -39,7 +39,7 @@ impl MovingPoint {
     }
 }
 
-/// The number of no piece, nor of several ones.
+/// A piece number that no triangle or node has.
 const NO_PIECE: u32 = NONE - 1;
 
 /// A [`MovingPoint`] in single precision.

@@ -19,7 +19,8 @@ pub(super) const WAIT: Duration = Duration::from_secs(120);
 
 /// A wgpu device with its queue, its collected errors and the kernels compiled for it.
 ///
-/// Clones share all of them: backends on clones of a context compile each kernel once.
+/// Clones share all of them: backends on clones of a context compile each kernel once. An error
+/// outside of [`Context::scoped`] is returned by the first clone that checks.
 #[derive(Debug, Clone)]
 pub struct Context {
     adapter: AdapterSummary,
@@ -175,7 +176,7 @@ impl Context {
         &self.queue
     }
 
-    /// Returns the pipelines of the device.
+    /// Locks the pipelines that clones of this context share.
     pub(super) fn pipelines(&self) -> MutexGuard<'_, SharedPipelines> {
         // Each pipeline is stored whole, so a poisoned lock is harmless.
         self.pipelines
@@ -253,9 +254,9 @@ impl Context {
         })
     }
 
-    /// Blocks until submitted work is done and its callbacks have run.
+    /// Blocks until submitted work is done.
     ///
-    /// Another thread that waits for the device may still run callbacks.
+    /// Its callbacks have run, or run on another thread that waits for the device.
     ///
     /// # Errors
     ///

@@ -81,7 +81,7 @@ impl Lanes {
     }
 }
 
-/// The pipelines of a device, shared by all backends on it.
+/// The pipelines that backends on clones of a context share.
 #[derive(Debug, Default)]
 pub(super) struct SharedPipelines {
     layouts: Option<Layouts>,

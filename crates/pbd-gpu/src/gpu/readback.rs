@@ -26,7 +26,7 @@ struct Flight {
     frame: u64,
 }
 
-/// Whether a buffer is mapped, which a callback reports.
+/// The result of a mapping request, set by its callback.
 #[derive(Debug, Default)]
 struct Mapping {
     /// Success or failure; `None` while it is pending.
@@ -45,9 +45,9 @@ impl Mapping {
         self.reported.notify_all();
     }
 
-    /// Returns the result, once the work is done.
+    /// Blocks until the callback has run; `None` after a timeout.
     ///
-    /// The callback runs on any thread that waits for the device, maybe a renderer's.
+    /// It runs on any thread that waits for the device, such as a renderer's.
     fn wait(&self) -> Option<bool> {
         let is_pending = |state: &mut Option<bool>| state.is_none();
         let waited = self
@@ -136,6 +136,11 @@ impl Readback {
         if let (None, Some(submission)) = (result, flight.submission) {
             context.wait(submission)?;
             result = flight.mapping.wait();
+        }
+        if result.is_none() {
+            return Err(GpuError::Timeout {
+                seconds: WAIT.as_secs_f64(),
+            });
         }
         if result != Some(true) {
             context.check()?;

@@ -140,8 +140,9 @@ impl Uploads {
         }
         drop(pass);
         context.queue().submit([encoder.finish()]);
+        context.check()?;
         self.clear();
-        context.check()
+        Ok(())
     }
 }
 

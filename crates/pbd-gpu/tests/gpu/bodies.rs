@@ -9,9 +9,10 @@ use incise_test_support::cpu_gpu_pair::{
     DT, SCHEDULES, assert_same, solver_for, with_most_features,
 };
 use incise_test_support::edits::split;
-use incise_test_support::gpu::{Needs, trial};
+use incise_test_support::gpu::{Needs, trial, trial_alone};
 use incise_test_support::surfaces::sphere;
 use libtest_mimic::Trial;
+use std::collections::BTreeSet;
 
 pub(crate) fn trials() -> Vec<Trial> {
     let any = Needs::AnyDevice;
@@ -21,7 +22,7 @@ pub(crate) fn trials() -> Vec<Trial> {
         trial("nothing_is_read_that_nobody_reads", any, reads),
         trial("what_was_prefetched_is_what_is_read", any, prefetched),
         trial("what_comes_by_the_way_undoes_no_edit", any, by_the_way),
-        trial("threads_share_a_device", any, threads),
+        trial_alone("threads_share_a_device", any, threads),
     ];
     for schedule in SCHEDULES {
         let name = |test: &str| format!("{test} by {}", schedule.name());
@@ -96,19 +97,24 @@ fn threads(context: Context) {
             compiled += gpu.stats().kernels_compiled;
             hosted.read(&mut gpu).expect("a state");
         }
-        (hosted, compiled)
+        let kernels: Vec<&str> = gpu.kernels().collect();
+        (hosted, compiled, kernels)
     };
+    let (mut compiled, mut kernels) = (0, BTreeSet::new());
     for schedule in SCHEDULES {
-        let (alone, _) = run(schedule);
         let all = std::thread::scope(|scope| {
             let threads = [(); 3].map(|()| scope.spawn(|| run(schedule)));
             threads.map(|thread| thread.join().expect("it ends"))
         });
-        for (hosted, compiled) in all {
+        let (alone, none, _) = run(schedule);
+        assert_eq!(none, 0, "the threads have compiled all kernels");
+        for (hosted, by_thread, used) in all {
             alone.assert_same(&hosted, "on another thread");
-            assert_eq!(compiled, 0, "the first backend has compiled all kernels");
+            compiled += by_thread as usize;
+            kernels.extend(used);
         }
     }
+    assert_eq!(compiled, kernels.len(), "each kernel is compiled once");
 }
 
 /// Bodies of all schedules and sizes in one submission, and each one's double by itself; some come,

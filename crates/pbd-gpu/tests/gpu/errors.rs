@@ -143,8 +143,7 @@ fn failed_step(context: Context) {
 }
 
 /// Adds bodies with the default limits of WebGPU until they do not fit.
-fn too_many(context: Context) {
-    drop(context);
+fn too_many(_: Context) {
     let request = AdapterRequest {
         portable_limits: true,
         ..Needs::Strict.request()
@@ -238,8 +237,7 @@ fn stepped_here(context: Context) {
 
 /// Every substep has parameters of its own; that of a million does not fit is found before they are
 /// made.
-fn too_many_passes(context: Context) {
-    drop(context);
+fn too_many_passes(_: Context) {
     let request = AdapterRequest {
         portable_limits: true,
         ..Needs::Strict.request()

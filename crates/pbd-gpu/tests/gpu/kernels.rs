@@ -49,8 +49,7 @@ pub(crate) fn trials() -> Vec<Trial> {
 
 /// A test that is run on each device of the machine.
 fn everywhere(name: &str, test: impl Fn(Context) + Send + 'static) -> Trial {
-    trial(name, Needs::AnyDevice, move |first| {
-        drop(first);
+    trial(name, Needs::AnyDevice, move |_| {
         for adapter in adapters().into_iter().filter(|a| a.refusal.is_none()) {
             let request = AdapterRequest {
                 name: Some(adapter.name),

@@ -37,8 +37,7 @@ pub(crate) fn trials() -> Vec<Trial> {
         trial("every_schedule_moves_as_the_cpu", any, |context| {
             every_schedule(&mut GpuBackend::from_context(context).expect("a device"));
         }),
-        trial("portable_limits_change_no_motion", any, |context| {
-            drop(context);
+        trial("portable_limits_change_no_motion", any, |_| {
             every_schedule(&mut GpuBackend::from_context(portable()).expect("a device"));
         }),
         trial("edits_outgrow_buffers", any, |context| {
@@ -47,8 +46,7 @@ pub(crate) fn trials() -> Vec<Trial> {
         trial("edits_outgrow_buffers_of_patches", any, |context| {
             outgrow(context, Schedule::Patches);
         }),
-        trial("edits_outgrow_buffers_of_portable_limits", any, |context| {
-            drop(context);
+        trial("edits_outgrow_buffers_of_portable_limits", any, |_| {
             outgrow(portable(), Schedule::Colors);
         }),
     ]);

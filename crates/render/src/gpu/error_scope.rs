@@ -67,9 +67,9 @@ pub(super) fn create_buffer(
     })
 }
 
-/// Blocks until a submission is done and its callbacks have run.
+/// Blocks until a submission is done.
 ///
-/// Another thread that waits for the device may still run callbacks.
+/// Its callbacks have run, or run on another thread that waits for the device.
 pub(super) fn wait(device: &Device, submission: SubmissionIndex) -> Result<(), RenderError> {
     let until = PollType::Wait {
         submission_index: Some(submission),

@@ -6,6 +6,7 @@ use super::renderer::{DrawList, OFFSCREEN, Renderer};
 use super::view::View;
 use crate::error::RenderError;
 use crate::image::Image;
+use std::sync::mpsc::{RecvTimeoutError, channel};
 use wgpu::{Buffer, BufferUsages, MapMode, Texture, TextureUsages, TextureView};
 
 /// A render target of one size with a readback buffer, reusable for any number of images.
@@ -89,7 +90,7 @@ impl Offscreen {
             );
             queue.submit([encoder.finish()])
         })?;
-        let (sender, receiver) = std::sync::mpsc::channel();
+        let (sender, receiver) = channel();
         self.readback
             .slice(..)
             .map_async(MapMode::Read, move |mapped| {
@@ -102,6 +103,11 @@ impl Offscreen {
         match receiver.recv_timeout(WAIT) {
             Ok(Ok(())) => {}
             Ok(Err(error)) => return Err(lost(error.to_string())),
+            Err(RecvTimeoutError::Timeout) => {
+                return Err(RenderError::Timeout {
+                    seconds: WAIT.as_secs(),
+                });
+            }
             Err(error) => return Err(lost(format!("the image was not read back: {error}"))),
         }
         let image = self.mapped_image(width, height);

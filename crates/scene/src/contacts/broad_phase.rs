@@ -252,8 +252,7 @@ impl Pieces {
         self.vertices.resize(count as usize, VertexId::NULL);
     }
 
-    /// Finds the displacements of vertices and pieces relative to their groups, and lists the
-    /// vertices of each piece.
+    /// Finds displacements relative to groups, and lists the vertices of each piece.
     fn find_displacements(&mut self, surface: &Surface, motion: &mut Motion, dt: f64) {
         let topology = surface.topology();
         for v in topology.vertices() {

@@ -10,8 +10,8 @@ use incise_mesh::{HalfEdge, Surface, Vec3, VertexId};
 /// Number of vertices per piece at whose [points](points_at) the depth of an overlap is measured.
 const MEASURED: usize = 50;
 
-/// Returns about `count` of the vertices of a piece, at equal distances; others in the next search.
-pub(super) fn sampled(
+/// Returns about `count` vertices of a piece, evenly spaced in its list; others in the next search.
+fn sampled(
     vertices: &[VertexId],
     (count, search): (usize, usize),
 ) -> impl Iterator<Item = VertexId> {
@@ -21,6 +21,20 @@ pub(super) fn sampled(
         .skip(search % stride)
         .step_by(stride)
         .copied()
+}
+
+/// Returns a point at each of about `count` vertices of a piece; others in the next searches.
+pub(super) fn sampled_points(
+    surface: &Surface,
+    vertices: &[VertexId],
+    (count, search): (usize, usize),
+) -> impl Iterator<Item = Point> {
+    // Once all vertices have had their turn, other points of them follow.
+    let turn = search / (vertices.len() / count).max(1);
+    sampled(vertices, (count, search)).filter_map(move |v| {
+        let points = points_at(surface, v).count();
+        points_at(surface, v).nth(turn % points)
+    })
 }
 
 /// A point of a piece that is tested.
@@ -50,7 +64,7 @@ impl Point {
 
 /// Returns the points at a vertex: itself, one below it, and the middles of edges that begin there,
 /// each edge at one end.
-pub(super) fn points_at(surface: &Surface, v: VertexId) -> impl Iterator<Item = Point> {
+fn points_at(surface: &Surface, v: VertexId) -> impl Iterator<Item = Point> {
     let topology = surface.topology();
     let edges = topology.outgoing_fan(v);
     let edges = edges.filter(move |&h| topology.target(h) > v);
@@ -67,12 +81,16 @@ impl Search<'_> {
         (is_known && motion.is_active).then_some((body, motion))
     }
 
+    /// Returns the index of a piece in the broad phase, if it takes part.
+    fn index_of(&self, piece: PieceId) -> Option<u32> {
+        let (_, motion) = self.body_of(piece)?;
+        let index = motion.pieces[piece.number as usize];
+        (index != u32::MAX).then_some(index)
+    }
+
     /// Returns the vertices of a piece, ascending.
     pub(super) fn vertices(&self, piece: PieceId) -> &[VertexId] {
-        let index = self
-            .body_of(piece)
-            .map(|(_, motion)| motion.pieces[piece.number as usize]);
-        let index = index.filter(|&index| index != u32::MAX);
+        let index = self.index_of(piece);
         index.map_or(&[], |index| self.pieces.vertices(index))
     }
 
@@ -125,10 +143,10 @@ impl Search<'_> {
 
     /// Returns the maximum depth of the first piece in the second one \[m\], 0 without an overlap.
     pub(super) fn depth(&self, pieces: [PieceId; 2], start: usize) -> f64 {
-        let [Some((body, _)), Some((_, motion))] = pieces.map(|p| self.body_of(p)) else {
+        let (Some((body, _)), Some(other)) = (self.body_of(pieces[0]), self.index_of(pieces[1]))
+        else {
             return 0.0;
         };
-        let other = motion.pieces[pieces[1].number as usize];
         let other = self.pieces.get(other);
         let surface = body.surface();
         let sampled = sampled(self.vertices(pieces[0]), (MEASURED, start));

@@ -8,7 +8,7 @@
 
 use super::ContactFrame;
 use super::axes::{Extents, separation};
-use super::depth::{Point, points_at, sampled};
+use super::depth::{Point, sampled_points};
 use super::free_way::free_way;
 use super::narrow_phase::Search;
 use crate::body::{piece_of, vertices_of};
@@ -16,8 +16,8 @@ use crate::scene::Bodies;
 use incise_mesh::Vec3;
 use rayon::prelude::*;
 
-/// Number of vertices per piece whose points are tested in a frame, about five each.
-const TESTED: usize = 2;
+/// Number of points per piece that are tested in a frame.
+const TESTED: usize = 8;
 
 /// Minimum number of tested points for a thread.
 const MIN_TESTS: usize = 64;
@@ -152,7 +152,8 @@ impl Overlaps {
         self.searches = self.searches.wrapping_add(1);
         let due = self.list.par_iter_mut().filter(|o| o.frames_left == 0);
         due.for_each(|overlap| {
-            if let Some(measured) = search.measure(overlap.pieces, (start, 0.0)) {
+            let turn = start / PERIOD as usize;
+            if let Some(measured) = search.measure(overlap.pieces, (turn, 0.0)) {
                 *overlap = measured;
             }
         });
@@ -189,8 +190,8 @@ impl Overlaps {
                 continue;
             };
             let surface = body.surface();
-            let vertices = sampled(search.pieces.vertices(index), (TESTED, start));
-            for point in vertices.flat_map(|v| points_at(surface, v)) {
+            let vertices = search.pieces.vertices(index);
+            for point in sampled_points(surface, vertices, (TESTED, start)) {
                 let at = point.position(surface);
                 let others = search.pieces.neighbors(index);
                 let tests = others.filter(|other| other.contains(at, 0.0));
@@ -235,7 +236,7 @@ impl Test {
 }
 
 impl Search<'_> {
-    /// Measures an overlap of a known depth or 0 \[m\] in a search.
+    /// Measures an overlap of a known depth or 0 \[m\], at the points of a search.
     ///
     /// `None` if there is none, or neither piece can be moved.
     fn measure(&self, pieces: [PieceId; 2], (search, known): (usize, f64)) -> Option<Overlap> {

@@ -5,7 +5,7 @@ use incise_mesh::VertexId;
 use incise_models::Model;
 use incise_pbd_gpu::{Context, Material, SolverParams, Stiffness};
 use incise_scene::{BladeId, BodyId, Scene, SceneParams, SleepParams};
-use incise_test_support::gpu::{Needs, trial};
+use incise_test_support::gpu::{Needs, trial, trial_alone};
 use libtest_mimic::Trial;
 
 /// Models of one workgroup and of many.
@@ -24,7 +24,7 @@ pub(crate) fn trials() -> Vec<Trial> {
             Needs::Strict,
             same,
         ),
-        trial(
+        trial_alone(
             "sleeping_bodies_need_no_dispatch_and_no_transfer",
             any,
             costs_nothing,
