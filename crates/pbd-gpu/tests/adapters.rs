@@ -177,19 +177,13 @@ fn too_large_a_need() {
     );
 }
 
-fn portable_request() -> AdapterRequest {
-    AdapterRequest {
-        portable_limits: true,
-        ..Needs::AnyDevice.request()
-    }
-}
-
 fn portable() {
-    let context = Context::open(&portable_request()).expect("every adapter has these limits");
+    let context = Context::open(&Needs::AnyDevice.portable_request())
+        .expect("every adapter has these limits");
     assert_eq!(context.device().limits(), wgpu::Limits::default());
     let request = AdapterRequest {
         storage_binding: (128 << 20) + 4,
-        ..portable_request()
+        ..Needs::AnyDevice.portable_request()
     };
     // The adapter is opened with lower limits, so the device is too small.
     let error = Context::open(&request).expect_err("a portable binding is smaller");

@@ -37,13 +37,6 @@ fn main() -> ExitCode {
     ])
 }
 
-fn portable_request() -> AdapterRequest {
-    AdapterRequest {
-        portable_limits: true,
-        ..Needs::AnyDevice.request()
-    }
-}
-
 fn too_large_a_buffer(context: &Context) {
     let limits = context.device().limits();
     let binding = limits.max_storage_buffer_binding_size;
@@ -61,7 +54,8 @@ fn too_large_a_buffer(context: &Context) {
         }
     }
     assert_eq!(context.check(), Ok(()), "the device was not even asked");
-    let portable = Context::open(&portable_request()).expect("an adapter is there");
+    let portable =
+        Context::open(&Needs::AnyDevice.portable_request()).expect("an adapter is there");
     let bytes = (128 << 20) + 4;
     let error = portable.buffer("positions", bytes, BufferUsages::STORAGE);
     assert!(
@@ -290,7 +284,7 @@ fn software() -> Option<String> {
 fn exhaust() -> ExitCode {
     let request = AdapterRequest {
         name: software(),
-        ..portable_request()
+        ..Needs::AnyDevice.portable_request()
     };
     let context = Context::open(&request).expect("this much memory is there");
     let mut buffers = Vec::new();

@@ -26,6 +26,15 @@ impl Needs {
         AdapterRequest::any((self == Self::Strict).then(|| STRICT.to_owned()))
     }
 
+    /// Returns a request for such an adapter with the default limits of WebGPU.
+    #[must_use]
+    pub fn portable_request(self) -> AdapterRequest {
+        AdapterRequest {
+            portable_limits: true,
+            ..self.request()
+        }
+    }
+
     fn is_met(self) -> bool {
         // Cached, since listing adapters loads every driver.
         static FOUND: OnceLock<Vec<AdapterSummary>> = OnceLock::new();

@@ -132,17 +132,18 @@ impl Readback {
         let Some(buffer) = self.buffer.take() else {
             return Ok(None);
         };
-        let mut result = *flight.mapping.lock();
-        if let (None, Some(submission)) = (result, flight.submission) {
-            context.wait(submission)?;
-            result = flight.mapping.wait();
-        }
-        if result.is_none() {
-            return Err(GpuError::Timeout {
-                seconds: WAIT.as_secs_f64(),
-            });
-        }
-        if result != Some(true) {
+        let reported = *flight.mapping.lock();
+        let is_mapped = match (reported, flight.submission) {
+            (None, Some(submission)) => {
+                context.wait(submission)?;
+                flight.mapping.wait().ok_or(GpuError::Timeout {
+                    seconds: WAIT.as_secs_f64(),
+                })?
+            }
+            // Commands that were not submitted map nothing.
+            (reported, _) => reported == Some(true),
+        };
+        if !is_mapped {
             context.check()?;
             return Err(GpuError::Driver {
                 what: "reading back".to_owned(),

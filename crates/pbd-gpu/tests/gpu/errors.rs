@@ -1,9 +1,7 @@
 //! Misuse of the GPU backend is an error that leaves other bodies intact.
 
 use incise_mesh::{HalfEdge, Surface, VertexId, icosphere};
-use incise_pbd_gpu::{
-    AdapterRequest, Context, GpuBackend, GpuError, Schedule, Solver, SolverParams, StepError,
-};
+use incise_pbd_gpu::{Context, GpuBackend, GpuError, Schedule, Solver, SolverParams, StepError};
 use incise_test_support::cpu_gpu_pair::{
     CpuGpuPair, DT, SCHEDULES, assert_same, with_most_features,
 };
@@ -144,12 +142,8 @@ fn failed_step(context: Context) {
 
 /// Adds bodies with the default limits of WebGPU until they do not fit.
 fn too_many(_: Context) {
-    let request = AdapterRequest {
-        portable_limits: true,
-        ..Needs::Strict.request()
-    };
     let (material, params) = with_most_features();
-    let context = Context::open(&request).expect("it was there before");
+    let context = Context::open(&Needs::Strict.portable_request()).expect("it was there before");
     let mut gpu = GpuBackend::from_context(context).expect("a device");
     let mut first = CpuGpuPair::add(&mut gpu, sphere(2, [0.0; 3]), &material, Schedule::Colors);
     let mut grown = CpuGpuPair::add(&mut gpu, sphere(2, [0.0; 3]), &material, Schedule::Colors);
@@ -238,12 +232,8 @@ fn stepped_here(context: Context) {
 /// Every substep has parameters of its own; that of a million does not fit is found before they are
 /// made.
 fn too_many_passes(_: Context) {
-    let request = AdapterRequest {
-        portable_limits: true,
-        ..Needs::Strict.request()
-    };
     let (material, params) = with_most_features();
-    let context = Context::open(&request).expect("it was there before");
+    let context = Context::open(&Needs::Strict.portable_request()).expect("it was there before");
     let mut gpu = GpuBackend::from_context(context).expect("a device");
     let mut twin = CpuGpuPair::add(&mut gpu, sphere(1, [0.0; 3]), &material, Schedule::Colors);
     let many = SolverParams {

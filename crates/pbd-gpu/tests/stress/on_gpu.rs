@@ -2,9 +2,7 @@
 
 use crate::runner::{Body, FRAME, GROUND, HANGING, Runner, ball, elastic_shell, largest_offset};
 use incise_mesh::{HalfEdge, Surface};
-use incise_pbd_gpu::{
-    AdapterRequest, Context, GpuBackend, Material, PatchParams, Schedule, Solver,
-};
+use incise_pbd_gpu::{Context, GpuBackend, Material, PatchParams, Schedule, Solver};
 use incise_test_support::edits::split;
 use incise_test_support::gpu::{Needs, trial};
 use libtest_mimic::Trial;
@@ -55,11 +53,7 @@ pub(crate) fn trials() -> Vec<Trial> {
 
 /// Returns the same adapter with the default limits of WebGPU.
 fn portable() -> Context {
-    let request = AdapterRequest {
-        portable_limits: true,
-        ..Needs::AnyDevice.request()
-    };
-    Context::open(&request).expect("it was there before")
+    Context::open(&Needs::AnyDevice.portable_request()).expect("it was there before")
 }
 
 fn solver_for(surface: &mut Surface, material: &Material, schedule: Schedule) -> Solver {
