@@ -1,7 +1,7 @@
 //! libFuzzer target: runs a decoded [`Case`] with `cargo +nightly fuzz run cut`.
 #![no_main]
 
-use incise_fuzz::Case;
+use incise_tests::fuzz::Case;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|case: Case| case.run());

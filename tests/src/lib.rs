@@ -2,6 +2,7 @@
 
 mod blades;
 mod bodies;
+pub mod fuzz;
 mod invariants;
 mod planes;
 mod reference_table;

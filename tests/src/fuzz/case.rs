@@ -1,9 +1,9 @@
 //! Decodes a fuzz case from bytes: a body and the cuts, undos and deformations applied to it.
 
+use crate::{Blade, Body, Deformation, Shape};
 use arbitrary::{Arbitrary, Result, Unstructured};
 use incise_models::Model;
 use incise_refine::{RefineMethod, RefinementLevel};
-use incise_tests::{Blade, Body, Deformation, Shape};
 
 /// Maximum number of steps of a case, since bodies grow with every cut.
 const MAX_STEPS: usize = 8;

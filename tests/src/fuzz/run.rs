@@ -1,11 +1,11 @@
 //! Runs a fuzz case and checks invariants after every step.
 
-use crate::case::{Case, Step, SweepCase};
+use super::case::{Case, Step, SweepCase};
+use crate::{assert_closed_manifold, assert_same_bits, cut_and_check};
 use incise_cut::{CutError, CutMethod, CutParams, Cutter, ExactParams, Sweep};
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Undo, Vec3};
 use incise_refine::RefineParams;
-use incise_tests::{assert_closed_manifold, assert_same_bits, cut_and_check};
 
 /// A cut that can be undone.
 pub(crate) struct Done {
@@ -151,7 +151,7 @@ pub(crate) fn bend(surface: &mut Surface, by: [f64; 3]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random_bytes;
+    use crate::fuzz::random_bytes;
     use arbitrary::{Arbitrary, Unstructured};
 
     /// Runs cases from random bytes, which checks the harness without a fuzzer.

@@ -1,12 +1,12 @@
 //! Fuzz cases of progressive cuts: a body and the path of a blade through it.
 
-use crate::case::{body, vector};
-use crate::run::{Done, bend, undo_cut};
+use super::case::{body, vector};
+use super::run::{Done, bend, undo_cut};
+use crate::{Body, assert_closed_manifold, assert_same_bits};
 use arbitrary::{Arbitrary, Result, Unstructured};
 use incise_cut::{Caps, CutError, CutMethod, CutParams, Cutter, ExactParams, Incision};
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Undo, Vec3};
-use incise_tests::{Body, assert_closed_manifold, assert_same_bits};
 
 /// Maximum number of steps of a case.
 const MAX_STEPS: usize = 16;
@@ -185,7 +185,7 @@ impl Run {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random_bytes;
+    use crate::fuzz::random_bytes;
 
     /// Runs cases from random bytes, which checks the harness without a fuzzer.
     #[test]
