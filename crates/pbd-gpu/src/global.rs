@@ -11,20 +11,20 @@
 //! projective dynamics (Bouaziz et al. 2014): the inverse of a constant matrix, the same for all
 //! three coordinates, times the gradient. The last steps correct it by L-BFGS (Liu et al. 2017).
 //!
-//! [`objective`] evaluates `F` and its gradient, [`matrix`] assembles the matrix and [`cholesky`]
-//! factors it. [`preconditioner`] keeps a factor while the body changes, with a [`local`] one for
-//! the changed region and exact translations of [`free_pieces`], and [`minimizer`] iterates. Pins
-//! hold by their zero inverse mass. Volumes are projected after each iteration, as with sweeps, and
-//! directions keep incompressible ones to first order. Near [`obstacles`], the ground and
-//! colliders, and in contact with others a body takes sweeps, after which it is
-//! [settling](minimizer::settling).
+//! [`objective`] evaluates `F` and its gradient. [`matrix`] assembles the matrix, `incise-sparse`
+//! factors it, and [`coordinates`] solves with the factor. [`preconditioner`] keeps a factor while
+//! the body changes, with a [`local`] one for the changed region and exact translations of
+//! [`free_pieces`], and [`minimizer`] iterates. Pins hold by their zero inverse mass. Volumes are
+//! projected after each iteration, as with sweeps, and directions keep incompressible ones to first
+//! order. Near [`obstacles`], the ground and colliders, and in contact with others a body takes
+//! sweeps, after which it is [settling](minimizer::settling).
 //!
 //! Results are the same on any number of threads. Unlike those of sweeps they depend on the
 //! instruction set, because `faer` uses fused multiply-add where the CPU has it.
 
 mod arctangent;
 mod choice;
-mod cholesky;
+mod coordinates;
 mod energy;
 mod free_pieces;
 mod job;

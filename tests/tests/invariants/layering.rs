@@ -7,12 +7,16 @@ use std::process::Command;
 /// Packages with the workspace packages that each may depend on, of any kind of dependency.
 ///
 /// A new package needs a line here.
-const ALLOWED: [(&str, &[&str]); 17] = [
+const ALLOWED: [(&str, &[&str]); 18] = [
     ("incise-mesh", &[]),
     ("incise-models", &["incise-mesh"]),
-    ("incise-refine", &["incise-mesh"]),
+    ("incise-sparse", &[]),
+    ("incise-refine", &["incise-mesh", "incise-sparse"]),
     ("incise-cut", &["incise-mesh", "incise-refine"]),
-    ("incise-pbd-gpu", &["incise-mesh", "incise-models"]),
+    (
+        "incise-pbd-gpu",
+        &["incise-mesh", "incise-models", "incise-sparse"],
+    ),
     ("incise-render", &["incise-mesh", "incise-models"]),
     (
         "incise-scene",
@@ -36,6 +40,7 @@ const ALLOWED: [(&str, &[&str]); 17] = [
             "incise-render",
             "incise-scene",
             "incise-progress",
+            "incise-sparse",
         ],
     ),
     (

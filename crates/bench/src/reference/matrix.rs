@@ -4,14 +4,8 @@ use super::error::ReferenceError;
 use super::measure::Blocks;
 use super::model::Model;
 use super::volume::Piece;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltRegularization;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
-    factorize_symbolic_cholesky,
-};
 use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat};
-use faer::{Conj, Mat, Par, Side, Spec};
+use incise_sparse::{Columns, Scratch};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 
 /// A vertex of an element and a coordinate of it.
@@ -26,10 +20,8 @@ pub(super) struct System {
     sorting: Argsort<usize>,
     /// Entries in the order of addition; several may share a place.
     values: Vec<f64>,
-    symbolic: SymbolicCholesky<usize>,
-    factor: Vec<f64>,
-    memory: MemBuffer,
-    right: Mat<f64>,
+    factor: incise_sparse::Cholesky,
+    scratch: Scratch,
     /// Columns whose outer products are added to the sparse matrix, over all vertices; zero where a
     /// vertex is held.
     columns: Vec<Vec<Vector3<f64>>>,
@@ -76,26 +68,17 @@ impl System {
         let (pattern, sorting) =
             SymbolicSparseColMat::try_new_from_indices(unknowns, unknowns, &places)
                 .map_err(|_| failed)?;
-        let symbolic = factorize_symbolic_cholesky(
-            pattern.as_ref(),
-            Side::Lower,
-            SymmetricOrdering::Amd,
-            CholeskySymbolicParams::default(),
-        )
-        .map_err(|_| failed)?;
-        let request = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
-        let request = request.or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        let memory = MemBuffer::try_new(request).map_err(|_| failed)?;
+        let factor = incise_sparse::Cholesky::analyze(pattern.as_ref(), Columns::Blocks);
+        let factor = factor.ok_or(failed)?;
+        let scratch = factor.scratch(1).ok_or(failed)?;
         Ok(Self {
             numbers,
             moving,
             values: Vec::with_capacity(places.len()),
-            factor: vec![0.0; symbolic.len_val()],
-            right: Mat::zeros(unknowns, 1),
+            factor,
+            scratch,
             pattern,
             sorting,
-            symbolic,
-            memory,
             columns: Vec::new(),
             low_rank: None,
         })
@@ -133,16 +116,7 @@ impl System {
         else {
             return false;
         };
-        let llt = self.symbolic.factorize_numeric_llt(
-            &mut self.factor,
-            matrix.as_ref(),
-            Side::Lower,
-            LltRegularization::default(),
-            Par::Seq,
-            MemStack::new(&mut self.memory),
-            Spec::default(),
-        );
-        llt.is_ok() && self.factor_columns()
+        self.factor.factor(matrix.as_ref()) && self.factor_columns()
     }
 
     /// Prepares Woodbury's formula for the factored matrix; returns whether the sum is positive
@@ -202,16 +176,14 @@ impl System {
         for (number, right) in self.numbers.iter().zip(right) {
             if let Some(number) = number {
                 for k in 0..3 {
-                    self.right[(3 * number + k, 0)] = right[k];
+                    self.scratch.right[(3 * number + k, 0)] = right[k];
                 }
             }
         }
-        let stack = MemStack::new(&mut self.memory);
-        let llt = LltRef::new(&self.symbolic, &self.factor);
-        llt.solve_in_place_with_conj(Conj::No, self.right.as_mut(), Par::Seq, stack);
+        self.factor.solve(&mut self.scratch);
         for (number, out) in self.numbers.iter().zip(&mut out) {
             if let Some(number) = number {
-                *out = Vector3::from_fn(|k, _| self.right[(3 * number + k, 0)]);
+                *out = Vector3::from_fn(|k, _| self.scratch.right[(3 * number + k, 0)]);
             }
         }
         out.iter()

@@ -10,9 +10,10 @@
 //! `S^-1`: it is the same expression with the touched region before the edit, whose stiffness as
 //! seen from `R` is similar. New slivers are nearly rigid, and only `A_LL` contains them.
 
-use super::cholesky::{Cholesky, SolveScratch};
+use super::coordinates::{self, COORDINATES};
 use super::matrix::{MatrixInput, NO_ROW, push_lower};
 use incise_mesh::{Vec3, index_u32};
+use incise_sparse::{Cholesky, Columns, Scratch};
 use std::sync::Arc;
 
 /// Maximum number of touched vertices: the factor is made in the frame of the edit.
@@ -30,7 +31,7 @@ struct Coupling {
 #[derive(Debug)]
 pub(super) struct LocalFactor {
     shared: Arc<Shared>,
-    scratch: SolveScratch,
+    scratch: Scratch,
     /// The right-hand side of the second solve, shape [vertex slots]; 0 except in use.
     right: Vec<Vec3>,
 }
@@ -78,9 +79,9 @@ impl LocalFactor {
                 }
             },
         );
-        let cholesky = Cholesky::new(vertices.len(), &entries)?;
+        let cholesky = Cholesky::new(vertices.len(), &entries, Columns::Blocks)?;
         Some(Self {
-            scratch: cholesky.scratch()?,
+            scratch: cholesky.scratch(COORDINATES)?,
             right: vec![Vec3::zeros(); rows.len()],
             shared: Arc::new(Shared {
                 vertices,
@@ -94,7 +95,7 @@ impl LocalFactor {
     pub(super) fn share(&self) -> Option<Self> {
         Some(Self {
             shared: self.shared.clone(),
-            scratch: self.shared.cholesky.scratch()?,
+            scratch: self.shared.cholesky.scratch(COORDINATES)?,
             right: self.right.clone(),
         })
     }
@@ -108,9 +109,8 @@ impl LocalFactor {
             right,
         } = self;
         let touched = shared.vertices.iter().map(|&v| v as usize);
-        shared
-            .cholesky
-            .solve(touched.clone().enumerate(), vector, scratch);
+        let rows = touched.clone().enumerate();
+        coordinates::solve(&shared.cholesky, rows.clone(), vector, scratch);
         for coupling in &shared.couplings {
             let by = vector[coupling.touched as usize] * coupling.value;
             vector[coupling.other as usize] -= by;
@@ -120,9 +120,7 @@ impl LocalFactor {
             let by = vector[coupling.other as usize] * coupling.value;
             right[coupling.touched as usize] += by;
         }
-        shared
-            .cholesky
-            .solve(touched.clone().enumerate(), right, scratch);
+        coordinates::solve(&shared.cholesky, rows, right, scratch);
         for v in touched {
             vector[v] -= right[v];
             right[v] = Vec3::zeros();
@@ -136,7 +134,7 @@ impl LocalFactor {
             cholesky,
             couplings,
         } = &*self.shared;
-        cholesky.bytes()
+        cholesky.bytes(COORDINATES)
             + 4 * vertices.capacity()
             + size_of::<Coupling>() * couplings.capacity()
             + size_of::<Vec3>() * self.right.capacity()

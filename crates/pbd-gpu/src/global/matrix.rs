@@ -5,12 +5,13 @@
 //! on each coordinate alike, so that one factor with three right-hand sides serves all of them.
 
 use super::EnergySets;
-use super::cholesky::{Cholesky, Entry};
+use super::coordinates::COORDINATES;
 use super::objective::Compliances;
 use crate::constraints::batches::ConstraintSet;
 use crate::kernels::bending::FLAT;
 use incise_mesh::geometry::to_f64;
 use incise_mesh::{Surface, Vec3, VertexId, index_u32};
+use incise_sparse::{Cholesky, Columns, Entry};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -131,7 +132,7 @@ impl MatrixInput {
         Some(Factor {
             input: self.clone(),
             rows,
-            cholesky: Cholesky::new(count, &entries)?,
+            cholesky: Cholesky::new(count, &entries, Columns::Blocks)?,
             time: begin.elapsed(),
         })
     }
@@ -197,6 +198,6 @@ pub(super) struct Factor {
 impl Factor {
     /// Returns the size of factor, its structure, input, rows and scratch memory \[bytes\].
     pub(super) fn bytes(&self) -> usize {
-        self.cholesky.bytes() + 4 * self.rows.len() + self.input.bytes()
+        self.cholesky.bytes(COORDINATES) + 4 * self.rows.len() + self.input.bytes()
     }
 }

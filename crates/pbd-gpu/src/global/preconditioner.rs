@@ -5,7 +5,7 @@
 //! and taken into use after a number of frames that depends on the body alone, so that results do
 //! not depend on speed.
 
-use super::cholesky::SolveScratch;
+use super::coordinates::{self, COORDINATES};
 use super::free_pieces::FreePieces;
 use super::job::FactorJob;
 use super::local::LocalFactor;
@@ -14,6 +14,7 @@ use super::objective::Compliances;
 use super::{EnergySets, GlobalStats};
 use crate::particles::Particles;
 use incise_mesh::{Surface, Vec3, VertexId, index_u32};
+use incise_sparse::Scratch;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::Duration;
@@ -36,7 +37,7 @@ pub(super) struct Preconditioner {
     pub(super) free: FreePieces,
     /// Inverse diagonal of the matrix [1/kg], for vertices without a row; empty with `local`.
     pub(super) inverse_diagonal: Vec<f64>,
-    pub(super) scratch: Option<SolveScratch>,
+    pub(super) scratch: Option<Scratch>,
     /// Compliances and pinned vertices of the last matrix.
     pub(super) compliances: Compliances,
     pub(super) pins: Vec<VertexId>,
@@ -69,7 +70,7 @@ impl Clone for Preconditioner {
             scratch: self
                 .factor
                 .as_ref()
-                .and_then(|factor| factor.cholesky.scratch()),
+                .and_then(|factor| factor.cholesky.scratch(COORDINATES)),
             pins: self.pins.clone(),
             pending: self.pending.clone(),
             ..*self
@@ -179,7 +180,7 @@ impl Preconditioner {
         for &v in changed.iter().filter(|&&v| v < slots) {
             self.rows[v] = NO_ROW;
         }
-        self.scratch = factor.cholesky.scratch();
+        self.scratch = factor.cholesky.scratch(COORDINATES);
         self.factor_time = factor.time;
         self.factor_age = age;
         self.factor = Some(factor);
@@ -239,7 +240,7 @@ impl Preconditioner {
             if let (Some(factor), Some(scratch)) = (factor, scratch) {
                 let known = rows.iter().enumerate().filter(|&(_, &row)| row != NO_ROW);
                 let known = known.map(|(v, &row)| (row as usize, v));
-                factor.cholesky.solve(known, vector, scratch);
+                coordinates::solve(&factor.cholesky, known, vector, scratch);
             }
         };
         free.apply(vector, |vector| match local {

@@ -1,6 +1,7 @@
 //! Saving of the global step: the inputs of its factors, from which loading makes them again.
 
 use super::GlobalStep;
+use super::coordinates::COORDINATES;
 use super::free_pieces::FreePieces;
 use super::job::FactorJob;
 use super::matrix::{MatrixInput, NO_ROW};
@@ -74,7 +75,9 @@ impl GlobalStep {
         };
         Some(Self {
             preconditioner: Preconditioner {
-                scratch: factor.as_ref().and_then(|factor| factor.cholesky.scratch()),
+                scratch: factor
+                    .as_ref()
+                    .and_then(|factor| factor.cholesky.scratch(COORDINATES)),
                 factor_time: factor
                     .as_ref()
                     .map(|factor| factor.time)

@@ -1,3 +1,4 @@
+use super::coordinates::{self, COORDINATES};
 use super::free_pieces::FreePieces;
 use super::lanes::Row;
 use super::local::LocalFactor;
@@ -70,10 +71,10 @@ fn the_gradient_is_that_of_the_value() {
 
 /// Returns the product of the inverse with a vector, for the vertices with a row.
 fn solve(factor: &Factor, rows: &[u32], vector: &mut [Vec3]) {
-    let mut scratch = factor.cholesky.scratch().expect("memory");
+    let mut scratch = factor.cholesky.scratch(COORDINATES).expect("memory");
     let rows = rows.iter().enumerate().filter(|&(_, &row)| row != NO_ROW);
     let rows = rows.map(|(v, &row)| (row as usize, v));
-    factor.cholesky.solve(rows, vector, &mut scratch);
+    coordinates::solve(&factor.cholesky, rows, vector, &mut scratch);
 }
 
 #[test]

@@ -5,26 +5,22 @@
 //! Laplacians at the rim include the adjacent vertices of the surface, so the patch meets it
 //! without a crease.
 //!
-//! The normal equations are factored once for positions and rest positions. The factorization is
-//! simplicial: a supernodal one would be faster but gives other bits on other machines.
+//! The normal equations are factored once for positions and rest positions, one column after the
+//! other: dense blocks would be faster but give other bits on other machines.
 
 use super::HolePatch;
 use super::rim::{Rim, RimNeighborhood};
 use super::subdivision::flip_to_delaunay_again;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltRegularization;
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymmetricOrdering, factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMat, Triplet};
-use faer::{Conj, Mat, Par, Side, Spec};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Surface, Vec3, VertexId, index_u32};
+use incise_sparse::{Cholesky, Columns, Entry};
 use rustc_hash::FxHashMap;
 
 /// Number of times that a patch is faired.
 const FAIRING_PASSES: usize = 2;
+
+/// Number of right-hand sides: the coordinates of positions and of rest positions.
+const SIDES: usize = 6;
 
 /// Lower bound of cotangent weights; negative ones could move vertices far away.
 const MIN_WEIGHT: f64 = 0.02;
@@ -103,11 +99,11 @@ fn minimize_energy(
     };
     let first = index_u32(patch.rim);
     let last = first + index_u32(unknowns);
-    let unknown = |v: u32| (first..last).contains(&v).then(|| (v - first) as usize);
-    let mut entries: Vec<(usize, usize, f64)> = Vec::new();
-    let mut right = Mat::<f64>::zeros(unknowns, 6);
+    let unknown = |v: u32| (first..last).contains(&v).then(|| v - first);
+    let mut entries: Vec<Entry> = Vec::new();
+    let mut right = vec![[0.0; SIDES]; unknowns];
     for row in &rows {
-        let mut offset = [0.0; 6];
+        let mut offset = [0.0; SIDES];
         for &(v, weight) in row.iter().filter(|entry| unknown(entry.0).is_none()) {
             for (sum, x) in offset.iter_mut().zip(known(v)) {
                 *sum += weight * x;
@@ -115,64 +111,41 @@ fn minimize_energy(
         }
         let own = || row.iter().filter_map(|&(v, w)| Some((unknown(v)?, w)));
         for (i, a) in own() {
-            for (k, x) in offset.iter().enumerate() {
-                right[(i, k)] -= a * x;
+            for (sum, x) in right[i as usize].iter_mut().zip(offset) {
+                *sum -= a * x;
             }
             let lower = own().filter(|&(j, _)| j <= i);
-            entries.extend(lower.map(|(j, b)| (j, i, a * b)));
+            entries.extend(lower.map(|(j, b)| Entry {
+                row: i,
+                column: j,
+                value: a * b,
+            }));
         }
     }
-    // Sum in the order of the rows, because the solver's own order is not specified.
-    entries.sort_by_key(|&(j, i, _)| (j, i));
-    let merged: Vec<Triplet<usize, usize, f64>> = entries
-        .chunk_by(|a, b| (a.0, a.1) == (b.0, b.1))
-        .map(|same| Triplet::new(same[0].1, same[0].0, same.iter().map(|e| e.2).sum()))
-        .collect();
-    if !solve(unknowns, &merged, &mut right) {
+    let Some(solution) = solve(&entries, &right) else {
         return false;
-    }
-    for i in 0..unknowns {
-        let v = patch.rim + i;
-        patch.points[v] = at + Vec3::new(right[(i, 0)], right[(i, 1)], right[(i, 2)]);
-        patch.rest[v] = rest + Vec3::new(right[(i, 3)], right[(i, 4)], right[(i, 5)]);
+    };
+    for (&[x, y, z, u, v, w], i) in solution.iter().zip(patch.rim..) {
+        patch.points[i] = at + Vec3::new(x, y, z);
+        patch.rest[i] = rest + Vec3::new(u, v, w);
     }
     true
 }
 
-/// Solves the symmetric system with the given lower triangle; returns whether it succeeded.
-fn solve(unknowns: usize, lower: &[Triplet<usize, usize, f64>], right: &mut Mat<f64>) -> bool {
-    let factor_and_solve = |right: &mut Mat<f64>| {
-        let matrix = SparseColMat::try_new_from_triplets(unknowns, unknowns, lower).ok()?;
-        let params = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SIMPLICIAL,
-            ..CholeskySymbolicParams::default()
-        };
-        let (order, pattern) = (SymmetricOrdering::Amd, matrix.symbolic());
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, order, params).ok()?;
-        let mut values = vec![0.0; symbolic.len_val()];
-        let request = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
-        let request = request.or(symbolic.solve_in_place_scratch::<f64>(6, Par::Seq));
-        let mut memory = MemBuffer::try_new(request).ok()?;
-        let factor = symbolic
-            .factorize_numeric_llt(
-                &mut values,
-                matrix.as_ref(),
-                Side::Lower,
-                LltRegularization::default(),
-                Par::Seq,
-                MemStack::new(&mut memory),
-                Spec::default(),
-            )
-            .ok()?;
-        let stack = MemStack::new(&mut memory);
-        factor.solve_in_place_with_conj(Conj::No, right.as_mut(), Par::Seq, stack);
-        Some(())
-    };
-    let is_finite = |m: &Mat<f64>| {
-        let mut columns = (0..m.ncols()).map(|k| m.col(k));
-        columns.all(|column| column.iter().all(|x| x.is_finite()))
-    };
-    factor_and_solve(right).is_some() && is_finite(right)
+/// Solves the symmetric system with the given lower triangle; `None` without a finite solution.
+fn solve(lower: &[Entry], right: &[[f64; SIDES]]) -> Option<Vec<[f64; SIDES]>> {
+    let factor = Cholesky::new(right.len(), lower, Columns::Single)?;
+    let mut scratch = factor.scratch(SIDES)?;
+    for (i, row) in right.iter().enumerate() {
+        for (k, &x) in row.iter().enumerate() {
+            scratch.right[(i, k)] = x;
+        }
+    }
+    factor.solve(&mut scratch);
+    let rows = (0..right.len()).map(|i| std::array::from_fn(|k| scratch.right[(i, k)]));
+    let solution: Vec<[f64; SIDES]> = rows.collect();
+    let is_finite = solution.iter().flatten().all(|x| x.is_finite());
+    is_finite.then_some(solution)
 }
 
 impl Neighborhood {
