@@ -168,7 +168,7 @@ impl ContactDetection {
         self.overlaps.len()
     }
 
-    /// Returns the pieces of a pair that is moved apart and their displacements \[m\].
+    /// Returns the pieces of a pair that is moved apart and displacements that separate it by 1.
     pub(crate) fn shifts(&self, n: usize) -> [(PieceId, Vec3); 2] {
         self.overlaps.shifts(n)
     }

@@ -66,7 +66,7 @@ impl Cholesky {
         out.factor(matrix.as_ref()).then_some(out)
     }
 
-    /// Analyzes the structure of a lower triangle; [`Cholesky::factor`] then factors matrices.
+    /// Analyzes the structure of a lower triangle. A matrix is factored by [`Cholesky::factor`].
     ///
     /// `None` if there is not enough memory.
     #[must_use]
@@ -83,30 +83,25 @@ impl Cholesky {
         })
     }
 
-    /// Factors a matrix of the analyzed structure; returns whether it is positive definite in 64
-    /// bits.
+    /// Factors a matrix of the analyzed structure for later solves.
     ///
-    /// It must be before the next solve.
+    /// Returns false if it is not positive definite in 64 bits, or if there is not enough memory.
     pub fn factor(&mut self, lower: SparseColMatRef<'_, usize, f64>) -> bool {
-        let (parallel, spec) = (Par::Seq, Spec::default());
-        let request = (self.symbolic).factorize_numeric_llt_scratch::<f64>(parallel, spec);
+        let symbolic = &self.symbolic;
+        let request = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
         let Ok(mut memory) = MemBuffer::try_new(request) else {
             return false;
         };
-        let (stack, spec) = (MemStack::new(&mut memory), Spec::default());
-        let regularization = LltRegularization::default();
-        let values = &mut self.values;
-        (self.symbolic)
-            .factorize_numeric_llt(
-                values,
-                lower,
-                Side::Lower,
-                regularization,
-                parallel,
-                stack,
-                spec,
-            )
-            .is_ok()
+        let factored = symbolic.factorize_numeric_llt(
+            &mut self.values,
+            lower,
+            Side::Lower,
+            LltRegularization::default(),
+            Par::Seq,
+            MemStack::new(&mut memory),
+            Spec::default(),
+        );
+        factored.is_ok()
     }
 
     /// Allocates zero right-hand sides and the memory of a solve; `None` if there is not enough.

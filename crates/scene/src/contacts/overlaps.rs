@@ -44,9 +44,47 @@ struct Overlap {
     pieces: [PieceId; 2],
     /// Fingerprints of their surfaces.
     versions: [u64; 2],
-    /// Displacements per frame \[m\].
+    /// Displacements that separate the pieces by 1.
     shifts: [[f64; 3]; 2],
+    /// Distance between their middles along the way, when it was measured \[m\].
+    start: f64,
+    /// Separation per frame \[m\].
+    step: f64,
     frames_left: u32,
+}
+
+impl Overlap {
+    /// Returns the distance between the pieces' middles along their way apart \[m\].
+    fn distance(&self, bodies: &Bodies) -> f64 {
+        let [a, b] = self.shifts.map(Vec3::from);
+        let [from, to] = self.pieces.map(|piece| middle(bodies, piece));
+        (to - from).dot(&(b - a))
+    }
+
+    /// Returns the displacements of this frame \[m\].
+    ///
+    /// What has moved the pieces since the measurement counts: a piece that falls is lifted again,
+    /// and one that something else carries is not.
+    fn moves(&self, bodies: &Bodies, frame: &ContactFrame<'_>) -> [Vec3; 2] {
+        let [a, b] = self.shifts.map(Vec3::from);
+        let target = self.start + f64::from(PERIOD - self.frames_left) * self.step;
+        let fall = frame.gravity.dot(&(b - a)).abs() * frame.dt.powi(2);
+        let by = (target - self.distance(bodies)).clamp(0.0, self.step + fall);
+        [a * by, b * by]
+    }
+}
+
+/// Returns the mean position of a piece's vertices \[m\]; the origin without any.
+fn middle(bodies: &Bodies, piece: PieceId) -> Vec3 {
+    let Some(body) = bodies.get(piece.body as usize).and_then(Option::as_ref) else {
+        return Vec3::zeros();
+    };
+    let (mut sum, mut count) = (Vec3::zeros(), 0.0);
+    for v in vertices_of(body.surface(), piece.number) {
+        sum += body.surface().position(v);
+        count += 1.0;
+    }
+    sum / f64::max(count, 1.0)
 }
 
 /// The overlaps of a scene, in memory reused between frames.
@@ -80,10 +118,11 @@ impl Overlaps {
     /// Returns whether all numbers are in the range of a search.
     #[cfg(feature = "serde")]
     pub(super) fn is_valid(&self) -> bool {
-        let is_position = |shift: f64| shift.abs() <= f64::from(f32::MAX);
+        let is_position = |x: &f64| x.abs() <= f64::from(f32::MAX);
         self.list.iter().all(|overlap| {
-            overlap.frames_left <= PERIOD
-                && overlap.shifts.iter().flatten().all(|c| is_position(*c))
+            let shifts = overlap.shifts.iter().flatten();
+            let mut numbers = shifts.chain([&overlap.start, &overlap.step]);
+            overlap.frames_left <= PERIOD && overlap.step >= 0.0 && numbers.all(is_position)
         })
     }
 
@@ -99,7 +138,7 @@ impl Overlaps {
         self.list.len()
     }
 
-    /// Returns the pieces of an overlap and their displacements in this frame \[m\].
+    /// Returns the pieces of an overlap and displacements that separate them by 1.
     pub(super) fn shifts(&self, n: usize) -> [(PieceId, Vec3); 2] {
         let Overlap { pieces, shifts, .. } = self.list[n];
         [0, 1].map(|i: usize| (pieces[i], Vec3::from(shifts[i])))
@@ -113,7 +152,9 @@ impl Overlaps {
     pub(super) fn find_moves(&mut self, bodies: &Bodies, frame: &ContactFrame<'_>) -> usize {
         let mut moves = std::mem::take(&mut self.moves);
         moves.clear();
-        moves.extend((0..self.len()).flat_map(|n| self.shifts(n)));
+        for overlap in &self.list {
+            moves.extend(overlap.pieces.into_iter().zip(overlap.moves(bodies, frame)));
+        }
         moves.retain(|(_, shift)| *shift != Vec3::zeros());
         moves.sort_by_key(|(piece, _)| (piece.body, piece.number));
         let mut longest = 0.0;
@@ -170,6 +211,8 @@ impl Overlaps {
             pieces: test.pair,
             versions: [0; 2],
             shifts: [[0.0; 3]; 2],
+            start: 0.0,
+            step: 0.0,
             frames_left: 0,
         }));
         let new = self.list[first..].par_iter_mut().zip(&self.tests);
@@ -254,17 +297,17 @@ impl Search<'_> {
         let is_blocked = |piece: &Extents, by| free_way(piece.corners(), by, self.frame) != by;
         let shifts = separation(&extents, mobilities, self.frame.gravity, is_blocked)?;
         let smaller = f64::min(extents[0].diagonal(), extents[1].diagonal());
-        let step = f64::min(depth / f64::from(PERIOD), SPEED * smaller * self.frame.dt);
-        // As far as an upper piece falls in the frame.
-        let fall = self.frame.gravity.dot(&(shifts[1] - shifts[0])).abs();
-        let step = step + fall * self.frame.dt.powi(2);
         let version = |piece| Some(self.body_of(piece)?.0.surface().fingerprint());
-        Some(Overlap {
+        let mut overlap = Overlap {
             pieces,
             versions: [version(a)?, version(b)?],
-            shifts: shifts.map(|shift| (shift * step).into()),
+            shifts: shifts.map(Into::into),
+            start: 0.0,
+            step: f64::min(depth / f64::from(PERIOD), SPEED * smaller * self.frame.dt),
             frames_left: PERIOD,
-        })
+        };
+        overlap.start = overlap.distance(self.bodies);
+        Some(overlap)
     }
 
     /// Returns the extents of a piece.
@@ -301,6 +344,8 @@ mod tests {
                 pieces: [piece; 2],
                 versions: [0; 2],
                 shifts: [[0.0, shift, 0.0], [0.0; 3]],
+                start: 0.0,
+                step: shift.abs(),
                 frames_left,
             }],
             ..Overlaps::default()

@@ -1,6 +1,7 @@
 //! Bodies that start in each other, or enter each other, are moved apart.
 
 use super::*;
+use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::{Vec3, icosphere};
 
 /// Adds a body with its center at `at`.
@@ -303,6 +304,46 @@ fn cubes_separate_from_any_depth() {
         let apart = between(&scene, pair).x;
         assert!(apart > 0.999, "{apart} m from an overlap of {overlap} m");
     }
+}
+
+/// Returns a wavy plate of 1 cm by 80 um, in four pieces by two oblique cuts.
+fn plate_in_pieces() -> Surface {
+    let mut plate = icosphere(4, 0.5);
+    for p in plate.rest_positions_mut() {
+        let [x, y, z] = *p;
+        let wave = 0.05 * (9.0 * x).sin() * (7.0 * z).cos();
+        *p = [x, 0.008 * y + wave, z].map(|c| 0.01 * c);
+    }
+    let mut plate = merged(&[plate]);
+    let mut cutter = Cutter::new(&plate);
+    for (normal, offset) in [
+        ([-0.363, -0.0973, 0.9267], -0.00168),
+        ([-0.9348, -0.003, -0.3551], -0.0013),
+    ] {
+        let sweep = Sweep::from_plane(normal, offset, &plate.bounds()).unwrap();
+        let _ = cutter
+            .cut(&mut plate, &sweep, &CutParams::default())
+            .unwrap();
+    }
+    plate
+}
+
+/// Regression: pieces that lay on the ground beside each other were lifted by as much as they would
+/// have fallen in each frame, by their own size.
+#[test]
+fn pieces_of_a_thin_plate_stay_on_the_ground() {
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(-0.005)));
+    let id = (scene.add_body(plate_in_pieces(), &Material::soft_body())).unwrap();
+    let mut highest = f64::NEG_INFINITY;
+    for frame in 0..300 {
+        scene.step().unwrap();
+        if frame >= 60 {
+            let surface = scene.body(id).unwrap().surface();
+            let heights = surface.topology().vertices().map(|v| surface.position(v).y);
+            highest = heights.fold(highest, f64::max);
+        }
+    }
+    assert!(highest < -0.003, "a piece rises to {highest} m");
 }
 
 #[test]
