@@ -18,7 +18,7 @@ const UNUSABLE_INPUT: u8 = 1;
 pub(crate) const WRONG_COMMAND_LINE: u8 = 2;
 /// The exit code of an output that cannot be written.
 const UNWRITABLE_OUTPUT: u8 = 3;
-/// The exit code of a cut that misses the mesh.
+/// The exit code of a cut that misses the mesh, or of a simulation without a cut.
 const MISSED: u8 = 4;
 
 /// An error that ends a command.
@@ -137,6 +137,33 @@ pub(crate) enum Failure {
     #[error("{}: line {line}: {source}; nothing was written", path.display())]
     Step {
         /// The file of the path.
+        path: PathBuf,
+        /// The line of the pose at the end of the step.
+        line: usize,
+        /// The reason.
+        source: CutError,
+    },
+    /// No cut of a simulation could be made; each has a warning.
+    #[error(
+        "{}: no cut could be made, see the warnings; the files hold the uncut bodies",
+        path.display()
+    )]
+    NoCut {
+        /// The files of the bodies.
+        path: PathBuf,
+    },
+    /// A cut of a simulation cannot be made; the body is unchanged.
+    #[error("{}: {source}; the simulation goes on without this cut", path.display())]
+    SkippedCut {
+        /// The file of the body.
+        path: PathBuf,
+        /// The reason.
+        source: CutError,
+    },
+    /// A step of a blade of a simulation cannot be cut; the body is unchanged.
+    #[error("{}: line {line}: {source}; the simulation goes on without this step", path.display())]
+    SkippedStep {
+        /// The file of the blade's path.
         path: PathBuf,
         /// The line of the pose at the end of the step.
         line: usize,
@@ -369,7 +396,7 @@ impl Failure {
             | Self::Write(_)
             | Self::Remove { .. }
             | Self::Output(_) => UNWRITABLE_OUTPUT,
-            Self::Missed { .. } => MISSED,
+            Self::Missed { .. } | Self::NoCut { .. } => MISSED,
             _ => UNUSABLE_INPUT,
         }
     }

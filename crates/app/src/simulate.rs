@@ -75,12 +75,13 @@ Examples:
       --volume --interior-springs 1 --plane 1,0,0.1,0 --at 0.2 --plane 0,0.1,1,0 --at 0.4 -o pieces
 
 JSON report (--json): inputs (file and warnings of each), backend, device, fallback_reason, frames,
-dt, iterations, substeps, triangles_hit, steps, cutting_steps (with --path, else null: motions of
-the blade, and those that cut), pieces (body, which is the index of its input, file, vertices,
-triangles, area, volume, cavity, boundary_edges and euler_characteristic of each), removed,
-milliseconds.
+dt, iterations, substeps, triangles_hit, refused_cuts (a message for every cut that could not be
+made), steps, cutting_steps (with --path, else null: motions of the blade, and those that cut),
+pieces (body, which is the index of its input, file, vertices, triangles, area, volume, cavity,
+boundary_edges and euler_characteristic of each), removed, milliseconds.
 
-Exit code 4: the cuts miss all bodies, and the pieces are those of the uncut bodies.";
+Exit code 4: the cuts miss all bodies or cannot be made, and the pieces are those of the uncut
+bodies.";
 
 /// The backend that steps a body.
 #[derive(Debug, Clone, Copy, Default, ValueEnum, Deserialize)]
@@ -172,6 +173,7 @@ pub(crate) fn run(
         iterations: file.iterations.get(),
         substeps: file.substeps.get(),
         triangles_hit: (!knife.is_empty()).then_some(knife.triangles_hit),
+        refused_cuts: knife.refusals.clone(),
         steps: knife.steps(),
         cutting_steps: knife.cutting_steps(),
         pieces: written.pieces.into_iter().map(of_body).collect(),
@@ -186,6 +188,10 @@ pub(crate) fn run(
     reporter.report(&report, print)?;
     if knife.is_empty() {
         return Ok(());
+    }
+    if knife.triangles_hit == 0 && !knife.refusals.is_empty() {
+        let path = bodies.all_paths();
+        return Err(Failure::NoCut { path });
     }
     if knife.triangles_hit == 0 {
         return Err(Failure::Missed {
@@ -299,7 +305,9 @@ fn step(
         if stepped.map_err(|source| bodies.failed(source))? {
             progress.suspend(|| warn_of_fallback(scene, reporter));
         }
-        knife.after_frame(frame, scene, bodies)?;
+        for refusal in knife.after_frame(frame, scene, bodies)? {
+            progress.suspend(|| reporter.warn(refusal));
+        }
         recording.record(frame + 1, scene, bodies, knife)?;
         progress.step();
     }

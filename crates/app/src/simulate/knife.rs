@@ -6,11 +6,11 @@ use crate::cut_options::plane_sweep;
 use crate::failure::Failure;
 use crate::input::in_file;
 use crate::numbers::Numbers;
-use crate::stroke::{check_start, step_failure};
+use crate::stroke::check_start;
 use incise_cut::Sweep;
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Aabb, Vec3};
-use incise_scene::{BladeId, Scene, SceneError};
+use incise_scene::{BladeId, FailedCut, Scene, SceneError};
 use std::path::PathBuf;
 use toml::Spanned;
 
@@ -27,6 +27,8 @@ struct Blade {
     hits: usize,
     /// Frames in which it cut.
     cutting_frames: usize,
+    /// Whether a cut could not be made.
+    is_refused: bool,
 }
 
 /// The motion of a blade.
@@ -49,6 +51,8 @@ pub(super) struct Knife {
     blades: Vec<Blade>,
     /// Triangles hit so far.
     pub(super) triangles_hit: usize,
+    /// A message for every cut that could not be made.
+    pub(super) refusals: Vec<String>,
     /// Bounding box of the bodies at the first cut.
     pub(super) bounds_at_start: Aabb,
 }
@@ -74,10 +78,12 @@ impl Knife {
             id: None,
             hits: 0,
             cutting_frames: 0,
+            is_refused: false,
         };
         Ok(Self {
             blades: motions.into_iter().map(blade).collect(),
             triangles_hit: 0,
+            refusals: Vec::new(),
             bounds_at_start: Aabb::default(),
         })
     }
@@ -128,20 +134,24 @@ impl Knife {
         Ok(())
     }
 
-    /// Counts the cuts of a frame, and reports one that failed.
+    /// Counts the cuts of a frame, and returns a message for each one that could not be made.
     pub(super) fn after_frame(
         &mut self,
         frame: u32,
         scene: &mut Scene,
         bodies: &Bodies,
-    ) -> Result<(), Failure> {
+    ) -> Result<&[String], Failure> {
+        let first = self.refusals.len();
         let hit_triangles = scene.stats().hit_triangles;
         self.triangles_hit += hit_triangles;
         for blade in &mut self.blades {
             let Some(id) = blade.id else { continue };
-            let mut failed = scene.failed_cuts().iter();
-            let failed = failed.find(|cut| cut.blade == id);
-            blade.check_failed(frame, failed.map(|cut| (cut.body, cut.error)), bodies)?;
+            let failed = scene.failed_cuts().iter().filter(|cut| cut.blade == id);
+            let before = self.refusals.len();
+            let failed = failed.filter_map(|cut| blade.refusal(frame, cut, bodies));
+            self.refusals
+                .extend(failed.map(|failure| failure.to_string()));
+            blade.is_refused |= self.refusals.len() > before;
             let own = scene.cuts().iter().filter(|result| result.blade == id);
             let cuts = own.filter_map(|result| result.cut.as_ref());
             let mut has_cut = false;
@@ -154,7 +164,7 @@ impl Knife {
                 blade.check_start(frame, scene, bodies)?;
             }
         }
-        Ok(())
+        Ok(&self.refusals[first..])
     }
 
     /// Returns the edges of the blades that move from pose to pose \[m\].
@@ -167,7 +177,8 @@ impl Knife {
 
     /// Returns a message for every blade that hit nothing.
     pub(super) fn misses(&self) -> impl Iterator<Item = String> {
-        let missed = self.blades.iter().filter(|blade| blade.hits == 0);
+        let is_miss = |blade: &&Blade| blade.hits == 0 && !blade.is_refused;
+        let missed = self.blades.iter().filter(is_miss);
         missed.map(|blade| match &blade.motion {
             Motion::Plane {
                 plane: Numbers([x, y, z, d]),
@@ -212,25 +223,21 @@ impl Motion {
 }
 
 impl Blade {
-    /// Returns the error of a cut of this blade that failed in a frame.
-    fn check_failed(
-        &self,
-        frame: u32,
-        failed: Option<(incise_scene::BodyId, incise_cut::CutError)>,
-        bodies: &Bodies,
-    ) -> Result<(), Failure> {
-        let Some((body, source)) = failed else {
-            return Ok(());
-        };
+    /// Returns the failure of a cut of this blade in a frame; none of a blade at its last pose.
+    fn refusal(&self, frame: u32, failed: &FailedCut, bodies: &Bodies) -> Option<Failure> {
+        let source = failed.error;
         match &self.motion {
-            Motion::Plane { .. } => {
-                let path = bodies.path(body);
-                Err(Failure::Cut { path, source })
-            }
+            Motion::Plane { .. } => Some(Failure::SkippedCut {
+                path: bodies.path(failed.body),
+                source,
+            }),
             Motion::Poses { file, poses, .. } => {
-                let target = poses.iter().find(|pose| pose.frame >= frame);
-                // A blade at rest at its last pose cuts no more.
-                target.map_or(Ok(()), |pose| Err(step_failure(file, pose.line, source)))
+                let target = poses.iter().find(|pose| pose.frame >= frame)?;
+                Some(Failure::SkippedStep {
+                    path: file.clone(),
+                    line: target.line,
+                    source,
+                })
             }
         }
     }

@@ -23,6 +23,8 @@ pub(super) struct Report {
     pub(super) substeps: u32,
     /// Triangles that the sweep crosses; none without a cut.
     pub(super) triangles_hit: Option<usize>,
+    /// A message for every cut that could not be made.
+    pub(super) refused_cuts: Vec<String>,
     /// Motions of the blade from pose to pose; none without a path.
     pub(super) steps: Option<usize>,
     /// Steps that cut.

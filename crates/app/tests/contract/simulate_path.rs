@@ -131,6 +131,24 @@ fn a_body_far_from_the_origin_is_cut_in_the_coordinates_of_its_file() {
 }
 
 #[test]
+fn a_step_that_cannot_be_cut_is_skipped() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("turned");
+    // The second step turns into a wall of the first one's incision.
+    let lines = "-0.8 0 -1 -0.8 0 1\n0.1 0 -1 0.1 0 1\n-0.3 0.2 -1 -0.3 -0.2 1\n";
+    std::fs::write(&path, lines).unwrap();
+    let (code, report, error) = simulate(folder.path(), &path, &["--seconds", "0.2"]);
+    assert_eq!(code, Some(0), "{error}");
+    let refused = report["refused_cuts"].as_array().unwrap();
+    assert_eq!(refused.len(), 1);
+    let refused = refused[0].as_str().unwrap();
+    assert!(refused.contains("line 3: "), "{refused}");
+    assert!(refused.contains("goes on without this step"), "{refused}");
+    assert_eq!(report["cutting_steps"], 1);
+    assert_eq!(report["pieces"].as_array().unwrap().len(), 1);
+}
+
+#[test]
 fn refusals_name_the_reason_and_write_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, lines: &str| {
