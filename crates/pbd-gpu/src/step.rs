@@ -4,6 +4,7 @@ pub(crate) mod backend;
 pub(crate) mod body;
 mod body_step;
 pub(crate) mod constants;
+pub(crate) mod impacts;
 pub(crate) mod island;
 pub(crate) mod params;
 pub(crate) mod pass;

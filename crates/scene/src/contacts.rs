@@ -10,7 +10,8 @@
 //!    a piece from sides that face each other through it.
 //! 4. [`persistent`] keeps a contact from frame to frame while the vertex hardly moves.
 //! 5. [`carriers`] finds which piece of a contact carries the other one above the ground.
-//! 6. [`overlaps`] finds pieces deep in each other, which the next frames move apart.
+//! 6. [`closing`] finds how fast pieces meet, relative to their thickness.
+//! 7. [`overlaps`] finds pieces deep in each other, which the next frames move apart.
 //!
 //! The solver finds nearest points and normals in every substep. A vertex stays in front of a
 //! triangle in whose reach it started the frame, provided that its speed grows at most
@@ -22,6 +23,7 @@ mod blade_face;
 mod body_rows;
 mod broad_phase;
 mod carriers;
+mod closing;
 mod depth;
 mod edge_pairs;
 mod edges;

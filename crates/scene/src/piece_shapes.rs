@@ -14,11 +14,13 @@ pub(crate) struct PieceShape {
     pub(crate) is_cavity: bool,
     /// Twice its volume by its area \[m\]: the distance between the sides of a plate.
     pub(crate) thickness: f64,
+    /// Volume, 0 for a sheet [m^3].
+    pub(crate) volume: f64,
 }
 
-/// A shape in a file: whether it is a sheet and a cavity, and its thickness \[m\].
+/// A shape in a file: whether it is a sheet and a cavity, its thickness \[m\] and volume [m^3].
 #[cfg(feature = "serde")]
-pub(crate) type SavedShape = (bool, bool, f64);
+pub(crate) type SavedShape = (bool, bool, f64, f64);
 
 /// The shapes of a body's pieces, in memory reused between cuts.
 #[derive(Debug, Clone, Default)]
@@ -62,23 +64,23 @@ impl PieceShapes {
         }
         for (shape, sums) in self.shapes.iter_mut().zip(&self.sums) {
             shape.is_cavity = !shape.is_sheet && sums.volume < 0.0;
+            if !shape.is_sheet {
+                shape.volume = sums.volume.abs() / 6.0;
+            }
             if sums.area > 0.0 {
                 shape.thickness = 2.0 / 3.0 * sums.volume.abs() / sums.area;
             }
         }
     }
 
-    /// Returns whether each piece is a sheet and a cavity, and its thickness \[m\], for a file.
+    /// Returns the shapes for a file.
     ///
     /// `None` unless the shapes are those of the surface's topology.
     #[cfg(feature = "serde")]
     pub(crate) fn to_saved(&self, surface: &Surface) -> Option<Vec<SavedShape>> {
-        let shapes = self.shapes.iter();
-        (self.version == Some(surface.fingerprint())).then(|| {
-            shapes
-                .map(|shape| (shape.is_sheet, shape.is_cavity, shape.thickness))
-                .collect()
-        })
+        let shape = |s: &PieceShape| (s.is_sheet, s.is_cavity, s.thickness, s.volume);
+        (self.version == Some(surface.fingerprint()))
+            .then(|| self.shapes.iter().map(shape).collect())
     }
 
     /// Returns saved shapes of a surface; `None` is measured at the next update.
@@ -86,10 +88,11 @@ impl PieceShapes {
     pub(crate) fn from_saved(saved: Option<Vec<SavedShape>>, surface: &Surface) -> Self {
         let version = saved.is_some().then(|| surface.fingerprint());
         let shapes = saved.into_iter().flatten();
-        let shape = |(is_sheet, is_cavity, thickness)| PieceShape {
+        let shape = |(is_sheet, is_cavity, thickness, volume)| PieceShape {
             is_sheet,
             is_cavity,
             thickness,
+            volume,
         };
         let shapes: Vec<PieceShape> = shapes.map(shape).collect();
         Self {

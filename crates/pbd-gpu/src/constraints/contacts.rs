@@ -38,6 +38,11 @@ pub struct Contact {
     ///
     /// With other contacts of two features, the bodies project lengths forward and back.
     pub is_fold: bool,
+    /// Speed at which the features meet within the frame, relative to the thickness of the thinner
+    /// one's piece [1/s]; 0 unless the caller sets it.
+    ///
+    /// The frame of a violent impact has more [iterations](crate::SolverParams::iterations).
+    pub closing: f32,
     /// Where friction held the features before; none for features that have not touched.
     pub held: Option<Held>,
 }
@@ -114,6 +119,7 @@ impl Contact {
             friction: 0.0,
             carried: Carried::Neither,
             is_fold: false,
+            closing: 0.0,
             held: None,
         }
     }
@@ -134,6 +140,7 @@ impl Contact {
             friction: 0.0,
             carried: Carried::Neither,
             is_fold: false,
+            closing: 0.0,
             held: None,
         }
     }
@@ -152,6 +159,7 @@ impl Contact {
             friction: 0.0,
             carried: Carried::Neither,
             is_fold: false,
+            closing: 0.0,
             held: None,
         }
     }
@@ -203,6 +211,8 @@ impl Contact {
             && [self.gap, self.gap_rate].iter().all(|c| c.is_finite())
             && self.friction.is_finite()
             && self.friction >= 0.0
+            && self.closing.is_finite()
+            && self.closing >= 0.0
             && self.held.is_none_or(|held| held.is_finite())
     }
 }
@@ -249,6 +259,10 @@ mod tests {
             },
             Contact {
                 friction: -0.5,
+                ..valid
+            },
+            Contact {
+                closing: f32::NAN,
                 ..valid
             },
         ];

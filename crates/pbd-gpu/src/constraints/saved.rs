@@ -29,6 +29,7 @@ pub(crate) struct SavedConstraints<'a> {
     interior_springs: Option<SavedSet<'a>>,
     volumes: SavedVolumes<'a>,
     contacts: Cow<'a, [Vec<ContactRecord>]>,
+    closing: f32,
     colliders: Cow<'a, [MovingCollider]>,
     edges: SavedEdges<'a>,
     patches: Option<SavedPatches<'a>>,
@@ -43,6 +44,7 @@ impl Constraints {
             interior_springs: self.interior_springs.as_ref().map(StretchSet::to_saved),
             volumes: self.volumes.to_saved(),
             contacts: self.contacts.to_saved().into(),
+            closing: self.contacts.closing(),
             colliders: self.colliders.list().into(),
             edges: self.edges.to_saved(),
             patches: self.patches.as_ref().map(Patches::to_saved),
@@ -83,7 +85,8 @@ impl Constraints {
         }
         let volumes = VolumeSet::from_saved(saved.volumes, surface)?;
         let is_used = |v: VertexId| !topology.outgoing(v).is_null();
-        let contacts = ContactSet::from_saved(saved.contacts.into_owned(), (slots, is_used));
+        let contacts = (saved.contacts.into_owned(), saved.closing);
+        let contacts = ContactSet::from_saved(contacts, (slots, is_used));
         let contacts = contacts.ok_or(InvalidSolver::Array { array: "contacts" })?;
         let mut colliders = Colliders::default();
         colliders.set(&saved.colliders)?;

@@ -1,4 +1,5 @@
-//! Steps all bodies by one frame, with a submission for those of equally many substeps.
+//! Steps all bodies by one frame, with a submission for those of equally many substeps and
+//! iterations.
 
 use super::backend::{FRAMES_IN_FLIGHT, GpuBackend, GpuBody, find_mut};
 use super::error::GpuError;
@@ -11,6 +12,7 @@ use super::uniforms::PASS_STRIDE;
 use crate::error::StepError;
 use crate::solver::Solver;
 use crate::step::constants::StepConstants;
+use crate::step::impacts::impact_iterations;
 use crate::step::params::SolverParams;
 use bytemuck::Zeroable;
 use wgpu::{BindGroup, ComputePass, ComputePassDescriptor};
@@ -22,7 +24,8 @@ impl GpuBackend {
     /// Submits one frame of `dt` \[s\] for the bodies and returns without waiting for it.
     ///
     /// Blocks while three submissions are in flight. Each body is stepped independently. Bodies
-    /// that need more [substeps](SolverParams::substeps) have a submission of their own.
+    /// that need more [substeps](SolverParams::substeps) or [iterations](SolverParams::iterations)
+    /// have a submission of their own.
     ///
     /// # Errors
     /// [`GpuError`] if a parameter is out of range, a body is unknown, has another solver or was
@@ -40,18 +43,23 @@ impl GpuBackend {
             return Err(StepError::UnsupportedOnGpu.into());
         }
         self.context.check()?;
-        let mut bodies: Vec<_> = (bodies.into_iter())
-            .map(|(body, solver)| (solver.needed_substeps(dt, params), body, solver))
-            .collect();
-        bodies.sort_by_key(|&(substeps, ..)| substeps);
+        let needed = |(body, solver): (GpuBody, &'a mut Solver)| {
+            let substeps = solver.needed_substeps(dt, params);
+            let (h, closing) = (dt / substeps as f32, solver.contacts().closing());
+            let iterations = impact_iterations(params.iterations, h, closing);
+            ([substeps, iterations], body, solver)
+        };
+        let mut bodies: Vec<_> = bodies.into_iter().map(needed).collect();
+        bodies.sort_by_key(|&(needed, ..)| needed);
         let mut stats = GpuStats::default();
         if bodies.is_empty() {
             self.submit_bodies(&mut [], dt, params, &mut stats)?;
         }
         for equal in bodies.chunk_by_mut(|a, b| a.0 == b.0) {
-            let substeps = equal[0].0;
+            let [substeps, iterations] = equal[0].0;
             let params = SolverParams {
                 substeps,
+                iterations,
                 ..*params
             };
             self.submit_bodies(equal, dt, &params, &mut stats)?;
@@ -63,7 +71,7 @@ impl GpuBackend {
     /// Submits one frame of bodies with the substeps of the parameters; adds its work to `stats`.
     fn submit_bodies(
         &mut self,
-        bodies: &mut [(u32, GpuBody, &mut Solver)],
+        bodies: &mut [([u32; 2], GpuBody, &mut Solver)],
         dt: f32,
         params: &SolverParams,
         stats: &mut GpuStats,

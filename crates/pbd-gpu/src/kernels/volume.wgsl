@@ -6,6 +6,7 @@
 const SIXTH: f32 = 0.16666667;
 const THIRD: f32 = 0.33333334;
 const AREA: f32 = 0.75;
+const CRUSHED: f32 = 60.0;
 const PRESS: f32 = 0.125;
 const EASE: f32 = 8.0;
 
@@ -172,20 +173,25 @@ fn steps_of(sums: vec4f, rest: f32, reach: f32, body: Body, lambda: f32) -> vec2
     let size = abs(rest);
     let goal = body.volume_pressure * rest;
     let error = sums.x * THIRD - goal;
-    let before = sums.y * THIRD - goal;
+    let volume = sums.y * THIRD;
+    let before = volume - goal;
     let steady = body.volume_recovery * size;
     let loaded = body.volume_sink * (AREA * (size / reach));
     let returned = select(steady, loaded, loaded > steady);
+    let held = select(volume, -volume, rest < 0.0);
+    let is_pressed = (body.flags & SWEEPS_BACK) != 0u;
+    let crushed = select(0.0, body.volume_recovery * CRUSHED, is_pressed) * (0.5 * size - held);
+    let most = select(returned, crushed, crushed > returned);
     var left = 0.0;
-    if (error > returned || error < -returned) {
-        left = select(left, before - returned, before > returned);
-        left = select(left, before + returned, before < -returned);
+    if (error > most || error < -most) {
+        left = select(left, before - most, before > most);
+        left = select(left, before + most, before < -most);
     }
     let kept = body.volume_carryover * before;
     left = select(left, kept, abs(kept) > abs(left));
     let alpha = body.volume_alpha * size;
     var shift = 0.0;
-    if (error > returned || error < -returned) {
+    if (error > most || error < -most) {
         let old = before - left;
         shift = select(shift, old - loaded, old > loaded);
         shift = select(shift, old + loaded, old < -loaded);

@@ -190,6 +190,9 @@ pub struct VolumeProjection {
     /// Maximum correction of an old error per projection, as a fraction of the rest volume;
     /// unbounded for a compressible one.
     pub recovery: f32,
+    /// Maximum correction of the old error of a crushed piece per projection, relative to its loss
+    /// beyond half of the rest volume. 0 unless pieces touch each other.
+    pub crushed_recovery: f32,
     /// Displacement per projection that carries the weight \[m\].
     pub sink: f32,
     /// As in [`Projection`].
@@ -205,6 +208,7 @@ impl VolumeProjection {
         pressure: 1.0,
         diagonal_scale: 1.0,
         recovery: 0.0,
+        crushed_recovery: 0.0,
         sink: 0.0,
         error_carryover: 0.0,
         accumulates_lambda: false,

@@ -12,6 +12,7 @@ use crate::solver::Solver;
 use crate::step::backend::{NonFinite, StepScratch, execute};
 use crate::step::body::Body;
 use crate::step::constants::StepConstants;
+use crate::step::impacts::impact_iterations;
 use crate::step::params::{Integrator, SolverParams, StepStats};
 use crate::step::prepare::both_orders;
 use crate::step::second_order::{Orders, add};
@@ -160,8 +161,12 @@ impl Island {
         let needed = (0..bodies.count()).map(|i| bodies.get(i).0.needed_substeps(dt, params));
         self.substeps = needed.fold(params.substeps, u32::max);
         self.integrator = params.integrator;
+        let closing = (0..bodies.count()).map(|i| bodies.get(i).0.contacts().closing());
+        let closing = closing.fold(self.contacts.closing(), f32::max);
+        let h = dt / self.substeps as f32;
         let params = &SolverParams {
             substeps: self.substeps,
+            iterations: impact_iterations(params.iterations, h, closing),
             ..*params
         };
         let joins_pieces = self.contacts.joins_pieces();

@@ -9,6 +9,9 @@ use std::num::NonZeroUsize;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SolverParams {
     /// Projections of every constraint per substep, usually 1 to 20.
+    ///
+    /// Up to four times as many where thin pieces meet fast, see
+    /// [`Contact::closing`](crate::Contact::closing).
     pub iterations: u32,
     /// Minimum substeps per frame, usually 1 to 20. They stiffen a body more than as many
     /// iterations.

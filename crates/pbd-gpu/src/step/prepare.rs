@@ -3,6 +3,7 @@
 use crate::constraints::Constraints;
 use crate::constraints::interior_springs::DIAGONAL_SCALE;
 use crate::error::StepError;
+use crate::kernels::volume::CRUSHED;
 use crate::material::{InteriorSprings, Material, Stiffness, Volume};
 use crate::particles::Particles;
 use crate::step::StepState;
@@ -155,6 +156,11 @@ fn constants_of(
         VolumeProjection {
             alpha: projection.alpha * damping,
             diagonal_scale: params.diagonal_scale,
+            crushed_recovery: if sweeps_back {
+                projection.recovery * CRUSHED
+            } else {
+                0.0
+            },
             ..projection
         }
     };

@@ -199,6 +199,11 @@ impl Search<'_> {
             other,
             contact: Contact {
                 is_fold,
+                closing: if is_fold {
+                    0.0
+                } else {
+                    self.closing(of, (&contact, at), gap)
+                },
                 ..vertex_face(&contact, gap, friction(of.body, other_body))
             },
         });

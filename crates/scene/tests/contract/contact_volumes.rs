@@ -1,5 +1,7 @@
 //! Volume constraints hold while pieces are in contact, also after impacts.
 
+use crate::contacts::merged;
+use incise_cut::Sweep;
 use incise_mesh::{Surface, TriangleId, VertexId, cube_sphere, icosphere};
 use incise_models::{Model, build_model};
 use incise_pbd_gpu::{Collider, InteriorSprings, Material, SolverParams, Volume};
@@ -41,6 +43,61 @@ fn pieces_that_fall_onto_each_other_keep_their_volumes() {
         }
     }
     assert!(contacts > 1000, "{contacts} contacts");
+}
+
+/// Returns a star of 588 triangles: a ball with five rounded arms around its axis.
+fn star() -> Surface {
+    let mut star = cube_sphere(7, 1.0);
+    for p in star.rest_positions_mut() {
+        let [x, y, z] = *p;
+        let (across, angle) = (x * x + z * z, z.atan2(x));
+        let radius = 0.35 + 0.15 * (5.0 * angle).cos() * across;
+        *p = [x, y, z].map(|c| radius * c);
+    }
+    merged(&[star])
+}
+
+/// Regression: thin pieces between others turned inside out in an impact, to -0.9 of their volumes.
+#[test]
+fn pieces_of_seven_cuts_in_flight_do_not_turn_inside_out() {
+    let mut scene = Scene::new(SceneParams {
+        solver: SolverParams {
+            ground: Some(-1.5),
+            ..SolverParams::default()
+        },
+        contacts: Some(ContactParams::default()),
+        ..SceneParams::default()
+    });
+    let id = scene.add_body(star(), &Material::soft_body()).unwrap();
+    for (normal, offset) in [
+        ([-0.5127, 0.3423, 0.7874], -0.010982),
+        ([0.6819, 0.2266, 0.6955], -0.12939),
+        ([0.5008, -0.4041, 0.7654], 0.19353),
+        ([-0.6019, 0.6623, 0.4462], -0.1585),
+        ([0.6830, -0.6717, -0.2869], 0.13699),
+        ([-0.9626, 0.1613, 0.2175], 0.03813),
+        ([-0.1437, -0.7193, -0.6797], -0.14325),
+    ] {
+        let bounds = scene.body(id).unwrap().surface().bounds();
+        let [before, after] = Sweep::from_plane(normal, offset, &bounds).unwrap().ends();
+        let blade = scene.add_blade(before);
+        scene.move_blade(blade, after).unwrap();
+        assert_eq!(scene.step().unwrap().cuts, 1, "the blade cuts");
+    }
+    let whole = scene.body(id).unwrap().surface().piece_volumes();
+    let body: f64 = whole.iter().sum();
+    for frame in 0..40 {
+        scene.step().unwrap();
+        let volumes = scene.body(id).unwrap().surface().piece_volumes();
+        for (now, whole) in volumes.iter().zip(&whole) {
+            let kept = now / whole;
+            let is_sliver = *whole < 5e-4 * body;
+            assert!(
+                is_sliver || kept > 0.0,
+                "{kept} of {whole} m^3 in frame {frame}"
+            );
+        }
+    }
 }
 
 /// Returns a stack of five blocks of 0.6 x 0.19 x 0.6 m.

@@ -77,6 +77,7 @@ pub struct ContactSet {
     /// One list per color; the last one, [`UNCOLORED`], is projected serially.
     pub(crate) colors: Vec<Vec<ContactRecord>>,
     masks: VertexColors,
+    closing: f32,
     generation: u64,
 }
 
@@ -88,6 +89,7 @@ impl Default for ContactSet {
         Self {
             colors: Vec::new(),
             masks: VertexColors::new(0),
+            closing: 0.0,
             generation: 0,
         }
     }
@@ -104,6 +106,11 @@ impl ContactSet {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.colors.iter().all(Vec::is_empty)
+    }
+
+    /// Returns the maximum of [`Contact::closing`] [1/s].
+    pub(crate) fn closing(&self) -> f32 {
+        self.closing
     }
 
     /// Returns whether two pieces touch each other.
@@ -143,6 +150,7 @@ impl ContactSet {
         self.masks.resize(vertex_slots);
         self.colors.resize_with(UNCOLORED + 1, Vec::new);
         for contact in contacts {
+            self.closing = self.closing.max(contact.closing);
             let held = contact.held.unwrap_or(Held {
                 weights: [1.0, 0.0, 0.0, 0.0],
                 at: [0.0; 3],
@@ -173,6 +181,7 @@ impl ContactSet {
     /// Removes all contacts.
     pub(crate) fn clear(&mut self) {
         self.generation += 1;
+        self.closing = 0.0;
         for (color, contacts) in self.colors.iter_mut().enumerate() {
             for contact in contacts.drain(..).filter(|_| color < UNCOLORED) {
                 let (ids, count) = contact.moved();

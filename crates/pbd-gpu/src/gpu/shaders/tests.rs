@@ -212,6 +212,7 @@ fn wgsl_kernels_have_the_constants_of_rust() {
                 ("SIXTH", volume::SIXTH),
                 ("THIRD", volume::THIRD),
                 ("AREA", volume::steps::AREA),
+                ("CRUSHED", volume::steps::CRUSHED),
                 ("PRESS", volume::steps::PRESS),
                 ("EASE", volume::steps::EASE),
             ] {

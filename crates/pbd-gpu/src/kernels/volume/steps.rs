@@ -1,7 +1,8 @@
 //! The steps of a volume constraint: how much of an error a substep corrects.
 //!
 //! An incompressible piece regains the loss of the current substep at once. Older losses, such as
-//! those of an impact or a change of pressure, are regained at rate [`RECOVERY`] at most. Gravity
+//! those of an impact or a change of pressure, are regained at rate [`RECOVERY`] at most. A piece
+//! that others crush to less than half regains that half faster, or it turns inside out. Gravity
 //! may move the faces of a thin piece by more than that, even by more than its thickness. The piece
 //! then regains up to [`LOADS`] times that motion as velocity, which carries its weight. The rest
 //! of a loss that takes several substeps moves positions instead of displacements: a piece that
@@ -17,6 +18,10 @@ use crate::step::constants::VolumeProjection;
 
 /// Rate at which an incompressible piece regains older volume losses, in rest volumes [1/s].
 pub(crate) const RECOVERY: f32 = 3.0;
+
+/// Recovery of a piece that others crush: [`RECOVERY`] of this many times the loss beyond half of
+/// its rest volume.
+pub(crate) const CRUSHED: f32 = 60.0;
 
 /// Maximum recovery per substep, relative to the area of a piece times `|g| h^2`.
 pub(crate) const LOADS: f32 = 4.0;
@@ -40,7 +45,7 @@ fn smaller(a: f32, b: f32) -> f32 {
     if b < a { b } else { a }
 }
 
-/// Returns the maximum correction of an old error in a substep [m^3].
+/// Returns the maximum correction of a small old error in a substep [m^3].
 #[inline(always)]
 pub(super) fn recovery(piece: &PieceVolume, by: VolumeProjection) -> f32 {
     let size = piece.rest.abs();
@@ -66,8 +71,11 @@ pub(super) fn steps(
     let size = piece.rest.abs();
     let target = by.pressure * piece.rest;
     let error = now * THIRD - target;
-    let before = before * THIRD - target;
-    let recovery = recovery(piece, by);
+    let volume = before * THIRD;
+    let held = if piece.rest < 0.0 { -volume } else { volume };
+    let crushed = by.crushed_recovery * (0.5 * size - held);
+    let recovery = greater(recovery(piece, by), crushed);
+    let before = volume - target;
     let mut left = 0.0;
     if error > recovery || error < -recovery {
         left = if before > recovery {

@@ -11,11 +11,16 @@ impl ContactSet {
         if self.is_empty() { &[] } else { &self.colors }
     }
 
-    /// Returns saved contacts, if those of a color share no vertex and `is_used` holds for all.
+    /// Returns saved contacts with their largest closing speed [1/s], if those of a color share no
+    /// vertex and `is_used` holds for all.
     pub(crate) fn from_saved(
-        colors: Vec<Vec<ContactRecord>>,
+        (colors, closing): (Vec<Vec<ContactRecord>>, f32),
         (slots, is_used): (usize, impl Fn(VertexId) -> bool),
     ) -> Option<Self> {
+        let is_rate = closing.is_finite() && closing >= 0.0;
+        if !is_rate {
+            return None;
+        }
         if colors.is_empty() {
             return Some(Self::default());
         }
@@ -34,6 +39,7 @@ impl ContactSet {
         is_valid.then_some(Self {
             colors,
             masks,
+            closing,
             generation: 0,
         })
     }
