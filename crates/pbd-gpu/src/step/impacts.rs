@@ -1,9 +1,9 @@
 //! Number of iterations of a frame, which is higher in violent impacts.
 //!
-//! A piece stops another one by its volume: an iteration passes on a part of the impulse. A thin piece
-//! that moves by much of its thickness in a substep would be flattened, and turned inside out, before
-//! the other one has stopped. More substeps would help as much, but constraints are stiffer in shorter
-//! substeps, and what they correct at once throws pieces.
+//! A piece stops another one by its volume: an iteration passes on a part of the impulse. A thin
+//! piece that moves by much of its thickness in a substep would be flattened, and turned inside out,
+//! before the other one has stopped. More substeps would help as much, but constraints are stiffer
+//! in shorter substeps, and what they correct at once throws pieces.
 
 /// Maximum approach of two pieces per substep, relative to the thickness of the thinner one.
 const MAX_APPROACH: f64 = 0.1;
