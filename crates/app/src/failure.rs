@@ -153,18 +153,25 @@ pub(crate) enum Failure {
         path: PathBuf,
     },
     /// A cut of a simulation cannot be made; the body is unchanged.
-    #[error("{}: {source}; the simulation goes on without this cut", path.display())]
+    #[error("{}: at {at:.3} s: {source}; the simulation goes on without this cut", path.display())]
     SkippedCut {
         /// The file of the body.
         path: PathBuf,
+        /// The time \[s\].
+        at: f64,
         /// The reason.
         source: CutError,
     },
     /// A step of a blade of a simulation cannot be cut; the body is unchanged.
-    #[error("{}: line {line}: {source}; the simulation goes on without this step", path.display())]
+    #[error(
+        "{}: line {line}, at {at:.3} s: {source}; the simulation goes on without this step",
+        path.display()
+    )]
     SkippedStep {
         /// The file of the blade's path.
         path: PathBuf,
+        /// The time \[s\].
+        at: f64,
         /// The line of the pose at the end of the step.
         line: usize,
         /// The reason.

@@ -26,7 +26,7 @@ use crate::step::constants::StepConstants;
 use crate::step::island::{Island, IslandError, Single};
 use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
-use crate::step::prepare::{prepare, takes_global_step};
+use crate::step::prepare::{Touch, prepare, takes_global_step};
 use crate::step::substeps::substeps;
 use incise_mesh::Surface;
 #[cfg(feature = "serde")]
@@ -188,13 +188,11 @@ impl Solver {
 
     /// Updates the plan and returns the constants of a frame.
     ///
-    /// `joins_pieces` tells whether a contact of the body's island joins two pieces.
-    ///
     /// # Errors
     /// [`StepError::SubstepTooShort`]; nothing is changed then.
     pub(crate) fn prepare(
         &mut self,
-        (dt, joins_pieces): (f32, bool),
+        (dt, touch): (f32, Touch),
         params: &SolverParams,
     ) -> Result<StepConstants, StepError> {
         let Self {
@@ -204,7 +202,7 @@ impl Solver {
             step,
             ..
         } = self;
-        let frame = (dt, joins_pieces);
+        let frame = (dt, touch);
         let constants = prepare(step, constraints, particles, material, frame, params)?;
         step.substeps = constants.substeps;
         Ok(constants)

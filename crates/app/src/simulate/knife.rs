@@ -148,7 +148,8 @@ impl Knife {
             let Some(id) = blade.id else { continue };
             let failed = scene.failed_cuts().iter().filter(|cut| cut.blade == id);
             let before = self.refusals.len();
-            let failed = failed.filter_map(|cut| blade.refusal(frame, cut, bodies));
+            let at = f64::from(frame) * f64::from(scene.params.dt);
+            let failed = failed.filter_map(|cut| blade.refusal((frame, at), cut, bodies));
             self.refusals
                 .extend(failed.map(|failure| failure.to_string()));
             blade.is_refused |= self.refusals.len() > before;
@@ -223,18 +224,26 @@ impl Motion {
 }
 
 impl Blade {
-    /// Returns the failure of a cut of this blade in a frame; none of a blade at its last pose.
-    fn refusal(&self, frame: u32, failed: &FailedCut, bodies: &Bodies) -> Option<Failure> {
+    /// Returns the failure of a cut of this blade in a frame, at a time \[s\]; none of one at its
+    /// last pose.
+    fn refusal(
+        &self,
+        (frame, at): (u32, f64),
+        failed: &FailedCut,
+        bodies: &Bodies,
+    ) -> Option<Failure> {
         let source = failed.error;
         match &self.motion {
             Motion::Plane { .. } => Some(Failure::SkippedCut {
                 path: bodies.path(failed.body),
+                at,
                 source,
             }),
             Motion::Poses { file, poses, .. } => {
                 let target = poses.iter().find(|pose| pose.frame >= frame)?;
                 Some(Failure::SkippedStep {
                     path: file.clone(),
+                    at,
                     line: target.line,
                     source,
                 })

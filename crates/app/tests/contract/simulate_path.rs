@@ -142,7 +142,7 @@ fn a_step_that_cannot_be_cut_is_skipped() {
     let refused = report["refused_cuts"].as_array().unwrap();
     assert_eq!(refused.len(), 1);
     let refused = refused[0].as_str().unwrap();
-    assert!(refused.contains("line 3: "), "{refused}");
+    assert!(refused.contains("line 3, at 0.033 s: "), "{refused}");
     assert!(refused.contains("goes on without this step"), "{refused}");
     assert_eq!(report["cutting_steps"], 1);
     assert_eq!(report["pieces"].as_array().unwrap().len(), 1);

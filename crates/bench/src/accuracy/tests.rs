@@ -3,12 +3,27 @@
 use super::convergence::Convergence;
 use super::error::{ErrorMeasure, distance};
 use super::run::on_cpu;
-use super::scene::{DT, Scheme};
+use super::scene::{Body, DT, Scene, Scheme};
 use super::scenes;
 use crate::work_precision::FLOOR_SUBSTEPS;
 use crate::{Model, State};
 use incise_pbd_gpu::{SolverParams, Stiffness};
 use nalgebra::Vector3;
+use std::sync::OnceLock;
+
+/// Returns four frames of a sheet, its body, and what 4, 8 and infinitely many substeps lead to.
+///
+/// It is so soft that steps of a frame's fourth see its waves already.
+fn soft_sheet() -> &'static (Scene, Body, Convergence) {
+    static SHEET: OnceLock<(Scene, Body, Convergence)> = OnceLock::new();
+    SHEET.get_or_init(|| {
+        let mut scene = scenes::scene("sheet-1e2").unwrap();
+        scene.frames = 4;
+        let body = scene.body().unwrap();
+        let convergence = Convergence::compute(&scene, &body, &[4, 8]).unwrap();
+        (scene, body, convergence)
+    })
+}
 
 #[test]
 fn every_scene_has_a_body_that_the_reference_takes() {
@@ -46,7 +61,7 @@ fn stiff_bodies_take_the_global_step() {
 fn a_bar_that_keeps_its_volume_sags_less() {
     let [sag, inside] = ["bar", "bar-volume"].map(|name| {
         let mut scene = scenes::scene(name).unwrap();
-        scene.frames = 4;
+        scene.frames = 2;
         scene.fine = [4, 8, 16];
         let body = scene.body().unwrap();
         let convergence = Convergence::compute(&scene, &body, &[16]).unwrap();
@@ -132,11 +147,7 @@ fn stiffnesses_take_the_place_of_compliances() {
 
 #[test]
 fn substeps_lead_to_what_the_reference_tends_to() {
-    // Soft, so that steps of a frame's fourth see its waves already.
-    let mut scene = scenes::scene("sheet-1e2").unwrap();
-    scene.frames = 4;
-    let body = scene.body().unwrap();
-    let convergence = Convergence::compute(&scene, &body, &[4]).unwrap();
+    let (scene, body, convergence) = soft_sheet();
     let exact = convergence.exact().unwrap();
     let start = State::of(&body.solver, &body.surface);
     let measure = ErrorMeasure {
@@ -146,7 +157,7 @@ fn substeps_lead_to_what_the_reference_tends_to() {
         is_held: true,
     };
     let errors = [4, 16, 64].map(|substeps| {
-        let run = on_cpu(&body, &scene.params(substeps, 32), scene.frames).unwrap();
+        let run = on_cpu(body, &scene.params(substeps, 32), scene.frames).unwrap();
         measure.errors(&run.states, &exact.states).position
     });
     for pair in errors.windows(2) {
@@ -154,7 +165,7 @@ fn substeps_lead_to_what_the_reference_tends_to() {
         assert!((0.8..1.2).contains(&order), "order {order} of {errors:?}");
     }
     // Solved as far as it can be, it is the converged step but for the way of its gradients.
-    let run = on_cpu(&body, &scene.params(4, 256), scene.frames).unwrap();
+    let run = on_cpu(body, &scene.params(4, 256), scene.frames).unwrap();
     let own = measure
         .errors(&run.states, convergence.known(Scheme::Xpbd, 4).unwrap())
         .position;
@@ -168,10 +179,7 @@ fn substeps_lead_to_what_the_reference_tends_to() {
 
 #[test]
 fn floors_are_errors_of_second_order() {
-    let mut scene = scenes::scene("sheet-1e2").unwrap();
-    scene.frames = 4;
-    let body = scene.body().unwrap();
-    let convergence = Convergence::compute(&scene, &body, &[8]).unwrap();
+    let (_, _, convergence) = soft_sheet();
     let exact = convergence.exact().unwrap();
     let floor = |substeps| convergence.floor(&exact, substeps).unwrap();
     let floors = FLOOR_SUBSTEPS.map(floor);
@@ -190,15 +198,12 @@ fn floors_are_errors_of_second_order() {
 
 #[test]
 fn one_iteration_by_half_of_the_own_weight_is_of_second_order() {
-    let mut scene = scenes::scene("sheet-1e2").unwrap();
-    scene.frames = 4;
-    let body = scene.body().unwrap();
-    let convergence = Convergence::compute(&scene, &body, &[]).unwrap();
+    let (scene, body, convergence) = soft_sheet();
     let exact = convergence.exact().unwrap();
     let errors = |scheme| {
         [2, 4, 8].map(|substeps| {
             let params = scene.params_by(scheme, substeps, 1);
-            let run = on_cpu(&body, &params, scene.frames).unwrap();
+            let run = on_cpu(body, &params, scene.frames).unwrap();
             distance(&convergence.model, &run.states, &exact.states)
         })
     };

@@ -1,8 +1,8 @@
 //! Converts constraints, pins and body parameters to their GPU records.
 
 use super::layout::{
-    BodyRecord, Entry, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME,
-    PATCH_LAYERS, SWEEPS_BACK, UNUSED,
+    BodyRecord, Entry, IS_IMPACT, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH,
+    KEEPS_VOLUME, PATCH_LAYERS, SWEEPS_BACK, UNUSED,
 };
 use super::volumes::VolumePlaces;
 use crate::constraints::attachments::LongRangeAttachment;
@@ -103,7 +103,8 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
                 constants.interior_springs.accumulates_lambda,
                 KEEPS_INTERIOR_SPRINGS,
             )
-            | flag(constants.sweeps_back, SWEEPS_BACK),
+            | flag(constants.sweeps_back, SWEEPS_BACK)
+            | flag(constants.is_impact, IS_IMPACT),
         first_run: places.first_run,
         stretch_colors: places.stretch_colors,
         bending_colors: places.bending_colors,

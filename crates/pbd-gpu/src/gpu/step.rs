@@ -14,6 +14,7 @@ use crate::solver::Solver;
 use crate::step::constants::StepConstants;
 use crate::step::impacts::impact_iterations;
 use crate::step::params::SolverParams;
+use crate::step::prepare::Touch;
 use bytemuck::Zeroable;
 use wgpu::{BindGroup, ComputePass, ComputePassDescriptor};
 
@@ -53,16 +54,17 @@ impl GpuBackend {
         bodies.sort_by_key(|&(needed, ..)| needed);
         let mut stats = GpuStats::default();
         if bodies.is_empty() {
-            self.submit_bodies(&mut [], dt, params, &mut stats)?;
+            self.submit_bodies(&mut [], (dt, false), params, &mut stats)?;
         }
         for equal in bodies.chunk_by_mut(|a, b| a.0 == b.0) {
             let [substeps, iterations] = equal[0].0;
+            let is_impact = iterations > params.iterations;
             let params = SolverParams {
                 substeps,
                 iterations,
                 ..*params
             };
-            self.submit_bodies(equal, dt, &params, &mut stats)?;
+            self.submit_bodies(equal, (dt, is_impact), &params, &mut stats)?;
         }
         self.stats = stats;
         Ok(&self.stats)
@@ -72,20 +74,24 @@ impl GpuBackend {
     fn submit_bodies(
         &mut self,
         bodies: &mut [([u32; 2], GpuBody, &mut Solver)],
-        dt: f32,
+        (dt, is_impact): (f32, bool),
         params: &SolverParams,
         stats: &mut GpuStats,
     ) -> Result<(), GpuError> {
         let mut frame = FrameUniform::zeroed();
         self.stepped.clear();
         let mut prepared = Ok(());
+        let touch = Touch {
+            joins_pieces: false,
+            is_impact,
+        };
         for (_, body, solver) in bodies {
             let body = *body;
             prepared = self.send_small_changes(body, solver);
             if prepared.is_err() {
                 break;
             }
-            let constants = match solver.prepare((dt, false), params) {
+            let constants = match solver.prepare((dt, touch), params) {
                 Ok(constants) => constants,
                 Err(error) => {
                     prepared = Err(error.into());

@@ -76,6 +76,7 @@ mod tests {
             h: 0.01,
             substeps: 1,
             sweeps_back: false,
+            is_impact: false,
             gravity_step: [0.0; 3],
             velocity_factor: 1.0,
             stretch: rigid,

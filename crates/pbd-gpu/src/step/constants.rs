@@ -18,6 +18,8 @@ pub struct StepConstants {
     pub substeps: u32,
     /// Whether lengths are projected twice in an iteration, forward and back.
     pub(crate) sweeps_back: bool,
+    /// Whether pieces meet fast in the frame.
+    pub(crate) is_impact: bool,
     /// Change of velocity by gravity per substep [m/s].
     pub gravity_step: [f32; 3],
     /// Factor of velocities per substep, from damping.
@@ -191,7 +193,7 @@ pub struct VolumeProjection {
     /// unbounded for a compressible one.
     pub recovery: f32,
     /// Maximum correction of the old error of a crushed piece per projection, relative to its loss
-    /// beyond half of the rest volume. 0 unless pieces touch each other.
+    /// beyond half of the rest volume. 0 unless pieces meet fast in the frame.
     pub crushed_recovery: f32,
     /// Displacement per projection that carries the weight \[m\].
     pub sink: f32,

@@ -1,7 +1,7 @@
 //! Number of iterations of a frame, which is higher in violent impacts.
 //!
 //! A piece stops another one by its volume: an iteration passes on a part of the impulse. A thin
-//! piece that moves by much of its thickness in a substep would be flattened, and turned inside out,
+//! piece that moves by much of its thickness in a substep would be flat, or turned inside out,
 //! before the other one has stopped. More substeps would help as much, but constraints are stiffer
 //! in shorter substeps, and what they correct at once throws pieces.
 

@@ -14,7 +14,7 @@ use crate::step::body::Body;
 use crate::step::constants::StepConstants;
 use crate::step::impacts::impact_iterations;
 use crate::step::params::{Integrator, SolverParams, StepStats};
-use crate::step::prepare::both_orders;
+use crate::step::prepare::{Touch, both_orders};
 use crate::step::second_order::{Orders, add};
 use incise_mesh::Surface;
 
@@ -164,16 +164,19 @@ impl Island {
         let closing = (0..bodies.count()).map(|i| bodies.get(i).0.contacts().closing());
         let closing = closing.fold(self.contacts.closing(), f32::max);
         let h = dt / self.substeps as f32;
+        let iterations = impact_iterations(params.iterations, h, closing);
+        let touch = Touch {
+            joins_pieces: self.contacts.joins_pieces(),
+            is_impact: iterations > params.iterations,
+        };
         let params = &SolverParams {
             substeps: self.substeps,
-            iterations: impact_iterations(params.iterations, h, closing),
+            iterations,
             ..*params
         };
-        let joins_pieces = self.contacts.joins_pieces();
         for body in 0..bodies.count() {
             let (solver, surface) = bodies.get(body);
-            let frame = (dt, joins_pieces);
-            let member = prepare_member(solver, surface, frame, params);
+            let member = prepare_member(solver, surface, (dt, touch), params);
             self.members
                 .push(member.map_err(|error| IslandError { body, error })?);
         }
@@ -279,16 +282,14 @@ impl Island {
 }
 
 /// Validates a body and computes its constants of a frame.
-///
-/// `joins_pieces` tells whether a contact of its island joins two pieces.
 fn prepare_member(
     solver: &mut Solver,
     surface: &Surface,
-    (dt, joins_pieces): (f32, bool),
+    (dt, touch): (f32, Touch),
     params: &SolverParams,
 ) -> Result<Member, StepError> {
     solver.check_step(surface)?;
-    let constants = solver.prepare((dt, joins_pieces), params)?;
+    let constants = solver.prepare((dt, touch), params)?;
     let orders = both_orders(solver.material(), &constants, params);
     #[cfg(feature = "global")]
     {

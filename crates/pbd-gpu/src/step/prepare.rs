@@ -18,9 +18,16 @@ use crate::step::second_order::{Orders, SUBSTEP_RATIO};
 /// Number of its own lengths for which a long substep counts as recent.
 const MEMORY: f32 = 10.0;
 
+/// What the contacts of a body's island ask of a frame.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Touch {
+    /// Whether a contact joins two pieces.
+    pub(crate) joins_pieces: bool,
+    /// Whether pieces meet so fast that the frame has more iterations.
+    pub(crate) is_impact: bool,
+}
+
 /// Updates the plan and returns the constants of a frame.
-///
-/// `joins_pieces` tells whether a contact of the body's island joins two pieces.
 ///
 /// # Errors
 /// [`StepError::SubstepTooShort`]; nothing is changed then.
@@ -29,14 +36,15 @@ pub(crate) fn prepare(
     constraints: &mut Constraints,
     particles: &Particles,
     material: &Material,
-    (dt, joins_pieces): (f32, bool),
+    (dt, touch): (f32, Touch),
     params: &SolverParams,
 ) -> Result<StepConstants, StepError> {
     let h = dt / params.substeps as f32;
     let global = takes_global_step(step, params);
     // Stacked bodies come to rest only if the sweep over lengths is symmetric.
-    let sweeps_back = (joins_pieces || constraints.contacts.joins_pieces()) && !global;
-    let mut constants = constants_of(material, h, (params.substeps, sweeps_back), params);
+    let sweeps_back = (touch.joins_pieces || constraints.contacts.joins_pieces()) && !global;
+    let contacts = [sweeps_back, touch.is_impact];
+    let mut constants = constants_of(material, h, (params.substeps, contacts), params);
     constants.check()?;
     let pieces = constraints.volumes.pieces().iter();
     let max_volume = pieces.map(|piece| piece.rest().abs()).fold(0.0, f32::max);
@@ -44,7 +52,7 @@ pub(crate) fn prepare(
         return Err(StepError::SubstepTooShort { h });
     }
     if params.integrator == Integrator::Bdf2 {
-        constants_of(material, SUBSTEP_RATIO * h, (1, sweeps_back), params).check()?;
+        constants_of(material, SUBSTEP_RATIO * h, (1, contacts), params).check()?;
     }
     constants.set_error_carryover(error_carryover(&mut step.longest_substep, dt, h));
     let attachments =
@@ -112,7 +120,8 @@ pub(crate) fn both_orders(
     params: &SolverParams,
 ) -> Orders {
     let order = |h| {
-        let mut order = constants_of(material, h, (1, constants.sweeps_back), params);
+        let contacts = [constants.sweeps_back, constants.is_impact];
+        let mut order = constants_of(material, h, (1, contacts), params);
         order.stretch.error_carryover = constants.stretch.error_carryover;
         order.bending.error_carryover = constants.bending.error_carryover;
         order.interior_springs.error_carryover = constants.interior_springs.error_carryover;
@@ -129,7 +138,7 @@ pub(crate) fn both_orders(
 fn constants_of(
     material: &Material,
     h: f32,
-    (substeps, sweeps_back): (u32, bool),
+    (substeps, [sweeps_back, is_impact]): (u32, [bool; 2]),
     params: &SolverParams,
 ) -> StepConstants {
     let damping = 1.0 + material.damping * h;
@@ -156,7 +165,7 @@ fn constants_of(
         VolumeProjection {
             alpha: projection.alpha * damping,
             diagonal_scale: params.diagonal_scale,
-            crushed_recovery: if sweeps_back {
+            crushed_recovery: if is_impact {
                 projection.recovery * CRUSHED
             } else {
                 0.0
@@ -169,6 +178,7 @@ fn constants_of(
         h,
         substeps,
         sweeps_back,
+        is_impact,
         gravity_step,
         velocity_factor: 1.0 / damping,
         stretch,

@@ -33,8 +33,8 @@ pub(crate) fn trials() -> Vec<Trial> {
                 edited_equals_uploaded(c, schedule, with_attachments());
             },
         ));
-        trials.push(trial(&name("ten_thousand_deltas"), strict, move |c| {
-            ten_thousand_deltas(c, schedule);
+        trials.push(trial(&name("thousands_of_deltas"), strict, move |c| {
+            thousands_of_deltas(c, schedule);
         }));
         trials.push(trial(&name("an_undo_restores_pins"), strict, move |c| {
             pins_come_back_by_undo(c, schedule);
@@ -188,8 +188,8 @@ fn edited_equals_uploaded(
     );
 }
 
-fn ten_thousand_deltas(context: Context, schedule: Schedule) {
-    const DELTAS: usize = 10_000;
+fn thousands_of_deltas(context: Context, schedule: Schedule) {
+    const DELTAS: usize = 3000;
     let (material, params) = with_most_features();
     let mut gpu = GpuBackend::from_context(context).expect("a device");
     let mut dice = Random::new(2);

@@ -108,6 +108,12 @@ impl Pieces {
         }
     }
 
+    /// Returns the mean velocity of a piece relative to its group [m/s].
+    pub(super) fn own_velocity(&self, index: u32) -> Vec3 {
+        let group = self.list[index as usize].group as usize;
+        self.mean_velocity(index) - self.list[group].group_velocity
+    }
+
     /// Returns the mean velocity of the vertices of a piece [m/s].
     pub(super) fn mean_velocity(&self, index: u32) -> Vec3 {
         let (sum, count) = self.list[index as usize].velocity_sum;

@@ -1,6 +1,8 @@
 //! Speeds at which pieces meet, relative to their thickness: violent impacts need more iterations.
 //!
-//! Only pieces whose volume is preserved count. Others cannot stop what presses them flat.
+//! Only pieces whose volume is preserved count; others cannot stop what presses them flat. Features
+//! close at most as fast as one of their pieces moves as a whole: limp pieces, whose vertices
+//! tremble, would else keep themselves moving by iterations that come and go.
 
 use super::narrow_phase::{Search, Searched};
 use super::persistent::{PersistentContact, area_normal};
@@ -40,16 +42,21 @@ impl Search<'_> {
         let normal = normal.try_normalize(0.0).unwrap_or_default();
         let normal = if contact.is_behind { -normal } else { normal };
         let speed = normal.dot(&(of_point - of.motion.velocity(contact.vertex)));
-        let meets = speed > 0.0 && normal.dot(&(at - point)) - speed * self.frame.dt <= gap;
-        if !meets {
-            return 0.0;
-        }
         let own = of.body.surface();
         let first = own.topology().outgoing(contact.vertex).triangle();
         let sides = [
             (of.body, own.piece(first)),
             (other, surface.piece(contact.triangle)),
         ];
+        let [a, b] = [0, 1].map(|i: usize| {
+            let index = [of.motion, motion][i].pieces[sides[i].1 as usize];
+            normal.dot(&self.pieces.own_velocity(index))
+        });
+        let speed = speed.min(f64::max(-a, b));
+        let meets = speed > 0.0 && normal.dot(&(at - point)) - speed * self.frame.dt <= gap;
+        if !meets {
+            return 0.0;
+        }
         let sides = sides.map(|(body, piece)| (body, body.piece_shapes().get(piece)));
         let least = SLIVER * f64::max(sides[0].1.volume, sides[1].1.volume);
         let is_solid = |body: &Body| body.solver().material().volume.is_some();

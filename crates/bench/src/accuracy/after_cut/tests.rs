@@ -10,8 +10,8 @@ fn ball() -> Scene {
 #[test]
 fn frames_after_a_cut_are_measured_against_converged_steps() {
     let scene = ball();
-    let rows = measure(&scene, 5, 1).unwrap();
-    assert_eq!(rows.len(), 15);
+    let rows = measure(&scene, 3, 1).unwrap();
+    assert_eq!(rows.len(), 9);
     let of = |solver: &str| -> Vec<&FrameRow> {
         rows.iter().filter(|row| row.solver == solver).collect()
     };
