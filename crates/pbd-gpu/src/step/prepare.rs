@@ -19,7 +19,7 @@ use crate::step::second_order::{Orders, SUBSTEP_RATIO};
 const MEMORY: f32 = 10.0;
 
 /// What the contacts of a body's island ask of a frame.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Touch {
     /// Whether a contact joins two pieces.
     pub(crate) joins_pieces: bool,

@@ -108,10 +108,13 @@ impl Pieces {
         }
     }
 
-    /// Returns the mean velocity of a piece relative to its group [m/s].
+    /// Returns the mean velocity of a piece relative to its group [m/s]; zero for one that does not
+    /// take part.
     pub(super) fn own_velocity(&self, index: u32) -> Vec3 {
-        let group = self.list[index as usize].group as usize;
-        self.mean_velocity(index) - self.list[group].group_velocity
+        let Some(piece) = self.list.get(index as usize) else {
+            return Vec3::zeros();
+        };
+        self.mean_velocity(index) - self.list[piece.group as usize].group_velocity
     }
 
     /// Returns the mean velocity of the vertices of a piece [m/s].

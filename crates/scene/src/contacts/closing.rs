@@ -8,6 +8,7 @@ use super::narrow_phase::{Search, Searched};
 use super::persistent::{PersistentContact, area_normal};
 use crate::body::Body;
 use incise_mesh::Vec3;
+use incise_mesh::geometry::round_to_f32;
 
 /// Minimum volume of a piece, relative to the other one. Smaller ones are slivers, which may be
 /// crushed.
@@ -18,10 +19,6 @@ impl Search<'_> {
     /// triangle that keep a distance of `gap` \[m\].
     ///
     /// 0 if they do not meet within the frame.
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "the solver stores contacts in 32 bits"
-    )]
     pub(super) fn closing(
         &self,
         of: Searched<'_>,
@@ -62,6 +59,7 @@ impl Search<'_> {
         let is_solid = |body: &Body| body.solver().material().volume.is_some();
         let solid = (sides.iter()).filter(|(body, shape)| is_solid(body) && shape.volume > least);
         let thickness = solid.map(|(_, shape)| shape.thickness);
-        (speed / thickness.fold(f64::INFINITY, f64::min)) as f32
+        let closing = speed / thickness.fold(f64::INFINITY, f64::min);
+        round_to_f32(closing.min(f64::from(f32::MAX)))
     }
 }

@@ -2,11 +2,12 @@
 //!
 //! An incompressible piece regains the loss of the current substep at once. Older losses, such as
 //! those of an impact or a change of pressure, are regained at rate [`RECOVERY`] at most. A piece
-//! that others crush to less than half regains that half faster, or it turns inside out. Gravity
-//! may move the faces of a thin piece by more than that, even by more than its thickness. The piece
-//! then regains up to [`LOADS`] times that motion as velocity, which carries its weight. The rest
-//! of a loss that takes several substeps moves positions instead of displacements: a piece that
-//! grows or shrinks to another volume does not gain velocity from it.
+//! that an impact crushes to less than half regains that half faster, or it turns inside out.
+//!
+//! Gravity may move the faces of a thin piece by more than that, even by more than its thickness.
+//! The piece then regains up to [`LOADS`] times that motion as velocity, which carries its weight.
+//! The rest of a loss that takes several substeps moves positions instead of displacements: a piece
+//! that grows or shrinks to another volume does not gain velocity from it.
 //!
 //! A piece may be unable to reach the volume that its pressure asks for, because its edges hold.
 //! Beyond its rest volume it presses against them with a limited force. Otherwise corrections of
