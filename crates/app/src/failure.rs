@@ -209,6 +209,17 @@ pub(crate) enum Failure {
     /// The command line describes a scene without its duration.
     #[error("--seconds is missing; give the simulated time, or a scene file (toml)")]
     NoSeconds,
+    /// A simulation has more frames than can be counted.
+    #[error(
+        "{seconds:e} s have more than {} frames of {dt:e} s; simulate less time, or longer frames",
+        u32::MAX
+    )]
+    TooManyFrames {
+        /// The simulated time [s].
+        seconds: f64,
+        /// The time step [s].
+        dt: f64,
+    },
     /// A simulation writes nothing.
     #[error(
         "there is no output; give -o DIR for the pieces, --frames or --animation for pictures, or \
@@ -388,6 +399,7 @@ impl Failure {
             | Self::NotWith { .. }
             | Self::SweepCrossesItself
             | Self::NoSeconds
+            | Self::TooManyFrames { .. }
             | Self::NoOutput
             | Self::SceneAndMeshes { .. }
             | Self::CutAfterEnd

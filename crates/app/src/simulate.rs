@@ -112,6 +112,7 @@ pub(crate) fn run(
     reporter: &mut Reporter<impl Write>,
 ) -> Result<(), Failure> {
     let file = arguments.scene_file()?;
+    file.check_frames()?;
     let mut knife = Knife::new(&file)?;
     let materials = file.bodies.iter().map(|body| file.material(body));
     let materials = materials.collect::<Result<Vec<Material>, _>>()?;

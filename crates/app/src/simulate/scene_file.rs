@@ -159,6 +159,16 @@ pub(super) struct ContactsFile {
 }
 
 impl SceneFile {
+    /// Checks that the frames can be counted.
+    pub(super) fn check_frames(&self) -> Result<(), Failure> {
+        let Self { seconds, dt, .. } = *self;
+        if seconds / dt < f64::from(u32::MAX) {
+            Ok(())
+        } else {
+            Err(Failure::TooManyFrames { seconds, dt })
+        }
+    }
+
     /// Returns the number of frames, at least one.
     pub(super) fn frames(&self) -> u32 {
         self.frame_at(self.seconds).max(1)
