@@ -1,8 +1,8 @@
-//! Converts constraints, pins and body parameters to their GPU records.
+//! Converts constraints, pins and parameters of bodies and frames to their GPU records.
 
 use super::layout::{
-    BodyRecord, Entry, IS_IMPACT, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH,
-    KEEPS_VOLUME, PATCH_LAYERS, SWEEPS_BACK, UNUSED,
+    BodyRecord, Entry, FrameUniform, IS_IMPACT, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS,
+    KEEPS_STRETCH, KEEPS_VOLUME, PATCH_LAYERS, SWEEPS_BACK, UNUSED,
 };
 use super::volumes::VolumePlaces;
 use crate::constraints::attachments::LongRangeAttachment;
@@ -10,6 +10,7 @@ use crate::constraints::batches::Batch;
 use crate::particles::Pin;
 use crate::solver::Solver;
 use crate::step::constants::StepConstants;
+use crate::step::params::SolverParams;
 use incise_mesh::{Surface, VertexId};
 
 /// Entries of a constraint over `N` vertices: pairs of vertices, then rest value and multiplier.
@@ -104,7 +105,7 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
                 KEEPS_INTERIOR_SPRINGS,
             )
             | flag(constants.sweeps_back, SWEEPS_BACK)
-            | flag(constants.is_impact, IS_IMPACT),
+            | flag(constants.volume.is_impact, IS_IMPACT),
         first_run: places.first_run,
         stretch_colors: places.stretch_colors,
         bending_colors: places.bending_colors,
@@ -129,5 +130,19 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
         contacts: places.contacts,
         first_collider: places.first_collider,
         colliders: places.colliders,
+    }
+}
+
+pub(super) fn frame_record(constants: &StepConstants, params: &SolverParams) -> FrameUniform {
+    FrameUniform {
+        gravity_step: constants.gravity_step,
+        h: constants.h,
+        ground: constants.ground.max(f32::MIN),
+        has_ground: u32::from(params.ground.is_some()),
+        substeps: constants.substeps,
+        iterations: params.iterations,
+        measures_motion: 0,
+        diagonal_scale: params.diagonal_scale,
+        pad: [0; 2],
     }
 }

@@ -6,6 +6,7 @@ use super::error::GpuError;
 use super::layout::FrameUniform;
 use super::pipelines::{Kernel, Pipelines, workgroups};
 use super::program::{Dispatch, Program, Stepped};
+use super::records::frame_record;
 use super::stats::{GpuStats, Schedule};
 use super::timestamps::Timestamps;
 use super::uniforms::PASS_STRIDE;
@@ -399,19 +400,5 @@ impl Encoding<'_> {
             let [x, y] = workgroups(dispatch.groups);
             self.pass.dispatch_workgroups(x, y, 1);
         }
-    }
-}
-
-fn frame_record(constants: &StepConstants, params: &SolverParams) -> FrameUniform {
-    FrameUniform {
-        gravity_step: constants.gravity_step,
-        h: constants.h,
-        ground: constants.ground.max(f32::MIN),
-        has_ground: u32::from(params.ground.is_some()),
-        substeps: constants.substeps,
-        iterations: params.iterations,
-        measures_motion: 0,
-        diagonal_scale: params.diagonal_scale,
-        pad: [0; 2],
     }
 }

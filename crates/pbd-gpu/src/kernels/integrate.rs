@@ -76,7 +76,6 @@ mod tests {
             h: 0.01,
             substeps: 1,
             sweeps_back: false,
-            is_impact: false,
             gravity_step: [0.0; 3],
             velocity_factor: 1.0,
             stretch: rigid,

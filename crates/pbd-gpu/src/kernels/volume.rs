@@ -37,7 +37,7 @@ use incise_mesh::Topology;
 use pulp::{Arch, NullaryFnOnce};
 use std::cell::Cell;
 use std::ops::Range;
-pub(crate) use steps::{CRUSHED, LOADS, RECOVERY};
+pub(crate) use steps::{LOADS, RECOVERY};
 use steps::{greater, recovery, steps};
 
 /// Leaves of a reduction tree.

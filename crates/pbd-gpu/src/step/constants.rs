@@ -18,8 +18,6 @@ pub struct StepConstants {
     pub substeps: u32,
     /// Whether lengths are projected twice in an iteration, forward and back.
     pub(crate) sweeps_back: bool,
-    /// Whether pieces meet fast in the frame.
-    pub(crate) is_impact: bool,
     /// Change of velocity by gravity per substep [m/s].
     pub gravity_step: [f32; 3],
     /// Factor of velocities per substep, from damping.
@@ -192,9 +190,9 @@ pub struct VolumeProjection {
     /// Maximum correction of an old error per projection, as a fraction of the rest volume;
     /// unbounded for a compressible one.
     pub recovery: f32,
-    /// Maximum correction of the old error of a crushed piece per projection, relative to its loss
-    /// beyond half of the rest volume. 0 unless pieces meet fast in the frame.
-    pub crushed_recovery: f32,
+    /// Whether pieces meet fast in the frame: those that are crushed to less than half regain that
+    /// half faster.
+    pub is_impact: bool,
     /// Displacement per projection that carries the weight \[m\].
     pub sink: f32,
     /// As in [`Projection`].
@@ -210,7 +208,7 @@ impl VolumeProjection {
         pressure: 1.0,
         diagonal_scale: 1.0,
         recovery: 0.0,
-        crushed_recovery: 0.0,
+        is_impact: false,
         sink: 0.0,
         error_carryover: 0.0,
         accumulates_lambda: false,

@@ -3,7 +3,6 @@
 use crate::constraints::Constraints;
 use crate::constraints::interior_springs::DIAGONAL_SCALE;
 use crate::error::StepError;
-use crate::kernels::volume::CRUSHED;
 use crate::material::{InteriorSprings, Material, Stiffness, Volume};
 use crate::particles::Particles;
 use crate::step::StepState;
@@ -120,7 +119,7 @@ pub(crate) fn both_orders(
     params: &SolverParams,
 ) -> Orders {
     let order = |h| {
-        let contacts = [constants.sweeps_back, constants.is_impact];
+        let contacts = [constants.sweeps_back, constants.volume.is_impact];
         let mut order = constants_of(material, h, (1, contacts), params);
         order.stretch.error_carryover = constants.stretch.error_carryover;
         order.bending.error_carryover = constants.bending.error_carryover;
@@ -165,11 +164,7 @@ fn constants_of(
         VolumeProjection {
             alpha: projection.alpha * damping,
             diagonal_scale: params.diagonal_scale,
-            crushed_recovery: if is_impact {
-                projection.recovery * CRUSHED
-            } else {
-                0.0
-            },
+            is_impact,
             ..projection
         }
     };
@@ -178,7 +173,6 @@ fn constants_of(
         h,
         substeps,
         sweeps_back,
-        is_impact,
         gravity_step,
         velocity_factor: 1.0 / damping,
         stretch,

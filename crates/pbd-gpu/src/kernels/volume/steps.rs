@@ -74,7 +74,12 @@ pub(super) fn steps(
     let error = now * THIRD - target;
     let volume = before * THIRD;
     let held = if piece.rest < 0.0 { -volume } else { volume };
-    let crushed = by.crushed_recovery * (0.5 * size - held);
+    let faster = if by.is_impact {
+        by.recovery * CRUSHED
+    } else {
+        0.0
+    };
+    let crushed = faster * (0.5 * size - held);
     let recovery = greater(recovery(piece, by), crushed);
     let before = volume - target;
     let mut left = 0.0;
