@@ -277,3 +277,16 @@ fn outputs_of_one_name_are_refused() {
     assert!(String::from_utf8_lossy(&done.stderr).contains("two outputs have this name"));
     assert!(!file.exists());
 }
+
+#[test]
+fn more_frames_than_can_be_counted_are_refused() {
+    let (folder, input) = with_sphere();
+    let out = folder.path().join("out");
+    let words = ["simulate", text(&input), "-o", text(&out)];
+    let done = incise(&[&words[..], &["--seconds", "1e300"]].concat());
+    let error = String::from_utf8_lossy(&done.stderr);
+    assert_eq!(done.status.code(), Some(2), "{error}");
+    let said = "1e300 s have more than 4294967295 frames";
+    assert!(error.contains(said), "{error}");
+    assert!(!out.exists(), "nothing is written");
+}

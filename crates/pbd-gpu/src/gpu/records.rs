@@ -133,6 +133,7 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
     }
 }
 
+/// Returns the record of a frame that kernels read.
 pub(super) fn frame_record(constants: &StepConstants, params: &SolverParams) -> FrameUniform {
     FrameUniform {
         gravity_step: constants.gravity_step,

@@ -190,8 +190,7 @@ pub struct VolumeProjection {
     /// Maximum correction of an old error per projection, as a fraction of the rest volume;
     /// unbounded for a compressible one.
     pub recovery: f32,
-    /// Whether pieces meet fast in the frame: those that are crushed to less than half regain that
-    /// half faster.
+    /// Whether pieces meet fast in the frame. Crushed pieces then recover faster.
     pub is_impact: bool,
     /// Displacement per projection that carries the weight \[m\].
     pub sink: f32,
