@@ -262,6 +262,18 @@ pub(crate) enum Failure {
         /// The number of inputs.
         bodies: usize,
     },
+    /// An offset moves a body so far that single precision rounds its shape away.
+    #[error(
+        "{}: at this offset coordinates are {spacing:.1e} m apart in single precision, too coarse \
+         for the body; move it less",
+        path.display()
+    )]
+    FarOffset {
+        /// The file.
+        path: PathBuf,
+        /// Distance of neighboring coordinates \[m\].
+        spacing: f64,
+    },
     /// The path of the blade has more poses than the simulation has frames after the first one.
     #[error(
         "the blade's path of {poses} poses, one per frame, ends after the simulation; give \
@@ -405,6 +417,7 @@ impl Failure {
             | Self::CutAfterEnd
             | Self::CutTimes { .. }
             | Self::Offsets { .. }
+            | Self::FarOffset { .. }
             | Self::PathAfterEnd { .. }
             | Self::BelowGround { .. }
             | Self::SameOutput { .. }

@@ -75,8 +75,8 @@ Examples:
       --volume --interior-springs 1 --plane 1,0,0.1,0 --at 0.2 --plane 0,0.1,1,0 --at 0.4 -o pieces
 
 JSON report (--json): inputs (file and warnings of each), backend, device, fallback_reason, frames,
-dt, iterations, substeps, triangles_hit, refused_cuts (a message for every cut that could not be
-made), steps, cutting_steps (with --path, else null: motions of the blade, and those that cut),
+dt, iterations, substeps, triangles_hit, refused_cuts and missed_cuts (a message for every cut
+that could not be made, and for every plane and blade that hit nothing), steps, cutting_steps (with --path, else null: motions of the blade, and those that cut),
 pieces (body, which is the index of its input, file, vertices, triangles, area, volume, cavity,
 boundary_edges and euler_characteristic of each), removed, milliseconds.
 
@@ -175,6 +175,7 @@ pub(crate) fn run(
         substeps: file.substeps.get(),
         triangles_hit: (!knife.is_empty()).then_some(knife.triangles_hit),
         refused_cuts: knife.refusals.clone(),
+        missed_cuts: knife.misses().collect(),
         steps: knife.steps(),
         cutting_steps: knife.cutting_steps(),
         pieces: written.pieces.into_iter().map(of_body).collect(),
@@ -201,7 +202,7 @@ pub(crate) fn run(
             output: "the files hold the uncut bodies",
         });
     }
-    for miss in knife.misses() {
+    for miss in &report.missed_cuts {
         reporter.warn(miss);
     }
     Ok(())

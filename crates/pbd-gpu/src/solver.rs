@@ -27,7 +27,7 @@ use crate::step::island::{Island, IslandError, Single};
 use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
 use crate::step::prepare::{Touch, prepare, takes_global_step};
-use crate::step::substeps::substeps;
+use crate::step::substeps::{Lengths, substeps};
 use incise_mesh::Surface;
 #[cfg(feature = "serde")]
 pub use saved::SavedSolver;
@@ -174,7 +174,11 @@ impl Solver {
         if params.ground.is_none() || takes_global_step(&self.step, params) {
             return params.substeps;
         }
-        substeps(dt, params, self.known_mean_rest_length())
+        let body = Lengths {
+            edge: self.known_mean_rest_length(),
+            thickness: self.constraints.volumes.least_thickness(),
+        };
+        substeps(dt, params, body)
     }
 
     /// Returns the mean rest length of edges \[m\]. O(n) in the first frame after an edit.

@@ -12,6 +12,10 @@ use incise_scene::{BodyId, Scene, SceneError};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
+/// Maximum distance of neighboring coordinates in single precision, relative to the diagonal of a
+/// body's bounding box.
+const MAX_SPACING: f64 = 0.01;
+
 /// An input of a simulation.
 #[derive(Serialize)]
 pub(super) struct Input {
@@ -34,7 +38,9 @@ pub(super) fn read(file: &SceneFile) -> Result<(Vec<Input>, Vec<Surface>), Failu
         }
         let Numbers(offset) = body.offset;
         if offset != [0.0; 3] {
+            let diagonal = surface.bounds().diagonal();
             shift(&mut surface, offset.into());
+            check_resolution(&surface, &body.mesh, diagonal)?;
         }
         inputs.push(Input {
             file: body.mesh.clone(),
@@ -54,6 +60,22 @@ fn shift(surface: &mut Surface, by: Vec3) {
         let [x, y, z] = to_f32(to_f64([x, y, z]) + by);
         surface.positions_mut()[i] = [x, y, z, inv_mass];
     }
+}
+
+/// Refuses a body that its offset has moved so far that single precision rounds its shape away.
+///
+/// `diagonal` is that of its bounding box before \[m\].
+fn check_resolution(surface: &Surface, path: &Path, diagonal: f64) -> Result<(), Failure> {
+    let Aabb { min, max } = surface.bounds();
+    let farthest = (min.into_iter().chain(max)).fold(0.0_f32, |far, c| far.max(c.abs()));
+    let spacing = f64::from(farthest) * f64::from(f32::EPSILON);
+    if spacing < MAX_SPACING * diagonal {
+        return Ok(());
+    }
+    Err(Failure::FarOffset {
+        path: path.to_owned(),
+        spacing,
+    })
 }
 
 /// Refuses a body that starts below the ground at a height relative to its origin.

@@ -30,10 +30,10 @@ pub(super) struct SceneOptions {
     )]
     offset: Vec<Numbers<3>>,
     /// Simulated time [s].
-    #[arg(long, value_name = "S", value_parser = positive)]
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     seconds: Option<f64>,
     /// Time step of a frame, as a number or a fraction [s]. [default: 1/60]
-    #[arg(long, value_name = "S", value_parser = positive)]
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     dt: Option<f64>,
     /// Solver iterations per substep. [default: 1]
     #[arg(long, value_name = "N")]
@@ -48,7 +48,12 @@ pub(super) struct SceneOptions {
     #[arg(long)]
     volume: bool,
     /// Connect opposite sides by springs through the body: springs per vertex, 0 to 1.
-    #[arg(long, value_name = "DENSITY", value_parser = numbers::<1>)]
+    #[arg(
+        long,
+        value_name = "DENSITY",
+        value_parser = numbers::<1>,
+        allow_hyphen_values = true
+    )]
     interior_springs: Option<Numbers<1>>,
     /// Let pieces pass through each other instead of resolving their contacts.
     #[arg(long)]
@@ -74,7 +79,13 @@ pub(super) struct SceneOptions {
     /// Time of the cut, or of the first pose [s]; 0 by default.
     ///
     /// Given once it is the time of all planes, else each plane has its own, in their order.
-    #[arg(long, value_name = "S", value_parser = positive, requires = "cutter")]
+    #[arg(
+        long,
+        value_name = "S",
+        value_parser = positive,
+        allow_hyphen_values = true,
+        requires = "cutter"
+    )]
     at: Vec<f64>,
 }
 

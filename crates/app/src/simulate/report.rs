@@ -25,6 +25,8 @@ pub(super) struct Report {
     pub(super) triangles_hit: Option<usize>,
     /// A message for every cut that could not be made.
     pub(super) refused_cuts: Vec<String>,
+    /// A message for every plane and blade that hit nothing.
+    pub(super) missed_cuts: Vec<String>,
     /// Motions of the blade from pose to pose; none without a path.
     pub(super) steps: Option<usize>,
     /// Steps that cut.

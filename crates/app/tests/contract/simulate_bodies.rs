@@ -92,10 +92,44 @@ fn a_plane_that_misses_is_named_and_all_that_miss_are_an_error() {
         .unwrap();
     assert_eq!(done.status.code(), Some(0), "{done:?}");
     let said = String::from_utf8(done.stderr).unwrap();
-    assert!(
-        said.contains("the plane 1,0,0,9 misses all bodies"),
-        "{said}"
-    );
+    let miss = "the plane 1,0,0,9 misses all bodies";
+    assert!(said.contains(miss), "{said}");
+    let done = simulate(folder.path(), &format!("{base} --plane 1,0,0,0"));
+    assert_eq!(done.status.code(), Some(0), "{done:?}");
+    assert_eq!(report(&done)["missed_cuts"], serde_json::json!([miss]));
+}
+
+#[test]
+fn an_offset_that_rounds_the_shape_of_a_body_away_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for (offset, exit) in [
+        ("0,-1e4,0", 0),
+        ("0,1e8,0", 2),
+        ("1e30,0,0", 2),
+        ("0,0,1e39", 2),
+    ] {
+        let words = format!("Sphere80 --seconds 0.1 --offset {offset}");
+        let done = simulate(folder.path(), &words);
+        assert_eq!(done.status.code(), Some(exit), "{offset}: {done:?}");
+        let error = String::from_utf8_lossy(&done.stderr);
+        let is_told = error.contains("single precision");
+        assert_eq!(is_told, exit == 2, "{offset}: {error}");
+    }
+}
+
+#[test]
+fn negative_numbers_are_refused_as_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    for words in [
+        "Sphere80 --seconds -1",
+        "Sphere80 --seconds 1 --dt -0.1",
+        "Sphere80 --seconds 1 --plane 1,0,0,0 --at -1",
+    ] {
+        let done = simulate(folder.path(), words);
+        assert_eq!(done.status.code(), Some(2), "{words}: {done:?}");
+        let error = String::from_utf8(done.stderr).unwrap();
+        assert!(error.contains("is not a positive number"), "{error}");
+    }
 }
 
 #[test]

@@ -19,6 +19,9 @@ use std::f64::consts::PI;
 /// of a nearly collapsed piece would throw its vertices away.
 pub(crate) const REACH: f32 = 0.25;
 
+/// Volume relative to the largest piece, below which a piece is a sliver that may be crushed.
+const SLIVER: f32 = 1e-3;
+
 /// Volume relative to a ball of the same area, below which it is a rounding error of a flat piece.
 const FLAT: f64 = 1e-6;
 
@@ -103,6 +106,17 @@ impl VolumeSet {
     #[must_use]
     pub fn pieces(&self) -> &[PieceVolume] {
         &self.pieces
+    }
+
+    /// Returns the least rest thickness `2 |V| / A` of the pieces that are no slivers \[m\].
+    ///
+    /// Infinite without pieces.
+    pub(crate) fn least_thickness(&self) -> f64 {
+        let volumes = self.pieces.iter().map(|piece| piece.rest.abs());
+        let least = SLIVER * volumes.fold(0.0, f32::max);
+        let solid = self.pieces.iter().filter(|piece| piece.rest.abs() > least);
+        let thickness = solid.map(|piece| 2.0 / 3.0 * f64::from(piece.reach / REACH));
+        thickness.fold(f64::INFINITY, f64::min)
     }
 
     /// Returns the XPBD multipliers after the last substep on the CPU, shape \[pieces\].

@@ -17,7 +17,9 @@ pub struct SolverParams {
     /// iterations.
     ///
     /// With a ground a body takes more if it would fall by more than 1/50 of its mean edge per
-    /// iteration of a substep, as in a body of 1 cm. The ground would flatten it otherwise.
+    /// iteration of a substep, as in a body of 1 cm. The ground would flatten it otherwise. So does
+    /// a body with [`Material::volume`](crate::Material::volume) that would fall by more than 1/500
+    /// of the thickness `2 V / A` of a piece.
     pub substeps: u32,
     /// Gravitational acceleration [m/s^2].
     pub gravity: [f32; 3],

@@ -4,18 +4,35 @@
 //! are therefore short by a strain that is proportional to the fall per substep, relative to an
 //! edge and divided by the iterations. Where this fall is an edge and more, the ground flattens a
 //! body in every substep, and constraints cannot restore its shape.
+//!
+//! In the same way ground and contacts carry the weight of a piece by a part of its volume, which
+//! is proportional to the fall relative to its thickness.
 
 use crate::step::params::SolverParams;
 
 /// Maximum fall per substep from rest, in mean rest lengths of edges per iteration.
 ///
 /// A ball of 42 vertices has a mean strain of 4 % at this limit.
-const MAX_FALL: f64 = 0.02;
+const MAX_FALL_IN_EDGES: f64 = 0.02;
+
+/// Maximum fall per substep from rest, in thicknesses of the thinnest piece per iteration.
+///
+/// The halves of a plate lose 0.4 % of their volumes at this limit.
+const MAX_FALL_IN_THICKNESSES: f64 = 0.002;
 
 /// Maximum factor of the number of substeps.
 const MAX_FACTOR: f64 = 64.0;
 
-/// Returns the number of substeps of a body with edges of a mean rest length \[m\].
+/// Lengths of a body at rest \[m\].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Lengths {
+    /// Mean length of an edge.
+    pub(crate) edge: f64,
+    /// Thickness of the thinnest piece that preserves its volume, infinite without one.
+    pub(crate) thickness: f64,
+}
+
+/// Returns the number of substeps of a body.
 ///
 /// Only bodies above a ground need more than [`SolverParams::substeps`].
 #[expect(
@@ -23,14 +40,22 @@ const MAX_FACTOR: f64 = 64.0;
     clippy::cast_sign_loss,
     reason = "the factor is a whole number between 1 and its maximum"
 )]
-pub(crate) fn substeps(dt: f32, params: &SolverParams, edge: f64) -> u32 {
+pub(crate) fn substeps(dt: f32, params: &SolverParams, body: Lengths) -> u32 {
     let fall = fall(dt, params);
-    let max_fall = MAX_FALL * f64::from(params.iterations) * edge;
+    let max_fall = f64::from(params.iterations) * max_fall(body);
     if params.ground.is_none() || fall <= max_fall || max_fall == 0.0 {
         return params.substeps;
     }
     let factor = (fall / max_fall).sqrt().ceil().min(MAX_FACTOR);
     params.substeps.saturating_mul(factor as u32)
+}
+
+/// Returns the maximum fall per substep and iteration \[m\].
+fn max_fall(body: Lengths) -> f64 {
+    f64::min(
+        MAX_FALL_IN_EDGES * body.edge,
+        MAX_FALL_IN_THICKNESSES * body.thickness,
+    )
 }
 
 /// Returns the fall from rest in a substep: `|g| h^2` \[m\].
@@ -54,18 +79,28 @@ mod tests {
         }
     }
 
+    /// A body without a volume.
+    fn shell(edge: f64) -> Lengths {
+        Lengths {
+            edge,
+            thickness: f64::INFINITY,
+        }
+    }
+
     #[test]
-    fn the_fall_per_iteration_is_limited() {
+    fn the_fall_per_iteration_is_limited_by_edges_and_thickness() {
         for iterations in [1, 10] {
             for edge in [1e-4, 1e-3, 1e-2, 1e-1, 1.0] {
-                let params = params(iterations);
-                let substeps = substeps(DT, &params, edge);
-                let of = |substeps| fall(DT, &SolverParams { substeps, ..params });
-                let most = MAX_FALL * f64::from(iterations) * edge;
-                let enough = of(substeps) <= most * (1.0 + 1e-9);
-                assert!(enough || substeps == 64, "{edge} m, {substeps} substeps");
-                let fewer = substeps == 1 || of(substeps - 1) > most;
-                assert!(fewer, "{edge} m needs fewer than {substeps} substeps");
+                for thickness in [0.1 * edge, edge, 100.0 * edge, f64::INFINITY] {
+                    let (params, body) = (params(iterations), Lengths { edge, thickness });
+                    let substeps = substeps(DT, &params, body);
+                    let of = |substeps| fall(DT, &SolverParams { substeps, ..params });
+                    let most = f64::from(iterations) * f64::min(0.02 * edge, 0.002 * thickness);
+                    let enough = of(substeps) <= most * (1.0 + 1e-9);
+                    assert!(enough || substeps == 64, "{body:?}, {substeps} substeps");
+                    let fewer = substeps == 1 || of(substeps - 1) > most;
+                    assert!(fewer, "{body:?} needs fewer than {substeps} substeps");
+                }
             }
         }
     }
@@ -73,7 +108,7 @@ mod tests {
     #[test]
     fn bodies_without_weight_ground_or_edges_take_the_given_substeps() {
         let falling = params(1);
-        assert!(substeps(DT, &falling, 1e-3) > 1);
+        assert!(substeps(DT, &falling, shell(1e-3)) > 1);
         let weightless = SolverParams {
             gravity: [0.0; 3],
             ..falling
@@ -83,7 +118,7 @@ mod tests {
             ..falling
         };
         for (params, edge) in [(weightless, 1e-3), (free, 1e-3), (falling, 0.0)] {
-            assert_eq!(substeps(DT, &params, edge), 1, "{params:?}");
+            assert_eq!(substeps(DT, &params, shell(edge)), 1, "{params:?}");
         }
     }
 
@@ -93,11 +128,11 @@ mod tests {
             gravity: [f32::MAX; 3],
             ..params(1)
         };
-        assert_eq!(substeps(f32::MAX, &heavy, f64::MIN_POSITIVE), 64);
+        assert_eq!(substeps(f32::MAX, &heavy, shell(f64::MIN_POSITIVE)), 64);
         let most = SolverParams {
             substeps: u32::MAX,
             ..heavy
         };
-        assert_eq!(substeps(f32::MAX, &most, 1e-3), u32::MAX);
+        assert_eq!(substeps(f32::MAX, &most, shell(1e-3)), u32::MAX);
     }
 }
