@@ -15,7 +15,7 @@ use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::contacts::{ContactKind, ContactRecord};
 
 /// Distance of an inactive contact \[m\], less than any other.
-const INACTIVE: f32 = -1e30;
+pub(super) const INACTIVE: f32 = -1e30;
 
 /// Minimum squared sine between two edges.
 const MIN_SQUARED_SINE: f32 = 1e-4;
