@@ -3,6 +3,7 @@
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::fmt;
+use std::num::NonZeroU32;
 
 /// N numbers, separated by commas on the command line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,14 +83,29 @@ pub(crate) fn numbers<const N: usize>(text: &str) -> Result<Numbers<N>, String> 
 
 /// Parses a positive number, or a fraction of two.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    let value = number_or_fraction(text).filter(|&value| value > 0.0);
+    value.ok_or_else(|| format!("'{text}' is not a positive number or fraction"))
+}
+
+/// Parses 0 or a positive number, or a fraction of two.
+pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
+    let value = number_or_fraction(text).filter(|&value| value >= 0.0);
+    value.ok_or_else(|| format!("'{text}' is not 0, a positive number or a fraction"))
+}
+
+fn number_or_fraction(text: &str) -> Option<f64> {
     let number = |s: &str| s.trim().parse::<f64>().ok();
     let value = match text.split_once('/') {
-        Some((above, below)) => number(above).zip(number(below)).map(|(a, b)| a / b),
-        None => number(text),
+        Some((above, below)) => number(above)? / number(below)?,
+        None => number(text)?,
     };
-    value
-        .filter(|v| v.is_finite() && *v > 0.0)
-        .ok_or_else(|| format!("'{text}' is not a positive number or fraction"))
+    Some(value).filter(|value| value.is_finite())
+}
+
+/// Parses a whole number of at least 1.
+pub(crate) fn count(text: &str) -> Result<NonZeroU32, String> {
+    let value = text.trim().parse();
+    value.map_err(|_| format!("'{text}' is not a whole number from 1 to {}", u32::MAX))
 }
 
 /// Returns a count and its noun, in the plural unless there is one: `1 piece`, `2 pieces`.
@@ -118,6 +134,8 @@ mod tests {
         for bad in ["0", "-1", "1/0", "a", "1/2/3", "nan"] {
             assert!(positive(bad).is_err(), "{bad}");
         }
+        assert_eq!(not_negative("0"), Ok(0.0));
+        assert!(not_negative("-1/60").is_err());
     }
 
     #[test]

@@ -38,9 +38,8 @@ pub(super) fn read(file: &SceneFile) -> Result<(Vec<Input>, Vec<Surface>), Failu
         }
         let Numbers(offset) = body.offset;
         if offset != [0.0; 3] {
-            let diagonal = surface.bounds().diagonal();
+            check_resolution(&surface, &body.mesh, offset.into())?;
             shift(&mut surface, offset.into());
-            check_resolution(&surface, &body.mesh, diagonal)?;
         }
         inputs.push(Input {
             file: body.mesh.clone(),
@@ -62,14 +61,15 @@ fn shift(surface: &mut Surface, by: Vec3) {
     }
 }
 
-/// Refuses a body that its offset has moved so far that single precision rounds its shape away.
-///
-/// `diagonal` is that of its bounding box before \[m\].
-fn check_resolution(surface: &Surface, path: &Path, diagonal: f64) -> Result<(), Failure> {
-    let Aabb { min, max } = surface.bounds();
-    let farthest = (min.into_iter().chain(max)).fold(0.0_f32, |far, c| far.max(c.abs()));
-    let spacing = f64::from(farthest) * f64::from(f32::EPSILON);
-    if spacing < MAX_SPACING * diagonal {
+/// Refuses an offset \[m\] at which single precision rounds the shape of a body away.
+fn check_resolution(surface: &Surface, path: &Path, offset: Vec3) -> Result<(), Failure> {
+    let bounds = surface.bounds();
+    let corners = [bounds.min, bounds.max].map(|corner| to_f64(corner) + offset);
+    let farthest = corners
+        .into_iter()
+        .fold(0.0, |far, p| f64::max(far, p.amax()));
+    let spacing = farthest * f64::from(f32::EPSILON);
+    if spacing < MAX_SPACING * bounds.diagonal() {
         return Ok(());
     }
     Err(Failure::FarOffset {

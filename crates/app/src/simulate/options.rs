@@ -7,7 +7,7 @@ use super::scene_file::{
 use crate::caps::CapsOption;
 use crate::failure::Failure;
 use crate::input::InputOptions;
-use crate::numbers::{Numbers, numbers, positive};
+use crate::numbers::{Numbers, count, not_negative, numbers, positive};
 use incise_mesh::geometry::round_to_f32;
 use std::num::NonZeroU32;
 use std::path::PathBuf;
@@ -36,10 +36,10 @@ pub(super) struct SceneOptions {
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     dt: Option<f64>,
     /// Solver iterations per substep. [default: 1]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count, allow_hyphen_values = true)]
     iterations: Option<NonZeroU32>,
     /// Substeps per frame. [default: 16]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count, allow_hyphen_values = true)]
     substeps: Option<NonZeroU32>,
     /// Height of the ground plane [m]; the meshes must begin above it.
     #[arg(long, value_name = "H", value_parser = numbers::<1>, allow_hyphen_values = true)]
@@ -82,7 +82,7 @@ pub(super) struct SceneOptions {
     #[arg(
         long,
         value_name = "S",
-        value_parser = positive,
+        value_parser = not_negative,
         allow_hyphen_values = true,
         requires = "cutter"
     )]

@@ -64,7 +64,7 @@ fn planes_cut_in_their_order_at_once_or_each_at_its_time() {
     for (times, exit) in [
         ("", 0),
         ("--at 0.1", 0),
-        ("--at 0.1 --at 0.2", 0),
+        ("--at 0 --at 0.2", 0),
         ("--at 0.1 --at 0.2 --at 0.25", 2),
         ("--at 0.1 --at 0.4", 2),
     ] {
@@ -120,15 +120,20 @@ fn an_offset_that_rounds_the_shape_of_a_body_away_is_refused() {
 #[test]
 fn negative_numbers_are_refused_as_numbers() {
     let folder = tempfile::tempdir().unwrap();
-    for words in [
-        "Sphere80 --seconds -1",
-        "Sphere80 --seconds 1 --dt -0.1",
-        "Sphere80 --seconds 1 --plane 1,0,0,0 --at -1",
+    for (words, fault) in [
+        ("--seconds -1", "'-1' is not a positive number"),
+        ("--seconds 1 --dt -0.1", "'-0.1' is not a positive number"),
+        (
+            "--seconds 1 --plane 1,0,0,0 --at -1",
+            "'-1' is not 0, a pos",
+        ),
+        ("--seconds 1 --substeps -2", "'-2' is not a whole number"),
+        ("--seconds 1 --iterations 0", "'0' is not a whole number"),
     ] {
-        let done = simulate(folder.path(), words);
+        let done = simulate(folder.path(), &format!("Sphere80 {words}"));
         assert_eq!(done.status.code(), Some(2), "{words}: {done:?}");
         let error = String::from_utf8(done.stderr).unwrap();
-        assert!(error.contains("is not a positive number"), "{error}");
+        assert!(error.contains(fault), "{error}");
     }
 }
 
