@@ -75,10 +75,11 @@ Examples:
       --volume --interior-springs 1 --plane 1,0,0.1,0 --at 0.2 --plane 0,0.1,1,0 --at 0.4 -o pieces
 
 JSON report (--json): inputs (file and warnings of each), backend, device, fallback_reason, frames,
-dt, iterations, substeps, triangles_hit, refused_cuts and missed_cuts (a message for every cut
-that could not be made, and for every plane and blade that hit nothing), steps, cutting_steps (with --path, else null: motions of the blade, and those that cut),
-pieces (body, which is the index of its input, file, vertices, triangles, area, volume, cavity,
-boundary_edges and euler_characteristic of each), removed, milliseconds.
+dt, iterations, substeps, triangles_hit, refused_cuts and missed_cuts (a message for every cut that
+could not be made, and for every plane and blade that hit nothing), steps, cutting_steps (with
+--path, else null: motions of the blade, and those that cut), pieces (body, which is the index of
+its input, file, vertices, triangles, area, volume, cavity, boundary_edges and euler_characteristic
+of each), removed, milliseconds.
 
 Exit code 4: the cuts miss all bodies or cannot be made, and the pieces are those of the uncut
 bodies.";
