@@ -1,7 +1,7 @@
 //! Volume constraints of bodies that lie on the ground or hit it.
 
 use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness, Volume};
-use incise_test_support::surfaces::{scaled, sphere};
+use incise_test_support::surfaces::{scaled, sphere, two_spheres};
 
 const DT: f32 = 1.0 / 60.0;
 
@@ -149,4 +149,36 @@ fn a_leaning_body_without_friction_is_not_pushed_sideways() {
         let speed = momentum / mass;
         assert!(speed.abs() < 1e-4, "{speed} m/s along axis {axis}");
     }
+}
+
+/// A ball of 10 cm and a disk of which the ball has a hundred times the volume, or 2000 times.
+#[test]
+fn thin_pieces_take_more_substeps_unless_they_are_slivers() {
+    let substeps = |thickness: f32, volume: Option<Volume>| {
+        let mut surface = scaled(two_spheres(2), [0.1; 3]);
+        for v in 0..surface.positions().len() {
+            let [x, y, ..] = surface.positions()[v];
+            if x > 0.15 {
+                let y = 0.2 + thickness * (y - 0.2);
+                surface.positions_mut()[v][1] = y;
+                surface.rest_positions_mut()[v][1] = y;
+            }
+        }
+        let material = Material {
+            volume,
+            ..Material::default()
+        };
+        let params = SolverParams {
+            ground: Some(0.0),
+            ..SolverParams::default()
+        };
+        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        solver.step(&mut surface, DT, &params).unwrap();
+        solver.substeps()
+    };
+    let volume = Some(Volume::default());
+    assert!(substeps(0.01, volume) > 16, "a thin piece");
+    assert_eq!(substeps(1.0, volume), 16, "two balls");
+    assert_eq!(substeps(0.0005, volume), 16, "a sliver");
+    assert_eq!(substeps(0.01, None), 16, "without a volume");
 }
