@@ -4,12 +4,12 @@ pub(crate) mod backend;
 pub(crate) mod body;
 mod body_step;
 pub(crate) mod constants;
-pub(crate) mod impacts;
 pub(crate) mod island;
 pub(crate) mod params;
 pub(crate) mod pass;
 pub(crate) mod plan;
 pub(crate) mod prepare;
+pub(crate) mod rounds;
 #[cfg(feature = "serde")]
 pub(crate) mod saved;
 pub(crate) mod second_order;

@@ -10,7 +10,7 @@
 //!    a piece from sides that face each other through it.
 //! 4. [`persistent`] keeps a contact from frame to frame while the vertex hardly moves.
 //! 5. [`carriers`] finds which piece of a contact carries the other one above the ground.
-//! 6. [`closing`] finds how fast pieces meet, relative to their thickness.
+//! 6. [`press`] finds how heavy pieces press thin ones.
 //! 7. [`overlaps`] finds pieces deep in each other, which the next frames move apart.
 //!
 //! The solver finds nearest points and normals in every substep. A vertex stays in front of a
@@ -23,7 +23,6 @@ mod blade_face;
 mod body_rows;
 mod broad_phase;
 mod carriers;
-mod closing;
 mod depth;
 mod edge_pairs;
 mod edges;
@@ -35,6 +34,7 @@ mod near_bodies;
 mod outside;
 mod overlaps;
 mod persistent;
+mod press;
 #[cfg(feature = "serde")]
 mod saved;
 mod sheets;

@@ -38,13 +38,47 @@ pub struct Contact {
     ///
     /// With other contacts of two features, the bodies project lengths forward and back.
     pub is_fold: bool,
-    /// Speed at which the features meet within the frame, relative to the thickness of the thinner
-    /// one's piece [1/s]; 0 unless the caller sets it.
-    ///
-    /// The frame of a violent impact has more [iterations](crate::SolverParams::iterations).
-    pub closing: f32,
+    /// How one piece presses the other; nothing unless the caller sets it.
+    pub press: Press,
     /// Where friction held the features before; none for features that have not touched.
     pub held: Option<Held>,
+}
+
+/// How a piece presses a thinner or lighter one that it meets within the frame.
+///
+/// An iteration has up to eight rounds of contacts and volumes where a number is high. In a single
+/// round a thin piece between heavy ones would be pressed flat.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Press {
+    /// Mass of the pressing piece relative to the pressed one, at least 1, by the thickness
+    /// `2 V / A` of the pressed one [1/m].
+    pub load: f32,
+    /// Speed at which the features meet times the load [1/s].
+    pub closing: f32,
+}
+
+impl Press {
+    /// No pressing piece.
+    pub const NONE: Self = Self {
+        load: 0.0,
+        closing: 0.0,
+    };
+
+    /// Returns the larger one of each number.
+    pub(crate) fn max(self, other: Self) -> Self {
+        Self {
+            load: self.load.max(other.load),
+            closing: self.closing.max(other.closing),
+        }
+    }
+
+    /// Returns whether both numbers are finite and not negative.
+    pub(crate) fn is_valid(self) -> bool {
+        [self.load, self.closing]
+            .iter()
+            .all(|c| c.is_finite() && *c >= 0.0)
+    }
 }
 
 /// The place of a pair's features relative to each other, as friction left it in a substep.
@@ -119,7 +153,7 @@ impl Contact {
             friction: 0.0,
             carried: Carried::Neither,
             is_fold: false,
-            closing: 0.0,
+            press: Press::NONE,
             held: None,
         }
     }
@@ -140,7 +174,7 @@ impl Contact {
             friction: 0.0,
             carried: Carried::Neither,
             is_fold: false,
-            closing: 0.0,
+            press: Press::NONE,
             held: None,
         }
     }
@@ -159,7 +193,7 @@ impl Contact {
             friction: 0.0,
             carried: Carried::Neither,
             is_fold: false,
-            closing: 0.0,
+            press: Press::NONE,
             held: None,
         }
     }
@@ -211,8 +245,7 @@ impl Contact {
             && [self.gap, self.gap_rate].iter().all(|c| c.is_finite())
             && self.friction.is_finite()
             && self.friction >= 0.0
-            && self.closing.is_finite()
-            && self.closing >= 0.0
+            && self.press.is_valid()
             && self.held.is_none_or(|held| held.is_finite())
     }
 }
@@ -262,7 +295,17 @@ mod tests {
                 ..valid
             },
             Contact {
-                closing: f32::NAN,
+                press: Press {
+                    closing: f32::NAN,
+                    load: 0.0,
+                },
+                ..valid
+            },
+            Contact {
+                press: Press {
+                    closing: 0.0,
+                    load: -1.0,
+                },
                 ..valid
             },
         ];

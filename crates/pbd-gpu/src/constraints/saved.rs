@@ -8,7 +8,7 @@ use super::attachments::LongRangeAttachments;
 use super::batches::{BendingSet, ConstraintSet, SavedSet, StretchSet};
 use super::colliders::{Colliders, MovingCollider};
 use super::coloring::LAYERS;
-use super::contacts::{ContactRecord, ContactSet};
+use super::contacts::{ContactRecord, ContactSet, Press};
 use super::edges::{EdgeTable, SavedEdges};
 use super::interior_springs::is_inside;
 use super::validate::{broken, check_layers};
@@ -29,7 +29,7 @@ pub(crate) struct SavedConstraints<'a> {
     interior_springs: Option<SavedSet<'a>>,
     volumes: SavedVolumes<'a>,
     contacts: Cow<'a, [Vec<ContactRecord>]>,
-    closing: f32,
+    press: Press,
     colliders: Cow<'a, [MovingCollider]>,
     edges: SavedEdges<'a>,
     patches: Option<SavedPatches<'a>>,
@@ -44,7 +44,7 @@ impl Constraints {
             interior_springs: self.interior_springs.as_ref().map(StretchSet::to_saved),
             volumes: self.volumes.to_saved(),
             contacts: self.contacts.to_saved().into(),
-            closing: self.contacts.closing(),
+            press: self.contacts.press(),
             colliders: self.colliders.list().into(),
             edges: self.edges.to_saved(),
             patches: self.patches.as_ref().map(Patches::to_saved),
@@ -85,7 +85,7 @@ impl Constraints {
         }
         let volumes = VolumeSet::from_saved(saved.volumes, surface)?;
         let is_used = |v: VertexId| !topology.outgoing(v).is_null();
-        let contacts = (saved.contacts.into_owned(), saved.closing);
+        let contacts = (saved.contacts.into_owned(), saved.press);
         let contacts = ContactSet::from_saved(contacts, (slots, is_used));
         let contacts = contacts.ok_or(InvalidSolver::Array { array: "contacts" })?;
         let mut colliders = Colliders::default();

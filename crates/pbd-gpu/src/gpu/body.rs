@@ -162,7 +162,8 @@ impl DeviceBody {
         let contacts = sweeps * (u64::from(self.contacts.count) + 64);
         let colliders = (2 * sweeps - 1) * vertices * u64::from(1 + self.collider_count);
         let attachments = per_lane(self.attachment_count);
-        let iteration = 2 * colors + volumes + contacts + colliders + attachments + vertices;
+        let round = volumes + contacts + colliders + vertices;
+        let iteration = 2 * colors + attachments + u64::from(plan.contact_rounds()) * round;
         3 * vertices + u64::from(plan.iterations()) * iteration
     }
 

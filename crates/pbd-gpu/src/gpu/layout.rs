@@ -100,11 +100,13 @@ pub(crate) struct FrameUniform {
     pub(crate) has_ground: u32,
     pub(crate) substeps: u32,
     pub(crate) iterations: u32,
+    /// Rounds of contacts and volumes per iteration.
+    pub(crate) contact_rounds: u32,
     /// 1 if the motion of a body is measured, else 0.
     pub(crate) measures_motion: u32,
     /// As in [`SolverParams`](crate::SolverParams).
     pub(crate) diagonal_scale: f32,
-    pub(crate) pad: [u32; 2],
+    pub(crate) pad: u32,
 }
 
 /// Parameters of a dispatch.

@@ -51,12 +51,16 @@ pub(super) struct Program {
     /// loops.
     pub(super) whole: Vec<Dispatch>,
     /// Dispatches of a substep: the prologue, `iterations` times the iteration, the epilogue.
+    ///
+    /// More than one of the `contact_rounds` repeat the last dispatches of an iteration.
     pub(super) prologue: Vec<Dispatch>,
     pub(super) iteration: Vec<Dispatch>,
+    pub(super) contact_round: Vec<Dispatch>,
     pub(super) epilogue: Vec<Dispatch>,
     /// Bounding boxes after the last substep, if requested.
     pub(super) bounds: [Option<Dispatch>; 2],
     pub(super) iterations: u32,
+    pub(super) contact_rounds: u32,
     pub(super) substeps: u32,
     pub(super) passes: Vec<PassUniform>,
     pub(super) links: Vec<Link>,
@@ -78,6 +82,7 @@ impl Program {
             program: Self {
                 substeps,
                 iterations: bodies.first().map_or(0, |b| b.plan.iterations()),
+                contact_rounds: bodies.first().map_or(1, |b| b.plan.contact_rounds()),
                 ..Self::default()
             },
         };
@@ -86,6 +91,8 @@ impl Program {
         compiler.program.prologue = compiler.dispatches(&prologue);
         let iteration = compiler.merged(StepPlan::iteration);
         compiler.program.iteration = compiler.dispatches(&iteration);
+        let round = compiler.merged(StepPlan::contact_round);
+        compiler.program.contact_round = compiler.dispatches(&round);
         let epilogue = compiler.merged(StepPlan::epilogue);
         compiler.program.epilogue = compiler.dispatches(&epilogue);
         compiler.bounds();
@@ -106,8 +113,10 @@ impl Program {
     /// Returns the number of dispatches of a frame.
     pub(super) fn dispatches(&self, with_bounds: bool) -> u32 {
         let count = |list: &[Dispatch]| list.len() as u64;
+        let more_rounds =
+            u64::from(self.contact_rounds.saturating_sub(1)) * count(&self.contact_round);
         let substep = count(&self.prologue)
-            + u64::from(self.iterations) * count(&self.iteration)
+            + u64::from(self.iterations) * (count(&self.iteration) + more_rounds)
             + count(&self.epilogue);
         let bounds = self.bounds.iter().flatten().count() * usize::from(with_bounds);
         let once = self.whole.len() + bounds;

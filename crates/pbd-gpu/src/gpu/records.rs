@@ -142,8 +142,9 @@ pub(super) fn frame_record(constants: &StepConstants, params: &SolverParams) -> 
         has_ground: u32::from(params.ground.is_some()),
         substeps: constants.substeps,
         iterations: params.iterations,
+        contact_rounds: constants.contact_rounds,
         measures_motion: 0,
         diagonal_scale: params.diagonal_scale,
-        pad: [0; 2],
+        pad: 0,
     }
 }

@@ -13,9 +13,9 @@ use super::uniforms::PASS_STRIDE;
 use crate::error::StepError;
 use crate::solver::Solver;
 use crate::step::constants::StepConstants;
-use crate::step::impacts::impact_iterations;
 use crate::step::params::SolverParams;
 use crate::step::prepare::Touch;
+use crate::step::rounds::contact_rounds;
 use bytemuck::Zeroable;
 use wgpu::{BindGroup, ComputePass, ComputePassDescriptor};
 
@@ -47,25 +47,31 @@ impl GpuBackend {
         self.context.check()?;
         let needed = |(body, solver): (GpuBody, &'a mut Solver)| {
             let substeps = solver.needed_substeps(dt, params);
-            let (h, closing) = (dt / substeps as f32, solver.contacts().closing());
-            let iterations = impact_iterations(params.iterations, h, closing);
-            ([substeps, iterations], body, solver)
+            let (h, press) = (dt / substeps as f32, solver.contacts().press());
+            (
+                [substeps, contact_rounds(h, press, params.gravity)],
+                body,
+                solver,
+            )
         };
         let mut bodies: Vec<_> = bodies.into_iter().map(needed).collect();
         bodies.sort_by_key(|&(needed, ..)| needed);
+        let touch = |contact_rounds| Touch {
+            joins_pieces: false,
+            contact_rounds,
+        };
         let mut stats = GpuStats::default();
         if bodies.is_empty() {
-            self.submit_bodies(&mut [], (dt, false), params, &mut stats)?;
+            self.submit_bodies(&mut [], (dt, touch(1)), params, &mut stats)?;
         }
         for equal in bodies.chunk_by_mut(|a, b| a.0 == b.0) {
-            let [substeps, iterations] = equal[0].0;
-            let is_impact = iterations > params.iterations;
+            let [substeps, contact_rounds] = equal[0].0;
             let params = SolverParams {
                 substeps,
-                iterations,
                 ..*params
             };
-            self.submit_bodies(equal, (dt, is_impact), &params, &mut stats)?;
+            let touch = touch(contact_rounds);
+            self.submit_bodies(equal, (dt, touch), &params, &mut stats)?;
         }
         self.stats = stats;
         Ok(&self.stats)
@@ -75,17 +81,13 @@ impl GpuBackend {
     fn submit_bodies(
         &mut self,
         bodies: &mut [([u32; 2], GpuBody, &mut Solver)],
-        (dt, is_impact): (f32, bool),
+        (dt, touch): (f32, Touch),
         params: &SolverParams,
         stats: &mut GpuStats,
     ) -> Result<(), GpuError> {
         let mut frame = FrameUniform::zeroed();
         self.stepped.clear();
         let mut prepared = Ok(());
-        let touch = Touch {
-            joins_pieces: false,
-            is_impact,
-        };
         for (_, body, solver) in bodies {
             let body = *body;
             prepared = self.send_small_changes(body, solver);
@@ -196,7 +198,8 @@ impl GpuBackend {
         stats.bending_projections += times * solver.bending().map_or(0, |set| set.len() as u64);
         stats.interior_spring_projections +=
             of_lengths * solver.interior_springs().map_or(0, |set| set.len() as u64);
-        stats.volume_projections += times * solver.volumes().pieces().len() as u64;
+        let contact_rounds = u64::from(solver.plan().contact_rounds());
+        stats.volume_projections += times * contact_rounds * solver.volumes().pieces().len() as u64;
         let schedule = resident.body.schedule;
         self.program_is_stale |= stale || schedule != before;
         let Self {
@@ -377,6 +380,9 @@ impl Encoding<'_> {
             self.dispatches(program.prologue.iter(), substep);
             for _ in 0..program.iterations {
                 self.dispatches(program.iteration.iter(), substep);
+                for _ in 1..program.contact_rounds {
+                    self.dispatches(program.contact_round.iter(), substep);
+                }
             }
             self.dispatches(program.epilogue.iter(), substep);
         }

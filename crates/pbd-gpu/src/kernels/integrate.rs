@@ -75,6 +75,7 @@ mod tests {
         let constants = StepConstants {
             h: 0.01,
             substeps: 1,
+            contact_rounds: 1,
             sweeps_back: false,
             gravity_step: [0.0; 3],
             velocity_factor: 1.0,

@@ -182,11 +182,12 @@ impl NullaryFnOnce for Frame<'_, '_> {
 
     #[inline(always)]
     fn call(mut self) -> Self::Output {
-        // The bodies have iterations and residual in common.
+        // The bodies have iterations, rounds and residual in common.
         let Some(first) = self.members.first().copied() else {
             return Ok(());
         };
         let iterations = parts(self.bodies, 0, &first).0.iterations();
+        let contact_rounds = first.constants.contact_rounds;
         let has_contacts = !self.contacts.is_empty();
         // The prologue, the iterations, the epilogue.
         let last = iterations + 1;
@@ -204,10 +205,16 @@ impl NullaryFnOnce for Frame<'_, '_> {
                 } else {
                     &[None, None]
                 };
-                for ends in stages.windows(2) {
-                    self.run_stage(part, [ends[0], ends[1]], substep)?;
-                    if let Some(pass) = ends[1] {
-                        self.run_contacts(pass, substep);
+                let rounds = if kind == 1 { contact_rounds } else { 1 };
+                for round in 0..rounds {
+                    for ends in stages.windows(2) {
+                        // Contacts follow the projections of lengths in the first round only.
+                        if round == 0 || ends[0].is_some() {
+                            self.run_stage(part, [ends[0], ends[1]], substep)?;
+                        }
+                        if let Some(pass) = ends[1] {
+                            self.run_contacts(pass, substep);
+                        }
                     }
                 }
                 part += 1;

@@ -16,6 +16,8 @@ pub struct StepConstants {
     pub h: f32,
     /// Substeps of the frame.
     pub substeps: u32,
+    /// Rounds of contacts and volumes per iteration.
+    pub(crate) contact_rounds: u32,
     /// Whether lengths are projected twice in an iteration, forward and back.
     pub(crate) sweeps_back: bool,
     /// Change of velocity by gravity per substep [m/s].

@@ -3,7 +3,7 @@
 //! The states of all bodies lie in one array during a frame, body after body. A contact refers to
 //! them by island vertex: the number of vertex slots of the bodies before plus the vertex.
 
-use crate::constraints::contacts::{Contact, ContactSet};
+use crate::constraints::contacts::{Contact, ContactSet, Press};
 use crate::error::{ConstraintError, StepError};
 #[cfg(feature = "global")]
 use crate::global::{Choice, SHORT_SUBSTEPS_PER_ITERATION};
@@ -12,9 +12,9 @@ use crate::solver::Solver;
 use crate::step::backend::{NonFinite, StepScratch, execute};
 use crate::step::body::Body;
 use crate::step::constants::StepConstants;
-use crate::step::impacts::impact_iterations;
 use crate::step::params::{Integrator, SolverParams, StepStats};
 use crate::step::prepare::{Touch, both_orders};
+use crate::step::rounds::contact_rounds;
 use crate::step::second_order::{Orders, add};
 use incise_mesh::Surface;
 
@@ -161,17 +161,15 @@ impl Island {
         let needed = (0..bodies.count()).map(|i| bodies.get(i).0.needed_substeps(dt, params));
         self.substeps = needed.fold(params.substeps, u32::max);
         self.integrator = params.integrator;
-        let closing = (0..bodies.count()).map(|i| bodies.get(i).0.contacts().closing());
-        let closing = closing.fold(self.contacts.closing(), f32::max);
+        let presses = (0..bodies.count()).map(|i| bodies.get(i).0.contacts().press());
+        let press = presses.fold(self.contacts.press(), Press::max);
         let h = dt / self.substeps as f32;
-        let iterations = impact_iterations(params.iterations, h, closing);
         let touch = Touch {
             joins_pieces: self.contacts.joins_pieces(),
-            is_impact: iterations > params.iterations,
+            contact_rounds: contact_rounds(h, press, params.gravity),
         };
         let params = &SolverParams {
             substeps: self.substeps,
-            iterations,
             ..*params
         };
         for body in 0..bodies.count() {

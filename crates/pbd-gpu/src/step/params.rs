@@ -10,8 +10,8 @@ use std::num::NonZeroUsize;
 pub struct SolverParams {
     /// Projections of every constraint per substep, usually 1 to 20.
     ///
-    /// Up to four times as many where thin pieces meet fast, see
-    /// [`Contact::closing`](crate::Contact::closing).
+    /// Contacts and volumes have up to eight projections each where heavy pieces press thin ones,
+    /// see [`Press`](crate::Press).
     pub iterations: u32,
     /// Minimum substeps per frame, usually 1 to 20. They stiffen a body more than as many
     /// iterations.

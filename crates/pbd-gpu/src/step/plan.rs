@@ -10,6 +10,8 @@ use crate::step::pass::{ConstraintKind, Pass};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct PlanKey {
     pub(crate) iterations: u32,
+    /// Rounds of contacts and volumes per iteration, at least 1.
+    pub(crate) contact_rounds: u32,
     pub(crate) pins: bool,
     pub(crate) attachments: bool,
     /// Whether the global step replaces projections.
@@ -43,7 +45,7 @@ impl StepPlan {
         &self.prologue
     }
 
-    /// Returns the passes of one iteration, ascending.
+    /// Returns the passes of one iteration, ascending, with one [round](Self::contact_round).
     #[must_use]
     pub fn iteration(&self) -> &[Pass] {
         &self.iteration
@@ -53,6 +55,21 @@ impl StepPlan {
     #[must_use]
     pub fn iterations(&self) -> u32 {
         self.key.iterations
+    }
+
+    /// Returns the last passes of an iteration, from contacts before volumes on.
+    ///
+    /// They run [`Self::contact_rounds`] times in each iteration.
+    #[must_use]
+    pub fn contact_round(&self) -> &[Pass] {
+        let first = (self.iteration).partition_point(|pass| *pass < Pass::ContactsBeforeVolumes);
+        &self.iteration[first..]
+    }
+
+    /// Returns the number of rounds of contacts and volumes in an iteration.
+    #[must_use]
+    pub fn contact_rounds(&self) -> u32 {
+        self.key.contact_rounds
     }
 
     /// Returns the passes after the iterations, ascending.
@@ -75,8 +92,18 @@ impl StepPlan {
 
     /// Returns all passes of one substep in order of execution.
     pub fn passes(&self) -> impl Iterator<Item = Pass> {
-        let parts = 0..=self.key.iterations + 1;
-        parts.flat_map(|i| self.part(i)).copied()
+        let last = self.key.iterations + 1;
+        let passes = (0..=last).flat_map(move |i| {
+            let is_iteration = (1..last).contains(&i);
+            let rounds = if is_iteration {
+                self.key.contact_rounds
+            } else {
+                1
+            };
+            let more = (1..rounds).flat_map(|_| self.contact_round());
+            self.part(i).iter().chain(more)
+        });
+        passes.copied()
     }
 
     /// Returns the prologue for part 0, then the iterations, then the epilogue.
@@ -217,6 +244,7 @@ mod tests {
         let mut plan = StepPlan::default();
         let key = PlanKey {
             iterations: 3,
+            contact_rounds: 2,
             pins: true,
             attachments: true,
             global: false,
@@ -253,7 +281,9 @@ mod tests {
         other.update(forward, &stretch, Some(&bending), Some(&interior_springs));
         assert!(!other.passes().any(Pass::is_back), "nothing is touched");
         let all: Vec<Pass> = plan.passes().collect();
-        let expected = [prologue, iteration, iteration, iteration, epilogue].concat();
+        let iteration = [iteration, plan.contact_round()].concat();
+        let iterations = iteration.repeat(3);
+        let expected = [prologue, &*iterations, epilogue].concat();
         assert_eq!(all, expected);
         let without_volumes = PlanKey {
             volumes: false,
@@ -281,6 +311,7 @@ mod tests {
         let mut plan = StepPlan::default();
         let key = PlanKey {
             iterations: 2,
+            contact_rounds: 1,
             ..PlanKey::default()
         };
         plan.update(key, &stretch, Some(&bending), Some(&interior_springs));

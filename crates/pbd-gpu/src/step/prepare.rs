@@ -22,8 +22,8 @@ const MEMORY: f32 = 10.0;
 pub(crate) struct Touch {
     /// Whether a contact joins two pieces.
     pub(crate) joins_pieces: bool,
-    /// Whether pieces meet so fast that the frame has more iterations.
-    pub(crate) is_impact: bool,
+    /// Rounds of contacts and volumes per iteration, more than 1 in an impact.
+    pub(crate) contact_rounds: u32,
 }
 
 /// Updates the plan and returns the constants of a frame.
@@ -42,7 +42,7 @@ pub(crate) fn prepare(
     let global = takes_global_step(step, params);
     // Stacked bodies come to rest only if the sweep over lengths is symmetric.
     let sweeps_back = (touch.joins_pieces || constraints.contacts.joins_pieces()) && !global;
-    let contacts = [sweeps_back, touch.is_impact];
+    let contacts = (sweeps_back, touch.contact_rounds);
     let mut constants = constants_of(material, h, (params.substeps, contacts), params);
     constants.check()?;
     let pieces = constraints.volumes.pieces().iter();
@@ -74,6 +74,7 @@ pub(crate) fn prepare(
         global,
         sweeps_back,
         iterations: params.iterations,
+        contact_rounds: touch.contact_rounds,
         pins: !particles.pins.is_empty(),
         volumes: !volumes.pieces().is_empty(),
         contacts: !contacts.is_empty(),
@@ -119,7 +120,7 @@ pub(crate) fn both_orders(
     params: &SolverParams,
 ) -> Orders {
     let order = |h| {
-        let contacts = [constants.sweeps_back, constants.volume.is_impact];
+        let contacts = (constants.sweeps_back, constants.contact_rounds);
         let mut order = constants_of(material, h, (1, contacts), params);
         order.stretch.error_carryover = constants.stretch.error_carryover;
         order.bending.error_carryover = constants.bending.error_carryover;
@@ -137,7 +138,7 @@ pub(crate) fn both_orders(
 fn constants_of(
     material: &Material,
     h: f32,
-    (substeps, [sweeps_back, is_impact]): (u32, [bool; 2]),
+    (substeps, (sweeps_back, contact_rounds)): (u32, (bool, u32)),
     params: &SolverParams,
 ) -> StepConstants {
     let damping = 1.0 + material.damping * h;
@@ -164,7 +165,7 @@ fn constants_of(
         VolumeProjection {
             alpha: projection.alpha * damping,
             diagonal_scale: params.diagonal_scale,
-            is_impact,
+            is_impact: contact_rounds > 1,
             ..projection
         }
     };
@@ -172,6 +173,7 @@ fn constants_of(
     StepConstants {
         h,
         substeps,
+        contact_rounds,
         sweeps_back,
         gravity_step,
         velocity_factor: 1.0 / damping,

@@ -4,7 +4,7 @@ use incise_mesh::{Surface, TriangleId, VertexId};
 use incise_models::{Model, build_model};
 use incise_pbd_gpu::{
     Carried, Collider, Contact, ContactKind, Context, GpuBackend, Held, Material, MovingCollider,
-    Schedule, Solver, SolverParams, Volume,
+    Press, Schedule, Solver, SolverParams, Volume,
 };
 use incise_test_support::cpu_gpu_pair::{CpuGpuPair, SCHEDULES, with_most_features};
 use incise_test_support::gpu::{Needs, trial};
@@ -120,7 +120,8 @@ fn equal(context: Context, model: Model, schedule: Schedule) {
         let count = [0, 5, 40, 0, 200, 3][frame as usize % 6];
         let mut list = contacts(&twin.on_cpu, &mut random, count);
         let closing = if frame % 3 == 1 { 100.0 } else { 0.0 };
-        list.iter_mut().for_each(|c| c.closing = closing);
+        let press = Press { load: 0.0, closing };
+        list.iter_mut().for_each(|c| c.press = press);
         twin.cpu.set_contacts(&list).expect("vertices of the body");
         twin.solver
             .set_contacts(&list)

@@ -7,6 +7,7 @@ use super::motion::Motion;
 use super::near_bodies::grow;
 use super::overlaps::PieceId;
 use super::{BladeFace, ContactFrame, SPEED_MARGIN};
+use crate::body::Body;
 use crate::body::piece_of;
 use crate::scene::Bodies;
 use incise_mesh::geometry::to_f64;
@@ -30,6 +31,8 @@ pub(super) struct Piece {
     group: u32,
     /// Sum of the velocities of its vertices [m/s], and their number.
     velocity_sum: (Vec3, f64),
+    /// Mass \[kg\].
+    mass: f64,
     /// The common velocity of its group, stored in the first piece [m/s].
     group_velocity: Vec3,
     /// Maximum displacement of its vertices relative to the group, along each axis in either
@@ -75,7 +78,7 @@ impl Pieces {
         self.list.clear();
         for (i, (body, motion)) in bodies.iter().zip(&mut *motions).enumerate() {
             if let (true, Some(body)) = (motion.is_active, body) {
-                self.measure(index_u32(i), body.surface(), motion);
+                self.measure(index_u32(i), body, motion);
                 for pin in body.solver().pins() {
                     if let Some(number) = piece_of(body.surface(), pin.vertex) {
                         let index = motion.pieces[number as usize];
@@ -123,6 +126,13 @@ impl Pieces {
         sum / count
     }
 
+    /// Returns the mass of a piece \[kg\]; 0 for one that does not take part.
+    pub(super) fn mass(&self, index: u32) -> f64 {
+        self.list
+            .get(index as usize)
+            .map_or(0.0, |piece| piece.mass)
+    }
+
     /// Returns the vertices of a piece, ascending.
     pub(super) fn vertices(&self, index: u32) -> &[VertexId] {
         let (first, end) = self.list[index as usize].vertices;
@@ -154,15 +164,16 @@ impl Pieces {
     }
 
     /// Adds the pieces of a body with their boxes and velocity bounds.
-    fn measure(&mut self, body: u32, surface: &Surface, motion: &mut Motion) {
+    fn measure(&mut self, index: u32, body: &Body, motion: &mut Motion) {
+        let (surface, masses) = (body.surface(), body.solver().masses());
         let topology = surface.topology();
         for v in topology.vertices() {
             let number = surface.piece(topology.outgoing(v).triangle());
-            let index = &mut motion.pieces[number as usize];
-            if *index == u32::MAX {
-                *index = index_u32(self.list.len());
+            let piece = &mut motion.pieces[number as usize];
+            if *piece == u32::MAX {
+                *piece = index_u32(self.list.len());
                 self.list.push(Piece {
-                    body,
+                    body: index,
                     number,
                     bounds: Aabb::default(),
                     grown_bounds: Aabb::default(),
@@ -170,6 +181,7 @@ impl Pieces {
                     is_held: false,
                     group: 0,
                     velocity_sum: (Vec3::zeros(), 0.0),
+                    mass: 0.0,
                     group_velocity: Vec3::zeros(),
                     displacement: [0.0; 3],
                     max_displacement: 0.0,
@@ -177,7 +189,7 @@ impl Pieces {
                     vertices: (0, 0),
                 });
             }
-            let piece = &mut self.list[*index as usize];
+            let piece = &mut self.list[*piece as usize];
             let [x, y, z, _] = surface.positions()[v.index()];
             for (k, c) in [x, y, z].into_iter().enumerate() {
                 piece.bounds.min[k] = piece.bounds.min[k].min(c);
@@ -188,6 +200,7 @@ impl Pieces {
             piece.velocity_bounds = [min.inf(&velocity), max.sup(&velocity)];
             piece.velocity_sum.0 += velocity;
             piece.velocity_sum.1 += 1.0;
+            piece.mass += f64::from(masses[v.index()]);
         }
     }
 

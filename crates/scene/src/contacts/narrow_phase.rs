@@ -15,7 +15,7 @@ use super::{ContactFrame, SPEED_MARGIN};
 use crate::body::Body;
 use crate::scene::Bodies;
 use incise_mesh::{MovingPoint, Surface, TriangleId, Vec3, VertexId, index_u32};
-use incise_pbd_gpu::{Contact, ContactKind};
+use incise_pbd_gpu::{Contact, ContactKind, Press};
 use rayon::prelude::*;
 
 /// Minimum number of rows for threads: waking one takes about ten microseconds.
@@ -199,10 +199,10 @@ impl Search<'_> {
             other,
             contact: Contact {
                 is_fold,
-                closing: if is_fold {
-                    0.0
+                press: if is_fold {
+                    Press::NONE
                 } else {
-                    self.closing(of, (&contact, at), gap)
+                    self.press(of, (&contact, at), gap)
                 },
                 ..vertex_face(&contact, gap, friction(of.body, other_body))
             },

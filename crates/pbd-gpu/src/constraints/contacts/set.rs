@@ -3,7 +3,7 @@
 #[cfg(feature = "serde")]
 mod saved;
 
-use super::{Carried, Contact, Held};
+use super::{Carried, Contact, Held, Press};
 use crate::constraints::coloring::{MAX_COLORS, VertexColors};
 use incise_mesh::VertexId;
 
@@ -77,7 +77,7 @@ pub struct ContactSet {
     /// One list per color; the last one, [`UNCOLORED`], is projected serially.
     pub(crate) colors: Vec<Vec<ContactRecord>>,
     masks: VertexColors,
-    closing: f32,
+    press: Press,
     generation: u64,
 }
 
@@ -89,7 +89,7 @@ impl Default for ContactSet {
         Self {
             colors: Vec::new(),
             masks: VertexColors::new(0),
-            closing: 0.0,
+            press: Press::NONE,
             generation: 0,
         }
     }
@@ -108,9 +108,9 @@ impl ContactSet {
         self.colors.iter().all(Vec::is_empty)
     }
 
-    /// Returns the maximum of [`Contact::closing`] [1/s].
-    pub(crate) fn closing(&self) -> f32 {
-        self.closing
+    /// Returns the maxima of [`Contact::press`].
+    pub(crate) fn press(&self) -> Press {
+        self.press
     }
 
     /// Returns whether two pieces touch each other.
@@ -150,7 +150,7 @@ impl ContactSet {
         self.masks.resize(vertex_slots);
         self.colors.resize_with(UNCOLORED + 1, Vec::new);
         for contact in contacts {
-            self.closing = self.closing.max(contact.closing);
+            self.press = self.press.max(contact.press);
             let held = contact.held.unwrap_or(Held {
                 weights: [1.0, 0.0, 0.0, 0.0],
                 at: [0.0; 3],
@@ -181,7 +181,7 @@ impl ContactSet {
     /// Removes all contacts.
     pub(crate) fn clear(&mut self) {
         self.generation += 1;
-        self.closing = 0.0;
+        self.press = Press::NONE;
         for (color, contacts) in self.colors.iter_mut().enumerate() {
             for contact in contacts.drain(..).filter(|_| color < UNCOLORED) {
                 let (ids, count) = contact.moved();

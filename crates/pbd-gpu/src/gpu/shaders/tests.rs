@@ -105,7 +105,8 @@ fn structs_have_the_layout_of_rust() {
             "Frame",
             size_of::<FrameUniform>(),
             &members!(
-                FrameUniform: gravity_step h ground has_ground substeps iterations measures_motion
+                FrameUniform: gravity_step h ground has_ground substeps iterations contact_rounds
+                    measures_motion
                 diagonal_scale
             ),
         );

@@ -8,10 +8,10 @@ struct Frame {
     has_ground: u32,
     substeps: u32,
     iterations: u32,
+    contact_rounds: u32,
     measures_motion: u32,
     diagonal_scale: f32,
     pad_0: u32,
-    pad_1: u32,
 }
 
 struct Pass {

@@ -174,7 +174,19 @@ fn whole_body(
                     project_back(body, STRETCH, body.stretch_colors, layer - 1u, lane);
                 }
             }
-            if (body.pieces != 0u) {
+            for (var round = 0u; round < frame.contact_rounds; round++) {
+                if (body.pieces != 0u) {
+                    if (body.contacts != 0u) {
+                        project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);
+                    }
+                    if (body.colliders != 0u) {
+                        push_all_out(body, lane);
+                    }
+                    if (frame.has_ground != 0u) {
+                        lift_volumes(body, lane);
+                    }
+                    project_volumes(body, work.body, lane);
+                }
                 if (body.contacts != 0u) {
                     project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);
                 }
@@ -182,23 +194,13 @@ fn whole_body(
                     push_all_out(body, lane);
                 }
                 if (frame.has_ground != 0u) {
-                    lift_volumes(body, lane);
-                }
-                project_volumes(body, work.body, lane);
-            }
-            if (body.contacts != 0u) {
-                project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);
-            }
-            if (body.colliders != 0u) {
-                push_all_out(body, lane);
-            }
-            if (frame.has_ground != 0u) {
-                if (!is_above_ground(atomicLoad(&lowest))) {
-                    for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
-                        lift_vertex(i, body.friction);
+                    if (!is_above_ground(atomicLoad(&lowest))) {
+                        for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
+                            lift_vertex(i, body.friction);
+                        }
                     }
+                    workgroupBarrier();
                 }
-                workgroupBarrier();
             }
         }
         if (body.contacts != 0u) {

@@ -2,7 +2,7 @@
 
 use super::{ContactRecord, ContactSet, NO_VERTEX, UNCOLORED};
 use crate::constraints::coloring::VertexColors;
-use crate::constraints::contacts::{Carried, ContactKind};
+use crate::constraints::contacts::{Carried, ContactKind, Press};
 use incise_mesh::VertexId;
 
 impl ContactSet {
@@ -11,14 +11,13 @@ impl ContactSet {
         if self.is_empty() { &[] } else { &self.colors }
     }
 
-    /// Returns saved contacts with their largest closing speed [1/s], if those of a color share no
+    /// Returns saved contacts with the maxima of their [`Press`], if those of a color share no
     /// vertex and `is_used` holds for all.
     pub(crate) fn from_saved(
-        (colors, closing): (Vec<Vec<ContactRecord>>, f32),
+        (colors, press): (Vec<Vec<ContactRecord>>, Press),
         (slots, is_used): (usize, impl Fn(VertexId) -> bool),
     ) -> Option<Self> {
-        let is_rate = closing.is_finite() && closing >= 0.0;
-        if !is_rate {
+        if !press.is_valid() {
             return None;
         }
         if colors.is_empty() {
@@ -39,7 +38,7 @@ impl ContactSet {
         is_valid.then_some(Self {
             colors,
             masks,
-            closing,
+            press,
             generation: 0,
         })
     }

@@ -140,6 +140,7 @@ fn full_plan() -> StepPlan {
         global: false,
         sweeps_back: true,
         iterations: 2,
+        contact_rounds: 2,
         pins: true,
         attachments: true,
         volumes: true,
@@ -175,6 +176,9 @@ fn tokens_of(plan: &StepPlan) -> Tokens {
     }
     assert_eq!(layers.len(), LAYERS, "layers follow each other");
     assert!(layers.iter().all(|layer| *layer == layers[0]), "{layers:?}");
+    let round = names(plan.contact_round());
+    iteration.truncate(iteration.len() - round.len());
+    enclose(&mut iteration, round);
     let mut substep = names(plan.prologue());
     enclose(&mut substep, iteration);
     substep.extend(names(plan.epilogue()));

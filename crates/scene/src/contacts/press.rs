@@ -1,32 +1,32 @@
-//! Speeds at which pieces meet, relative to their thickness: violent impacts need more iterations.
+//! How pieces press thinner or lighter ones: these need more rounds of contacts and volumes.
 //!
 //! Only pieces whose volume is preserved count; others cannot stop what presses them flat. Features
 //! close at most as fast as one of their pieces moves as a whole: limp pieces, whose vertices
-//! tremble, would else keep themselves moving by iterations that come and go.
+//! tremble, would else keep themselves moving by rounds that come and go.
 
 use super::narrow_phase::{Search, Searched};
 use super::persistent::{PersistentContact, area_normal};
-use crate::body::Body;
 use incise_mesh::Vec3;
 use incise_mesh::geometry::round_to_f32;
+use incise_pbd_gpu::Press;
 
 /// Minimum volume of a piece, relative to the other one. Smaller ones are slivers, which may be
 /// crushed.
 const SLIVER: f64 = 1e-3;
 
 impl Search<'_> {
-    /// Returns the [closing speed](incise_pbd_gpu::Contact::closing) of a vertex at `at` and a
-    /// triangle that keep a distance of `gap` \[m\].
+    /// Returns how a vertex at `at` and a triangle press each other, which keep a distance of `gap`
+    /// \[m\].
     ///
-    /// 0 if they do not meet within the frame.
-    pub(super) fn closing(
+    /// They do not if they stay apart within the frame.
+    pub(super) fn press(
         &self,
         of: Searched<'_>,
         (contact, at): (&PersistentContact, Vec3),
         gap: f64,
-    ) -> f32 {
+    ) -> Press {
         let Some(other) = self.bodies[contact.other as usize].as_ref() else {
-            return 0.0;
+            return Press::NONE;
         };
         let (surface, motion) = (other.surface(), &self.motions[contact.other as usize]);
         let corners = contact.corners.into_iter().zip(contact.weights);
@@ -45,21 +45,27 @@ impl Search<'_> {
             (of.body, own.piece(first)),
             (other, surface.piece(contact.triangle)),
         ];
-        let [a, b] = [0, 1].map(|i: usize| {
-            let index = [of.motion, motion][i].pieces[sides[i].1 as usize];
-            normal.dot(&self.pieces.own_velocity(index))
-        });
-        let speed = speed.min(f64::max(-a, b));
-        let meets = speed > 0.0 && normal.dot(&(at - point)) - speed * self.frame.dt <= gap;
+        let pieces = [0, 1].map(|i: usize| [of.motion, motion][i].pieces[sides[i].1 as usize]);
+        let [a, b] = pieces.map(|index| normal.dot(&self.pieces.own_velocity(index)));
+        let speed = speed.min(f64::max(-a, b)).max(0.0);
+        let meets = normal.dot(&(at - point)) - speed * self.frame.dt <= gap;
         if !meets {
-            return 0.0;
+            return Press::NONE;
         }
-        let sides = sides.map(|(body, piece)| (body, body.piece_shapes().get(piece)));
-        let least = SLIVER * f64::max(sides[0].1.volume, sides[1].1.volume);
-        let is_solid = |body: &Body| body.solver().material().volume.is_some();
-        let solid = (sides.iter()).filter(|(body, shape)| is_solid(body) && shape.volume > least);
-        let thickness = solid.map(|(_, shape)| shape.thickness);
-        let closing = speed / thickness.fold(f64::INFINITY, f64::min);
-        round_to_f32(closing.min(f64::from(f32::MAX)))
+        let masses = pieces.map(|index| self.pieces.mass(index));
+        let shapes = sides.map(|(body, piece)| body.piece_shapes().get(piece));
+        let least = SLIVER * f64::max(shapes[0].volume, shapes[1].volume);
+        let load = [0, 1].map(|i: usize| {
+            let is_solid = sides[i].0.solver().material().volume.is_some();
+            if is_solid && shapes[i].volume > least {
+                f64::max(1.0, masses[1 - i] / masses[i]) / shapes[i].thickness
+            } else {
+                0.0
+            }
+        });
+        let load = f64::max(load[0], load[1]);
+        let [load, closing] =
+            [load, load * speed].map(|c| round_to_f32(c.min(f64::from(f32::MAX))));
+        Press { load, closing }
     }
 }
