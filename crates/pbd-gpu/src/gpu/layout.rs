@@ -78,7 +78,7 @@ pub(crate) const KEEPS_INTERIOR_SPRINGS: u32 = 8;
 pub(crate) const SWEEPS_BACK: u32 = 16;
 
 /// Flag of a body whose pieces meet fast in the frame.
-pub(crate) const IS_IMPACT: u32 = 32;
+pub(crate) const IS_PRESSED: u32 = 32;
 
 /// Inverse mass of an unused slot, which does not move.
 pub(crate) const UNUSED: f32 = -1.0;
@@ -155,7 +155,7 @@ pub(crate) struct BodyRecord {
     /// Coulomb friction coefficient.
     pub(crate) friction: f32,
     /// [`KEEPS_STRETCH`], [`KEEPS_BENDING`], [`KEEPS_VOLUME`], [`KEEPS_INTERIOR_SPRINGS`] and
-    /// [`SWEEPS_BACK`], [`IS_IMPACT`].
+    /// [`SWEEPS_BACK`], [`IS_PRESSED`].
     pub(crate) flags: u32,
     /// First of its [`RUNS_PER_BODY`] runs.
     pub(crate) first_run: u32,

@@ -1,7 +1,7 @@
 //! Converts constraints, pins and parameters of bodies and frames to their GPU records.
 
 use super::layout::{
-    BodyRecord, Entry, FrameUniform, IS_IMPACT, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS,
+    BodyRecord, Entry, FrameUniform, IS_PRESSED, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS,
     KEEPS_STRETCH, KEEPS_VOLUME, PATCH_LAYERS, SWEEPS_BACK, UNUSED,
 };
 use super::volumes::VolumePlaces;
@@ -105,7 +105,7 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
                 KEEPS_INTERIOR_SPRINGS,
             )
             | flag(constants.sweeps_back, SWEEPS_BACK)
-            | flag(constants.volume.is_impact, IS_IMPACT),
+            | flag(constants.volume.is_pressed, IS_PRESSED),
         first_run: places.first_run,
         stretch_colors: places.stretch_colors,
         bending_colors: places.bending_colors,

@@ -179,8 +179,8 @@ fn steps_of(sums: vec4f, rest: f32, reach: f32, body: Body, lambda: f32) -> vec2
     let loaded = body.volume_sink * (AREA * (size / reach));
     let returned = select(steady, loaded, loaded > steady);
     let held = select(volume, -volume, rest < 0.0);
-    let is_impact = (body.flags & IS_IMPACT) != 0u;
-    let crushed = select(0.0, body.volume_recovery * CRUSHED, is_impact) * (0.5 * size - held);
+    let is_pressed = (body.flags & IS_PRESSED) != 0u;
+    let crushed = select(0.0, body.volume_recovery * CRUSHED, is_pressed) * (0.5 * size - held);
     let most = select(returned, crushed, crushed > returned);
     var left = 0.0;
     if (error > most || error < -most) {

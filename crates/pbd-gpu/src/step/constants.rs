@@ -192,8 +192,8 @@ pub struct VolumeProjection {
     /// Maximum correction of an old error per projection, as a fraction of the rest volume;
     /// unbounded for a compressible one.
     pub recovery: f32,
-    /// Whether pieces meet fast in the frame. Crushed pieces then recover faster.
-    pub is_impact: bool,
+    /// Whether heavy pieces press thin ones in the frame. Crushed pieces then recover faster.
+    pub is_pressed: bool,
     /// Displacement per projection that carries the weight \[m\].
     pub sink: f32,
     /// As in [`Projection`].
@@ -209,7 +209,7 @@ impl VolumeProjection {
         pressure: 1.0,
         diagonal_scale: 1.0,
         recovery: 0.0,
-        is_impact: false,
+        is_pressed: false,
         sink: 0.0,
         error_carryover: 0.0,
         accumulates_lambda: false,

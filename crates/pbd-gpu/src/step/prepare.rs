@@ -22,7 +22,7 @@ const MEMORY: f32 = 10.0;
 pub(crate) struct Touch {
     /// Whether a contact joins two pieces.
     pub(crate) joins_pieces: bool,
-    /// Rounds of contacts and volumes per iteration, more than 1 in an impact.
+    /// Rounds of contacts and volumes per iteration, more where heavy pieces press thin ones.
     pub(crate) contact_rounds: u32,
 }
 
@@ -165,7 +165,7 @@ fn constants_of(
         VolumeProjection {
             alpha: projection.alpha * damping,
             diagonal_scale: params.diagonal_scale,
-            is_impact: contact_rounds > 1,
+            is_pressed: contact_rounds > 1,
             ..projection
         }
     };

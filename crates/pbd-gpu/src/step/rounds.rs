@@ -8,6 +8,7 @@
 //! constraints are stiffer in shorter substeps, and what they correct at once throws pieces.
 
 use crate::constraints::contacts::Press;
+use crate::step::substeps::fall;
 
 /// Maximum approach of two pieces per substep and round, relative to the thickness of the pressed
 /// one and their masses.
@@ -27,8 +28,7 @@ const MAX_ROUNDS: f64 = 8.0;
 )]
 pub(crate) fn contact_rounds(h: f32, press: Press, gravity: [f32; 3]) -> u32 {
     let h = f64::from(h);
-    let squares = gravity.map(|g| f64::from(g) * f64::from(g));
-    let fall = squares.iter().sum::<f64>().sqrt() * h * h * f64::from(press.load);
+    let fall = fall(h, gravity) * f64::from(press.load);
     let approach = h * f64::from(press.closing);
     let rounds = f64::max(fall / MAX_FALL, approach / MAX_APPROACH);
     rounds.ceil().clamp(1.0, MAX_ROUNDS) as u32

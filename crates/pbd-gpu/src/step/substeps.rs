@@ -41,7 +41,7 @@ pub(crate) struct Lengths {
     reason = "the factor is a whole number between 1 and its maximum"
 )]
 pub(crate) fn substeps(dt: f32, params: &SolverParams, body: Lengths) -> u32 {
-    let fall = fall(dt, params);
+    let fall = fall(substep(dt, params), params.gravity);
     let max_fall = f64::from(params.iterations) * max_fall(body);
     if params.ground.is_none() || fall <= max_fall || max_fall == 0.0 {
         return params.substeps;
@@ -58,10 +58,14 @@ fn max_fall(body: Lengths) -> f64 {
     )
 }
 
-/// Returns the fall from rest in a substep: `|g| h^2` \[m\].
-fn fall(dt: f32, params: &SolverParams) -> f64 {
-    let h = f64::from(dt) / f64::from(params.substeps);
-    let squares = params.gravity.map(|g| f64::from(g) * f64::from(g));
+/// Returns the duration of a substep \[s\].
+fn substep(dt: f32, params: &SolverParams) -> f64 {
+    f64::from(dt) / f64::from(params.substeps)
+}
+
+/// Returns the fall from rest in a substep of `h` \[s\]: `|g| h^2` \[m\].
+pub(crate) fn fall(h: f64, gravity: [f32; 3]) -> f64 {
+    let squares = gravity.map(|g| f64::from(g) * f64::from(g));
     squares.iter().sum::<f64>().sqrt() * h * h
 }
 
@@ -94,7 +98,10 @@ mod tests {
                 for thickness in [0.1 * edge, edge, 100.0 * edge, f64::INFINITY] {
                     let (params, body) = (params(iterations), Lengths { edge, thickness });
                     let substeps = substeps(DT, &params, body);
-                    let of = |substeps| fall(DT, &SolverParams { substeps, ..params });
+                    let of = |substeps| {
+                        let params = SolverParams { substeps, ..params };
+                        fall(substep(DT, &params), params.gravity)
+                    };
                     let most = f64::from(iterations) * f64::min(0.02 * edge, 0.002 * thickness);
                     let enough = of(substeps) <= most * (1.0 + 1e-9);
                     assert!(enough || substeps == 64, "{body:?}, {substeps} substeps");

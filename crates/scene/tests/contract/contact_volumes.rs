@@ -100,6 +100,15 @@ fn pieces_of_seven_cuts_in_flight_do_not_turn_inside_out() {
     }
 }
 
+/// Returns a material with a volume and interior springs.
+fn with_springs() -> Material {
+    Material {
+        volume: Some(Volume::default()),
+        interior_springs: Some(InteriorSprings::default()),
+        ..Material::default()
+    }
+}
+
 /// Regression: three plates of 3 % of a half were crushed under the weight of the halves and turned
 /// inside out within a second.
 #[test]
@@ -113,13 +122,8 @@ fn upright_plates_between_the_halves_of_a_ball_keep_their_volumes() {
         contacts: Some(ContactParams::default()),
         ..SceneParams::default()
     });
-    let material = Material {
-        volume: Some(Volume::default()),
-        interior_springs: Some(InteriorSprings::default()),
-        ..Material::default()
-    };
     let id = scene
-        .add_body(build_model(Model::Sphere768), &material)
+        .add_body(build_model(Model::Sphere768), &with_springs())
         .unwrap();
     scene.step().unwrap();
     for offset in [0.02, 0.04, 0.06, 0.08] {
@@ -210,12 +214,7 @@ fn a_column_of_slabs_keeps_its_volumes_in_an_impact() {
         contacts: Some(ContactParams::default()),
         ..SceneParams::default()
     });
-    let material = Material {
-        volume: Some(Volume::default()),
-        interior_springs: Some(InteriorSprings::default()),
-        ..Material::default()
-    };
-    let id = scene.add_body(surface, &material).unwrap();
+    let id = scene.add_body(surface, &with_springs()).unwrap();
     for i in 1..SLABS {
         let y = low + (high - low) * f32::from(i) / f32::from(SLABS);
         let blade = scene.add_blade([[-2.0, y, -2.0], [-2.0, y, 2.0]]);

@@ -74,7 +74,7 @@ pub(super) fn steps(
     let error = now * THIRD - target;
     let volume = before * THIRD;
     let held = if piece.rest < 0.0 { -volume } else { volume };
-    let faster = if by.is_impact {
+    let faster = if by.is_pressed {
         by.recovery * CRUSHED
     } else {
         0.0
