@@ -3,7 +3,8 @@
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::fmt;
-use std::num::NonZeroU32;
+use std::num::{NonZeroU16, NonZeroU32};
+use std::str::FromStr;
 
 /// N numbers, separated by commas on the command line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,10 +103,26 @@ fn number_or_fraction(text: &str) -> Option<f64> {
     Some(value).filter(|value| value.is_finite())
 }
 
+/// Parses a number from 0 to 1.
+pub(crate) fn share(text: &str) -> Result<f32, String> {
+    let value = text.trim().parse().ok();
+    let value = value.filter(|value| (0.0..=1.0).contains(value));
+    value.ok_or_else(|| format!("'{text}' is not a number from 0 to 1"))
+}
+
 /// Parses a whole number of at least 1.
 pub(crate) fn count(text: &str) -> Result<NonZeroU32, String> {
+    positive_whole(text, u32::MAX)
+}
+
+/// Parses a whole number of at least 1, of 16 bits.
+pub(crate) fn small_count(text: &str) -> Result<NonZeroU16, String> {
+    positive_whole(text, u16::MAX)
+}
+
+fn positive_whole<T: FromStr, M: fmt::Display>(text: &str, max: M) -> Result<T, String> {
     let value = text.trim().parse();
-    value.map_err(|_| format!("'{text}' is not a whole number from 1 to {}", u32::MAX))
+    value.map_err(|_| format!("'{text}' is not a whole number from 1 to {max}"))
 }
 
 /// Returns a count and its noun, in the plural unless there is one: `1 piece`, `2 pieces`.

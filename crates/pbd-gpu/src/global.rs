@@ -44,6 +44,7 @@ mod volumes;
 
 use crate::constraints::Constraints;
 use crate::constraints::batches::{BendingSet, StretchSet};
+use crate::constraints::volumes::VolumeSet;
 use crate::kernels::particle_state::ParticleStates;
 use crate::material::{Material, Stiffness, Volume};
 use crate::particles::Particles;
@@ -58,7 +59,6 @@ pub(crate) use obstacles::Obstacles;
 use pieces::PieceMotions;
 use preconditioner::Preconditioner;
 use std::time::Duration;
-pub(crate) use volumes::Volumes;
 
 /// Memory and cost of the global step of a body.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -237,7 +237,7 @@ impl GlobalStep {
     pub(crate) fn iterate(
         &mut self,
         particles: ParticleStates<'_>,
-        (sets, volumes): (EnergySets<'_>, Volumes<'_>),
+        (sets, volumes): (EnergySets<'_>, &VolumeSet),
         constants: &StepConstants,
     ) -> u32 {
         let Some(left) = self.iterations_left.checked_sub(1) else {
@@ -245,7 +245,7 @@ impl GlobalStep {
         };
         self.iterations_left = left;
         let objective = Objective::new(sets, Compliances::new(constants));
-        let volumes = (!volumes.set.pieces.is_empty()).then_some(volumes);
+        let volumes = (!volumes.pieces.is_empty()).then_some(volumes);
         let body = (&objective, volumes);
         self.minimizer
             .iterate(particles, body, &mut self.preconditioner);

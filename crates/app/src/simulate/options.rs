@@ -7,8 +7,7 @@ use super::scene_file::{
 use crate::caps::CapsOption;
 use crate::failure::Failure;
 use crate::input::InputOptions;
-use crate::numbers::{Numbers, count, not_negative, numbers, positive};
-use incise_mesh::geometry::round_to_f32;
+use crate::numbers::{Numbers, count, not_negative, numbers, positive, share};
 use std::num::NonZeroU32;
 use std::path::PathBuf;
 use toml::Spanned;
@@ -48,13 +47,8 @@ pub(super) struct SceneOptions {
     #[arg(long)]
     volume: bool,
     /// Connect opposite sides by springs through the body: springs per vertex, 0 to 1.
-    #[arg(
-        long,
-        value_name = "DENSITY",
-        value_parser = numbers::<1>,
-        allow_hyphen_values = true
-    )]
-    interior_springs: Option<Numbers<1>>,
+    #[arg(long, value_name = "DENSITY", value_parser = share, allow_hyphen_values = true)]
+    interior_springs: Option<f32>,
     /// Let pieces pass through each other instead of resolving their contacts.
     #[arg(long)]
     no_contacts: bool,
@@ -169,8 +163,8 @@ impl SceneOptions {
     }
 
     fn material(&self) -> MaterialFile {
-        let springs = |Numbers([density]): Numbers<1>| InteriorSpringsFile {
-            density: round_to_f32(density),
+        let springs = |density| InteriorSpringsFile {
+            density,
             ..InteriorSpringsFile::default()
         };
         MaterialFile {

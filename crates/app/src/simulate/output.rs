@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use crate::format::Format;
+use crate::numbers::small_count;
 #[cfg(feature = "gpu")]
 use crate::picture::PictureOptions;
 use crate::pieces::output_path;
@@ -31,7 +32,7 @@ pub(super) struct SimulateOutput {
     #[arg(long, value_name = "FILE.glb", value_parser = output_path())]
     pub(super) export: Option<PathBuf>,
     /// Pictures per second of simulated time. [default: 30]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = small_count, allow_hyphen_values = true)]
     fps: Option<NonZeroU16>,
     /// Appearance of the pictures.
     #[cfg(feature = "gpu")]

@@ -118,7 +118,7 @@ fn an_offset_that_rounds_the_shape_of_a_body_away_is_refused() {
 }
 
 #[test]
-fn negative_numbers_are_refused_as_numbers() {
+fn numbers_out_of_range_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for (words, fault) in [
         ("--seconds -1", "'-1' is not a positive number"),
@@ -129,6 +129,18 @@ fn negative_numbers_are_refused_as_numbers() {
         ),
         ("--seconds 1 --substeps -2", "'-2' is not a whole number"),
         ("--seconds 1 --iterations 0", "'0' is not a whole number"),
+        (
+            "--seconds 1 --fps -1",
+            "'-1' is not a whole number from 1 to 65535",
+        ),
+        (
+            "--seconds 1 --interior-springs 2",
+            "'2' is not a number from 0 to 1",
+        ),
+        (
+            "--seconds 1 --interior-springs nan",
+            "'nan' is not a number from 0 to 1",
+        ),
     ] {
         let done = simulate(folder.path(), &format!("Sphere80 {words}"));
         assert_eq!(done.status.code(), Some(2), "{words}: {done:?}");

@@ -3,7 +3,6 @@
 use super::Surface;
 use crate::geometry::{Vec3, to_f64};
 use crate::ids::VertexId;
-use crate::topology::Topology;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Texture coordinates and normals of corners.
@@ -74,14 +73,6 @@ impl Surface {
     #[inline]
     pub fn motion_version(&self) -> u64 {
         self.motion
-    }
-
-    /// Returns [`Self::positions`] for writing, together with the connectivity.
-    #[must_use]
-    #[inline]
-    pub fn positions_and_topology(&mut self) -> (&mut [[f32; 4]], &Topology) {
-        self.motion = next_stamp();
-        (&mut self.positions, &self.topology)
     }
 
     /// Returns rest positions \[m\], shape \[vertex slots\].

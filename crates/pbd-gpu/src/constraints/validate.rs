@@ -63,7 +63,11 @@ impl Constraints {
         if has_volumes {
             expected.update(surface);
         }
-        if self.volumes.pieces() != expected.pieces() || self.volumes.spokes != expected.spokes {
+        let volumes = &self.volumes;
+        let is_expected = volumes.pieces() == expected.pieces()
+            && volumes.spokes == expected.spokes
+            && volumes.rings == expected.rings;
+        if !is_expected {
             return broken("one volume constraint per closed piece", None);
         }
         if let Some(patches) = &self.patches

@@ -7,7 +7,7 @@
 mod saved;
 
 use incise_mesh::geometry::{Vec3, area_vector};
-use incise_mesh::{HalfEdge, Surface, VertexId};
+use incise_mesh::{HalfEdge, Surface, Topology, VertexId, index_u32};
 #[cfg(feature = "serde")]
 pub(crate) use saved::SavedVolumes;
 use std::f64::consts::PI;
@@ -35,6 +35,27 @@ pub(crate) struct Spoke {
     pub(crate) vertex: VertexId,
     /// An outgoing half-edge.
     pub(crate) outgoing: HalfEdge,
+    /// Range in the list of rings.
+    ring: [u32; 2],
+}
+
+impl Spoke {
+    /// Creates a spoke whose ring is not known yet.
+    fn new(vertex: VertexId, outgoing: HalfEdge) -> Self {
+        let ring = [0; 2];
+        Self {
+            vertex,
+            outgoing,
+            ring,
+        }
+    }
+
+    /// Returns the neighbors of the vertex in order, and the first one again, of all `rings`.
+    #[inline(always)]
+    pub(crate) fn ring<'a>(&self, rings: &'a [VertexId]) -> &'a [VertexId] {
+        let [first, end] = self.ring.map(|i| i as usize);
+        &rings[first..end]
+    }
 }
 
 /// The volume constraint of a piece: its rest volume times the pressure of the material.
@@ -95,6 +116,8 @@ pub struct VolumeSet {
     pub(crate) pieces: Vec<PieceVolume>,
     /// Ordered by piece, then by vertex.
     pub(crate) spokes: Vec<Spoke>,
+    /// Rings of the spokes, one after another. Traversals in every projection would take longer.
+    pub(crate) rings: Vec<VertexId>,
     /// Multipliers of the substep, shape \[pieces\].
     pub(crate) lambda: Vec<f32>,
     generation: u64,
@@ -142,6 +165,7 @@ impl VolumeSet {
     pub(crate) fn capacity(&self) -> usize {
         self.pieces.capacity()
             + self.spokes.capacity()
+            + self.rings.capacity()
             + self.lambda.capacity()
             + self.tallies.capacity()
     }
@@ -151,6 +175,7 @@ impl VolumeSet {
         self.generation += 1;
         self.pieces.clear();
         self.spokes.clear();
+        self.rings.clear();
         self.lambda.clear();
     }
 
@@ -178,20 +203,37 @@ impl VolumeSet {
         }
         self.lambda.clear();
         self.lambda.resize(self.pieces.len(), 0.0);
-        let nowhere = Spoke {
-            vertex: VertexId::NULL,
-            outgoing: HalfEdge::NULL,
-        };
         self.spokes.clear();
+        let nowhere = Spoke::new(VertexId::NULL, HalfEdge::NULL);
         self.spokes.resize(first, nowhere);
         let topology = surface.topology();
         for vertex in topology.vertices() {
             let outgoing = topology.outgoing(vertex);
             let tally = &mut self.tallies[surface.piece(outgoing.triangle()) as usize];
             if tally.has_volume {
-                self.spokes[tally.vertices] = Spoke { vertex, outgoing };
+                self.spokes[tally.vertices] = Spoke::new(vertex, outgoing);
                 tally.vertices += 1;
             }
+        }
+        self.find_rings(topology);
+    }
+
+    /// Finds the rings of all spokes.
+    fn find_rings(&mut self, topology: &Topology) {
+        self.rings.clear();
+        for spoke in &mut self.spokes {
+            let first = index_u32(self.rings.len());
+            self.rings.push(topology.target(spoke.outgoing));
+            let mut h = spoke.outgoing;
+            loop {
+                let across = h.prev();
+                self.rings.push(topology.origin(across));
+                h = topology.twin(across);
+                if h == spoke.outgoing {
+                    break;
+                }
+            }
+            spoke.ring = [first, index_u32(self.rings.len())];
         }
     }
 

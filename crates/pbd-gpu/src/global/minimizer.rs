@@ -7,7 +7,8 @@ use super::lanes::Row;
 use super::objective::Objective;
 use super::pieces::PieceMotions;
 use super::preconditioner::Preconditioner;
-use super::volumes::{VolumeGradients, Volumes};
+use super::volumes::VolumeGradients;
+use crate::constraints::volumes::VolumeSet;
 use crate::kernels::particle_state::ParticleStates;
 use energy_bound::{MAX_STRAIN, MAX_STRAIN_ALONE, inertia};
 use incise_mesh::geometry::{to_f32, to_f64};
@@ -162,7 +163,7 @@ impl Minimizer {
     pub(super) fn iterate(
         &mut self,
         particles: ParticleStates<'_>,
-        (objective, volumes): (&Objective<'_>, Option<Volumes<'_>>),
+        (objective, volumes): (&Objective<'_>, Option<&VolumeSet>),
         preconditioner: &mut Preconditioner,
     ) {
         if self.load(particles) {
@@ -294,7 +295,7 @@ impl Minimizer {
     /// Computes a direction and returns its slope.
     fn find_direction(
         &mut self,
-        volumes: Option<Volumes<'_>>,
+        volumes: Option<&VolumeSet>,
         preconditioner: &mut Preconditioner,
     ) -> f64 {
         let Self {

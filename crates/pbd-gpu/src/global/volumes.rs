@@ -4,14 +4,7 @@
 //! body. A direction that keeps volumes to first order leaves that pass the curvature only.
 
 use crate::constraints::volumes::{PieceVolume, VolumeSet};
-use incise_mesh::{Topology, Vec3};
-
-/// The volumes of a body, and the topology that their gradients traverse.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Volumes<'a> {
-    pub(crate) set: &'a VolumeSet,
-    pub(crate) topology: &'a Topology,
-}
+use incise_mesh::Vec3;
 
 /// Gradients of the volumes of all pieces, which have no vertex in common.
 #[derive(Debug, Clone, Default)]
@@ -29,13 +22,12 @@ impl VolumeGradients {
     /// Hessian of which `direction` comes, so that the result solves the constrained problem.
     pub(super) fn project(
         &mut self,
-        volumes: Volumes<'_>,
+        set: &VolumeSet,
         points: impl Fn(usize) -> Vec3,
         masses: &[f64],
         direction: &mut [Vec3],
         inverse: impl FnOnce(&mut Vec<Vec3>),
     ) {
-        let Volumes { set, topology } = volumes;
         let Self {
             gradients,
             conjugates,
@@ -47,17 +39,14 @@ impl VolumeGradients {
             if masses[v] > 0.0 {
                 let corner = points(v);
                 let mut sum = Vec3::zeros();
-                let mut a = points(topology.target(spoke.outgoing).index()) - corner;
-                let mut h = spoke.outgoing;
-                loop {
-                    let across = h.prev();
-                    let b = points(topology.origin(across).index()) - corner;
+                let mut ring = spoke
+                    .ring(&set.rings)
+                    .iter()
+                    .map(|v| points(v.index()) - corner);
+                let mut a = ring.next().unwrap_or_default();
+                for b in ring {
                     sum += a.cross(&b);
                     a = b;
-                    h = topology.twin(across);
-                    if h == spoke.outgoing {
-                        break;
-                    }
                 }
                 gradients[v] = sum / 6.0;
             }

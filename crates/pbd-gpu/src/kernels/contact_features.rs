@@ -21,13 +21,23 @@ pub(super) const INACTIVE: f32 = -1e30;
 const MIN_SQUARED_SINE: f32 = 1e-4;
 
 /// Finds the features of all contacts between pairs, and begins their sums of friction.
+///
+/// Replaces the indices in `facing` by those of the contacts that may be active in the substep:
+/// most pairs found near each other have left their features.
 #[inline(never)]
-pub(crate) fn contact_features(particles: ParticleStates<'_>, contacts: &mut [ContactRecord]) {
-    for contact in contacts {
+pub(crate) fn contact_features(
+    particles: ParticleStates<'_>,
+    contacts: &mut [ContactRecord],
+    facing: &mut Vec<u32>,
+) {
+    facing.clear();
+    for (i, contact) in (0..).zip(contacts) {
         let was_held = contact.friction_bound > 0.0;
         contact.friction_bound = 0.0;
         contact.friction_sum = [0.0; 3];
+        contact.is_active = 0;
         if contact.kind == ContactKind::Plane as u16 {
+            facing.push(i);
             continue;
         }
         let p = contact.vertices.map(|v| particles.get(v as usize));
@@ -48,6 +58,9 @@ pub(crate) fn contact_features(particles: ParticleStates<'_>, contacts: &mut [Co
         } else {
             contact.thickness
         };
+        if distance > INACTIVE {
+            facing.push(i);
+        }
     }
 }
 
@@ -194,7 +207,7 @@ mod tests {
             ..ContactRecord::default()
         }];
         on_arrays(&x, &mut [[0.0; 4]; 4], |p| {
-            contact_features(p, &mut contact)
+            contact_features(p, &mut contact, &mut Vec::new())
         });
         contact[0]
     }
@@ -239,7 +252,7 @@ mod tests {
                 ..ContactRecord::default()
             }];
             on_arrays(&x, &mut [[0.0; 4]; 4], |p| {
-                contact_features(p, &mut contact)
+                contact_features(p, &mut contact, &mut Vec::new())
             });
             contact[0]
         };

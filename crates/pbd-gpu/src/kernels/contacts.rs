@@ -11,29 +11,23 @@
 //! them, and counts them as fixed in height. They take the reaction nevertheless: the ground undoes
 //! it, and its friction counts the load.
 
-use super::block::difference;
-use super::contact_features::INACTIVE;
-use super::particle_state::{ParticleState, ParticleStates};
+use super::particle_state::{ParticleState, ParticleStates, lanes};
 use crate::constraints::contacts::{Carried, ContactRecord};
 use std::cell::Cell;
 
-/// Separates the features of contacts at a time of the frame \[s\], one contact after the other.
+/// Separates the features of the contacts with the indices `facing`, one after the other.
 ///
-/// Vertices at or below `ground` \[m\] are on it. Marks those of [carried](crate::Carried) features
-/// in `carried`, shape [vertices].
+/// `time` is that of the frame \[s\]. Vertices at or below `ground` \[m\] are on it. Marks those of
+/// [carried](crate::Carried) features in `carried`, shape [vertices].
 #[inline(never)]
 pub(crate) fn contacts(
     particles: ParticleStates<'_>,
     carried: &[Cell<bool>],
-    contacts: &mut [ContactRecord],
+    (contacts, facing): (&mut [ContactRecord], &[u32]),
     (ground, time): (f32, f32),
 ) {
-    for contact in contacts {
-        // Most pairs found near each other: a quick test saves reading their vertices.
-        if contact.gap == INACTIVE {
-            contact.is_active = 0;
-            continue;
-        }
+    for &i in facing {
+        let contact = &mut contacts[i as usize];
         let count = contact.vertex_count();
         let mut p = [ParticleState::default(); 4];
         for (p, &v) in p.iter_mut().zip(&contact.vertices[..count]) {
@@ -49,6 +43,11 @@ pub(crate) fn contacts(
             contact.gap + contact.gap_rate * time
         };
         let depth = gap - dot(between, n);
+        let is_near = depth > 0.0;
+        if !is_near {
+            contact.is_active = 0;
+            continue;
+        }
         let w = contact.weights;
         let shares = shares(w, p);
         let free = inverse_mass((w, shares), [[1.0; 2]; 4]);
@@ -57,7 +56,7 @@ pub(crate) fn contacts(
         let is_low = is_pressed_into((w, n), p, ground);
         let parts = is_low.map(|is_low| if is_low { level } else { [1.0; 2] });
         let weight = inverse_mass((w, shares), parts);
-        let is_active = depth > 0.0 && weight > 0.0;
+        let is_active = weight > 0.0;
         contact.is_active = u32::from(is_active);
         if !is_active {
             continue;
@@ -102,7 +101,7 @@ pub(super) fn between_features(contact: &ContactRecord, p: [ParticleState; 4]) -
     } else {
         ParticleState::default()
     };
-    weighted_sum(contact.weights, p.map(|p| difference(center, p)))
+    weighted_sum(contact.weights, p.map(|p| center.vector_to(p)))
 }
 
 /// Returns a state as the ground will leave it.
@@ -238,7 +237,9 @@ pub(crate) fn recover_contacts(
 /// Returns the sum of four weighted vectors.
 #[inline(always)]
 fn weighted_sum(w: [f32; 4], r: [[f32; 4]; 4]) -> [f32; 3] {
-    [0, 1, 2].map(|k: usize| (w[0] * r[0][k] + w[1] * r[1][k]) + (w[2] * r[2][k] + w[3] * r[3][k]))
+    let [x, y, z, _] =
+        lanes(|k| (w[0] * r[0][k] + w[1] * r[1][k]) + (w[2] * r[2][k] + w[3] * r[3][k]));
+    [x, y, z]
 }
 
 #[inline(always)]

@@ -25,6 +25,20 @@ impl ParticleState {
             d: [0.0; 4],
         }
     }
+
+    /// Returns the vector to another particle \[m\]; its fourth component has no meaning.
+    #[inline(always)]
+    pub(crate) fn vector_to(self, to: Self) -> [f32; 4] {
+        lanes(|k| (to.x[k] - self.x[k]) + (to.d[k] - self.d[k]))
+    }
+}
+
+/// Returns a vector of four components, which fits a register.
+///
+/// Compilers vectorize arrays of four more often than those of three.
+#[inline(always)]
+pub(crate) fn lanes(of: impl Fn(usize) -> f32) -> [f32; 4] {
+    [of(0), of(1), of(2), of(3)]
 }
 
 /// The states of all particles, shape [vertex slots].

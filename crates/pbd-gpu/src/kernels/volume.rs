@@ -25,7 +25,6 @@
 
 pub(crate) mod steps;
 
-use super::block::difference;
 use super::colliders::{TOUCH, separation, touches};
 use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::colliders::ColliderRecord;
@@ -33,7 +32,7 @@ use crate::constraints::volumes::{Spoke, VolumeSet};
 use crate::parallel::Leader;
 use crate::parallel::passes::volume_gradients;
 use crate::step::constants::VolumeProjection;
-use incise_mesh::Topology;
+use incise_mesh::VertexId;
 use pulp::{Arch, NullaryFnOnce};
 use std::cell::Cell;
 use std::ops::Range;
@@ -83,7 +82,8 @@ pub(crate) struct VolumeObstacles<'a> {
 #[derive(Debug, Clone, Copy)]
 struct PieceInput<'a> {
     particles: ParticleStates<'a>,
-    topology: &'a Topology,
+    /// See [`Spoke::ring`].
+    rings: &'a [VertexId],
     /// Vertex that positions are relative to.
     center: usize,
     obstacles: VolumeObstacles<'a>,
@@ -101,7 +101,7 @@ struct PieceInput<'a> {
 pub(crate) fn volumes(
     (leader, arch): (&mut Leader<'_>, Arch),
     (particles, velocities): (ParticleStates<'_>, &[[f32; 4]]),
-    (topology, set): (&Topology, &mut VolumeSet),
+    set: &mut VolumeSet,
     (by, obstacles): (VolumeProjection, VolumeObstacles<'_>),
     scratch: &mut VolumeScratch,
 ) -> f32 {
@@ -116,7 +116,7 @@ pub(crate) fn volumes(
         };
         let input = PieceInput {
             particles,
-            topology,
+            rings: &set.rings,
             center: center.vertex.index(),
             obstacles,
             velocities,
@@ -211,7 +211,7 @@ impl<const BEFORE: bool> NullaryFnOnce for VolumeGradients<'_, BEFORE> {
 fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &Spoke) -> ([f32; 4], Sums) {
     let PieceInput {
         particles,
-        topology,
+        rings,
         center,
         obstacles,
         velocities,
@@ -222,21 +222,15 @@ fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &Spoke) -> ([f32; 4
         if BEFORE { state.at_start() } else { state }
     };
     let origin = state(v);
-    let edge = |i: usize| difference(origin, state(i));
-    let mut a = edge(topology.target(spoke.outgoing).index());
+    let edge = |i: usize| origin.vector_to(state(i));
+    let mut ring = spoke.ring(rings).iter().map(|v| edge(v.index()));
+    let mut a = ring.next().unwrap_or_default();
     let mut sum = [0.0; 3];
-    let mut h = spoke.outgoing;
-    loop {
-        let across = h.prev();
-        let b = edge(topology.origin(across).index());
+    for b in ring {
         sum[0] += a[1] * b[2] - a[2] * b[1];
         sum[1] += a[2] * b[0] - a[0] * b[2];
         sum[2] += a[0] * b[1] - a[1] * b[0];
         a = b;
-        h = topology.twin(across);
-        if h == spoke.outgoing {
-            break;
-        }
     }
     let [gx, gy, gz] = sum.map(|c| c * SIXTH);
     // Vector from the vertex to the center, hence the other sign of the sum.

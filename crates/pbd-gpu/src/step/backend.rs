@@ -32,6 +32,8 @@ pub(crate) struct StepScratch {
     /// Displacements before the current iteration; empty without a residual.
     before: Vec<[f32; 4]>,
     volumes: VolumeScratch,
+    /// Indices of the contacts of each color that may be active in the substep.
+    facing: Vec<Vec<u32>>,
 }
 
 impl Clone for StepScratch {
@@ -48,6 +50,7 @@ impl StepScratch {
             + self.carried.capacity()
             + self.before.capacity()
             + self.volumes.capacity()
+            + self.facing.iter().map(Vec::capacity).sum::<usize>()
     }
 }
 
@@ -94,6 +97,7 @@ pub(crate) fn execute(
         carried,
         before,
         volumes: volume_scratch,
+        facing,
     } = scratch;
     particles.clear();
     let mut threads = NonZeroUsize::new(1);
@@ -113,6 +117,7 @@ pub(crate) fn execute(
     carried.clear();
     if !contacts.is_empty() {
         carried.resize(particles.len(), false);
+        facing.resize_with(contacts.colors.len(), Vec::new);
     }
     let arch = Arch::new();
     let done = with_team(threads, |leader| {
@@ -125,6 +130,7 @@ pub(crate) fn execute(
             carried: Cell::from_mut(&mut **carried).as_slice_of_cells(),
             before,
             volume_scratch,
+            facing,
             leader,
             arch,
         })
@@ -161,6 +167,8 @@ struct Frame<'a, 'b> {
     carried: &'a [Cell<bool>],
     before: &'a mut Vec<[f32; 4]>,
     volume_scratch: &'a mut VolumeScratch,
+    /// Shape \[colors\].
+    facing: &'a mut [Vec<u32>],
     leader: &'a mut Leader<'b>,
     arch: Arch,
 }
@@ -295,8 +303,8 @@ impl Frame<'_, '_> {
         first.stats.passes += 1;
         match pass {
             Pass::ContactFeatures => {
-                for color in &mut self.contacts.colors {
-                    contact_features::contact_features(particles, color);
+                for (color, facing) in self.contacts.colors.iter_mut().zip(&mut *self.facing) {
+                    contact_features::contact_features(particles, color, facing);
                 }
             }
             Pass::ContactRecovery => {
@@ -317,8 +325,8 @@ impl Frame<'_, '_> {
             _ => {
                 first.stats.contact_projections += self.contacts.len() as u64;
                 let at = (ground, time_after(substep, first));
-                for color in &mut self.contacts.colors {
-                    contacts::contacts(particles, self.carried, color, at);
+                for (color, facing) in self.contacts.colors.iter_mut().zip(&*self.facing) {
+                    contacts::contacts(particles, self.carried, (color, facing), at);
                 }
             }
         }

@@ -7,7 +7,7 @@ use crate::constraints::colliders::ColliderRecord;
 use crate::constraints::volumes::VolumeSet;
 use crate::particles::{Particles, Pin};
 use crate::patches::content::PatchContents;
-use incise_mesh::{Surface, Topology};
+use incise_mesh::Surface;
 
 /// The arrays of a body that kernels read and write.
 #[derive(Debug)]
@@ -26,8 +26,6 @@ pub(crate) struct Body<'a> {
     pub(crate) volumes: &'a mut VolumeSet,
     /// Colliders of the frame.
     pub(crate) colliders: &'a [ColliderRecord],
-    /// Topology that volume constraints traverse.
-    pub(crate) topology: &'a Topology,
     /// Pinned vertices, ascending.
     pub(crate) pins: &'a [Pin],
     /// Constraints by patch; empty if the body is not divided.
@@ -46,16 +44,14 @@ impl<'a> Body<'a> {
         constraints: &'a mut Constraints,
         surface: &'a mut Surface,
     ) -> Self {
-        let (positions, topology) = surface.positions_and_topology();
         Self {
-            positions,
+            positions: surface.positions_mut(),
             velocities: &mut particles.velocities,
             stretch: &mut constraints.stretch,
             bending: constraints.bending.as_mut(),
             interior_springs: constraints.interior_springs.as_mut(),
             volumes: &mut constraints.volumes,
             colliders: constraints.colliders.records(),
-            topology,
             patches: &mut constraints.patch_contents,
             pins: &particles.pins,
             attachments: constraints.attachments.list(),

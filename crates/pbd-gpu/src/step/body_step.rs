@@ -79,11 +79,8 @@ fn global_pass(
     match pass {
         Pass::BeginGlobal => global.begin(particles, sets, constants),
         _ => {
-            let volumes = crate::global::Volumes {
-                set: body.volumes,
-                topology: body.topology,
-            };
-            stats.global_iterations += global.iterate(particles, (sets, volumes), constants);
+            let sets = (sets, &*body.volumes);
+            stats.global_iterations += global.iterate(particles, sets, constants);
         }
     }
 }
@@ -173,7 +170,6 @@ impl BodyStep<'_, '_, '_> {
             | Pass::ContactRecovery => {}
             Pass::Volumes => {
                 stats.volume_projections += body.volumes.pieces().len() as u64;
-                let piece = (body.topology, &mut *body.volumes);
                 let obstacles = volume::VolumeObstacles {
                     ground: constants.ground,
                     colliders: body.colliders,
@@ -183,7 +179,7 @@ impl BodyStep<'_, '_, '_> {
                 let change = volume::volumes(
                     (leader, *arch),
                     (particles, v),
-                    piece,
+                    body.volumes,
                     (constants.volume, obstacles),
                     self.volume_scratch,
                 );

@@ -79,10 +79,8 @@ impl VolumeSet {
             if !is_valid {
                 return broken("volumes are those of closed pieces", None);
             }
-            set.spokes.extend(of_piece.iter().map(|&vertex| Spoke {
-                vertex,
-                outgoing: topology.outgoing(vertex),
-            }));
+            let spoke = |&vertex: &VertexId| Spoke::new(vertex, topology.outgoing(vertex));
+            set.spokes.extend(of_piece.iter().map(spoke));
             set.pieces.push(PieceVolume {
                 piece,
                 rest,
@@ -96,6 +94,7 @@ impl VolumeSet {
         if first != saved.vertices.len() || set.lambda.len() != set.pieces.len() || !is_finite {
             return broken("a piece has vertices and one multiplier", None);
         }
+        set.find_rings(topology);
         Ok(set)
     }
 }
