@@ -8,12 +8,10 @@ mod set;
 
 use crate::error::ConstraintError;
 use incise_mesh::VertexId;
-pub(crate) use set::ContactRecord;
 pub use set::ContactSet;
 #[cfg(any(feature = "gpu", test))]
 pub(crate) use set::NO_VERTEX;
-#[cfg(feature = "gpu")]
-pub(crate) use set::UNCOLORED;
+pub(crate) use set::{ContactRecord, UNCOLORED};
 
 /// A contact: two features, or a vertex and a plane, keep a distance.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -17,17 +17,19 @@ use std::cell::Cell;
 
 /// Separates the features of the contacts with the indices `facing`, one after the other.
 ///
-/// `time` is that of the frame \[s\]. Vertices at or below `ground` \[m\] are on it. Marks those of
-/// [carried](crate::Carried) features in `carried`, shape [vertices].
+/// The slice begins with the index `first`. `time` is that of the frame \[s\]. Vertices at or below
+/// `ground` \[m\] are on it. Marks those of [carried](crate::Carried) features in `carried`, shape
+/// [vertices].
 #[inline(never)]
 pub(crate) fn contacts(
     particles: ParticleStates<'_>,
     carried: &[Cell<bool>],
-    (contacts, facing): (&mut [ContactRecord], &[u32]),
+    (contacts, first): (&mut [ContactRecord], usize),
+    facing: &[u32],
     (ground, time): (f32, f32),
 ) {
     for &i in facing {
-        let contact = &mut contacts[i as usize];
+        let contact = &mut contacts[i as usize - first];
         let count = contact.vertex_count();
         let mut p = [ParticleState::default(); 4];
         for (p, &v) in p.iter_mut().zip(&contact.vertices[..count]) {

@@ -2,13 +2,16 @@
 
 use super::team::Leader;
 use crate::constraints::batches::Part;
+use crate::constraints::contacts::ContactRecord;
 use crate::kernels::block::dispatch;
+use crate::kernels::contacts::contacts as project_contacts;
 use crate::kernels::particle_state::ParticleStates;
 use crate::kernels::volume::{CHUNK, VolumeGradients};
 use crate::patches::content::PatchContent;
 use crate::step::constants::Projection;
 use crate::step::sweep::{Kernel, PatchSweep, Sweep};
 use pulp::Arch;
+use std::cell::Cell;
 
 /// Minimum number of elements of a pass for several threads.
 ///
@@ -82,6 +85,31 @@ pub(crate) fn sweep_patches(
                 is_back,
             },
         );
+    });
+}
+
+/// Projects those contacts of one color whose ascending indices are in `facing`.
+pub(crate) fn sweep_contacts(
+    leader: &mut Leader<'_>,
+    particles: ParticleStates<'_>,
+    carried: &[Cell<bool>],
+    (contacts, facing): (&mut [ContactRecord], &[u32]),
+    at: (f32, f32),
+) {
+    let count = contacts.len();
+    let size = chunk_size(count, leader.members());
+    // The contacts of a color share no vertex.
+    let shared = Shared((particles, carried, contacts.as_mut_ptr()));
+    leader.run(count.div_ceil(size), &|chunk| {
+        let (particles, carried, contacts) = *shared.get();
+        let range = chunk * size..count.min((chunk + 1) * size);
+        // SAFETY: the range ends within the slice, those of chunks do not overlap, and every chunk
+        // runs once.
+        let contacts =
+            unsafe { std::slice::from_raw_parts_mut(contacts.add(range.start), range.len()) };
+        let place = |end: usize| facing.partition_point(|&i| (i as usize) < end);
+        let facing = &facing[place(range.start)..place(range.end)];
+        project_contacts(particles, carried, (contacts, range.start), facing, at);
     });
 }
 

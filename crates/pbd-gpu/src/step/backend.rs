@@ -4,11 +4,11 @@
 //! projected once for the island, when all bodies have reached the contact passes.
 
 use crate::constraints::batches::{Batch, BendingSet, StretchSet};
-use crate::constraints::contacts::{ContactRecord, ContactSet};
+use crate::constraints::contacts::{ContactRecord, ContactSet, UNCOLORED};
 use crate::kernels::particle_state::{ParticleState, ParticleStates};
 use crate::kernels::volume::VolumeScratch;
 use crate::kernels::{contact_features, contacts};
-use crate::parallel::passes::is_shared;
+use crate::parallel::passes::{is_shared, sweep_contacts};
 use crate::parallel::{Leader, with_team};
 use crate::step::body::Body;
 use crate::step::body_step::BodyStep;
@@ -100,6 +100,8 @@ pub(crate) fn execute(
         facing,
     } = scratch;
     particles.clear();
+    let mut colors = contacts.colors.iter().take(UNCOLORED);
+    let has_shared_contacts = colors.any(|contacts| is_shared(contacts.len()));
     let mut threads = NonZeroUsize::new(1);
     for (i, member) in members.iter_mut().enumerate() {
         let (_, body) = parts(bodies, i, member);
@@ -110,7 +112,7 @@ pub(crate) fn execute(
         };
         let at_start = |&x: &[f32; 4]| ParticleState { x, d: [0.0; 4] };
         particles.extend(body.positions.iter().map(at_start));
-        if has_shared_pass(&body) {
+        if has_shared_contacts || has_shared_pass(&body) {
             threads = member.constants.threads;
         }
     }
@@ -325,8 +327,15 @@ impl Frame<'_, '_> {
             _ => {
                 first.stats.contact_projections += self.contacts.len() as u64;
                 let at = (ground, time_after(substep, first));
-                for (color, facing) in self.contacts.colors.iter_mut().zip(&*self.facing) {
-                    contacts::contacts(particles, self.carried, (color, facing), at);
+                let carried = self.carried;
+                let colors = self.contacts.colors.iter_mut().zip(&*self.facing);
+                for (color, (contacts, facing)) in colors.enumerate() {
+                    if color == UNCOLORED {
+                        contacts::contacts(particles, carried, (contacts, 0), facing, at);
+                    } else {
+                        let contacts = (&mut **contacts, &**facing);
+                        sweep_contacts(self.leader, particles, carried, contacts, at);
+                    }
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! Bit-identical results on any number of threads, and no allocation while stepping.
 
-use incise_pbd_gpu::{Material, PatchParams, Solver, SolverParams, Stiffness, Volume};
+use incise_pbd_gpu::{Contact, Material, PatchParams, Solver, SolverParams, Stiffness, Volume};
 use incise_test_support::surfaces::sphere;
 use std::num::NonZeroUsize;
 
@@ -58,6 +58,37 @@ fn any_number_of_threads_gives_the_same_bits() {
             assert!(one == limited, "a limit of {limit} threads differs");
         }
     }
+}
+
+#[test]
+fn contacts_have_the_same_bits_on_any_number_of_threads() {
+    let run = |threads| {
+        let mut surface = sphere(4, [0.0; 3]);
+        let mut solver = Solver::new(&mut surface, &Material::soft_body()).unwrap();
+        let normal = [0.6, 0.8, 0.0];
+        let slope = |vertex| Contact {
+            friction: 0.5,
+            ..Contact::plane(vertex, normal, -0.95)
+        };
+        let contacts: Vec<_> = surface.topology().vertices().map(slope).collect();
+        let params = SolverParams {
+            threads: NonZeroUsize::new(threads),
+            ..SolverParams::paper()
+        };
+        for _ in 0..10 {
+            solver.set_contacts(&contacts).unwrap();
+            solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+        }
+        let bits = |p: &[f32; 4]| p.map(f32::to_bits);
+        surface.positions().iter().map(bits).collect::<Vec<_>>()
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(4);
+    pool.build().unwrap().install(|| {
+        let one = run(1);
+        for threads in [2, 3, 4] {
+            assert!(run(threads) == one, "{threads} threads differ from one");
+        }
+    });
 }
 
 #[test]

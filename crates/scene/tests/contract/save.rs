@@ -40,7 +40,7 @@ fn a_loaded_scene_goes_on_with_the_same_bits() {
     let incision = scene.incision(blade, bodies[3]).unwrap();
     assert!(incision.unwrap().is_inside(), "a blade is in a body");
     let bytes = scene.save().unwrap();
-    let frames = BUSY_FRAMES..BUSY_FRAMES + 600;
+    let frames = BUSY_FRAMES..BUSY_FRAMES + 300;
     let expected: Vec<_> = frames
         .clone()
         .map(|frame| step(&mut scene, frame))
