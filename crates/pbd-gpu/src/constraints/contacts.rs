@@ -44,7 +44,7 @@ pub struct Contact {
 
 /// How a piece presses a thinner or lighter one that it meets within the frame.
 ///
-/// An iteration has up to eight rounds of contacts and volumes where a number is high. In a single
+/// An iteration has up to 24 rounds of contacts and volumes where a number is high. In a single
 /// round a thin piece between heavy ones would be pressed flat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -120,6 +120,8 @@ pub struct VolumeSet {
     pub(crate) rings: Vec<VertexId>,
     /// Multipliers of the substep, shape \[pieces\].
     pub(crate) lambda: Vec<f32>,
+    /// Mean displacements in the last round of the substep \[m\], shape \[pieces\].
+    pub(crate) displacements: Vec<[f32; 3]>,
     generation: u64,
     tallies: Vec<Tally>,
 }
@@ -167,6 +169,7 @@ impl VolumeSet {
             + self.spokes.capacity()
             + self.rings.capacity()
             + self.lambda.capacity()
+            + self.displacements.capacity()
             + self.tallies.capacity()
     }
 
@@ -177,6 +180,7 @@ impl VolumeSet {
         self.spokes.clear();
         self.rings.clear();
         self.lambda.clear();
+        self.displacements.clear();
     }
 
     /// Finds the constraints of the surface as it is now. O(n).
@@ -203,6 +207,7 @@ impl VolumeSet {
         }
         self.lambda.clear();
         self.lambda.resize(self.pieces.len(), 0.0);
+        self.displacements.resize(self.pieces.len(), [0.0; 3]);
         self.spokes.clear();
         let nowhere = Spoke::new(VertexId::NULL, HalfEdge::NULL);
         self.spokes.resize(first, nowhere);

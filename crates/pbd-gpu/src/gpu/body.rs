@@ -149,10 +149,10 @@ impl DeviceBody {
         let colors = (stretch + springs) * (1 + u64::from(plan.sweeps_back())) + bending;
         let vertices = per_lane(self.vertex_count);
         let places = &self.volumes.places;
-        // Two traversals of the fan of every vertex, and reduction trees.
-        let leaves = u64::from(places.chunks + places.pieces) * 2 * per_lane(CHUNK_LANES);
+        // Two traversals of the fan of every vertex, its motion, and reduction trees.
+        let leaves = u64::from(places.chunks + places.pieces) * 4 * per_lane(CHUNK_LANES);
         let volumes = if places.pieces > 0 {
-            15 * vertices + leaves
+            16 * vertices + leaves
         } else {
             0
         };

@@ -56,11 +56,12 @@ pub(crate) const PIN_ENTRIES: usize = 2;
 pub(crate) const ATTACHMENT_ENTRIES: usize = 2;
 
 /// Entries of a piece with volume: first chunk and number of chunks; rest volume and maximum
-/// displacement; multiplier and its last change; reference vertex and step of positions.
-pub(crate) const PIECE_ENTRIES: usize = 4;
+/// displacement; multiplier and its last change; reference vertex and step of positions; mean
+/// displacement and number of the round; motion of the round.
+pub(crate) const PIECE_ENTRIES: usize = 8;
 
-/// Entries of a chunk: first spoke and number of spokes; piece; four sums.
-pub(crate) const CHUNK_ENTRIES: usize = 4;
+/// Entries of a chunk: first spoke and number of spokes; piece; four sums; four sums of the motion.
+pub(crate) const CHUNK_ENTRIES: usize = 6;
 
 /// Flag of a body whose stretch multipliers accumulate.
 pub(crate) const KEEPS_STRETCH: u32 = 1;

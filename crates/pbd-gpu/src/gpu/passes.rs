@@ -120,7 +120,12 @@ impl Compiler<'_> {
                 .collect();
             let by_substep = entry_point != EntryPoint::StepVolumes;
             let kernel = Kernel::Pass(entry_point);
-            out.extend(self.dispatch(kernel, PLAIN_PASS, by_substep, &lanes));
+            // The number of the round, as far as the kernel does not count it.
+            let pass = PassUniform {
+                color: u32::from(self.is_later_round),
+                ..PLAIN_PASS
+            };
+            out.extend(self.dispatch(kernel, pass, by_substep, &lanes));
         }
     }
 

@@ -70,6 +70,8 @@ pub(super) struct Program {
 pub(super) struct Compiler<'a> {
     bodies: &'a [Stepped<'a>],
     pub(super) workgroup: u32,
+    /// Whether dispatches are those of a second or later round of an iteration.
+    pub(super) is_later_round: bool,
     program: Program,
 }
 
@@ -79,6 +81,7 @@ impl Program {
         let mut compiler = Compiler {
             bodies,
             workgroup: lanes.pass,
+            is_later_round: false,
             program: Self {
                 substeps,
                 iterations: bodies.first().map_or(0, |b| b.plan.iterations()),
@@ -92,7 +95,9 @@ impl Program {
         let iteration = compiler.merged(StepPlan::iteration);
         compiler.program.iteration = compiler.dispatches(&iteration);
         let round = compiler.merged(StepPlan::contact_round);
+        compiler.is_later_round = true;
         compiler.program.contact_round = compiler.dispatches(&round);
+        compiler.is_later_round = false;
         let epilogue = compiler.merged(StepPlan::epilogue);
         compiler.program.epilogue = compiler.dispatches(&epilogue);
         compiler.bounds();
@@ -104,6 +109,7 @@ impl Program {
         let mut compiler = Compiler {
             bodies: &[],
             workgroup,
+            is_later_round: false,
             program: Self::default(),
         };
         compiler.bounds_of(&[(slot, vertices)]);

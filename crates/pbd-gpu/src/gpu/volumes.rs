@@ -142,12 +142,14 @@ fn push_volumes(entries: &mut Vec<Entry>, set: &VolumeSet) -> u32 {
         let center = set.spokes[piece.first].vertex.0;
         let numbers = [piece.rest.to_bits(), piece.reach.to_bits()];
         entries.extend([[chunks, count], numbers, [0, 0], [center, 0]]);
+        entries.extend([[0, 0]; 4]);
         chunks += count;
     }
     for (number, piece) in (0..).zip(set.pieces()) {
         for first in (piece.first..piece.end).step_by(CHUNK) {
             let spokes = index_u32(CHUNK.min(piece.end - first));
-            entries.extend([[index_u32(first), spokes], [number, 0], [0, 0], [0, 0]]);
+            entries.extend([[index_u32(first), spokes], [number, 0]]);
+            entries.extend([[0, 0]; 4]);
         }
     }
     let spokes = set.spokes.iter();

@@ -23,7 +23,9 @@
 //!
 //! `steps` decides how much of an error a substep corrects.
 
+mod motion;
 pub(crate) mod steps;
+mod tree;
 
 use super::colliders::{TOUCH, separation, touches};
 use super::particle_state::{ParticleState, ParticleStates};
@@ -33,11 +35,13 @@ use crate::parallel::Leader;
 use crate::parallel::passes::volume_gradients;
 use crate::step::constants::VolumeProjection;
 use incise_mesh::VertexId;
+pub(crate) use motion::Round;
 use pulp::{Arch, NullaryFnOnce};
 use std::cell::Cell;
 use std::ops::Range;
 pub(crate) use steps::{LOADS, RECOVERY};
 use steps::{greater, recovery, steps};
+use tree::{total_of, tree};
 
 /// Leaves of a reduction tree.
 pub(crate) const CHUNK: usize = 256;
@@ -57,12 +61,14 @@ pub(crate) struct VolumeScratch {
     gradients: Vec<[f32; 4]>,
     /// Sums of the chunks of the current piece, shape \[chunks\].
     partial: Vec<Sums>,
+    /// The same for its motion.
+    motions: Vec<[f32; 4]>,
 }
 
 impl VolumeScratch {
     /// Returns the allocated size in elements.
     pub(crate) fn capacity(&self) -> usize {
-        self.gradients.capacity() + self.partial.capacity()
+        self.gradients.capacity() + self.partial.capacity() + self.motions.capacity()
     }
 }
 
@@ -102,11 +108,12 @@ pub(crate) fn volumes(
     (leader, arch): (&mut Leader<'_>, Arch),
     (particles, velocities): (ParticleStates<'_>, &[[f32; 4]]),
     set: &mut VolumeSet,
-    (by, obstacles): (VolumeProjection, VolumeObstacles<'_>),
+    (by, round, obstacles): (VolumeProjection, Round, VolumeObstacles<'_>),
     scratch: &mut VolumeScratch,
 ) -> f32 {
     let mut max_change = 0.0;
-    for (piece, lambda) in set.pieces.iter().zip(&mut set.lambda) {
+    let states = set.lambda.iter_mut().zip(&mut set.displacements);
+    for (piece, (lambda, displacement)) in set.pieces.iter().zip(states) {
         let spokes = &set.spokes[piece.first..piece.end];
         let chunks = spokes.len().div_ceil(CHUNK);
         scratch.gradients.resize(spokes.len(), [0.0; 4]);
@@ -135,6 +142,10 @@ pub(crate) fn volumes(
         if by.accumulates_lambda {
             *lambda -= steps[0];
         }
+        if round.has_others() {
+            let spokes = (spokes, by.sink);
+            round.proceed(particles, spokes, displacement, &mut scratch.motions);
+        }
         let reacts = steps[0] < 0.0 && piece.reach > by.sink;
         apply(input, spokes, (&scratch.gradients, steps), reacts);
         max_change = greater(max_change, steps[1].abs() * sums[2]);
@@ -157,7 +168,7 @@ fn sum<const BEFORE: bool>(
         partial: Cell::from_mut(&mut *scratch.partial).as_slice_of_cells(),
     };
     volume_gradients(leader, arch, gradients);
-    total_of(&scratch.partial)
+    total_of(&scratch.partial, greater)
 }
 
 /// Computes gradients and sums of chunks.
@@ -201,7 +212,7 @@ impl<const BEFORE: bool> NullaryFnOnce for VolumeGradients<'_, BEFORE> {
                     column[i] = sum;
                 }
             }
-            partial.set(tree(&mut columns, spokes.len()));
+            partial.set(tree(&mut columns, spokes.len(), greater));
         }
     }
 }
@@ -286,47 +297,6 @@ impl VolumeObstacles<'_> {
         }
         free
     }
-}
-
-/// Returns the sums of the first `leaves` leaves.
-#[inline(always)]
-fn tree(columns: &mut [[f32; CHUNK]; 3], leaves: usize) -> Sums {
-    let mut width = leaves.next_power_of_two();
-    for column in columns.iter_mut() {
-        column[leaves..width].fill(0.0);
-    }
-    while width > 1 {
-        width /= 2;
-        let [place, weight, most] = columns;
-        for column in [place, weight] {
-            let (low, high) = column.split_at_mut(width);
-            for (low, high) in low.iter_mut().zip(high) {
-                *low += *high;
-            }
-        }
-        let (low, high) = most.split_at_mut(width);
-        for (low, high) in low.iter_mut().zip(high) {
-            *low = greater(*low, *high);
-        }
-    }
-    [0, 1, 2].map(|k| columns[k][0])
-}
-
-/// Returns the sums of all chunks; leaf i holds chunks i, i + [`CHUNK`] and so on.
-#[inline(always)]
-fn total_of(partial: &[Sums]) -> Sums {
-    if let [only] = partial {
-        return *only;
-    }
-    let mut columns = [[0.0; CHUNK]; 3];
-    for row in partial.chunks(CHUNK) {
-        for (i, [place, weight, most]) in row.iter().enumerate() {
-            columns[0][i] += place;
-            columns[1][i] += weight;
-            columns[2][i] = greater(columns[2][i], *most);
-        }
-    }
-    tree(&mut columns, partial.len().min(CHUNK))
 }
 
 /// Moves the vertices of a piece by the steps of displacements and of positions.

@@ -1,5 +1,5 @@
-// WGSL counterpart of `volume.rs` and `volume/steps.rs`, which explain the formulas and the order
-// of sums.
+// WGSL counterpart of `volume.rs` and its modules, which explain the formulas and the order of
+// sums.
 //
 // Gradients are stored in the velocities, which are unused between predict() and integrate().
 
@@ -7,6 +7,7 @@ const SIXTH: f32 = 0.16666667;
 const THIRD: f32 = 0.33333334;
 const AREA: f32 = 0.75;
 const CRUSHED: f32 = 60.0;
+const STEP: f32 = 0.125;
 const PRESS: f32 = 0.125;
 const EASE: f32 = 8.0;
 
@@ -80,16 +81,18 @@ fn previous_corner(h: u32) -> u32 {
     return select(h - 1u, h + 2u, h % 3u == 0u);
 }
 
-fn add_leaves(a: vec4f, b: vec4f) -> vec4f {
-    return vec4f(a.x + b.x, a.y + b.y, a.z + b.z, select(a.w, b.w, b.w > a.w));
+// Adds leaves. The last component is a maximum, in leaves of motions a sum.
+fn add_leaves(a: vec4f, b: vec4f, are_motions: bool) -> vec4f {
+    let most = select(a.w, b.w, b.w > a.w);
+    return vec4f(a.xyz + b.xyz, select(most, a.w + b.w, are_motions));
 }
 
 // Sums the leaves into the first one; all lanes must call it.
-fn sum_leaves(lane: u32, lanes: u32) {
+fn sum_leaves(lane: u32, lanes: u32, are_motions: bool) {
     workgroupBarrier();
     for (var width = CHUNK / 2u; width > 0u; width /= 2u) {
         for (var i = lane; i < width; i += lanes) {
-            store_leaf(i, add_leaves(load_leaf(i), load_leaf(i + width)));
+            store_leaf(i, add_leaves(load_leaf(i), load_leaf(i + width), are_motions));
         }
         workgroupBarrier();
     }
@@ -129,29 +132,83 @@ fn sum_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
         }
         store_leaf(i, leaf);
     }
-    sum_leaves(lane, lanes);
+    sum_leaves(lane, lanes, false);
+    store_sums(chunk + 2u, lane);
+    if (frame.contact_rounds > 1u) {
+        for (var i = lane; i < CHUNK; i += lanes) {
+            var leaf = vec4f();
+            if (i < spokes.y) {
+                let v = constraints[body.first_spoke + spokes.x + i].x;
+                let w = load_x(v).w;
+                let mass = select(0.0, 1.0 / w, w > 0.0);
+                leaf = vec4f(mass * load_d(v), mass);
+            }
+            store_leaf(i, leaf);
+        }
+        sum_leaves(lane, lanes, true);
+        store_sums(chunk + 4u, lane);
+    }
+}
+
+// Stores the first leaf in two entries.
+fn store_sums(first: u32, lane: u32) {
     if (lane == 0u) {
         let sums = bitcast<vec4u>(load_leaf(0u));
-        constraints[chunk + 2u] = sums.xy;
-        constraints[chunk + 3u] = sums.zw;
+        constraints[first] = sums.xy;
+        constraints[first + 1u] = sums.zw;
     }
+    workgroupBarrier();
+}
+
+// Sums the two entries from `place` on of the chunks of a piece into the first leaf.
+fn sum_chunks(body: Body, chunks: vec2u, place: u32, lane: u32, lanes: u32) {
+    let are_motions = place == 4u;
+    for (var i = lane; i < CHUNK; i += lanes) {
+        var leaf = vec4f();
+        for (var k = i; k < chunks.y; k += CHUNK) {
+            let sums = body.first_chunk + CHUNK_ENTRIES * (chunks.x + k) + place;
+            let chunk = vec4u(constraints[sums], constraints[sums + 1u]);
+            leaf = add_leaves(leaf, bitcast<vec4f>(chunk), are_motions);
+        }
+        store_leaf(i, leaf);
+    }
+    sum_leaves(lane, lanes, are_motions);
+}
+
+// Computes the motion of a piece to the next round, of which the first one of an iteration has
+// none, and stores its mean displacement.
+fn proceed(piece: u32, is_first: bool, sink: f32) {
+    let sums = load_leaf(0u);
+    let mean = select(vec3f(), sums.xyz / sums.w, sums.w > 0.0);
+    let last = constraints[piece + 5u];
+    let moved = mean - bitcast<vec3f>(vec3u(constraints[piece + 4u], last.x));
+    let round = select(last.y + 1u, 0u, is_first);
+    var factor = select(0.0, (f32(round) - 1.0) / (f32(round) + 2.0), round > 1u);
+    let square = moved.x * moved.x + moved.y * moved.y + moved.z * moved.z;
+    let length = factor * sqrt(square);
+    let most = STEP * sink;
+    factor = select(factor, factor * (most / length), length > most);
+    let more = bitcast<vec3u>(factor * moved);
+    let now = bitcast<vec3u>(mean);
+    constraints[piece + 4u] = now.xy;
+    constraints[piece + 5u] = vec2u(now.z, round);
+    constraints[piece + 6u] = more.xy;
+    constraints[piece + 7u] = vec2u(more.z, 0u);
 }
 
 // Sums the chunks of a piece and computes its steps against the gradients. The body's slot is that
 // of its report.
-fn step_piece(body: Body, slot: u32, number: u32, lane: u32, lanes: u32) {
+fn step_piece(body: Body, slot: u32, number: u32, is_first: bool, lane: u32, lanes: u32) {
     let piece = body.first_piece + PIECE_ENTRIES * number;
     let chunks = constraints[piece];
-    for (var i = lane; i < CHUNK; i += lanes) {
-        var leaf = vec4f();
-        for (var k = i; k < chunks.y; k += CHUNK) {
-            let sums = body.first_chunk + CHUNK_ENTRIES * (chunks.x + k) + 2u;
-            let chunk = vec4u(constraints[sums], constraints[sums + 1u]);
-            leaf = add_leaves(leaf, bitcast<vec4f>(chunk));
+    if (frame.contact_rounds > 1u) {
+        sum_chunks(body, chunks, 4u, lane, lanes);
+        if (lane == 0u) {
+            proceed(piece, is_first, body.volume_sink);
         }
-        store_leaf(i, leaf);
+        workgroupBarrier();
     }
-    sum_leaves(lane, lanes);
+    sum_chunks(body, chunks, 2u, lane, lanes);
     if (lane == 0u) {
         let keeps = (body.flags & KEEPS_VOLUME) != 0u;
         let numbers = bitcast<vec2f>(constraints[piece + 1u]);
@@ -234,10 +291,15 @@ fn move_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
     let shift = bitcast<f32>(constraints[piece + 3u].y);
     let reach = bitcast<f32>(constraints[piece + 1u].y);
     let reacts = step < 0.0 && reach > body.volume_sink;
+    let has_others = frame.contact_rounds > 1u;
+    let more = bitcast<vec3f>(vec3u(constraints[piece + 6u], constraints[piece + 7u].x));
     for (var i = lane; i < spokes.y; i += lanes) {
         let v = constraints[body.first_spoke + spokes.x + i].x;
         let g = velocities[first_vertex + v].xyz;
         let x = load_x(v);
+        if (has_others && x.w > 0.0) {
+            store_d(v, load_d(v) + more);
+        }
         var free = g;
         if (!reacts || shift != 0.0) {
             free = free_gradient(body, v, g);

@@ -6,7 +6,7 @@
 use crate::constraints::batches::{Batch, BendingSet, StretchSet};
 use crate::constraints::contacts::{ContactRecord, ContactSet, UNCOLORED};
 use crate::kernels::particle_state::{ParticleState, ParticleStates};
-use crate::kernels::volume::VolumeScratch;
+use crate::kernels::volume::{Round, VolumeScratch};
 use crate::kernels::{contact_features, contacts};
 use crate::parallel::passes::{is_shared, sweep_contacts};
 use crate::parallel::{Leader, with_team};
@@ -216,11 +216,13 @@ impl NullaryFnOnce for Frame<'_, '_> {
                     &[None, None]
                 };
                 let rounds = if kind == 1 { contact_rounds } else { 1 };
-                for round in 0..rounds {
+                for number in 0..rounds {
+                    let count = rounds;
+                    let round = Round { number, count };
                     for ends in stages.windows(2) {
                         // Contacts follow the projections of lengths in the first round only.
-                        if round == 0 || ends[0].is_some() {
-                            self.run_stage(part, [ends[0], ends[1]], substep)?;
+                        if number == 0 || ends[0].is_some() {
+                            self.run_stage((part, round), [ends[0], ends[1]], substep)?;
                         }
                         if let Some(pass) = ends[1] {
                             self.run_contacts(pass, substep);
@@ -250,7 +252,7 @@ impl Frame<'_, '_> {
     #[inline(always)]
     fn run_stage(
         &mut self,
-        part: u32,
+        (part, round): (u32, Round),
         [after, before]: [Option<Pass>; 2],
         substep: u32,
     ) -> Result<(), NonFinite> {
@@ -269,6 +271,7 @@ impl Frame<'_, '_> {
                 leader: &mut *self.leader,
                 arch: self.arch,
                 substeps_left: self.substeps.end - substep,
+                round,
                 time: time_after(substep, member),
                 stats: &mut member.stats,
                 lowest: &mut member.lowest,

@@ -7,7 +7,7 @@ use crate::kernels::bending::Bending;
 use crate::kernels::block::dispatch;
 use crate::kernels::particle_state::ParticleStates;
 use crate::kernels::stretch::Stretch;
-use crate::kernels::volume::{self, VolumeScratch};
+use crate::kernels::volume::{self, Round, VolumeScratch};
 use crate::kernels::{attachments, colliders, ground, integrate, pins, predict};
 use crate::parallel::Leader;
 use crate::parallel::passes::{sweep_color, sweep_patches};
@@ -31,6 +31,7 @@ pub(super) struct BodyStep<'a, 'b, 'c> {
     pub(super) leader: &'a mut Leader<'c>,
     pub(super) arch: Arch,
     pub(super) substeps_left: u32,
+    pub(super) round: Round,
     /// Time of the frame at the end of the substep \[s\].
     pub(super) time: f32,
     pub(super) stats: &'a mut StepStats,
@@ -180,7 +181,7 @@ impl BodyStep<'_, '_, '_> {
                     (leader, *arch),
                     (particles, v),
                     body.volumes,
-                    (constants.volume, obstacles),
+                    (constants.volume, self.round, obstacles),
                     self.volume_scratch,
                 );
                 stats.max_displacement += change;

@@ -6,6 +6,9 @@
 //! part of the impulse that is proportional to its mass. A thin piece between heavy ones would be
 //! flat, or turned inside out, before they have stopped. More substeps would help as much, but
 //! constraints are stiffer in shorter substeps, and what they correct at once throws pieces.
+//!
+//! Rounds accelerate each other, see [`Round`](crate::kernels::volume::Round). Where a piece is
+//! heavy, their number grows with the root of that of plain rounds.
 
 use crate::constraints::contacts::Press;
 use crate::step::substeps::fall;
@@ -14,11 +17,17 @@ use crate::step::substeps::fall;
 /// one and their masses.
 const MAX_APPROACH: f64 = 0.1;
 
-/// Maximum fall from rest per substep and round of a piece that presses, likewise.
+/// Maximum number of rounds by the approach.
+const MAX_FOR_APPROACH: f64 = 8.0;
+
+/// Maximum fall from rest per substep and plain round of a piece that presses, likewise.
 const MAX_FALL: f64 = 0.0003;
 
+/// Number of accelerated rounds, relative to the root of the number of plain ones.
+const ACCELERATED: f64 = 3.0;
+
 /// Maximum number of rounds.
-const MAX_ROUNDS: f64 = 8.0;
+const MAX_ROUNDS: f64 = 24.0;
 
 /// Returns the number of rounds of an iteration in substeps of `h` \[s\], with gravity [m/s^2].
 #[expect(
@@ -30,7 +39,10 @@ pub(crate) fn contact_rounds(h: f32, press: Press, gravity: [f32; 3]) -> u32 {
     let h = f64::from(h);
     let fall = fall(h, gravity) * f64::from(press.load);
     let approach = h * f64::from(press.closing);
-    let rounds = f64::max(fall / MAX_FALL, approach / MAX_APPROACH);
+    let plain = fall / MAX_FALL;
+    let for_fall = plain.min(ACCELERATED * plain.sqrt());
+    let for_approach = (approach / MAX_APPROACH).min(MAX_FOR_APPROACH);
+    let rounds = f64::max(for_fall, for_approach);
     rounds.ceil().clamp(1.0, MAX_ROUNDS) as u32
 }
 
@@ -39,12 +51,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn thin_and_light_pieces_have_up_to_eight_rounds() {
+    fn thin_and_light_pieces_have_more_rounds() {
         let of = |load, closing| contact_rounds(0.1, Press { load, closing }, [0.0, -6.0, 8.0]);
         let closing = [0.0, 0.9, 1.1, 2.9, 3.1, 1e30].map(|closing| of(0.0, closing));
         assert_eq!(closing, [1, 1, 2, 3, 4, 8], "a tenth of the thickness");
-        let load = [0.002, 0.004, 0.007, 1e30].map(|load| of(load, 0.0));
-        assert_eq!(load, [1, 2, 3, 8], "a fall of 0.1 m by 0.0003");
+        let load = [0.002, 0.004, 0.007].map(|load| of(load, 0.0));
+        assert_eq!(load, [1, 2, 3], "a fall of 0.1 m by 0.0003");
+        let load = [0.0269, 0.0479, 0.191, 1e30].map(|load| of(load, 0.0));
+        assert_eq!(load, [9, 12, 24, 24], "three times the root");
         assert_eq!(of(0.004, 3.1), 4);
     }
 }

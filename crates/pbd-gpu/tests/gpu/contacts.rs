@@ -119,8 +119,9 @@ fn equal(context: Context, model: Model, schedule: Schedule) {
         // None at first and in between, then more than there was room for.
         let count = [0, 5, 40, 0, 200, 3][frame as usize % 6];
         let mut list = contacts(&twin.on_cpu, &mut random, count);
-        let closing = if frame % 3 == 1 { 100.0 } else { 0.0 };
-        let press = Press { load: 0.0, closing };
+        // One round, eight and 24.
+        let [closing, load] = [[0.0, 0.0], [100.0, 0.0], [0.0, 1e9]][frame as usize % 3];
+        let press = Press { load, closing };
         list.iter_mut().for_each(|c| c.press = press);
         twin.cpu.set_contacts(&list).expect("vertices of the body");
         twin.solver

@@ -17,6 +17,7 @@ mod save;
 mod sheets;
 mod sleep;
 mod sleep_long;
+mod slices;
 mod undo_in_motion;
 mod undo_stack;
 mod walls;

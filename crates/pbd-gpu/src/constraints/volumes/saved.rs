@@ -94,6 +94,7 @@ impl VolumeSet {
         if first != saved.vertices.len() || set.lambda.len() != set.pieces.len() || !is_finite {
             return broken("a piece has vertices and one multiplier", None);
         }
+        set.displacements.resize(set.pieces.len(), [0.0; 3]);
         set.find_rings(topology);
         Ok(set)
     }

@@ -105,8 +105,9 @@ struct Projection {
 // - bending constraint: (v0, v1), (v2, v3), (rest, multiplier)
 // - pin: (vertex, x), (y, z)
 // - long range attachment: (vertex, anchor), (length, 0)
-// - piece: (first chunk, chunks), (rest, reach), (multiplier, step), (center, step of positions)
-// - chunk: (first spoke, spokes), (piece, 0), then four sums
+// - piece: (first chunk, chunks), (rest, reach), (multiplier, step), (center, step of positions),
+//   mean displacement and number of the round, motion of the round and 0
+// - chunk: (first spoke, spokes), (piece, 0), then four sums, then four sums of the motion
 // - spoke: (vertex, half-edge)
 // - corner: (origin, twin)
 // - contact: 11 entries as in contacts.rs

@@ -53,7 +53,7 @@ fn step_volumes(
     let body = bodies[work.body];
     let piece = work.first_lane / WORKGROUP_SIZE;
     if (piece < body.pieces) {
-        step_piece(body, work.body, piece, lane, WORKGROUP_SIZE);
+        step_piece(body, work.body, piece, current.color == 0u, lane, WORKGROUP_SIZE);
     }
 }
 

@@ -62,14 +62,14 @@ fn project_overflow(body: Body, kind: u32, layer: u32, lane: u32) {
 }
 
 // Projects the volumes of all pieces. Lanes exchange sums of chunks and pieces through the buffer.
-fn project_volumes(body: Body, slot: u32, lane: u32) {
+fn project_volumes(body: Body, slot: u32, is_first: bool, lane: u32) {
     for (var chunk = 0u; chunk < body.chunks; chunk++) {
         sum_chunk(body, chunk, lane, WORKGROUP_SIZE);
         workgroupBarrier();
     }
     storageBarrier();
     for (var piece = 0u; piece < body.pieces; piece++) {
-        step_piece(body, slot, piece, lane, WORKGROUP_SIZE);
+        step_piece(body, slot, piece, is_first, lane, WORKGROUP_SIZE);
         workgroupBarrier();
     }
     storageBarrier();
@@ -185,7 +185,7 @@ fn whole_body(
                     if (frame.has_ground != 0u) {
                         lift_volumes(body, lane);
                     }
-                    project_volumes(body, work.body, lane);
+                    project_volumes(body, work.body, round == 0u, lane);
                 }
                 if (body.contacts != 0u) {
                     project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);
