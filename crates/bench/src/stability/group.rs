@@ -256,7 +256,7 @@ impl Group {
         Ok(most)
     }
 
-    /// Returns the largest depth of a vertex in another part \[m\].
+    /// Returns the largest depth of a vertex in another part, which must be closed \[m\].
     ///
     /// # Errors
     /// As [`Group::vertices`].
@@ -283,8 +283,12 @@ impl Group {
                 let reach = boxes[j].diagonal();
                 let is_other = |t: TriangleId| surface.piece(t) == other.piece;
                 for &p in points {
+                    // Folded surfaces have no normals that tell their inside.
+                    if tree.winding_number(surface, p, is_other) == 0 {
+                        continue;
+                    }
                     if let Some(found) = tree.nearest(surface, p, reach, is_other) {
-                        depth = larger(depth, -found.distance);
+                        depth = larger(depth, found.distance.abs());
                     }
                 }
             }
