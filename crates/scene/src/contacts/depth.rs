@@ -142,16 +142,29 @@ impl Search<'_> {
     }
 
     /// Returns the maximum depth of the first piece in the second one \[m\], 0 without an overlap.
-    pub(super) fn depth(&self, pieces: [PieceId; 2], start: usize) -> f64 {
+    ///
+    /// It is measured at points that a search samples; if none is deep, at all vertices.
+    pub(super) fn depth(&self, pieces: [PieceId; 2], search: usize) -> f64 {
+        let Some((body, _)) = self.body_of(pieces[0]) else {
+            return 0.0;
+        };
+        let vertices = self.vertices(pieces[0]);
+        let sampled = sampled(vertices, (MEASURED, search));
+        let depth = self.maximum(pieces, sampled.flat_map(|v| points_at(body.surface(), v)));
+        if depth > 0.0 {
+            return depth;
+        }
+        self.maximum(pieces, vertices.iter().copied().map(Point::Vertex))
+    }
+
+    /// Returns the maximum depth of points of the first piece in the second one \[m\].
+    fn maximum(&self, pieces: [PieceId; 2], points: impl Iterator<Item = Point>) -> f64 {
         let (Some((body, _)), Some(other)) = (self.body_of(pieces[0]), self.index_of(pieces[1]))
         else {
             return 0.0;
         };
         let other = self.pieces.get(other);
-        let surface = body.surface();
-        let sampled = sampled(self.vertices(pieces[0]), (MEASURED, start));
-        let points = sampled.flat_map(|v| points_at(surface, v));
-        let inside = points.filter(|point| other.contains(point.position(surface), 0.0));
+        let inside = points.filter(|point| other.contains(point.position(body.surface()), 0.0));
         let depths = inside.filter_map(|point| self.depth_of(pieces, point));
         depths.fold(0.0, f64::max)
     }

@@ -306,6 +306,31 @@ fn cubes_separate_from_any_depth() {
     }
 }
 
+/// Regression: the next measurement often missed a single deep vertex. The pieces fell into each
+/// other again, and slept so.
+#[test]
+fn a_single_deep_vertex_is_followed_until_it_is_out() {
+    let mut ball = icosphere(3, 1.0);
+    let rest = ball.rest_positions_mut();
+    let x = |p: &&mut [f32; 3]| p[0];
+    let tip = rest.iter_mut().max_by(|a, b| x(a).total_cmp(&x(b)));
+    tip.unwrap()[0] *= 1.5;
+    let mut scene = weightless();
+    let ball = add(&mut scene, &ball, [0.0; 3], 0.5);
+    let block = add(&mut scene, &cube(1), [0.75, 0.003, 0.005], 0.085);
+    let start = between(&scene, [ball, block]);
+    let mut moving = 0;
+    for _ in 0..200 {
+        scene.step().unwrap();
+        moving += u32::from((between(&scene, [ball, block]) - start).norm() > 1e-3);
+        if inside(&scene, [ball, block], 0.02) == 0 {
+            break;
+        }
+    }
+    // A diagonal of the block per second.
+    assert!((1..25).contains(&moving), "{moving} frames");
+}
+
 /// Returns a wavy plate of 1 cm by 80 um, in four pieces by two oblique cuts.
 fn plate_in_pieces() -> Surface {
     let mut plate = icosphere(4, 0.5);
