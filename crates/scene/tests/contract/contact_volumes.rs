@@ -1,10 +1,10 @@
 //! Volume constraints hold while pieces are in contact, also after impacts.
 
-use crate::contacts::merged;
+use crate::contacts::{above, merged, with_springs};
 use incise_cut::Sweep;
 use incise_mesh::{Surface, TriangleId, VertexId, cube_sphere, icosphere};
 use incise_models::{Model, build_model};
-use incise_pbd_gpu::{Collider, InteriorSprings, Material, SolverParams, Volume};
+use incise_pbd_gpu::{Collider, Material, SolverParams};
 use incise_scene::{BodyId, ContactParams, Scene, SceneParams, SleepParams};
 use incise_test_support::materials::firm;
 use incise_test_support::surfaces::scaled;
@@ -13,14 +13,7 @@ use std::f32::consts::TAU;
 /// Regression: when contacts were projected only after volumes, a crushed piece inverted.
 #[test]
 fn pieces_that_fall_onto_each_other_keep_their_volumes() {
-    let mut scene = Scene::new(SceneParams {
-        solver: SolverParams {
-            ground: Some(-0.6),
-            ..SolverParams::default()
-        },
-        contacts: Some(ContactParams::default()),
-        ..SceneParams::default()
-    });
+    let mut scene = above(-0.6);
     let id = scene
         .add_body(build_model(Model::Banana), &firm(0.5, 0.0))
         .unwrap();
@@ -60,14 +53,7 @@ fn star() -> Surface {
 /// Regression: thin pieces between others turned inside out in an impact, to -0.9 of their volumes.
 #[test]
 fn pieces_of_seven_cuts_in_flight_do_not_turn_inside_out() {
-    let mut scene = Scene::new(SceneParams {
-        solver: SolverParams {
-            ground: Some(-1.5),
-            ..SolverParams::default()
-        },
-        contacts: Some(ContactParams::default()),
-        ..SceneParams::default()
-    });
+    let mut scene = above(-1.5);
     let id = scene.add_body(star(), &Material::soft_body()).unwrap();
     for (normal, offset) in [
         ([-0.5127, 0.3423, 0.7874], -0.010982),
@@ -100,28 +86,11 @@ fn pieces_of_seven_cuts_in_flight_do_not_turn_inside_out() {
     }
 }
 
-/// Returns a material with a volume and interior springs.
-fn with_springs() -> Material {
-    Material {
-        volume: Some(Volume::default()),
-        interior_springs: Some(InteriorSprings::default()),
-        ..Material::default()
-    }
-}
-
 /// Regression: three plates of 3 % of a half were crushed under the weight of the halves and turned
 /// inside out within a second.
 #[test]
 fn upright_plates_between_the_halves_of_a_ball_keep_their_volumes() {
-    let mut scene = Scene::new(SceneParams {
-        solver: SolverParams {
-            ground: Some(-1.0),
-            substeps: 16,
-            ..SolverParams::default()
-        },
-        contacts: Some(ContactParams::default()),
-        ..SceneParams::default()
-    });
+    let mut scene = above(-1.0);
     let id = scene
         .add_body(build_model(Model::Sphere768), &with_springs())
         .unwrap();
@@ -174,14 +143,7 @@ fn stack() -> Surface {
 /// Regression: four of the five blocks inverted and stayed so.
 #[test]
 fn a_stack_recovers_its_volumes_after_an_impact() {
-    let mut scene = Scene::new(SceneParams {
-        solver: SolverParams {
-            ground: Some(0.0),
-            ..SolverParams::default()
-        },
-        contacts: Some(ContactParams::default()),
-        ..SceneParams::default()
-    });
+    let mut scene = above(0.0);
     let id = scene.add_body(stack(), &firm(0.5, 0.0)).unwrap();
     let whole = scene.body(id).unwrap().surface().piece_volumes();
     let (solver, surface) = scene.edit(id).unwrap().solver_mut();
@@ -206,14 +168,7 @@ fn a_column_of_slabs_keeps_its_volumes_in_an_impact() {
     let surface = build_model(Model::Bunny);
     let bounds = surface.bounds();
     let [low, high] = [bounds.min[1], bounds.max[1]];
-    let mut scene = Scene::new(SceneParams {
-        solver: SolverParams {
-            ground: Some(low - 0.2),
-            ..SolverParams::default()
-        },
-        contacts: Some(ContactParams::default()),
-        ..SceneParams::default()
-    });
+    let mut scene = above(low - 0.2);
     let id = scene.add_body(surface, &with_springs()).unwrap();
     for i in 1..SLABS {
         let y = low + (high - low) * f32::from(i) / f32::from(SLABS);

@@ -29,6 +29,27 @@ pub(crate) fn params(gravity: [f32; 3], ground: Option<f32>) -> SceneParams {
     }
 }
 
+/// Returns an empty scene with contacts and a ground at a height \[m\].
+pub(crate) fn above(ground: f32) -> Scene {
+    Scene::new(SceneParams {
+        solver: SolverParams {
+            ground: Some(ground),
+            ..SolverParams::default()
+        },
+        contacts: Some(ContactParams::default()),
+        ..SceneParams::default()
+    })
+}
+
+/// Returns a material with a volume and interior springs.
+pub(crate) fn with_springs() -> Material {
+    Material {
+        volume: Some(Volume::default()),
+        interior_springs: Some(InteriorSprings::default()),
+        ..Material::default()
+    }
+}
+
 /// Returns the surfaces as components of one.
 pub(crate) fn merged(parts: &[Surface]) -> Surface {
     let (mut corners, mut faces) = (Vec::new(), Vec::new());

@@ -1,10 +1,9 @@
 //! Thin slices carry the block that they were cut from.
 
-use crate::contacts::merged;
+use crate::contacts::{above, merged, with_springs};
 use incise_cut::Sweep;
 use incise_mesh::{Surface, cube_sphere};
-use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Volume};
-use incise_scene::{BodyId, ContactParams, Scene, SceneParams};
+use incise_scene::{BodyId, Scene};
 
 /// Height of a slice \[m\].
 const THICKNESS: f64 = 0.02;
@@ -22,20 +21,8 @@ fn cube(bottom: f32) -> Surface {
 
 /// Adds the cube to a scene with a ground at 0, after some frames cut into slices from below.
 fn sliced(bottom: f32, frames: u32, slices: u32) -> (Scene, BodyId) {
-    let mut scene = Scene::new(SceneParams {
-        solver: SolverParams {
-            ground: Some(0.0),
-            ..SolverParams::default()
-        },
-        contacts: Some(ContactParams::default()),
-        ..SceneParams::default()
-    });
-    let material = Material {
-        volume: Some(Volume::default()),
-        interior_springs: Some(InteriorSprings::default()),
-        ..Material::default()
-    };
-    let id = scene.add_body(cube(bottom), &material).unwrap();
+    let mut scene = above(0.0);
+    let id = scene.add_body(cube(bottom), &with_springs()).unwrap();
     for _ in 0..frames {
         scene.step().unwrap();
     }

@@ -1,9 +1,10 @@
 //! An undo joins pieces that have moved apart, and adds no energy.
 
+use crate::contacts::above;
 use incise_mesh::{Surface, Undo};
 use incise_models::{Model, build_model};
-use incise_pbd_gpu::{Material, SolverParams};
-use incise_scene::{BodyId, ContactParams, Scene, SceneParams};
+use incise_pbd_gpu::Material;
+use incise_scene::{BodyId, Scene};
 
 /// Gravitational acceleration [m/s^2].
 const G: f64 = 9.81;
@@ -11,14 +12,7 @@ const G: f64 = 9.81;
 /// Returns a scene in which a falling body has just been cut, and the undo of the cut.
 fn cut_in_flight(surface: Surface) -> (Scene, BodyId, Undo) {
     let bounds = surface.bounds();
-    let mut scene = Scene::new(SceneParams {
-        solver: SolverParams {
-            ground: Some(bounds.min[1] - 0.2),
-            ..SolverParams::default()
-        },
-        contacts: Some(ContactParams::default()),
-        ..SceneParams::default()
-    });
+    let mut scene = above(bounds.min[1] - 0.2);
     let id = scene.add_body(surface, &Material::soft_body()).unwrap();
     let middle = (bounds.min[1] + bounds.max[1]) / 2.0;
     let edge = |x: f32, tilt: f32| [[x, middle + tilt, -2.0], [x, middle + tilt, 2.0]];
