@@ -39,7 +39,7 @@ pub use patches::{PATCH_VERTICES, PatchParams};
 pub use solver::SavedSolver;
 pub use solver::Solver;
 pub use step::constants::{Projection, StepConstants, VolumeProjection};
-pub use step::island::{Island, IslandBodies, IslandError};
+pub use step::island::{Island, IslandBody, IslandError};
 pub use step::params::{Integrator, Scheme, SolverParams, StepStats};
 pub use step::pass::{ConstraintKind, Pass};
 pub use step::plan::StepPlan;

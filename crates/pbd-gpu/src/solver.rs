@@ -23,7 +23,7 @@ use crate::particles::{Particles, inverse};
 use crate::patches::PatchParams;
 use crate::step::StepState;
 use crate::step::constants::StepConstants;
-use crate::step::island::{Island, IslandError, Single};
+use crate::step::island::{Island, IslandError};
 use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
 use crate::step::prepare::{Touch, prepare, takes_global_step};
@@ -121,11 +121,11 @@ impl Solver {
         params: &SolverParams,
     ) -> Result<&StepStats, StepError> {
         let mut island = std::mem::take(&mut self.island);
-        let mut body = Single(self, surface);
+        let mut body = [(&mut *self, surface)];
         let done = island.prepare(&mut body, dt, params).and_then(|()| {
-            let mut contacts = std::mem::take(&mut body.0.constraints.contacts);
+            let mut contacts = std::mem::take(&mut body[0].0.constraints.contacts);
             let done = island.run(&mut body, &mut contacts);
-            body.0.constraints.contacts = contacts;
+            body[0].0.constraints.contacts = contacts;
             done
         });
         self.island = island;

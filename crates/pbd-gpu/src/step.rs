@@ -13,6 +13,7 @@ pub(crate) mod rounds;
 #[cfg(feature = "serde")]
 pub(crate) mod saved;
 pub(crate) mod second_order;
+pub(crate) mod stage;
 pub(crate) mod substeps;
 pub(crate) mod sweep;
 

@@ -1,17 +1,20 @@
 //! Passes whose chunks run on several threads.
 
-use super::team::Leader;
+use super::team::{Leader, with_team};
 use crate::constraints::batches::Part;
 use crate::constraints::contacts::ContactRecord;
 use crate::kernels::block::dispatch;
 use crate::kernels::contacts::contacts as project_contacts;
 use crate::kernels::particle_state::ParticleStates;
-use crate::kernels::volume::{CHUNK, VolumeGradients};
+use crate::kernels::volume::{CHUNK, VolumeGradients, VolumeScratch};
 use crate::patches::content::PatchContent;
 use crate::step::constants::Projection;
+use crate::step::stage::{Stage, SteppedBody};
 use crate::step::sweep::{Kernel, PatchSweep, Sweep};
 use pulp::Arch;
 use std::cell::Cell;
+use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Minimum number of elements of a pass for several threads.
 ///
@@ -111,6 +114,50 @@ pub(crate) fn sweep_contacts(
         let facing = &facing[place(range.start)..place(range.end)];
         project_contacts(particles, carried, (contacts, range.start), facing, at);
     });
+}
+
+/// Returns the number of chunks in which a team shares the bodies of an island.
+pub(crate) fn body_chunks(leader: &Leader<'_>) -> usize {
+    match leader.members() {
+        1 => 1,
+        members => members * CHUNKS_PER_MEMBER,
+    }
+}
+
+/// Runs a stage for all small bodies, in one chunk per element of `volumes`.
+///
+/// Returns the first body with a position that is not finite.
+pub(crate) fn share_bodies(
+    leader: &mut Leader<'_>,
+    stage: Stage<'_>,
+    bodies: &mut [SteppedBody<'_>],
+    volumes: &mut [VolumeScratch],
+) -> Option<usize>
+where
+    for<'a> SteppedBody<'a>: Send,
+{
+    let (count, chunks) = (bodies.len(), volumes.len());
+    let failed = AtomicUsize::new(usize::MAX);
+    // A stage of a body writes to its own vertices, and every chunk has its own bodies.
+    let shared = Shared((stage, bodies.as_mut_ptr(), volumes.as_mut_ptr()));
+    leader.run(chunks, &|chunk| {
+        let (stage, bodies, volumes) = *shared.get();
+        let range = count * chunk / chunks..count * (chunk + 1) / chunks;
+        // SAFETY: the range ends within the slice, those of chunks do not overlap, and every chunk
+        // runs once.
+        let bodies =
+            unsafe { std::slice::from_raw_parts_mut(bodies.add(range.start), range.len()) };
+        // SAFETY: `chunk` is less than the length of the slice, and every chunk runs once.
+        let scratch = unsafe { &mut *volumes.add(chunk) };
+        with_team(NonZeroUsize::new(1), |alone| {
+            for body in bodies.iter_mut().filter(|body| !body.is_large) {
+                if !stage.run(body, alone, scratch) {
+                    failed.fetch_min(body.index, Ordering::Relaxed);
+                }
+            }
+        });
+    });
+    Some(failed.into_inner()).filter(|&body| body < count)
 }
 
 /// Computes the gradients of a volume constraint.

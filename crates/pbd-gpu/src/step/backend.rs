@@ -3,19 +3,16 @@
 //! Every body runs the passes of its own plan. Contacts may belong to several bodies: they are
 //! projected once for the island, when all bodies have reached the contact passes.
 
-use crate::constraints::batches::{Batch, BendingSet, StretchSet};
 use crate::constraints::contacts::{ContactRecord, ContactSet, UNCOLORED};
 use crate::kernels::particle_state::{ParticleState, ParticleStates};
 use crate::kernels::volume::{Round, VolumeScratch};
 use crate::kernels::{contact_features, contacts};
-use crate::parallel::passes::{is_shared, sweep_contacts};
+use crate::parallel::passes::{body_chunks, is_shared, share_bodies, sweep_contacts};
 use crate::parallel::{Leader, with_team};
-use crate::step::body::Body;
-use crate::step::body_step::BodyStep;
-use crate::step::island::{IslandBodies, Member};
+use crate::step::island::{IslandBody, Member};
 use crate::step::params::StepStats;
 use crate::step::pass::Pass;
-use crate::step::plan::StepPlan;
+use crate::step::stage::{Stage, SteppedBody, time_after};
 use pulp::{Arch, NullaryFnOnce};
 use std::cell::Cell;
 use std::num::NonZeroUsize;
@@ -31,7 +28,10 @@ pub(crate) struct StepScratch {
     carried: Vec<bool>,
     /// Displacements before the current iteration; empty without a residual.
     before: Vec<[f32; 4]>,
-    volumes: VolumeScratch,
+    /// One per thread's share of the bodies.
+    volumes: Vec<VolumeScratch>,
+    /// Empty between frames.
+    bodies: Vec<SteppedBody<'static>>,
     /// Indices of the contacts of each color that may be active in the substep.
     facing: Vec<Vec<u32>>,
 }
@@ -46,11 +46,13 @@ impl Clone for StepScratch {
 impl StepScratch {
     /// Returns the allocated size in elements.
     pub(crate) fn capacity(&self) -> usize {
+        let volumes = self.volumes.iter().map(VolumeScratch::capacity);
+        let facing = self.facing.iter().map(Vec::capacity);
         self.particles.capacity()
             + self.carried.capacity()
             + self.before.capacity()
-            + self.volumes.capacity()
-            + self.facing.iter().map(Vec::capacity).sum::<usize>()
+            + self.bodies.capacity()
+            + volumes.chain(facing).sum::<usize>()
     }
 }
 
@@ -61,32 +63,12 @@ pub(crate) struct NonFinite {
     pub(crate) substep: u32,
 }
 
-/// Returns the plan and the arrays of a body.
-fn parts<'a>(
-    bodies: &'a mut dyn IslandBodies,
-    i: usize,
-    member: &Member,
-) -> (&'a StepPlan, Body<'a>) {
-    let (solver, surface) = bodies.get(i);
-    let (particles, constraints, step) = solver.step_parts();
-    let mut body = Body::new(particles, constraints, surface);
-    if member.has_own_pins {
-        body.pins = step.history.pins();
-    }
-    #[cfg(feature = "global")]
-    {
-        let is_taken = step.plan.has_global_step();
-        body.global = step.global.as_deref_mut().filter(|_| is_taken);
-    }
-    (&step.plan, body)
-}
-
 /// Steps the bodies of an island by a range of the substeps of a frame, in lockstep.
 ///
 /// The results have the same bits on every machine and any number of threads. The global step
 /// depends on the instruction set.
 pub(crate) fn execute(
-    bodies: &mut dyn IslandBodies,
+    bodies: &mut [IslandBody<'_>],
     members: &mut [Member],
     contacts: &mut ContactSet,
     substeps: Range<u32>,
@@ -96,26 +78,37 @@ pub(crate) fn execute(
         particles,
         carried,
         before,
-        volumes: volume_scratch,
+        volumes,
+        bodies: list,
         facing,
     } = scratch;
     particles.clear();
     let mut colors = contacts.colors.iter().take(UNCOLORED);
-    let has_shared_contacts = colors.any(|contacts| is_shared(contacts.len()));
-    let mut threads = NonZeroUsize::new(1);
-    for (i, member) in members.iter_mut().enumerate() {
-        let (_, body) = parts(bodies, i, member);
-        member.first = particles.len();
-        member.stats = StepStats {
+    let mut has_shared_pass = colors.any(|contacts| is_shared(contacts.len()));
+    let mut stepped: Vec<SteppedBody<'_>> = std::mem::take(list);
+    let mut small = 0;
+    let members = members.iter_mut().enumerate();
+    for ((solver, surface), (index, member)) in bodies.iter_mut().zip(members) {
+        let stats = StepStats {
             substeps: substeps.end - substeps.start,
             ..StepStats::default()
         };
+        (member.first, member.stats) = (particles.len(), stats);
+        let body = SteppedBody::new((index, member), solver, surface);
         let at_start = |&x: &[f32; 4]| ParticleState { x, d: [0.0; 4] };
-        particles.extend(body.positions.iter().map(at_start));
-        if has_shared_contacts || has_shared_pass(&body) {
-            threads = member.constants.threads;
+        particles.extend(body.arrays.positions.iter().map(at_start));
+        if body.is_large {
+            has_shared_pass = true;
+        } else {
+            small += body.arrays.positions.len();
         }
+        stepped.push(body);
     }
+    let shares_bodies = stepped.len() > 1 && is_shared(small);
+    let threads = match stepped.first() {
+        Some(body) if has_shared_pass || shares_bodies => body.member.constants.threads,
+        _ => NonZeroUsize::new(1),
+    };
     carried.clear();
     if !contacts.is_empty() {
         carried.resize(particles.len(), false);
@@ -123,52 +116,53 @@ pub(crate) fn execute(
     }
     let arch = Arch::new();
     let done = with_team(threads, |leader| {
+        let chunks = if shares_bodies {
+            body_chunks(leader)
+        } else {
+            1
+        };
+        if volumes.len() < chunks {
+            volumes.resize_with(chunks, VolumeScratch::default);
+        }
         arch.dispatch(Frame {
-            bodies: &mut *bodies,
-            members,
+            bodies: &mut stepped,
             contacts,
             substeps,
             particles: ParticleStates::new(particles),
             carried: Cell::from_mut(&mut **carried).as_slice_of_cells(),
             before,
-            volume_scratch,
+            volumes: &mut volumes[..chunks],
             facing,
             leader,
             arch,
         })
     });
-    for (i, member) in members.iter().enumerate() {
-        let (_, body) = parts(bodies, i, member);
-        for (x, state) in body.positions.iter_mut().zip(&particles[member.first..]) {
+    for body in &mut stepped {
+        let positions = body.arrays.positions.iter_mut();
+        for (x, state) in positions.zip(&particles[body.member.first..]) {
             *x = state.x;
         }
     }
+    stepped.clear();
+    // Reuses the allocation for later borrows.
+    *list = stepped.into_iter().map_while(|_| None).collect();
     done
-}
-
-/// Returns whether several threads can run a pass of the body.
-fn has_shared_pass(body: &Body<'_>) -> bool {
-    let edges = [Some(&*body.stretch), body.interior_springs.as_deref()];
-    let edges = edges.into_iter().flatten().flat_map(StretchSet::batches);
-    let bending = body.bending.as_deref().map_or(&[][..], BendingSet::batches);
-    let counts = edges.map(Batch::len).chain(bending.iter().map(Batch::len));
-    body.patches.are_shared() || counts.chain([body.volumes.spokes.len()]).any(is_shared)
 }
 
 /// The execution of one frame.
 ///
 /// Passes over vertices are inlined into [`NullaryFnOnce::call`], so that they are compiled for the
 /// instruction set that is detected at run time. Those over constraints are called.
-struct Frame<'a, 'b> {
-    bodies: &'a mut dyn IslandBodies,
-    members: &'a mut [Member],
+struct Frame<'a, 'b, 'c> {
+    bodies: &'a mut [SteppedBody<'c>],
     contacts: &'a mut ContactSet,
     substeps: Range<u32>,
     /// States of the island.
     particles: ParticleStates<'a>,
     carried: &'a [Cell<bool>],
     before: &'a mut Vec<[f32; 4]>,
-    volume_scratch: &'a mut VolumeScratch,
+    /// One per chunk of the bodies.
+    volumes: &'a mut [VolumeScratch],
     /// Shape \[colors\].
     facing: &'a mut [Vec<u32>],
     leader: &'a mut Leader<'b>,
@@ -187,17 +181,18 @@ const CONTACT_PASSES: [&[Option<Pass>]; 3] = [
     &[None, Some(Pass::ContactRecovery), None],
 ];
 
-impl NullaryFnOnce for Frame<'_, '_> {
+impl NullaryFnOnce for Frame<'_, '_, '_> {
     type Output = Result<(), NonFinite>;
 
     #[inline(always)]
     fn call(mut self) -> Self::Output {
         // The bodies have iterations, rounds and residual in common.
-        let Some(first) = self.members.first().copied() else {
+        let Some(first) = self.bodies.first() else {
             return Ok(());
         };
-        let iterations = parts(self.bodies, 0, &first).0.iterations();
-        let contact_rounds = first.constants.contact_rounds;
+        let iterations = first.plan.iterations();
+        let constants = first.member.constants;
+        let contact_rounds = constants.contact_rounds;
         let has_contacts = !self.contacts.is_empty();
         // The prologue, the iterations, the epilogue.
         let last = iterations + 1;
@@ -230,13 +225,13 @@ impl NullaryFnOnce for Frame<'_, '_> {
                     }
                 }
                 part += 1;
-                if let Some(residual) = first.constants.residual
+                if let Some(residual) = constants.residual
                     && part < last
                 {
                     let moved = max_change(self.particles, self.before);
                     if part > 1 && moved < residual {
-                        for member in &mut *self.members {
-                            member.stats.iterations_skipped += last - part;
+                        for body in &mut *self.bodies {
+                            body.member.stats.iterations_skipped += last - part;
                         }
                         part = last;
                     }
@@ -247,60 +242,44 @@ impl NullaryFnOnce for Frame<'_, '_> {
     }
 }
 
-impl Frame<'_, '_> {
+impl Frame<'_, '_, '_> {
     /// Runs the passes of a part of every body's plan that lie strictly between two passes.
-    #[inline(always)]
     fn run_stage(
         &mut self,
         (part, round): (u32, Round),
         [after, before]: [Option<Pass>; 2],
         substep: u32,
     ) -> Result<(), NonFinite> {
-        for (i, member) in self.members.iter_mut().enumerate() {
-            let (plan, body) = parts(self.bodies, i, member);
-            let passes = plan.part(part);
-            let from = passes.partition_point(|pass| after.is_some_and(|after| *pass <= after));
-            let to = passes.partition_point(|pass| before.is_none_or(|before| *pass < before));
-            let vertices = member.first..member.first + body.positions.len();
-            let mut step = BodyStep {
-                particles: self.particles.slice(member.first, body.positions.len()),
-                carried: self.carried.get(vertices).unwrap_or_default(),
-                body,
-                constants: &member.constants,
-                volume_scratch: &mut *self.volume_scratch,
-                leader: &mut *self.leader,
-                arch: self.arch,
-                substeps_left: self.substeps.end - substep,
-                round,
-                time: time_after(substep, member),
-                stats: &mut member.stats,
-                lowest: &mut member.lowest,
-            };
-            let is_same_layer = |a: &Pass, b: &Pass| {
-                let of = |pass: &Pass| pass.patch_layer().map(|layer| (layer, pass.is_back()));
-                of(a).is_some() && of(a) == of(b)
-            };
-            for passes in passes[from..to].chunk_by(is_same_layer) {
-                let pass = passes[0];
-                if pass.is_ground() && *step.lowest > step.constants.ground {
-                    step.stats.ground_passes_skipped += 1;
-                    continue;
-                }
-                step.stats.passes += u32::try_from(passes.len()).unwrap_or(u32::MAX);
-                match pass.patch_layer() {
-                    Some(layer) => step.project_patches(layer, pass.is_back()),
-                    None if step.run(pass) => {}
-                    None => return Err(NonFinite { body: i, substep }),
-                }
+        let stage = Stage {
+            part,
+            round,
+            after,
+            before,
+            substep,
+            substeps_left: self.substeps.end - substep,
+            particles: self.particles,
+            carried: self.carried,
+            arch: self.arch,
+        };
+        let shares_bodies = self.volumes.len() > 1;
+        for body in &mut *self.bodies {
+            let is_shared = shares_bodies && !body.is_large;
+            if !is_shared && !stage.run(body, self.leader, &mut self.volumes[0]) {
+                let body = body.index;
+                return Err(NonFinite { body, substep });
             }
+        }
+        if shares_bodies {
+            let failed = share_bodies(self.leader, stage, self.bodies, self.volumes);
+            return failed.map_or(Ok(()), |body| Err(NonFinite { body, substep }));
         }
         Ok(())
     }
 
     /// Runs a pass over the contacts of the island.
     fn run_contacts(&mut self, pass: Pass, substep: u32) {
-        let has_volumes = self.members.iter().any(|member| member.has_volumes);
-        let Some(first) = self.members.first_mut() else {
+        let has_volumes = self.bodies.iter().any(|body| body.member.has_volumes);
+        let Some(SteppedBody { member: first, .. }) = self.bodies.first_mut() else {
             return;
         };
         let particles = self.particles;
@@ -322,8 +301,8 @@ impl Frame<'_, '_> {
                 for contact in serial.chunks(1) {
                     change += contacts::recover_contacts(particles, contact, (ground, h), fall);
                 }
-                for member in &mut *self.members {
-                    member.stats.max_displacement += change;
+                for body in &mut *self.bodies {
+                    body.member.stats.max_displacement += change;
                 }
             }
             Pass::ContactsBeforeVolumes if !has_volumes => first.stats.passes -= 1,
@@ -343,12 +322,6 @@ impl Frame<'_, '_> {
             }
         }
     }
-}
-
-/// Returns the time of the frame at the end of a substep \[s\].
-fn time_after(substep: u32, member: &Member) -> f32 {
-    // A second-order substep is longer than its first-order part.
-    (substep + 1) as f32 * member.orders.first.h
 }
 
 /// Returns the contacts without a color, then those of each color.

@@ -25,7 +25,7 @@ pub(super) struct BodyStep<'a, 'b, 'c> {
     pub(super) particles: ParticleStates<'a>,
     /// Vertices that a piece carries, shape [vertex slots]; empty without contacts.
     pub(super) carried: &'a [Cell<bool>],
-    pub(super) body: Body<'b>,
+    pub(super) body: &'a mut Body<'b>,
     pub(super) constants: &'a StepConstants,
     pub(super) volume_scratch: &'a mut VolumeScratch,
     pub(super) leader: &'a mut Leader<'c>,

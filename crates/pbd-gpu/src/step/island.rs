@@ -18,28 +18,8 @@ use crate::step::rounds::contact_rounds;
 use crate::step::second_order::{Orders, add};
 use incise_mesh::Surface;
 
-/// The bodies of an island, by index.
-pub trait IslandBodies {
-    /// Returns the number of bodies.
-    fn count(&self) -> usize;
-
-    /// Returns a body: its solver and its surface.
-    fn get(&mut self, i: usize) -> (&mut Solver, &mut Surface);
-}
-
-/// One body as an island.
-#[derive(Debug)]
-pub(crate) struct Single<'a>(pub(crate) &'a mut Solver, pub(crate) &'a mut Surface);
-
-impl IslandBodies for Single<'_> {
-    fn count(&self) -> usize {
-        1
-    }
-
-    fn get(&mut self, _: usize) -> (&mut Solver, &mut Surface) {
-        (self.0, self.1)
-    }
-}
+/// A body of an island: its solver and its surface.
+pub type IslandBody<'a> = (&'a mut Solver, &'a mut Surface);
 
 /// The contacts of touching bodies, and the memory of their steps.
 #[derive(Debug, Clone, Default)]
@@ -122,12 +102,12 @@ impl Island {
     /// bodies must be created again.
     pub fn step(
         &mut self,
-        bodies: &mut dyn IslandBodies,
+        bodies: &mut [IslandBody<'_>],
         dt: f32,
         params: &SolverParams,
     ) -> Result<(), IslandError> {
         self.prepare(bodies, dt, params)?;
-        let slots = (0..bodies.count()).map(|i| bodies.get(i).1.positions().len());
+        let slots = bodies.iter().map(|(_, surface)| surface.positions().len());
         let slots = slots.sum();
         if !self.contacts.is_empty() && slots != self.vertices {
             let error = StepError::ContactMismatch {
@@ -148,7 +128,7 @@ impl Island {
     /// As [`Self::step`]; nothing has moved then.
     pub(crate) fn prepare(
         &mut self,
-        bodies: &mut dyn IslandBodies,
+        bodies: &mut [IslandBody<'_>],
         dt: f32,
         params: &SolverParams,
     ) -> Result<(), IslandError> {
@@ -158,10 +138,12 @@ impl Island {
             .map_err(|error| IslandError { body: 0, error })?;
         #[cfg(feature = "global")]
         let params = &self.choose_schemes(bodies, dt, params);
-        let needed = (0..bodies.count()).map(|i| bodies.get(i).0.needed_substeps(dt, params));
+        let needed = bodies
+            .iter_mut()
+            .map(|(solver, _)| solver.needed_substeps(dt, params));
         self.substeps = needed.fold(params.substeps, u32::max);
         self.integrator = params.integrator;
-        let presses = (0..bodies.count()).map(|i| bodies.get(i).0.contacts().press());
+        let presses = bodies.iter().map(|(solver, _)| solver.contacts().press());
         let press = presses.fold(self.contacts.press(), Press::max);
         let h = dt / self.substeps as f32;
         let touch = Touch {
@@ -172,8 +154,7 @@ impl Island {
             substeps: self.substeps,
             ..*params
         };
-        for body in 0..bodies.count() {
-            let (solver, surface) = bodies.get(body);
+        for (body, (solver, surface)) in bodies.iter_mut().enumerate() {
             let member = prepare_member(solver, surface, (dt, touch), params);
             self.members
                 .push(member.map_err(|error| IslandError { body, error })?);
@@ -189,14 +170,13 @@ impl Island {
     #[cfg(feature = "global")]
     fn choose_schemes(
         &self,
-        bodies: &mut dyn IslandBodies,
+        bodies: &mut [IslandBody<'_>],
         dt: f32,
         params: &SolverParams,
     ) -> SolverParams {
         let is_touched = !self.contacts.is_empty();
         let (mut has_short_substeps, mut is_settling) = (false, false);
-        for body in 0..bodies.count() {
-            let (solver, surface) = bodies.get(body);
+        for (solver, surface) in bodies {
             let choice = solver.choose_scheme((surface, is_touched), dt, params);
             has_short_substeps |= choice == Choice::ShortSubsteps;
             is_settling |= choice == Choice::Settling;
@@ -227,7 +207,7 @@ impl Island {
     /// As [`Self::step`].
     pub(crate) fn run(
         &mut self,
-        bodies: &mut dyn IslandBodies,
+        bodies: &mut [IslandBody<'_>],
         contacts: &mut ContactSet,
     ) -> Result<(), IslandError> {
         let Self {
@@ -240,9 +220,8 @@ impl Island {
         } = self;
         let done = match integrator {
             Integrator::Euler => {
-                for i in 0..members.len() {
-                    let (_, _, step) = bodies.get(i).0.step_parts();
-                    step.history.forget();
+                for (solver, _) in bodies.iter_mut() {
+                    solver.step_parts().2.history.forget();
                 }
                 execute(bodies, members, contacts, 0..*substeps, scratch)
             }
@@ -253,14 +232,12 @@ impl Island {
                 run_second_order(bodies, members, (contacts, scratch), *substeps)
             }
         };
-        for (i, member) in members.iter().enumerate() {
-            let stats = done.is_ok().then_some(member.stats);
-            bodies.get(i).0.end_step(stats);
+        for ((solver, _), member) in bodies.iter_mut().zip(&*members) {
+            solver.end_step(done.is_ok().then_some(member.stats));
         }
         done.map_err(|at| {
-            let positions = bodies.get(at.body).1.positions();
             let error = StepError::NonFinitePosition {
-                vertex: first_non_finite(positions),
+                vertex: first_non_finite(bodies[at.body].1.positions()),
                 substep: at.substep,
             };
             IslandError {
@@ -313,13 +290,12 @@ fn prepare_member(
 
 /// Steps bodies by a frame with second order where their histories are valid.
 fn run_second_order(
-    bodies: &mut dyn IslandBodies,
+    bodies: &mut [IslandBody<'_>],
     (members, sums): (&mut [Member], &mut [StepStats]),
     (contacts, scratch): (&mut ContactSet, &mut StepScratch),
     substeps: u32,
 ) -> Result<(), NonFinite> {
-    for (i, member) in members.iter_mut().enumerate() {
-        let (solver, surface) = bodies.get(i);
+    for ((solver, surface), member) in bodies.iter_mut().zip(&mut *members) {
         let (particles, constraints, step) = solver.step_parts();
         let body = Body::new(particles, constraints, surface);
         step.history.begin_frame(member.orders.first.h, &body);
@@ -327,8 +303,7 @@ fn run_second_order(
     }
     let mut done = Ok(());
     for substep in 0..substeps {
-        for (i, member) in members.iter_mut().enumerate() {
-            let (solver, surface) = bodies.get(i);
+        for ((solver, surface), member) in bodies.iter_mut().zip(&mut *members) {
             let (particles, constraints, step) = solver.step_parts();
             let mut body = Body::new(particles, constraints, surface);
             let history = &mut step.history;
@@ -338,8 +313,9 @@ fn run_second_order(
             member.extrapolated = extrapolated;
         }
         done = execute(bodies, members, contacts, substep..substep + 1, scratch);
-        for (i, (member, sum)) in members.iter_mut().zip(&mut *sums).enumerate() {
-            let (_, _, step) = bodies.get(i).0.step_parts();
+        let states = members.iter_mut().zip(&mut *sums);
+        for ((solver, _), (member, sum)) in bodies.iter_mut().zip(states) {
+            let (_, _, step) = solver.step_parts();
             step.history.end_substep(done.is_ok(), &member.stats);
             member.stats.max_displacement += member.extrapolated;
             member.stats.max_substep_displacement += member.extrapolated;
@@ -349,8 +325,8 @@ fn run_second_order(
             break;
         }
     }
-    for (i, (member, sum)) in members.iter_mut().zip(&*sums).enumerate() {
-        let (solver, surface) = bodies.get(i);
+    let states = members.iter_mut().zip(&*sums);
+    for ((solver, surface), (member, sum)) in bodies.iter_mut().zip(states) {
         let (particles, _, step) = solver.step_parts();
         step.history
             .end_frame(surface.positions(), &particles.velocities);

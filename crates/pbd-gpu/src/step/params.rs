@@ -49,8 +49,9 @@ pub struct SolverParams {
     /// Maximum number of threads of a step on the CPU; `None` for all of the current rayon pool.
     ///
     /// The results do not depend on it. One thread is the calling thread: no pool is touched.
-    /// Small bodies always take one. With more threads the global step has one beside the pool
-    /// that factors its matrix after an edit.
+    /// Threads share the passes of large bodies, and small bodies of an island that has many; other
+    /// small bodies take one. With more threads the global step has one beside the pool that
+    /// factors its matrix after an edit.
     pub threads: Option<NonZeroUsize>,
 }
 

@@ -2,7 +2,7 @@
 
 use incise_mesh::{Surface, VertexId};
 use incise_pbd_gpu::{
-    ConstraintError, Contact, Integrator, Island, IslandBodies, Material, Solver, SolverParams,
+    ConstraintError, Contact, Integrator, Island, IslandError, Material, Solver, SolverParams,
     StepError, Volume,
 };
 use incise_test_support::surfaces::sphere;
@@ -11,14 +11,11 @@ const DT: f32 = 1.0 / 60.0;
 
 struct Bodies(Vec<(Surface, Solver)>);
 
-impl IslandBodies for Bodies {
-    fn count(&self) -> usize {
-        self.0.len()
-    }
-
-    fn get(&mut self, i: usize) -> (&mut Solver, &mut Surface) {
-        let (surface, solver) = &mut self.0[i];
-        (solver, surface)
+impl Bodies {
+    /// Steps all bodies as an island.
+    fn step(&mut self, island: &mut Island, params: &SolverParams) -> Result<(), IslandError> {
+        let bodies = self.0.iter_mut().map(|(surface, solver)| (solver, surface));
+        island.step(&mut bodies.collect::<Vec<_>>(), DT, params)
     }
 }
 
@@ -56,7 +53,7 @@ fn bodies_without_contacts_move_as_alone() {
         let (mut together, mut alone) = (balls(), balls());
         let mut island = Island::default();
         for _ in 0..30 {
-            island.step(&mut together, DT, &params).unwrap();
+            together.step(&mut island, &params).unwrap();
             for (surface, solver) in &mut alone.0 {
                 solver.step(surface, DT, &params).unwrap();
             }
@@ -74,7 +71,7 @@ fn contacts_of_other_bodies_are_refused() {
     let contact = Contact::vertex_face(VertexId(900), [0, 1, 2].map(VertexId), 0.1);
     island.set_contacts(&[contact], 1000).unwrap();
     let before: Vec<_> = bodies.0.iter().map(bits).collect();
-    let refused = island.step(&mut bodies, DT, &SolverParams::default());
+    let refused = bodies.step(&mut island, &SolverParams::default());
     let error = refused.unwrap_err().error;
     let slots = before.iter().map(|body| body.len() / 2).sum();
     let expected = StepError::ContactMismatch {
@@ -107,7 +104,7 @@ fn a_contact_between_bodies_conserves_momentum() {
     let mut island = Island::default();
     island.set_contacts(&[contact], slots).unwrap();
     for _ in 0..30 {
-        island.step(&mut bodies, DT, &params).unwrap();
+        bodies.step(&mut island, &params).unwrap();
     }
     let [low, high] = [0, 1].map(|i| bodies.0[i].1.momentum()[1]);
     assert!(
@@ -151,12 +148,80 @@ fn an_error_names_the_body() {
     let mut bodies = balls();
     bodies.0[1].0.positions_mut()[3][0] = f32::NAN;
     let before = bits(&bodies.0[0]);
-    let error = Island::default().step(&mut bodies, DT, &SolverParams::default());
+    let error = bodies.step(&mut Island::default(), &SolverParams::default());
     let error = error.unwrap_err();
     assert_eq!(error.body, 1);
     let vertex = VertexId(3);
     assert_eq!(error.error, StepError::NonFiniteInput { vertex });
     assert!(bits(&bodies.0[0]) == before, "nothing has moved");
+}
+
+/// Returns a row of balls beside each other, every seventh large, and the contacts of neighbors.
+fn row() -> (Bodies, Vec<Contact>, usize) {
+    let material = Material::soft_body();
+    let (mut bodies, mut contacts, mut slots) = (Vec::new(), Vec::new(), 0);
+    for i in 0..21_u8 {
+        let level = if i % 7 == 3 { 4 } else { 2 };
+        let mut surface = sphere(level, [2.2 * f32::from(i), 0.1 * f32::from(i), 0.0]);
+        let solver = Solver::new(&mut surface, &material).unwrap();
+        let count = surface.positions().len();
+        if let Some(vertex) = usize::checked_sub(slots, 1) {
+            let face = [0, 1, 2].map(|k| VertexId::from_index(slots + k));
+            contacts.push(Contact::vertex_face(
+                VertexId::from_index(vertex),
+                face,
+                2.0,
+            ));
+        }
+        slots += count;
+        bodies.push((surface, solver));
+    }
+    (Bodies(bodies), contacts, slots)
+}
+
+#[test]
+fn threads_share_small_bodies_with_the_same_bits() {
+    let params = SolverParams {
+        ground: Some(-1.05),
+        ..SolverParams::default()
+    };
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| {
+            let (mut bodies, contacts, slots) = row();
+            let mut island = Island::default();
+            island.set_contacts(&contacts, slots).unwrap();
+            for _ in 0..20 {
+                bodies.step(&mut island, &params).unwrap();
+            }
+            bodies.0.iter().map(bits).collect::<Vec<_>>()
+        })
+    };
+    let one = run(1);
+    for threads in [2, 5] {
+        assert!(one == run(threads), "{threads} threads differ from one");
+    }
+}
+
+#[test]
+fn an_error_names_the_first_body_on_any_number_of_threads() {
+    for threads in [1, 4] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let error = pool.build().unwrap().install(|| {
+            let (mut bodies, ..) = row();
+            for i in [18, 7, 9] {
+                let (_, solver) = &mut bodies.0[i];
+                solver.set_velocity(VertexId(5), [f32::MAX; 3]).unwrap();
+            }
+            let (mut island, params) = (Island::default(), SolverParams::default());
+            (0..100).find_map(|_| bodies.step(&mut island, &params).err())
+        });
+        assert_eq!(
+            error.map(|error| error.body),
+            Some(7),
+            "{threads} threads: {error:?}"
+        );
+    }
 }
 
 /// Regression: bodies of two schemes in one island took the iterations of the first one.
@@ -200,7 +265,7 @@ fn touching_bodies_of_two_schemes_move_together() {
         let contact = Contact::vertex_face(VertexId(0), of_second, 0.01);
         let mut island = Island::default();
         island.set_contacts(&[contact], 2 * slots).unwrap();
-        island.step(&mut bodies, DT, &params).unwrap();
+        bodies.step(&mut island, &params).unwrap();
         for ((surface, solver), before) in bodies.0.iter().zip(&before) {
             assert_eq!(solver.stats().global_iterations, 0);
             for (p, before) in surface.positions().iter().zip(before) {

@@ -4,8 +4,8 @@ use super::{Islands, NONE};
 use crate::body::{Body, BodyId};
 use crate::error::SceneError;
 use crate::scene::{Bodies, Scene};
-use incise_mesh::{Surface, index_u32};
-use incise_pbd_gpu::{Contact, Island, IslandBodies, IslandError, Solver, SolverParams};
+use incise_mesh::index_u32;
+use incise_pbd_gpu::{Contact, Island, IslandBody, IslandError, SolverParams};
 use rayon::prelude::*;
 
 /// Minimum number of constraints of all stepped bodies for several threads.
@@ -18,46 +18,45 @@ const MIN_PARALLEL: usize = 4096;
 pub(super) struct BodyIsland {
     /// Indices in the scene, ascending.
     pub(super) members: Vec<usize>,
-    bodies: Members,
+    bodies: Vec<Box<Body>>,
+    /// The same, borrowed for a step; empty between frames.
+    borrowed: Vec<IslandBody<'static>>,
     pub(super) vertices: u32,
     pub(super) contacts: Vec<Contact>,
     pub(super) solver: Island,
     pub(super) done: Option<IslandError>,
 }
 
-#[derive(Debug, Default)]
-struct Members(Vec<Box<Body>>);
-
-impl IslandBodies for Members {
-    fn count(&self) -> usize {
-        self.0.len()
-    }
-
-    fn get(&mut self, i: usize) -> (&mut Solver, &mut Surface) {
-        let (surface, solver) = self.0[i].parts();
-        (solver, surface)
-    }
-}
-
 impl BodyIsland {
     fn constraints(&self) -> usize {
-        self.bodies.0.iter().map(|body| body.constraints()).sum()
+        self.bodies.iter().map(|body| body.constraints()).sum()
     }
 
     /// Steps the bodies by one frame.
     fn step(&mut self, dt: f32, params: &SolverParams) {
-        for body in &mut self.bodies.0 {
+        for body in &mut self.bodies {
             body.begin_step();
         }
-        let done = match self.bodies.0.as_mut_slice() {
+        let done = match self.bodies.as_mut_slice() {
             [body] => {
                 let (surface, solver) = body.parts();
                 let done = solver.step(surface, dt, params).map(|_| ());
                 done.map_err(|error| IslandError { body: 0, error })
             }
-            _ => self.solver.step(&mut self.bodies, dt, params),
+            bodies => {
+                let mut borrowed: Vec<IslandBody<'_>> = std::mem::take(&mut self.borrowed);
+                borrowed.extend(bodies.iter_mut().map(|body| {
+                    let (surface, solver) = body.parts();
+                    (solver, surface)
+                }));
+                let done = self.solver.step(&mut borrowed, dt, params);
+                borrowed.clear();
+                // Reuses the allocation for the borrows of the next frame.
+                self.borrowed = borrowed.into_iter().map_while(|_| None).collect();
+                done
+            }
         };
-        for body in &mut self.bodies.0 {
+        for body in &mut self.bodies {
             body.end_step(done.is_ok());
         }
         self.done = done.err();
@@ -81,14 +80,14 @@ impl Islands {
     fn take(&mut self, bodies: &mut Bodies) {
         for island in &mut self.list[..self.count] {
             let all = island.members.iter().filter_map(|&i| bodies[i].take());
-            island.bodies.0.extend(all);
+            island.bodies.extend(all);
         }
     }
 
     /// Returns the bodies of all islands to the scene.
     fn give_back(&mut self, bodies: &mut Bodies) {
         for island in &mut self.list[..self.count] {
-            for (&i, body) in island.members.iter().zip(island.bodies.0.drain(..)) {
+            for (&i, body) in island.members.iter().zip(island.bodies.drain(..)) {
                 bodies[i] = Some(body);
             }
         }
