@@ -58,11 +58,27 @@ impl Extents {
     }
 }
 
-/// Returns displacements of two pieces that separate them by 1, along the shortest way.
+/// Returns displacements of two pieces that move the second one by `direction` from the first one.
 ///
 /// They share it by their mobilities, the reciprocal masses. None moves along `gravity`, since it
-/// may rest on something. A way on which `is_blocked` holds for a piece and its displacement is
-/// taken only if there is no other one. `None` if no way is left.
+/// may rest on something. `None` if neither can move.
+pub(super) fn along(direction: Vec3, mobilities: [f64; 2], gravity: Vec3) -> Option<[Vec3; 2]> {
+    let fall = direction.dot(&gravity);
+    let mut shares = mobilities;
+    for (share, fall) in shares.iter_mut().zip([-fall, fall]) {
+        if fall > 0.0 {
+            *share = 0.0;
+        }
+    }
+    let sum = shares[0] + shares[1];
+    let [first, second] = shares.map(|share| direction * (share / sum));
+    (sum > 0.0).then_some([-first, second])
+}
+
+/// Returns displacements of two pieces that separate them by 1, along the shortest way.
+///
+/// They are those of [`along`] an axis. A way on which `is_blocked` holds for a piece and its
+/// displacement is taken only if there is no other one. `None` if no way is left.
 pub(super) fn separation(
     extents: &[Extents; 2],
     mobilities: [f64; 2],
@@ -74,20 +90,9 @@ pub(super) fn separation(
     for k in 0..AXES.len() {
         let ([a_min, a_max], [b_min, b_max]) = (a.0[k], b.0[k]);
         for (way, direction) in [(a_max - b_min, axis(k)), (b_max - a_min, -axis(k))] {
-            let fall = direction.dot(&gravity);
-            let mut shares = mobilities;
-            for (share, fall) in shares.iter_mut().zip([-fall, fall]) {
-                if fall > 0.0 {
-                    *share = 0.0;
-                }
-            }
-            let sum = shares[0] + shares[1];
-            let has_way = sum > 0.0;
-            if !has_way {
+            let Some(shifts) = along(direction, mobilities, gravity) else {
                 continue;
-            }
-            let [first, second] = shares.map(|share| direction * (share / sum));
-            let shifts = [-first, second];
+            };
             let mut moves = extents.iter().zip(shifts);
             let cost = (moves.any(|(piece, by)| is_blocked(piece, by * way)), way);
             if best.is_none_or(|(least, _)| cost < least) {

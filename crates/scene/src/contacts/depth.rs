@@ -108,28 +108,29 @@ impl Search<'_> {
         Some(least)
     }
 
-    /// Returns the depth of a point of the first piece in the second one \[m\].
+    /// Returns the shortest way out of the second piece from a point of the first one \[m\].
     ///
-    /// `None` if contacts reach as deep.
-    pub(super) fn depth_of(&self, pair: [PieceId; 2], point: Point) -> Option<f64> {
+    /// The first piece is displaced by `shift` \[m\]. `None` if contacts reach as deep.
+    pub(super) fn way_out(&self, pair: [PieceId; 2], point: Point, shift: Vec3) -> Option<Vec3> {
         let surface = self.body_of(pair[0])?.0.surface();
         let at = point.position(surface);
         let clearance = MARGIN * self.thickness_of(pair)?;
         let Point::Below(v) = point else {
-            return self.depth_at(pair, at, clearance);
+            return self.way_out_from(pair, at + shift, clearance);
         };
         // Coincident bodies have all of their vertices on each other.
         let inward = -outward_normal(surface, v).try_normalize(0.0)?;
         let below = at + inward * (2.0 * clearance);
-        let depth = self.depth_at(pair, below, clearance)?;
-        let in_own = self.depth_at([pair[1], pair[0]], below, clearance);
-        in_own.map(|_| depth)
+        let way = self.way_out_from(pair, below + shift, clearance)?;
+        let in_own = self.way_out_from([pair[1], pair[0]], below, clearance);
+        in_own.map(|_| way)
     }
 
-    /// Returns the depth of a point in the second piece \[m\], `None` if it is below `clearance`.
+    /// Returns the way from a point to the surface of the second piece \[m\].
     ///
-    /// Its cavities are outside, and so is the space around a part that is inside out.
-    fn depth_at(&self, [own, other]: [PieceId; 2], at: Vec3, clearance: f64) -> Option<f64> {
+    /// `None` outside of it and on ways shorter than `clearance`. Its cavities are outside, and so
+    /// is the space around a part that is inside out.
+    fn way_out_from(&self, [own, other]: [PieceId; 2], at: Vec3, clearance: f64) -> Option<Vec3> {
         let (body, motion) = self.body_of(other)?;
         let (surface, bvh, shapes) = (body.surface(), body.bvh(), body.piece_shapes());
         let counts =
@@ -138,34 +139,36 @@ impl Search<'_> {
             return None;
         }
         let nearest = bvh.nearest_of_pieces(surface, at, &motion.bounds, counts)?;
-        Some(nearest.distance.abs()).filter(|&depth| depth >= clearance)
+        Some(nearest.point - at).filter(|way| way.norm() >= clearance)
     }
 
-    /// Returns the maximum depth of the first piece in the second one \[m\], 0 without an overlap.
+    /// Returns the longest way out of the second piece from points of the first one \[m\].
     ///
-    /// It is measured at points that a search samples; if none is deep, at all vertices.
-    pub(super) fn depth(&self, pieces: [PieceId; 2], search: usize) -> f64 {
-        let Some((body, _)) = self.body_of(pieces[0]) else {
-            return 0.0;
-        };
+    /// The first piece is displaced by `shift` \[m\]. The points are all vertices and the points at
+    /// those that a search samples. `None` without an overlap.
+    pub(super) fn longest_way_out(
+        &self,
+        pieces: [PieceId; 2],
+        search: usize,
+        shift: Vec3,
+    ) -> Option<Vec3> {
+        let surface = self.body_of(pieces[0])?.0.surface();
+        let other = self.pieces.get(self.index_of(pieces[1])?);
         let vertices = self.vertices(pieces[0]);
         let sampled = sampled(vertices, (MEASURED, search));
-        let depth = self.maximum(pieces, sampled.flat_map(|v| points_at(body.surface(), v)));
-        if depth > 0.0 {
-            return depth;
-        }
-        self.maximum(pieces, vertices.iter().copied().map(Point::Vertex))
+        let points = sampled.flat_map(|v| points_at(surface, v));
+        let points = points.chain(vertices.iter().copied().map(Point::Vertex));
+        let inside = points.filter(|point| other.contains(point.position(surface) + shift, 0.0));
+        let ways = inside.filter_map(|point| self.way_out(pieces, point, shift));
+        ways.reduce(longer)
     }
+}
 
-    /// Returns the maximum depth of points of the first piece in the second one \[m\].
-    fn maximum(&self, pieces: [PieceId; 2], points: impl Iterator<Item = Point>) -> f64 {
-        let (Some((body, _)), Some(other)) = (self.body_of(pieces[0]), self.index_of(pieces[1]))
-        else {
-            return 0.0;
-        };
-        let other = self.pieces.get(other);
-        let inside = points.filter(|point| other.contains(point.position(body.surface()), 0.0));
-        let depths = inside.filter_map(|point| self.depth_of(pieces, point));
-        depths.fold(0.0, f64::max)
+/// Returns the longer one of two vectors.
+pub(super) fn longer(a: Vec3, b: Vec3) -> Vec3 {
+    if b.norm_squared() > a.norm_squared() {
+        b
+    } else {
+        a
     }
 }

@@ -3,12 +3,13 @@
 //! Contacts separate surfaces that are slightly behind each other. Bodies that start in each other
 //! are deeper, and so are small ones that meet at high speed. Every frame tests a few points of
 //! each piece. Two closed pieces, one of which has a point deep in the other one, are moved apart
-//! before the next frames. They move along the [axis](super::axes) on which they overlap least, and
-//! lose the velocity with which they approach each other along it.
+//! before the next frames: from the deepest point to the nearest surface if nothing is deep there,
+//! else along the [axis](super::axes) on which they overlap least. They lose the velocity with
+//! which they approach each other on this way.
 
 use super::ContactFrame;
-use super::axes::{Extents, separation};
-use super::depth::{Point, sampled_points};
+use super::axes::{Extents, along, separation};
+use super::depth::{Point, longer, sampled_points};
 use super::free_way::free_way;
 use super::narrow_phase::Search;
 use crate::body::{piece_of, vertices_of};
@@ -194,16 +195,16 @@ impl Overlaps {
         let due = self.list.par_iter_mut().filter(|o| o.frames_left == 0);
         due.for_each(|overlap| {
             let turn = start / PERIOD as usize;
-            if let Some(measured) = search.measure(overlap.pieces, (turn, 0.0)) {
+            if let Some(measured) = search.measure(overlap.pieces, (turn, None)) {
                 *overlap = measured;
             }
         });
         self.list.retain(|overlap| overlap.frames_left > 0);
         self.sample(search, start);
         let tests = self.tests.par_iter_mut().with_min_len(MIN_TESTS);
-        tests.for_each(|test| test.depth = search.depth_of(test.pair, test.point));
+        tests.for_each(|test| test.way = search.way_out(test.pair, test.point, Vec3::zeros()));
         // The first point of a pair in the other piece counts.
-        self.tests.retain(|test| test.depth.is_some());
+        self.tests.retain(|test| test.way.is_some());
         (self.tests).sort_unstable_by_key(|test| (test.sorted_pair(), test.number));
         self.tests.dedup_by_key(|test| test.sorted_pair());
         let first = self.list.len();
@@ -217,7 +218,7 @@ impl Overlaps {
         }));
         let new = self.list[first..].par_iter_mut().zip(&self.tests);
         new.for_each(|(overlap, test)| {
-            let known = (self.searches as usize, test.depth.unwrap_or(0.0));
+            let known = (self.searches as usize, test.way);
             if let Some(measured) = search.measure(test.pair, known) {
                 *overlap = measured;
             }
@@ -244,7 +245,7 @@ impl Overlaps {
                         number,
                         pair: [piece.id(), other.id()],
                         point,
-                        depth: None,
+                        way: None,
                     }));
             }
         }
@@ -266,8 +267,8 @@ struct Test {
     /// The piece of the point, and the other one.
     pair: [PieceId; 2],
     point: Point,
-    /// Depth of the point in the other piece \[m\], if it is deep.
-    depth: Option<f64>,
+    /// Way out of the other piece \[m\], if the point is deep.
+    way: Option<Vec3>,
 }
 
 impl Test {
@@ -279,23 +280,42 @@ impl Test {
 }
 
 impl Search<'_> {
-    /// Measures an overlap of a known depth or 0 \[m\], at the points of a search.
+    /// Measures an overlap at the points of a search, and by a known way of the first piece out of
+    /// the second one.
     ///
     /// `None` if there is none, or neither piece can be moved.
-    fn measure(&self, pieces: [PieceId; 2], (search, known): (usize, f64)) -> Option<Overlap> {
+    fn measure(
+        &self,
+        pieces: [PieceId; 2],
+        (search, known): (usize, Option<Vec3>),
+    ) -> Option<Overlap> {
         let [a, b] = pieces;
         let mobilities = [self.mobility(a)?, self.mobility(b)?];
         if mobilities == [0.0; 2] {
             return None;
         }
-        let depth = f64::max(self.depth([a, b], search), self.depth([b, a], search));
-        let depth = depth.max(known);
-        if depth == 0.0 {
-            return None;
-        }
+        let ways = |shift: Vec3| {
+            let first = self.longest_way_out([a, b], search, shift);
+            let second = self.longest_way_out([b, a], search, -shift);
+            first
+                .into_iter()
+                .chain(second.map(|way| -way))
+                .reduce(longer)
+        };
+        let way = ways(Vec3::zeros())
+            .into_iter()
+            .chain(known)
+            .reduce(longer)?;
+        let (depth, direction) = (way.norm(), way.try_normalize(0.0)?);
         let extents = [self.extents(a)?, self.extents(b)?];
         let is_blocked = |piece: &Extents, by| free_way(piece.corners(), by, self.frame) != by;
-        let shifts = separation(&extents, mobilities, self.frame.gravity, is_blocked)?;
+        // Out by the nearest surface, if nothing is deep there; else by all of the pieces.
+        let shortest = along(-direction, mobilities, self.frame.gravity).filter(|shifts| {
+            let mut moves = extents.iter().zip(shifts);
+            !moves.any(|(piece, shift)| is_blocked(piece, shift * depth)) && ways(way).is_none()
+        });
+        let separation = || separation(&extents, mobilities, self.frame.gravity, is_blocked);
+        let shifts = shortest.or_else(separation)?;
         let smaller = f64::min(extents[0].diagonal(), extents[1].diagonal());
         let version = |piece| Some(self.body_of(piece)?.0.surface().fingerprint());
         let mut overlap = Overlap {

@@ -2,7 +2,7 @@
 
 use super::*;
 use incise_cut::{CutParams, Cutter, Sweep};
-use incise_mesh::{Vec3, icosphere};
+use incise_mesh::{Vec3, icosphere, torus};
 
 /// Adds a body with its center at `at`.
 fn add(scene: &mut Scene, shape: &Surface, at: [f32; 3], scale: f32) -> BodyId {
@@ -329,6 +329,27 @@ fn a_single_deep_vertex_is_followed_until_it_is_out() {
     }
     // A diagonal of the block per second.
     assert!((1..25).contains(&moving), "{moving} frames");
+}
+
+/// Regression: a ball that entered the inside of a ring was moved out of its hole, and bodies in
+/// piles were lifted likewise.
+#[test]
+fn pieces_that_overlap_a_little_move_a_little() {
+    let mut scene = weightless();
+    let ring = add(&mut scene, &torus(0.5, 0.15, 32, 16), [0.0; 3], 1.0);
+    // The hole has a radius of 0.35 m.
+    let ball = add(&mut scene, &icosphere(3, 1.0), [0.15, 0.01, 0.02], 0.25);
+    let start = between(&scene, [ring, ball]);
+    assert!(inside(&scene, [ball, ring], 0.03) > 0);
+    for _ in 0..240 {
+        scene.step().unwrap();
+    }
+    assert_eq!(inside(&scene, [ball, ring], 0.01), 0);
+    let moved = (between(&scene, [ring, ball]) - start).norm();
+    assert!(
+        moved < 0.1,
+        "they are in each other by 0.05 m and move by {moved} m"
+    );
 }
 
 /// Returns a wavy plate of 1 cm by 80 um, in four pieces by two oblique cuts.
