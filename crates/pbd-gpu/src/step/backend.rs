@@ -151,8 +151,8 @@ pub(crate) fn execute(
 
 /// The execution of one frame.
 ///
-/// Passes over vertices are inlined into [`NullaryFnOnce::call`], so that they are compiled for the
-/// instruction set that is detected at run time. Those over constraints are called.
+/// [`max_change`] is inlined into [`NullaryFnOnce::call`], so that it is compiled for the
+/// instruction set that is detected at run time.
 struct Frame<'a, 'b, 'c> {
     bodies: &'a mut [SteppedBody<'c>],
     contacts: &'a mut ContactSet,

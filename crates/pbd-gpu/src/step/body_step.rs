@@ -1,6 +1,6 @@
 //! [`BodyStep`]: the passes of one body on the CPU, one kernel per pass.
 //!
-//! [`backend`](super::backend) runs them for every body of an island, and the passes of contacts.
+//! [`Stage`](super::stage::Stage) runs them for every body of an island.
 
 use crate::constraints::batches::{Batch, BatchId, ConstraintSet};
 use crate::kernels::bending::Bending;

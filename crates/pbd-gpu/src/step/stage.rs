@@ -1,7 +1,7 @@
 //! [`Stage`]: the passes of each body of an island between two passes over its contacts.
 //!
-//! Bodies are independent within a stage. Threads share the passes of a large body, and the small
-//! bodies among them.
+//! Bodies are independent within a stage. Threads share the passes of a large body. Small bodies
+//! are shared as a whole: each one is stepped by one thread.
 
 use crate::constraints::batches::{Batch, BendingSet, StretchSet};
 use crate::kernels::particle_state::ParticleStates;
