@@ -15,7 +15,7 @@ impl Scene {
     /// Steps by one frame: [`Scene::cut`], then [`Scene::advance`].
     ///
     /// A frame without a cut allocates no memory after the first ones, except one job of the thread
-    /// pool per thread that helps with a large body.
+    /// pool per thread that helps with a large body or an island.
     ///
     /// # Errors
     /// As [`Scene::cut`] and [`Scene::advance`].

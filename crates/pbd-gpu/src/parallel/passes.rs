@@ -16,7 +16,7 @@ use std::cell::Cell;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Minimum number of elements of a pass for several threads.
+/// Minimum number of elements of a pass, or of vertices of all small bodies, for several threads.
 ///
 /// Below it the exchange of cache lines between cores costs more than the second core gains.
 const MIN_SHARED: usize = 1024;
@@ -126,7 +126,7 @@ pub(crate) fn body_chunks(leader: &Leader<'_>) -> usize {
 
 /// Runs a stage for all small bodies, in one chunk per element of `volumes`.
 ///
-/// Returns the first body with a position that is not finite.
+/// Returns the first small body with a position that is not finite.
 pub(crate) fn share_bodies(
     leader: &mut Leader<'_>,
     stage: Stage<'_>,
@@ -138,7 +138,8 @@ where
 {
     let (count, chunks) = (bodies.len(), volumes.len());
     let failed = AtomicUsize::new(usize::MAX);
-    // A stage of a body writes to its own vertices, and every chunk has its own bodies.
+    // A stage of a body reads and writes the states of its own vertices only, and every chunk has
+    // its own bodies.
     let shared = Shared((stage, bodies.as_mut_ptr(), volumes.as_mut_ptr()));
     leader.run(chunks, &|chunk| {
         let (stage, bodies, volumes) = *shared.get();

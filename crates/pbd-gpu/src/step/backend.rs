@@ -28,7 +28,7 @@ pub(crate) struct StepScratch {
     carried: Vec<bool>,
     /// Displacements before the current iteration; empty without a residual.
     before: Vec<[f32; 4]>,
-    /// One per thread's share of the bodies.
+    /// One per chunk of the small bodies.
     volumes: Vec<VolumeScratch>,
     /// Empty between frames.
     bodies: Vec<SteppedBody<'static>>,
@@ -262,18 +262,19 @@ impl Frame<'_, '_, '_> {
             arch: self.arch,
         };
         let shares_bodies = self.volumes.len() > 1;
+        let mut failed = None;
         for body in &mut *self.bodies {
             let is_shared = shares_bodies && !body.is_large;
             if !is_shared && !stage.run(body, self.leader, &mut self.volumes[0]) {
-                let body = body.index;
-                return Err(NonFinite { body, substep });
+                failed = Some(body.index);
+                break;
             }
         }
         if shares_bodies {
-            let failed = share_bodies(self.leader, stage, self.bodies, self.volumes);
-            return failed.map_or(Ok(()), |body| Err(NonFinite { body, substep }));
+            let small = share_bodies(self.leader, stage, self.bodies, self.volumes);
+            failed = failed.into_iter().chain(small).min();
         }
-        Ok(())
+        failed.map_or(Ok(()), |body| Err(NonFinite { body, substep }))
     }
 
     /// Runs a pass over the contacts of the island.

@@ -60,8 +60,8 @@ impl Extents {
 
 /// Returns displacements of two pieces that move the second one by `direction` from the first one.
 ///
-/// They share it by their mobilities, the reciprocal masses. None moves along `gravity`, since it
-/// may rest on something. `None` if neither can move.
+/// They share it by their mobilities, the reciprocal masses. Neither moves along `gravity`, since
+/// it may rest on something. `None` without a way.
 pub(super) fn along(direction: Vec3, mobilities: [f64; 2], gravity: Vec3) -> Option<[Vec3; 2]> {
     let fall = direction.dot(&gravity);
     let mut shares = mobilities;

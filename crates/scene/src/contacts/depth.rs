@@ -7,7 +7,7 @@ use super::overlaps::PieceId;
 use crate::body::Body;
 use incise_mesh::{HalfEdge, Surface, Vec3, VertexId};
 
-/// Number of vertices per piece at whose [points](points_at) the depth of an overlap is measured.
+/// Number of vertices per piece at whose other [points](points_at) an overlap is measured.
 const MEASURED: usize = 50;
 
 /// Returns about `count` vertices of a piece, evenly spaced in its list; others in the next search.
@@ -110,31 +110,30 @@ impl Search<'_> {
 
     /// Returns the shortest way out of the second piece from a point of the first one \[m\].
     ///
-    /// The first piece is displaced by `shift` \[m\]. `None` if contacts reach as deep.
+    /// The first piece is displaced by `shift` \[m\]. `None` outside and where contacts act.
     pub(super) fn way_out(&self, pair: [PieceId; 2], point: Point, shift: Vec3) -> Option<Vec3> {
         let surface = self.body_of(pair[0])?.0.surface();
         let at = point.position(surface);
         let clearance = MARGIN * self.thickness_of(pair)?;
         let Point::Below(v) = point else {
-            return self.way_out_from(pair, at + shift, clearance);
+            return self.way_out_from(pair[1], at + shift, clearance);
         };
         // Coincident bodies have all of their vertices on each other.
         let inward = -outward_normal(surface, v).try_normalize(0.0)?;
         let below = at + inward * (2.0 * clearance);
-        let way = self.way_out_from(pair, below + shift, clearance)?;
-        let in_own = self.way_out_from([pair[1], pair[0]], below, clearance);
+        let way = self.way_out_from(pair[1], below + shift, clearance)?;
+        let in_own = self.way_out_from(pair[0], below, clearance);
         in_own.map(|_| way)
     }
 
-    /// Returns the way from a point to the surface of the second piece \[m\].
+    /// Returns the way from a point in a piece to its surface \[m\].
     ///
     /// `None` outside of it and on ways shorter than `clearance`. Its cavities are outside, and so
     /// is the space around a part that is inside out.
-    fn way_out_from(&self, [own, other]: [PieceId; 2], at: Vec3, clearance: f64) -> Option<Vec3> {
+    fn way_out_from(&self, other: PieceId, at: Vec3, clearance: f64) -> Option<Vec3> {
         let (body, motion) = self.body_of(other)?;
         let (surface, bvh, shapes) = (body.surface(), body.bvh(), body.piece_shapes());
-        let counts =
-            |piece| piece == other.number || piece != own.number && shapes.get(piece).is_cavity;
+        let counts = |piece| piece == other.number || shapes.get(piece).is_cavity;
         if bvh.winding_number(surface, at, |t| counts(surface.piece(t))) < 1 {
             return None;
         }
@@ -144,8 +143,8 @@ impl Search<'_> {
 
     /// Returns the longest way out of the second piece from points of the first one \[m\].
     ///
-    /// The first piece is displaced by `shift` \[m\]. The points are all vertices and the points at
-    /// those that a search samples. `None` without an overlap.
+    /// The first piece is displaced by `shift` \[m\]. All vertices are tested. A search samples
+    /// vertices at which it also tests other points. `None` without an overlap.
     pub(super) fn longest_way_out(
         &self,
         pieces: [PieceId; 2],

@@ -5,7 +5,7 @@
 //! each piece. Two closed pieces, one of which has a point deep in the other one, are moved apart
 //! before the next frames: from the deepest point to the nearest surface if nothing is deep there,
 //! else along the [axis](super::axes) on which they overlap least. They lose the velocity with
-//! which they approach each other on this way.
+//! which they approach each other in this direction.
 
 use super::ContactFrame;
 use super::axes::{Extents, along, separation};
@@ -28,6 +28,26 @@ const PERIOD: u32 = 8;
 
 /// Maximum speed of the separation of a pair [diagonals of the smaller piece per second].
 const SPEED: f64 = 1.0;
+
+/// Maximum part of a displacement that an obstacle takes from it.
+const MAX_BLOCKED: f64 = 1e-3;
+
+/// Maximum slope of a way that counts as level, relative to its length.
+const MAX_SLOPE: f64 = 0.25;
+
+/// Returns a way without its part along gravity, if that is small.
+///
+/// Otherwise the piece that would sink a little would not move, whatever the masses are.
+fn leveled(way: Vec3, gravity: Vec3) -> Vec3 {
+    let Some(down) = gravity.try_normalize(0.0) else {
+        return way;
+    };
+    let sunk = way.dot(&down);
+    if sunk.abs() > MAX_SLOPE * way.norm() {
+        return way;
+    }
+    way - down * sunk
+}
 
 /// A piece of a body of the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -280,9 +300,9 @@ impl Test {
 }
 
 impl Search<'_> {
-    /// Measures an overlap at the points of a search, and by a known way of the first piece out of
-    /// the second one.
+    /// Measures an overlap at the points of a search.
     ///
+    /// A way of the first piece out of the second one may be known \[m\].
     /// `None` if there is none, or neither piece can be moved.
     fn measure(
         &self,
@@ -306,10 +326,14 @@ impl Search<'_> {
             .into_iter()
             .chain(known)
             .reduce(longer)?;
+        let way = leveled(way, self.frame.gravity);
         let (depth, direction) = (way.norm(), way.try_normalize(0.0)?);
         let extents = [self.extents(a)?, self.extents(b)?];
-        let is_blocked = |piece: &Extents, by| free_way(piece.corners(), by, self.frame) != by;
-        // Out by the nearest surface, if nothing is deep there; else by all of the pieces.
+        let is_blocked = |piece: &Extents, by: Vec3| {
+            let free = free_way(piece.corners(), by, self.frame);
+            (free - by).norm() > MAX_BLOCKED * by.norm()
+        };
+        // To the nearest surface, if nothing is deep there; else along an axis.
         let shortest = along(-direction, mobilities, self.frame.gravity).filter(|shifts| {
             let mut moves = extents.iter().zip(shifts);
             !moves.any(|(piece, shift)| is_blocked(piece, shift * depth)) && ways(way).is_none()
