@@ -22,6 +22,9 @@ const AXES: [[f64; 3]; 13] = [
     [-1.0, 1.0, -1.0],
 ];
 
+/// Maximum slope of a way that counts as level, relative to its length.
+const MAX_SLOPE: f64 = 0.25;
+
 /// Returns the unit vector of an axis.
 fn axis(k: usize) -> Vec3 {
     Vec3::from(AXES[k]).normalize()
@@ -56,6 +59,20 @@ impl Extents {
         let [min, max] = self.corners();
         (max - min).norm()
     }
+}
+
+/// Returns a way without its part along gravity, if that is small.
+///
+/// Otherwise the piece that would sink a little would not move, whatever the masses are.
+pub(super) fn leveled(way: Vec3, gravity: Vec3) -> Vec3 {
+    let Some(down) = gravity.try_normalize(0.0) else {
+        return way;
+    };
+    let sunk = way.dot(&down);
+    if sunk.abs() > MAX_SLOPE * way.norm() {
+        return way;
+    }
+    way - down * sunk
 }
 
 /// Returns displacements of two pieces that move the second one by `direction` from the first one.

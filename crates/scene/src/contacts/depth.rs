@@ -141,33 +141,24 @@ impl Search<'_> {
         Some(nearest.point - at).filter(|way| way.norm() >= clearance)
     }
 
-    /// Returns the longest way out of the second piece from points of the first one \[m\].
+    /// Returns ways out of the second piece from deep points of the first one \[m\].
     ///
     /// The first piece is displaced by `shift` \[m\]. All vertices are tested. A search samples
-    /// vertices at which it also tests other points. `None` without an overlap.
-    pub(super) fn longest_way_out(
+    /// vertices at which it also tests other points. `None` for pieces that do not take part.
+    pub(super) fn ways_out(
         &self,
         pieces: [PieceId; 2],
         search: usize,
         shift: Vec3,
-    ) -> Option<Vec3> {
+    ) -> Option<impl Iterator<Item = Vec3>> {
         let surface = self.body_of(pieces[0])?.0.surface();
         let other = self.pieces.get(self.index_of(pieces[1])?);
         let vertices = self.vertices(pieces[0]);
         let sampled = sampled(vertices, (MEASURED, search));
-        let points = sampled.flat_map(|v| points_at(surface, v));
+        let points = sampled.flat_map(move |v| points_at(surface, v));
         let points = points.chain(vertices.iter().copied().map(Point::Vertex));
-        let inside = points.filter(|point| other.contains(point.position(surface) + shift, 0.0));
-        let ways = inside.filter_map(|point| self.way_out(pieces, point, shift));
-        ways.reduce(longer)
-    }
-}
-
-/// Returns the longer one of two vectors.
-pub(super) fn longer(a: Vec3, b: Vec3) -> Vec3 {
-    if b.norm_squared() > a.norm_squared() {
-        b
-    } else {
-        a
+        let inside =
+            points.filter(move |point| other.contains(point.position(surface) + shift, 0.0));
+        Some(inside.filter_map(move |point| self.way_out(pieces, point, shift)))
     }
 }

@@ -8,8 +8,8 @@
 //! which they approach each other in this direction.
 
 use super::ContactFrame;
-use super::axes::{Extents, along, separation};
-use super::depth::{Point, longer, sampled_points};
+use super::axes::{Extents, along, leveled, separation};
+use super::depth::{Point, sampled_points};
 use super::free_way::free_way;
 use super::narrow_phase::Search;
 use crate::body::{piece_of, vertices_of};
@@ -32,21 +32,13 @@ const SPEED: f64 = 1.0;
 /// Maximum part of a displacement that an obstacle takes from it.
 const MAX_BLOCKED: f64 = 1e-3;
 
-/// Maximum slope of a way that counts as level, relative to its length.
-const MAX_SLOPE: f64 = 0.25;
-
-/// Returns a way without its part along gravity, if that is small.
-///
-/// Otherwise the piece that would sink a little would not move, whatever the masses are.
-fn leveled(way: Vec3, gravity: Vec3) -> Vec3 {
-    let Some(down) = gravity.try_normalize(0.0) else {
-        return way;
-    };
-    let sunk = way.dot(&down);
-    if sunk.abs() > MAX_SLOPE * way.norm() {
-        return way;
+/// Returns the longer one of two vectors.
+fn longer(a: Vec3, b: Vec3) -> Vec3 {
+    if b.norm_squared() > a.norm_squared() {
+        b
+    } else {
+        a
     }
-    way - down * sunk
 }
 
 /// A piece of a body of the scene.
@@ -302,8 +294,8 @@ impl Test {
 impl Search<'_> {
     /// Measures an overlap at the points of a search.
     ///
-    /// A way of the first piece out of the second one may be known \[m\].
-    /// `None` if there is none, or neither piece can be moved.
+    /// A way of the first piece out of the second one may be known \[m\]. `None` if there is no
+    /// overlap, or neither piece can be moved.
     fn measure(
         &self,
         pieces: [PieceId; 2],
@@ -315,17 +307,12 @@ impl Search<'_> {
             return None;
         }
         let ways = |shift: Vec3| {
-            let first = self.longest_way_out([a, b], search, shift);
-            let second = self.longest_way_out([b, a], search, -shift);
-            first
-                .into_iter()
-                .chain(second.map(|way| -way))
-                .reduce(longer)
+            let first = self.ways_out([a, b], search, shift);
+            let second = self.ways_out([b, a], search, -shift);
+            let second = second.into_iter().flatten().map(|way| -way);
+            first.into_iter().flatten().chain(second)
         };
-        let way = ways(Vec3::zeros())
-            .into_iter()
-            .chain(known)
-            .reduce(longer)?;
+        let way = ways(Vec3::zeros()).chain(known).reduce(longer)?;
         let way = leveled(way, self.frame.gravity);
         let (depth, direction) = (way.norm(), way.try_normalize(0.0)?);
         let extents = [self.extents(a)?, self.extents(b)?];
@@ -336,7 +323,8 @@ impl Search<'_> {
         // To the nearest surface, if nothing is deep there; else along an axis.
         let shortest = along(-direction, mobilities, self.frame.gravity).filter(|shifts| {
             let mut moves = extents.iter().zip(shifts);
-            !moves.any(|(piece, shift)| is_blocked(piece, shift * depth)) && ways(way).is_none()
+            !moves.any(|(piece, shift)| is_blocked(piece, shift * depth))
+                && ways(way).next().is_none()
         });
         let separation = || separation(&extents, mobilities, self.frame.gravity, is_blocked);
         let shifts = shortest.or_else(separation)?;
