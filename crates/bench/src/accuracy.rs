@@ -27,7 +27,6 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-use crate::State;
 use crate::backend::Executor;
 use crate::json::Json;
 use crate::machine;
@@ -41,6 +40,7 @@ use error::ErrorMeasure;
 use incise_mesh::TriangleId;
 use incise_pbd_gpu::SolverParams;
 use incise_progress::Progress;
+use incise_reference::State;
 use plot::PlotFiles;
 use ranks::RanksFile;
 use run::Run;

@@ -3,7 +3,7 @@
 use super::error::distance;
 use super::scene::{Body, DT, Scene, Scheme};
 use crate::work_precision::FLOOR_SUBSTEPS;
-use crate::{Model, ReferenceError, State, Stepper};
+use incise_reference::{Model, ReferenceError, State, Stepper};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::time::Instant;

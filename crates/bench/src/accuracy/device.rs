@@ -2,8 +2,8 @@
 
 use super::run::{Run, Times, timed};
 use super::scene::{Body, DT};
-use crate::State;
 use incise_pbd_gpu::{AdapterRequest, GpuBackend, GpuError, SolverParams};
+use incise_reference::State;
 use std::time::Instant;
 
 /// An open GPU.

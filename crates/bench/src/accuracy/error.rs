@@ -2,7 +2,7 @@
 
 use super::scene::DT;
 use crate::work_precision::Row;
-use crate::{Model, State};
+use incise_reference::{Model, State};
 use nalgebra::Vector3;
 
 /// Errors over all frame ends.

@@ -3,8 +3,8 @@
 use super::convergence::Trajectory;
 use super::scene::{Body, DT};
 use crate::statistics::median;
-use crate::{Model, PatchStepper, ReferenceError, State};
 use incise_pbd_gpu::{SolverParams, StepError};
+use incise_reference::{Model, PatchStepper, ReferenceError, State};
 use std::time::{Duration, Instant};
 
 /// Smallest number of repetitions of a short run.

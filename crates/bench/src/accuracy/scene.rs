@@ -1,9 +1,9 @@
 //! A scene for the solver and the reference: body, initial motion, pins and schemes.
 
-use crate::{Model, State};
 use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, VertexId};
 use incise_pbd_gpu::{Integrator, Material, Solver, SolverParams, Stiffness};
+use incise_reference::{Model, State};
 use std::error::Error;
 
 /// Length of a frame \[s\].

@@ -9,7 +9,7 @@ use crate::text_table::{Column, paragraphs, text_table};
 use crate::work_precision::{
     BUDGETS, FLOOR_SUBSTEPS, Point, Row, TARGETS, error_at, least_gain, time_to, totals,
 };
-use crate::{ReferenceError, State};
+use incise_reference::{ReferenceError, State};
 use std::io::{self, Write};
 
 /// Explains the columns of a scene.

@@ -6,8 +6,8 @@ use super::run::on_cpu;
 use super::scene::{Body, DT, Scene, Scheme};
 use super::scenes;
 use crate::work_precision::FLOOR_SUBSTEPS;
-use crate::{Model, State};
 use incise_pbd_gpu::{SolverParams, Stiffness};
+use incise_reference::{Model, State};
 use nalgebra::Vector3;
 use std::sync::OnceLock;
 

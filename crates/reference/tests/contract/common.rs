@@ -1,6 +1,6 @@
 //! What tests of the reference share.
 
-use incise_bench::{Model, State, StepReport, Stepper};
+use incise_reference::{Model, State, StepReport, Stepper};
 use nalgebra::Vector3;
 
 /// Gravity [m/s^2].

@@ -1,8 +1,8 @@
 //! The solver with many iterations against the reference.
 
-use incise_bench::{Model, ReferenceError, State, Stepper};
 use incise_mesh::{Surface, VertexId, icosphere};
 use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness};
+use incise_reference::{Model, ReferenceError, State, Stepper};
 
 /// A sheet of `n` by `n` squares with a side of 1 m, in the plane of x and z.
 fn sheet(n: u32) -> Surface {

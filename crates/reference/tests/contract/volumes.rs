@@ -1,9 +1,9 @@
 //! Volume constraints of the reference against closed forms of a tetrahedron and the solver.
 
 use crate::common::{gravity, run};
-use incise_bench::{Constraints, Model, Piece, State, Stepper, Volumes};
 use incise_mesh::icosphere;
 use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness, Volume};
+use incise_reference::{Constraints, Model, Piece, State, Stepper, Volumes};
 use nalgebra::Vector3;
 
 /// The corners of a regular tetrahedron, by their distance from its center \[m\].

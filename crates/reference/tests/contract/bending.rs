@@ -1,7 +1,7 @@
 //! Bending of a clamped strip in the reference against beam theory, for every diagonal pattern.
 
 use crate::common::{G, gravity, run};
-use incise_bench::{Constraints, Model, State};
+use incise_reference::{Constraints, Model, State};
 use nalgebra::Vector3;
 
 /// Diagonals of the rectangles of a strip.

@@ -57,8 +57,6 @@ impl std::fmt::Debug for Stepper<'_> {
 pub struct StepReport {
     /// Number of Newton steps.
     pub newton_steps: usize,
-    /// Number of multiplier updates; 1 without nearly rigid constraints.
-    pub rounds: usize,
     /// Decrement before the last Newton step over the first; 0 if the first is 0.
     pub decrement: f64,
     /// Multipliers of edges \[N\], negative in tension, shape \[edges\].
@@ -166,7 +164,6 @@ impl<'a> Stepper<'a> {
         loop {
             self.minimize(&objective, &mut x, &mut first, &mut report)?;
             let lack = objective.update(&x);
-            report.rounds += 1;
             if lack <= objective.rounding.max(DONE * first) {
                 break;
             }

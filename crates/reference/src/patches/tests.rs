@@ -1,7 +1,7 @@
 //! Steps by patches against converged steps.
 
 use super::*;
-use crate::reference::Stepper;
+use crate::Stepper;
 
 /// A strip of triangles, pinned at one end, stretched and twisted.
 fn strip() -> (Model, State) {

@@ -1,6 +1,6 @@
 //! Divides a body into patches of several sizes.
 
-use crate::reference::model::Model;
+use crate::model::Model;
 use nalgebra::Vector3;
 use std::ops::Range;
 

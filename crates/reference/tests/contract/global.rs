@@ -1,9 +1,9 @@
 //! The solver's global step against converged steps, also while its factor lags behind a cut.
 
-use incise_bench::{Model, State, Stepper};
 use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, TriangleId, icosphere, torus};
 use incise_pbd_gpu::{Material, Scheme, Solver, SolverParams, Stiffness};
+use incise_reference::{Model, State, Stepper};
 
 const DT: f32 = 1.0 / 60.0;
 

@@ -1,7 +1,7 @@
 //! Invariants of the reference for any body: equations, momentum, order, symmetry and rest.
 
 use crate::common::{G, gravity, run};
-use incise_bench::{Constraints, Model, State, StepReport, Stepper, edge, hinge};
+use incise_reference::{Constraints, Model, State, StepReport, Stepper, edge, hinge};
 use nalgebra::Vector3;
 
 /// A bent strip of four triangles, free to move.
@@ -42,10 +42,6 @@ fn strip() -> (Model, State) {
     (model, state)
 }
 
-fn momentum(model: &Model, state: &State) -> Vector3<f64> {
-    model.mass.iter().zip(&state.v).map(|(m, v)| v * *m).sum()
-}
-
 fn angular(model: &Model, state: &State) -> Vector3<f64> {
     let each = model.mass.iter().zip(state.x.iter().zip(&state.v));
     each.map(|(m, (x, v))| x.cross(v) * *m).sum()
@@ -79,7 +75,7 @@ fn a_step_fulfills_both_equations_and_the_laws_of_momentum() {
         // softness.
         let exact = if compliance > 0.0 { 1e-10 } else { 1e-6 };
         let mut stepper = Stepper::new(&model).unwrap();
-        let start = momentum(&model, &state);
+        let start = model.momentum(&state);
         for _ in 0..100 {
             let before = state.clone();
             let report = stepper.step(&mut state, h, &[]).unwrap();
@@ -113,7 +109,7 @@ fn a_step_fulfills_both_equations_and_the_laws_of_momentum() {
                 "the change of angular momentum is off by {off:e}"
             );
         }
-        let off = (momentum(&model, &state) - start).norm();
+        let off = (model.momentum(&state) - start).norm();
         assert!(off < 1e-12, "momentum is off by {off:e}");
     }
 }

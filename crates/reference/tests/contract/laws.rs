@@ -1,7 +1,7 @@
 //! The reference against closed forms: continuous motions, and exact recurrences of its steps.
 
 use crate::common::{G, gravity, run};
-use incise_bench::{Constraints, Model, State, Stepper};
+use incise_reference::{Constraints, Model, State, Stepper};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
