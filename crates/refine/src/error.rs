@@ -141,9 +141,6 @@ pub enum HoleError {
         /// Maximum number of new vertices of a faired patch.
         limit: usize,
     },
-    /// The crate was built without the feature `fair`.
-    #[error("this build cannot fair patches; enable the feature fair of incise-refine")]
-    NoFairing,
     /// A planar rim cannot be triangulated.
     #[error(transparent)]
     Planar(RefineError),

@@ -7,7 +7,7 @@
 //! 3. [`fairing`], if requested, moves new vertices to the smoothest shape.
 //! 4. [`stitching`] adds all patches in one [`incise_mesh::Edit`], so an error changes nothing.
 
-#[cfg(feature = "fair")]
+mod envelope;
 mod fairing;
 mod minimal_triangulation;
 mod patch;
@@ -202,7 +202,6 @@ fn triangulate(
     if patch.triangles.len() > most {
         return Err(too_many(HoleError::TooManyTriangles { limit }));
     }
-    #[cfg(feature = "fair")]
     if is_faired && !patch.inner.is_empty() {
         hole.faired = fairing::fair(&mut patch, surface, rim, around, &has_edge);
     }

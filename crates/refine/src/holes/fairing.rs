@@ -5,15 +5,14 @@
 //! Laplacians at the rim include the adjacent vertices of the surface, so the patch meets it
 //! without a crease.
 //!
-//! The normal equations are factored once for positions and rest positions, one column after the
-//! other: dense blocks would be faster but give other bits on other machines.
+//! The normal equations are factored once for positions and rest positions.
 
 use super::HolePatch;
+use super::envelope::{Envelope, Row};
 use super::rim::{Rim, RimNeighborhood};
 use super::subdivision::flip_to_delaunay_again;
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Surface, Vec3, VertexId, index_u32};
-use incise_sparse::{Cholesky, Columns, Entry};
 use rustc_hash::FxHashMap;
 
 /// Number of times that a patch is faired.
@@ -42,9 +41,6 @@ struct WeightedEdge {
     weight: f64,
     triangles: u32,
 }
-
-/// A row of the energy: the coefficients of a vertex's Laplacian.
-type Row = Vec<(u32, f64)>;
 
 /// Moves the patch's inner vertices and returns whether it did.
 ///
@@ -100,7 +96,7 @@ fn minimize_energy(
     let first = index_u32(patch.rim);
     let last = first + index_u32(unknowns);
     let unknown = |v: u32| (first..last).contains(&v).then(|| v - first);
-    let mut entries: Vec<Entry> = Vec::new();
+    let mut inner: Vec<Row> = Vec::with_capacity(rows.len());
     let mut right = vec![[0.0; SIDES]; unknowns];
     for row in &rows {
         let mut offset = [0.0; SIDES];
@@ -109,43 +105,27 @@ fn minimize_energy(
                 *sum += weight * x;
             }
         }
-        let own = || row.iter().filter_map(|&(v, w)| Some((unknown(v)?, w)));
-        for (i, a) in own() {
+        let own = row.iter().filter_map(|&(v, w)| Some((unknown(v)?, w)));
+        let own: Row = own.collect();
+        for &(i, a) in &own {
             for (sum, x) in right[i as usize].iter_mut().zip(offset) {
                 *sum -= a * x;
             }
-            let lower = own().filter(|&(j, _)| j <= i);
-            entries.extend(lower.map(|(j, b)| Entry {
-                row: i,
-                column: j,
-                value: a * b,
-            }));
         }
+        inner.push(own);
     }
-    let Some(solution) = solve(&entries, &right) else {
+    let Some(factor) = Envelope::of_normal_equations(unknowns, &inner).factor() else {
         return false;
     };
+    let solution = factor.solve(&right);
+    if !solution.iter().flatten().all(|x| x.is_finite()) {
+        return false;
+    }
     for (&[x, y, z, u, v, w], i) in solution.iter().zip(patch.rim..) {
         patch.points[i] = at + Vec3::new(x, y, z);
         patch.rest[i] = rest + Vec3::new(u, v, w);
     }
     true
-}
-
-/// Solves the symmetric system with the given lower triangle; `None` without a finite solution.
-fn solve(lower: &[Entry], right: &[[f64; SIDES]]) -> Option<Vec<[f64; SIDES]>> {
-    let factor = Cholesky::new(right.len(), lower, Columns::Single)?;
-    let mut scratch = factor.scratch(SIDES)?;
-    for (i, row) in right.iter().enumerate() {
-        for (k, &x) in row.iter().enumerate() {
-            scratch.right[(i, k)] = x;
-        }
-    }
-    factor.solve(&mut scratch);
-    let rows = (0..right.len()).map(|i| std::array::from_fn(|k| scratch.right[(i, k)]));
-    let solution: Vec<[f64; SIDES]> = rows.collect();
-    let is_finite = solution.iter().flatten().all(|x| x.is_finite());
-    is_finite.then_some(solution)
 }
 
 impl Neighborhood {
@@ -178,7 +158,7 @@ impl Neighborhood {
 
     /// Returns the Laplacians of those of the first `count` vertices that are not on a boundary.
     ///
-    /// Each is divided by the square root of its vertex's area.
+    /// A Laplacian is a list of vertices and coefficients. Each is divided by the square root of its vertex's area.
     fn rows(&self, count: usize) -> Vec<Row> {
         let mut areas = vec![0.0; self.points.len()];
         let mut sides: Vec<([u32; 2], f64)> = Vec::with_capacity(3 * self.triangles.len());

@@ -40,14 +40,11 @@ impl Default for HoleParams {
 }
 
 impl HoleParams {
-    /// Checks the level and that the build can fair.
+    /// Checks the level.
     pub(super) fn check(&self) -> Result<(), HoleError> {
         let z = self.level.z();
         if !(z > 0.0 && z.is_finite()) {
             return Err(HoleError::NonPositiveLevel { z });
-        }
-        if self.fair && cfg!(not(feature = "fair")) {
-            return Err(HoleError::NoFairing);
         }
         Ok(())
     }

@@ -144,7 +144,6 @@ fn split(patch: &mut HolePatch, sizes: &mut Vec<f64>, dictionary: &mut EdgeDicti
 }
 
 /// Flips edges toward Delaunay at the vertices' current positions.
-#[cfg(feature = "fair")]
 pub(super) fn flip_to_delaunay_again(patch: &mut HolePatch, has_edge: &impl Fn(u32, u32) -> bool) {
     let mut dictionary = EdgeDictionary::of(&patch.triangles);
     flip_to_delaunay(patch, &mut dictionary, has_edge);

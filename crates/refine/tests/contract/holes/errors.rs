@@ -1,6 +1,6 @@
 //! Invalid input: a typed error and an unchanged surface.
 
-use crate::punched::{disc, without};
+use super::punched::{disc, without};
 use incise_mesh::{HalfEdge, Surface, TriangleId, VertexId, icosphere};
 use incise_refine::{HoleError, HoleParams, RefinementLevel, fill_hole, fill_holes};
 

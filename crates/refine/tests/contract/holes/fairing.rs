@@ -1,6 +1,6 @@
 //! Fairing of patches: distance to known shapes, planar patches, limits.
 
-use crate::punched::{disc, distance_to_sphere, fill_and_check, without};
+use super::punched::{disc, distance_to_sphere, fill_and_check, without};
 use incise_mesh::{Surface, TriangleId, Vec3, VertexId, icosphere};
 use incise_refine::{FillReport, HoleError, HoleParams, RefinementLevel};
 use proptest::prelude::*;

@@ -2,7 +2,6 @@
 
 mod cases;
 mod errors;
-#[cfg(feature = "fair")]
 mod fairing;
 mod properties;
 mod punched;

@@ -1,6 +1,6 @@
 //! Sections with a known answer: touching, crossing and clockwise loops, quality, errors.
 
-use crate::sections::{Shape, check_any, check_clean, corners, polygon_area, run};
+use super::sections::{Shape, check_any, check_clean, corners, polygon_area, run};
 use incise_refine::{
     RefineError, Section, SectionMesh, SectionMeshParams, SectionMeshScratch, SectionMeshSize,
     triangulate_section,

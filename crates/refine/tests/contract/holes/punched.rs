@@ -1,8 +1,6 @@
 //! Fixtures with holes, and checks of the invariants of filled holes.
 
-#[cfg(feature = "fair")]
-use incise_mesh::VertexId;
-use incise_mesh::{MeshData, Surface, Topology, TriangleId, Vec3};
+use incise_mesh::{MeshData, Surface, Topology, TriangleId, Vec3, VertexId};
 use incise_refine::{FillReport, HoleParams, fill_holes};
 use std::collections::BTreeSet;
 
@@ -145,7 +143,6 @@ pub(crate) fn fill_and_check(open: &Surface, params: &HoleParams) -> (Surface, F
 }
 
 /// Returns the root mean square distance of vertices from a sphere around the origin.
-#[cfg(feature = "fair")]
 pub(crate) fn distance_to_sphere(surface: &Surface, vertices: &[VertexId], radius: f64) -> f64 {
     let squares = vertices
         .iter()

@@ -1,6 +1,6 @@
 //! Hole filling: cases with a known answer.
 
-use crate::punched::{area, collar, disc, euler, fill_and_check, inner_loop, reread, without};
+use super::punched::{area, collar, disc, euler, fill_and_check, inner_loop, reread, without};
 use incise_mesh::{Surface, TriangleId, Vec3, icosphere};
 use incise_refine::{HoleError, HoleParams, RefinementLevel, fill_hole, fill_holes};
 use std::f32::consts::TAU;
@@ -180,7 +180,7 @@ fn a_long_rim_is_split() {
     };
     let report = fill_hole(&mut surface, &boundary, &coarse).unwrap();
     assert_eq!(report.holes[0].rim_edges, 3000);
-    crate::punched::check_manifold(&surface);
+    super::punched::check_manifold(&surface);
     let total: f64 = report.holes[0]
         .triangles
         .iter()

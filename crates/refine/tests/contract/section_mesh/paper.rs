@@ -1,7 +1,7 @@
 //! The paper's refinement of sections: the invariants of any mesh, and agreement with its listings.
 
-use crate::properties::{any_loops, grid_loops, is_clean, nested, random_edges, star};
-use crate::sections::{Shape, check_any, check_clean, check_no_duplicate_edges, corners};
+use super::properties::{any_loops, grid_loops, is_clean, nested, random_edges, star};
+use super::sections::{Shape, check_any, check_clean, check_no_duplicate_edges, corners};
 use incise_mesh::Vec3;
 use incise_refine::paper::{fill, triangulate};
 use incise_refine::{

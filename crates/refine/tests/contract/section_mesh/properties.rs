@@ -1,6 +1,6 @@
 //! Invariants of section meshes over random loops.
 
-use crate::sections::{
+use super::sections::{
     RandomEdges, Shape, check_any, check_clean, check_no_duplicate_edges, corners, cross,
     polygon_area, run, run_with_edges,
 };

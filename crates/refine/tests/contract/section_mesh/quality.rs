@@ -1,6 +1,6 @@
 //! Quality of meshes of smooth sections with even rim edges.
 
-use crate::sections::{Shape, check_clean};
+use super::sections::{Shape, check_clean};
 use incise_refine::{
     RefineError, SectionMeshParams, SectionMeshQuality, SectionMeshScratch, SectionMeshSize,
     triangulate_section,

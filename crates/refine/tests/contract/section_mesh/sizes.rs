@@ -1,7 +1,7 @@
 //! Section meshes with local target lengths: random targets, grading and limits.
 
-use crate::properties::{any_loops, is_clean, nested, star};
-use crate::sections::{Shape, check_any, check_clean};
+use super::properties::{any_loops, is_clean, nested, star};
+use super::sections::{Shape, check_any, check_clean};
 use incise_mesh::index_u32;
 use incise_refine::{
     RefineError, SectionMesh, SectionMeshParams, SectionMeshScratch, SectionMeshSize,

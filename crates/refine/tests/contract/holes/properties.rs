@@ -1,6 +1,6 @@
 //! Invariants of hole filling over random holes and rims.
 
-use crate::punched::{
+use super::punched::{
     area, check_manifold, collar, disc, fill_and_check, inner_loop, reread, without,
 };
 use incise_mesh::{Surface, TriangleId, cube_sphere, icosphere, torus};
@@ -19,7 +19,7 @@ fn body(which: u8, scale: i32) -> Surface {
 fn params(z: f64) -> HoleParams {
     HoleParams {
         level: RefinementLevel::Z(z),
-        fair: cfg!(feature = "fair"),
+        fair: true,
         ..HoleParams::default()
     }
 }
