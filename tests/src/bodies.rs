@@ -3,6 +3,7 @@
 use incise_mesh::geometry::{Vec3, to_f32, to_f64};
 use incise_mesh::{Blend, Channel, Domain, Surface, cube_sphere, icosphere, torus};
 use incise_models::{Model, build_model};
+use incise_test_support::random::Random;
 use proptest::prelude::*;
 use std::sync::OnceLock;
 
@@ -51,28 +52,10 @@ pub struct Body {
     pub seed: u64,
 }
 
-/// The random number generator `SplitMix64`.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// From -1 to 1.
-    fn signed(&mut self) -> f64 {
-        f64::from((self.next() >> 40) as i32) / f64::from(1 << 23) - 1.0
-    }
-
-    fn shuffle<T>(&mut self, items: &mut [T]) {
-        for i in (1..items.len()).rev() {
-            let j = usize::try_from(self.next() % (i as u64 + 1)).expect("it is at most i");
-            items.swap(i, j);
-        }
+/// Permutes items at random.
+fn shuffle<T>(random: &mut Random, items: &mut [T]) {
+    for i in (1..items.len()).rev() {
+        items.swap(i, random.below(i + 1));
     }
 }
 
@@ -97,7 +80,7 @@ impl Body {
     pub fn build(&self) -> Surface {
         let base = self.shape.build();
         let topology = base.topology();
-        let mut random = Random(self.seed);
+        let mut random = Random::new(self.seed);
         let mut points: Vec<Vec3> = (base.rest_positions().iter().map(|&p| to_f64(p))).collect();
         match self.deformation {
             Deformation::None => {}
@@ -138,10 +121,10 @@ impl Body {
             .map(|t| topology.triangle(t).map(|v| v.0))
             .collect();
         if self.seed != 0 {
-            random.shuffle(&mut order);
-            random.shuffle(&mut faces);
+            shuffle(&mut random, &mut order);
+            shuffle(&mut random, &mut faces);
             for face in &mut faces {
-                face.rotate_left(usize::from(random.next().is_multiple_of(2)));
+                face.rotate_left(usize::from(random.bits().is_multiple_of(2)));
             }
         }
         let mut number = vec![0; points.len()];

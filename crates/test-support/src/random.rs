@@ -1,7 +1,7 @@
-//! A small deterministic random number generator.
+//! Seeded random numbers: the same sequence on every machine.
 
-/// A linear congruential generator; the upper bits are the random number.
-#[derive(Debug)]
+/// The generator splitmix64 (Steele, Lea and Flood 2014).
+#[derive(Debug, Clone)]
 pub struct Random(u64);
 
 impl Random {
@@ -11,26 +11,47 @@ impl Random {
         Self(seed)
     }
 
-    /// Returns a number below `n`.
-    pub fn below(&mut self, n: usize) -> usize {
-        self.0 = (self.0)
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        usize::try_from(self.0 >> 33).expect("31 bits") % n
+    /// Returns 64 random bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Returns a number from 0 to 1 from the upper 32 bits.
+    pub fn unit(&mut self) -> f64 {
+        f64::from(u32::try_from(self.bits() >> 32).unwrap_or(u32::MAX)) / f64::from(u32::MAX)
+    }
+
+    /// Returns a number from -1 to 1.
+    pub fn signed(&mut self) -> f64 {
+        2.0 * self.unit() - 1.0
+    }
+
+    /// Returns a number between two.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// Returns a number between two; its logarithm is uniform.
+    #[expect(clippy::cast_possible_truncation, reason = "a number of storage")]
+    pub fn log(&mut self, low: f64, high: f64) -> f32 {
+        (low * (high / low).powf(self.unit())) as f32
+    }
+
+    /// Returns an index below `count`.
+    ///
+    /// # Panics
+    /// If `count` is 0.
+    pub fn below(&mut self, count: usize) -> usize {
+        usize::try_from(self.bits() % count as u64).expect("it is below a usize")
     }
 
     /// Returns a number from 0.1 to 0.9.
+    #[expect(clippy::cast_possible_truncation, reason = "a number of storage")]
     pub fn fraction(&mut self) -> f32 {
-        0.1 + 0.8 * self.below(1000) as f32 / 1000.0
+        self.between(0.1, 0.9) as f32
     }
-}
-
-/// Advances a splitmix64 state (Steele et al. 2014) and returns a number from 0 to 1.
-pub fn split_mix(state: &mut u64) -> f64 {
-    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^= z >> 31;
-    f64::from(u32::try_from(z >> 32).unwrap_or(u32::MAX)) / f64::from(u32::MAX)
 }

@@ -4,29 +4,21 @@
 
 mod body;
 
-use body::{Body, ROUNDING, Random, paper_shell, pieces, place, plane, shell};
+use body::{Body, ROUNDING, direction, paper_shell, pieces, place, plane, shell, through};
 use incise_cut::CutParams;
 use incise_mesh::{Vec3, VertexId, cube_sphere, icosphere, torus};
 use incise_pbd_gpu::{Density, Material, SolverParams, Stiffness};
 use incise_refine::{RefineParams, RefinementLevel};
+use incise_test_support::params::GROUND;
+use incise_test_support::random::Random;
 
 const FRAME: f32 = 1.0 / 60.0;
-
-const GROUND: SolverParams = SolverParams {
-    iterations: 10,
-    substeps: 1,
-    gravity: [0.0, -9.81, 0.0],
-    ground: Some(0.0),
-    diagonal_scale: 0.5,
-    attachments: true,
-    ..SolverParams::paper()
-};
 
 #[test]
 fn cuts_in_every_substep_down_to_pieces_of_a_few_triangles() {
     let elastic = shell(Stiffness::Compliance(1e-5), Stiffness::Compliance(1e-2));
     let mut body = Body::turning(1, 0.8, &elastic);
-    let mut random = Random(12);
+    let mut random = Random::new(12);
     let params = SolverParams {
         iterations: 1,
         ..GROUND
@@ -38,7 +30,7 @@ fn cuts_in_every_substep_down_to_pieces_of_a_few_triangles() {
         let two = [0, 1].map(|_| all[random.below(all.len())]);
         let size = |p: &u32| body.surface.piece_triangles(*p);
         let piece = two.into_iter().max_by_key(size).expect("two");
-        let sweep = random.through(&body.surface, piece);
+        let sweep = through(&mut random, &body.surface, piece);
         let params = CutParams {
             only_piece: Some(piece),
             ..CutParams::default()
@@ -69,7 +61,7 @@ fn one_plane_cuts_a_moving_body_repeatedly() {
 
 #[test]
 fn pieces_of_a_stretched_body_regain_their_lengths() {
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     for (stretch, bending) in [(0.0, 0.0), (1e-4, 1e-1)] {
         let material = shell(
             Stiffness::Compliance(stretch),
@@ -82,7 +74,7 @@ fn pieces_of_a_stretched_body_regain_their_lengths() {
         for number in 0..5 {
             let all = pieces(&body.surface);
             let piece = all[random.below(all.len())];
-            let sweep = random.through(&body.surface, piece);
+            let sweep = through(&mut random, &body.surface, piece);
             body.cut(&sweep, &CutParams::default(), &format!("cut {number}"));
         }
         (0..600).for_each(|_| body.step(FRAME, &GROUND));
@@ -101,10 +93,10 @@ fn cuts_through_pins_leave_the_others_in_place() {
         body.solver.pin(&mut body.surface, v).expect("a vertex");
     }
     let places = body.surface.positions().to_vec();
-    let mut random = Random(9);
+    let mut random = Random::new(9);
     for number in 0..20 {
         let [x, y, z, _] = places[top[random.below(top.len())].index()].map(f64::from);
-        let sweep = plane(&body.surface, random.unit(), &Vec3::new(x, y, z));
+        let sweep = plane(&body.surface, direction(&mut random), &Vec3::new(x, y, z));
         body.cut(&sweep, &CutParams::default(), &format!("cut {number}"));
         body.step(FRAME, &GROUND);
         for pin in body.solver.pins() {
@@ -123,7 +115,7 @@ fn balls_cut_into_islands_keep_their_sums_and_slots() {
     };
     for seed in 1..=200 {
         let mut body = Body::turning(0, 0.8, &paper_shell());
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let most = 1.01 * body.energy();
         for number in 0..5 {
             let context = format!("ball {seed}, cut {number}");
@@ -133,7 +125,7 @@ fn balls_cut_into_islands_keep_their_sums_and_slots() {
             let size = |p: &u32| body.surface.piece_triangles(*p);
             let largest = pieces(&body.surface).into_iter().max_by_key(size);
             let piece = largest.expect("a piece is left");
-            let sweep = random.through(&body.surface, piece);
+            let sweep = through(&mut random, &body.surface, piece);
             let params = CutParams {
                 only_piece: Some(piece),
                 // Minimal caps, since the pieces are small.
@@ -160,11 +152,11 @@ fn balls_cut_into_islands_keep_their_sums_and_slots() {
 #[test]
 fn a_body_that_is_cut_and_restored_needs_no_more_memory() {
     let mut body = Body::turning(2, 0.8, &paper_shell());
-    let mut random = Random(21);
+    let mut random = Random::new(21);
     let mut first = None;
     for number in 0..200 {
         body.step(FRAME, &GROUND);
-        let sweep = random.through(&body.surface, 0);
+        let sweep = through(&mut random, &body.surface, 0);
         let before = (body.surface.topology().triangle_count(), body.sums().mass);
         let context = format!("cut {number}");
         let Some(undo) = body.cut(&sweep, &CutParams::default(), &context) else {
@@ -203,7 +195,7 @@ fn a_body_that_is_cut_and_restored_needs_no_more_memory() {
 
 /// Steps a random body with random material and pins, and cuts it three times.
 fn random_body(seed: u64) {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let mut surface = match random.below(4) {
         0 => icosphere(0, 0.5),
         1 => icosphere(2, 0.5),
@@ -243,7 +235,7 @@ fn random_body(seed: u64) {
         (0..10).for_each(|_| body.step(dt, &params));
         let all = pieces(&body.surface);
         let piece = all[random.below(all.len())];
-        let sweep = random.through(&body.surface, piece);
+        let sweep = through(&mut random, &body.surface, piece);
         body.cut(
             &sweep,
             &CutParams::default(),

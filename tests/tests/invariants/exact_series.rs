@@ -5,58 +5,41 @@ use incise_mesh::geometry::to_f64;
 use incise_mesh::{Surface, Vec3, icosphere, torus};
 use incise_models::{Model, build_model};
 use incise_refine::{RefineParams, RefinementLevel};
+use incise_test_support::random::Random;
 use incise_tests::{assert_closed_manifold, cut_and_check, euler_characteristics, shells};
 
-/// A small generator (`SplitMix64`).
-struct Random(u64);
+/// Returns a point in the bounding box of a surface.
+fn point(random: &mut Random, surface: &Surface) -> Vec3 {
+    let bounds = surface.bounds();
+    let (min, max) = (to_f64(bounds.min), to_f64(bounds.max));
+    min + (max - min).map(|size| size * random.unit())
+}
 
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// Returns a number from 0 to 1.
-    fn part(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn point(&mut self, surface: &Surface) -> Vec3 {
-        let bounds = surface.bounds();
-        let (min, max) = (to_f64(bounds.min), to_f64(bounds.max));
-        min + (max - min).map(|size| size * self.part())
-    }
-
-    fn direction(&mut self) -> Vec3 {
-        loop {
-            let v = Vec3::new(self.part(), self.part(), self.part()).map(|x| 2.0 * x - 1.0);
-            if v.norm() > 0.1 && v.norm() < 1.0 {
-                return v.normalize();
-            }
+fn direction(random: &mut Random) -> Vec3 {
+    loop {
+        let v = Vec3::new(random.signed(), random.signed(), random.signed());
+        if v.norm() > 0.1 && v.norm() < 1.0 {
+            return v.normalize();
         }
     }
+}
 
-    /// Returns a plane through a random triangle of one piece or of the body.
-    fn sweep(&mut self, surface: &Surface, only: Option<u32>) -> Sweep {
-        let bounds = surface.bounds();
-        let triangles: Vec<_> = (surface.topology().triangles())
-            .filter(|&t| only.is_none_or(|piece| surface.piece(t) == piece))
-            .collect();
-        let t = self.next() % triangles.len() as u64;
-        let t = triangles[usize::try_from(t).expect("there are fewer than 2^32")];
-        let [a, b, c] = surface.triangle_positions(t);
-        let at = (a + b + c) / 3.0;
-        let normal = self.direction();
-        Sweep::from_plane(normal.into(), normal.dot(&at), &bounds).expect("a plane")
-    }
+/// Returns a plane through a random triangle of one piece or of the body.
+fn sweep(random: &mut Random, surface: &Surface, only: Option<u32>) -> Sweep {
+    let bounds = surface.bounds();
+    let triangles: Vec<_> = (surface.topology().triangles())
+        .filter(|&t| only.is_none_or(|piece| surface.piece(t) == piece))
+        .collect();
+    let t = triangles[random.below(triangles.len())];
+    let [a, b, c] = surface.triangle_positions(t);
+    let at = (a + b + c) / 3.0;
+    let normal = direction(random);
+    Sweep::from_plane(normal.into(), normal.dot(&at), &bounds).expect("a plane")
 }
 
 /// Cuts 200 times, either the whole body or only its largest piece.
 fn cut_200_times(whole: &Surface, snap: f64, seed: u64) {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let mut surface = whole.clone();
     let mut cutter = Cutter::new(&surface);
     let mut moved = 0.0;
@@ -79,7 +62,7 @@ fn cut_200_times(whole: &Surface, snap: f64, seed: u64) {
             },
             ..CutParams::default()
         };
-        let sweep = random.sweep(&surface, params.only_piece);
+        let sweep = sweep(&mut random, &surface, params.only_piece);
         let result = cut_and_check(&mut surface, &mut cutter, &sweep, &params);
         let outcome = result.expect("a full slice cuts");
         moved += outcome.report.moved_volume;
@@ -143,9 +126,9 @@ fn pieces_contain_the_points_of_the_body() {
         build_model(Model::Bunny),
     ];
     for (seed, body) in (10..).zip(bodies) {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         for _ in 0..3 {
-            let sweep = random.sweep(&body, None);
+            let sweep = sweep(&mut random, &body, None);
             let (origin, normal) = sweep.plane();
             let mut surface = body.clone();
             let params = CutParams {
@@ -168,7 +151,7 @@ fn pieces_contain_the_points_of_the_body() {
             };
             let sides: Vec<f64> = pieces.iter().map(side).collect();
             for _ in 0..150 {
-                let at = random.point(&body);
+                let at = point(&mut random, &body);
                 let height = normal.dot(&(at - origin));
                 let was = winding(&body, None, at);
                 // Points near the surface are skipped: flat caps and rounding decide there.

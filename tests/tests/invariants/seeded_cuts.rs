@@ -19,7 +19,7 @@ use incise::pbd::Material;
 use incise::prelude::*;
 use incise::refine::{RefineParams, RefinementLevel};
 use incise_models::{Model, build_model};
-use incise_test_support::random::split_mix;
+use incise_test_support::random::Random;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -146,11 +146,11 @@ fn list() -> String {
         (Model::Bunny, "paper", original, 10),
         (Model::Bunny, "path", original, 10),
     ];
-    let mut seed = 25;
+    let mut random = Random::new(25);
     let mut out = String::new();
     for (model, method, level, count) in groups {
         for _ in 0..count {
-            let [x, y, z, d] = [(); 4].map(|()| 2.0 * split_mix(&mut seed) - 1.0);
+            let [x, y, z, d] = [(); 4].map(|()| 2.0 * random.unit() - 1.0);
             let numbers = match method {
                 "path" => [0.1 * x, 0.7, 0.1 * z, 0.7 * d],
                 _ => [x, y, z, 0.15 * d],

@@ -3,42 +3,34 @@
 use incise_cut::{CutMethod, CutParams, Cutter, PaperParams, Sweep};
 use incise_mesh::{Bvh, Surface, TriangleId, VertexId, cube_sphere, torus};
 use incise_refine::{RefineParams, RefinementLevel};
+use incise_test_support::random::Random;
 use proptest::prelude::*;
 use std::cell::Cell;
 
-/// Random numbers (splitmix64), so that a test depends on its seed alone.
-struct Random(u64);
+/// Returns a number from -1 to 1.
+fn signed(random: &mut Random) -> f32 {
+    random.signed() as f32
+}
 
-impl Random {
-    fn next(&mut self, below: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        usize::try_from((z ^ (z >> 31)) % below as u64).unwrap()
-    }
+/// Returns the sweep of a random plane near the center of a surface.
+fn plane(random: &mut Random, surface: &Surface) -> Sweep {
+    let n = [random.signed(), random.signed(), random.signed() + 0.0005];
+    let bounds = surface.bounds();
+    let d = random.signed() * bounds.diagonal() / 4.0;
+    let length = n.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let center = bounds.center();
+    let at = n[0] * center.x + n[1] * center.y + n[2] * center.z;
+    Sweep::from_plane(n, at + d * length, &bounds).unwrap()
+}
 
-    /// From -1 to 1.
-    fn unit(&mut self) -> f32 {
-        self.next(2001) as f32 / 1000.0 - 1.0
-    }
-
-    fn sweep(&mut self, surface: &Surface) -> Sweep {
-        let n = [self.unit(), self.unit(), self.unit() + 0.0005].map(f64::from);
-        let bounds = surface.bounds();
-        let d = f64::from(self.unit()) * bounds.diagonal() / 4.0;
-        let length = n.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let center = bounds.center();
-        let at = n[0] * center.x + n[1] * center.y + n[2] * center.z;
-        Sweep::from_plane(n, at + d * length, &bounds).unwrap()
-    }
-
-    fn small_sweep(&mut self) -> Sweep {
-        let corner = [self.unit(), self.unit(), self.unit()];
-        let to = |s: &mut Self| [0, 1, 2].map(|k| corner[k] + 0.2 * s.unit() + 0.001 * k as f32);
-        let (a, b, c) = (to(self), to(self), to(self));
-        Sweep::new([corner, a], [b, c]).unwrap()
-    }
+/// Returns a sweep of about 0.2 m.
+fn small_sweep(random: &mut Random) -> Sweep {
+    let corner = [0; 3].map(|_| signed(random));
+    let to = |random: &mut Random| {
+        [0, 1, 2].map(|k| corner[k] + 0.2 * signed(random) + 0.001 * k as f32)
+    };
+    let (a, b, c) = (to(random), to(random), to(random));
+    Sweep::new([corner, a], [b, c]).unwrap()
 }
 
 /// Each triangle of a surface as a surface of its own, with its BVH.
@@ -95,12 +87,12 @@ fn visits(bvh: &Bvh, surface: &Surface, sweep: &Sweep) -> usize {
 fn a_hundred_cuts_keep_height_and_query_cost() {
     let mut surface = cube_sphere(32, 1.0);
     let mut cutter = Cutter::new(&surface);
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     let mut cuts = 0;
     for _ in 0..600 {
-        let sweep = random.sweep(&surface);
+        let sweep = plane(&mut random, &surface);
         let params = CutParams {
-            only_piece: Some(u32::try_from(random.next(surface.piece_bound() as usize)).unwrap()),
+            only_piece: Some(u32::try_from(random.below(surface.piece_bound() as usize)).unwrap()),
             refine: RefineParams {
                 level: RefinementLevel::Z(3.0),
                 ..RefineParams::default()
@@ -131,7 +123,7 @@ fn a_hundred_cuts_keep_height_and_query_cost() {
     let single = SingleTriangles::new(&surface);
     let (mut old, mut new) = (0, 0);
     for _ in 0..200 {
-        let sweep = random.small_sweep();
+        let sweep = small_sweep(&mut random);
         old += visits(cutter.bvh(), &surface, &sweep);
         new += visits(&fresh, &surface, &sweep);
         single.assert_same_query(cutter.bvh(), &surface, &sweep);
@@ -179,16 +171,16 @@ fn around(surface: &Surface, v: VertexId) -> Vec<TriangleId> {
 fn a_nearly_collinear_sweep_finds_all_triangles_that_it_crosses() {
     let body = torus(0.4, 0.15, 24, 12);
     let bvh = Bvh::build(&body);
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     let (mut crossing, mut crossed) = (0, 0);
     for _ in 0..2_000 {
-        let along = [0; 3].map(|_| f64::from(random.unit()));
-        let near = [0; 3].map(|_| 0.4 * f64::from(random.unit()));
+        let along = [0; 3].map(|_| random.signed());
+        let near = [0; 3].map(|_| 0.4 * random.signed());
         // Far in both directions, by up to 10^8, and a few sizes of the body to the side.
         let mut corner = |side: f64| {
-            let far = side * 10f64.powf(4.0 + 4.0 * f64::from(random.unit()));
-            let off = 10f64.powf(0.5 + 1.5 * f64::from(random.unit()));
-            let p = [0, 1, 2].map(|k| near[k] + far * along[k] + off * f64::from(random.unit()));
+            let far = side * 10f64.powf(4.0 + 4.0 * random.signed());
+            let off = 10f64.powf(0.5 + 1.5 * random.signed());
+            let p = [0, 1, 2].map(|k| near[k] + far * along[k] + off * random.signed());
             incise_mesh::geometry::to_f32(p.into())
         };
         let corners = [corner(-1.0), corner(1.0), corner(1.0), corner(-1.0)];
@@ -228,21 +220,21 @@ proptest! {
         seed in any::<u64>(),
         steps in 1..12_usize,
     ) {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let mut surface = if seed % 2 == 0 { torus(1.0, 0.4, 24, 12) } else { cube_sphere(8, 0.9) };
         let mut cutter = Cutter::new(&surface);
         for _ in 0..steps {
-            match random.next(3) {
+            match random.below(3) {
                 0 => {
-                    let sweep = random.sweep(&surface);
+                    let sweep = plane(&mut random, &surface);
                     let paper = CutMethod::Paper(PaperParams::default());
-                    let method = [CutMethod::default(), paper][random.next(2)];
+                    let method = [CutMethod::default(), paper][random.below(2)];
                     let params = CutParams { method, ..CutParams::default() };
                     // A cut that fails changes nothing.
                     let done = cutter.cut(&mut surface, &sweep, &params);
                     cutter.bvh().validate(&surface).unwrap();
                     if let Some(undo) = done.ok().and_then(|outcome| outcome.undo)
-                        && random.next(2) == 0
+                        && random.below(2) == 0
                     {
                         cutter.undo(&mut surface, undo).unwrap();
                     }
@@ -250,16 +242,16 @@ proptest! {
                 1 => {
                     let vertices: Vec<VertexId> = surface.topology().vertices().collect();
                     let mut moved = Vec::new();
-                    for _ in 0..random.next(9) {
-                        let v = vertices[random.next(vertices.len())];
-                        surface.positions_mut()[v.index()][random.next(3)] += 0.1 * random.unit();
+                    for _ in 0..random.below(9) {
+                        let v = vertices[random.below(vertices.len())];
+                        surface.positions_mut()[v.index()][random.below(3)] += 0.1 * signed(&mut random);
                         moved.extend(around(&surface, v));
                     }
                     cutter.refit_moved(&surface, &moved);
                 }
                 _ => {
                     for p in surface.positions_mut() {
-                        p[random.next(3)] += 0.02 * random.unit();
+                        p[random.below(3)] += 0.02 * signed(&mut random);
                     }
                     prop_assert!(cutter.bvh().validate(&surface).is_err(), "boxes are stale");
                     cutter.refit(&surface);
@@ -267,8 +259,8 @@ proptest! {
             }
             cutter.bvh().validate(&surface).unwrap();
             let single = SingleTriangles::new(&surface);
-            single.assert_same_query(cutter.bvh(), &surface, &random.sweep(&surface));
-            single.assert_same_query(cutter.bvh(), &surface, &random.small_sweep());
+            single.assert_same_query(cutter.bvh(), &surface, &plane(&mut random, &surface));
+            single.assert_same_query(cutter.bvh(), &surface, &small_sweep(&mut random));
         }
     }
 }

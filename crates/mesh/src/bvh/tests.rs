@@ -5,45 +5,35 @@
 use super::{Bvh, MAX_HEIGHT};
 use crate::ids::index_u32;
 use crate::{Aabb, Surface, TopologyDelta, TriangleId, Vec3};
+use incise_test_support::random::Random;
 use std::cell::Cell;
 
-/// A seeded random generator (splitmix64).
-struct Random(u64);
+/// Returns a number from -1 to 1.
+fn signed(random: &mut Random) -> f32 {
+    random.signed() as f32
+}
 
-impl Random {
-    fn next(&mut self, below: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        usize::try_from((z ^ (z >> 31)) % below as u64).unwrap()
-    }
+/// Returns a triangle in a random plane through the surface, larger than the surface.
+fn plane(random: &mut Random, surface: &Surface) -> [[Vec3; 3]; 1] {
+    let n = Vec3::from([random.signed(), random.signed(), random.signed() + 0.0005]);
+    let n = n.normalize();
+    let bounds = surface.bounds();
+    let size = bounds.diagonal();
+    let point = bounds.center() + n * (random.signed() * size / 4.0);
+    let u = n.cross(&Vec3::ith(n.iamin(), 1.0)).normalize();
+    let v = n.cross(&u);
+    let corner = |s: f64, t: f64| point + (u * s + v * t) * size;
+    [[corner(-2.0, -1.0), corner(2.0, -1.0), corner(0.0, 2.0)]]
+}
 
-    /// Returns a number from -1 to 1.
-    fn unit(&mut self) -> f32 {
-        self.next(2001) as f32 / 1000.0 - 1.0
-    }
-
-    /// Returns a triangle in a random plane through the surface, larger than the surface.
-    fn plane(&mut self, surface: &Surface) -> [[Vec3; 3]; 1] {
-        let n = Vec3::from([self.unit(), self.unit(), self.unit() + 0.0005].map(f64::from));
-        let n = n.normalize();
-        let bounds = surface.bounds();
-        let size = bounds.diagonal();
-        let point = bounds.center() + n * (f64::from(self.unit()) * size / 4.0);
-        let u = n.cross(&Vec3::ith(n.iamin(), 1.0)).normalize();
-        let v = n.cross(&u);
-        let corner = |s: f64, t: f64| point + (u * s + v * t) * size;
-        [[corner(-2.0, -1.0), corner(2.0, -1.0), corner(0.0, 2.0)]]
-    }
-
-    /// Returns two triangles with a common edge, each about 0.2 m in size.
-    fn small_quad(&mut self) -> [[Vec3; 3]; 2] {
-        let corner = [self.unit(), self.unit(), self.unit()];
-        let to = |s: &mut Self| [0, 1, 2].map(|k| corner[k] + 0.2 * s.unit() + 0.001 * k as f32);
-        let [a, b, c, d] = [corner, to(self), to(self), to(self)].map(crate::geometry::to_f64);
-        [[a, b, d], [a, d, c]]
-    }
+/// Returns two triangles with a common edge, each about 0.2 m in size.
+fn small_quad(random: &mut Random) -> [[Vec3; 3]; 2] {
+    let corner = [0; 3].map(|_| signed(random));
+    let to = |random: &mut Random| {
+        [0, 1, 2].map(|k| corner[k] + 0.2 * signed(random) + 0.001 * k as f32)
+    };
+    let [a, b, c, d] = [corner, to(random), to(random), to(random)].map(crate::geometry::to_f64);
+    [[a, b, d], [a, d, c]]
 }
 
 /// Returns unconnected triangles.
@@ -57,10 +47,10 @@ fn soup(random: &mut Random, triangles: usize) -> Surface {
 }
 
 fn add_triangle(random: &mut Random, surface: &mut Surface, delta: &mut TopologyDelta) {
-    let middle = [random.unit(), random.unit(), random.unit()];
-    let extent = [0.05, 0.05, 0.05, 1.0][random.next(4)];
+    let middle = [signed(random), signed(random), signed(random)];
+    let extent = [0.05, 0.05, 0.05, 1.0][random.below(4)];
     let corners = [0; 3].map(|_| {
-        let p = middle.map(|x| x + extent * random.unit());
+        let p = middle.map(|x| x + extent * signed(random));
         surface.add_vertex([p[0], p[1], p[2], 1.0], p)
     });
     // Pieces are side by side, as after a cut.
@@ -84,7 +74,7 @@ fn remove(surface: &mut Surface, triangles: &[TriangleId]) -> TopologyDelta {
 
 fn some_triangles(random: &mut Random, surface: &Surface, part: usize) -> Vec<TriangleId> {
     let all = surface.topology().triangles();
-    all.filter(|_| random.next(100) < part).collect()
+    all.filter(|_| random.below(100) < part).collect()
 }
 
 /// Compares a query with a test of every triangle.
@@ -129,12 +119,13 @@ fn visits(bvh: &Bvh, surface: &Surface, query: &[[Vec3; 3]; 2]) -> usize {
 
 #[test]
 fn a_query_of_many_triangles_finds_what_each_of_them_finds() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for triangles in [0, 1, 5, 100, 400] {
         let surface = soup(&mut random, triangles);
         let bvh = Bvh::build(&surface);
         for quads in 1..12 {
-            let mut query: Vec<[Vec3; 3]> = (0..quads).flat_map(|_| random.small_quad()).collect();
+            let mut query: Vec<[Vec3; 3]> =
+                (0..quads).flat_map(|_| small_quad(&mut random)).collect();
             // A triangle without area touches nothing.
             query.push([query[0][0]; 3]);
             let mut found = Vec::new();
@@ -154,7 +145,7 @@ fn a_query_of_many_triangles_finds_what_each_of_them_finds() {
 
 #[test]
 fn builds_and_updates_with_any_number_of_leaves() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     for triangles in (1..=100).chain((101..=400).step_by(23)) {
         for part in [0, 5, 40, 100] {
             let mut surface = soup(&mut random, triangles);
@@ -162,15 +153,15 @@ fn builds_and_updates_with_any_number_of_leaves() {
             bvh.validate(&surface).unwrap();
             let chosen = some_triangles(&mut random, &surface, part);
             let mut delta = remove(&mut surface, &chosen);
-            for _ in 0..random.next(1 + triangles / 2) {
+            for _ in 0..random.below(1 + triangles / 2) {
                 add_triangle(&mut random, &mut surface, &mut delta);
             }
             bvh.update(&surface, &delta);
             bvh.validate(&surface)
                 .unwrap_or_else(|error| panic!("{triangles} triangles, {part}%: {error}"));
-            assert_equals_brute_force(&bvh, &surface, &random.small_quad());
+            assert_equals_brute_force(&bvh, &surface, &small_quad(&mut random));
             if surface.topology().triangle_count() > 0 {
-                assert_equals_brute_force(&bvh, &surface, &random.plane(&surface));
+                assert_equals_brute_force(&bvh, &surface, &plane(&mut random, &surface));
             }
         }
     }
@@ -178,7 +169,7 @@ fn builds_and_updates_with_any_number_of_leaves() {
 
 #[test]
 fn alternating_removal_and_insertion_reuses_slots() {
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     let surface = soup(&mut random, 300);
     let mut bvh = Bvh::build(&surface);
     let mut without = surface.clone();
@@ -212,7 +203,7 @@ fn alternating_removal_and_insertion_reuses_slots() {
 
 #[test]
 fn a_thousand_edits_keep_height_and_query_cost() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let mut surface = soup(&mut random, 3000);
     let mut bvh = Bvh::build(&surface);
     let mut peak = (0, 0);
@@ -255,7 +246,7 @@ fn a_thousand_edits_keep_height_and_query_cost() {
     );
     let (mut old, mut new) = (0, 0);
     for _ in 0..200 {
-        let query = random.small_quad();
+        let query = small_quad(&mut random);
         old += visits(&bvh, &surface, &query);
         new += visits(&fresh, &surface, &query);
     }
@@ -268,7 +259,7 @@ fn scattered(random: &mut Random, pieces: u32) -> Surface {
     let mut surface = Surface::default();
     for piece in 0..pieces {
         let corners = [0; 3].map(|_| {
-            let p = [0; 3].map(|_| 0.01 * random.unit());
+            let p = [0; 3].map(|_| 0.01 * signed(random));
             surface.add_vertex([p[0], p[1], p[2], 1.0], p)
         });
         surface.add_triangle(corners, piece).unwrap();
@@ -281,7 +272,7 @@ fn scattered(random: &mut Random, pieces: u32) -> Surface {
 fn scatter(random: &mut Random, surface: &mut Surface) {
     let triangles: Vec<TriangleId> = surface.topology().triangles().collect();
     for t in triangles {
-        let to = [0; 3].map(|_| random.unit());
+        let to = [0; 3].map(|_| signed(random));
         let corners = surface.topology().triangle(t);
         let from = surface.positions()[corners[0].index()];
         for v in corners {
@@ -294,7 +285,7 @@ fn scatter(random: &mut Random, surface: &mut Surface) {
 
 #[test]
 fn pieces_that_moved_are_joined_by_place_in_a_refit() {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let mut surface = scattered(&mut random, 1000);
     let mut bvh = Bvh::build(&surface);
     for _ in 0..3 {
@@ -304,7 +295,7 @@ fn pieces_that_moved_are_joined_by_place_in_a_refit() {
         let fresh = Bvh::build(&surface);
         let (mut old, mut new) = (0, 0);
         for _ in 0..100 {
-            let query = random.small_quad();
+            let query = small_quad(&mut random);
             old += visits(&bvh, &surface, &query);
             new += visits(&fresh, &surface, &query);
         }

@@ -1,7 +1,7 @@
 //! Volume constraints: one per closed piece that encloses a volume at rest.
 //!
 //! A cut gives each half the volume that it has at rest. A constraint stores only the list of the
-//! vertices of its piece; kernels traverse the half-edges of the surface.
+//! vertices of its piece; kernels visit the triangles around each of them by its half-edges.
 
 #[cfg(feature = "serde")]
 mod saved;

@@ -1,6 +1,7 @@
 //! Tests of the contract of this crate, on the CPU.
 
 mod attachments;
+mod closed_forms;
 mod cut;
 mod delta;
 mod determinism;

@@ -1,5 +1,7 @@
 //! Tests of the contract of this crate, on the CPU.
 
+mod allocations;
+mod backend;
 mod blade_faces;
 mod contact_volumes;
 mod contacts;
@@ -11,6 +13,8 @@ mod interior_springs;
 mod join_split;
 mod many_bodies;
 mod many_cuts;
+#[cfg(target_os = "linux")]
+mod no_driver;
 mod render_buffers;
 #[cfg(feature = "serde")]
 mod save;

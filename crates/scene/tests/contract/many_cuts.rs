@@ -4,20 +4,7 @@ use incise_mesh::geometry::area_vector;
 use incise_mesh::{Aabb, Surface, cube_sphere};
 use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Stiffness, Volume};
 use incise_scene::{BladeId, Body, BodyId, ContactParams, Scene, SceneParams};
-
-/// A deterministic random number generator (splitmix64, Steele et al. 2014).
-struct Random(u64);
-
-impl Random {
-    /// Returns a number from -1 to 1.
-    fn signed(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) as f32 / u64::MAX as f32 * 2.0 - 1.0
-    }
-}
+use incise_test_support::random::Random;
 
 fn scene() -> (Scene, BodyId, BladeId) {
     let mut scene = Scene::new(SceneParams {
@@ -49,7 +36,7 @@ fn scene() -> (Scene, BodyId, BladeId) {
 fn sweep(bounds: &Aabb, random: &mut Random) -> [[[f32; 3]; 2]; 2] {
     let middle = [0, 1, 2].map(|k| (bounds.min[k] + bounds.max[k]) / 2.0);
     let half = [0, 1, 2].map(|k| (bounds.max[k] - bounds.min[k]) / 2.0);
-    let (turn, aside) = (random.signed() * 3.2, random.signed() * 0.7);
+    let [turn, aside] = [3.2, 0.7].map(|size| (size * random.signed()) as f32);
     let (sin, cos) = turn.sin_cos();
     // The edge is horizontal, at any angle and with an offset from the middle.
     let width = half[0].max(half[2]);
@@ -144,7 +131,7 @@ fn check(scene: &Scene, id: BodyId) {
 #[test]
 fn constraints_stay_valid_through_many_cuts_and_undos() {
     let (mut scene, id, blade) = scene();
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let (mut cuts, mut undone) = (0, 0);
     for round in 0..24 {
         // Through all pieces at first, then only through the largest, to limit their number.

@@ -2,19 +2,9 @@
 
 use incise_cut::Sweep;
 use incise_mesh::{Surface, Vec3, icosphere};
-use incise_pbd_gpu::{Material, SolverParams, Stiffness};
+use incise_pbd_gpu::{Material, Stiffness};
 use incise_scene::{BladeId, BodyId, Scene, SceneParams, SleepParams};
-
-/// One substep of ten iterations, which converges less than the default.
-const GROUND: SolverParams = SolverParams {
-    iterations: 10,
-    substeps: 1,
-    gravity: [0.0, -9.81, 0.0],
-    ground: Some(0.0),
-    diagonal_scale: 0.5,
-    attachments: true,
-    ..SolverParams::paper()
-};
+use incise_test_support::params::GROUND;
 
 /// Longest time until a body sleeps \[frames\].
 const MAX_FRAMES: u32 = 3600;

@@ -4,64 +4,34 @@ use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Undo, Vec3, VertexId, icosphere};
 use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness};
+use incise_test_support::random::Random;
 use incise_tests::{assert_closed_manifold, assert_same_bits};
 
 /// Largest relative change of mass, momentum and volume by a cut.
 pub(crate) const ROUNDING: f64 = 1e-5;
 
-/// Seeded numbers (splitmix64, Steele et al. 2014).
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    /// Returns a number from 0 to 1.
-    pub(crate) fn next(&mut self) -> f64 {
-        incise_test_support::random::split_mix(&mut self.0)
-    }
-
-    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-
-    /// Returns a number whose logarithm is uniform.
-    #[expect(clippy::cast_possible_truncation, reason = "a number of storage")]
-    pub(crate) fn log(&mut self, low: f64, high: f64) -> f32 {
-        (low * (high / low).powf(self.next())) as f32
-    }
-
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a number from 0 to the count"
-    )]
-    pub(crate) fn below(&mut self, count: usize) -> usize {
-        ((self.next() * count as f64) as usize).min(count - 1)
-    }
-
-    pub(crate) fn unit(&mut self) -> Vec3 {
-        loop {
-            let v = Vec3::from_fn(|_, _| self.between(-1.0, 1.0));
-            if (0.1..1.0).contains(&v.norm()) {
-                return v.normalize();
-            }
+/// Returns a random unit vector.
+pub(crate) fn direction(random: &mut Random) -> Vec3 {
+    loop {
+        let v = Vec3::from_fn(|_, _| random.signed());
+        if (0.1..1.0).contains(&v.norm()) {
+            return v.normalize();
         }
     }
+}
 
-    /// Returns a plane through the middle half of a piece.
-    pub(crate) fn through(&mut self, surface: &Surface, piece: u32) -> Sweep {
-        let triangles = surface.topology().triangles();
-        let triangles = triangles.filter(|&t| surface.piece(t) == piece);
-        let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-        for p in triangles.flat_map(|t| surface.triangle_positions(t)) {
-            low = low.inf(&p);
-            high = high.sup(&p);
-        }
-        let part = Vec3::from_fn(|_, _| self.between(0.25, 0.75));
-        plane(
-            surface,
-            self.unit(),
-            &(low + part.component_mul(&(high - low))),
-        )
+/// Returns a plane through the middle half of a piece.
+pub(crate) fn through(random: &mut Random, surface: &Surface, piece: u32) -> Sweep {
+    let triangles = surface.topology().triangles();
+    let triangles = triangles.filter(|&t| surface.piece(t) == piece);
+    let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+    for p in triangles.flat_map(|t| surface.triangle_positions(t)) {
+        low = low.inf(&p);
+        high = high.sup(&p);
     }
+    let part = Vec3::from_fn(|_, _| random.between(0.25, 0.75));
+    let at = low + part.component_mul(&(high - low));
+    plane(surface, direction(random), &at)
 }
 
 pub(crate) fn plane(surface: &Surface, normal: Vec3, point: &Vec3) -> Sweep {

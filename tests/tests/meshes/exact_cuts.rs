@@ -1,51 +1,38 @@
-//! The exact method on the closed meshes beside the workspace: invariants on many planes, and 231
-//! cuts compared with an independent boolean library.
+//! The exact method on closed meshes: invariants on many planes, and 231 cuts compared with an
+//! independent boolean library.
 //!
-//! Without the folder of meshes one test is reported as ignored. `INCISE_PLANES` sets the number of
-//! planes per mesh.
+//! `INCISE_PLANES` sets the number of planes per mesh.
 
+use crate::reference_table::{Reference, files, reference_cuts, shared_folder};
 use incise_cut::{CutMethod, CutOutcome, CutParams, Cutter, ExactParams, Sweep};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Surface, Vec3, read_mesh};
-use incise_tests::{
-    LARGE, Planes, Reference, cut_and_check, euler_characteristics, reference_cuts, shared_folder,
-};
-use libtest_mimic::{Arguments, Failed, Trial};
+use incise_tests::{LARGE, Planes, cut_and_check, euler_characteristics};
+use libtest_mimic::{Failed, Trial};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::path::Path;
 
 /// Default number of planes for a mesh of about 1,000 triangles; larger meshes get fewer.
 const PLANES: usize = 40;
 
-fn main() -> ExitCode {
+pub(crate) fn trials() -> Vec<Trial> {
     let shared = shared_folder();
     let mut trials = Vec::new();
     for folder in ["models", "torture"] {
         for path in files(&shared.join(folder)) {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let name = format!("{folder}/{name}");
-            trials.push(Trial::test(name.clone(), move || {
+            trials.push(Trial::test(format!("exact_cuts::{name}"), move || {
                 random_planes(&path, &name)
             }));
         }
     }
     for (mesh, rows) in reference_cuts() {
         let path = shared.join(&mesh);
-        let name = format!("reference {mesh}");
+        let name = format!("exact_cuts::reference {mesh}");
         trials.push(Trial::test(name, move || reference(&path, &rows)));
     }
-    if trials.is_empty() {
-        trials.push(Trial::test("models are absent", || Ok(())).with_ignored_flag(true));
-    }
-    libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
-}
-
-fn files(folder: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut out: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
-    out.sort();
-    out
+    trials
 }
 
 fn load(path: &Path) -> Option<Surface> {

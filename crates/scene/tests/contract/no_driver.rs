@@ -1,9 +1,9 @@
-//! A CPU scene loads no GPU driver. Alone in its process, so that no other test loads one.
-#![cfg(target_os = "linux")]
+//! A CPU scene loads no GPU driver.
 
 use incise_models::{Model, build_model};
 use incise_pbd_gpu::Material;
 use incise_scene::{BackendChoice, BackendRequest, Scene, SceneError, SceneParams};
+use incise_test_support::process::in_own_process;
 
 /// Returns the GPU driver libraries that this process has mapped.
 fn drivers() -> Vec<String> {
@@ -14,7 +14,14 @@ fn drivers() -> Vec<String> {
 }
 
 #[test]
-fn a_cpu_scene_loads_no_driver() -> Result<(), SceneError> {
+fn a_cpu_scene_loads_no_driver() {
+    in_own_process("no_driver::a_cpu_scene_loads_no_driver", || {
+        run_scenes_on_the_cpu().expect("valid scenes");
+        assert_eq!(drivers(), Vec::<String>::new());
+    });
+}
+
+fn run_scenes_on_the_cpu() -> Result<(), SceneError> {
     let request = BackendRequest {
         choice: BackendChoice::Cpu,
         ..BackendRequest::default()
@@ -33,6 +40,5 @@ fn a_cpu_scene_loads_no_driver() -> Result<(), SceneError> {
         scene.read_back(id)?;
         assert_eq!(scene.backend_report().adapter, None);
     }
-    assert_eq!(drivers(), Vec::<String>::new());
     Ok(())
 }

@@ -1,32 +1,27 @@
 //! The paper's method on 231 plane cuts, compared with an independent boolean library.
-//!
-//! The table is in a folder beside the workspace; without it one test is reported as ignored.
 
+use crate::reference_table::{Reference, reference_cuts, shared_folder};
 use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter, PaperParams, Sweep};
 use incise_mesh::geometry::{Vec3, area_vector};
 use incise_mesh::{Surface, read_mesh};
 use incise_refine::{RefineParams, RefinementLevel};
-use incise_tests::{Reference, cut_and_check, reference_cuts, shared_folder};
-use libtest_mimic::{Arguments, Failed, Trial};
+use incise_tests::cut_and_check;
+use libtest_mimic::{Failed, Trial};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::ExitCode;
 
 /// Returns true if the cross-section has a hole, which the paper's method refuses.
 fn has_hole(mesh: &str, plane: usize) -> bool {
     mesh == "torture/ok_hollow_sphere.obj" || (mesh, plane) == ("torture/ok_plate_genus16.obj", 9)
 }
 
-fn main() -> ExitCode {
-    let mut trials = Vec::new();
-    for (mesh, rows) in reference_cuts() {
+pub(crate) fn trials() -> Vec<Trial> {
+    let cuts = reference_cuts().into_iter();
+    let trial = |(mesh, rows): (String, Vec<Reference>)| {
         let path = shared_folder().join(&mesh);
-        trials.push(Trial::test(mesh.clone(), move || test(&path, &mesh, &rows)));
-    }
-    if trials.is_empty() {
-        trials.push(Trial::test("cuts.csv is absent", || Ok(())).with_ignored_flag(true));
-    }
-    libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
+        Trial::test(format!("paper_cuts::{mesh}"), move || test(&path, &mesh, &rows))
+    };
+    cuts.map(trial).collect()
 }
 
 fn test(path: &Path, mesh: &str, rows: &[Reference]) -> Result<(), Failed> {

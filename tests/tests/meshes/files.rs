@@ -1,12 +1,10 @@
-//! Reads every file of the shared stress set and models, and compares the result with their tables.
-//!
-//! A missing folder shows as an ignored test.
+//! Reads every file and compares the result with the tables of the stress set and of the models.
 
+use crate::reference_table::shared_folder;
 use incise_mesh::{Defect, MeshData, MeshReport, ParseError, ReadError, Warning, check, read_mesh};
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::{Failed, Trial};
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::path::Path;
 
 /// A row of a table by column names.
 type Row = HashMap<String, String>;
@@ -14,26 +12,22 @@ type Row = HashMap<String, String>;
 /// The test of a row, given its file.
 type RowTest = fn(&Path, &Row) -> Result<(), Failed>;
 
-fn main() -> ExitCode {
-    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
+pub(crate) fn trials() -> Vec<Trial> {
     let mut trials = Vec::new();
     let tables: [(&str, &str, &str, RowTest); 2] = [
         ("torture", "manifest.csv", "file", torture),
         ("models", "properties.csv", "name", model),
     ];
     for (folder, table, name, test) in tables {
-        let folder: PathBuf = shared.join(folder);
-        let Ok(text) = std::fs::read_to_string(folder.join(table)) else {
-            trials
-                .push(Trial::test(format!("{table} is absent"), || Ok(())).with_ignored_flag(true));
-            continue;
-        };
+        let folder = shared_folder().join(folder);
+        let text = std::fs::read_to_string(folder.join(table)).unwrap_or_default();
         for row in rows(&text) {
             let path = folder.join(&row[name]);
-            trials.push(Trial::test(row[name].clone(), move || test(&path, &row)));
+            let name = format!("files::{}", row[name]);
+            trials.push(Trial::test(name, move || test(&path, &row)));
         }
     }
-    libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
+    trials
 }
 
 fn torture(path: &Path, row: &Row) -> Result<(), Failed> {

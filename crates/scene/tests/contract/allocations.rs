@@ -4,6 +4,7 @@ use incise_mesh::{RenderBuffers, RenderParams, Surface, cube_sphere};
 use incise_pbd_gpu::SolverParams;
 use incise_scene::{ContactParams, Scene, SceneParams};
 use incise_test_support::materials::firm;
+use incise_test_support::process::in_own_process;
 use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
 use std::alloc::System;
 use std::num::NonZeroUsize;
@@ -35,6 +36,11 @@ fn block(y: f32) -> Surface {
 
 #[test]
 fn touching_bodies_are_stepped_without_allocation() {
+    let name = "allocations::touching_bodies_are_stepped_without_allocation";
+    in_own_process(name, step_touching_bodies);
+}
+
+fn step_touching_bodies() {
     let mut scene = Scene::new(SceneParams {
         solver: SolverParams {
             ground: Some(0.0),

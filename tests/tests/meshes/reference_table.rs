@@ -1,41 +1,42 @@
-//! Reads a table of 231 plane cuts with the results of an independent boolean library.
-//!
-//! Table and meshes are in a folder beside the workspace.
+//! Reads the table of 231 plane cuts with the results of an independent boolean library.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Returns the folder of meshes and tables beside the workspace, which may not exist.
-#[must_use]
-pub fn shared_folder() -> PathBuf {
+pub(crate) fn shared_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared")
+}
+
+/// Returns the files of a folder in the order of their names; none without the folder.
+pub(crate) fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut out: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+    out.sort_unstable();
+    out
 }
 
 /// A row of the table: the plane `normal . x = d`, then results of the positive and negative side.
 #[derive(Debug, Clone, Copy)]
-pub struct Reference {
+pub(crate) struct Reference {
     /// Index of the plane among those of the mesh.
-    pub plane: usize,
+    pub(crate) plane: usize,
     /// Normal of any length.
-    pub normal: [f64; 3],
+    pub(crate) normal: [f64; 3],
     /// Offset of the plane, scaled by the length of the normal.
-    pub d: f64,
+    pub(crate) d: f64,
     /// Volume [m^3].
-    pub volume: [f64; 2],
+    pub(crate) volume: [f64; 2],
     /// Area of the section [m^2].
-    pub section_area: f64,
+    pub(crate) section_area: f64,
     /// Number of closed surfaces.
-    pub components: [usize; 2],
+    pub(crate) components: [usize; 2],
     /// Genus: vertices - edges + triangles = 2 - 2 genus.
-    pub genus: [i64; 2],
+    pub(crate) genus: [i64; 2],
 }
 
 /// Returns the rows by path of the mesh in [`shared_folder`], or none without the table.
-///
-/// # Panics
-/// If the table is malformed.
-#[must_use]
-pub fn reference_cuts() -> BTreeMap<String, Vec<Reference>> {
+pub(crate) fn reference_cuts() -> BTreeMap<String, Vec<Reference>> {
     let table = std::fs::read_to_string(shared_folder().join("reference/cuts.csv"));
     let mut out: BTreeMap<String, Vec<Reference>> = BTreeMap::new();
     for line in table.unwrap_or_default().lines().skip(1) {
