@@ -7,7 +7,7 @@ use serde::Deserialize;
 /// The curves of a cut along which caps and walls close it, see [`Caps`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum CapsOption {
+pub enum CapsOption {
     /// Those in closed bodies. A part with a boundary is a sheet and stays open.
     #[default]
     Bodies,
@@ -28,7 +28,8 @@ impl CapsOption {
     }
 
     /// Returns the parameter for the cutter.
-    pub(crate) fn caps(self) -> Caps {
+    #[must_use]
+    pub fn caps(self) -> Caps {
         match self {
             Self::Bodies => Caps::Bodies,
             Self::AllLoops => Caps::AllLoops,

@@ -377,19 +377,6 @@ pub(crate) enum Failure {
     #[cfg(feature = "gpu")]
     #[error(transparent)]
     Render(#[from] incise_render::RenderError),
-    /// The window cannot be opened, or its session has failed.
-    #[cfg(feature = "view")]
-    #[error(transparent)]
-    View(#[from] incise_view::ViewError),
-    /// The recording cannot be read.
-    #[cfg(feature = "view")]
-    #[error("{}: {source}", path.display())]
-    Recording {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        source: incise_view::RecordingError,
-    },
     /// The program was built without the feature `gpu`.
     #[cfg(not(feature = "gpu"))]
     #[error("this build has no GPU support; build it with the feature gpu")]

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// Options of reading meshes.
 #[derive(Debug, Clone, Copy, clap::Args)]
-pub(crate) struct InputOptions {
+pub struct InputOptions {
     /// Refuse meshes with edges of more than two triangles instead of separating the sheets and
     /// bodies that meet there.
     #[arg(long)]

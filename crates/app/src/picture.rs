@@ -5,7 +5,7 @@ mod values;
 use incise_mesh::Aabb;
 use incise_render::{Background, Camera, Color, View, Wireframe};
 use serde::Deserialize;
-pub(crate) use values::{Size, size};
+pub use values::{Size, size};
 use values::{Viewpoint, backdrop, color, parsed, viewpoint};
 
 /// Appearance of an image.

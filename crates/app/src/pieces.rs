@@ -13,7 +13,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Returns the parser of a command's output, a file or folder; it refuses `-`.
-pub(crate) fn output_path() -> impl TypedValueParser<Value = PathBuf> {
+pub fn output_path() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| {
         if path == Path::new("-") {
             Err("writing to standard output is not supported; name a file or folder")

@@ -87,7 +87,7 @@ bodies.";
 /// The backend that steps a body.
 #[derive(Debug, Clone, Copy, Default, ValueEnum, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(crate) enum Backend {
+pub enum Backend {
     /// The CPU.
     #[default]
     Cpu,
@@ -98,7 +98,9 @@ pub(crate) enum Backend {
 }
 
 impl Backend {
-    pub(crate) fn choice(self) -> BackendChoice {
+    /// Returns the choice of a scene's backend.
+    #[must_use]
+    pub fn choice(self) -> BackendChoice {
         match self {
             Self::Cpu => BackendChoice::Cpu,
             Self::Gpu => BackendChoice::Gpu,

@@ -1,7 +1,7 @@
 //! Slices a falling ball in a session without a window and replays the recording bit for bit.
 //!
 //! `cargo run -p incise-view --example recorded_slice -- recording.jsonl` writes a recording that
-//! `incise view --replay` shows.
+//! `incise-view --replay` shows.
 
 #![expect(clippy::print_stdout, reason = "an example shows what it computes")]
 

@@ -5,7 +5,7 @@ use incise_render::{Background, Color};
 
 /// Width and height [pixels].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Size(pub(crate) [u32; 2]);
+pub struct Size(pub [u32; 2]);
 
 /// Position of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,7 +17,10 @@ pub(super) struct Viewpoint {
 }
 
 /// Parses a width and a height, such as 960x720.
-pub(crate) fn size(text: &str) -> Result<Size, String> {
+///
+/// # Errors
+/// A message for the command line.
+pub fn size(text: &str) -> Result<Size, String> {
     let side = |text: &str| text.trim().parse().ok().filter(|&side: &u32| side > 0);
     let sides = text.split_once(['x', 'X']);
     let sides = sides.and_then(|(width, height)| Some([side(width)?, side(height)?]));

@@ -71,7 +71,6 @@ fn the_report_lists_every_closed_hole() {
     assert!(!is_fit(&folder.path().join("open.obj")) && is_fit(&folder.path().join("out.obj")));
 }
 
-#[cfg(feature = "fair")]
 #[test]
 fn a_faired_cap_is_rounder_and_either_format_is_written() {
     let (folder, body) = open_sphere();

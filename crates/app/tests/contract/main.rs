@@ -8,6 +8,7 @@ mod cut;
 mod cut_options;
 mod cut_path;
 mod cut_several;
+mod devices;
 mod fill;
 mod output;
 mod pieces;

@@ -96,9 +96,7 @@ fn contents(ui: &mut Ui, open: &OpenWindow, requests: &mut PanelRequests) {
     messages(ui, open);
     section(ui, "Cut", |ui| cut(ui, &mut requests.settings));
     section(ui, "Body", |ui| body(ui, &mut requests.settings));
-    section(ui, "DisplayOptions", |ui| {
-        display(ui, open, &mut requests.actions)
-    });
+    section(ui, "Display", |ui| display(ui, open, &mut requests.actions));
     section(ui, "Statistics", |ui| statistics::show(ui, open));
 }
 

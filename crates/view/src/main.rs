@@ -1,26 +1,26 @@
-//! `incise view`: opens a window to cut and drag a soft body.
+//! The program `incise-view`: a window to cut and drag a soft body.
+//!
+//! Exit codes: 0 the window was closed, 1 unusable input or no window, 2 wrong command line.
 
-use crate::caps::CapsOption;
-use crate::failure::Failure;
-use crate::format::Format;
-use crate::input::InputOptions;
-use crate::numbers::counted;
-use crate::picture::{Size, size};
-use crate::pieces;
-use crate::reporter::Reporter;
-use crate::simulate::Backend;
+use clap::Parser;
+use incise_cli::{
+    Backend, CapsOption, InputOptions, Size, output_path, read_surface, size, write_pieces,
+};
 use incise_scene::BackendRequest;
 use incise_view::{Recording, RecordingError, WindowOptions};
+use std::error::Error;
 use std::fs::File;
-use std::io::{BufReader, Write};
+use std::io::{self, BufReader, Write};
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 /// Opens a window to cut and drag a soft body. Press ? there for the keys.
 ///
 /// A line may end inside the body, and a held blade cuts as it moves. The paper's method cuts right
 /// through the body only.
-#[derive(clap::Args)]
-pub(crate) struct ViewArguments {
+#[derive(Parser)]
+#[command(version)]
+struct Arguments {
     /// A mesh, closed or a sheet (obj, ply, stl, glb or gltf; units are meters), or a built-in
     /// model: Sphere20, Sphere80, Sphere768, Bunny, Octopus, Banana or Armadillo. A file of the
     /// same name takes precedence.
@@ -55,7 +55,7 @@ pub(crate) struct ViewArguments {
         long,
         value_name = "DIR",
         default_value = "pieces",
-        value_parser = pieces::output_path()
+        value_parser = output_path()
     )]
     output: PathBuf,
     /// File for the saved recording.
@@ -63,7 +63,7 @@ pub(crate) struct ViewArguments {
         long,
         value_name = "FILE",
         default_value = "recording.jsonl",
-        value_parser = pieces::output_path()
+        value_parser = output_path()
     )]
     record: PathBuf,
     /// Replay a recording of the same body.
@@ -71,26 +71,41 @@ pub(crate) struct ViewArguments {
     replay: Option<PathBuf>,
 }
 
-/// Runs the command until the window is closed.
-pub(crate) fn run(
-    arguments: &ViewArguments,
-    reporter: &Reporter<impl Write>,
-) -> Result<(), Failure> {
-    let input = arguments.input.clone();
-    let (mut body, warnings) = arguments.reading.read_open(&input)?;
+/// The recording cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {source}", path.display())]
+struct UnreadableRecording {
+    path: PathBuf,
+    source: RecordingError,
+}
+
+fn main() -> ExitCode {
+    match run(Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            print_message(error);
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Shows the window until it is closed.
+fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
+    let input = arguments.input;
+    let (mut body, warnings) = read_surface(&input, arguments.reading)?;
     body.sort_by_position();
     for warning in &warnings {
-        reporter.warn(format_args!("{}: {warning}", input.display()));
+        print_message(format_args!("{}: {warning}", input.display()));
     }
     let replay = arguments.replay.as_deref().map(recording).transpose()?;
-    let output = arguments.output.clone();
     let Size(pixels) = arguments.size;
+    let folder = arguments.output;
     let options = WindowOptions {
         title: format!("incise: {}", input.display()),
         surface: body,
         backend: BackendRequest {
             choice: arguments.backend.choice(),
-            adapter: arguments.adapter.clone(),
+            adapter: arguments.adapter,
             allow_software: true,
             ..BackendRequest::default()
         },
@@ -98,22 +113,27 @@ pub(crate) fn run(
         paused: arguments.paused,
         caps: arguments.caps.caps(),
         replay,
-        record_to: arguments.record.clone(),
+        record_to: arguments.record,
         save: Box::new(move |surface| {
-            let written = pieces::write(&[(surface, &input)], &output, Format::Obj);
-            let written = written?;
-            let (count, folder) = (written.pieces.len(), output.display());
-            Ok(format!("{folder}: {}", counted(count, "piece")))
+            let count = write_pieces(surface, &input, &folder)?;
+            let noun = if count == 1 { "piece" } else { "pieces" };
+            Ok(format!("{}: {count} {noun}", folder.display()))
         }),
     };
     Ok(incise_view::run(options)?)
 }
 
-fn recording(path: &Path) -> Result<Recording, Failure> {
-    let failed = |source| Failure::Recording {
+fn recording(path: &Path) -> Result<Recording, UnreadableRecording> {
+    let failed = |source| UnreadableRecording {
         path: path.to_owned(),
         source,
     };
     let file = File::open(path).map_err(|error| failed(RecordingError::Read(error)))?;
     Recording::read(BufReader::new(file)).map_err(failed)
+}
+
+/// Prints a warning or an error to the standard error.
+fn print_message(message: impl std::fmt::Display) {
+    // A closed standard error leaves the exit code.
+    let _ = writeln!(io::stderr(), "incise-view: {message}");
 }

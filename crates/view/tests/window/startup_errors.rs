@@ -1,12 +1,12 @@
-//! Tests of the errors of `incise view` without a display or a suitable GPU driver.
+//! Tests of the errors of `incise-view` without a display or a suitable GPU driver.
 
 use crate::virtual_display::Display;
 use std::process::Command;
 
 /// Returns the error of a run that cannot open a window.
 fn error_of(change: impl FnOnce(&mut Command) -> &mut Command) -> String {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_incise"));
-    command.args(["view", "Sphere80"]);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_incise-view"));
+    command.args(["Sphere80"]);
     command
         .env_remove("WAYLAND_DISPLAY")
         .env_remove("WAYLAND_SOCKET");
@@ -20,7 +20,10 @@ pub(super) fn without_display() {
         error_of(|command| command.env_remove("DISPLAY")),
         error_of(|command| command.env("DISPLAY", ":98765")),
     ] {
-        assert!(error.starts_with("incise: no display found"), "{error}");
+        assert!(
+            error.starts_with("incise-view: no display found"),
+            "{error}"
+        );
         assert!(error.contains("DISPLAY"), "{error}");
     }
 }

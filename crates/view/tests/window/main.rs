@@ -1,4 +1,4 @@
-//! Tests of `incise view` in a window on a virtual display, with simulated mouse and keyboard.
+//! Tests of `incise-view` in a window on a virtual display, with simulated mouse and keyboard.
 
 #![expect(
     clippy::missing_assert_message,

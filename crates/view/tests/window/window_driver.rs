@@ -1,4 +1,4 @@
-//! [`WindowDriver`]: runs `incise view`, sends input events and takes screenshots.
+//! [`WindowDriver`]: runs `incise-view`, sends input events and takes screenshots.
 
 use crate::screenshot::{Screenshot, is_blue};
 use crate::virtual_display::Display;
@@ -20,7 +20,7 @@ pub(super) const PANEL: u16 = 292;
 /// Time limit of every wait: software rendering beside other tests is slow.
 pub(super) const TIMEOUT: Duration = Duration::from_secs(120);
 
-/// A running `incise view`, controlled through X11 events.
+/// A running `incise-view`, controlled through X11 events.
 pub(super) struct WindowDriver {
     pub(super) program: Child,
     x: RustConnection,
@@ -33,8 +33,8 @@ impl WindowDriver {
     /// Starts the program and waits until it shows the body.
     pub(super) fn start(display: &Display, folder: &Path, more: &[&str]) -> Self {
         let size = format!("{}x{}", SIZE[0], SIZE[1]);
-        let program = Command::new(env!("CARGO_BIN_EXE_incise"))
-            .args(["view", "Sphere768", "--size", &size])
+        let program = Command::new(env!("CARGO_BIN_EXE_incise-view"))
+            .args(["Sphere768", "--size", &size])
             .args(more)
             .current_dir(folder)
             .env("DISPLAY", &display.name)
