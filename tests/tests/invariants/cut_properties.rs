@@ -97,7 +97,7 @@ fn is_allowed(error: CutError, blade: &Blade) -> bool {
 }
 
 proptest! {
-    #![proptest_config(cases(1000))]
+    #![proptest_config(cases(250))]
 
     #[test]
     fn one_plane(body in any_body(), blade in flat_blade(), level in any_level()) {
@@ -106,7 +106,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(cases(500))]
+    #![proptest_config(cases(125))]
 
     #[test]
     fn sweeps_in_turn(

@@ -124,7 +124,7 @@ fn any_snap() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(cases(200))]
+    #![proptest_config(cases(50))]
 
     #[test]
     fn invariants_hold_for_random_bodies_and_sweeps(

@@ -68,7 +68,7 @@ fn cut_in_turn(body: &Body, blades: &[(Blade, RefinementLevel, f64)]) {
 }
 
 proptest! {
-    #![proptest_config(cases(800))]
+    #![proptest_config(cases(200))]
 
     #[test]
     fn one_plane(
@@ -126,7 +126,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(cases(400))]
+    #![proptest_config(cases(100))]
 
     #[test]
     fn sweeps_in_turn(

@@ -108,7 +108,7 @@ fn a_hundred_cuts_along_a_plane_are_one() {
 }
 
 proptest! {
-    #![proptest_config(cases(600))]
+    #![proptest_config(cases(150))]
 
     /// A second cut along any sweep that cut a body changes nothing.
     #[test]

@@ -229,7 +229,7 @@ fn any_snap() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(cases(300))]
+    #![proptest_config(cases(75))]
 
     #[test]
     fn any_body_and_blade(

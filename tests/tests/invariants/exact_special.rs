@@ -385,7 +385,7 @@ fn sweeps_that_end_inside_change_nothing() {
 }
 
 proptest! {
-    #![proptest_config(cases(150))]
+    #![proptest_config(cases(50))]
 
     /// Only sweeps that end inside the body are partial cuts. Short sweeps that reach it always
     /// are.

@@ -78,7 +78,7 @@ fn scaling_by_powers_of_two_scales_the_result() {
 }
 
 proptest! {
-    #![proptest_config(cases(150))]
+    #![proptest_config(cases(50))]
 
     /// From a micrometer to a thousand kilometers, and up to 10,000 diagonals from the origin,
     /// where coordinates have only 10 bits left for the body.

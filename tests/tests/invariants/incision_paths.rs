@@ -83,7 +83,7 @@ fn follow(mut surface: Surface, mut places: Edge, moves: &[Edge], params: &CutPa
 }
 
 proptest! {
-    #![proptest_config(cases(60))]
+    #![proptest_config(cases(20))]
 
     /// Every step leaves a manifold that the BVH and the solver match, and undo restores it. A
     /// refused step changes nothing.

@@ -157,7 +157,7 @@ fn follow(
 }
 
 proptest! {
-    #![proptest_config(cases(400))]
+    #![proptest_config(cases(100))]
 
     #[test]
     fn constraints_mass_and_momentum_match_after_cuts(
@@ -180,7 +180,7 @@ fn remeshing() -> impl Strategy<Value = CutParams> {
 }
 
 proptest! {
-    #![proptest_config(cases(200))]
+    #![proptest_config(cases(50))]
 
     #[test]
     fn constraints_mass_and_momentum_match_after_remeshing(

@@ -28,10 +28,10 @@ fn main() -> ExitCode {
             "a_line_across_the_view_makes_two_pieces",
             a_line_makes_two_pieces,
         ),
-        on_display(
+        long(on_display(
             "a_gpu_body_is_cut_and_drawn_without_readback",
             a_body_on_a_device,
-        ),
+        )),
         on_display(
             "a_held_blade_cuts_and_a_vertex_is_pulled",
             a_blade_and_a_vertex,
@@ -45,8 +45,8 @@ fn main() -> ExitCode {
             a_replay_is_the_same,
         ),
         on_display("without_the_panel_a_message_is_in_the_corner", a_refusal),
-        on_display("a_pinned_body_hangs", a_pin),
-        on_display("the_paper_s_method_cuts", the_other_method),
+        long(on_display("a_pinned_body_hangs", a_pin)),
+        long(on_display("the_paper_s_method_cuts", the_other_method)),
         on_display(
             "a_resized_window_is_filled_and_cut_where_the_pointer_is",
             resizing::a_resized_window,
@@ -63,6 +63,11 @@ fn main() -> ExitCode {
         ),
     ];
     incise_test_support::gpu::run(trials)
+}
+
+/// Marks a long test, which `.ci/full` runs.
+fn long(trial: Trial) -> Trial {
+    trial.with_kind("long").with_ignored_flag(true)
 }
 
 /// Creates a test that needs a display and a GPU that can present to it.
